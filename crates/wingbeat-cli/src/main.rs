@@ -1,0 +1,2 @@
+//! wingbeat-cli
+fn main() {}

@@ -1,0 +1,51 @@
+//! The motion of one wing section, the only thing aerodynamics hears of the structure.
+
+use crate::math::{Scalar, Vec3};
+
+/// Motion of one chord line. All vectors are resolved in the body frame B;
+/// positions are from the body origin; velocities and accelerations are
+/// inertial (relative to W). SI units.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SectionMotion<S: Scalar> {
+    /// Leading edge.
+    pub le: Vec3<S>,
+    /// Trailing edge.
+    pub te: Vec3<S>,
+    /// Velocity of the leading edge.
+    pub v_le: Vec3<S>,
+    /// Velocity of the trailing edge.
+    pub v_te: Vec3<S>,
+    /// Acceleration of the leading edge.
+    pub a_le: Vec3<S>,
+    /// Acceleration of the trailing edge.
+    pub a_te: Vec3<S>,
+    /// Unit vector along the span of the section's link, from left tip to right tip.
+    pub span: Vec3<S>,
+    /// Angular rate of the section's link.
+    pub w: Vec3<S>,
+    /// Angular acceleration of the section's link.
+    pub alpha: Vec3<S>,
+}
+
+impl<S: Scalar> SectionMotion<S> {
+    /// Position at the chord fraction `x` (0 leading edge, 1 trailing edge).
+    #[inline]
+    pub fn point(&self, x: f64) -> Vec3<S> {
+        along(self.le, self.te, x)
+    }
+    /// Velocity at the chord fraction `x`.
+    #[inline]
+    pub fn velocity(&self, x: f64) -> Vec3<S> {
+        along(self.v_le, self.v_te, x)
+    }
+    /// Acceleration at the chord fraction `x`.
+    #[inline]
+    pub fn acceleration(&self, x: f64) -> Vec3<S> {
+        along(self.a_le, self.a_te, x)
+    }
+}
+
+#[inline]
+fn along<S: Scalar>(a: Vec3<S>, b: Vec3<S>, x: f64) -> Vec3<S> {
+    a * S::from(1.0 - x) + b * S::from(x)
+}

@@ -1,0 +1,12 @@
+//! wingbeat: simulation, calibration and control of dynamic-morphing flapping flight.
+//!
+//! The rooms form a ladder: a room uses only rooms named before it here.
+
+mod error;
+
+pub mod math;
+pub mod plant;
+
+pub mod aero;
+
+pub use error::Error;

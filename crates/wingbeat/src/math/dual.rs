@@ -1,0 +1,226 @@
+//! Forward-mode automatic differentiation with a fixed number of directions.
+
+use super::Scalar;
+use std::cmp::Ordering;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A value and its derivatives along `N` directions.
+///
+/// `Dual<N>` gives gradients; `Dual<N, Dual<M>>` gives exact second derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Dual<const N: usize, S: Scalar = f64> {
+    /// Value.
+    pub re: S,
+    /// Derivatives along each direction.
+    pub eps: [S; N],
+}
+
+impl<const N: usize, S: Scalar> Dual<N, S> {
+    /// A constant: all derivatives zero.
+    #[inline]
+    pub fn constant(re: S) -> Self {
+        Self { re, eps: [S::ZERO; N] }
+    }
+
+    /// The independent variable of direction `direction`.
+    #[inline]
+    pub fn variable(re: S, direction: usize) -> Self {
+        let mut x = Self::constant(re);
+        x.eps[direction] = S::ONE;
+        x
+    }
+
+    /// Chain rule: value `f` and slope `df` of a function of one variable.
+    #[inline]
+    fn chain(self, f: S, df: S) -> Self {
+        Self { re: f, eps: self.eps.map(|e| e * df) }
+    }
+
+    #[inline]
+    fn zip(self, other: Self, re: S, f: impl Fn(S, S) -> S) -> Self {
+        let mut eps = [S::ZERO; N];
+        for i in 0..N {
+            eps[i] = f(self.eps[i], other.eps[i]);
+        }
+        Self { re, eps }
+    }
+}
+
+impl<const N: usize, S: Scalar> Default for Dual<N, S> {
+    fn default() -> Self {
+        Self::constant(S::ZERO)
+    }
+}
+
+impl<const N: usize, S: Scalar> From<f64> for Dual<N, S> {
+    #[inline]
+    fn from(x: f64) -> Self {
+        Self::constant(S::from(x))
+    }
+}
+
+impl<const N: usize, S: Scalar> PartialEq for Dual<N, S> {
+    #[inline]
+    fn eq(&self, other: &Self) -> bool {
+        self.re == other.re
+    }
+}
+
+impl<const N: usize, S: Scalar> PartialOrd for Dual<N, S> {
+    #[inline]
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        self.re.partial_cmp(&other.re)
+    }
+}
+
+impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self { re: -self.re, eps: self.eps.map(|e| -e) }
+    }
+}
+
+impl<const N: usize, S: Scalar> Add for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: Self) -> Self {
+        self.zip(o, self.re + o.re, |a, b| a + b)
+    }
+}
+
+impl<const N: usize, S: Scalar> Sub for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: Self) -> Self {
+        self.zip(o, self.re - o.re, |a, b| a - b)
+    }
+}
+
+impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: Self) -> Self {
+        self.zip(o, self.re * o.re, |a, b| a * o.re + b * self.re)
+    }
+}
+
+impl<const N: usize, S: Scalar> Div for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn div(self, o: Self) -> Self {
+        let inverse = o.re.recip();
+        let re = self.re * inverse;
+        self.zip(o, re, |a, b| (a - b * re) * inverse)
+    }
+}
+
+macro_rules! with_f64 {
+    ($type:ident) => {
+        impl<const N: usize, S: Scalar> Add<f64> for $type<N, S> {
+            type Output = Self;
+            #[inline]
+            fn add(mut self, o: f64) -> Self {
+                self.re = self.re + o;
+                self
+            }
+        }
+        impl<const N: usize, S: Scalar> Sub<f64> for $type<N, S> {
+            type Output = Self;
+            #[inline]
+            fn sub(mut self, o: f64) -> Self {
+                self.re = self.re - o;
+                self
+            }
+        }
+        impl<const N: usize, S: Scalar> Mul<f64> for $type<N, S> {
+            type Output = Self;
+            #[inline]
+            fn mul(self, o: f64) -> Self {
+                Self { re: self.re * o, eps: self.eps.map(|e| e * o) }
+            }
+        }
+        impl<const N: usize, S: Scalar> Div<f64> for $type<N, S> {
+            type Output = Self;
+            #[inline]
+            fn div(self, o: f64) -> Self {
+                self * (1.0 / o)
+            }
+        }
+        impl<const N: usize, S: Scalar> MulAssign<f64> for $type<N, S> {
+            #[inline]
+            fn mul_assign(&mut self, o: f64) {
+                *self = *self * o;
+            }
+        }
+    };
+}
+with_f64!(Dual);
+
+impl<const N: usize, S: Scalar> AddAssign for Dual<N, S> {
+    #[inline]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+impl<const N: usize, S: Scalar> SubAssign for Dual<N, S> {
+    #[inline]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+impl<const N: usize, S: Scalar> MulAssign for Dual<N, S> {
+    #[inline]
+    fn mul_assign(&mut self, o: Self) {
+        *self = *self * o;
+    }
+}
+
+impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
+    const ZERO: Self = Self { re: S::ZERO, eps: [S::ZERO; N] };
+    const ONE: Self = Self { re: S::ONE, eps: [S::ZERO; N] };
+
+    #[inline]
+    fn value(self) -> f64 {
+        self.re.value()
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        self.chain(root, (root + root).recip())
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        let e = self.re.exp();
+        self.chain(e, e)
+    }
+    #[inline]
+    fn ln(self) -> Self {
+        self.chain(self.re.ln(), self.re.recip())
+    }
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        let (s, c) = self.re.sin_cos();
+        (self.chain(s, c), self.chain(c, -s))
+    }
+    #[inline]
+    fn tanh(self) -> Self {
+        let t = self.re.tanh();
+        self.chain(t, S::ONE - t * t)
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        let inverse = (self.re * self.re + x.re * x.re).recip();
+        let (ky, kx) = (x.re * inverse, self.re * inverse);
+        self.zip(x, self.re.atan2(x.re), |dy, dx| dy * ky - dx * kx)
+    }
+    #[inline]
+    fn recip(self) -> Self {
+        let r = self.re.recip();
+        self.chain(r, -(r * r))
+    }
+    #[inline]
+    fn is_finite(self) -> bool {
+        self.re.is_finite() && self.eps.iter().all(|e| e.is_finite())
+    }
+}

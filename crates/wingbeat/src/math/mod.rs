@@ -1,0 +1,18 @@
+//! Scalars, frames and rotations, interpolation, Runge-Kutta tables, small solves.
+
+mod dual;
+pub mod interpolation;
+mod jet;
+pub mod linear;
+mod runge_kutta;
+mod scalar;
+mod space;
+
+pub use dual::Dual;
+pub use jet::Jet;
+pub use runge_kutta::{MIDPOINT, RK4, Tableau, Workspace};
+pub use scalar::Scalar;
+pub use space::{Mat3, Quat, Vec3};
+
+/// Standard gravity, m/s2 (CGPM 1901).
+pub const GRAVITY: f64 = 9.80665;

@@ -1,0 +1,125 @@
+//! Explicit Runge-Kutta methods; a method is its table and nothing else.
+
+use super::Scalar;
+
+/// Butcher table of an explicit method with `STAGES` stages.
+#[derive(Clone, Copy, Debug)]
+pub struct Tableau<const STAGES: usize> {
+    /// Name in the literature.
+    pub name: &'static str,
+    /// Order of accuracy.
+    pub order: usize,
+    /// Stage coefficients, strictly lower triangular.
+    pub a: [[f64; STAGES]; STAGES],
+    /// Weights.
+    pub b: [f64; STAGES],
+    /// Stage times.
+    pub c: [f64; STAGES],
+}
+
+/// Explicit midpoint rule (Runge 1895).
+pub const MIDPOINT: Tableau<2> =
+    Tableau { name: "midpoint", order: 2, a: [[0.0, 0.0], [0.5, 0.0]], b: [0.0, 1.0], c: [0.0, 0.5] };
+
+/// The classical fourth-order method (Kutta 1901).
+pub const RK4: Tableau<4> = Tableau {
+    name: "rk4",
+    order: 4,
+    a: [[0.0; 4], [0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+    b: [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0],
+    c: [0.0, 0.5, 0.5, 1.0],
+};
+
+/// Scratch of a method for one state size; made once, reused every step.
+#[derive(Clone, Debug)]
+pub struct Workspace<S: Scalar> {
+    stage: Vec<S>,
+    slopes: Vec<S>,
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Scratch for `states` states and `stages` stages.
+    pub fn new(states: usize, stages: usize) -> Self {
+        Self { stage: vec![S::ZERO; states], slopes: vec![S::ZERO; states * stages] }
+    }
+}
+
+impl<const STAGES: usize> Tableau<STAGES> {
+    /// Advances `x` from `t` by `h`: x += h sum b_i k_i with
+    /// k_i = f(t + c_i h, x + h sum a_ij k_j).
+    ///
+    /// `f(t, x, dx)` may fail; `x` is then left as it was.
+    pub fn step<S: Scalar, E>(
+        &self,
+        mut f: impl FnMut(S, &[S], &mut [S]) -> Result<(), E>,
+        t: S,
+        h: S,
+        x: &mut [S],
+        work: &mut Workspace<S>,
+    ) -> Result<(), E> {
+        let n = x.len();
+        for i in 0..STAGES {
+            let (done, rest) = work.slopes.split_at_mut(i * n);
+            work.stage.copy_from_slice(x);
+            for (j, k) in done.chunks_exact(n).enumerate() {
+                if self.a[i][j] != 0.0 {
+                    axpy(&mut work.stage, h * self.a[i][j], k);
+                }
+            }
+            f(t + h * self.c[i], &work.stage, &mut rest[..n])?;
+        }
+        for (b, k) in self.b.iter().zip(work.slopes.chunks_exact(n)) {
+            axpy(x, h * *b, k);
+        }
+        Ok(())
+    }
+}
+
+/// y += a x
+#[inline]
+fn axpy<S: Scalar>(y: &mut [S], a: S, x: &[S]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * *x;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error<const N: usize>(method: &Tableau<N>, steps: usize) -> f64 {
+        let h = 2.0 / steps as f64;
+        let mut x = [1.0, 0.0];
+        let mut work = Workspace::new(2, N);
+        for i in 0..steps {
+            let oscillator = |_: f64, x: &[f64], dx: &mut [f64]| {
+                (dx[0], dx[1]) = (-x[1], x[0]);
+                Ok::<(), ()>(())
+            };
+            method.step(oscillator, i as f64 * h, h, &mut x, &mut work).unwrap();
+        }
+        (x[0] - 2.0_f64.cos()).hypot(x[1] - 2.0_f64.sin())
+    }
+
+    #[test]
+    fn methods_reach_their_order() {
+        let order = |coarse: f64, fine: f64| (coarse / fine).log2();
+        let observed = order(error(&RK4, 40), error(&RK4, 80));
+        assert!((observed - RK4.order as f64).abs() < 0.1, "rk4 order {observed}");
+        let observed = order(error(&MIDPOINT, 40), error(&MIDPOINT, 80));
+        assert!((observed - MIDPOINT.order as f64).abs() < 0.1, "midpoint order {observed}");
+    }
+
+    #[test]
+    fn a_failing_model_leaves_the_state() {
+        let mut x = [1.0];
+        let result = RK4.step(
+            |_, _: &[f64], _: &mut [f64]| Err("broken"),
+            0.0,
+            0.1,
+            &mut x,
+            &mut Workspace::new(1, 4),
+        );
+        assert_eq!((result, x[0]), (Err("broken"), 1.0));
+    }
+}

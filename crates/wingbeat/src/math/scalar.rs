@@ -1,0 +1,148 @@
+//! The number type of every model: `f64` for values, [`Dual`](super::Dual) for
+//! exact derivatives, [`Jet`](super::Jet) for rates along time. One source of
+//! the physics serves all three.
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A real number, possibly carrying derivatives.
+///
+/// Comparison and [`value`](Scalar::value) look at the value only, so branches
+/// follow the value and derivatives follow the branch taken.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Default
+    + Send
+    + Sync
+    + 'static
+    + PartialOrd
+    + From<f64>
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + MulAssign<f64>
+{
+    /// Additive identity.
+    const ZERO: Self;
+    /// Multiplicative identity.
+    const ONE: Self;
+
+    /// The value without derivatives.
+    fn value(self) -> f64;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// Sine and cosine in one call.
+    fn sin_cos(self) -> (Self, Self);
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// Angle of the point (x, self), rad, in (-pi, pi].
+    fn atan2(self, x: Self) -> Self;
+    /// 1 / self.
+    fn recip(self) -> Self;
+    /// True when value and derivatives are finite.
+    fn is_finite(self) -> bool;
+
+    /// Sine.
+    #[inline]
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+    /// Cosine.
+    #[inline]
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+    /// Tangent.
+    #[inline]
+    fn tan(self) -> Self {
+        let (s, c) = self.sin_cos();
+        s / c
+    }
+    /// Arc cosine, for |self| < 1.
+    #[inline]
+    fn acos(self) -> Self {
+        (Self::ONE - self * self).sqrt().atan2(self)
+    }
+    /// Square.
+    #[inline]
+    fn squared(self) -> Self {
+        self * self
+    }
+    /// Smooth |x|: sqrt(x^2 + width^2).
+    #[inline]
+    fn smooth_abs(self, width: f64) -> Self {
+        (self * self + width * width).sqrt()
+    }
+    /// Smooth max(x, 0): (x + sqrt(x^2 + width^2)) / 2.
+    #[inline]
+    fn smooth_positive(self, width: f64) -> Self {
+        (self + self.smooth_abs(width)) * 0.5
+    }
+    /// `self` limited to [low, high] by value; derivatives vanish outside.
+    #[inline]
+    fn clamped(self, low: f64, high: f64) -> Self {
+        if self.value() < low {
+            Self::from(low)
+        } else if self.value() > high {
+            Self::from(high)
+        } else {
+            self
+        }
+    }
+}
+
+impl Scalar for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+
+    #[inline]
+    fn value(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        f64::exp(self)
+    }
+    #[inline]
+    fn ln(self) -> Self {
+        f64::ln(self)
+    }
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        f64::sin_cos(self)
+    }
+    #[inline]
+    fn tanh(self) -> Self {
+        f64::tanh(self)
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        f64::atan2(self, x)
+    }
+    #[inline]
+    fn recip(self) -> Self {
+        1.0 / self
+    }
+    #[inline]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+}

@@ -1,0 +1,117 @@
+//! A local three-component attitude in place of the quaternion.
+
+use super::{Channel, Fault, Plant};
+use crate::math::{Mat3, Quat, Scalar, Vec3};
+
+/// Largest state a chart handles; the scratch lives on the stack.
+pub const MAX_STATES: usize = 160;
+
+/// The plant seen in a chart around a reference attitude: q_WB = q_ref exp(d),
+/// with the rotation vector d (rad, body axes) in place of the quaternion, so
+/// that the plan has as many states as degrees of freedom.
+///
+/// Regular for |d| < 2 pi; re-centre it at every plan.
+pub struct LocalChart<'a, P: Plant> {
+    plant: &'a P,
+    reference: Quat,
+    states: Vec<Channel>,
+}
+
+impl<'a, P: Plant> LocalChart<'a, P> {
+    /// A chart of `plant` centred at no rotation.
+    pub fn new(plant: &'a P) -> Self {
+        let mut states = plant.states().to_vec();
+        if let Some(a) = plant.attitude() {
+            let axes = ["x", "y", "z"].map(|i| Channel::free(format!("rotation_{i}"), "rad", "B"));
+            states.splice(a..a + 4, axes);
+        }
+        Self { plant, reference: Quat::IDENTITY, states }
+    }
+
+    /// Centres the chart at the attitude of the plant state `x`.
+    pub fn center_at(&mut self, x: &[f64]) {
+        if let Some(a) = self.plant.attitude() {
+            self.reference = Quat::from_wxyz(&x[a..]).normalized();
+        }
+    }
+
+    /// Index of the rotation vector in the local state, if the plant has an attitude.
+    pub fn rotation(&self) -> Option<usize> {
+        self.plant.attitude()
+    }
+
+    /// R_WB of a local state.
+    pub fn rotation_matrix<S: Scalar>(&self, local: &[S]) -> Mat3<S> {
+        match self.plant.attitude() {
+            Some(a) => self.attitude_of(local, a).matrix(),
+            None => Mat3::IDENTITY,
+        }
+    }
+
+    /// Local coordinates of the plant state `x`.
+    pub fn localise(&self, x: &[f64], local: &mut [f64]) {
+        let Some(a) = self.plant.attitude() else {
+            local.copy_from_slice(x);
+            return;
+        };
+        local[..a].copy_from_slice(&x[..a]);
+        (self.reference.conjugate() * Quat::from_wxyz(&x[a..])).log().store(&mut local[a..]);
+        local[a + 3..].copy_from_slice(&x[a + 4..]);
+    }
+
+    /// Plant state of the local coordinates.
+    pub fn globalise<S: Scalar>(&self, local: &[S], x: &mut [S]) {
+        let Some(a) = self.plant.attitude() else {
+            x.copy_from_slice(local);
+            return;
+        };
+        x[..a].copy_from_slice(&local[..a]);
+        self.attitude_of(local, a).store_wxyz(&mut x[a..]);
+        x[a + 4..].copy_from_slice(&local[a + 3..]);
+    }
+
+    fn attitude_of<S: Scalar>(&self, local: &[S], a: usize) -> Quat<S> {
+        Quat::constant(self.reference) * Quat::exp(Vec3::from_slice(&local[a..]))
+    }
+}
+
+/// Rate of the rotation vector d of q = q_ref exp(d) for the angular rate w in
+/// the rotated axes: d' = w + (d x w)/2 + k d x (d x w),
+/// k = 1/a^2 - (1 + cos a)/(2 a sin a), a = |d| (Bortz 1971, eq. 8).
+pub fn rotation_vector_rate<S: Scalar>(d: Vec3<S>, w: Vec3<S>) -> Vec3<S> {
+    let a2 = d.norm_squared();
+    let k = if a2.value() < 1e-4 {
+        S::from(1.0 / 12.0) + a2 * (1.0 / 720.0) + a2 * a2 * (1.0 / 30240.0)
+    } else {
+        let a = a2.sqrt();
+        let (s, c) = a.sin_cos();
+        a2.recip() - (c + 1.0) / (a * s * 2.0)
+    };
+    let dw = d.cross(w);
+    w + dw * S::from(0.5) + d.cross(dw) * k
+}
+
+impl<P: Plant> Plant for LocalChart<'_, P> {
+    fn states(&self) -> &[Channel] {
+        &self.states
+    }
+    fn inputs(&self) -> &[Channel] {
+        self.plant.inputs()
+    }
+    fn rates<S: Scalar>(&self, t: S, local: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+        let Some(a) = self.plant.attitude() else {
+            return self.plant.rates(t, local, u, dx);
+        };
+        let n = local.len() + 1;
+        assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
+        let (mut x, mut rates) = ([S::ZERO; MAX_STATES], [S::ZERO; MAX_STATES]);
+        self.globalise(local, &mut x[..n]);
+        self.plant.rates(t, &x[..n], u, &mut rates[..n])?;
+        dx[..a].copy_from_slice(&rates[..a]);
+        // w = 2 vec(q* q') undoes q' = q (0, w)/2.
+        let half_w = (Quat::from_wxyz(&x[a..]).conjugate() * Quat::from_wxyz(&rates[a..])).v;
+        rotation_vector_rate(Vec3::from_slice(&local[a..]), half_w * S::from(2.0)).store(&mut dx[a..]);
+        dx[a + 3..].copy_from_slice(&rates[a + 4..n]);
+        Ok(())
+    }
+}

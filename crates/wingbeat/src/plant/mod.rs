@@ -1,0 +1,97 @@
+//! What a controller and a simulator need to know of a system: its states and
+//! inputs by name, its rates, and their exact derivatives. Nothing here knows a wing.
+
+mod chart;
+mod linearise;
+
+pub use chart::LocalChart;
+pub use linearise::Linearisation;
+
+use crate::math::Scalar;
+
+/// One named component of a state or input, with its unit, frame and limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Name, unique within its vector, e.g. `shoulder_left`.
+    pub name: String,
+    /// SI unit, e.g. `m/s`; empty when dimensionless.
+    pub unit: &'static str,
+    /// Frame in which the component is resolved, e.g. `W`; empty when it has none.
+    pub frame: &'static str,
+    /// Lower limit.
+    pub low: f64,
+    /// Upper limit.
+    pub high: f64,
+}
+
+impl Channel {
+    /// A channel without limits.
+    pub fn free(name: impl Into<String>, unit: &'static str, frame: &'static str) -> Self {
+        Self::limited(name, unit, frame, f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    /// A channel limited to [low, high].
+    pub fn limited(
+        name: impl Into<String>,
+        unit: &'static str,
+        frame: &'static str,
+        low: f64,
+        high: f64,
+    ) -> Self {
+        Self { name: name.into(), unit, frame, low, high }
+    }
+
+    /// `value` limited to the channel's range.
+    #[inline]
+    pub fn clamp<S: Scalar>(&self, value: S) -> S {
+        value.clamped(self.low, self.high)
+    }
+
+    /// True when `value` lies on or beyond a limit.
+    pub fn saturated(&self, value: f64) -> bool {
+        value <= self.low || value >= self.high
+    }
+}
+
+/// Why a model could not be evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// A closed linkage came too close to the pose where it no longer assembles.
+    #[error("linkage loop {closure}: singularity margin {margin:.5} is below {limit}")]
+    LinkageSingular {
+        /// Loop number, 1 to 3.
+        closure: usize,
+        /// 1 - |cos| of the loop's elbow.
+        margin: f64,
+        /// Smallest margin allowed.
+        limit: f64,
+    },
+    /// The mass matrix is not positive definite.
+    #[error("mass matrix is not positive definite at t = {time:.4} s")]
+    MassMatrix {
+        /// Time, s.
+        time: f64,
+    },
+    /// A rate is not finite.
+    #[error("state {state} has a rate that is not finite at t = {time:.4} s")]
+    NotFinite {
+        /// Index of the state.
+        state: usize,
+        /// Time, s.
+        time: f64,
+    },
+}
+
+/// A dynamical system dx/dt = f(t, x, u).
+pub trait Plant: Sync {
+    /// The states, in order.
+    fn states(&self) -> &[Channel];
+    /// The inputs, in order. Their limits are the only copy of the stroke limits.
+    fn inputs(&self) -> &[Channel];
+    /// Index of the attitude quaternion q_WB (w, x, y, z) in the state, if any.
+    fn attitude(&self) -> Option<usize> {
+        None
+    }
+    /// Writes dx/dt. Pure, and allocates nothing.
+    fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault>;
+}
