@@ -9,4 +9,6 @@ pub mod plant;
 
 pub mod aero;
 
+pub mod ocp;
+
 pub use error::Error;

@@ -1,0 +1,8 @@
+//! Optimal control by direct collocation: states and inputs at the nodes of a
+//! mesh are the unknowns, the dynamics hold at collocation points. Knows no wing.
+//!
+//! A [`Transcription`] turns an interval into quadrature weights and a defect.
+
+mod transcription;
+
+pub use transcription::{Interval, Midpoint, Transcription};
