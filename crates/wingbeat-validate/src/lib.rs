@@ -1,1 +1,38 @@
-//! wingbeat-validate
+//! Comparisons of wingbeat with published or independent numbers.
+//!
+//! Each room of the library has a module here with its [`Case`]s; a case runs the model and
+//! returns one [`Row`] per compared number. Reference tables live in `validation/<source>/`.
+
+mod case;
+mod error;
+mod reference;
+mod report;
+
+pub mod aero_full;
+pub mod aero_paper;
+pub mod body;
+pub mod math;
+pub mod ocp;
+pub mod ocp_problems;
+pub mod rig;
+
+pub use case::{Case, Row, Selection, run, select};
+pub use error::Error;
+pub use reference::Table;
+pub use report::{Line, table, to_json};
+
+/// Every case, room by room.
+pub fn cases() -> Vec<&'static Case> {
+    [
+        math::CASES,
+        aero_paper::CASES,
+        aero_full::CASES,
+        body::CASES,
+        ocp::CASES,
+        ocp_problems::CASES,
+        rig::CASES,
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}

@@ -1,0 +1,6 @@
+//! The strip model of folding wings.
+
+use crate::Case;
+
+/// The comparisons.
+pub const CASES: &[Case] = &[];

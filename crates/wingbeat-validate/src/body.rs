@@ -1,0 +1,6 @@
+//! Linkage and multibody dynamics.
+
+use crate::Case;
+
+/// The comparisons.
+pub const CASES: &[Case] = &[];

@@ -1,0 +1,202 @@
+//! A compared number, the case that computes it, and the running of many.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use crate::Error;
+
+/// One compared number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Stable name, e.g. `aero.wagner_limit`.
+    pub id: String,
+    /// Where the number compared with comes from.
+    pub source: String,
+    /// What `value` is, e.g. `max error of the humerus angle`.
+    pub metric: String,
+    /// Distance from the source: the smaller, the better.
+    pub value: f64,
+    /// Largest value that passes; none for a number shown without a judgement.
+    pub limit: Option<f64>,
+    /// Unit of `value` and `limit`; empty when dimensionless.
+    pub unit: &'static str,
+}
+
+impl Row {
+    /// A number that passes when it is at most `limit`.
+    pub fn judged(id: &str, source: &str, metric: &str, value: f64, limit: f64, unit: &'static str) -> Self {
+        Self { limit: Some(limit), ..Self::shown(id, source, metric, value, unit) }
+    }
+
+    /// A number printed without a judgement.
+    pub fn shown(id: &str, source: &str, metric: &str, value: f64, unit: &'static str) -> Self {
+        Self { id: id.into(), source: source.into(), metric: metric.into(), value, limit: None, unit }
+    }
+
+    /// An observed order of convergence: value = |observed - expected|.
+    pub fn order(id: &str, source: &str, observed: f64, expected: f64, tolerance: f64) -> Self {
+        let metric = format!("|observed order {observed:.3} - {expected}|");
+        Self::judged(id, source, &metric, (observed - expected).abs(), tolerance, "")
+    }
+
+    /// The row that stands for a case that could not be computed.
+    fn failed(id: &str, error: &Error) -> Self {
+        Self::judged(id, "-", &format!("not computed: {error}"), f64::NAN, 0.0, "")
+    }
+
+    /// True unless the value is above its limit or not a number.
+    pub fn passes(&self) -> bool {
+        self.limit.is_none_or(|limit| self.value <= limit)
+    }
+}
+
+/// A comparison: its function runs the model and returns one row per number.
+///
+/// The rows' ids are the case's id, or start with it and a dot.
+#[derive(Debug)]
+pub struct Case {
+    /// Stable name, e.g. `linkage.cycle`.
+    pub id: &'static str,
+    /// True when it takes a second or less.
+    pub quick: bool,
+    /// Computes the rows.
+    pub run: fn() -> Result<Vec<Row>, Error>,
+}
+
+/// Which rows are wanted.
+#[derive(Clone, Debug, Default)]
+pub struct Selection {
+    /// An id, or the part of ids before a dot: `aero` selects `aero.wagner_limit`.
+    pub only: Option<String>,
+    /// Only quick cases.
+    pub quick: bool,
+}
+
+impl Selection {
+    fn keeps_case(&self, case: &Case) -> bool {
+        let named = self.only.as_deref().is_none_or(|only| below(case.id, only) || below(only, case.id));
+        named && (case.quick || !self.quick)
+    }
+
+    fn keeps_row(&self, row: &Row) -> bool {
+        self.only.as_deref().is_none_or(|only| below(&row.id, only))
+    }
+}
+
+/// True when `id` is `prefix` or starts with `prefix.`.
+fn below(id: &str, prefix: &str) -> bool {
+    id.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// The cases of `all` that `selection` wants.
+pub fn select<'a>(all: &[&'a Case], selection: &Selection) -> Vec<&'a Case> {
+    all.iter().copied().filter(|case| selection.keeps_case(case)).collect()
+}
+
+/// Runs `cases` on `threads` threads and hands each case's rows to `show` in the order of `cases`.
+pub fn run(cases: &[&Case], selection: &Selection, threads: usize, mut show: impl FnMut(&[Row])) -> Vec<Row> {
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    let sender = Mutex::new(sender);
+    let mut done: Vec<Option<Vec<Row>>> = vec![None; cases.len()];
+    let mut shown = Vec::new();
+    thread::scope(|scope| {
+        for _ in 0..threads.max(1) {
+            let (next, sender) = (&next, sender.lock().unwrap_or_else(|e| e.into_inner()).clone());
+            scope.spawn(move || {
+                while let Some((index, case)) = claim(cases, next) {
+                    let _ = sender.send((index, rows_of(case, selection)));
+                }
+            });
+        }
+        let mut front = 0;
+        for (index, rows) in receiver.iter().take(cases.len()) {
+            done[index] = Some(rows);
+            while let Some(rows) = done.get_mut(front).and_then(Option::take) {
+                show(&rows);
+                shown.extend(rows);
+                front += 1;
+            }
+        }
+    });
+    shown
+}
+
+fn claim<'a>(cases: &[&'a Case], next: &AtomicUsize) -> Option<(usize, &'a Case)> {
+    let index = next.fetch_add(1, Ordering::Relaxed);
+    cases.get(index).map(|case| (index, *case))
+}
+
+fn rows_of(case: &Case, selection: &Selection) -> Vec<Row> {
+    let mut rows = match std::panic::catch_unwind(case.run) {
+        Ok(Ok(rows)) => rows,
+        Ok(Err(error)) => return vec![Row::failed(case.id, &error)],
+        Err(_) => return vec![Row::failed(case.id, &Error::Panicked)],
+    };
+    debug_assert!(rows.iter().all(|row| below(&row.id, case.id)), "rows of {} carry its id", case.id);
+    rows.retain(|row| selection.keeps_row(row));
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: Case = Case {
+        id: "a.good",
+        quick: true,
+        run: || {
+            Ok(vec![
+                Row::judged("a.good.x", "s", "m", 1.0, 2.0, ""),
+                Row::shown("a.good.y", "s", "m", 9.0, ""),
+            ])
+        },
+    };
+    const BAD: Case =
+        Case { id: "a.bad", quick: false, run: || Err(Error::reference("f.csv", "line 3: not a number")) };
+    const PANIC: Case = Case { id: "b", quick: true, run: || panic!("broken") };
+
+    #[test]
+    fn limits_judge_and_missing_limits_do_not() {
+        assert!(Row::judged("i", "s", "m", 1.0, 1.0, "").passes());
+        assert!(!Row::judged("i", "s", "m", f64::NAN, 1.0, "").passes());
+        assert!(Row::shown("i", "s", "m", 1e9, "").passes());
+        assert!(!Row::order("i", "s", 3.7, 4.0, 0.2).passes());
+    }
+
+    #[test]
+    fn selection_goes_by_dotted_names() {
+        let all = [&GOOD, &BAD, &PANIC];
+        let ids = |only: Option<&str>, quick| {
+            let selection = Selection { only: only.map(Into::into), quick };
+            select(&all, &selection).iter().map(|case| case.id).collect::<Vec<_>>()
+        };
+        assert_eq!(ids(None, false), ["a.good", "a.bad", "b"]);
+        assert_eq!(ids(None, true), ["a.good", "b"]);
+        assert_eq!(ids(Some("a"), false), ["a.good", "a.bad"]);
+        assert_eq!(ids(Some("a.good.y"), false), ["a.good"]);
+        assert!(ids(Some("a.go"), false).is_empty());
+    }
+
+    #[test]
+    fn rows_come_in_order_and_failures_are_rows() {
+        let all = [&GOOD, &BAD, &PANIC];
+        let mut seen = 0;
+        let rows = run(&all, &Selection::default(), 2, |rows| seen += rows.len());
+        assert_eq!(
+            rows.iter().map(|row| row.id.as_str()).collect::<Vec<_>>(),
+            ["a.good.x", "a.good.y", "a.bad", "b"]
+        );
+        assert_eq!(seen, 4);
+        assert_eq!(rows.iter().filter(|row| !row.passes()).count(), 2);
+    }
+
+    #[test]
+    fn one_row_of_a_case_can_be_chosen() {
+        let selection = Selection { only: Some("a.good.y".into()), quick: false };
+        let rows = run(&[&GOOD], &selection, 1, |_| {});
+        assert_eq!(rows.len(), 1);
+    }
+}

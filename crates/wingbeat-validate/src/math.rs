@@ -1,0 +1,6 @@
+//! Scalars, derivatives and Runge-Kutta tables.
+
+use crate::Case;
+
+/// The comparisons.
+pub const CASES: &[Case] = &[];

@@ -1,0 +1,109 @@
+//! The rows as a table for people and as JSON.
+
+use serde::Serialize;
+
+use crate::Row;
+
+/// One line of the JSON list.
+#[derive(Debug, Serialize)]
+pub struct Line<'a> {
+    id: &'a str,
+    source: &'a str,
+    metric: String,
+    value: f64,
+    limit: Option<f64>,
+    pass: bool,
+}
+
+/// The rows as a JSON list of {id, source, metric, value, limit, pass}.
+///
+/// `limit` is null for a number without judgement, `value` for one that could not be computed.
+pub fn to_json(rows: &[Row]) -> Vec<Line<'_>> {
+    rows.iter()
+        .map(|row| Line {
+            id: &row.id,
+            source: &row.source,
+            metric: metric(row),
+            value: row.value,
+            limit: row.limit,
+            pass: row.passes(),
+        })
+        .collect()
+}
+
+/// The rows as aligned text: id, source, metric, value, limit, verdict.
+pub fn table(rows: &[Row]) -> String {
+    let mut lines = vec![["id", "source", "metric", "value", "limit", "verdict"].map(String::from)];
+    lines.extend(rows.iter().map(cells));
+    let widths: Vec<usize> =
+        (0..6).map(|i| lines.iter().map(|line| line[i].chars().count()).max().unwrap_or(0)).collect();
+    let mut text = String::new();
+    for (row, line) in lines.iter().enumerate() {
+        let padded: Vec<String> =
+            line.iter().zip(&widths).enumerate().map(|(i, (cell, &w))| pad(i, cell, w)).collect();
+        text += padded.join("  ").trim_end();
+        text.push('\n');
+        if row == 0 {
+            text += &widths.iter().map(|&w| "-".repeat(w)).collect::<Vec<_>>().join("  ");
+            text.push('\n');
+        }
+    }
+    text
+}
+
+fn cells(row: &Row) -> [String; 6] {
+    let verdict = match (row.limit, row.passes()) {
+        (None, _) => "shown",
+        (_, true) => "pass",
+        (_, false) => "FAIL",
+    };
+    [
+        row.id.clone(),
+        row.source.clone(),
+        metric(row),
+        number(row.value),
+        row.limit.map_or("-".into(), number),
+        verdict.into(),
+    ]
+}
+
+fn metric(row: &Row) -> String {
+    if row.unit.is_empty() { row.metric.clone() } else { format!("{} [{}]", row.metric, row.unit) }
+}
+
+/// Numbers of any size in at most nine characters.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || (1e-3..1e5).contains(&size) { format!("{value:.4}") } else { format!("{value:.2e}") }
+}
+
+fn pad(column: usize, cell: &str, width: usize) -> String {
+    let numeric = column == 3 || column == 4;
+    if numeric { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_is_aligned_and_says_the_verdict() {
+        let rows = [
+            Row::judged("a.b", "Jones 1940", "max error", 2.5e-5, 4e-4, "deg"),
+            Row::judged("a.c", "Jones 1940", "max error", 1.0, 0.5, ""),
+            Row::shown("a.longer", "Jones 1940", "max error", 0.25, ""),
+        ];
+        let text = table(&rows);
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(lines[2], "a.b       Jones 1940  max error [deg]  2.50e-5  4.00e-4  pass");
+        assert!(lines[3].ends_with("FAIL"));
+        assert!(lines[4].ends_with("shown"));
+    }
+
+    #[test]
+    fn json_has_exactly_the_named_fields() {
+        let rows = [Row::judged("a", "s", "m", f64::NAN, 1.0, "")];
+        let text = serde_json::to_string(&to_json(&rows)).unwrap();
+        assert_eq!(text, r#"[{"id":"a","source":"s","metric":"m","value":null,"limit":1.0,"pass":false}]"#);
+    }
+}
