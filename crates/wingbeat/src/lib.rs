@@ -9,6 +9,8 @@ pub mod plant;
 
 pub mod aero;
 
+pub mod body;
+
 pub mod ocp;
 
 pub use error::Error;

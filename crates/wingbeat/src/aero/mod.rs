@@ -5,7 +5,8 @@ mod loads;
 mod planform;
 mod station;
 
-pub use loads::{Loads, StripLoads, Wrench};
+pub use crate::math::Wrench;
+pub use loads::{Loads, StripLoads};
 pub use planform::{Planform, PlanformStation};
 pub use station::SectionMotion;
 

@@ -179,6 +179,17 @@ impl<S: Scalar> Mat3<S> {
     pub fn column(self, j: usize) -> Vec3<S> {
         Vec3([self.0[0][j], self.0[1][j], self.0[2][j]])
     }
+    /// Product with a constant vector; zero components cost nothing.
+    #[inline]
+    pub fn mul_constant(&self, v: Vec3<f64>) -> Vec3<S> {
+        let mut sum = Vec3::ZERO;
+        for (j, &c) in v.0.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+            for i in 0..3 {
+                sum[i] += self.0[i][j] * c;
+            }
+        }
+        sum
+    }
     /// Product of the transpose with a vector.
     #[inline]
     pub fn transpose_mul(self, v: Vec3<S>) -> Vec3<S> {

@@ -1,0 +1,145 @@
+//! Mass matrix and bias of the whole tree with its joints prescribed, gravity, joint torques.
+
+use super::MAX_LINKS;
+use super::inertia::{Inertia, Reaction};
+use super::motion::LinkMotion;
+use super::tree::Tree;
+use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
+
+impl Tree {
+    /// Equation: body.mass_matrix
+    ///
+    /// (M, bias) with M [a0; w_dot] + bias = external wrench about the body
+    /// origin; `a0` is the inertial acceleration of the body origin and `w_dot`
+    /// the angular acceleration, both in B. The bias holds the reaction of the
+    /// prescribed joint motion and every velocity term, not gravity.
+    /// `motions` comes from [`Tree::motions`] with the same `w_b`.
+    pub fn inertia_and_bias<S: Scalar>(
+        &self,
+        w_b: Vec3<S>,
+        motions: &[LinkMotion<S>],
+    ) -> ([[S; 6]; 6], Wrench<S>) {
+        let base = self.base.reaction(&LinkMotion::base(Vec3::ZERO, w_b));
+        let mut bias = base.bias;
+        let mut first_moment = base.com * S::from(self.base.mass);
+        let mut about_origin = base.about_origin;
+        for (inertia, motion) in self.massive(motions) {
+            let link = inertia.reaction(motion);
+            bias += link.bias;
+            first_moment += link.com * S::from(inertia.mass);
+            about_origin = about_origin + link.about_origin;
+        }
+        (mass_matrix(self.mass(), first_moment, &about_origin), bias)
+    }
+
+    /// Weight of base and links: the wrench about the body origin for the
+    /// gravitational acceleration `g_b` in B, m/s2.
+    pub fn gravity<S: Scalar>(&self, g_b: Vec3<S>, motions: &[LinkMotion<S>]) -> Wrench<S> {
+        Wrench { force: g_b * S::from(self.mass()), moment: self.first_moment(motions).cross(g_b) }
+    }
+
+    /// Total mass, kg.
+    pub fn mass(&self) -> f64 {
+        self.base.mass + self.nodes.iter().flat_map(|n| &n.inertia).map(|i| i.mass).sum::<f64>()
+    }
+
+    /// Centre of mass of base and links from the body origin, in B, m.
+    pub fn center_of_mass<S: Scalar>(&self, motions: &[LinkMotion<S>]) -> Vec3<S> {
+        self.first_moment(motions) * S::from(1.0 / self.mass())
+    }
+
+    /// Sum of mass times position, kg m.
+    fn first_moment<S: Scalar>(&self, motions: &[LinkMotion<S>]) -> Vec3<S> {
+        let base = Vec3::constant(self.base.com * self.base.mass);
+        self.massive(motions).fold(base, |sum, (i, m)| sum + m.point(i.com) * S::from(i.mass))
+    }
+
+    /// The links with mass and their motion.
+    pub(super) fn massive<'a, S: Scalar>(
+        &'a self,
+        motions: &'a [LinkMotion<S>],
+    ) -> impl Iterator<Item = (&'a Inertia, &'a LinkMotion<S>)> {
+        self.nodes.iter().zip(motions).filter_map(|(node, motion)| Some((node.inertia.as_ref()?, motion)))
+    }
+
+    /// Equation: body.joint_torques
+    ///
+    /// Torque (N m) of every joint about its axis, positive along it, that the
+    /// motion needs, by summing link wrenches from the tips inwards (recursive
+    /// Newton-Euler; Featherstone 2008, table 5.1).
+    ///
+    /// `base` is the base's own acceleration, `g_b` gravity in B, `external[i]` the
+    /// wrench on link i about the body origin, in B. One entry per link each.
+    pub fn joint_torques<S: Scalar>(
+        &self,
+        motions: &[LinkMotion<S>],
+        base: BaseAcceleration<S>,
+        g_b: Vec3<S>,
+        external: &[Wrench<S>],
+        torques: &mut [S],
+    ) {
+        let apparent = base.origin - g_b;
+        let mut carried = [Wrench::ZERO; MAX_LINKS];
+        for i in (0..self.nodes.len()).rev() {
+            let (node, motion) = (&self.nodes[i], &motions[i]);
+            let mut needed = carried[i] + -external[i];
+            if let Some(inertia) = &node.inertia {
+                needed += inertia.reaction(motion).full(inertia.mass, apparent, base.angular);
+            }
+            let about_joint = needed.moment - motion.position.cross(needed.force);
+            torques[i] = node.axis.direction(&motion.rotation).dot(about_joint);
+            if let Some(p) = node.parent {
+                carried[p] += needed;
+            }
+        }
+    }
+}
+
+/// The base's own acceleration, resolved in B.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BaseAcceleration<S: Scalar = f64> {
+    /// Inertial acceleration of the body origin, m/s2.
+    pub origin: Vec3<S>,
+    /// Angular acceleration, rad/s2.
+    pub angular: Vec3<S>,
+}
+
+impl<S: Scalar> BaseAcceleration<S> {
+    /// From [origin; angular].
+    pub fn from_slice(x: &[S]) -> Self {
+        Self { origin: Vec3::from_slice(x), angular: Vec3::from_slice(&x[3..]) }
+    }
+}
+
+/// Power that the joints put into the motion, W: sum of torque times rate.
+pub fn joint_power<S: Scalar>(torques: &[S], joints: &[Jet<S>]) -> S {
+    torques.iter().zip(joints).fold(S::ZERO, |sum, (torque, joint)| sum + *torque * joint.d)
+}
+
+impl<S: Scalar> Reaction<S> {
+    /// Wrench about the body origin with the base's acceleration included.
+    #[inline]
+    fn full(&self, mass: f64, a0: Vec3<S>, w_dot: Vec3<S>) -> Wrench<S> {
+        let first_moment = self.com * S::from(mass);
+        Wrench {
+            force: self.bias.force + a0 * S::from(mass) + w_dot.cross(first_moment),
+            moment: self.bias.moment + first_moment.cross(a0) + self.about_origin * w_dot,
+        }
+    }
+}
+
+/// M = [m 1, -[h]x; [h]x, I] for mass m, first moment h and inertia I about the origin.
+#[inline]
+pub(super) fn mass_matrix<S: Scalar>(mass: f64, h: Vec3<S>, about_origin: &Mat3<S>) -> [[S; 6]; 6] {
+    let cross = Mat3::skew(h);
+    let mut m = [[S::ZERO; 6]; 6];
+    for i in 0..3 {
+        m[i][i] = S::from(mass);
+        for j in 0..3 {
+            m[i + 3][j] = cross.0[i][j];
+            m[i][j + 3] = cross.0[j][i];
+            m[i + 3][j + 3] = about_origin.0[i][j];
+        }
+    }
+    m
+}

@@ -1,0 +1,19 @@
+//! Rigid bodies, gait, linkage and structure response. Knows no air: loads come
+//! in as wrenches on links, motion goes out.
+
+mod dynamics;
+mod forward;
+mod inertia;
+mod joint;
+mod momentum;
+mod motion;
+mod tree;
+
+pub use dynamics::{BaseAcceleration, joint_power};
+pub use forward::FreeAcceleration;
+pub use momentum::Momentum;
+pub use motion::LinkMotion;
+pub use tree::{Base, Link, Tree};
+
+/// Largest number of links of a tree; the scratch lives on the stack.
+pub const MAX_LINKS: usize = 12;

@@ -1,0 +1,148 @@
+//! The constant model: a floating base with links in a tree of revolute joints.
+
+use super::MAX_LINKS;
+use super::inertia::Inertia;
+use super::joint::Axis;
+use crate::Error;
+use crate::math::{Mat3, Vec3};
+
+/// The floating base body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Base {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass from the body origin, in B, m.
+    pub com: Vec3,
+    /// Inertia about the centre of mass, in B, kg m2.
+    pub inertia: Mat3,
+}
+
+/// A rigid link hinged to its parent. Mass and inertia may be zero: two hinges
+/// in a row are two links, the first without mass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// Name, unique within the tree.
+    pub name: String,
+    /// Index of the parent link, smaller than the own; None for the base.
+    pub parent: Option<usize>,
+    /// Joint origin in the parent's frame, m.
+    pub origin: Vec3,
+    /// Rotation that turns link coordinates into the parent's at joint angle zero.
+    pub orientation: Mat3,
+    /// Unit vector of the joint axis, in link axes.
+    pub axis: Vec3,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass from the joint origin, in link axes, m.
+    pub com: Vec3,
+    /// Inertia about the centre of mass, in link axes, kg m2.
+    pub inertia: Mat3,
+}
+
+/// One link prepared for evaluation.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) parent: Option<usize>,
+    pub(super) origin: Vec3,
+    /// None when it is the identity.
+    pub(super) orientation: Option<Mat3>,
+    pub(super) axis: Axis,
+    /// None when massless.
+    pub(super) inertia: Option<Inertia>,
+}
+
+/// A floating base and its links. Constant; every evaluation brings its own
+/// scratch and allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    pub(super) base: Inertia,
+    pub(super) nodes: Vec<Node>,
+    names: Vec<String>,
+}
+
+impl Tree {
+    /// Checks and stores the bodies.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when there are more than [`MAX_LINKS`] links, a parent does not
+    /// come before its child, an axis or orientation is not a unit vector or rotation,
+    /// a name appears twice, or a mass or inertia is impossible.
+    pub fn new(base: &Base, links: &[Link]) -> Result<Self, Error> {
+        if links.len() > MAX_LINKS {
+            return Err(Error::invalid("links", links.len(), format!("at most {MAX_LINKS}")));
+        }
+        if !(base.mass > 0.0) {
+            return Err(Error::invalid("base.mass_kg", base.mass, "more than zero"));
+        }
+        let stored = Inertia::new(base.mass, base.com, base.inertia).map_err(|e| e.within("base"))?;
+        let mut nodes = Vec::with_capacity(links.len());
+        for (i, link) in links.iter().enumerate() {
+            if links[..i].iter().any(|other| other.name == link.name) {
+                return Err(Error::invalid("links.name", &link.name, "a name of its own"));
+            }
+            let key = format!("links.{}", link.name);
+            nodes.push(Node::new(i, link).map_err(|e| e.within(&key))?);
+        }
+        Ok(Self { base: stored, nodes, names: links.iter().map(|l| l.name.clone()).collect() })
+    }
+
+    /// Number of links, the base not counted.
+    pub fn links(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Name of a link.
+    pub fn name(&self, link: usize) -> &str {
+        &self.names[link]
+    }
+
+    /// Index of the link of this name.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
+    /// Parent of a link; None for the base.
+    pub fn parent(&self, link: usize) -> Option<usize> {
+        self.nodes[link].parent
+    }
+}
+
+impl Node {
+    fn new(index: usize, link: &Link) -> Result<Self, Error> {
+        if let Some(p) = link.parent.filter(|&p| p >= index) {
+            return Err(Error::invalid(
+                "parent",
+                p,
+                format!("a link before this one (0 to {index}, exclusive)"),
+            ));
+        }
+        if !link.origin.is_finite() {
+            return Err(Error::invalid("origin_m", format!("{:?}", link.origin.0), "finite numbers"));
+        }
+        if !((link.axis.norm() - 1.0).abs() < 1e-9) {
+            return Err(Error::invalid("axis", format!("{:?}", link.axis.0), "a unit vector"));
+        }
+        if !is_rotation(link.orientation) {
+            return Err(Error::invalid(
+                "orientation",
+                format!("{:?}", link.orientation.0),
+                "a rotation matrix",
+            ));
+        }
+        let inertia = Inertia::new(link.mass, link.com, link.inertia)?;
+        Ok(Self {
+            parent: link.parent,
+            origin: link.origin,
+            orientation: (link.orientation != Mat3::IDENTITY).then_some(link.orientation),
+            axis: Axis::new(link.axis),
+            inertia: (!inertia.is_massless()).then_some(inertia),
+        })
+    }
+}
+
+/// True when R'R = 1 and det R = 1 within rounding.
+fn is_rotation(r: Mat3) -> bool {
+    let defect = r.transpose() * r - Mat3::IDENTITY;
+    let det = r.column(0).cross(r.column(1)).dot(r.column(2));
+    defect.0.iter().flatten().all(|d| d.abs() < 1e-9) && det > 0.0
+}

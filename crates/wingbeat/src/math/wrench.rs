@@ -1,0 +1,50 @@
+//! Force and moment together.
+
+use super::{Scalar, Vec3};
+use std::ops::{Add, AddAssign, Neg};
+
+/// Force (N) and moment about the body origin (N m), resolved in the body frame B.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench<S: Scalar> {
+    /// Force, N.
+    pub force: Vec3<S>,
+    /// Moment about the body origin, N m.
+    pub moment: Vec3<S>,
+}
+
+impl<S: Scalar> Wrench<S> {
+    /// No load.
+    pub const ZERO: Self = Self { force: Vec3::ZERO, moment: Vec3::ZERO };
+
+    /// A force acting at `point`.
+    #[inline]
+    pub fn at(point: Vec3<S>, force: Vec3<S>) -> Self {
+        Self { force, moment: point.cross(force) }
+    }
+    /// A pure couple.
+    #[inline]
+    pub fn couple(moment: Vec3<S>) -> Self {
+        Self { force: Vec3::ZERO, moment }
+    }
+}
+
+impl<S: Scalar> Add for Wrench<S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: Self) -> Self {
+        Self { force: self.force + o.force, moment: self.moment + o.moment }
+    }
+}
+impl<S: Scalar> AddAssign for Wrench<S> {
+    #[inline]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+impl<S: Scalar> Neg for Wrench<S> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self { force: -self.force, moment: -self.moment }
+    }
+}
