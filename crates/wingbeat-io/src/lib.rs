@@ -1,1 +1,38 @@
-//! wingbeat-io
+//! Records to and from files.
+
+mod parquet;
+
+pub use parquet::{read_parquet, write_parquet};
+
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The file could not be opened, written or moved.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file does not hold a record.
+    #[error("{path}: {what}")]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+}
+
+impl Error {
+    fn file(path: &Path, source: std::io::Error) -> Self {
+        Self::File { path: path.into(), source }
+    }
+
+    fn format(path: &Path, what: impl ToString) -> Self {
+        Self::Format { path: path.into(), what: what.to_string() }
+    }
+}

@@ -13,4 +13,6 @@ pub mod body;
 
 pub mod ocp;
 
+pub mod flight;
+
 pub use error::Error;
