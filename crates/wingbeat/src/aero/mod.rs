@@ -1,14 +1,96 @@
 //! Aerodynamics of a flapping, folding wing: planform, station, section laws,
 //! Wagner lags, lifting line, added mass. Knows no body: stations come in, loads go out.
 
+mod law;
+mod lifting_line;
 mod loads;
 mod planform;
+mod section;
 mod station;
 
 pub use crate::math::Wrench;
+pub use law::{LiftLaw, ProfileDrag};
+pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 pub use loads::{Loads, StripLoads};
 pub use planform::{Planform, PlanformStation};
 pub use station::SectionMotion;
 
+use crate::math::{Scalar, Vec3};
+use crate::plant::Channel;
+
 /// Largest number of strips; loads live on the stack.
 pub const MAX_STRIPS: usize = 32;
+
+/// The aerodynamic presets.
+#[derive(Clone, Debug)]
+pub enum Aero {
+    /// Preset `paper`: unsteady lifting line.
+    LiftingLine(LiftingLine),
+}
+
+impl Aero {
+    /// Arc coordinates where [`SectionMotion`]s are wanted, m, left tip
+    /// (positive) to right tip.
+    pub fn arcs(&self) -> &[f64] {
+        match self {
+            Self::LiftingLine(line) => line.arcs(),
+        }
+    }
+    /// Number of strips.
+    pub fn strips(&self) -> usize {
+        match self {
+            Self::LiftingLine(line) => line.strips(),
+        }
+    }
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        match self {
+            Self::LiftingLine(line) => line.states(),
+        }
+    }
+    /// Names and units of the states, in order.
+    pub fn channels(&self) -> Vec<Channel> {
+        match self {
+            Self::LiftingLine(line) => line.channels(),
+        }
+    }
+    /// Name of the lift law.
+    pub fn law(&self) -> LiftLaw {
+        match self {
+            Self::LiftingLine(line) => line.settings().law,
+        }
+    }
+    /// Incidence beyond which a strip counts as stalled, rad.
+    pub fn stall_angle(&self) -> f64 {
+        match self {
+            Self::LiftingLine(line) => line.settings().stall_angle_rad,
+        }
+    }
+    /// State rates and loads of the sections at [`arcs`](Self::arcs) in air
+    /// that moves with `wind` (resolved in B). See [`Loads`] for the body acceleration.
+    pub fn evaluate<S: Scalar>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) {
+        match self {
+            Self::LiftingLine(line) => line.evaluate(sections, wind, x, dx, loads),
+        }
+    }
+    /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
+    /// added-mass matrix.
+    pub fn evaluate_sum<S: Scalar>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> (Wrench<S>, [[S; 6]; 6]) {
+        match self {
+            Self::LiftingLine(line) => line.evaluate_sum(sections, wind, x, dx),
+        }
+    }
+}

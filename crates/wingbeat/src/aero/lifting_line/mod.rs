@@ -1,0 +1,305 @@
+//! Preset `paper`: the unsteady lifting line of both wings and the body strip,
+//! in nodal-circulation form.
+//!
+//! The state per node is the circulation G [m2/s] and two Wagner lags l1, l2
+//! [m/s], ordered [G of all nodes, l1 of all, l2 of all], nodes from left tip
+//! to right tip. The paper's Fourier coefficients a_n follow from G by a sine
+//! transform; unlike them G needs no division by the airspeed and loses no
+//! term when the airspeed changes.
+
+mod nodes;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+pub use settings::LiftingLineSettings;
+
+use super::law::separation_scale;
+use super::section::{Section, StripForces};
+use super::{Loads, Planform, SectionMotion, Wrench};
+use crate::Error;
+use crate::math::{Scalar, Vec3};
+use crate::plant::Channel;
+use nodes::{Node, influence, node_angles};
+use std::f64::consts::PI;
+
+/// Jones' two-term fit of Wagner's function (NACA Rep. 681, 1940): weights.
+pub const JONES_WEIGHTS: [f64; 2] = [0.165, 0.335];
+/// Jones' rates per semi-chord of travel.
+pub const JONES_RATES: [f64; 2] = [0.0455, 0.3];
+
+/// The unsteady lifting line; constant after construction.
+#[derive(Clone, Debug)]
+pub struct LiftingLine {
+    settings: LiftingLineSettings,
+    arcs: Vec<f64>,
+    widths: Vec<f64>,
+    nodes: Vec<Node>,
+    /// Wash per circulation, D_ij, row-major, 1/m.
+    influence: Vec<f64>,
+    separation_scale: f64,
+}
+
+impl LiftingLine {
+    /// The lifting line of a planform.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is outside its range.
+    pub fn new(planform: &Planform, settings: LiftingLineSettings) -> Result<Self, Error> {
+        Self::with_chords(planform.half_span(), |arc| planform.chord(arc), settings)
+    }
+
+    /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is outside its range.
+    pub fn with_chords(
+        half_span: f64,
+        chord: impl Fn(f64) -> f64,
+        settings: LiftingLineSettings,
+    ) -> Result<Self, Error> {
+        settings.check()?;
+        let angles = node_angles(settings.nodes);
+        let arcs: Vec<f64> = angles.iter().map(|t| half_span * t.cos()).collect();
+        let step = PI / (settings.nodes + 1) as f64;
+        let widths: Vec<f64> = angles.iter().map(|t| half_span * t.sin() * step).collect();
+        let nodes = angles
+            .iter()
+            .zip(&arcs)
+            .zip(&widths)
+            .map(|((&angle, &arc), &width)| {
+                Node::new(chord(arc).max(settings.chord_floor_m), width, half_span, angle, &settings)
+            })
+            .collect();
+        let influence = influence(&angles, 2.0 * half_span);
+        let separation_scale = separation_scale(settings.stall_angle_rad);
+        Ok(Self { settings, arcs, widths, nodes, influence, separation_scale })
+    }
+
+    /// What it was made of.
+    pub fn settings(&self) -> &LiftingLineSettings {
+        &self.settings
+    }
+    /// Arc coordinates of the nodes, m, left (positive) to right: where
+    /// [`SectionMotion`]s are wanted.
+    pub fn arcs(&self) -> &[f64] {
+        &self.arcs
+    }
+    /// Quadrature weights of the nodes for quantities that vanish at the tips
+    /// like the circulation, m.
+    pub fn widths(&self) -> &[f64] {
+        &self.widths
+    }
+    /// Number of nodes.
+    pub fn strips(&self) -> usize {
+        self.nodes.len()
+    }
+    /// Number of states, three per node.
+    pub fn states(&self) -> usize {
+        3 * self.nodes.len()
+    }
+    /// Names and units of the states, in order.
+    pub fn channels(&self) -> Vec<Channel> {
+        [("circulation", "m2/s"), ("lag1", "m/s"), ("lag2", "m/s")]
+            .iter()
+            .flat_map(|(name, unit)| {
+                (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
+            })
+            .collect()
+    }
+
+    /// Wash (m/s, along the normal) that the trailing vorticity of the
+    /// circulation `gamma` induces at node `i`: -sum_j D_ij G_j. D vanishes
+    /// between different nodes an even number apart.
+    ///
+    /// Equation: aero.lifting_line.induced_wash
+    #[inline]
+    fn induced_wash<S: Scalar>(&self, i: usize, gamma: &[S]) -> S {
+        let row = &self.influence[i * gamma.len()..(i + 1) * gamma.len()];
+        let mut sum = gamma[i] * row[i];
+        for j in ((i + 1) % 2..gamma.len()).step_by(2) {
+            sum += gamma[j] * row[j];
+        }
+        -sum
+    }
+
+    /// State rates for airspeed (m/s) and wash of motion (m/s) given at each
+    /// node, attached flow, without any regularisation. Writes the effective
+    /// wash: the lift per span is rho U G + rho c G' = rho U a0 (c/2) w_eff.
+    pub fn rates_in_wash<S: Scalar>(
+        &self,
+        airspeed: &[S],
+        wash: &[S],
+        x: &[S],
+        dx: &mut [S],
+        effective_wash: &mut [S],
+    ) {
+        let m = self.strips();
+        for i in 0..m {
+            let w = wash[i] + self.induced_wash(i, &x[..m]);
+            effective_wash[i] = self.lag(i, airspeed[i], w, x, dx);
+            dx[i] = self.circulation_rate(i, airspeed[i], effective_wash[i], x[i]);
+        }
+    }
+
+    /// Wagner lags of node `i`: l_k' = eps_k (U/b) (w - l_k); returns the
+    /// effective wash (1 - psi_1 - psi_2) w + psi_1 l_1 + psi_2 l_2
+    /// (Duhamel's integral of Wagner's function with Jones' fit).
+    ///
+    /// Equation: aero.lifting_line.lags
+    #[inline]
+    fn lag<S: Scalar>(&self, i: usize, speed: S, w: S, x: &[S], dx: &mut [S]) -> S {
+        let (node, m) = (&self.nodes[i], self.strips());
+        let mut effective = w * (1.0 - JONES_WEIGHTS[0] - JONES_WEIGHTS[1]);
+        for k in 0..2 {
+            let lag = x[(k + 1) * m + i];
+            dx[(k + 1) * m + i] = speed * (w - lag) * node.lag_rates[k];
+            effective += lag * JONES_WEIGHTS[k];
+        }
+        effective
+    }
+
+    /// G' = (U/c) (a0 c w_eff / 2 - G): the unsteady Kutta-Joukowski lift
+    /// rho (U G + c G') equals Duhamel's.
+    ///
+    /// Equation: aero.lifting_line.circulation
+    #[inline]
+    fn circulation_rate<S: Scalar>(&self, i: usize, speed: S, effective_wash: S, gamma: S) -> S {
+        let node = &self.nodes[i];
+        speed * (effective_wash * node.circulation - gamma) * node.inverse_chord
+    }
+
+    /// State rates and loads. `sections` at [`arcs`](Self::arcs), `wind` is the
+    /// velocity of the air resolved in B. See [`Loads`] for the body acceleration.
+    pub fn evaluate<S: Scalar>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) {
+        let mut wrench = Wrench::ZERO;
+        let mut added_mass = [[S::ZERO; 6]; 6];
+        for i in 0..self.strips() {
+            let strip = self.strip(i, &sections[i], wind, x, dx, &mut added_mass);
+            loads.strip[i] = strip.forces.by_source();
+            loads.incidence[i] = strip.wash.atan2(strip.uc);
+            loads.circulation[i] = x[i];
+            wrench += loads.strip[i].total();
+        }
+        mirror_upper(&mut added_mass);
+        loads.wrench = wrench;
+        loads.added_mass = added_mass;
+        loads.strips = self.strips();
+    }
+
+    /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
+    /// added-mass matrix.
+    pub fn evaluate_sum<S: Scalar>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> (Wrench<S>, [[S; 6]; 6]) {
+        let mut wrench = Wrench::ZERO;
+        let mut added_mass = [[S::ZERO; 6]; 6];
+        for i in 0..self.strips() {
+            wrench += self.strip(i, &sections[i], wind, x, dx, &mut added_mass).forces.total();
+        }
+        mirror_upper(&mut added_mass);
+        (wrench, added_mass)
+    }
+
+    /// Rates and forces of node `i`. The lift rho (U G + c G') stands
+    /// perpendicular to the wind that includes induced and lag wash W:
+    /// L (|uc| n - s W e_c) / Ve, where the leading-edge suction fades in
+    /// reversed flow by s = (1 + tanh(4 uc/Ve)) / 2.
+    ///
+    /// Equation: aero.lifting_line.force
+    #[inline]
+    fn strip<S: Scalar>(
+        &self,
+        i: usize,
+        motion: &SectionMotion<S>,
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        added_mass: &mut [[S; 6]; 6],
+    ) -> Strip<S> {
+        let (node, set) = (&self.nodes[i], &self.settings);
+        let delta2 = set.regularisation_m_s * set.regularisation_m_s;
+        let section = Section::new(motion, wind);
+        let (uc, w) = (section.uc, section.w_three_quarter);
+        let uc2 = uc * uc + delta2;
+        let speed = (uc2 + w * w).sqrt();
+        let wash = w + self.induced_wash(i, &x[..self.strips()]);
+        let effective = self.lag(i, speed, wash, x, dx);
+        let inverse = (uc2 + effective * effective).sqrt().recip();
+        let sine = effective * inverse;
+        let attached = set.law.attached_share(sine * sine, self.separation_scale);
+        dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
+
+        let lift = effective * attached * node.lift;
+        let (along, suction) = (uc2.sqrt(), ((uc * inverse * 4.0).tanh() + 1.0) * 0.5 * attached);
+        let turned = speed * inverse;
+        let circulatory = section.normal * (lift * along) - section.chordwise * (lift * suction * w);
+        let induced_drag = section.normal * (lift * along * (turned - 1.0))
+            - section.chordwise * (lift * suction * (turned * effective - w));
+        let drag = set.drag.section(set.law, uc, section.w_half, attached, delta2);
+        let (carried, couple) = self.carried_air(node, &section, speed, added_mass);
+        let forces = StripForces {
+            quarter: motion.point(0.25),
+            circulatory,
+            induced_drag,
+            middle: section.middle,
+            added_mass: carried,
+            couple,
+            drag_centre: motion.le + (motion.te - motion.le) * drag.centre,
+            profile_drag: (section.chordwise * drag.chordwise + section.normal * drag.normal)
+                * S::from(node.drag),
+        };
+        Strip { forces, wash, uc }
+    }
+
+    /// Force and couple of the carried air, its inertia added to the matrix.
+    #[inline]
+    fn carried_air<S: Scalar>(
+        &self,
+        node: &Node,
+        section: &Section<S>,
+        speed: S,
+        matrix: &mut [[S; 6]; 6],
+    ) -> (Vec3<S>, Vec3<S>) {
+        let set = &self.settings;
+        let (mut force, mut couple) = (Vec3::ZERO, Vec3::ZERO);
+        if set.added_mass {
+            (force, couple) = section.added_mass(node.mass);
+        }
+        if set.section_moment {
+            couple += section.across * section.section_moment(node.mass, node.half_chord, speed);
+        }
+        let mass = if set.added_mass { node.mass } else { 0.0 };
+        let inertia = if set.section_moment { node.inertia } else { 0.0 };
+        section.add_inertia(mass, inertia, matrix);
+        (force, couple)
+    }
+}
+
+/// What the loop over nodes needs of one of them.
+struct Strip<S: Scalar> {
+    forces: StripForces<S>,
+    wash: S,
+    uc: S,
+}
+
+/// Copies the upper triangle to the lower one.
+#[inline]
+fn mirror_upper<S: Scalar>(matrix: &mut [[S; 6]; 6]) {
+    for i in 1..6 {
+        for j in 0..i {
+            matrix[i][j] = matrix[j][i];
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! What the lifting line is made of.
+
+use crate::Error;
+use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
+use std::f64::consts::PI;
+
+/// What the lifting line is made of.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LiftingLineSettings {
+    /// Interior nodes over the full span, 2 to 32.
+    pub nodes: usize,
+    /// Lift slope of the section, 1/rad.
+    pub section_slope: f64,
+    /// Airspeed below which the flow quantities are rounded off, m/s.
+    pub regularisation_m_s: f64,
+    /// Smallest chord, m.
+    pub chord_floor_m: f64,
+    /// Lift law.
+    pub law: LiftLaw,
+    /// Incidence beyond which the wing counts as stalled, rad; law `stall`
+    /// has its largest attached lift there.
+    pub stall_angle_rad: f64,
+    /// Profile drag.
+    pub drag: ProfileDrag,
+    /// Reaction of the accelerated air.
+    pub added_mass: bool,
+    /// Moment of pitching about the quarter chord.
+    pub section_moment: bool,
+    /// Air density, kg/m3.
+    pub density_kg_m3: f64,
+}
+
+impl Default for LiftingLineSettings {
+    fn default() -> Self {
+        Self {
+            nodes: 12,
+            section_slope: 2.0 * PI,
+            regularisation_m_s: 0.1,
+            chord_floor_m: 0.01,
+            law: LiftLaw::Linear,
+            stall_angle_rad: 12_f64.to_radians(),
+            drag: ProfileDrag { cd0: 0.05, cd90: 2.0 },
+            added_mass: true,
+            section_moment: true,
+            density_kg_m3: 1.225,
+        }
+    }
+}
+
+impl LiftingLineSettings {
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let positive = [
+            ("section_slope", self.section_slope),
+            ("regularisation_m_s", self.regularisation_m_s),
+            ("chord_floor_m", self.chord_floor_m),
+            ("density_kg_m3", self.density_kg_m3),
+        ];
+        for (key, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::invalid(key, value, "a finite number above 0"));
+            }
+        }
+        for (key, value) in [("drag.cd0", self.drag.cd0), ("drag.cd90", self.drag.cd90)] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Error::invalid(key, value, "a finite number, 0 or more"));
+            }
+        }
+        if !(self.stall_angle_rad > 0.0 && self.stall_angle_rad < PI / 2.0) {
+            return Err(Error::invalid("stall_angle_rad", self.stall_angle_rad, "between 0 and pi/2"));
+        }
+        if !(2..=MAX_STRIPS).contains(&self.nodes) {
+            return Err(Error::invalid("nodes", self.nodes, format!("2 to {MAX_STRIPS}")));
+        }
+        Ok(())
+    }
+}
