@@ -3,16 +3,24 @@
 
 mod dynamics;
 mod forward;
+mod gait;
 mod inertia;
 mod joint;
+mod linkage;
 mod momentum;
 mod motion;
+mod planar;
+mod response;
 mod tree;
 
 pub use dynamics::{BaseAcceleration, joint_power};
 pub use forward::FreeAcceleration;
+pub use gait::{FourierSeries, Gait, Harmonic, WingAngles};
+pub use linkage::{Directions, Linkage, LinkageDimensions, LinkagePose, MARGIN_LIMIT, REGULATED};
 pub use momentum::Momentum;
 pub use motion::LinkMotion;
+pub use planar::Planar;
+pub use response::{Coupled, Element, Response};
 pub use tree::{Base, Link, Tree};
 
 /// Largest number of links of a tree; the scratch lives on the stack.

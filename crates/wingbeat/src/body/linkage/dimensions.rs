@@ -1,0 +1,143 @@
+//! Dimensions of the linkage as data.
+
+use crate::Error;
+use serde::{Deserialize, Serialize};
+
+/// Lengths, fixed pivots (y outboard, z up) and regulator ranges of one wing's
+/// linkage. The default is the published design of Aerobat's computational structure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LinkageDimensions {
+    /// Crank.
+    pub l1_m: f64,
+    /// Coupler, from crank to humerus.
+    pub l2a_m: f64,
+    /// Coupler, from crank to the rod of the bell crank, along.
+    pub l2b_m: f64,
+    /// Coupler, from crank to the rod of the bell crank, across.
+    pub l2c_m: f64,
+    /// Humerus, from shoulder to elbow.
+    pub l3a_m: f64,
+    /// Humerus, from shoulder to the coupler, along; regulates the stroke.
+    pub l3b_m: f64,
+    /// Humerus, from shoulder to the coupler, across.
+    pub l3c_m: f64,
+    /// Angle of the humerus against its coupler arm.
+    pub a3_deg: f64,
+    /// Rod between coupler and bell crank.
+    pub l4_m: f64,
+    /// Bell crank, from pivot to its rod, along; regulates the fold.
+    pub l5a_m: f64,
+    /// Bell crank, from pivot to its rod, across; regulates the fold.
+    pub l5b_m: f64,
+    /// Bell crank, from pivot to the rod of the radius, along.
+    pub l5c_m: f64,
+    /// Bell crank, from pivot to the rod of the radius, across.
+    pub l5d_m: f64,
+    /// Rod between bell crank and radius.
+    pub l6_m: f64,
+    /// Radius, from elbow to tip.
+    pub l7a_m: f64,
+    /// Radius, from elbow to its rod, along.
+    pub l7b_m: f64,
+    /// Radius, from elbow to its rod, across.
+    pub l7c_m: f64,
+    /// Pivot of the crank.
+    pub p1_m: [f64; 2],
+    /// Shoulder.
+    pub p5_m: [f64; 2],
+    /// Pivot of the bell crank.
+    pub p8_m: [f64; 2],
+    /// Smallest and largest `l3b_m` as multiples of the nominal one.
+    pub l3b_range: [f64; 2],
+    /// The same of `l5a_m`.
+    pub l5a_range: [f64; 2],
+    /// The same of `l5b_m`.
+    pub l5b_range: [f64; 2],
+}
+
+impl Default for LinkageDimensions {
+    fn default() -> Self {
+        let (sin35, cos35) = 35f64.to_radians().sin_cos();
+        let (sin20, cos20) = 20f64.to_radians().sin_cos();
+        let (sin25, cos25) = 25f64.to_radians().sin_cos();
+        Self {
+            l1_m: 7.5e-3,
+            l2a_m: 35e-3,
+            l2b_m: 5e-3 * cos35,
+            l2c_m: 5e-3 * sin35,
+            l3a_m: 50e-3,
+            l3b_m: 6.71e-3,
+            l3c_m: 6e-3,
+            a3_deg: -15.0,
+            l4_m: 36e-3,
+            l5a_m: 11.18e-3,
+            l5b_m: 10e-3,
+            l5c_m: 78.78e-3,
+            l5d_m: -3.89e-3,
+            l6_m: 36e-3,
+            l7a_m: 90e-3,
+            l7b_m: 35e-3,
+            l7c_m: 15e-3,
+            p1_m: [-10e-3, -9.8e-3],
+            p5_m: [22e-3 * cos20, 22e-3 * sin20],
+            p8_m: [22e-3 * sin25, 22e-3 * cos25],
+            l3b_range: [0.876, 3.0],
+            l5a_range: [0.876, 1.648],
+            l5b_range: [0.876, 1.166],
+        }
+    }
+}
+
+/// A regulated length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Regulated {
+    /// Nominal length, m.
+    pub(super) nominal: f64,
+    factors: [f64; 2],
+}
+
+impl Regulated {
+    /// Smallest and largest length, m.
+    pub(super) fn range(&self) -> [f64; 2] {
+        self.factors.map(|k| k * self.nominal)
+    }
+}
+
+impl LinkageDimensions {
+    /// L3b, L5a and L5b.
+    pub(super) fn regulated(&self) -> [Regulated; 3] {
+        [
+            Regulated { nominal: self.l3b_m, factors: self.l3b_range },
+            Regulated { nominal: self.l5a_m, factors: self.l5a_range },
+            Regulated { nominal: self.l5b_m, factors: self.l5b_range },
+        ]
+    }
+
+    /// Checks each dimension by itself.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let positive = [
+            ("l1_m", self.l1_m),
+            ("l2a_m", self.l2a_m),
+            ("l3a_m", self.l3a_m),
+            ("l3b_m", self.l3b_m),
+            ("l4_m", self.l4_m),
+            ("l5a_m", self.l5a_m),
+            ("l5b_m", self.l5b_m),
+            ("l6_m", self.l6_m),
+            ("l7a_m", self.l7a_m),
+        ];
+        if let Some((key, value)) = positive.into_iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
+            return Err(Error::invalid(format!("linkage.{key}"), value, "a finite length above zero"));
+        }
+        let ranges =
+            [("l3b_range", self.l3b_range), ("l5a_range", self.l5a_range), ("l5b_range", self.l5b_range)];
+        for (key, [low, high]) in ranges {
+            if !(low > 0.0 && low <= 1.0 && high >= 1.0 && high.is_finite()) {
+                let allowed = "0 < low <= 1 <= high: the nominal length lies within";
+                return Err(Error::invalid(format!("linkage.{key}"), format!("[{low}, {high}]"), allowed));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,190 @@
+//! Structure response: how the commanded displacements become actual ones.
+
+use crate::Error;
+use crate::math::{Jet, Scalar};
+use std::f64::consts::TAU;
+
+/// [y'; y''] = A [y; y'] + B omega for `n` displacements y and `m` commands omega.
+/// The state is [y; y'], 2n numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Response {
+    /// Independent elements, y'' = k (omega - y) - c y': each follows its own command.
+    Uncoupled(Vec<Element>),
+    /// Full matrices.
+    Coupled(Coupled),
+}
+
+/// Stiffness and damping of one independent element, per unit inertia.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    /// k = (2 pi f)^2, 1/s2.
+    pub stiffness: f64,
+    /// c = 2 zeta 2 pi f, 1/s.
+    pub damping: f64,
+}
+
+/// The lower half [K C] of A and B_2 of B, by rows: y'' = K y + C y' + B_2 omega.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coupled {
+    elements: usize,
+    commands: usize,
+    state: Vec<f64>,
+    command: Vec<f64>,
+}
+
+impl Element {
+    /// Natural frequency in Hz and damping ratio.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the frequency is not above zero or the damping negative.
+    pub fn new(frequency_hz: f64, damping_ratio: f64) -> Result<Self, Error> {
+        if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
+            return Err(Error::invalid("frequency_hz", frequency_hz, "a finite number above zero"));
+        }
+        if !(damping_ratio >= 0.0 && damping_ratio.is_finite()) {
+            return Err(Error::invalid("damping_ratio", damping_ratio, "a finite number, zero or more"));
+        }
+        let w = TAU * frequency_hz;
+        Ok(Self { stiffness: w * w, damping: 2.0 * damping_ratio * w })
+    }
+}
+
+impl Default for Element {
+    /// 12 Hz, damping ratio 0.8.
+    fn default() -> Self {
+        let w = TAU * 12.0;
+        Self { stiffness: w * w, damping: 1.6 * w }
+    }
+}
+
+impl Coupled {
+    /// From A (2n x 2n) and B (2n x m) by rows.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the shapes do not match, a number is not finite, or the
+    /// upper half of A is not [0 1] or of B not zero: y' is a state, not an output.
+    pub fn new(a: &[Vec<f64>], b: &[Vec<f64>]) -> Result<Self, Error> {
+        let (rows, elements) = (a.len(), a.len() / 2);
+        let commands = b.first().map_or(0, Vec::len);
+        let shape =
+            |m: &[Vec<f64>]| format!("{} rows of {:?}", m.len(), m.iter().map(Vec::len).collect::<Vec<_>>());
+        if rows == 0 || rows % 2 == 1 || a.iter().any(|r| r.len() != rows) {
+            return Err(Error::invalid("response.a", shape(a), "a square matrix of even order"));
+        }
+        if b.len() != rows || b.iter().any(|r| r.len() != commands) {
+            return Err(Error::invalid("response.b", shape(b), format!("{rows} rows of one length")));
+        }
+        if let Some(x) = a.iter().chain(b).flatten().find(|x| !x.is_finite()) {
+            return Err(Error::invalid("response", x, "finite numbers"));
+        }
+        for i in 0..elements {
+            let unit = (0..rows).all(|j| a[i][j] == f64::from(u8::from(j == elements + i)));
+            if !unit || b[i].iter().any(|x| *x != 0.0) {
+                let allowed = "rows [0 1] in A and 0 in B for dy/dt";
+                return Err(Error::invalid("response.a", format!("row {i}: {:?}", a[i]), allowed));
+            }
+        }
+        Ok(Self { elements, commands, state: a[elements..].concat(), command: b[elements..].concat() })
+    }
+}
+
+impl Response {
+    /// Number n of displacements.
+    pub fn elements(&self) -> usize {
+        match self {
+            Self::Uncoupled(elements) => elements.len(),
+            Self::Coupled(c) => c.elements,
+        }
+    }
+
+    /// Number m of commands.
+    pub fn commands(&self) -> usize {
+        match self {
+            Self::Uncoupled(elements) => elements.len(),
+            Self::Coupled(c) => c.commands,
+        }
+    }
+
+    /// Equation: body.structure_response
+    ///
+    /// Displacements with rate and acceleration from the state [y; y'] and the
+    /// commands; `out` has n entries. Paper eq. (mimic_dynamics).
+    pub fn displacements<S: Scalar>(&self, state: &[S], command: &[S], out: &mut [Jet<S>]) {
+        let n = self.elements();
+        for (i, y) in out.iter_mut().enumerate().take(n) {
+            let acceleration = match self {
+                Self::Uncoupled(e) => (command[i] - state[i]) * e[i].stiffness - state[n + i] * e[i].damping,
+                Self::Coupled(c) => {
+                    let (width, m) = (2 * n, c.commands);
+                    let own = product(&c.state[i * width..(i + 1) * width], state);
+                    own + product(&c.command[i * m..(i + 1) * m], command)
+                }
+            };
+            *y = Jet::new(state[i], state[n + i], acceleration);
+        }
+    }
+
+    /// Rates [y'; y''] of the state, from the displacements of the same instant.
+    pub fn rates<S: Scalar>(&self, displacements: &[Jet<S>], rates: &mut [S]) {
+        let n = self.elements();
+        for (i, y) in displacements.iter().enumerate().take(n) {
+            rates[i] = y.d;
+            rates[n + i] = y.dd;
+        }
+    }
+}
+
+fn product<S: Scalar>(row: &[f64], x: &[S]) -> S {
+    row.iter().zip(x).fold(S::ZERO, |sum, (a, x)| sum + *x * *a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn accelerations(response: &Response, state: &[f64], command: &[f64]) -> Vec<f64> {
+        let mut y = vec![Jet::default(); response.elements()];
+        response.displacements(state, command, &mut y);
+        let mut rates = vec![0.0; state.len()];
+        response.rates(&y, &mut rates);
+        assert_eq!(rates[..y.len()], state[y.len()..]);
+        rates.split_off(y.len())
+    }
+
+    #[test]
+    fn uncoupled_elements_equal_their_full_matrices() {
+        let elements = [Element::new(12.0, 0.8).unwrap(), Element::new(9.0, 0.3).unwrap()];
+        assert_eq!(elements[0], Element::default());
+        let [p, q] = elements;
+        let a = [
+            vec![0.0, 0.0, 1.0, 0.0],
+            vec![0.0, 0.0, 0.0, 1.0],
+            vec![-p.stiffness, 0.0, -p.damping, 0.0],
+            vec![0.0, -q.stiffness, 0.0, -q.damping],
+        ];
+        let b = [vec![0.0; 2], vec![0.0; 2], vec![p.stiffness, 0.0], vec![0.0, q.stiffness]];
+        let full = Response::Coupled(Coupled::new(&a, &b).unwrap());
+        let (state, command) = ([0.1, -0.2, 3.0, 1.0], [0.3, 0.05]);
+        let one = accelerations(&Response::Uncoupled(elements.to_vec()), &state, &command);
+        let other = accelerations(&full, &state, &command);
+        for (a, b) in one.iter().zip(&other) {
+            assert!((a - b).abs() < 1e-12 * a.abs(), "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn a_held_command_is_reached() {
+        let response = Response::Uncoupled(vec![Element::default()]);
+        assert_eq!(accelerations(&response, &[0.3, 0.0], &[0.3]), [0.0]);
+    }
+
+    #[test]
+    fn wrong_matrices_are_refused_by_name() {
+        let square = [vec![0.0, 1.0], vec![-1.0, -1.0]];
+        let message = |a: &[Vec<f64>], b: &[Vec<f64>]| Coupled::new(a, b).unwrap_err().to_string();
+        assert!(message(&square[..1], &[vec![0.0]]).starts_with("response.a"));
+        assert!(message(&square, &[vec![0.0]]).starts_with("response.b"));
+        assert!(message(&[vec![0.0, 2.0], vec![-1.0, -1.0]], &[vec![0.0], vec![1.0]]).contains("dy/dt"));
+        assert!(Element::new(0.0, 0.8).unwrap_err().to_string().starts_with("frequency_hz = 0"));
+    }
+}
