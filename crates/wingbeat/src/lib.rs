@@ -15,4 +15,6 @@ pub mod ocp;
 
 pub mod flight;
 
+pub mod rig;
+
 pub use error::Error;
