@@ -156,7 +156,6 @@ impl SerialArm {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::rig::arm::ArmConfig;
 
     #[test]
