@@ -11,10 +11,10 @@ pub mod aero;
 
 pub mod body;
 
+pub mod robot;
+
 pub mod ocp;
 
 pub mod flight;
-
-pub mod rig;
 
 pub use error::Error;

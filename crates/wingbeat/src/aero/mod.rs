@@ -36,6 +36,12 @@ impl Aero {
             Self::LiftingLine(line) => line.arcs(),
         }
     }
+    /// Arc coordinates of the strips' middles, m.
+    pub fn strip_arcs(&self) -> &[f64] {
+        match self {
+            Self::LiftingLine(line) => line.arcs(),
+        }
+    }
     /// Number of strips.
     pub fn strips(&self) -> usize {
         match self {

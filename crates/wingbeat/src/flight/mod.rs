@@ -1,5 +1,7 @@
 //! Flying a plant: the record of a run.
 
+mod closed_loop;
 mod record;
 
+pub use closed_loop::{AtRest, Controller, Ending, Flight, Sample, Schedule, Update, fly};
 pub use record::{Column, Record};

@@ -4,7 +4,6 @@ mod dual;
 pub mod interpolation;
 mod jet;
 pub mod linear;
-mod random;
 mod runge_kutta;
 mod scalar;
 mod space;
@@ -12,7 +11,6 @@ mod wrench;
 
 pub use dual::Dual;
 pub use jet::Jet;
-pub use random::Random;
 pub use runge_kutta::{MIDPOINT, RK4, Tableau, Workspace};
 pub use scalar::Scalar;
 pub use space::{Mat3, Quat, Vec3};

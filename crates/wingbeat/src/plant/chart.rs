@@ -35,6 +35,11 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         }
     }
 
+    /// The attitude at which the chart is centred.
+    pub fn reference(&self) -> Quat {
+        self.reference
+    }
+
     /// Index of the rotation vector in the local state, if the plant has an attitude.
     pub fn rotation(&self) -> Option<usize> {
         self.plant.attitude()
@@ -57,6 +62,14 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         local[..a].copy_from_slice(&x[..a]);
         (self.reference.conjugate() * Quat::from_wxyz(&x[a..])).log().store(&mut local[a..]);
         local[a + 3..].copy_from_slice(&x[a + 4..]);
+    }
+
+    /// Local coordinates in this chart of a state given in a chart centred at `center`.
+    pub fn adopt(&self, center: Quat, local: &mut [f64]) {
+        if let Some(a) = self.plant.attitude() {
+            let turned = self.reference.conjugate() * center * Quat::exp(Vec3::from_slice(&local[a..]));
+            turned.log().store(&mut local[a..]);
+        }
     }
 
     /// Plant state of the local coordinates.

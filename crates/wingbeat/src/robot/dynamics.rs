@@ -1,0 +1,142 @@
+//! Equations of motion: joints follow gait and structure exactly, so each
+//! evaluation is one 6x6 solve for the body's acceleration.
+
+use super::{JOINTS, MAX_ELEMENTS, Robot};
+use crate::aero::{MAX_STRIPS, SectionMotion};
+use crate::body::LinkMotion;
+use crate::math::linear::solve_symmetric;
+use crate::math::{GRAVITY, Jet, Mat3, Quat, Scalar, Vec3, Wrench};
+use crate::plant::{Channel, Fault, Plant};
+
+/// Everything one evaluation computes on the way to the rates.
+pub(super) struct Evaluation<S: Scalar> {
+    /// R_WB.
+    pub attitude: Mat3<S>,
+    /// Joint angles, rates and accelerations.
+    pub joints: [Jet<S>; JOINTS.len()],
+    /// Links with the body's own acceleration left out.
+    pub links: [LinkMotion<S>; JOINTS.len()],
+    /// The body as a link.
+    pub base: LinkMotion<S>,
+    /// Acceleration of the body origin and angular acceleration, inertial, in B.
+    pub acceleration: [S; 6],
+}
+
+impl Plant for Robot {
+    fn states(&self) -> &[Channel] {
+        &self.states
+    }
+    fn inputs(&self) -> &[Channel] {
+        &self.inputs
+    }
+    fn attitude(&self) -> Option<usize> {
+        Some(self.layout.attitude)
+    }
+    fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+        self.evaluate(t, x, u, dx).map(|_| ())
+    }
+}
+
+impl Robot {
+    /// Rates and all that led to them.
+    pub(super) fn evaluate<S: Scalar>(
+        &self,
+        t: S,
+        x: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<Evaluation<S>, Fault> {
+        let l = &self.layout;
+        let q = Quat::from_wxyz(&x[l.attitude..]);
+        let attitude = q.matrix();
+        let v_w = Vec3::from_slice(&x[l.velocity..]);
+        let w = Vec3::from_slice(&x[l.rate..]);
+        let v = attitude.transpose_mul(v_w);
+
+        let joints = self.joints(t, &x[l.structure..l.aero], u, &mut dx[l.structure..l.aero])?;
+        let mut links = [LinkMotion::default(); JOINTS.len()];
+        self.tree.motions(&joints, v, w, &mut links);
+        let base = LinkMotion::base(v, w);
+
+        let wind = attitude.transpose_mul(Vec3::constant(self.air.wind));
+        let sections = self.sections(&base, &links);
+        let sections = &sections[..self.sections.len()];
+        let (air, added_mass) = self.aero.evaluate_sum(sections, wind, &x[l.aero..], &mut dx[l.aero..]);
+
+        let (mut mass, bias) = self.tree.inertia_and_bias(w, &links);
+        let gravity = self.tree.gravity(self.gravity(attitude), &links);
+        let net = air + gravity + self.side_drag(v - wind) + -bias;
+        let mut rhs = [S::ZERO; 6];
+        net.force.store(&mut rhs);
+        net.moment.store(&mut rhs[3..]);
+        for (row, added) in mass.iter_mut().zip(&added_mass) {
+            for (m, a) in row.iter_mut().zip(added) {
+                *m += *a;
+            }
+        }
+        let acceleration = solve_symmetric(mass, rhs).ok_or(Fault::MassMatrix { time: t.value() })?;
+
+        v_w.store(&mut dx[l.position..]);
+        q.rate(w).store_wxyz(&mut dx[l.attitude..]);
+        (attitude * Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
+        Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
+        Ok(Evaluation { attitude, joints, links, base, acceleration })
+    }
+
+    /// Joint angles with rates and accelerations: gait plus structure response.
+    /// `dx` receives the rates of the structure's states.
+    fn joints<S: Scalar>(
+        &self,
+        t: S,
+        structure: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<[Jet<S>; JOINTS.len()], Fault> {
+        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
+        self.response.displacements(structure, u, &mut displacements);
+        self.response.rates(&displacements, dx);
+        let phase = Jet::new(t * self.phase_rate + self.phase_start, S::from(self.phase_rate), S::ZERO);
+        let mut lengths = [[Jet::ZERO; 3]; 2];
+        for (i, moves) in self.displaced.iter().enumerate() {
+            for (wing, link) in moves.iter().filter_map(|d| d.link_length()) {
+                lengths[wing][link] += displacements[i];
+            }
+        }
+        let mut joints = [Jet::ZERO; JOINTS.len()];
+        for wing in 0..2 {
+            let angles = self.gait.angles(phase, &lengths[wing])?;
+            joints[4 * wing + 1] = angles.shoulder;
+            joints[4 * wing + 2] = angles.elbow;
+        }
+        for (i, moves) in self.displaced.iter().enumerate() {
+            for joint in moves.iter().filter_map(|d| d.joint()) {
+                joints[joint] += displacements[i];
+            }
+        }
+        Ok(joints)
+    }
+
+    /// Motion of the wing's sections.
+    pub(super) fn sections<S: Scalar>(
+        &self,
+        base: &LinkMotion<S>,
+        links: &[LinkMotion<S>],
+    ) -> [SectionMotion<S>; MAX_STRIPS + 1] {
+        let mut motion = [SectionMotion::default(); MAX_STRIPS + 1];
+        for (m, section) in motion.iter_mut().zip(&self.sections) {
+            *m = section.motion(section.link.map_or(base, |i| &links[i]));
+        }
+        motion
+    }
+
+    /// Gravity in B, m/s2.
+    pub(super) fn gravity<S: Scalar>(&self, attitude: Mat3<S>) -> Vec3<S> {
+        attitude.transpose_mul(Vec3::new(S::ZERO, S::ZERO, S::from(-GRAVITY)))
+    }
+
+    /// Drag of the body broadside: F_y = -rho/2 A |v_y| v_y at the body origin.
+    pub(super) fn side_drag<S: Scalar>(&self, v: Vec3<S>) -> Wrench<S> {
+        let force = v[1] * v[1].smooth_abs(1e-3) * (-0.5 * self.air.density * self.side_drag_area);
+        Wrench { force: Vec3::new(S::ZERO, force, S::ZERO), moment: Vec3::ZERO }
+    }
+}

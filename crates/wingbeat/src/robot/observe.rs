@@ -1,0 +1,120 @@
+//! What is worth seeing of a flight at one instant: angles, named forces, power.
+
+use super::dynamics::Evaluation;
+use super::sections::Section;
+use super::{JOINTS, Robot, RobotSpec};
+use crate::aero::{Loads, Planform, StripLoads};
+use crate::body::{BaseAcceleration, LinkMotion, joint_power};
+use crate::math::{Mat3, Vec3, Wrench};
+use crate::plant::Fault;
+
+/// Points along the hinge line of the wings, left tip to right tip: tip, elbow,
+/// shoulder, shoulder, elbow, tip.
+pub const WING_POINTS: usize = 6;
+
+/// One instant of a flight.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// R_WB.
+    pub attitude: Mat3,
+    /// Joint angles, rad; order of [`JOINTS`].
+    pub joints: [f64; JOINTS.len()],
+    /// Joint torques, N m.
+    pub torques: [f64; JOINTS.len()],
+    /// Mechanical power of the joints, W.
+    pub power: f64,
+    /// Kinetic energy plus potential energy above z = 0, J.
+    pub energy: f64,
+    /// Aerodynamic loads summed over the strips, by source, in B about the body origin.
+    pub air: StripLoads<f64>,
+    /// Drag of the body broadside, in B.
+    pub body_drag: Wrench<f64>,
+    /// Gravity, in B.
+    pub gravity: Wrench<f64>,
+    /// Inertia: minus the rate of momentum, in B. All sources sum to zero.
+    pub inertia: Wrench<f64>,
+    /// Incidence of each strip, wash included, rad.
+    pub incidence: Vec<f64>,
+    /// Centre of mass from the body origin, in B, m.
+    pub center_of_mass: Vec3,
+    /// Hinge-line points with leading and trailing edge, from the body origin, in B, m.
+    pub wing: [[Vec3; 3]; WING_POINTS],
+}
+
+/// Arcs of the [`WING_POINTS`].
+pub(super) fn wing_point_arcs(spec: &RobotSpec, planform: &Planform) -> [f64; WING_POINTS] {
+    let (root, tip) = (spec.wing.shoulder_m[1], planform.half_span());
+    let elbow = root + spec.wing.proximal.length_m;
+    [tip, elbow, root, -root, -elbow, -tip]
+}
+
+impl Robot {
+    /// Looks at the robot at (t, x, u).
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn observe(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Observation, Fault> {
+        let mut dx = vec![0.0; x.len()];
+        let e = self.evaluate(t, x, u, &mut dx)?;
+        let body = BaseAcceleration::from_slice(&e.acceleration);
+        let base = accelerated(&e.base, body);
+        let links = e.links.map(|link| accelerated(&link, body));
+
+        let mut loads = Loads::default();
+        let wind = e.attitude.transpose_mul(self.air.wind);
+        let sections = self.sections(&base, &links);
+        let aero = self.layout.aero;
+        self.aero.evaluate(&sections[..self.sections.len()], wind, &x[aero..], &mut dx[aero..], &mut loads);
+        let air = loads.by_source();
+        let body_drag = self.side_drag(e.base.velocity - wind);
+        let g = self.gravity(e.attitude);
+        let gravity = self.tree.gravity(g, &e.links);
+        let torques = self.joint_torques(&e, &loads, g);
+        Ok(Observation {
+            attitude: e.attitude,
+            joints: e.joints.map(|j| j.x),
+            torques,
+            power: joint_power(&torques, &e.joints),
+            energy: self.energy(&e, g, Vec3::from_slice(&x[self.layout.position..])),
+            inertia: -(air.total() + body_drag + gravity),
+            air,
+            body_drag,
+            gravity,
+            incidence: loads.incidence[..loads.strips].to_vec(),
+            center_of_mass: self.tree.center_of_mass(&e.links),
+            wing: self.wing_points.map(|s: Section| {
+                let link = s.link.map_or(&e.base, |i| &e.links[i]);
+                let [le, te] = s.edges(link);
+                [s.hinge_point(link), le, te]
+            }),
+        })
+    }
+
+    fn energy(&self, e: &Evaluation<f64>, g: Vec3, position: Vec3) -> f64 {
+        let datum = -e.attitude.transpose_mul(position);
+        self.tree.kinetic_energy(e.base.velocity, e.base.rate, &e.links)
+            + self.tree.potential_energy(g, &e.links, datum)
+    }
+
+    fn joint_torques(&self, e: &Evaluation<f64>, loads: &Loads<f64>, g: Vec3) -> [f64; JOINTS.len()] {
+        let mut external = [Wrench::ZERO; JOINTS.len()];
+        for (link, strip) in self.strip_links.iter().zip(&loads.strip) {
+            if let Some(link) = link {
+                external[*link] += strip.total();
+            }
+        }
+        let mut torques = [0.0; JOINTS.len()];
+        let body = BaseAcceleration::from_slice(&e.acceleration);
+        self.tree.joint_torques(&e.links, body, g, &external, &mut torques);
+        torques
+    }
+}
+
+/// The link with the body's own acceleration added.
+fn accelerated(link: &LinkMotion<f64>, body: BaseAcceleration<f64>) -> LinkMotion<f64> {
+    LinkMotion {
+        acceleration: link.acceleration + body.origin + body.angular.cross(link.position),
+        rate_dot: link.rate_dot + body.angular,
+        ..*link
+    }
+}

@@ -1,0 +1,106 @@
+//! The flying robot as a whole: symmetry, momentum, power, derivatives.
+
+use wingbeat::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag};
+use wingbeat::math::{Quat, RK4, Vec3, Workspace};
+use wingbeat::plant::{Linearisation, LocalChart, Plant};
+use wingbeat::robot::{Air, Robot, RobotSpec};
+
+fn spec(name: &str) -> RobotSpec {
+    let path = format!("{}/../../robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn robot(name: &str, density: f64) -> Robot {
+    let spec = spec(name);
+    let planform = Planform::new(&spec.wing.planform).unwrap();
+    let settings = LiftingLineSettings {
+        density_kg_m3: density,
+        law: LiftLaw::Stall,
+        drag: ProfileDrag { cd0: spec.wing.cd0, cd90: spec.wing.cd90 },
+        ..LiftingLineSettings::default()
+    };
+    let aero = Aero::LiftingLine(LiftingLine::new(&planform, settings).unwrap());
+    Robot::new(&spec, aero, Air { density, wind: Vec3::ZERO }, 0.3).unwrap()
+}
+
+fn flying(robot: &Robot, roll: f64) -> Vec<f64> {
+    let l = robot.layout();
+    let mut x = vec![0.0; l.len];
+    Quat::from_roll_pitch_yaw(roll, -0.26, 0.0).store_wxyz(&mut x[l.attitude..]);
+    x[l.velocity] = 1.5;
+    x
+}
+
+#[test]
+fn masses_are_those_of_the_robots() {
+    assert!((robot("aerobat_paper", 1.2).mass() - 0.020).abs() < 1e-12);
+    assert!((robot("aerobat_beta", 1.2).mass() - 0.045).abs() < 1e-12);
+}
+
+#[test]
+fn a_symmetric_state_stays_symmetric() {
+    for name in ["aerobat_paper", "aerobat_beta"] {
+        let robot = robot(name, 1.225);
+        let (x, l) = (flying(&robot, 0.0), *robot.layout());
+        let mut dx = vec![0.0; x.len()];
+        robot.rates(0.02, &x, &vec![0.0; robot.inputs().len()], &mut dx).unwrap();
+        assert!(dx[l.velocity + 1].abs() < 1e-9, "{name}: side acceleration {}", dx[l.velocity + 1]);
+        assert!(dx[l.rate].abs() < 1e-8 && dx[l.rate + 2].abs() < 1e-8, "{name}: {:?}", &dx[l.rate..][..3]);
+        assert!(dx[l.velocity + 2].abs() > 0.1);
+    }
+}
+
+/// In air, the work of the joints and of the air is the change of energy. Without
+/// air the joints alone account for it.
+#[test]
+fn joint_power_is_the_rate_of_energy_in_vacuum() {
+    let robot = robot("aerobat_paper", 1e-300);
+    let mut x = flying(&robot, 0.1);
+    let u = [0.2, -0.1, 0.1, 0.3, -0.2, 0.1, 0.25, -0.2];
+    let (h, steps) = (1e-4, 400);
+    let mut work = Workspace::new(x.len(), 4);
+    let (mut energies, mut powers) = (Vec::new(), Vec::new());
+    for i in 0..=steps {
+        let t = i as f64 * h;
+        let o = robot.observe(t, &x, &u).unwrap();
+        energies.push(o.energy);
+        powers.push(o.power);
+        RK4.step(|t, x, dx| robot.rates(t, x, &u, dx), t, h, &mut x, &mut work).unwrap();
+    }
+    // Simpson's rule over the whole flight.
+    let simpson: f64 = (0..=steps)
+        .map(|i| powers[i] * if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 })
+        .sum();
+    let (joint_work, change) = (simpson * h / 3.0, energies[steps] - energies[0]);
+    let scale = energies.iter().fold(0.0, |m: f64, e| m.max((e - energies[0]).abs()));
+    assert!((joint_work - change).abs() < 1e-6 * scale, "work {joint_work} change {change}");
+}
+
+#[test]
+fn rates_in_the_local_chart_have_exact_derivatives() {
+    let robot = robot("aerobat_paper", 1.225);
+    let mut x = flying(&robot, 0.2);
+    let aero = robot.layout().aero;
+    x[aero..].iter_mut().enumerate().for_each(|(i, v)| *v = 0.02 * (i as f64).sin());
+    let mut chart = LocalChart::new(&robot);
+    chart.center_at(&flying(&robot, 0.1));
+    let (n, m) = (chart.states().len(), chart.inputs().len());
+    let (mut local, u) = (vec![0.0; n], vec![0.1; m]);
+    chart.localise(&x, &mut local);
+    let mut exact = Linearisation::new(n, m);
+    exact.evaluate(&chart, 0.01, &local, &u).unwrap();
+    let (mut up, mut down) = (vec![0.0; n], vec![0.0; n]);
+    for j in 0..n {
+        let h = 1e-6;
+        let mut shifted = local.clone();
+        shifted[j] += h;
+        chart.rates(0.01, &shifted, &u, &mut up).unwrap();
+        shifted[j] -= 2.0 * h;
+        chart.rates(0.01, &shifted, &u, &mut down).unwrap();
+        for i in 0..n {
+            let difference = (up[i] - down[i]) / (2.0 * h);
+            let scale = 1.0 + exact.a[i * n + j].abs() + exact.f[i].abs() * 1e-3;
+            assert!((exact.a[i * n + j] - difference).abs() < 2e-5 * scale, "row {i} column {j}");
+        }
+    }
+}
