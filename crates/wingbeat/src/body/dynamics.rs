@@ -21,12 +21,12 @@ impl Tree {
     ) -> ([[S; 6]; 6], Wrench<S>) {
         let base = self.base.reaction(&LinkMotion::base(Vec3::ZERO, w_b));
         let mut bias = base.bias;
-        let mut first_moment = base.com * S::from(self.base.mass);
+        let mut first_moment = base.com.scaled(self.base.mass);
         let mut about_origin = base.about_origin;
         for (inertia, motion) in self.massive(motions) {
             let link = inertia.reaction(motion);
             bias += link.bias;
-            first_moment += link.com * S::from(inertia.mass);
+            first_moment += link.com.scaled(inertia.mass);
             about_origin = about_origin + link.about_origin;
         }
         (mass_matrix(self.mass(), first_moment, &about_origin), bias)
@@ -35,7 +35,7 @@ impl Tree {
     /// Weight of base and links: the wrench about the body origin for the
     /// gravitational acceleration `g_b` in B, m/s2.
     pub fn gravity<S: Scalar>(&self, g_b: Vec3<S>, motions: &[LinkMotion<S>]) -> Wrench<S> {
-        Wrench { force: g_b * S::from(self.mass()), moment: self.first_moment(motions).cross(g_b) }
+        Wrench { force: g_b.scaled(self.mass()), moment: self.first_moment(motions).cross(g_b) }
     }
 
     /// Total mass, kg.
@@ -45,13 +45,13 @@ impl Tree {
 
     /// Centre of mass of base and links from the body origin, in B, m.
     pub fn center_of_mass<S: Scalar>(&self, motions: &[LinkMotion<S>]) -> Vec3<S> {
-        self.first_moment(motions) * S::from(1.0 / self.mass())
+        self.first_moment(motions).scaled(1.0 / self.mass())
     }
 
     /// Sum of mass times position, kg m.
     fn first_moment<S: Scalar>(&self, motions: &[LinkMotion<S>]) -> Vec3<S> {
         let base = Vec3::constant(self.base.com * self.base.mass);
-        self.massive(motions).fold(base, |sum, (i, m)| sum + m.point(i.com) * S::from(i.mass))
+        self.massive(motions).fold(base, |sum, (i, m)| sum + m.point(i.com).scaled(i.mass))
     }
 
     /// The links with mass and their motion.
@@ -120,9 +120,9 @@ impl<S: Scalar> Reaction<S> {
     /// Wrench about the body origin with the base's acceleration included.
     #[inline]
     fn full(&self, mass: f64, a0: Vec3<S>, w_dot: Vec3<S>) -> Wrench<S> {
-        let first_moment = self.com * S::from(mass);
+        let first_moment = self.com.scaled(mass);
         Wrench {
-            force: self.bias.force + a0 * S::from(mass) + w_dot.cross(first_moment),
+            force: self.bias.force + a0.scaled(mass) + w_dot.cross(first_moment),
             moment: self.bias.moment + first_moment.cross(a0) + self.about_origin * w_dot,
         }
     }

@@ -105,8 +105,8 @@ impl Tree {
             };
         };
         let reaction = body.reaction(motion);
-        let first_moment = reaction.com * S::from(body.mass);
-        let weight = Wrench { force: g_b * S::from(body.mass), moment: first_moment.cross(g_b) };
+        let first_moment = reaction.com.scaled(body.mass);
+        let weight = Wrench { force: g_b.scaled(body.mass), moment: first_moment.cross(g_b) };
         let load = reaction.bias + -weight + -external;
         Articulated {
             inertia: mass_matrix(body.mass, first_moment, &reaction.about_origin),

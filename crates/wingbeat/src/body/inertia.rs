@@ -120,7 +120,7 @@ impl Inertia {
     pub(super) fn reaction<S: Scalar>(&self, motion: &LinkMotion<S>) -> Reaction<S> {
         let com = motion.point(self.com);
         let spin = self.about_com(&motion.rotation);
-        let force = motion.acceleration_at(com) * S::from(self.mass);
+        let force = motion.acceleration_at(com).scaled(self.mass);
         let gyroscopic = motion.rate.cross(spin * motion.rate);
         let moment = com.cross(force) + spin * motion.rate_dot + gyroscopic;
         Reaction { com, about_origin: self.steiner(spin, com), bias: Wrench { force, moment } }

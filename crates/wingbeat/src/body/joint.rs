@@ -24,7 +24,9 @@ impl Axis {
     #[inline]
     pub(super) fn direction<S: Scalar>(&self, r: &Mat3<S>) -> Vec3<S> {
         match *self {
-            Self::Coordinate { index, sign } => Vec3(r.0.map(|row| row[index] * sign)),
+            Self::Coordinate { index: 0, sign } => Vec3(r.0.map(|row| row[0] * sign)),
+            Self::Coordinate { index: 1, sign } => Vec3(r.0.map(|row| row[1] * sign)),
+            Self::Coordinate { sign, .. } => Vec3(r.0.map(|row| row[2] * sign)),
             Self::General(axis) => r.mul_constant(axis),
         }
     }
@@ -32,18 +34,24 @@ impl Axis {
     /// `r` times the rotation by `angle` rad about the axis.
     #[inline]
     pub(super) fn turn<S: Scalar>(&self, r: &Mat3<S>, angle: S) -> Mat3<S> {
-        let (index, sign) = match *self {
-            Self::Coordinate { index, sign } => (index, sign),
-            Self::General(axis) => return *r * Mat3::rotation_about(axis, angle),
-        };
-        let (s, c) = angle.sin_cos();
-        let s = s * sign;
-        let (j, k) = ((index + 1) % 3, (index + 2) % 3);
-        Mat3(r.0.map(|row| {
-            let mut turned = row;
-            turned[j] = row[j] * c + row[k] * s;
-            turned[k] = row[k] * c - row[j] * s;
-            turned
-        }))
+        match *self {
+            Self::Coordinate { index: 0, sign } => turn_columns::<1, 2, S>(r, angle, sign),
+            Self::Coordinate { index: 1, sign } => turn_columns::<2, 0, S>(r, angle, sign),
+            Self::Coordinate { sign, .. } => turn_columns::<0, 1, S>(r, angle, sign),
+            Self::General(axis) => *r * Mat3::rotation_about(axis, angle),
+        }
     }
+}
+
+/// Turns columns `J` and `K` into each other: a rotation about the third axis.
+#[inline]
+fn turn_columns<const J: usize, const K: usize, S: Scalar>(r: &Mat3<S>, angle: S, sign: f64) -> Mat3<S> {
+    let (s, c) = angle.sin_cos();
+    let s = s * sign;
+    Mat3(r.0.map(|row| {
+        let mut turned = row;
+        turned[J] = row[J] * c + row[K] * s;
+        turned[K] = row[K] * c - row[J] * s;
+        turned
+    }))
 }

@@ -27,7 +27,7 @@ impl Tree {
         let zero = Momentum { linear: Vec3::ZERO, angular: Vec3::ZERO };
         std::iter::once((&self.base, &base)).chain(self.massive(motions)).fold(zero, |sum, (i, m)| {
             let com = m.point(i.com);
-            let linear = m.velocity_at(com) * S::from(i.mass);
+            let linear = m.velocity_at(com).scaled(i.mass);
             let spin = i.about_com(&m.rotation) * m.rate;
             Momentum {
                 linear: sum.linear + linear,

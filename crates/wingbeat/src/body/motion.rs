@@ -70,38 +70,49 @@ impl<S: Scalar> LinkMotion<S> {
         self.rate_dot.cross(r) + self.rate.cross(self.rate.cross(r))
     }
 
-    /// Motion of the child whose joint lies at `origin` in this link, with the
-    /// fixed `orientation` (None: identity), `axis` and joint angle.
+    /// The frame fixed in this link at `origin`, turned by `orientation` (None: not turned).
     #[inline]
-    fn child(
-        &self,
-        origin: Vec3<f64>,
-        orientation: Option<&Mat3>,
-        axis: &Axis,
-        joint: &Jet<S>,
-    ) -> LinkMotion<S> {
-        let arm = self.rotation.mul_constant(origin);
-        let turned;
-        let frame = match orientation {
-            None => &self.rotation,
-            Some(fixed) => {
-                turned = Mat3::from_columns(
-                    self.rotation.mul_constant(fixed.column(0)),
-                    self.rotation.mul_constant(fixed.column(1)),
-                    self.rotation.mul_constant(fixed.column(2)),
-                );
-                &turned
-            }
-        };
-        let hinge = axis.direction(frame);
+    fn mount(&self, origin: Vec3<f64>, orientation: Option<&Mat3>) -> Self {
+        let mut mount = *self;
+        if origin != Vec3::ZERO {
+            let arm = self.rotation.mul_constant(origin);
+            let sweep = self.rate.cross(arm);
+            mount.position += arm;
+            mount.velocity += sweep;
+            mount.acceleration += self.rate_dot.cross(arm) + self.rate.cross(sweep);
+        }
+        if let Some(fixed) = orientation {
+            let column = |j| self.rotation.mul_constant(fixed.column(j));
+            mount.rotation = Mat3::from_columns(column(0), column(1), column(2));
+        }
+        mount
+    }
+
+    /// [`LinkMotion::mount`] on the base, where rotation and accelerations are constant.
+    #[inline]
+    fn mount_on_base(v_b: Vec3<S>, w_b: Vec3<S>, origin: Vec3<f64>, orientation: Option<&Mat3>) -> Self {
+        let arm = Vec3::constant(origin);
+        let sweep = w_b.cross(arm);
+        Self {
+            rotation: orientation.map_or(Mat3::IDENTITY, |fixed| Mat3::constant(*fixed)),
+            position: arm,
+            velocity: v_b + sweep,
+            rate: w_b,
+            acceleration: w_b.cross(sweep),
+            rate_dot: Vec3::ZERO,
+        }
+    }
+
+    /// This frame after turning about `axis` as the joint does.
+    #[inline]
+    fn turned(self, axis: &Axis, joint: &Jet<S>) -> Self {
+        let hinge = axis.direction(&self.rotation);
         let spin = hinge * joint.d;
         Self {
-            rotation: axis.turn(frame, joint.x),
-            position: self.position + arm,
-            velocity: self.velocity + self.rate.cross(arm),
+            rotation: axis.turn(&self.rotation, joint.x),
             rate: self.rate + spin,
-            acceleration: self.acceleration + self.swept(arm),
             rate_dot: self.rate_dot + hinge * joint.dd + self.rate.cross(spin),
+            ..self
         }
     }
 }
@@ -123,11 +134,13 @@ impl Tree {
         w_b: Vec3<S>,
         out: &mut [LinkMotion<S>],
     ) {
-        let base = LinkMotion::base(v_b, w_b);
         for (i, node) in self.nodes.iter().enumerate() {
-            let (done, rest) = out.split_at_mut(i);
-            let parent = node.parent.map_or(&base, |p| &done[p]);
-            rest[0] = parent.child(node.origin, node.orientation.as_ref(), &node.axis, &joints[i]);
+            let orientation = node.orientation.as_ref();
+            let mount = match node.parent {
+                None => LinkMotion::mount_on_base(v_b, w_b, node.origin, orientation),
+                Some(p) => out[p].mount(node.origin, orientation),
+            };
+            out[i] = mount.turned(&node.axis, &joints[i]);
         }
     }
 }

@@ -66,6 +66,11 @@ impl<S: Scalar> Vec3<S> {
     pub fn unit(self) -> Self {
         self * self.norm().recip()
     }
+    /// Scaled by a constant; cheaper than by a [`Scalar`].
+    #[inline]
+    pub fn scaled(self, k: f64) -> Self {
+        Self(self.0.map(|c| c * k))
+    }
     /// True when every component is finite.
     #[inline]
     pub fn is_finite(self) -> bool {
