@@ -1,0 +1,146 @@
+//! Elimination of the states: every node's state as a linear function of the
+//! inputs, interval by interval.
+
+use super::dense::multiply_add;
+use super::plan::Horizon;
+use crate::math::linear::{lu_factor, lu_solve};
+use crate::plant::Linearisation;
+
+/// Which column of a sensitivity belongs to which input. Column 0 is the
+/// constant; the inputs of the nodes follow in order, without node 0 where its
+/// input is held.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns {
+    /// Inputs per node.
+    pub inputs: usize,
+    /// First node whose input is free: 0 or 1.
+    pub first: usize,
+}
+
+impl Columns {
+    /// First column of the inputs of `node`, if they are free.
+    pub fn of(&self, node: usize) -> Option<usize> {
+        node.checked_sub(self.first).map(|k| 1 + k * self.inputs)
+    }
+
+    /// Columns up to and with the inputs of `node`.
+    pub fn through(&self, node: usize) -> usize {
+        1 + (node + 1 - self.first) * self.inputs
+    }
+}
+
+/// Sensitivities of the states to the inputs: dx_k = S_k [1; du], with the
+/// rates df_k = A_k dx_k + B_k du_k beside them.
+#[derive(Clone, Debug)]
+pub struct Elimination {
+    horizon: Horizon,
+    /// S_k for each node, states x columns.through(k), row-major.
+    states: Vec<Vec<f64>>,
+    /// df_k for each node, the same shape.
+    rates: Vec<Vec<f64>>,
+    middle: Vec<f64>,
+    matrix: Vec<f64>,
+    pivots: Vec<usize>,
+}
+
+impl Elimination {
+    /// Storage for a horizon.
+    pub fn new(horizon: Horizon) -> Self {
+        let n = horizon.states;
+        let width = |node| Columns { inputs: horizon.inputs, first: 0 }.through(node);
+        let blocks = || (0..=horizon.intervals).map(|k| vec![0.0; n * width(k)]).collect();
+        Self {
+            horizon,
+            states: blocks(),
+            rates: blocks(),
+            middle: vec![0.0; n * width(horizon.intervals)],
+            matrix: vec![0.0; n * n],
+            pivots: vec![0; n],
+        }
+    }
+
+    /// S_k: row i holds the sensitivity of state i of `node`.
+    pub fn state(&self, node: usize, columns: Columns) -> &[f64] {
+        &self.states[node][..self.horizon.states * columns.through(node)]
+    }
+
+    /// Starts at a given initial state: dx_0 = 0, df_0 = B_0 du_0.
+    pub fn start(&mut self, columns: Columns, node: &Linearisation) {
+        self.states[0].fill(0.0);
+        self.rates[0].fill(0.0);
+        add_inputs(&mut self.rates[0], columns.through(0), columns.of(0), 1.0, &node.b, columns.inputs);
+    }
+
+    /// Eliminates node k+1 from the linearised Hermite-Simpson defect of the
+    /// interval `k`, with the linearisations at its middle and end:
+    ///
+    /// dx_{k+1} - dx_k - h/6 (df_k + 4 df_c + df_{k+1}) + d = 0,
+    /// df_c = A_c ((dx_k + dx_{k+1})/2 + h/8 (df_k - df_{k+1})) + B_c (du_k + du_{k+1})/2.
+    ///
+    /// False if the interval is singular.
+    ///
+    /// Equation: ocp.linearised_defect
+    pub fn advance(
+        &mut self,
+        k: usize,
+        columns: Columns,
+        middle: &Linearisation,
+        end: &Linearisation,
+        defect: &[f64],
+    ) -> bool {
+        let Horizon { states: n, inputs: m, step: h, .. } = self.horizon;
+        let (w0, w1) = (columns.through(k), columns.through(k + 1));
+        let known = &mut self.middle[..n * w1];
+        let (done, rest) = self.states.split_at_mut(k + 1);
+        let (x0, f0) = (&done[k][..n * w0], &self.rates[k][..n * w0]);
+        let x1 = &mut rest[0][..n * w1];
+        for i in 0..n {
+            let (right, known) = (&mut x1[i * w1..][..w1], &mut known[i * w1..][..w1]);
+            for (c, (x, f)) in x0[i * w0..][..w0].iter().zip(&f0[i * w0..][..w0]).enumerate() {
+                right[c] = x + h / 6.0 * f;
+                known[c] = 0.5 * x + h / 8.0 * f;
+            }
+            right[w0..].fill(0.0);
+            known[w0..].fill(0.0);
+            right[0] -= defect[i];
+        }
+        let (old, new) = (columns.of(k), columns.of(k + 1));
+        add_inputs(known, w1, new, -h / 8.0, &end.b, m);
+        add_inputs(x1, w1, new, h / 6.0, &end.b, m);
+        add_inputs(x1, w1, new, h / 3.0, &middle.b, m);
+        add_inputs(x1, w1, old, h / 3.0, &middle.b, m);
+        multiply_add(x1, 2.0 * h / 3.0, &middle.a, known, w1);
+        end_matrix(&mut self.matrix, n, h, &middle.a, &end.a);
+        if !lu_factor(&mut self.matrix, n, &mut self.pivots) {
+            return false;
+        }
+        lu_solve(&self.matrix, n, &self.pivots, x1, w1);
+        let f1 = &mut self.rates[k + 1][..n * w1];
+        f1.fill(0.0);
+        add_inputs(f1, w1, new, 1.0, &end.b, m);
+        multiply_add(f1, 1.0, &end.a, x1, w1);
+        true
+    }
+}
+
+/// Derivative of the defect by the end state:
+/// I - h/6 A_{k+1} - 2h/3 A_c (I/2 - h/8 A_{k+1}).
+fn end_matrix(matrix: &mut [f64], n: usize, h: f64, middle: &[f64], end: &[f64]) {
+    for ((m, ac), a1) in matrix.iter_mut().zip(middle).zip(end) {
+        *m = -h / 6.0 * a1 - h / 3.0 * ac;
+    }
+    for i in 0..n {
+        matrix[i * n + i] += 1.0;
+    }
+    multiply_add(matrix, h * h / 12.0, middle, end, n);
+}
+
+/// Adds scale B to the columns of one node's inputs, from `first` on.
+fn add_inputs(block: &mut [f64], width: usize, first: Option<usize>, scale: f64, b: &[f64], inputs: usize) {
+    let Some(first) = first else { return };
+    for (row, b) in block.chunks_exact_mut(width).zip(b.chunks_exact(inputs)) {
+        for (entry, b) in row[first..first + inputs].iter_mut().zip(b) {
+            *entry += scale * b;
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! How an update ended.
+
+use crate::plant::Fault;
+
+/// A limit of the plan: which one, and at which node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// Limit of an input channel.
+    Input {
+        /// Index of the channel.
+        channel: usize,
+        /// Node, 0 to the number of intervals.
+        node: usize,
+    },
+    /// Limit of a state channel.
+    State {
+        /// Index of the channel.
+        channel: usize,
+        /// Node, 1 to the number of intervals.
+        node: usize,
+    },
+    /// A [`LinearLimit`](super::LinearLimit) of the tracking problem.
+    Linear {
+        /// Index of the limit.
+        row: usize,
+        /// Node, 1 to the number of intervals.
+        node: usize,
+    },
+}
+
+/// End of an update. Only `Solved` and `IterationLimit` change the plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Status {
+    /// Steps and defects fell below the tolerance.
+    Solved,
+    /// The iterations asked for were made; the plan is the last iterate. The
+    /// normal end of a real-time update.
+    IterationLimit,
+    /// The linearised limits contradict each other.
+    Infeasible {
+        /// The limit that cannot be met.
+        worst: Limit,
+    },
+    /// Curvature is missing, or numbers left the finite range.
+    NumericalTrouble,
+    /// The model could not be evaluated.
+    ModelFault(Fault),
+}
+
+impl Status {
+    /// True when the update changed the plan.
+    pub fn updated(&self) -> bool {
+        matches!(self, Self::Solved | Self::IterationLimit)
+    }
+}
+
+/// Measures of the last update.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Sequential quadratic programming iterations made.
+    pub iterations: usize,
+    /// Largest entry of the reduced gradient of the Lagrangian at the last
+    /// point linearised.
+    pub stationarity: f64,
+    /// Largest defect at the last point linearised, in units of the states.
+    pub defect: f64,
+    /// Largest step of an input, relative to half its range where it has one.
+    pub step: f64,
+    /// Constraints added or dropped by the quadratic programs, summed.
+    pub qp_changes: usize,
+    /// Limits that bind in the last quadratic program.
+    pub active: usize,
+}
