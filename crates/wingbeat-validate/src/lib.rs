@@ -11,6 +11,7 @@ mod report;
 pub mod aero_full;
 pub mod aero_paper;
 pub mod body;
+pub mod flapbody;
 pub mod math;
 pub mod ocp;
 pub mod ocp_problems;

@@ -141,7 +141,16 @@ impl ActiveSet {
                 self.drop(blocking);
             }
         }
+        self.settle(qp);
         QpEnd::Solved
+    }
+
+    /// Puts the binding variables exactly on their limits.
+    fn settle(&mut self, qp: &QuadraticProgram) {
+        for b in self.binding.iter().filter(|b| b.constraint < self.n) {
+            let limits = if b.sign > 0.0 { &qp.low } else { &qp.high };
+            self.z[b.constraint] = limits[b.constraint];
+        }
     }
 
     /// z = -H^-1 g and J = L^-T; false if H is not positive definite.

@@ -1,5 +1,6 @@
 //! Real-time tracking: sequential quadratic programming on a Hermite-Simpson
-//! horizon, with exact derivatives, Gauss-Newton curvature and warm starts.
+//! horizon, with exact derivatives, Gauss-Newton curvature (corrected by secants
+//! from the second iteration on) and warm starts.
 //! Allocates only when it is made; every update takes the same path.
 //!
 //! One iteration linearises the plant at nodes and midpoints, eliminates the
@@ -7,6 +8,7 @@
 
 mod active_set;
 mod condense;
+mod curvature;
 mod dense;
 mod plan;
 mod reduced;
@@ -23,6 +25,7 @@ use crate::ocp::{Midpoint, Transcription};
 use crate::plant::{Fault, Linearisation, Plant};
 use active_set::{ActiveSet, QpEnd, QuadraticProgram};
 use condense::{Columns, Elimination};
+use curvature::Correction;
 use plan::check_finite;
 use reduced::{Reduction, limited};
 
@@ -63,6 +66,7 @@ pub struct RealTime {
     reduction: Reduction,
     qp: QuadraticProgram,
     solver: ActiveSet,
+    curvature: Correction,
     columns: Columns,
     work: Workspace<f64>,
     statistics: Statistics,
@@ -93,6 +97,7 @@ impl RealTime {
             reduction: Reduction::new(horizon, residuals, rows),
             qp: QuadraticProgram::new(variables, rows),
             solver: ActiveSet::new(variables),
+            curvature: Correction::new(variables),
             columns,
             work: Workspace::new(n, 4),
             statistics: Statistics::default(),
@@ -156,6 +161,7 @@ impl RealTime {
         self.trial.copy_from(&self.plan);
         self.trial.start = t0;
         self.trial.state_mut(0).copy_from_slice(x0);
+        self.curvature.start();
         for _ in 0..iterations {
             if let Err(status) = self.iterate(plant, tracking) {
                 return status;
@@ -178,7 +184,14 @@ impl RealTime {
         let channels = [plant.states(), plant.inputs()];
         let limits = tracking.limits();
         self.reduction.limits(channels, limits, &self.trial, &self.states, self.columns, &mut self.qp);
-        let end = self.solver.solve(&self.qp);
+        self.curvature.learn(&self.qp.gradient, &self.qp.hessian);
+        self.curvature.add_to(&mut self.qp.hessian);
+        let mut end = self.solver.solve(&self.qp);
+        if end == QpEnd::Trouble {
+            self.curvature.withdraw(&mut self.qp.hessian);
+            end = self.solver.solve(&self.qp);
+        }
+        self.curvature.record(&self.qp.gradient, &self.solver.z);
         self.statistics.iterations += 1;
         self.statistics.qp_changes += self.solver.changes;
         self.statistics.active = self.solver.active();

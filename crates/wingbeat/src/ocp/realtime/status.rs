@@ -1,6 +1,7 @@
 //! How an update ended.
 
-use crate::plant::Fault;
+use super::Tracking;
+use crate::plant::{Fault, Plant};
 
 /// A limit of the plan: which one, and at which node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +27,17 @@ pub enum Limit {
         /// Node, 1 to the number of intervals.
         node: usize,
     },
+}
+
+impl Limit {
+    /// Name of the channel or linear limit.
+    pub fn name<'a, P: Plant, T: Tracking>(&self, plant: &'a P, tracking: &'a T) -> &'a str {
+        match *self {
+            Self::Input { channel, .. } => &plant.inputs()[channel].name,
+            Self::State { channel, .. } => &plant.states()[channel].name,
+            Self::Linear { row, .. } => &tracking.limits()[row].name,
+        }
+    }
 }
 
 /// End of an update. Only `Solved` and `IterationLimit` change the plan.

@@ -1,0 +1,142 @@
+//! The real-time solver against linear-quadratic theory.
+
+use wingbeat::math::Scalar;
+use wingbeat::ocp::realtime::{RealTime, Settings, Status, Tracking};
+use wingbeat::plant::{Channel, Fault, Plant};
+
+const STEP: f64 = 0.1;
+const INTERVALS: usize = 8;
+const CHANGE: f64 = 0.3;
+/// Square roots of the weights on position, speed and input.
+const WEIGHTS: [f64; 3] = [1.0, 0.5, 0.2];
+
+/// A mass on a rail, pushed by the input.
+struct Mass {
+    states: [Channel; 2],
+    inputs: [Channel; 1],
+}
+
+impl Mass {
+    fn new(force: f64) -> Self {
+        let states = [Channel::free("position", "m", "W"), Channel::free("speed", "m/s", "W")];
+        Self { states, inputs: [Channel::limited("force", "N", "W", -force, force)] }
+    }
+}
+
+impl Plant for Mass {
+    fn states(&self) -> &[Channel] {
+        &self.states
+    }
+    fn inputs(&self) -> &[Channel] {
+        &self.inputs
+    }
+    fn rates<S: Scalar>(&self, _t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+        (dx[0], dx[1]) = (x[1], u[0]);
+        Ok(())
+    }
+}
+
+/// Keeps the mass at the origin.
+struct Origin;
+
+impl Tracking for Origin {
+    fn residuals(&self, _node: usize) -> usize {
+        3
+    }
+    fn residual<S: Scalar>(&self, _node: usize, _t: f64, x: &[S], u: &[S], r: &mut [S]) {
+        (r[0], r[1], r[2]) = (x[0] * WEIGHTS[0], x[1] * WEIGHTS[1], u[0] * WEIGHTS[2]);
+    }
+    fn change_weight(&self, _input: usize) -> f64 {
+        CHANGE
+    }
+}
+
+type Matrix3 = [[f64; 3]; 3];
+
+/// One step of the pair (state, force) under a force that changes by w:
+/// exact for a force linear in time.
+fn advance(s: [f64; 3], w: f64) -> [f64; 3] {
+    let (h, next) = (STEP, s[2] + w);
+    [s[0] + h * s[1] + h * h * (s[2] / 3.0 + next / 6.0), s[1] + h * (s[2] + next) / 2.0, next]
+}
+
+fn quadratic(p: &Matrix3, a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..9).map(|i| a[i / 3] * p[i / 3][i % 3] * b[i % 3]).sum()
+}
+
+/// Riccati recursion on (position, speed, force): the gain of every step and
+/// the cost matrix at the start.
+fn riccati() -> (Vec<[f64; 3]>, Matrix3) {
+    let unit = |i: usize| std::array::from_fn(|j| f64::from(u8::from(i == j)));
+    let stage: Matrix3 = std::array::from_fn(|i| unit(i).map(|one: f64| one * WEIGHTS[i].powi(2)));
+    let (mut p, mut gains) = (stage, Vec::new());
+    for _ in 0..INTERVALS {
+        let push = advance([0.0; 3], 1.0);
+        let images: [[f64; 3]; 3] = std::array::from_fn(|i| advance(unit(i), 0.0));
+        let curvature = CHANGE + quadratic(&p, push, push);
+        let gain: [f64; 3] = std::array::from_fn(|i| quadratic(&p, push, images[i]) / curvature);
+        p = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                stage[i][j] + quadratic(&p, images[i], images[j]) - gain[i] * gain[j] * curvature
+            })
+        });
+        gains.push(gain);
+    }
+    gains.reverse();
+    (gains, p)
+}
+
+#[test]
+fn an_unlimited_linear_problem_has_the_riccati_solution() {
+    let plant = Mass::new(f64::INFINITY);
+    let mut solver = RealTime::new(&plant, &Origin, Settings::new(INTERVALS, STEP)).unwrap();
+    let x0 = [0.7, -0.4];
+    solver.reset(&plant, &x0);
+    let status = solver.solve(&plant, &Origin, 0.0, &x0, 1);
+    assert_eq!(status, Status::IterationLimit);
+    let (gains, p) = riccati();
+    let mut s = [x0[0], x0[1], -(p[2][0] * x0[0] + p[2][1] * x0[1]) / p[2][2]];
+    for k in 0..=INTERVALS {
+        assert!((solver.input(k)[0] - s[2]).abs() < 1e-12, "node {k}");
+        assert!((solver.state(k)[0] - s[0]).abs() < 1e-12 && (solver.state(k)[1] - s[1]).abs() < 1e-12);
+        if k < INTERVALS {
+            s = advance(s, -(0..3).map(|i| gains[k][i] * s[i]).sum::<f64>());
+        }
+    }
+    assert_eq!(solver.solve(&plant, &Origin, 0.0, &x0, 3), Status::Solved);
+}
+
+#[test]
+fn a_held_first_input_is_kept_and_the_rest_is_optimal() {
+    let plant = Mass::new(f64::INFINITY);
+    let settings = Settings { hold_first_input: true, ..Settings::new(INTERVALS, STEP) };
+    let mut solver = RealTime::new(&plant, &Origin, settings).unwrap();
+    solver.reset(&plant, &[0.7, -0.4]);
+    solver.plan_mut().input_mut(0)[0] = 0.35;
+    solver.solve(&plant, &Origin, 0.0, &[0.7, -0.4], 1);
+    let (gains, _) = riccati();
+    let s = advance([0.7, -0.4, 0.35], -(0.7 * gains[0][0] - 0.4 * gains[0][1] + 0.35 * gains[0][2]));
+    assert_eq!(solver.input(0)[0], 0.35);
+    assert!((solver.input(1)[0] - s[2]).abs() < 1e-12);
+}
+
+#[test]
+fn limited_inputs_bind_and_shift_with_time() {
+    let plant = Mass::new(0.3);
+    let mut solver = RealTime::new(&plant, &Origin, Settings::new(INTERVALS, STEP)).unwrap();
+    solver.reset(&plant, &[2.0, 0.0]);
+    assert_eq!(solver.solve(&plant, &Origin, 0.0, &[2.0, 0.0], 4), Status::Solved);
+    assert_eq!(solver.input(0)[0], -0.3);
+    assert!(solver.statistics().active > 0);
+    // Moving on by a quarter interval follows the interpolant and, past the
+    // end, the motion under the last input.
+    let (plan, dt) = (solver.plan().clone(), 0.25 * STEP);
+    solver.shift(&plant, dt);
+    let mut x = [0.0; 2];
+    plan.state_at(3.0 * STEP + dt, &mut x);
+    assert!((solver.state(3)[0] - x[0]).abs() < 1e-14);
+    let (end, u) = (plan.state(INTERVALS), plan.input(INTERVALS)[0]);
+    let expected = end[0] + dt * end[1] + 0.5 * dt * dt * u;
+    assert!((solver.state(INTERVALS)[0] - expected).abs() < 1e-14);
+    assert!((solver.plan().start - dt).abs() < 1e-15);
+}
