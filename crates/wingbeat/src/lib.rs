@@ -17,4 +17,6 @@ pub mod ocp;
 
 pub mod flight;
 
+pub mod scenario;
+
 pub use error::Error;

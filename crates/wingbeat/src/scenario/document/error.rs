@@ -1,0 +1,143 @@
+//! One message for everything that can be wrong with a configuration.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// What is wrong with a configuration, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConfigError {
+    /// Where it was given.
+    pub place: Place,
+    /// Path of the key, e.g. `robot.links.distal.mass_kg`; empty when the file itself is at fault.
+    pub key: String,
+    /// The value given, as written; none when there is none.
+    pub value: Option<String>,
+    /// What is wrong with it.
+    pub problem: Problem,
+}
+
+/// Where a value was given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// A line of a file, counted from 1.
+    Line(PathBuf, usize),
+    /// A file as a whole.
+    File(PathBuf),
+    /// An override of the command line, `key=value`.
+    Override(String),
+}
+
+/// What is wrong with a key or its value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Problem {
+    /// The key is not known here; these are.
+    UnknownKey {
+        /// The keys that are known here.
+        allowed: Vec<String>,
+    },
+    /// The key must be given and is not.
+    MissingKey,
+    /// The value is not allowed; what is.
+    Value(String),
+    /// The value is not one of a list of names.
+    UnknownName {
+        /// The names that are known here.
+        allowed: Vec<String>,
+    },
+    /// The file cannot be read or is not TOML: what the reader says.
+    File(String),
+}
+
+impl std::error::Error for ConfigError {}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.place)?;
+        if matches!(self.problem, Problem::UnknownKey { .. }) {
+            write!(f, "unknown key ")?;
+        }
+        write!(f, "{}", self.key)?;
+        if let Some(value) = &self.value {
+            write!(f, " = {value}")?;
+        }
+        if !self.key.is_empty() && self.problem != Problem::MissingKey {
+            write!(f, ": ")?;
+        }
+        match &self.problem {
+            Problem::UnknownKey { allowed } => {
+                let last = self.key.rsplit('.').next().unwrap_or("");
+                write!(f, "{}", choice(last, allowed))
+            }
+            Problem::UnknownName { allowed } => {
+                let given = self.value.as_deref().unwrap_or("").trim_matches('"');
+                write!(f, "{}", choice(given, allowed))
+            }
+            Problem::MissingKey => write!(f, " is missing: it must be given"),
+            Problem::Value(allowed) => write!(f, "allowed is {allowed}"),
+            Problem::File(what) => write!(f, "{what}"),
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(file, line) => write!(f, "{}:{line}", file.display()),
+            Self::File(file) => write!(f, "{}", file.display()),
+            Self::Override(text) => write!(f, "--set {text}"),
+        }
+    }
+}
+
+fn choice(given: &str, allowed: &[String]) -> String {
+    match (allowed, nearest(given, allowed)) {
+        ([], _) => "nothing is allowed here".into(),
+        (_, None) => format!("allowed is {}", allowed.join(", ")),
+        (_, Some(name)) => format!("did you mean {name}? allowed is {}", allowed.join(", ")),
+    }
+}
+
+/// The name that `given` was probably meant to be.
+fn nearest<'a>(given: &str, allowed: &'a [String]) -> Option<&'a str> {
+    let tolerance = (given.len() / 3).max(1);
+    let begins = |name: &str| given.len() > 1 && (name.starts_with(given) || given.starts_with(name));
+    let candidates =
+        allowed.iter().map(|name| (if begins(name) { 0 } else { distance(given, name) }, name.as_str()));
+    candidates.filter(|(distance, _)| *distance <= tolerance).min().map(|(_, name)| name)
+}
+
+/// Number of letters to insert, delete or replace between `a` and `b` (Levenshtein 1966).
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_counts_single_letters() {
+        assert_eq!(distance("kitten", "sitting"), 3);
+        assert_eq!(distance("", "abc"), 3);
+        assert_eq!(distance("same", "same"), 0);
+    }
+
+    #[test]
+    fn only_a_near_name_is_suggested() {
+        let names = ["duration_s", "step_s"].map(String::from);
+        assert_eq!(nearest("duration", &names), Some("duration_s"));
+        assert_eq!(nearest("stepp_s", &names), Some("step_s"));
+        assert_eq!(nearest("wind", &names), None);
+    }
+}

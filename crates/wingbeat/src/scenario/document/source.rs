@@ -1,0 +1,190 @@
+//! The texts a document was made of, in one numbering of bytes.
+
+use std::fs;
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::{ConfigError, Place, Problem, tree};
+
+/// The texts, one after another: a byte's number says which text it is in.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    texts: Vec<Source>,
+}
+
+#[derive(Clone, Debug)]
+struct Source {
+    /// The file; none for an override.
+    file: Option<PathBuf>,
+    /// As it was given.
+    text: String,
+    /// Number of its first byte.
+    start: usize,
+    /// As TOML, moved right by `start`, so that spans count from the first text.
+    toml: String,
+    /// The steps to the place in the tree that it takes.
+    at: Vec<String>,
+}
+
+impl Sources {
+    /// Reads a file that takes the place `at`; `blame` is the key that names it, if one does.
+    pub fn read_file(
+        &mut self,
+        path: &Path,
+        at: &[String],
+        blame: Option<ConfigError>,
+    ) -> Result<(), ConfigError> {
+        let text = fs::read_to_string(path).map_err(|error| match blame {
+            Some(mut blame) => {
+                blame.problem =
+                    Problem::Value(format!("a file that can be read; {}: {error}", path.display()));
+                blame
+            }
+            None => of_place(Place::File(path.into()), error.to_string()),
+        })?;
+        let toml = text.clone();
+        self.add(Some(path.into()), text, toml, at.into());
+        self.tree().map(drop)
+    }
+
+    /// Reads an override `key=value`; the value is TOML or else text.
+    pub fn read_override(&mut self, text: &str) -> Result<(), ConfigError> {
+        let Some((key, value)) = text.split_once('=').filter(|(key, _)| !tree::steps(key).is_empty()) else {
+            return Err(of_place(Place::Override(text.into()), "allowed is KEY=VALUE".into()));
+        };
+        let mut toml = format!("v={}", value.trim());
+        if !DeTable::parse(&toml).is_ok_and(|table| table.get_ref().len() == 1) {
+            toml = format!("v={}", toml::Value::from(value.trim()));
+        }
+        self.add(None, text.into(), toml, tree::steps(key));
+        self.tree().map(drop)
+    }
+
+    /// The texts as one tree, later ones over earlier ones.
+    pub fn tree(&self) -> Result<Spanned<DeValue<'_>>, ConfigError> {
+        let mut root = Spanned::new(0..0, DeValue::Table(DeTable::new()));
+        for source in &self.texts {
+            let value = source.parse().map_err(|error| {
+                let at = error.span().map_or(source.start, |span| span.start);
+                of_place(self.place(at), format!("not TOML: {}", error.message()))
+            })?;
+            tree::assign(&mut root, &source.at, value).map_err(|allowed| ConfigError {
+                place: self.place(source.start),
+                key: source.text.split('=').next().unwrap_or("").trim().into(),
+                value: None,
+                problem: Problem::Value(allowed),
+            })?;
+        }
+        Ok(root)
+    }
+
+    /// Where byte `at` stands.
+    pub fn place(&self, at: usize) -> Place {
+        match self.source(at) {
+            Some(Source { file: Some(file), text, start, .. }) => {
+                let before = text.as_bytes().iter().take(at - start);
+                Place::Line(file.clone(), 1 + before.filter(|byte| **byte == b'\n').count())
+            }
+            Some(Source { text, .. }) => Place::Override(text.clone()),
+            None => Place::File(self.files().next().map(Path::to_path_buf).unwrap_or_default()),
+        }
+    }
+
+    /// The folder of the file that byte `at` is in; empty for an override.
+    pub fn folder(&self, at: usize) -> PathBuf {
+        self.source(at)
+            .and_then(|source| source.file.as_deref()?.parent())
+            .map(Path::to_path_buf)
+            .unwrap_or_default()
+    }
+
+    /// The text of a value, short enough for one line.
+    pub fn text(&self, span: &Range<usize>) -> String {
+        let Some(source) = self.source(span.start) else { return String::new() };
+        match &source.file {
+            Some(_) => {
+                brief(source.text.get(span.start - source.start..span.end - source.start).unwrap_or(""))
+            }
+            None => brief(source.text.split_once('=').map_or("", |(_, value)| value.trim())),
+        }
+    }
+
+    /// The files, in the order read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.texts.iter().filter_map(|source| source.file.as_deref())
+    }
+
+    fn source(&self, at: usize) -> Option<&Source> {
+        self.texts.iter().rev().find(|source| source.start <= at)
+    }
+
+    fn add(&mut self, file: Option<PathBuf>, text: String, toml: String, at: Vec<String>) {
+        let start = self.texts.last().map_or(0, |last| last.toml.len().max(last.start + last.text.len()) + 1);
+        let toml = " ".repeat(start) + &toml;
+        self.texts.push(Source { file, text, start, toml, at });
+    }
+}
+
+impl Source {
+    fn parse(&self) -> Result<Spanned<DeValue<'_>>, toml::de::Error> {
+        let table = DeTable::parse(&self.toml)?;
+        let span = self.start..self.start + self.text.len();
+        let mut table = table.into_inner();
+        let value = match self.file {
+            Some(_) => None,
+            None => table.remove("v").map(Spanned::into_inner),
+        };
+        Ok(Spanned::new(span, value.unwrap_or(DeValue::Table(table))))
+    }
+}
+
+fn of_place(place: Place, what: String) -> ConfigError {
+    ConfigError { place, key: String::new(), value: None, problem: Problem::File(what) }
+}
+
+/// `text` on one line of at most 60 letters.
+fn brief(text: &str) -> String {
+    let line = text.lines().next().unwrap_or("");
+    if line.len() == text.len() && line.chars().count() <= 60 {
+        return line.into();
+    }
+    line.chars().take(57).chain("...".chars()).collect()
+}
+
+/// `name` seen from `folder`, without `.` and with `..` taken out where that is possible.
+pub fn joined(folder: &Path, name: &str) -> PathBuf {
+    let mut path = PathBuf::new();
+    for part in folder.join(name).components() {
+        let inside = matches!(path.components().next_back(), Some(Component::Normal(_)));
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if inside => {
+                path.pop();
+            }
+            part => path.push(part),
+        }
+    }
+    path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_seen_from_the_file_that_names_them() {
+        assert_eq!(joined(Path::new("scenarios"), "../robots/a.toml"), Path::new("robots/a.toml"));
+        assert_eq!(joined(Path::new(""), "../a.toml"), Path::new("../a.toml"));
+        assert_eq!(joined(Path::new("x"), "/a.toml"), Path::new("/a.toml"));
+    }
+
+    #[test]
+    fn long_values_are_cut() {
+        assert_eq!(brief("1.5"), "1.5");
+        assert_eq!(brief("[1,\n2]"), "[1,...");
+        assert_eq!(brief(&"x".repeat(80)).len(), 60);
+    }
+}

@@ -1,0 +1,283 @@
+//! What a user sees when a scenario is wrong: one message with file, line, key, value and what is allowed.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use wingbeat::Error;
+use wingbeat::scenario::{ConfigError, Document, Place};
+
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Scenario {
+    name: String,
+    robot: Robot,
+    simulation: Simulation,
+    gait: Option<Gait>,
+}
+
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Robot {
+    mass_kg: f64,
+    #[serde(default)]
+    elements: Vec<Element>,
+}
+
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Element {
+    limit_rad: f64,
+}
+
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Simulation {
+    step_s: f64,
+    nodes: usize,
+    law: Law,
+}
+
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "snake_case")]
+enum Law {
+    Linear,
+    Stall,
+}
+
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "snake_case")]
+enum Gait {
+    Fourier(Fourier),
+}
+
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Fourier {
+    frequency_hz: f64,
+}
+
+const SCENARIO: &str = "\
+name = \"turn\"
+robot = \"../robots/bat.toml\"
+
+[simulation]
+step_s = 1e-4
+nodes = 12
+law = \"linear\"
+";
+const ROBOT: &str = "mass_kg = 0.02\n\n[[elements]]\nlimit_rad = 0.3\n[[elements]]\nlimit_rad = 0.5\n";
+
+/// A folder of one test, with a scenario and its robot.
+struct Files {
+    folder: PathBuf,
+}
+
+impl Files {
+    fn new(test: &str, scenario: &str, robot: &str) -> Self {
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(test);
+        for (path, text) in [("scenarios/turn.toml", scenario), ("robots/bat.toml", robot)] {
+            let path = folder.join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        }
+        Self { folder }
+    }
+
+    fn load(&self, overrides: &[&str]) -> Result<Document, ConfigError> {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
+        Document::load(&self.folder.join("scenarios/turn.toml"), &overrides, &["robot"])
+    }
+
+    /// The message about a scenario that does not parse, with paths as seen from the folder.
+    fn complaint(&self, overrides: &[&str]) -> String {
+        let error = self.load(overrides).and_then(|document| document.parse::<Scenario>()).unwrap_err();
+        self.relative(&error)
+    }
+
+    fn relative(&self, error: &ConfigError) -> String {
+        error.to_string().replace(&format!("{}/", self.folder.display()), "")
+    }
+}
+
+fn complaint(test: &str, scenario: &str) -> String {
+    Files::new(test, scenario, ROBOT).complaint(&[])
+}
+
+#[test]
+fn a_scenario_and_its_robot_become_one_table() {
+    let files = Files::new("good", SCENARIO, ROBOT);
+    let document = files.load(&[]).unwrap();
+    let scenario: Scenario = document.parse().unwrap();
+    assert_eq!(scenario.robot.mass_kg, 0.02);
+    assert_eq!(scenario.robot.elements.len(), 2);
+    assert_eq!(document.files().count(), 2);
+}
+
+#[test]
+fn overrides_reach_every_key_and_may_name_another_robot() {
+    let files = Files::new("overrides", SCENARIO, ROBOT);
+    let document = files
+        .load(&["robot.elements[1].limit_rad=0.7", "simulation.law=stall", "gait.fourier.frequency_hz=3.5"])
+        .unwrap();
+    let scenario: Scenario = document.parse().unwrap();
+    assert_eq!(scenario.robot.elements[1].limit_rad, 0.7);
+    assert_eq!(scenario.simulation.law, Law::Stall);
+    assert_eq!(scenario.gait, Some(Gait::Fourier(Fourier { frequency_hz: 3.5 })));
+
+    let other = files.folder.join("robots/other.toml");
+    fs::write(&other, "mass_kg = 0.045").unwrap();
+    let document = files.load(&[&format!("robot={}", other.display()), "robot.mass_kg=0.05"]).unwrap();
+    assert_eq!(document.parse::<Scenario>().unwrap().robot, Robot { mass_kg: 0.05, elements: vec![] });
+}
+
+#[test]
+fn the_resolved_text_gives_the_same_scenario() {
+    let files = Files::new("resolved", SCENARIO, ROBOT);
+    let document = files.load(&["simulation.nodes=20"]).unwrap();
+    let again = Files::new("resolved_again", &document.resolved().unwrap(), "");
+    assert_eq!(again.load(&[]).unwrap().parse::<Scenario>().unwrap(), document.parse::<Scenario>().unwrap());
+}
+
+#[test]
+fn unknown_key() {
+    let text = SCENARIO.replace("nodes = 12", "nodes = 12\nsteps_s = 0.1");
+    assert_eq!(
+        complaint("unknown", &text),
+        "scenarios/turn.toml:7: unknown key simulation.steps_s = 0.1: \
+         did you mean step_s? allowed is step_s, nodes, law"
+    );
+}
+
+#[test]
+fn unknown_key_of_a_robot_names_the_robot_file() {
+    let files =
+        Files::new("unknown_robot", SCENARIO, "mass_kg = 1\n\n[[elements]]\nlimit_rad = 0.3\nwidth = 2\n");
+    assert_eq!(
+        files.complaint(&[]),
+        "robots/bat.toml:5: unknown key robot.elements[0].width = 2: allowed is limit_rad"
+    );
+}
+
+#[test]
+fn unknown_key_of_an_override() {
+    let files = Files::new("unknown_set", SCENARIO, ROBOT);
+    assert_eq!(
+        files.complaint(&["simulation.step=0.1"]),
+        "--set simulation.step=0.1: unknown key simulation.step = 0.1: \
+         did you mean step_s? allowed is step_s, nodes, law"
+    );
+}
+
+#[test]
+fn unknown_table() {
+    assert_eq!(
+        complaint("unknown_table", &format!("{SCENARIO}[wind]\nspeed_m_s = 1\n")),
+        "scenarios/turn.toml:8: unknown key wind: allowed is name, robot, simulation, gait"
+    );
+}
+
+#[test]
+fn missing_key() {
+    assert_eq!(
+        complaint("missing", &SCENARIO.replace("nodes = 12\n", "")),
+        "scenarios/turn.toml:4: simulation.nodes is missing: it must be given"
+    );
+    assert_eq!(
+        complaint("missing_root", &SCENARIO.replace("name = \"turn\"\n", "")),
+        "scenarios/turn.toml:1: name is missing: it must be given"
+    );
+    let files = Files::new("missing_robot", SCENARIO, "\n[[elements]]\nlimit_rad = 0.3\n");
+    assert_eq!(files.complaint(&[]), "robots/bat.toml:1: robot.mass_kg is missing: it must be given");
+}
+
+#[test]
+fn wrong_type() {
+    assert_eq!(
+        complaint("type", &SCENARIO.replace("1e-4", "\"fast\"")),
+        "scenarios/turn.toml:5: simulation.step_s = \"fast\": allowed is a number"
+    );
+    assert_eq!(
+        complaint("negative", &SCENARIO.replace("= 12", "= -1")),
+        "scenarios/turn.toml:6: simulation.nodes = -1: allowed is a whole number, not negative"
+    );
+    let text = SCENARIO.split("\n[simulation]").next().unwrap().to_owned() + "simulation = 3\n";
+    assert_eq!(complaint("table", &text), "scenarios/turn.toml:3: simulation = 3: allowed is a table");
+}
+
+#[test]
+fn unknown_name() {
+    assert_eq!(
+        complaint("variant", &SCENARIO.replace("linear", "liner")),
+        "scenarios/turn.toml:7: simulation.law = \"liner\": did you mean linear? allowed is linear, stall"
+    );
+}
+
+#[test]
+fn numbers_are_finite() {
+    for bad in ["nan", "-inf"] {
+        assert_eq!(
+            complaint("nan", &SCENARIO.replace("1e-4", bad)),
+            format!("scenarios/turn.toml:5: simulation.step_s = {bad}: allowed is a finite number")
+        );
+    }
+    let files = Files::new("nan_set", SCENARIO, ROBOT);
+    assert_eq!(
+        files.complaint(&["robot.mass_kg=nan"]),
+        "--set robot.mass_kg=nan: robot.mass_kg = nan: allowed is a finite number"
+    );
+}
+
+#[test]
+fn what_a_builder_refuses_is_found_in_its_file() {
+    let files = Files::new("builder", SCENARIO, "mass_kg = -0.02\n\n[[elements]]\nlimit_rad = 30.0e-2\n");
+    let document = files.load(&["simulation.nodes=2"]).unwrap();
+    let explained = |error: Error| files.relative(&document.explain(&error));
+    assert_eq!(
+        explained(Error::invalid("robot.mass_kg", -0.02, "a positive mass")),
+        "robots/bat.toml:1: robot.mass_kg = -0.02: allowed is a positive mass"
+    );
+    assert_eq!(
+        explained(Error::invalid("robot.elements[0].limit_rad", 0.3, "at most 0.2")),
+        "robots/bat.toml:4: robot.elements[0].limit_rad = 30.0e-2: allowed is at most 0.2"
+    );
+    assert_eq!(
+        explained(Error::invalid("simulation.nodes", 2, "3 or more")),
+        "--set simulation.nodes=2: simulation.nodes = 2: allowed is 3 or more"
+    );
+    assert_eq!(
+        explained(Error::invalid("simulation.wind", 2, "less")),
+        "scenarios/turn.toml:4: simulation.wind = 2: allowed is less"
+    );
+}
+
+#[test]
+fn files_that_are_not_there_or_not_toml() {
+    let text = SCENARIO.replace("bat.toml", "cat.toml");
+    let message = complaint("absent_robot", &text);
+    assert!(
+        message.starts_with("scenarios/turn.toml:2: robot = \"../robots/cat.toml\": allowed is a file"),
+        "{message}"
+    );
+    assert!(message.contains("robots/cat.toml: No such file"), "{message}");
+
+    let files = Files::new("not_toml", "name = \"x\"\n[simulation\n", ROBOT);
+    let message = files.complaint(&[]);
+    assert!(message.starts_with("scenarios/turn.toml:2: not TOML: "), "{message}");
+    let files = Files::new("robot_not_toml", SCENARIO, "mass_kg = 1\nmass_kg = 2\n");
+    let message = files.complaint(&[]);
+    assert!(message.starts_with("robots/bat.toml:2: not TOML: duplicate key"), "{message}");
+
+    let error = Document::load(&files.folder.join("none.toml"), &[], &[]).unwrap_err();
+    assert!(matches!(error.place, Place::File(_)));
+}
+
+#[test]
+fn overrides_that_name_no_place() {
+    let files = Files::new("bad_set", SCENARIO, ROBOT);
+    assert_eq!(files.complaint(&["simulation.nodes"]), "--set simulation.nodes: allowed is KEY=VALUE");
+    let inside = files.complaint(&["name.x=1"]);
+    assert_eq!(inside, "--set name.x=1: name.x: allowed is a key of a table; x would be inside a string");
+    let index = files.complaint(&["robot.elements[2].limit_rad=1"]);
+    assert!(index.contains("allowed is an index from 0 to 1 in place of 2"), "{index}");
+}
