@@ -4,14 +4,14 @@
 use super::{SectionMotion, Wrench};
 use crate::math::{Scalar, Vec3};
 
-/// Directions, winds and rates of one section, resolved in B. Chord lines are rigid.
+/// Directions, winds and rates of one section, resolved in B.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section<S: Scalar> {
     /// Unit vector from leading to trailing edge.
     pub chordwise: Vec3<S>,
-    /// Unit vector to the upper side, chordwise x span.
+    /// Unit vector to the upper side, chordwise x across.
     pub normal: Vec3<S>,
-    /// Unit vector across the section, normal x chordwise: from left tip to right tip.
+    /// Unit vector across the section, from left tip to right tip; nose up is positive about it.
     pub across: Vec3<S>,
     /// Mid-chord point.
     pub middle: Vec3<S>,
@@ -25,7 +25,7 @@ pub(super) struct Section<S: Scalar> {
     pub drift: S,
     /// Rate of pitch, nose up, rad/s.
     pub pitch_rate: S,
-    /// Rate of roll of the normal towards `across`, rad/s: n' = pitch_rate e_c + roll_rate across.
+    /// Rate at which the normal turns towards `across`, rad/s.
     pub roll_rate: S,
     /// Acceleration of mid chord along the normal, m/s2.
     pub acceleration: S,
@@ -34,28 +34,21 @@ pub(super) struct Section<S: Scalar> {
 }
 
 impl<S: Scalar> Section<S> {
-    /// Geometry and kinematics of a section in the air velocity `wind`.
+    /// Geometry and kinematics of a section in the air velocity `wind`; the
+    /// chord line is rigid, 1/`inverse_chord` m long and perpendicular to the span.
     ///
-    /// With the span direction at the sweep angle L from `across`, the normal
-    /// turns by n' = q e_c + p across, p = -w.e_c - tan(L) (q - w.across).
+    /// The normal turns by n' = q e_c + p across with q = -v_te/le.n / c, p = -w.e_c.
     ///
     /// Equation: aero.section_kinematics
     #[inline]
-    pub fn new(motion: &SectionMotion<S>, wind: Vec3<S>) -> Self {
-        let chord = motion.te - motion.le;
-        let inverse_chord = chord.norm_squared().sqrt().recip();
-        let chordwise = chord * inverse_chord;
-        let normal_raw = chordwise.cross(motion.span);
-        let normal = normal_raw * normal_raw.norm().recip();
-        let across = normal.cross(chordwise);
-        let tan_sweep = motion.span.dot(chordwise) / motion.span.dot(across);
+    pub fn new(motion: &SectionMotion<S>, wind: Vec3<S>, inverse_chord: f64) -> Self {
+        let chordwise = (motion.te - motion.le) * S::from(inverse_chord);
+        let across = motion.span;
+        let normal = chordwise.cross(across);
         let velocity = motion.velocity(0.5) - wind;
         let velocity_change = motion.v_te - motion.v_le;
-        let pitch_rate = -(velocity_change.dot(normal) * inverse_chord);
-        let roll_rate = -motion.w.dot(chordwise) - tan_sweep * (pitch_rate - motion.w.dot(across));
-        let pitch_acceleration = -(((motion.a_te - motion.a_le).dot(normal)
-            + roll_rate * velocity_change.dot(across))
-            * inverse_chord);
+        let normal_change = velocity_change.dot(normal);
+        let roll_rate = -motion.w.dot(chordwise);
         let w_half = -velocity.dot(normal);
         Self {
             chordwise,
@@ -64,27 +57,33 @@ impl<S: Scalar> Section<S> {
             middle: motion.point(0.5),
             uc: -velocity.dot(chordwise),
             w_half,
-            w_three_quarter: w_half - velocity_change.dot(normal) * 0.25,
+            w_three_quarter: w_half - normal_change * 0.25,
             drift: velocity.dot(across),
-            pitch_rate,
+            pitch_rate: normal_change * -inverse_chord,
             roll_rate,
             acceleration: motion.acceleration(0.5).dot(normal),
-            pitch_acceleration,
+            pitch_acceleration: ((motion.a_te - motion.a_le).dot(normal)
+                + roll_rate * velocity_change.dot(across))
+                * -inverse_chord,
         }
     }
 
-    /// Force of the carried air at mid chord, and couple, for the strip's added
-    /// mass `mass` kg: Kirchhoff's F = -d/dt(m v_n n) with the couple
-    /// -m v_n v_span (across x n). Its mean over any closed cycle is zero.
+    /// Force of the carried air at mid chord, for the strip's added mass `mass`
+    /// kg: Kirchhoff's F = -d/dt(m v_n n) with the couple -m v_n v_span
+    /// (across x n). The mean force over any closed cycle is zero.
     ///
     /// Equation: aero.added_mass
     #[inline]
-    pub fn added_mass(&self, mass: f64) -> (Vec3<S>, Vec3<S>) {
-        let v_n = -self.w_half;
+    pub fn added_mass(&self, mass: f64) -> SectionForce<S> {
+        let momentum = self.w_half * mass;
         let rate = self.acceleration - self.pitch_rate * self.uc + self.roll_rate * self.drift;
-        let turning = self.chordwise * self.pitch_rate + self.across * self.roll_rate;
-        let force = (self.normal * rate + turning * v_n) * S::from(-mass);
-        (force, self.chordwise * (v_n * self.drift * -mass))
+        SectionForce {
+            chordwise: momentum * self.pitch_rate,
+            normal: rate * -mass,
+            across: momentum * self.roll_rate,
+            nose_up: S::ZERO,
+            about_chord: momentum * self.drift,
+        }
     }
 
     /// Nose-up couple about the quarter chord of a pitching section beyond the
@@ -104,66 +103,62 @@ impl<S: Scalar> Section<S> {
     pub fn add_inertia(&self, mass: f64, inertia: f64, matrix: &mut [[S; 6]; 6]) {
         let [n, m] = [self.normal, self.middle.cross(self.normal)];
         let g = [n[0], n[1], n[2], m[0], m[1], m[2]];
-        let scaled = g.map(|x| x * mass);
         for i in 0..6 {
+            let scaled = g[i] * mass;
             for j in i..6 {
-                matrix[i][j] += scaled[i] * g[j];
+                matrix[i][j] += scaled * g[j];
             }
         }
-        if inertia != 0.0 {
-            for i in 0..3 {
-                let row = self.across[i] * inertia;
-                for j in i..3 {
-                    matrix[3 + i][3 + j] += row * self.across[j];
-                }
+        for i in 0..3 {
+            let scaled = self.across[i] * inertia;
+            for j in i..3 {
+                matrix[3 + i][3 + j] += scaled * self.across[j];
             }
         }
     }
+
+    /// A section force as a wrench about the body origin.
+    #[inline]
+    pub fn wrench(&self, f: SectionForce<S>) -> Wrench<S> {
+        let force = self.chordwise * f.chordwise + self.normal * f.normal + self.across * f.across;
+        let couple = self.across * f.nose_up + self.chordwise * f.about_chord;
+        Wrench { force, moment: self.middle.cross(force) + couple }
+    }
 }
 
-/// Forces of one strip with their points of attack.
+/// Force and couple on a section at mid chord, along its own directions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct StripForces<S: Scalar> {
-    /// Quarter-chord point, where lift and induced drag act.
-    pub quarter: Vec3<S>,
-    /// Lift perpendicular to the wind of motion.
-    pub circulatory: Vec3<S>,
-    /// What turning by the wash adds.
-    pub induced_drag: Vec3<S>,
-    /// Mid-chord point, where the added mass acts.
-    pub middle: Vec3<S>,
-    /// Force of the carried air.
-    pub added_mass: Vec3<S>,
-    /// Couple of the carried air, section moment included.
-    pub couple: Vec3<S>,
-    /// Where the profile drag acts.
-    pub drag_centre: Vec3<S>,
-    /// Profile drag.
-    pub profile_drag: Vec3<S>,
+pub(super) struct SectionForce<S: Scalar> {
+    /// Force towards the trailing edge, N.
+    pub chordwise: S,
+    /// Force to the upper side, N.
+    pub normal: S,
+    /// Force from left tip to right tip, N.
+    pub across: S,
+    /// Couple about `across`, N m.
+    pub nose_up: S,
+    /// Couple about `chordwise`, N m.
+    pub about_chord: S,
 }
 
-impl<S: Scalar> StripForces<S> {
-    /// By source.
+impl<S: Scalar> SectionForce<S> {
+    /// A force in the plane of the section, acting `ahead` m of mid chord.
     #[inline]
-    pub fn by_source(&self) -> super::StripLoads<S> {
-        super::StripLoads {
-            circulatory: Wrench::at(self.quarter, self.circulatory),
-            induced_drag: Wrench::at(self.quarter, self.induced_drag),
-            added_mass: Wrench::at(self.middle, self.added_mass) + Wrench::couple(self.couple),
-            profile_drag: Wrench::at(self.drag_centre, self.profile_drag),
-        }
+    pub fn in_plane(chordwise: S, normal: S, ahead: S) -> Self {
+        Self { chordwise, normal, across: S::ZERO, nose_up: normal * ahead, about_chord: S::ZERO }
     }
+}
 
-    /// Sum over the sources.
+impl<S: Scalar> std::ops::Add for SectionForce<S> {
+    type Output = Self;
     #[inline]
-    pub fn total(&self) -> Wrench<S> {
-        let lift = self.circulatory + self.induced_drag;
-        Wrench {
-            force: lift + self.added_mass + self.profile_drag,
-            moment: self.quarter.cross(lift)
-                + self.middle.cross(self.added_mass)
-                + self.drag_centre.cross(self.profile_drag)
-                + self.couple,
+    fn add(self, o: Self) -> Self {
+        Self {
+            chordwise: self.chordwise + o.chordwise,
+            normal: self.normal + o.normal,
+            across: self.across + o.across,
+            nose_up: self.nose_up + o.nose_up,
+            about_chord: self.about_chord + o.about_chord,
         }
     }
 }

@@ -19,7 +19,8 @@ pub struct SectionMotion<S: Scalar> {
     pub a_le: Vec3<S>,
     /// Acceleration of the trailing edge.
     pub a_te: Vec3<S>,
-    /// Unit vector along the span of the section's link, from left tip to right tip.
+    /// Unit vector along the span of the section's link, from left tip to right
+    /// tip, perpendicular to the chord line.
     pub span: Vec3<S>,
     /// Angular rate of the section's link.
     pub w: Vec3<S>,

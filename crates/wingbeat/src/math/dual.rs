@@ -33,7 +33,16 @@ impl<const N: usize, S: Scalar> Dual<N, S> {
     /// Chain rule: value `f` and slope `df` of a function of one variable.
     #[inline]
     fn chain(self, f: S, df: S) -> Self {
-        Self { re: f, eps: self.eps.map(|e| e * df) }
+        self.each(f, |e| e * df)
+    }
+
+    #[inline]
+    fn each(self, re: S, f: impl Fn(S) -> S) -> Self {
+        let mut eps = [S::ZERO; N];
+        for i in 0..N {
+            eps[i] = f(self.eps[i]);
+        }
+        Self { re, eps }
     }
 
     #[inline]
@@ -77,7 +86,7 @@ impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
-        Self { re: -self.re, eps: self.eps.map(|e| -e) }
+        self.each(-self.re, |e| -e)
     }
 }
 
@@ -137,7 +146,7 @@ macro_rules! with_f64 {
             type Output = Self;
             #[inline]
             fn mul(self, o: f64) -> Self {
-                Self { re: self.re * o, eps: self.eps.map(|e| e * o) }
+                self.each(self.re * o, |e| e * o)
             }
         }
         impl<const N: usize, S: Scalar> Div<f64> for $type<N, S> {

@@ -109,14 +109,14 @@ impl<S: Scalar> Neg for Vec3<S> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
-        Self(self.0.map(|c| -c))
+        Self([-self.0[0], -self.0[1], -self.0[2]])
     }
 }
 impl<S: Scalar> Mul<S> for Vec3<S> {
     type Output = Self;
     #[inline]
     fn mul(self, k: S) -> Self {
-        Self(self.0.map(|c| c * k))
+        Self([self.0[0] * k, self.0[1] * k, self.0[2] * k])
     }
 }
 impl<S: Scalar> AddAssign for Vec3<S> {
@@ -171,7 +171,7 @@ impl<S: Scalar> Mat3<S> {
     /// Outer product a b'.
     #[inline]
     pub fn outer(a: Vec3<S>, b: Vec3<S>) -> Self {
-        Self(a.0.map(|x| b.0.map(|y| x * y)))
+        Self([(b * a[0]).0, (b * a[1]).0, (b * a[2]).0])
     }
     /// Transpose.
     #[inline]
@@ -262,22 +262,28 @@ impl<S: Scalar> Mul<S> for Mat3<S> {
     type Output = Self;
     #[inline]
     fn mul(self, k: S) -> Self {
-        Self(self.0.map(|r| r.map(|x| x * k)))
+        let mut m = self;
+        for i in 0..3 {
+            for j in 0..3 {
+                m.0[i][j] *= k;
+            }
+        }
+        m
     }
 }
 impl<S: Scalar> Mul<Vec3<S>> for Mat3<S> {
     type Output = Vec3<S>;
     #[inline]
     fn mul(self, v: Vec3<S>) -> Vec3<S> {
-        Vec3(self.0.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2]))
+        let row = |i: usize| self.0[i][0] * v[0] + self.0[i][1] * v[1] + self.0[i][2] * v[2];
+        Vec3([row(0), row(1), row(2)])
     }
 }
 impl<S: Scalar> Mul for Mat3<S> {
     type Output = Self;
     #[inline]
     fn mul(self, o: Self) -> Self {
-        let t = o.transpose();
-        Self(self.0.map(|r| t.0.map(|c| r[0] * c[0] + r[1] * c[1] + r[2] * c[2])))
+        Self::from_columns(self * o.column(0), self * o.column(1), self * o.column(2))
     }
 }
 

@@ -15,8 +15,8 @@ mod tests;
 pub use settings::LiftingLineSettings;
 
 use super::law::separation_scale;
-use super::section::{Section, StripForces};
-use super::{Loads, Planform, SectionMotion, Wrench};
+use super::section::{Section, SectionForce};
+use super::{Loads, Planform, SectionMotion, StripLoads, Wrench};
 use crate::Error;
 use crate::math::{Scalar, Vec3};
 use crate::plant::Channel;
@@ -67,9 +67,7 @@ impl LiftingLine {
             .iter()
             .zip(&arcs)
             .zip(&widths)
-            .map(|((&angle, &arc), &width)| {
-                Node::new(chord(arc).max(settings.chord_floor_m), width, half_span, angle, &settings)
-            })
+            .map(|((&angle, &arc), &width)| Node::new(chord(arc), width, half_span, angle, &settings))
             .collect();
         let influence = influence(&angles, 2.0 * half_span);
         let separation_scale = separation_scale(settings.stall_angle_rad);
@@ -180,17 +178,18 @@ impl LiftingLine {
         loads: &mut Loads<S>,
     ) {
         let mut wrench = Wrench::ZERO;
-        let mut added_mass = [[S::ZERO; 6]; 6];
+        loads.added_mass = [[S::ZERO; 6]; 6];
         for i in 0..self.strips() {
-            let strip = self.strip(i, &sections[i], wind, x, dx, &mut added_mass);
-            loads.strip[i] = strip.forces.by_source();
-            loads.incidence[i] = strip.wash.atan2(strip.uc);
+            let node = &self.nodes[i];
+            let section = Section::new(&sections[i], wind, node.inverse_edge);
+            let flow = self.flow(i, &section, x, dx);
+            loads.strip[i] = self.by_source(node, &section, &flow, &mut loads.added_mass);
+            loads.incidence[i] = flow.wash.atan2(section.uc);
             loads.circulation[i] = x[i];
             wrench += loads.strip[i].total();
         }
-        mirror_upper(&mut added_mass);
+        mirror_upper(&mut loads.added_mass);
         loads.wrench = wrench;
-        loads.added_mass = added_mass;
         loads.strips = self.strips();
     }
 
@@ -206,33 +205,24 @@ impl LiftingLine {
         let mut wrench = Wrench::ZERO;
         let mut added_mass = [[S::ZERO; 6]; 6];
         for i in 0..self.strips() {
-            wrench += self.strip(i, &sections[i], wind, x, dx, &mut added_mass).forces.total();
+            let node = &self.nodes[i];
+            let section = Section::new(&sections[i], wind, node.inverse_edge);
+            let flow = self.flow(i, &section, x, dx);
+            let force = flow.lift(node)
+                + self.profile_drag(node, &section, &flow)
+                + self.carried_air(node, &section, flow.speed, &mut added_mass);
+            wrench += section.wrench(force);
         }
         mirror_upper(&mut added_mass);
         (wrench, added_mass)
     }
 
-    /// Rates and forces of node `i`. The lift rho (U G + c G') stands
-    /// perpendicular to the wind that includes induced and lag wash W:
-    /// L (|uc| n - s W e_c) / Ve, where the leading-edge suction fades in
-    /// reversed flow by s = (1 + tanh(4 uc/Ve)) / 2.
-    ///
-    /// Equation: aero.lifting_line.force
+    /// State rates of node `i` and the flow that its forces follow from.
     #[inline]
-    fn strip<S: Scalar>(
-        &self,
-        i: usize,
-        motion: &SectionMotion<S>,
-        wind: Vec3<S>,
-        x: &[S],
-        dx: &mut [S],
-        added_mass: &mut [[S; 6]; 6],
-    ) -> Strip<S> {
-        let (node, set) = (&self.nodes[i], &self.settings);
-        let delta2 = set.regularisation_m_s * set.regularisation_m_s;
-        let section = Section::new(motion, wind);
+    fn flow<S: Scalar>(&self, i: usize, section: &Section<S>, x: &[S], dx: &mut [S]) -> Flow<S> {
+        let set = &self.settings;
         let (uc, w) = (section.uc, section.w_three_quarter);
-        let uc2 = uc * uc + delta2;
+        let uc2 = uc * uc + set.regularisation_m_s * set.regularisation_m_s;
         let speed = (uc2 + w * w).sqrt();
         let wash = w + self.induced_wash(i, &x[..self.strips()]);
         let effective = self.lag(i, speed, wash, x, dx);
@@ -240,27 +230,39 @@ impl LiftingLine {
         let sine = effective * inverse;
         let attached = set.law.attached_share(sine * sine, self.separation_scale);
         dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
+        let suction = suction_share(uc * inverse) * attached;
+        Flow { w, wash, effective, speed, along: uc2.sqrt(), inverse, attached, suction }
+    }
 
-        let lift = effective * attached * node.lift;
-        let (along, suction) = (uc2.sqrt(), ((uc * inverse * 4.0).tanh() + 1.0) * 0.5 * attached);
-        let turned = speed * inverse;
-        let circulatory = section.normal * (lift * along) - section.chordwise * (lift * suction * w);
-        let induced_drag = section.normal * (lift * along * (turned - 1.0))
-            - section.chordwise * (lift * suction * (turned * effective - w));
-        let drag = set.drag.section(set.law, uc, section.w_half, attached, delta2);
-        let (carried, couple) = self.carried_air(node, &section, speed, added_mass);
-        let forces = StripForces {
-            quarter: motion.point(0.25),
+    /// Forces of one node by source.
+    #[inline]
+    fn by_source<S: Scalar>(
+        &self,
+        node: &Node,
+        section: &Section<S>,
+        flow: &Flow<S>,
+        added_mass: &mut [[S; 6]; 6],
+    ) -> StripLoads<S> {
+        let circulatory = section.wrench(flow.lift_without_turning(node));
+        let lift = section.wrench(flow.lift(node));
+        StripLoads {
             circulatory,
-            induced_drag,
-            middle: section.middle,
-            added_mass: carried,
-            couple,
-            drag_centre: motion.le + (motion.te - motion.le) * drag.centre,
-            profile_drag: (section.chordwise * drag.chordwise + section.normal * drag.normal)
-                * S::from(node.drag),
-        };
-        Strip { forces, wash, uc }
+            induced_drag: Wrench {
+                force: lift.force - circulatory.force,
+                moment: lift.moment - circulatory.moment,
+            },
+            added_mass: section.wrench(self.carried_air(node, section, flow.speed, added_mass)),
+            profile_drag: section.wrench(self.profile_drag(node, section, flow)),
+        }
+    }
+
+    #[inline]
+    fn profile_drag<S: Scalar>(&self, node: &Node, section: &Section<S>, flow: &Flow<S>) -> SectionForce<S> {
+        let set = &self.settings;
+        let delta2 = set.regularisation_m_s * set.regularisation_m_s;
+        let drag = set.drag.section(set.law, section.uc, section.w_half, flow.attached, delta2);
+        let ahead = (S::from(0.5) - drag.centre) * (2.0 * node.half_chord);
+        SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
     }
 
     /// Force and couple of the carried air, its inertia added to the matrix.
@@ -271,27 +273,65 @@ impl LiftingLine {
         section: &Section<S>,
         speed: S,
         matrix: &mut [[S; 6]; 6],
-    ) -> (Vec3<S>, Vec3<S>) {
+    ) -> SectionForce<S> {
         let set = &self.settings;
-        let (mut force, mut couple) = (Vec3::ZERO, Vec3::ZERO);
-        if set.added_mass {
-            (force, couple) = section.added_mass(node.mass);
-        }
-        if set.section_moment {
-            couple += section.across * section.section_moment(node.mass, node.half_chord, speed);
-        }
         let mass = if set.added_mass { node.mass } else { 0.0 };
-        let inertia = if set.section_moment { node.inertia } else { 0.0 };
-        section.add_inertia(mass, inertia, matrix);
-        (force, couple)
+        let turned = if set.section_moment { node.mass } else { 0.0 };
+        let mut force = section.added_mass(mass);
+        force.nose_up = section.section_moment(turned, node.half_chord, speed);
+        section.add_inertia(mass, turned * node.half_chord * node.half_chord / 8.0, matrix);
+        force
     }
 }
 
-/// What the loop over nodes needs of one of them.
-struct Strip<S: Scalar> {
-    forces: StripForces<S>,
+/// What the forces of a node follow from.
+struct Flow<S: Scalar> {
+    /// Wash of motion, m/s.
+    w: S,
+    /// Wash of motion and induced wash, m/s.
     wash: S,
-    uc: S,
+    /// Effective wash, lags included, m/s.
+    effective: S,
+    /// Smooth airspeed of motion, m/s.
+    speed: S,
+    /// Smooth |uc|, m/s.
+    along: S,
+    /// 1 / airspeed with the effective wash, s/m.
+    inverse: S,
+    /// Share of attached lift.
+    attached: S,
+    /// Share of leading-edge suction.
+    suction: S,
+}
+
+impl<S: Scalar> Flow<S> {
+    /// The lift rho (U G + c G') perpendicular to the wind that includes
+    /// induced and lag wash W: L (|uc| n - s W e_c) / Ve.
+    ///
+    /// Equation: aero.lifting_line.force
+    #[inline]
+    fn lift(&self, node: &Node) -> SectionForce<S> {
+        let turned = self.effective * self.attached * node.lift * self.speed * self.inverse;
+        let ahead = S::from(0.5 * node.half_chord);
+        SectionForce::in_plane(-(turned * self.suction * self.effective), turned * self.along, ahead)
+    }
+
+    /// The same lift perpendicular to the wind of motion alone.
+    #[inline]
+    fn lift_without_turning(&self, node: &Node) -> SectionForce<S> {
+        let lift = self.effective * self.attached * node.lift;
+        let ahead = S::from(0.5 * node.half_chord);
+        SectionForce::in_plane(-(lift * self.suction * self.w), lift * self.along, ahead)
+    }
+}
+
+/// Share of leading-edge suction at the cosine x of the effective incidence:
+/// 1 in attached, 0 in reversed flow, (1 + tanh(4 artanh x)) / 2 between.
+#[inline]
+fn suction_share<S: Scalar>(x: S) -> S {
+    let x2 = x * x;
+    let rise = x * (x2 + 1.0) * 2.0 / (x2 * (x2 + 6.0) + 1.0);
+    rise + 0.5
 }
 
 /// Copies the upper triangle to the lower one.

@@ -6,6 +6,8 @@ use std::f64::consts::PI;
 /// Constants of one node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
+    /// 1 / chord of the planform, 1/m; all else holds the floored chord.
+    pub inverse_edge: f64,
     pub half_chord: f64,
     pub inverse_chord: f64,
     /// Circulation per wash, a0 c / 2, m.
@@ -14,9 +16,8 @@ pub(super) struct Node {
     pub lag_rates: [f64; 2],
     /// rho a0 (c/2) dy: lift per wash and airspeed, kg/m.
     pub lift: f64,
-    /// Added mass, kg, and its moment of inertia in pitch, kg m2.
+    /// Added mass, kg.
     pub mass: f64,
-    pub inertia: f64,
     /// rho c dy / 2, kg/m.
     pub drag: f64,
 }
@@ -24,17 +25,19 @@ pub(super) struct Node {
 impl Node {
     /// Node at `angle` with its quadrature `width` for the lift.
     pub fn new(chord: f64, width: f64, half_span: f64, angle: f64, set: &LiftingLineSettings) -> Self {
+        let edge = chord;
+        let chord = edge.max(set.chord_floor_m);
         let half_chord = 0.5 * chord;
         let area_width = half_span * fejer_weight(angle, set.nodes);
         let mass = set.density_kg_m3 * PI * half_chord * half_chord * area_width;
         Self {
+            inverse_edge: 1.0 / edge,
             half_chord,
             inverse_chord: 1.0 / chord,
             circulation: set.section_slope * half_chord,
             lag_rates: JONES_RATES.map(|e| e / half_chord),
             lift: set.density_kg_m3 * set.section_slope * half_chord * width,
             mass,
-            inertia: mass * half_chord * half_chord / 8.0,
             drag: 0.5 * set.density_kg_m3 * chord * area_width,
         }
     }
