@@ -1,1 +1,28 @@
-//! wingbeat-figures
+//! Figures of a record: PNG and SVG.
+//!
+//! Each figure needs only the columns it names; where one is missing, the figure says which.
+
+mod commands;
+mod cycle;
+mod error;
+mod forces;
+mod panel;
+mod path;
+mod projection;
+mod states;
+mod style;
+mod write;
+
+pub use commands::commands;
+pub use error::Error;
+pub use forces::forces;
+pub use path::path;
+pub use states::states;
+pub use write::{Figure, write};
+
+use wingbeat::flight::Record;
+
+/// The numbers of a column that a figure needs.
+fn needed<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], Error> {
+    record.values(name).ok_or_else(|| Error::Column(name.into()))
+}

@@ -1,0 +1,53 @@
+//! The forces by source over the last stroke.
+
+use wingbeat::flight::Record;
+
+use crate::panel::{Curve, Panel, stacked};
+use crate::write::Figure;
+use crate::{Error, cycle, needed, style};
+
+const AXES: [(&str, &str); 3] =
+    [("x", "forward force [N]"), ("y", "left force [N]"), ("z", "upward force [N]")];
+
+/// Every `force_<source>_x`, `_y`, `_z` (body frame) and their sum over the last whole stroke;
+/// over the whole record when there is none.
+pub fn forces(record: &Record) -> Result<Figure, Error> {
+    let t = needed(record, "t")?;
+    let sources = sources(record);
+    if sources.is_empty() {
+        return Err(Error::Column("force_<source>_x".into()));
+    }
+    let whole = cycle::last(record);
+    let rows = whole.clone().unwrap_or(0..t.len());
+    if rows.len() < 2 {
+        return Err(Error::Rows { rows: rows.len(), needed: 2 });
+    }
+    let start = t[rows.start];
+    let period = if whole.is_some() { t[rows.end - 1] - start } else { 1.0 };
+    let x: Vec<f64> = t[rows.clone()].iter().map(|t| (t - start) / period).collect();
+    let mut panels = Vec::new();
+    for (axis, label) in AXES {
+        let mut sum = vec![0.0; rows.len()];
+        let mut curves = Vec::new();
+        for (index, source) in sources.iter().enumerate() {
+            let y = &needed(record, &format!("force_{source}_{axis}"))?[rows.clone()];
+            sum.iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
+            curves.push(Curve::new(source.replace('_', " "), &x, y.to_vec(), index));
+        }
+        let total = Curve::new("sum", &x, sum, 0);
+        curves.push(Curve { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total });
+        panels.push(Panel { title: label.into(), curves, limits: None, zero: true });
+    }
+    let x_label = if whole.is_some() {
+        format!("phase of the stroke from t = {start:.2} s, in cycles of {period:.3} s")
+    } else {
+        "time [s]".into()
+    };
+    Ok(Figure { name: "forces", scene: stacked(panels, &x_label, style::PANEL) })
+}
+
+/// Names of the sources, in the order of the record.
+fn sources(record: &Record) -> Vec<&str> {
+    let names = record.columns().iter().map(|column| column.name.as_str());
+    names.filter_map(|name| name.strip_prefix("force_")?.strip_suffix("_x")).collect()
+}

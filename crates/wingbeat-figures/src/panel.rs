@@ -1,0 +1,193 @@
+//! Panels of curves over a common axis, one below another.
+
+use std::sync::Arc;
+
+use kuva::plot::LinePlot;
+use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
+use kuva::plot::legend::LegendPosition;
+use kuva::render::color::Color;
+use kuva::render::figure::Figure as Grid;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, Scene, TextAnchor};
+use kuva::render::theme::Theme;
+
+use crate::style;
+
+/// Most points of a curve: more would not be seen.
+const MOST_POINTS: usize = 2000;
+
+/// Room to the left of a panel, for the numbers of its axis, px.
+const LEFT: f64 = 58.0;
+/// Room above a panel, for its title, px.
+const HEAD: f64 = 28.0;
+/// Room below a panel, px.
+const GAP: f64 = 8.0;
+/// Room below the last panel, for the common axis, px.
+const FOOT: f64 = 46.0;
+/// Room around the figure, px.
+const PADDING: f64 = 6.0;
+
+/// A curve with its name in the legend.
+pub struct Curve {
+    pub name: String,
+    pub x: Vec<f64>,
+    pub y: Vec<f64>,
+    pub colour: String,
+    /// Thickness of the line, px.
+    pub weight: f64,
+}
+
+impl Curve {
+    /// A curve of ordinary weight in the colour number `index`.
+    pub fn new(name: impl Into<String>, x: &[f64], y: Vec<f64>, index: usize) -> Self {
+        Self {
+            name: name.into(),
+            x: x.to_vec(),
+            y,
+            colour: style::colour(index).into(),
+            weight: style::CURVE,
+        }
+    }
+}
+
+/// Curves over a common axis.
+pub struct Panel {
+    /// What is drawn, with its unit.
+    pub title: String,
+    pub curves: Vec<Curve>,
+    /// What the curves may not leave; shaded outside.
+    pub limits: Option<(f64, f64)>,
+    /// True for a thin line at zero.
+    pub zero: bool,
+}
+
+/// The panels one below another over the axis `x_label`, which spans all curves.
+pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
+    let count = panels.len();
+    let range = x_range(&panels);
+    let legend = legend_width(&panels);
+    let titles: Vec<String> = panels.iter().map(|panel| panel.title.clone()).collect();
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels
+        .into_iter()
+        .enumerate()
+        .map(|(row, panel)| {
+            let last = row + 1 == count;
+            let (plots, layout) = drawn(panel, range, legend);
+            (plots, if last { labelled(layout, x_label) } else { unlabelled(layout) })
+        })
+        .unzip();
+    let last_row = height + FOOT - GAP;
+    let mut scene = Grid::new(count, 1)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_spacing(0.0)
+        .with_padding(PADDING)
+        .with_row_height(count - 1, last_row)
+        .with_figure_size(style::WIDTH, height * (count as f64 - 1.0) + last_row + 2.0 * PADDING)
+        .render();
+    for (row, title) in titles.into_iter().enumerate() {
+        let y = PADDING + height * row as f64 + HEAD - 8.0;
+        scene.elements.push(text(PADDING + 8.0, y, char::from(b'a' + row as u8).into(), true));
+        scene.elements.push(text(PADDING + LEFT, y, title, false));
+    }
+    scene
+}
+
+fn text(x: f64, y: f64, content: String, bold: bool) -> Primitive {
+    let color = Some(Color::from(style::INK));
+    Primitive::Text {
+        x,
+        y,
+        content,
+        size: style::LETTERS,
+        anchor: TextAnchor::Start,
+        rotate: None,
+        bold,
+        color,
+    }
+}
+
+fn drawn(panel: Panel, range: (f64, f64), legend: f64) -> (Vec<Plot>, Layout) {
+    let (low, high) = y_range(&panel);
+    let plots: Vec<Plot> = panel.curves.into_iter().map(plot).collect();
+    let mut layout = Layout::auto_from_plots(&plots)
+        .with_theme(Theme::minimal())
+        .with_x_axis_min(range.0)
+        .with_x_axis_max(range.1)
+        .with_y_axis_min(low)
+        .with_y_axis_max(high)
+        .with_box_axes()
+        .with_tick_align("inside")
+        .with_show_grid(false)
+        .with_axis_line_width(style::AXIS)
+        .with_label_size(style::LETTERS)
+        .with_tick_size(style::TICKS)
+        .with_body_size(style::LETTERS)
+        .with_ticks(5)
+        .with_tick_format(TickFormat::Custom(Arc::new(style::number)))
+        .with_legend_position(LegendPosition::OutsideRightTop)
+        .with_legend_box(false)
+        .with_force_margins(LEFT, legend);
+    if let Some((floor, ceiling)) = panel.limits {
+        for (from, to) in [(low, floor), (ceiling, high)] {
+            layout = layout.with_shaded_region(
+                ShadedRegion::horizontal(from, to).with_color(style::SHADE).with_opacity(0.6),
+            );
+        }
+        for limit in [floor, ceiling] {
+            layout = layout.with_reference_line(thin(limit));
+        }
+    }
+    if panel.zero && low < 0.0 && high > 0.0 {
+        layout = layout.with_reference_line(thin(0.0));
+    }
+    (plots, layout)
+}
+
+fn thin(at: f64) -> ReferenceLine {
+    ReferenceLine::horizontal(at).with_color(style::GUIDE).with_stroke_width(0.8).with_dasharray("")
+}
+
+fn labelled(layout: Layout, x_label: &str) -> Layout {
+    layout.with_x_label(x_label).with_force_margins_y(HEAD, FOOT)
+}
+
+fn unlabelled(layout: Layout) -> Layout {
+    let nothing = TickFormat::Custom(Arc::new(|_| String::new()));
+    layout.with_x_tick_format(nothing).with_force_margins_y(HEAD, GAP)
+}
+
+fn plot(curve: Curve) -> Plot {
+    let stride = curve.x.len().div_ceil(MOST_POINTS).max(1);
+    let points: Vec<(f64, f64)> = curve.x.iter().copied().zip(curve.y).step_by(stride).collect();
+    let line = LinePlot::new().with_data(points).with_color(curve.colour).with_stroke_width(curve.weight);
+    line.with_legend(curve.name).into()
+}
+
+fn x_range(panels: &[Panel]) -> (f64, f64) {
+    span(panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| curve.x.iter().copied()))
+}
+
+/// The curves and their limits with a margin.
+fn y_range(panel: &Panel) -> (f64, f64) {
+    let limits = panel.limits.into_iter().flat_map(|(low, high)| [low, high]);
+    let zero = panel.zero.then_some(0.0);
+    let values = panel.curves.iter().flat_map(|curve| curve.y.iter().copied());
+    let (low, high) = span(values.chain(limits).chain(zero));
+    let margin = 0.07 * (high - low).max(1e-9);
+    (low - margin, high + margin)
+}
+
+fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let finite = values.filter(|value| value.is_finite());
+    let (low, high) =
+        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low > high { (0.0, 1.0) } else { (low, high) }
+}
+
+/// Room to the right for the longest name.
+fn legend_width(panels: &[Panel]) -> f64 {
+    let names = panels.iter().flat_map(|panel| &panel.curves).map(|curve| curve.name.chars().count());
+    58.0 + 7.4 * names.max().unwrap_or(0) as f64
+}

@@ -1,0 +1,135 @@
+//! Every figure of a made-up turn is drawn, written, and says what it shows.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use wingbeat::flight::{Column, Record};
+use wingbeat_figures::{Error, Figure, commands, forces, path, states, write};
+
+const SIDES: [(&str, f64); 2] = [("left", 1.0), ("right", -1.0)];
+
+fn columns() -> Vec<Column> {
+    let plain = [("t", "s", ""), ("roll", "rad", ""), ("roll_reference", "rad", ""), ("pitch", "rad", "")];
+    let position = [("yaw", "rad", ""), ("p_WB_x", "m", "W"), ("p_WB_y", "m", "W"), ("p_WB_z", "m", "W")];
+    let mut columns: Vec<Column> =
+        plain.into_iter().chain(position).map(|(name, unit, frame)| Column::new(name, unit, frame)).collect();
+    for (side, _) in SIDES {
+        columns.extend(
+            [format!("shoulder_{side}"), format!("elbow_{side}")].map(|name| Column::new(name, "rad", "")),
+        );
+        for (element, limit) in [("shoulder", 0.3), ("elbow", 0.5)] {
+            let command = Column::new(format!("command_{element}_{side}"), "rad", "");
+            columns.push(Column { low: -limit, high: limit, ..command });
+            columns.push(Column::new(format!("displacement_{element}_{side}"), "rad", ""));
+        }
+        for i in 0..3 {
+            columns
+                .extend(["x", "y", "z"].map(|axis| Column::new(format!("wing_{side}_{i}_{axis}"), "m", "W")));
+        }
+    }
+    for source in ["circulatory", "added_mass", "profile_drag", "induced_drag", "inertia"] {
+        columns.extend(["x", "y", "z"].map(|axis| Column::new(format!("force_{source}_{axis}"), "N", "B")));
+    }
+    columns
+}
+
+fn row(t: f64) -> Vec<f64> {
+    let phase = TAU * 3.5 * t;
+    let turn = (1.0 - (-(t - 1.0).max(0.0) / 0.4).exp()) * 15_f64.to_radians();
+    let yaw = -0.45 * (t - 1.0).max(0.0);
+    let (x, y) = if t < 1.0 { (1.5 * t, 0.0) } else { (1.5 - 3.3 * yaw.sin(), -3.3 * (1.0 - yaw.cos())) };
+    let reference = if t < 1.0 { 0.0 } else { 15_f64.to_radians() };
+    let pitch = -15_f64.to_radians() + 0.06 * phase.cos();
+    let z = -0.4 * t + 0.02 * phase.sin();
+    let mut row = vec![t, turn + 0.02 * phase.sin(), reference, pitch, yaw, x, y, z];
+    for (_, sign) in SIDES {
+        let shoulder = 0.1 + 0.95 * phase.cos();
+        let elbow = -0.65 - 0.65 * (phase - 1.25 * TAU / 2.0).cos();
+        row.extend([shoulder, elbow]);
+        for limit in [0.3, 0.5] {
+            let command = (sign * 0.4 * (phase / 3.0).sin() * t / 5.0).clamp(-limit, limit);
+            row.extend([command, 0.9 * command]);
+        }
+        let mut point = [x, y, z];
+        let lateral = [-yaw.sin(), yaw.cos()];
+        for (length, angle) in [(0.02, 0.0), (0.05, shoulder), (0.132, shoulder + elbow)] {
+            for i in 0..2 {
+                point[i] += sign * length * angle.cos() * lateral[i];
+            }
+            point[2] += length * angle.sin();
+            row.extend(point);
+        }
+    }
+    for k in 0..15 {
+        let k = f64::from(k);
+        row.push((0.05 + 0.01 * k) * (phase + 0.4 * k).cos() + 0.02);
+    }
+    row
+}
+
+fn record() -> Record {
+    let mut record = Record::new(columns(), 5001).unwrap();
+    (0..=5000).for_each(|i| record.append(&row(1e-3 * f64::from(i))));
+    record
+}
+
+fn folder() -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("figures");
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The drawing as SVG text, once its files are seen to be there.
+fn written(folder: &Path, figure: &Figure) -> String {
+    write(folder, figure).unwrap();
+    let path = folder.join(figure.name);
+    let png = fs::read(path.with_extension("png")).unwrap();
+    assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
+    let width = u32::from_be_bytes(png[16..20].try_into().unwrap());
+    assert_eq!(width, 2150);
+    fs::read_to_string(path.with_extension("svg")).unwrap()
+}
+
+#[test]
+fn every_figure_names_its_axes_and_curves() {
+    let (record, folder) = (record(), folder());
+    let expected: [(Figure, &[&str]); 4] = [
+        (
+            states(&record).unwrap(),
+            &["orientation [°]", "position [m]", "elbow angle [°]", "time [s]", "roll reference"],
+        ),
+        (commands(&record).unwrap(), &["shoulder [rad]", "elbow [rad]", "left, response"]),
+        (forces(&record).unwrap(), &["upward force [N]", "added mass", "sum", "cycles of 0.286 s"]),
+        (path(&record).unwrap(), &["x [m]", "y [m]", "z [m]", "left wing", "every 0.25 s"]),
+    ];
+    for (figure, words) in expected {
+        let svg = written(&folder, &figure);
+        for word in words {
+            assert!(svg.contains(word), "{}: {word}", figure.name);
+        }
+        assert!(!svg.contains("NaN"), "{}", figure.name);
+    }
+}
+
+#[test]
+fn a_missing_column_is_named() {
+    let record = Record::new(vec![Column::new("t", "s", "")], 0).unwrap();
+    for (outcome, name) in [
+        (states(&record), "roll"),
+        (commands(&record), "command_<element>"),
+        (forces(&record), "force_<source>_x"),
+        (path(&record), "p_WB_x"),
+    ] {
+        assert!(matches!(outcome, Err(Error::Column(column)) if column == name));
+    }
+}
+
+#[test]
+fn a_record_of_one_row_is_refused_or_drawn_but_never_a_panic() {
+    let mut record = Record::new(columns(), 1).unwrap();
+    record.append(&row(0.0));
+    assert!(path(&record).is_err());
+    assert!(forces(&record).is_err());
+    let _ = (states(&record), commands(&record));
+}
