@@ -17,6 +17,8 @@ pub mod ocp;
 
 pub mod flight;
 
+pub mod guide;
+
 pub mod scenario;
 
 pub use error::Error;

@@ -65,7 +65,7 @@ impl Robot {
 
         let (mut mass, bias) = self.tree.inertia_and_bias(w, &links);
         let gravity = self.tree.gravity(self.gravity(attitude), &links);
-        let net = air + gravity + self.side_drag(v - wind) + -bias;
+        let net = air + gravity + self.body_drag(v - wind) + -bias;
         let mut rhs = [S::ZERO; 6];
         net.force.store(&mut rhs);
         net.moment.store(&mut rhs[3..]);
@@ -134,9 +134,17 @@ impl Robot {
         attitude.transpose_mul(Vec3::new(S::ZERO, S::ZERO, S::from(-GRAVITY)))
     }
 
-    /// Drag of the body broadside: F_y = -rho/2 A |v_y| v_y at the body origin.
-    pub(super) fn side_drag<S: Scalar>(&self, v: Vec3<S>) -> Wrench<S> {
-        let force = v[1] * v[1].smooth_abs(1e-3) * (-0.5 * self.air.density * self.side_drag_area);
-        Wrench { force: Vec3::new(S::ZERO, force, S::ZERO), moment: Vec3::ZERO }
+    /// Drag of the body at its origin, F_i = -rho/2 A_i |v_i| v_i along each body
+    /// axis; `v` is the velocity against the air, in B.
+    pub(super) fn body_drag<S: Scalar>(&self, v: Vec3<S>) -> Wrench<S> {
+        let mut drag = Wrench::ZERO;
+        for i in 0..3 {
+            let scale = -0.5 * self.air.density * self.drag_area[i];
+            drag.force[i] = v[i] * v[i].smooth_abs(DRAG_WIDTH) * scale;
+        }
+        drag
     }
 }
+
+/// Speed below which the body's drag is rounded off, m/s.
+const DRAG_WIDTH: f64 = 1e-3;

@@ -27,7 +27,7 @@ pub struct Observation {
     pub energy: f64,
     /// Aerodynamic loads summed over the strips, by source, in B about the body origin.
     pub air: StripLoads<f64>,
-    /// Drag of the body broadside, in B.
+    /// Drag of the body, in B.
     pub body_drag: Wrench<f64>,
     /// Gravity, in B.
     pub gravity: Wrench<f64>,
@@ -66,7 +66,7 @@ impl Robot {
         let aero = self.layout.aero;
         self.aero.evaluate(&sections[..self.sections.len()], wind, &x[aero..], &mut dx[aero..], &mut loads);
         let air = loads.by_source();
-        let body_drag = self.side_drag(e.base.velocity - wind);
+        let body_drag = self.body_drag(e.base.velocity - wind);
         let g = self.gravity(e.attitude);
         let gravity = self.tree.gravity(g, &e.links);
         let torques = self.joint_torques(&e, &loads, g);

@@ -33,8 +33,8 @@ pub struct BodySpec {
     pub com_m: [f64; 3],
     /// Principal inertias about the centre of mass along x, y, z, kg m2.
     pub inertia_kg_m2: [f64; 3],
-    /// Drag area of the body broadside, m2: F_y = -rho/2 A |v_y| v_y.
-    pub side_drag_area_m2: f64,
+    /// Drag areas of the body along x, y, z, m2: F_i = -rho/2 A_i |v_i| v_i.
+    pub drag_area_m2: [f64; 3],
 }
 
 /// Left wing.
@@ -73,11 +73,11 @@ pub struct LinkSpec {
 
 /// How the wings flap.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum GaitSpec {
     /// Joint angles as Fourier series of the phase.
     Fourier {
-        /// Flapping frequency, Hz.
+        /// Flapping frequency, Hz; 0 holds the wings still.
         frequency_hz: f64,
         /// Shoulder, positive raises the wing.
         shoulder: FourierSeries,
@@ -86,7 +86,7 @@ pub enum GaitSpec {
     },
     /// Joint angles from the closed linkage of the computational structure.
     Linkage {
-        /// Crank frequency, Hz.
+        /// Crank frequency, Hz; 0 holds the wings still.
         frequency_hz: f64,
         /// Dimensions of the linkage.
         #[serde(default)]
@@ -99,6 +99,13 @@ impl GaitSpec {
     pub fn frequency_hz(&self) -> f64 {
         match self {
             Self::Fourier { frequency_hz, .. } | Self::Linkage { frequency_hz, .. } => *frequency_hz,
+        }
+    }
+
+    /// Stops the flapping.
+    pub fn hold_still(&mut self) {
+        match self {
+            Self::Fourier { frequency_hz, .. } | Self::Linkage { frequency_hz, .. } => *frequency_hz = 0.0,
         }
     }
 
@@ -194,7 +201,7 @@ impl RobotSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.body.check().map_err(|e| e.within("body"))?;
         self.wing.check().map_err(|e| e.within("wing"))?;
-        positive("gait.frequency_hz", self.gait.frequency_hz())?;
+        not_negative("gait.frequency_hz", self.gait.frequency_hz())?;
         self.structure.check(matches!(self.gait, GaitSpec::Linkage { .. })).map_err(|e| e.within("structure"))
     }
 }
@@ -203,7 +210,7 @@ impl BodySpec {
     fn check(&self) -> Result<(), Error> {
         positive("mass_kg", self.mass_kg)?;
         finite("com_m", &self.com_m)?;
-        not_negative("side_drag_area_m2", self.side_drag_area_m2)?;
+        self.drag_area_m2.iter().try_for_each(|&a| not_negative("drag_area_m2", a))?;
         self.inertia_kg_m2.iter().try_for_each(|&i| positive("inertia_kg_m2", i))
     }
 }

@@ -1,5 +1,212 @@
 //! TOML to checked objects: the only place where strings become things.
 
 mod document;
+mod recorder;
+mod spec;
+mod summary;
 
 pub use document::{ConfigError, Document, Place, Problem};
+pub use spec::{
+    AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
+};
+pub use summary::{ControllerSummary, Status, Summary};
+
+use crate::Error;
+use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag};
+use crate::flight::{AtRest, Controller, Ending, Flight, Record, Sample, Schedule, fly};
+use crate::guide::Mpc;
+use crate::math::{Quat, Vec3};
+use crate::robot::{Air, Robot};
+use recorder::Recorder;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Keys of a scenario that name a file to be put in their place.
+const INCLUDES: [&str; 1] = ["robot"];
+
+/// A checked scenario, ready to fly.
+#[derive(Debug)]
+pub struct Scenario {
+    /// What the files and overrides said.
+    pub spec: ScenarioSpec,
+    /// The merged configuration as TOML; flies the same flight.
+    pub resolved: String,
+    robot: Robot,
+    schedule: Schedule,
+}
+
+/// A flown scenario.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Time histories.
+    pub record: Record,
+    /// Numbers to compare.
+    pub summary: Summary,
+}
+
+impl Scenario {
+    /// Reads, merges and checks a scenario file; `overrides` are `key=value`.
+    ///
+    /// # Errors
+    /// One message with file, line, key, the value given and what is allowed.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
+        let document = Document::load(path, overrides, &INCLUDES)?;
+        let spec: ScenarioSpec = document.parse()?;
+        let resolved = document.resolved()?;
+        Self::build(spec, resolved).map_err(|error| document.explain(&error))
+    }
+
+    fn build(spec: ScenarioSpec, resolved: String) -> Result<Self, Error> {
+        spec.check()?;
+        let robot = spec.robot()?;
+        let schedule = spec.schedule()?;
+        let scenario = Self { spec, resolved, robot, schedule };
+        scenario.controller()?;
+        Ok(scenario)
+    }
+
+    /// The robot in its air.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// State at t = 0: at the origin, structure at rest, still wake.
+    pub fn start(&self) -> Vec<f64> {
+        let (start, layout) = (&self.spec.start, self.robot.layout());
+        let mut x = vec![0.0; layout.len];
+        let [roll, pitch, yaw] = [start.roll_deg, start.pitch_deg, start.yaw_deg].map(f64::to_radians);
+        Quat::from_roll_pitch_yaw(roll, pitch, yaw).store_wxyz(&mut x[layout.attitude..]);
+        Vec3(start.velocity_m_s).store(&mut x[layout.velocity..]);
+        x
+    }
+
+    /// The scenario's predictive controller, if it has one.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the offending key.
+    pub fn controller(&self) -> Result<Option<Mpc<'_, Robot>>, Error> {
+        match (&self.spec.controller, &self.spec.manoeuvre) {
+            (Some(spec), Some(manoeuvre)) => {
+                Mpc::new(&self.robot, manoeuvre.clone(), spec).map(Some).map_err(|e| e.within("controller"))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Flies the scenario. `observe` sees every recorded sample and may stop the flight.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the controller's settings are out of range.
+    pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
+        match self.controller()? {
+            Some(mut controller) => self.fly_with(&mut controller, observe),
+            None => self.fly_with(&mut AtRest, observe),
+        }
+    }
+
+    fn fly_with<C: Controller>(
+        &self,
+        controller: &mut C,
+        mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
+    ) -> Result<Run, Error> {
+        let rows = self.schedule.steps / self.schedule.steps_per_sample + 1;
+        let mut recorder = Recorder::new(&self.robot, rows)?;
+        let mut broken = None;
+        let mut x = self.start();
+        let mut flight = fly(&self.robot, controller, &self.schedule, &mut x, |sample| {
+            if let Err(fault) = recorder.sample(sample.t, sample.x, sample.u) {
+                broken = Some(fault);
+                return ControlFlow::Break(());
+            }
+            observe(&sample)
+        });
+        if let Some(fault) = broken {
+            flight.ending = Ending::Fault(fault);
+        }
+        let (record, stall_fraction) = recorder.finish();
+        let summary = self.summarise(&record, &flight, stall_fraction);
+        Ok(Run { record, summary })
+    }
+
+    fn summarise(&self, record: &Record, flight: &Flight, stall_fraction: f64) -> Summary {
+        let context = summary::Context {
+            manoeuvre: self.spec.manoeuvre.as_ref(),
+            goal: self.spec.goal.as_ref(),
+            preset: self.spec.aero.preset.name(),
+            law: self.spec.aero.law.name(),
+            stall_fraction,
+        };
+        Summary::new(record, flight, &context)
+    }
+}
+
+impl ScenarioSpec {
+    fn check(&self) -> Result<(), Error> {
+        let density = self.air.density_kg_m3;
+        if !(density > 0.0 && density.is_finite()) {
+            return Err(Error::invalid("air.density_kg_m3", density, "a finite number above 0"));
+        }
+        if self.controller.is_some() && self.manoeuvre.is_none() {
+            return Err(Error::invalid("controller", "given", "a manoeuvre to fly: add [manoeuvre]"));
+        }
+        Ok(())
+    }
+
+    /// The robot in its air.
+    fn robot(&self) -> Result<Robot, Error> {
+        let planform = Planform::new(&self.robot.wing.planform).map_err(|e| e.within("robot.wing"))?;
+        let air = Air { density: self.air.density_kg_m3, wind: Vec3(self.air.wind_m_s) };
+        let aero = self.aero(&planform).map_err(|e| e.within("aero"))?;
+        let mut robot = self.robot.clone();
+        if !self.flight.flapping {
+            robot.gait.hold_still();
+        }
+        Robot::new(&robot, aero, air, self.start.phase_rad).map_err(|e| e.within("robot"))
+    }
+
+    fn aero(&self, planform: &Planform) -> Result<Aero, Error> {
+        let (aero, wing) = (&self.aero, &self.robot.wing);
+        let drag = ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 };
+        match aero.preset {
+            Preset::Paper => {
+                let settings = LiftingLineSettings {
+                    nodes: aero.paper.nodes,
+                    regularisation_m_s: aero.paper.regularisation_m_s,
+                    chord_floor_m: aero.paper.chord_floor_m,
+                    law: aero.law,
+                    stall_angle_rad: aero.stall_angle_deg.to_radians(),
+                    drag,
+                    added_mass: aero.added_mass,
+                    section_moment: aero.section_moment,
+                    density_kg_m3: self.air.density_kg_m3,
+                    ..LiftingLineSettings::default()
+                };
+                LiftingLine::new(planform, settings).map(Aero::LiftingLine).map_err(|e| e.within("paper"))
+            }
+        }
+    }
+
+    /// Whole steps for duration, updates and records.
+    fn schedule(&self) -> Result<Schedule, Error> {
+        let flight = &self.flight;
+        let step = flight.step_s;
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(Error::invalid("flight.step_s", step, "a finite number above 0"));
+        }
+        let whole = |key: &str, time: f64| {
+            let steps = (time / step).round();
+            if steps >= 1.0 && (steps * step - time).abs() <= 1e-9 * time {
+                Ok(steps as usize)
+            } else {
+                Err(Error::invalid(key, time, format!("a whole number of steps of {step} s, at least one")))
+            }
+        };
+        let period = self.controller.as_ref().map_or(flight.duration_s, |c| c.period_s);
+        Ok(Schedule {
+            step,
+            steps: whole("flight.duration_s", flight.duration_s)?,
+            steps_per_update: whole("controller.period_s", period)?,
+            steps_per_sample: whole("flight.record_every_s", flight.record_every_s)?,
+        })
+    }
+}

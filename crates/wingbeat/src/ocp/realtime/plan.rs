@@ -45,6 +45,11 @@ impl Plan {
         }
     }
 
+    /// Number of nodes, one more than intervals.
+    pub fn nodes(&self) -> usize {
+        self.horizon.intervals + 1
+    }
+
     /// Time of node `k`, s.
     pub fn time(&self, k: usize) -> f64 {
         self.start + k as f64 * self.horizon.step

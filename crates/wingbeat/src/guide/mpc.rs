@@ -1,0 +1,196 @@
+//! Model predictive control of attitude by direct collocation.
+
+use super::manoeuvre::{Manoeuvre, angle_error};
+use crate::Error;
+use crate::flight::{Controller, Update};
+use crate::math::{Quat, Scalar, Vec3};
+use crate::ocp::realtime::{RealTime, Settings, Tracking};
+use crate::plant::{Channel, LocalChart, Plant};
+use serde::{Deserialize, Serialize};
+
+/// Horizon and cost of the controller.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MpcSpec {
+    /// Time between updates, s.
+    pub period_s: f64,
+    /// Intervals of the horizon.
+    pub intervals: usize,
+    /// Length of an interval, s.
+    pub interval_s: f64,
+    /// Iterations of sequential quadratic programming per update.
+    pub iterations: usize,
+    /// The plan's first input is the last one applied; else it may jump.
+    #[serde(default)]
+    pub continuous_input: bool,
+    /// Weights.
+    pub weights: Weights,
+}
+
+/// Weights of the residuals; the cost holds their squares.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// Roll error, per rad.
+    pub roll: f64,
+    /// Pitch error, per rad.
+    pub pitch: f64,
+    /// Angular-rate error, per rad/s.
+    pub rate: f64,
+    /// Input, per half of its range.
+    pub input: f64,
+}
+
+impl MpcSpec {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
+        let weights = &self.weights;
+        let positive = [("period_s", self.period_s), ("interval_s", self.interval_s)];
+        let weights = [
+            ("weights.roll", weights.roll),
+            ("weights.pitch", weights.pitch),
+            ("weights.rate", weights.rate),
+        ];
+        if let Some((key, value)) = positive.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
+            return Err(Error::invalid(*key, value, "a finite number above 0"));
+        }
+        if let Some((key, value)) = weights.iter().find(|(_, v)| !(*v >= 0.0 && v.is_finite())) {
+            return Err(Error::invalid(*key, value, "a finite number, 0 or more"));
+        }
+        if !(self.weights.input > 0.0 && self.weights.input.is_finite()) {
+            return Err(Error::invalid("weights.input", self.weights.input, "a finite number above 0"));
+        }
+        for (key, value) in [("intervals", self.intervals), ("iterations", self.iterations)] {
+            if value == 0 {
+                return Err(Error::invalid(key, value, "at least 1"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The paper's cost J = sum (z - z_ref)' C (z - z_ref), z = [roll, pitch, w],
+/// on the nodes after the first, with a small cost on the inputs at all nodes.
+struct AttitudeTracking {
+    manoeuvre: Manoeuvre,
+    weights: Weights,
+    /// Attitude at which the chart is centred.
+    center: Quat,
+    /// Index of the rotation vector in the local state.
+    rotation: usize,
+    /// Index of the angular rate in the local state.
+    rate: usize,
+    /// Residual per input, weight over half range.
+    input_weights: Vec<f64>,
+}
+
+impl Tracking for AttitudeTracking {
+    fn residuals(&self, node: usize) -> usize {
+        self.input_weights.len() + if node == 0 { 0 } else { 5 }
+    }
+
+    fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]) {
+        let (inputs, outputs) = r.split_at_mut(self.input_weights.len());
+        for (i, r) in inputs.iter_mut().enumerate() {
+            *r = u[i] * self.input_weights[i];
+        }
+        if node == 0 {
+            return;
+        }
+        let attitude = Quat::constant(self.center) * Quat::exp(Vec3::from_slice(&x[self.rotation..]));
+        let angles = attitude.matrix().roll_pitch_yaw();
+        let reference = self.manoeuvre.reference(t);
+        outputs[0] = angle_error(angles[0], reference.roll) * self.weights.roll;
+        outputs[1] = angle_error(angles[1], reference.pitch) * self.weights.pitch;
+        for i in 0..3 {
+            outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * self.weights.rate;
+        }
+    }
+}
+
+/// Predictive controller of any plant with an attitude and the angular rate
+/// `w_WB_B` among its states.
+pub struct Mpc<'a, P: Plant> {
+    chart: LocalChart<'a, P>,
+    tracking: AttitudeTracking,
+    solver: RealTime,
+    iterations: usize,
+    last_update: Option<f64>,
+    local: Vec<f64>,
+}
+
+impl<'a, P: Plant> Mpc<'a, P> {
+    /// A controller of `plant` for a manoeuvre.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is out of range, or the plant has no
+    /// attitude or angular rate.
+    pub fn new(plant: &'a P, manoeuvre: Manoeuvre, spec: &MpcSpec) -> Result<Self, Error> {
+        spec.check()?;
+        let chart = LocalChart::new(plant);
+        let missing = |what: &str| Error::invalid("plant", what, "a plant with attitude and angular rate");
+        let rotation = chart.rotation().ok_or_else(|| missing("no attitude"))?;
+        let rate = chart.states().iter().position(|c| c.name == "w_WB_B_x");
+        let half_range = |c: &Channel| 0.5 * (c.high - c.low);
+        let tracking = AttitudeTracking {
+            manoeuvre,
+            weights: spec.weights.clone(),
+            center: Quat::IDENTITY,
+            rotation,
+            rate: rate.ok_or_else(|| missing("no angular rate w_WB_B_x"))?,
+            input_weights: plant.inputs().iter().map(|c| spec.weights.input / half_range(c)).collect(),
+        };
+        let settings = Settings {
+            hold_first_input: spec.continuous_input,
+            ..Settings::new(spec.intervals, spec.interval_s)
+        };
+        let solver = RealTime::new(&chart, &tracking, settings)?;
+        Ok(Self {
+            local: vec![0.0; chart.states().len()],
+            chart,
+            tracking,
+            solver,
+            iterations: spec.iterations,
+            last_update: None,
+        })
+    }
+
+    /// The solver with its plan, in the chart of the last update.
+    pub fn solver(&self) -> &RealTime {
+        &self.solver
+    }
+
+    /// Centres the chart at the measured attitude and moves the plan's states over.
+    fn recenter(&mut self, x: &[f64], nodes: usize) {
+        let old = self.chart.reference();
+        self.chart.center_at(x);
+        self.tracking.center = self.chart.reference();
+        for k in 0..nodes {
+            self.chart.adopt(old, self.solver.plan_mut().state_mut(k));
+        }
+        self.chart.localise(x, &mut self.local);
+    }
+}
+
+impl<P: Plant> Controller for Mpc<'_, P> {
+    fn update(&mut self, t: f64, x: &[f64]) -> Update {
+        if let Some(last) = self.last_update {
+            self.solver.shift(&self.chart, t - last);
+            let nodes = self.solver.plan().nodes();
+            self.recenter(x, nodes);
+        } else {
+            self.recenter(x, 0);
+            self.solver.reset(&self.chart, &self.local);
+        }
+        self.last_update = Some(t);
+        let status = self.solver.solve(&self.chart, &self.tracking, t, &self.local, self.iterations);
+        if status.updated() { Update::Fresh } else { Update::Kept }
+    }
+
+    fn input(&self, t: f64, u: &mut [f64]) {
+        self.solver.plan().input_at(t, u);
+    }
+}

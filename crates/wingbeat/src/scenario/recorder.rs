@@ -1,0 +1,97 @@
+//! From an observed robot to the columns of a record.
+
+use crate::Error;
+use crate::flight::{Column, Record};
+use crate::math::{Vec3, Wrench};
+use crate::plant::{Fault, Plant};
+use crate::robot::{JOINTS, Observation, Robot, WING_POINTS};
+
+/// Names of the wing's recorded points, left tip to right tip.
+const POINT_NAMES: [&str; WING_POINTS] =
+    ["left_tip", "left_elbow", "left_shoulder", "right_shoulder", "right_elbow", "right_tip"];
+/// Lines of the wing recorded at each point.
+const LINES: [&str; 3] = ["hinge", "leading", "trailing"];
+/// Load sources in the order of [`sources`].
+const SOURCES: [&str; 7] =
+    ["circulatory", "induced_drag", "added_mass", "profile_drag", "body_drag", "gravity", "inertia"];
+
+fn sources(o: &Observation) -> [Wrench<f64>; SOURCES.len()] {
+    let air = &o.air;
+    [air.circulatory, air.induced_drag, air.added_mass, air.profile_drag, o.body_drag, o.gravity, o.inertia]
+}
+
+/// Samples of a flight as they become a [`Record`].
+pub struct Recorder<'a> {
+    robot: &'a Robot,
+    record: Record,
+    row: Vec<f64>,
+    incidence: Vec<f64>,
+}
+
+impl<'a> Recorder<'a> {
+    /// An empty record of `robot` with room for `rows` samples.
+    pub fn new(robot: &'a Robot, rows: usize) -> Result<Self, Error> {
+        let columns = columns(robot);
+        let width = columns.len();
+        Ok(Self {
+            robot,
+            record: Record::new(columns, rows)?,
+            row: Vec::with_capacity(width),
+            incidence: Vec::new(),
+        })
+    }
+
+    /// Appends the sample at (t, x, u).
+    pub fn sample(&mut self, t: f64, x: &[f64], u: &[f64]) -> Result<(), Fault> {
+        let o = self.robot.observe(t, x, u)?;
+        let layout = self.robot.layout();
+        let position = Vec3::from_slice(&x[layout.position..]);
+        let mut row = std::mem::take(&mut self.row);
+        row.clear();
+        row.extend([t, self.robot.phase(t)]);
+        row.extend(o.attitude.roll_pitch_yaw().0);
+        row.extend(o.joints);
+        row.extend(o.torques);
+        row.push(o.power);
+        row.extend(sources(&o).iter().flat_map(|w| w.force.0.into_iter().chain(w.moment.0)));
+        row.extend((position + o.attitude * o.center_of_mass).0);
+        row.extend(o.wing.iter().flatten().flat_map(|p| (position + o.attitude * *p).0));
+        row.extend(&o.incidence);
+        row.extend(u);
+        row.extend(x);
+        self.record.append(&row);
+        self.row = row;
+        self.incidence.extend(&o.incidence);
+        Ok(())
+    }
+
+    /// The record, and the share of strips past `stall_angle` (rad) over all samples.
+    pub fn finish(self) -> (Record, f64) {
+        let limit = self.robot.aero().stall_angle();
+        let past = self.incidence.iter().filter(|a| a.abs() > limit).count();
+        (self.record, past as f64 / self.incidence.len().max(1) as f64)
+    }
+}
+
+fn columns(robot: &Robot) -> Vec<Column> {
+    let column = |name: String, unit: &str, frame: &str| Column::new(name, unit, frame);
+    let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
+    columns.extend(["roll", "pitch", "yaw"].map(|n| Column::new(n, "rad", "WB")));
+    columns.extend(JOINTS.map(|n| Column::new(n, "rad", "")));
+    columns.extend(JOINTS.map(|n| column(format!("torque_{n}"), "N m", "")));
+    columns.push(Column::new("joint_power", "W", ""));
+    for source in SOURCES {
+        columns.extend(["x", "y", "z"].map(|a| column(format!("force_{source}_{a}"), "N", "B")));
+        columns.extend(["x", "y", "z"].map(|a| column(format!("moment_{source}_{a}"), "N m", "B")));
+    }
+    columns.extend(["x", "y", "z"].map(|a| column(format!("com_{a}"), "m", "W")));
+    for point in POINT_NAMES {
+        for line in LINES {
+            columns.extend(["x", "y", "z"].map(|a| column(format!("{line}_{point}_{a}"), "m", "W")));
+        }
+    }
+    columns.extend((0..robot.aero().strips()).map(|i| column(format!("incidence_{i}"), "rad", "")));
+    columns.extend(robot.inputs().iter().map(Column::from));
+    columns.extend(robot.states().iter().map(Column::from));
+    columns
+}

@@ -1,0 +1,169 @@
+//! What a scenario file says, before it is checked and built.
+
+use crate::aero::LiftLaw;
+use crate::guide::{Manoeuvre, MpcSpec};
+use crate::robot::RobotSpec;
+use serde::{Deserialize, Serialize};
+
+/// A flight: robot, air, start, manoeuvre, controller.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioSpec {
+    /// Name; the run folder is called after it.
+    pub name: String,
+    /// The robot; a scenario names its file.
+    pub robot: RobotSpec,
+    /// Air.
+    pub air: AirSpec,
+    /// Aerodynamic model.
+    pub aero: AeroSpec,
+    /// State at t = 0.
+    pub start: StartSpec,
+    /// Clock.
+    pub flight: FlightSpec,
+    /// What to fly; needed by a controller.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub manoeuvre: Option<Manoeuvre>,
+    /// Predictive controller; without it every regulator rests.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller: Option<MpcSpec>,
+    /// What counts as held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<GoalSpec>,
+    /// Published numbers to print beside the run's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paper: Option<PaperResults>,
+}
+
+/// Air.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AirSpec {
+    /// Density, kg/m3.
+    pub density_kg_m3: f64,
+    /// Wind velocity in W, m/s.
+    pub wind_m_s: [f64; 3],
+}
+
+/// Aerodynamic model.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AeroSpec {
+    /// Which model.
+    pub preset: Preset,
+    /// Lift law.
+    pub law: LiftLaw,
+    /// Incidence beyond which a strip counts as stalled, deg.
+    #[serde(default = "default_stall_angle")]
+    pub stall_angle_deg: f64,
+    /// Reaction of the accelerated air.
+    #[serde(default = "yes")]
+    pub added_mass: bool,
+    /// Moment of pitching about the quarter chord.
+    #[serde(default = "yes")]
+    pub section_moment: bool,
+    /// Settings of preset `paper`.
+    #[serde(default)]
+    pub paper: PaperAeroSpec,
+}
+
+/// The aerodynamic presets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// The paper's unsteady lifting line.
+    Paper,
+}
+
+impl Preset {
+    /// Name as written in configurations and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+        }
+    }
+}
+
+/// Settings of preset `paper`.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PaperAeroSpec {
+    /// Interior nodes over the full span.
+    pub nodes: usize,
+    /// Airspeed below which flow quantities are rounded off, m/s.
+    pub regularisation_m_s: f64,
+    /// Smallest chord, m.
+    pub chord_floor_m: f64,
+}
+
+impl Default for PaperAeroSpec {
+    fn default() -> Self {
+        Self { nodes: 12, regularisation_m_s: 0.1, chord_floor_m: 0.01 }
+    }
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Flat, thin wings stall near 12 deg at Reynolds numbers of 1e4 (Mueller 1999).
+fn default_stall_angle() -> f64 {
+    12.0
+}
+
+/// State at t = 0.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartSpec {
+    /// Velocity v_WB_W, m/s.
+    pub velocity_m_s: [f64; 3],
+    /// Roll, deg; positive is right wing down.
+    pub roll_deg: f64,
+    /// Pitch, deg; negative is nose up.
+    pub pitch_deg: f64,
+    /// Heading, deg.
+    pub yaw_deg: f64,
+    /// Phase of the gait, rad.
+    pub phase_rad: f64,
+}
+
+/// Clock.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlightSpec {
+    /// Duration, s.
+    pub duration_s: f64,
+    /// Integration step, s.
+    pub step_s: f64,
+    /// Time between records, s.
+    pub record_every_s: f64,
+    /// Whether the wings flap; else they stay at the starting phase.
+    #[serde(default = "yes")]
+    pub flapping: bool,
+}
+
+/// What counts as held, on the means from `settle_s` on.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct GoalSpec {
+    /// Start of the means, s.
+    pub settle_s: f64,
+    /// Largest |mean roll - reference|, deg.
+    pub roll_within_deg: f64,
+    /// Largest |mean pitch - reference|, deg.
+    pub pitch_within_deg: f64,
+}
+
+/// Published numbers.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaperResults {
+    /// Roll in the turn, deg.
+    pub roll_deg: f64,
+    /// Pitch, deg.
+    pub pitch_deg: f64,
+    /// Distance along x, m.
+    pub distance_x_m: f64,
+    /// Distance along y, m, without sign.
+    pub distance_y_m: f64,
+}

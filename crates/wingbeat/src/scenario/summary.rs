@@ -1,0 +1,232 @@
+//! The numbers of a flight that are compared.
+
+use super::spec::GoalSpec;
+use crate::flight::{Ending, Flight, Record};
+use crate::guide::{Manoeuvre, angle_error};
+use serde::Serialize;
+use std::time::Duration;
+
+/// `summary.json` of a flight. Means are taken from the goal's settling time
+/// (2 s without a goal) on. Pitch is FLU: negative is nose up.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// `ok`, `off_target`, `fault`, `stopped`.
+    pub status: Status,
+    /// Why, when the status is not `ok`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Simulated time, s.
+    pub duration_s: f64,
+    /// Simulated over wall time.
+    pub real_time_factor: f64,
+    /// Travel along world x, m.
+    pub distance_x_m: f64,
+    /// Travel along world y, m; left is positive.
+    pub distance_y_m: f64,
+    /// Climb, m; negative is sink.
+    pub altitude_change_m: f64,
+    /// Mean roll, deg.
+    pub roll_mean_deg: f64,
+    /// Root mean square of roll minus reference, deg.
+    pub roll_rms_error_deg: f64,
+    /// Mean pitch, deg.
+    pub pitch_mean_deg: f64,
+    /// Half of the pitch range, deg.
+    pub pitch_half_amplitude_deg: f64,
+    /// Change of heading over the whole flight, deg; left is positive.
+    pub yaw_change_deg: f64,
+    /// Aerodynamic preset.
+    pub aero_preset: String,
+    /// Lift law.
+    pub lift_law: String,
+    /// Share of strips beyond the stall angle, over all samples.
+    pub stall_fraction: f64,
+    /// Share of input samples on a limit.
+    pub input_saturation_fraction: f64,
+    /// Cautions that a reader must know.
+    pub warnings: Vec<String>,
+    /// Controller timing and failures.
+    pub controller: ControllerSummary,
+}
+
+/// How a flight went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Flown to the end, goal met.
+    Ok,
+    /// Flown to the end, goal missed.
+    OffTarget,
+    /// The model could not be evaluated.
+    Fault,
+    /// Stopped from outside.
+    Stopped,
+}
+
+/// Timing and failures of the controller.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ControllerSummary {
+    /// Updates asked for.
+    pub updates: usize,
+    /// Updates that kept the previous plan.
+    pub failures: usize,
+    /// Wall time of an update, microseconds.
+    pub median_us: f64,
+    /// 99th percentile.
+    pub p99_us: f64,
+    /// 99.9th percentile.
+    pub p999_us: f64,
+    /// Longest.
+    pub max_us: f64,
+}
+
+impl ControllerSummary {
+    /// Order statistics of the update times.
+    pub fn new(failures: usize, updates: &[Duration]) -> Self {
+        let mut us: Vec<f64> = updates.iter().map(|d| d.as_secs_f64() * 1e6).collect();
+        us.sort_by(f64::total_cmp);
+        let quantile = |q: f64| match us.len() {
+            0 => 0.0,
+            n => us[((n as f64 * q).ceil() as usize).clamp(1, n) - 1],
+        };
+        Self {
+            updates: us.len(),
+            failures,
+            median_us: quantile(0.5),
+            p99_us: quantile(0.99),
+            p999_us: quantile(0.999),
+            max_us: quantile(1.0),
+        }
+    }
+}
+
+/// The part of a flight's record that the summary averages.
+struct Settled<'a> {
+    record: &'a Record,
+    first: usize,
+}
+
+impl Settled<'_> {
+    fn column(&self, name: &str) -> &[f64] {
+        self.record.values(name).map_or(&[], |v| &v[self.first.min(v.len())..])
+    }
+    fn mean_deg(&self, name: &str) -> f64 {
+        let v = self.column(name);
+        (v.iter().sum::<f64>() / v.len().max(1) as f64).to_degrees()
+    }
+}
+
+/// What the summary needs beside record and flight.
+pub(super) struct Context<'a> {
+    pub manoeuvre: Option<&'a Manoeuvre>,
+    pub goal: Option<&'a GoalSpec>,
+    pub preset: &'a str,
+    pub law: &'a str,
+    pub stall_fraction: f64,
+}
+
+/// Start of the means where no goal says it, s.
+const SETTLE: f64 = 2.0;
+
+impl Summary {
+    pub(super) fn new(record: &Record, flight: &Flight, context: &Context) -> Self {
+        let settle = context.goal.map_or(SETTLE, |g| g.settle_s);
+        let t = record.values("t").unwrap_or_default();
+        let settled = Settled { record, first: t.partition_point(|&t| t < settle) };
+        let change = |name| match record.values(name) {
+            Some([first, .., last]) => last - first,
+            _ => 0.0,
+        };
+        let (low, high) = range(settled.column("pitch"));
+        let mut summary = Self {
+            status: Status::Ok,
+            reason: None,
+            duration_s: flight.duration,
+            real_time_factor: flight.duration / flight.wall.as_secs_f64(),
+            distance_x_m: change("p_WB_x"),
+            distance_y_m: change("p_WB_y"),
+            altitude_change_m: change("p_WB_z"),
+            roll_mean_deg: settled.mean_deg("roll"),
+            roll_rms_error_deg: roll_error(&settled, context.manoeuvre).to_degrees(),
+            pitch_mean_deg: settled.mean_deg("pitch"),
+            pitch_half_amplitude_deg: (0.5 * (high - low)).to_degrees(),
+            yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
+            aero_preset: context.preset.into(),
+            lift_law: context.law.into(),
+            stall_fraction: context.stall_fraction,
+            input_saturation_fraction: saturation(record),
+            warnings: warnings(context),
+            controller: ControllerSummary::new(flight.failures, &flight.updates),
+        };
+        (summary.status, summary.reason) = summary.judge(flight, context);
+        summary
+    }
+
+    fn judge(&self, flight: &Flight, context: &Context) -> (Status, Option<String>) {
+        match flight.ending {
+            Ending::Fault(fault) => {
+                return (Status::Fault, Some(format!("{fault}, after {:.4} s", flight.duration)));
+            }
+            Ending::Stopped => return (Status::Stopped, Some("stopped from outside".into())),
+            Ending::Complete => {}
+        }
+        let (Some(goal), Some(manoeuvre)) = (context.goal, context.manoeuvre) else {
+            return (Status::Ok, None);
+        };
+        let off = |name: &str, value: f64, reference: f64, within: f64| {
+            let error = value - reference;
+            (!(error.abs() <= within)).then(|| {
+                format!("mean {name} {value:.2} deg is {error:+.2} deg off {reference} deg, allowed is {within} deg")
+            })
+        };
+        let missed: Vec<String> = [
+            off("roll", self.roll_mean_deg, manoeuvre.roll_deg, goal.roll_within_deg),
+            off("pitch", self.pitch_mean_deg, manoeuvre.pitch_deg, goal.pitch_within_deg),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        if missed.is_empty() { (Status::Ok, None) } else { (Status::OffTarget, Some(missed.join("; "))) }
+    }
+}
+
+fn range(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)))
+}
+
+fn roll_error(settled: &Settled, manoeuvre: Option<&Manoeuvre>) -> f64 {
+    let reference = |t: f64| manoeuvre.map_or(0.0, |m| m.reference(t).roll);
+    let squares = settled.column("roll").iter().zip(settled.column("t"));
+    let sum: f64 = squares.map(|(&roll, &t)| angle_error(roll, reference(t)).powi(2)).sum();
+    (sum / settled.column("roll").len().max(1) as f64).sqrt()
+}
+
+/// Sum of the steps of an angle, each the short way round.
+fn unwrapped_change(angles: &[f64]) -> f64 {
+    angles.windows(2).map(|a| angle_error(a[1], a[0])).sum()
+}
+
+/// Share of input samples that lie on a limit of their channel.
+fn saturation(record: &Record) -> f64 {
+    let inputs = record.columns().iter().filter(|c| c.name.starts_with("command_"));
+    let (mut on, mut all) = (0, 0);
+    for column in inputs {
+        all += column.values.len();
+        on += column.values.iter().filter(|&&v| v <= column.low || v >= column.high).count();
+    }
+    on as f64 / (all as f64).max(1.0)
+}
+
+fn warnings(context: &Context) -> Vec<String> {
+    let share = 100.0 * context.stall_fraction;
+    let mut warnings = Vec::new();
+    if context.law == "linear" && context.stall_fraction > 0.0 {
+        warnings.push(format!(
+            "{share:.0} % of strip samples are past the stall angle under lift law `linear`, which knows no stall"
+        ));
+    }
+    if context.law == "stall" && context.stall_fraction > 0.0 {
+        warnings.push(format!("{share:.0} % of strip samples lean on the quasi-steady law beyond stall"));
+    }
+    warnings
+}
