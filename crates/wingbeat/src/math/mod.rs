@@ -4,10 +4,12 @@ mod dual;
 pub mod interpolation;
 mod jet;
 pub mod linear;
+pub mod multifrontal;
 mod runge_kutta;
 mod scalar;
 mod space;
 mod wrench;
+mod tape;
 
 pub use dual::Dual;
 pub use jet::Jet;
@@ -15,6 +17,7 @@ pub use runge_kutta::{MIDPOINT, RK4, Tableau, Workspace};
 pub use scalar::Scalar;
 pub use space::{Mat3, Quat, Vec3};
 pub use wrench::Wrench;
+pub use tape::{Tape, Traced};
 
 /// Standard gravity, m/s2 (CGPM 1901).
 pub const GRAVITY: f64 = 9.80665;
