@@ -8,16 +8,16 @@ pub mod multifrontal;
 mod runge_kutta;
 mod scalar;
 mod space;
-mod wrench;
 mod tape;
+mod wrench;
 
 pub use dual::Dual;
 pub use jet::Jet;
 pub use runge_kutta::{MIDPOINT, RK4, Tableau, Workspace};
 pub use scalar::Scalar;
 pub use space::{Mat3, Quat, Vec3};
-pub use wrench::Wrench;
 pub use tape::{Tape, Traced};
+pub use wrench::Wrench;
 
 /// Standard gravity, m/s2 (CGPM 1901).
 pub const GRAVITY: f64 = 9.80665;

@@ -245,8 +245,7 @@ impl Tape {
         RECORDING.with_borrow_mut(|nodes| std::mem::swap(nodes, &mut self.nodes));
         self.traced.clear();
         self.traced.extend(inputs.iter().map(|&value| {
-            let source =
-                Node { parents: [CONSTANT; 2], slope: [0.0; 2], curvature: [0.0; 3], curved: false };
+            let source = Node { parents: [CONSTANT; 2], slope: [0.0; 2], curvature: [0.0; 3], curved: false };
             Traced::push(value, source)
         }));
         self.outputs.clear();

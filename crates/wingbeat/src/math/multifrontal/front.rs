@@ -9,6 +9,8 @@ pub struct Front {
     pub rows: Vec<usize>,
     pub candidates: usize,
     values: Vec<f64>,
+    /// Largest magnitude each unknown's column had when it was assembled.
+    scale: Vec<f64>,
     column: Vec<f64>,
     second: Vec<f64>,
 }
@@ -32,8 +34,8 @@ enum Choice {
     None,
 }
 
-/// Pivots below this share of the largest entry of the front count as zero.
-const NEGLIGIBLE: f64 = 1e-15;
+/// Pivots below this share of what their column once held count as zero.
+const NEGLIGIBLE: f64 = 1e-14;
 
 impl Front {
     pub fn clear(&mut self) {
@@ -45,6 +47,20 @@ impl Front {
     pub fn reset(&mut self) {
         self.values.clear();
         self.values.resize(self.rows.len() * self.rows.len(), 0.0);
+        self.scale.clear();
+        self.scale.resize(self.rows.len(), f64::MIN_POSITIVE);
+    }
+
+    /// Notes the size of the columns, once the front is assembled.
+    pub fn measure(&mut self) {
+        let n = self.rows.len();
+        for i in 0..n {
+            for j in 0..=i {
+                let v = self.values[i * n + j].abs();
+                self.scale[i] = self.scale[i].max(v);
+                self.scale[j] = self.scale[j].max(v);
+            }
+        }
     }
 
     #[inline]
@@ -58,6 +74,9 @@ impl Front {
         let m = child.rows.len();
         for i in 0..m {
             let p = position[child.rows[i]];
+            if i < child.candidates {
+                self.scale[p] = self.scale[p].max(child.scale[i]);
+            }
             for j in 0..=i {
                 self.add(p, position[child.rows[j]], child.values[i * m + j]);
             }
@@ -76,6 +95,7 @@ impl Front {
         }
         let n = self.rows.len();
         self.rows.swap(p, q);
+        self.scale.swap(p, q);
         for j in 0..p {
             self.values.swap(p * n + j, q * n + j);
         }
@@ -105,9 +125,9 @@ impl Front {
         (all, at)
     }
 
-    fn choose(&self, k: usize, threshold: f64, tiny: f64) -> Choice {
+    fn choose(&self, k: usize, threshold: f64) -> Choice {
         for c in k..self.candidates {
-            let diagonal = self.at(c, c).abs();
+            let (diagonal, tiny) = (self.at(c, c).abs(), NEGLIGIBLE * self.scale[c]);
             let (gamma, partner) = self.largest(k, c, c);
             if diagonal > tiny && diagonal >= threshold * gamma {
                 return Choice::One(c);
@@ -128,13 +148,11 @@ impl Front {
     /// (`all`) the rest count as zero eigenvalues.
     pub fn eliminate(&mut self, threshold: f64, all: bool, out: &mut Pivots, inertia: &mut Inertia) {
         let n = self.rows.len();
-        let scale = self.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let tiny = NEGLIGIBLE * scale + f64::MIN_POSITIVE;
         out.diagonal.clear();
         out.coupling.clear();
         let mut k = 0;
         while k < self.candidates {
-            match self.choose(k, threshold, tiny) {
+            match self.choose(k, threshold) {
                 Choice::One(c) => {
                     self.swap(k, c);
                     self.pivot_one(k, out, inertia);
@@ -229,6 +247,8 @@ impl Front {
         let (n, k) = (self.rows.len(), pivots.count);
         out.rows.clear();
         out.rows.extend(&self.rows[k..]);
+        out.scale.clear();
+        out.scale.extend(&self.scale[k..]);
         out.candidates = self.candidates - k;
         out.values.clear();
         for i in k..n {

@@ -175,6 +175,7 @@ impl Factors {
         for &child in &block.children {
             front.extend_add(&self.contributions[child], &self.position);
         }
+        front.measure();
     }
 
     /// Overwrites `x` (the right-hand side) with the solution.
