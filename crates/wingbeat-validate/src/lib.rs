@@ -30,7 +30,7 @@ pub fn cases() -> Vec<&'static Case> {
         aero_full::CASES,
         body::CASES,
         ocp::CASES,
-        ocp_problems::CASES,
+        ocp_problems::hock_schittkowski::CASES,
         rig::CASES,
     ]
     .into_iter()

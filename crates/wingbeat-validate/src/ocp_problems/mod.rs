@@ -1,0 +1,3 @@
+//! Optimal-control and nonlinear problems with known optima.
+
+pub mod hock_schittkowski;
