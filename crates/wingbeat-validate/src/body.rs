@@ -1,6 +1,78 @@
 //! Linkage and multibody dynamics.
 
-use crate::Case;
+mod urdf;
+mod vacuum;
+
+use crate::{Case, Error, Row, reference_table};
+use wingbeat::body::{LinkMotion, Linkage, LinkageDimensions, MAX_LINKS};
+use wingbeat::math::{Jet, Quat, Vec3, Wrench};
 
 /// The comparisons.
-pub const CASES: &[Case] = &[];
+pub const CASES: &[Case] = &[
+    Case { id: "linkage.cycle", quick: true, run: linkage_cycle },
+    Case { id: "body.momentum_vacuum", quick: true, run: momentum_vacuum },
+    Case { id: "body.energy_power_balance", quick: true, run: energy_power_balance },
+    Case { id: "body.pinocchio", quick: true, run: pinocchio },
+];
+
+fn linkage_cycle() -> Result<Vec<Row>, Error> {
+    let table = reference_table!("linkage/cycle.csv")?;
+    let (crank, humerus, radius) = (table.column_at(0)?, table.column_at(1)?, table.column_at(2)?);
+    let linkage = Linkage::new(LinkageDimensions::default())?;
+    let mut worst = 0.0_f64;
+    for ((crank, humerus), radius) in crank.iter().zip(&humerus).zip(&radius) {
+        let pose = linkage.pose(Jet::<f64>::from(crank.to_radians()), [Jet::from(0.0); 3])?;
+        worst = worst.max((pose.humerus.x.to_degrees() - humerus).abs());
+        worst = worst.max((pose.radius.x.to_degrees() - radius).abs());
+    }
+    let metric = "max error of humerus and radius angle";
+    Ok(vec![Row::judged("linkage.cycle", "independent loop closure by Newton", metric, worst, 1e-3, "deg")])
+}
+
+fn momentum_vacuum() -> Result<Vec<Row>, Error> {
+    let flight = vacuum::Flight::one_cycle(urdf::reference()?, Vec3::ZERO)?;
+    let drift = |before: Vec3, after: Vec3| (after - before).norm() / before.norm();
+    let linear = drift(flight.before.linear, flight.after.linear);
+    let angular = drift(flight.before.angular, flight.after.angular);
+    let metric = "relative drift of linear and angular momentum over one cycle";
+    let source = "conservation of momentum";
+    Ok(vec![Row::judged("body.momentum_vacuum", source, metric, linear.max(angular), 1e-9, "")])
+}
+
+fn energy_power_balance() -> Result<Vec<Row>, Error> {
+    let gravity = Vec3([0.0, 0.0, -wingbeat::math::GRAVITY]);
+    let flight = vacuum::Flight::one_cycle(urdf::reference()?, gravity)?;
+    let change = flight.after.energy - flight.before.energy;
+    let error = (flight.work - change).abs() / flight.peak_work;
+    let metric = "work of joint torques - change of energy, over the peak work";
+    Ok(vec![Row::judged("body.energy_power_balance", "conservation of energy", metric, error, 1e-8, "")])
+}
+
+fn pinocchio() -> Result<Vec<Row>, Error> {
+    let tree = urdf::reference()?;
+    let q = reference_table!("multibody/ref_q.txt")?.column_at(0)?;
+    let v = reference_table!("multibody/ref_v.txt")?.column_at(0)?;
+    let torques = reference_table!("multibody/ref_tau.txt")?.column_at(0)?;
+    let expected = reference_table!("multibody/ref_qdd_pin_local.txt")?.column_at(0)?;
+
+    let quat_xyzw = &q[3..7];
+    let attitude = Quat::from_wxyz(&[quat_xyzw[3], quat_xyzw[0], quat_xyzw[1], quat_xyzw[2]]);
+    let (v_b, w_b) = (Vec3::from_slice(&v), Vec3::from_slice(&v[3..]));
+    let joints: Vec<Jet> = q[7..].iter().zip(&v[6..]).map(|(q, v)| Jet::new(*q, *v, 0.0)).collect();
+    let mut motions = [LinkMotion::default(); MAX_LINKS];
+    tree.motions(&joints, v_b, w_b, &mut motions);
+    // Pinocchio's default gravity.
+    let g_b = attitude.matrix().transpose_mul(Vec3([0.0, 0.0, -9.81]));
+    let found = tree
+        .forward_dynamics(w_b, &motions, &torques[6..], g_b, Wrench::ZERO, &[Wrench::ZERO; MAX_LINKS])
+        .ok_or_else(|| Error::NoAnswer("the mass matrix is not positive definite".into()))?;
+
+    // The free flyer's acceleration is spatial there: a - w x v.
+    let linear = found.base.origin - w_b.cross(v_b);
+    let all = linear.0.iter().chain(&found.base.angular.0).chain(&found.joints);
+    let error = |(a, b): (&f64, &f64)| (a - b).abs() / b.abs();
+    let worst = all.zip(&expected).map(error).fold(0.0, f64::max);
+    let source = "Pinocchio 4.1 and MuJoCo 4.0 (agreeing to 1e-15)";
+    let metric = "max relative error of the 10 accelerations, joints free";
+    Ok(vec![Row::judged("body.pinocchio", source, metric, worst, 1e-10, "")])
+}

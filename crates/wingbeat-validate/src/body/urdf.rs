@@ -1,0 +1,83 @@
+//! Reading of a URDF into a floating tree.
+
+use crate::Error;
+use urdf_rs::{Inertial, Joint, JointType, Pose, Robot};
+use wingbeat::body::{Base, Link, Tree};
+use wingbeat::math::{Mat3, Vec3};
+
+const FILE: &str = "multibody/aerobat10.urdf";
+
+/// The reference tree of 10 degrees of freedom.
+pub fn reference() -> Result<Tree, Error> {
+    parse(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/multibody/aerobat10.urdf")))
+}
+
+/// A tree with the root link as floating base; every joint must be revolute or continuous.
+fn parse(text: &str) -> Result<Tree, Error> {
+    let robot = urdf_rs::read_from_string(text).map_err(|e| Error::reference(FILE, e.to_string()))?;
+    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
+    let root = robot.links.iter().find(|link| !is_child(&link.name));
+    let root = root.ok_or_else(|| Error::reference(FILE, "no root link"))?;
+    let (mass, com, inertia) = body(&root.inertial);
+    let mut links = Vec::new();
+    branch(&robot, &root.name, None, &mut links)?;
+    Ok(Tree::new(&Base { mass, com, inertia }, &links)?)
+}
+
+/// Appends the links beyond the link `name`, which has the index `parent`, branch by
+/// branch: the order in which Pinocchio numbers the joints of this file.
+fn branch(robot: &Robot, name: &str, parent: Option<usize>, links: &mut Vec<Link>) -> Result<(), Error> {
+    for joint in robot.joints.iter().filter(|joint| joint.parent.link == name) {
+        links.push(hinged(robot, joint, parent)?);
+        branch(robot, &joint.child.link, Some(links.len() - 1), links)?;
+    }
+    Ok(())
+}
+
+/// The child link of `joint`.
+fn hinged(robot: &Robot, joint: &Joint, parent: Option<usize>) -> Result<Link, Error> {
+    if !matches!(joint.joint_type, JointType::Revolute | JointType::Continuous) {
+        return Err(Error::reference(FILE, format!("joint {} is not revolute", joint.name)));
+    }
+    let child = robot.links.iter().find(|link| link.name == joint.child.link);
+    let child = child.ok_or_else(|| Error::reference(FILE, format!("no link {}", joint.child.link)))?;
+    let (mass, com, inertia) = body(&child.inertial);
+    Ok(Link {
+        name: child.name.clone(),
+        parent,
+        origin: Vec3(joint.origin.xyz.0),
+        orientation: rotation(&joint.origin),
+        axis: Vec3(joint.axis.xyz.0).unit(),
+        mass,
+        com,
+        inertia,
+    })
+}
+
+/// Mass, centre of mass and inertia in link axes.
+fn body(inertial: &Inertial) -> (f64, Vec3, Mat3) {
+    let i = &inertial.inertia;
+    let own = Mat3([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]]);
+    let r = rotation(&inertial.origin);
+    (inertial.mass.value, Vec3(inertial.origin.xyz.0), r * own * r.transpose())
+}
+
+fn rotation(pose: &Pose) -> Mat3 {
+    let [roll, pitch, yaw] = pose.rpy.0;
+    Mat3::from_roll_pitch_yaw(roll, pitch, yaw)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reference_tree_has_four_links_in_two_branches() {
+        let tree = reference().unwrap();
+        assert_eq!(tree.links(), 4);
+        let parent = |name: &str| tree.parent(tree.find(name).unwrap());
+        assert_eq!((parent("hum_l"), parent("hum_r")), (None, None));
+        assert_eq!(parent("rad_r"), tree.find("hum_r"));
+        assert!((tree.mass() - 0.035).abs() < 1e-15);
+    }
+}

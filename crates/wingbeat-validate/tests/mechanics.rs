@@ -1,0 +1,23 @@
+//! The rows of mathematics and mechanics pass, each by itself.
+
+use wingbeat_validate::{Selection, cases, run, select};
+
+fn assert_passing(only: &str, rows_expected: usize) {
+    let (all, selection) = (cases(), Selection { only: Some(only.into()), quick: false });
+    let rows = run(&select(&all, &selection), &selection, 1, |_| {});
+    assert_eq!(rows.len(), rows_expected, "{only}");
+    for row in rows {
+        assert!(row.passes(), "{row:?}");
+    }
+}
+
+#[test]
+fn linkage_and_bodies_agree() {
+    assert_passing("linkage", 1);
+    assert_passing("body", 3);
+}
+
+#[test]
+fn numbers_and_integration_agree() {
+    assert_passing("math", 2);
+}
