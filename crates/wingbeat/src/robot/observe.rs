@@ -31,7 +31,8 @@ pub struct Observation {
     pub body_drag: Wrench<f64>,
     /// Gravity, in B.
     pub gravity: Wrench<f64>,
-    /// Inertia: minus the rate of momentum, in B. All sources sum to zero.
+    /// Inertia: minus the rate of momentum of body and links, in B. With the
+    /// forces above it sums to zero (d'Alembert).
     pub inertia: Wrench<f64>,
     /// Incidence of each strip, wash included, rad.
     pub incidence: Vec<f64>,
@@ -76,7 +77,7 @@ impl Robot {
             torques,
             power: joint_power(&torques, &e.joints),
             energy: self.energy(&e, g, Vec3::from_slice(&x[self.layout.position..])),
-            inertia: -(air.total() + body_drag + gravity),
+            inertia: self.inertia(&e),
             air,
             body_drag,
             gravity,
@@ -88,6 +89,14 @@ impl Robot {
                 [s.hinge_point(link), le, te]
             }),
         })
+    }
+
+    fn inertia(&self, e: &Evaluation<f64>) -> Wrench<f64> {
+        let (mass, bias) = self.tree.inertia_and_bias(e.base.rate, &e.links);
+        let row = |i: usize| (0..6).map(|j| mass[i][j] * e.acceleration[j]).sum::<f64>();
+        let force = Vec3::new(row(0), row(1), row(2));
+        let moment = Vec3::new(row(3), row(4), row(5));
+        -(Wrench { force, moment } + bias)
     }
 
     fn energy(&self, e: &Evaluation<f64>, g: Vec3, position: Vec3) -> f64 {

@@ -1,0 +1,58 @@
+//! The banking turn flown through the library: its numbers, its repeatability,
+//! its convergence with the step.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use wingbeat::scenario::{Run, Scenario, Status};
+
+fn fly(overrides: &[&str]) -> Run {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
+    let overrides: Vec<String> = overrides.iter().map(|s| s.to_string()).collect();
+    let scenario = Scenario::load(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
+    scenario.fly(|_| ControlFlow::Continue(())).unwrap()
+}
+
+#[test]
+fn the_banking_turn_meets_the_paper_and_converges_with_the_step() {
+    let run = fly(&["flight.record_every_s=0.005"]);
+    let s = &run.summary;
+    assert_eq!(s.status, Status::Ok, "{:?}", s.reason);
+    assert!((s.roll_mean_deg - 15.0).abs() < 1.5, "roll {}", s.roll_mean_deg);
+    assert!((s.pitch_mean_deg + 15.0).abs() < 2.0, "pitch {}", s.pitch_mean_deg);
+    assert!(s.pitch_half_amplitude_deg < 10.0);
+    assert!((s.distance_x_m.abs() - 4.1).abs() < 0.75, "x {}", s.distance_x_m);
+    assert!((s.distance_y_m.abs() - 5.0).abs() < 0.75, "y {}", s.distance_y_m);
+    assert_eq!(s.controller.failures, 0);
+
+    let fine = fly(&["flight.record_every_s=0.005", "flight.step_s=5e-5"]).summary;
+    let moved = [
+        fine.distance_x_m - s.distance_x_m,
+        fine.distance_y_m - s.distance_y_m,
+        fine.altitude_change_m - s.altitude_change_m,
+    ];
+    let moved = moved.iter().map(|d| d * d).sum::<f64>().sqrt();
+    assert!(moved < 0.05, "halving the step moves the end point by {moved} m");
+}
+
+#[test]
+fn the_same_flight_twice_is_the_same_to_the_bit() {
+    let overrides = ["flight.duration_s=0.3"];
+    let (a, b) = (fly(&overrides).record, fly(&overrides).record);
+    for (a, b) in a.columns().iter().zip(b.columns()) {
+        let bits = |v: &[f64]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&a.values), bits(&b.values), "{}", a.name);
+    }
+}
+
+/// D'Alembert: the inertia of body and links, computed from their accelerations,
+/// balances air, gravity and body drag.
+#[test]
+fn sources_of_force_sum_to_zero() {
+    let record = fly(&["flight.duration_s=0.1"]).record;
+    let sources =
+        ["circulatory", "induced_drag", "added_mass", "profile_drag", "body_drag", "gravity", "inertia"];
+    for row in 0..record.rows() {
+        let sum: f64 = sources.iter().map(|s| record.values(&format!("force_{s}_z")).unwrap()[row]).sum();
+        assert!(sum.abs() < 1e-12, "row {row}: {sum} N left");
+    }
+}
