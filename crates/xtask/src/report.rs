@@ -1,0 +1,82 @@
+//! The account of checks that passed and failed.
+
+use std::time::{Duration, Instant};
+
+/// Checks done so far, by step.
+#[derive(Default)]
+pub struct Account {
+    steps: Vec<Step>,
+}
+
+struct Step {
+    name: &'static str,
+    passed: usize,
+    failed: usize,
+    took: Duration,
+}
+
+/// Checks of one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Checks that passed.
+    pub passed: usize,
+    /// Checks that failed.
+    pub failed: usize,
+}
+
+impl Tally {
+    /// One check.
+    pub fn one(passed: bool) -> Self {
+        Self { passed: usize::from(passed), failed: usize::from(!passed) }
+    }
+
+    /// Adds what a line like `test result: ok. 3 passed; 0 failed; ...` or `3 passed, 0 failed` says.
+    pub fn add(&mut self, line: &str) {
+        let words: Vec<&str> = line.split([' ', ',', ';']).filter(|word| !word.is_empty()).collect();
+        let count = |name: &str| {
+            let at = words.iter().position(|word| *word == name)?;
+            words.get(at.checked_sub(1)?)?.parse::<usize>().ok()
+        };
+        if let (Some(passed), Some(failed)) = (count("passed"), count("failed")) {
+            self.passed += passed;
+            self.failed += failed;
+        }
+    }
+}
+
+impl Account {
+    /// Does a step and keeps account of it.
+    pub fn step(&mut self, name: &'static str, run: impl FnOnce() -> Tally) {
+        println!("\n== {name}");
+        let start = Instant::now();
+        let Tally { passed, failed } = run();
+        self.steps.push(Step { name, passed, failed, took: start.elapsed() });
+    }
+
+    /// Prints the account; true when nothing failed.
+    pub fn close(&self) -> bool {
+        println!("\n{:<12} {:>7} {:>7} {:>9}", "step", "passed", "failed", "time");
+        for step in &self.steps {
+            let seconds = step.took.as_secs_f64();
+            println!("{:<12} {:>7} {:>7} {:>7.1} s", step.name, step.passed, step.failed, seconds);
+        }
+        let total = |of: fn(&Step) -> usize| self.steps.iter().map(of).sum::<usize>();
+        let (passed, failed) = (total(|step| step.passed), total(|step| step.failed));
+        println!("\n{passed} passed, {failed} failed");
+        failed == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn result_lines_are_counted_and_others_are_not() {
+        let mut tally = Tally::default();
+        tally.add("test result: ok. 14 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out");
+        tally.add("12 passed, 1 failed, 3 shown without a limit in 0.1 s");
+        tally.add("test it_passed ... ok");
+        assert_eq!(tally, Tally { passed: 26, failed: 1 });
+    }
+}
