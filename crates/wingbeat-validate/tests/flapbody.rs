@@ -197,3 +197,13 @@ fn bad_horizons_are_refused_by_name() {
         assert!(error.to_string().contains(key), "{error}");
     }
 }
+
+#[test]
+fn the_comparisons_of_the_room_pass() {
+    for case in wingbeat_validate::ocp::CASES {
+        for row in (case.run)().unwrap() {
+            assert!(row.passes(), "{row:?}");
+            println!("{row:?}");
+        }
+    }
+}

@@ -191,6 +191,8 @@ impl ActiveSet {
 
     /// Primal direction z = J2 J2' a and dual direction r = R^-1 J1' a for the
     /// normal a of `bound`; returns the largest dual step and what blocks it.
+    ///
+    /// Equation: ocp.dual_active_set
     fn directions(&mut self, qp: &QuadraticProgram, bound: &Bound) -> (f64, usize) {
         let (n, q) = (self.n, self.binding.len());
         if bound.constraint < n {

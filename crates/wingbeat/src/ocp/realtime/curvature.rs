@@ -43,6 +43,8 @@ impl Correction {
 
     /// Learns from the gradient and Gauss-Newton Hessian at the new point:
     /// v = y - (G + A) s, A += v v' / (v's).
+    ///
+    /// Equation: ocp.secant
     pub fn learn(&mut self, gradient: &[f64], hessian: &[f64]) {
         if self.steps == 0 {
             return;

@@ -124,6 +124,13 @@ impl RealTime {
         self.plan.input(k)
     }
 
+    /// Derivative of the state at `node` by the inputs, at the point linearised
+    /// last: states x (1 + free inputs up to `node`), row-major; column 0 is the
+    /// step that closes the defects.
+    pub fn sensitivity(&self, node: usize) -> &[f64] {
+        self.states.state(node, self.columns)
+    }
+
     /// Measures of the last update.
     pub fn statistics(&self) -> Statistics {
         self.statistics
