@@ -19,6 +19,8 @@ pub mod flight;
 
 pub mod guide;
 
+pub mod rig;
+
 pub mod scenario;
 
 pub use error::Error;

@@ -107,9 +107,59 @@ fn eliminate<S: Scalar>(row: &mut [S], factors: &[S], rows: &[S]) {
     }
 }
 
+/// Eigenvalues of a symmetric matrix, ascending, by cyclic Jacobi rotations
+/// (Golub & Van Loan, Matrix Computations, 8.5).
+pub fn symmetric_eigenvalues<const N: usize>(mut a: [[f64; N]; N]) -> [f64; N] {
+    for _sweep in 0..50 {
+        let off: f64 = (0..N).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| a[i][j].powi(2)).sum();
+        let scale: f64 = (0..N).map(|i| a[i][i].powi(2)).sum();
+        if off <= 1e-32 * scale || off == 0.0 {
+            break;
+        }
+        for p in 0..N {
+            for q in p + 1..N {
+                jacobi_rotation(&mut a, p, q);
+            }
+        }
+    }
+    let mut values: [f64; N] = std::array::from_fn(|i| a[i][i]);
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
+/// Zeroes a[p][q] by a plane rotation.
+fn jacobi_rotation<const N: usize>(a: &mut [[f64; N]; N], p: usize, q: usize) {
+    if a[p][q] == 0.0 {
+        return;
+    }
+    let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+    let t = tau.signum() / (tau.abs() + tau.hypot(1.0));
+    let c = 1.0 / t.hypot(1.0);
+    let s = t * c;
+    for k in 0..N {
+        let (x, y) = (a[k][p], a[k][q]);
+        (a[k][p], a[k][q]) = (c * x - s * y, s * x + c * y);
+    }
+    for k in 0..N {
+        let (x, y) = (a[p][k], a[q][k]);
+        (a[p][k], a[q][k]) = (c * x - s * y, s * x + c * y);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn eigenvalues_of_a_known_matrix() {
+        // Second-difference matrix: 2 - 2 cos(k pi / 5).
+        let a: [[f64; 4]; 4] =
+            std::array::from_fn(|i| std::array::from_fn(|j: usize| [2.0, -1.0, 0.0, 0.0][i.abs_diff(j)]));
+        for (k, v) in symmetric_eigenvalues(a).iter().enumerate() {
+            let exact = 2.0 - 2.0 * ((k + 1) as f64 * std::f64::consts::PI / 5.0).cos();
+            assert!((v - exact).abs() < 1e-14);
+        }
+    }
 
     #[test]
     fn both_solvers_agree_with_the_product() {

@@ -5,6 +5,7 @@ pub mod interpolation;
 mod jet;
 pub mod linear;
 pub mod multifrontal;
+mod random;
 mod runge_kutta;
 mod scalar;
 mod space;
@@ -13,6 +14,7 @@ mod wrench;
 
 pub use dual::Dual;
 pub use jet::Jet;
+pub use random::Random;
 pub use runge_kutta::{MIDPOINT, RK4, Tableau, Workspace};
 pub use scalar::Scalar;
 pub use space::{Mat3, Quat, Vec3};

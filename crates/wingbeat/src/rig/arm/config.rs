@@ -1,0 +1,211 @@
+//! Arms as data.
+
+use super::{Joint, JointKind, LimitProfile, LinkBody, SerialArm, ToolLimits};
+use crate::Error;
+use crate::math::{Mat3, Vec3};
+use crate::rig::Pose;
+use serde::{Deserialize, Serialize};
+
+/// An arm as written in a TOML file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArmConfig {
+    /// Name.
+    pub name: String,
+    /// The body that does not move.
+    #[serde(default)]
+    pub base: LinkConfig,
+    /// Joints from base to tool.
+    pub joints: Vec<JointConfig>,
+    /// Tool frame on the last link.
+    #[serde(default)]
+    pub tool: ToolConfig,
+    /// Named limit profiles.
+    #[serde(default)]
+    pub profiles: Vec<ProfileConfig>,
+}
+
+/// A placement in the frame before.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolConfig {
+    /// Origin, m.
+    pub xyz_m: [f64; 3],
+    /// Roll, pitch, yaw, rad (R = Rz Ry Rx).
+    #[serde(default)]
+    pub rpy_rad: [f64; 3],
+}
+
+/// One joint with the link that it carries.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointConfig {
+    /// Name.
+    pub name: String,
+    /// Origin of the joint frame in the link before, m.
+    pub xyz_m: [f64; 3],
+    /// Its roll, pitch, yaw, rad.
+    pub rpy_rad: [f64; 3],
+    /// Unit axis in the joint frame.
+    #[serde(default = "along_z")]
+    pub axis: [f64; 3],
+    /// True for a joint that slides; its limits are then in m.
+    #[serde(default)]
+    pub prismatic: bool,
+    /// Lowest position, rad; without both limits the joint turns without end.
+    #[serde(default)]
+    pub low_rad: Option<f64>,
+    /// Highest position, rad.
+    #[serde(default)]
+    pub high_rad: Option<f64>,
+    /// Greatest torque, N m.
+    #[serde(default)]
+    pub effort_n_m: Option<f64>,
+    /// The link carried.
+    #[serde(default)]
+    pub link: LinkConfig,
+}
+
+fn along_z() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+/// Mass and size of a link.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkConfig {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m.
+    pub com_m: [f64; 3],
+    /// Inertia about it: xx, yy, zz, xy, xz, yz, kg m2.
+    pub inertia_kg_m2: [f64; 6],
+    /// Capsule radius, m.
+    #[serde(default)]
+    pub radius_m: f64,
+}
+
+/// Limits of one profile, one number per joint; absent means not limited.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProfileConfig {
+    /// Name by which it is chosen and printed.
+    pub name: String,
+    /// Where the numbers come from.
+    pub source: String,
+    /// Joint speed, rad/s.
+    pub velocity_rad_s: Vec<f64>,
+    /// Joint acceleration, rad/s2.
+    #[serde(default)]
+    pub acceleration_rad_s2: Option<Vec<f64>>,
+    /// Joint jerk, rad/s3.
+    #[serde(default)]
+    pub jerk_rad_s3: Option<Vec<f64>>,
+    /// Tool speed, m/s.
+    #[serde(default)]
+    pub tool_speed_m_s: Option<f64>,
+    /// Tool angular rate, rad/s.
+    #[serde(default)]
+    pub tool_rate_rad_s: Option<f64>,
+    /// Tool acceleration, m/s2.
+    #[serde(default)]
+    pub tool_acceleration_m_s2: Option<f64>,
+}
+
+impl ArmConfig {
+    /// The Kinova Gen3 with six joints.
+    pub fn kinova_gen3() -> Self {
+        let text = include_str!("../../../../../rigs/arms/kinova_gen3_6dof.toml");
+        toml::from_str(text).expect("the embedded arm is valid; a test reads it")
+    }
+
+    /// The arm.
+    ///
+    /// # Errors
+    /// What [`SerialArm::new`] refuses.
+    pub fn build(&self) -> Result<SerialArm, Error> {
+        let parts = self.joints.iter().map(|j| (j.joint(), j.link.body())).collect();
+        let tool = Pose::from_xyz_rpy(self.tool.xyz_m, self.tool.rpy_rad);
+        SerialArm::new(self.name.clone(), self.base.body(), parts, tool)
+    }
+
+    /// The limit profile called `name`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an unknown name (listing the known ones), or
+    /// lists that do not hold one positive number per joint.
+    pub fn profile(&self, name: &str) -> Result<LimitProfile, Error> {
+        let Some(profile) = self.profiles.iter().find(|p| p.name == name) else {
+            let known: Vec<_> = self.profiles.iter().map(|p| p.name.as_str()).collect();
+            return Err(Error::invalid("profile", name, format!("one of {}", known.join(", "))));
+        };
+        profile.build(self.joints.len())
+    }
+}
+
+impl JointConfig {
+    fn joint(&self) -> Joint {
+        Joint {
+            name: self.name.clone(),
+            kind: if self.prismatic { JointKind::Prismatic } else { JointKind::Revolute },
+            mount: Pose::from_xyz_rpy(self.xyz_m, self.rpy_rad),
+            axis: Vec3(self.axis),
+            low: self.low_rad.unwrap_or(f64::NEG_INFINITY),
+            high: self.high_rad.unwrap_or(f64::INFINITY),
+            effort: self.effort_n_m.unwrap_or(f64::INFINITY),
+        }
+    }
+}
+
+impl LinkConfig {
+    fn body(&self) -> LinkBody {
+        let [xx, yy, zz, xy, xz, yz] = self.inertia_kg_m2;
+        LinkBody {
+            mass: self.mass_kg,
+            com: Vec3(self.com_m),
+            inertia: Mat3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
+            radius: self.radius_m,
+        }
+    }
+}
+
+impl ProfileConfig {
+    fn build(&self, dof: usize) -> Result<LimitProfile, Error> {
+        let list = |key: &str, given: Option<&Vec<f64>>| match given {
+            None => Ok(vec![f64::INFINITY; dof]),
+            Some(v) if v.len() == dof && v.iter().all(|x| *x > 0.0) => Ok(v.clone()),
+            Some(v) => {
+                let key = format!("profiles.{}.{key}", self.name);
+                Err(Error::invalid(key, format!("{v:?}"), format!("{dof} positive numbers")))
+            }
+        };
+        Ok(LimitProfile {
+            name: self.name.clone(),
+            source: self.source.clone(),
+            velocity: list("velocity_rad_s", Some(&self.velocity_rad_s))?,
+            acceleration: list("acceleration_rad_s2", self.acceleration_rad_s2.as_ref())?,
+            jerk: list("jerk_rad_s3", self.jerk_rad_s3.as_ref())?,
+            tool: ToolLimits {
+                speed: self.tool_speed_m_s.unwrap_or(f64::INFINITY),
+                rate: self.tool_rate_rad_s.unwrap_or(f64::INFINITY),
+                acceleration: self.tool_acceleration_m_s2.unwrap_or(f64::INFINITY),
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_profile_of_the_embedded_arm_builds() {
+        let config = ArmConfig::kinova_gen3();
+        assert_eq!(config.build().unwrap().dof(), 6);
+        for p in &config.profiles {
+            config.profile(&p.name).unwrap();
+        }
+        let message = config.profile("fast").unwrap_err().to_string();
+        assert!(message.contains("moveit-hard"), "{message}");
+    }
+}
