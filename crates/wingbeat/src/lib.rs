@@ -21,6 +21,8 @@ pub mod guide;
 
 pub mod rig;
 
+pub mod tether;
+
 pub mod scenario;
 
 pub use error::Error;

@@ -40,6 +40,8 @@ pub struct Loads<S: Scalar> {
     pub strip: [StripLoads<S>; MAX_STRIPS],
     /// Incidence that each strip meets, wash included, rad.
     pub incidence: [S; MAX_STRIPS],
+    /// Wash along the normal that each strip meets at 3/4 chord, m/s.
+    pub wash: [S; MAX_STRIPS],
     /// Circulation of each strip, m2/s.
     pub circulation: [S; MAX_STRIPS],
     /// Number of strips.
@@ -53,6 +55,7 @@ impl<S: Scalar> Default for Loads<S> {
             added_mass: [[S::ZERO; 6]; 6],
             strip: [StripLoads::default(); MAX_STRIPS],
             incidence: [S::ZERO; MAX_STRIPS],
+            wash: [S::ZERO; MAX_STRIPS],
             circulation: [S::ZERO; MAX_STRIPS],
             strips: 0,
         }

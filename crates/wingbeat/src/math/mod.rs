@@ -9,6 +9,7 @@ mod random;
 mod runge_kutta;
 mod scalar;
 mod space;
+mod spline;
 mod tape;
 mod wrench;
 
@@ -18,6 +19,7 @@ pub use random::Random;
 pub use runge_kutta::{MIDPOINT, RK4, Tableau, Workspace};
 pub use scalar::Scalar;
 pub use space::{Mat3, Quat, Vec3};
+pub use spline::CubicSpline;
 pub use tape::{Tape, Traced};
 pub use wrench::Wrench;
 

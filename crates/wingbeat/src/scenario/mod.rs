@@ -4,12 +4,19 @@ mod document;
 mod recorder;
 mod spec;
 mod summary;
+mod tether;
+mod tether_spec;
 
 pub use document::{ConfigError, Document, Place, Problem};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };
 pub use summary::{ControllerSummary, Status, Summary};
+pub use tether::{TetherCase, TetherSummary};
+pub use tether_spec::{
+    ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TableSpec, TetherSpec,
+    TetheredBodySpec, TetheredWingSpec, WindSpec,
+};
 
 use crate::Error;
 use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag};
@@ -156,34 +163,15 @@ impl ScenarioSpec {
     fn robot(&self) -> Result<Robot, Error> {
         let planform = Planform::new(&self.robot.wing.planform).map_err(|e| e.within("robot.wing"))?;
         let air = Air { density: self.air.density_kg_m3, wind: Vec3(self.air.wind_m_s) };
-        let aero = self.aero(&planform).map_err(|e| e.within("aero"))?;
+        let wing = &self.robot.wing;
+        let drag = ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 };
+        let hinges = [wing.shoulder_m[1], wing.shoulder_m[1] + wing.proximal.length_m];
+        let aero = self.aero.build(&planform, &hinges, drag, self.air.density_kg_m3)?;
         let mut robot = self.robot.clone();
         if !self.flight.flapping {
             robot.gait.hold_still();
         }
         Robot::new(&robot, aero, air, self.start.phase_rad).map_err(|e| e.within("robot"))
-    }
-
-    fn aero(&self, planform: &Planform) -> Result<Aero, Error> {
-        let (aero, wing) = (&self.aero, &self.robot.wing);
-        let drag = ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 };
-        match aero.preset {
-            Preset::Paper => {
-                let settings = LiftingLineSettings {
-                    nodes: aero.paper.nodes,
-                    regularisation_m_s: aero.paper.regularisation_m_s,
-                    chord_floor_m: aero.paper.chord_floor_m,
-                    law: aero.law,
-                    stall_angle_rad: aero.stall_angle_deg.to_radians(),
-                    drag,
-                    added_mass: aero.added_mass,
-                    section_moment: aero.section_moment,
-                    density_kg_m3: self.air.density_kg_m3,
-                    ..LiftingLineSettings::default()
-                };
-                LiftingLine::new(planform, settings).map(Aero::LiftingLine).map_err(|e| e.within("paper"))
-            }
-        }
     }
 
     /// Whole steps for duration, updates and records.
@@ -208,5 +196,36 @@ impl ScenarioSpec {
             steps_per_update: whole("controller.period_s", period)?,
             steps_per_sample: whole("flight.record_every_s", flight.record_every_s)?,
         })
+    }
+}
+
+impl AeroSpec {
+    /// The model of `planform` with hinges at `hinge_arcs_m`.
+    fn build(
+        &self,
+        planform: &Planform,
+        _hinge_arcs_m: &[f64],
+        drag: ProfileDrag,
+        density_kg_m3: f64,
+    ) -> Result<Aero, Error> {
+        match self.preset {
+            Preset::Paper => {
+                let settings = LiftingLineSettings {
+                    nodes: self.paper.nodes,
+                    regularisation_m_s: self.paper.regularisation_m_s,
+                    chord_floor_m: self.paper.chord_floor_m,
+                    law: self.law,
+                    stall_angle_rad: self.stall_angle_deg.to_radians(),
+                    drag,
+                    added_mass: self.added_mass,
+                    section_moment: self.section_moment,
+                    density_kg_m3,
+                    ..LiftingLineSettings::default()
+                };
+                LiftingLine::new(planform, settings)
+                    .map(Aero::LiftingLine)
+                    .map_err(|e| e.within("aero.paper"))
+            }
+        }
     }
 }

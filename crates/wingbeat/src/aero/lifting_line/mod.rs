@@ -185,6 +185,7 @@ impl LiftingLine {
             let flow = self.flow(i, &section, x, dx);
             loads.strip[i] = self.by_source(node, &section, &flow, &mut loads.added_mass);
             loads.incidence[i] = flow.wash.atan2(section.uc);
+            loads.wash[i] = flow.wash;
             loads.circulation[i] = x[i];
             wrench += loads.strip[i].total();
         }

@@ -1,0 +1,232 @@
+//! What a case file of a tethered wing says.
+
+use super::AeroSpec;
+use crate::Error;
+use crate::aero::PlanformStation;
+use crate::flight::Record;
+use crate::math::CubicSpline;
+use crate::tether::{Coordinate, HingeKind, Side};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// A wing in prescribed motion in a wind.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TetherSpec {
+    /// Name; the run folder is called after it.
+    pub name: String,
+    /// The wing with its hinges.
+    pub wing: TetheredWingSpec,
+    /// Motion of the body.
+    #[serde(default)]
+    pub body: TetheredBodySpec,
+    /// Wind.
+    pub wind: WindSpec,
+    /// Aerodynamic model.
+    pub aero: AeroSpec,
+    /// Cycles and steps.
+    pub time: ClockSpec,
+    /// Scales of the coefficients.
+    #[serde(default)]
+    pub reference: ReferenceSpec,
+}
+
+/// Planform, profile drag and hinges.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TetheredWingSpec {
+    /// Stations of the half wing from the plane of symmetry to the tip.
+    pub planform: Vec<PlanformStation>,
+    /// Both halves, or one with a mirror plane at its root.
+    #[serde(default)]
+    pub side: Side,
+    /// Drag coefficient along the chord.
+    #[serde(default)]
+    pub cd0: f64,
+    /// Drag coefficient of the plate broadside on.
+    #[serde(default)]
+    pub cd90: f64,
+    /// Hinges from body to tip; each turns what lies outboard of it.
+    #[serde(default)]
+    pub hinges: Vec<HingeSpec>,
+}
+
+/// One hinge.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct HingeSpec {
+    /// Name, unique.
+    pub name: String,
+    /// What it turns.
+    pub kind: HingeKind,
+    /// Which half has it.
+    #[serde(default)]
+    pub side: Side,
+    /// Arc at which it lies, m.
+    pub arc_m: f64,
+    /// For a twist that grows evenly from `arc_m` to here, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_arc_m: Option<f64>,
+    /// Place of a twist or sweep axis ahead of the hinge line, m.
+    #[serde(default)]
+    pub ahead_m: f64,
+    /// Angle over time, deg.
+    pub angle_deg: CoordinateSpec,
+}
+
+/// Motion of the body.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TetheredBodySpec {
+    /// Forward, m.
+    pub surge_m: CoordinateSpec,
+    /// Up, m.
+    pub heave_m: CoordinateSpec,
+    /// Nose up, deg.
+    pub nose_up_deg: CoordinateSpec,
+    /// Right wing down, deg.
+    pub roll_deg: CoordinateSpec,
+    /// Place of the pitch axis ahead of the hinge line, m.
+    pub pitch_axis_ahead_m: f64,
+}
+
+/// A coordinate over time.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum CoordinateSpec {
+    /// Always the same.
+    Constant(f64),
+    /// Harmonics of the case's frequency.
+    Fourier(FourierSpec),
+    /// A smooth curve through a table in a CSV file.
+    Table(TableSpec),
+}
+
+impl Default for CoordinateSpec {
+    fn default() -> Self {
+        Self::Constant(0.0)
+    }
+}
+
+/// mean + sum_n cos[n] cos((n+1) phase) + sin[n] sin((n+1) phase).
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FourierSpec {
+    /// Mean.
+    #[serde(default)]
+    pub mean: f64,
+    /// Cosine amplitudes from the first harmonic on.
+    #[serde(default)]
+    pub cos: Vec<f64>,
+    /// Sine amplitudes from the first harmonic on.
+    #[serde(default)]
+    pub sin: Vec<f64>,
+}
+
+/// Columns of a CSV file: `t` (s) and one with the coordinate.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableSpec {
+    /// The file, relative to the case file.
+    pub file: PathBuf,
+    /// Name of the coordinate's column.
+    pub column: String,
+    /// Whether it repeats with the case's frequency; else it goes straight on beyond its ends.
+    #[serde(default)]
+    pub periodic: bool,
+}
+
+/// Wind.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct WindSpec {
+    /// Speed, m/s.
+    pub speed_m_s: f64,
+    /// Angle by which it comes from below, deg.
+    #[serde(default)]
+    pub incidence_deg: f64,
+    /// Angle by which it comes from the left, deg.
+    #[serde(default)]
+    pub sideslip_deg: f64,
+    /// Density, kg/m3.
+    pub density_kg_m3: f64,
+}
+
+/// Cycles and steps.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClockSpec {
+    /// Cycles per second; of a motion that is not periodic, one over its duration.
+    pub frequency_hz: f64,
+    /// Number of cycles from rest.
+    pub cycles: usize,
+    /// Steps per cycle.
+    pub steps_per_cycle: usize,
+}
+
+/// Scales of the coefficients; by default the wind's speed, the planform's area
+/// and its mean chord.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ReferenceSpec {
+    /// Speed, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_m_s: Option<f64>,
+    /// Area, m2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area_m2: Option<f64>,
+    /// Length of the pitching-moment coefficient, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chord_m: Option<f64>,
+}
+
+/// Reads the columns of a CSV file; the text says what is wrong with it.
+pub type ReadTable<'a> = &'a dyn Fn(&Path) -> Result<Record, String>;
+
+impl CoordinateSpec {
+    /// The coordinate times `factor`; tables are sought in `folder`.
+    pub(super) fn build(
+        &self,
+        frequency_hz: f64,
+        factor: f64,
+        folder: &Path,
+        read: ReadTable,
+    ) -> Result<Coordinate, Error> {
+        let coordinate = match self {
+            Self::Constant(value) => Coordinate::Constant(*value),
+            Self::Fourier(f) => {
+                Coordinate::Fourier { frequency_hz, mean: f.mean, cos: f.cos.clone(), sin: f.sin.clone() }
+            }
+            Self::Table(table) => {
+                let spline = table.spline(frequency_hz, folder, read).map_err(|e| e.within("table"))?;
+                Coordinate::Table(spline)
+            }
+        };
+        Ok(coordinate.scaled(factor))
+    }
+}
+
+impl TableSpec {
+    fn spline(&self, frequency_hz: f64, folder: &Path, read: ReadTable) -> Result<CubicSpline, Error> {
+        let path = folder.join(&self.file);
+        let record = read(&path).map_err(|what| Error::invalid("file", path.display(), what))?;
+        let column = |name: &str, key| {
+            let names: Vec<_> = record.columns().iter().map(|c| c.name.as_str()).collect();
+            record
+                .values(name)
+                .ok_or_else(|| Error::invalid(key, name, format!("one of {}", names.join(", "))))
+        };
+        let (mut t, mut y) = (column("t", "file")?, column(&self.column, "column")?);
+        let refused = |error: Error| Error::invalid("file", path.display(), error.to_string());
+        if !self.periodic {
+            return CubicSpline::natural(t, y).map_err(refused);
+        }
+        let period = 1.0 / frequency_hz;
+        if let [first, .., last] = t
+            && (last - first - period).abs() < 1e-6 * period
+        {
+            (t, y) = (&t[..t.len() - 1], &y[..y.len() - 1]);
+        }
+        CubicSpline::periodic(t, y, period).map_err(refused)
+    }
+}

@@ -1,0 +1,83 @@
+//! One coordinate as a function of time.
+
+use crate::math::{CubicSpline, Jet, Scalar};
+
+/// A coordinate with its rate and acceleration at any time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coordinate {
+    /// Always the same.
+    Constant(f64),
+    /// mean + sum_n cos[n] cos((n+1) 2 pi f t) + sin[n] sin((n+1) 2 pi f t).
+    Fourier {
+        /// Frequency f of the first harmonic, Hz.
+        frequency_hz: f64,
+        /// Mean.
+        mean: f64,
+        /// Cosine amplitudes from the first harmonic on.
+        cos: Vec<f64>,
+        /// Sine amplitudes from the first harmonic on.
+        sin: Vec<f64>,
+    },
+    /// A table through which a smooth curve is drawn.
+    Table(CubicSpline),
+}
+
+impl Coordinate {
+    /// Value, rate and acceleration at `t` s.
+    pub fn at(&self, t: f64) -> Jet<f64> {
+        match self {
+            Self::Constant(value) => Jet::from(*value),
+            Self::Fourier { frequency_hz, mean, cos, sin } => {
+                let rate = std::f64::consts::TAU * frequency_hz;
+                let harmonic = |n: usize| {
+                    let order = (n + 1) as f64;
+                    Jet::new(order * rate * t, order * rate, 0.0).sin_cos()
+                };
+                let mut sum = Jet::from(*mean);
+                for n in 0..cos.len().max(sin.len()) {
+                    let (s, c) = harmonic(n);
+                    sum += c * cos.get(n).copied().unwrap_or(0.0) + s * sin.get(n).copied().unwrap_or(0.0);
+                }
+                sum
+            }
+            Self::Table(spline) => spline.at(t),
+        }
+    }
+
+    /// The coordinate in another unit.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        let all = |v: Vec<f64>| v.into_iter().map(|a| a * factor).collect();
+        match self {
+            Self::Constant(value) => Self::Constant(value * factor),
+            Self::Fourier { frequency_hz, mean, cos, sin } => {
+                Self::Fourier { frequency_hz, mean: mean * factor, cos: all(cos), sin: all(sin) }
+            }
+            Self::Table(spline) => Self::Table(spline.scaled(factor)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_are_the_derivatives() {
+        let fourier = Coordinate::Fourier {
+            frequency_hz: 3.5,
+            mean: 0.1,
+            cos: vec![0.3, -0.2],
+            sin: vec![0.0, 0.4, 0.1],
+        };
+        let x: Vec<f64> = (0..12).map(|i| i as f64 / 40.0).collect();
+        let y: Vec<f64> = x.iter().map(|x| (20.0 * x).sin()).collect();
+        let table = Coordinate::Table(CubicSpline::periodic(&x, &y, 0.3).unwrap());
+        for coordinate in [fourier, table.scaled(2.0)] {
+            let h = 1e-5;
+            let [a, b, c] = [0.137 - h, 0.137, 0.137 + h].map(|t| coordinate.at(t));
+            assert!(((c.x - a.x) / (2.0 * h) - b.d).abs() < 1e-5);
+            assert!(((c.d - a.d) / (2.0 * h) - b.dd).abs() < 1e-3);
+        }
+    }
+}

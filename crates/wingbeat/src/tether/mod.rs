@@ -1,0 +1,12 @@
+//! A wing in prescribed motion in a wind, without a robot: hinges and body
+//! follow given functions of time; loads come out.
+
+mod coordinate;
+mod recorder;
+mod run;
+mod wing;
+
+pub use coordinate::Coordinate;
+pub use recorder::{Means, TetherRun};
+pub use run::{Clock, Motion, Reference, Tether};
+pub use wing::{BodyMotion, Hinge, HingeKind, Side, Wing};

@@ -1,0 +1,204 @@
+//! Loads of a tethered wing over time, as records.
+
+use super::{Side, Tether};
+use crate::Error;
+use crate::aero::{Loads, StripLoads};
+use crate::flight::{Column, Ending, Record};
+use crate::math::{Mat3, Vec3, Wrench};
+
+/// Names of the sources of a strip's loads.
+const SOURCES: [&str; 4] = ["circulatory", "induced_drag", "added_mass", "profile_drag"];
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+fn sources(s: &StripLoads<f64>) -> [Wrench<f64>; 4] {
+    [s.circulatory, s.induced_drag, s.added_mass, s.profile_drag]
+}
+
+/// Mean and range of one quantity over the last cycle.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Means {
+    /// Name of its column.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Mean.
+    pub mean: f64,
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+}
+
+/// What a tethered run gives.
+#[derive(Clone, Debug)]
+pub struct TetherRun {
+    /// How it ended.
+    pub ending: Ending,
+    /// Loads by time: body axes (B, about its origin), wind axes, coefficients, sources.
+    pub loads: Record,
+    /// Strips by time, one row per strip and instant.
+    pub strips: Record,
+    /// Means over the last cycle of every column of `loads` but time and phase.
+    pub means: Vec<Means>,
+    /// Share of strips past the stall angle over the last cycle.
+    pub stall_fraction: f64,
+}
+
+/// Wind axes in W: along the wind, to the left, up.
+#[derive(Clone, Copy, Debug)]
+struct WindAxes([Vec3; 3]);
+
+impl WindAxes {
+    /// Lift stands in the plane of the wind and z; without wind the air comes from ahead.
+    fn new(wind: Vec3) -> Self {
+        let along = if wind.norm() > 0.0 { wind.unit() } else { Vec3::new(-1.0, 0.0, 0.0) };
+        let up =
+            if along[0].hypot(along[1]) > 1e-9 { Vec3::new(0.0, 0.0, 1.0) } else { Vec3::new(1.0, 0.0, 0.0) };
+        let lift = (up - along * up.dot(along)).unit();
+        Self([along, along.cross(lift), lift])
+    }
+
+    fn parts(&self, v: Vec3) -> [f64; 3] {
+        self.0.map(|axis| axis.dot(v))
+    }
+}
+
+/// Rows as they come.
+pub(super) struct Recorder {
+    loads: Record,
+    strips: Record,
+    axes: WindAxes,
+    weights: Vec<f64>,
+}
+
+impl Recorder {
+    pub fn new(tether: &Tether) -> Self {
+        let rows = tether.clock.steps() + 1;
+        let weight = |arc: &f64| match tether.side {
+            Side::Both => 1.0,
+            _ if *arc == 0.0 => 0.5,
+            half if half.holds(arc.signum()) => 1.0,
+            _ => 0.0,
+        };
+        let record = |columns: Vec<Column>, rows| Record::new(columns, rows).unwrap_or_default();
+        Self {
+            loads: record(load_columns(tether), rows),
+            strips: record(strip_columns(), rows * tether.aero.strips()),
+            axes: WindAxes::new(tether.wind),
+            weights: tether.aero.strip_arcs().iter().map(weight).collect(),
+        }
+    }
+
+    /// The columns of the loads, each name once.
+    pub fn columns(tether: &Tether) -> Result<Record, Error> {
+        Record::new(load_columns(tether), 0)
+    }
+
+    /// Appends the loads at `step`.
+    pub fn sample(&mut self, tether: &Tether, step: usize, loads: &Loads<f64>) {
+        let t = step as f64 * tether.clock.step();
+        let phase = tether.clock.phase(step);
+        let body = tether.motion.body(t);
+        let frame = body.frame();
+        let back = Mat3(frame.turn.0.map(|row| row.map(|j| j.x))).transpose();
+        let origin = Vec3(frame.origin.0.map(|j| j.x));
+        let to_body = |w: &Wrench<f64>| Wrench {
+            force: back * w.force,
+            moment: back * (w.moment - origin.cross(w.force)),
+        };
+        let mut sum = [Wrench::ZERO; 4];
+        for (strip, weight) in loads.strip[..loads.strips].iter().zip(&self.weights) {
+            for (sum, part) in sum.iter_mut().zip(sources(strip)) {
+                *sum += Wrench { force: part.force * *weight, moment: part.moment * *weight };
+            }
+        }
+        let total = sum.iter().fold(Wrench::ZERO, |a, b| a + *b);
+        let about_origin = total.moment - origin.cross(total.force);
+        let in_body = to_body(&total);
+        let mut row = vec![t, phase];
+        row.extend(in_body.force.0.iter().chain(&in_body.moment.0));
+        let wind_force = self.axes.parts(total.force);
+        row.extend(wind_force);
+        row.extend(self.axes.parts(about_origin));
+        row.extend(coefficients(tether, wind_force, in_body.moment));
+        for source in sum.map(|s| to_body(&s)) {
+            row.extend(source.force.0.iter().chain(&source.moment.0));
+        }
+        row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
+        row.extend(tether.motion.angles(t).iter().map(|j| j.x));
+        self.loads.append(&row);
+        for i in 0..loads.strips {
+            let strip = sources(&loads.strip[i]);
+            let mut row = vec![t, phase, i as f64, tether.aero.strip_arcs()[i]];
+            row.extend([loads.circulation[i], loads.wash[i], loads.incidence[i]]);
+            row.extend((back * loads.strip[i].total().force).0);
+            row.extend(strip.iter().flat_map(|s| (back * s.force).0));
+            self.strips.append(&row);
+        }
+    }
+
+    pub fn finish(self, tether: &Tether, ending: Ending) -> TetherRun {
+        let rows = self.loads.rows();
+        let cycle = rows.saturating_sub(tether.clock.steps_per_cycle + 1)..rows.saturating_sub(1);
+        let means = self.loads.columns()[2..].iter().map(|c| mean(c, &c.values[cycle.clone()])).collect();
+        let strips = tether.aero.strips();
+        let incidence = self.strips.values("incidence").unwrap_or_default();
+        let last = &incidence[cycle.start * strips..cycle.end * strips];
+        let past = last.iter().filter(|a| a.abs() > tether.aero.stall_angle()).count();
+        let stall_fraction = past as f64 / last.len().max(1) as f64;
+        TetherRun { ending, loads: self.loads, strips: self.strips, means, stall_fraction }
+    }
+}
+
+/// Lift, drag, side-force and nose-up moment coefficients.
+fn coefficients(tether: &Tether, [drag, side, lift]: [f64; 3], moment: Vec3) -> [f64; 4] {
+    let r = &tether.reference;
+    let scale = 0.5 * r.density_kg_m3 * r.speed_m_s * r.speed_m_s * r.area_m2;
+    [lift / scale, drag / scale, side / scale, -moment[1] / (scale * r.chord_m)]
+}
+
+fn mean(column: &Column, values: &[f64]) -> Means {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    Means {
+        name: column.name.clone(),
+        unit: column.unit.clone(),
+        mean: values.iter().sum::<f64>() / values.len().max(1) as f64,
+        low,
+        high,
+    }
+}
+
+fn load_columns(tether: &Tether) -> Vec<Column> {
+    let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "cycles", "")];
+    let mut wrench = |name: &str, frame: &str, axes: [&str; 3]| {
+        columns.extend(axes.map(|a| Column::new(format!("force{name}_{a}"), "N", frame)));
+        columns.extend(axes.map(|a| Column::new(format!("moment{name}_{a}"), "N m", frame)));
+    };
+    wrench("", "B", AXES);
+    wrench("_wind", "wind", ["drag", "side", "lift"]);
+    columns.extend(["CL", "CD", "CY", "CM"].map(|n| Column::new(n, "", "")));
+    for source in SOURCES {
+        columns.extend(AXES.map(|a| Column::new(format!("force_{source}_{a}"), "N", "B")));
+        columns.extend(AXES.map(|a| Column::new(format!("moment_{source}_{a}"), "N m", "B")));
+    }
+    for (name, unit) in [("surge", "m"), ("heave", "m"), ("nose_up", "rad"), ("roll", "rad")] {
+        columns.push(Column::new(name, unit, "W"));
+    }
+    columns
+        .extend(tether.motion.hinges.iter().map(|(name, _)| Column::new(format!("hinge_{name}"), "rad", "")));
+    columns
+}
+
+fn strip_columns() -> Vec<Column> {
+    let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "cycles", "")];
+    columns.extend(
+        [("strip", ""), ("arc", "m"), ("circulation", "m2/s"), ("wash", "m/s"), ("incidence", "rad")]
+            .map(|(name, unit)| Column::new(name, unit, "")),
+    );
+    columns.extend(AXES.map(|a| Column::new(format!("force_{a}"), "N", "B")));
+    for source in SOURCES {
+        columns.extend(AXES.map(|a| Column::new(format!("force_{source}_{a}"), "N", "B")));
+    }
+    columns
+}

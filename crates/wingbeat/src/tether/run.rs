@@ -1,0 +1,189 @@
+//! Time stepping of a tethered wing.
+
+use super::recorder::Recorder;
+use super::{BodyMotion, Coordinate, Side, TetherRun, Wing};
+use crate::Error;
+use crate::aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
+use crate::flight::Ending;
+use crate::math::{Jet, RK4, Vec3, Workspace};
+use crate::plant::Fault;
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+
+/// Cycles and steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Cycles per second; of a motion that is not periodic, one over its duration.
+    pub frequency_hz: f64,
+    /// Number of cycles from rest.
+    pub cycles: usize,
+    /// Steps per cycle.
+    pub steps_per_cycle: usize,
+}
+
+impl Clock {
+    /// Step, s.
+    pub fn step(&self) -> f64 {
+        1.0 / (self.frequency_hz * self.steps_per_cycle as f64)
+    }
+    /// Number of steps.
+    pub fn steps(&self) -> usize {
+        self.cycles * self.steps_per_cycle
+    }
+    /// Position in the cycle at step `step`, cycles in [0, 1).
+    pub fn phase(&self, step: usize) -> f64 {
+        (step % self.steps_per_cycle) as f64 / self.steps_per_cycle as f64
+    }
+}
+
+/// Motion of body and hinges over time, with a name for each hinge.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Forward, m.
+    pub surge: Coordinate,
+    /// Up, m.
+    pub heave: Coordinate,
+    /// Nose up, rad.
+    pub nose_up: Coordinate,
+    /// Right wing down, rad.
+    pub roll: Coordinate,
+    /// Place of the pitch axis ahead of the hinge line, m.
+    pub axis_ahead_m: f64,
+    /// Name and angle (rad) of each hinge of the wing, in order.
+    pub hinges: Vec<(String, Coordinate)>,
+}
+
+impl Motion {
+    /// The body at time `t`.
+    pub fn body(&self, t: f64) -> BodyMotion<f64> {
+        BodyMotion {
+            surge: self.surge.at(t),
+            heave: self.heave.at(t),
+            nose_up: self.nose_up.at(t),
+            roll: self.roll.at(t),
+            axis_ahead_m: self.axis_ahead_m,
+        }
+    }
+
+    /// The hinge angles at time `t`, rad.
+    pub fn angles(&self, t: f64) -> Vec<Jet<f64>> {
+        self.hinges.iter().map(|(_, angle)| angle.at(t)).collect()
+    }
+}
+
+/// Scales of the coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// Density, kg/m3.
+    pub density_kg_m3: f64,
+    /// Speed, m/s.
+    pub speed_m_s: f64,
+    /// Area, m2.
+    pub area_m2: f64,
+    /// Length of the pitching-moment coefficient, m.
+    pub chord_m: f64,
+}
+
+/// A wing in prescribed motion in a uniform wind.
+#[derive(Clone, Debug)]
+pub struct Tether {
+    /// Geometry.
+    pub wing: Wing,
+    /// Motion.
+    pub motion: Motion,
+    /// Aerodynamic model of the wing's planform.
+    pub aero: Aero,
+    /// Velocity of the air in W, m/s.
+    pub wind: Vec3,
+    /// Whose loads count: a half alone has a mirror plane at its root.
+    pub side: Side,
+    /// Scales of the coefficients.
+    pub reference: Reference,
+    /// Cycles and steps.
+    pub clock: Clock,
+}
+
+impl Tether {
+    /// Checks what the parts cannot check by themselves.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when an angle per hinge is missing or a scale or the
+    /// clock is out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.motion.hinges.len() != self.wing.hinges().len() {
+            let allowed = format!("{}: one angle per hinge", self.wing.hinges().len());
+            return Err(Error::invalid("hinges", self.motion.hinges.len(), allowed));
+        }
+        Recorder::columns(self)?;
+        let positive = [
+            ("time.frequency_hz", self.clock.frequency_hz),
+            ("reference.speed_m_s", self.reference.speed_m_s),
+            ("air.density_kg_m3", self.reference.density_kg_m3),
+        ];
+        for (key, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::invalid(key, value, "a finite number above 0"));
+            }
+        }
+        for (key, value, least) in
+            [("time.cycles", self.clock.cycles, 1), ("time.steps_per_cycle", self.clock.steps_per_cycle, 8)]
+        {
+            if value < least {
+                return Err(Error::invalid(key, value, format!("{least} or more")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Sections of the wing at time `t`, in W.
+    fn sections(&self, t: f64) -> [SectionMotion<f64>; MAX_STRIPS + 1] {
+        let (body, angles) = (self.motion.body(t).frame(), self.motion.angles(t));
+        let mut sections = [SectionMotion::default(); MAX_STRIPS + 1];
+        for (section, &arc) in sections.iter_mut().zip(self.aero.arcs()) {
+            *section = self.wing.section(arc, &body, &angles);
+        }
+        sections
+    }
+
+    /// State rates and loads in W about W's origin.
+    pub fn evaluate(&self, t: f64, x: &[f64], dx: &mut [f64], loads: &mut Loads<f64>) {
+        let sections = self.sections(t);
+        let count = self.aero.arcs().len();
+        self.aero.evaluate(&sections[..count], self.wind, x, dx, loads);
+    }
+
+    /// Runs all cycles from rest with the fourth-order Runge-Kutta method.
+    /// `progress` hears the share done and may stop the run.
+    pub fn run(&self, mut progress: impl FnMut(f64) -> ControlFlow<()>) -> TetherRun {
+        let n = self.aero.states();
+        let (mut x, mut dx) = (vec![0.0; n], vec![0.0; n]);
+        let mut work = Workspace::new(n, 4);
+        let mut loads = Loads::default();
+        let mut recorder = Recorder::new(self);
+        let steps = self.clock.steps();
+        for step in 0..=steps {
+            let t = step as f64 * self.clock.step();
+            self.evaluate(t, &x, &mut dx, &mut loads);
+            if let Some(state) = dx.iter().position(|rate| !rate.is_finite()) {
+                return recorder.finish(self, Ending::Fault(Fault::NotFinite { state, time: t }));
+            }
+            recorder.sample(self, step, &loads);
+            if step < steps && progress(step as f64 / steps as f64).is_break() {
+                return recorder.finish(self, Ending::Stopped);
+            }
+            if step < steps {
+                self.advance(t, &mut x, &mut work);
+            }
+        }
+        recorder.finish(self, Ending::Complete)
+    }
+
+    fn advance(&self, t: f64, x: &mut [f64], work: &mut Workspace<f64>) {
+        let count = self.aero.arcs().len();
+        let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
+            self.aero.evaluate_sum(&self.sections(t)[..count], self.wind, x, dx);
+            Ok::<(), Infallible>(())
+        };
+        let Ok(()) = RK4.step(rates, t, self.clock.step(), x, work);
+    }
+}
