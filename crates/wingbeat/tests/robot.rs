@@ -3,7 +3,7 @@
 use wingbeat::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag};
 use wingbeat::math::{Quat, RK4, Vec3, Workspace};
 use wingbeat::plant::{Linearisation, LocalChart, Plant};
-use wingbeat::robot::{Air, Robot, RobotSpec};
+use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
 
 fn spec(name: &str) -> RobotSpec {
     let path = format!("{}/../../robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -20,7 +20,7 @@ fn robot(name: &str, density: f64) -> Robot {
         ..LiftingLineSettings::default()
     };
     let aero = Aero::LiftingLine(LiftingLine::new(&planform, settings).unwrap());
-    Robot::new(&spec, aero, Air { density, wind: Vec3::ZERO }, 0.3).unwrap()
+    Robot::new(&spec, aero, Air { density, wind: Wind::steady(Vec3::ZERO) }, 0.3).unwrap()
 }
 
 fn flying(robot: &Robot, roll: f64) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! The loop of plant, controller and clock.
 
+use super::record::Column;
 use crate::math::{Quat, RK4, Workspace};
 use crate::plant::{Fault, Plant};
 use std::ops::ControlFlow;
@@ -11,6 +12,13 @@ pub trait Controller {
     fn update(&mut self, t: f64, x: &[f64]) -> Update;
     /// Writes the planned inputs at time `t`, the very function the plan was made with.
     fn input(&self, t: f64, u: &mut [f64]);
+    /// Columns of [`diagnostics`](Self::diagnostics).
+    fn columns(&self) -> Vec<Column> {
+        Vec::new()
+    }
+    /// Appends what the last update tells of itself, one number per column.
+    /// Nothing that depends on the wall clock, so that records repeat.
+    fn diagnostics(&self, _row: &mut Vec<f64>) {}
 }
 
 /// How an update of the controller ended.
@@ -20,6 +28,8 @@ pub enum Update {
     Fresh,
     /// The update failed; the previous plan goes on.
     Kept,
+    /// The update came after its deadline; the previous plan goes on.
+    Late,
 }
 
 /// The controller that leaves every regulator at rest.
@@ -83,8 +93,10 @@ pub struct Flight {
     pub wall: Duration,
     /// Wall time of each controller update.
     pub updates: Vec<Duration>,
-    /// Updates that kept the previous plan.
+    /// Updates that failed and kept the previous plan.
     pub failures: usize,
+    /// Updates that came late and kept the previous plan.
+    pub late: usize,
 }
 
 /// Flies `plant` from `x` (state at t = 0, left at the final state) under
@@ -97,7 +109,7 @@ pub fn fly<P: Plant, C: Controller>(
     controller: &mut C,
     schedule: &Schedule,
     x: &mut [f64],
-    mut observe: impl FnMut(Sample) -> ControlFlow<()>,
+    mut observe: impl FnMut(&Sample, &C) -> ControlFlow<()>,
 ) -> Flight {
     let start = Instant::now();
     let mut u = vec![0.0; plant.inputs().len()];
@@ -109,18 +121,23 @@ pub fn fly<P: Plant, C: Controller>(
         wall: Duration::ZERO,
         updates: Vec::with_capacity(schedule.steps / schedule.steps_per_update + 1),
         failures: 0,
+        late: 0,
     };
     for i in 0..=schedule.steps {
         let t = i as f64 * schedule.step;
         flight.duration = t;
         if i % schedule.steps_per_update == 0 && i < schedule.steps {
             let begun = Instant::now();
-            flight.failures += usize::from(controller.update(t, x) == Update::Kept);
+            match controller.update(t, x) {
+                Update::Fresh => {}
+                Update::Kept => flight.failures += 1,
+                Update::Late => flight.late += 1,
+            }
             flight.updates.push(begun.elapsed());
         }
         if i % schedule.steps_per_sample == 0 {
             limited_input(plant, controller, t, &mut u);
-            if observe(Sample { t, x, u: &u, elapsed: start.elapsed() }).is_break() {
+            if observe(&Sample { t, x, u: &u, elapsed: start.elapsed() }, controller).is_break() {
                 flight.ending = Ending::Stopped;
                 break;
             }

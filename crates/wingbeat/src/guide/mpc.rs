@@ -2,11 +2,12 @@
 
 use super::manoeuvre::{Manoeuvre, angle_error};
 use crate::Error;
-use crate::flight::{Controller, Update};
+use crate::flight::{Column, Controller, Update};
 use crate::math::{Quat, Scalar, Vec3};
-use crate::ocp::realtime::{RealTime, Settings, Tracking};
+use crate::ocp::realtime::{Plan, RealTime, Settings, Tracking};
 use crate::plant::{Channel, LocalChart, Plant};
 use serde::{Deserialize, Serialize};
+use std::time::{Duration, Instant};
 
 /// Horizon and cost of the controller.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -23,6 +24,9 @@ pub struct MpcSpec {
     /// The plan's first input is the last one applied; else it may jump.
     #[serde(default)]
     pub continuous_input: bool,
+    /// An update that takes longer is dropped and counted, s; without it none is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deadline_s: Option<f64>,
     /// Weights.
     pub weights: Weights,
 }
@@ -39,6 +43,16 @@ pub struct Weights {
     pub rate: f64,
     /// Input, per half of its range.
     pub input: f64,
+    /// Change of the input over an interval, per half of its range.
+    #[serde(default)]
+    pub input_change: f64,
+    /// Factor on the state residuals of the last node: the terminal cost.
+    #[serde(default = "one")]
+    pub terminal: f64,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 impl MpcSpec {
@@ -48,11 +62,15 @@ impl MpcSpec {
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
         let weights = &self.weights;
-        let positive = [("period_s", self.period_s), ("interval_s", self.interval_s)];
+        let deadline = self.deadline_s.unwrap_or(1.0);
+        let positive =
+            [("period_s", self.period_s), ("interval_s", self.interval_s), ("deadline_s", deadline)];
         let weights = [
             ("weights.roll", weights.roll),
             ("weights.pitch", weights.pitch),
             ("weights.rate", weights.rate),
+            ("weights.input_change", weights.input_change),
+            ("weights.terminal", weights.terminal),
         ];
         if let Some((key, value)) = positive.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
             return Err(Error::invalid(*key, value, "a finite number above 0"));
@@ -85,6 +103,10 @@ struct AttitudeTracking {
     rate: usize,
     /// Residual per input, weight over half range.
     input_weights: Vec<f64>,
+    /// Cost per squared change of an input.
+    change_weights: Vec<f64>,
+    /// The last node.
+    last: usize,
 }
 
 impl Tracking for AttitudeTracking {
@@ -103,11 +125,16 @@ impl Tracking for AttitudeTracking {
         let attitude = Quat::constant(self.center) * Quat::exp(Vec3::from_slice(&x[self.rotation..]));
         let angles = attitude.matrix().roll_pitch_yaw();
         let reference = self.manoeuvre.reference(t);
-        outputs[0] = angle_error(angles[0], reference.roll) * self.weights.roll;
-        outputs[1] = angle_error(angles[1], reference.pitch) * self.weights.pitch;
+        let factor = if node == self.last { self.weights.terminal } else { 1.0 };
+        outputs[0] = angle_error(angles[0], reference.roll) * (self.weights.roll * factor);
+        outputs[1] = angle_error(angles[1], reference.pitch) * (self.weights.pitch * factor);
         for i in 0..3 {
-            outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * self.weights.rate;
+            outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * (self.weights.rate * factor);
         }
+    }
+
+    fn change_weight(&self, input: usize) -> f64 {
+        self.change_weights[input]
     }
 }
 
@@ -117,6 +144,9 @@ pub struct Mpc<'a, P: Plant> {
     chart: LocalChart<'a, P>,
     tracking: AttitudeTracking,
     solver: RealTime,
+    /// The plan to go on with when an update comes late.
+    previous: Plan,
+    deadline: Option<Duration>,
     iterations: usize,
     last_update: Option<f64>,
     local: Vec<f64>,
@@ -142,6 +172,12 @@ impl<'a, P: Plant> Mpc<'a, P> {
             rotation,
             rate: rate.ok_or_else(|| missing("no angular rate w_WB_B_x"))?,
             input_weights: plant.inputs().iter().map(|c| spec.weights.input / half_range(c)).collect(),
+            change_weights: plant
+                .inputs()
+                .iter()
+                .map(|c| (spec.weights.input_change / half_range(c)).powi(2))
+                .collect(),
+            last: spec.intervals,
         };
         let settings = Settings {
             hold_first_input: spec.continuous_input,
@@ -152,7 +188,9 @@ impl<'a, P: Plant> Mpc<'a, P> {
             local: vec![0.0; chart.states().len()],
             chart,
             tracking,
+            previous: solver.plan().clone(),
             solver,
+            deadline: spec.deadline_s.map(Duration::from_secs_f64),
             iterations: spec.iterations,
             last_update: None,
         })
@@ -177,6 +215,7 @@ impl<'a, P: Plant> Mpc<'a, P> {
 
 impl<P: Plant> Controller for Mpc<'_, P> {
     fn update(&mut self, t: f64, x: &[f64]) -> Update {
+        let begun = Instant::now();
         if let Some(last) = self.last_update {
             self.solver.shift(&self.chart, t - last);
             let nodes = self.solver.plan().nodes();
@@ -186,11 +225,36 @@ impl<P: Plant> Controller for Mpc<'_, P> {
             self.solver.reset(&self.chart, &self.local);
         }
         self.last_update = Some(t);
+        self.previous.clone_from(self.solver.plan());
         let status = self.solver.solve(&self.chart, &self.tracking, t, &self.local, self.iterations);
-        if status.updated() { Update::Fresh } else { Update::Kept }
+        if !status.updated() {
+            return Update::Kept;
+        }
+        if self.deadline.is_some_and(|limit| begun.elapsed() > limit) {
+            self.solver.plan_mut().clone_from(&self.previous);
+            return Update::Late;
+        }
+        Update::Fresh
     }
 
     fn input(&self, t: f64, u: &mut [f64]) {
         self.solver.plan().input_at(t, u);
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        let last = self.solver.plan().nodes() - 1;
+        let angles = ["roll", "pitch", "yaw"].map(|a| Column::new(format!("plan_{a}_{last}"), "rad", "WB"));
+        let measures = ["iterations", "qp_changes", "active_limits", "stationarity", "defect"];
+        let measures = measures.map(|m| Column::new(format!("solver_{m}"), "", ""));
+        angles.into_iter().chain(measures).collect()
+    }
+
+    fn diagnostics(&self, row: &mut Vec<f64>) {
+        let (plan, statistics) = (self.solver.plan(), self.solver.statistics());
+        let end = plan.state(plan.nodes() - 1);
+        row.extend(self.chart.rotation_matrix(end).roll_pitch_yaw().0);
+        let counts = [statistics.iterations, statistics.qp_changes, statistics.active];
+        row.extend(counts.map(|c| c as f64));
+        row.extend([statistics.stationarity, statistics.defect]);
     }
 }

@@ -58,8 +58,8 @@ impl Robot {
         self.tree.motions(&joints, v, w, &mut links);
         let base = LinkMotion::base(v, w);
 
-        let wind = attitude.transpose_mul(Vec3::constant(self.air.wind));
-        let sections = self.sections(&base, &links);
+        let (wind, wind_dot) = self.wind(t, attitude);
+        let sections = self.sections(&base, &links, wind_dot);
         let sections = &sections[..self.sections.len()];
         let (air, added_mass) = self.aero.evaluate_sum(sections, wind, &x[l.aero..], &mut dx[l.aero..]);
 
@@ -116,15 +116,25 @@ impl Robot {
         Ok(joints)
     }
 
-    /// Motion of the wing's sections.
+    /// Velocity and acceleration of the air, resolved in B.
+    pub(super) fn wind<S: Scalar>(&self, t: S, attitude: Mat3<S>) -> (Vec3<S>, Vec3<S>) {
+        let (velocity, acceleration) = self.air.wind.at(t);
+        (attitude.transpose_mul(velocity), attitude.transpose_mul(acceleration))
+    }
+
+    /// Motion of the wing's sections; accelerations against air that itself
+    /// accelerates with `wind_dot`, so that the added mass feels the gust.
     pub(super) fn sections<S: Scalar>(
         &self,
         base: &LinkMotion<S>,
         links: &[LinkMotion<S>],
+        wind_dot: Vec3<S>,
     ) -> [SectionMotion<S>; MAX_STRIPS + 1] {
         let mut motion = [SectionMotion::default(); MAX_STRIPS + 1];
         for (m, section) in motion.iter_mut().zip(&self.sections) {
             *m = section.motion(section.link.map_or(base, |i| &links[i]));
+            m.a_le -= wind_dot;
+            m.a_te -= wind_dot;
         }
         motion
     }

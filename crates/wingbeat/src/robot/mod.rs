@@ -1,11 +1,13 @@
 //! The flying robot: body and aerodynamics meet here and nowhere else. Stations
 //! carry geometry down to the wing, loads come back up by name.
 
+mod air;
 mod dynamics;
 mod observe;
 mod sections;
 mod spec;
 
+pub use air::{Air, Wind};
 pub use observe::{Observation, WING_POINTS};
 pub use spec::{BodySpec, Displaced, ElementSpec, GaitSpec, LinkSpec, RobotSpec, StructureSpec, WingSpec};
 
@@ -53,15 +55,6 @@ pub struct Layout {
     pub aero: usize,
     /// Number of states.
     pub len: usize,
-}
-
-/// The air the robot flies in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Air {
-    /// Density, kg/m3.
-    pub density: f64,
-    /// Wind velocity in W, m/s.
-    pub wind: Vec3,
 }
 
 /// A robot in air, as a [`Plant`](crate::plant::Plant). Inputs are the

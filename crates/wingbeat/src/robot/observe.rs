@@ -62,8 +62,8 @@ impl Robot {
         let links = e.links.map(|link| accelerated(&link, body));
 
         let mut loads = Loads::default();
-        let wind = e.attitude.transpose_mul(self.air.wind);
-        let sections = self.sections(&base, &links);
+        let (wind, wind_dot) = self.wind(t, e.attitude);
+        let sections = self.sections(&base, &links, wind_dot);
         let aero = self.layout.aero;
         self.aero.evaluate(&sections[..self.sections.len()], wind, &x[aero..], &mut dx[aero..], &mut loads);
         let air = loads.by_source();

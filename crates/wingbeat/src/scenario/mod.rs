@@ -1,6 +1,7 @@
 //! TOML to checked objects: the only place where strings become things.
 
 mod document;
+mod mismatch;
 mod recorder;
 mod spec;
 mod summary;
@@ -8,6 +9,7 @@ mod tether;
 mod tether_spec;
 
 pub use document::{ConfigError, Document, Place, Problem};
+pub use mismatch::Mismatch;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };
@@ -20,10 +22,10 @@ pub use tether_spec::{
 
 use crate::Error;
 use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag};
-use crate::flight::{AtRest, Controller, Ending, Flight, Record, Sample, Schedule, fly};
+use crate::flight::{AtRest, Controller, Ending, Flight, Record, Sample, Schedule, Sensed, fly};
 use crate::guide::Mpc;
 use crate::math::{Quat, Vec3};
-use crate::robot::{Air, Robot};
+use crate::robot::{Air, Robot, RobotSpec, Wind};
 use recorder::Recorder;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -39,6 +41,7 @@ pub struct Scenario {
     /// The merged configuration as TOML; flies the same flight.
     pub resolved: String,
     robot: Robot,
+    model: Robot,
     schedule: Schedule,
 }
 
@@ -65,16 +68,21 @@ impl Scenario {
 
     fn build(spec: ScenarioSpec, resolved: String) -> Result<Self, Error> {
         spec.check()?;
-        let robot = spec.robot()?;
+        let (robot, model) = (spec.flown_robot()?, spec.known_robot()?);
         let schedule = spec.schedule()?;
-        let scenario = Self { spec, resolved, robot, schedule };
+        let scenario = Self { spec, resolved, robot, model, schedule };
         scenario.controller()?;
         Ok(scenario)
     }
 
-    /// The robot in its air.
+    /// The robot that flies, in its air.
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// The robot and air as the controller knows them.
+    pub fn model(&self) -> &Robot {
+        &self.model
     }
 
     /// State at t = 0: at the origin, structure at rest, still wake.
@@ -94,7 +102,7 @@ impl Scenario {
     pub fn controller(&self) -> Result<Option<Mpc<'_, Robot>>, Error> {
         match (&self.spec.controller, &self.spec.manoeuvre) {
             (Some(spec), Some(manoeuvre)) => {
-                Mpc::new(&self.robot, manoeuvre.clone(), spec).map(Some).map_err(|e| e.within("controller"))
+                Mpc::new(&self.model, manoeuvre.clone(), spec).map(Some).map_err(|e| e.within("controller"))
             }
             _ => Ok(None),
         }
@@ -105,9 +113,13 @@ impl Scenario {
     /// # Errors
     /// [`Error::Invalid`] when the controller's settings are out of range.
     pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
-        match self.controller()? {
-            Some(mut controller) => self.fly_with(&mut controller, observe),
-            None => self.fly_with(&mut AtRest, observe),
+        match (self.controller()?, &self.spec.sensors) {
+            (Some(controller), Some(sensors)) => {
+                let mut sensed = Sensed::new(controller, &self.robot, sensors, self.spec.seed);
+                self.fly_with(&mut sensed, observe)
+            }
+            (Some(mut controller), None) => self.fly_with(&mut controller, observe),
+            (None, _) => self.fly_with(&mut AtRest, observe),
         }
     }
 
@@ -117,15 +129,15 @@ impl Scenario {
         mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let rows = self.schedule.steps / self.schedule.steps_per_sample + 1;
-        let mut recorder = Recorder::new(&self.robot, rows)?;
+        let mut recorder = Recorder::new(&self.robot, controller, rows)?;
         let mut broken = None;
         let mut x = self.start();
-        let mut flight = fly(&self.robot, controller, &self.schedule, &mut x, |sample| {
-            if let Err(fault) = recorder.sample(sample.t, sample.x, sample.u) {
+        let mut flight = fly(&self.robot, controller, &self.schedule, &mut x, |sample, controller| {
+            if let Err(fault) = recorder.sample(sample, controller) {
                 broken = Some(fault);
                 return ControlFlow::Break(());
             }
-            observe(&sample)
+            observe(sample)
         });
         if let Some(fault) = broken {
             flight.ending = Ending::Fault(fault);
@@ -153,25 +165,46 @@ impl ScenarioSpec {
         if !(density > 0.0 && density.is_finite()) {
             return Err(Error::invalid("air.density_kg_m3", density, "a finite number above 0"));
         }
+        if !(self.air.gust_m_s >= 0.0 && self.air.gust_m_s.is_finite()) {
+            return Err(Error::invalid("air.gust_m_s", self.air.gust_m_s, "a finite number, 0 or more"));
+        }
+        if let Some(sensors) = &self.sensors {
+            sensors.check().map_err(|e| e.within("sensors"))?;
+        }
+        if let Some(mismatch) = &self.mismatch {
+            mismatch.check().map_err(|e| e.within("mismatch"))?;
+        }
         if self.controller.is_some() && self.manoeuvre.is_none() {
             return Err(Error::invalid("controller", "given", "a manoeuvre to fly: add [manoeuvre]"));
         }
         Ok(())
     }
 
-    /// The robot in its air.
-    fn robot(&self) -> Result<Robot, Error> {
-        let planform = Planform::new(&self.robot.wing.planform).map_err(|e| e.within("robot.wing"))?;
-        let air = Air { density: self.air.density_kg_m3, wind: Vec3(self.air.wind_m_s) };
-        let wing = &self.robot.wing;
+    /// The robot that flies: mismatch and gust included.
+    fn flown_robot(&self) -> Result<Robot, Error> {
+        let mismatch = self.mismatch.clone().unwrap_or_default();
+        let density = self.air.density_kg_m3 * mismatch.density;
+        let wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed);
+        self.robot_in(&mismatch.apply(&self.robot), Air { density, wind })
+    }
+
+    /// The robot as its controller knows it.
+    fn known_robot(&self) -> Result<Robot, Error> {
+        let wind = Wind::steady(Vec3(self.air.wind_m_s));
+        self.robot_in(&self.robot, Air { density: self.air.density_kg_m3, wind })
+    }
+
+    fn robot_in(&self, spec: &RobotSpec, air: Air) -> Result<Robot, Error> {
+        let mut spec = spec.clone();
+        if !self.flight.flapping {
+            spec.gait.hold_still();
+        }
+        let wing = &spec.wing;
+        let planform = Planform::new(&wing.planform).map_err(|e| e.within("robot.wing"))?;
         let drag = ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 };
         let hinges = [wing.shoulder_m[1], wing.shoulder_m[1] + wing.proximal.length_m];
-        let aero = self.aero.build(&planform, &hinges, drag, self.air.density_kg_m3)?;
-        let mut robot = self.robot.clone();
-        if !self.flight.flapping {
-            robot.gait.hold_still();
-        }
-        Robot::new(&robot, aero, air, self.start.phase_rad).map_err(|e| e.within("robot"))
+        let aero = self.aero.build(&planform, &hinges, drag, air.density)?;
+        Robot::new(&spec, aero, air, self.start.phase_rad).map_err(|e| e.within("robot"))
     }
 
     /// Whole steps for duration, updates and records.

@@ -1,7 +1,7 @@
 //! From an observed robot to the columns of a record.
 
 use crate::Error;
-use crate::flight::{Column, Record};
+use crate::flight::{Column, Controller, Record, Sample};
 use crate::math::{Vec3, Wrench};
 use crate::plant::{Fault, Plant};
 use crate::robot::{JOINTS, Observation, Robot, WING_POINTS};
@@ -29,9 +29,10 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// An empty record of `robot` with room for `rows` samples.
-    pub fn new(robot: &'a Robot, rows: usize) -> Result<Self, Error> {
-        let columns = columns(robot);
+    /// An empty record of `robot` under `controller` with room for `rows` samples.
+    pub fn new<C: Controller>(robot: &'a Robot, controller: &C, rows: usize) -> Result<Self, Error> {
+        let mut columns = columns(robot);
+        columns.extend(controller.columns());
         let width = columns.len();
         Ok(Self {
             robot,
@@ -41,8 +42,9 @@ impl<'a> Recorder<'a> {
         })
     }
 
-    /// Appends the sample at (t, x, u).
-    pub fn sample(&mut self, t: f64, x: &[f64], u: &[f64]) -> Result<(), Fault> {
+    /// Appends a sample and the controller's diagnostics.
+    pub fn sample<C: Controller>(&mut self, sample: &Sample, controller: &C) -> Result<(), Fault> {
+        let Sample { t, x, u, .. } = *sample;
         let o = self.robot.observe(t, x, u)?;
         let layout = self.robot.layout();
         let position = Vec3::from_slice(&x[layout.position..]);
@@ -59,6 +61,7 @@ impl<'a> Recorder<'a> {
         row.extend(&o.incidence);
         row.extend(u);
         row.extend(x);
+        controller.diagnostics(&mut row);
         self.record.append(&row);
         self.row = row;
         self.incidence.extend(&o.incidence);

@@ -1,6 +1,8 @@
 //! What a scenario file says, before it is checked and built.
 
+use super::mismatch::Mismatch;
 use crate::aero::LiftLaw;
+use crate::flight::SensorSpec;
 use crate::guide::{Manoeuvre, MpcSpec};
 use crate::robot::RobotSpec;
 use serde::{Deserialize, Serialize};
@@ -11,6 +13,9 @@ use serde::{Deserialize, Serialize};
 pub struct ScenarioSpec {
     /// Name; the run folder is called after it.
     pub name: String,
+    /// Seed of everything random: gust, sensor noise.
+    #[serde(default)]
+    pub seed: u64,
     /// The robot; a scenario names its file.
     pub robot: RobotSpec,
     /// Air.
@@ -27,6 +32,12 @@ pub struct ScenarioSpec {
     /// Predictive controller; without it every regulator rests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller: Option<MpcSpec>,
+    /// Sensors between robot and controller; without them the state is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<SensorSpec>,
+    /// How the flown robot differs from the one the controller knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mismatch: Option<Mismatch>,
     /// What counts as held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<GoalSpec>,
@@ -43,6 +54,9 @@ pub struct AirSpec {
     pub density_kg_m3: f64,
     /// Wind velocity in W, m/s.
     pub wind_m_s: [f64; 3],
+    /// Largest gust along each axis, m/s; the controller does not know of it.
+    #[serde(default)]
+    pub gust_m_s: f64,
 }
 
 /// Aerodynamic model.

@@ -4,7 +4,6 @@ use super::spec::GoalSpec;
 use crate::flight::{Ending, Flight, Record};
 use crate::guide::{Manoeuvre, angle_error};
 use serde::Serialize;
-use std::time::Duration;
 
 /// `summary.json` of a flight. Means are taken from the goal's settling time
 /// (2 s without a goal) on. Pitch is FLU: negative is nose up.
@@ -68,8 +67,10 @@ pub enum Status {
 pub struct ControllerSummary {
     /// Updates asked for.
     pub updates: usize,
-    /// Updates that kept the previous plan.
+    /// Updates that failed and kept the previous plan.
     pub failures: usize,
+    /// Updates that missed their deadline and kept the previous plan.
+    pub late: usize,
     /// Wall time of an update, microseconds.
     pub median_us: f64,
     /// 99th percentile.
@@ -82,8 +83,8 @@ pub struct ControllerSummary {
 
 impl ControllerSummary {
     /// Order statistics of the update times.
-    pub fn new(failures: usize, updates: &[Duration]) -> Self {
-        let mut us: Vec<f64> = updates.iter().map(|d| d.as_secs_f64() * 1e6).collect();
+    pub fn new(flight: &Flight) -> Self {
+        let mut us: Vec<f64> = flight.updates.iter().map(|d| d.as_secs_f64() * 1e6).collect();
         us.sort_by(f64::total_cmp);
         let quantile = |q: f64| match us.len() {
             0 => 0.0,
@@ -91,7 +92,8 @@ impl ControllerSummary {
         };
         Self {
             updates: us.len(),
-            failures,
+            failures: flight.failures,
+            late: flight.late,
             median_us: quantile(0.5),
             p99_us: quantile(0.99),
             p999_us: quantile(0.999),
@@ -156,7 +158,7 @@ impl Summary {
             stall_fraction: context.stall_fraction,
             input_saturation_fraction: saturation(record),
             warnings: warnings(context),
-            controller: ControllerSummary::new(flight.failures, &flight.updates),
+            controller: ControllerSummary::new(flight),
         };
         (summary.status, summary.reason) = summary.judge(flight, context);
         summary

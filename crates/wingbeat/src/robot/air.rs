@@ -1,0 +1,108 @@
+//! The air the robot flies in: density, mean wind and gusts.
+
+use crate::math::{Scalar, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::TAU;
+
+/// The air.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Air {
+    /// Density, kg/m3.
+    pub density: f64,
+    /// Its motion.
+    pub wind: Wind,
+}
+
+/// Velocity of the air over time, the same everywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wind {
+    mean: Vec3,
+    waves: Vec<Wave>,
+}
+
+/// One sinusoid of a gust: v_i = amplitude_i sin(rate t + phase_i).
+#[derive(Clone, Debug, PartialEq)]
+struct Wave {
+    amplitude: f64,
+    rate: f64,
+    phase: [f64; 3],
+}
+
+/// Frequencies of a gust, Hz: slow against the flapping, so that the air may
+/// count as uniform over the wing.
+const GUST_FREQUENCIES: [f64; 6] = [0.2, 0.33, 0.54, 0.87, 1.4, 2.3];
+
+impl Wind {
+    /// Wind that does not change, m/s in W.
+    pub fn steady(mean: Vec3) -> Self {
+        Self { mean, waves: Vec::new() }
+    }
+
+    /// Mean wind with a gust: along each axis a sum of sinusoids with random
+    /// phases, amplitudes falling with the inverse of the frequency (a velocity
+    /// spectrum of slope -2, Dryden's beyond its corner: MIL-F-8785C) and adding
+    /// up to `peak`, m/s, so that no component ever exceeds it.
+    pub fn gusty(mean: Vec3, peak: f64, seed: u64) -> Self {
+        if peak == 0.0 {
+            return Self::steady(mean);
+        }
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let total: f64 = GUST_FREQUENCIES.iter().map(|f| 1.0 / f).sum();
+        let waves = GUST_FREQUENCIES
+            .iter()
+            .map(|f| Wave {
+                amplitude: peak / (f * total),
+                rate: TAU * f,
+                phase: std::array::from_fn(|_| random.random_range(0.0..TAU)),
+            })
+            .collect();
+        Self { mean, waves }
+    }
+
+    /// The wind without its gust, m/s in W.
+    pub fn mean(&self) -> Vec3 {
+        self.mean
+    }
+
+    /// Velocity (m/s) and acceleration (m/s2) of the air in W at the time `t`, s.
+    #[inline]
+    pub fn at<S: Scalar>(&self, t: S) -> (Vec3<S>, Vec3<S>) {
+        let (mut velocity, mut acceleration) = (Vec3::constant(self.mean), Vec3::ZERO);
+        for wave in &self.waves {
+            for i in 0..3 {
+                let (s, c) = (t * wave.rate + wave.phase[i]).sin_cos();
+                velocity[i] += s * wave.amplitude;
+                acceleration[i] += c * (wave.amplitude * wave.rate);
+            }
+        }
+        (velocity, acceleration)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Dual;
+
+    #[test]
+    fn a_gust_stays_below_its_peak_and_follows_its_seed() {
+        let gust = Wind::gusty(Vec3::new(1.0, 0.0, 0.0), 0.3, 7);
+        let largest = (0..20000)
+            .map(|i| gust.at(i as f64 * 1e-3).0 - gust.mean())
+            .fold(0.0, |m: f64, v| m.max(v[0].abs()).max(v[1].abs()).max(v[2].abs()));
+        assert!(largest <= 0.3 && largest > 0.15, "peak {largest}");
+        assert_eq!(gust, Wind::gusty(Vec3::new(1.0, 0.0, 0.0), 0.3, 7));
+        assert_ne!(gust, Wind::gusty(Vec3::new(1.0, 0.0, 0.0), 0.3, 8));
+    }
+
+    #[test]
+    fn the_acceleration_is_the_derivative() {
+        let gust = Wind::gusty(Vec3::ZERO, 0.2, 1);
+        let (v, _) = gust.at(Dual::<1>::variable(0.7, 0));
+        let (_, a) = gust.at(0.7);
+        for i in 0..3 {
+            assert!((v[i].eps[0] - a[i]).abs() < 1e-12);
+        }
+    }
+}

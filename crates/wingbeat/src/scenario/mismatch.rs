@@ -1,0 +1,87 @@
+//! How the robot that flies differs from the one its controller knows.
+
+use crate::Error;
+use crate::body::FourierSeries;
+use crate::robot::{GaitSpec, LinkSpec, RobotSpec};
+use serde::{Deserialize, Serialize};
+
+/// Factors and shifts applied to the flown robot alone.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Mismatch {
+    /// Factor on the air density.
+    pub density: f64,
+    /// Factor on the masses of body and links.
+    pub mass: f64,
+    /// Factor on their inertias.
+    pub inertia: f64,
+    /// Shift of the body's centre of mass, m.
+    pub com_m: [f64; 3],
+    /// Factor on the amplitude of the gait; of a linkage, on its crank.
+    pub gait_amplitude: f64,
+    /// Factor on the natural frequency of the structure elements.
+    pub regulator_bandwidth: f64,
+}
+
+impl Default for Mismatch {
+    fn default() -> Self {
+        Self {
+            density: 1.0,
+            mass: 1.0,
+            inertia: 1.0,
+            com_m: [0.0; 3],
+            gait_amplitude: 1.0,
+            regulator_bandwidth: 1.0,
+        }
+    }
+}
+
+impl Mismatch {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
+        let factors = [
+            ("density", self.density),
+            ("mass", self.mass),
+            ("inertia", self.inertia),
+            ("gait_amplitude", self.gait_amplitude),
+            ("regulator_bandwidth", self.regulator_bandwidth),
+        ];
+        match factors.iter().find(|(_, f)| !(*f > 0.0 && f.is_finite())) {
+            Some((key, value)) => Err(Error::invalid(*key, value, "a finite factor above 0")),
+            None => Ok(()),
+        }
+    }
+
+    /// The robot as it really is.
+    pub fn apply(&self, robot: &RobotSpec) -> RobotSpec {
+        let mut real = robot.clone();
+        real.body.mass_kg *= self.mass;
+        for i in 0..3 {
+            real.body.inertia_kg_m2[i] *= self.inertia;
+            real.body.com_m[i] += self.com_m[i];
+        }
+        self.apply_to_link(&mut real.wing.proximal);
+        self.apply_to_link(&mut real.wing.distal);
+        match &mut real.gait {
+            GaitSpec::Fourier { shoulder, elbow, .. } => {
+                self.apply_to_series(shoulder);
+                self.apply_to_series(elbow);
+            }
+            GaitSpec::Linkage { dimensions, .. } => dimensions.l1_m *= self.gait_amplitude,
+        }
+        real.structure.frequency_hz *= self.regulator_bandwidth;
+        real
+    }
+
+    fn apply_to_link(&self, link: &mut LinkSpec) {
+        link.mass_kg *= self.mass;
+        link.inertia_kg_m2.iter_mut().for_each(|i| *i *= self.inertia);
+    }
+
+    fn apply_to_series(&self, series: &mut FourierSeries) {
+        series.harmonics.iter_mut().for_each(|h| h.amplitude_rad *= self.gait_amplitude);
+    }
+}
