@@ -6,18 +6,56 @@ use clap::{Args, Parser, Subcommand};
 
 /// Simulation, calibration and control of dynamic-morphing flapping flight.
 #[derive(Debug, Parser)]
-#[command(name = "wingbeat", version, about, max_term_width = 100)]
+#[command(name = "wingbeat", version, about, max_term_width = 100, after_help = EXIT_CODES)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
 }
 
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 a comparison failed; 2 bad input; 3 a run that did not do what its scenario asks, \
+its folder is kept and its summary.json says why; 130 interrupted, nothing is kept.";
+
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    Fly(Fly),
     Validate(Validate),
 }
 
-/// Compare the models with published or independent numbers.
+/// Fly a scenario and write its run folder
+///
+/// The folder holds scenario.toml (as resolved), record.parquet, summary.json, manifest.json and figures.
+/// It appears when the run is whole.
+#[derive(Debug, Args)]
+pub struct Fly {
+    /// The scenario
+    #[arg(value_name = "SCENARIO.toml")]
+    pub scenario: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// What all commands that make a run folder take.
+#[derive(Debug, Args)]
+pub struct Run {
+    /// Folder of the run; without it runs/NAME, or runs/NAME-2 and so on when that is taken
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace the run that --out names
+    #[arg(long, requires = "out")]
+    pub force: bool,
+    /// Override a key, e.g. `--set robot.body.mass_kg=0.012`; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Print only errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Compare the models with published or independent numbers
 ///
 /// Prints id, source, metric, value, limit and verdict of every comparison. The exit code is 1 when one fails.
 #[derive(Debug, Args)]

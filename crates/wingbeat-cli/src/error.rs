@@ -2,15 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
+use wingbeat::scenario::ConfigError;
+
 /// Why a command ended without success.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A comparison failed; the table printed says which.
     #[error("a comparison failed")]
     ComparisonFailed,
-    /// Bad input.
+    /// Bad input on the command line.
     #[error("{0}")]
     Input(String),
+    /// Bad input in a configuration.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// A value that the library refuses.
+    #[error(transparent)]
+    Refused(#[from] wingbeat::Error),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     File {
@@ -19,6 +27,22 @@ pub enum Error {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The record could not be written.
+    #[error(transparent)]
+    Record(#[from] wingbeat_io::Error),
+    /// The run did not do what its scenario asks.
+    #[error("{status}: {reason}; the run is kept in {folder}")]
+    Failed {
+        /// The status in summary.json.
+        status: String,
+        /// Why.
+        reason: String,
+        /// The run folder.
+        folder: PathBuf,
+    },
+    /// Ctrl-C, or asked to end by the system.
+    #[error("interrupted; nothing is kept")]
+    Interrupted,
 }
 
 impl Error {
@@ -27,11 +51,13 @@ impl Error {
         Self::File { path: path.into(), source }
     }
 
-    /// 1 a comparison failed, 2 bad input.
+    /// 1 a comparison failed, 2 bad input, 3 a failed run, 130 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::ComparisonFailed => 1,
-            Self::Input(_) | Self::File { .. } => 2,
+            Self::Input(_) | Self::Config(_) | Self::Refused(_) | Self::File { .. } | Self::Record(_) => 2,
+            Self::Failed { .. } => 3,
+            Self::Interrupted => 130,
         }
     }
 

@@ -2,6 +2,13 @@
 
 mod args;
 mod error;
+mod fly;
+mod interrupt;
+mod manifest;
+mod outcome;
+#[cfg(test)]
+mod reference;
+mod run_folder;
 mod validate;
 
 use std::process::ExitCode;
@@ -12,6 +19,7 @@ use args::{Arguments, Command};
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
+        Command::Fly(arguments) => fly::fly(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
     };
     match outcome {

@@ -25,7 +25,8 @@ pub fn commands(record: &Record) -> Result<Figure, Error> {
             let follows = Curve::new(format!("{side}, response"), t, displacement.to_vec(), index);
             panel.curves.push(Curve { colour: style::tint(index), weight: style::BROAD, ..follows });
         }
-        panel.curves.push(Curve::new(side, t, command.values.clone(), index));
+        let commanded = Curve::new(side, t, command.values.clone(), index);
+        panel.curves.push(Curve { weight: style::FINE, ..commanded });
     }
     Ok(Figure { name: "commands", scene: stacked(panels, "time [s]", 0.9 * style::PANEL) })
 }

@@ -9,7 +9,10 @@ use crate::{Error, cycle, needed, style};
 const AXES: [(&str, &str); 3] =
     [("x", "forward force [N]"), ("y", "left force [N]"), ("z", "upward force [N]")];
 
-/// Every `force_<source>_x`, `_y`, `_z` (body frame) and their sum over the last whole stroke;
+/// Sources that are no force of the air.
+const OF_MASS: [&str; 2] = ["gravity", "inertia"];
+
+/// Every `force_<source>_x`, `_y`, `_z` (body frame) and the sum of those of the air over the last whole stroke;
 /// over the whole record when there is none.
 pub fn forces(record: &Record) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
@@ -31,10 +34,12 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
         let mut curves = Vec::new();
         for (index, source) in sources.iter().enumerate() {
             let y = &needed(record, &format!("force_{source}_{axis}"))?[rows.clone()];
-            sum.iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
+            if !OF_MASS.contains(source) {
+                sum.iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
+            }
             curves.push(Curve::new(source.replace('_', " "), &x, y.to_vec(), index));
         }
-        let total = Curve::new("sum", &x, sum, 0);
+        let total = Curve::new("air, total", &x, sum, 0);
         curves.push(Curve { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total });
         panels.push(Panel { title: label.into(), curves, limits: None, zero: true });
     }

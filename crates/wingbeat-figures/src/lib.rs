@@ -8,7 +8,6 @@ mod error;
 mod forces;
 mod panel;
 mod path;
-mod projection;
 mod states;
 mod style;
 mod write;
@@ -21,6 +20,12 @@ pub use states::states;
 pub use write::{Figure, write};
 
 use wingbeat::flight::Record;
+
+/// What draws a figure of a record.
+pub type Draw = fn(&Record) -> Result<Figure, Error>;
+
+/// The figures of a flight.
+pub const FLIGHT: [Draw; 4] = [states, path, commands, forces];
 
 /// The numbers of a column that a figure needs.
 fn needed<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], Error> {

@@ -24,7 +24,7 @@ pub const SHADE: &str = "#d9d9d9";
 pub const GUIDE: &str = "#9a9a9a";
 
 /// Colours that stay apart for colour-blind readers and in grey (Okabe & Ito 2008).
-pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#555555"];
+pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8b5a2b"];
 
 /// A number as it is written beside a tick.
 pub fn number(value: f64) -> String {

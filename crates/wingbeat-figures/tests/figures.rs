@@ -9,6 +9,15 @@ use wingbeat_figures::{Error, Figure, commands, forces, path, states, write};
 
 const SIDES: [(&str, f64); 2] = [("left", 1.0), ("right", -1.0)];
 
+const WING: [(&str, &str); 6] = [
+    ("leading", "shoulder"),
+    ("leading", "elbow"),
+    ("leading", "tip"),
+    ("trailing", "shoulder"),
+    ("trailing", "elbow"),
+    ("trailing", "tip"),
+];
+
 fn columns() -> Vec<Column> {
     let plain = [("t", "s", ""), ("roll", "rad", ""), ("roll_reference", "rad", ""), ("pitch", "rad", "")];
     let position = [("yaw", "rad", ""), ("p_WB_x", "m", "W"), ("p_WB_y", "m", "W"), ("p_WB_z", "m", "W")];
@@ -23,9 +32,9 @@ fn columns() -> Vec<Column> {
             columns.push(Column { low: -limit, high: limit, ..command });
             columns.push(Column::new(format!("displacement_{element}_{side}"), "rad", ""));
         }
-        for i in 0..3 {
-            columns
-                .extend(["x", "y", "z"].map(|axis| Column::new(format!("wing_{side}_{i}_{axis}"), "m", "W")));
+        for (line, joint) in WING {
+            let name = format!("{line}_{side}_{joint}");
+            columns.extend(["x", "y", "z"].map(|axis| Column::new(format!("{name}_{axis}"), "m", "W")));
         }
     }
     for source in ["circulatory", "added_mass", "profile_drag", "induced_drag", "inertia"] {
@@ -51,14 +60,18 @@ fn row(t: f64) -> Vec<f64> {
             let command = (sign * 0.4 * (phase / 3.0).sin() * t / 5.0).clamp(-limit, limit);
             row.extend([command, 0.9 * command]);
         }
-        let mut point = [x, y, z];
-        let lateral = [-yaw.sin(), yaw.cos()];
-        for (length, angle) in [(0.02, 0.0), (0.05, shoulder), (0.132, shoulder + elbow)] {
-            for i in 0..2 {
-                point[i] += sign * length * angle.cos() * lateral[i];
+        let (forward, lateral) = ([yaw.cos(), yaw.sin()], [-yaw.sin(), yaw.cos()]);
+        for edges in [[0.06, 0.07, 0.06], [-0.1, -0.11, 0.02]] {
+            let mut point = [x, y, z];
+            for (ahead, (length, angle)) in
+                edges.into_iter().zip([(0.02, 0.0), (0.05, shoulder), (0.132, shoulder + elbow)])
+            {
+                for i in 0..2 {
+                    point[i] += sign * length * angle.cos() * lateral[i];
+                }
+                point[2] += length * angle.sin();
+                row.extend([point[0] + ahead * forward[0], point[1] + ahead * forward[1], point[2]]);
             }
-            point[2] += length * angle.sin();
-            row.extend(point);
         }
     }
     for k in 0..15 {
@@ -100,7 +113,7 @@ fn every_figure_names_its_axes_and_curves() {
             &["orientation [°]", "position [m]", "elbow angle [°]", "time [s]", "roll reference"],
         ),
         (commands(&record).unwrap(), &["shoulder [rad]", "elbow [rad]", "left, response"]),
-        (forces(&record).unwrap(), &["upward force [N]", "added mass", "sum", "cycles of 0.286 s"]),
+        (forces(&record).unwrap(), &["upward force [N]", "added mass", "air, total", "cycles of 0.286 s"]),
         (path(&record).unwrap(), &["x [m]", "y [m]", "z [m]", "left wing", "every 0.25 s"]),
     ];
     for (figure, words) in expected {

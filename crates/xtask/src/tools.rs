@@ -54,8 +54,7 @@ pub fn output(mut command: Command) -> Option<String> {
 
 /// Writes again what is generated from the code.
 pub fn docs() -> bool {
-    let mut command =
-        cargo(&["test", "--release", "--quiet", "--package", "wingbeat-cli", "--test", "reference"]);
+    let mut command = cargo(&["test", "--release", "--quiet", "--package", "wingbeat-cli", "reference"]);
     command.env("WINGBEAT_WRITE_DOCS", "1");
     succeeds(command)
 }

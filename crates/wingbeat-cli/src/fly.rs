@@ -1,0 +1,80 @@
+//! `wingbeat fly`.
+
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use wingbeat::flight::Record;
+use wingbeat::scenario::{Run, Scenario, Status};
+use wingbeat_io::write_parquet;
+
+use crate::args::Fly;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::manifest::Manifest;
+use crate::outcome;
+use crate::run_folder::RunFolder;
+
+/// Ticks of the progress bar per simulated second.
+const TICKS: f64 = 1000.0;
+
+/// Flies the scenario and writes its run folder.
+pub fn fly(arguments: &Fly) -> Result<(), Error> {
+    let start = Instant::now();
+    let options = &arguments.run;
+    let scenario = Scenario::load(&arguments.scenario, &options.overrides)?;
+    let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.name, options.force)?;
+    let interrupt = Interrupt::listen()?;
+    let run = simulate(&scenario, &interrupt, options.quiet)?;
+    folder.write("scenario.toml", &scenario.resolved)?;
+    folder.write_json("summary.json", &run.summary)?;
+    write_parquet(&folder.file("record.parquet"), &run.record)?;
+    draw(&folder, &run.record, &interrupt)?;
+    interrupt.check()?;
+    let path = folder.finish(&Manifest::new(options.seed, start.elapsed()))?;
+    let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
+    if !options.quiet {
+        print!("{}", outcome::table(&run.summary, scenario.spec.paper.as_ref()));
+        println!("\nrun folder: {}", shown.display());
+    }
+    match run.summary.status {
+        Status::Ok => Ok(()),
+        status => Err(Error::Failed {
+            status: outcome::name(status).into(),
+            reason: run.summary.reason.unwrap_or_default(),
+            folder: shown.into(),
+        }),
+    }
+}
+
+fn simulate(scenario: &Scenario, interrupt: &Interrupt, quiet: bool) -> Result<Run, Error> {
+    let progress = progress(scenario.spec.flight.duration_s, quiet);
+    let run = scenario.fly(|sample| {
+        progress.set_position((TICKS * sample.t) as u64);
+        let factor = sample.t / sample.elapsed.as_secs_f64().max(1e-6);
+        progress.set_message(format!("{:.2} s simulated, {factor:.2} x real time", sample.t));
+        interrupt.flow()
+    })?;
+    progress.finish_and_clear();
+    interrupt.check()?;
+    Ok(run)
+}
+
+fn progress(duration: f64, quiet: bool) -> ProgressBar {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let style = ProgressStyle::with_template("flying {bar:30} {percent:>3} %  {msg}  ({eta} left)");
+    let bar = ProgressBar::with_draw_target(Some((TICKS * duration) as u64), target);
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Draws what the record has the columns for; what it has not is said and left out.
+fn draw(folder: &RunFolder, record: &Record, interrupt: &Interrupt) -> Result<(), Error> {
+    let figures = folder.folder("figures")?;
+    for draw in wingbeat_figures::FLIGHT {
+        interrupt.check()?;
+        let drawn = draw(record).and_then(|figure| wingbeat_figures::write(&figures, &figure));
+        if let Err(error) = drawn {
+            eprintln!("a figure is left out: {error}");
+        }
+    }
+    Ok(())
+}

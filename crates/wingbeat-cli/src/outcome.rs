@@ -1,0 +1,57 @@
+//! The numbers of a flight beside the paper's.
+
+use wingbeat::scenario::{PaperResults, Status, Summary};
+
+/// A line: what, the paper's number, this run's, and its unit or a remark.
+type Line = (&'static str, Option<f64>, String, &'static str);
+
+/// The table *paper / this run*, with the cautions below.
+pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
+    let mut text = format!("{:<24}{:>9}  {:>9}\n", "", "paper", "this run");
+    for (name, published, value, unit) in lines(summary, paper) {
+        let published = published.map_or("-".into(), |number| format!("{number:.2}"));
+        text += format!("{name:<24}{published:>9}  {value:>9} {unit}").trim_end();
+        text.push('\n');
+    }
+    for warning in &summary.warnings {
+        text += &format!("\nnote: {warning}\n");
+    }
+    text
+}
+
+/// The status as summary.json has it.
+pub fn name(status: Status) -> &'static str {
+    match status {
+        Status::Ok => "ok",
+        Status::OffTarget => "off_target",
+        Status::Fault => "fault",
+        Status::Stopped => "stopped",
+    }
+}
+
+fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
+    let number = |value: f64| format!("{value:.2}");
+    let share = |value: f64| format!("{:.1}", 100.0 * value);
+    let of = |take: fn(&PaperResults) -> f64| paper.map(take);
+    let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
+    let controller = &summary.controller;
+    vec![
+        ("status", None, name(summary.status).into(), ""),
+        ("roll, mean", of(|p| p.roll_deg), number(summary.roll_mean_deg), "deg"),
+        ("roll, rms error", None, number(summary.roll_rms_error_deg), "deg"),
+        ("pitch, mean", of(|p| p.pitch_deg), number(summary.pitch_mean_deg), "deg, negative is nose up"),
+        ("pitch, oscillation +-", None, number(summary.pitch_half_amplitude_deg), "deg"),
+        ("distance x", of(|p| p.distance_x_m), number(summary.distance_x_m), "m"),
+        ("distance y", of(|p| p.distance_y_m), number(summary.distance_y_m.abs()), side),
+        ("altitude change", None, number(summary.altitude_change_m), "m"),
+        ("yaw change", None, number(summary.yaw_change_deg), "deg"),
+        ("lift law", None, summary.lift_law.clone(), ""),
+        ("strips past stall", None, share(summary.stall_fraction), "%"),
+        ("inputs on a limit", None, share(summary.input_saturation_fraction), "%"),
+        ("controller updates", None, controller.updates.to_string(), ""),
+        ("controller failures", None, controller.failures.to_string(), ""),
+        ("update, median", None, number(1e-3 * controller.median_us), "ms"),
+        ("update, 99.9 %", None, number(1e-3 * controller.p999_us), "ms"),
+        ("real-time factor", None, number(summary.real_time_factor), ""),
+    ]
+}

@@ -1,0 +1,167 @@
+//! `wingbeat fly` as a user meets it: run folders, messages, exit codes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+/// An empty folder for one test.
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn wingbeat(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_wingbeat")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+/// Flies a tenth of a second of the glide.
+fn glide(folder: &Path, more: &[&str]) -> Output {
+    let scenario = root().join("scenarios/glide.toml");
+    let mut arguments = vec!["fly", scenario.to_str().unwrap(), "--set", "flight.duration_s=0.1"];
+    arguments.extend(more);
+    wingbeat(folder, &arguments)
+}
+
+fn entries(folder: &Path) -> Vec<String> {
+    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_folder_is_whole_and_reproduces_itself() {
+    let folder = scratch("whole");
+    let output = glide(&folder, &["--out", "a", "--seed", "7"]);
+    assert!(output.status.success(), "{output:?}");
+    let names = ["figures", "manifest.json", "record.parquet", "scenario.toml", "summary.json"];
+    assert_eq!(entries(&folder.join("a")), names);
+    assert!(entries(&folder.join("a/figures")).contains(&"states.png".into()));
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("altitude change") && table.contains("run folder: a"), "{table}");
+    let manifest = fs::read_to_string(folder.join("a/manifest.json")).unwrap();
+    assert!(manifest.contains("\"seed\": 7"), "{manifest}");
+
+    let again = wingbeat(&folder, &["fly", "a/scenario.toml", "--out", "b", "--quiet"]);
+    assert!(again.status.success() && again.stdout.is_empty(), "{again:?}");
+    let bytes = |run: &str| fs::read(folder.join(run).join("record.parquet")).unwrap();
+    assert!(bytes("a") == bytes("b"));
+}
+
+#[test]
+fn without_out_runs_count_up_and_an_earlier_run_is_replaced_only_by_force() {
+    let folder = scratch("count");
+    for _ in 0..2 {
+        assert!(glide(&folder, &["--quiet"]).status.success());
+    }
+    assert_eq!(entries(&folder.join("runs")), ["glide", "glide-2"]);
+    let refused = glide(&folder, &["--quiet", "--out", "runs/glide"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--force"));
+    assert!(glide(&folder, &["--quiet", "--out", "runs/glide", "--force"]).status.success());
+    assert_eq!(entries(&folder.join("runs")), ["glide", "glide-2"]);
+}
+
+/// Each kind of bad input: what is set, and words of the one message.
+const BAD: [(&str, &[&str]); 12] = [
+    ("flight.speed=1", &["unknown key flight.speed", "duration_s"]),
+    ("flight.duration_s=fast", &["flight.duration_s = fast", "a number"]),
+    ("robot.body.mass_kg=-0.01", &["robot.body.mass_kg = -0.01", "allowed is"]),
+    ("robot.body.mass_kg=nan", &["robot.body.mass_kg = nan", "finite"]),
+    ("air.density_kg_m3=-1.2", &["air.density_kg_m3 = -1.2", "allowed is"]),
+    ("robot=none.toml", &["robot", "none.toml", "No such file"]),
+    ("aero.paper.nodes=2", &["aero.paper.nodes = 2", "3"]),
+    ("flight.step_s=0", &["flight.step_s = 0", "above 0"]),
+    ("flight.record_every_s=1e-5", &["flight.record_every_s", "whole number of steps"]),
+    ("aero.law=tangent", &["aero.law = tangent", "linear", "stall"]),
+    ("name", &["KEY=VALUE"]),
+    ("name.x=1", &["name.x", "allowed is"]),
+];
+
+#[test]
+fn bad_input_is_one_message_with_exit_code_2_and_no_folder() {
+    let folder = scratch("bad");
+    for (set, words) in BAD {
+        let output = glide(&folder, &["--set", set]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{set}: {message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+        for word in words.iter().chain([&"--set"]) {
+            assert!(message.contains(word), "{set}: `{word}` is not in: {message}");
+        }
+        assert!(entries(&folder).is_empty(), "{set}: {:?}", entries(&folder));
+    }
+}
+
+/// Copies scenario and robot of the banking turn, with `from` replaced by `to` in `file`.
+fn edited(folder: &Path, file: &str, from: &str, to: &str) {
+    for path in ["scenarios/banking_turn.toml", "robots/aerobat_paper.toml"] {
+        let mut text = fs::read_to_string(root().join(path)).unwrap();
+        if path == file {
+            assert!(text.contains(from), "{from} is not in {path}");
+            text = text.replacen(from, to, 1);
+        }
+        let path = folder.join(path);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+}
+
+/// Mistakes in a file: the file, what is replaced by what, and the message.
+const MISTAKES: [[&str; 4]; 5] = [
+    ["robots/aerobat_paper.toml", "mass_kg = 0.010", "mass_kg = -0.010", "robot.body.mass_kg = -0.010"],
+    ["robots/aerobat_paper.toml", "mass_kg = 0.010\n", "", "robot.body.mass_kg is missing"],
+    ["scenarios/banking_turn.toml", "step_s = 1e-4", "step_s = 0.0", "flight.step_s = 0.0"],
+    [
+        "scenarios/banking_turn.toml",
+        "aerobat_paper",
+        "aerobat_plan",
+        "robot = \"../robots/aerobat_plan.toml\"",
+    ],
+    ["scenarios/banking_turn.toml", "name = ", "nam = ", "unknown key nam = \"banking_turn\""],
+];
+
+#[test]
+fn the_message_names_file_and_line() {
+    let folder = scratch("lines");
+    for [file, from, to, words] in MISTAKES {
+        let text = fs::read_to_string(root().join(file)).unwrap();
+        let before = text.find(from).unwrap_or_else(|| panic!("{from} is not in {file}"));
+        let line = 1 + text[..before].lines().count() - usize::from(!text[..before].ends_with('\n'));
+        // A missing key is looked for at the head of its table, the line above.
+        let line = if to.is_empty() { line - 1 } else { line };
+        edited(&folder, file, from, to);
+        let output = wingbeat(&folder, &["fly", "scenarios/banking_turn.toml"]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        let expected = format!("error: {file}:{line}: {words}");
+        assert!(message.starts_with(&expected), "{message}\nexpected {expected}");
+        assert_eq!(entries(&folder), ["robots", "scenarios"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_flight_leaves_nothing() {
+    let folder = scratch("interrupted");
+    let scenario = root().join("scenarios/glide.toml");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_wingbeat"))
+        .args(["fly", scenario.to_str().unwrap(), "--set", "flight.duration_s=500", "--quiet"])
+        .current_dir(&folder)
+        .spawn()
+        .unwrap();
+    while !folder.join("runs").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    let signal = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(signal.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(entries(&folder.join("runs")).is_empty());
+}

@@ -1,0 +1,80 @@
+//! The box of space that is drawn.
+
+use super::Point;
+use super::bird::Bird;
+
+/// Share of the picture that the robot's reach should take at least.
+const SHARE: f64 = 0.1;
+
+/// A box whose sides are whole steps long.
+pub struct Room {
+    pub low: Point,
+    pub high: Point,
+    /// Distance of two lines of the grid, m.
+    pub step: f64,
+    /// Factor by which the robot is drawn too large.
+    pub enlargement: f64,
+}
+
+impl Room {
+    /// The room around the track and the robots on it.
+    pub fn around(track: &[Point], birds: &[Bird]) -> Self {
+        let (low, high) = bounds(track.iter().copied());
+        let size = (0..3).map(|i| high[i] - low[i]).fold(0.1, f64::max);
+        let reach = birds.iter().map(Bird::reach).fold(0.0, f64::max);
+        let enlargement = if reach > 0.0 { (SHARE * size / reach).round().clamp(1.0, 10.0) } else { 1.0 };
+        let robots = birds.iter().flat_map(|bird| bird.enlarged(enlargement).points().collect::<Vec<_>>());
+        let (low, high) = bounds(track.iter().copied().chain(robots));
+        let step = round_step(size / 5.0);
+        Self {
+            low: low.map(|low| (low / step - 0.1).floor() * step),
+            high: high.map(|high| (high / step + 0.1).ceil() * step),
+            step,
+            enlargement,
+        }
+    }
+
+    /// The multiples of the step from `low` to `high` along axis `i`.
+    pub fn ticks(&self, i: usize) -> Vec<f64> {
+        let count = ((self.high[i] - self.low[i]) / self.step).round() as usize;
+        (0..=count).map(|n| self.low[i] + n as f64 * self.step).collect()
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> Vec<Point> {
+        let pick = |bit: usize, i: usize| if bit >> i & 1 == 0 { self.low[i] } else { self.high[i] };
+        (0..8).map(|bit| std::array::from_fn(|i| pick(bit, i))).collect()
+    }
+}
+
+fn bounds(points: impl Iterator<Item = Point>) -> (Point, Point) {
+    points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), point| {
+        (std::array::from_fn(|i| low[i].min(point[i])), std::array::from_fn(|i| high[i].max(point[i])))
+    })
+}
+
+/// 1, 2 or 5 times a power of ten, not below `least` by more than a quarter.
+fn round_step(least: f64) -> f64 {
+    let power = 10_f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().find(|n| n * power >= 0.75 * least).unwrap_or(10.0) * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round() {
+        assert_eq!(round_step(0.9), 1.0);
+        assert_eq!(round_step(1.1), 1.0);
+        assert_eq!(round_step(1.6), 2.0);
+        assert_eq!(round_step(0.03), 0.05);
+    }
+
+    #[test]
+    fn a_room_holds_its_track() {
+        let room = Room::around(&[[0.0, 0.0, 0.0], [4.2, -5.3, -1.9]], &[]);
+        assert_eq!((room.low, room.high, room.step), ([-1.0, -6.0, -3.0], [5.0, 1.0, 1.0], 1.0));
+        assert_eq!(room.ticks(2), [-3.0, -2.0, -1.0, 0.0, 1.0]);
+    }
+}

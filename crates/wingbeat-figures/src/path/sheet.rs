@@ -1,0 +1,203 @@
+//! The drawing: world coordinates to lines and letters on paper.
+
+use kuva::render::color::Color;
+use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
+
+use super::Point;
+use super::bird::{Bird, INTERVAL};
+use super::projection::View;
+use super::room::Room;
+use crate::style;
+
+/// Azimuth and elevation of the view, degrees.
+const VIEW: (f64, f64) = (-62.0, 24.0);
+/// Colour of the grid.
+const GRID: &str = "#e4e4e4";
+/// Colour of the track's shadow.
+const SHADOW: &str = "#bdbdbd";
+
+/// The drawing and its scale.
+pub struct Sheet {
+    pub scene: Scene,
+    view: View,
+    scale: f64,
+    origin: (f64, f64),
+}
+
+impl Sheet {
+    const MARGINS: (f64, f64) = (70.0, 44.0);
+
+    pub fn new(room: &Room) -> Self {
+        let view = View::new(VIEW.0, VIEW.1);
+        let seen: Vec<(f64, f64)> = room.corners().into_iter().map(|corner| view.project(corner)).collect();
+        let bounds = |of: fn(&(f64, f64)) -> f64| {
+            let low = seen.iter().map(of).fold(f64::INFINITY, f64::min);
+            (low, seen.iter().map(of).fold(f64::NEG_INFINITY, f64::max))
+        };
+        let ((left, right), (top, bottom)) = (bounds(|p| p.0), bounds(|p| p.1));
+        let scale = (style::WIDTH - 2.0 * Self::MARGINS.0) / (right - left);
+        let height = scale * (bottom - top) + 2.0 * Self::MARGINS.1;
+        let mut scene = Scene::new(style::WIDTH, height);
+        scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".into());
+        Self { scene, view, scale, origin: (Self::MARGINS.0 - scale * left, Self::MARGINS.1 - scale * top) }
+    }
+
+    fn at(&self, point: Point) -> (f64, f64) {
+        let (right, down) = self.view.project(point);
+        (self.origin.0 + self.scale * right, self.origin.1 + self.scale * down)
+    }
+
+    fn line(&mut self, points: &[Point], colour: &str, weight: f64) {
+        let points = points.iter().map(|&point| self.at(point)).collect();
+        self.scene.elements.push(Primitive::PolyLine {
+            points,
+            stroke: Color::from(colour),
+            stroke_width: weight,
+            stroke_dasharray: None,
+        });
+    }
+
+    fn area(&mut self, points: &[Point], colour: &str, opacity: f64) {
+        let corner = |point: &Point| {
+            let (x, y) = self.at(*point);
+            format!("{x:.2},{y:.2}")
+        };
+        let d = format!("M{}Z", points.iter().map(corner).collect::<Vec<_>>().join("L"));
+        self.scene.elements.push(Primitive::Path(Box::new(PathData {
+            d,
+            fill: Some(Color::from(colour)),
+            stroke: Color::None,
+            stroke_width: 0.0,
+            opacity: Some(opacity),
+            stroke_dasharray: None,
+        })));
+    }
+
+    fn text(&mut self, (x, y): (f64, f64), content: String, anchor: TextAnchor, size: u32) {
+        let color = Some(Color::from(style::INK));
+        self.scene.elements.push(Primitive::Text {
+            x,
+            y,
+            content,
+            size,
+            anchor,
+            rotate: None,
+            bold: false,
+            color,
+        });
+    }
+
+    /// The ground with its grid, and the two walls behind, with ticks and names of the axes.
+    pub fn ground(&mut self, room: &Room) {
+        let Room { low, high, .. } = *room;
+        let (x, y, z) = (room.ticks(0), room.ticks(1), room.ticks(2));
+        for &x in &x {
+            self.line(&[[x, low[1], low[2]], [x, high[1], low[2]], [x, high[1], high[2]]], GRID, 0.8);
+        }
+        for &y in &y {
+            self.line(&[[high[0], y, low[2]], [low[0], y, low[2]], [low[0], y, high[2]]], GRID, 0.8);
+        }
+        for &z in &z {
+            self.line(&[[high[0], high[1], z], [low[0], high[1], z], [low[0], low[1], z]], GRID, 0.8);
+        }
+        self.line(
+            &[[low[0], low[1], high[2]], [low[0], low[1], low[2]], [high[0], low[1], low[2]]],
+            style::INK,
+            1.0,
+        );
+        self.line(&[[high[0], low[1], low[2]], [high[0], high[1], low[2]]], style::INK, 1.0);
+        self.axis(&x, |x| [x, low[1], low[2]], (-4.0, 17.0), TextAnchor::End);
+        self.axis(&y, |y| [high[0], y, low[2]], (8.0, 14.0), TextAnchor::Start);
+        self.axis(&z, |z| [low[0], low[1], z], (-8.0, 4.0), TextAnchor::End);
+        let middle = |i: usize| 0.5 * (low[i] + high[i]);
+        self.name("x [m]", [middle(0), low[1], low[2]], (-34.0, 46.0));
+        self.name("y [m]", [high[0], middle(1), low[2]], (48.0, 34.0));
+        self.name("z [m]", [low[0], low[1], high[2]], (-14.0, -14.0));
+    }
+
+    fn axis(&mut self, ticks: &[f64], place: impl Fn(f64) -> Point, shift: (f64, f64), anchor: TextAnchor) {
+        for &tick in ticks {
+            let (x, y) = self.at(place(tick));
+            self.text((x + shift.0, y + shift.1), style::number(tick), anchor, style::TICKS);
+        }
+    }
+
+    fn name(&mut self, name: &str, place: Point, shift: (f64, f64)) {
+        let (x, y) = self.at(place);
+        self.text((x + shift.0, y + shift.1), name.into(), TextAnchor::Middle, style::LETTERS);
+    }
+
+    pub fn shadow(&mut self, room: &Room, track: &[Point]) {
+        let ground: Vec<Point> = track.iter().map(|point| [point[0], point[1], room.low[2]]).collect();
+        self.line(&ground, SHADOW, 1.6);
+    }
+
+    pub fn track(&mut self, track: &[Point]) {
+        self.line(track, style::colour(0), style::CURVE);
+    }
+
+    /// A robot with its membranes, above its place on the ground.
+    pub fn bird(&mut self, room: &Room, bird: &Bird) {
+        self.line(&[bird.body, [bird.body[0], bird.body[1], room.low[2]]], "#d4d4d4", 0.6);
+        let bird = bird.enlarged(room.enlargement);
+        for (side, wing) in bird.wings.iter().enumerate() {
+            let colour = style::colour(1 + side);
+            for panel in 0..2 {
+                let [a, b] = [wing.leading[panel], wing.leading[panel + 1]];
+                let [c, d] = [wing.trailing[panel + 1], wing.trailing[panel]];
+                self.area(&[a, b, c, d], colour, 0.45);
+            }
+            self.line(&wing.leading, colour, 1.4);
+        }
+        let (cx, cy) = self.at(bird.body);
+        self.disc(cx, cy, 2.4, style::INK);
+    }
+
+    fn disc(&mut self, cx: f64, cy: f64, r: f64, colour: &str) {
+        let fill = Color::from(colour);
+        self.scene.elements.push(Primitive::Circle {
+            cx,
+            cy,
+            r,
+            fill,
+            fill_opacity: None,
+            stroke: None,
+            stroke_width: None,
+        });
+    }
+
+    pub fn ends(&mut self, track: &[Point], t: &[f64]) {
+        for (point, time) in [(track[0], t[0]), (track[track.len() - 1], t[t.len() - 1])] {
+            let (x, y) = self.at(point);
+            self.disc(x, y, 3.6, style::colour(0));
+            self.text((x - 30.0, y + 5.0), format!("{time:.1} s"), TextAnchor::End, style::TICKS);
+        }
+    }
+
+    /// What the colours and the size of the robot mean.
+    pub fn note(&mut self, birds: &[Bird], enlargement: f64) {
+        let mut x = Self::MARGINS.0;
+        let mut entries = vec![("path", style::colour(0)), ("on the ground", SHADOW)];
+        if !birds.is_empty() {
+            entries.extend([("left wing", style::colour(1)), ("right wing", style::colour(2))]);
+        }
+        for (name, colour) in entries {
+            let stroke = Color::from(colour);
+            let (x1, x2, y) = (x, x + 22.0, 16.0);
+            let line =
+                Primitive::Line { x1, y1: y, x2, y2: y, stroke, stroke_width: 2.0, stroke_dasharray: None };
+            self.scene.elements.push(line);
+            self.text((x2 + 6.0, y + 4.5), name.into(), TextAnchor::Start, style::LETTERS);
+            x = x2 + 26.0 + 7.6 * name.len() as f64;
+        }
+        if !birds.is_empty() {
+            let size = if enlargement > 1.0 {
+                format!(", robot {enlargement:.0} times enlarged")
+            } else {
+                String::new()
+            };
+            let text = format!("every {INTERVAL} s{size}");
+            self.text((x, 20.5), text, TextAnchor::Start, style::LETTERS);
+        }
+    }
+}
