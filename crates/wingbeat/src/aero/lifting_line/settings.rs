@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LiftingLineSettings {
-    /// Interior nodes over the full span, 2 to 32.
+    /// Interior nodes over the full span, 3 to 32.
     pub nodes: usize,
     /// Lift slope of the section, 1/rad.
     pub section_slope: f64,
@@ -69,8 +69,8 @@ impl LiftingLineSettings {
         if !(self.stall_angle_rad > 0.0 && self.stall_angle_rad < PI / 2.0) {
             return Err(Error::invalid("stall_angle_rad", self.stall_angle_rad, "between 0 and pi/2"));
         }
-        if !(2..=MAX_STRIPS).contains(&self.nodes) {
-            return Err(Error::invalid("nodes", self.nodes, format!("2 to {MAX_STRIPS}")));
+        if !(3..=MAX_STRIPS).contains(&self.nodes) {
+            return Err(Error::invalid("nodes", self.nodes, format!("3 to {MAX_STRIPS}")));
         }
         Ok(())
     }
