@@ -15,8 +15,12 @@ pub struct Mismatch {
     pub mass: f64,
     /// Factor on their inertias.
     pub inertia: f64,
-    /// Shift of the body's centre of mass, m.
-    pub com_m: [f64; 3],
+    /// Shift of the body's centre of mass forward, m.
+    pub com_x_m: f64,
+    /// Shift of the body's centre of mass to the left, m.
+    pub com_y_m: f64,
+    /// Shift of the body's centre of mass upward, m.
+    pub com_z_m: f64,
     /// Factor on the amplitude of the gait; of a linkage, on its crank.
     pub gait_amplitude: f64,
     /// Factor on the natural frequency of the structure elements.
@@ -29,7 +33,9 @@ impl Default for Mismatch {
             density: 1.0,
             mass: 1.0,
             inertia: 1.0,
-            com_m: [0.0; 3],
+            com_x_m: 0.0,
+            com_y_m: 0.0,
+            com_z_m: 0.0,
             gait_amplitude: 1.0,
             regulator_bandwidth: 1.0,
         }
@@ -59,9 +65,9 @@ impl Mismatch {
     pub fn apply(&self, robot: &RobotSpec) -> RobotSpec {
         let mut real = robot.clone();
         real.body.mass_kg *= self.mass;
-        for i in 0..3 {
+        for (i, shift) in [self.com_x_m, self.com_y_m, self.com_z_m].into_iter().enumerate() {
             real.body.inertia_kg_m2[i] *= self.inertia;
-            real.body.com_m[i] += self.com_m[i];
+            real.body.com_m[i] += shift;
         }
         self.apply_to_link(&mut real.wing.proximal);
         self.apply_to_link(&mut real.wing.distal);

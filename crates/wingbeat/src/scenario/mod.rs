@@ -5,6 +5,7 @@ mod mismatch;
 mod recorder;
 mod spec;
 mod summary;
+mod sweep;
 mod tether;
 mod tether_spec;
 
@@ -14,6 +15,7 @@ pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };
 pub use summary::{ControllerSummary, Status, Summary};
+pub use sweep::{Draw, Hold, Sweep, SweepSpec};
 pub use tether::{TetherCase, TetherSummary};
 pub use tether_spec::{
     ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TableSpec, TetherSpec,

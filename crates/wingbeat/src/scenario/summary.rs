@@ -2,7 +2,7 @@
 
 use super::spec::GoalSpec;
 use crate::flight::{Ending, Flight, Record};
-use crate::guide::{Manoeuvre, angle_error};
+use crate::guide::{Manoeuvre, Reference, angle_error};
 use serde::Serialize;
 
 /// `summary.json` of a flight. Means are taken from the goal's settling time
@@ -28,8 +28,12 @@ pub struct Summary {
     pub roll_mean_deg: f64,
     /// Root mean square of roll minus reference, deg.
     pub roll_rms_error_deg: f64,
+    /// Largest |roll - reference|, deg.
+    pub roll_max_error_deg: f64,
     /// Mean pitch, deg.
     pub pitch_mean_deg: f64,
+    /// Largest |pitch - reference|, deg.
+    pub pitch_max_error_deg: f64,
     /// Half of the pitch range, deg.
     pub pitch_half_amplitude_deg: f64,
     /// Change of heading over the whole flight, deg; left is positive.
@@ -112,6 +116,11 @@ impl Settled<'_> {
     fn column(&self, name: &str) -> &[f64] {
         self.record.values(name).map_or(&[], |v| &v[self.first.min(v.len())..])
     }
+    /// Angle minus reference at every sample, rad.
+    fn errors(&self, name: &str, reference: impl Fn(f64) -> f64) -> Vec<f64> {
+        let samples = self.column(name).iter().zip(self.column("t"));
+        samples.map(|(&angle, &t)| angle_error(angle, reference(t))).collect()
+    }
     fn mean_deg(&self, name: &str) -> f64 {
         let v = self.column(name);
         (v.iter().sum::<f64>() / v.len().max(1) as f64).to_degrees()
@@ -127,6 +136,12 @@ pub(super) struct Context<'a> {
     pub stall_fraction: f64,
 }
 
+impl Context<'_> {
+    fn reference(&self, t: f64) -> Option<Reference> {
+        self.manoeuvre.map(|m| m.reference(t))
+    }
+}
+
 /// Start of the means where no goal says it, s.
 const SETTLE: f64 = 2.0;
 
@@ -140,6 +155,8 @@ impl Summary {
             _ => 0.0,
         };
         let (low, high) = range(settled.column("pitch"));
+        let roll_errors = settled.errors("roll", |t| context.reference(t).map_or(0.0, |r| r.roll));
+        let pitch_errors = settled.errors("pitch", |t| context.reference(t).map_or(0.0, |r| r.pitch));
         let mut summary = Self {
             status: Status::Ok,
             reason: None,
@@ -149,8 +166,10 @@ impl Summary {
             distance_y_m: change("p_WB_y"),
             altitude_change_m: change("p_WB_z"),
             roll_mean_deg: settled.mean_deg("roll"),
-            roll_rms_error_deg: roll_error(&settled, context.manoeuvre).to_degrees(),
+            roll_rms_error_deg: rms(&roll_errors).to_degrees(),
+            roll_max_error_deg: largest(&roll_errors).to_degrees(),
             pitch_mean_deg: settled.mean_deg("pitch"),
+            pitch_max_error_deg: largest(&pitch_errors).to_degrees(),
             pitch_half_amplitude_deg: (0.5 * (high - low)).to_degrees(),
             yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
             aero_preset: context.preset.into(),
@@ -162,6 +181,11 @@ impl Summary {
         };
         (summary.status, summary.reason) = summary.judge(flight, context);
         summary
+    }
+
+    /// True when the whole duration was flown.
+    pub fn completed(&self) -> bool {
+        matches!(self.status, Status::Ok | Status::OffTarget)
     }
 
     fn judge(&self, flight: &Flight, context: &Context) -> (Status, Option<String>) {
@@ -196,11 +220,12 @@ fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)))
 }
 
-fn roll_error(settled: &Settled, manoeuvre: Option<&Manoeuvre>) -> f64 {
-    let reference = |t: f64| manoeuvre.map_or(0.0, |m| m.reference(t).roll);
-    let squares = settled.column("roll").iter().zip(settled.column("t"));
-    let sum: f64 = squares.map(|(&roll, &t)| angle_error(roll, reference(t)).powi(2)).sum();
-    (sum / settled.column("roll").len().max(1) as f64).sqrt()
+fn rms(errors: &[f64]) -> f64 {
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt()
+}
+
+fn largest(errors: &[f64]) -> f64 {
+    errors.iter().fold(0.0, |m, e| e.abs().max(m))
 }
 
 /// Sum of the steps of an angle, each the short way round.
