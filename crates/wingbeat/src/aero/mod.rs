@@ -7,6 +7,7 @@ mod loads;
 mod planform;
 mod section;
 mod station;
+mod strip;
 
 pub use crate::math::Wrench;
 pub use law::{LiftLaw, ProfileDrag};
@@ -14,6 +15,7 @@ pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSetti
 pub use loads::{Loads, StripLoads};
 pub use planform::{Planform, PlanformStation};
 pub use station::SectionMotion;
+pub use strip::{LagSet, Lags, StripModel, StripSettings};
 
 use crate::math::{Scalar, Vec3};
 use crate::plant::Channel;
@@ -23,9 +25,12 @@ pub const MAX_STRIPS: usize = 32;
 
 /// The aerodynamic presets.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "one per robot, never moved in a loop")]
 pub enum Aero {
     /// Preset `paper`: unsteady lifting line.
     LiftingLine(LiftingLine),
+    /// Preset `full`: strip model with three-dimensional delayed wash.
+    Strip(StripModel),
 }
 
 impl Aero {
@@ -34,42 +39,49 @@ impl Aero {
     pub fn arcs(&self) -> &[f64] {
         match self {
             Self::LiftingLine(line) => line.arcs(),
+            Self::Strip(model) => model.arcs(),
         }
     }
     /// Arc coordinates of the strips' middles, m.
     pub fn strip_arcs(&self) -> &[f64] {
         match self {
             Self::LiftingLine(line) => line.arcs(),
+            Self::Strip(model) => model.strip_arcs(),
         }
     }
     /// Number of strips.
     pub fn strips(&self) -> usize {
         match self {
             Self::LiftingLine(line) => line.strips(),
+            Self::Strip(model) => model.strips(),
         }
     }
     /// Number of states.
     pub fn states(&self) -> usize {
         match self {
             Self::LiftingLine(line) => line.states(),
+            Self::Strip(model) => model.states(),
         }
     }
     /// Names and units of the states, in order.
     pub fn channels(&self) -> Vec<Channel> {
         match self {
             Self::LiftingLine(line) => line.channels(),
+            Self::Strip(model) => model.channels(),
         }
     }
     /// Name of the lift law.
     pub fn law(&self) -> LiftLaw {
         match self {
             Self::LiftingLine(line) => line.settings().law,
+            Self::Strip(model) => model.settings().law,
         }
     }
     /// Incidence beyond which a strip counts as stalled, rad.
     pub fn stall_angle(&self) -> f64 {
         match self {
             Self::LiftingLine(line) => line.settings().stall_angle_rad,
+            Self::Strip(model) => model.settings().stall_angle_rad,
         }
     }
     /// State rates and loads of the sections at [`arcs`](Self::arcs) in air
@@ -84,6 +96,7 @@ impl Aero {
     ) {
         match self {
             Self::LiftingLine(line) => line.evaluate(sections, wind, x, dx, loads),
+            Self::Strip(model) => model.evaluate(sections, wind, x, dx, loads),
         }
     }
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
@@ -97,6 +110,7 @@ impl Aero {
     ) -> (Wrench<S>, [[S; 6]; 6]) {
         match self {
             Self::LiftingLine(line) => line.evaluate_sum(sections, wind, x, dx),
+            Self::Strip(model) => model.evaluate_sum(sections, wind, x, dx),
         }
     }
 }

@@ -120,9 +120,7 @@ impl<S: Scalar> Section<S> {
     /// A section force as a wrench about the body origin.
     #[inline]
     pub fn wrench(&self, f: SectionForce<S>) -> Wrench<S> {
-        let force = self.chordwise * f.chordwise + self.normal * f.normal + self.across * f.across;
-        let couple = self.across * f.nose_up + self.chordwise * f.about_chord;
-        Wrench { force, moment: self.middle.cross(force) + couple }
+        f.wrench(self.middle, self.chordwise, self.normal, self.across)
     }
 }
 
@@ -147,6 +145,14 @@ impl<S: Scalar> SectionForce<S> {
     pub fn in_plane(chordwise: S, normal: S, ahead: S) -> Self {
         Self { chordwise, normal, across: S::ZERO, nose_up: normal * ahead, about_chord: S::ZERO }
     }
+
+    /// As a wrench about the body origin, given mid chord and the section's directions.
+    #[inline]
+    pub fn wrench(self, middle: Vec3<S>, chordwise: Vec3<S>, normal: Vec3<S>, across: Vec3<S>) -> Wrench<S> {
+        let force = chordwise * self.chordwise + normal * self.normal + across * self.across;
+        let couple = across * self.nose_up + chordwise * self.about_chord;
+        Wrench { force, moment: middle.cross(force) + couple }
+    }
 }
 
 impl<S: Scalar> std::ops::Add for SectionForce<S> {
@@ -161,4 +167,13 @@ impl<S: Scalar> std::ops::Add for SectionForce<S> {
             about_chord: self.about_chord + o.about_chord,
         }
     }
+}
+
+/// Share of leading-edge suction at the cosine x of the effective incidence:
+/// 1 in attached, 0 in reversed flow, (1 + tanh(4 artanh x)) / 2 between.
+#[inline]
+pub(super) fn suction_share<S: Scalar>(x: S) -> S {
+    let x2 = x * x;
+    let rise = x * (x2 + 1.0) * 2.0 / (x2 * (x2 + 6.0) + 1.0);
+    rise + 0.5
 }

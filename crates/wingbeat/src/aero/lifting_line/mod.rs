@@ -15,7 +15,7 @@ mod tests;
 pub use settings::LiftingLineSettings;
 
 use super::law::separation_scale;
-use super::section::{Section, SectionForce};
+use super::section::{Section, SectionForce, suction_share};
 use super::{Loads, Planform, SectionMotion, StripLoads, Wrench};
 use crate::Error;
 use crate::math::{Scalar, Vec3};
@@ -324,15 +324,6 @@ impl<S: Scalar> Flow<S> {
         let ahead = S::from(0.5 * node.half_chord);
         SectionForce::in_plane(-(lift * self.suction * self.w), lift * self.along, ahead)
     }
-}
-
-/// Share of leading-edge suction at the cosine x of the effective incidence:
-/// 1 in attached, 0 in reversed flow, (1 + tanh(4 artanh x)) / 2 between.
-#[inline]
-fn suction_share<S: Scalar>(x: S) -> S {
-    let x2 = x * x;
-    let rise = x * (x2 + 1.0) * 2.0 / (x2 * (x2 + 6.0) + 1.0);
-    rise + 0.5
 }
 
 /// Copies the upper triangle to the lower one.

@@ -1,0 +1,78 @@
+//! Universal constants of the strip model: lags of the wash on the chord and
+//! of the wash of the wake, fitted once to a linear lifting surface.
+
+/// One set of lags. Rates are per semichord travelled, wake times per mean
+/// chord travelled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lags {
+    /// Rates e_k of the wash lags.
+    pub rate: &'static [f64],
+    /// Weights psi_k of the lags in the lift wash; they sum to 1/2.
+    pub lift: &'static [f64],
+    /// Weights gamma_k of the lags in the circulation; they sum to 1.
+    pub circulation: &'static [f64],
+    /// Weight beta of the wash of the chord doublet.
+    pub doublet: f64,
+    /// Part of the circulation whose wake wash follows at once.
+    pub wake_at_once: f64,
+    /// Weights of the delayed wake washes; with `wake_at_once` they sum to 1.
+    pub wake: &'static [f64],
+    /// Delays of the wake washes, in mean chords over (aspect ratio)^-exponent.
+    pub wake_delay: &'static [f64],
+    /// Exponent of the aspect ratio in the delays.
+    pub exponent: f64,
+}
+
+/// Two wash lags and one wake lag: three states per strip.
+pub const THREE_LAGS: Lags = Lags {
+    rate: &[0.11485485095715817, 0.5546329265291221],
+    lift: &[0.33986400835445024, 0.1601359916455498],
+    circulation: &[0.35413224268080856, 0.6458677573191915],
+    doublet: 0.6700118067641962,
+    wake_at_once: 0.25982414914683966,
+    wake: &[0.7401758508531604],
+    wake_delay: &[2.679567707802517],
+    exponent: 0.19248533514334476,
+};
+
+/// Three wash lags and two wake lags: five states per strip.
+pub const FIVE_LAGS: Lags = Lags {
+    rate: &[0.061284885630933504, 0.24565130431580148, 1.2344872068276207],
+    lift: &[0.17531713959734113, 0.2829580337181959, 0.04172482668446299],
+    circulation: &[0.19854751096950332, 0.3549461692241535, 0.44650631980634314],
+    doublet: 0.8515627078003459,
+    wake_at_once: 0.0,
+    wake: &[0.7128378060464248, 0.28716219395357523],
+    wake_delay: &[0.874302267660053, 4.768861216944018],
+    exponent: 0.429521803562794,
+};
+
+impl Lags {
+    /// States per strip.
+    pub fn states_per_strip(&self) -> usize {
+        self.rate.len() + self.wake.len()
+    }
+    /// Weights of the lags in the potential jump left on the chord:
+    /// (gamma_k - psi_k) / e_k. They sum to 1, so that the steady doublet is
+    /// the one of a flat plate.
+    pub fn jump(&self, k: usize) -> f64 {
+        (self.circulation[k] - self.lift[k]) / self.rate[k]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_meet_the_steady_limits() {
+        for lags in [THREE_LAGS, FIVE_LAGS] {
+            let sum = |xs: &[f64]| xs.iter().sum::<f64>();
+            assert!((sum(lags.lift) - 0.5).abs() < 1e-12);
+            assert!((sum(lags.circulation) - 1.0).abs() < 1e-12);
+            assert!((lags.wake_at_once + sum(lags.wake) - 1.0).abs() < 1e-12);
+            let jump: f64 = (0..lags.rate.len()).map(|k| lags.jump(k)).sum();
+            assert!((jump - 1.0).abs() < 1e-9, "{jump}");
+        }
+    }
+}

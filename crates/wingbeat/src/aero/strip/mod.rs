@@ -1,0 +1,246 @@
+//! Preset `full`: a strip model with three-dimensional, delayed wash.
+//!
+//! Every strip carries two or three lags of the wash on its chord and one or two of the wash of
+//! the wake. The potential jump on the chord, not only the circulation, induces
+//! a three-dimensional wash, which makes lift and added mass drop together at
+//! low aspect ratio; flow is tangent at 3/4 chord under the true horseshoes of
+//! the folded, moving wing. Valid for attached flow, aspect ratio 3 and more.
+
+mod constants;
+mod grid;
+mod influence;
+mod loads;
+mod motion;
+mod response;
+mod settings;
+
+pub use constants::Lags;
+pub use settings::{LagSet, StripSettings};
+
+use crate::Error;
+use crate::aero::law::separation_scale;
+use crate::aero::{Loads, MAX_STRIPS, Planform, SectionMotion, Wrench};
+use crate::math::{Scalar, Vec3};
+use crate::plant::Channel;
+use grid::Grid;
+use influence::{Matrix, Targets, invert};
+use motion::{Edge, Strip};
+use std::f64::consts::PI;
+
+/// Core radius of a trailing vortex over the half width of the narrower strip beside it.
+const CORE: f64 = 0.15;
+
+/// The strip model of a wing. Sections are the edges between strips.
+#[derive(Clone, Debug)]
+pub struct StripModel {
+    settings: StripSettings,
+    grid: Grid,
+    separation_scale: f64,
+    lags: &'static Lags,
+    /// Smoothing speed, m/s.
+    floor: f64,
+    /// Squared core radii of the vortices that leave the edges, m2.
+    cores: Vec<f64>,
+    /// Per strip: circulation over lift wash 2 pi b cos(sweep), m.
+    slope: Vec<f64>,
+    /// Per strip: chord doublet over wash, pi b cos(sweep) / 1.5, m.
+    doublet: Vec<f64>,
+    /// Per strip: added mass over density and width, pi b^2 cos(sweep), m2.
+    apparent: Vec<f64>,
+    /// Per strip: own two-dimensional wash of the bound vortex, 1/m.
+    own_bound: Vec<f64>,
+    /// Per strip: own two-dimensional wash of bound vortex and trailing edge, 1/m.
+    own_ring: Vec<f64>,
+    /// Lengths over which the wake lags act, m.
+    wake_length: Vec<f64>,
+}
+
+/// What the strips know of the air at one instant.
+struct Flow<S: Scalar, const N: usize> {
+    strips: [Strip<S>; N],
+    /// Wash of horseshoes without the own two-dimensional part, 1/m.
+    remainder: Matrix<S, N>,
+    /// Half the wash far behind, 1/m.
+    far: Matrix<S, N>,
+    /// The same as `remainder` for the chord doublet, 1/m.
+    doublet: Matrix<S, N>,
+    /// Inverse of 1 - doublet diag(d): the wash which motion leaves on the chord.
+    relief: Matrix<S, N>,
+}
+
+impl StripModel {
+    /// Lays strips on the planform.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting has no physical meaning or there are too few strips
+    /// for the hinges.
+    pub fn new(planform: &Planform, settings: StripSettings) -> Result<Self, Error> {
+        settings.check()?;
+        let grid = Grid::new(planform, settings.strips, &settings.hinge_arcs_m)?;
+        let lags = settings.lags.lags();
+        let per_strip = |f: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
+            (0..settings.strips)
+                .map(|i| f(grid.chord[i], grid.cos_half[i], grid.cos_three_quarter[i]))
+                .collect()
+        };
+        let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
+        Ok(Self {
+            slope: per_strip(&|c, cos, _| PI * c * cos),
+            doublet: per_strip(&|c, cos, _| PI * c * cos / 3.0),
+            apparent: per_strip(&|c, cos, _| PI * c * c * cos / 4.0),
+            own_bound: per_strip(&|c, cos, _| 1.0 / (PI * c * cos)),
+            own_ring: per_strip(&|c, cos, cos34| 1.0 / (PI * c * cos) + 2.0 / (PI * c * cos34)),
+            wake_length: lags.wake_delay.iter().map(|t| t * delay_scale).collect(),
+            floor: settings.regularisation_m_s,
+            cores: grid.half_widths().map(|h| (CORE * h) * (CORE * h)).collect(),
+            separation_scale: separation_scale(settings.stall_angle_rad),
+            lags,
+            grid,
+            settings,
+        })
+    }
+
+    /// The settings in use.
+    pub fn settings(&self) -> &StripSettings {
+        &self.settings
+    }
+    /// Number of strips.
+    pub fn strips(&self) -> usize {
+        self.settings.strips
+    }
+    /// Number of states: for each wash lag and then for each wake lag a block
+    /// of one value per strip, left tip to right tip.
+    pub fn states(&self) -> usize {
+        self.settings.strips * self.lags.states_per_strip()
+    }
+    /// Arc coordinates, m, of the sections wanted: the edges of the strips from left tip
+    /// (positive) to right tip.
+    pub fn arcs(&self) -> &[f64] {
+        &self.grid.arcs
+    }
+    /// Names and units of the states, in order.
+    pub fn channels(&self) -> Vec<Channel> {
+        let wash = (1..=self.lags.rate.len()).map(|k| (format!("wash_lag{k}"), "m/s"));
+        let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
+        wash.chain(wake)
+            .flat_map(|(name, unit)| {
+                (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
+            })
+            .collect()
+    }
+    /// Arc coordinates of the control sections, m.
+    pub fn strip_arcs(&self) -> &[f64] {
+        &self.grid.control_arcs
+    }
+    /// Widths of the strips, m.
+    pub fn widths(&self) -> &[f64] {
+        &self.grid.width
+    }
+    /// Chords of the control sections, m.
+    pub fn chords(&self) -> &[f64] {
+        &self.grid.chord
+    }
+
+    /// Loads and state rates.
+    ///
+    /// `sections` are the edges in the order of [`arcs`](Self::arcs), `wind` the
+    /// velocity of the air in B, `x` the states (m/s for wash lags, m2/s for wake
+    /// lags), `dx` receives their rates. The accelerations of the sections leave out what the
+    /// body's own acceleration adds: see [`Loads`].
+    ///
+    /// # Panics
+    /// When a slice is shorter than `arcs()` or `states()` ask for.
+    pub fn evaluate<S: Scalar>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) {
+        let (wrench, added_mass) = self.dispatch(sections, wind, x, dx, Some(&mut *loads));
+        loads.wrench = wrench;
+        loads.added_mass = added_mass;
+    }
+
+    /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
+    /// added-mass matrix.
+    pub fn evaluate_sum<S: Scalar>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> (Wrench<S>, [[S; 6]; 6]) {
+        self.dispatch(sections, wind, x, dx, None)
+    }
+
+    /// Chooses the width of the columns.
+    fn dispatch<S: Scalar>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: Option<&mut Loads<S>>,
+    ) -> (Wrench<S>, [[S; 6]; 6]) {
+        match self.settings.strips {
+            0..=8 => self.evaluate_in::<S, 8>(sections, wind, x, dx, loads),
+            9..=12 => self.evaluate_in::<S, 12>(sections, wind, x, dx, loads),
+            13..=16 => self.evaluate_in::<S, 16>(sections, wind, x, dx, loads),
+            17..=24 => self.evaluate_in::<S, 24>(sections, wind, x, dx, loads),
+            _ => self.evaluate_in::<S, MAX_STRIPS>(sections, wind, x, dx, loads),
+        }
+    }
+
+    /// The evaluation with columns of `N` lanes, of which `strips()` count.
+    fn evaluate_in<S: Scalar, const N: usize>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: Option<&mut Loads<S>>,
+    ) -> (Wrench<S>, [[S; 6]; 6]) {
+        let flow = self.flow::<S, N>(sections, wind);
+        let sums = self.lag_sums(&flow.strips, x);
+        let response = self.respond(&flow, &sums, x, dx);
+        let wrench = self.load_strips(&flow, &response, loads);
+        (wrench, self.added_mass(&flow, &response))
+    }
+
+    /// Points, velocities and influence of the wing as it lies and moves now.
+    ///
+    /// R = horseshoe + 1/(pi c cos L_1/2) on the diagonal,
+    /// K = beta (ring + own two-dimensional ring), A0 = 1 - K diag(d).
+    ///
+    /// Equation: aero.strip.remainder
+    fn flow<S: Scalar, const N: usize>(&self, sections: &[SectionMotion<S>], wind: Vec3<S>) -> Flow<S, N> {
+        let n = self.settings.strips;
+        let strips: [Strip<S>; N] = std::array::from_fn(|i| self.strip(sections, wind, i.min(n - 1)));
+        let mut edges = [Edge::default(); MAX_STRIPS + 1];
+        for (j, edge) in edges[..=n].iter_mut().enumerate() {
+            *edge = self.edge(sections, wind, j);
+        }
+        let mut wash = Targets::new(&strips).wash(&edges[..=n], &self.cores);
+        if !self.settings.wake_wash {
+            wash.horseshoe = [[S::ZERO; N]; N];
+            wash.far = [[S::ZERO; N]; N];
+        }
+        let beta = if self.settings.doublet_wash { self.lags.doublet } else { 0.0 };
+        let mut relief = [[S::ZERO; N]; N];
+        for j in 0..n {
+            if self.settings.wake_wash {
+                wash.horseshoe[j][j] = wash.horseshoe[j][j] + self.own_bound[j];
+            }
+            wash.ring[j][j] = wash.ring[j][j] + self.own_ring[j];
+            for i in 0..N {
+                wash.ring[j][i] *= beta;
+                relief[j][i] = -(wash.ring[j][i] * self.doublet[j]);
+            }
+            relief[j][j] = relief[j][j] + 1.0;
+        }
+        invert(&mut relief, n);
+        Flow { strips, remainder: wash.horseshoe, far: wash.far, doublet: wash.ring, relief }
+    }
+}

@@ -1,0 +1,106 @@
+//! What can be chosen in the strip model; each ingredient is a switch, so that
+//! its effect can be shown.
+
+use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
+use crate::Error;
+use crate::aero::{LiftLaw, ProfileDrag};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Which set of lags the model carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LagSet {
+    /// Two wash lags, one wake lag: three states per strip.
+    #[default]
+    Three,
+    /// Three wash lags, two wake lags: five states per strip; circulation
+    /// within 8 % instead of 23 %.
+    Five,
+}
+
+impl LagSet {
+    /// The constants of the set.
+    pub fn lags(self) -> &'static Lags {
+        match self {
+            LagSet::Three => &THREE_LAGS,
+            LagSet::Five => &FIVE_LAGS,
+        }
+    }
+}
+
+/// Settings of [`StripModel`](super::StripModel).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StripSettings {
+    /// Number of strips over both wings and body.
+    pub strips: usize,
+    /// Arc coordinates of the half wing that must have a strip edge (hinges), m.
+    pub hinge_arcs_m: Vec<f64>,
+    /// Air density, kg/m3.
+    pub density_kg_m3: f64,
+    /// Speed below which directions lose their meaning, m/s; smooths every root.
+    pub regularisation_m_s: f64,
+    /// Lags carried per strip.
+    pub lags: LagSet,
+    /// Three-dimensional wash of bound and shed circulation; off: strips of an
+    /// infinite wing.
+    pub wake_wash: bool,
+    /// Three-dimensional wash of the potential jump on the chord.
+    pub doublet_wash: bool,
+    /// Turning of the force by the wash of wake and lags: induced drag.
+    pub force_tilt: bool,
+    /// Reaction of the accelerated air.
+    pub added_mass: bool,
+    /// Moment of the pitching section beyond the added-mass force.
+    pub section_moment: bool,
+    /// Lift law.
+    pub law: LiftLaw,
+    /// Incidence beyond which the wing counts as stalled, rad; law `stall`
+    /// has its largest attached lift there.
+    pub stall_angle_rad: f64,
+    /// Profile drag.
+    pub drag: ProfileDrag,
+}
+
+impl Default for StripSettings {
+    fn default() -> Self {
+        Self {
+            strips: 16,
+            hinge_arcs_m: Vec::new(),
+            density_kg_m3: 1.225,
+            regularisation_m_s: 0.02,
+            lags: LagSet::Three,
+            wake_wash: true,
+            doublet_wash: true,
+            force_tilt: true,
+            added_mass: true,
+            section_moment: true,
+            law: LiftLaw::Linear,
+            stall_angle_rad: 12_f64.to_radians(),
+            drag: ProfileDrag { cd0: 0.05, cd90: 2.0 },
+        }
+    }
+}
+
+impl StripSettings {
+    /// Refuses values without physical meaning.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let positive =
+            [("density_kg_m3", self.density_kg_m3), ("regularisation_m_s", self.regularisation_m_s)];
+        for (key, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::invalid(key, value, "a finite number above 0"));
+            }
+        }
+        for (key, value) in [("drag.cd0", self.drag.cd0), ("drag.cd90", self.drag.cd90)] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Error::invalid(key, value, "a finite number, 0 or more"));
+            }
+        }
+        if !(self.stall_angle_rad > 0.0 && self.stall_angle_rad < PI / 2.0) {
+            return Err(Error::invalid("stall_angle_rad", self.stall_angle_rad, "between 0 and pi/2"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,383 @@
+//! Limits, symmetries and smoothness of the strip model.
+
+mod wing;
+
+use proptest::prelude::*;
+use std::f64::consts::PI;
+use wing::{ELBOW, Wing, planform};
+use wingbeat::aero::{
+    LagSet, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, StripModel, StripSettings,
+};
+use wingbeat::math::{Dual, Scalar, Vec3, linear::solve_symmetric};
+
+fn settings(strips: usize) -> StripSettings {
+    StripSettings { strips, hinge_arcs_m: vec![0.0, ELBOW], ..Default::default() }
+}
+
+fn model(settings: StripSettings) -> StripModel {
+    StripModel::new(&planform(), settings).unwrap()
+}
+
+fn state(model: &StripModel) -> Vec<f64> {
+    (0..model.states()).map(|i| 0.05 * (1.7 * i as f64).sin()).collect()
+}
+
+fn evaluate(
+    model: &StripModel,
+    sections: &[SectionMotion<f64>],
+    wind: Vec3<f64>,
+    x: &[f64],
+) -> (Vec<f64>, Loads<f64>) {
+    let mut loads = Loads::default();
+    let mut dx = vec![0.0; model.states()];
+    model.evaluate(sections, wind, x, &mut dx, &mut loads);
+    (dx, loads)
+}
+
+/// Every combination of law and lag set.
+fn variants() -> Vec<StripModel> {
+    [(LiftLaw::Linear, LagSet::Three), (LiftLaw::Stall, LagSet::Three), (LiftLaw::Stall, LagSet::Five)]
+        .into_iter()
+        .map(|(law, lags)| model(StripSettings { law, lags, ..settings(10) }))
+        .collect()
+}
+
+#[test]
+fn loads_are_affine_in_the_body_acceleration() {
+    for model in variants() {
+        let sections = Wing::cyclic(0.7, 20.0).sections(model.arcs(), &planform());
+        let (a, w_dot) = (Vec3::new(3.0, -2.0, 5.0), Vec3::new(40.0, 20.0, -30.0));
+        let full: Vec<_> = sections
+            .iter()
+            .map(|s| SectionMotion {
+                a_le: s.a_le + a + w_dot.cross(s.le),
+                a_te: s.a_te + a + w_dot.cross(s.te),
+                ..*s
+            })
+            .collect();
+        let (wind, x) = (Vec3::new(-1.5, 0.2, 0.4), state(&model));
+        let (bias, full) = (evaluate(&model, &sections, wind, &x).1, evaluate(&model, &full, wind, &x).1);
+        let s = [a[0], a[1], a[2], w_dot[0], w_dot[1], w_dot[2]];
+        for i in 0..6 {
+            let pick = |l: &Loads<f64>| if i < 3 { l.wrench.force[i] } else { l.wrench.moment[i - 3] };
+            let carried: f64 = (0..6).map(|j| bias.added_mass[i][j] * s[j]).sum();
+            let difference = pick(&bias) - carried - pick(&full);
+            assert!(difference.abs() < 1e-12 * (1.0 + carried.abs()), "row {i}: {difference}");
+        }
+    }
+}
+
+#[test]
+fn the_added_mass_is_symmetric_and_positive() {
+    for model in variants() {
+        for k in 0..12 {
+            let sections = Wing::cyclic(0.5 * k as f64, 20.0).sections(model.arcs(), &planform());
+            let (_, loads) = evaluate(&model, &sections, Vec3::new(-1.5, 0.2, 0.4), &state(&model));
+            let mut matrix = loads.added_mass;
+            for i in 0..6 {
+                for j in 0..6 {
+                    assert_eq!(matrix[i][j], matrix[j][i]);
+                }
+                matrix[i][i] += 1e-9; // sliding within the plane moves no air
+            }
+            assert!(solve_symmetric(matrix, [1.0; 6]).is_some());
+        }
+    }
+}
+
+#[test]
+fn a_common_velocity_of_wing_and_wind_changes_nothing() {
+    for model in variants() {
+        let sections = Wing::cyclic(0.4, 20.0).sections(model.arcs(), &planform());
+        let (wind, shift, x) = (Vec3::new(-1.5, 0.2, 0.4), Vec3::new(7.0, -3.0, 2.0), state(&model));
+        let moved: Vec<_> = sections
+            .iter()
+            .map(|s| SectionMotion { v_le: s.v_le + shift, v_te: s.v_te + shift, ..*s })
+            .collect();
+        let (dx, loads) = evaluate(&model, &sections, wind, &x);
+        let (dx_moved, moved) = evaluate(&model, &moved, wind + shift, &x);
+        assert!((loads.wrench.force - moved.wrench.force).norm() < 1e-11);
+        assert!((loads.wrench.moment - moved.wrench.moment).norm() < 1e-12);
+        assert!(dx.iter().zip(&dx_moved).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + a.abs())));
+    }
+}
+
+#[test]
+fn a_mirrored_motion_mirrors_the_loads() {
+    for model in variants() {
+        let n = model.strips();
+        let x: Vec<f64> = (0..model.states())
+            .map(|i| 0.04 + 0.02 * ((i % n) as f64 - (n - 1) as f64 / 2.0).abs())
+            .collect();
+        let sections = Wing::cyclic(1.1, 15.0).sections(model.arcs(), &planform());
+        let (_, loads) = evaluate(&model, &sections, Vec3::new(-2.0, 0.0, 0.3), &x);
+        assert!(loads.wrench.force[1].abs() < 1e-13 && loads.wrench.force[2].abs() > 1e-3);
+        assert!(loads.wrench.moment[0].abs() < 1e-13 && loads.wrench.moment[2].abs() < 1e-13);
+        for i in 0..n / 2 {
+            let (a, b) = (loads.strip[i].total(), loads.strip[n - 1 - i].total());
+            assert!((a.force[2] - b.force[2]).abs() < 1e-13 && (a.force[1] + b.force[1]).abs() < 1e-13);
+            assert!((a.moment[1] - b.moment[1]).abs() < 1e-13 && (a.moment[0] + b.moment[0]).abs() < 1e-13);
+        }
+    }
+}
+
+#[test]
+fn sums_agree_and_breakdown_adds_up() {
+    for model in variants() {
+        let sections = Wing::cyclic(0.4, 20.0).sections(model.arcs(), &planform());
+        let (wind, x) = (Vec3::new(-1.5, 0.2, 0.4), state(&model));
+        let (dx, loads) = evaluate(&model, &sections, wind, &x);
+        let mut dx_sum = vec![0.0; model.states()];
+        let (wrench, added_mass) = model.evaluate_sum(&sections, wind, &x, &mut dx_sum);
+        assert_eq!((dx, added_mass), (dx_sum, loads.added_mass));
+        for w in [wrench, loads.by_source().total()] {
+            assert!((w.force - loads.wrench.force).norm() < 1e-13);
+            assert!((w.moment - loads.wrench.moment).norm() < 1e-13);
+        }
+    }
+}
+
+/// Wrench, rates and added mass for a wing whose phase, wind and states depend on `p`.
+fn outputs<S: Scalar>(model: &StripModel, p: S) -> Vec<S> {
+    let sections = Wing::cyclic(p + 0.6, 15.0).sections(model.arcs(), &planform());
+    let wind = Vec3::new(S::from(-1.5), p * 0.5, p.sin() + 0.2);
+    let x: Vec<S> = state(model).iter().map(|&v| p * v + v).collect();
+    let mut dx = vec![S::ZERO; model.states()];
+    let mut loads = Loads::default();
+    model.evaluate(&sections, wind, &x, &mut dx, &mut loads);
+    let matrix = loads.added_mass.iter().flatten().copied();
+    dx.iter().copied().chain(loads.wrench.force.0).chain(loads.wrench.moment.0).chain(matrix).collect()
+}
+
+#[test]
+fn duals_agree_with_central_differences() {
+    for model in variants() {
+        let exact = outputs(&model, Dual::<1>::variable(0.3, 0));
+        let h = 1e-5;
+        let (plus, minus) = (outputs(&model, 0.3 + h), outputs(&model, 0.3 - h));
+        for (i, e) in exact.iter().enumerate() {
+            let difference = (plus[i] - minus[i]) / (2.0 * h);
+            assert!(
+                (difference - e.eps[0]).abs() < 1e-6 * (1.0 + e.eps[0].abs()),
+                "output {i}: {difference} {}",
+                e.eps[0]
+            );
+        }
+    }
+}
+
+#[test]
+fn the_carried_air_of_strips_gives_no_mean_force() {
+    let set = StripSettings { wake_wash: false, doublet_wash: false, ..settings(10) };
+    let model = model(set);
+    let steps = 96;
+    let (mut sum, mut largest) = ([Vec3::ZERO; 10], [0.0_f64; 10]);
+    for k in 0..steps {
+        let wing = Wing::cyclic(2.0 * PI * k as f64 / steps as f64, 20.0);
+        let sections = wing.sections(model.arcs(), &planform());
+        let (_, loads) = evaluate(&model, &sections, Vec3::new(-2.0, 0.3, 0.2), &state(&model));
+        for i in 0..10 {
+            let force = loads.strip[i].added_mass.force;
+            sum[i] += force;
+            largest[i] = largest[i].max(force.norm());
+        }
+    }
+    for i in 0..10 {
+        assert!(
+            sum[i].norm() / steps as f64 / largest[i] < 1e-8,
+            "strip {i}: {}",
+            sum[i].norm() / largest[i]
+        );
+    }
+}
+
+#[test]
+fn switches_leave_out_what_they_name() {
+    let wind = Vec3::new(-2.0, 0.0, 0.4);
+    let loads = |set: StripSettings| {
+        let model = model(set);
+        let sections = Wing::cyclic(0.9, 15.0).sections(model.arcs(), &planform());
+        evaluate(&model, &sections, wind, &state(&model)).1
+    };
+    let all = loads(settings(10));
+    let no_tilt = loads(StripSettings { force_tilt: false, ..settings(10) });
+    assert_eq!(no_tilt.by_source().induced_drag.force, Vec3::ZERO);
+    assert!(all.by_source().induced_drag.force.norm() > 1e-3);
+    let no_mass = loads(StripSettings { added_mass: false, section_moment: false, ..settings(10) });
+    assert_eq!(no_mass.added_mass, [[0.0; 6]; 6]);
+    let infinite = loads(StripSettings { wake_wash: false, doublet_wash: false, ..settings(10) });
+    assert!((infinite.wrench.force - all.wrench.force).norm() > 1e-3);
+}
+
+#[test]
+fn strips_of_an_infinite_wing_have_the_slope_two_pi() {
+    let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.25, trailing_edge_m: -0.75 };
+    let wing = Planform::new(&[station(0.0), station(4.0)]).unwrap();
+    let set = StripSettings {
+        strips: 6,
+        wake_wash: false,
+        doublet_wash: false,
+        drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
+        regularisation_m_s: 1e-6,
+        density_kg_m3: 1.0,
+        ..Default::default()
+    };
+    let model = StripModel::new(&wing, set).unwrap();
+    let still = |s: &f64| SectionMotion {
+        le: Vec3::new(0.25, *s, 0.0),
+        te: Vec3::new(-0.75, *s, 0.0),
+        ..SectionMotion::default()
+    };
+    let sections: Vec<_> = model.arcs().iter().map(still).collect();
+    let alpha: f64 = 1e-4;
+    // The lags of a steady stream hold the wash itself.
+    let mut x = vec![alpha; model.states()];
+    for i in 0..6 {
+        x[12 + i] = PI * alpha;
+    }
+    let (dx, loads) = evaluate(&model, &sections, Vec3::new(-1.0, 0.0, alpha), &x);
+    assert!(dx.iter().all(|v| v.abs() < 1e-9));
+    let area: f64 = model.widths().iter().sum();
+    assert!((loads.wrench.force[2] / (0.5 * area * alpha) / (2.0 * PI) - 1.0).abs() < 1e-6);
+}
+
+/// Steady lift slope and induced drag over the Trefftz drag of its own loading, for a
+/// rectangular wing of the given aspect ratio.
+fn steady_rectangle(aspect: f64) -> (f64, f64) {
+    let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
+    let wing = Planform::new(&[station(0.0), station(0.5 * aspect)]).unwrap();
+    let drag = ProfileDrag { cd0: 0.0, cd90: 0.0 };
+    let set = StripSettings { drag, density_kg_m3: 1.0, regularisation_m_s: 1e-6, ..Default::default() };
+    let model = StripModel::new(&wing, set).unwrap();
+    let at = |x: f64, s: f64| Vec3::new(x, s, 0.0);
+    let still = |&s: &f64| SectionMotion { le: at(0.0, s), te: at(-1.0, s), ..SectionMotion::default() };
+    let sections: Vec<_> = model.arcs().iter().map(still).collect();
+    let alpha: f64 = 1e-3;
+    let wind = Vec3::new(-alpha.cos(), 0.0, alpha.sin());
+    let mut x = vec![0.0; model.states()];
+    let mut loads = Loads::default();
+    for _ in 0..6000 {
+        let (dx, now) = evaluate(&model, &sections, wind, &x);
+        x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.05 * d);
+        loads = now;
+    }
+    let lift = loads.wrench.force.dot(Vec3::new(alpha.sin(), 0.0, alpha.cos()));
+    let drag = loads.wrench.force.dot(wind);
+    let (gamma, edges, middles) = (&loads.circulation, model.arcs(), model.strip_arcs());
+    let trefftz: f64 = (0..16)
+        .map(|i| {
+            let pair = |j: usize| 1.0 / (middles[i] - edges[j + 1]) - 1.0 / (middles[i] - edges[j]);
+            let downwash: f64 = (0..16).map(|j| gamma[j] * pair(j) / (2.0 * PI)).sum();
+            0.5 * gamma[i] * (edges[i] - edges[i + 1]) * downwash
+        })
+        .sum();
+    (lift / (0.5 * aspect * alpha), drag / trefftz)
+}
+
+#[test]
+fn rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake() {
+    // Slopes of the linear lifting surface, validation/lifting_surface/steady.csv.
+    for (aspect, slope) in [(4.0, 3.612014), (8.0, 4.586058)] {
+        let (value, drag) = steady_rectangle(aspect);
+        assert!((value / slope - 1.0).abs() < 0.015, "AR {aspect}: {value}");
+        assert!((drag - 1.0).abs() < 0.005, "AR {aspect}: {drag}");
+    }
+}
+
+#[test]
+fn bad_settings_are_refused() {
+    let refused = |set: StripSettings| StripModel::new(&planform(), set).unwrap_err().to_string();
+    assert_eq!(refused(settings(0)), "strips = 0: allowed is 1 to 32");
+    assert!(refused(settings(33)).starts_with("strips = 33"));
+    assert!(
+        refused(StripSettings { hinge_arcs_m: vec![0.3], ..settings(8) })
+            .starts_with("hinge_arcs_m[0] = 0.3")
+    );
+    assert!(refused(StripSettings { density_kg_m3: 0.0, ..settings(8) }).starts_with("density_kg_m3 = 0"));
+    assert!(refused(StripSettings { hinge_arcs_m: vec![0.1, 0.11], ..settings(4) }).contains("every hinge"));
+}
+
+/// Finite loads and rates, also with derivatives, and no jump over a small change of the wind.
+fn check_wind(model: &StripModel, wing: &Wing<f64>, wind: Vec3<f64>, x: &[f64]) -> Result<(), TestCaseError> {
+    let sections = wing.sections(model.arcs(), &planform());
+    let (dx, loads) = evaluate(model, &sections, wind, x);
+    prop_assert!(dx.iter().all(|v| v.is_finite()));
+    prop_assert!(loads.wrench.force.is_finite() && loads.wrench.moment.is_finite());
+    let still = Wing::<Dual<1>>::still(wing.shoulder.x, wing.elbow.x).sections(model.arcs(), &planform());
+    let dual_wind = Vec3::new(Dual::variable(wind[0], 0), Dual::from(wind[1]), Dual::from(wind[2]));
+    let dual_x: Vec<_> = x.iter().map(|&v| Dual::<1>::constant(v)).collect();
+    let mut dual_dx = dual_x.clone();
+    let (wrench, matrix) = model.evaluate_sum(&still, dual_wind, &dual_x, &mut dual_dx);
+    prop_assert!(wrench.force.is_finite() && wrench.moment.is_finite());
+    prop_assert!(dual_dx.iter().chain(matrix.iter().flatten()).all(|v| v.is_finite()));
+    let step = 1e-6 * (wind.norm() + 1e-3);
+    let (_, near) = evaluate(model, &sections, wind + Vec3::new(step, step, -step), x);
+    let scale = 1e-3 * (0.01 + loads.wrench.force.norm());
+    prop_assert!((near.wrench.force - loads.wrench.force).norm() < scale);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, ..Default::default() })]
+
+    #[test]
+    fn any_wind_and_fold_give_finite_loads(
+        strips in 6_usize..20,
+        shoulder in -1.4_f64..1.4,
+        elbow in -1.95_f64..1.0,
+        speed in prop_oneof![Just(0.0), Just(1e-9), 0.01_f64..20.0],
+        incidence in -PI..PI,
+        slip in -1.5_f64..1.5,
+        stall in any::<bool>(),
+        five in any::<bool>(),
+    ) {
+        let law = if stall { LiftLaw::Stall } else { LiftLaw::Linear };
+        let lags = if five { LagSet::Five } else { LagSet::Three };
+        let model = model(StripSettings { law, lags, ..settings(strips) });
+        let wind = Vec3::new(-incidence.cos() * slip.cos(), slip.sin(), incidence.sin() * slip.cos()) * speed;
+        check_wind(&model, &Wing::still(shoulder, elbow), wind, &state(&model))?;
+    }
+
+    #[test]
+    fn a_wing_of_one_panel_gives_finite_loads(speed in 0.0_f64..5.0, incidence in -PI..PI) {
+        let model = model(StripSettings { hinge_arcs_m: vec![], ..settings(1) });
+        let wind = Vec3::new(-incidence.cos(), 0.0, incidence.sin()) * speed;
+        check_wind(&model, &Wing::still(0.0, 0.0), wind, &state(&model))?;
+    }
+}
+
+/// Marches through two cycles; the largest force of the second and its largest change per step.
+fn march(model: &StripModel, amplitude: f64, wind: Vec3<f64>) -> (f64, f64) {
+    let (steps, omega) = (400, 22.0);
+    let h = 2.0 * PI / omega / steps as f64;
+    let mut x = vec![0.0; model.states()];
+    let (mut largest, mut change, mut last) = (0.0_f64, 0.0_f64, Vec3::ZERO);
+    for k in 0..2 * steps {
+        let phase = 2.0 * PI * k as f64 / steps as f64;
+        let angle = wingbeat::math::Jet::new(phase, omega, 0.0);
+        let mut wing = Wing::still(0.0, 0.0);
+        wing.shoulder = angle.sin() * (0.5 * amplitude);
+        wing.elbow = (angle + 1.0).cos() * (0.5 * amplitude) - 0.5 * amplitude;
+        let (dx, loads) = evaluate(model, &wing.sections(model.arcs(), &planform()), wind, &x);
+        x.iter_mut().zip(&dx).for_each(|(x, d)| *x += h * d);
+        let force = loads.wrench.force;
+        assert!(force.is_finite() && x.iter().all(|v| v.is_finite()), "step {k}");
+        if k > steps {
+            largest = largest.max(force.norm());
+            change = change.max((force - last).norm());
+        }
+        last = force;
+    }
+    (largest, change)
+}
+
+#[test]
+fn deep_folds_and_any_wind_stay_smooth_in_time() {
+    for model in variants() {
+        let deep = 110_f64.to_radians();
+        for wind in [[-1.5, 0.0, 0.2], [0.0, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 0.0, 1.5], [0.0, 1.5, 0.0]] {
+            let (largest, change) = march(&model, deep, Vec3(wind));
+            assert!(change < 0.1 * largest, "{wind:?}: {change} of {largest}");
+        }
+    }
+}
