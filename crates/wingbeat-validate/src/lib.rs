@@ -31,6 +31,7 @@ pub fn cases() -> Vec<&'static Case> {
         body::CASES,
         ocp::CASES,
         ocp_problems::hock_schittkowski::CASES,
+        ocp_problems::trajectories::CASES,
         rig::CASES,
     ]
     .into_iter()

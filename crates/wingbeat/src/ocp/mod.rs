@@ -5,9 +5,21 @@
 //! [`realtime`] tracks a reference over a short horizon, many times a second;
 //! [`interior_point`] solves sparse nonlinear programs ([`nlp`]) offline.
 
+mod collocation;
 pub mod interior_point;
+mod interpolant;
+mod mesh;
 pub mod nlp;
+mod problem;
 pub mod realtime;
+mod scheme;
+mod trajectory;
 mod transcription;
 
+pub use collocation::{Collocation, Transcribed};
+pub use interpolant::Interpolant;
+pub use mesh::{Optimum, Pass, Progress, Refinement, optimise};
+pub use problem::{Ends, FREE, Instant, Limits, OptimalControl, Setup};
+pub use scheme::{InputShape, Scheme};
+pub use trajectory::Trajectory;
 pub use transcription::{Interval, Midpoint, Transcription};
