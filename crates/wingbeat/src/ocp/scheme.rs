@@ -18,8 +18,6 @@ pub enum InputShape {
 /// With three points and a linear input this is the Hermite-Simpson method:
 /// its middle defect says that the middle state lies on the cubic through the
 /// ends, so its solutions are those of the compressed form.
-///
-/// Equation: ocp.lobatto
 #[derive(Clone, Debug)]
 pub struct Scheme {
     /// Name in the literature.
@@ -67,6 +65,8 @@ impl Scheme {
     }
 
     /// Integrals from 0 to `s` of the Lagrange polynomials.
+    ///
+    /// Equation: ocp.lobatto
     pub fn integrals(&self, s: f64) -> Vec<f64> {
         integrals(&self.c, s)
     }

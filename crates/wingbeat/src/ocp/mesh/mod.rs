@@ -1,12 +1,12 @@
 //! Solution of an optimal-control problem on meshes refined until its own
 //! error and the change of its objective are small.
 
-use super::collocation::{Collocation, Transcribed};
-use super::interior_point::{Iteration, Options, Solution, Status, solve};
-use super::interpolant::Interpolant;
-use super::problem::{OptimalControl, Setup};
-use super::scheme::{InputShape, Scheme};
-use super::trajectory::Trajectory;
+use crate::ocp::collocation::{Collocation, Transcribed};
+use crate::ocp::interior_point::{Iteration, Options, Solution, Status, solve};
+use crate::ocp::interpolant::Interpolant;
+use crate::ocp::problem::{OptimalControl, Setup};
+use crate::ocp::scheme::{InputShape, Scheme};
+use crate::ocp::trajectory::Trajectory;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -331,3 +331,6 @@ fn wiggles(solved: &Solved, refinement: &Refinement, bent: &mut [bool]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
