@@ -1,4 +1,5 @@
 //! Optimal-control and nonlinear problems with known optima.
 
+pub mod flapbody;
 pub mod hock_schittkowski;
 pub mod trajectories;
