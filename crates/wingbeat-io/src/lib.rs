@@ -1,8 +1,10 @@
 //! Records to and from files.
 
 mod parquet;
+mod table;
 
 pub use parquet::{read_parquet, write_parquet};
+pub use table::{read_csv, write_csv};
 
 use std::path::{Path, PathBuf};
 

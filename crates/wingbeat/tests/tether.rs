@@ -1,0 +1,127 @@
+//! Tethered wings from their case files.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use wingbeat::flight::{Ending, Record};
+use wingbeat::scenario::TetherCase;
+use wingbeat::tether::TetherRun;
+
+fn case(name: &str, overrides: &[&str]) -> TetherCase {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
+    let none = |_: &std::path::Path| Err::<Record, String>("no table".into());
+    TetherCase::load(&path.with_extension("toml"), &overrides, &none).unwrap()
+}
+
+fn run(name: &str, overrides: &[&str]) -> TetherRun {
+    let run = case(name, overrides).tether.run(|_| ControlFlow::Continue(()));
+    assert_eq!(run.ending, Ending::Complete, "{name}");
+    run
+}
+
+fn mean(run: &TetherRun, name: &str) -> f64 {
+    run.means.iter().find(|m| m.name == name).unwrap().mean
+}
+
+#[test]
+fn every_case_runs() {
+    for name in ["step", "plunge", "pitch", "flap_f1", "flap_f2", "flap_fold", "scherer", "aerobat_stand"] {
+        let run = run(name, &[]);
+        println!(
+            "{name} CL {} CD {} CM {} stall {}",
+            mean(&run, "CL"),
+            mean(&run, "CD"),
+            mean(&run, "CM"),
+            run.stall_fraction
+        );
+        assert!(run.loads.columns().iter().all(|c| c.values.iter().all(|v| v.is_finite())), "{name}");
+    }
+}
+
+#[test]
+fn a_sudden_start_ends_near_the_steady_lift() {
+    let run = run("step", &[]);
+    let lift = run.loads.values("CL").unwrap();
+    let alpha = 5.0_f64.to_radians();
+    // Lifting line of the rectangle of aspect ratio 4, 200 terms; the start is Wagner's half.
+    let steady = 4.0283867 * alpha;
+    assert!((lift[lift.len() - 1] / steady - 1.0).abs() < 0.02, "{}", lift[lift.len() - 1] / steady);
+    assert!((lift[0] / (std::f64::consts::PI * alpha) - 1.0).abs() < 0.02, "{}", lift[0]);
+}
+
+#[test]
+fn a_half_wing_at_a_wall_carries_half_the_load() {
+    let (whole, half) = (run("flap_fold", &[]), run("flap_fold", &["wing.side=left"]));
+    for name in ["force_x", "force_z", "moment_y"] {
+        let (a, b) = (whole.loads.values(name).unwrap(), half.loads.values(name).unwrap());
+        assert!(a.iter().zip(b).all(|(a, b)| (a - 2.0 * b).abs() < 1e-12), "{name}");
+    }
+    assert!((mean(&whole, "CL") - mean(&half, "CL")).abs() < 1e-12);
+    assert!(mean(&half, "moment_x").abs() > 1e-3);
+}
+
+#[test]
+fn a_body_that_moves_forward_is_a_wind_from_ahead() {
+    let surge = "body.surge_m.table={file=\"x\",column=\"y\"}";
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+    let read = |_: &std::path::Path| {
+        let mut table = wingbeat::flight::Record::new(
+            ["t", "y"].map(|name| wingbeat::flight::Column::new(name, "", "")).to_vec(),
+            2,
+        )
+        .unwrap();
+        table.append(&[0.0, 0.0]);
+        table.append(&[1.0, 1.5]);
+        Ok(table)
+    };
+    let overrides = [surge, "wind.speed_m_s=0", "reference.speed_m_s=1.5"].map(String::from);
+    let moving =
+        TetherCase::load(&path, &overrides, &read).unwrap().tether.run(|_| ControlFlow::Continue(()));
+    let still = run("flap_f2", &["wind.incidence_deg=0"]);
+    for name in ["force_x", "force_z", "moment_y"] {
+        let (a, b) = (moving.loads.values(name).unwrap(), still.loads.values(name).unwrap());
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-10), "{name}");
+    }
+}
+
+#[test]
+fn a_periodic_table_moves_like_its_function() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+    let read = |_: &std::path::Path| {
+        let columns = ["t", "shoulder"].map(|name| wingbeat::flight::Column::new(name, "", "")).to_vec();
+        let mut table = wingbeat::flight::Record::new(columns, 65).unwrap();
+        for i in 0..=64 {
+            let phase = f64::from(i) / 64.0;
+            table.append(&[phase / 3.5, 35.0 * (std::f64::consts::TAU * phase).sin()]);
+        }
+        Ok(table)
+    };
+    let table = "wing.hinges[0].angle_deg={table={file=\"x.csv\",column=\"shoulder\",periodic=true}}";
+    let splined = TetherCase::load(&path, &[table.into()], &read).unwrap();
+    let splined = splined.tether.run(|_| ControlFlow::Continue(()));
+    let exact = run("flap_f2", &[]);
+    let (a, b) = (splined.loads.values("force_z").unwrap(), exact.loads.values("force_z").unwrap());
+    let largest = b.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-3 * largest));
+}
+
+#[test]
+fn bad_cases_are_refused_with_their_place() {
+    let refuse = |text: &str| {
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_fold.toml");
+        let none = |_: &std::path::Path| Err::<Record, String>("no such file".into());
+        TetherCase::load(&path, &[text.into()], &none).unwrap_err().to_string()
+    };
+    for (text, part) in [
+        ("wing.hinges[1].arc_m=0.5", "arc_m"),
+        ("wing.hinges[1].name=\"shoulder\"", "each name once"),
+        ("time.frequency_hz=0", "above 0"),
+        ("time.steps_per_cycle=2", "8 or more"),
+        ("wind.speed_m_s=0", "reference.speed_m_s"),
+        ("wing.colour=1", "colour"),
+        ("body.heave_m={table={file=\"a.csv\",column=\"h\"}}", "no such file"),
+    ] {
+        let message = refuse(text);
+        assert!(message.contains(part), "{text}: {message}");
+    }
+}
