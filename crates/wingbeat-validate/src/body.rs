@@ -52,11 +52,12 @@ fn pinocchio() -> Result<Vec<Row>, Error> {
     let tree = urdf::reference()?;
     let q = reference_table!("multibody/ref_q.txt")?.column_at(0)?;
     let v = reference_table!("multibody/ref_v.txt")?.column_at(0)?;
-    let torques = reference_table!("multibody/ref_tau.txt")?.column_at(0)?;
+    let tau = reference_table!("multibody/ref_tau.txt")?.column_at(0)?;
     let expected = reference_table!("multibody/ref_qdd_pin_local.txt")?.column_at(0)?;
 
     let quat_xyzw = &q[3..7];
     let attitude = Quat::from_wxyz(&[quat_xyzw[3], quat_xyzw[0], quat_xyzw[1], quat_xyzw[2]]);
+    let torques: [f64; 4] = std::array::from_fn(|i| tau[6 + i]);
     let (v_b, w_b) = (Vec3::from_slice(&v), Vec3::from_slice(&v[3..]));
     let joints: Vec<Jet> = q[7..].iter().zip(&v[6..]).map(|(q, v)| Jet::new(*q, *v, 0.0)).collect();
     let mut motions = [LinkMotion::default(); MAX_LINKS];
@@ -64,7 +65,7 @@ fn pinocchio() -> Result<Vec<Row>, Error> {
     // Pinocchio's default gravity.
     let g_b = attitude.matrix().transpose_mul(Vec3([0.0, 0.0, -9.81]));
     let found = tree
-        .forward_dynamics(w_b, &motions, &torques[6..], g_b, Wrench::ZERO, &[Wrench::ZERO; MAX_LINKS])
+        .forward_dynamics(w_b, &motions, &torques, g_b, Wrench::ZERO, &[Wrench::ZERO; 4])
         .ok_or_else(|| Error::NoAnswer("the mass matrix is not positive definite".into()))?;
 
     // The free flyer's acceleration is spatial there: a - w x v.

@@ -86,8 +86,9 @@ fn free_joints_agree_with_pinocchio() {
     let mut motions = [LinkMotion::default(); MAX_LINKS];
     tree.motions(&joints, v_b, w_b, &mut motions);
     let g_b = r_wb.transpose_mul(Vec3([0.0, 0.0, -9.81]));
+    let torques: [f64; 4] = tau[6..].try_into().unwrap();
     let none = [Wrench::ZERO; 4];
-    let found = tree.forward_dynamics(w_b, &motions, &tau[6..], g_b, Wrench::ZERO, &none).unwrap();
+    let found = tree.forward_dynamics(w_b, &motions, &torques, g_b, Wrench::ZERO, &none).unwrap();
     // Pinocchio's free-flyer acceleration is spatial: a_spatial = a_classical - w x v.
     let spatial = found.base.origin - w_b.cross(v_b);
     let all = [&spatial.0[..], &found.base.angular.0, &found.joints[..4]].concat();
@@ -103,13 +104,11 @@ fn inverse_dynamics_returns_the_torques_of_forward_dynamics() {
         let n = tree.links();
         let (v_b, w_b) = (Vec3([1.0, -0.3, 0.2]), Vec3([2.0, -3.0, 1.0]));
         let g_b = Vec3([1.0, 2.0, -9.0]);
-        let torques: Vec<f64> = (0..n).map(|i| 0.01 * (i as f64 - 1.3)).collect();
-        let loads: Vec<_> = (0..n)
-            .map(|i| Wrench {
-                force: Vec3([0.01, 0.02 * i as f64, -0.03]),
-                moment: Vec3([1e-3, -2e-3, 5e-4]),
-            })
-            .collect();
+        let torques: [f64; MAX_LINKS] = std::array::from_fn(|i| 0.01 * (i as f64 - 1.3));
+        let loads: [_; MAX_LINKS] = std::array::from_fn(|i| Wrench {
+            force: Vec3([0.01, 0.02 * i as f64, -0.03]),
+            moment: Vec3([1e-3, -2e-3, 5e-4]),
+        });
         let push = Wrench { force: Vec3([0.1, 0.05, 0.3]), moment: Vec3([1e-3, 2e-3, -1e-3]) };
         let mut joints: Vec<_> = gait(&tree, 0.13).into_iter().map(|j| Jet::new(j.x, j.d, 0.0)).collect();
         let mut motions = [LinkMotion::default(); MAX_LINKS];
@@ -125,7 +124,7 @@ fn inverse_dynamics_returns_the_torques_of_forward_dynamics() {
             assert!((back[i] - torques[i]).abs() < 1e-13, "{i}: {} {}", back[i], torques[i]);
         }
         let (mass, bias) = tree.inertia_and_bias(w_b, &motions);
-        let external = loads.iter().fold(push + tree.gravity(g_b, &motions), |sum, w| sum + *w);
+        let external = loads[..n].iter().fold(push + tree.gravity(g_b, &motions), |sum, w| sum + *w);
         let base = solve(mass, external + -bias);
         let scale = free.base.angular.norm();
         assert!((base.origin - free.base.origin).norm() < 1e-12 * scale);

@@ -1,7 +1,7 @@
 //! Mass matrix and bias of the whole tree with its joints prescribed, gravity, joint torques.
 
 use super::MAX_LINKS;
-use super::inertia::{Inertia, Reaction};
+use super::inertia::{Inertia, Reaction, Symmetric};
 use super::motion::LinkMotion;
 use super::tree::Tree;
 use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
@@ -19,7 +19,7 @@ impl Tree {
         w_b: Vec3<S>,
         motions: &[LinkMotion<S>],
     ) -> ([[S; 6]; 6], Wrench<S>) {
-        let base = self.base.reaction(&LinkMotion::base(Vec3::ZERO, w_b));
+        let base = self.base.reaction_of_base(&w_b);
         let mut bias = base.bias;
         let mut first_moment = base.com.scaled(self.base.mass);
         let mut about_origin = base.about_origin;
@@ -27,7 +27,7 @@ impl Tree {
             let link = inertia.reaction(motion);
             bias += link.bias;
             first_moment += link.com.scaled(inertia.mass);
-            about_origin = about_origin + link.about_origin;
+            about_origin.add(&link.about_origin);
         }
         (mass_matrix(self.mass(), first_moment, &about_origin), bias)
     }
@@ -123,15 +123,15 @@ impl<S: Scalar> Reaction<S> {
         let first_moment = self.com.scaled(mass);
         Wrench {
             force: self.bias.force + a0.scaled(mass) + w_dot.cross(first_moment),
-            moment: self.bias.moment + first_moment.cross(a0) + self.about_origin * w_dot,
+            moment: self.bias.moment + first_moment.cross(a0) + self.about_origin.apply(&w_dot),
         }
     }
 }
 
 /// M = [m 1, -[h]x; [h]x, I] for mass m, first moment h and inertia I about the origin.
 #[inline]
-pub(super) fn mass_matrix<S: Scalar>(mass: f64, h: Vec3<S>, about_origin: &Mat3<S>) -> [[S; 6]; 6] {
-    let cross = Mat3::skew(h);
+fn mass_matrix<S: Scalar>(mass: f64, h: Vec3<S>, about_origin: &Symmetric<S>) -> [[S; 6]; 6] {
+    let (cross, about_origin) = (Mat3::skew(h), about_origin.full());
     let mut m = [[S::ZERO; 6]; 6];
     for i in 0..3 {
         m[i][i] = S::from(mass);

@@ -1,38 +1,39 @@
 //! Forward dynamics with every joint free.
 
-use super::MAX_LINKS;
-use super::dynamics::{BaseAcceleration, mass_matrix};
+use super::dynamics::BaseAcceleration;
+use super::inertia::{Reaction, Symmetric};
 use super::motion::LinkMotion;
 use super::tree::{Node, Tree};
 use crate::math::linear::solve_symmetric;
-use crate::math::{Scalar, Vec3, Wrench};
+use crate::math::{Mat3, Scalar, Vec3, Wrench};
 
 /// Accelerations of the tree with free joints.
 #[derive(Clone, Copy, Debug)]
-pub struct FreeAcceleration<S: Scalar = f64> {
+pub struct FreeAcceleration<const N: usize, S: Scalar = f64> {
     /// Base acceleration, in B.
     pub base: BaseAcceleration<S>,
     /// Joint accelerations, rad/s2, one per link.
-    pub joints: [S; MAX_LINKS],
+    pub joints: [S; N],
 }
 
-type Spatial<S> = [S; 6];
-
-/// Articulated inertia and bias wrench of one subtree, about the body origin.
+/// Articulated inertia [linear, cross; cross', angular] and bias wrench of one subtree,
+/// about the body origin.
 #[derive(Clone, Copy)]
-struct Articulated<S> {
-    inertia: [Spatial<S>; 6],
-    bias: Spatial<S>,
+struct Articulated<S: Scalar> {
+    linear: Symmetric<S>,
+    cross: Mat3<S>,
+    angular: Symmetric<S>,
+    bias: Wrench<S>,
 }
 
 /// What the outward pass needs of one joint.
 #[derive(Clone, Copy)]
-struct Hinge<S> {
-    /// Motion of the body-fixed point at the body origin per unit joint rate.
-    axis: Spatial<S>,
+struct Hinge<S: Scalar> {
+    /// Acceleration field about the body origin per unit joint acceleration.
+    axis: BaseAcceleration<S>,
     /// Articulated inertia times `axis`.
-    inertia: Spatial<S>,
-    /// 1 / (axis . inertia).
+    reaction: Wrench<S>,
+    /// 1 / (axis . reaction).
     inverse: S,
     /// Torque left for acceleration.
     torque: S,
@@ -47,120 +48,161 @@ impl Tree {
     /// about the body origin, so no inertia is ever transformed between links.
     ///
     /// `motions` comes from [`Tree::motions`] with zero joint accelerations; `base_wrench`
-    /// acts on the base, `external[i]` on link i. None when a mass matrix is not
-    /// positive definite (a massless tip).
-    pub fn forward_dynamics<S: Scalar>(
+    /// acts on the base, `external[i]` on link i; `N` is at least the number of links.
+    /// None when a mass matrix is not positive definite (a massless tip).
+    pub fn forward_dynamics<const N: usize, S: Scalar>(
         &self,
         w_b: Vec3<S>,
         motions: &[LinkMotion<S>],
-        torques: &[S],
+        torques: &[S; N],
         g_b: Vec3<S>,
         base_wrench: Wrench<S>,
-        external: &[Wrench<S>],
-    ) -> Option<FreeAcceleration<S>> {
-        let mut bodies = [Articulated { inertia: [[S::ZERO; 6]; 6], bias: [S::ZERO; 6] }; MAX_LINKS];
-        let mut base = self.own(None, &LinkMotion::base(Vec3::ZERO, w_b), g_b, base_wrench);
-        let mut hinges =
-            [Hinge { axis: [S::ZERO; 6], inertia: [S::ZERO; 6], inverse: S::ZERO, torque: S::ZERO };
-                MAX_LINKS];
-        for i in (0..self.nodes.len()).rev() {
-            let node = &self.nodes[i];
-            bodies[i].add(&self.own(Some(node), &motions[i], g_b, external[i]));
-            hinges[i] = Hinge::new(node, &motions[i], &bodies[i], torques[i])?;
-            let reduced = bodies[i].through(&hinges[i]);
+        external: &[Wrench<S>; N],
+    ) -> Option<FreeAcceleration<N, S>> {
+        let mut bodies = [Articulated::ZERO; N];
+        let mut hinges = [Hinge::ZERO; N];
+        let mut base = Articulated::ZERO;
+        base.add_body(self.base.mass, &self.base.reaction_of_base(&w_b), g_b);
+        base.bias += -base_wrench;
+        for (i, node) in self.nodes.iter().enumerate().rev() {
+            let body = &mut bodies[i];
+            if let Some(inertia) = &node.inertia {
+                body.add_body(inertia.mass, &inertia.reaction(&motions[i]), g_b);
+            }
+            body.bias += -external[i];
+            let hinge = Hinge::new(node, &motions[i], body, torques[i])?;
+            let seen = body.through(&hinge);
+            hinges[i] = hinge;
             match node.parent {
-                Some(p) => bodies[p].add(&reduced),
-                None => base.add(&reduced),
+                Some(p) => bodies[p].add(&seen),
+                None => base.add(&seen),
             }
         }
-        let x = solve_symmetric(base.inertia, base.bias.map(|b| -b))?;
-        Some(FreeAcceleration { base: BaseAcceleration::from_slice(&x), joints: self.outward(x, &hinges) })
+        let base = base.freely_accelerated()?;
+        Some(FreeAcceleration { base, joints: self.outward(base, &hinges) })
     }
 
     /// Joint accelerations from the base outwards: q'' = (u - U . x_parent) / D.
-    fn outward<S: Scalar>(&self, base: Spatial<S>, hinges: &[Hinge<S>]) -> [S; MAX_LINKS] {
-        let mut field = [[S::ZERO; 6]; MAX_LINKS];
-        let mut joints = [S::ZERO; MAX_LINKS];
+    fn outward<const N: usize, S: Scalar>(
+        &self,
+        base: BaseAcceleration<S>,
+        hinges: &[Hinge<S>; N],
+    ) -> [S; N] {
+        let mut fields = [base; N];
+        let mut joints = [S::ZERO; N];
         for (i, node) in self.nodes.iter().enumerate() {
-            let parent = node.parent.map_or(base, |p| field[p]);
-            let hinge = &hinges[i];
-            joints[i] = (hinge.torque - dot(&hinge.inertia, &parent)) * hinge.inverse;
-            field[i] = std::array::from_fn(|k| parent[k] + hinge.axis[k] * joints[i]);
+            let (parent, hinge) = (node.parent.map_or(base, |p| fields[p]), &hinges[i]);
+            joints[i] = (hinge.torque - virtual_power(&parent, &hinge.reaction)) * hinge.inverse;
+            fields[i] = BaseAcceleration {
+                origin: parent.origin + hinge.axis.origin * joints[i],
+                angular: parent.angular + hinge.axis.angular * joints[i],
+            };
         }
         joints
-    }
-
-    /// Inertia and bias of one body alone (None: the base), with its external wrench.
-    fn own<S: Scalar>(
-        &self,
-        node: Option<&Node>,
-        motion: &LinkMotion<S>,
-        g_b: Vec3<S>,
-        external: Wrench<S>,
-    ) -> Articulated<S> {
-        let Some(body) = node.map_or(Some(&self.base), |n| n.inertia.as_ref()) else {
-            return Articulated {
-                inertia: [[S::ZERO; 6]; 6],
-                bias: spatial(-external.force, -external.moment),
-            };
-        };
-        let reaction = body.reaction(motion);
-        let first_moment = reaction.com.scaled(body.mass);
-        let weight = Wrench { force: g_b.scaled(body.mass), moment: first_moment.cross(g_b) };
-        let load = reaction.bias + -weight + -external;
-        Articulated {
-            inertia: mass_matrix(body.mass, first_moment, &reaction.about_origin),
-            bias: spatial(load.force, load.moment),
-        }
     }
 }
 
 impl<S: Scalar> Hinge<S> {
+    const ZERO: Self = Self {
+        axis: BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO },
+        reaction: Wrench::ZERO,
+        inverse: S::ZERO,
+        torque: S::ZERO,
+    };
+
+    #[inline]
     fn new(node: &Node, motion: &LinkMotion<S>, body: &Articulated<S>, torque: S) -> Option<Self> {
-        let direction = node.axis.direction(&motion.rotation);
-        let axis = spatial(motion.position.cross(direction), direction);
-        let inertia = std::array::from_fn(|i| dot(&body.inertia[i], &axis));
-        let effective = dot(&axis, &inertia);
+        let angular = node.axis.direction(&motion.rotation);
+        let axis = BaseAcceleration { origin: motion.position.cross(angular), angular };
+        let reaction = body.apply(&axis);
+        let effective = virtual_power(&axis, &reaction);
         if !(effective.value() > 0.0) {
             return None;
         }
-        let torque = torque - dot(&axis, &body.bias);
-        Some(Self { axis, inertia, inverse: effective.recip(), torque })
+        let torque = torque - virtual_power(&axis, &body.bias);
+        Some(Self { axis, reaction, inverse: effective.recip(), torque })
     }
 }
 
 impl<S: Scalar> Articulated<S> {
+    const ZERO: Self = Self {
+        linear: Symmetric([S::ZERO; 6]),
+        cross: Mat3::ZERO,
+        angular: Symmetric([S::ZERO; 6]),
+        bias: Wrench::ZERO,
+    };
+
+    /// Adds a rigid body with its weight.
+    #[inline]
+    fn add_body(&mut self, mass: f64, reaction: &Reaction<S>, g_b: Vec3<S>) {
+        let h = reaction.com.scaled(mass);
+        for diagonal in &mut self.linear.0[..3] {
+            *diagonal += S::from(mass);
+        }
+        let [x, y, z] = h.0;
+        for (i, j, entry) in [(0, 1, z), (1, 2, x), (2, 0, y)] {
+            self.cross.0[i][j] += entry;
+            self.cross.0[j][i] -= entry;
+        }
+        self.angular.add(&reaction.about_origin);
+        self.bias += reaction.bias + -Wrench { force: g_b.scaled(mass), moment: h.cross(g_b) };
+    }
+
+    #[inline]
     fn add(&mut self, o: &Self) {
-        for i in 0..6 {
-            self.bias[i] += o.bias[i];
-            for j in 0..6 {
-                self.inertia[i][j] += o.inertia[i][j];
-            }
+        self.linear.add(&o.linear);
+        self.angular.add(&o.angular);
+        for (row, other) in self.cross.0.iter_mut().flatten().zip(o.cross.0.iter().flatten()) {
+            *row += *other;
+        }
+        self.bias += o.bias;
+    }
+
+    /// Wrench of an acceleration field, without the bias.
+    #[inline]
+    fn apply(&self, x: &BaseAcceleration<S>) -> Wrench<S> {
+        Wrench {
+            force: self.linear.apply(&x.origin) + self.cross * x.angular,
+            moment: self.cross.transpose_mul(x.origin) + self.angular.apply(&x.angular),
         }
     }
 
     /// As felt through the hinge: I - U U'/D, p + U u/D.
+    #[inline]
     fn through(&self, hinge: &Hinge<S>) -> Self {
-        let mut seen = *self;
-        let push = hinge.torque * hinge.inverse;
-        for i in 0..6 {
-            let scaled = hinge.inertia[i] * hinge.inverse;
-            seen.bias[i] += hinge.inertia[i] * push;
-            for j in 0..6 {
-                seen.inertia[i][j] -= scaled * hinge.inertia[j];
+        let (mut seen, Wrench { force, moment }) = (*self, hinge.reaction);
+        let (f, m) = (force * -hinge.inverse, moment * -hinge.inverse);
+        seen.linear.add_product(&f, &force);
+        seen.angular.add_product(&m, &moment);
+        for i in 0..3 {
+            for j in 0..3 {
+                seen.cross.0[i][j] += f[i] * moment[j];
             }
         }
+        seen.bias += Wrench { force: f * -hinge.torque, moment: m * -hinge.torque };
         seen
+    }
+
+    /// Acceleration of the whole without further load.
+    fn freely_accelerated(&self) -> Option<BaseAcceleration<S>> {
+        let (linear, angular) = (self.linear.full(), self.angular.full());
+        let mut matrix = [[S::ZERO; 6]; 6];
+        for i in 0..3 {
+            for j in 0..3 {
+                matrix[i][j] = linear.0[i][j];
+                matrix[i][j + 3] = self.cross.0[i][j];
+                matrix[j + 3][i] = self.cross.0[i][j];
+                matrix[i + 3][j + 3] = angular.0[i][j];
+            }
+        }
+        let ([fx, fy, fz], [tx, ty, tz]) = (self.bias.force.0, self.bias.moment.0);
+        let x = solve_symmetric(matrix, [-fx, -fy, -fz, -tx, -ty, -tz])?;
+        Some(BaseAcceleration::from_slice(&x))
     }
 }
 
+/// Field times wrench.
 #[inline]
-fn spatial<S: Scalar>(linear: Vec3<S>, angular: Vec3<S>) -> Spatial<S> {
-    let ([a, b, c], [d, e, f]) = (linear.0, angular.0);
-    [a, b, c, d, e, f]
-}
-
-#[inline]
-fn dot<S: Scalar>(a: &Spatial<S>, b: &Spatial<S>) -> S {
-    (1..6).fold(a[0] * b[0], |sum, i| sum + a[i] * b[i])
+fn virtual_power<S: Scalar>(field: &BaseAcceleration<S>, wrench: &Wrench<S>) -> S {
+    field.origin.dot(wrench.force) + field.angular.dot(wrench.moment)
 }

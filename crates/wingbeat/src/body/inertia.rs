@@ -15,6 +15,49 @@ pub(super) struct Inertia {
     moments: Vec3,
     /// Second and third principal axis in link axes.
     axes: [Vec3; 2],
+    /// Inertia about the link origin in link axes, kg m2.
+    about_origin: Symmetric<f64>,
+}
+
+/// A symmetric 3x3 matrix: xx, yy, zz, xy, xz, yz.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Symmetric<S: Scalar>(pub(super) [S; 6]);
+
+impl<S: Scalar> Symmetric<S> {
+    /// Product with a vector.
+    #[inline]
+    pub(super) fn apply(&self, v: &Vec3<S>) -> Vec3<S> {
+        let ([xx, yy, zz, xy, xz, yz], [x, y, z]) = (&self.0, &v.0);
+        Vec3([*xx * *x + *xy * *y + *xz * *z, *xy * *x + *yy * *y + *yz * *z, *xz * *x + *yz * *y + *zz * *z])
+    }
+
+    /// Adds the outer product of two parallel vectors.
+    #[inline]
+    pub(super) fn add_product(&mut self, a: &Vec3<S>, b: &Vec3<S>) {
+        let ([ax, ay, az], [x, y, z]) = (a.0, b.0);
+        let [xx, yy, zz, xy, xz, yz] = &mut self.0;
+        *xx += ax * x;
+        *yy += ay * y;
+        *zz += az * z;
+        *xy += ax * y;
+        *xz += ax * z;
+        *yz += ay * z;
+    }
+
+    /// Adds another matrix.
+    #[inline]
+    pub(super) fn add(&mut self, o: &Self) {
+        for (sum, term) in self.0.iter_mut().zip(&o.0) {
+            *sum += *term;
+        }
+    }
+
+    /// With its upper half.
+    #[inline]
+    pub(super) fn full(&self) -> Mat3<S> {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Mat3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    }
 }
 
 impl Inertia {
@@ -39,7 +82,10 @@ impl Inertia {
             let allowed = "positive semi-definite, each principal moment at most the sum of the others";
             return Err(Error::invalid("inertia_kg_m2", format!("{:?}", inertia.0), allowed));
         }
-        Ok(Self { mass, com, moments, axes: [axes.column(1), axes.column(2)] })
+        let axes = [axes.column(1), axes.column(2)];
+        let mut body = Self { mass, com, moments, axes, about_origin: Symmetric::default() };
+        body.about_origin = body.steiner(body.about_com(&Mat3::IDENTITY), &com);
+        Ok(body)
     }
 
     /// True when neither mass nor inertia is there.
@@ -52,26 +98,26 @@ impl Inertia {
     /// Inertia about the centre of mass in body axes,
     /// I = I1 1 + (I2 - I1) u2 u2' + (I3 - I1) u3 u3', `r` = R_BL.
     #[inline]
-    pub(super) fn about_com<S: Scalar>(&self, r: &Mat3<S>) -> Mat3<S> {
-        let mut sum = Mat3::diagonal(Vec3([S::from(self.moments[0]); 3]));
-        for (u, moment) in self.axes.iter().zip(&self.moments.0[1..]) {
-            let (u, k) = (r.mul_constant(*u), moment - self.moments[0]);
-            for i in 0..3 {
-                let scaled = u[i] * k;
-                for j in 0..=i {
-                    sum.0[i][j] += scaled * u[j];
-                }
-            }
+    pub(super) fn about_com<S: Scalar>(&self, r: &Mat3<S>) -> Symmetric<S> {
+        let (first, zero) = (S::from(self.moments[0]), S::ZERO);
+        let mut sum = Symmetric([first, first, first, zero, zero, zero]);
+        for (axis, moment) in self.axes.iter().zip(&self.moments.0[1..]) {
+            let u = r.mul_constant(*axis);
+            sum.add_product(&u.scaled(moment - self.moments[0]), &u);
         }
-        symmetrised(sum)
+        sum
     }
-}
 
-/// Copies the lower triangle over the upper.
-#[inline]
-fn symmetrised<S: Scalar>(mut m: Mat3<S>) -> Mat3<S> {
-    (m.0[0][1], m.0[0][2], m.0[1][2]) = (m.0[1][0], m.0[2][0], m.0[2][1]);
-    m
+    /// Parallel-axis theorem: I + m (c'c 1 - c c').
+    #[inline]
+    fn steiner<S: Scalar>(&self, mut about_com: Symmetric<S>, c: &Vec3<S>) -> Symmetric<S> {
+        about_com.add_product(&c.scaled(-self.mass), c);
+        let square = c.norm_squared() * self.mass;
+        for diagonal in &mut about_com.0[..3] {
+            *diagonal += square;
+        }
+        about_com
+    }
 }
 
 /// Principal moments and axes (columns) of a symmetric matrix by cyclic Jacobi
@@ -106,7 +152,7 @@ pub(super) struct Reaction<S: Scalar> {
     /// Centre of mass from the body origin.
     pub(super) com: Vec3<S>,
     /// Inertia about the body origin.
-    pub(super) about_origin: Mat3<S>,
+    pub(super) about_origin: Symmetric<S>,
     /// Wrench of the accelerations without the base's.
     pub(super) bias: Wrench<S>,
 }
@@ -119,24 +165,20 @@ impl Inertia {
     #[inline]
     pub(super) fn reaction<S: Scalar>(&self, motion: &LinkMotion<S>) -> Reaction<S> {
         let com = motion.point(self.com);
-        let spin = self.about_com(&motion.rotation);
+        let about_com = self.about_com(&motion.rotation);
         let force = motion.acceleration_at(com).scaled(self.mass);
-        let gyroscopic = motion.rate.cross(spin * motion.rate);
-        let moment = com.cross(force) + spin * motion.rate_dot + gyroscopic;
-        Reaction { com, about_origin: self.steiner(spin, com), bias: Wrench { force, moment } }
+        let gyroscopic = motion.rate.cross(about_com.apply(&motion.rate));
+        let moment = com.cross(force) + about_com.apply(&motion.rate_dot) + gyroscopic;
+        Reaction { com, about_origin: self.steiner(about_com, &com), bias: Wrench { force, moment } }
     }
 
-    /// Parallel-axis theorem: I + m (c'c 1 - c c').
+    /// [`Inertia::reaction`] of the base, whose axes are B: F = m w x (w x c), T = w x I w.
     #[inline]
-    fn steiner<S: Scalar>(&self, mut spin: Mat3<S>, c: Vec3<S>) -> Mat3<S> {
-        let square = c.norm_squared() * self.mass;
-        for i in 0..3 {
-            let scaled = c[i] * self.mass;
-            spin.0[i][i] += square;
-            for j in 0..=i {
-                spin.0[i][j] -= scaled * c[j];
-            }
-        }
-        symmetrised(spin)
+    pub(super) fn reaction_of_base<S: Scalar>(&self, w_b: &Vec3<S>) -> Reaction<S> {
+        let com = Vec3::constant(self.com);
+        let about_origin = Symmetric(self.about_origin.0.map(S::from));
+        let force = w_b.cross(w_b.cross(com)).scaled(self.mass);
+        let moment = w_b.cross(about_origin.apply(w_b));
+        Reaction { com, about_origin, bias: Wrench { force, moment } }
     }
 }

@@ -24,9 +24,7 @@ impl Axis {
     #[inline]
     pub(super) fn direction<S: Scalar>(&self, r: &Mat3<S>) -> Vec3<S> {
         match *self {
-            Self::Coordinate { index: 0, sign } => Vec3(r.0.map(|row| row[0] * sign)),
-            Self::Coordinate { index: 1, sign } => Vec3(r.0.map(|row| row[1] * sign)),
-            Self::Coordinate { sign, .. } => Vec3(r.0.map(|row| row[2] * sign)),
+            Self::Coordinate { index, sign } => r.column(index).scaled(sign),
             Self::General(axis) => r.mul_constant(axis),
         }
     }
@@ -48,10 +46,10 @@ impl Axis {
 fn turn_columns<const J: usize, const K: usize, S: Scalar>(r: &Mat3<S>, angle: S, sign: f64) -> Mat3<S> {
     let (s, c) = angle.sin_cos();
     let s = s * sign;
-    Mat3(r.0.map(|row| {
-        let mut turned = row;
-        turned[J] = row[J] * c + row[K] * s;
-        turned[K] = row[K] * c - row[J] * s;
-        turned
-    }))
+    let mut turned = *r;
+    for (row, old) in turned.0.iter_mut().zip(&r.0) {
+        row[J] = old[J] * c + old[K] * s;
+        row[K] = old[K] * c - old[J] * s;
+    }
+    turned
 }

@@ -28,7 +28,7 @@ impl Tree {
         std::iter::once((&self.base, &base)).chain(self.massive(motions)).fold(zero, |sum, (i, m)| {
             let com = m.point(i.com);
             let linear = m.velocity_at(com).scaled(i.mass);
-            let spin = i.about_com(&m.rotation) * m.rate;
+            let spin = i.about_com(&m.rotation).apply(&m.rate);
             Momentum {
                 linear: sum.linear + linear,
                 angular: sum.angular + (com - about).cross(linear) + spin,
@@ -41,7 +41,7 @@ impl Tree {
         let base = LinkMotion::base(v_b, w_b);
         std::iter::once((&self.base, &base)).chain(self.massive(motions)).fold(S::ZERO, |sum, (i, m)| {
             let v = m.velocity_at(m.point(i.com));
-            let spin = i.about_com(&m.rotation) * m.rate;
+            let spin = i.about_com(&m.rotation).apply(&m.rate);
             sum + (v.norm_squared() * i.mass + m.rate.dot(spin)) * 0.5
         })
     }

@@ -70,50 +70,38 @@ impl<S: Scalar> LinkMotion<S> {
         self.rate_dot.cross(r) + self.rate.cross(self.rate.cross(r))
     }
 
-    /// The frame fixed in this link at `origin`, turned by `orientation` (None: not turned).
+    /// Places `out` at `origin` in this link, moving with it; not yet turned.
     #[inline]
-    fn mount(&self, origin: Vec3<f64>, orientation: Option<&Mat3>) -> Self {
-        let mut mount = *self;
-        if origin != Vec3::ZERO {
-            let arm = self.rotation.mul_constant(origin);
-            let sweep = self.rate.cross(arm);
-            mount.position += arm;
-            mount.velocity += sweep;
-            mount.acceleration += self.rate_dot.cross(arm) + self.rate.cross(sweep);
+    fn carry(&self, origin: Vec3<f64>, out: &mut Self) {
+        if origin == Vec3::ZERO {
+            (out.position, out.velocity, out.acceleration) =
+                (self.position, self.velocity, self.acceleration);
+            return;
         }
-        if let Some(fixed) = orientation {
-            let column = |j| self.rotation.mul_constant(fixed.column(j));
-            mount.rotation = Mat3::from_columns(column(0), column(1), column(2));
-        }
-        mount
+        let arm = self.rotation.mul_constant(origin);
+        let sweep = self.rate.cross(arm);
+        out.position = self.position + arm;
+        out.velocity = self.velocity + sweep;
+        out.acceleration = self.acceleration + self.rate_dot.cross(arm) + self.rate.cross(sweep);
     }
 
-    /// [`LinkMotion::mount`] on the base, where rotation and accelerations are constant.
+    /// Turns `out`, carried by this link, as its joint does; `orientation` None is no rotation.
     #[inline]
-    fn mount_on_base(v_b: Vec3<S>, w_b: Vec3<S>, origin: Vec3<f64>, orientation: Option<&Mat3>) -> Self {
-        let arm = Vec3::constant(origin);
-        let sweep = w_b.cross(arm);
-        Self {
-            rotation: orientation.map_or(Mat3::IDENTITY, |fixed| Mat3::constant(*fixed)),
-            position: arm,
-            velocity: v_b + sweep,
-            rate: w_b,
-            acceleration: w_b.cross(sweep),
-            rate_dot: Vec3::ZERO,
-        }
-    }
-
-    /// This frame after turning about `axis` as the joint does.
-    #[inline]
-    fn turned(self, axis: &Axis, joint: &Jet<S>) -> Self {
-        let hinge = axis.direction(&self.rotation);
+    fn turn(&self, orientation: Option<&Mat3>, axis: &Axis, joint: &Jet<S>, out: &mut Self) {
+        let mounted;
+        let frame = match orientation {
+            None => &self.rotation,
+            Some(fixed) => {
+                let column = |j| self.rotation.mul_constant(fixed.column(j));
+                mounted = Mat3::from_columns(column(0), column(1), column(2));
+                &mounted
+            }
+        };
+        let hinge = axis.direction(frame);
         let spin = hinge * joint.d;
-        Self {
-            rotation: axis.turn(&self.rotation, joint.x),
-            rate: self.rate + spin,
-            rate_dot: self.rate_dot + hinge * joint.dd + self.rate.cross(spin),
-            ..self
-        }
+        out.rotation = axis.turn(frame, joint.x);
+        out.rate = self.rate + spin;
+        out.rate_dot = self.rate_dot + hinge * joint.dd + self.rate.cross(spin);
     }
 }
 
@@ -134,13 +122,12 @@ impl Tree {
         w_b: Vec3<S>,
         out: &mut [LinkMotion<S>],
     ) {
+        let base = LinkMotion::base(v_b, w_b);
         for (i, node) in self.nodes.iter().enumerate() {
-            let orientation = node.orientation.as_ref();
-            let mount = match node.parent {
-                None => LinkMotion::mount_on_base(v_b, w_b, node.origin, orientation),
-                Some(p) => out[p].mount(node.origin, orientation),
-            };
-            out[i] = mount.turned(&node.axis, &joints[i]);
+            let (done, rest) = out.split_at_mut(i);
+            let parent = node.parent.map_or(&base, |p| &done[p]);
+            parent.carry(node.origin, &mut rest[0]);
+            parent.turn(node.orientation.as_ref(), &node.axis, &joints[i], &mut rest[0]);
         }
     }
 }

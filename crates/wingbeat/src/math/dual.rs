@@ -110,7 +110,7 @@ impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
     type Output = Self;
     #[inline]
     fn mul(self, o: Self) -> Self {
-        self.zip(o, self.re * o.re, |a, b| a * o.re + b * self.re)
+        self.zip(o, self.re * o.re, |a, b| a.mul_add(o.re, b * self.re))
     }
 }
 
@@ -120,7 +120,7 @@ impl<const N: usize, S: Scalar> Div for Dual<N, S> {
     fn div(self, o: Self) -> Self {
         let inverse = o.re.recip();
         let re = self.re * inverse;
-        self.zip(o, re, |a, b| (a - b * re) * inverse)
+        self.zip(o, re, |a, b| b.mul_add(-re, a) * inverse)
     }
 }
 
@@ -221,7 +221,7 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn atan2(self, x: Self) -> Self {
         let inverse = (self.re * self.re + x.re * x.re).recip();
         let (ky, kx) = (x.re * inverse, self.re * inverse);
-        self.zip(x, self.re.atan2(x.re), |dy, dx| dy * ky - dx * kx)
+        self.zip(x, self.re.atan2(x.re), |dy, dx| dy.mul_add(ky, -(dx * kx)))
     }
     #[inline]
     fn recip(self) -> Self {

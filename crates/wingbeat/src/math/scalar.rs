@@ -56,6 +56,11 @@ pub trait Scalar:
     /// True when value and derivatives are finite.
     fn is_finite(self) -> bool;
 
+    /// self * a + b, rounded once where the processor can.
+    #[inline]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        self * a + b
+    }
     /// Sine.
     #[inline]
     fn sin(self) -> Self {
@@ -140,6 +145,15 @@ impl Scalar for f64 {
     #[inline]
     fn recip(self) -> Self {
         1.0 / self
+    }
+    #[inline]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        // Without the instruction the exact function is a slow library call.
+        if cfg!(any(target_feature = "fma", target_arch = "aarch64")) {
+            f64::mul_add(self, a, b)
+        } else {
+            self * a + b
+        }
     }
     #[inline]
     fn is_finite(self) -> bool {

@@ -23,7 +23,8 @@ impl<S: Scalar> Vec3<S> {
     /// A constant vector.
     #[inline]
     pub fn constant(v: Vec3<f64>) -> Self {
-        Self(v.0.map(S::from))
+        let [x, y, z] = v.0;
+        Self([S::from(x), S::from(y), S::from(z)])
     }
     /// The values without derivatives.
     #[inline]
@@ -69,7 +70,8 @@ impl<S: Scalar> Vec3<S> {
     /// Scaled by a constant; cheaper than by a [`Scalar`].
     #[inline]
     pub fn scaled(self, k: f64) -> Self {
-        Self(self.0.map(|c| c * k))
+        let [x, y, z] = self.0;
+        Self([x * k, y * k, z * k])
     }
     /// True when every component is finite.
     #[inline]
@@ -184,16 +186,12 @@ impl<S: Scalar> Mat3<S> {
     pub fn column(self, j: usize) -> Vec3<S> {
         Vec3([self.0[0][j], self.0[1][j], self.0[2][j]])
     }
-    /// Product with a constant vector; zero components cost nothing.
+    /// Product with a constant vector; cheaper than with a [`Scalar`] one.
     #[inline]
     pub fn mul_constant(&self, v: Vec3<f64>) -> Vec3<S> {
-        let mut sum = Vec3::ZERO;
-        for (j, &c) in v.0.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-            for i in 0..3 {
-                sum[i] += self.0[i][j] * c;
-            }
-        }
-        sum
+        let ([a, b, c], [x, y, z]) = (&self.0, v.0);
+        let row = |r: &[S; 3]| r[0] * x + r[1] * y + r[2] * z;
+        Vec3([row(a), row(b), row(c)])
     }
     /// Product of the transpose with a vector.
     #[inline]
