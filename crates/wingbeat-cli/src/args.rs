@@ -47,12 +47,20 @@ pub struct Run {
     /// Override a key, e.g. `--set robot.body.mass_kg=0.012`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
-    /// Seed of everything random
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u64,
+    /// Seed of everything random, in place of the scenario's key `seed`
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
     /// Print only errors
     #[arg(long)]
     pub quiet: bool,
+}
+
+impl Run {
+    /// The overrides, with the seed as one of them.
+    pub fn all_overrides(&self) -> Vec<String> {
+        let seed = self.seed.map(|seed| format!("seed={seed}"));
+        self.overrides.iter().cloned().chain(seed).collect()
+    }
 }
 
 /// Compare the models with published or independent numbers

@@ -21,7 +21,7 @@ const TICKS: f64 = 1000.0;
 pub fn fly(arguments: &Fly) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
-    let scenario = Scenario::load(&arguments.scenario, &options.overrides)?;
+    let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.name, options.force)?;
     let interrupt = Interrupt::listen()?;
     let run = simulate(&scenario, &interrupt, options.quiet)?;
@@ -30,7 +30,7 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     write_parquet(&folder.file("record.parquet"), &run.record)?;
     draw(&folder, &run.record, &interrupt)?;
     interrupt.check()?;
-    let path = folder.finish(&Manifest::new(options.seed, start.elapsed()))?;
+    let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     if !options.quiet {
         print!("{}", outcome::table(&run.summary, scenario.spec.paper.as_ref()));

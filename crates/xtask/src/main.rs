@@ -1,5 +1,6 @@
-//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`.
+//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`.
 
+mod documents;
 mod licences;
 mod report;
 mod test;
@@ -11,10 +12,8 @@ const HELP: &str = "\
 cargo xtask TASK
 
   test    format, lints, all tests, licences of dependencies, quick comparisons; what .ci/run calls
-  docs    write again what is generated: docs/cli.md
+  docs    write again what is generated: docs/cli.md, the tables and the picture of README.md
   bench   medians of the running times
-  peers   compare running times with other programs
-  fuzz    feed the readers of files with broken input
 ";
 
 fn main() -> ExitCode {
@@ -22,7 +21,10 @@ fn main() -> ExitCode {
     let task = arguments.first().map_or("", String::as_str);
     let outcome = match task {
         "test" => test::test(),
-        "docs" => tools::docs(),
+        "docs" => documents::write(),
+        "bench" => {
+            tools::succeeds(tools::cargo(&["bench", "--package", "wingbeat", "--bench", "running_times"]))
+        }
         "" | "help" | "--help" | "-h" => {
             print!("{HELP}");
             return ExitCode::SUCCESS;

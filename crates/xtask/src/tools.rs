@@ -51,10 +51,3 @@ pub fn output(mut command: Command) -> Option<String> {
     let output = command.stderr(Stdio::inherit()).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
-
-/// Writes again what is generated from the code.
-pub fn docs() -> bool {
-    let mut command = cargo(&["test", "--release", "--quiet", "--package", "wingbeat-cli", "reference"]);
-    command.env("WINGBEAT_WRITE_DOCS", "1");
-    succeeds(command)
-}
