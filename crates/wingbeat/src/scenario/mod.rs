@@ -23,7 +23,7 @@ pub use tether_spec::{
 };
 
 use crate::Error;
-use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag};
+use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings};
 use crate::flight::{AtRest, Controller, Ending, Flight, Record, Sample, Schedule, Sensed, fly};
 use crate::guide::Mpc;
 use crate::math::{Quat, Vec3};
@@ -239,7 +239,7 @@ impl AeroSpec {
     fn build(
         &self,
         planform: &Planform,
-        _hinge_arcs_m: &[f64],
+        hinge_arcs_m: &[f64],
         drag: ProfileDrag,
         density_kg_m3: f64,
     ) -> Result<Aero, Error> {
@@ -260,6 +260,24 @@ impl AeroSpec {
                 LiftingLine::new(planform, settings)
                     .map(Aero::LiftingLine)
                     .map_err(|e| e.within("aero.paper"))
+            }
+            Preset::Full => {
+                let settings = StripSettings {
+                    strips: self.full.strips,
+                    hinge_arcs_m: hinge_arcs_m.to_vec(),
+                    regularisation_m_s: self.full.regularisation_m_s,
+                    lags: self.full.lags,
+                    wake_wash: self.full.wake_wash,
+                    doublet_wash: self.full.doublet_wash,
+                    force_tilt: self.full.force_tilt,
+                    law: self.law,
+                    stall_angle_rad: self.stall_angle_deg.to_radians(),
+                    drag,
+                    added_mass: self.added_mass,
+                    section_moment: self.section_moment,
+                    density_kg_m3,
+                };
+                StripModel::new(planform, settings).map(Aero::Strip).map_err(|e| e.within("aero.full"))
             }
         }
     }

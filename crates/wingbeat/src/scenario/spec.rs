@@ -1,7 +1,7 @@
 //! What a scenario file says, before it is checked and built.
 
 use super::mismatch::Mismatch;
-use crate::aero::LiftLaw;
+use crate::aero::{LagSet, LiftLaw, StripSettings};
 use crate::flight::SensorSpec;
 use crate::guide::{Manoeuvre, MpcSpec};
 use crate::robot::RobotSpec;
@@ -79,6 +79,9 @@ pub struct AeroSpec {
     /// Settings of preset `paper`.
     #[serde(default)]
     pub paper: PaperAeroSpec,
+    /// Settings of preset `full`.
+    #[serde(default)]
+    pub full: FullAeroSpec,
 }
 
 /// The aerodynamic presets.
@@ -87,6 +90,8 @@ pub struct AeroSpec {
 pub enum Preset {
     /// The paper's unsteady lifting line.
     Paper,
+    /// Strip model with three-dimensional delayed wash.
+    Full,
 }
 
 impl Preset {
@@ -94,6 +99,7 @@ impl Preset {
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
+            Self::Full => "full",
         }
     }
 }
@@ -113,6 +119,38 @@ pub struct PaperAeroSpec {
 impl Default for PaperAeroSpec {
     fn default() -> Self {
         Self { nodes: 12, regularisation_m_s: 0.1, chord_floor_m: 0.01 }
+    }
+}
+
+/// Settings of preset `full`; each ingredient can be left out to show its effect.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FullAeroSpec {
+    /// Strips over both wings and body.
+    pub strips: usize,
+    /// Airspeed below which flow quantities are rounded off, m/s.
+    pub regularisation_m_s: f64,
+    /// Lags carried per strip.
+    pub lags: LagSet,
+    /// Three-dimensional wash of bound and shed circulation.
+    pub wake_wash: bool,
+    /// Three-dimensional wash of the potential jump on the chord.
+    pub doublet_wash: bool,
+    /// Turning of the force by the wash of wake and lags: induced drag.
+    pub force_tilt: bool,
+}
+
+impl Default for FullAeroSpec {
+    fn default() -> Self {
+        let set = StripSettings::default();
+        Self {
+            strips: set.strips,
+            regularisation_m_s: set.regularisation_m_s,
+            lags: set.lags,
+            wake_wash: set.wake_wash,
+            doublet_wash: set.doublet_wash,
+            force_tilt: set.force_tilt,
+        }
     }
 }
 

@@ -112,6 +112,7 @@ fn hinge_map(edge: &[f64], half_span: f64, hinge_arcs: &[f64]) -> Result<(Vec<f6
         }
     }
     hinges.sort_by(f64::total_cmp);
+    hinges.dedup();
     let (mut from, mut to) = (vec![0.0], vec![0.0]);
     for s in hinges {
         let angle = (-s).acos();

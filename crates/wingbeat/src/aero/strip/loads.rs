@@ -31,6 +31,7 @@ impl StripModel {
                     profile_drag: strip.wrench(drag),
                 };
                 loads.incidence[i] = response.lift_wash[i].atan2(strip.along);
+                loads.wash[i] = response.wash[i];
                 loads.circulation[i] = response.circulation[i];
                 loads.strips = self.settings.strips;
             }

@@ -19,6 +19,8 @@ pub(super) struct LagSums<S: Scalar, const N: usize> {
 pub(super) struct Response<S: Scalar, const N: usize> {
     /// Circulation, m2/s.
     pub circulation: Column<S, N>,
+    /// Wash at 3/4 chord, m/s.
+    pub wash: Column<S, N>,
     /// Lift wash, m/s.
     pub lift_wash: Column<S, N>,
     /// Lift wash with the part that only turns the force, m/s.
@@ -130,9 +132,10 @@ impl StripModel {
         let held_left = multiply(&flow.relief, &held, n);
         let half: Column<S, N> = std::array::from_fn(|i| flow.strips[i].wash_half);
         let half_left = multiply(&flow.relief, &half, n);
-        let mut lift_wash = [S::ZERO; N];
+        let (mut washes, mut lift_wash) = ([S::ZERO; N], [S::ZERO; N]);
         for i in 0..n {
             let wash = flow.strips[i].wash + half_left[i] + held_left[i] - half[i];
+            washes[i] = wash;
             lift_wash[i] = wash * 0.5;
             let turnover = flow.strips[i].speed * (2.0 / self.grid.chord[i]);
             for k in 0..lags.rate.len() {
@@ -146,6 +149,7 @@ impl StripModel {
         }
         let mut response = Response {
             circulation: sums.circulation,
+            wash: washes,
             lift_wash,
             turning_wash: self.turning_wash(flow, sums, &lift_wash),
             impulse: [S::ZERO; N],

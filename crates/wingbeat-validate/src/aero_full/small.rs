@@ -1,0 +1,189 @@
+//! Small motions: steady slope, plunge, step and other wings, against our linear
+//! lifting surface.
+
+use super::Preset;
+use super::linear::{Complex, Motion, SmallMotion};
+use super::wings::{self, Still};
+use crate::{Error, Row, reference_table};
+
+const SOURCE: &str = "linear lifting surface (own lattice, Richardson)";
+
+/// One compared number.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Wing and motion.
+    pub series: String,
+    /// Aspect ratio, reduced frequency or semichords.
+    pub x: f64,
+    /// Force coefficient of the model.
+    pub value: Complex,
+    /// Force coefficient of the reference.
+    pub exact: Complex,
+}
+
+impl Point {
+    /// |value - exact| / |exact|
+    pub fn error(&self) -> f64 {
+        let (value, exact) = (self.value, self.exact);
+        (value.0 - exact.0).hypot(value.1 - exact.1) / exact.0.hypot(exact.1)
+    }
+}
+
+/// The row of the worst of `points`.
+fn worst(preset: Preset, name: &str, metric: &str, points: &[Point], limit: f64) -> Row {
+    let worst = points.iter().map(Point::error).fold(0.0, f64::max);
+    preset.row(&preset.id(name), SOURCE, metric, worst, limit)
+}
+
+fn linearise(preset: Preset, still: &Still, motion: Motion) -> Result<SmallMotion, Error> {
+    let model = preset.model(still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
+    Ok(SmallMotion::new(&model, still, motion))
+}
+
+/// Steady lift slope of rectangles, AR 3 to 20.
+pub fn slope(preset: Preset) -> Result<Vec<Row>, Error> {
+    let points = slope_points(preset)?;
+    Ok(vec![worst(preset, "slope", "worst error of the steady lift slope, AR 3 to 20", &points, 0.02)])
+}
+
+/// Lift slope by aspect ratio, 1/rad.
+///
+/// # Errors
+/// [`Error`] when a table or the model fails.
+pub fn slope_points(preset: Preset) -> Result<Vec<Point>, Error> {
+    let table = reference_table!("lifting_surface/steady.csv")?;
+    let columns = table.column("AR")?.into_iter().zip(table.column("CLalpha_12x120")?);
+    columns
+        .filter(|(aspect, _)| *aspect >= 3.0)
+        .map(|(aspect, exact)| {
+            let lift = linearise(preset, &wings::rectangular(aspect)?, Motion::Plunge)?.steady(1)?[0];
+            Ok(Point {
+                series: "rectangle".into(),
+                x: aspect,
+                value: (lift / (0.5 * aspect), 0.0),
+                exact: (exact, 0.0),
+            })
+        })
+        .collect()
+}
+
+/// Complex lift of plunging rectangles, k <= 1.
+pub fn plunge(preset: Preset) -> Result<Vec<Row>, Error> {
+    let points = plunge_points(preset)?;
+    Ok(vec![worst(preset, "plunge", "worst complex error of lift, AR 4 to 20, k <= 1", &points, 0.02)])
+}
+
+/// Lift per upwash angle by reduced frequency.
+///
+/// # Errors
+/// [`Error`] when a table or the model fails.
+pub fn plunge_points(preset: Preset) -> Result<Vec<Point>, Error> {
+    let table = reference_table!("lifting_surface/plunge.csv")?;
+    let (aspects, ks) = (table.column("AR")?, table.column("k")?);
+    let (re, im) = (table.column("Re_H")?, table.column("Im_H")?);
+    let mut points = Vec::new();
+    let mut wing: Option<(f64, SmallMotion)> = None;
+    for i in (0..table.len()).filter(|&i| ks[i] <= 1.0) {
+        let aspect = aspects[i];
+        if wing.as_ref().is_none_or(|(a, _)| *a != aspect) {
+            wing = Some((aspect, linearise(preset, &wings::rectangular(aspect)?, Motion::Plunge)?));
+        }
+        let Some((_, small)) = &wing else { continue };
+        points.push(Point {
+            series: format!("AR {aspect}"),
+            x: ks[i],
+            value: per_upwash(small.response(2.0 * ks[i])?[0], 2.0 * ks[i], 0.5 * aspect),
+            exact: (re[i], im[i]),
+        });
+    }
+    Ok(points)
+}
+
+/// y / (i omega scale): the response to unit upwash from that to unit plunge.
+fn per_upwash(y: Complex, omega: f64, scale: f64) -> Complex {
+    (y.1 / (omega * scale), -y.0 / (omega * scale))
+}
+
+/// Lift after a sudden start of rectangles, s >= 1.
+pub fn step(preset: Preset) -> Result<Vec<Row>, Error> {
+    let points = step_points(preset)?;
+    Ok(vec![worst(preset, "step", "worst error of lift after a sudden start, s >= 1", &points, 0.02)])
+}
+
+/// Lift per incidence by semichords travelled.
+///
+/// # Errors
+/// [`Error`] when a table or the model fails.
+pub fn step_points(preset: Preset) -> Result<Vec<Point>, Error> {
+    let table = reference_table!("lifting_surface/impulsive.csv")?;
+    let (aspects, travel) = (table.column("AR")?, table.column("s_semichords")?);
+    let exact = table.column("CL_over_alpha")?;
+    let mut points = Vec::new();
+    let mut first = 0;
+    while first < table.len() {
+        let aspect = aspects[first];
+        let rows: Vec<usize> = (first..table.len()).take_while(|&i| aspects[i] == aspect).collect();
+        first += rows.len();
+        let late: Vec<usize> = rows.into_iter().filter(|&i| travel[i] >= 1.0).collect();
+        let small = linearise(preset, &wings::rectangular(aspect)?, Motion::Plunge)?;
+        let times: Vec<f64> = late.iter().map(|&i| 0.5 * travel[i]).collect();
+        for (i, y) in late.into_iter().zip(small.step(1, &times)) {
+            points.push(Point {
+                series: format!("AR {aspect}"),
+                x: travel[i],
+                value: (y[0] / (0.5 * aspect), 0.0),
+                exact: (exact[i], 0.0),
+            });
+        }
+    }
+    Ok(points)
+}
+
+/// Vertical force of other planforms and folds in plunge and pitch, k <= 0.5.
+pub fn other_wings(preset: Preset) -> Result<Vec<Row>, Error> {
+    let points = other_points(preset)?;
+    let (aerobat, others): (Vec<_>, Vec<_>) =
+        points.into_iter().partition(|p| p.series.starts_with("aerobat"));
+    let metric = "worst complex error of force, plunge and pitch, k <= 0.5";
+    let mut rows = vec![worst(preset, "other_wings", metric, &others, 0.02)];
+    rows.push(worst(preset, "other_wings.aerobat", metric, &aerobat, 0.03));
+    Ok(rows)
+}
+
+/// Vertical force per upwash or pitch angle by reduced frequency.
+///
+/// # Errors
+/// [`Error`] when a table or the model fails.
+pub fn other_points(preset: Preset) -> Result<Vec<Point>, Error> {
+    let table = reference_table!("lifting_surface/other_wings.csv")?;
+    let (names, motions, ks) = (table.words("wing")?, table.words("motion")?, table.column("k")?);
+    let (re, im) = (table.column("Re_H")?, table.column("Im_H")?);
+    let mut points = Vec::new();
+    let mut at: Option<(&str, &str, Still, SmallMotion)> = None;
+    for i in (0..table.len()).filter(|&i| ks[i] > 0.0 && ks[i] <= 0.5) {
+        if at.as_ref().is_none_or(|(name, motion, ..)| *name != names[i] || *motion != motions[i]) {
+            let still = wings::other(names[i])?;
+            let small = linearise(preset, &still, motion_of(motions[i], &still)?)?;
+            at = Some((names[i], motions[i], still, small));
+        }
+        let Some((_, _, still, small)) = &at else { continue };
+        let omega = 2.0 * ks[i] / still.chord;
+        let (force, scale) = (small.response(omega)?[0], 0.5 * still.area);
+        let value = match motions[i] {
+            "plunge" => per_upwash(force, omega, scale),
+            _ => (force.0 / scale, force.1 / scale),
+        };
+        let series = format!("{} {}", names[i], motions[i]);
+        points.push(Point { series, x: ks[i], value, exact: (re[i], im[i]) });
+    }
+    Ok(points)
+}
+
+/// `plunge`, or `pitch` with the axis in mean chords behind the origin.
+fn motion_of(name: &str, still: &Still) -> Result<Motion, Error> {
+    let Some(axis) = name.strip_prefix("pitch") else { return Ok(Motion::Plunge) };
+    let behind: f64 = format!("0{axis}")
+        .parse()
+        .map_err(|_| Error::reference("lifting_surface/other_wings.csv", format!("no motion {name}")))?;
+    Ok(Motion::Pitch(still.origin - behind * still.chord))
+}
