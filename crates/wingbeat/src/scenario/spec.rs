@@ -64,6 +64,7 @@ pub struct AirSpec {
 #[serde(deny_unknown_fields)]
 pub struct AeroSpec {
     /// Which model.
+    #[serde(default)]
     pub preset: Preset,
     /// Lift law.
     pub law: LiftLaw,
@@ -85,12 +86,13 @@ pub struct AeroSpec {
 }
 
 /// The aerodynamic presets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
     /// The paper's unsteady lifting line.
     Paper,
     /// Strip model with three-dimensional delayed wash.
+    #[default]
     Full,
 }
 
