@@ -19,6 +19,7 @@ its folder is kept and its summary.json says why; 130 interrupted, nothing is ke
 #[derive(Debug, Subcommand)]
 pub enum Command {
     Fly(Fly),
+    Sweep(Sweep),
     Validate(Validate),
 }
 
@@ -31,6 +32,19 @@ pub struct Fly {
     /// The scenario
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Fly a scenario many times with keys drawn at random, on all cores
+///
+/// The folder holds sweep.toml (as resolved), flights.csv and record.parquet (one row per flight), summary.json,
+/// manifest.json and a figure. An interrupted sweep goes on when the same command is given again.
+#[derive(Debug, Args)]
+pub struct Sweep {
+    /// The sweep: scenario, draws, what counts as held
+    #[arg(value_name = "SWEEP.toml")]
+    pub sweep: PathBuf,
     #[command(flatten)]
     pub run: Run,
 }

@@ -40,6 +40,14 @@ pub enum Error {
         /// The run folder.
         folder: PathBuf,
     },
+    /// Ctrl-C in a run that can be resumed.
+    #[error("interrupted with {done} of {all} done; the same command goes on from here")]
+    Paused {
+        /// What is done.
+        done: usize,
+        /// What is to do.
+        all: usize,
+    },
     /// Ctrl-C, or asked to end by the system.
     #[error("interrupted; nothing is kept")]
     Interrupted,
@@ -57,7 +65,7 @@ impl Error {
             Self::ComparisonFailed => 1,
             Self::Input(_) | Self::Config(_) | Self::Refused(_) | Self::File { .. } | Self::Record(_) => 2,
             Self::Failed { .. } => 3,
-            Self::Interrupted => 130,
+            Self::Interrupted | Self::Paused { .. } => 130,
         }
     }
 

@@ -9,6 +9,7 @@ mod outcome;
 #[cfg(test)]
 mod reference;
 mod run_folder;
+mod sweep;
 mod validate;
 
 use std::process::ExitCode;
@@ -20,6 +21,7 @@ use args::{Arguments, Command};
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Fly(arguments) => fly::fly(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
     };
     match outcome {

@@ -12,12 +12,12 @@ use crate::error::Error;
 /// The file that tells a run folder from any other folder.
 const MANIFEST: &str = "manifest.json";
 
-/// A run folder while it is written. Dropped before [`RunFolder::finish`], it leaves nothing.
+/// A run folder while it is written. Dropped before [`RunFolder::finish`], it leaves nothing, unless it can be resumed.
 #[derive(Debug)]
 pub struct RunFolder {
     partial: PathBuf,
     target: PathBuf,
-    finished: bool,
+    keep: bool,
 }
 
 impl RunFolder {
@@ -26,14 +26,32 @@ impl RunFolder {
     /// # Errors
     /// `out` holds something, unless it is a run folder and `force` allows to replace it.
     pub fn create(out: Option<&Path>, name: &str, force: bool) -> Result<Self, Error> {
-        let target = match out {
-            Some(out) => checked(out, force)?,
-            None => free(Path::new("runs"), name),
-        };
+        Self::begin(target(out, name, force)?, &format!("partial-{}", process::id()), false)
+    }
+
+    /// Begins a folder as [`RunFolder::create`] does, or takes up what an interrupted run of the same name left, if
+    /// its file `identity` holds `text`.
+    pub fn resume(
+        out: Option<&Path>,
+        name: &str,
+        force: bool,
+        (identity, text): (&str, &str),
+    ) -> Result<Self, Error> {
+        let folder = Self::begin(target(out, name, force)?, "partial", true)?;
+        if fs::read_to_string(folder.file(identity)).is_ok_and(|left| left == text) {
+            return Ok(folder);
+        }
+        fs::remove_dir_all(&folder.partial).map_err(|source| Error::file(&folder.partial, source))?;
+        fs::create_dir_all(&folder.partial).map_err(|source| Error::file(&folder.partial, source))?;
+        folder.write(identity, text)?;
+        Ok(folder)
+    }
+
+    fn begin(target: PathBuf, mark: &str, keep: bool) -> Result<Self, Error> {
         let label = target.file_name().map_or("run".into(), |name| name.to_string_lossy().into_owned());
-        let partial = target.with_file_name(format!(".{label}.partial-{}", process::id()));
+        let partial = target.with_file_name(format!(".{label}.{mark}"));
         fs::create_dir_all(&partial).map_err(|source| Error::file(&partial, source))?;
-        Ok(Self { partial, target, finished: false })
+        Ok(Self { partial, target, keep })
     }
 
     /// Path of a file inside, while the folder is written.
@@ -70,7 +88,7 @@ impl RunFolder {
             moved(&self.target, &replaced)?;
         }
         moved(&self.partial, &self.target)?;
-        self.finished = true;
+        self.keep = true;
         if replaced.exists() {
             fs::remove_dir_all(&replaced).map_err(|source| Error::file(&replaced, source))?;
         }
@@ -80,9 +98,17 @@ impl RunFolder {
 
 impl Drop for RunFolder {
     fn drop(&mut self) {
-        if !self.finished {
+        if !self.keep {
             let _ = fs::remove_dir_all(&self.partial);
         }
+    }
+}
+
+/// The folder asked for, or else the first free one of `name`.
+fn target(out: Option<&Path>, name: &str, force: bool) -> Result<PathBuf, Error> {
+    match out {
+        Some(out) => checked(out, force),
+        None => Ok(free(Path::new("runs"), name)),
     }
 }
 
@@ -155,6 +181,19 @@ mod tests {
         assert_eq!(fs::read_to_string(out.join(MANIFEST)).unwrap(), "2\n");
         assert_eq!(entries(&parent), 1);
         assert!(RunFolder::create(Some(&parent), "x", true).is_err());
+        fs::remove_dir_all(parent).unwrap();
+    }
+
+    #[test]
+    fn an_interrupted_run_is_taken_up_only_by_its_like() {
+        let parent = scratch("resume");
+        let out = parent.join("a");
+        let resume = |text: &str| RunFolder::resume(Some(&out), "x", false, ("sweep.toml", text)).unwrap();
+        resume("one").write("log", "flown").unwrap();
+        assert!(resume("one").file("log").exists());
+        assert!(!resume("two").file("log").exists());
+        resume("two").finish(&1).unwrap();
+        assert_eq!(entries(&parent), 1);
         fs::remove_dir_all(parent).unwrap();
     }
 

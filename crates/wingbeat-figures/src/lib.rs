@@ -8,6 +8,7 @@ mod error;
 mod forces;
 mod panel;
 mod path;
+mod robustness;
 mod states;
 mod style;
 mod write;
@@ -16,6 +17,7 @@ pub use commands::commands;
 pub use error::Error;
 pub use forces::forces;
 pub use path::path;
+pub use robustness::robustness;
 pub use states::states;
 pub use write::{Figure, write};
 

@@ -1,0 +1,250 @@
+//! `wingbeat sweep`.
+
+mod log;
+
+use std::num::NonZero;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+use wingbeat::flight::Record;
+use wingbeat::scenario::{Hold, Summary, Sweep};
+use wingbeat_io::{write_csv, write_parquet};
+
+use crate::args;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::manifest::Manifest;
+use crate::run_folder::RunFolder;
+use log::Log;
+
+/// Columns of a flight beside its number and its draws, with their units.
+const MEASURES: [(&str, &str); 10] = [
+    ("held", ""),
+    ("completed", ""),
+    ("roll_max_error", "deg"),
+    ("pitch_max_error", "deg"),
+    ("roll_mean", "deg"),
+    ("pitch_mean", "deg"),
+    ("distance_x", "m"),
+    ("distance_y", "m"),
+    ("altitude_change", "m"),
+    ("controller_failures", ""),
+];
+
+/// Flies what is left of the sweep and writes its run folder.
+pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
+    let start = Instant::now();
+    let options = &arguments.run;
+    let sweep = Sweep::load(&arguments.sweep, &options.all_overrides())?;
+    let identity = format!("{}\n# The scenario of the first flight:\n{}", sweep.resolved, commented(&sweep)?);
+    let name = &sweep.spec.name;
+    let folder = RunFolder::resume(options.out.as_deref(), name, options.force, ("sweep.toml", &identity))?;
+    let mut log = Log::open(&folder.file("flights.log"), 1 + sweep.spec.draws.len() + MEASURES.len())?;
+    fly_all(&sweep, &mut log, &Interrupt::listen()?, options.quiet)?;
+    let record = log.record(&columns(&sweep))?;
+    log.remove()?;
+    let outcome = Outcome::new(&record, sweep.spec.hold);
+    write_csv(&folder.file("flights.csv"), &record)?;
+    write_parquet(&folder.file("record.parquet"), &record)?;
+    folder.write_json("summary.json", &outcome)?;
+    draw(&folder, &record, sweep.spec.hold)?;
+    let path = folder.finish(&Manifest::new(sweep.spec.seed, start.elapsed()))?;
+    if !options.quiet {
+        print!("{}", outcome.table());
+        let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
+        println!("\nrun folder: {}", shown.display());
+    }
+    Ok(())
+}
+
+/// The scenario of the first flight as TOML comments: a sweep goes on only with the same one.
+fn commented(sweep: &Sweep) -> Result<String, Error> {
+    Ok(sweep.scenario(0)?.resolved.lines().map(|line| format!("# {line}\n")).collect())
+}
+
+/// Flies the flights that are not in the log, on all cores.
+fn fly_all(sweep: &Sweep, log: &mut Log, interrupt: &Interrupt, quiet: bool) -> Result<(), Error> {
+    let todo: Vec<usize> = (0..sweep.spec.runs).filter(|run| !log.has(*run)).collect();
+    let progress = progress(sweep.spec.runs, log.len(), quiet);
+    let (next, (sender, flown)) = (AtomicUsize::new(0), mpsc::channel());
+    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    thread::scope(|scope| -> Result<(), Error> {
+        for _ in 0..threads {
+            let (sender, next, todo) = (sender.clone(), &next, &todo);
+            scope.spawn(move || {
+                while let Some(&run) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let row = one(sweep, run, interrupt);
+                    let stop = !matches!(row, Ok(Some(_)));
+                    if sender.send(row).is_err() || stop {
+                        next.store(todo.len(), Ordering::Relaxed);
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for row in flown {
+            if let Some(row) = row? {
+                log.append(&row)?;
+                progress.inc(1);
+            }
+        }
+        Ok(())
+    })?;
+    progress.finish_and_clear();
+    let (done, all) = (log.len(), sweep.spec.runs);
+    if done < all { Err(Error::Paused { done, all }) } else { Ok(()) }
+}
+
+/// The row of a flight; none when it was interrupted.
+fn one(sweep: &Sweep, run: usize, interrupt: &Interrupt) -> Result<Option<Vec<f64>>, Error> {
+    let flown = sweep.scenario(run)?.fly(|_| interrupt.flow())?;
+    if interrupt.flow() == ControlFlow::Break(()) {
+        return Ok(None);
+    }
+    let mut row = vec![run as f64];
+    row.extend(sweep.values(run));
+    row.extend(measures(&flown.summary, sweep.spec.hold));
+    Ok(Some(row))
+}
+
+fn measures(summary: &Summary, hold: Hold) -> [f64; MEASURES.len()] {
+    [
+        f64::from(u8::from(hold.met(summary))),
+        f64::from(u8::from(summary.completed())),
+        summary.roll_max_error_deg,
+        summary.pitch_max_error_deg,
+        summary.roll_mean_deg,
+        summary.pitch_mean_deg,
+        summary.distance_x_m,
+        summary.distance_y_m,
+        summary.altitude_change_m,
+        summary.controller.failures as f64,
+    ]
+}
+
+/// Names and units of the columns.
+fn columns(sweep: &Sweep) -> Vec<(String, &'static str)> {
+    let draws = sweep.spec.draws.iter().map(|draw| (draw.key.clone(), ""));
+    let measures = MEASURES.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
+    std::iter::once(("run".to_owned(), "")).chain(draws).chain(measures).collect()
+}
+
+fn progress(flights: usize, done: usize, quiet: bool) -> ProgressBar {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let style = ProgressStyle::with_template("flying {bar:30} {pos} of {len} flights  ({eta} left)");
+    let bar = ProgressBar::with_draw_target(Some(flights as u64), target).with_position(done as u64);
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn draw(folder: &RunFolder, record: &Record, hold: Hold) -> Result<(), Error> {
+    let figures = folder.folder("figures")?;
+    let limits = (hold.roll_within_deg, hold.pitch_within_deg);
+    let drawn = wingbeat_figures::robustness(record, limits);
+    if let Err(error) = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)) {
+        eprintln!("the figure is left out: {error}");
+    }
+    Ok(())
+}
+
+/// `summary.json` of a sweep.
+#[derive(Debug, Serialize)]
+struct Outcome {
+    status: &'static str,
+    flights: usize,
+    held: usize,
+    share_held: f64,
+    /// Share held with 95 % confidence: Wilson 1927.
+    share_held_low: f64,
+    share_held_high: f64,
+    roll_max_error_deg: [f64; 3],
+    pitch_max_error_deg: [f64; 3],
+    roll_within_deg: f64,
+    pitch_within_deg: f64,
+}
+
+impl Outcome {
+    fn new(record: &Record, hold: Hold) -> Self {
+        let values = |name: &str| record.values(name).unwrap_or_default();
+        let held = values("held").iter().filter(|held| **held == 1.0).count();
+        let flights = record.rows();
+        let (low, high) = wilson(held, flights);
+        Self {
+            status: "ok",
+            flights,
+            held,
+            share_held: held as f64 / flights as f64,
+            share_held_low: low,
+            share_held_high: high,
+            roll_max_error_deg: quantiles(values("roll_max_error")),
+            pitch_max_error_deg: quantiles(values("pitch_max_error")),
+            roll_within_deg: hold.roll_within_deg,
+            pitch_within_deg: hold.pitch_within_deg,
+        }
+    }
+
+    fn table(&self) -> String {
+        let percent = |share: f64| 100.0 * share;
+        let mut text = format!(
+            "held {} of {} flights: {:.1} % (95 % confidence {:.1} to {:.1} %)\n\n{:<24}{:>9}{:>9}{:>9}{:>9}\n",
+            self.held,
+            self.flights,
+            percent(self.share_held),
+            percent(self.share_held_low),
+            percent(self.share_held_high),
+            "",
+            "median",
+            "90 %",
+            "worst",
+            "limit",
+        );
+        for (name, [median, most, worst], limit) in [
+            ("roll, largest error", self.roll_max_error_deg, self.roll_within_deg),
+            ("pitch, largest error", self.pitch_max_error_deg, self.pitch_within_deg),
+        ] {
+            text += &format!("{name:<24}{median:>9.2}{most:>9.2}{worst:>9.2}{limit:>9.2} deg\n");
+        }
+        text
+    }
+}
+
+/// Median, 90th percentile and largest.
+fn quantiles(values: &[f64]) -> [f64; 3] {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |share: f64| sorted.get(((sorted.len() as f64 * share).ceil() as usize).max(1) - 1);
+    [0.5, 0.9, 1.0].map(|share| at(share).copied().unwrap_or(f64::NAN))
+}
+
+/// Interval of a share with 95 % confidence.
+fn wilson(held: usize, flights: usize) -> (f64, f64) {
+    const Z: f64 = 1.959964;
+    let (n, p) = (flights as f64, held as f64 / flights as f64);
+    let centre = p + Z * Z / (2.0 * n);
+    let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
+    let scale = 1.0 + Z * Z / n;
+    ((centre - half) / scale, (centre + half) / scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_of_a_share_is_wilsons() {
+        let (low, high) = wilson(8, 10);
+        assert!((low - 0.4902).abs() < 1e-4 && (high - 0.9433).abs() < 1e-4, "{low} {high}");
+        assert!((wilson(10, 10).1 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn quantiles_are_values_of_the_list() {
+        let values: Vec<f64> = (1..=10).map(f64::from).collect();
+        assert_eq!(quantiles(&values), [5.0, 9.0, 10.0]);
+    }
+}
