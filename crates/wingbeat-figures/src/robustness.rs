@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kuva::plot::annotations::{Orientation, ReferenceLine};
+use kuva::plot::annotations::ReferenceLine;
 use kuva::plot::legend::LegendPosition;
 use kuva::plot::scatter::ScatterPlot;
 use kuva::render::figure::Figure as Grid;
@@ -58,13 +58,8 @@ fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64)) -> L
         (0.7 * low, 1.5 * high)
     };
     let ((left, right), (low, high)) = (range(|f| f.0, limits.0), range(|f| f.1, limits.1));
-    let line = |value: f64, orientation: Orientation, name: &str| {
-        let line = match orientation {
-            Orientation::Vertical => ReferenceLine::vertical(value),
-            Orientation::Horizontal => ReferenceLine::horizontal(value),
-        };
-        line.with_color(style::GUIDE).with_stroke_width(1.0).with_dasharray("6 4").with_label(name)
-    };
+    let dashed =
+        |line: ReferenceLine| line.with_color(style::GUIDE).with_stroke_width(1.0).with_dasharray("6 4");
     Layout::auto_from_plots(plots)
         .with_theme(Theme::minimal())
         .with_log_scale()
@@ -72,8 +67,8 @@ fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64)) -> L
         .with_x_axis_max(right)
         .with_y_axis_min(low)
         .with_y_axis_max(high)
-        .with_x_label("largest error of roll [°]")
-        .with_y_label("largest error of pitch [°]")
+        .with_x_label(format!("largest error of roll [°]; dashed: limit {}°", limits.0))
+        .with_y_label(format!("largest error of pitch [°]; dashed: limit {}°", limits.1))
         .with_box_axes()
         .with_tick_align("inside")
         .with_show_grid(false)
@@ -84,6 +79,6 @@ fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64)) -> L
         .with_tick_format(TickFormat::Custom(Arc::new(style::number)))
         .with_legend_position(LegendPosition::OutsideRightTop)
         .with_legend_box(false)
-        .with_reference_line(line(limits.0, Orientation::Vertical, "limit"))
-        .with_reference_line(line(limits.1, Orientation::Horizontal, "limit"))
+        .with_reference_line(dashed(ReferenceLine::vertical(limits.0)))
+        .with_reference_line(dashed(ReferenceLine::horizontal(limits.1)))
 }
