@@ -14,8 +14,8 @@ type Times = HashMap<String, f64>;
 /// Rows of the table: what, our name of it, the other program, its name of what it is compared with.
 const ROWS: [(&str, &str, &str, &str); 7] = [
     ("forward dynamics, 10-dof tree", "forward_dynamics", "Pinocchio 4.1.0", "forward_dynamics"),
-    ("plant of Aerobat, paper, 8 strips", "plant_paper_8", "Pinocchio 4.1.0", "forward_dynamics"),
-    ("plant of Aerobat, full, 8 strips", "plant_full_8", "Pinocchio 4.1.0", "forward_dynamics"),
+    ("plant of Aerobat, paper, 9 strips", "plant_paper_9", "Pinocchio 4.1.0", "forward_dynamics"),
+    ("plant of Aerobat, full, 9 strips", "plant_full_9", "Pinocchio 4.1.0", "forward_dynamics"),
     ("plant of Aerobat, paper, 16 strips", "plant_paper_16", "Pinocchio 4.1.0", "forward_dynamics"),
     ("plant of Aerobat, full, 16 strips", "plant_full_16", "Pinocchio 4.1.0", "forward_dynamics"),
     ("flapping wing F2, paper, per simulated second", "flap_f2_paper", "PteraSoftware 5.1.0", "flap_f2"),
