@@ -30,16 +30,92 @@ pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
 }
 
-/// C += alpha A B for A (n x p) and rows of B and C of `width`; entries of A
-/// that are zero cost nothing.
+/// C += alpha A B for A (n x p) and rows of B and C of `width`, a multiple of
+/// [`PACK`]; entries of A that are zero cost nothing.
 pub fn multiply_add(c: &mut [f64], alpha: f64, a: &[f64], b: &[f64], width: usize) {
     let inner = b.len() / width;
     for (c, a) in c.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
         for (a, b) in a.iter().zip(b.chunks_exact(width)) {
-            if *a != 0.0 {
-                axpy(c, alpha * a, b);
+            add_row(c, alpha * a, b);
+        }
+    }
+}
+
+/// Rows that the kernels run along are padded to a multiple of this.
+pub const PACK: usize = 4;
+
+/// `columns` padded to a multiple of [`PACK`].
+pub fn padded(columns: usize) -> usize {
+    columns.next_multiple_of(PACK)
+}
+
+/// y += a x along padded rows; nothing where a = 0.
+#[inline]
+fn add_row(y: &mut [f64], a: f64, x: &[f64]) {
+    if a != 0.0 {
+        for (y, x) in y.as_chunks_mut::<PACK>().0.iter_mut().zip(x.as_chunks::<PACK>().0) {
+            for l in 0..PACK {
+                y[l] = fused(a, x[l], y[l]);
             }
         }
+    }
+}
+
+/// Factors the row-major n x n matrix A = U L from the last state to the
+/// first, in place, rows padded to `stride`: states that only respond stand
+/// last, so that what they do not drive stays zero and costs nothing. A
+/// diagonal below a tenth of its column gives way to the largest entry above
+/// it; `pivots` receives the exchanges. False when the matrix is singular.
+pub fn factor(a: &mut [f64], n: usize, stride: usize, pivots: &mut [usize]) -> bool {
+    for k in (0..n).rev() {
+        let magnitude = |i: usize| a[i * stride + k].abs();
+        let largest = (0..k).fold(k, |p, i| if magnitude(i) > magnitude(p) { i } else { p });
+        let p = if magnitude(k) < 0.1 * magnitude(largest) { largest } else { k };
+        pivots[k] = p;
+        if !(magnitude(p) > f64::MIN_POSITIVE && magnitude(p).is_finite()) {
+            return false;
+        }
+        exchange(a, stride, p, k);
+        let (above, rest) = a.split_at_mut(k * stride);
+        let pivot_row = &rest[..padded(k)];
+        let inverse = 1.0 / rest[k];
+        for row in above.chunks_exact_mut(stride) {
+            let factor = row[k] * inverse;
+            if factor != 0.0 {
+                let (head, tail) = row.split_at_mut(k);
+                tail[0] = factor;
+                axpy(head, -factor, &pivot_row[..k]);
+            }
+        }
+    }
+    true
+}
+
+/// Solves A X = B in place from the output of [`factor`], for rows of B of `width`.
+pub fn solve(lu: &[f64], n: usize, stride: usize, pivots: &[usize], b: &mut [f64], width: usize) {
+    for k in (0..n).rev() {
+        exchange(b, width, pivots[k], k);
+        let (above, rest) = b.split_at_mut(k * width);
+        for (row, factors) in above.chunks_exact_mut(width).zip(lu.chunks_exact(stride)) {
+            add_row(row, -factors[k], &rest[..width]);
+        }
+    }
+    for k in 0..n {
+        let (above, rest) = b.split_at_mut(k * width);
+        let row = &mut rest[..width];
+        for (other, factor) in above.chunks_exact(width).zip(&lu[k * stride..]) {
+            add_row(row, -factor, other);
+        }
+        let inverse = 1.0 / lu[k * stride + k];
+        row.iter_mut().for_each(|x| *x *= inverse);
+    }
+}
+
+/// Swaps rows `p` < `k`.
+fn exchange(a: &mut [f64], stride: usize, p: usize, k: usize) {
+    if p != k {
+        let (above, rest) = a.split_at_mut(k * stride);
+        above[p * stride..][..stride].swap_with_slice(&mut rest[..stride]);
     }
 }
 
@@ -99,9 +175,39 @@ mod tests {
     fn products_and_sums_agree_with_their_definition() {
         let x: Vec<f64> = (0..7).map(f64::from).collect();
         assert_eq!(dot(&x, &x), 91.0);
-        let (a, b) = ([1.0, 0.0, 2.0, -1.0, 3.0, 0.5], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-        let mut c = [1.0; 4];
-        multiply_add(&mut c, 2.0, &a, &b, 2);
-        assert_eq!(c, [23.0, 29.0, 22.0, 27.0]);
+        let a = [1.0, 0.0, 2.0, -1.0, 3.0, 0.5];
+        let b = [1.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0, 0.0, 5.0, 6.0, 0.0, 0.0];
+        let mut c = [1.0; 8];
+        multiply_add(&mut c, 2.0, &a, &b, PACK);
+        assert_eq!(c, [23.0, 29.0, 1.0, 1.0, 22.0, 27.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn factors_solve_with_and_without_exchanges() {
+        const N: usize = 5;
+        const STRIDE: usize = 8;
+        for small in [1e-14, 1.0] {
+            let entry = |i: usize, j: usize| match (i, j) {
+                (4, 4) => small,
+                (0, 3) | (1, 4) => 0.0,
+                _ => ((i * 7 + j * 3) as f64).sin() + if i == j { 2.0 } else { 0.0 },
+            };
+            let mut lu = vec![0.0; N * STRIDE];
+            let mut b = vec![0.0; N * PACK];
+            for i in 0..N {
+                for j in 0..N {
+                    lu[i * STRIDE + j] = entry(i, j);
+                    b[i * PACK + 1] += entry(i, j) * (j as f64 - 1.5);
+                }
+            }
+            let mut pivots = [0; N];
+            assert!(factor(&mut lu, N, STRIDE, &mut pivots));
+            assert_eq!(pivots[4] == 4, small == 1.0);
+            solve(&lu, N, STRIDE, &pivots, &mut b, PACK);
+            for i in 0..N {
+                assert!((b[i * PACK + 1] - (i as f64 - 1.5)).abs() < 1e-12, "{b:?}");
+            }
+        }
+        assert!(!factor(&mut [1.0, 2.0, 0.0, 0.0, 2.0, 4.0, 0.0, 0.0], 2, 4, &mut [0; 2]));
     }
 }
