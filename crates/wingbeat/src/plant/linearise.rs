@@ -4,7 +4,7 @@ use super::{Fault, Plant};
 use crate::math::{Dual, Scalar};
 
 /// Directions carried by one dual evaluation.
-const LANES: usize = 12;
+const LANES: usize = 8;
 
 /// f, A = df/dx and B = df/du at one point: the A_i, B_i of the paper's
 /// discretised model (section IV). Row-major; reusable without allocation.

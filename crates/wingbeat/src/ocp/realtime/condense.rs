@@ -1,7 +1,7 @@
 //! Elimination of the states: every node's state as a linear function of the
 //! inputs, interval by interval.
 
-use super::dense::{factor, multiply_add, padded, solve};
+use super::dense::{Terms, factor, multiply_add, padded, solve};
 use super::plan::Horizon;
 use crate::plant::Linearisation;
 
@@ -47,6 +47,7 @@ pub struct Elimination {
     /// A_{k+1} with padded rows.
     end: Vec<f64>,
     pivots: Vec<usize>,
+    terms: Terms,
 }
 
 impl Elimination {
@@ -63,6 +64,7 @@ impl Elimination {
             matrix: vec![0.0; n * padded(n)],
             end: vec![0.0; n * padded(n)],
             pivots: vec![0; n],
+            terms: Terms::new(n),
         }
     }
 
@@ -121,12 +123,12 @@ impl Elimination {
         add_inputs(x1, w1, new, h / 6.0, &end.b, m);
         add_inputs(x1, w1, new, h / 3.0, &middle.b, m);
         add_inputs(x1, w1, old, h / 3.0, &middle.b, m);
-        multiply_add(x1, 2.0 * h / 3.0, &middle.a, known, w1);
-        solve(&self.matrix, n, stride, &self.pivots, x1, w1);
+        multiply_add(x1, 2.0 * h / 3.0, &middle.a, known, w1, &mut self.terms);
+        solve(&self.matrix, stride, &self.pivots, x1, w1, &mut self.terms);
         let f1 = &mut self.rates[k + 1][..n * w1];
         f1.fill(0.0);
         add_inputs(f1, w1, new, 1.0, &end.b, m);
-        multiply_add(f1, 1.0, &end.a, x1, w1);
+        multiply_add(f1, 1.0, &end.a, x1, w1, &mut self.terms);
         true
     }
 
@@ -143,7 +145,7 @@ impl Elimination {
             row[i] += 1.0;
             self.end[i * stride..][..n].copy_from_slice(&end[i * n..][..n]);
         }
-        multiply_add(&mut self.matrix, h * h / 12.0, middle, &self.end, stride);
+        multiply_add(&mut self.matrix, h * h / 12.0, middle, &self.end, stride, &mut self.terms);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::active_set::QuadraticProgram;
 use super::condense::{Columns, Elimination};
-use super::dense::{axpy, multiply_add, padded};
+use super::dense::{Terms, axpy, multiply_add, padded};
 use super::plan::{Horizon, Plan};
 use super::status::Limit;
 use super::tracking::{Component, LinearLimit, Tracking};
@@ -23,6 +23,7 @@ pub struct Reduction {
     by_input: Vec<f64>,
     /// Residuals' derivatives by [1, du], residuals x columns.
     reduced: Vec<f64>,
+    terms: Terms,
     /// Meaning of each row of the program.
     pub meaning: Vec<Limit>,
 }
@@ -40,6 +41,7 @@ impl Reduction {
             by_state: vec![0.0; residuals * n],
             by_input: vec![0.0; residuals * m],
             reduced: vec![0.0; residuals * padded(1 + (intervals + 1) * m)],
+            terms: Terms::new(n),
             meaning: Vec::with_capacity(rows),
         }
     }
@@ -93,7 +95,8 @@ impl Reduction {
                 row[first..first + m].copy_from_slice(by_input);
             }
         }
-        multiply_add(reduced, 1.0, &self.by_state[..count * n], states.state(node, columns), width);
+        let by_state = &self.by_state[..count * n];
+        multiply_add(reduced, 1.0, by_state, states.state(node, columns), width, &mut self.terms);
         for row in reduced.chunks_exact(width) {
             let (r, slope) = (row[0], &row[1..used]);
             axpy(&mut qp.gradient, 2.0 * r, slope);
