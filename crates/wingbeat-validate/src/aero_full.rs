@@ -2,10 +2,10 @@
 //! lifting line, which are shown without a limit.
 
 mod flapping;
-mod linear;
+pub(crate) mod linear;
 mod mean;
 mod small;
-mod wings;
+pub(crate) mod wings;
 
 pub use flapping::{lattice_lift, small_flap_lift};
 pub use mean::scherer_points;

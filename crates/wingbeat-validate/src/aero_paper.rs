@@ -2,9 +2,11 @@
 
 use std::f64::consts::PI;
 
-use wingbeat::aero::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
+use wingbeat::aero::{Aero, JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings, ProfileDrag};
 use wingbeat::math::{RK4, Workspace};
 
+use crate::aero_full::linear::{Complex, Motion, SmallMotion};
+use crate::aero_full::wings;
 use crate::{Case, Error, Row, reference_table};
 
 /// The comparisons.
@@ -14,6 +16,8 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.wagner_limit", quick: true, run: wagner_limit },
     Case { id: "aero.glauert_rectangular", quick: true, run: glauert_rectangular },
     Case { id: "aero.step_starts_at_half", quick: true, run: step_starts_at_half },
+    Case { id: "aero.theodorsen_plunge", quick: true, run: theodorsen_plunge },
+    Case { id: "aero.theodorsen_pitch", quick: true, run: theodorsen_pitch },
 ];
 
 /// Largest number of nodes, for comparisons with converged sums.
@@ -151,4 +155,62 @@ fn step_starts_at_half() -> Result<Vec<Row>, Error> {
     }
     let metric = "relative error of CL(0+) = a0 alpha / 2";
     Ok(vec![Row::judged("aero.step_starts_at_half", "Wagner 1925", metric, worst(errors), 1e-9, "")])
+}
+
+/// Aspect ratio at which a wing is a section.
+const SECTION: f64 = 1e4;
+
+/// Complex lift coefficient of a section of unit chord per unit of derivative
+/// `order` of the small motion, at the reduced frequency `k` = omega c / (2 U).
+fn section_response(motion: Motion, order: i32, ks: &[f64]) -> Result<Vec<Complex>, Error> {
+    let still = wings::rectangular(SECTION)?;
+    let settings = LiftingLineSettings {
+        nodes: MANY_NODES,
+        density_kg_m3: 1.0,
+        regularisation_m_s: 1e-6,
+        drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
+        ..Default::default()
+    };
+    let line = LiftingLine::new(still.wing.planform(), settings)?;
+    let small = SmallMotion::new(&Aero::LiftingLine(line), &still, motion);
+    let coefficient = |&k: &f64| {
+        let omega = 2.0 * k;
+        let (re, im) = small.response(omega)?[0];
+        let scale = 0.5 * still.area * omega.powi(order);
+        Ok(if order == 1 { (im / scale, -re / scale) } else { (re / scale, im / scale) })
+    };
+    ks.iter().map(coefficient).collect()
+}
+
+/// Worst |value - exact| / |exact|, k <= 1.
+fn worst_response(ks: &[f64], values: &[Complex], re: &[f64], im: &[f64]) -> f64 {
+    let error = |i: usize| (values[i].0 - re[i]).hypot(values[i].1 - im[i]) / re[i].hypot(im[i]);
+    worst((0..ks.len()).filter(|&i| ks[i] <= 1.0).map(error))
+}
+
+fn theodorsen_plunge() -> Result<Vec<Row>, Error> {
+    let table = reference_table!("analytic/theodorsen_plunge_2d.csv")?;
+    let (ks, re) = (table.column("k")?, table.column("Re_CL_over_alpha_e")?);
+    let values = section_response(Motion::Plunge, 1, &ks)?;
+    let error = worst_response(&ks, &values, &re, &table.column("Im_CL_over_alpha_e")?);
+    let metric = "worst complex error of lift, k <= 1, AR 1e4";
+    Ok(vec![Row::judged("aero.theodorsen_plunge", "Theodorsen 1935", metric, error, 0.025, "")])
+}
+
+fn theodorsen_pitch() -> Result<Vec<Row>, Error> {
+    let table = reference_table!("analytic/theodorsen_pitch_2d.csv")?;
+    let axes = table.column("a_semichords_from_midchord")?;
+    let (ks, re, im) =
+        (table.column("k")?, table.column("Re_CL_over_alpha0")?, table.column("Im_CL_over_alpha0")?);
+    let mut errors = Vec::new();
+    for axis in [-0.5, 0.0, 0.5] {
+        let of_axis = |column: &[f64]| -> Vec<f64> {
+            column.iter().zip(&axes).filter(|(_, a)| **a == axis).map(|(v, _)| *v).collect()
+        };
+        let ks = of_axis(&ks);
+        let values = section_response(Motion::Pitch(-0.5 - 0.5 * axis), 0, &ks)?;
+        errors.push(worst_response(&ks, &values, &of_axis(&re), &of_axis(&im)));
+    }
+    let metric = "worst complex error of lift, axes 1/4, 1/2, 3/4 chord, k <= 1, AR 1e4";
+    Ok(vec![Row::judged("aero.theodorsen_pitch", "Theodorsen 1935", metric, worst(errors), 0.025, "")])
 }
