@@ -20,6 +20,7 @@ its folder is kept and its summary.json says why; 130 interrupted, nothing is ke
 pub enum Command {
     Fly(Fly),
     Sweep(Sweep),
+    Tether(Tether),
     Validate(Validate),
 }
 
@@ -45,6 +46,19 @@ pub struct Sweep {
     /// The sweep: scenario, draws, what counts as held
     #[arg(value_name = "SWEEP.toml")]
     pub sweep: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Move a wing as prescribed in a wind and write its loads
+///
+/// The folder holds case.toml (as resolved), loads.csv, strips.parquet, means.csv, summary.json, manifest.json and
+/// figures. It appears when the run is whole.
+#[derive(Debug, Args)]
+pub struct Tether {
+    /// The case
+    #[arg(value_name = "CASE.toml")]
+    pub case: PathBuf,
     #[command(flatten)]
     pub run: Run,
 }

@@ -10,6 +10,7 @@ mod outcome;
 mod reference;
 mod run_folder;
 mod sweep;
+mod tether;
 mod validate;
 
 use std::process::ExitCode;
@@ -22,6 +23,7 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Fly(arguments) => fly::fly(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
+        Command::Tether(arguments) => tether::tether(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
     };
     match outcome {

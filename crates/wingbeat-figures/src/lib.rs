@@ -11,6 +11,7 @@ mod path;
 mod robustness;
 mod states;
 mod style;
+mod tether;
 mod write;
 
 pub use commands::commands;
@@ -19,6 +20,7 @@ pub use forces::forces;
 pub use path::path;
 pub use robustness::robustness;
 pub use states::states;
+pub use tether::{cycle_loads, span_loading};
 pub use write::{Figure, write};
 
 use wingbeat::flight::Record;

@@ -6,6 +6,9 @@ use wingbeat::flight::{Ending, Record};
 use wingbeat::scenario::TetherCase;
 use wingbeat::tether::TetherRun;
 
+/// Aerodynamic presets.
+const PRESETS: [&str; 2] = ["paper", "full"];
+
 fn case(name: &str, overrides: &[&str]) -> TetherCase {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
@@ -123,5 +126,51 @@ fn bad_cases_are_refused_with_their_place() {
     ] {
         let message = refuse(text);
         assert!(message.contains(part), "{text}: {message}");
+    }
+}
+
+/// Largest change of the force from one step to the next over the last cycle, and the largest force, N.
+fn jump_and_size(run: &TetherRun, steps: usize) -> (f64, f64) {
+    let axes = ["force_x", "force_y", "force_z"].map(|name| run.loads.values(name).unwrap());
+    let rows = run.loads.rows() - steps - 1..run.loads.rows();
+    let norm = |d: [f64; 3]| d.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let jump = |i: usize| norm(std::array::from_fn(|k| axes[k][i + 1] - axes[k][i]));
+    let size = |i: usize| norm(std::array::from_fn(|k| axes[k][i]));
+    ((rows.start..rows.end - 1).map(jump).fold(0.0, f64::max), rows.map(size).fold(0.0, f64::max))
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::test_runner::Config { cases: 12, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn any_wind_and_fold_gives_finite_forces_that_are_continuous_in_time(
+        speed in proptest::sample::select(vec![0.0, 0.3, 1.5, 6.0]),
+        incidence in -180.0..180.0,
+        sideslip in -180.0..180.0,
+        flap in 0.0..60.0,
+        fold in 0.0..55.0,
+        law in proptest::sample::select(vec!["linear", "stall"]),
+        preset in proptest::sample::select(PRESETS.to_vec()),
+    ) {
+        let at = |steps: usize| {
+            let overrides = [
+                format!("aero.preset={preset}"),
+                format!("aero.law={law}"),
+                format!("wind.speed_m_s={speed:?}"),
+                format!("wind.incidence_deg={incidence:?}"),
+                format!("wind.sideslip_deg={sideslip:?}"),
+                format!("wing.hinges[0].angle_deg={{fourier={{sin=[{flap:?}]}}}}"),
+                format!("wing.hinges[1].angle_deg={{fourier={{mean=-{fold:?},cos=[-{fold:?}]}}}}"),
+                "reference.speed_m_s=1.0".into(),
+                "aero.full.regularisation_m_s=0.1".into(),
+                "time.cycles=2".into(),
+                format!("time.steps_per_cycle={steps}"),
+            ];
+            let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+            jump_and_size(&run("flap_fold", &overrides), steps)
+        };
+        let ((coarse, size), (fine, _)) = (at(800), at(1600));
+        proptest::prop_assert!(coarse.is_finite() && size.is_finite());
+        proptest::prop_assert!(fine <= 0.75 * coarse + 1e-6 * size + 1e-12, "{coarse} {fine} of {size}");
     }
 }

@@ -305,3 +305,32 @@ fn settings_outside_their_range_are_refused() {
     assert!(refuse(LiftingLineSettings { regularisation_m_s: 0.0, ..Default::default() }));
     assert!(refuse(LiftingLineSettings { density_kg_m3: f64::NAN, ..Default::default() }));
 }
+
+#[test]
+fn the_carried_air_of_a_pitching_plate_is_theodorsens() {
+    // NACA Rep. 496, eqs. (18), (20), non-circulatory part; the axis lies a b behind mid chord.
+    let (chord, u, a) = (0.2, 3.0, 0.3);
+    let b = 0.5 * chord;
+    let set = LiftingLineSettings { regularisation_m_s: 1e-9, ..settings(4) };
+    let line = LiftingLine::with_chords(0.5, |_| chord, set).unwrap();
+    let (h_ddot, q, q_dot) = (2.0, 1.5, -7.0);
+    let h_dot = q * (a * b - 0.5 * b); // no wash at 3/4 chord
+    let at = |x: f64, arc: f64| {
+        let (v, w) = (-h_dot + q * x, -h_ddot + q_dot * x);
+        (Vec3::new(x, arc, 0.0), Vec3::new(0.0, 0.0, v), Vec3::new(-q * q * x, 0.0, w))
+    };
+    let section = |&arc: &f64| {
+        let ((le, v_le, a_le), (te, v_te, a_te)) = (at(a * b + b, arc), at(a * b - b, arc));
+        let turn = |rate: f64| Vec3::new(0.0, -rate, 0.0);
+        let (w, alpha) = (turn(q), turn(q_dot));
+        SectionMotion { le, te, v_le, v_te, a_le, a_te, span: turn(1.0), w, alpha }
+    };
+    let sections: Vec<_> = line.arcs().iter().map(section).collect();
+    let loads = loads_of(&line, &sections, Vec3::new(-u, 0.0, 0.0));
+    let lift = h_ddot + u * q - a * b * q_dot;
+    let moment = a * b * h_ddot - u * b * (0.5 - a) * q - b * b * (0.125 + a * a) * q_dot;
+    for (strip, node) in loads.strip.iter().zip(&line.nodes) {
+        assert!((strip.added_mass.force[2] / (node.mass * lift) - 1.0).abs() < 1e-12);
+        assert!((-strip.added_mass.moment[1] / (node.mass * moment) - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,8 +1,6 @@
 //! Running times of what a flight is made of: medians over repeats, and ratios between them.
 //! `cargo xtask bench` runs this.
 
-mod mechanics;
-
 use std::fs;
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -10,16 +8,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use wingbeat::aero::SectionMotion;
-use wingbeat::math::{RK4, Vec3, Workspace};
+use wingbeat::math::Vec3;
 use wingbeat::plant::{Linearisation, Plant};
 use wingbeat::robot::Robot;
 use wingbeat::scenario::{Run, Scenario};
 
 /// Times of each row of which the median is taken.
-const REPEATS: usize = 101;
+const REPEATS: usize = 31;
 
-/// Median time of `run`, s, over [`REPEATS`] batches of `batch` runs. Batches of less than a
-/// millisecond are seldom interrupted by other work of the machine.
+/// Median time of `run`, s, over [`REPEATS`] batches of `batch` runs.
 fn median(batch: usize, mut run: impl FnMut()) -> f64 {
     let mut times: Vec<f64> = (0..REPEATS)
         .map(|_| {
@@ -45,13 +42,13 @@ fn scenario(name: &str, overrides: &[&str]) -> Scenario {
 /// Evaluations of the plant in mid flight: whole, of the air alone, and its exact Jacobian.
 fn evaluation(name: &str, robot: &Robot, x: &[f64]) {
     let (mut dx, u) = (x.to_vec(), vec![0.01; robot.inputs().len()]);
-    let whole = median(100, || {
+    let whole = median(2000, || {
         robot.rates(black_box(0.1), black_box(x), black_box(&u), &mut dx).unwrap();
         black_box(&dx);
     });
     let air = air(robot);
     let mut linearisation = Linearisation::new(x.len(), u.len());
-    let jacobian = median(1, || linearisation.evaluate(robot, black_box(0.1), x, &u).unwrap());
+    let jacobian = median(50, || linearisation.evaluate(robot, black_box(0.1), x, &u).unwrap());
     row(&format!("{name}: evaluation of the plant"), 1e6 * whole, "us");
     row(&format!("{name}:   of which air"), 1e6 * air, "us");
     row(&format!("{name}:   of which body"), 1e6 * (whole - air), "us");
@@ -65,7 +62,7 @@ fn air(robot: &Robot) -> f64 {
     let sections: Vec<SectionMotion<f64>> = aero.arcs().iter().map(|&arc| section(arc)).collect();
     let x: Vec<f64> = (0..aero.states()).map(|i| 0.05 * (i as f64).sin()).collect();
     let mut dx = x.clone();
-    median(100, || {
+    median(2000, || {
         black_box(aero.evaluate_sum(black_box(&sections), Vec3([-1.0, 0.0, 0.2]), black_box(&x), &mut dx));
     })
 }
@@ -98,28 +95,6 @@ fn flights(name: &str, overrides: &[&str]) {
     row(&format!("{name}: real-time factor"), summary.real_time_factor, "");
 }
 
-/// Five simulated seconds of the plant in steps of 0.1 ms, regulators at rest, no controller:
-/// a thousand times the median of blocks of 5 ms.
-fn uncontrolled(name: &str, robot: &Robot, start: &[f64]) {
-    let (u, step, per_block) = (vec![0.0; robot.inputs().len()], 1e-4, 50);
-    let mut work = Workspace::new(start.len(), 4);
-    let (mut x, mut k) = (start.to_vec(), 0);
-    let mut blocks: Vec<f64> = (0..1000)
-        .map(|_| {
-            let clock = Instant::now();
-            for _ in 0..per_block {
-                let rates = |t: f64, x: &[f64], dx: &mut [f64]| robot.rates(t, x, &u, dx);
-                RK4.step(rates, f64::from(k) * step, step, &mut x, &mut work)
-                    .unwrap_or_else(|fault| panic!("{fault}"));
-                k += 1;
-            }
-            clock.elapsed().as_secs_f64()
-        })
-        .collect();
-    blocks.sort_by(f64::total_cmp);
-    row(&format!("{name}: 5 s at 0.1 ms, no controller"), 1000.0 * blocks[500], "s");
-}
-
 /// Largest resident memory of this process so far, MiB; none where the system does not say.
 fn peak_memory() -> Option<f64> {
     let status = fs::read_to_string(Path::new("/proc/self/status")).ok()?;
@@ -128,17 +103,9 @@ fn peak_memory() -> Option<f64> {
 }
 
 fn main() {
-    mechanics::rows();
-    let cases: [(&str, &str, &[&str]); 4] = [
-        ("paper, 12 strips", "banking_turn.toml", &[]),
-        ("paper, 16 strips", "banking_turn.toml", &["aero.paper.nodes=16"]),
-        ("full, 16 strips", "banking_turn.toml", &["aero.preset='full'", "aero.full.strips=16"]),
-        ("linkage, paper, 12 strips", "banking_turn_beta.toml", &[]),
-    ];
-    for (name, file, overrides) in cases {
-        let scenario = scenario(file, overrides);
-        evaluation(name, scenario.robot(), &scenario.start());
-        uncontrolled(name, scenario.robot(), &scenario.start());
+    for name in ["banking_turn.toml", "banking_turn_beta.toml"] {
+        let scenario = scenario(name, &[]);
+        evaluation(name.trim_end_matches(".toml"), scenario.robot(), &scenario.start());
     }
     flights("banking_turn.toml", &[]);
     if let Some(memory) = peak_memory() {

@@ -1,0 +1,115 @@
+//! `wingbeat tether`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use wingbeat::flight::{Ending, Record};
+use wingbeat::scenario::{TetherCase, TetherSummary};
+use wingbeat::tether::{Means, TetherRun};
+use wingbeat_figures::{cycle_loads, span_loading};
+use wingbeat_io::{read_csv, write_csv, write_parquet};
+
+use crate::args::Tether;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::manifest::Manifest;
+use crate::run_folder::RunFolder;
+
+/// Ticks of the progress bar.
+const TICKS: f64 = 1000.0;
+
+/// Columns of the printed table of means.
+const PRINTED: [&str; 10] = [
+    "force_wind_lift",
+    "force_wind_drag",
+    "force_wind_side",
+    "moment_x",
+    "moment_y",
+    "moment_z",
+    "CL",
+    "CD",
+    "CY",
+    "CM",
+];
+
+/// Runs the case and writes its run folder.
+pub fn tether(arguments: &Tether) -> Result<(), Error> {
+    let start = Instant::now();
+    let options = &arguments.run;
+    let read = |path: &Path| read_csv(path).map_err(|error| error.to_string());
+    let case = TetherCase::load(&arguments.case, &options.overrides, &read)?;
+    let folder = RunFolder::create(options.out.as_deref(), &case.spec.name, options.force)?;
+    let interrupt = Interrupt::listen()?;
+    let run = simulate(&case, &interrupt, options.quiet)?;
+    let summary = case.summary(&run);
+    folder.write("case.toml", &case.resolved)?;
+    folder.write("means.csv", &means(&run.means))?;
+    folder.write_json("summary.json", &summary)?;
+    write_csv(&folder.file("loads.csv"), &run.loads)?;
+    write_parquet(&folder.file("strips.parquet"), &run.strips)?;
+    draw(&folder, &run)?;
+    interrupt.check()?;
+    let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
+    let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
+    if !options.quiet {
+        print!("{}", table(&summary));
+        println!("\nrun folder: {}", shown.display());
+    }
+    match run.ending {
+        Ending::Fault(fault) => {
+            Err(Error::Failed { status: "fault".into(), reason: fault.to_string(), folder: shown.into() })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn simulate(case: &TetherCase, interrupt: &Interrupt, quiet: bool) -> Result<TetherRun, Error> {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let style = ProgressStyle::with_template("moving {bar:30} {percent:>3} %  ({eta} left)");
+    let progress = ProgressBar::with_draw_target(Some(TICKS as u64), target)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let run = case.tether.run(|share| {
+        progress.set_position((TICKS * share) as u64);
+        interrupt.flow()
+    });
+    progress.finish_and_clear();
+    interrupt.check()?;
+    Ok(run)
+}
+
+/// Draws what can be drawn; what cannot is said and left out.
+fn draw(folder: &RunFolder, run: &TetherRun) -> Result<(), Error> {
+    let figures = folder.folder("figures")?;
+    let drawn: [(wingbeat_figures::Draw, &Record); 2] =
+        [(cycle_loads, &run.loads), (span_loading, &run.strips)];
+    for (draw, record) in drawn {
+        let outcome = draw(record).and_then(|figure| wingbeat_figures::write(&figures, &figure));
+        if let Err(error) = outcome {
+            eprintln!("a figure is left out: {error}");
+        }
+    }
+    Ok(())
+}
+
+/// Means of every quantity as CSV.
+fn means(means: &[Means]) -> String {
+    let rows = means.iter().map(|m| format!("{},{},{},{},{}\n", m.name, m.unit, m.mean, m.low, m.high));
+    std::iter::once("quantity,unit,mean,least,most\n".into()).chain(rows).collect()
+}
+
+/// The table of means over the last cycle, with the cautions below.
+fn table(summary: &TetherSummary) -> String {
+    let TetherSummary { name, preset, lift_law, .. } = summary;
+    let mut text = format!("{name}: preset {preset}, law {lift_law}; last cycle, from rest\n\n");
+    text += &format!("{:<18}{:>11}{:>11}{:>11}\n", "", "mean", "least", "most");
+    for row in summary.cycle.iter().filter(|row| PRINTED.contains(&row.name.as_str())) {
+        let Means { name, unit, mean, low, high } = row;
+        text += format!("{name:<18}{mean:>11.5}{low:>11.5}{high:>11.5}  {unit}").trim_end();
+        text.push('\n');
+    }
+    for warning in &summary.warnings {
+        text += &format!("\nnote: {warning}\n");
+    }
+    text
+}

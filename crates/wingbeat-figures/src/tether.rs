@@ -1,0 +1,118 @@
+//! The loads of a tethered wing over its last cycle, and their spread over the span.
+
+use std::ops::Range;
+
+use wingbeat::flight::Record;
+
+use crate::panel::{Curve, Panel, stacked};
+use crate::write::Figure;
+use crate::{Error, needed, style};
+
+/// Degrees per radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Phases at which the span is shown, cycles.
+const PHASES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+
+/// Lift and drag, forces by source and the pitching moment over the last cycle.
+pub fn cycle_loads(record: &Record) -> Result<Figure, Error> {
+    let rows = last_cycle(needed(record, "phase")?)?;
+    let t = needed(record, "t")?;
+    let period = t[rows.end - 1] - t[rows.start];
+    let x: Vec<f64> = t[rows.clone()].iter().map(|now| (now - t[rows.start]) / period).collect();
+    let curve = |name: &str, column: &str, scale: f64, index: usize| -> Result<Curve, Error> {
+        let y = needed(record, column)?[rows.clone()].iter().map(|y| scale * y).collect();
+        Ok(Curve::new(name, &x, y, index))
+    };
+    let panel = |title: &str, curves| Panel { title: title.into(), curves, limits: None, zero: true };
+    let wind = vec![curve("lift", "force_wind_lift", 1.0, 0)?, curve("drag", "force_wind_drag", 1.0, 1)?];
+    let mut panels = vec![panel("force in wind axes [N]", wind)];
+    for (axis, title) in
+        [("z", "upward force by source, body axes [N]"), ("x", "forward force by source [N]")]
+    {
+        let mut curves = Vec::new();
+        for (index, source) in
+            ["circulatory", "induced_drag", "added_mass", "profile_drag"].iter().enumerate()
+        {
+            curves.push(curve(&source.replace('_', " "), &format!("force_{source}_{axis}"), 1.0, index)?);
+        }
+        let total = curve("total", &format!("force_{axis}"), 1.0, 0)?;
+        curves.push(Curve { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total });
+        panels.push(panel(title, curves));
+    }
+    panels.push(panel("nose-up moment, body axes [mN m]", vec![curve("total", "moment_y", -1e3, 0)?]));
+    panels.push(panel("body [mm]", vec![curve("heave", "heave", 1e3, 0)?, curve("surge", "surge", 1e3, 1)?]));
+    let hinges = record.columns().iter().filter_map(|column| column.name.strip_prefix("hinge_"));
+    let mut angles = vec![curve("nose up", "nose_up", DEGREES, 0)?];
+    for (index, name) in hinges.enumerate() {
+        angles.push(curve(name, &format!("hinge_{name}"), DEGREES, index + 1)?);
+    }
+    panels.push(panel("angles [deg]", angles));
+    panels.retain(Panel::says_something);
+    let x_label = format!("phase of the last cycle of {period:.3} s");
+    Ok(Figure { name: "loads", scene: stacked(panels, &x_label, style::PANEL) })
+}
+
+/// Circulation and incidence over the span at four phases of the last cycle.
+pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
+    let (phase, arc) = (needed(strips, "phase")?, needed(strips, "arc")?);
+    let count = 1 + needed(strips, "strip")?.iter().fold(0.0_f64, |most, strip| most.max(*strip)) as usize;
+    let by_instant: Vec<f64> = phase.iter().copied().step_by(count).collect();
+    let cycle = last_cycle(&by_instant)?;
+    let panel = |column: &str, title: &str, scale: f64| -> Result<Panel, Error> {
+        let values = needed(strips, column)?;
+        let mut curves = Vec::new();
+        for (index, wanted) in PHASES.into_iter().enumerate() {
+            let instants = cycle.clone().take(cycle.len() - 1);
+            let distance = |i: &usize| (by_instant[*i] - wanted).abs();
+            let nearest = instants.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(cycle.start);
+            let rows = nearest * count..(nearest + 1) * count;
+            let y = values[rows.clone()].iter().map(|y| scale * y).collect();
+            curves.push(Curve::new(format!("phase {wanted}"), &arc[rows], y, index));
+        }
+        Ok(Panel { title: title.into(), curves, limits: None, zero: true })
+    };
+    let panels = vec![
+        panel("circulation", "circulation [m2/s]", 1.0)?,
+        panel("incidence", "incidence, wash included [deg]", DEGREES)?,
+        panel("force_z", "upward force per strip, body axes [N]", 1.0)?,
+    ];
+    Ok(Figure {
+        name: "span",
+        scene: stacked(panels, "arc from the middle, left wing positive [m]", style::PANEL),
+    })
+}
+
+/// Rows from the last but one start of a cycle to the last one, both included.
+fn last_cycle(phase: &[f64]) -> Result<Range<usize>, Error> {
+    let starts: Vec<usize> = (0..phase.len()).filter(|&i| phase[i] == 0.0).collect();
+    match starts[..] {
+        [.., from, to] => Ok(from..to + 1),
+        _ => Err(Error::Rows { rows: phase.len(), needed: 2 }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wingbeat::flight::Column;
+
+    #[test]
+    fn the_last_cycle_closes_where_the_next_begins() {
+        assert_eq!(last_cycle(&[0.0, 0.5, 0.0, 0.5, 0.0, 0.5]).unwrap(), 2..5);
+        assert!(last_cycle(&[0.0, 0.5]).is_err());
+    }
+
+    #[test]
+    fn span_curves_are_taken_at_their_phases() {
+        let names = ["t", "phase", "strip", "arc", "circulation", "incidence", "force_z"];
+        let mut strips = Record::new(names.map(|name| Column::new(name, "", "")).to_vec(), 0).unwrap();
+        for step in 0..=8 {
+            for strip in 0..3 {
+                let (phase, strip) = (f64::from(step % 4) / 4.0, f64::from(strip));
+                strips.append(&[f64::from(step), phase, strip, 1.0 - strip, phase + strip, 0.1, 0.0]);
+            }
+        }
+        assert_eq!(span_loading(&strips).unwrap().name, "span");
+        assert!(matches!(cycle_loads(&strips), Err(Error::Column(_))));
+    }
+}
