@@ -62,13 +62,6 @@ pub struct Panel {
     pub zero: bool,
 }
 
-impl Panel {
-    /// False when every curve is zero throughout.
-    pub fn says_something(&self) -> bool {
-        self.curves.iter().any(|curve| curve.y.iter().any(|y| *y != 0.0))
-    }
-}
-
 /// The panels one below another over the axis `x_label`, which spans all curves.
 pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
     let count = panels.len();

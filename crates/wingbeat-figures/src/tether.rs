@@ -13,43 +13,94 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Phases at which the span is shown, cycles.
 const PHASES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
-/// Lift and drag, forces by source and the pitching moment over the last cycle.
+/// Sources of a strip's loads.
+const SOURCES: [&str; 4] = ["circulatory", "induced_drag", "added_mass", "profile_drag"];
+
+/// Lift and drag, forces by source, the pitching moment and the motion over the last cycle.
 pub fn cycle_loads(record: &Record) -> Result<Figure, Error> {
-    let rows = last_cycle(needed(record, "phase")?)?;
-    let t = needed(record, "t")?;
-    let period = t[rows.end - 1] - t[rows.start];
-    let x: Vec<f64> = t[rows.clone()].iter().map(|now| (now - t[rows.start]) / period).collect();
-    let curve = |name: &str, column: &str, scale: f64, index: usize| -> Result<Curve, Error> {
-        let y = needed(record, column)?[rows.clone()].iter().map(|y| scale * y).collect();
-        Ok(Curve::new(name, &x, y, index))
-    };
-    let panel = |title: &str, curves| Panel { title: title.into(), curves, limits: None, zero: true };
-    let wind = vec![curve("lift", "force_wind_lift", 1.0, 0)?, curve("drag", "force_wind_drag", 1.0, 1)?];
-    let mut panels = vec![panel("force in wind axes [N]", wind)];
-    for (axis, title) in
-        [("z", "upward force by source, body axes [N]"), ("x", "forward force by source [N]")]
-    {
-        let mut curves = Vec::new();
-        for (index, source) in
-            ["circulatory", "induced_drag", "added_mass", "profile_drag"].iter().enumerate()
-        {
-            curves.push(curve(&source.replace('_', " "), &format!("force_{source}_{axis}"), 1.0, index)?);
-        }
-        let total = curve("total", &format!("force_{axis}"), 1.0, 0)?;
-        curves.push(Curve { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total });
-        panels.push(panel(title, curves));
-    }
-    panels.push(panel("nose-up moment, body axes [mN m]", vec![curve("total", "moment_y", -1e3, 0)?]));
-    panels.push(panel("body [mm]", vec![curve("heave", "heave", 1e3, 0)?, curve("surge", "surge", 1e3, 1)?]));
-    let hinges = record.columns().iter().filter_map(|column| column.name.strip_prefix("hinge_"));
-    let mut angles = vec![curve("nose up", "nose_up", DEGREES, 0)?];
-    for (index, name) in hinges.enumerate() {
-        angles.push(curve(name, &format!("hinge_{name}"), DEGREES, index + 1)?);
-    }
-    panels.push(panel("angles [deg]", angles));
-    panels.retain(Panel::says_something);
-    let x_label = format!("phase of the last cycle of {period:.3} s");
+    let cycle = LastCycle::of(record)?;
+    let wind = vec![
+        cycle.curve("lift", "force_wind_lift", 1.0, 0)?,
+        cycle.curve("drag", "force_wind_drag", 1.0, 1)?,
+    ];
+    let mut panels = vec![
+        panel("force in wind axes [N]", wind),
+        cycle.by_source("z", "upward force by source, body axes [N]")?,
+        cycle.by_source("x", "forward force by source, body axes [N]")?,
+        cycle.moment()?,
+    ];
+    panels.extend(cycle.motion()?);
+    let x_label = format!("phase of the last cycle of {:.3} s", cycle.period);
     Ok(Figure { name: "loads", scene: stacked(panels, &x_label, style::PANEL) })
+}
+
+fn panel(title: &str, curves: Vec<Curve>) -> Panel {
+    Panel { title: title.into(), curves, limits: None, zero: true }
+}
+
+/// The last cycle of a record of loads.
+struct LastCycle<'a> {
+    record: &'a Record,
+    rows: Range<usize>,
+    phase: Vec<f64>,
+    period: f64,
+}
+
+impl<'a> LastCycle<'a> {
+    fn of(record: &'a Record) -> Result<Self, Error> {
+        let rows = last_cycle(needed(record, "phase")?)?;
+        let t = &needed(record, "t")?[rows.clone()];
+        let period = t[t.len() - 1] - t[0];
+        let phase = t.iter().map(|now| (now - t[0]) / period).collect();
+        Ok(Self { record, rows, phase, period })
+    }
+
+    fn curve(&self, name: &str, column: &str, scale: f64, index: usize) -> Result<Curve, Error> {
+        let values = &needed(self.record, column)?[self.rows.clone()];
+        Ok(Curve::new(name, &self.phase, values.iter().map(|y| scale * y).collect(), index))
+    }
+
+    fn by_source(&self, axis: &str, title: &str) -> Result<Panel, Error> {
+        let mut curves = Vec::new();
+        for (index, source) in SOURCES.iter().enumerate() {
+            curves.push(self.curve(
+                &source.replace('_', " "),
+                &format!("force_{source}_{axis}"),
+                1.0,
+                index,
+            )?);
+        }
+        let total = self.curve("total", &format!("force_{axis}"), 1.0, 0)?;
+        curves.push(Curve { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total });
+        Ok(panel(title, curves))
+    }
+
+    /// Nose up; in mN m when it stays below 0.1 N m.
+    fn moment(&self) -> Result<Panel, Error> {
+        let largest = self.curve("", "moment_y", 1.0, 0)?.y.iter().fold(0.0_f64, |most, m| most.max(m.abs()));
+        let (unit, scale) = if largest < 0.1 { ("mN m", -1e3) } else { ("N m", -1.0) };
+        let title = format!("nose-up moment, body axes [{unit}]");
+        Ok(panel(&title, vec![self.curve("total", "moment_y", scale, 0)?]))
+    }
+
+    /// Body and hinges, as far as they leave zero.
+    fn motion(&self) -> Result<Vec<Panel>, Error> {
+        let body = vec![self.curve("heave", "heave", 1e3, 0)?, self.curve("surge", "surge", 1e3, 1)?];
+        let mut angles =
+            vec![self.curve("nose up", "nose_up", DEGREES, 0)?, self.curve("roll", "roll", DEGREES, 1)?];
+        let hinges = self.record.columns().iter().filter_map(|column| column.name.strip_prefix("hinge_"));
+        for (index, name) in hinges.enumerate() {
+            angles.push(self.curve(name, &format!("hinge_{name}"), DEGREES, index + 2)?);
+        }
+        let mut panels = Vec::new();
+        for (title, mut curves) in [("body [mm]", body), ("angles [deg]", angles)] {
+            curves.retain(|curve| curve.y.iter().any(|y| *y != 0.0));
+            if !curves.is_empty() {
+                panels.push(panel(title, curves));
+            }
+        }
+        Ok(panels)
+    }
 }
 
 /// Circulation and incidence over the span at four phases of the last cycle.
@@ -58,7 +109,7 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
     let count = 1 + needed(strips, "strip")?.iter().fold(0.0_f64, |most, strip| most.max(*strip)) as usize;
     let by_instant: Vec<f64> = phase.iter().copied().step_by(count).collect();
     let cycle = last_cycle(&by_instant)?;
-    let panel = |column: &str, title: &str, scale: f64| -> Result<Panel, Error> {
+    let at_phases = |column: &str, title: &str, scale: f64| -> Result<Panel, Error> {
         let values = needed(strips, column)?;
         let mut curves = Vec::new();
         for (index, wanted) in PHASES.into_iter().enumerate() {
@@ -69,12 +120,12 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
             let y = values[rows.clone()].iter().map(|y| scale * y).collect();
             curves.push(Curve::new(format!("phase {wanted}"), &arc[rows], y, index));
         }
-        Ok(Panel { title: title.into(), curves, limits: None, zero: true })
+        Ok(panel(title, curves))
     };
     let panels = vec![
-        panel("circulation", "circulation [m2/s]", 1.0)?,
-        panel("incidence", "incidence, wash included [deg]", DEGREES)?,
-        panel("force_z", "upward force per strip, body axes [N]", 1.0)?,
+        at_phases("circulation", "circulation [m2/s]", 1.0)?,
+        at_phases("incidence", "incidence, wash included [deg]", DEGREES)?,
+        at_phases("force_z", "upward force per strip, body axes [N]", 1.0)?,
     ];
     Ok(Figure {
         name: "span",
