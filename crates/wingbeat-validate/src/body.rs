@@ -3,6 +3,8 @@
 mod urdf;
 mod vacuum;
 
+pub use urdf::reference as reference_tree;
+
 use crate::{Case, Error, Row, reference_table};
 use wingbeat::body::{LinkMotion, Linkage, LinkageDimensions, MAX_LINKS};
 use wingbeat::math::{Jet, Quat, Vec3, Wrench};
@@ -30,7 +32,7 @@ fn linkage_cycle() -> Result<Vec<Row>, Error> {
 }
 
 fn momentum_vacuum() -> Result<Vec<Row>, Error> {
-    let flight = vacuum::Flight::one_cycle(urdf::reference()?, Vec3::ZERO)?;
+    let flight = vacuum::Flight::one_cycle(reference_tree()?, Vec3::ZERO)?;
     let drift = |before: Vec3, after: Vec3| (after - before).norm() / before.norm();
     let linear = drift(flight.before.linear, flight.after.linear);
     let angular = drift(flight.before.angular, flight.after.angular);
@@ -41,7 +43,7 @@ fn momentum_vacuum() -> Result<Vec<Row>, Error> {
 
 fn energy_power_balance() -> Result<Vec<Row>, Error> {
     let gravity = Vec3([0.0, 0.0, -wingbeat::math::GRAVITY]);
-    let flight = vacuum::Flight::one_cycle(urdf::reference()?, gravity)?;
+    let flight = vacuum::Flight::one_cycle(reference_tree()?, gravity)?;
     let change = flight.after.energy - flight.before.energy;
     let error = (flight.work - change).abs() / flight.peak_work;
     let metric = "work of joint torques - change of energy, over the peak work";
@@ -49,7 +51,7 @@ fn energy_power_balance() -> Result<Vec<Row>, Error> {
 }
 
 fn pinocchio() -> Result<Vec<Row>, Error> {
-    let tree = urdf::reference()?;
+    let tree = reference_tree()?;
     let q = reference_table!("multibody/ref_q.txt")?.column_at(0)?;
     let v = reference_table!("multibody/ref_v.txt")?.column_at(0)?;
     let tau = reference_table!("multibody/ref_tau.txt")?.column_at(0)?;

@@ -1,7 +1,8 @@
-//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`.
+//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`.
 
 mod documents;
 mod licences;
+mod peers;
 mod report;
 mod test;
 mod tools;
@@ -14,6 +15,7 @@ cargo xtask TASK
   test    format, lints, all tests, licences of dependencies, quick comparisons; what .ci/run calls
   docs    write again what is generated: docs/cli.md, the tables and the picture of README.md
   bench   medians of the running times
+  peers   the same beside Pinocchio and PteraSoftware, which are installed into target/peers (Python 3.11 or later)
 ";
 
 fn main() -> ExitCode {
@@ -25,6 +27,7 @@ fn main() -> ExitCode {
         "bench" => {
             tools::succeeds(tools::cargo(&["bench", "--package", "wingbeat", "--bench", "running_times"]))
         }
+        "peers" => peers::compare(),
         "" | "help" | "--help" | "-h" => {
             print!("{HELP}");
             return ExitCode::SUCCESS;

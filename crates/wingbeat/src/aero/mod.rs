@@ -14,7 +14,7 @@ pub use law::{LiftLaw, ProfileDrag};
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 pub use loads::{Loads, StripLoads};
 pub use planform::{Planform, PlanformStation};
-pub use station::SectionMotion;
+pub use station::{SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings};
 
 use crate::math::{Scalar, Vec3};
@@ -103,7 +103,7 @@ impl Aero {
     /// added-mass matrix.
     pub fn evaluate_sum<S: Scalar>(
         &self,
-        sections: &[SectionMotion<S>],
+        sections: &(impl Sections<S> + ?Sized),
         wind: Vec3<S>,
         x: &[S],
         dx: &mut [S],

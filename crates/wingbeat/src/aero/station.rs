@@ -28,6 +28,20 @@ pub struct SectionMotion<S: Scalar> {
     pub alpha: Vec3<S>,
 }
 
+/// Where the motions of a wing's sections come from: a slice, or whoever can
+/// tell them one by one, so that they need not all be kept.
+pub trait Sections<S: Scalar> {
+    /// Motion of section `i`, counted from the left tip.
+    fn section(&self, i: usize) -> SectionMotion<S>;
+}
+
+impl<S: Scalar, T: AsRef<[SectionMotion<S>]> + ?Sized> Sections<S> for T {
+    #[inline]
+    fn section(&self, i: usize) -> SectionMotion<S> {
+        self.as_ref()[i]
+    }
+}
+
 impl<S: Scalar> SectionMotion<S> {
     /// Position at the chord fraction `x` (0 leading edge, 1 trailing edge).
     #[inline]

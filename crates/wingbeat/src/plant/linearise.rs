@@ -37,8 +37,31 @@ impl Linearisation {
 
     /// Evaluates the plant and its derivatives at (t, x, u).
     pub fn evaluate<P: Plant>(&mut self, plant: &P, t: f64, x: &[f64], u: &[f64]) -> Result<(), Fault> {
+        self.differentiate(plant, t, x, u, 0)
+    }
+
+    /// As [`evaluate`](Self::evaluate) for f and B alone; A stays as it was.
+    pub fn evaluate_inputs<P: Plant>(
+        &mut self,
+        plant: &P,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+    ) -> Result<(), Fault> {
+        self.differentiate(plant, t, x, u, x.len())
+    }
+
+    /// Derivatives by the variables [x, u] from index `start` on.
+    fn differentiate<P: Plant>(
+        &mut self,
+        plant: &P,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        start: usize,
+    ) -> Result<(), Fault> {
         let (n, m) = (x.len(), u.len());
-        for first in (0..n + m).step_by(LANES) {
+        for first in (start..n + m).step_by(LANES) {
             let last = (first + LANES).min(n + m);
             seed(&mut self.x, x, 0, first);
             seed(&mut self.u, u, n, first);

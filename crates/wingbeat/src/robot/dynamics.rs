@@ -1,8 +1,8 @@
 //! Equations of motion: joints follow gait and structure exactly, so each
 //! evaluation is one 6x6 solve for the body's acceleration.
 
+use super::sections::Riding;
 use super::{JOINTS, MAX_ELEMENTS, Robot};
-use crate::aero::{MAX_STRIPS, SectionMotion};
 use crate::body::LinkMotion;
 use crate::math::linear::solve_symmetric;
 use crate::math::{GRAVITY, Jet, Mat3, Quat, Scalar, Vec3, Wrench};
@@ -59,9 +59,8 @@ impl Robot {
         let base = LinkMotion::base(v, w);
 
         let (wind, wind_dot) = self.wind(t, attitude);
-        let sections = self.sections(&base, &links, wind_dot);
-        let sections = &sections[..self.sections.len()];
-        let (air, added_mass) = self.aero.evaluate_sum(sections, wind, &x[l.aero..], &mut dx[l.aero..]);
+        let riding = Riding { sections: &self.sections, base: &base, links: &links, wind_dot };
+        let (air, added_mass) = self.aero.evaluate_sum(&riding, wind, &x[l.aero..], &mut dx[l.aero..]);
 
         let (mut mass, bias) = self.tree.inertia_and_bias(w, &links);
         let gravity = self.tree.gravity(self.gravity(attitude), &links);
@@ -120,23 +119,6 @@ impl Robot {
     pub(super) fn wind<S: Scalar>(&self, t: S, attitude: Mat3<S>) -> (Vec3<S>, Vec3<S>) {
         let (velocity, acceleration) = self.air.wind.at(t);
         (attitude.transpose_mul(velocity), attitude.transpose_mul(acceleration))
-    }
-
-    /// Motion of the wing's sections; accelerations against air that itself
-    /// accelerates with `wind_dot`, so that the added mass feels the gust.
-    pub(super) fn sections<S: Scalar>(
-        &self,
-        base: &LinkMotion<S>,
-        links: &[LinkMotion<S>],
-        wind_dot: Vec3<S>,
-    ) -> [SectionMotion<S>; MAX_STRIPS + 1] {
-        let mut motion = [SectionMotion::default(); MAX_STRIPS + 1];
-        for (m, section) in motion.iter_mut().zip(&self.sections) {
-            *m = section.motion(section.link.map_or(base, |i| &links[i]));
-            m.a_le -= wind_dot;
-            m.a_te -= wind_dot;
-        }
-        motion
     }
 
     /// Gravity in B, m/s2.

@@ -1,9 +1,9 @@
 //! What is worth seeing of a flight at one instant: angles, named forces, power.
 
 use super::dynamics::Evaluation;
-use super::sections::Section;
+use super::sections::{Riding, Section};
 use super::{JOINTS, Robot, RobotSpec};
-use crate::aero::{Loads, Planform, StripLoads};
+use crate::aero::{Loads, Planform, Sections, StripLoads};
 use crate::body::{BaseAcceleration, LinkMotion, joint_power};
 use crate::math::{Mat3, Vec3, Wrench};
 use crate::plant::Fault;
@@ -63,9 +63,10 @@ impl Robot {
 
         let mut loads = Loads::default();
         let (wind, wind_dot) = self.wind(t, e.attitude);
-        let sections = self.sections(&base, &links, wind_dot);
+        let riding = Riding { sections: &self.sections, base: &base, links: &links, wind_dot };
+        let sections: Vec<_> = (0..self.sections.len()).map(|i| riding.section(i)).collect();
         let aero = self.layout.aero;
-        self.aero.evaluate(&sections[..self.sections.len()], wind, &x[aero..], &mut dx[aero..], &mut loads);
+        self.aero.evaluate(&sections, wind, &x[aero..], &mut dx[aero..], &mut loads);
         let air = loads.by_source();
         let body_drag = self.body_drag(e.base.velocity - wind);
         let g = self.gravity(e.attitude);

@@ -1,7 +1,7 @@
 //! Where the wing's sections ride: from arc length to link and local edges.
 
 use super::spec::WingSpec;
-use crate::aero::{Planform, SectionMotion};
+use crate::aero::{Planform, SectionMotion, Sections};
 use crate::body::LinkMotion;
 use crate::math::{Scalar, Vec3};
 
@@ -63,5 +63,30 @@ impl Section {
     /// Leading and trailing edge, from the body origin.
     pub fn edges(&self, link: &LinkMotion<f64>) -> [Vec3; 2] {
         [link.point(self.le), link.point(self.te)]
+    }
+}
+
+/// The wing's sections riding on body and links, one by one; accelerations
+/// against air that itself accelerates with `wind_dot`, so that the added mass
+/// feels the gust.
+pub(super) struct Riding<'a, S: Scalar> {
+    /// The sections.
+    pub sections: &'a [Section],
+    /// The body as a link.
+    pub base: &'a LinkMotion<S>,
+    /// The links.
+    pub links: &'a [LinkMotion<S>],
+    /// Acceleration of the air, resolved in B.
+    pub wind_dot: Vec3<S>,
+}
+
+impl<S: Scalar> Sections<S> for Riding<'_, S> {
+    #[inline]
+    fn section(&self, i: usize) -> SectionMotion<S> {
+        let section = &self.sections[i];
+        let mut motion = section.motion(section.link.map_or(self.base, |link| &self.links[link]));
+        motion.a_le -= self.wind_dot;
+        motion.a_te -= self.wind_dot;
+        motion
     }
 }

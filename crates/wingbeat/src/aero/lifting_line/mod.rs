@@ -16,7 +16,7 @@ pub use settings::LiftingLineSettings;
 
 use super::law::separation_scale;
 use super::section::{Section, SectionForce, suction_share};
-use super::{Loads, Planform, SectionMotion, StripLoads, Wrench};
+use super::{Loads, Planform, SectionMotion, Sections, StripLoads, Wrench};
 use crate::Error;
 use crate::math::{Scalar, Vec3};
 use crate::plant::Channel;
@@ -198,7 +198,7 @@ impl LiftingLine {
     /// added-mass matrix.
     pub fn evaluate_sum<S: Scalar>(
         &self,
-        sections: &[SectionMotion<S>],
+        sections: &(impl Sections<S> + ?Sized),
         wind: Vec3<S>,
         x: &[S],
         dx: &mut [S],
@@ -207,7 +207,7 @@ impl LiftingLine {
         let mut added_mass = [[S::ZERO; 6]; 6];
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections[i], wind, node.inverse_edge);
+            let section = Section::new(&sections.section(i), wind, node.inverse_edge);
             let flow = self.flow(i, &section, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow)

@@ -19,7 +19,7 @@ pub use settings::{LagSet, StripSettings};
 
 use crate::Error;
 use crate::aero::law::separation_scale;
-use crate::aero::{Loads, MAX_STRIPS, Planform, SectionMotion, Wrench};
+use crate::aero::{Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
 use crate::math::{Scalar, Vec3};
 use crate::plant::Channel;
 use grid::Grid;
@@ -167,12 +167,16 @@ impl StripModel {
     /// added-mass matrix.
     pub fn evaluate_sum<S: Scalar>(
         &self,
-        sections: &[SectionMotion<S>],
+        sections: &(impl Sections<S> + ?Sized),
         wind: Vec3<S>,
         x: &[S],
         dx: &mut [S],
     ) -> (Wrench<S>, [[S; 6]; 6]) {
-        self.dispatch(sections, wind, x, dx, None)
+        let mut edges = [SectionMotion::default(); MAX_STRIPS + 1];
+        for (j, edge) in edges[..=self.settings.strips].iter_mut().enumerate() {
+            *edge = sections.section(j);
+        }
+        self.dispatch(&edges, wind, x, dx, None)
     }
 
     /// Chooses the width of the columns.

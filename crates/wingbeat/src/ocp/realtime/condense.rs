@@ -1,9 +1,8 @@
 //! Elimination of the states: every node's state as a linear function of the
 //! inputs, interval by interval.
 
-use super::dense::multiply_add;
+use super::dense::{Terms, factor, multiply_add, padded, solve};
 use super::plan::Horizon;
-use crate::math::linear::{lu_factor, lu_solve};
 use crate::plant::Linearisation;
 
 /// Which column of a sensitivity belongs to which input. Column 0 is the
@@ -27,6 +26,11 @@ impl Columns {
     pub fn through(&self, node: usize) -> usize {
         1 + (node + 1 - self.first) * self.inputs
     }
+
+    /// Length of a row that holds these columns, padded with zeros.
+    pub fn width(&self, node: usize) -> usize {
+        padded(self.through(node))
+    }
 }
 
 /// Sensitivities of the states to the inputs: dx_k = S_k [1; du], with the
@@ -34,41 +38,46 @@ impl Columns {
 #[derive(Clone, Debug)]
 pub struct Elimination {
     horizon: Horizon,
-    /// S_k for each node, states x columns.through(k), row-major.
+    /// S_k for each node, states x columns.width(k), row-major.
     states: Vec<Vec<f64>>,
     /// df_k for each node, the same shape.
     rates: Vec<Vec<f64>>,
     middle: Vec<f64>,
     matrix: Vec<f64>,
+    /// A_{k+1} with padded rows.
+    end: Vec<f64>,
     pivots: Vec<usize>,
+    terms: Terms,
 }
 
 impl Elimination {
     /// Storage for a horizon.
     pub fn new(horizon: Horizon) -> Self {
         let n = horizon.states;
-        let width = |node| Columns { inputs: horizon.inputs, first: 0 }.through(node);
+        let width = |node| Columns { inputs: horizon.inputs, first: 0 }.width(node);
         let blocks = || (0..=horizon.intervals).map(|k| vec![0.0; n * width(k)]).collect();
         Self {
             horizon,
             states: blocks(),
             rates: blocks(),
             middle: vec![0.0; n * width(horizon.intervals)],
-            matrix: vec![0.0; n * n],
+            matrix: vec![0.0; n * padded(n)],
+            end: vec![0.0; n * padded(n)],
             pivots: vec![0; n],
+            terms: Terms::new(n),
         }
     }
 
     /// S_k: row i holds the sensitivity of state i of `node`.
     pub fn state(&self, node: usize, columns: Columns) -> &[f64] {
-        &self.states[node][..self.horizon.states * columns.through(node)]
+        &self.states[node][..self.horizon.states * columns.width(node)]
     }
 
     /// Starts at a given initial state: dx_0 = 0, df_0 = B_0 du_0.
     pub fn start(&mut self, columns: Columns, node: &Linearisation) {
         self.states[0].fill(0.0);
         self.rates[0].fill(0.0);
-        add_inputs(&mut self.rates[0], columns.through(0), columns.of(0), 1.0, &node.b, columns.inputs);
+        add_inputs(&mut self.rates[0], columns.width(0), columns.of(0), 1.0, &node.b, columns.inputs);
     }
 
     /// Eliminates node k+1 from the linearised Hermite-Simpson defect of the
@@ -89,7 +98,12 @@ impl Elimination {
         defect: &[f64],
     ) -> bool {
         let Horizon { states: n, inputs: m, step: h, .. } = self.horizon;
-        let (w0, w1) = (columns.through(k), columns.through(k + 1));
+        let (w0, w1) = (columns.width(k), columns.width(k + 1));
+        let stride = padded(n);
+        self.end_matrix(&middle.a, &end.a);
+        if !factor(&mut self.matrix, n, stride, &mut self.pivots) {
+            return false;
+        }
         let known = &mut self.middle[..n * w1];
         let (done, rest) = self.states.split_at_mut(k + 1);
         let (x0, f0) = (&done[k][..n * w0], &self.rates[k][..n * w0]);
@@ -109,30 +123,30 @@ impl Elimination {
         add_inputs(x1, w1, new, h / 6.0, &end.b, m);
         add_inputs(x1, w1, new, h / 3.0, &middle.b, m);
         add_inputs(x1, w1, old, h / 3.0, &middle.b, m);
-        multiply_add(x1, 2.0 * h / 3.0, &middle.a, known, w1);
-        end_matrix(&mut self.matrix, n, h, &middle.a, &end.a);
-        if !lu_factor(&mut self.matrix, n, &mut self.pivots) {
-            return false;
-        }
-        lu_solve(&self.matrix, n, &self.pivots, x1, w1);
+        multiply_add(x1, 2.0 * h / 3.0, &middle.a, known, w1, &mut self.terms);
+        solve(&self.matrix, stride, &self.pivots, x1, w1, &mut self.terms);
         let f1 = &mut self.rates[k + 1][..n * w1];
         f1.fill(0.0);
         add_inputs(f1, w1, new, 1.0, &end.b, m);
-        multiply_add(f1, 1.0, &end.a, x1, w1);
+        multiply_add(f1, 1.0, &end.a, x1, w1, &mut self.terms);
         true
     }
-}
 
-/// Derivative of the defect by the end state:
-/// I - h/6 A_{k+1} - 2h/3 A_c (I/2 - h/8 A_{k+1}).
-fn end_matrix(matrix: &mut [f64], n: usize, h: f64, middle: &[f64], end: &[f64]) {
-    for ((m, ac), a1) in matrix.iter_mut().zip(middle).zip(end) {
-        *m = -h / 6.0 * a1 - h / 3.0 * ac;
+    /// Derivative of the defect by the end state:
+    /// I - h/6 A_{k+1} - 2h/3 A_c (I/2 - h/8 A_{k+1}).
+    fn end_matrix(&mut self, middle: &[f64], end: &[f64]) {
+        let Horizon { states: n, step: h, .. } = self.horizon;
+        let stride = padded(n);
+        for i in 0..n {
+            let row = &mut self.matrix[i * stride..][..n];
+            for ((m, ac), a1) in row.iter_mut().zip(&middle[i * n..]).zip(&end[i * n..]) {
+                *m = -h / 6.0 * a1 - h / 3.0 * ac;
+            }
+            row[i] += 1.0;
+            self.end[i * stride..][..n].copy_from_slice(&end[i * n..][..n]);
+        }
+        multiply_add(&mut self.matrix, h * h / 12.0, middle, &self.end, stride, &mut self.terms);
     }
-    for i in 0..n {
-        matrix[i * n + i] += 1.0;
-    }
-    multiply_add(matrix, h * h / 12.0, middle, end, n);
 }
 
 /// Adds scale B to the columns of one node's inputs, from `first` on.

@@ -213,8 +213,10 @@ impl RealTime {
     fn linearise<P: Plant>(&mut self, plant: &P) -> Result<(), Status> {
         let h = self.settings.step;
         for (k, node) in self.nodes.iter_mut().enumerate() {
-            let t = self.trial.time(k);
-            evaluate(node, plant, t, self.trial.state(k), self.trial.input(k))?;
+            let (t, x, u) = (self.trial.time(k), self.trial.state(k), self.trial.input(k));
+            // The first state is given: only its inputs can move.
+            let inputs_only = k == 0;
+            evaluate(node, plant, t, x, u, inputs_only)?;
             let n = node.f.len();
             self.trial.f[k * n..][..n].copy_from_slice(&node.f);
         }
@@ -223,7 +225,7 @@ impl RealTime {
         for k in 0..self.settings.intervals {
             let interval = self.trial.interval(k);
             interval.middle(&mut self.point);
-            evaluate(&mut self.middle, plant, interval.t + 0.5 * h, &self.point.x, &self.point.u)?;
+            evaluate(&mut self.middle, plant, interval.t + 0.5 * h, &self.point.x, &self.point.u, false)?;
             let copy_rates = |_: f64, _: &[f64], _: &[f64], f: &mut [f64]| {
                 f.copy_from_slice(&self.middle.f);
                 Ok(())
@@ -250,10 +252,10 @@ impl RealTime {
             .fold(0.0, |worst: f64, row| worst.max(dense::dot(row, z).abs()));
         self.statistics.step = 0.0;
         for node in 0..=self.settings.intervals {
-            let width = self.columns.through(node);
+            let (width, used) = (self.columns.width(node), self.columns.through(node));
             let rows = self.states.state(node, self.columns).chunks_exact(width);
             for (x, s) in self.trial.state_mut(node).iter_mut().zip(rows) {
-                *x += s[0] + dense::dot(&s[1..], z);
+                *x += s[0] + dense::dot(&s[1..used], z);
             }
             let Some(first) = self.columns.of(node) else { continue };
             let inputs = self.trial.input_mut(node).iter_mut().zip(plant.inputs());
@@ -263,6 +265,9 @@ impl RealTime {
                 let relative = if range.is_finite() && range > 0.0 { z / range } else { *z };
                 self.statistics.step = self.statistics.step.max(relative.abs());
             }
+        }
+        if self.trial.x.iter().any(|x| !x.is_finite()) {
+            return Err(Status::NumericalTrouble);
         }
         Ok(())
     }
@@ -290,9 +295,12 @@ fn evaluate<P: Plant>(
     t: f64,
     x: &[f64],
     u: &[f64],
+    inputs_only: bool,
 ) -> Result<(), Status> {
     let fault = |fault: Fault| Status::ModelFault(fault);
-    point.evaluate(plant, t, x, u).map_err(fault)?;
+    let end =
+        if inputs_only { point.evaluate_inputs(plant, t, x, u) } else { point.evaluate(plant, t, x, u) };
+    end.map_err(fault)?;
     check_finite(&point.f, t).map_err(fault)
 }
 

@@ -2,7 +2,7 @@
 
 use super::active_set::QuadraticProgram;
 use super::condense::{Columns, Elimination};
-use super::dense::{axpy, multiply_add};
+use super::dense::{Terms, axpy, multiply_add, padded};
 use super::plan::{Horizon, Plan};
 use super::status::Limit;
 use super::tracking::{Component, LinearLimit, Tracking};
@@ -23,6 +23,7 @@ pub struct Reduction {
     by_input: Vec<f64>,
     /// Residuals' derivatives by [1, du], residuals x columns.
     reduced: Vec<f64>,
+    terms: Terms,
     /// Meaning of each row of the program.
     pub meaning: Vec<Limit>,
 }
@@ -39,7 +40,8 @@ impl Reduction {
             r: vec![zero; residuals],
             by_state: vec![0.0; residuals * n],
             by_input: vec![0.0; residuals * m],
-            reduced: vec![0.0; residuals * (1 + (intervals + 1) * m)],
+            reduced: vec![0.0; residuals * padded(1 + (intervals + 1) * m)],
+            terms: Terms::new(n),
             meaning: Vec::with_capacity(rows),
         }
     }
@@ -81,7 +83,7 @@ impl Reduction {
     ) {
         let (n, m) = (self.horizon.states, self.horizon.inputs);
         let (count, size) = (tracking.residuals(node), qp.gradient.len());
-        let width = columns.through(node);
+        let (width, used) = (columns.width(node), columns.through(node));
         self.differentiate(tracking, plan, node, count);
         let reduced = &mut self.reduced[..count * width];
         for ((row, r), by_input) in
@@ -90,12 +92,13 @@ impl Reduction {
             row.fill(0.0);
             row[0] = r.re;
             if let Some(first) = columns.of(node) {
-                row[first..].copy_from_slice(by_input);
+                row[first..first + m].copy_from_slice(by_input);
             }
         }
-        multiply_add(reduced, 1.0, &self.by_state[..count * n], states.state(node, columns), width);
+        let by_state = &self.by_state[..count * n];
+        multiply_add(reduced, 1.0, by_state, states.state(node, columns), width, &mut self.terms);
         for row in reduced.chunks_exact(width) {
-            let (r, slope) = (row[0], &row[1..]);
+            let (r, slope) = (row[0], &row[1..used]);
             axpy(&mut qp.gradient, 2.0 * r, slope);
             for (i, s) in slope.iter().enumerate() {
                 axpy(&mut qp.hessian[i * size..][..=i], 2.0 * s, slope);
@@ -153,12 +156,12 @@ impl Reduction {
         self.meaning.clear();
         qp.rows.fill(0.0);
         for node in 1..=self.horizon.intervals {
-            let width = columns.through(node);
+            let (width, used) = (columns.width(node), columns.through(node));
             let (sensitivity, x) = (states.state(node, columns), plan.state(node));
             for (i, channel) in limited(channels[0]) {
                 let row = self.meaning.len();
                 let s = &sensitivity[i * width..][..width];
-                qp.rows[row * size..][..width - 1].copy_from_slice(&s[1..]);
+                qp.rows[row * size..][..used - 1].copy_from_slice(&s[1..used]);
                 let value = x[i] + s[0];
                 (qp.row_low[row], qp.row_high[row]) = (channel.low - value, channel.high - value);
                 self.meaning.push(Limit::State { channel: i, node });
@@ -171,7 +174,7 @@ impl Reduction {
                     match component {
                         Component::State(i) => {
                             let s = &sensitivity[i * width..][..width];
-                            axpy(entries, c, &s[1..]);
+                            axpy(entries, c, &s[1..used]);
                             value += c * (x[i] + s[0]);
                         }
                         Component::Input(j) => {

@@ -1,0 +1,118 @@
+//! Running times beside those of other programs, measured in the same run.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::tools;
+
+/// Rounds in which the programs take turns; the median of each counts.
+const ROUNDS: usize = 3;
+
+type Times = HashMap<String, f64>;
+
+/// Rows of the table: what, our name of it, the other program, its name of what it is compared with.
+const ROWS: [(&str, &str, &str, &str); 7] = [
+    ("forward dynamics, 10-dof tree", "forward_dynamics", "Pinocchio 4.1.0", "forward_dynamics"),
+    ("plant of Aerobat, paper, 9 strips", "plant_paper_9", "Pinocchio 4.1.0", "forward_dynamics"),
+    ("plant of Aerobat, full, 9 strips", "plant_full_9", "Pinocchio 4.1.0", "forward_dynamics"),
+    ("plant of Aerobat, paper, 16 strips", "plant_paper_16", "Pinocchio 4.1.0", "forward_dynamics"),
+    ("plant of Aerobat, full, 16 strips", "plant_full_16", "Pinocchio 4.1.0", "forward_dynamics"),
+    ("flapping wing F2, paper, per simulated second", "flap_f2_paper", "PteraSoftware 5.1.0", "flap_f2"),
+    ("flapping wing F2, full, per simulated second", "flap_f2_full", "PteraSoftware 5.1.0", "flap_f2"),
+];
+
+/// Makes the environment of the other programs, runs both sides in turns and prints the table.
+pub fn compare() -> bool {
+    let Some(python) = environment() else { return false };
+    let folder = tools::root().join("validation/multibody");
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        let bench = tools::cargo(&["bench", "--quiet", "--package", "wingbeat-validate", "--bench", "peers"]);
+        let tree = script(&python, "pinocchio_tree.py", &[&folder.to_string_lossy()]);
+        let (Some(bench), Some(tree)) = (times(bench), times(tree)) else { return false };
+        ours.push(bench);
+        theirs.push(tree);
+    }
+    let Some(flap) = times(script(&python, "pterasoftware_flap.py", &[])) else { return false };
+    theirs.push(flap);
+    print_table(&ours, &theirs);
+    true
+}
+
+/// Python with the other programs, in target/peers; none when it cannot be made.
+fn environment() -> Option<PathBuf> {
+    let folder = tools::root().join("target/peers");
+    let python = folder.join("bin/python");
+    if !python.exists() {
+        let mut make = Command::new("python3");
+        make.args(["-m", "venv"]).arg(&folder);
+        if !tools::succeeds(make) {
+            return None;
+        }
+    }
+    let mut install = Command::new(&python);
+    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
+    install.arg(peers().join("requirements.txt"));
+    tools::succeeds(install).then_some(python)
+}
+
+fn peers() -> PathBuf {
+    tools::root().join("crates/xtask/peers")
+}
+
+fn script(python: &PathBuf, name: &str, arguments: &[&str]) -> Command {
+    let mut command = Command::new(python);
+    // One thread, as ours.
+    command.arg(peers().join(name)).args(arguments).env("OMP_NUM_THREADS", "1");
+    command
+}
+
+/// The `name<TAB>seconds` lines that `command` prints; none when it fails.
+fn times(command: Command) -> Option<Times> {
+    Some(parse(&tools::output(command)?))
+}
+
+fn parse(text: &str) -> Times {
+    let line = |line: &str| {
+        let (name, seconds) = line.split_once('\t')?;
+        Some((name.to_string(), seconds.trim().parse().ok()?))
+    };
+    text.lines().filter_map(line).collect()
+}
+
+/// Median over the rounds that hold `name`.
+fn median(rounds: &[Times], name: &str) -> Option<f64> {
+    let mut found: Vec<f64> = rounds.iter().filter_map(|round| round.get(name).copied()).collect();
+    found.sort_by(f64::total_cmp);
+    found.get(found.len() / 2).copied()
+}
+
+fn print_table(ours: &[Times], theirs: &[Times]) {
+    println!("{:<46} {:>12} {:>34} {:>10}", "", "wingbeat", "", "theirs/ours");
+    for (what, own, program, other) in ROWS {
+        let (Some(a), Some(b)) = (median(ours, own), median(theirs, other)) else { continue };
+        println!("{what:<46} {:>12} {program:>21} {:>12} {:>11.2}", shown(a), shown(b), b / a);
+    }
+}
+
+fn shown(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{:.3} us", s * 1e6),
+        s if s < 1.0 => format!("{:.3} ms", s * 1e3),
+        s => format!("{s:.2} s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_come_from_lines_with_a_tab() {
+        let rounds = ["a\t1e-6\nnoise\nb\t2", "a\t3e-6", "a\t2e-6"].map(parse);
+        assert_eq!(median(&rounds, "a"), Some(2e-6));
+        assert_eq!(median(&rounds, "b"), Some(2.0));
+        assert_eq!(median(&rounds, "c"), None);
+    }
+}
