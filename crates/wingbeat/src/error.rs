@@ -30,3 +30,27 @@ impl Error {
         }
     }
 }
+
+/// Checks of numbers from a configuration, with the message of what is allowed.
+pub(crate) mod require {
+    use super::Error;
+
+    /// Finite and above 0.
+    pub fn positive(key: &str, value: f64) -> Result<(), Error> {
+        check(key, value, value > 0.0 && value.is_finite(), "a finite number above 0")
+    }
+
+    /// Finite, 0 or more.
+    pub fn not_negative(key: &str, value: f64) -> Result<(), Error> {
+        check(key, value, value >= 0.0 && value.is_finite(), "a finite number, 0 or more")
+    }
+
+    /// All finite.
+    pub fn finite(key: &str, values: &[f64]) -> Result<(), Error> {
+        values.iter().try_for_each(|&v| check(key, v, v.is_finite(), "finite numbers"))
+    }
+
+    fn check(key: &str, value: f64, good: bool, allowed: &str) -> Result<(), Error> {
+        if good { Ok(()) } else { Err(Error::invalid(key, value, allowed)) }
+    }
+}

@@ -26,3 +26,4 @@ pub mod tether;
 pub mod scenario;
 
 pub use error::Error;
+pub(crate) use error::require;

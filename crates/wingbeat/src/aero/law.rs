@@ -1,6 +1,8 @@
 //! Section laws: how lift saturates, and the profile drag.
 
+use crate::Error;
 use crate::math::Scalar;
+use crate::require;
 
 /// What becomes of the attached lift as the incidence grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -70,7 +72,21 @@ pub(super) struct SectionDrag<S> {
 /// Width of the smooth |sin| in the centre of pressure.
 const SINE_WIDTH: f64 = 0.02;
 
+/// Refuses stall angles outside (0, pi/2), rad.
+pub(super) fn check_stall_angle(angle: f64) -> Result<(), Error> {
+    if angle > 0.0 && angle < std::f64::consts::FRAC_PI_2 {
+        return Ok(());
+    }
+    Err(Error::invalid("stall_angle_rad", angle, "between 0 and pi/2"))
+}
+
 impl ProfileDrag {
+    /// Refuses negative coefficients.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        require::not_negative("drag.cd0", self.cd0)?;
+        require::not_negative("drag.cd90", self.cd90)
+    }
+
     /// Profile drag of a section that meets the wind (`uc`, `w`) at mid chord.
     ///
     /// Law `linear`: (cd0 + cd90 sin^2) along the wind, centre from 1/4 to 1/2

@@ -3,6 +3,7 @@
 use super::motion::LinkMotion;
 use crate::Error;
 use crate::math::{Mat3, Scalar, Vec3, Wrench};
+use crate::require;
 
 /// Constant inertia of a rigid body, with its principal axes found once so that
 /// turning it into other axes takes two outer products.
@@ -67,9 +68,7 @@ impl Inertia {
     /// [`Error::Invalid`] when the mass is negative or not finite, or the inertia is
     /// not symmetric, or its principal moments are negative or break the triangle inequality.
     pub(super) fn new(mass: f64, com: Vec3, inertia: Mat3) -> Result<Self, Error> {
-        if !(mass >= 0.0 && mass.is_finite()) {
-            return Err(Error::invalid("mass_kg", mass, "a finite number, zero or more"));
-        }
+        require::not_negative("mass_kg", mass)?;
         if !com.is_finite() {
             return Err(Error::invalid("com_m", format!("{:?}", com.0), "finite numbers"));
         }

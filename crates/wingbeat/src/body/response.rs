@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::math::{Jet, Scalar};
+use crate::require;
 use std::f64::consts::TAU;
 
 /// [y'; y''] = A [y; y'] + B omega for `n` displacements y and `m` commands omega.
@@ -38,12 +39,8 @@ impl Element {
     /// # Errors
     /// [`Error::Invalid`] when the frequency is not above zero or the damping negative.
     pub fn new(frequency_hz: f64, damping_ratio: f64) -> Result<Self, Error> {
-        if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
-            return Err(Error::invalid("frequency_hz", frequency_hz, "a finite number above zero"));
-        }
-        if !(damping_ratio >= 0.0 && damping_ratio.is_finite()) {
-            return Err(Error::invalid("damping_ratio", damping_ratio, "a finite number, zero or more"));
-        }
+        require::positive("frequency_hz", frequency_hz)?;
+        require::not_negative("damping", damping_ratio)?;
         let w = TAU * frequency_hz;
         Ok(Self { stiffness: w * w, damping: 2.0 * damping_ratio * w })
     }

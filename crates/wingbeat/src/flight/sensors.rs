@@ -5,6 +5,7 @@ use super::record::Column;
 use crate::Error;
 use crate::math::{Quat, Vec3};
 use crate::plant::Plant;
+use crate::require;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -43,10 +44,7 @@ impl SensorSpec {
             ("rate_rad_s", self.rate_rad_s),
             ("displacement", self.displacement),
         ];
-        match levels.iter().find(|(_, v)| !(*v >= 0.0 && v.is_finite())) {
-            Some((key, value)) => Err(Error::invalid(*key, value, "a finite number, 0 or more")),
-            None => Ok(()),
-        }
+        levels.iter().try_for_each(|(key, value)| require::not_negative(key, *value))
     }
 }
 

@@ -6,6 +6,7 @@ use crate::flight::{Column, Controller, Update};
 use crate::math::{Quat, Scalar, Vec3};
 use crate::ocp::realtime::{Plan, RealTime, Settings, Tracking};
 use crate::plant::{Channel, LocalChart, Plant};
+use crate::require;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -62,9 +63,8 @@ impl MpcSpec {
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
         let weights = &self.weights;
-        let deadline = self.deadline_s.unwrap_or(1.0);
         let positive =
-            [("period_s", self.period_s), ("interval_s", self.interval_s), ("deadline_s", deadline)];
+            [("period_s", self.period_s), ("interval_s", self.interval_s), ("weights.input", weights.input)];
         let weights = [
             ("weights.roll", weights.roll),
             ("weights.pitch", weights.pitch),
@@ -72,15 +72,9 @@ impl MpcSpec {
             ("weights.input_change", weights.input_change),
             ("weights.terminal", weights.terminal),
         ];
-        if let Some((key, value)) = positive.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
-            return Err(Error::invalid(*key, value, "a finite number above 0"));
-        }
-        if let Some((key, value)) = weights.iter().find(|(_, v)| !(*v >= 0.0 && v.is_finite())) {
-            return Err(Error::invalid(*key, value, "a finite number, 0 or more"));
-        }
-        if !(self.weights.input > 0.0 && self.weights.input.is_finite()) {
-            return Err(Error::invalid("weights.input", self.weights.input, "a finite number above 0"));
-        }
+        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
+        weights.iter().try_for_each(|(key, value)| require::not_negative(key, *value))?;
+        self.deadline_s.map_or(Ok(()), |deadline| require::positive("deadline_s", deadline))?;
         for (key, value) in [("intervals", self.intervals), ("iterations", self.iterations)] {
             if value == 0 {
                 return Err(Error::invalid(key, value, "at least 1"));

@@ -5,6 +5,7 @@ use crate::Error;
 use crate::aero::PlanformStation;
 use crate::body::{Coupled, Element, FourierSeries, Gait, Linkage, LinkageDimensions, Response};
 use crate::plant::Channel;
+use crate::require::{finite, not_negative, positive};
 use serde::{Deserialize, Serialize};
 
 /// A robot: body, left wing (the right one mirrors it), gait, structure.
@@ -341,20 +342,4 @@ impl ElementSpec {
             _ => "rad/s",
         }
     }
-}
-
-fn positive(key: &str, value: f64) -> Result<(), Error> {
-    check(key, value, value > 0.0 && value.is_finite(), "a finite number above 0")
-}
-
-fn not_negative(key: &str, value: f64) -> Result<(), Error> {
-    check(key, value, value >= 0.0 && value.is_finite(), "a finite number, 0 or more")
-}
-
-fn finite(key: &str, values: &[f64]) -> Result<(), Error> {
-    values.iter().try_for_each(|&v| check(key, v, v.is_finite(), "finite numbers"))
-}
-
-fn check(key: &str, value: f64, good: bool, allowed: &str) -> Result<(), Error> {
-    if good { Ok(()) } else { Err(Error::invalid(key, value, allowed)) }
 }

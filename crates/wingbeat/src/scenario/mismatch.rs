@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::body::FourierSeries;
+use crate::require;
 use crate::robot::{GaitSpec, LinkSpec, RobotSpec};
 use serde::{Deserialize, Serialize};
 
@@ -55,10 +56,10 @@ impl Mismatch {
             ("gait_amplitude", self.gait_amplitude),
             ("regulator_bandwidth", self.regulator_bandwidth),
         ];
-        match factors.iter().find(|(_, f)| !(*f > 0.0 && f.is_finite())) {
-            Some((key, value)) => Err(Error::invalid(*key, value, "a finite factor above 0")),
-            None => Ok(()),
-        }
+        require::finite("com_x_m", &[self.com_x_m])?;
+        require::finite("com_y_m", &[self.com_y_m])?;
+        require::finite("com_z_m", &[self.com_z_m])?;
+        factors.iter().try_for_each(|(key, factor)| require::positive(key, *factor))
     }
 
     /// The robot as it really is.

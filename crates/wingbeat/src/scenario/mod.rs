@@ -27,6 +27,7 @@ use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag,
 use crate::flight::{AtRest, Controller, Ending, Flight, Record, Sample, Schedule, Sensed, fly};
 use crate::guide::Mpc;
 use crate::math::{Quat, Vec3};
+use crate::require;
 use crate::robot::{Air, Robot, RobotSpec, Wind};
 use recorder::Recorder;
 use std::ops::ControlFlow;
@@ -163,13 +164,9 @@ impl Scenario {
 
 impl ScenarioSpec {
     fn check(&self) -> Result<(), Error> {
-        let density = self.air.density_kg_m3;
-        if !(density > 0.0 && density.is_finite()) {
-            return Err(Error::invalid("air.density_kg_m3", density, "a finite number above 0"));
-        }
-        if !(self.air.gust_m_s >= 0.0 && self.air.gust_m_s.is_finite()) {
-            return Err(Error::invalid("air.gust_m_s", self.air.gust_m_s, "a finite number, 0 or more"));
-        }
+        require::positive("air.density_kg_m3", self.air.density_kg_m3)?;
+        require::finite("air.wind_m_s", &self.air.wind_m_s)?;
+        require::not_negative("air.gust_m_s", self.air.gust_m_s)?;
         if let Some(sensors) = &self.sensors {
             sensors.check().map_err(|e| e.within("sensors"))?;
         }
@@ -213,9 +210,7 @@ impl ScenarioSpec {
     fn schedule(&self) -> Result<Schedule, Error> {
         let flight = &self.flight;
         let step = flight.step_s;
-        if !(step > 0.0 && step.is_finite()) {
-            return Err(Error::invalid("flight.step_s", step, "a finite number above 0"));
-        }
+        require::positive("flight.step_s", step)?;
         let whole = |key: &str, time: f64| {
             let steps = (time / step).round();
             if steps >= 1.0 && (steps * step - time).abs() <= 1e-9 * time {

@@ -7,6 +7,7 @@ use crate::aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
 use crate::flight::Ending;
 use crate::math::{Jet, RK4, Vec3, Workspace};
 use crate::plant::Fault;
+use crate::require;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 
@@ -121,9 +122,7 @@ impl Tether {
             ("air.density_kg_m3", self.reference.density_kg_m3),
         ];
         for (key, value) in positive {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::invalid(key, value, "a finite number above 0"));
-            }
+            require::positive(key, value)?;
         }
         for (key, value, least) in
             [("time.cycles", self.clock.cycles, 1), ("time.steps_per_cycle", self.clock.steps_per_cycle, 8)]

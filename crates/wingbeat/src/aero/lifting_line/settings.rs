@@ -1,7 +1,9 @@
 //! What the lifting line is made of.
 
 use crate::Error;
+use crate::aero::law::check_stall_angle;
 use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
+use crate::require;
 use std::f64::consts::PI;
 
 /// What the lifting line is made of.
@@ -56,19 +58,9 @@ impl LiftingLineSettings {
             ("chord_floor_m", self.chord_floor_m),
             ("density_kg_m3", self.density_kg_m3),
         ];
-        for (key, value) in positive {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::invalid(key, value, "a finite number above 0"));
-            }
-        }
-        for (key, value) in [("drag.cd0", self.drag.cd0), ("drag.cd90", self.drag.cd90)] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::invalid(key, value, "a finite number, 0 or more"));
-            }
-        }
-        if !(self.stall_angle_rad > 0.0 && self.stall_angle_rad < PI / 2.0) {
-            return Err(Error::invalid("stall_angle_rad", self.stall_angle_rad, "between 0 and pi/2"));
-        }
+        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
+        self.drag.check()?;
+        check_stall_angle(self.stall_angle_rad)?;
         if !(3..=MAX_STRIPS).contains(&self.nodes) {
             return Err(Error::invalid("nodes", self.nodes, format!("3 to {MAX_STRIPS}")));
         }

@@ -3,9 +3,10 @@
 
 use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
 use crate::Error;
+use crate::aero::law::check_stall_angle;
 use crate::aero::{LiftLaw, ProfileDrag};
+use crate::require;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
 /// Which set of lags the model carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,19 +89,9 @@ impl StripSettings {
     pub(super) fn check(&self) -> Result<(), Error> {
         let positive =
             [("density_kg_m3", self.density_kg_m3), ("regularisation_m_s", self.regularisation_m_s)];
-        for (key, value) in positive {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::invalid(key, value, "a finite number above 0"));
-            }
-        }
-        for (key, value) in [("drag.cd0", self.drag.cd0), ("drag.cd90", self.drag.cd90)] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::invalid(key, value, "a finite number, 0 or more"));
-            }
-        }
-        if !(self.stall_angle_rad > 0.0 && self.stall_angle_rad < PI / 2.0) {
-            return Err(Error::invalid("stall_angle_rad", self.stall_angle_rad, "between 0 and pi/2"));
-        }
+        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
+        self.drag.check()?;
+        check_stall_angle(self.stall_angle_rad)?;
         Ok(())
     }
 }
