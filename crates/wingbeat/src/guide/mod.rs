@@ -1,7 +1,12 @@
-//! Guidance: what to fly and the predictive controller that flies it.
+//! Guidance: what to fly, the predictive controller that flies it, and
+//! manoeuvres planned offline.
 
 mod manoeuvre;
 mod mpc;
+mod playback;
+mod roll_in;
 
-pub use manoeuvre::{Manoeuvre, Reference, angle_error};
+pub use manoeuvre::{Manoeuvre, Reference, Track, angle_error};
 pub use mpc::{Mpc, MpcSpec, Weights};
+pub use playback::Playback;
+pub use roll_in::{RollIn, RollInSpec};

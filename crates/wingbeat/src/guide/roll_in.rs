@@ -1,0 +1,245 @@
+//! The quickest way from level flight into a banked turn, planned offline.
+
+use super::manoeuvre::{Track, angle_error};
+use crate::Error;
+use crate::math::{RK4, Scalar, Workspace};
+use crate::ocp::interior_point::Options;
+use crate::ocp::{
+    Ends, Instant, Limits, OptimalControl, Optimum, Progress, Refinement, Setup, Trajectory, optimise,
+};
+use crate::plant::{Channel, Fault, LocalChart, Plant};
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+/// Steps per second of the flight with resting regulators that serves as the guess.
+const GUESS_RATE: f64 = 2000.0;
+/// Samples of the guess.
+const GUESS_SAMPLES: usize = 200;
+
+/// Goal and effort of a roll-in.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RollInSpec {
+    /// Start of the roll-in, s; the scenario is flown up to there.
+    pub start_s: f64,
+    /// Bank at its end, deg; positive is right wing down.
+    pub roll_deg: f64,
+    /// Pitch at its end, deg; negative is nose up.
+    pub pitch_deg: f64,
+    /// How far the pitch may be off, deg.
+    pub pitch_within_deg: f64,
+    /// Largest angular rate about each body axis, and largest rate of each
+    /// structure element, at the end, rad/s.
+    pub rate_within_rad_s: f64,
+    /// Largest displacement of each structure element at the end, as a share
+    /// of what its input may command: a body that is only turned by the
+    /// reaction to its moving wings turns back with them.
+    pub displacement_within: f64,
+    /// Longest duration, s.
+    pub longest_s: f64,
+    /// Cost of an input at its limit, seconds per second.
+    pub effort: f64,
+    /// Intervals of the first mesh.
+    pub intervals: usize,
+    /// Most meshes.
+    pub meshes: usize,
+    /// Largest error of an interval, relative.
+    pub tolerance: f64,
+    /// Most wall time, s.
+    pub time_limit_s: f64,
+}
+
+impl RollInSpec {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = [
+            ("longest_s", self.longest_s),
+            ("pitch_within_deg", self.pitch_within_deg),
+            ("rate_within_rad_s", self.rate_within_rad_s),
+            ("displacement_within", self.displacement_within),
+            ("effort", self.effort),
+            ("tolerance", self.tolerance),
+            ("time_limit_s", self.time_limit_s),
+        ];
+        if let Some((key, value)) = positive.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
+            return Err(Error::invalid(*key, value, "a finite number above 0"));
+        }
+        if !(self.start_s >= 0.0 && self.start_s.is_finite()) {
+            return Err(Error::invalid("start_s", self.start_s, "a finite number, 0 or more"));
+        }
+        for (key, value) in [("roll_deg", self.roll_deg), ("pitch_deg", self.pitch_deg)] {
+            if !(value.abs() < 80.0) {
+                return Err(Error::invalid(key, value, "between -80 and 80"));
+            }
+        }
+        for (key, value) in [("intervals", self.intervals), ("meshes", self.meshes)] {
+            if value == 0 {
+                return Err(Error::invalid(key, value, "at least 1"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The minimum-time roll-in of any plant with an attitude and the angular
+/// rate `w_WB_B` among its states: min t_f + effort integral |u|^2.
+pub struct RollIn<'a, P: Plant> {
+    chart: LocalChart<'a, P>,
+    spec: RollInSpec,
+    start: Vec<f64>,
+    rate: usize,
+    half_ranges: Vec<f64>,
+    /// Structure elements at rest at the end: state and its size then.
+    settled: Vec<(usize, f64)>,
+}
+
+impl<'a, P: Plant> RollIn<'a, P> {
+    /// The roll-in of `plant` from its state `x` at `spec.start_s`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is out of range or the plant has no
+    /// attitude or angular rate.
+    pub fn new(plant: &'a P, x: &[f64], spec: &RollInSpec) -> Result<Self, Error> {
+        spec.check()?;
+        let mut chart = LocalChart::new(plant);
+        chart.center_at(x);
+        let missing = |what: &str| Error::invalid("plant", what, "a plant with attitude and angular rate");
+        chart.rotation().ok_or_else(|| missing("no attitude"))?;
+        let rate = chart.states().iter().position(|c| c.name == "w_WB_B_x");
+        let mut start = vec![0.0; chart.states().len()];
+        chart.localise(x, &mut start);
+        let half_ranges: Vec<f64> = plant.inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
+        Ok(Self {
+            settled: settled(chart.states(), &half_ranges, spec),
+            rate: rate.ok_or_else(|| missing("no angular rate w_WB_B_x"))?,
+            half_ranges,
+            spec: spec.clone(),
+            start,
+            chart,
+        })
+    }
+
+    /// Plans the roll-in; `observer` sees every iteration and mesh.
+    ///
+    /// # Errors
+    /// The [`Fault`] of the flight with resting regulators that is the guess.
+    pub fn plan(&self, observer: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Optimum, Fault> {
+        let time = Duration::from_secs_f64(self.spec.time_limit_s);
+        let refinement = Refinement {
+            intervals: self.spec.intervals,
+            tolerance: self.spec.tolerance,
+            objective_tolerance: 1e-3,
+            meshes: self.spec.meshes,
+            solver: Options {
+                time,
+                iterations: 300,
+                tolerance: 1e-6,
+                complementarity: 1e-7,
+                acceptable: 1e-4,
+                ..Options::default()
+            },
+            ..Refinement::default()
+        };
+        Ok(optimise(self, &self.guess()?, &refinement, observer))
+    }
+
+    /// Flight with resting regulators over a third of the longest duration.
+    fn guess(&self) -> Result<Trajectory, Fault> {
+        let duration = self.spec.longest_s / 3.0;
+        let steps = ((duration * GUESS_RATE).ceil() as usize).max(1);
+        let every = (steps / GUESS_SAMPLES).max(1);
+        let (h, rest) = (duration / steps as f64, vec![0.0; self.half_ranges.len()]);
+        let (mut x, mut out) = (self.start.clone(), Trajectory::default());
+        let mut work = Workspace::new(x.len(), RK4.b.len());
+        for i in 0..=steps {
+            let t = self.spec.start_s + i as f64 * h;
+            if i % every == 0 || i == steps {
+                out.t.push(t);
+                out.x.push(x.clone());
+                out.u.push(rest.clone());
+            }
+            let rates = |t: f64, x: &[f64], dx: &mut [f64]| self.chart.rates(t, x, &rest, dx);
+            RK4.step(rates, t, h, &mut x, &mut work)?;
+        }
+        Ok(out)
+    }
+
+    /// The attitude and rates of a planned trajectory, for a controller to follow.
+    pub fn track(&self, trajectory: &Trajectory) -> Track {
+        let mut track = Track { time_s: trajectory.t.clone(), ..Track::default() };
+        for x in &trajectory.x {
+            let angles = self.chart.rotation_matrix(x).roll_pitch_yaw();
+            track.roll_rad.push(angles[0]);
+            track.pitch_rad.push(angles[1]);
+            track.rate_rad_s.push([x[self.rate], x[self.rate + 1], x[self.rate + 2]]);
+        }
+        track
+    }
+
+    /// Roll, pitch and yaw of a local state, rad.
+    pub fn angles(&self, local: &[f64]) -> [f64; 3] {
+        self.chart.rotation_matrix(local).roll_pitch_yaw().0
+    }
+}
+
+impl<P: Plant> OptimalControl for RollIn<'_, P> {
+    fn setup(&self) -> Setup {
+        let spec = &self.spec;
+        let start: Vec<Limits> = self.start.iter().map(|&x| [x, x]).collect();
+        let (soonest, latest) = (spec.start_s + 0.02 * spec.longest_s, spec.start_s + spec.longest_s);
+        let mut setup =
+            Setup::new(self.chart.states().to_vec(), self.chart.inputs().to_vec(), [soonest, latest]);
+        setup.times[0] = [spec.start_s; 2];
+        setup.start = start;
+        let end = |name: &str, unit, frame, size: f64| {
+            Channel::limited(format!("final {name}"), unit, frame, -size, size)
+        };
+        setup.ends = vec![end("roll error", "rad", "WB", 0.0)];
+        setup.ends.push(end("pitch error", "rad", "WB", spec.pitch_within_deg.to_radians()));
+        let rates =
+            ["x", "y", "z"].map(|axis| end(&format!("w_WB_B_{axis}"), "rad/s", "B", spec.rate_within_rad_s));
+        setup.ends.extend(rates);
+        let states = self.chart.states();
+        setup
+            .ends
+            .extend(self.settled.iter().map(|&(i, size)| end(&states[i].name, states[i].unit, "", size)));
+        setup
+    }
+
+    fn rates<S: Scalar>(&self, at: Instant<S>, dx: &mut [S]) -> Result<(), Fault> {
+        self.chart.rates(at.t, at.x, at.u, dx)
+    }
+
+    fn running_cost<S: Scalar>(&self, at: Instant<S>) -> S {
+        let share = |(u, half): (&S, &f64)| (*u * (1.0 / half)).squared();
+        at.u.iter().zip(&self.half_ranges).map(share).fold(S::ZERO, |sum, s| sum + s) * self.spec.effort
+    }
+
+    fn end_cost<S: Scalar>(&self, ends: Ends<S>) -> S {
+        ends.t[1]
+    }
+
+    fn constrain_ends<S: Scalar>(&self, ends: Ends<S>, values: &mut [S]) {
+        let x = ends.x[1];
+        let angles = self.chart.rotation_matrix(x).roll_pitch_yaw();
+        values[0] = angle_error(angles[0], self.spec.roll_deg.to_radians());
+        values[1] = angle_error(angles[1], self.spec.pitch_deg.to_radians());
+        values[2..5].copy_from_slice(&x[self.rate..self.rate + 3]);
+        for (value, &(i, _)) in values[5..].iter_mut().zip(&self.settled) {
+            *value = x[i];
+        }
+    }
+}
+
+/// The structure elements' displacements and rates among the states, and how
+/// large they may be at the end.
+fn settled(states: &[Channel], half_ranges: &[f64], spec: &RollInSpec) -> Vec<(usize, f64)> {
+    let named = |prefix: &'static str| (0..states.len()).filter(move |&i| states[i].name.starts_with(prefix));
+    let displacements =
+        named("displacement_").zip(half_ranges).map(|(i, h)| (i, spec.displacement_within * h));
+    displacements.chain(named("rate_").map(|i| (i, spec.rate_within_rad_s))).collect()
+}
