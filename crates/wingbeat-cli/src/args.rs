@@ -21,6 +21,7 @@ pub enum Command {
     Fly(Fly),
     Sweep(Sweep),
     Tether(Tether),
+    Plan(Plan),
     Validate(Validate),
 }
 
@@ -59,6 +60,19 @@ pub struct Tether {
     /// The case
     #[arg(value_name = "CASE.toml")]
     pub case: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Plan a scenario's manoeuvre offline, in least time
+///
+/// The scenario's [plan] says what. The folder holds what `fly` writes, from the open-loop flight of the
+/// plan, and track.toml: the scenario with the plan as the controller's reference, for `fly`.
+#[derive(Debug, Args)]
+pub struct Plan {
+    /// The scenario
+    #[arg(value_name = "SCENARIO.toml")]
+    pub scenario: PathBuf,
     #[command(flatten)]
     pub run: Run,
 }

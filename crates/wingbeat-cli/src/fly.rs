@@ -67,7 +67,7 @@ fn progress(duration: f64, quiet: bool) -> ProgressBar {
 }
 
 /// Draws what the record has the columns for; what it has not is said and left out.
-fn draw(folder: &RunFolder, record: &Record, interrupt: &Interrupt) -> Result<(), Error> {
+pub fn draw(folder: &RunFolder, record: &Record, interrupt: &Interrupt) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
     for draw in wingbeat_figures::FLIGHT {
         interrupt.check()?;

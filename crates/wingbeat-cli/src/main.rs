@@ -6,6 +6,7 @@ mod fly;
 mod interrupt;
 mod manifest;
 mod outcome;
+mod plan;
 #[cfg(test)]
 mod reference;
 mod run_folder;
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
         Command::Fly(arguments) => fly::fly(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Tether(arguments) => tether::tether(&arguments),
+        Command::Plan(arguments) => plan::plan(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
     };
     match outcome {

@@ -243,3 +243,66 @@ fn settled(states: &[Channel], half_ranges: &[f64], spec: &RollInSpec) -> Vec<(u
         named("displacement_").zip(half_ranges).map(|(i, h)| (i, spec.displacement_within * h));
     displacements.chain(named("rate_").map(|i| (i, spec.rate_within_rad_s))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Quat, Vec3};
+
+    /// A body of unit inertia turned by three torques.
+    struct Top {
+        states: Vec<Channel>,
+        inputs: Vec<Channel>,
+    }
+
+    impl Plant for Top {
+        fn states(&self) -> &[Channel] {
+            &self.states
+        }
+        fn inputs(&self) -> &[Channel] {
+            &self.inputs
+        }
+        fn attitude(&self) -> Option<usize> {
+            Some(0)
+        }
+        fn rates<S: Scalar>(&self, _: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+            let w = Vec3::from_slice(&x[4..]);
+            Quat::from_wxyz(x).rate(w).store_wxyz(dx);
+            dx[4..7].copy_from_slice(u);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_free_body_takes_the_time_of_full_torque_and_full_counter_torque() {
+        let names = ["quat_w", "quat_x", "quat_y", "quat_z", "w_WB_B_x", "w_WB_B_y", "w_WB_B_z"];
+        let top = Top {
+            states: names.map(|n| Channel::free(n, "", "")).into(),
+            inputs: ["x", "y", "z"].map(|n| Channel::limited(n, "N m", "B", -1.0, 1.0)).into(),
+        };
+        let spec = RollInSpec {
+            start_s: 0.25,
+            roll_deg: 15.0,
+            pitch_deg: 0.0,
+            pitch_within_deg: 1.0,
+            rate_within_rad_s: 1e-6,
+            displacement_within: 1.0,
+            longest_s: 4.0,
+            effort: 1e-4,
+            intervals: 20,
+            meshes: 4,
+            tolerance: 1e-5,
+            time_limit_s: 20.0,
+        };
+        let x = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let problem = RollIn::new(&top, &x, &spec).unwrap();
+        let optimum = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap();
+        assert!(optimum.status.is_success(), "{}", optimum.status);
+        let points = optimum.solution.unwrap().points;
+        let duration = points.t[points.t.len() - 1] - spec.start_s;
+        assert!((duration - 2.0 * 15_f64.to_radians().sqrt()).abs() < 2e-3, "{duration}");
+        let track = problem.track(&points);
+        track.check().unwrap();
+        assert!((track.roll_rad[track.roll_rad.len() - 1] - 15_f64.to_radians()).abs() < 1e-6);
+    }
+}

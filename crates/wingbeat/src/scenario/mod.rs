@@ -2,6 +2,7 @@
 
 mod document;
 mod mismatch;
+mod plan;
 mod recorder;
 mod spec;
 mod summary;
@@ -11,6 +12,7 @@ mod tether_spec;
 
 pub use document::{ConfigError, Document, Place, Problem};
 pub use mismatch::Mismatch;
+pub use plan::{PlanSpec, PlanSummary, Planned};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };
@@ -172,6 +174,12 @@ impl ScenarioSpec {
         }
         if let Some(mismatch) = &self.mismatch {
             mismatch.check().map_err(|e| e.within("mismatch"))?;
+        }
+        if let Some(track) = self.manoeuvre.as_ref().and_then(|m| m.track.as_ref()) {
+            track.check().map_err(|e| e.within("manoeuvre.track"))?;
+        }
+        if let Some(plan) = &self.plan {
+            plan.roll_in.check().map_err(|e| e.within("plan.roll_in"))?;
         }
         if self.controller.is_some() && self.manoeuvre.is_none() {
             return Err(Error::invalid("controller", "given", "a manoeuvre to fly: add [manoeuvre]"));

@@ -1,6 +1,7 @@
 //! What a scenario file says, before it is checked and built.
 
 use super::mismatch::Mismatch;
+use super::plan::PlanSpec;
 use crate::aero::{LagSet, LiftLaw, StripSettings};
 use crate::flight::SensorSpec;
 use crate::guide::{Manoeuvre, MpcSpec};
@@ -29,6 +30,9 @@ pub struct ScenarioSpec {
     /// What to fly; needed by a controller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub manoeuvre: Option<Manoeuvre>,
+    /// What `wingbeat plan` plans.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan: Option<PlanSpec>,
     /// Predictive controller; without it every regulator rests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller: Option<MpcSpec>,

@@ -241,7 +241,7 @@ impl<'a> Solver<'a> {
 
     /// Lowers the barrier while its problem is solved well enough.
     fn lower_barrier(&mut self) {
-        let least = self.options.complementarity / 10.0;
+        let least = self.options.complementarity.min(self.options.tolerance) / 10.0;
         while self.mu > least && self.errors(self.mu).largest() <= BARRIER_ERROR * self.mu {
             self.mu = least.max((BARRIER_FACTOR * self.mu).min(self.mu.powf(BARRIER_POWER)));
             self.filter.clear();
