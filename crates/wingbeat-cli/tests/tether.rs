@@ -79,7 +79,7 @@ fn bad_input_is_one_message_and_no_folder() {
         ("time.cycles=0", "1 or more"),
         ("wing.cd0=nan", "finite"),
         ("wing.hinges[0].arc_m=9.0", "the tip"),
-        ("aero.paper.nodes=2", "nodes"),
+        ("aero.full.strips=0", "strips"),
     ] {
         let output = tether(&folder, &cases().join("flap_f2.toml"), &["--set", set]);
         let message = String::from_utf8(output.stderr).unwrap();

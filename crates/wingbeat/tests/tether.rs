@@ -27,23 +27,19 @@ fn mean(run: &TetherRun, name: &str) -> f64 {
 }
 
 #[test]
-fn every_case_runs() {
+fn every_case_runs_with_every_preset() {
     for name in ["step", "plunge", "pitch", "flap_f1", "flap_f2", "flap_fold", "scherer", "aerobat_stand"] {
-        let run = run(name, &[]);
-        println!(
-            "{name} CL {} CD {} CM {} stall {}",
-            mean(&run, "CL"),
-            mean(&run, "CD"),
-            mean(&run, "CM"),
-            run.stall_fraction
-        );
-        assert!(run.loads.columns().iter().all(|c| c.values.iter().all(|v| v.is_finite())), "{name}");
+        for preset in PRESETS {
+            let run = run(name, &[&format!("aero.preset={preset}")]);
+            let finite = run.loads.columns().iter().all(|c| c.values.iter().all(|v| v.is_finite()));
+            assert!(finite, "{name} {preset}");
+        }
     }
 }
 
 #[test]
 fn a_sudden_start_ends_near_the_steady_lift() {
-    let run = run("step", &[]);
+    let run = run("step", &["aero.preset=paper"]);
     let lift = run.loads.values("CL").unwrap();
     let alpha = 5.0_f64.to_radians();
     // Lifting line of the rectangle of aspect ratio 4, 200 terms; the start is Wagner's half.

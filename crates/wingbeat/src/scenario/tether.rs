@@ -91,6 +91,7 @@ impl TetherSpec {
         let planform = Planform::new(&self.wing.planform).map_err(|e| e.within("wing"))?;
         let drag = ProfileDrag { cd0: self.wing.cd0, cd90: self.wing.cd90 };
         let arcs: Vec<f64> = self.wing.hinges.iter().map(|h| h.arc_m).filter(|arc| *arc > 0.0).collect();
+        let wing = self.wing.build(planform.clone())?;
         let aero = self.aero.build(&planform, &arcs, drag, self.wind.density_kg_m3)?;
         let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
         let area = planform.area() * halves;
@@ -101,7 +102,7 @@ impl TetherSpec {
                 area_m2: self.reference.area_m2.unwrap_or(area),
                 chord_m: self.reference.chord_m.unwrap_or(area / (2.0 * halves * planform.half_span())),
             },
-            wing: self.wing.build(planform)?,
+            wing,
             motion: self.motion(folder, read)?,
             aero,
             wind: self.wind.velocity(),
