@@ -11,23 +11,31 @@ pub fn write() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--package", "wingbeat-cli", "reference"]);
     reference.env("WINGBEAT_WRITE_DOCS", "1");
-    tools::succeeds(reference) && banking_turn() && comparisons()
+    tools::succeeds(reference) && banking_turns() && comparisons()
 }
 
-/// Flies the banking turn and puts its table and picture into the README.
-fn banking_turn() -> bool {
+/// Flies the banking turn with both aerodynamic presets and puts tables and
+/// picture into the README.
+fn banking_turns() -> bool {
+    banking_turn("banking turn", "paper", true) && banking_turn("banking turn, full", "full", false)
+}
+
+/// Flies the banking turn with an aerodynamic preset and puts its table at `mark`.
+fn banking_turn(mark: &str, preset: &str, picture: bool) -> bool {
     let root = tools::root();
     let run = root.join("target/banking_turn");
     let _ = fs::remove_dir_all(&run);
     let mut command =
         tools::cargo(&["run", "--release", "--quiet", "--", "fly", "scenarios/banking_turn.toml"]);
-    command.arg("--out").arg(&run);
+    command.arg("--set").arg(format!("aero.preset={preset}")).arg("--out").arg(&run);
     let Some(output) = tools::output(command) else { return false };
     let table = output.split("\nrun folder").next().unwrap_or("").trim_end();
     let images = root.join("docs/images");
-    let copied = fs::create_dir_all(&images)
-        .and_then(|()| fs::copy(run.join("figures/path.png"), images.join("banking_turn.png")));
-    copied.is_ok() && put("banking turn", &format!("```text\n{table}\n```"))
+    let copied = !picture
+        || fs::create_dir_all(&images)
+            .and_then(|()| fs::copy(run.join("figures/path.png"), images.join("banking_turn.png")))
+            .is_ok();
+    copied && put(mark, &format!("```text\n{table}\n```"))
 }
 
 /// Runs every comparison and puts the table into the README.
