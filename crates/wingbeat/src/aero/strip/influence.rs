@@ -52,6 +52,13 @@ pub(super) struct Trailing<S, const N: usize> {
     far: Column<S, N>,
 }
 
+impl<S: Scalar, const N: usize> Trailing<S, N> {
+    const ZERO: Self = {
+        let zero = [S::ZERO; N];
+        Self { to_bound: zero, to_trailing: zero, leg: zero, wake: zero, far: zero }
+    };
+}
+
 /// Normal wash of a strip's vortex of unit strength on all strips.
 pub(super) struct Wash<S, const N: usize> {
     /// Closed ring from the quarter chord to the trailing edge.
@@ -62,24 +69,58 @@ pub(super) struct Wash<S, const N: usize> {
     pub far: Matrix<S, N>,
 }
 
-/// 1/x, falling to zero below `core2`: x / (x^2 + core^4). It differs from 1/x
-/// by (core2/x)^2, which the vortex's own strips hardly feel.
-#[inline(always)]
-fn cored<S: Scalar>(x: S, core2: f64) -> S {
-    x / (x * x + core2 * core2)
+/// A quotient whose division waits, so that several share one.
+#[derive(Clone, Copy)]
+struct Ratio<S> {
+    above: S,
+    below: S,
 }
 
-/// Normal velocity of a straight vortex of unit strength between two points
-/// from which r1 and r2 lead to the target:
-/// n . (r1 x r2) (|r1| + |r2|) / (4 pi |r1| |r2| (|r1| |r2| + r1.r2)), regular on
-/// the extension of the segment.
+/// x / y, falling to zero below `core2`: x y / (y^2 + core2^2). It differs from x / y
+/// by (core2 / y)^2, which the vortex's own strips hardly feel.
+#[inline(always)]
+fn cored<S: Scalar>(x: S, y: S, core2: f64) -> Ratio<S> {
+    Ratio { above: x * y, below: y.mul_add(y, S::from(core2 * core2)) }
+}
+
+/// a . b + c with fused products.
+#[inline(always)]
+fn fused<S: Scalar>(a: Vec3<S>, b: Vec3<S>, c: S) -> S {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul_add(b[2], c)))
+}
+
+/// a x b with fused products.
+#[inline(always)]
+fn cross<S: Scalar>(a: Vec3<S>, b: Vec3<S>) -> Vec3<S> {
+    let part = |j: usize, k: usize| a[j].mul_add(b[k], -(a[k] * b[j]));
+    Vec3([part(1, 2), part(2, 0), part(0, 1)])
+}
+
+/// Normal velocity of a straight vortex of unit strength along `d`, from whose ends r1 and
+/// r2 = r1 - d lead to the target at the distances a and b:
+/// n . (d x r1) (a + b) / (4 pi a b (a b + r1.r2)), regular on the extension of the segment.
 ///
 /// Equation: aero.strip.segment
 #[inline(always)]
-fn segment<S: Scalar>(r1: Vec3<S>, r2: Vec3<S>, a: S, b: S, n: Vec3<S>, core2: f64) -> S {
+fn segment<S: Scalar>(
+    d: Vec3<S>,
+    r1: Vec3<S>,
+    r2: Vec3<S>,
+    [a, b]: [S; 2],
+    n: Vec3<S>,
+    core2: f64,
+) -> Ratio<S> {
     let ab = a * b;
-    let g = ab + r1.dot(r2);
-    n.dot(r1.cross(r2)) * (a + b) * g / (ab * (g * g + core2 * core2)) * INVERSE_4PI
+    let turn = fused(cross(n, d), r1, S::ZERO) * INVERSE_4PI;
+    let Ratio { above, below } = cored(turn * (a + b), fused(r1, r2, ab), core2);
+    Ratio { above, below: below * ab }
+}
+
+/// Both quotients by one division.
+#[inline(always)]
+fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
+    let inverse = (p.below * q.below).recip();
+    (p.above * q.below * inverse, q.above * p.below * inverse)
 }
 
 impl<S: Scalar, const N: usize> Targets<S, N> {
@@ -96,25 +137,27 @@ impl<S: Scalar, const N: usize> Targets<S, N> {
     /// u x r / (2 pi |r_perp|^2).
     ///
     /// Equation: aero.strip.trailing_vortex
-    fn trailing(&self, edge: &Edge<S>, core2: f64) -> Trailing<S, N> {
-        let zero = [S::ZERO; N];
-        let mut out = Trailing { to_bound: zero, to_trailing: zero, leg: zero, wake: zero, far: zero };
-        let u = edge.wake;
+    fn trailing(&self, edge: &Edge<S>, core2: f64, out: &mut Trailing<S, N>) {
+        let (u, chord) = (edge.wake, edge.trailing - edge.bound);
+        let least = S::from(core2 * 1e-6);
         for i in 0..N {
             let (p, n) = (self.control.get(i), self.normal.get(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
-            let a = (ra.norm_squared() + core2 * 1e-6).sqrt();
-            let b = (rt.norm_squared() + core2 * 1e-6).sqrt();
+            let (a, b) = (fused(ra, ra, least).sqrt(), fused(rt, rt, least).sqrt());
+            let leg = segment(chord, ra, rt, [a, b], n, core2);
+            let around = cross(n, u);
+            let wake = cored(fused(around, rt, S::ZERO), b * (b - fused(u, rt, S::ZERO)), core2);
+            let r = self.bound.get(i) - edge.bound;
+            let ahead = fused(r, u, S::ZERO);
+            let off2 = fused(r, r, -(ahead * ahead));
+            let far = cored(fused(around, r, S::ZERO), off2, core2);
+            let (both, far) = divide(Ratio { above: S::ONE, below: leg.below * wake.below }, far);
             out.to_bound[i] = a;
             out.to_trailing[i] = b;
-            out.leg[i] = segment(ra, rt, a, b, n, core2);
-            let g = b * (b - u.dot(rt));
-            out.wake[i] = n.dot(u.cross(rt)) * cored(g, core2) * INVERSE_4PI;
-            let r = self.bound.get(i) - edge.bound;
-            let off = r - u * r.dot(u);
-            out.far[i] = n.dot(u.cross(off)) * cored(off.norm_squared(), core2) * INVERSE_4PI;
+            out.leg[i] = leg.above * wake.below * both;
+            out.wake[i] = wake.above * leg.below * both * INVERSE_4PI;
+            out.far[i] = far * INVERSE_4PI;
         }
-        out
     }
 
     /// Wash of the rings and horseshoes between the `edges`, and far behind; `cores` are the
@@ -122,41 +165,32 @@ impl<S: Scalar, const N: usize> Targets<S, N> {
     pub fn wash(&self, edges: &[Edge<S>], cores: &[f64]) -> Wash<S, N> {
         let zero = [[S::ZERO; N]; N];
         let mut out = Wash { ring: zero, horseshoe: zero, far: zero };
-        let mut left = self.trailing(&edges[0], cores[0]);
+        let mut beside = [Trailing::ZERO; 2];
+        self.trailing(&edges[0], cores[0], &mut beside[0]);
         for (j, pair) in edges.windows(2).enumerate() {
-            let right = self.trailing(&pair[1], cores[j + 1]);
+            self.trailing(&pair[1], cores[j + 1], &mut beside[(j + 1) % 2]);
+            let [left, right] = [&beside[j % 2], &beside[(j + 1) % 2]];
             let core2 = cores[j].min(cores[j + 1]);
+            let [ahead, behind] = [pair[1].bound - pair[0].bound, pair[0].trailing - pair[1].trailing];
             for i in 0..N {
                 let (p, n) = (self.control.get(i), self.normal.get(i));
-                let front = segment(
-                    p - pair[0].bound,
-                    p - pair[1].bound,
-                    left.to_bound[i],
-                    right.to_bound[i],
-                    n,
-                    core2,
-                );
-                let rear = segment(
-                    p - pair[1].trailing,
-                    p - pair[0].trailing,
-                    right.to_trailing[i],
-                    left.to_trailing[i],
-                    n,
-                    core2,
-                );
+                let (r1, r2) = (p - pair[0].bound, p - pair[1].bound);
+                let front = segment(ahead, r1, r2, [left.to_bound[i], right.to_bound[i]], n, core2);
+                let (r1, r2) = (p - pair[1].trailing, p - pair[0].trailing);
+                let rear = segment(behind, r1, r2, [right.to_trailing[i], left.to_trailing[i]], n, core2);
+                let (front, rear) = divide(front, rear);
                 let open = front + right.leg[i] - left.leg[i];
                 out.ring[j][i] = open + rear;
                 out.horseshoe[j][i] = open + right.wake[i] - left.wake[i];
                 out.far[j][i] = right.far[i] - left.far[i];
             }
-            left = right;
         }
         out
     }
 }
 
 /// sum_j m[j] v[j], over the first `n` sources.
-#[inline]
+#[inline(always)]
 pub(super) fn multiply<S: Scalar, const N: usize>(
     m: &Matrix<S, N>,
     v: &Column<S, N>,
@@ -165,8 +199,38 @@ pub(super) fn multiply<S: Scalar, const N: usize>(
     let mut sum = [S::ZERO; N];
     for (column, x) in m.iter().zip(v).take(n) {
         for i in 0..N {
-            sum[i] += column[i] * *x;
+            sum[i] = column[i].mul_add(*x, sum[i]);
         }
+    }
+    sum
+}
+
+/// v . m[j] for each of the first `n` sources, over the first `n` targets.
+#[inline(always)]
+pub(super) fn multiply_transposed<S: Scalar, const N: usize>(
+    m: &Matrix<S, N>,
+    v: &Column<S, N>,
+    n: usize,
+) -> Column<S, N> {
+    let mut sum = [S::ZERO; N];
+    for (x, column) in sum.iter_mut().zip(m).take(n) {
+        *x = dot(column, v, n);
+    }
+    sum
+}
+
+/// a . b over the first `n` entries.
+#[inline(always)]
+pub(super) fn dot<S: Scalar, const N: usize>(a: &Column<S, N>, b: &Column<S, N>, n: usize) -> S {
+    let mut lanes = [S::ZERO; 4];
+    for (a, b) in a[..n].chunks_exact(4).zip(b[..n].chunks_exact(4)) {
+        for k in 0..4 {
+            lanes[k] = a[k].mul_add(b[k], lanes[k]);
+        }
+    }
+    let mut sum = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+    for i in n - n % 4..n {
+        sum = a[i].mul_add(b[i], sum);
     }
     sum
 }
@@ -177,21 +241,22 @@ pub(super) fn multiply<S: Scalar, const N: usize>(
 pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) {
     for k in 0..n {
         let pivot = m[k][k].recip();
+        // One more on the diagonal leaves -factor in place of what is eliminated.
         let mut column = m[k];
-        column[k] = S::ONE;
+        column[k] += S::ONE;
         for (j, other) in m.iter_mut().enumerate().take(n) {
             if j == k {
                 continue;
             }
-            let factor = other[k] * pivot;
-            other[k] = S::ZERO;
+            let factor = -(other[k] * pivot);
             for i in 0..N {
-                other[i] -= column[i] * factor;
+                other[i] = column[i].mul_add(factor, other[i]);
             }
         }
         for i in 0..N {
             m[k][i] = column[i] * pivot;
         }
+        m[k][k] = pivot;
     }
 }
 
@@ -222,7 +287,8 @@ mod tests {
     fn a_long_segment_is_half_a_line_vortex_on_each_side() {
         let (r1, r2) = (Vec3::new(0.3, 1e4, 0.0), Vec3::new(0.3, -1e4, 0.0));
         let n = Vec3::new(0.0, 0.0, 1.0);
-        let value = segment(r1, r2, r1.norm(), r2.norm(), n, 1e-12);
+        let Ratio { above, below } = segment(r1 - r2, r1, r2, [r1.norm(), r2.norm()], n, 1e-12);
+        let value = above / below;
         assert!((value.abs() / (1.0 / (2.0 * PI * 0.3)) - 1.0).abs() < 1e-6);
         assert!(value < 0.0);
     }

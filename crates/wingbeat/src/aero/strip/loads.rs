@@ -1,12 +1,34 @@
 //! Forces and moments of the strips from their washes and impulses.
 
-use super::influence::multiply;
+use super::influence::{Column, dot, multiply};
 use super::motion::Strip;
 use super::response::Response;
 use super::{Flow, StripModel};
 use crate::aero::section::{SectionForce, suction_share};
 use crate::aero::{Loads, StripLoads, Wrench};
 use crate::math::Scalar;
+
+/// Forces in the planes of all sections, N, and how far ahead of mid chord they act, m.
+#[derive(Clone, Copy)]
+struct InPlane<S: Scalar, const N: usize> {
+    chordwise: Column<S, N>,
+    normal: Column<S, N>,
+    ahead: Column<S, N>,
+}
+
+impl<S: Scalar, const N: usize> InPlane<S, N> {
+    const ZERO: Self = Self { chordwise: [S::ZERO; N], normal: [S::ZERO; N], ahead: [S::ZERO; N] };
+
+    fn set_ahead(&mut self, values: impl Iterator<Item = S>) {
+        for (ahead, value) in self.ahead.iter_mut().zip(values) {
+            *ahead = value;
+        }
+    }
+    #[inline(always)]
+    fn at(&self, i: usize) -> SectionForce<S> {
+        SectionForce::in_plane(self.chordwise[i], self.normal[i], self.ahead[i])
+    }
+}
 
 impl StripModel {
     /// Sum of the loads of all strips; `loads` receives them by strip and source.
@@ -16,71 +38,85 @@ impl StripModel {
         response: &Response<S, N>,
         mut loads: Option<&mut Loads<S>>,
     ) -> Wrench<S> {
+        let attached = std::array::from_fn(|i| self.attached(flow.along[i], response.lift_wash[i].squared()));
+        let [plain, lift] = self.circulatory(flow, response, &attached);
+        let drag = self.profile_drag(flow, &attached);
         let mut wrench = Wrench::ZERO;
         for i in 0..self.settings.strips {
             let strip = &flow.strips[i];
-            let attached = self.attached(strip.along, response.lift_wash[i].squared());
-            let [plain, turned] = self.circulatory(i, strip, response, attached);
             let carried = self.carried_air(i, strip, response);
-            let drag = self.profile_drag(i, strip, attached);
-            if let Some(loads) = loads.as_deref_mut() {
-                loads.strip[i] = StripLoads {
-                    circulatory: strip.wrench(plain),
-                    induced_drag: strip.wrench(turned),
-                    added_mass: strip.wrench(carried),
-                    profile_drag: strip.wrench(drag),
-                };
-                loads.incidence[i] = response.lift_wash[i].atan2(strip.along);
-                loads.wash[i] = response.wash[i];
-                loads.circulation[i] = response.circulation[i];
-                loads.strips = self.settings.strips;
-            }
-            wrench += strip.wrench(plain + turned + carried + drag);
+            wrench += strip.wrench(lift.at(i) + carried + drag.at(i));
+            let Some(loads) = loads.as_deref_mut() else { continue };
+            let circulatory = strip.wrench(plain.at(i));
+            let turned = strip.wrench(lift.at(i));
+            loads.strip[i] = StripLoads {
+                circulatory,
+                induced_drag: turned + -circulatory,
+                added_mass: strip.wrench(carried),
+                profile_drag: strip.wrench(drag.at(i)),
+            };
+            loads.incidence[i] = response.lift_wash[i].atan2(strip.along);
+            loads.wash[i] = response.wash[i];
+            loads.circulation[i] = response.circulation[i];
+            loads.strips = self.settings.strips;
         }
         wrench
     }
 
-    /// Force at 1/4 chord, N: as the wash of motion alone directs it, and what
-    /// the wash of wake and lags adds by turning it.
-    /// F = rho dy g lw [V |uc|/Ve n - s W e_c], Ve = sqrt(uc^2 + W^2 + delta^2), with the attached
+    /// Forces at 1/4 chord, N: as the wash of motion alone directs them, and as the wash of
+    /// wake and lags turns them.
+    /// F = rho dy g lw [V |uc|/Ve n - W s e_c], Ve = sqrt(uc^2 + W^2 + delta^2), with the attached
     /// share of the lift, of which the suction s takes another share.
     ///
     /// Equation: aero.strip.force
     fn circulatory<S: Scalar, const N: usize>(
         &self,
-        i: usize,
-        strip: &Strip<S>,
+        flow: &Flow<S, N>,
         response: &Response<S, N>,
-        attached: S,
-    ) -> [SectionForce<S>; 2] {
-        let scale = self.settings.density_kg_m3 * self.grid.width[i] * self.slope[i];
-        let lift = response.lift_wash[i] * attached * scale;
-        let forward = strip.along.smooth_abs(self.floor);
-        let part = |wash: S, speed: S| {
-            let inverse = speed.recip();
-            let suction = suction_share(strip.along * inverse) * attached;
-            (-(lift * wash * suction), lift * strip.speed * forward * inverse)
-        };
-        let ahead = S::from(0.25 * self.grid.chord[i]);
-        let (chordwise, normal) = part(strip.wash, strip.speed);
-        let plain = SectionForce::in_plane(chordwise, normal, ahead);
-        if !self.settings.force_tilt {
-            return [plain, SectionForce::in_plane(S::ZERO, S::ZERO, S::ZERO)];
+        attached: &Column<S, N>,
+    ) -> [InPlane<S, N>; 2] {
+        let delta2 = self.floor * self.floor;
+        let mut lift: Column<S, N> = std::array::from_fn(|i| response.lift_wash[i] * attached[i]);
+        for (lift, scale) in lift.iter_mut().zip(&self.lift_scale) {
+            *lift *= *scale;
         }
-        let wash = response.turning_wash[i];
-        let speed = (strip.along.squared() + wash.squared() + self.floor * self.floor).sqrt();
-        let turned = part(wash, speed);
-        [plain, SectionForce::in_plane(turned.0 - chordwise, turned.1 - normal, ahead)]
+        let directed = |wash: &Column<S, N>| {
+            let mut force = InPlane::ZERO;
+            for i in 0..N {
+                let along2 = flow.along[i].squared() + delta2;
+                let inverse = (wash[i].squared() + along2).sqrt().recip();
+                let suction = suction_share(flow.along[i] * inverse) * attached[i];
+                force.chordwise[i] = -(lift[i] * wash[i] * suction);
+                force.normal[i] = lift[i] * flow.speed[i] * along2.sqrt() * inverse;
+            }
+            force.set_ahead(self.grid.chord.iter().map(|c| S::from(0.25 * c)));
+            force
+        };
+        let plain = directed(&flow.wash);
+        [plain, if self.settings.force_tilt { directed(&response.turning_wash) } else { plain }]
     }
 
-    /// Profile drag of the section in the wind of motion.
-    fn profile_drag<S: Scalar>(&self, i: usize, strip: &Strip<S>, attached: S) -> SectionForce<S> {
-        let (set, chord) = (&self.settings, self.grid.chord[i]);
-        let delta2 = self.floor * self.floor;
-        let drag = set.drag.section(set.law, strip.along, strip.wash_half, attached, delta2);
-        let scale = 0.5 * set.density_kg_m3 * self.grid.width[i] * chord;
-        let ahead = (S::from(0.5) - drag.centre) * chord;
-        SectionForce::in_plane(drag.chordwise * scale, drag.normal * scale, ahead)
+    /// Profile drag of the sections in the wind of motion.
+    fn profile_drag<S: Scalar, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        attached: &Column<S, N>,
+    ) -> InPlane<S, N> {
+        let (law, drag, delta2) = (self.settings.law, self.settings.drag, self.floor * self.floor);
+        let mut force = InPlane::ZERO;
+        let mut ahead = [S::ZERO; N];
+        for i in 0..N {
+            let section = drag.section(law, flow.along[i], flow.half[i], attached[i], delta2);
+            force.chordwise[i] = section.chordwise;
+            force.normal[i] = section.normal;
+            ahead[i] = S::from(0.5) - section.centre;
+        }
+        for (i, scale) in self.drag_scale.iter().enumerate().take(N) {
+            force.chordwise[i] *= *scale;
+            force.normal[i] *= *scale;
+        }
+        force.set_ahead(ahead.iter().zip(&self.grid.chord).map(|(ahead, chord)| *ahead * *chord));
+        force
     }
 
     /// Force of the carried air at 1/2 chord, and its couple: F = d(P n)/dt, the impulse carried
@@ -112,10 +148,10 @@ impl StripModel {
 
     /// Added mass that resists pitching of the section, kg.
     fn section_mass<S: Scalar, const N: usize>(&self, i: usize, response: &Response<S, N>) -> S {
-        response.relief[i] * self.strip_mass(i)
+        response.relief[i] * self.strip_mass[i]
     }
 
-    /// M = J' B J with J = [n; r x n] per strip, plus the pitch inertia of the sections.
+    /// M = sym(J' rho dy ma A0^-1 J) with J = [n; r x n] per strip, plus the pitch inertia of the sections.
     ///
     /// Equation: aero.strip.added_mass_matrix
     pub(super) fn added_mass<S: Scalar, const N: usize>(
@@ -127,12 +163,16 @@ impl StripModel {
         let mut matrix = [[S::ZERO; 6]; 6];
         if self.settings.added_mass {
             let lever = jacobian(&flow.strips);
+            let left: [Column<S, N>; 6] = std::array::from_fn(|r| {
+                let mut column = multiply(&flow.relief, &lever[r], n);
+                for (x, mass) in column.iter_mut().zip(&self.strip_mass) {
+                    *x *= *mass;
+                }
+                column
+            });
             for r in 0..6 {
-                let carried = multiply(&response.inertia, &lever[r], n);
                 for c in 0..=r {
-                    for i in 0..n {
-                        matrix[r][c] += carried[i] * lever[c][i];
-                    }
+                    matrix[r][c] = (dot(&left[r], &lever[c], n) + dot(&left[c], &lever[r], n)) * 0.5;
                 }
             }
         }

@@ -23,7 +23,7 @@ use crate::aero::{Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
 use crate::math::{Scalar, Vec3};
 use crate::plant::Channel;
 use grid::Grid;
-use influence::{Matrix, Targets, invert};
+use influence::{Column, Matrix, Targets, invert};
 use motion::{Edge, Strip};
 use std::f64::consts::PI;
 
@@ -45,19 +45,32 @@ pub struct StripModel {
     slope: Vec<f64>,
     /// Per strip: chord doublet over wash, pi b cos(sweep) / 1.5, m.
     doublet: Vec<f64>,
-    /// Per strip: added mass over density and width, pi b^2 cos(sweep), m2.
-    apparent: Vec<f64>,
+    /// Per strip: circulatory force over wash and speed, rho dy 2 pi b cos(sweep), kg/m.
+    lift_scale: Vec<f64>,
+    /// Per strip: profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
+    drag_scale: Vec<f64>,
+    /// Per strip: added mass as part of an infinite wing, kg.
+    strip_mass: Vec<f64>,
     /// Per strip: own two-dimensional wash of the bound vortex, 1/m.
     own_bound: Vec<f64>,
     /// Per strip: own two-dimensional wash of bound vortex and trailing edge, 1/m.
     own_ring: Vec<f64>,
-    /// Lengths over which the wake lags act, m.
-    wake_length: Vec<f64>,
+    /// One over the lengths over which the wake lags act, 1/m.
+    inverse_wake_length: Vec<f64>,
+    /// Per strip: one over the half chord, 1/m.
+    turnover: Vec<f64>,
 }
 
 /// What the strips know of the air at one instant.
 struct Flow<S: Scalar, const N: usize> {
     strips: [Strip<S>; N],
+    /// Chordwise and smooth speed of the air at 3/4 chord, m/s.
+    along: Column<S, N>,
+    speed: Column<S, N>,
+    /// Wash of motion at 3/4 and 1/2 chord, m/s, and the rate of the latter, m/s2.
+    wash: Column<S, N>,
+    half: Column<S, N>,
+    half_rate: Column<S, N>,
     /// Wash of horseshoes without the own two-dimensional part, 1/m.
     remainder: Matrix<S, N>,
     /// Half the wash far behind, 1/m.
@@ -83,14 +96,21 @@ impl StripModel {
                 .map(|i| f(grid.chord[i], grid.cos_half[i], grid.cos_three_quarter[i]))
                 .collect()
         };
+        let per_width = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+            let columns = grid.chord.iter().zip(&grid.cos_half).zip(&grid.width);
+            columns.map(|((c, cos), width)| settings.density_kg_m3 * width * f(*c, *cos)).collect()
+        };
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Ok(Self {
             slope: per_strip(&|c, cos, _| PI * c * cos),
             doublet: per_strip(&|c, cos, _| PI * c * cos / 3.0),
-            apparent: per_strip(&|c, cos, _| PI * c * c * cos / 4.0),
+            lift_scale: per_width(&|c, cos| PI * c * cos),
+            drag_scale: per_width(&|c, _| 0.5 * c),
+            strip_mass: per_width(&|c, cos| PI * c * c * cos / 4.0),
             own_bound: per_strip(&|c, cos, _| 1.0 / (PI * c * cos)),
             own_ring: per_strip(&|c, cos, cos34| 1.0 / (PI * c * cos) + 2.0 / (PI * c * cos34)),
-            wake_length: lags.wake_delay.iter().map(|t| t * delay_scale).collect(),
+            inverse_wake_length: lags.wake_delay.iter().map(|t| 1.0 / (t * delay_scale)).collect(),
+            turnover: grid.chord.iter().map(|c| 2.0 / c).collect(),
             floor: settings.regularisation_m_s,
             cores: grid.half_widths().map(|h| (CORE * h) * (CORE * h)).collect(),
             separation_scale: separation_scale(settings.stall_angle_rad),
@@ -207,8 +227,8 @@ impl StripModel {
         loads: Option<&mut Loads<S>>,
     ) -> (Wrench<S>, [[S; 6]; 6]) {
         let flow = self.flow::<S, N>(sections, wind);
-        let sums = self.lag_sums(&flow.strips, x);
-        let response = self.respond(&flow, &sums, x, dx);
+        let states = self.states();
+        let response = self.respond(&flow, &x[..states], &mut dx[..states]);
         let wrench = self.load_strips(&flow, &response, loads);
         (wrench, self.added_mass(&flow, &response))
     }
@@ -219,6 +239,7 @@ impl StripModel {
     /// K = beta (ring + own two-dimensional ring), A0 = 1 - K diag(d).
     ///
     /// Equation: aero.strip.remainder
+    #[inline(always)]
     fn flow<S: Scalar, const N: usize>(&self, sections: &[SectionMotion<S>], wind: Vec3<S>) -> Flow<S, N> {
         let n = self.settings.strips;
         let strips: [Strip<S>; N] = std::array::from_fn(|i| self.strip(sections, wind, i.min(n - 1)));
@@ -245,6 +266,17 @@ impl StripModel {
             relief[j][j] = relief[j][j] + 1.0;
         }
         invert(&mut relief, n);
-        Flow { strips, remainder: wash.horseshoe, far: wash.far, doublet: wash.ring, relief }
+        Flow {
+            along: std::array::from_fn(|i| strips[i].along),
+            speed: std::array::from_fn(|i| strips[i].speed),
+            wash: std::array::from_fn(|i| strips[i].wash),
+            half: std::array::from_fn(|i| strips[i].wash_half),
+            half_rate: std::array::from_fn(|i| strips[i].wash_half_rate),
+            strips,
+            remainder: wash.horseshoe,
+            far: wash.far,
+            doublet: wash.ring,
+            relief,
+        }
     }
 }

@@ -1,11 +1,22 @@
 //! From lags and motion to washes, state rates and impulses.
 
-use super::influence::{Column, Matrix, multiply};
-use super::motion::Strip;
+use super::influence::{Column, multiply, multiply_transposed};
 use super::{Flow, StripModel};
+use crate::aero::LiftLaw;
 use crate::math::{Dual, Scalar};
 
-/// Sums over the lags of each strip, and later their rates.
+/// Linear sums over the lags of each strip.
+#[derive(Clone, Copy)]
+pub(super) struct Lagged<S: Scalar, const N: usize> {
+    /// sum gamma_k l_k, m/s.
+    wash: Column<S, N>,
+    /// sum q_k l_k, m/s.
+    jump: Column<S, N>,
+    /// sum a_m y_m, m2/s.
+    delayed: Column<S, N>,
+}
+
+/// What the lags hold on each strip, and later its rates.
 pub(super) struct LagSums<S: Scalar, const N: usize> {
     /// Circulation, m2/s.
     pub circulation: Column<S, N>,
@@ -28,26 +39,48 @@ pub(super) struct Response<S: Scalar, const N: usize> {
     /// Normal impulse of the air on each strip, N s, and its rate, N.
     pub impulse: Column<S, N>,
     pub impulse_rate: Column<S, N>,
-    /// Impulse per normal speed, symmetric, kg.
-    pub inertia: Matrix<S, N>,
     /// Normal speed left by a unit normal speed of the whole wing.
     pub relief: Column<S, N>,
 }
 
 impl StripModel {
-    /// Sums over the lags of all strips.
+    /// Linear sums over the lags.
+    #[inline(always)]
+    pub(super) fn lagged<S: Scalar, const N: usize>(&self, x: &[S]) -> Lagged<S, N> {
+        let (n, lags) = (self.settings.strips, self.lags);
+        let zero = [S::ZERO; N];
+        let mut sums = Lagged { wash: zero, jump: zero, delayed: zero };
+        let (wash, wake) = x.split_at(lags.rate.len() * n);
+        for (k, block) in wash.chunks_exact(n).enumerate() {
+            let (circulation, jump) = (lags.circulation[k], lags.jump(k));
+            for (i, lag) in block.iter().enumerate().take(N) {
+                sums.wash[i] += *lag * circulation;
+                sums.jump[i] += *lag * jump;
+            }
+        }
+        for (weight, block) in lags.wake.iter().zip(wake.chunks_exact(n)) {
+            for (i, lag) in block.iter().enumerate().take(N) {
+                sums.delayed[i] += *lag * *weight;
+            }
+        }
+        sums
+    }
+
+    /// Gamma = s g (sum gamma_k l_k), D = 2 s d (sum q_k l_k), Y = a0 Gamma + sum a_m y_m,
+    /// where s is the share of the circulation that stays attached.
+    ///
+    /// Equation: aero.strip.lag_sums
     pub(super) fn lag_sums<S: Scalar, const N: usize>(
         &self,
-        strips: &[Strip<S>; N],
-        x: &[S],
+        lagged: &Lagged<S, N>,
+        attached: &Column<S, N>,
     ) -> LagSums<S, N> {
-        let n = self.settings.strips;
-        let mut sums = LagSums { circulation: [S::ZERO; N], jump: [S::ZERO; N], delayed: [S::ZERO; N] };
-        for i in 0..n {
-            let [circulation, jump, delayed] = self.lag_sum(i, strips[i].along, |k| x[k * n + i]);
-            sums.circulation[i] = circulation;
-            sums.jump[i] = jump;
-            sums.delayed[i] = delayed;
+        let mut sums = LagSums { circulation: lagged.wash, jump: lagged.jump, delayed: lagged.delayed };
+        let constants = self.slope.iter().zip(&self.doublet);
+        for (i, (slope, doublet)) in constants.enumerate().take(N) {
+            sums.circulation[i] *= attached[i] * *slope;
+            sums.jump[i] *= attached[i] * (2.0 * doublet);
+            sums.delayed[i] += sums.circulation[i] * self.lags.wake_at_once;
         }
         sums
     }
@@ -55,50 +88,58 @@ impl StripModel {
     /// Rates of the sums, the chordwise speed held.
     fn lag_sum_rates<S: Scalar, const N: usize>(
         &self,
-        strips: &[Strip<S>; N],
+        flow: &Flow<S, N>,
+        lagged: Lagged<S, N>,
         x: &[S],
         dx: &[S],
     ) -> LagSums<S, N> {
+        let mut rates = self.lag_sums(&self.lagged(dx), &self.attached_lags(flow, x));
+        if self.settings.law == LiftLaw::Linear {
+            return rates;
+        }
         let n = self.settings.strips;
-        let mut rates = LagSums { circulation: [S::ZERO; N], jump: [S::ZERO; N], delayed: [S::ZERO; N] };
-        for i in 0..n {
-            let state = |k: usize| Dual::<1, S> { re: x[k * n + i], eps: [dx[k * n + i]] };
-            let [circulation, jump, delayed] = self.lag_sum(i, Dual::constant(strips[i].along), state);
-            rates.circulation[i] = circulation.eps[0];
-            rates.jump[i] = jump.eps[0];
-            rates.delayed[i] = delayed.eps[0];
+        let attached_rate = std::array::from_fn(|i| {
+            let state =
+                |k: usize| Dual::<1, S> { re: x[k * n + i.min(n - 1)], eps: [dx[k * n + i.min(n - 1)]] };
+            self.attached_lag(Dual::constant(flow.along[i]), state).eps[0]
+        });
+        let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
+        for i in 0..N {
+            rates.circulation[i] += more.circulation[i];
+            rates.jump[i] += more.jump[i];
+            rates.delayed[i] += more.delayed[i];
         }
         rates
     }
 
-    /// Gamma, D and Y of strip `i`, which meets the chordwise speed `along` and has the states `state(k)`.
-    /// Gamma = s g (sum gamma_k l_k), D = 2 s d (sum q_k l_k), Y = a0 Gamma + sum a_m y_m,
-    /// where s is the share of the circulation that stays attached at the mean square of the lags.
-    ///
-    /// Equation: aero.strip.lag_sums
+    /// Share of the circulation of each strip that stays attached.
+    pub(super) fn attached_lags<S: Scalar, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        x: &[S],
+    ) -> Column<S, N> {
+        if self.settings.law == LiftLaw::Linear {
+            return [S::ONE; N];
+        }
+        let n = self.settings.strips;
+        std::array::from_fn(|i| self.attached_lag(flow.along[i], |k| x[k * n + i.min(n - 1)]))
+    }
+
+    /// The share at the mean square of the wash lags `state(k)`.
     #[inline]
-    fn lag_sum<S: Scalar>(&self, i: usize, along: S, state: impl Fn(usize) -> S) -> [S; 3] {
-        let lags = self.lags;
-        let (mut wash, mut wash2, mut jump) = (S::ZERO, S::ZERO, S::ZERO);
-        for k in 0..lags.rate.len() {
-            let lag = state(k);
-            wash += lag * lags.circulation[k];
-            wash2 += lag.squared() * lags.circulation[k];
-            jump += lag * lags.jump(k);
-        }
-        let attached = self.attached(along, wash2);
-        let circulation = wash * attached * self.slope[i];
-        let mut delayed = circulation * lags.wake_at_once;
-        for (m, weight) in lags.wake.iter().enumerate() {
-            delayed += state(lags.rate.len() + m) * *weight;
-        }
-        [circulation, jump * attached * (2.0 * self.doublet[i]), delayed]
+    fn attached_lag<S: Scalar>(&self, along: S, state: impl Fn(usize) -> S) -> S {
+        let weights = self.lags.circulation.iter().enumerate();
+        let wash2 = weights.fold(S::ZERO, |sum, (k, weight)| sum + state(k).squared() * *weight);
+        self.attached(along, wash2)
     }
 
     /// Share of the lift that stays attached at the chordwise speed `along` and
     /// the squared normal wash `wash2`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn attached<S: Scalar>(&self, along: S, wash2: S) -> S {
+        if self.settings.law == LiftLaw::Linear {
+            return S::ONE;
+        }
         let sine2 = wash2 / (wash2 + along.squared() + self.floor * self.floor);
         self.settings.law.attached_share(sine2, self.separation_scale)
     }
@@ -106,10 +147,7 @@ impl StripModel {
     /// K (D - Y) + R Y: the three-dimensional wash of what the lags hold.
     fn held_wash<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, sums: &LagSums<S, N>) -> Column<S, N> {
         let n = self.settings.strips;
-        let mut open = [S::ZERO; N];
-        for i in 0..n {
-            open[i] = sums.jump[i] - sums.delayed[i];
-        }
+        let open = std::array::from_fn(|i| sums.jump[i] - sums.delayed[i]);
         let (jump, wake) = (multiply(&flow.doublet, &open, n), multiply(&flow.remainder, &sums.delayed, n));
         std::array::from_fn(|i| jump[i] + wake[i])
     }
@@ -120,47 +158,62 @@ impl StripModel {
     /// l_k' = e_k V/b (w - l_k); y_m' = V/tau_m (Gamma - y_m).
     ///
     /// Equation: aero.strip.wash
+    #[inline(always)]
     pub(super) fn respond<S: Scalar, const N: usize>(
         &self,
         flow: &Flow<S, N>,
-        sums: &LagSums<S, N>,
         x: &[S],
         dx: &mut [S],
     ) -> Response<S, N> {
-        let (n, lags) = (self.settings.strips, self.lags);
-        let held = self.held_wash(flow, sums);
-        let held_left = multiply(&flow.relief, &held, n);
-        let half: Column<S, N> = std::array::from_fn(|i| flow.strips[i].wash_half);
-        let half_left = multiply(&flow.relief, &half, n);
-        let (mut washes, mut lift_wash) = ([S::ZERO; N], [S::ZERO; N]);
-        for i in 0..n {
-            let wash = flow.strips[i].wash + half_left[i] + held_left[i] - half[i];
-            washes[i] = wash;
-            lift_wash[i] = wash * 0.5;
-            let turnover = flow.strips[i].speed * (2.0 / self.grid.chord[i]);
-            for k in 0..lags.rate.len() {
-                lift_wash[i] += x[k * n + i] * lags.lift[k];
-                dx[k * n + i] = turnover * (wash - x[k * n + i]) * lags.rate[k];
-            }
-            for (m, length) in self.wake_length.iter().enumerate() {
-                let at = (lags.rate.len() + m) * n + i;
-                dx[at] = flow.strips[i].speed * (sums.circulation[i] - x[at]) * (1.0 / length);
-            }
-        }
+        let n = self.settings.strips;
+        let lagged = self.lagged(x);
+        let sums = self.lag_sums(&lagged, &self.attached_lags(flow, x));
+        let held_left = multiply(&flow.relief, &self.held_wash(flow, &sums), n);
+        let half_left = multiply(&flow.relief, &flow.half, n);
+        let wash = std::array::from_fn(|i| flow.wash[i] + half_left[i] + held_left[i] - flow.half[i]);
+        let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
         let mut response = Response {
             circulation: sums.circulation,
-            wash: washes,
+            wash,
             lift_wash,
-            turning_wash: self.turning_wash(flow, sums, &lift_wash),
+            turning_wash: self.turning_wash(flow, &sums, &lift_wash),
             impulse: [S::ZERO; N],
             impulse_rate: [S::ZERO; N],
-            inertia: [[S::ZERO; N]; N],
             relief: multiply(&flow.relief, &[S::ONE; N], n),
         };
         if self.settings.added_mass {
-            self.impulses(flow, &half, &held_left, x, dx, &mut response);
+            let held_rate = self.held_wash(flow, &self.lag_sum_rates(flow, lagged, x, dx));
+            self.impulses(flow, [&half_left, &held_left], &held_rate, &mut response);
         }
         response
+    }
+
+    /// Rates of the lags; returns the lift wash w/2 + sum psi_k l_k.
+    fn advance_lags<S: Scalar, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        wash: &Column<S, N>,
+        circulation: &Column<S, N>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> Column<S, N> {
+        let (n, lags) = (self.settings.strips, self.lags);
+        let mut lift_wash = wash.map(|w| w * 0.5);
+        let blocks = x.chunks_exact(n).zip(dx.chunks_exact_mut(n));
+        for (k, (block, rates)) in blocks.enumerate() {
+            let pairs = block.iter().zip(rates).zip(&self.turnover).enumerate().take(N);
+            if let Some((rate, lift)) = lags.rate.get(k).zip(lags.lift.get(k)) {
+                for (i, ((lag, lag_rate), turnover)) in pairs {
+                    lift_wash[i] += *lag * *lift;
+                    *lag_rate = flow.speed[i] * (wash[i] - *lag) * (turnover * rate);
+                }
+            } else if let Some(inverse) = self.inverse_wake_length.get(k - lags.rate.len()) {
+                for (i, ((lag, lag_rate), _)) in pairs {
+                    *lag_rate = flow.speed[i] * (circulation[i] - *lag) * *inverse;
+                }
+            }
+        }
+        lift_wash
     }
 
     /// W = lw + (T - R)(2/3 Y + 1/3 Gamma): the wash that turns the force takes the trailing
@@ -181,11 +234,6 @@ impl StripModel {
         std::array::from_fn(|i| lift_wash[i] + far[i] - near[i])
     }
 
-    /// Added mass of strip `i` as part of an infinite wing, kg.
-    pub(super) fn strip_mass(&self, i: usize) -> f64 {
-        self.settings.density_kg_m3 * self.grid.width[i] * self.apparent[i]
-    }
-
     /// P = B w12 + rho dy ma A0^-1 [K (D - Y) + R Y], with B the
     /// symmetric part of rho dy ma A0^-1 (reciprocity); the rates of K and R are left out.
     ///
@@ -193,28 +241,26 @@ impl StripModel {
     fn impulses<S: Scalar, const N: usize>(
         &self,
         flow: &Flow<S, N>,
-        half: &Column<S, N>,
-        held_left: &Column<S, N>,
-        x: &[S],
-        dx: &[S],
+        [half_left, held_left]: [&Column<S, N>; 2],
+        held_rate: &Column<S, N>,
         response: &mut Response<S, N>,
     ) {
         let n = self.settings.strips;
-        let mass = |i: usize| self.strip_mass(i);
-        for j in 0..n {
-            for i in 0..n {
-                response.inertia[j][i] =
-                    flow.relief[j][i] * (0.5 * mass(i)) + flow.relief[i][j] * (0.5 * mass(j));
-            }
+        let rate_left = multiply(&flow.relief, &flow.half_rate, n);
+        let held_rate_left = multiply(&flow.relief, held_rate, n);
+        let (by_half, by_rate) = (self.reciprocal(flow, &flow.half), self.reciprocal(flow, &flow.half_rate));
+        for (i, mass) in self.strip_mass.iter().enumerate().take(N) {
+            response.impulse[i] = (half_left[i] * 0.5 + held_left[i]) * *mass + by_half[i] * 0.5;
+            response.impulse_rate[i] = (rate_left[i] * 0.5 + held_rate_left[i]) * *mass + by_rate[i] * 0.5;
         }
-        let half_rate: Column<S, N> = std::array::from_fn(|i| flow.strips[i].wash_half_rate);
-        let held_rate = self.held_wash(flow, &self.lag_sum_rates(&flow.strips, x, dx));
-        let held_rate_left = multiply(&flow.relief, &held_rate, n);
-        let (by_half, by_rate) =
-            (multiply(&response.inertia, half, n), multiply(&response.inertia, &half_rate, n));
-        for i in 0..n {
-            response.impulse[i] = by_half[i] + held_left[i] * mass(i);
-            response.impulse_rate[i] = by_rate[i] + held_rate_left[i] * mass(i);
+    }
+
+    /// The transpose of rho dy ma A0^-1 times `v`.
+    fn reciprocal<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, v: &Column<S, N>) -> Column<S, N> {
+        let mut weighted = *v;
+        for (v, mass) in weighted.iter_mut().zip(&self.strip_mass) {
+            *v *= *mass;
         }
+        multiply_transposed(&flow.relief, &weighted, self.settings.strips)
     }
 }
