@@ -188,6 +188,18 @@ fn undefined_measurements_are_refused() {
 }
 
 #[test]
+fn a_plan_that_leads_nowhere_is_made_anew() {
+    let plant = FlapBody::default();
+    let mut solver = flapbody::solver(&plant).unwrap();
+    let instance = &flapbody::instances().unwrap()[50];
+    solver.reset(&plant, &instance.state);
+    solver.plan_mut().state_mut(2)[7] = f64::INFINITY;
+    let status = solver.solve(&plant, &instance.problem, instance.time, &instance.state, 20);
+    assert!(status == Status::Solved && solver.statistics().restarted);
+    assert!(largest_difference(&solver.plan().u, &instance.inputs) < 1e-6);
+}
+
+#[test]
 fn bad_horizons_are_refused_by_name() {
     let plant = FlapBody::default();
     let problem = BankTurn::new([0.0; INTERVALS]);

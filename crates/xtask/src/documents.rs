@@ -73,9 +73,14 @@ fn number(value: f64) -> String {
 
 /// Puts `text` between the marks `<!-- name -->` and `<!-- end -->` of README.md.
 fn put(name: &str, text: &str) -> bool {
-    let path = tools::root().join("README.md");
-    let Ok(readme) = fs::read_to_string(&path) else { return false };
-    between(&readme, name, text).is_some_and(|readme| fs::write(&path, readme).is_ok())
+    put_into("README.md", name, text)
+}
+
+/// Puts `text` between the marks `<!-- name -->` and `<!-- end -->` of the document at `path`.
+pub fn put_into(path: &str, name: &str, text: &str) -> bool {
+    let path = tools::root().join(path);
+    let Ok(document) = fs::read_to_string(&path) else { return false };
+    between(&document, name, text).is_some_and(|document| fs::write(&path, document).is_ok())
 }
 
 fn between(document: &str, name: &str, text: &str) -> Option<String> {

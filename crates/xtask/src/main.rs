@@ -15,7 +15,8 @@ cargo xtask TASK
   test    format, lints, all tests, licences of dependencies, quick comparisons; what .ci/run calls
   docs    write again what is generated: docs/cli.md, the tables and the picture of README.md
   bench   medians of the running times
-  peers   the same beside Pinocchio and PteraSoftware, which are installed into target/peers (Python 3.11 or later)
+  peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
+          installed into target/peers (Python 3.11 or later)
 ";
 
 fn main() -> ExitCode {
@@ -27,7 +28,7 @@ fn main() -> ExitCode {
         "bench" => {
             tools::succeeds(tools::cargo(&["bench", "--package", "wingbeat", "--bench", "running_times"]))
         }
-        "peers" => peers::compare(),
+        "peers" => peers::compare(arguments.get(1).map(String::as_str)),
         "" | "help" | "--help" | "-h" => {
             print!("{HELP}");
             return ExitCode::SUCCESS;

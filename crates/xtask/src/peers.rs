@@ -1,7 +1,9 @@
 //! Running times beside those of other programs, measured in the same run.
 
+mod control;
+
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::tools;
@@ -22,19 +24,36 @@ const ROWS: [(&str, &str, &str, &str); 7] = [
     ("flapping wing F2, full, per simulated second", "flap_f2_full", "PteraSoftware 5.1.0", "flap_f2"),
 ];
 
-/// Makes the environment of the other programs, runs both sides in turns and prints the table.
-pub fn compare() -> bool {
+/// Runs both sides with the given Python; false when it fails.
+type Comparison = fn(&Path) -> bool;
+
+/// The comparisons by name.
+const COMPARISONS: [(&str, Comparison); 2] = [("mechanics", mechanics), ("control", control::compare)];
+
+/// Makes the environment of the other programs and runs the comparison called `only`, or all.
+pub fn compare(only: Option<&str>) -> bool {
+    let chosen: Vec<_> =
+        COMPARISONS.iter().filter(|(name, _)| only.is_none_or(|only| only == *name)).collect();
+    if chosen.is_empty() {
+        eprintln!("error: no comparison {}; there are mechanics, control", only.unwrap_or_default());
+        return false;
+    }
     let Some(python) = environment() else { return false };
+    chosen.iter().all(|(_, run)| run(&python))
+}
+
+/// Runs both sides in turns and prints the table.
+fn mechanics(python: &Path) -> bool {
     let folder = tools::root().join("validation/multibody");
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let bench = tools::cargo(&["bench", "--quiet", "--package", "wingbeat-validate", "--bench", "peers"]);
-        let tree = script(&python, "pinocchio_tree.py", &[&folder.to_string_lossy()]);
+        let tree = script(python, "pinocchio_tree.py", &[&folder.to_string_lossy()]);
         let (Some(bench), Some(tree)) = (times(bench), times(tree)) else { return false };
         ours.push(bench);
         theirs.push(tree);
     }
-    let Some(flap) = times(script(&python, "pterasoftware_flap.py", &[])) else { return false };
+    let Some(flap) = times(script(python, "pterasoftware_flap.py", &[])) else { return false };
     theirs.push(flap);
     print_table(&ours, &theirs);
     true
@@ -61,7 +80,7 @@ fn peers() -> PathBuf {
     tools::root().join("crates/xtask/peers")
 }
 
-fn script(python: &PathBuf, name: &str, arguments: &[&str]) -> Command {
+fn script(python: &Path, name: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(python);
     // One thread, as ours.
     command.arg(peers().join(name)).args(arguments).env("OMP_NUM_THREADS", "1");

@@ -138,12 +138,7 @@ impl RealTime {
 
     /// Fills the plan with the state `x0` and inputs of zero, or the nearest allowed.
     pub fn reset<P: Plant>(&mut self, plant: &P, x0: &[f64]) {
-        for k in 0..=self.settings.intervals {
-            self.plan.state_mut(k).copy_from_slice(x0);
-            for (u, channel) in self.plan.input_mut(k).iter_mut().zip(plant.inputs()) {
-                *u = channel.clamp(0.0);
-            }
-        }
+        self.plan.rest(x0, plant.inputs(), 0);
         self.plan.f.fill(0.0);
     }
 
@@ -154,8 +149,10 @@ impl RealTime {
     }
 
     /// Improves the plan from the state `x0` at the time `t0`, s, by at most
-    /// `iterations` steps of sequential quadratic programming. The plan is left
-    /// as it was unless the status says it was updated.
+    /// `iterations` steps of sequential quadratic programming. Where the plan
+    /// leads nowhere (a fault of the model, a contradiction) one more attempt is
+    /// made from rest at `x0`. The plan is left as it was unless the status says
+    /// it was updated.
     pub fn solve<P: Plant, T: Tracking>(
         &mut self,
         plant: &P,
@@ -168,20 +165,35 @@ impl RealTime {
         self.trial.copy_from(&self.plan);
         self.trial.start = t0;
         self.trial.state_mut(0).copy_from_slice(x0);
+        let mut end = self.attempt(plant, tracking, iterations);
+        if end.is_err() {
+            self.statistics = Statistics { restarted: true, ..Statistics::default() };
+            self.trial.u.copy_from_slice(&self.plan.u);
+            self.trial.rest(x0, plant.inputs(), self.columns.first);
+            end = self.attempt(plant, tracking, iterations);
+        }
+        if end.is_ok() {
+            std::mem::swap(&mut self.plan, &mut self.trial);
+        }
+        end.unwrap_or_else(|failure| failure)
+    }
+
+    /// Iterates on the trial plan and checks that its nodes can be evaluated.
+    fn attempt<P: Plant, T: Tracking>(
+        &mut self,
+        plant: &P,
+        tracking: &T,
+        iterations: usize,
+    ) -> Result<Status, Status> {
         self.curvature.start();
         for _ in 0..iterations {
-            if let Err(status) = self.iterate(plant, tracking) {
-                return status;
-            }
+            self.iterate(plant, tracking)?;
             if self.converged() {
                 break;
             }
         }
-        if let Err(fault) = self.trial.evaluate_rates(plant) {
-            return Status::ModelFault(fault);
-        }
-        std::mem::swap(&mut self.plan, &mut self.trial);
-        if self.converged() { Status::Solved } else { Status::IterationLimit }
+        self.trial.evaluate_rates(plant).map_err(Status::ModelFault)?;
+        Ok(if self.converged() { Status::Solved } else { Status::IterationLimit })
     }
 
     /// One full Gauss-Newton step of the trial plan.

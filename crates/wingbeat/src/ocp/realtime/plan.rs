@@ -2,7 +2,7 @@
 
 use crate::math::{RK4, Workspace};
 use crate::ocp::{Interval, Transcription};
-use crate::plant::{Fault, Plant};
+use crate::plant::{Channel, Fault, Plant};
 
 /// Sizes of a horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,6 +97,19 @@ impl Plan {
         self.x.copy_from_slice(&other.x);
         self.u.copy_from_slice(&other.u);
         self.f.copy_from_slice(&other.f);
+    }
+
+    /// Fills the states with `x` and, from node `first` on, the inputs with
+    /// zero or the nearest that `channels` allow.
+    pub fn rest(&mut self, x: &[f64], channels: &[Channel], first: usize) {
+        for k in 0..=self.horizon.intervals {
+            self.state_mut(k).copy_from_slice(x);
+            if k >= first {
+                for (u, channel) in self.input_mut(k).iter_mut().zip(channels) {
+                    *u = channel.clamp(0.0);
+                }
+            }
+        }
     }
 
     /// Evaluates the rates at every node.

@@ -69,6 +69,8 @@ impl Status {
 /// Measures of the last update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
+    /// The plan led nowhere; this is the attempt from rest.
+    pub restarted: bool,
     /// Sequential quadratic programming iterations made.
     pub iterations: usize,
     /// Largest entry of the reduced gradient of the Lagrangian at the last
