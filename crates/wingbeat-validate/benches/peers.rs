@@ -15,7 +15,7 @@ use wingbeat::scenario::{Scenario, TetherCase};
 use wingbeat_validate::{Error, body, reference_table};
 
 /// States evaluated in one batch, all different.
-const BATCH: usize = 1000;
+const BATCH: usize = 500;
 /// Joints of the reference tree.
 const JOINTS: usize = 4;
 
@@ -62,7 +62,7 @@ fn tree() -> Result<(), Error> {
     let v = reference_table!("multibody/ref_v.txt")?.column_at(0)?;
     let tau = reference_table!("multibody/ref_tau.txt")?.column_at(0)?;
     let torques = std::array::from_fn(|i| tau[6 + i]);
-    let wave = |k: usize, i: usize| (TAU * (0.013 * k as f64 + 0.1 * i as f64)).sin();
+    let wave = |k: usize, i: usize| (TAU * (0.026 * k as f64 + 0.1 * i as f64)).sin();
     let poses: Vec<Pose> = (0..BATCH)
         .map(|k| Pose {
             attitude: Quat::exp(Vec3([0, 1, 2].map(|i| wave(k, i)))),
@@ -70,7 +70,7 @@ fn tree() -> Result<(), Error> {
             angles: std::array::from_fn(|i| wave(k, i + 3)),
         })
         .collect();
-    let batch = median(101, || {
+    let batch = median(201, || {
         for pose in &poses {
             black_box(forward_dynamics(&tree, black_box(pose), &torques));
         }
@@ -90,13 +90,14 @@ fn plant(preset: &str, key: &str, strips: usize) {
         .unwrap_or_else(|error| panic!("{error}"));
     let (robot, x) = (scenario.robot(), scenario.start());
     let (mut dx, u) = (x.clone(), vec![0.01; robot.inputs().len()]);
-    let batch = median(101, || {
-        for k in 0..BATCH {
-            let rates = robot.rates(black_box(1e-3 * k as f64), black_box(&x), &u, &mut dx);
+    let evaluations = 50;
+    let batch = median(201, || {
+        for k in 0..evaluations {
+            let rates = robot.rates(black_box(1e-2 * f64::from(k)), black_box(&x), &u, &mut dx);
             black_box(rates.map(|()| dx[0])).unwrap_or_else(|fault| panic!("{fault}"));
         }
     });
-    row(&format!("plant_{preset}_{strips}"), batch / BATCH as f64);
+    row(&format!("plant_{preset}_{strips}"), batch / f64::from(evaluations));
 }
 
 /// The flapping wing of case F2, per simulated second.
