@@ -39,6 +39,7 @@ impl Plant for Robot {
 
 impl Robot {
     /// Rates and all that led to them.
+    #[inline(always)]
     pub(super) fn evaluate<S: Scalar>(
         &self,
         t: S,
