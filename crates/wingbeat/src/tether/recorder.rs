@@ -102,37 +102,41 @@ impl Recorder {
         let frame = body.frame();
         let back = Mat3(frame.turn.0.map(|row| row.map(|j| j.x))).transpose();
         let origin = Vec3(frame.origin.0.map(|j| j.x));
-        let to_body = |w: &Wrench<f64>| Wrench {
-            force: back * w.force,
-            moment: back * (w.moment - origin.cross(w.force)),
-        };
+        let about_origin =
+            |w: &Wrench<f64>| Wrench { force: w.force, moment: w.moment - origin.cross(w.force) };
+        let in_body = |w: &Wrench<f64>| Wrench { force: back * w.force, moment: back * w.moment };
+        let parts = self.sum_by_source(loads).map(|s| about_origin(&s));
+        let total = parts.iter().fold(Wrench::ZERO, |a, b| a + *b);
+        let [force, moment] = [total.force, total.moment].map(|v| self.axes.parts(v));
+        let mut row = vec![t, phase];
+        push(&mut row, &in_body(&total));
+        row.extend(force.iter().chain(&moment));
+        row.extend(coefficients(tether, force, back * total.moment));
+        parts.iter().for_each(|part| push(&mut row, &in_body(part)));
+        row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
+        row.extend(tether.motion.angles(t).iter().map(|j| j.x));
+        self.loads.append(&row);
+        self.sample_strips(tether, [t, phase], back, loads);
+    }
+
+    /// Loads in W about W's origin, summed over the strips that count.
+    fn sum_by_source(&self, loads: &Loads<f64>) -> [Wrench<f64>; 4] {
         let mut sum = [Wrench::ZERO; 4];
         for (strip, weight) in loads.strip[..loads.strips].iter().zip(&self.weights) {
             for (sum, part) in sum.iter_mut().zip(sources(strip)) {
                 *sum += Wrench { force: part.force * *weight, moment: part.moment * *weight };
             }
         }
-        let total = sum.iter().fold(Wrench::ZERO, |a, b| a + *b);
-        let about_origin = total.moment - origin.cross(total.force);
-        let in_body = to_body(&total);
-        let mut row = vec![t, phase];
-        row.extend(in_body.force.0.iter().chain(&in_body.moment.0));
-        let wind_force = self.axes.parts(total.force);
-        row.extend(wind_force);
-        row.extend(self.axes.parts(about_origin));
-        row.extend(coefficients(tether, wind_force, in_body.moment));
-        for source in sum.map(|s| to_body(&s)) {
-            row.extend(source.force.0.iter().chain(&source.moment.0));
-        }
-        row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
-        row.extend(tether.motion.angles(t).iter().map(|j| j.x));
-        self.loads.append(&row);
-        for i in 0..loads.strips {
-            let strip = sources(&loads.strip[i]);
+        sum
+    }
+
+    /// One row per strip; `back` turns W into B.
+    fn sample_strips(&mut self, tether: &Tether, [t, phase]: [f64; 2], back: Mat3, loads: &Loads<f64>) {
+        for (i, strip) in loads.strip[..loads.strips].iter().enumerate() {
             let mut row = vec![t, phase, i as f64, tether.aero.strip_arcs()[i]];
             row.extend([loads.circulation[i], loads.wash[i], loads.incidence[i]]);
-            row.extend((back * loads.strip[i].total().force).0);
-            row.extend(strip.iter().flat_map(|s| (back * s.force).0));
+            row.extend((back * strip.total().force).0);
+            row.extend(sources(strip).iter().flat_map(|s| (back * s.force).0));
             self.strips.append(&row);
         }
     }
@@ -148,6 +152,10 @@ impl Recorder {
         let stall_fraction = past as f64 / last.len().max(1) as f64;
         TetherRun { ending, loads: self.loads, strips: self.strips, means, stall_fraction }
     }
+}
+
+fn push(row: &mut Vec<f64>, w: &Wrench<f64>) {
+    row.extend(w.force.0.iter().chain(&w.moment.0));
 }
 
 /// Lift, drag, side-force and nose-up moment coefficients.

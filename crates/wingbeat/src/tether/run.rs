@@ -153,6 +153,9 @@ impl Tether {
 
     /// Runs all cycles from rest with the fourth-order Runge-Kutta method.
     /// `progress` hears the share done and may stop the run.
+    ///
+    /// # Panics
+    /// When [`check`](Self::check) would refuse two hinges of one name.
     pub fn run(&self, mut progress: impl FnMut(f64) -> ControlFlow<()>) -> TetherRun {
         let n = self.aero.states();
         let (mut x, mut dx) = (vec![0.0; n], vec![0.0; n]);
