@@ -1,5 +1,6 @@
 //! Records to and from files.
 
+mod arrow_schema;
 mod parquet;
 mod table;
 

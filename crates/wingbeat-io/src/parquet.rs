@@ -1,90 +1,147 @@
 //! Records as Parquet: a 64-bit float column each, with unit, frame and limits in the column's metadata.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch, RecordBatchOptions};
-use arrow_schema::{DataType, Field, Schema};
-use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::basic::{Compression, Encoding};
+use parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
+use parquet::column::reader::{ColumnReader, get_typed_column_reader};
+use parquet::data_type::DoubleType;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
 use wingbeat::flight::{Column, Record};
 
-use crate::Error;
+use crate::{Error, arrow_schema};
+
+/// Key of the columns' units, frames and limits in the file's metadata, as JSON.
+const KEY: &str = "wingbeat";
+
+/// Metadata of columns by name.
+type Descriptions = BTreeMap<String, BTreeMap<String, String>>;
 
 /// Writes `record` to `path`. The same record gives the same bytes.
 pub fn write_parquet(path: &Path, record: &Record) -> Result<(), Error> {
-    let schema = Arc::new(Schema::new(record.columns().iter().map(field).collect::<Vec<_>>()));
-    let arrays = record.columns().iter().map(|column| {
-        let array: ArrayRef = Arc::new(Float64Array::from_iter_values(column.values.iter().copied()));
-        array
-    });
-    let options = RecordBatchOptions::new().with_row_count(Some(record.rows()));
-    let batch = RecordBatch::try_new_with_options(Arc::clone(&schema), arrays.collect(), &options)
-        .map_err(|error| Error::format(path, error))?;
     let file = File::create(path).map_err(|source| Error::file(path, source))?;
-    let mut writer =
-        ArrowWriter::try_new(file, schema, Some(properties())).map_err(|e| Error::format(path, e))?;
-    writer.write(&batch).map_err(|error| Error::format(path, error))?;
-    writer.close().map_err(|error| Error::format(path, error))?;
-    Ok(())
+    write(file, record).map_err(|error| Error::format(path, error))
 }
 
-/// Reads a record from `path`: every column must hold 64-bit floats.
+/// Reads a record from `path`: every column must hold 64-bit floats; a gap becomes not-a-number.
 pub fn read_parquet(path: &Path) -> Result<Record, Error> {
     let file = File::open(path).map_err(|source| Error::file(path, source))?;
-    let builder =
-        ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| Error::format(path, error))?;
-    let mut columns: Vec<Column> = builder.schema().fields().iter().map(|field| column(field)).collect();
-    for batch in builder.build().map_err(|error| Error::format(path, error))? {
-        let batch = batch.map_err(|error| Error::format(path, error))?;
-        for (column, array) in columns.iter_mut().zip(batch.columns()) {
-            let numbers = array.as_any().downcast_ref::<Float64Array>().ok_or_else(|| {
-                Error::format(
-                    path,
-                    format!("column {} holds {}, not Float64", column.name, array.data_type()),
-                )
-            })?;
-            column.values.extend(numbers.iter().map(|number| number.unwrap_or(f64::NAN)));
-        }
-    }
+    let columns = read(file).map_err(|error| Error::format(path, error))?;
     Record::new(columns, 0).map_err(|error| Error::format(path, error))
 }
 
+fn write(file: File, record: &Record) -> Result<(), ParquetError> {
+    let fields = record.columns().iter().map(|column| {
+        let field = Type::primitive_type_builder(&column.name, Physical::DOUBLE);
+        field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
+    });
+    let schema = Type::group_type_builder("schema").with_fields(fields.collect::<Result<_, _>>()?).build()?;
+    let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties(record)))?;
+    if record.rows() > 0 {
+        let mut group = writer.next_row_group()?;
+        for column in record.columns() {
+            if let Some(mut out) = group.next_column()? {
+                out.typed::<DoubleType>().write_batch(&column.values, None, None)?;
+                out.close()?;
+            }
+        }
+        group.close()?;
+    }
+    writer.close().map(drop)
+}
+
+fn read(file: File) -> Result<Vec<Column>, ParquetError> {
+    let reader = SerializedFileReader::new(file)?;
+    let metadata = reader.metadata().file_metadata();
+    let described = metadata.key_value_metadata().into_iter().flatten().find(|pair| pair.key == KEY);
+    let described =
+        described.and_then(|pair| serde_json::from_str::<Descriptions>(pair.value.as_deref()?).ok());
+    let described = described.unwrap_or_default();
+    let names = metadata.schema_descr().columns().iter().map(|column| column.name());
+    let mut columns: Vec<Column> = names.map(|name| column(name, described.get(name))).collect();
+    for group in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(group)?;
+        let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        for (index, column) in columns.iter_mut().enumerate() {
+            let gaps = group.metadata().column(index).column_descr().max_def_level() > 0;
+            append(column, group.get_column_reader(index)?, rows, gaps)?;
+        }
+    }
+    Ok(columns)
+}
+
+/// Appends `rows` numbers; with `gaps`, those that are not there as not-a-number.
+fn append(column: &mut Column, reader: ColumnReader, rows: usize, gaps: bool) -> Result<(), ParquetError> {
+    if !matches!(reader, ColumnReader::DoubleColumnReader(_)) {
+        let name = &column.name;
+        return Err(ParquetError::General(format!("column {name} does not hold 64-bit floats")));
+    }
+    let mut reader = get_typed_column_reader::<DoubleType>(reader);
+    let (mut values, mut present) = (Vec::with_capacity(rows), Vec::new());
+    let mut left = rows;
+    while left > 0 {
+        let (read, _, _) = reader.read_records(left, gaps.then_some(&mut present), None, &mut values)?;
+        if read == 0 {
+            break;
+        }
+        left -= read;
+    }
+    let mut values = values.into_iter();
+    if gaps {
+        let number = |there: i16| if there > 0 { values.next().unwrap_or(f64::NAN) } else { f64::NAN };
+        column.values.extend(present.into_iter().map(number));
+    } else {
+        column.values.extend(values);
+    }
+    Ok(())
+}
+
 /// Neighbouring samples differ little: splitting their bytes into streams packs them well.
-fn properties() -> WriterProperties {
+fn properties(record: &Record) -> WriterProperties {
+    let described: Vec<arrow_schema::Described> =
+        record.columns().iter().map(|column| (column.name.as_str(), metadata(column))).collect();
+    let json: serde_json::Map<String, serde_json::Value> = described
+        .iter()
+        .map(|(name, metadata)| {
+            let pairs = metadata.iter().map(|(key, value)| ((*key).to_owned(), value.as_str().into()));
+            ((*name).to_owned(), serde_json::Value::Object(pairs.collect()))
+        })
+        .collect();
+    let pairs = vec![
+        KeyValue::new(KEY.into(), serde_json::Value::Object(json).to_string()),
+        KeyValue::new(arrow_schema::KEY.into(), arrow_schema::encoded(&described)),
+    ];
     WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
         .set_created_by("wingbeat".into())
+        .set_key_value_metadata(Some(pairs))
         .build()
 }
 
-fn field(column: &Column) -> Field {
-    let mut metadata = HashMap::new();
-    for (key, text) in [("unit", &column.unit), ("frame", &column.frame)] {
-        if !text.is_empty() {
-            metadata.insert(key.into(), text.clone());
-        }
-    }
-    for (key, limit) in [("low", column.low), ("high", column.high)] {
-        if limit.is_finite() {
-            metadata.insert(key.into(), limit.to_string());
-        }
-    }
-    Field::new(&column.name, DataType::Float64, false).with_metadata(metadata)
+/// Unit, frame and limits, those that there are.
+fn metadata(column: &Column) -> Vec<(&'static str, String)> {
+    let texts = [("unit", &column.unit), ("frame", &column.frame)].into_iter();
+    let texts = texts.filter(|(_, text)| !text.is_empty()).map(|(key, text)| (key, text.clone()));
+    let limits = [("low", column.low), ("high", column.high)].into_iter();
+    let limits = limits.filter(|(_, limit)| limit.is_finite()).map(|(key, limit)| (key, limit.to_string()));
+    texts.chain(limits).collect()
 }
 
-fn column(field: &Field) -> Column {
-    let text = |key: &str| field.metadata().get(key).cloned().unwrap_or_default();
+fn column(name: &str, metadata: Option<&BTreeMap<String, String>>) -> Column {
+    let text = |key: &str| metadata.and_then(|metadata| metadata.get(key)).cloned().unwrap_or_default();
     let number = |key: &str, otherwise: f64| text(key).parse().unwrap_or(otherwise);
     Column {
         low: number("low", f64::NEG_INFINITY),
         high: number("high", f64::INFINITY),
-        ..Column::new(field.name(), text("unit"), text("frame"))
+        ..Column::new(name, text("unit"), text("frame"))
     }
 }
