@@ -20,6 +20,8 @@ const SHORTEST: f64 = 1e-7;
 /// Barrier and margin of the first and of later meshes' starts.
 const WARM_BARRIER: f64 = 1e-4;
 const WARM_MARGIN: f64 = 1e-6;
+/// A solution whose error is within this factor of the tolerance is acceptable.
+const NEARLY: f64 = 100.0;
 /// Finer uniform meshes tried when the first gives no solution.
 const RETRIES: usize = 2;
 
@@ -167,23 +169,35 @@ impl<P: OptimalControl> Run<'_, P> {
             let mesh = refine(solved, self.refinement, settled);
             let full = mesh.len() > self.refinement.most_intervals + 1 || mesh.len() == solved.mesh.len();
             if full || self.passes.len() >= self.refinement.meshes {
-                status = Status::Acceptable;
+                let accurate = solved.error <= NEARLY * self.refinement.tolerance;
+                status = if accurate { Status::Acceptable } else { mesh_limit(solved.error) };
                 break;
             }
-            let options =
-                Options { barrier: WARM_BARRIER, margin: WARM_MARGIN, ..self.refinement.solver.clone() };
             let start = resample(solved, &mesh);
-            let (next_status, next) = self.solve_mesh(mesh, &start, options);
-            match next {
-                Some(next) if next_status.is_success() => (status, last) = (next_status, Some(next)),
-                _ => {
-                    // The coarser solution stands, as far as it goes.
-                    status = if next_status == Status::Stopped { next_status } else { Status::Acceptable };
+            let accurate = solved.error <= NEARLY * self.refinement.tolerance;
+            match self.finer(mesh, &start) {
+                (next_status, Some(next)) if next_status.is_success() => {
+                    (status, last) = (next_status, Some(next));
+                }
+                (next_status, _) => {
+                    // The coarser solution stands, as far as it is accurate.
+                    let stopped = next_status == Status::Stopped;
+                    status = if accurate && !stopped { Status::Acceptable } else { next_status };
                     break;
                 }
             }
         }
         (status, last)
+    }
+
+    /// A finer mesh from the solution on a coarser one: a warm start, and a
+    /// cold one where that fails.
+    fn finer(&mut self, mesh: Vec<f64>, start: &Trajectory) -> (Status, Option<Solved>) {
+        let solver = self.refinement.solver.clone();
+        let warm = Options { barrier: WARM_BARRIER, margin: WARM_MARGIN, ..solver.clone() };
+        let (status, solved) = self.solve_mesh(mesh.clone(), start, warm);
+        let over = matches!(status, Status::Stopped | Status::TimeLimit);
+        if status.is_success() || over { (status, solved) } else { self.solve_mesh(mesh, start, solver) }
     }
 
     /// The first mesh, uniform; a finer one where the solver finds nothing.
@@ -239,6 +253,12 @@ impl<P: OptimalControl> Run<'_, P> {
         let status = if stopped { Status::Stopped } else { status };
         (status, Some(Solved { mesh, objective, errors, error, interpolant }))
     }
+}
+
+/// The end of a refinement that may not divide any more.
+fn mesh_limit(error: f64) -> Status {
+    let cause = format!("the finest mesh allowed leaves an error of {error:.1e} between its nodes");
+    Status::NumericalTrouble { cause }
 }
 
 /// The solution sampled at the points that a refined mesh will have.
