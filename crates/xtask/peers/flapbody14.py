@@ -146,4 +146,5 @@ def main():
     print(json.dumps(dict(casadi=ca.__version__, numpy=np.__version__, rows=rows), indent=1))
 
 
-main()
+if __name__ == "__main__":
+    main()

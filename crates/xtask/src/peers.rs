@@ -14,7 +14,7 @@ const ROUNDS: usize = 3;
 type Times = HashMap<String, f64>;
 
 /// Rows of the table: what, our name of it, the other program, its name of what it is compared with.
-const ROWS: [(&str, &str, &str, &str); 7] = [
+const ROWS: [(&str, &str, &str, &str); 8] = [
     ("forward dynamics, 10-dof tree", "forward_dynamics", "Pinocchio 4.1.0", "forward_dynamics"),
     ("plant of Aerobat, paper, 9 strips", "plant_paper_9", "Pinocchio 4.1.0", "forward_dynamics"),
     ("plant of Aerobat, full, 9 strips", "plant_full_9", "Pinocchio 4.1.0", "forward_dynamics"),
@@ -22,20 +22,22 @@ const ROWS: [(&str, &str, &str, &str); 7] = [
     ("plant of Aerobat, full, 16 strips", "plant_full_16", "Pinocchio 4.1.0", "forward_dynamics"),
     ("flapping wing F2, paper, per simulated second", "flap_f2_paper", "PteraSoftware 5.1.0", "flap_f2"),
     ("flapping wing F2, full, per simulated second", "flap_f2_full", "PteraSoftware 5.1.0", "flap_f2"),
+    ("FLAPBODY-14 B, 100 intervals", "flapbody14_b", "CasADi 3.8 + IPOPT", "flapbody14_b"),
 ];
 
 /// Runs both sides with the given Python; false when it fails.
 type Comparison = fn(&Path) -> bool;
 
 /// The comparisons by name.
-const COMPARISONS: [(&str, Comparison); 2] = [("mechanics", mechanics), ("control", control::compare)];
+const COMPARISONS: [(&str, Comparison); 3] =
+    [("mechanics", mechanics), ("control", control::compare), ("offline", offline)];
 
 /// Makes the environment of the other programs and runs the comparison called `only`, or all.
 pub fn compare(only: Option<&str>) -> bool {
     let chosen: Vec<_> =
         COMPARISONS.iter().filter(|(name, _)| only.is_none_or(|only| only == *name)).collect();
     if chosen.is_empty() {
-        eprintln!("error: no comparison {}; there are mechanics, control", only.unwrap_or_default());
+        eprintln!("error: no comparison {}; there are mechanics, control, offline", only.unwrap_or_default());
         return false;
     }
     let Some(python) = environment() else { return false };
@@ -55,6 +57,22 @@ fn mechanics(python: &Path) -> bool {
     }
     let Some(flap) = times(script(python, "pterasoftware_flap.py", &[])) else { return false };
     theirs.push(flap);
+    print_table(&ours, &theirs);
+    true
+}
+
+/// Runs the offline solvers in turns and prints the table.
+fn offline(python: &Path) -> bool {
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        let bench =
+            tools::cargo(&["bench", "--quiet", "--package", "wingbeat-validate", "--bench", "offline"]);
+        let (Some(own), Some(other)) = (times(bench), times(script(python, "flapbody14_b.py", &[]))) else {
+            return false;
+        };
+        ours.push(own);
+        theirs.push(other);
+    }
     print_table(&ours, &theirs);
     true
 }

@@ -4,7 +4,7 @@ use crate::flapbody::{DIFFERENCE, FlapBody, initial_state};
 use crate::{Case, Error, Row};
 use std::ops::ControlFlow;
 use wingbeat::math::Scalar;
-use wingbeat::ocp::interior_point::{Iteration, Options, Solution, Status, solve};
+use wingbeat::ocp::interior_point::{Options, Solution, Status, solve};
 use wingbeat::ocp::{
     Collocation, Ends, FREE, Instant, Limits, OptimalControl, Scheme, Setup, Trajectory, Transcribed,
 };
@@ -59,23 +59,20 @@ impl TurnIn {
     }
 
     /// Solves the problem on `intervals` equal intervals.
-    pub fn solve(&self, intervals: usize, observer: &mut dyn FnMut(&Iteration)) -> Solution {
+    pub fn solve(&self, intervals: usize, options: &Options) -> Solution {
         let uniform = Transcribed::uniform(Scheme::hermite_simpson(), intervals);
         let guess = self.guess();
         let mut program = Collocation::new(self, Transcribed { cost_at_nodes: true, ..uniform }, &guess);
         let start = program.unknowns(&guess);
-        let mut watch = |iteration: &Iteration| {
-            observer(iteration);
-            ControlFlow::Continue(())
-        };
-        solve(&mut program, &start, &Options::default(), &mut watch)
+        let mut quiet = |_: &_| ControlFlow::Continue(());
+        solve(&mut program, &start, options, &mut quiet)
     }
 }
 
 fn compare() -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for (intervals, optimum) in [(50, 0.255202142811), (100, 0.252703900518)] {
-        let solution = TurnIn::default().solve(intervals, &mut |_| {});
+        let solution = TurnIn::default().solve(intervals, &Options::default());
         if solution.status != Status::Solved {
             return Err(Error::NoAnswer(solution.status.to_string()));
         }
