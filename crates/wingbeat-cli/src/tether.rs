@@ -1,6 +1,8 @@
 //! `wingbeat tether`.
 
-use std::path::Path;
+use std::cell::RefCell;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -37,13 +39,18 @@ const PRINTED: [&str; 10] = [
 pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
-    let read = |path: &Path| read_csv(path).map_err(|error| error.to_string());
+    let tables = RefCell::new(Vec::new());
+    let read = |path: &Path| {
+        tables.borrow_mut().push(path.to_path_buf());
+        read_csv(path).map_err(|error| error.to_string())
+    };
     let case = TetherCase::load(&arguments.case, &options.overrides, &read)?;
     let folder = RunFolder::create(options.out.as_deref(), &case.spec.name, options.force)?;
     let interrupt = Interrupt::listen()?;
     let run = simulate(&case, &interrupt, options.quiet)?;
     let summary = case.summary(&run);
     folder.write("case.toml", &case.resolved)?;
+    keep_tables(&folder, &tables.into_inner())?;
     folder.write("means.csv", &means(&run.means))?;
     folder.write_json("summary.json", &summary)?;
     write_csv(&folder.file("loads.csv"), &run.loads)?;
@@ -62,6 +69,15 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
         }
         _ => Ok(()),
     }
+}
+
+/// Copies the tables beside the case, so that it runs again from its folder.
+fn keep_tables(folder: &RunFolder, tables: &[PathBuf]) -> Result<(), Error> {
+    for table in tables {
+        let name = table.file_name().unwrap_or_default().to_string_lossy();
+        fs::copy(table, folder.file(&name)).map_err(|source| Error::file(table, source))?;
+    }
+    Ok(())
 }
 
 fn simulate(case: &TetherCase, interrupt: &Interrupt, quiet: bool) -> Result<TetherRun, Error> {

@@ -61,6 +61,8 @@ fn a_coordinate_may_be_a_table() {
     fs::write(folder.join("case.toml"), text.replace("fourier = { sin = [35.0] }", table)).unwrap();
     let output = tether(&folder, Path::new("case.toml"), &["--out", "a"]);
     assert!(output.status.success(), "{output:?}");
+    let again = tether(&folder, Path::new("a/case.toml"), &["--out", "again"]);
+    assert!(again.status.success() && folder.join("again/stroke.csv").is_file(), "{again:?}");
     fs::write(folder.join("stroke.csv"), "t,angle\n0,1\n0.1,x\n").unwrap();
     let output = tether(&folder, Path::new("case.toml"), &["--out", "b"]);
     let message = String::from_utf8(output.stderr).unwrap();
