@@ -31,23 +31,24 @@ pub fn name(status: Status) -> &'static str {
 
 fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let number = |value: f64| format!("{value:.2}");
+    let settled = |value: Option<f64>| value.map_or("-".into(), number);
     let share = |value: f64| format!("{:.1}", 100.0 * value);
     let of = |take: fn(&PaperResults) -> f64| paper.map(take);
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
     let controller = &summary.controller;
     vec![
         ("status", None, name(summary.status).into(), ""),
-        ("roll, mean", of(|p| p.roll_deg), number(summary.roll_mean_deg), "deg"),
-        ("roll, rms error", None, number(summary.roll_rms_error_deg), "deg"),
-        ("pitch, mean", of(|p| p.pitch_deg), number(summary.pitch_mean_deg), "deg, negative is nose up"),
-        ("pitch, oscillation +-", None, number(summary.pitch_half_amplitude_deg), "deg"),
+        ("roll, mean", of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
+        ("roll, rms error", None, settled(summary.roll_rms_error_deg), "deg"),
+        ("pitch, mean", of(|p| p.pitch_deg), settled(summary.pitch_mean_deg), "deg, negative is nose up"),
+        ("pitch, oscillation +-", None, settled(summary.pitch_half_amplitude_deg), "deg"),
         ("distance x", of(|p| p.distance_x_m), number(summary.distance_x_m), "m"),
         ("distance y", of(|p| p.distance_y_m), number(summary.distance_y_m.abs()), side),
         ("altitude change", None, number(summary.altitude_change_m), "m"),
         ("yaw change", None, number(summary.yaw_change_deg), "deg"),
         ("lift law", None, summary.lift_law.clone(), ""),
         ("strips past stall", None, share(summary.stall_fraction), "%"),
-        ("inputs on a limit", None, share(summary.input_saturation_fraction), "%"),
+        ("inputs at a limit", None, share(summary.input_saturation_fraction), "%"),
         ("controller updates", None, controller.updates.to_string(), ""),
         ("controller failures", None, controller.failures.to_string(), ""),
         ("update, median", None, number(1e-3 * controller.median_us), "ms"),

@@ -21,11 +21,12 @@ impl Error {
         Self::Invalid { key: key.into(), value: value.to_string(), allowed: allowed.into() }
     }
 
-    /// The same error with `prefix.` before its key.
+    /// The same error with `prefix.` before its key; `prefix` alone where there is none.
     pub fn within(self, prefix: &str) -> Self {
         match self {
             Self::Invalid { key, value, allowed } => {
-                Self::Invalid { key: format!("{prefix}.{key}"), value, allowed }
+                let key = if key.is_empty() { prefix.into() } else { format!("{prefix}.{key}") };
+                Self::Invalid { key, value, allowed }
             }
         }
     }
@@ -48,6 +49,25 @@ pub(crate) mod require {
     /// All finite.
     pub fn finite(key: &str, values: &[f64]) -> Result<(), Error> {
         values.iter().try_for_each(|&v| check(key, v, v.is_finite(), "finite numbers"))
+    }
+
+    /// Fit to be the name of a folder.
+    pub fn name(key: &str, value: &str) -> Result<(), Error> {
+        if value.is_empty() || value.starts_with('.') || value.contains(['/', '\\']) {
+            let allowed = "a name for a folder: not empty, without slashes, not starting with a dot";
+            return Err(Error::invalid(key, format!("{value:?}"), allowed));
+        }
+        Ok(())
+    }
+
+    /// Principal inertias of a real body: none negative, none above the sum of the others.
+    pub fn principal_inertias(key: &str, inertias: [f64; 3]) -> Result<(), Error> {
+        inertias.iter().try_for_each(|&i| not_negative(key, i))?;
+        let [a, b, c] = inertias;
+        let slack = 1e-9 * (a + b + c);
+        let possible = [a + b - c, b + c - a, c + a - b].iter().all(|&x| x >= -slack);
+        let allowed = "no principal inertia above the sum of the others";
+        if possible { Ok(()) } else { Err(Error::invalid(key, format!("{inertias:?}"), allowed)) }
     }
 
     fn check(key: &str, value: f64, good: bool, allowed: &str) -> Result<(), Error> {

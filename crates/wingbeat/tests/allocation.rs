@@ -30,9 +30,12 @@ static COUNTING: Counting = Counting;
 
 #[test]
 fn a_plant_evaluation_allocates_nothing() {
-    for name in ["banking_turn", "banking_turn_beta"] {
+    for (name, preset) in
+        [("banking_turn", "paper"), ("banking_turn_beta", "paper"), ("banking_turn", "full")]
+    {
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenarios/{name}.toml"));
-        let scenario = Scenario::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+        let scenario =
+            Scenario::load(&path, &[format!("aero.preset={preset}")]).unwrap_or_else(|e| panic!("{e}"));
         let robot = scenario.robot();
         let x = scenario.start();
         let u = vec![0.0; robot.inputs().len()];

@@ -17,9 +17,10 @@ fn the_banking_turn_meets_the_paper_and_converges_with_the_step() {
     let run = fly(&["flight.record_every_s=0.005"]);
     let s = &run.summary;
     assert_eq!(s.status, Status::Ok, "{:?}", s.reason);
-    assert!((s.roll_mean_deg - 15.0).abs() < 1.5, "roll {}", s.roll_mean_deg);
-    assert!((s.pitch_mean_deg + 15.0).abs() < 2.0, "pitch {}", s.pitch_mean_deg);
-    assert!(s.pitch_half_amplitude_deg < 10.0);
+    assert!((s.roll_mean_deg.unwrap() - 15.0).abs() < 1.5, "roll {:?}", s.roll_mean_deg);
+    assert!((s.pitch_mean_deg.unwrap() + 15.0).abs() < 2.0, "pitch {:?}", s.pitch_mean_deg);
+    assert!(s.pitch_half_amplitude_deg.unwrap() < 10.0);
+    assert!(s.input_saturation_fraction > 0.1, "the shoulders work at their limits");
     assert!((s.distance_x_m.abs() - 4.1).abs() < 0.75, "x {}", s.distance_x_m);
     assert!((s.distance_y_m.abs() - 5.0).abs() < 0.75, "y {}", s.distance_y_m);
     assert_eq!(s.controller.failures, 0);
@@ -52,7 +53,22 @@ fn sources_of_force_sum_to_zero() {
     let sources =
         ["circulatory", "induced_drag", "added_mass", "profile_drag", "body_drag", "gravity", "inertia"];
     for row in 0..record.rows() {
-        let sum: f64 = sources.iter().map(|s| record.values(&format!("force_{s}_z")).unwrap()[row]).sum();
-        assert!(sum.abs() < 1e-12, "row {row}: {sum} N left");
+        for kind in ["force", "moment"] {
+            for axis in ["x", "y", "z"] {
+                let value = |s: &&str| record.values(&format!("{kind}_{s}_{axis}")).unwrap()[row];
+                let sum: f64 = sources.iter().map(|s| value(s)).sum();
+                assert!(sum.abs() < 1e-12, "row {row}: {kind} {axis} {sum} left");
+            }
+        }
     }
+}
+
+#[test]
+fn a_flight_that_ends_before_the_means_has_none() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/glide.toml");
+    let scenario =
+        Scenario::load(&path, &["flight.duration_s=0.05".into()]).unwrap_or_else(|e| panic!("{e}"));
+    let summary = scenario.fly(|_| ControlFlow::Continue(())).unwrap().summary;
+    assert_eq!((summary.roll_mean_deg, summary.pitch_half_amplitude_deg), (None, None));
+    assert_eq!(summary.controller.updates, 0);
 }

@@ -114,13 +114,14 @@ fn one(sweep: &Sweep, run: usize, interrupt: &Interrupt) -> Result<Option<Vec<f6
 }
 
 fn measures(summary: &Summary, hold: Hold) -> [f64; MEASURES.len()] {
+    let of = |value: Option<f64>| value.unwrap_or(f64::NAN);
     [
         f64::from(u8::from(hold.met(summary))),
         f64::from(u8::from(summary.completed())),
-        summary.roll_max_error_deg,
-        summary.pitch_max_error_deg,
-        summary.roll_mean_deg,
-        summary.pitch_mean_deg,
+        of(summary.roll_max_error_deg),
+        of(summary.pitch_max_error_deg),
+        of(summary.roll_mean_deg),
+        of(summary.pitch_mean_deg),
         summary.distance_x_m,
         summary.distance_y_m,
         summary.altitude_change_m,

@@ -32,7 +32,8 @@ impl Planform {
     pub fn new(stations: &[PlanformStation]) -> Result<Self, Error> {
         let fail = |key: String, value: f64, allowed: &str| Err(Error::invalid(key, value, allowed));
         if stations.len() < 2 {
-            return fail("planform".into(), stations.len() as f64, "at least two stations");
+            let given = format!("{} stations", stations.len());
+            return Err(Error::invalid("planform", given, "at least two stations"));
         }
         if stations[0].arc_m != 0.0 {
             return fail("planform[0].arc_m".into(), stations[0].arc_m, "0: the plane of symmetry");

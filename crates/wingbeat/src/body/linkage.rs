@@ -75,8 +75,8 @@ impl Linkage {
             let degrees = 360.0 * k as f64 / TRIALS as f64;
             let pose = linkage.pose(Jet::<f64>::from(degrees.to_radians()), [Jet::ZERO; 3]);
             let pose = pose.map_err(|fault| {
-                let value = format!("({fault} at crank {degrees} deg)");
-                Error::invalid("linkage", value, format!("closed loops, every margin >= {MARGIN_LIMIT}"))
+                let value = format!("({fault}, at crank {degrees} deg)");
+                Error::invalid("", value, format!("closed loops, every margin >= {MARGIN_LIMIT}"))
             })?;
             *angles = [pose.humerus.x, pose.radius.x];
         }

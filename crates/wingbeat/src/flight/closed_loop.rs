@@ -52,8 +52,8 @@ pub struct Schedule {
     pub step: f64,
     /// Number of steps.
     pub steps: usize,
-    /// Steps between controller updates.
-    pub steps_per_update: usize,
+    /// Steps between controller updates; `None` never updates.
+    pub steps_per_update: Option<usize>,
     /// Steps between samples.
     pub steps_per_sample: usize,
 }
@@ -119,14 +119,14 @@ pub fn fly<P: Plant, C: Controller>(
         ending: Ending::Complete,
         duration: 0.0,
         wall: Duration::ZERO,
-        updates: Vec::with_capacity(schedule.steps / schedule.steps_per_update + 1),
+        updates: Vec::with_capacity(schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1)),
         failures: 0,
         late: 0,
     };
     for i in 0..=schedule.steps {
         let t = i as f64 * schedule.step;
         flight.duration = t;
-        if i % schedule.steps_per_update == 0 && i < schedule.steps {
+        if schedule.steps_per_update.is_some_and(|n| i % n == 0) && i < schedule.steps {
             let begun = Instant::now();
             match controller.update(t, x) {
                 Update::Fresh => {}

@@ -10,6 +10,9 @@ use crate::require;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
+/// Longest horizon, and most iterations of an update.
+const MAX_INTERVALS: usize = 100;
+
 /// Horizon and cost of the controller.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -25,7 +28,8 @@ pub struct MpcSpec {
     /// The plan's first input is the last one applied; else it may jump.
     #[serde(default)]
     pub continuous_input: bool,
-    /// An update that takes longer is dropped and counted, s; without it none is.
+    /// An update that takes longer by the wall clock is dropped and counted, s;
+    /// without it none is. A flight with a deadline does not repeat to the bit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deadline_s: Option<f64>,
     /// Weights.
@@ -76,8 +80,8 @@ impl MpcSpec {
         weights.iter().try_for_each(|(key, value)| require::not_negative(key, *value))?;
         self.deadline_s.map_or(Ok(()), |deadline| require::positive("deadline_s", deadline))?;
         for (key, value) in [("intervals", self.intervals), ("iterations", self.iterations)] {
-            if value == 0 {
-                return Err(Error::invalid(key, value, "at least 1"));
+            if !(1..=MAX_INTERVALS).contains(&value) {
+                return Err(Error::invalid(key, value, format!("1 to {MAX_INTERVALS}")));
             }
         }
         Ok(())

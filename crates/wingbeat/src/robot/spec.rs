@@ -5,7 +5,7 @@ use crate::Error;
 use crate::aero::PlanformStation;
 use crate::body::{Coupled, Element, FourierSeries, Gait, Linkage, LinkageDimensions, Response};
 use crate::plant::Channel;
-use crate::require::{finite, not_negative, positive};
+use crate::require::{finite, not_negative, positive, principal_inertias};
 use serde::{Deserialize, Serialize};
 
 /// A robot: body, left wing (the right one mirrors it), gait, structure.
@@ -103,6 +103,14 @@ impl GaitSpec {
         }
     }
 
+    /// The key under which a robot file gives it.
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Fourier { .. } => "fourier",
+            Self::Linkage { .. } => "linkage",
+        }
+    }
+
     /// Stops the flapping.
     pub fn hold_still(&mut self) {
         match self {
@@ -117,7 +125,8 @@ impl GaitSpec {
                 Gait::Fourier { shoulder: shoulder.clone(), elbow: elbow.clone() }
             }
             Self::Linkage { dimensions, .. } => {
-                let linkage = Linkage::new(*dimensions.clone()).map_err(|e| e.within("dimensions"))?;
+                let linkage =
+                    Linkage::new(*dimensions.clone()).map_err(|e| e.within("linkage.dimensions"))?;
                 Gait::Linkage(Box::new(linkage))
             }
         })
@@ -199,10 +208,10 @@ impl Displaced {
 
 impl RobotSpec {
     /// Checks what the types alone do not: ranges, names, clashes.
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         self.body.check().map_err(|e| e.within("body"))?;
         self.wing.check().map_err(|e| e.within("wing"))?;
-        not_negative("gait.frequency_hz", self.gait.frequency_hz())?;
+        not_negative(&format!("gait.{}.frequency_hz", self.gait.kind()), self.gait.frequency_hz())?;
         self.structure.check(matches!(self.gait, GaitSpec::Linkage { .. })).map_err(|e| e.within("structure"))
     }
 }
@@ -212,7 +221,7 @@ impl BodySpec {
         positive("mass_kg", self.mass_kg)?;
         finite("com_m", &self.com_m)?;
         self.drag_area_m2.iter().try_for_each(|&a| not_negative("drag_area_m2", a))?;
-        self.inertia_kg_m2.iter().try_for_each(|&i| positive("inertia_kg_m2", i))
+        principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
     }
 }
 
@@ -243,7 +252,7 @@ impl LinkSpec {
         positive("length_m", self.length_m)?;
         positive("mass_kg", self.mass_kg)?;
         finite("com_m", &self.com_m)?;
-        self.inertia_kg_m2.iter().try_for_each(|&i| not_negative("inertia_kg_m2", i))
+        principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
     }
 }
 
@@ -325,8 +334,9 @@ impl ElementSpec {
                 [low, high]
             }
             _ => {
-                let given = format!("[{:?}, {:?}]", self.low, self.high);
-                return Err(Error::invalid("low", given, "finite low and high, low below high"));
+                let given = |limit: Option<f64>| limit.map_or("missing".into(), |l| l.to_string());
+                let given = format!("{}, high = {}", given(self.low), given(self.high));
+                return Err(Error::invalid("low", given, "finite limits, low below high"));
             }
         };
         Ok(Channel::limited(format!("command_{}", self.name), self.unit(), "", low, high))

@@ -48,7 +48,11 @@ impl Mismatch {
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check(&self, robot: &RobotSpec) -> Result<(), Error> {
+        if robot.structure.a.is_some() && self.regulator_bandwidth != 1.0 {
+            let allowed = "1 where the structure is given by its matrices";
+            return Err(Error::invalid("regulator_bandwidth", self.regulator_bandwidth, allowed));
+        }
         let factors = [
             ("density", self.density),
             ("mass", self.mass),

@@ -35,6 +35,9 @@ use recorder::Recorder;
 use std::ops::ControlFlow;
 use std::path::Path;
 
+/// Largest number of records of a flight: 1 GB in memory.
+const MAX_SAMPLES: usize = 500_000;
+
 /// Keys of a scenario that name a file to be put in their place.
 const INCLUDES: [&str; 1] = ["robot"];
 
@@ -166,14 +169,24 @@ impl Scenario {
 
 impl ScenarioSpec {
     fn check(&self) -> Result<(), Error> {
+        require::name("name", &self.name)?;
+        self.robot.check().map_err(|e| e.within("robot"))?;
         require::positive("air.density_kg_m3", self.air.density_kg_m3)?;
         require::finite("air.wind_m_s", &self.air.wind_m_s)?;
         require::not_negative("air.gust_m_s", self.air.gust_m_s)?;
+        require::finite("start.velocity_m_s", &self.start.velocity_m_s)?;
+        let stall = self.aero.stall_angle_deg;
+        if !(stall > 0.0 && stall < 90.0) {
+            return Err(Error::invalid("aero.stall_angle_deg", stall, "between 0 and 90"));
+        }
+        if let Some(goal) = &self.goal {
+            goal.check().map_err(|e| e.within("goal"))?;
+        }
         if let Some(sensors) = &self.sensors {
             sensors.check().map_err(|e| e.within("sensors"))?;
         }
         if let Some(mismatch) = &self.mismatch {
-            mismatch.check().map_err(|e| e.within("mismatch"))?;
+            mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
         }
         if let Some(track) = self.manoeuvre.as_ref().and_then(|m| m.track.as_ref()) {
             track.check().map_err(|e| e.within("manoeuvre.track"))?;
@@ -227,13 +240,19 @@ impl ScenarioSpec {
                 Err(Error::invalid(key, time, format!("a whole number of steps of {step} s, at least one")))
             }
         };
-        let period = self.controller.as_ref().map_or(flight.duration_s, |c| c.period_s);
-        Ok(Schedule {
+        let period = self.controller.as_ref().map(|c| whole("controller.period_s", c.period_s));
+        let schedule = Schedule {
             step,
             steps: whole("flight.duration_s", flight.duration_s)?,
-            steps_per_update: whole("controller.period_s", period)?,
+            steps_per_update: period.transpose()?,
             steps_per_sample: whole("flight.record_every_s", flight.record_every_s)?,
-        })
+        };
+        let samples = schedule.steps / schedule.steps_per_sample;
+        if samples > MAX_SAMPLES {
+            let allowed = format!("at most {MAX_SAMPLES} records; these make {samples}");
+            return Err(Error::invalid("flight.record_every_s", flight.record_every_s, allowed));
+        }
+        Ok(schedule)
     }
 }
 

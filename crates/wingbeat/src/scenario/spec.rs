@@ -2,9 +2,11 @@
 
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
+use crate::Error;
 use crate::aero::{LagSet, LiftLaw, StripSettings};
 use crate::flight::SensorSpec;
 use crate::guide::{Manoeuvre, MpcSpec};
+use crate::require;
 use crate::robot::RobotSpec;
 use serde::{Deserialize, Serialize};
 
@@ -200,16 +202,24 @@ pub struct FlightSpec {
     pub flapping: bool,
 }
 
-/// What counts as held, on the means from `settle_s` on.
+/// What counts as held, from `settle_s` on.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct GoalSpec {
-    /// Start of the means, s.
+    /// Start of the means, s; a flight that ends before is not judged.
     pub settle_s: f64,
-    /// Largest |mean roll - reference|, deg.
+    /// Largest root mean square of roll minus reference, deg.
     pub roll_within_deg: f64,
-    /// Largest |mean pitch - reference|, deg.
+    /// Largest root mean square of pitch minus reference, deg.
     pub pitch_within_deg: f64,
+}
+
+impl GoalSpec {
+    pub(super) fn check(&self) -> Result<(), Error> {
+        require::not_negative("settle_s", self.settle_s)?;
+        require::positive("roll_within_deg", self.roll_within_deg)?;
+        require::positive("pitch_within_deg", self.pitch_within_deg)
+    }
 }
 
 /// Published numbers.

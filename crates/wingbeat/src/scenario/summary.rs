@@ -5,8 +5,9 @@ use crate::flight::{Ending, Flight, Record};
 use crate::guide::{Manoeuvre, Reference, angle_error};
 use serde::Serialize;
 
-/// `summary.json` of a flight. Means are taken from the goal's settling time
-/// (2 s without a goal) on. Pitch is FLU: negative is nose up.
+/// `summary.json` of a flight. What is optional is taken from the goal's settling
+/// time (2 s without a goal) on, and missing when the flight ended before.
+/// Pitch is FLU: negative is nose up.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// `ok`, `off_target`, `fault`, `stopped`.
@@ -25,17 +26,19 @@ pub struct Summary {
     /// Climb, m; negative is sink.
     pub altitude_change_m: f64,
     /// Mean roll, deg.
-    pub roll_mean_deg: f64,
+    pub roll_mean_deg: Option<f64>,
     /// Root mean square of roll minus reference, deg.
-    pub roll_rms_error_deg: f64,
+    pub roll_rms_error_deg: Option<f64>,
     /// Largest |roll - reference|, deg.
-    pub roll_max_error_deg: f64,
+    pub roll_max_error_deg: Option<f64>,
     /// Mean pitch, deg.
-    pub pitch_mean_deg: f64,
+    pub pitch_mean_deg: Option<f64>,
+    /// Root mean square of pitch minus reference, deg.
+    pub pitch_rms_error_deg: Option<f64>,
     /// Largest |pitch - reference|, deg.
-    pub pitch_max_error_deg: f64,
+    pub pitch_max_error_deg: Option<f64>,
     /// Half of the pitch range, deg.
-    pub pitch_half_amplitude_deg: f64,
+    pub pitch_half_amplitude_deg: Option<f64>,
     /// Change of heading over the whole flight, deg; left is positive.
     pub yaw_change_deg: f64,
     /// Aerodynamic preset.
@@ -44,7 +47,7 @@ pub struct Summary {
     pub lift_law: String,
     /// Share of strips beyond the stall angle, over all samples.
     pub stall_fraction: f64,
-    /// Share of input samples on a limit.
+    /// Share of input samples within 1 % of their range of a limit.
     pub input_saturation_fraction: f64,
     /// Cautions that a reader must know.
     pub warnings: Vec<String>,
@@ -121,10 +124,29 @@ impl Settled<'_> {
         let samples = self.column(name).iter().zip(self.column("t"));
         samples.map(|(&angle, &t)| angle_error(angle, reference(t))).collect()
     }
-    fn mean_deg(&self, name: &str) -> f64 {
-        let v = self.column(name);
-        (v.iter().sum::<f64>() / v.len().max(1) as f64).to_degrees()
+    fn mean_deg(&self, name: &str) -> Option<f64> {
+        mean(self.column(name)).map(f64::to_degrees)
     }
+}
+
+/// Mean; missing where there are no values.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+fn rms_deg(errors: &[f64]) -> Option<f64> {
+    let squares: Vec<f64> = errors.iter().map(|e| e * e).collect();
+    mean(&squares).map(|m| m.sqrt().to_degrees())
+}
+
+fn largest_deg(errors: &[f64]) -> Option<f64> {
+    errors.iter().map(|e| e.abs()).reduce(f64::max).map(f64::to_degrees)
+}
+
+fn half_range_deg(angles: &[f64]) -> Option<f64> {
+    let low = angles.iter().copied().reduce(f64::min)?;
+    let high = angles.iter().copied().reduce(f64::max)?;
+    Some((0.5 * (high - low)).to_degrees())
 }
 
 /// What the summary needs beside record and flight.
@@ -154,7 +176,6 @@ impl Summary {
             Some([first, .., last]) => last - first,
             _ => 0.0,
         };
-        let (low, high) = range(settled.column("pitch"));
         let roll_errors = settled.errors("roll", |t| context.reference(t).map_or(0.0, |r| r.roll));
         let pitch_errors = settled.errors("pitch", |t| context.reference(t).map_or(0.0, |r| r.pitch));
         let mut summary = Self {
@@ -166,17 +187,18 @@ impl Summary {
             distance_y_m: change("p_WB_y"),
             altitude_change_m: change("p_WB_z"),
             roll_mean_deg: settled.mean_deg("roll"),
-            roll_rms_error_deg: rms(&roll_errors).to_degrees(),
-            roll_max_error_deg: largest(&roll_errors).to_degrees(),
+            roll_rms_error_deg: rms_deg(&roll_errors),
+            roll_max_error_deg: largest_deg(&roll_errors),
             pitch_mean_deg: settled.mean_deg("pitch"),
-            pitch_max_error_deg: largest(&pitch_errors).to_degrees(),
-            pitch_half_amplitude_deg: (0.5 * (high - low)).to_degrees(),
+            pitch_rms_error_deg: rms_deg(&pitch_errors),
+            pitch_max_error_deg: largest_deg(&pitch_errors),
+            pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
             yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
             aero_preset: context.preset.into(),
             lift_law: context.law.into(),
             stall_fraction: context.stall_fraction,
             input_saturation_fraction: saturation(record),
-            warnings: warnings(context),
+            warnings: warnings(context, flight.duration < settle),
             controller: ControllerSummary::new(flight),
         };
         (summary.status, summary.reason) = summary.judge(flight, context);
@@ -196,18 +218,16 @@ impl Summary {
             Ending::Stopped => return (Status::Stopped, Some("stopped from outside".into())),
             Ending::Complete => {}
         }
-        let (Some(goal), Some(manoeuvre)) = (context.goal, context.manoeuvre) else {
+        let (Some(goal), Some(_)) = (context.goal, context.manoeuvre) else {
             return (Status::Ok, None);
         };
-        let off = |name: &str, value: f64, reference: f64, within: f64| {
-            let error = value - reference;
-            (!(error.abs() <= within)).then(|| {
-                format!("mean {name} {value:.2} deg is {error:+.2} deg off {reference} deg, allowed is {within} deg")
-            })
+        let off = |name: &str, rms: Option<f64>, within: f64| {
+            let rms = rms.filter(|rms| !(*rms <= within))?;
+            Some(format!("rms error of {name} {rms:.2} deg, allowed is {within} deg"))
         };
         let missed: Vec<String> = [
-            off("roll", self.roll_mean_deg, manoeuvre.roll_deg, goal.roll_within_deg),
-            off("pitch", self.pitch_mean_deg, manoeuvre.pitch_deg, goal.pitch_within_deg),
+            off("roll", self.roll_rms_error_deg, goal.roll_within_deg),
+            off("pitch", self.pitch_rms_error_deg, goal.pitch_within_deg),
         ]
         .into_iter()
         .flatten()
@@ -216,44 +236,41 @@ impl Summary {
     }
 }
 
-fn range(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)))
-}
-
-fn rms(errors: &[f64]) -> f64 {
-    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt()
-}
-
-fn largest(errors: &[f64]) -> f64 {
-    errors.iter().fold(0.0, |m, e| e.abs().max(m))
-}
-
 /// Sum of the steps of an angle, each the short way round.
 fn unwrapped_change(angles: &[f64]) -> f64 {
     angles.windows(2).map(|a| angle_error(a[1], a[0])).sum()
 }
 
-/// Share of input samples that lie on a limit of their channel.
+/// Part of its range within which an input counts as on a limit.
+const LIMIT_BAND: f64 = 0.01;
+
+/// Share of input samples within 1 % of their range of a limit.
 fn saturation(record: &Record) -> f64 {
     let inputs = record.columns().iter().filter(|c| c.name.starts_with("command_"));
     let (mut on, mut all) = (0, 0);
     for column in inputs {
+        let band = LIMIT_BAND * (column.high - column.low);
         all += column.values.len();
-        on += column.values.iter().filter(|&&v| v <= column.low || v >= column.high).count();
+        on += column.values.iter().filter(|&&v| v <= column.low + band || v >= column.high - band).count();
     }
     on as f64 / (all as f64).max(1.0)
 }
 
-fn warnings(context: &Context) -> Vec<String> {
+fn warnings(context: &Context, unsettled: bool) -> Vec<String> {
     let share = 100.0 * context.stall_fraction;
     let mut warnings = Vec::new();
+    if unsettled && context.goal.is_some() {
+        warnings.push("the flight ended before the goal's settling time and was not judged".into());
+    }
     if context.law == "linear" && context.stall_fraction > 0.0 {
         warnings.push(format!(
             "{share:.0} % of strip samples are past the stall angle under lift law `linear`, which knows no stall"
         ));
     }
     if context.law == "stall" && context.stall_fraction > 0.0 {
-        warnings.push(format!("{share:.0} % of strip samples lean on the quasi-steady law beyond stall"));
+        warnings.push(format!(
+            "{share:.0} % of strip samples lean on the quasi-steady law beyond stall, outside the range it is valid in"
+        ));
     }
     warnings
 }

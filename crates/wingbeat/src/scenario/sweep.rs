@@ -3,6 +3,7 @@
 use super::document::{ConfigError, Document};
 use super::{Scenario, Summary};
 use crate::Error;
+use crate::require;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -53,8 +54,8 @@ impl Hold {
     /// True when the whole flight was flown and both errors stayed within.
     pub fn met(&self, summary: &Summary) -> bool {
         summary.completed()
-            && summary.roll_max_error_deg <= self.roll_within_deg
-            && summary.pitch_max_error_deg <= self.pitch_within_deg
+            && summary.roll_max_error_deg.is_some_and(|e| e <= self.roll_within_deg)
+            && summary.pitch_max_error_deg.is_some_and(|e| e <= self.pitch_within_deg)
     }
 }
 
@@ -106,6 +107,7 @@ impl Sweep {
 
 impl SweepSpec {
     fn check(&self) -> Result<(), Error> {
+        require::name("name", &self.name)?;
         if self.runs == 0 {
             return Err(Error::invalid("runs", 0, "at least 1"));
         }
