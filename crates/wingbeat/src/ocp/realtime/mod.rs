@@ -1,10 +1,60 @@
 //! Real-time tracking: sequential quadratic programming on a Hermite-Simpson
 //! horizon, with exact derivatives, Gauss-Newton curvature (corrected by secants
-//! from the second iteration on) and warm starts.
-//! Allocates only when it is made; every update takes the same path.
+//! from the second iteration on) and warm starts. Allocates only when it is made.
 //!
 //! One iteration linearises the plant at nodes and midpoints, eliminates the
 //! states interval by interval, and solves the dense program in the inputs.
+//!
+//! ```
+//! use wingbeat::math::Scalar;
+//! use wingbeat::ocp::realtime::{RealTime, Settings, Status, Tracking};
+//! use wingbeat::plant::{Channel, Fault, Plant};
+//!
+//! /// A mass of 1 kg on a rail.
+//! struct Mass {
+//!     states: [Channel; 2],
+//!     inputs: [Channel; 1],
+//! }
+//!
+//! impl Plant for Mass {
+//!     fn states(&self) -> &[Channel] {
+//!         &self.states
+//!     }
+//!     fn inputs(&self) -> &[Channel] {
+//!         &self.inputs
+//!     }
+//!     fn rates<S: Scalar>(&self, _t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+//!         (dx[0], dx[1]) = (x[1], u[0]);
+//!         Ok(())
+//!     }
+//! }
+//!
+//! /// Keeps the mass at the origin.
+//! struct Origin;
+//!
+//! impl Tracking for Origin {
+//!     fn residuals(&self, _node: usize) -> usize {
+//!         3
+//!     }
+//!     fn residual<S: Scalar>(&self, _node: usize, _t: f64, x: &[S], u: &[S], r: &mut [S]) {
+//!         (r[0], r[1], r[2]) = (x[0], x[1] * 0.5, u[0] * 0.1);
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), wingbeat::Error> {
+//! let mass = Mass {
+//!     states: [Channel::free("position", "m", "W"), Channel::free("speed", "m/s", "W")],
+//!     inputs: [Channel::limited("force", "N", "W", -0.2, 0.2)],
+//! };
+//! let mut solver = RealTime::new(&mass, &Origin, Settings::new(10, 0.1))?;
+//! let x = [1.0, 0.0];
+//! solver.reset(&mass, &x);
+//! assert_eq!(solver.solve(&mass, &Origin, 0.0, &x, 5), Status::Solved);
+//! assert_eq!(solver.input(0), [-0.2]);
+//! solver.shift(&mass, 0.02); // the warm start of an update 20 ms later
+//! # Ok(())
+//! # }
+//! ```
 
 mod active_set;
 mod condense;
