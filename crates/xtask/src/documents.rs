@@ -29,13 +29,19 @@ fn banking_turn(mark: &str, preset: &str, picture: bool) -> bool {
         tools::cargo(&["run", "--release", "--quiet", "--", "fly", "scenarios/banking_turn.toml"]);
     command.arg("--set").arg(format!("aero.preset={preset}")).arg("--out").arg(&run);
     let Some(output) = tools::output(command) else { return false };
-    let table = output.split("\nrun folder").next().unwrap_or("").trim_end();
+    let table = untimed(output.split("\nrun folder").next().unwrap_or("").trim_end());
     let images = root.join("docs/images");
     let copied = !picture
         || fs::create_dir_all(&images)
             .and_then(|()| fs::copy(run.join("figures/path.png"), images.join("banking_turn.png")))
             .is_ok();
     copied && put(mark, &format!("```text\n{table}\n```"))
+}
+
+/// The table without its running times, which belong to the machine.
+fn untimed(table: &str) -> String {
+    let timed = |line: &&str| line.starts_with("update, ") || line.starts_with("real-time factor");
+    table.lines().filter(|line| !timed(line)).collect::<Vec<_>>().join("\n")
 }
 
 /// Runs every comparison and puts the table into the README.
@@ -99,6 +105,11 @@ mod tests {
         let document = "a\n<!-- x -->\nold\n<!-- end -->\nb";
         assert_eq!(between(document, "x", "new").unwrap(), "a\n<!-- x -->\nnew\n<!-- end -->\nb");
         assert_eq!(between(document, "y", "new"), None);
+    }
+
+    #[test]
+    fn running_times_stay_out() {
+        assert_eq!(untimed("roll 15 deg\nupdate, median 1 ms\nreal-time factor 3"), "roll 15 deg");
     }
 
     #[test]

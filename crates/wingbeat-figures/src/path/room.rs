@@ -4,7 +4,7 @@ use super::Point;
 use super::bird::Bird;
 
 /// Share of the picture that the robot's reach should take at least.
-const SHARE: f64 = 0.1;
+const SHARE: f64 = 0.08;
 
 /// A box whose sides are whole steps long.
 pub struct Room {
