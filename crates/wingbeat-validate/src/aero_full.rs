@@ -2,6 +2,7 @@
 //! lifting line, which are shown without a limit.
 
 mod flapping;
+mod lattice;
 pub(crate) mod linear;
 mod mean;
 mod small;
@@ -22,6 +23,7 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.full.plunge", quick: true, run: || small::plunge(Preset::Full) },
     Case { id: "aero.full.step", quick: true, run: || small::step(Preset::Full) },
     Case { id: "aero.full.other_wings", quick: true, run: || small::other_wings(Preset::Full) },
+    Case { id: "aero.full.span_loading", quick: false, run: || small::span_loading(Preset::Full) },
     Case { id: "aero.full.trefftz", quick: true, run: mean::trefftz },
     Case { id: "aero.full.oracle", quick: true, run: flapping::oracle },
     Case { id: "aero.full.added_mass_mean", quick: true, run: || flapping::added_mass_mean(Preset::Full) },
@@ -31,6 +33,7 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.five_lags.plunge", quick: true, run: || small::plunge(Preset::FiveLags) },
     Case { id: "aero.five_lags.step", quick: true, run: || small::step(Preset::FiveLags) },
     Case { id: "aero.five_lags.other_wings", quick: true, run: || small::other_wings(Preset::FiveLags) },
+    Case { id: "aero.five_lags.span_loading", quick: false, run: || small::span_loading(Preset::FiveLags) },
     Case { id: "aero.five_lags.scherer", quick: true, run: || mean::scherer(Preset::FiveLags) },
     Case { id: "aero.paper.slope", quick: true, run: || small::slope(Preset::Paper) },
     Case { id: "aero.paper.plunge", quick: true, run: || small::plunge(Preset::Paper) },
@@ -77,10 +80,22 @@ impl Preset {
     /// The inviscid model of `wing`, with strip edges at `hinges` (arcs, m), in air of
     /// density `density` kg/m3; speeds below `least` m/s are rounded off.
     fn model(self, wing: &Planform, hinges: &[f64], density: f64, least: f64) -> Result<Aero, Error> {
+        self.model_of(STRIPS, wing, hinges, density, least)
+    }
+
+    /// The same with another number of strips or nodes.
+    fn model_of(
+        self,
+        strips: usize,
+        wing: &Planform,
+        hinges: &[f64],
+        density: f64,
+        least: f64,
+    ) -> Result<Aero, Error> {
         let drag = ProfileDrag { cd0: 0.0, cd90: 0.0 };
         if self == Self::Paper {
             let settings = LiftingLineSettings {
-                nodes: STRIPS,
+                nodes: strips,
                 drag,
                 density_kg_m3: density,
                 regularisation_m_s: least,
@@ -90,7 +105,7 @@ impl Preset {
             return Ok(Aero::LiftingLine(LiftingLine::new(wing, settings)?));
         }
         let settings = StripSettings {
-            strips: STRIPS,
+            strips,
             hinge_arcs_m: hinges.to_vec(),
             drag,
             density_kg_m3: density,

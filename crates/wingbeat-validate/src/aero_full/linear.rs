@@ -18,8 +18,8 @@ pub enum Motion {
     Pitch(f64),
 }
 
-/// x' = A x + B [q, q', q''], y = C x + D [q, q', q''], with y the upward force and then the
-/// circulations of the strips.
+/// x' = A x + B [q, q', q''], y = C x + D [q, q', q''], with y the upward force and then those of
+/// the strips.
 #[derive(Clone, Debug)]
 pub struct SmallMotion {
     states: usize,
@@ -156,8 +156,8 @@ fn derivatives(model: &Aero, still: &Still, body: &BodyMotion<D>, x: &[D]) -> Co
     let mut dx = vec![D::ZERO; x.len()];
     let mut loads = Loads::<D>::default();
     model.evaluate(&sections, Vec3::new(-D::ONE, D::ZERO, D::ZERO), x, &mut dx, &mut loads);
-    let outputs =
-        [loads.wrench.force[2]].into_iter().chain(loads.circulation[..loads.strips].iter().copied());
+    let strips = loads.strip[..loads.strips].iter().map(|strip| strip.total().force[2]);
+    let outputs = [loads.wrench.force[2]].into_iter().chain(strips);
     (dx.iter().map(|d| d.eps[0]).collect(), outputs.map(|y| y.eps[0]).collect())
 }
 

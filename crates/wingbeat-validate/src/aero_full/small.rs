@@ -2,6 +2,7 @@
 //! lifting surface.
 
 use super::Preset;
+use super::lattice::loading;
 use super::linear::{Complex, Motion, SmallMotion};
 use super::wings::{self, Still};
 use crate::{Error, Row, reference_table};
@@ -137,6 +138,60 @@ pub fn step_points(preset: Preset) -> Result<Vec<Point>, Error> {
         }
     }
     Ok(points)
+}
+
+/// Normal force along the span of plunging rectangles, against a lattice whose circulation is
+/// held against the tables.
+pub fn span_loading(preset: Preset) -> Result<Vec<Row>, Error> {
+    let (mut worst, mut lattice_worst) = (0.0_f64, 0.0_f64);
+    for (aspect, stations) in [(4.0, 16), (6.0, 16), (12.0, 24), (20.0, 24)] {
+        for k in [0.1, 0.3, 0.5] {
+            let [coarse, fine] = [loading(aspect, k, 12, stations)?, loading(aspect, k, 24, stations)?];
+            let value = span_force(preset, aspect, k, stations)?;
+            worst = worst.max(distance_over_peak(&value, &extrapolated(&coarse.force, &fine.force)));
+            let table = table_circulation(aspect, k)?;
+            lattice_worst = lattice_worst.max(distance_over_peak(&fine.circulation, &table));
+        }
+    }
+    let metric = "worst error of normal force over its peak, AR 4 to 20, k 0.1 to 0.5";
+    let source = "linear vortex lattice, Richardson from 12 and 24 panels";
+    let check = "error of the lattice's circulation over its peak";
+    let id = preset.id("span_loading");
+    Ok(vec![
+        preset.row(&id, source, metric, worst, 0.03),
+        preset.row(&format!("{id}.lattice"), SOURCE, check, lattice_worst, 0.01),
+    ])
+}
+
+/// Richardson's extrapolation of a first-order method from n and 2n panels.
+fn extrapolated(coarse: &[Complex], fine: &[Complex]) -> Vec<Complex> {
+    coarse.iter().zip(fine).map(|(c, f)| (2.0 * f.0 - c.0, 2.0 * f.1 - c.1)).collect()
+}
+
+fn distance_over_peak(value: &[Complex], exact: &[Complex]) -> f64 {
+    let peak = exact.iter().map(|e| e.0.hypot(e.1)).fold(0.0, f64::max);
+    let distance = value.iter().zip(exact).map(|(v, e)| (v.0 - e.0).hypot(v.1 - e.1));
+    distance.fold(0.0, f64::max) / peak
+}
+
+/// Force per span over dynamic pressure, chord and upwash angle, at the stations of one half.
+fn span_force(preset: Preset, aspect: f64, k: f64, stations: usize) -> Result<Vec<Complex>, Error> {
+    let still = wings::rectangular(aspect)?;
+    let model = preset.model_of(stations, still.wing.planform(), &[], 1.0, 1e-6)?;
+    let response = SmallMotion::new(&model, &still, Motion::Plunge).response(2.0 * k)?;
+    let widths = model.arcs().windows(2).map(|a| a[0] - a[1]);
+    let forces = response[1..].iter().zip(widths).take(stations / 2);
+    Ok(forces.map(|(force, width)| per_upwash(*force, 2.0 * k, 0.5 * width)).collect())
+}
+
+/// Circulation over speed, chord and upwash angle of one half of lifting_surface/spanload.csv.
+fn table_circulation(aspect: f64, k: f64) -> Result<Vec<Complex>, Error> {
+    let table = reference_table!("lifting_surface/spanload.csv")?;
+    let columns = ["AR", "k", "y_over_halfspan", "Re_Gamma", "Im_Gamma"].map(|name| table.column(name));
+    let [aspects, ks, y, re, im] = columns;
+    let (aspects, ks, y, re, im) = (aspects?, ks?, y?, re?, im?);
+    let rows = (0..table.len()).filter(|&i| aspects[i] == aspect && ks[i] == k && y[i] < 0.0);
+    Ok(rows.map(|i| (re[i], im[i])).collect())
 }
 
 /// Vertical force of other planforms and folds in plunge and pitch, k <= 0.5.
