@@ -56,7 +56,7 @@ fn sources_of_force_sum_to_zero() {
         for kind in ["force", "moment"] {
             for axis in ["x", "y", "z"] {
                 let value = |s: &&str| record.values(&format!("{kind}_{s}_{axis}")).unwrap()[row];
-                let sum: f64 = sources.iter().map(|s| value(s)).sum();
+                let sum: f64 = sources.iter().map(value).sum();
                 assert!(sum.abs() < 1e-12, "row {row}: {kind} {axis} {sum} left");
             }
         }
