@@ -1,4 +1,4 @@
-//! Records to and from files.
+//! Records, arms and joint trajectories to and from files.
 
 mod arrow_schema;
 mod parquet;
@@ -6,6 +6,11 @@ mod table;
 
 pub use parquet::{read_parquet, write_parquet};
 pub use table::{read_csv, write_csv};
+pub mod trajectory;
+mod urdf;
+
+pub use parquet::{read_parquet, write_parquet};
+pub use urdf::{parse_urdf, read_urdf};
 
 use std::path::{Path, PathBuf};
 
@@ -38,4 +43,16 @@ impl Error {
     fn format(path: &Path, what: impl ToString) -> Self {
         Self::Format { path: path.into(), what: what.to_string() }
     }
+}
+
+/// Largest text file that is read, bytes.
+const LARGEST_TEXT: u64 = 256 << 20;
+
+/// The text of a file of bounded size.
+fn text(path: &Path) -> Result<String, Error> {
+    let size = std::fs::metadata(path).map_err(|source| Error::file(path, source))?.len();
+    if size > LARGEST_TEXT {
+        return Err(Error::format(path, format!("{size} bytes; read are at most {LARGEST_TEXT}")));
+    }
+    std::fs::read_to_string(path).map_err(|source| Error::file(path, source))
 }

@@ -85,7 +85,7 @@ impl Robot {
 
     /// Joint angles with rates and accelerations: gait plus structure response.
     /// `dx` receives the rates of the structure's states.
-    fn joints<S: Scalar>(
+    pub(super) fn joints<S: Scalar>(
         &self,
         t: S,
         structure: &[S],

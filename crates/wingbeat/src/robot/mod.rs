@@ -2,12 +2,14 @@
 //! carry geometry down to the wing, loads come back up by name.
 
 mod air;
+mod carried;
 mod dynamics;
 mod observe;
 mod sections;
 mod spec;
 
 pub use air::{Air, Wind};
+pub use carried::{BodyMotion, CarriedLoads};
 pub use observe::{Observation, WING_POINTS};
 pub use spec::{BodySpec, Displaced, ElementSpec, GaitSpec, LinkSpec, RobotSpec, StructureSpec, WingSpec};
 

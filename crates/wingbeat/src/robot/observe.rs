@@ -93,11 +93,7 @@ impl Robot {
     }
 
     fn inertia(&self, e: &Evaluation<f64>) -> Wrench<f64> {
-        let (mass, bias) = self.tree.inertia_and_bias(e.base.rate, &e.links);
-        let row = |i: usize| (0..6).map(|j| mass[i][j] * e.acceleration[j]).sum::<f64>();
-        let force = Vec3::new(row(0), row(1), row(2));
-        let moment = Vec3::new(row(3), row(4), row(5));
-        -(Wrench { force, moment } + bias)
+        self.momentum_reaction(e.base.rate, &e.links, BaseAcceleration::from_slice(&e.acceleration))
     }
 
     fn energy(&self, e: &Evaluation<f64>, g: Vec3, position: Vec3) -> f64 {
@@ -121,7 +117,7 @@ impl Robot {
 }
 
 /// The link with the body's own acceleration added.
-fn accelerated(link: &LinkMotion<f64>, body: BaseAcceleration<f64>) -> LinkMotion<f64> {
+pub(super) fn accelerated(link: &LinkMotion<f64>, body: BaseAcceleration<f64>) -> LinkMotion<f64> {
     LinkMotion {
         acceleration: link.acceleration + body.origin + body.angular.cross(link.position),
         rate_dot: link.rate_dot + body.angular,

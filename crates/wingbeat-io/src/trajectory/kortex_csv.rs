@@ -1,0 +1,159 @@
+//! The 1 kHz table of Kortex pre-computed trajectories, in degrees.
+
+use std::fmt::Write;
+
+use wingbeat::rig::Trajectory;
+
+use super::ros_yaml::equal_step;
+use super::{Imported, Unit, to_radians};
+
+/// Longest pre-computed trajectory, s.
+const LONGEST: f64 = 30.0;
+
+/// The table: time, then position, velocity and acceleration of every joint, in
+/// degrees. The first row is the pose that the arm must already hold.
+///
+/// # Errors
+/// A trajectory that the arm would refuse: a step other than 1 ms, more than
+/// 30 s, or no rates.
+pub fn kortex_csv(trajectory: &Trajectory) -> Result<String, String> {
+    if (trajectory.step - 1e-3).abs() > 1e-9 {
+        return Err(format!(
+            "step {} s: a pre-computed trajectory has steps of exactly 1 ms",
+            trajectory.step
+        ));
+    }
+    if trajectory.duration() > LONGEST {
+        return Err(format!(
+            "{:.3} s: a pre-computed trajectory lasts at most {LONGEST} s",
+            trajectory.duration()
+        ));
+    }
+    if trajectory.velocity.len() != trajectory.len() || trajectory.acceleration.len() != trajectory.len() {
+        return Err("a pre-computed trajectory needs velocities and accelerations".into());
+    }
+    let mut text = String::from("time_s");
+    for unit in ["deg", "deg_s", "deg_s2"] {
+        for joint in &trajectory.joints {
+            let _ = write!(text, ",{joint}_{unit}");
+        }
+    }
+    for (k, position) in trajectory.position.iter().enumerate() {
+        let _ = write!(text, "\n{}.{:03}", k / 1000, k % 1000);
+        for x in position.iter().chain(&trajectory.velocity[k]).chain(&trajectory.acceleration[k]) {
+            let _ = write!(text, ",{:.9}", x.to_degrees());
+        }
+    }
+    text.push('\n');
+    Ok(text)
+}
+
+/// Reads a table whose first column is time; then positions, and where present
+/// velocities and accelerations of the same joints. A header is optional.
+///
+/// # Errors
+/// What is wrong, without the file's name.
+pub fn parse_kortex_csv(text: &str) -> Result<Imported, String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let mut header: Vec<String> = Vec::new();
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (line, record) in reader.records().enumerate() {
+        let record = record.map_err(|error| error.to_string())?;
+        let numbers: Result<Vec<f64>, _> = record.iter().map(str::parse::<f64>).collect();
+        match numbers {
+            Ok(numbers) => rows.push(numbers),
+            Err(_) if line == 0 => header = record.iter().map(String::from).collect(),
+            Err(error) => return Err(format!("line {}: {error}", line + 1)),
+        }
+    }
+    let width = rows.first().map_or(0, Vec::len);
+    let joints = joint_count(width, &header)?;
+    let named = |j: usize| header.get(j + 1).map(|name| name.trim_end_matches("_deg").to_string());
+    let part = |from: usize| -> Vec<Vec<f64>> {
+        if width < from + joints {
+            return Vec::new();
+        }
+        rows.iter().map(|row| row[from..from + joints].to_vec()).collect()
+    };
+    let trajectory = Trajectory {
+        joints: (0..joints).map(|j| named(j).unwrap_or_else(|| format!("joint_{}", j + 1))).collect(),
+        step: equal_step(&rows.iter().map(|row| row[0]).collect::<Vec<_>>())?,
+        position: part(1),
+        velocity: part(1 + joints),
+        acceleration: part(1 + 2 * joints),
+    };
+    trajectory.check().map_err(|error| error.to_string())?;
+    let mut imported = Imported { trajectory, warnings: Vec::new() };
+    if rows[0][0] != 0.0 {
+        imported.warnings.push(format!("time begins at {} s; the arm wants 0", rows[0][0]));
+    }
+    to_radians(&mut imported, declared(&header));
+    Ok(imported)
+}
+
+/// Number of joints of a table `width` columns wide.
+fn joint_count(width: usize, header: &[String]) -> Result<usize, String> {
+    let values = width.saturating_sub(1);
+    let velocities = header.iter().position(|name| name.ends_with("_s"));
+    match velocities {
+        Some(first) if first > 1 && values % (first - 1) == 0 => Ok(first - 1),
+        _ if values >= 18 && values.is_multiple_of(3) => Ok(values / 3),
+        _ if (1..=8).contains(&values) => Ok(values),
+        _ => Err(format!(
+            "{width} columns: allowed are time and 1 to 8 joints, or time and three values per joint"
+        )),
+    }
+}
+
+fn declared(header: &[String]) -> Option<Unit> {
+    let any = |word: &str| header.iter().skip(1).any(|name| name.to_lowercase().contains(word));
+    match (any("deg"), any("rad")) {
+        (true, false) => Some(Unit::Degrees),
+        (false, true) => Some(Unit::Radians),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{near, sample};
+    use super::*;
+
+    #[test]
+    fn the_table_round_trips() {
+        let t = Trajectory { step: 1e-3, ..sample() };
+        let text = kortex_csv(&t).unwrap();
+        assert!(text.lines().nth(1).unwrap().starts_with("0.000,"));
+        let back = parse_kortex_csv(&text).unwrap();
+        assert!(back.warnings.is_empty(), "{:?}", back.warnings);
+        near(&back.trajectory.position, &t.position, 1e-10);
+        near(&back.trajectory.velocity, &t.velocity, 1e-10);
+        assert_eq!(back.trajectory.joints, t.joints);
+    }
+
+    #[test]
+    fn the_arms_rules_are_kept() {
+        assert!(kortex_csv(&sample()).unwrap_err().contains("exactly 1 ms"));
+        let long = Trajectory { step: 1e-3, position: vec![vec![0.0; 6]; 30_002], ..sample() };
+        assert!(kortex_csv(&long).unwrap_err().contains("at most 30 s"));
+    }
+
+    #[test]
+    fn units_are_detected_without_a_header() {
+        let degrees = parse_kortex_csv("0,10,20,90\n0.001,10,20,90.5\n").unwrap();
+        assert!((degrees.trajectory.position[0][2] - 1.5708).abs() < 1e-4 && degrees.warnings.len() == 1);
+        let radians = parse_kortex_csv("0,0.1,0.2,1.5\n0.001,0.1,0.2,1.51\n").unwrap();
+        assert!(radians.trajectory.position[0][2] == 1.5 && radians.warnings[0].contains("Radians"));
+    }
+
+    #[test]
+    fn ragged_and_wordy_files_are_explained() {
+        assert!(parse_kortex_csv("0,1,2\n0.001,1\n").is_err());
+        assert!(parse_kortex_csv("time,a\n0,1\n0.001,x\n").unwrap_err().contains("line 3"));
+        assert!(parse_kortex_csv("").is_err());
+    }
+}

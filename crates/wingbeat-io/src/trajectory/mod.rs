@@ -1,0 +1,160 @@
+//! Joint trajectories to and from the files of arm controllers.
+
+mod kinova_json;
+mod kortex_csv;
+mod ros_yaml;
+
+pub use kinova_json::{kinova_json, parse_kinova_json};
+pub use kortex_csv::{kortex_csv, parse_kortex_csv};
+pub use ros_yaml::{parse_ros_yaml, ros_yaml};
+
+use std::path::Path;
+
+use wingbeat::rig::Trajectory;
+use wingbeat::rig::arm::SerialArm;
+
+use crate::{Error, text};
+
+/// A trajectory read from a file, with what a person should know of it.
+#[derive(Clone, Debug, Default)]
+pub struct Imported {
+    /// The trajectory, in rad.
+    pub trajectory: Trajectory,
+    /// What was assumed or looks odd.
+    pub warnings: Vec<String>,
+}
+
+/// Positions this far (rad) beyond a limit are let pass with a warning:
+/// recorded poses lie a hair outside.
+const HAIR: f64 = 0.02;
+
+/// Reads a trajectory by the file's extension (`yaml`/`yml` ROS 2, `csv` Kortex,
+/// `json` Kinova Web App) and checks its positions against the arm.
+///
+/// # Errors
+/// An unknown extension, a file that does not hold a trajectory, a wrong number
+/// of joints, or a position far outside its limits.
+pub fn read_trajectory(path: &Path, arm: &SerialArm) -> Result<Imported, Error> {
+    let content = text(path)?;
+    let parsed = match path.extension().and_then(|e| e.to_str()) {
+        Some("yaml" | "yml") => parse_ros_yaml(&content),
+        Some("csv") => parse_kortex_csv(&content),
+        Some("json") => parse_kinova_json(&content),
+        other => Err(format!("extension {}: allowed are yaml, yml, csv, json", other.unwrap_or("missing"))),
+    };
+    parsed.and_then(|imported| against(imported, arm)).map_err(|what| Error::format(path, what))
+}
+
+/// Checks an imported trajectory against the joints of `arm`.
+///
+/// # Errors
+/// A wrong number of joints, or a position far outside its limits.
+pub fn against(mut imported: Imported, arm: &SerialArm) -> Result<Imported, String> {
+    let joints = imported.trajectory.joints.len();
+    if joints != arm.dof() {
+        return Err(format!("{joints} joints; the arm {} has {}", arm.name, arm.dof()));
+    }
+    let mut worst: Vec<(f64, usize)> = vec![(0.0, 0); joints];
+    for (row, q) in imported.trajectory.position.iter().enumerate() {
+        for (j, joint) in arm.joints.iter().enumerate() {
+            let beyond = (joint.low - q[j]).max(q[j] - joint.high);
+            if beyond > worst[j].0 {
+                worst[j] = (beyond, row);
+            }
+        }
+    }
+    for (joint, (beyond, row)) in arm.joints.iter().zip(worst) {
+        let words = format!(
+            "point {row}: {} lies {beyond:.4} rad outside its limits [{}, {}]",
+            joint.name, joint.low, joint.high
+        );
+        if beyond > HAIR {
+            return Err(words);
+        }
+        if beyond > 0.0 {
+            imported.warnings.push(words);
+        }
+    }
+    Ok(imported)
+}
+
+/// Turns degrees into radians when the numbers can only be degrees, and says so.
+/// A `declared` unit is believed, unless the numbers contradict it.
+fn to_radians(imported: &mut Imported, declared: Option<Unit>) {
+    let t = &mut imported.trajectory;
+    let largest = t.position.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+    // No arm's recorded joint winds further than three turns.
+    let looks = if largest > 6.0 * std::f64::consts::PI { Unit::Degrees } else { Unit::Radians };
+    let unit = match declared {
+        Some(Unit::Radians) if looks == Unit::Degrees => {
+            imported.warnings.push(format!("largest angle {largest:.1}: read as degrees, not as radians"));
+            Unit::Degrees
+        }
+        Some(unit) => unit,
+        None => {
+            imported.warnings.push(format!("no unit stated; largest angle {largest:.3}: read as {looks:?}"));
+            looks
+        }
+    };
+    if unit == Unit::Degrees {
+        for x in t.position.iter_mut().chain(&mut t.velocity).chain(&mut t.acceleration).flatten() {
+            *x = x.to_radians();
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unit {
+    Degrees,
+    Radians,
+}
+
+/// Takes whole turns out of the steps from point to point.
+fn unwind(rows: &mut [Vec<f64>]) {
+    use std::f64::consts::TAU;
+    for k in 1..rows.len() {
+        let (before, after) = rows.split_at_mut(k);
+        for (x, last) in after[0].iter_mut().zip(&before[k - 1]) {
+            *x -= TAU * ((*x - last) / TAU).round();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wingbeat::rig::arm::ArmConfig;
+
+    pub(super) fn sample() -> Trajectory {
+        let arm = ArmConfig::kinova_gen3().build().unwrap();
+        let row = |f: &dyn Fn(f64) -> f64| {
+            (0..40).map(|k| (0..6).map(|j| f(0.02 * k as f64 + 0.3 * j as f64)).collect()).collect()
+        };
+        Trajectory {
+            joints: arm.joints.iter().map(|j| j.name.clone()).collect(),
+            step: 0.02,
+            position: row(&|x| x.sin()),
+            velocity: row(&|x| x.cos()),
+            acceleration: row(&|x| -x.sin()),
+        }
+    }
+
+    pub(super) fn near(a: &[Vec<f64>], b: &[Vec<f64>], tolerance: f64) {
+        assert_eq!(a.len(), b.len());
+        for (x, y) in a.iter().flatten().zip(b.iter().flatten()) {
+            assert!((x - y).abs() < tolerance, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn a_hair_outside_warns_and_more_is_refused() {
+        let arm = ArmConfig::kinova_gen3().build().unwrap();
+        let mut t = sample();
+        t.position[3][2] = 2.575;
+        let imported = against(Imported { trajectory: t.clone(), warnings: vec![] }, &arm).unwrap();
+        assert!(imported.warnings[0].contains("point 3: joint_3 lies 0.0050 rad"), "{imported:?}");
+        t.position[3][2] = 2.8;
+        let refusal = against(Imported { trajectory: t, warnings: vec![] }, &arm).unwrap_err();
+        assert!(refusal.contains("0.2300 rad"), "{refusal}");
+    }
+}

@@ -1,0 +1,136 @@
+//! ROS 2 `trajectory_msgs/JointTrajectory` as YAML, in radians.
+
+use std::fmt::Write;
+
+use serde::Deserialize;
+use wingbeat::rig::Trajectory;
+
+use super::{Imported, Unit, to_radians};
+
+/// The message, with `header.frame_id` as given.
+pub fn ros_yaml(trajectory: &Trajectory, frame_id: &str) -> String {
+    let list = |row: &[f64]| row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+    let mut text =
+        format!("header:\n  stamp: {{sec: 0, nanosec: 0}}\n  frame_id: {frame_id}\njoint_names:\n");
+    for joint in &trajectory.joints {
+        let _ = writeln!(text, "  - {joint}");
+    }
+    text += "points:\n";
+    for (k, position) in trajectory.position.iter().enumerate() {
+        let _ = writeln!(text, "  - positions: [{}]", list(position));
+        for (key, rows) in [("velocities", &trajectory.velocity), ("accelerations", &trajectory.acceleration)]
+        {
+            if let Some(row) = rows.get(k) {
+                let _ = writeln!(text, "    {key}: [{}]", list(row));
+            }
+        }
+        let nanoseconds = (k as f64 * trajectory.step * 1e9).round() as u64;
+        let (sec, nanosec) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);
+        let _ = writeln!(text, "    time_from_start: {{sec: {sec}, nanosec: {nanosec}}}");
+    }
+    text
+}
+
+#[derive(Deserialize)]
+struct Message {
+    joint_names: Vec<String>,
+    points: Vec<Point>,
+}
+
+#[derive(Deserialize)]
+struct Point {
+    positions: Vec<f64>,
+    #[serde(default)]
+    velocities: Vec<f64>,
+    #[serde(default)]
+    accelerations: Vec<f64>,
+    time_from_start: Time,
+}
+
+#[derive(Deserialize)]
+struct Time {
+    #[serde(default, alias = "secs")]
+    sec: i64,
+    #[serde(default, alias = "nsecs")]
+    nanosec: i64,
+}
+
+/// Reads the message; ROS 1's `secs`, `nsecs` are understood too.
+///
+/// # Errors
+/// What is wrong, without the file's name.
+pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
+    let message: Message = serde_yaml_ng::from_str(text)
+        .map_err(|error| format!("not a trajectory_msgs/JointTrajectory: {error}"))?;
+    let time = |p: &Point| p.time_from_start.sec as f64 + 1e-9 * p.time_from_start.nanosec as f64;
+    let times: Vec<f64> = message.points.iter().map(time).collect();
+    let step = equal_step(&times)?;
+    let rows = |f: fn(&Point) -> &Vec<f64>| -> Vec<Vec<f64>> {
+        if message.points.iter().all(|p| f(p).is_empty()) {
+            return Vec::new();
+        }
+        message.points.iter().map(|p| f(p).clone()).collect()
+    };
+    let trajectory = Trajectory {
+        joints: message.joint_names,
+        step,
+        position: rows(|p| &p.positions),
+        velocity: rows(|p| &p.velocities),
+        acceleration: rows(|p| &p.accelerations),
+    };
+    trajectory.check().map_err(|error| error.to_string())?;
+    let mut imported = Imported { trajectory, warnings: Vec::new() };
+    to_radians(&mut imported, Some(Unit::Radians));
+    Ok(imported)
+}
+
+/// The common step of `times`, s.
+pub(super) fn equal_step(times: &[f64]) -> Result<f64, String> {
+    let [first, .., last] = times else { return Ok(0.0) };
+    let step = (last - first) / (times.len() - 1) as f64;
+    for (k, w) in times.windows(2).enumerate() {
+        if !((w[1] - w[0] - step).abs() <= 1e-3 * step.abs() + 2e-9) || !(step > 0.0) {
+            return Err(format!(
+                "point {}: {:.6} s after the one before; allowed is an equal step (here {step:.6} s)",
+                k + 1,
+                w[1] - w[0]
+            ));
+        }
+    }
+    Ok(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{near, sample};
+    use super::*;
+
+    #[test]
+    fn the_message_round_trips() {
+        let t = sample();
+        let back = parse_ros_yaml(&ros_yaml(&t, "base_link")).unwrap();
+        assert!(back.warnings.is_empty() && (back.trajectory.step - 0.02).abs() < 1e-12);
+        near(&back.trajectory.position, &t.position, 1e-15);
+        near(&back.trajectory.acceleration, &t.acceleration, 1e-15);
+        assert_eq!(back.trajectory.joints, t.joints);
+    }
+
+    #[test]
+    fn degrees_in_a_message_are_noticed() {
+        let mut t = sample();
+        for x in t.position.iter_mut().flatten() {
+            *x = x.to_degrees();
+        }
+        let back = parse_ros_yaml(&ros_yaml(&t, "base_link")).unwrap();
+        assert!(back.warnings[0].contains("degrees"));
+        near(&back.trajectory.position, &sample().position, 1e-12);
+    }
+
+    #[test]
+    fn a_cut_file_and_uneven_times_are_explained() {
+        let text = ros_yaml(&sample(), "base_link");
+        assert!(parse_ros_yaml(&text[..text.len() - 60]).is_err());
+        let uneven = text.replace("nanosec: 40000000", "nanosec: 45000000");
+        assert!(parse_ros_yaml(&uneven).unwrap_err().contains("equal step"));
+    }
+}

@@ -1,0 +1,208 @@
+//! Serial arms from URDF files.
+
+use std::path::Path;
+
+use urdf_rs::{Joint, JointType, Link, Robot};
+use wingbeat::rig::arm::{ArmConfig, JointConfig, LinkConfig, ProfileConfig, ToolConfig};
+use wingbeat::rig::{Pose, rotation_vector};
+
+use crate::{Error, text};
+
+/// Reads the chain of moving joints from the root to `tip` (the only leaf when
+/// absent). Fixed joints are folded into their neighbours; velocity limits
+/// become the limit profile `urdf`.
+///
+/// # Errors
+/// What is wrong with the file, or with the chain: no root, several leaves
+/// (listed), a loop, a joint of a kind that an arm cannot have.
+pub fn read_urdf(path: &Path, tip: Option<&str>) -> Result<ArmConfig, Error> {
+    parse_urdf(&text(path)?, tip).map_err(|what| Error::format(path, what))
+}
+
+/// The same from the text of a file.
+///
+/// # Errors
+/// A message without the file's name.
+pub fn parse_urdf(text: &str, tip: Option<&str>) -> Result<ArmConfig, String> {
+    if !text.contains("<robot") {
+        return Err("no <robot> element: not a URDF file (expand xacro files first)".into());
+    }
+    let robot = urdf_rs::read_from_string(text).map_err(|error| format!("not a URDF file: {error}"))?;
+    let tip = tip_of(&robot, tip)?;
+    let chain = chain_to(&robot, tip)?;
+    assemble(&robot, &chain)
+}
+
+fn tip_of<'a>(robot: &'a Robot, wanted: Option<&'a str>) -> Result<&'a str, String> {
+    let leaves: Vec<&str> = robot
+        .links
+        .iter()
+        .map(|link| link.name.as_str())
+        .filter(|name| robot.joints.iter().all(|joint| joint.parent.link != *name))
+        .collect();
+    match (wanted, leaves.as_slice()) {
+        (Some(name), _) if robot.links.iter().any(|link| link.name == name) => Ok(name),
+        (Some(name), _) => Err(format!("no link {name}; leaves are {}", leaves.join(", "))),
+        (None, [leaf]) => Ok(leaf),
+        (None, _) => Err(format!("{} leaves; name the tool's link: {}", leaves.len(), leaves.join(", "))),
+    }
+}
+
+/// The joints from the root to `tip`.
+fn chain_to<'a>(robot: &'a Robot, tip: &str) -> Result<Vec<&'a Joint>, String> {
+    let mut chain = Vec::new();
+    let mut link = tip;
+    while let Some(joint) = robot.joints.iter().find(|joint| joint.child.link == link) {
+        if chain.len() > robot.joints.len() {
+            return Err(format!("the joints above {tip} form a loop"));
+        }
+        chain.push(joint);
+        link = &joint.parent.link;
+    }
+    chain.reverse();
+    Ok(chain)
+}
+
+fn assemble(robot: &Robot, chain: &[&Joint]) -> Result<ArmConfig, String> {
+    let mut joints: Vec<JointConfig> = Vec::new();
+    let mut velocity = Vec::new();
+    // Placement of the joint at hand in the last moving joint's frame.
+    let mut at = Pose::IDENTITY;
+    for joint in chain {
+        let o = &joint.origin;
+        at = at * Pose::from_xyz_rpy(o.xyz.0, o.rpy.0);
+        if joint.joint_type == JointType::Fixed {
+            continue;
+        }
+        joints.push(moving(joint, &at, robot)?);
+        velocity.push(if joint.limit.velocity > 0.0 { joint.limit.velocity } else { f64::INFINITY });
+        at = Pose::IDENTITY;
+    }
+    let base = chain.first().and_then(|j| robot.links.iter().find(|l| l.name == j.parent.link));
+    let profile = ProfileConfig {
+        name: "urdf".into(),
+        source: "velocity limits of the URDF file".into(),
+        velocity_rad_s: velocity,
+        acceleration_rad_s2: None,
+        jerk_rad_s3: None,
+        tool_speed_m_s: None,
+        tool_rate_rad_s: None,
+        tool_acceleration_m_s2: None,
+    };
+    Ok(ArmConfig {
+        name: robot.name.clone(),
+        base: base.map_or_else(LinkConfig::default, body),
+        joints,
+        tool: ToolConfig { xyz_m: at.origin.0, rpy_rad: at.rotation.roll_pitch_yaw().0 },
+        profiles: vec![profile],
+    })
+}
+
+fn moving(joint: &Joint, at: &Pose, robot: &Robot) -> Result<JointConfig, String> {
+    let limited = match joint.joint_type {
+        JointType::Revolute | JointType::Prismatic => true,
+        JointType::Continuous => false,
+        _ => {
+            return Err(format!(
+                "joint {}: an arm has revolute, continuous, prismatic or fixed joints",
+                joint.name
+            ));
+        }
+    };
+    if joint.mimic.is_some() {
+        return Err(format!("joint {} mimics another; an arm's joints move on their own", joint.name));
+    }
+    let a = joint.axis.xyz.0;
+    let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !(length > 1e-9 && length.is_finite()) {
+        return Err(format!("joint {}: axis {a:?} has no direction", joint.name));
+    }
+    let effort = joint.limit.effort;
+    Ok(JointConfig {
+        name: joint.name.clone(),
+        xyz_m: at.origin.0,
+        rpy_rad: at.rotation.roll_pitch_yaw().0,
+        axis: a.map(|x| x / length),
+        prismatic: joint.joint_type == JointType::Prismatic,
+        low_rad: limited.then_some(joint.limit.lower),
+        high_rad: limited.then_some(joint.limit.upper),
+        effort_n_m: (effort > 0.0).then_some(effort),
+        link: robot.links.iter().find(|l| l.name == joint.child.link).map_or_else(LinkConfig::default, body),
+    })
+}
+
+/// Mass properties with the inertia turned into the link's axes.
+fn body(link: &Link) -> LinkConfig {
+    let i = &link.inertial;
+    let r = Pose::from_xyz_rpy([0.0; 3], i.origin.rpy.0).rotation;
+    let given = wingbeat::math::Mat3([
+        [i.inertia.ixx, i.inertia.ixy, i.inertia.ixz],
+        [i.inertia.ixy, i.inertia.iyy, i.inertia.iyz],
+        [i.inertia.ixz, i.inertia.iyz, i.inertia.izz],
+    ]);
+    let turned = if rotation_vector(&r).norm() > 0.0 { r * given * r.transpose() } else { given };
+    let m = turned.0;
+    LinkConfig {
+        mass_kg: i.mass.value,
+        com_m: i.origin.xyz.0,
+        inertia_kg_m2: [m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]],
+        radius_m: 0.04,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The chain of an arm as URDF text, to be read back.
+    fn urdf_of(arm: &ArmConfig) -> String {
+        let mut text = String::from("<robot name=\"arm\"><link name=\"l0\"/>");
+        let triple = |v: [f64; 3]| format!("{} {} {}", v[0], v[1], v[2]);
+        for (i, j) in arm.joints.iter().enumerate() {
+            let kind = if j.low_rad.is_some() { "revolute" } else { "continuous" };
+            text += &format!(
+                "<link name=\"l{}\"/><joint name=\"{}\" type=\"{kind}\"><origin xyz=\"{}\" rpy=\"{}\"/>\
+                 <parent link=\"l{i}\"/><child link=\"l{}\"/><axis xyz=\"0 0 1\"/>\
+                 <limit lower=\"{}\" upper=\"{}\" effort=\"9\" velocity=\"1.2\"/></joint>",
+                i + 1,
+                j.name,
+                triple(j.xyz_m),
+                triple(j.rpy_rad),
+                i + 1,
+                j.low_rad.unwrap_or(0.0),
+                j.high_rad.unwrap_or(0.0),
+            );
+        }
+        let n = arm.joints.len();
+        text += &format!(
+            "<link name=\"tool\"/><joint name=\"fix\" type=\"fixed\"><origin xyz=\"{}\" rpy=\"{}\"/>\
+             <parent link=\"l{n}\"/><child link=\"tool\"/></joint></robot>",
+            triple(arm.tool.xyz_m),
+            triple(arm.tool.rpy_rad)
+        );
+        text
+    }
+
+    #[test]
+    fn the_kinova_comes_back_from_its_urdf() {
+        let known = ArmConfig::kinova_gen3();
+        let read = parse_urdf(&urdf_of(&known), None).unwrap();
+        let (a, b) = (known.build().unwrap(), read.build().unwrap());
+        let q = [0.3, -0.8, 1.2, 2.0, -0.4, 1.0];
+        let (x, y) = (a.tool_pose(&q), b.tool_pose(&q));
+        assert!((x.origin - y.origin).norm() < 1e-12);
+        assert!(rotation_vector(&(x.rotation * y.rotation.transpose())).norm() < 1e-12);
+        assert_eq!(read.profile("urdf").unwrap().velocity, vec![1.2; 6]);
+    }
+
+    #[test]
+    fn wrong_files_are_explained() {
+        assert!(parse_urdf("<xml/>", None).unwrap_err().contains("no <robot>"));
+        let fork = "<robot name='x'><link name='a'/><link name='b'/><link name='c'/>\
+            <joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>\
+            <joint name='k' type='fixed'><parent link='a'/><child link='c'/></joint></robot>";
+        assert!(parse_urdf(fork, None).unwrap_err().contains("b, c"));
+        let cut = urdf_of(&ArmConfig::kinova_gen3());
+        assert!(parse_urdf(&cut[..cut.len() / 2], None).unwrap_err().contains("not a URDF"));
+    }
+}
