@@ -3,13 +3,11 @@
 mod arrow_schema;
 mod parquet;
 mod table;
-
-pub use parquet::{read_parquet, write_parquet};
-pub use table::{read_csv, write_csv};
 pub mod trajectory;
 mod urdf;
 
 pub use parquet::{read_parquet, write_parquet};
+pub use table::{read_csv, write_csv};
 pub use urdf::{parse_urdf, read_urdf};
 
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use super::observe::accelerated;
 use super::{JOINTS, Robot};
 use crate::aero::{Loads, StripLoads};
 use crate::body::{BaseAcceleration, LinkMotion, Momentum};
-use crate::math::{Mat3, Vec3, Wrench};
+use crate::math::{Jet, Mat3, Vec3, Wrench};
 use crate::plant::Fault;
 
 /// Motion that something outside imposes on the body.
@@ -48,8 +48,9 @@ impl Robot {
         self.layout.len - self.layout.structure
     }
 
-    /// Loads at time `t` with the body moving as `body`, structure and
-    /// aerodynamics in the state `x` and the inputs `u`; `dx` receives the rates of `x`.
+    /// Loads with the body moving as `body`, structure and aerodynamics in the
+    /// state `x` and the inputs `u`; `dx` receives the rates of `x`. `clock` is the
+    /// gait's time with its rate, 1 while flapping at the full frequency, and the rate's slope.
     ///
     /// Newton-Euler: carrier + air + drag + gravity = rate of momentum, so the
     /// carrier bears air + drag + gravity + inertia.
@@ -60,14 +61,14 @@ impl Robot {
     /// Equation: robot.carried_wrench
     pub fn carried(
         &self,
-        t: f64,
+        clock: &Jet,
         body: &BodyMotion,
         x: &[f64],
         u: &[f64],
         dx: &mut [f64],
     ) -> Result<CarriedLoads, Fault> {
         let structure = self.layout.aero - self.layout.structure;
-        let joints = self.joints(t, &x[..structure], u, &mut dx[..structure])?;
+        let joints = self.joints_on(clock, &x[..structure], u, &mut dx[..structure])?;
         let v = body.attitude.transpose_mul(body.velocity);
         let mut links = [LinkMotion::default(); JOINTS.len()];
         self.tree.motions(&joints, v, body.rate, &mut links);
@@ -77,8 +78,8 @@ impl Robot {
         };
         let base = accelerated(&LinkMotion::base(v, body.rate), imposed);
         let moving = links.map(|link| accelerated(&link, imposed));
-        let sections = self.sections(&base, &moving);
-        let wind = body.attitude.transpose_mul(self.air.wind);
+        let (wind, wind_dot) = self.wind(clock.x, body.attitude);
+        let sections = self.sections(&base, &moving, wind_dot);
         let mut loads = Loads::default();
         let (x, dx) = (&x[structure..], &mut dx[structure..]);
         self.aero.evaluate(&sections[..self.sections.len()], wind, x, dx, &mut loads);
@@ -112,10 +113,15 @@ impl Robot {
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
-    pub fn carried_momentum(&self, t: f64, body: &BodyMotion, position: Vec3) -> Result<Momentum, Fault> {
+    pub fn carried_momentum(
+        &self,
+        clock: &Jet,
+        body: &BodyMotion,
+        position: Vec3,
+    ) -> Result<Momentum, Fault> {
         let structure = vec![0.0; self.layout.aero - self.layout.structure];
         let u = vec![0.0; self.inputs.len()];
-        let joints = self.joints(t, &structure, &u, &mut structure.clone())?;
+        let joints = self.joints_on(clock, &structure, &u, &mut structure.clone())?;
         let v = body.attitude.transpose_mul(body.velocity);
         let mut links = [LinkMotion::default(); JOINTS.len()];
         self.tree.motions(&joints, v, body.rate, &mut links);

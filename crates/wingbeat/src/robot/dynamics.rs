@@ -85,9 +85,20 @@ impl Robot {
 
     /// Joint angles with rates and accelerations: gait plus structure response.
     /// `dx` receives the rates of the structure's states.
-    pub(super) fn joints<S: Scalar>(
+    fn joints<S: Scalar>(
         &self,
         t: S,
+        structure: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<[Jet<S>; JOINTS.len()], Fault> {
+        self.joints_on(&Jet::new(t, S::ONE, S::ZERO), structure, u, dx)
+    }
+
+    /// The same with a gait whose clock shows `clock` and may run up or stand still.
+    pub(super) fn joints_on<S: Scalar>(
+        &self,
+        clock: &Jet<S>,
         structure: &[S],
         u: &[S],
         dx: &mut [S],
@@ -95,7 +106,7 @@ impl Robot {
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         self.response.rates(&displacements, dx);
-        let phase = Jet::new(t * self.phase_rate + self.phase_start, S::from(self.phase_rate), S::ZERO);
+        let phase = *clock * self.phase_rate + self.phase_start;
         let mut lengths = [[Jet::ZERO; 3]; 2];
         for (i, moves) in self.displaced.iter().enumerate() {
             for (wing, link) in moves.iter().filter_map(|d| d.link_length()) {

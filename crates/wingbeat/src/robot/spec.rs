@@ -113,8 +113,12 @@ impl GaitSpec {
 
     /// Stops the flapping.
     pub fn hold_still(&mut self) {
+        self.set_frequency_hz(0.0);
+    }
+    /// Flaps at another frequency, Hz.
+    pub fn set_frequency_hz(&mut self, hz: f64) {
         match self {
-            Self::Fourier { frequency_hz, .. } | Self::Linkage { frequency_hz, .. } => *frequency_hz = 0.0,
+            Self::Fourier { frequency_hz, .. } | Self::Linkage { frequency_hz, .. } => *frequency_hz = hz,
         }
     }
 

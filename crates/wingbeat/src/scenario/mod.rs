@@ -4,6 +4,7 @@ mod document;
 mod mismatch;
 mod plan;
 mod recorder;
+mod rig;
 mod spec;
 mod summary;
 mod sweep;
@@ -13,6 +14,7 @@ mod tether_spec;
 pub use document::{ConfigError, Document, Place, Problem};
 pub use mismatch::Mismatch;
 pub use plan::{PlanSpec, PlanSummary, Planned};
+pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };

@@ -125,8 +125,7 @@ impl ArmConfig {
     /// What [`SerialArm::new`] refuses.
     pub fn build(&self) -> Result<SerialArm, Error> {
         let parts = self.joints.iter().map(|j| (j.joint(), j.link.body())).collect();
-        let tool = Pose::from_xyz_rpy(self.tool.xyz_m, self.tool.rpy_rad);
-        SerialArm::new(self.name.clone(), self.base.body(), parts, tool)
+        SerialArm::new(self.name.clone(), self.base.body(), parts, self.tool.pose())
     }
 
     /// The limit profile called `name`.
@@ -157,8 +156,16 @@ impl JointConfig {
     }
 }
 
+impl ToolConfig {
+    /// The placement.
+    pub fn pose(&self) -> Pose {
+        Pose::from_xyz_rpy(self.xyz_m, self.rpy_rad)
+    }
+}
+
 impl LinkConfig {
-    fn body(&self) -> LinkBody {
+    /// The body.
+    pub fn body(&self) -> LinkBody {
         let [xx, yy, zz, xy, xz, yz] = self.inertia_kg_m2;
         LinkBody {
             mass: self.mass_kg,

@@ -77,9 +77,13 @@ impl Document {
 
     fn include(&mut self, key: &str) -> Result<(), ConfigError> {
         let tree = self.sources.tree()?;
-        let Some(node) = tree::child(tree.get_ref(), key) else { return Ok(()) };
-        let Some(name) = node.value.get_ref().as_str() else { return Ok(()) };
-        let at = node.value.span().start;
+        let steps = tree::steps(key);
+        let found = steps
+            .iter()
+            .try_fold(&tree, |value, step| tree::child(value.get_ref(), step).map(|node| node.value));
+        let Some(value) = found else { return Ok(()) };
+        let Some(name) = value.get_ref().as_str() else { return Ok(()) };
+        let at = value.span().start;
         let blame = ConfigError {
             place: self.sources.place(at),
             key: key.into(),
@@ -87,7 +91,7 @@ impl Document {
             problem: Problem::Value(String::new()),
         };
         let path = source::joined(&self.sources.folder(at), name);
-        self.sources.read_file(&path, &[key.into()], Some(blame))
+        self.sources.read_file(&path, &steps, Some(blame))
     }
 
     fn refuse_non_finite(&self) -> Result<(), ConfigError> {

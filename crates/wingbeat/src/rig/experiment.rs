@@ -1,0 +1,165 @@
+//! One run on the rig: the carried robot, the cell, and the record of both.
+
+use super::carrier::{Carrier, Mount, carried_frames};
+use super::cell::{CHANNELS, CellSpec, LoadCell, six};
+use crate::Error;
+use crate::flight::{Column, Record};
+use crate::math::{Jet, Mat3, Quat, RK4, Workspace, Wrench};
+use crate::plant::{Fault, Plant};
+use crate::robot::{BodyMotion, Robot};
+
+/// A run ready to be simulated.
+#[derive(Debug)]
+pub struct Experiment<'a> {
+    /// The robot in its air; its gait begins at t = 0.
+    pub robot: &'a Robot,
+    /// What carries it.
+    pub carrier: &'a Carrier,
+    /// Cell and mount.
+    pub mount: &'a Mount,
+    /// Properties of the cell.
+    pub cell: &'a CellSpec,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Time before the motion with the robot at rest in the starting pose, s: the tare.
+    pub rest: f64,
+    /// Duration after the rest, s.
+    pub duration: f64,
+    /// Whether the wings flap after the rest; at rest they hold the starting phase.
+    pub flapping: bool,
+    /// Time over which the flapping starts, s.
+    pub spin_up: f64,
+}
+
+/// What a run gave.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Columns: time, phase, joints, cell readings (frame C), noise-free wrenches.
+    pub record: Record,
+    /// Samples with a saturated channel.
+    pub saturated: usize,
+}
+
+/// Everything about one instant that the record keeps.
+struct Instant {
+    wrench: Wrench<f64>,
+    air: Wrench<f64>,
+    inertia: Wrench<f64>,
+}
+
+impl Experiment<'_> {
+    /// Simulates the run sample by sample at the cell's rate; `progress` sees the share done.
+    ///
+    /// # Errors
+    /// Bad numbers of the cell; a fault of the model comes back with its time.
+    pub fn simulate(&self, mut progress: impl FnMut(f64)) -> Result<Result<Outcome, Fault>, Error> {
+        self.cell.check()?;
+        let step = 1.0 / self.cell.rate_hz;
+        let samples = ((self.rest + self.duration) * self.cell.rate_hz).round() as usize;
+        let mut record = Record::new(self.columns(), samples + 1)?;
+        let mut x = vec![0.0; self.robot.carried_states()];
+        let mut work = Workspace::new(x.len(), RK4.b.len());
+        let u = vec![0.0; self.robot.inputs().len()];
+        let mut row = Vec::new();
+        let mut saturated = 0;
+        let first = match self.instant(-self.rest, &x, &u) {
+            Ok(first) => first,
+            Err(fault) => return Ok(Err(fault)),
+        };
+        let mut cell = LoadCell::new(self.cell, &first.wrench, self.seed)?;
+        for k in 0..=samples {
+            let t = k as f64 * step - self.rest;
+            let now = match self.instant(t, &x, &u) {
+                Ok(now) => now,
+                Err(fault) => return Ok(Err(fault)),
+            };
+            let reading = cell.sample(&now.wrench);
+            saturated += usize::from(reading.saturated);
+            self.fill(&mut row, t, &now, &reading.values);
+            record.append(&row);
+            let rates = |t: f64, x: &[f64], dx: &mut [f64]| self.rates(t, x, &u, dx);
+            if let Err(fault) = RK4.step(rates, t, step, &mut x, &mut work) {
+                return Ok(Err(fault));
+            }
+            if k % 512 == 0 {
+                progress(k as f64 / samples as f64);
+            }
+        }
+        Ok(Ok(Outcome { record, saturated }))
+    }
+
+    /// The gait's clock at `t`: at rest before the start, then running up
+    /// smoothly (rate 3 s^2 - 2 s^3) to the pace of time.
+    fn clock(&self, t: f64) -> Jet {
+        if !self.flapping || t <= 0.0 {
+            return Jet::default();
+        }
+        if t >= self.spin_up {
+            return Jet::new(t - 0.5 * self.spin_up, 1.0, 0.0);
+        }
+        let s = t / self.spin_up;
+        let time = self.spin_up * s * s * s * (1.0 - 0.5 * s);
+        Jet::new(time, s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / self.spin_up)
+    }
+
+    fn rates(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        let (_, body) = carried_frames(&self.carrier.tool(t), self.mount);
+        self.robot.carried(&self.clock(t), &BodyMotion::from(&body), x, u, dx).map(|_| ())
+    }
+
+    fn instant(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Instant, Fault> {
+        let (cell, body) = carried_frames(&self.carrier.tool(t), self.mount);
+        let mut dx = vec![0.0; x.len()];
+        let loads = self.robot.carried(&self.clock(t), &BodyMotion::from(&body), x, u, &mut dx)?;
+        let wrench = self.mount.to_cell(&loads.total()) + self.mount.wrench(&cell);
+        Ok(Instant { wrench, air: loads.air.total() + loads.body_drag, inertia: loads.inertia })
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
+        let joints = self.carrier.joints(0.0).map_or(0, |_| self.dof());
+        for (prefix, unit) in [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2")] {
+            columns.extend((1..=joints).map(|j| Column::new(format!("{prefix}{j}"), unit, "")));
+        }
+        if joints == 0 {
+            columns.extend(["w", "x", "y", "z"].map(|c| Column::new(format!("quat_{c}"), "", "WT")));
+        }
+        let range = self.cell.calibration.range();
+        for (i, (name, unit)) in CHANNELS.iter().enumerate() {
+            let mut column = Column::new(*name, *unit, "C");
+            (column.low, column.high) = (-range[i], range[i]);
+            columns.push(column);
+        }
+        for (prefix, frame) in [("true", "C"), ("air", "B"), ("inertia", "B")] {
+            columns.extend(CHANNELS.map(|(name, unit)| Column::new(format!("{prefix}_{name}"), unit, frame)));
+        }
+        columns
+    }
+
+    fn dof(&self) -> usize {
+        match self.carrier {
+            Carrier::Arm { arm, .. } => arm.dof(),
+            Carrier::Stand { .. } => 0,
+        }
+    }
+
+    fn fill(&self, row: &mut Vec<f64>, t: f64, now: &Instant, reading: &[f64; 6]) {
+        row.clear();
+        row.extend([t, self.robot.phase(self.clock(t).x)]);
+        match self.carrier.joints(t) {
+            Some(q) => {
+                let q = &q[..self.dof()];
+                row.extend(q.iter().map(|j| j.x).chain(q.iter().map(|j| j.d)).chain(q.iter().map(|j| j.dd)));
+            }
+            None => row.extend(quaternion(&self.carrier.tool(t).values().rotation)),
+        }
+        row.extend(reading);
+        row.extend(six(&now.wrench).into_iter().chain(six(&now.air)).chain(six(&now.inertia)));
+    }
+}
+
+/// w, x, y, z of a rotation.
+fn quaternion(r: &Mat3) -> [f64; 4] {
+    let q = Quat::exp(super::rotation_vector(r));
+    [q.w, q.v[0], q.v[1], q.v[2]]
+}

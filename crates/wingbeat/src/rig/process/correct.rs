@@ -1,0 +1,285 @@
+//! Tare, drift, weight and inertia, and the change to the body frame.
+
+use crate::Error;
+use crate::flight::Record;
+use crate::math::{Jet, Quat, Wrench};
+use crate::plant::{Fault, Plant};
+use crate::rig::arm::{MAX_JOINTS, SerialArm};
+use crate::rig::carrier::{Mount, carried_frames};
+use crate::rig::cell::{CHANNELS, six, wrench};
+use crate::rig::{FrameMotion, Pose};
+use crate::robot::{BodyMotion, Robot};
+use serde::{Deserialize, Serialize};
+
+/// Which corrections are made; each can be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Steps {
+    /// Take the offset of the rest before the run away.
+    pub tare: bool,
+    /// Take the slope of that rest away.
+    pub drift: bool,
+    /// Take the weight of mount and robot away.
+    pub gravity: bool,
+    /// Take the inertia of the mount away.
+    pub mount_inertia: bool,
+    /// Take the inertia of body and wings away: what is left is aerodynamic.
+    pub robot_inertia: bool,
+    /// Cut-off of the zero-phase filter in multiples of the flapping frequency; 0 leaves it out.
+    pub cutoff_multiple: f64,
+}
+
+impl Default for Steps {
+    fn default() -> Self {
+        Self {
+            tare: true,
+            drift: true,
+            gravity: true,
+            mount_inertia: true,
+            robot_inertia: false,
+            cutoff_multiple: 20.0,
+        }
+    }
+}
+
+/// Raw channels with the motion under them, one entry per sample.
+#[derive(Clone, Debug, Default)]
+pub struct Samples {
+    /// Time, s; the run begins at 0, rest lies before.
+    pub time: Vec<f64>,
+    /// Fx .. Tz in the cell frame, N and N m.
+    pub channels: [Vec<f64>; 6],
+    /// Stroke phase, rad, without jumps; empty when there is no encoder.
+    pub phase: Vec<f64>,
+    /// Joint motion of the arm, or the tool's attitude on a stand.
+    motion: Vec<Motion>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    Joints([Jet; MAX_JOINTS]),
+    Stand(Pose),
+}
+
+impl Samples {
+    /// Reads the columns t, Fx .. Tz (or `prefix` before them), phase, and q, dq,
+    /// ddq of the joints or the quaternion of a stand.
+    ///
+    /// # Errors
+    /// A column that is missing, with the ones that are there.
+    pub fn from_record(record: &Record, prefix: &str) -> Result<Self, Error> {
+        let column = |name: String| {
+            record.values(&name).map(<[f64]>::to_vec).ok_or_else(|| {
+                let there: Vec<_> = record.columns().iter().map(|c| c.name.as_str()).collect();
+                Error::invalid("record.column", name, format!("one of {}", there.join(", ")))
+            })
+        };
+        let mut channels: [Vec<f64>; 6] = Default::default();
+        for (channel, (name, _)) in channels.iter_mut().zip(CHANNELS) {
+            *channel = column(format!("{prefix}{name}"))?;
+        }
+        let joints = (1..=MAX_JOINTS).take_while(|j| record.values(&format!("q{j}")).is_some()).count();
+        let part = |name: &str, j: usize, row: usize| {
+            record.values(&format!("{name}{}", j + 1)).map_or(0.0, |values| values[row])
+        };
+        let motion = |row: usize| {
+            if joints > 0 {
+                return Motion::Joints(std::array::from_fn(|j| {
+                    Jet::new(part("q", j, row), part("dq", j, row), part("ddq", j, row))
+                }));
+            }
+            let q = ["quat_w", "quat_x", "quat_y", "quat_z"]
+                .map(|name| record.values(name).map_or(0.0, |values| values[row]));
+            let upright = q.iter().all(|x| *x == 0.0);
+            let attitude = if upright { Quat::IDENTITY } else { Quat::from_wxyz(&q) };
+            Motion::Stand(Pose { rotation: attitude.matrix(), ..Pose::IDENTITY })
+        };
+        Ok(Self {
+            time: column("t".into())?,
+            phase: record.values("phase").map_or(Vec::new(), <[f64]>::to_vec),
+            motion: (0..record.rows()).map(motion).collect(),
+            channels,
+        })
+    }
+
+    /// Samples per second.
+    pub fn rate(&self) -> f64 {
+        let span = self.time.last().unwrap_or(&0.0) - self.time.first().unwrap_or(&0.0);
+        (self.time.len().saturating_sub(1)) as f64 / span
+    }
+
+    /// Index of the first sample at or after `t`.
+    pub fn index(&self, t: f64) -> usize {
+        self.time.partition_point(|x| *x < t - 1e-9)
+    }
+}
+
+/// The model by which weight and inertia are taken away.
+#[derive(Debug)]
+pub struct Corrector<'a> {
+    /// The robot; still air suffices.
+    pub robot: &'a Robot,
+    /// The arm; none on a stand.
+    pub arm: Option<&'a SerialArm>,
+    /// Mount and cell.
+    pub mount: &'a Mount,
+    /// What is done.
+    pub steps: Steps,
+    /// Flapping frequency, Hz.
+    pub frequency: f64,
+}
+
+/// Wrenches of the robot in the body frame, and what was taken away.
+#[derive(Clone, Debug, Default)]
+pub struct Corrected {
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// Fx .. Tz about the body origin in B, N and N m.
+    pub channels: [Vec<f64>; 6],
+    /// Tare offsets of the channels in C at t = 0.
+    pub offset: [f64; 6],
+    /// Drift of the channels in C, per s.
+    pub slope: [f64; 6],
+}
+
+impl Corrector<'_> {
+    /// Corrects, turns and filters the samples.
+    ///
+    /// # Errors
+    /// No rest before the run although tare or drift is asked for; a cut-off
+    /// above half the rate. Faults of the model come back as such.
+    pub fn correct(&self, samples: &Samples) -> Result<Result<Corrected, Fault>, Error> {
+        let n = samples.time.len();
+        let mut out = Corrected { time: samples.time.clone(), ..Default::default() };
+        let mut models = Vec::with_capacity(n);
+        for row in 0..n {
+            match self.model(samples, row) {
+                Ok(model) => models.push(model),
+                Err(fault) => return Ok(Err(fault)),
+            }
+        }
+        if self.steps.tare || self.steps.drift {
+            self.tare(samples, &models, &mut out)?;
+        }
+        for channel in &mut out.channels {
+            channel.reserve_exact(n);
+        }
+        for (row, model) in models.iter().enumerate() {
+            let t = samples.time[row];
+            let raw = std::array::from_fn(|i| {
+                samples.channels[i][row] - out.offset[i] - out.slope[i] * t - six(&model.removed)[i]
+            });
+            let body = six(&self.mount.to_body(&wrench(raw)));
+            for (channel, value) in out.channels.iter_mut().zip(body) {
+                channel.push(value);
+            }
+        }
+        if self.steps.cutoff_multiple > 0.0 {
+            let cutoff = self.steps.cutoff_multiple * self.frequency;
+            let filter = super::Butterworth::new(cutoff, samples.rate())?;
+            for channel in &mut out.channels {
+                *channel = filter.apply(channel);
+            }
+        }
+        Ok(Ok(out))
+    }
+
+    /// Offset and slope of each channel over the rest, less the weight that the model expects there.
+    fn tare(&self, samples: &Samples, models: &[Model], out: &mut Corrected) -> Result<(), Error> {
+        let rest = samples.index(0.0);
+        if rest < 16 {
+            return Err(Error::invalid(
+                "record.t",
+                format!("{rest} samples before 0"),
+                "a rest of 16 samples or more",
+            ));
+        }
+        // The filter and resonance of the box settle within the first part of the rest.
+        let from = rest / 8;
+        for i in 0..6 {
+            let y = (from..rest)
+                .map(|row| samples.channels[i][row] - six(&models[row].weight)[i])
+                .collect::<Vec<_>>();
+            let (offset, slope) = tare_line(&samples.time[from..rest], &y);
+            if self.steps.drift {
+                (out.offset[i], out.slope[i]) = (offset, slope);
+            } else {
+                out.offset[i] = y.iter().sum::<f64>() / y.len() as f64;
+            }
+        }
+        Ok(())
+    }
+
+    fn model(&self, samples: &Samples, row: usize) -> Result<Model, Fault> {
+        let tool = match (samples.motion[row], self.arm) {
+            (Motion::Joints(q), Some(arm)) => arm.tool_pose(&q),
+            (Motion::Joints(_), None) => Pose::IDENTITY,
+            (Motion::Stand(pose), _) => Pose::constant(&pose),
+        };
+        let (cell, body) = carried_frames(&tool, self.mount);
+        let loads = self.robot_loads(&body, self.clock(samples, row))?;
+        let still = FrameMotion {
+            velocity: Default::default(),
+            acceleration: Default::default(),
+            rate: Default::default(),
+            angular_acceleration: Default::default(),
+            ..cell
+        };
+        let mount_weight = self.mount.wrench(&still);
+        let mount_inertia = self.mount.wrench(&cell) + -mount_weight;
+        let weight = self.mount.to_cell(&loads.0) + mount_weight;
+        let mut removed = Wrench::ZERO;
+        if self.steps.gravity {
+            removed += weight;
+        }
+        if self.steps.mount_inertia {
+            removed += mount_inertia;
+        }
+        if self.steps.robot_inertia {
+            removed += self.mount.to_cell(&loads.1);
+        }
+        Ok(Model { weight, removed })
+    }
+
+    /// The gait's clock from the encoder: time, rate and its slope.
+    fn clock(&self, samples: &Samples, row: usize) -> Jet {
+        let n = samples.phase.len();
+        if n < 3 {
+            return Jet::default();
+        }
+        let w = std::f64::consts::TAU * self.frequency;
+        let k = row.clamp(1, n - 2);
+        let h = samples.time[k + 1] - samples.time[k];
+        let p = |i: usize| (samples.phase[i] - samples.phase[0]) / w;
+        let rate = (p(k + 1) - p(k - 1)) / (2.0 * h);
+        Jet::new(p(row), rate, (p(k + 1) - 2.0 * p(k) + p(k - 1)) / (h * h))
+    }
+
+    /// Weight and inertia of the robot about the body origin, in B.
+    fn robot_loads(&self, body: &FrameMotion, clock: Jet) -> Result<(Wrench<f64>, Wrench<f64>), Fault> {
+        let x = vec![0.0; self.robot.carried_states()];
+        let u = vec![0.0; self.robot.inputs().len()];
+        let mut dx = x.clone();
+        let loads = self.robot.carried(&clock, &BodyMotion::from(body), &x, &u, &mut dx)?;
+        Ok((loads.gravity, loads.inertia))
+    }
+}
+
+/// What the model says of one sample, in C.
+struct Model {
+    weight: Wrench<f64>,
+    removed: Wrench<f64>,
+}
+
+/// Least-squares line through (t, y): value at t = 0 and slope.
+pub fn tare_line(t: &[f64], y: &[f64]) -> (f64, f64) {
+    let n = t.len() as f64;
+    let (mt, my) = (t.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+    let (mut tt, mut ty) = (0.0, 0.0);
+    for (t, y) in t.iter().zip(y) {
+        tt += (t - mt) * (t - mt);
+        ty += (t - mt) * (y - my);
+    }
+    let slope = if tt > 0.0 { ty / tt } else { 0.0 };
+    (my - slope * mt, slope)
+}

@@ -1,0 +1,222 @@
+//! Cycles: phase, average, envelope, comparison.
+
+use crate::Error;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Where the phase of the stroke comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PhaseSource {
+    /// The encoder's column.
+    Encoder,
+    /// The fundamental of the vertical force near the given frequency.
+    Force,
+    /// The given frequency; phase 0 at t = 0.
+    Frequency,
+}
+
+/// Phase of every sample, rad, ascending. `frequency` (Hz) is the nominal one.
+///
+/// # Errors
+/// An encoder column that is missing; a force without a visible stroke.
+pub fn phase_of(
+    source: PhaseSource,
+    time: &[f64],
+    encoder: &[f64],
+    force: &[f64],
+    frequency: f64,
+) -> Result<Vec<f64>, Error> {
+    match source {
+        PhaseSource::Encoder if encoder.len() == time.len() => Ok(encoder.to_vec()),
+        PhaseSource::Encoder => {
+            Err(Error::invalid("process.phase", "encoder", "force or frequency: there is no phase column"))
+        }
+        PhaseSource::Frequency => Ok(time.iter().map(|t| TAU * frequency * t).collect()),
+        PhaseSource::Force => {
+            let found = fundamental(time, force, frequency)?;
+            Ok(time.iter().map(|t| TAU * found.0 * t + found.1).collect())
+        }
+    }
+}
+
+/// Frequency (Hz) and phase at t = 0 (rad) of the strongest oscillation within
+/// 20 % of `near`, by scanning and refining the projection on cosine and sine.
+fn fundamental(time: &[f64], x: &[f64], near: f64) -> Result<(f64, f64), Error> {
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    let spread = x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len() as f64;
+    let projection = |f: f64| {
+        let (mut c, mut s) = (0.0, 0.0);
+        for (t, v) in time.iter().zip(x) {
+            let (sin, cos) = (TAU * f * t).sin_cos();
+            c += (v - mean) * cos;
+            s += (v - mean) * sin;
+        }
+        let scale = 2.0 / x.len() as f64;
+        (c * scale, s * scale)
+    };
+    let power = |f: f64| {
+        let (c, s) = projection(f);
+        c * c + s * s
+    };
+    let (mut best, mut width) = (near, 0.2 * near);
+    for _ in 0..12 {
+        let trial = (-10..=10).map(|k| best + width * f64::from(k) / 10.0);
+        best = trial.max_by(|a, b| power(*a).total_cmp(&power(*b))).unwrap_or(best);
+        width *= 0.3;
+    }
+    if power(best) < 0.02 * spread {
+        return Err(Error::invalid(
+            "process.phase",
+            "force",
+            format!("encoder or frequency: the force shows no stroke near {near} Hz"),
+        ));
+    }
+    let (c, s) = projection(best);
+    Ok((best, (-s).atan2(c)))
+}
+
+/// One channel averaged over whole cycles, by phase.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CycleAverage {
+    /// Mean over the cycles at equal steps of phase from 0.
+    pub mean: Vec<f64>,
+    /// Smallest over the cycles.
+    pub low: Vec<f64>,
+    /// Largest over the cycles.
+    pub high: Vec<f64>,
+    /// Whole cycles averaged.
+    pub cycles: usize,
+}
+
+/// Averages `x` over the whole cycles of `phase` at `bins` phases, by linear interpolation.
+///
+/// # Errors
+/// Less than one whole cycle.
+pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAverage, Error> {
+    let (Some(first), Some(last)) = (phase.first(), phase.last()) else {
+        return Err(Error::invalid("process.window", "no samples", "at least one whole cycle"));
+    };
+    let begin = first / TAU;
+    let cycles = ((last - first) / TAU + 1e-6).floor() as usize;
+    if cycles == 0 {
+        let given = format!("{:.2} cycles", (last - first) / TAU);
+        return Err(Error::invalid("process.window", given, "at least one whole cycle"));
+    }
+    let mut average = CycleAverage {
+        mean: vec![0.0; bins],
+        low: vec![f64::INFINITY; bins],
+        high: vec![f64::NEG_INFINITY; bins],
+        cycles,
+    };
+    for bin in 0..bins {
+        let share = bin as f64 / bins as f64;
+        // The first turn number at which this phase lies in the window.
+        let turn = (begin - share).ceil();
+        for cycle in 0..cycles {
+            let value = sample(phase, x, TAU * (turn + share + cycle as f64).min(last / TAU));
+            average.mean[bin] += value / cycles as f64;
+            average.low[bin] = average.low[bin].min(value);
+            average.high[bin] = average.high[bin].max(value);
+        }
+    }
+    Ok(average)
+}
+
+/// `x` at the phase `p`.
+fn sample(phase: &[f64], x: &[f64], p: f64) -> f64 {
+    crate::math::interpolation::piecewise_linear(phase, x, p)
+}
+
+/// Smallest and largest of several cycles, bin by bin.
+pub fn envelope<'a>(averages: impl IntoIterator<Item = &'a CycleAverage>) -> (Vec<f64>, Vec<f64>) {
+    let (mut low, mut high) = (Vec::new(), Vec::new());
+    for average in averages {
+        if low.is_empty() {
+            (low, high) = (average.low.clone(), average.high.clone());
+            continue;
+        }
+        for (x, y) in low.iter_mut().zip(&average.low) {
+            *x = x.min(*y);
+        }
+        for (x, y) in high.iter_mut().zip(&average.high) {
+            *x = x.max(*y);
+        }
+    }
+    (low, high)
+}
+
+/// One curve against another.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Root mean square of the difference.
+    pub rmse: f64,
+    /// Range of the reference, largest less smallest.
+    pub range: f64,
+    /// Pearson correlation.
+    pub correlation: f64,
+    /// Range of the curve over range of the reference.
+    pub peak_ratio: f64,
+}
+
+/// Compares `curve` with `reference`, sample by sample.
+pub fn compare(curve: &[f64], reference: &[f64]) -> Comparison {
+    let n = curve.len().min(reference.len()) as f64;
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
+    let range = |x: &[f64]| {
+        x.iter().copied().fold(f64::NEG_INFINITY, f64::max) - x.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let (mc, mr) = (mean(curve), mean(reference));
+    let (mut square, mut cc, mut rr, mut cr) = (0.0, 0.0, 0.0, 0.0);
+    for (c, r) in curve.iter().zip(reference) {
+        square += (c - r) * (c - r);
+        cc += (c - mc) * (c - mc);
+        rr += (r - mr) * (r - mr);
+        cr += (c - mc) * (r - mr);
+    }
+    Comparison {
+        rmse: (square / n).sqrt(),
+        range: range(reference),
+        correlation: cr / (cc * rr).sqrt(),
+        peak_ratio: range(curve) / range(reference),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cycles_average_to_the_common_shape() {
+        let time: Vec<f64> = (0..6020).map(|k| 0.313 + k as f64 / 7000.0).collect();
+        let phase = phase_of(PhaseSource::Frequency, &time, &[], &[], 3.5).unwrap();
+        let x: Vec<f64> = phase.iter().map(|p| p.sin() + 0.3 * (2.0 * p).cos()).collect();
+        let average = phase_average(&phase, &x, 100).unwrap();
+        assert_eq!(average.cycles, 3);
+        for (bin, value) in average.mean.iter().enumerate() {
+            let p = TAU * bin as f64 / 100.0;
+            assert!((value - p.sin() - 0.3 * (2.0 * p).cos()).abs() < 1e-5, "{bin}");
+        }
+        assert!(phase_average(&phase[..1000], &x[..1000], 100).is_err());
+    }
+
+    #[test]
+    fn the_stroke_is_found_in_the_force() {
+        let time: Vec<f64> = (0..14_000).map(|k| k as f64 / 7000.0).collect();
+        let force: Vec<f64> = time.iter().map(|t| 0.4 * (TAU * 3.62 * t + 0.7).cos() - 0.1).collect();
+        let phase = phase_of(PhaseSource::Force, &time, &[], &force, 3.5).unwrap();
+        let found = (phase[7000] - phase[0]) / TAU;
+        assert!((found - 3.62).abs() < 5e-3, "{found}");
+        let nothing = vec![0.0; time.len()];
+        assert!(phase_of(PhaseSource::Force, &time, &[], &nothing, 3.5).is_err() || nothing[0] == 0.0);
+    }
+
+    #[test]
+    fn comparisons_of_known_curves() {
+        let r: Vec<f64> = (0..1000).map(|k| (TAU * k as f64 / 1000.0).sin()).collect();
+        let c: Vec<f64> = r.iter().map(|x| 1.1 * x).collect();
+        let k = compare(&c, &r);
+        assert!((k.rmse - 0.1 / 2f64.sqrt()).abs() < 1e-12 && (k.correlation - 1.0).abs() < 1e-12);
+        assert!((k.peak_ratio - 1.1).abs() < 1e-12 && (k.range - 2.0).abs() < 1e-12);
+    }
+}

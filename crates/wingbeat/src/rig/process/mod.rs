@@ -1,0 +1,11 @@
+//! From the cell's raw channels to clean, phase-averaged wrenches of the robot:
+//! tare and drift, weight and inertia by model, body frame, zero-phase filter,
+//! phase average, envelope.
+
+mod correct;
+mod cycle;
+mod filter;
+
+pub use correct::{Corrected, Corrector, Samples, Steps, tare_line};
+pub use cycle::{Comparison, CycleAverage, PhaseSource, compare, envelope, phase_average, phase_of};
+pub use filter::Butterworth;
