@@ -22,6 +22,8 @@ pub enum Command {
     Sweep(Sweep),
     Tether(Tether),
     Plan(Plan),
+    #[command(subcommand)]
+    Rig(Rig),
     Validate(Validate),
 }
 
@@ -120,6 +122,38 @@ pub struct Validate {
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// No progress
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Plan, simulate, record and process runs on the test rig
+#[derive(Debug, Subcommand)]
+pub enum Rig {
+    Plan(RigRuns),
+    Simulate(RigRuns),
+    Process(RigProcess),
+}
+
+/// A run on the rig, or a list of runs
+#[derive(Debug, Args)]
+pub struct RigRuns {
+    /// The run, or a file with `runs = ["a.toml", ...]`
+    #[arg(value_name = "RUN.toml")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Correct, filter and phase-average recorded runs, and draw forces and moments
+#[derive(Debug, Args)]
+pub struct RigProcess {
+    /// Folder of `rig simulate` or `rig record`: a run, or a folder of runs
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Folder of the results; without it DIR/processed
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print only errors
     #[arg(long)]
     pub quiet: bool,
 }

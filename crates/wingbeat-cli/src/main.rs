@@ -9,6 +9,7 @@ mod outcome;
 mod plan;
 #[cfg(test)]
 mod reference;
+mod rig;
 mod run_folder;
 mod sweep;
 mod tether;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Tether(arguments) => tether::tether(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
+        Command::Rig(command) => rig::rig(&command),
         Command::Validate(arguments) => validate::validate(&arguments),
     };
     match outcome {

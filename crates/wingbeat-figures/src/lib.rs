@@ -5,6 +5,7 @@
 mod commands;
 mod cycle;
 mod error;
+mod force_moment;
 mod forces;
 mod panel;
 mod path;
@@ -16,6 +17,7 @@ mod write;
 
 pub use commands::commands;
 pub use error::Error;
+pub use force_moment::force_moment;
 pub use forces::forces;
 pub use path::path;
 pub use robustness::robustness;

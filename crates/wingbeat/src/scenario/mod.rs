@@ -5,6 +5,7 @@ mod mismatch;
 mod plan;
 mod recorder;
 mod rig;
+mod rig_process;
 mod spec;
 mod summary;
 mod sweep;
@@ -15,6 +16,7 @@ pub use document::{ConfigError, Document, Place, Problem};
 pub use mismatch::Mismatch;
 pub use plan::{PlanSpec, PlanSummary, Planned};
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
+pub use rig_process::Processed;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };

@@ -1,0 +1,18 @@
+//! `wingbeat rig`.
+
+mod plan;
+mod process;
+mod runs;
+mod simulate;
+
+use crate::args::Rig;
+use crate::error::Error;
+
+/// Does what the subcommand asks.
+pub fn rig(command: &Rig) -> Result<(), Error> {
+    match command {
+        Rig::Plan(arguments) => plan::plan(arguments),
+        Rig::Simulate(arguments) => simulate::simulate(arguments),
+        Rig::Process(arguments) => process::process(arguments),
+    }
+}

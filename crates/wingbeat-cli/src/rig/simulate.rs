@@ -1,0 +1,124 @@
+//! `wingbeat rig simulate`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::{Deserialize, Serialize};
+use wingbeat::scenario::RigRun;
+use wingbeat_io::write_parquet;
+
+use super::runs;
+use crate::args::RigRuns;
+use crate::error::Error;
+use crate::manifest::Manifest;
+use crate::run_folder::RunFolder;
+
+/// What is said of a simulated run.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Summary {
+    /// `ok`, `refused` or `fault`.
+    pub status: String,
+    /// Why, when not `ok`.
+    pub reason: Option<String>,
+    /// Flapping frequency, Hz.
+    pub frequency_hz: f64,
+    /// Begin and end of what is averaged, s.
+    pub window_s: (f64, f64),
+    /// Samples.
+    pub samples: usize,
+    /// Samples with a saturated channel.
+    pub saturated: usize,
+    /// Wall time, s.
+    pub wall_s: f64,
+}
+
+/// Plans and simulates every run into its own folder.
+pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
+    let start = Instant::now();
+    let options = &arguments.run;
+    let runs = runs::load(&arguments.file, &options.overrides)?;
+    let name = arguments.file.file_stem().map_or("rig".into(), |stem| stem.to_string_lossy());
+    let folder = RunFolder::create(options.out.as_deref(), &name, options.force)?;
+    let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bars = MultiProgress::with_draw_target(target);
+    let folders = runs.iter().map(|run| folder.folder(&run.spec.name)).collect::<Result<Vec<_>, _>>()?;
+    let summaries = runs::shared(&runs, |index, run| {
+        let bar = bars.add(bar(&run.spec.name));
+        let summary = one(run, &folders[index], options.seed + index as u64, &bar);
+        bar.finish_and_clear();
+        summary
+    });
+    let mut failed = Vec::new();
+    for (run, summary) in runs.iter().zip(summaries) {
+        let summary = summary?;
+        let name = &run.spec.name;
+        folder.write_json(&format!("{name}/summary.json"), &summary)?;
+        if !options.quiet {
+            let saturated = summary.saturated;
+            println!(
+                "{name:20} {:8} {:6} samples, {saturated} saturated, {:.1} s",
+                summary.status, summary.samples, summary.wall_s
+            );
+        }
+        if let Some(reason) = summary.reason {
+            failed.push(format!("{name}: {reason}"));
+        }
+    }
+    let path = folder.finish(&Manifest::new(options.seed, start.elapsed()))?;
+    if !options.quiet {
+        println!("runs: {}", path.display());
+    }
+    match failed.is_empty() {
+        true => Ok(()),
+        false => Err(Error::Failed { status: "failed".into(), reason: failed.join("\n"), folder: path }),
+    }
+}
+
+fn bar(name: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{prefix:20} {bar:30} {percent:>3} %  {msg}");
+    let bar = ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.with_prefix(name.to_owned())
+}
+
+fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Summary, Error> {
+    let start = Instant::now();
+    let mut summary = Summary {
+        status: "ok".into(),
+        reason: None,
+        frequency_hz: run.frequency(),
+        window_s: (0.0, 0.0),
+        samples: 0,
+        saturated: 0,
+        wall_s: 0.0,
+    };
+    let file = folder.join("scenario.toml");
+    std::fs::write(&file, &run.resolved).map_err(|source| Error::file(&file, source))?;
+    bar.set_message("planning");
+    let plan = match run.spec.turn {
+        None => None,
+        Some(_) => match run.plan()? {
+            Ok(plan) => Some(plan),
+            Err(refusal) => {
+                summary.status = "refused".into();
+                summary.reason = Some(format!("limit profile {}: {refusal}", run.profile.name));
+                return Ok(summary);
+            }
+        },
+    };
+    bar.set_message("simulating");
+    let carrier = run.carrier(plan.as_ref());
+    summary.window_s = run.window(plan.as_ref(), &carrier);
+    match run.simulate(&carrier, seed, |share| bar.set_position((1000.0 * share) as u64))? {
+        Ok(outcome) => {
+            write_parquet(&folder.join("record.parquet"), &outcome.record)?;
+            (summary.samples, summary.saturated) = (outcome.record.rows(), outcome.saturated);
+        }
+        Err(fault) => {
+            summary.status = "fault".into();
+            summary.reason = Some(fault.to_string());
+        }
+    }
+    summary.wall_s = start.elapsed().as_secs_f64();
+    Ok(summary)
+}

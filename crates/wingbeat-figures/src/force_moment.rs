@@ -1,0 +1,98 @@
+//! Forces and moments on the load cell: the band of all runs and the simulation.
+
+use std::sync::Arc;
+
+use kuva::plot::LinePlot;
+use kuva::plot::annotations::ReferenceLine;
+use kuva::plot::band::BandPlot;
+use kuva::render::figure::Figure as Grid;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+use kuva::render::theme::Theme;
+use wingbeat::flight::Record;
+
+use crate::write::Figure;
+use crate::{Error, needed, style};
+
+/// Channels by row: a force and the moment about the same axis, with the factor
+/// to the unit drawn.
+const ROWS: [[(&str, &str, f64); 2]; 3] = [
+    [("Fx", "Fx, forward [N]", 1.0), ("Tx", "Mx, roll [N mm]", 1e3)],
+    [("Fy", "Fy, left [N]", 1.0), ("Ty", "My, pitch [N mm]", 1e3)],
+    [("Fz", "Fz, up [N]", 1.0), ("Tz", "Mz, yaw [N mm]", 1e3)],
+];
+
+/// Red of the measured band.
+const BAND: &str = "#d62728";
+/// Height of a panel, px.
+const HEIGHT: f64 = 190.0;
+
+/// Six panels over the time of the record: the band between `low_<channel>` and
+/// `high_<channel>` of all runs in red, `simulation_<channel>` in black, in the body frame.
+pub fn force_moment(record: &Record) -> Result<Figure, Error> {
+    let t = needed(record, "t")?;
+    let (mut plots, mut layouts) = (Vec::new(), Vec::new());
+    for (row, pair) in ROWS.iter().enumerate() {
+        for (column, (channel, title, scale)) in pair.iter().enumerate() {
+            let of = |prefix: &str| -> Result<Vec<f64>, Error> {
+                Ok(needed(record, &format!("{prefix}{channel}"))?.iter().map(|x| x * scale).collect())
+            };
+            let (low, high, line) = (of("low_")?, of("high_")?, of("simulation_")?);
+            let named = row == 0 && column == 1;
+            let (panel, layout) = drawn(t, &low, &high, &line, title, named);
+            plots.push(panel);
+            layouts.push(if row + 1 == ROWS.len() { layout.with_x_label("time [s]") } else { layout });
+        }
+    }
+    let scene = Grid::new(ROWS.len(), 2)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_spacing(6.0)
+        .with_padding(6.0)
+        .with_figure_size(style::WIDTH, HEIGHT * ROWS.len() as f64 + 40.0)
+        .render();
+    Ok(Figure { name: "force_moment", scene })
+}
+
+fn drawn(
+    t: &[f64],
+    low: &[f64],
+    high: &[f64],
+    line: &[f64],
+    title: &str,
+    named: bool,
+) -> (Vec<Plot>, Layout) {
+    let band = BandPlot::new(t.iter().copied(), low.iter().copied(), high.iter().copied())
+        .with_color(BAND)
+        .with_opacity(0.45);
+    let band = if named { band.with_legend("load cell, all runs") } else { band };
+    let points: Vec<(f64, f64)> = t.iter().copied().zip(line.iter().copied()).collect();
+    let curve = LinePlot::new().with_data(points).with_color("#000000").with_stroke_width(style::CURVE);
+    let curve = if named { curve.with_legend("simulation") } else { curve };
+    let plots: Vec<Plot> = vec![band.into(), curve.into()];
+    let values = || low.iter().chain(high).chain(line).copied();
+    let (bottom, top) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
+    let margin = 0.08 * (top - bottom).max(1e-9);
+    let layout = Layout::auto_from_plots(&plots)
+        .with_theme(Theme::minimal())
+        .with_title(title)
+        .with_title_size(style::LETTERS)
+        .with_x_axis_min(t.first().copied().unwrap_or(0.0))
+        .with_x_axis_max(t.last().copied().unwrap_or(1.0))
+        .with_y_axis_min(bottom - margin)
+        .with_y_axis_max(top + margin)
+        .with_box_axes()
+        .with_tick_align("inside")
+        .with_show_grid(false)
+        .with_axis_line_width(style::AXIS)
+        .with_label_size(style::LETTERS)
+        .with_tick_size(style::TICKS)
+        .with_body_size(style::LETTERS)
+        .with_ticks(5)
+        .with_tick_format(TickFormat::Custom(Arc::new(style::number)))
+        .with_legend_box(false)
+        .with_reference_line(
+            ReferenceLine::horizontal(0.0).with_color(style::GUIDE).with_stroke_width(0.8).with_dasharray(""),
+        );
+    (plots, layout)
+}
