@@ -132,6 +132,8 @@ pub enum Rig {
     Plan(RigRuns),
     Simulate(RigRuns),
     Process(RigProcess),
+    Record(RigRecord),
+    Emulate(RigEmulate),
 }
 
 /// A run on the rig, or a list of runs
@@ -156,4 +158,79 @@ pub struct RigProcess {
     /// Print only errors
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// Record from a Net F/T box without losing a sample silently
+///
+/// Scale factors come from the box. Raw counts and newtons are written to record.parquet; the raw log stays.
+#[derive(Debug, Args)]
+pub struct RigRecord {
+    /// Address of the box
+    #[arg(value_name = "ADDRESS")]
+    pub address: std::net::IpAddr,
+    /// Added to the box's ports 49152 and 80
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub port_offset: u16,
+    /// Seconds to record; without it until Ctrl-C
+    #[arg(long, value_name = "S")]
+    pub duration: Option<f64>,
+    /// Take the load at the start as zero
+    #[arg(long)]
+    pub bias: bool,
+    /// Several records per datagram
+    #[arg(long)]
+    pub buffered: bool,
+    /// Stop at the first stall instead of asking again
+    #[arg(long)]
+    pub fail_stop: bool,
+    /// Rows of one raw log before the next is begun; 0 for one log
+    #[arg(long, value_name = "ROWS", default_value_t = 0)]
+    pub rotate: u64,
+    /// Flapping frequency for the live phase average of Fz, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 3.5)]
+    pub frequency: f64,
+    /// Folder of the recording
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Print only errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Emulate a Net F/T box, faults included
+#[derive(Debug, Args)]
+pub struct RigEmulate {
+    /// Address to listen on
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
+    pub bind: std::net::IpAddr,
+    /// Added to the ports 49152 and 80
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub port_offset: u16,
+    /// A record with columns Fx .. Tz at 7 kHz to play, instead of a flapping robot
+    #[arg(long, value_name = "RECORD.parquet")]
+    pub play: Option<PathBuf>,
+    /// Share of datagrams not sent
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub drop: f64,
+    /// Share of datagrams sent twice
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub duplicate: f64,
+    /// Share of datagrams sent late
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub reorder: f64,
+    /// Share of datagrams delayed by 20 ms
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub delay: f64,
+    /// Share of datagrams followed by random bytes
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub garbage: f64,
+    /// Share of records marked saturated
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub saturation: f64,
+    /// Stall after this many records of a stream; 0 never
+    #[arg(long, value_name = "RECORDS", default_value_t = 0)]
+    pub stall_after: u64,
+    /// Seed of the faults
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
 }

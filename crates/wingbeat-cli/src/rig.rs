@@ -2,6 +2,7 @@
 
 mod plan;
 mod process;
+mod record;
 mod runs;
 mod simulate;
 
@@ -14,5 +15,7 @@ pub fn rig(command: &Rig) -> Result<(), Error> {
         Rig::Plan(arguments) => plan::plan(arguments),
         Rig::Simulate(arguments) => simulate::simulate(arguments),
         Rig::Process(arguments) => process::process(arguments),
+        Rig::Record(arguments) => record::record(arguments),
+        Rig::Emulate(arguments) => record::emulate(arguments),
     }
 }

@@ -5,9 +5,11 @@ use std::sync::Arc;
 use kuva::plot::LinePlot;
 use kuva::plot::annotations::ReferenceLine;
 use kuva::plot::band::BandPlot;
+use kuva::render::color::Color;
 use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, TextAnchor};
 use kuva::render::theme::Theme;
 use wingbeat::flight::Record;
 
@@ -24,6 +26,8 @@ const ROWS: [[(&str, &str, f64); 2]; 3] = [
 
 /// Red of the measured band.
 const BAND: &str = "#d62728";
+/// Room for the line that explains the colours, px.
+const FOOT: f64 = 26.0;
 /// Height of a panel, px.
 const HEIGHT: f64 = 190.0;
 
@@ -33,42 +37,44 @@ pub fn force_moment(record: &Record) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     let (mut plots, mut layouts) = (Vec::new(), Vec::new());
     for (row, pair) in ROWS.iter().enumerate() {
-        for (column, (channel, title, scale)) in pair.iter().enumerate() {
+        for (channel, title, scale) in pair {
             let of = |prefix: &str| -> Result<Vec<f64>, Error> {
                 Ok(needed(record, &format!("{prefix}{channel}"))?.iter().map(|x| x * scale).collect())
             };
             let (low, high, line) = (of("low_")?, of("high_")?, of("simulation_")?);
-            let named = row == 0 && column == 1;
-            let (panel, layout) = drawn(t, &low, &high, &line, title, named);
+            let (panel, layout) = drawn(t, &low, &high, &line, title, row + 1 == ROWS.len());
             plots.push(panel);
             layouts.push(if row + 1 == ROWS.len() { layout.with_x_label("time [s]") } else { layout });
         }
     }
-    let scene = Grid::new(ROWS.len(), 2)
+    let mut scene = Grid::new(ROWS.len(), 2)
         .with_plots(plots)
         .with_layouts(layouts)
         .with_spacing(6.0)
         .with_padding(6.0)
-        .with_figure_size(style::WIDTH, HEIGHT * ROWS.len() as f64 + 40.0)
+        .with_row_height(ROWS.len() - 1, HEIGHT + 22.0)
+        .with_figure_size(style::WIDTH, HEIGHT * ROWS.len() as f64 + 22.0 + 12.0)
         .render();
+    scene.height += FOOT;
+    scene.elements.push(Primitive::Text {
+        x: style::WIDTH / 2.0,
+        y: scene.height - 10.0,
+        content: "red: smallest to largest of all runs on the load cell; black: simulation".into(),
+        size: style::LETTERS,
+        anchor: TextAnchor::Middle,
+        rotate: None,
+        bold: false,
+        color: Some(Color::from(style::INK)),
+    });
     Ok(Figure { name: "force_moment", scene })
 }
 
-fn drawn(
-    t: &[f64],
-    low: &[f64],
-    high: &[f64],
-    line: &[f64],
-    title: &str,
-    named: bool,
-) -> (Vec<Plot>, Layout) {
+fn drawn(t: &[f64], low: &[f64], high: &[f64], line: &[f64], title: &str, last: bool) -> (Vec<Plot>, Layout) {
     let band = BandPlot::new(t.iter().copied(), low.iter().copied(), high.iter().copied())
         .with_color(BAND)
         .with_opacity(0.45);
-    let band = if named { band.with_legend("load cell, all runs") } else { band };
     let points: Vec<(f64, f64)> = t.iter().copied().zip(line.iter().copied()).collect();
     let curve = LinePlot::new().with_data(points).with_color("#000000").with_stroke_width(style::CURVE);
-    let curve = if named { curve.with_legend("simulation") } else { curve };
     let plots: Vec<Plot> = vec![band.into(), curve.into()];
     let values = || low.iter().chain(high).chain(line).copied();
     let (bottom, top) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
@@ -90,7 +96,8 @@ fn drawn(
         .with_body_size(style::LETTERS)
         .with_ticks(5)
         .with_tick_format(TickFormat::Custom(Arc::new(style::number)))
-        .with_legend_box(false)
+        .with_force_margins(62.0, 10.0)
+        .with_force_margins_y(26.0, if last { 46.0 } else { 24.0 })
         .with_reference_line(
             ReferenceLine::horizontal(0.0).with_color(style::GUIDE).with_stroke_width(0.8).with_dasharray(""),
         );

@@ -5,6 +5,7 @@ pub mod carrier;
 pub mod cell;
 mod experiment;
 mod motion;
+pub mod netft;
 pub mod plan;
 mod pose;
 pub mod process;

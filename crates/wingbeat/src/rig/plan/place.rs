@@ -72,9 +72,9 @@ struct Start {
 }
 
 /// Rough places that are refined.
-const REFINED: usize = 3;
+const REFINED: usize = 6;
 /// Trials of one refinement.
-const TRIALS: usize = 800;
+const TRIALS: usize = 1500;
 /// Samples along a path while searching.
 const COARSE: usize = 40;
 /// Cost of a path that cannot be tracked.

@@ -77,7 +77,7 @@ impl Workspace<'_> {
         };
         let trajectory = Trajectory {
             joints: self.arm.joints.iter().map(|j| j.name.clone()).collect(),
-            step: placed.path.duration() / samples as f64,
+            step: 1.0 / RATE,
             position: rows(|q| q.x),
             velocity: rows(|q| q.d),
             acceleration: rows(|q| q.dd),
@@ -186,6 +186,12 @@ impl Plan {
         );
         let _ =
             writeln!(text, "centre of the turn ({x:.3}, {y:.3}) m, height {z:.3} m in the arm's base frame");
+        let _ = writeln!(
+            text,
+            "in the run file: centre_m = [{x}, {y}], height_m = {z}, radius_m = {}, run_up_s = {:.3}, \
+             straight_s = {:.3}, roll_in_s = {:.3}, run_down_s = {:.3}",
+            turn.radius, turn.run_up, turn.straight, turn.roll_in, turn.run_down
+        );
         let _ = writeln!(
             text,
             "{:.3} s at 1 kHz, steady turn from {:.3} to {:.3} s",

@@ -67,21 +67,23 @@ pub struct Turn {
 
 impl TurnSpec {
     /// The turn with `choice` (radius m; run-up, straight, roll-in, run-down s)
-    /// for what the file leaves open.
+    /// for what the file leaves open. Times are rounded to whole ms, so that 1 kHz
+    /// samples meet both ends.
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the key.
     pub fn settle(&self, choice: [f64; 5]) -> Result<Turn, Error> {
+        let whole_ms = |s: f64| (s * 1e3).round() * 1e-3;
         let turn = Turn {
             speed: self.speed_m_s,
             roll: self.roll_deg.to_radians(),
             pitch: self.pitch_deg.to_radians(),
             radius: self.radius_m.unwrap_or(choice[0]),
-            run_up: self.run_up_s.unwrap_or(choice[1]),
-            straight: self.straight_s.unwrap_or(choice[2]),
-            roll_in: self.roll_in_s.unwrap_or(choice[3]),
-            measured: self.measured_s,
-            run_down: self.run_down_s.unwrap_or(choice[4]),
+            run_up: whole_ms(self.run_up_s.unwrap_or(choice[1])),
+            straight: whole_ms(self.straight_s.unwrap_or(choice[2])),
+            roll_in: whole_ms(self.roll_in_s.unwrap_or(choice[3])),
+            measured: whole_ms(self.measured_s),
+            run_down: whole_ms(self.run_down_s.unwrap_or(choice[4])),
         };
         turn.check()?;
         Ok(turn)

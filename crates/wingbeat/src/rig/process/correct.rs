@@ -37,7 +37,7 @@ impl Default for Steps {
             gravity: true,
             mount_inertia: true,
             robot_inertia: false,
-            cutoff_multiple: 20.0,
+            cutoff_multiple: 16.0,
         }
     }
 }

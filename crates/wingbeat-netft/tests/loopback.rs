@@ -1,0 +1,142 @@
+//! Recorder against emulator on the loopback: every fault shows in its counter.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use wingbeat_netft::{
+    Emulator, Ending, Faults, Options, Report, Sent, Signal, read_config, read_log, record,
+};
+
+fn folder(name: &str) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("wingbeat-netft-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&path);
+    path
+}
+
+/// Records `count` records of an emulator with `faults`; the last ones may be missing in its books.
+fn run(name: &str, offset: u16, faults: Faults, set: impl Fn(&mut Options)) -> (Report, Sent, PathBuf) {
+    let home = IpAddr::V4(Ipv4Addr::LOCALHOST);
+    let emulator = Emulator::start(home, offset, Signal::Flapping, faults).unwrap();
+    let config = read_config(emulator.http).unwrap();
+    let mut options = Options::new(emulator.rdt);
+    options.count = 7000;
+    options.duration = Some(Duration::from_secs(20));
+    set(&mut options);
+    let path = folder(name);
+    let report = record(&options, &config.scale, &path, "run", |_| true).unwrap();
+    let sent = emulator.sent();
+    (report, sent, path)
+}
+
+#[test]
+fn a_clean_stream_is_recorded_whole() {
+    let (report, _, path) = run("clean", 8001, Faults::default(), |_| {});
+    assert_eq!(report.ending, Ending::Complete);
+    let a = &report.account;
+    assert_eq!((a.received, a.lost, a.duplicates, a.reordered, a.malformed), (7000, 0, 0, 0, 0));
+    assert!((report.rate_hz - 7000.0).abs() < 200.0, "{}", report.rate_hz);
+    assert_eq!(report.kernel_drops, 0);
+    let rows = read_log(&report.files[0]).unwrap();
+    assert_eq!(rows.len(), 7000);
+    assert!(rows.windows(2).all(|w| w[1].record.rdt_sequence == w[0].record.rdt_sequence + 1));
+    assert!(rows.iter().all(|row| row.kernel_ns > 0 && row.host_ns >= row.kernel_ns));
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn buffered_records_come_in_packs_and_logs_rotate() {
+    let (report, _, path) = run("buffered", 8002, Faults::default(), |o| {
+        o.buffered = true;
+        o.rotate_rows = 3000;
+    });
+    assert_eq!((report.account.received, report.account.lost), (7000, 0));
+    let lengths: Vec<_> = report.files.iter().map(|file| read_log(file).unwrap().len()).collect();
+    assert_eq!(lengths, [3000, 3000, 1000]);
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn drops_are_counted_exactly() {
+    let faults = Faults { drop: 0.01, seed: 1, ..Default::default() };
+    let (report, sent, path) = run("drop", 8003, faults, |_| {});
+    let a = &report.account;
+    assert!(sent.dropped > 30 && a.gaps > 30);
+    assert_eq!(a.received, 7000);
+    assert!(a.lost <= sent.dropped && sent.dropped - a.lost <= 5, "{} {}", a.lost, sent.dropped);
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn duplicates_and_late_records_are_told_apart() {
+    let faults = Faults { duplicate: 0.02, reorder: 0.02, seed: 2, ..Default::default() };
+    let (report, sent, path) = run("order", 8004, faults, |_| {});
+    let a = &report.account;
+    assert_eq!(a.lost, 0);
+    assert!(
+        sent.duplicated.abs_diff(a.duplicates) <= 3 && a.duplicates > 80,
+        "{} {}",
+        sent.duplicated,
+        a.duplicates
+    );
+    assert!(
+        sent.reordered.abs_diff(a.reordered) <= 3 && a.reordered > 80,
+        "{} {}",
+        sent.reordered,
+        a.reordered
+    );
+    let rows = read_log(&report.files[0]).unwrap();
+    let mut numbers: Vec<_> = rows.iter().map(|row| row.record.rdt_sequence).collect();
+    numbers.sort_unstable();
+    assert!(numbers.windows(2).all(|w| w[1] == w[0] + 1));
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn garbage_saturation_and_delay_are_seen() {
+    let faults = Faults { garbage: 0.02, saturation: 0.05, delay: 0.001, seed: 3, ..Default::default() };
+    let (report, sent, path) = run("garbage", 8005, faults, |_| {});
+    let a = &report.account;
+    assert_eq!((a.received, a.lost), (7000, 0));
+    assert!(sent.garbage.abs_diff(a.malformed) <= 3 && a.malformed > 80);
+    assert!(sent.saturated.abs_diff(a.saturated) <= 20 && a.saturated > 200);
+    assert!(sent.delayed > 0 && report.longest_silence >= Duration::from_millis(15));
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn a_stall_is_survived_or_ends_the_recording() {
+    let faults = Faults { stall_after: 3000, ..Default::default() };
+    let (report, _, path) = run("stall", 8006, faults, |o| o.stall = Duration::from_millis(200));
+    assert_eq!((report.ending, report.account.received), (Ending::Complete, 7000));
+    assert_eq!((report.stalls, report.account.restarts), (2, 2));
+    std::fs::remove_dir_all(path).unwrap();
+    let (report, _, path) = run("silent", 8007, faults, |o| {
+        o.stall = Duration::from_millis(200);
+        o.reconnects = 0;
+    });
+    assert_eq!((report.ending, report.account.received), (Ending::Silent, 3000));
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn a_bias_is_confirmed() {
+    let (report, _, path) = run("bias", 8008, Faults::default(), |o| o.bias = true);
+    // The flapping signal swings about the load that was taken as zero.
+    let residual = report.bias_residual.unwrap();
+    assert!(residual < 0.6, "{residual}");
+    assert_eq!(report.account.lost, 0);
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn taken_ports_and_closed_folders_are_explained() {
+    let home = IpAddr::V4(Ipv4Addr::LOCALHOST);
+    let refused = Emulator::start(home, 8009, Signal::Flapping, Faults::default()).unwrap();
+    let clash = Emulator::start(home, 8009, Signal::Flapping, Faults::default()).unwrap_err();
+    assert!(clash.to_string().contains("--port-offset"), "{clash}");
+    let scale = read_config(refused.http).unwrap().scale;
+    let nowhere =
+        record(&Options::new(refused.rdt), &scale, std::path::Path::new("/proc/no"), "run", |_| true);
+    assert!(nowhere.unwrap_err().to_string().contains("/proc/no"));
+}

@@ -1,0 +1,221 @@
+//! Whole runs on the rig: limits, wrenches, processing.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use wingbeat::math::{GRAVITY, Jet, Mat3, Vec3, Wrench};
+use wingbeat::rig::carrier::{Carrier, carried_frames};
+use wingbeat::rig::cell::six;
+use wingbeat::rig::process::Butterworth;
+use wingbeat::rig::{FrameMotion, Pose};
+use wingbeat::robot::BodyMotion;
+use wingbeat::scenario::RigRun;
+
+use crate::{Error, Row};
+
+/// The seven runs of the paper.
+const RUNS: [&str; 7] = [
+    "roll10_speed08",
+    "roll15_speed08",
+    "roll20_speed08",
+    "roll25_speed08",
+    "roll15_speed07",
+    "roll15_speed08b",
+    "roll15_speed09",
+];
+
+fn load(name: &str, overrides: &[&str]) -> Result<RigRun, Error> {
+    let file = format!("{}/../../rigs/runs/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
+    RigRun::load(Path::new(&file), &overrides).map_err(|error| Error::NoAnswer(error.to_string()))
+}
+
+/// Differences of the 1 kHz positions against every limit; a refused path is shown with the limit it names.
+pub fn limits_respected() -> Result<Vec<Row>, Error> {
+    const ID: &str = "rig.limits_respected";
+    let mut rows = Vec::new();
+    for name in RUNS {
+        let run = load(name, &[])?;
+        let source = format!("limit profile {}", run.profile.name);
+        match run.plan()? {
+            Ok(plan) => {
+                let (velocity, acceleration) = plan.trajectory.differenced().peaks();
+                let jerk = plan.trajectory.peak_jerk();
+                let limits = &run.profile;
+                let share = [
+                    (velocity, &limits.velocity),
+                    (acceleration, &limits.acceleration),
+                    (jerk, &limits.jerk),
+                ]
+                .iter()
+                .flat_map(|(peaks, limits)| peaks.iter().zip(limits.iter()).map(|(p, l)| p / l))
+                .fold(0.0, f64::max);
+                rows.push(Row::judged(
+                    ID,
+                    &source,
+                    &format!("{name}: largest share of a limit"),
+                    share,
+                    1.0,
+                    "",
+                ));
+            }
+            Err(refusal) => {
+                rows.push(Row::shown(ID, &source, &format!("{name} refused: {refusal}"), f64::NAN, ""))
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// Weight on the cell in 24 attitudes against mass and first moment read off the momentum of a turning robot.
+pub fn wrench_static() -> Result<Vec<Row>, Error> {
+    const ID: &str = "rig.wrench_static";
+    let run = load("roll15_speed08", &["rig.air.density_kg_m3=1e-30"])?;
+    let clock = Jet::default();
+    let still = |attitude: Mat3, rate: Vec3| BodyMotion {
+        attitude,
+        velocity: Vec3::ZERO,
+        rate,
+        acceleration: Vec3::ZERO,
+        angular_acceleration: Vec3::ZERO,
+    };
+    // p = w x (m c): three turns give the first moment m c.
+    let turning = |axis: usize| {
+        let mut w = Vec3::ZERO;
+        w[axis] = 1.0;
+        run.robot.carried_momentum(&clock, &still(Mat3::IDENTITY, w), Vec3::ZERO).map(|p| p.linear)
+    };
+    let (px, py) = (turning(0)?, turning(1)?);
+    let moment_b = Vec3([-py[2], px[2], -px[1]]);
+    let x = vec![0.0; run.robot.carried_states()];
+    let mut dx = x.clone();
+    let u = vec![0.0; wingbeat::plant::Plant::inputs(&run.robot).len()];
+    let mut worst = 0.0_f64;
+    for k in 0..24 {
+        let k = f64::from(k);
+        let rotation = Mat3::from_roll_pitch_yaw(0.9 * k, 0.53 * k - 2.0, 0.37 * k);
+        let tool = Pose::constant(&Pose { rotation, origin: Vec3([0.1, 0.2, 0.3]) });
+        let (cell, body) = carried_frames(&tool, &run.mount);
+        let loads = run.robot.carried(&clock, &BodyMotion::from(&body), &x, &u, &mut dx)?;
+        let got = six(&(run.mount.to_cell(&loads.total()) + run.mount.wrench(&cell)));
+        let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
+        let mass = run.robot.mass() + run.mount.mass;
+        let first = run.mount.body.rotation * moment_b
+            + run.mount.body.origin * run.robot.mass()
+            + run.mount.com * run.mount.mass;
+        let expected = six(&Wrench { force: down * mass, moment: first.cross(down) });
+        for (a, b) in got.iter().zip(expected) {
+            worst = worst.max((a - b).abs());
+        }
+    }
+    Ok(vec![Row::judged(
+        ID,
+        "mass and first moment from momentum",
+        "largest error, 24 attitudes",
+        worst,
+        1e-12,
+        "N, N m",
+    )])
+}
+
+/// Cell wrench of the moving rig in vacuum against the rate of momentum.
+pub fn newton_euler() -> Result<Vec<Row>, Error> {
+    const ID: &str = "rig.newton_euler";
+    let run = load("roll15_speed08", &["rig.air.density_kg_m3=1e-30"])?;
+    let plan = run.plan()?.map_err(|refusal| Error::NoAnswer(refusal.to_string()))?;
+    let carrier = run.carrier(Some(&plan));
+    let (mut force, mut moment) = (0.0_f64, 0.0_f64);
+    for k in 0..40 {
+        let t = 0.0505 + 0.06 * f64::from(k);
+        let (f, m) = imbalance(&run, &carrier, t)?;
+        force = force.max(f);
+        moment = moment.max(m);
+    }
+    let source = "rate of momentum, fourth-order differences";
+    Ok(vec![
+        Row::judged(ID, source, "largest error of the force, 40 instants", force, 1e-8, "N"),
+        Row::judged(ID, source, "largest error of the moment, 40 instants", moment, 1e-8, "N m"),
+    ])
+}
+
+/// |cell wrench + weight - rate of momentum| at `t`: force and moment about the base's origin.
+fn imbalance(run: &RigRun, carrier: &Carrier, t: f64) -> Result<(f64, f64), Error> {
+    let clock = |t: f64| Jet::new(t, 1.0, 0.0);
+    let (cell, body) = carried_frames(&carrier.tool(t), &run.mount);
+    let x = vec![0.0; run.robot.carried_states()];
+    let u = vec![0.0; wingbeat::plant::Plant::inputs(&run.robot).len()];
+    let loads = run.robot.carried(&clock(t), &BodyMotion::from(&body), &x, &u, &mut x.clone())?;
+    let on_cell = run.mount.to_cell(&loads.total()) + run.mount.wrench(&cell);
+    let r = cell.pose.rotation;
+    let on_payload = r * -on_cell.force;
+    let about_base = r * -on_cell.moment + cell.pose.origin.cross(on_payload);
+    // Weight with its moment about the base's origin, from the model at rest.
+    let weight_b = loads.gravity;
+    let weight = body.pose.rotation * weight_b.force;
+    let weight_moment = body.pose.rotation * weight_b.moment + body.pose.origin.cross(weight);
+    let mount_weight = Vec3([0.0, 0.0, -GRAVITY * run.mount.mass]);
+    let mount_moment = cell.pose.point(run.mount.com).cross(mount_weight);
+    let h = 1e-4;
+    let at = |k: f64| momentum(run, carrier, &clock(t + k * h), t + k * h);
+    let (a, b, c, d) = (at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?);
+    let slope = |i: usize| ((a[i] - d[i]) + (c[i] - b[i]) * 8.0) * (1.0 / (12.0 * h));
+    let force = on_payload + weight + mount_weight - slope(0);
+    let moment = about_base + weight_moment + mount_moment - slope(1);
+    Ok((force.norm(), moment.norm()))
+}
+
+/// Linear and angular momentum of robot and mount about the base's origin, in W.
+fn momentum(run: &RigRun, carrier: &Carrier, clock: &Jet, t: f64) -> Result<[Vec3; 2], Error> {
+    let (cell, body) = carried_frames(&carrier.tool(t), &run.mount);
+    let robot = run.robot.carried_momentum(clock, &BodyMotion::from(&body), body.pose.origin)?;
+    let r = body.pose.rotation;
+    let (linear, angular) = rigid_momentum(&cell, run.mount.mass, run.mount.com, run.mount.inertia);
+    Ok([r * robot.linear + linear, r * robot.angular + angular])
+}
+
+fn rigid_momentum(frame: &FrameMotion, mass: f64, com: Vec3, inertia: Mat3) -> (Vec3, Vec3) {
+    let r = frame.pose.rotation;
+    let linear = (frame.velocity + frame.rate.cross(r * com)) * mass;
+    let spin = r * (inertia * r.transpose_mul(frame.rate));
+    (linear, frame.pose.point(com).cross(linear) + spin)
+}
+
+/// A sine at the flapping frequency through the filter of the pipeline.
+pub fn filter() -> Result<Vec<Row>, Error> {
+    const ID: &str = "rig.filter";
+    const RATE: f64 = 7000.0;
+    let run = load("roll15_speed08", &[])?;
+    let f = run.frequency();
+    let filter = Butterworth::new(run.spec.process.steps.cutoff_multiple * f, RATE)?;
+    let x: Vec<f64> = (0..28_000).map(|k| (TAU * f * f64::from(k) / RATE).sin()).collect();
+    let y = filter.apply(&x);
+    let part =
+        |g: fn(f64) -> f64| (6000..22_000).map(|k| y[k] * g(TAU * f * k as f64 / RATE)).sum::<f64>() / 8000.0;
+    let (sine, cosine) = (part(f64::sin), part(f64::cos));
+    let source = "a sine at the flapping frequency";
+    Ok(vec![
+        Row::judged(ID, source, "|gain - 1|", (sine.hypot(cosine) - 1.0).abs(), 1e-3, ""),
+        Row::judged(ID, source, "|phase|", cosine.atan2(sine).abs(), 1e-3, "rad"),
+    ])
+}
+
+/// The processed phase average of a simulated run against its noise-free wrench.
+pub fn pipeline_recovers_truth() -> Result<Vec<Row>, Error> {
+    const ID: &str = "rig.pipeline_recovers_truth";
+    let run = load("roll15_speed08", &[])?;
+    let plan = run.plan()?.map_err(|refusal| Error::NoAnswer(refusal.to_string()))?;
+    let carrier = run.carrier(Some(&plan));
+    let outcome = run.simulate(&carrier, 1, |_| ())??;
+    let processed = run.process(&outcome.record, plan.measured)??;
+    let against =
+        processed.against_truth().ok_or_else(|| Error::NoAnswer("no truth in the record".into()))?;
+    let name = |i: usize| wingbeat::rig::cell::CHANNELS[i].0;
+    Ok(against
+        .iter()
+        .enumerate()
+        .map(|(i, c)| {
+            let metric = format!("{}: RMSE over range", name(i));
+            Row::judged(ID, "noise-free wrench of the simulator", &metric, c.rmse / c.range, 0.02, "")
+        })
+        .collect())
+}

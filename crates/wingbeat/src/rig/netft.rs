@@ -1,0 +1,367 @@
+//! The wire format of the ATI Net F/T box: Raw Data Transfer over UDP and the
+//! scale factors of its configuration pages (ATI, Net F/T Installation and
+//! Operation Manual 9620-05-NET FT).
+
+use crate::Error;
+
+/// Default UDP port of RDT.
+pub const RDT_PORT: u16 = 49152;
+/// First word of a request.
+const HEADER: u16 = 0x1234;
+/// Bytes of one RDT record.
+pub const RECORD_BYTES: usize = 36;
+/// Bytes of a request.
+pub const REQUEST_BYTES: usize = 8;
+
+/// What a client asks of the box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Stop sending.
+    Stop,
+    /// Send one record per datagram.
+    RealTime,
+    /// Send several records per datagram.
+    Buffered,
+    /// Take the present load as zero.
+    Bias,
+}
+
+impl Command {
+    fn code(self) -> u16 {
+        match self {
+            Self::Stop => 0,
+            Self::RealTime => 2,
+            Self::Buffered => 3,
+            Self::Bias => 0x42,
+        }
+    }
+}
+
+/// A request: the command and the number of records, 0 for without end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// What is asked.
+    pub command: Command,
+    /// Records wanted; 0 for without end.
+    pub count: u32,
+}
+
+impl Request {
+    /// The eight bytes on the wire, big-endian.
+    pub fn bytes(self) -> [u8; REQUEST_BYTES] {
+        let (h, c, n) = (HEADER.to_be_bytes(), self.command.code().to_be_bytes(), self.count.to_be_bytes());
+        [h[0], h[1], c[0], c[1], n[0], n[1], n[2], n[3]]
+    }
+
+    /// Reads a request; none when it is none.
+    pub fn parse(bytes: &[u8]) -> Option<Self> {
+        let bytes: &[u8; REQUEST_BYTES] = bytes.try_into().ok()?;
+        if u16::from_be_bytes([bytes[0], bytes[1]]) != HEADER {
+            return None;
+        }
+        let command = match u16::from_be_bytes([bytes[2], bytes[3]]) {
+            0 => Command::Stop,
+            2 => Command::RealTime,
+            3 => Command::Buffered,
+            0x42 => Command::Bias,
+            _ => return None,
+        };
+        Some(Self { command, count: u32::from_be_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]) })
+    }
+}
+
+/// One RDT record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RdtRecord {
+    /// Number of the record in this stream, from 1; wraps.
+    pub rdt_sequence: u32,
+    /// Number of the sample inside the box, 7 kHz; wraps.
+    pub ft_sequence: u32,
+    /// Status word.
+    pub status: u32,
+    /// Counts of Fx, Fy, Fz, Tx, Ty, Tz.
+    pub counts: [i32; 6],
+}
+
+impl RdtRecord {
+    /// The bytes on the wire, big-endian.
+    pub fn bytes(&self) -> [u8; RECORD_BYTES] {
+        let mut out = [0; RECORD_BYTES];
+        let words = [self.rdt_sequence, self.ft_sequence, self.status].map(u32::to_be_bytes);
+        let all = words.iter().copied().chain(self.counts.map(i32::to_be_bytes));
+        for (chunk, word) in out.chunks_exact_mut(4).zip(all) {
+            chunk.copy_from_slice(&word);
+        }
+        out
+    }
+
+    /// The records of a datagram; none when its length is not a whole number of records above zero.
+    pub fn parse(datagram: &[u8]) -> Option<impl Iterator<Item = Self> + '_> {
+        if datagram.is_empty() || !datagram.len().is_multiple_of(RECORD_BYTES) {
+            return None;
+        }
+        Some(datagram.chunks_exact(RECORD_BYTES).map(|chunk| {
+            let word = |i: usize| {
+                u32::from_be_bytes([chunk[4 * i], chunk[4 * i + 1], chunk[4 * i + 2], chunk[4 * i + 3]])
+            };
+            Self {
+                rdt_sequence: word(0),
+                ft_sequence: word(1),
+                status: word(2),
+                counts: std::array::from_fn(|i| word(3 + i) as i32),
+            }
+        }))
+    }
+}
+
+/// What a status word says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StatusClass {
+    /// All is well.
+    Good,
+    /// 0x80010000: a warning without effect on the sample.
+    Warning,
+    /// Bit 0x00020000: a gauge or channel is saturated.
+    Saturated,
+    /// Anything else: the sample is not to be trusted.
+    Serious,
+}
+
+/// Classes of status words.
+pub fn classify(status: u32) -> StatusClass {
+    match status {
+        0 => StatusClass::Good,
+        0x8001_0000 => StatusClass::Warning,
+        s if s & 0x0002_0000 != 0 => StatusClass::Saturated,
+        _ => StatusClass::Serious,
+    }
+}
+
+/// Counts per newton and per newton metre, from the box itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Counts per N.
+    pub per_newton: f64,
+    /// Counts per N m.
+    pub per_newton_metre: f64,
+}
+
+impl Scale {
+    /// Reads cfgcpf, cfgcpt with the units scfgfu, scfgtu (`/netftapi2.xml`), or
+    /// calcpf, calcpt with calfu, caltu (`/netftcalapi.xml`).
+    ///
+    /// # Errors
+    /// A field that is missing, not a positive number, or a unit not known.
+    pub fn from_xml(text: &str) -> Result<Self, Error> {
+        let either = |a: &str, b: &str| {
+            element(text, a).or_else(|| element(text, b)).ok_or_else(|| {
+                Error::invalid(format!("netft.{a}"), "absent", format!("an element <{a}> or <{b}>"))
+            })
+        };
+        let number = |a: &str, b: &str| {
+            let word = either(a, b)?;
+            let value = word.parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite());
+            value.ok_or_else(|| Error::invalid(format!("netft.{a}"), word, "a positive number"))
+        };
+        let unit = |a: &str, b: &str, table: &[(&str, f64)]| {
+            let word = either(a, b)?;
+            let known = table.iter().find(|(name, _)| name.eq_ignore_ascii_case(word));
+            let names: Vec<_> = table.iter().map(|entry| entry.0).collect();
+            known.map(|entry| entry.1).ok_or_else(|| {
+                Error::invalid(format!("netft.{a}"), word, format!("one of {}", names.join(", ")))
+            })
+        };
+        Ok(Self {
+            per_newton: number("cfgcpf", "calcpf")? / unit("scfgfu", "calfu", &FORCE_UNITS)?,
+            per_newton_metre: number("cfgcpt", "calcpt")? / unit("scfgtu", "caltu", &TORQUE_UNITS)?,
+        })
+    }
+
+    /// N and N m of raw counts.
+    pub fn wrench(&self, counts: [i32; 6]) -> [f64; 6] {
+        std::array::from_fn(|i| {
+            f64::from(counts[i]) / if i < 3 { self.per_newton } else { self.per_newton_metre }
+        })
+    }
+
+    /// Raw counts of N and N m.
+    pub fn counts(&self, wrench: [f64; 6]) -> [i32; 6] {
+        std::array::from_fn(|i| {
+            (wrench[i] * if i < 3 { self.per_newton } else { self.per_newton_metre }).round() as i32
+        })
+    }
+}
+
+/// Newtons in each unit of force.
+const FORCE_UNITS: [(&str, f64); 5] =
+    [("N", 1.0), ("kN", 1e3), ("lbf", 4.448_221_615_260_5), ("klbf", 4_448.221_615_260_5), ("kgf", 9.80665)];
+/// Newton metres in each unit of torque.
+const TORQUE_UNITS: [(&str, f64); 8] = [
+    ("Nm", 1.0),
+    ("N-m", 1.0),
+    ("Nmm", 1e-3),
+    ("N-mm", 1e-3),
+    ("kNm", 1e3),
+    ("lbf-in", 0.112_984_829_027_616_7),
+    ("lbf-ft", 1.355_817_948_331_400_4),
+    ("kgf-cm", 0.098_066_5),
+];
+
+/// The text of the first element `<name>`, trimmed; entities are not expanded.
+pub fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {
+    let mut rest = text;
+    while let Some(at) = rest.find('<') {
+        rest = &rest[at + 1..];
+        let Some(body) = rest.strip_prefix(name).filter(|body| body.starts_with(['>', ' ', '\t', '\n']))
+        else {
+            continue;
+        };
+        let content = &body[body.find('>')? + 1..];
+        return Some(content[..content.find('<')?].trim());
+    }
+    None
+}
+
+/// Sequence numbers still remembered as missing.
+const WINDOW: u32 = 1 << 16;
+
+/// Accounts for every record of a stream: nothing is lost silently.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Account {
+    /// Records taken for the first time.
+    pub received: u64,
+    /// Records that never came.
+    pub lost: u64,
+    /// Places in the sequence where some were missing.
+    pub gaps: u64,
+    /// Longest run of missing records.
+    pub longest_gap: u64,
+    /// Records that came again.
+    pub duplicates: u64,
+    /// Records that came after later ones.
+    pub reordered: u64,
+    /// Datagrams that are no records.
+    pub malformed: u64,
+    /// Records with a warning status.
+    pub warnings: u64,
+    /// Records with a saturated channel.
+    pub saturated: u64,
+    /// Records with a serious status.
+    pub serious: u64,
+    /// Streams begun anew.
+    pub restarts: u64,
+    next: Option<u32>,
+    missing: std::collections::BTreeSet<u32>,
+}
+
+impl Account {
+    /// Takes note of a record; true when it is new.
+    pub fn take(&mut self, record: &RdtRecord) -> bool {
+        let sequence = record.rdt_sequence;
+        let ahead = self.next.map_or(0, |next| sequence.wrapping_sub(next) as i32);
+        if ahead < 0 {
+            if !self.missing.remove(&sequence) {
+                self.duplicates += 1;
+                return false;
+            }
+            self.lost -= 1;
+            self.reordered += 1;
+        } else {
+            if ahead > 0 {
+                self.note_gap(sequence, ahead as u32);
+            }
+            self.next = Some(sequence.wrapping_add(1));
+        }
+        self.received += 1;
+        match classify(record.status) {
+            StatusClass::Good => {}
+            StatusClass::Warning => self.warnings += 1,
+            StatusClass::Saturated => self.saturated += 1,
+            StatusClass::Serious => self.serious += 1,
+        }
+        true
+    }
+
+    fn note_gap(&mut self, sequence: u32, ahead: u32) {
+        self.gaps += 1;
+        self.lost += u64::from(ahead);
+        self.longest_gap = self.longest_gap.max(u64::from(ahead));
+        for back in 1..=ahead.min(WINDOW) {
+            self.missing.insert(sequence.wrapping_sub(back));
+        }
+        let old = |s: &u32| sequence.wrapping_sub(*s) > WINDOW;
+        self.missing.retain(|s| !old(s));
+    }
+
+    /// The stream begins anew, its numbers too.
+    pub fn restart(&mut self) {
+        self.restarts += 1;
+        self.next = None;
+        self.missing.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbered(rdt_sequence: u32) -> RdtRecord {
+        RdtRecord { rdt_sequence, ..Default::default() }
+    }
+
+    #[test]
+    fn records_and_requests_round_trip() {
+        let r = RdtRecord {
+            rdt_sequence: 7,
+            ft_sequence: u32::MAX,
+            status: 0x8001_0000,
+            counts: [-1, 2, i32::MIN, 4, 5, 6],
+        };
+        let two = [r.bytes(), numbered(8).bytes()].concat();
+        assert_eq!(RdtRecord::parse(&two).unwrap().collect::<Vec<_>>(), [r, numbered(8)]);
+        assert!(RdtRecord::parse(&two[..71]).is_none() && RdtRecord::parse(&[]).is_none());
+        let q = Request { command: Command::RealTime, count: 0 };
+        assert_eq!(q.bytes(), [0x12, 0x34, 0, 2, 0, 0, 0, 0]);
+        assert_eq!(Request::parse(&q.bytes()), Some(q));
+        assert_eq!(Request::parse(&[0x12, 0x35, 0, 2, 0, 0, 0, 0]), None);
+    }
+
+    #[test]
+    fn every_record_is_accounted_for() {
+        let mut a = Account::default();
+        for s in [1, 2, 5, 4, 4, 6, 3] {
+            a.take(&numbered(s));
+        }
+        assert_eq!((a.received, a.lost, a.gaps, a.duplicates, a.reordered), (6, 0, 1, 1, 2));
+        a.take(&numbered(20));
+        assert_eq!((a.lost, a.longest_gap), (13, 13));
+    }
+
+    #[test]
+    fn sequences_wrap() {
+        let mut a = Account::default();
+        for s in [u32::MAX - 1, u32::MAX, 1, 0, 2] {
+            a.take(&numbered(s));
+        }
+        assert_eq!((a.received, a.lost, a.reordered), (5, 0, 1));
+    }
+
+    #[test]
+    fn scale_comes_from_the_box_in_any_unit() {
+        let xml = "<?xml version=\"1.0\"?><netft><cfgcpf>1000000</cfgcpf><cfgcpt>1000</cfgcpt>\
+                   <scfgfu>N</scfgfu><scfgtu>Nmm</scfgtu></netft>";
+        let s = Scale::from_xml(xml).unwrap();
+        assert_eq!((s.per_newton, s.per_newton_metre), (1e6, 1e6));
+        assert_eq!(s.counts(s.wrench([5, -6, 7, 8, 9, -10])), [5, -6, 7, 8, 9, -10]);
+        let broken = xml.replace("Nmm", "furlong");
+        assert!(Scale::from_xml(&broken).unwrap_err().to_string().contains("scfgtu = furlong"));
+        assert!(Scale::from_xml("<a><cfgcpf>").is_err() && Scale::from_xml("").is_err());
+    }
+
+    #[test]
+    fn status_words_have_classes() {
+        let classes = [0, 0x8001_0000, 0x8002_0000, 0x0002_0000, 0x8000_0001].map(classify);
+        use StatusClass::{Good, Saturated, Serious, Warning};
+        assert_eq!(classes, [Good, Warning, Saturated, Saturated, Serious]);
+    }
+}
