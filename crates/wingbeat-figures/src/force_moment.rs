@@ -97,7 +97,7 @@ fn drawn(t: &[f64], low: &[f64], high: &[f64], line: &[f64], title: &str, last: 
         .with_ticks(5)
         .with_tick_format(TickFormat::Custom(Arc::new(style::number)))
         .with_force_margins(62.0, 10.0)
-        .with_force_margins_y(26.0, if last { 46.0 } else { 24.0 })
+        .with_force_margins_y(32.0, if last { 46.0 } else { 24.0 })
         .with_reference_line(
             ReferenceLine::horizontal(0.0).with_color(style::GUIDE).with_stroke_width(0.8).with_dasharray(""),
         );

@@ -213,18 +213,13 @@ impl<'a> Session<'a> {
             if self.options.duration.is_some_and(|d| self.began.elapsed() >= d) {
                 return;
             }
-            match self.receive(&mut buffer) {
-                Some((size, kernel_ns)) => {
-                    if !self.datagram(&buffer[..size], kernel_ns, observe) {
-                        return;
-                    }
-                }
-                None if self.last_datagram.elapsed() > self.options.stall => {
-                    if !self.stalled() {
-                        return;
-                    }
-                }
-                None => {}
+            let goes_on = match self.receive(&mut buffer) {
+                Some((size, kernel_ns)) => self.datagram(&buffer[..size], kernel_ns, observe),
+                None if self.last_datagram.elapsed() > self.options.stall => self.stalled(),
+                None => true,
+            };
+            if !goes_on {
+                return;
             }
         }
     }

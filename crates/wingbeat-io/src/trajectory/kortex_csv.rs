@@ -98,9 +98,9 @@ pub fn parse_kortex_csv(text: &str) -> Result<Imported, String> {
 /// Number of joints of a table `width` columns wide.
 fn joint_count(width: usize, header: &[String]) -> Result<usize, String> {
     let values = width.saturating_sub(1);
-    let velocities = header.iter().position(|name| name.ends_with("_s"));
-    match velocities {
-        Some(first) if first > 1 && values % (first - 1) == 0 => Ok(first - 1),
+    let before_velocities = header.iter().skip(1).position(|name| name.ends_with("_s"));
+    match before_velocities {
+        Some(joints) if joints > 0 && values.is_multiple_of(joints) => Ok(joints),
         _ if values >= 18 && values.is_multiple_of(3) => Ok(values / 3),
         _ if (1..=8).contains(&values) => Ok(values),
         _ => Err(format!(
@@ -145,7 +145,10 @@ mod tests {
     #[test]
     fn units_are_detected_without_a_header() {
         let degrees = parse_kortex_csv("0,10,20,90\n0.001,10,20,90.5\n").unwrap();
-        assert!((degrees.trajectory.position[0][2] - 1.5708).abs() < 1e-4 && degrees.warnings.len() == 1);
+        assert!(
+            (degrees.trajectory.position[0][2] - std::f64::consts::FRAC_PI_2).abs() < 1e-12
+                && degrees.warnings.len() == 1
+        );
         let radians = parse_kortex_csv("0,0.1,0.2,1.5\n0.001,0.1,0.2,1.51\n").unwrap();
         assert!(radians.trajectory.position[0][2] == 1.5 && radians.warnings[0].contains("Radians"));
     }

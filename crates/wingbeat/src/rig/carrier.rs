@@ -54,7 +54,7 @@ pub enum Carrier {
     /// An arm that plays a trajectory and stands still before and after.
     Arm {
         /// The arm.
-        arm: SerialArm,
+        arm: Box<SerialArm>,
         /// Its motion.
         trajectory: Trajectory,
     },

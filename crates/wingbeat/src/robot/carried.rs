@@ -1,8 +1,9 @@
 //! The robot with its body carried along a given motion: on a test rig, in a tunnel.
 
 use super::observe::accelerated;
+use super::sections::Riding;
 use super::{JOINTS, Robot};
-use crate::aero::{Loads, StripLoads};
+use crate::aero::{Loads, MAX_STRIPS, SectionMotion, Sections, StripLoads};
 use crate::body::{BaseAcceleration, LinkMotion, Momentum};
 use crate::math::{Jet, Mat3, Vec3, Wrench};
 use crate::plant::Fault;
@@ -79,10 +80,15 @@ impl Robot {
         let base = accelerated(&LinkMotion::base(v, body.rate), imposed);
         let moving = links.map(|link| accelerated(&link, imposed));
         let (wind, wind_dot) = self.wind(clock.x, body.attitude);
-        let sections = self.sections(&base, &moving, wind_dot);
+        let riding = Riding { sections: &self.sections, base: &base, links: &moving, wind_dot };
+        let mut sections = [SectionMotion::default(); MAX_STRIPS + 1];
+        let count = self.sections.len();
+        for (i, section) in sections.iter_mut().enumerate().take(count) {
+            *section = riding.section(i);
+        }
         let mut loads = Loads::default();
         let (x, dx) = (&x[structure..], &mut dx[structure..]);
-        self.aero.evaluate(&sections[..self.sections.len()], wind, x, dx, &mut loads);
+        self.aero.evaluate(&sections[..count], wind, x, dx, &mut loads);
         Ok(CarriedLoads {
             air: loads.by_source(),
             body_drag: self.body_drag(v - wind),

@@ -235,7 +235,9 @@ impl RigRun {
     /// What carries the robot in this run; a turn needs its `plan`.
     pub fn carrier(&self, plan: Option<&Plan>) -> Carrier {
         match (&self.spec.hold, plan) {
-            (None, Some(plan)) => Carrier::Arm { arm: self.arm.clone(), trajectory: plan.trajectory.clone() },
+            (None, Some(plan)) => {
+                Carrier::Arm { arm: Box::new(self.arm.clone()), trajectory: plan.trajectory.clone() }
+            }
             (Some(hold), _) => Carrier::Stand { holds: self.holds(hold) },
             (None, None) => Carrier::Stand { holds: vec![(0.0, Pose::IDENTITY)] },
         }
