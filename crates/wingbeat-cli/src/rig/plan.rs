@@ -40,7 +40,7 @@ pub fn plan(arguments: &RigRuns) -> Result<(), Error> {
         }
         folder.write(&format!("{}.txt", run.spec.name), &text)?;
     }
-    let path = folder.finish(&Manifest::new(options.seed, start.elapsed()))?;
+    let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     if !options.quiet {
         println!("plans: {}", path.display());
     }

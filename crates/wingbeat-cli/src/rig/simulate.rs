@@ -45,7 +45,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     let folders = runs.iter().map(|run| folder.folder(&run.spec.name)).collect::<Result<Vec<_>, _>>()?;
     let summaries = runs::shared(&runs, |index, run| {
         let bar = bars.add(bar(&run.spec.name));
-        let summary = one(run, &folders[index], options.seed + index as u64, &bar);
+        let summary = one(run, &folders[index], options.seed.unwrap_or(0) + index as u64, &bar);
         bar.finish_and_clear();
         summary
     });
@@ -65,7 +65,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
             failed.push(format!("{name}: {reason}"));
         }
     }
-    let path = folder.finish(&Manifest::new(options.seed, start.elapsed()))?;
+    let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     if !options.quiet {
         println!("runs: {}", path.display());
     }
