@@ -129,7 +129,9 @@ pub struct Validate {
 /// Plan, simulate, record and process runs on the test rig
 #[derive(Debug, Subcommand)]
 pub enum Rig {
+    /// Place banking turns in the arm's workspace and write its trajectories
     Plan(RigRuns),
+    /// Simulate runs: the carried robot, the arm's motion, the load cell
     Simulate(RigRuns),
     Process(RigProcess),
     Record(RigRecord),
