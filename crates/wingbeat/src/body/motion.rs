@@ -61,13 +61,16 @@ impl<S: Scalar> LinkMotion<S> {
     /// Acceleration, without the base's, of the body-frame point `r_B` moving with the link.
     #[inline]
     pub fn acceleration_at(&self, r_b: Vec3<S>) -> Vec3<S> {
-        self.acceleration + self.swept(r_b - self.position)
+        self.moving_at(r_b).1
     }
 
-    /// Angular acceleration and centripetal terms at the arm `r`: alpha x r + w x (w x r).
+    /// Velocity and acceleration, without the base's, of the body-frame point `r_B` moving
+    /// with the link: v + w x r, a + w' x r + w x (w x r).
     #[inline]
-    fn swept(&self, r: Vec3<S>) -> Vec3<S> {
-        self.rate_dot.cross(r) + self.rate.cross(self.rate.cross(r))
+    pub fn moving_at(&self, r_b: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
+        let arm = r_b - self.position;
+        let sweep = self.rate.cross(arm);
+        (self.velocity + sweep, self.acceleration + self.rate_dot.cross(arm) + self.rate.cross(sweep))
     }
 
     /// Places `out` at `origin` in this link, moving with it; not yet turned.

@@ -42,13 +42,14 @@ impl Section {
     #[inline]
     pub fn motion<S: Scalar>(&self, link: &LinkMotion<S>) -> SectionMotion<S> {
         let (le, te) = (link.point(self.le), link.point(self.te));
+        let ((v_le, a_le), (v_te, a_te)) = (link.moving_at(le), link.moving_at(te));
         SectionMotion {
             le,
             te,
-            v_le: link.velocity_at(le),
-            v_te: link.velocity_at(te),
-            a_le: link.acceleration_at(le),
-            a_te: link.acceleration_at(te),
+            v_le,
+            v_te,
+            a_le,
+            a_te,
             span: -link.rotation.column(1),
             w: link.rate,
             alpha: link.rate_dot,
