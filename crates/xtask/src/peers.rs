@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::tools;
+use crate::{documents, tools};
 
 /// Rounds in which the programs take turns; the median of each counts.
 const ROUNDS: usize = 3;
@@ -44,7 +44,7 @@ pub fn compare(only: Option<&str>) -> bool {
     chosen.iter().all(|(_, run)| run(&python))
 }
 
-/// Runs both sides in turns and prints the table.
+/// Runs both sides in turns, the vortex lattice once; prints the table and puts it into docs/performance.md.
 fn mechanics(python: &Path) -> bool {
     let folder = tools::root().join("validation/multibody");
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
@@ -57,11 +57,12 @@ fn mechanics(python: &Path) -> bool {
     }
     let Some(flap) = times(script(python, "pterasoftware_flap.py", &[])) else { return false };
     theirs.push(flap);
-    print_table(&ours, &theirs);
-    true
+    let table = table(&ours, &theirs);
+    println!("{table}");
+    documents::put_into("docs/performance.md", "mechanics", &table)
 }
 
-/// Runs the offline solvers in turns and prints the table.
+/// Runs the offline solvers in turns.
 fn offline(python: &Path) -> bool {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
@@ -73,7 +74,7 @@ fn offline(python: &Path) -> bool {
         ours.push(own);
         theirs.push(other);
     }
-    print_table(&ours, &theirs);
+    println!("{}", table(&ours, &theirs));
     true
 }
 
@@ -125,12 +126,15 @@ fn median(rounds: &[Times], name: &str) -> Option<f64> {
     found.get(found.len() / 2).copied()
 }
 
-fn print_table(ours: &[Times], theirs: &[Times]) {
-    println!("{:<46} {:>12} {:>34} {:>10}", "", "wingbeat", "", "theirs/ours");
+/// The rows of which both sides are known, as Markdown.
+fn table(ours: &[Times], theirs: &[Times]) -> String {
+    let mut table =
+        String::from("| what | wingbeat | other program | its time | its / ours |\n|---|---:|---|---:|---:|");
     for (what, own, program, other) in ROWS {
         let (Some(a), Some(b)) = (median(ours, own), median(theirs, other)) else { continue };
-        println!("{what:<46} {:>12} {program:>21} {:>12} {:>11.2}", shown(a), shown(b), b / a);
+        table += &format!("\n| {what} | {} | {program} | {} | {:.2} |", shown(a), shown(b), b / a);
     }
+    table
 }
 
 fn shown(seconds: f64) -> String {
