@@ -19,7 +19,8 @@ fn written(folder: &Path, flights: usize) {
         "name = \"small\"\nscenario = {:?}\nruns = {flights}\n\
          [hold]\nroll_within_deg = 5.0\npitch_within_deg = 10.0\n\
          [[draws]]\nkey = \"mismatch.mass\"\nlow = 0.9\nhigh = 1.1\n\
-         [[draws]]\nkey = \"flight.duration_s\"\nlow = 0.3\nhigh = 0.3\n",
+         [[draws]]\nkey = \"flight.duration_s\"\nlow = 0.3\nhigh = 0.3\n\
+         [[draws]]\nkey = \"goal.settle_s\"\nlow = 0.0\nhigh = 0.0\n",
         scenario.canonicalize().unwrap()
     );
     fs::write(folder.join("small.toml"), text).unwrap();

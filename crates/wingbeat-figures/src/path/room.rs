@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn a_room_holds_its_track() {
         let room = Room::around(&[[0.0, 0.0, 0.0], [4.2, -5.3, -1.9]], &[]);
-        assert_eq!((room.low, room.high, room.step), ([-1.0, -6.0, -3.0], [5.0, 1.0, 1.0], 1.0));
-        assert_eq!(room.ticks(2), [-3.0, -2.0, -1.0, 0.0, 1.0]);
+        assert_eq!((room.low, room.high, room.step), ([-1.0, -6.0, -2.0], [5.0, 1.0, 1.0], 1.0));
+        assert_eq!(room.ticks(2), [-2.0, -1.0, 0.0, 1.0]);
     }
 }
