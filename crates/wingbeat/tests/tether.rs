@@ -135,8 +135,26 @@ fn jump_and_size(run: &TetherRun, steps: usize) -> (f64, f64) {
     ((rows.start..rows.end - 1).map(jump).fold(0.0, f64::max), rows.map(size).fold(0.0, f64::max))
 }
 
+/// Still air, law `stall`: both lags of an outer strip change sign together while it moves
+/// broadside on, which must not read as attached flow.
+#[test]
+fn a_strip_broadside_on_stays_separated_while_its_lags_change_sign() {
+    let overrides = [
+        "aero.law=stall",
+        "wind.speed_m_s=0",
+        "reference.speed_m_s=1",
+        "aero.full.regularisation_m_s=0.1",
+        "wing.hinges[0].angle_deg={fourier={sin=[40]}}",
+        "wing.hinges[1].angle_deg={fourier={mean=-51,cos=[-51]}}",
+        "time.cycles=2",
+        "time.steps_per_cycle=1600",
+    ];
+    let (jump, size) = jump_and_size(&run("flap_fold", &overrides), 1600);
+    assert!(jump < 0.02 * size, "{jump} of {size}");
+}
+
 proptest::proptest! {
-    #![proptest_config(proptest::test_runner::Config { cases: 12, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..Default::default() })]
+    #![proptest_config(proptest::test_runner::Config { cases: 24, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..Default::default() })]
 
     #[test]
     fn any_wind_and_fold_gives_finite_forces_that_are_continuous_in_time(
@@ -147,6 +165,7 @@ proptest::proptest! {
         fold in 0.0..55.0,
         law in proptest::sample::select(vec!["linear", "stall"]),
         preset in proptest::sample::select(PRESETS.to_vec()),
+        regularisation in proptest::sample::select(vec![0.02, 0.1]),
     ) {
         let at = |steps: usize| {
             let overrides = [
@@ -158,7 +177,7 @@ proptest::proptest! {
                 format!("wing.hinges[0].angle_deg={{fourier={{sin=[{flap:?}]}}}}"),
                 format!("wing.hinges[1].angle_deg={{fourier={{mean=-{fold:?},cos=[-{fold:?}]}}}}"),
                 "reference.speed_m_s=1.0".into(),
-                "aero.full.regularisation_m_s=0.1".into(),
+                format!("aero.{preset}.regularisation_m_s={regularisation:?}"),
                 "time.cycles=2".into(),
                 format!("time.steps_per_cycle={steps}"),
             ];
@@ -167,11 +186,6 @@ proptest::proptest! {
         };
         let ((coarse, size), (fine, _)) = (at(800), at(1600));
         proptest::prop_assert!(coarse.is_finite() && size.is_finite());
-        // In still air preset full turns its wake direction too fast at the ends of the
-        // stroke for these steps: finite, but not shown to be continuous.
-        if preset == "full" && speed == 0.0 {
-            return Ok(());
-        }
         proptest::prop_assert!(fine <= 0.75 * coarse + 1e-6 * size + 1e-12, "{coarse} {fine} of {size}");
     }
 }

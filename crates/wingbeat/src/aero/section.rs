@@ -170,7 +170,8 @@ impl<S: Scalar> std::ops::Add for SectionForce<S> {
 }
 
 /// Share of leading-edge suction at the cosine x of the effective incidence:
-/// 1 in attached, 0 in reversed flow, (1 + tanh(4 artanh x)) / 2 between.
+/// 1 in attached, 0 in reversed flow, (1 + tanh(4 artanh x)) / 2 between: a choice, smooth
+/// and rational.
 #[inline]
 pub(super) fn suction_share<S: Scalar>(x: S) -> S {
     let x2 = x * x;

@@ -38,9 +38,8 @@ impl StripModel {
         response: &Response<S, N>,
         mut loads: Option<&mut Loads<S>>,
     ) -> Wrench<S> {
-        let attached = std::array::from_fn(|i| self.attached(flow.along[i], response.lift_wash[i].squared()));
-        let [plain, lift] = self.circulatory(flow, response, &attached);
-        let drag = self.profile_drag(flow, &attached);
+        let [plain, lift] = self.circulatory(flow, response);
+        let drag = self.profile_drag(flow, &response.attached);
         let mut wrench = Wrench::ZERO;
         for i in 0..self.settings.strips {
             let strip = &flow.strips[i];
@@ -73,9 +72,8 @@ impl StripModel {
         &self,
         flow: &Flow<S, N>,
         response: &Response<S, N>,
-        attached: &Column<S, N>,
     ) -> [InPlane<S, N>; 2] {
-        let delta2 = self.floor * self.floor;
+        let (attached, delta2) = (&response.attached, self.floor * self.floor);
         let mut lift: Column<S, N> = std::array::from_fn(|i| response.lift_wash[i] * attached[i]);
         for (lift, scale) in lift.iter_mut().zip(&self.lift_scale) {
             *lift *= *scale;

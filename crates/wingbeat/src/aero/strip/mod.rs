@@ -27,7 +27,8 @@ use influence::{Column, Matrix, Targets, invert};
 use motion::{Edge, Strip};
 use std::f64::consts::PI;
 
-/// Core radius of a trailing vortex over the half width of the narrower strip beside it.
+/// Core radius of a trailing vortex over the half width of the narrower strip beside it: a
+/// choice, small against the strip, that keeps a folded panel finite where it meets a vortex.
 const CORE: f64 = 0.15;
 
 /// The strip model of a wing. Sections are the edges between strips.

@@ -30,6 +30,8 @@ pub(super) struct LagSums<S: Scalar, const N: usize> {
 pub(super) struct Response<S: Scalar, const N: usize> {
     /// Circulation, m2/s.
     pub circulation: Column<S, N>,
+    /// Share of the lift that stays attached.
+    pub attached: Column<S, N>,
     /// Wash at 3/4 chord, m/s.
     pub wash: Column<S, N>,
     /// Lift wash, m/s.
@@ -85,15 +87,16 @@ impl StripModel {
         sums
     }
 
-    /// Rates of the sums, the chordwise speed held.
+    /// Rates of the sums, the speeds held.
     fn lag_sum_rates<S: Scalar, const N: usize>(
         &self,
         flow: &Flow<S, N>,
         lagged: Lagged<S, N>,
+        attached: &Column<S, N>,
         x: &[S],
         dx: &[S],
     ) -> LagSums<S, N> {
-        let mut rates = self.lag_sums(&self.lagged(dx), &self.attached_lags(flow, x));
+        let mut rates = self.lag_sums(&self.lagged(dx), attached);
         if self.settings.law == LiftLaw::Linear {
             return rates;
         }
@@ -101,7 +104,7 @@ impl StripModel {
         let attached_rate = std::array::from_fn(|i| {
             let state =
                 |k: usize| Dual::<1, S> { re: x[k * n + i.min(n - 1)], eps: [dx[k * n + i.min(n - 1)]] };
-            self.attached_lag(Dual::constant(flow.along[i]), state).eps[0]
+            self.attached(Dual::constant(flow.along[i]), Dual::constant(flow.wash[i]), state).eps[0]
         });
         let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
         for i in 0..N {
@@ -112,34 +115,26 @@ impl StripModel {
         rates
     }
 
-    /// Share of the circulation of each strip that stays attached.
-    pub(super) fn attached_lags<S: Scalar, const N: usize>(
-        &self,
-        flow: &Flow<S, N>,
-        x: &[S],
-    ) -> Column<S, N> {
+    /// Share of the lift of each strip that stays attached.
+    fn attached_shares<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, x: &[S]) -> Column<S, N> {
         if self.settings.law == LiftLaw::Linear {
             return [S::ONE; N];
         }
         let n = self.settings.strips;
-        std::array::from_fn(|i| self.attached_lag(flow.along[i], |k| x[k * n + i.min(n - 1)]))
+        std::array::from_fn(|i| self.attached(flow.along[i], flow.wash[i], |k| x[k * n + i.min(n - 1)]))
     }
 
-    /// The share at the mean square of the wash lags `state(k)`.
+    /// Share of the lift that stays attached at the chordwise speed `along`, the wash of motion
+    /// `wash` and the wash lags `state(k)`, from the mean square of what the section meets now
+    /// and has met: (w34^2 + sum gamma_k l_k^2) / 2. The two vanish together only at rest, so
+    /// that a section broadside on does not count as attached while its lags change sign.
+    ///
+    /// Equation: aero.strip.attached_share
     #[inline]
-    fn attached_lag<S: Scalar>(&self, along: S, state: impl Fn(usize) -> S) -> S {
+    fn attached<S: Scalar>(&self, along: S, wash: S, state: impl Fn(usize) -> S) -> S {
         let weights = self.lags.circulation.iter().enumerate();
-        let wash2 = weights.fold(S::ZERO, |sum, (k, weight)| sum + state(k).squared() * *weight);
-        self.attached(along, wash2)
-    }
-
-    /// Share of the lift that stays attached at the chordwise speed `along` and
-    /// the squared normal wash `wash2`.
-    #[inline(always)]
-    pub(super) fn attached<S: Scalar>(&self, along: S, wash2: S) -> S {
-        if self.settings.law == LiftLaw::Linear {
-            return S::ONE;
-        }
+        let lagged2 = weights.fold(S::ZERO, |sum, (k, weight)| sum + state(k).squared() * *weight);
+        let wash2 = (lagged2 + wash.squared()) * 0.5;
         let sine2 = wash2 / (wash2 + along.squared() + self.floor * self.floor);
         self.settings.law.attached_share(sine2, self.separation_scale)
     }
@@ -167,13 +162,15 @@ impl StripModel {
     ) -> Response<S, N> {
         let n = self.settings.strips;
         let lagged = self.lagged(x);
-        let sums = self.lag_sums(&lagged, &self.attached_lags(flow, x));
+        let attached = self.attached_shares(flow, x);
+        let sums = self.lag_sums(&lagged, &attached);
         let held_left = multiply(&flow.relief, &self.held_wash(flow, &sums), n);
         let half_left = multiply(&flow.relief, &flow.half, n);
         let wash = std::array::from_fn(|i| flow.wash[i] + half_left[i] + held_left[i] - flow.half[i]);
         let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
         let mut response = Response {
             circulation: sums.circulation,
+            attached,
             wash,
             lift_wash,
             turning_wash: self.turning_wash(flow, &sums, &lift_wash),
@@ -182,7 +179,7 @@ impl StripModel {
             relief: multiply(&flow.relief, &[S::ONE; N], n),
         };
         if self.settings.added_mass {
-            let held_rate = self.held_wash(flow, &self.lag_sum_rates(flow, lagged, x, dx));
+            let held_rate = self.held_wash(flow, &self.lag_sum_rates(flow, lagged, &attached, x, dx));
             self.impulses(flow, [&half_left, &held_left], &held_rate, &mut response);
         }
         response
