@@ -13,7 +13,7 @@ pub use crate::math::Wrench;
 pub use law::{LiftLaw, ProfileDrag};
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 pub use loads::{Loads, StripLoads};
-pub use planform::{Planform, PlanformStation};
+pub use planform::{Gap, Planform, PlanformStation};
 pub use station::{SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings};
 

@@ -15,12 +15,25 @@ pub struct PlanformStation {
     pub trailing_edge_m: f64,
 }
 
+/// A stretch of both half wings where there is no wing. The strips beside it end a little
+/// short of it, as at a tip: narrower than a few hundredths of the pieces beside it, its
+/// width is not resolved.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gap {
+    /// Arc length from the plane of symmetry at which the gap begins, m.
+    pub from_arc_m: f64,
+    /// Arc length at which it ends, m.
+    pub to_arc_m: f64,
+}
+
 /// A symmetric wing given by stations with straight edges between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planform {
     arcs: Vec<f64>,
     leading: Vec<f64>,
     trailing: Vec<f64>,
+    gaps: Vec<Gap>,
 }
 
 impl Planform {
@@ -54,7 +67,46 @@ impl Planform {
             arcs: stations.iter().map(|s| s.arc_m).collect(),
             leading: stations.iter().map(|s| s.leading_edge_m).collect(),
             trailing: stations.iter().map(|s| s.trailing_edge_m).collect(),
+            gaps: Vec::new(),
         })
+    }
+
+    /// Leaves out the wing in `gaps`, ascending from the middle; the stations run on across them.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a gap is empty, meets another or reaches the tip.
+    pub fn with_gaps(mut self, gaps: &[Gap]) -> Result<Self, Error> {
+        let tip = self.half_span();
+        let mut free_from = 0.0;
+        for (i, gap) in gaps.iter().enumerate() {
+            if !(gap.from_arc_m >= free_from && gap.from_arc_m.is_finite()) {
+                let allowed = format!("at least {free_from}, where the gap before ends");
+                return Err(Error::invalid(format!("gaps[{i}].from_arc_m"), gap.from_arc_m, allowed));
+            }
+            if !(gap.to_arc_m > gap.from_arc_m && gap.to_arc_m < tip) {
+                let allowed = format!("more than from_arc_m and less than the half span {tip}");
+                return Err(Error::invalid(format!("gaps[{i}].to_arc_m"), gap.to_arc_m, allowed));
+            }
+            free_from = gap.to_arc_m;
+        }
+        self.gaps = gaps.to_vec();
+        Ok(self)
+    }
+
+    /// Where there is no wing, ascending from the middle.
+    pub fn gaps(&self) -> &[Gap] {
+        &self.gaps
+    }
+    /// Whether there is wing at the arc coordinate `s` (either side).
+    pub fn covers(&self, s: f64) -> bool {
+        let s = s.abs();
+        // A gap from the plane of symmetry on is one gap with its mirror image.
+        let inside = |g: &Gap| (s > g.from_arc_m || g.from_arc_m == 0.0) && s < g.to_arc_m;
+        s <= self.half_span() && !self.gaps.iter().any(inside)
+    }
+    /// Half span without the gaps, m.
+    pub fn covered_half_span(&self) -> f64 {
+        self.gaps.iter().fold(self.half_span(), |span, g| span - (g.to_arc_m - g.from_arc_m))
     }
 
     /// Half span along the arc, m.
@@ -72,8 +124,16 @@ impl Planform {
         let (leading, trailing) = self.edges(s);
         leading - trailing
     }
-    /// Area of both halves, m2 (trapezoids between stations).
+    /// Area of both halves without the gaps, m2 (trapezoids between stations).
     pub fn area(&self) -> f64 {
-        self.arcs.windows(2).map(|a| (a[1] - a[0]) * (self.chord(a[0]) + self.chord(a[1]))).sum()
+        let whole = self.area_between(0.0, self.half_span());
+        2.0 * self.gaps.iter().fold(whole, |area, g| area - self.area_between(g.from_arc_m, g.to_arc_m))
+    }
+
+    /// Area of one half between two arc coordinates, m2.
+    fn area_between(&self, from: f64, to: f64) -> f64 {
+        let between = self.arcs.iter().copied().filter(|s| *s > from && *s < to);
+        let bounds: Vec<f64> = std::iter::once(from).chain(between).chain([to]).collect();
+        bounds.windows(2).map(|a| 0.5 * (a[1] - a[0]) * (self.chord(a[0]) + self.chord(a[1]))).sum()
     }
 }

@@ -14,7 +14,7 @@ pub use observe::{Observation, WING_POINTS};
 pub use spec::{BodySpec, Displaced, ElementSpec, GaitSpec, LinkSpec, RobotSpec, StructureSpec, WingSpec};
 
 use crate::Error;
-use crate::aero::{Aero, Planform};
+use crate::aero::Aero;
 use crate::body::{Base, Gait, Link, Response, Tree};
 use crate::math::{Mat3, Vec3};
 use crate::plant::Channel;
@@ -88,7 +88,7 @@ impl Robot {
     /// [`Error::Invalid`] with the offending key of the robot file.
     pub fn new(spec: &RobotSpec, aero: Aero, air: Air, phase_start: f64) -> Result<Self, Error> {
         spec.check()?;
-        let planform = Planform::new(&spec.wing.planform).map_err(|e| e.within("wing"))?;
+        let planform = spec.wing.outline().map_err(|e| e.within("wing"))?;
         let section = |s: &f64| Section::at(*s, &spec.wing, &planform, CARRIERS);
         let elements = spec.structure.elements.len();
         let layout = Layout::new(elements, aero.states());

@@ -2,7 +2,7 @@
 
 use super::MAX_ELEMENTS;
 use crate::Error;
-use crate::aero::PlanformStation;
+use crate::aero::{Gap, Planform, PlanformStation};
 use crate::body::{Coupled, Element, FourierSeries, Gait, Linkage, LinkageDimensions, Response};
 use crate::plant::Channel;
 use crate::require::{finite, not_negative, positive, principal_inertias};
@@ -56,6 +56,9 @@ pub struct WingSpec {
     pub distal: LinkSpec,
     /// Outline by arc length from the middle, body strip included.
     pub planform: Vec<PlanformStation>,
+    /// Where there is no wing, by the same arc; preset `full` only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<Gap>,
 }
 
 /// One wing link; lengths from its inner hinge, y along the span.
@@ -230,6 +233,11 @@ impl BodySpec {
 }
 
 impl WingSpec {
+    /// The planform with its gaps.
+    pub fn outline(&self) -> Result<Planform, Error> {
+        Planform::new(&self.planform)?.with_gaps(&self.gaps)
+    }
+
     fn check(&self) -> Result<(), Error> {
         finite("shoulder_m", &self.shoulder_m)?;
         positive("shoulder_m", self.shoulder_m[1])?;

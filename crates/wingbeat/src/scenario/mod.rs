@@ -224,7 +224,7 @@ impl ScenarioSpec {
             spec.gait.hold_still();
         }
         let wing = &spec.wing;
-        let planform = Planform::new(&wing.planform).map_err(|e| e.within("robot.wing"))?;
+        let planform = wing.outline().map_err(|e| e.within("robot.wing"))?;
         let drag = ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 };
         let hinges = [wing.shoulder_m[1], wing.shoulder_m[1] + wing.proximal.length_m];
         let aero = self.aero.build(&planform, &hinges, drag, air.density)?;

@@ -2,7 +2,7 @@
 
 use super::{AeroSpec, AirSpec, ConfigError, Document};
 use crate::Error;
-use crate::aero::{Planform, ProfileDrag};
+use crate::aero::ProfileDrag;
 use crate::math::{Mat3, Vec3};
 use crate::plant::Fault;
 use crate::rig::arm::{ArmConfig, LimitProfile, LinkConfig, Payload, SerialArm, ToolConfig};
@@ -299,7 +299,7 @@ impl RigRunSpec {
             _ => {}
         }
         let (rig, wing) = (&self.rig, &robot.wing);
-        let planform = Planform::new(&wing.planform).map_err(|e| e.within("rig.robot.wing"))?;
+        let planform = wing.outline().map_err(|e| e.within("rig.robot.wing"))?;
         let drag = ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 };
         let hinges = [wing.shoulder_m[1], wing.shoulder_m[1] + wing.proximal.length_m];
         let density = rig.air.density_kg_m3;

@@ -88,7 +88,7 @@ impl TetherSpec {
             cycles: self.time.cycles,
             steps_per_cycle: self.time.steps_per_cycle,
         };
-        let planform = Planform::new(&self.wing.planform).map_err(|e| e.within("wing"))?;
+        let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
         let drag = ProfileDrag { cd0: self.wing.cd0, cd90: self.wing.cd90 };
         let arcs: Vec<f64> = self.wing.hinges.iter().map(|h| h.arc_m).filter(|arc| *arc > 0.0).collect();
         let wing = self.wing.build(planform.clone())?;
@@ -100,7 +100,10 @@ impl TetherSpec {
                 density_kg_m3: self.wind.density_kg_m3,
                 speed_m_s: self.reference.speed_m_s.unwrap_or(self.wind.speed_m_s),
                 area_m2: self.reference.area_m2.unwrap_or(area),
-                chord_m: self.reference.chord_m.unwrap_or(area / (2.0 * halves * planform.half_span())),
+                chord_m: self
+                    .reference
+                    .chord_m
+                    .unwrap_or(area / (2.0 * halves * planform.covered_half_span())),
             },
             wing,
             motion: self.motion(folder, read)?,
@@ -136,6 +139,11 @@ impl TetherSpec {
 }
 
 impl TetheredWingSpec {
+    /// The planform with its gaps.
+    fn outline(&self) -> Result<Planform, Error> {
+        Planform::new(&self.planform)?.with_gaps(&self.gaps)
+    }
+
     fn build(&self, planform: Planform) -> Result<Wing, Error> {
         let hinge = |h: &super::HingeSpec| Hinge {
             kind: h.kind,

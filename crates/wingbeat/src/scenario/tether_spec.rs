@@ -2,7 +2,7 @@
 
 use super::AeroSpec;
 use crate::Error;
-use crate::aero::PlanformStation;
+use crate::aero::{Gap, PlanformStation};
 use crate::flight::Record;
 use crate::math::CubicSpline;
 use crate::tether::{Coordinate, HingeKind, Side};
@@ -37,6 +37,9 @@ pub struct TetherSpec {
 pub struct TetheredWingSpec {
     /// Stations of the half wing from the plane of symmetry to the tip.
     pub planform: Vec<PlanformStation>,
+    /// Where there is no wing; preset `full` only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<Gap>,
     /// Both halves, or one with a mirror plane at its root.
     #[serde(default)]
     pub side: Side,

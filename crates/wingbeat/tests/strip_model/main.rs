@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use wing::{ELBOW, Wing, planform};
 use wingbeat::aero::{
-    LagSet, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, StripModel, StripSettings,
+    Gap, LagSet, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, StripModel,
+    StripSettings,
 };
 use wingbeat::math::{Dual, Scalar, Vec3, linear::solve_symmetric};
 
@@ -244,10 +245,16 @@ fn strips_of_an_infinite_wing_have_the_slope_two_pi() {
 /// Steady lift slope and induced drag over the Trefftz drag of its own loading, for a
 /// rectangular wing of the given aspect ratio.
 fn steady_rectangle(aspect: f64) -> (f64, f64) {
+    steady_strips(0.5 * aspect, &[], 16)
+}
+
+/// The same of a wing of unit chord with gaps, given its half span.
+fn steady_strips(half_span: f64, gaps: &[Gap], strips: usize) -> (f64, f64) {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
-    let wing = Planform::new(&[station(0.0), station(0.5 * aspect)]).unwrap();
+    let wing = Planform::new(&[station(0.0), station(half_span)]).unwrap().with_gaps(gaps).unwrap();
     let drag = ProfileDrag { cd0: 0.0, cd90: 0.0 };
-    let set = StripSettings { drag, density_kg_m3: 1.0, regularisation_m_s: 1e-6, ..Default::default() };
+    let set =
+        StripSettings { strips, drag, density_kg_m3: 1.0, regularisation_m_s: 1e-6, ..Default::default() };
     let model = StripModel::new(&wing, set).unwrap();
     let at = |x: f64, s: f64| Vec3::new(x, s, 0.0);
     let still = |&s: &f64| SectionMotion { le: at(0.0, s), te: at(-1.0, s), ..SectionMotion::default() };
@@ -264,14 +271,14 @@ fn steady_rectangle(aspect: f64) -> (f64, f64) {
     let lift = loads.wrench.force.dot(Vec3::new(alpha.sin(), 0.0, alpha.cos()));
     let drag = loads.wrench.force.dot(wind);
     let (gamma, edges, middles) = (&loads.circulation, model.arcs(), model.strip_arcs());
-    let trefftz: f64 = (0..16)
+    let trefftz: f64 = (0..strips)
         .map(|i| {
             let pair = |j: usize| 1.0 / (middles[i] - edges[j + 1]) - 1.0 / (middles[i] - edges[j]);
-            let downwash: f64 = (0..16).map(|j| gamma[j] * pair(j) / (2.0 * PI)).sum();
+            let downwash: f64 = (0..strips).map(|j| gamma[j] * pair(j) / (2.0 * PI)).sum();
             0.5 * gamma[i] * (edges[i] - edges[i + 1]) * downwash
         })
         .sum();
-    (lift / (0.5 * aspect * alpha), drag / trefftz)
+    (lift / (0.5 * wing.area() * alpha), drag / trefftz)
 }
 
 #[test]
@@ -282,6 +289,56 @@ fn rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake()
         assert!((value / slope - 1.0).abs() < 0.015, "AR {aspect}: {value}");
         assert!((drag - 1.0).abs() < 0.005, "AR {aspect}: {drag}");
     }
+}
+
+#[test]
+fn wings_far_apart_lift_like_one_each_and_a_gap_costs_lift() {
+    let apart = |gap: f64| {
+        let gap = Gap { from_arc_m: 0.0, to_arc_m: 0.5 * gap };
+        steady_strips(gap.to_arc_m + 4.0, &[gap], 17)
+    };
+    let (one, _) = steady_strips(2.0, &[], 8);
+    let (far, drag) = apart(400.0);
+    assert!((far / one - 1.0).abs() < 1e-3, "{far} against {one}");
+    assert!((drag - 1.0).abs() < 0.005, "{drag}");
+    let slopes = [0.02, 0.2, 1.0, 5.0].map(|gap| apart(gap).0);
+    let (whole, _) = steady_strips(4.0, &[], 16);
+    assert!(whole > slopes[0] && slopes.windows(2).all(|s| s[0] > s[1]), "{whole} {slopes:?}");
+}
+
+#[test]
+fn a_gap_in_each_half_carries_nothing_and_no_air() {
+    let gap = Gap { from_arc_m: 0.06, to_arc_m: 0.1 };
+    let wing = planform().with_gaps(&[gap]).unwrap();
+    let set = StripSettings { hinge_arcs_m: vec![], ..settings(12) };
+    let model = StripModel::new(&wing, set).unwrap();
+    let motion = Wing::cyclic(0.7, 20.0).sections(model.arcs(), &planform());
+    let (_, loads) = evaluate(&model, &motion, Vec3::new(-1.5, 0.0, 0.3), &state(&model));
+    let mut empty = 0;
+    for (i, arc) in model.strip_arcs().iter().enumerate() {
+        let force = loads.strip[i].total().force.norm();
+        assert_eq!(force == 0.0, !wing.covers(*arc), "{arc}: {force}");
+        empty += usize::from(force == 0.0);
+    }
+    assert_eq!(empty, 2);
+    assert!((wing.area() - planform().area() + 2.0 * 0.04 * planform().chord(0.08)).abs() < 1e-12);
+}
+
+#[test]
+fn bad_gaps_are_refused() {
+    let refused = |gaps: &[(f64, f64)]| {
+        let gaps: Vec<Gap> =
+            gaps.iter().map(|&(from_arc_m, to_arc_m)| Gap { from_arc_m, to_arc_m }).collect();
+        planform().with_gaps(&gaps).unwrap_err().to_string()
+    };
+    assert!(refused(&[(0.1, 0.1)]).starts_with("gaps[0].to_arc_m = 0.1"));
+    assert!(refused(&[(0.0, 0.25)]).starts_with("gaps[0].to_arc_m = 0.25"));
+    assert!(refused(&[(0.0, 0.1), (0.05, 0.2)]).starts_with("gaps[1].from_arc_m = 0.05"));
+    let gap = Gap { from_arc_m: 0.1, to_arc_m: 0.12 };
+    let wing = planform().with_gaps(&[gap]).unwrap();
+    assert!(StripModel::new(&wing, settings(4)).unwrap_err().to_string().starts_with("strips = 4"));
+    let paper = wingbeat::aero::LiftingLine::new(&wing, wingbeat::aero::LiftingLineSettings::default());
+    assert!(paper.unwrap_err().to_string().starts_with("gaps = 1 gaps"));
 }
 
 #[test]

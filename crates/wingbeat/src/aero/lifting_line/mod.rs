@@ -46,6 +46,10 @@ impl LiftingLine {
     /// # Errors
     /// [`Error::Invalid`] when a setting is outside its range.
     pub fn new(planform: &Planform, settings: LiftingLineSettings) -> Result<Self, Error> {
+        if !planform.gaps().is_empty() {
+            let given = format!("{} gaps", planform.gaps().len());
+            return Err(Error::invalid("gaps", given, "none: one sine series spans the whole wing"));
+        }
         Self::with_chords(planform.half_span(), |arc| planform.chord(arc), settings)
     }
 

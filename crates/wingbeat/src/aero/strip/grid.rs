@@ -14,6 +14,8 @@ pub(super) struct Grid {
     pub control_arcs: Vec<f64>,
     /// Place of the control section between the strip's edges, 0 to 1.
     pub fraction: Vec<f64>,
+    /// Whether there is wing, not a gap.
+    pub covered: Vec<bool>,
     /// Chord, m.
     pub chord: Vec<f64>,
     /// Width perpendicular to the chord, m.
@@ -30,8 +32,8 @@ pub(super) struct Grid {
 
 impl Grid {
     pub fn new(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<Self, Error> {
-        let (edges, fraction) = spacing(strips, planform.half_span(), hinge_arcs)?;
-        let arcs: Vec<f64> = edges.iter().map(|e| -e * planform.half_span()).collect();
+        let (edges, fraction) = spacing(planform, strips, hinge_arcs)?;
+        let arcs: Vec<f64> = edges.iter().map(|s| -s).collect();
         let outline: Vec<(f64, f64)> = arcs.iter().map(|&s| planform.edges(s)).collect();
         // The chord direction is -x on the flat planform: widths are differences of arc.
         let width: Vec<f64> = arcs.windows(2).map(|a| a[0] - a[1]).collect();
@@ -50,16 +52,20 @@ impl Grid {
                 })
                 .collect()
         };
-        let area: f64 = chord.iter().zip(&width).map(|(c, w)| c * w).sum();
-        let span: f64 = width.iter().sum();
+        let control_arcs: Vec<f64> = (0..strips).map(|i| arcs[i] - fraction[i] * width[i]).collect();
+        let covered: Vec<bool> = control_arcs.iter().map(|s| planform.covers(*s)).collect();
+        let kept = |i: usize| if covered[i] { width[i] } else { 0.0 };
+        let area: f64 = chord.iter().enumerate().map(|(i, c)| c * kept(i)).sum();
+        let span: f64 = (0..strips).map(kept).sum();
         let mean_chord = area / span;
         Ok(Self {
-            control_arcs: (0..strips).map(|i| arcs[i] - fraction[i] * width[i]).collect(),
+            control_arcs,
             fraction,
             cos_half: cosine(0.5),
             cos_three_quarter: cosine(0.75),
             mean_chord,
             aspect: span / mean_chord,
+            covered,
             arcs,
             chord,
             width,
@@ -75,57 +81,110 @@ impl Grid {
     }
 }
 
-/// Strip edges on [-1, 1] and the place of the control point in each strip.
-///
-/// Edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)), i = 1..N; a
-/// piecewise-linear map of the angle puts an edge on each hinge.
-///
-/// Equation: aero.strip.spacing
-fn spacing(strips: usize, half_span: f64, hinge_arcs: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Error> {
+/// A stretch of arc with its strips, from the right tip on.
+struct Piece {
+    from: f64,
+    to: f64,
+    strips: usize,
+}
+
+/// The pieces of wing and the gaps between them: strips by length on the pieces, one on each
+/// gap, and in the middle what is left.
+fn pieces(planform: &Planform, strips: usize) -> Result<Vec<Piece>, Error> {
     if strips == 0 || strips > MAX_STRIPS {
         return Err(Error::invalid("strips", strips, format!("1 to {MAX_STRIPS}")));
     }
-    let n = strips as f64;
-    let mut edge: Vec<f64> = (0..=strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();
-    let mut middle: Vec<f64> = (1..=strips).map(|i| i as f64 * PI / (n + 1.0)).collect();
-    let (from, to) = hinge_map(&edge, half_span, hinge_arcs)?;
-    for angle in edge.iter_mut().chain(&mut middle) {
-        *angle = piecewise_linear(&from, &to, *angle);
+    let (tip, gaps) = (planform.half_span(), planform.gaps());
+    let mut bounds: Vec<f64> = gaps.iter().flat_map(|g| [g.from_arc_m, g.to_arc_m]).collect();
+    bounds.retain(|s| *s > 0.0);
+    bounds.push(tip);
+    let for_wing = (strips as f64 - 2.0 * gaps.len() as f64).max(0.0) / (2.0 * planform.covered_half_span());
+    let side = bounds.windows(2).map(|b| {
+        let covered = planform.covers(0.5 * (b[0] + b[1]));
+        let share = if covered { (for_wing * (b[1] - b[0])).floor().max(1.0) } else { 1.0 };
+        Piece { from: b[0], to: b[1], strips: share as usize }
+    });
+    let side: Vec<Piece> = side.collect();
+    let outer: usize = 2 * side.iter().map(|p| p.strips).sum::<usize>();
+    if outer >= strips {
+        return Err(Error::invalid("strips", strips, format!("at least {}: one on every piece", outer + 1)));
     }
-    let edge: Vec<f64> = edge.iter().map(|t| -t.cos()).collect();
-    let fraction =
-        middle.iter().zip(edge.windows(2)).map(|(t, e)| (-t.cos() - e[0]) / (e[1] - e[0])).collect();
-    Ok((edge, fraction))
+    let mirrored = |p: &Piece| Piece { from: -p.to, to: -p.from, strips: p.strips };
+    let mut all: Vec<Piece> = side.iter().rev().map(mirrored).collect();
+    all.push(Piece { from: -bounds[0], to: bounds[0], strips: strips - outer });
+    all.extend(side);
+    Ok(all)
 }
 
-/// Knots of the angle map: the edge nearest to each hinge moves onto it.
-fn hinge_map(edge: &[f64], half_span: f64, hinge_arcs: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Error> {
-    let mut hinges: Vec<f64> = Vec::new();
+/// Arc coordinates of the strip edges from the right tip to the left one, and the place of the
+/// control point in each strip.
+fn spacing(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Error> {
+    let pieces = pieces(planform, strips)?;
+    let tip = planform.half_span();
     for (k, &arc) in hinge_arcs.iter().enumerate() {
-        if !(arc >= 0.0 && arc < half_span) {
-            let allowed = format!("0 to less than the half span {half_span}");
+        if !(arc >= 0.0 && arc < tip) {
+            let allowed = format!("0 to less than the half span {tip}");
             return Err(Error::invalid(format!("hinge_arcs_m[{k}]"), arc, allowed));
         }
-        hinges.push(arc / half_span);
-        if arc > 0.0 {
-            hinges.push(-arc / half_span);
-        }
     }
+    let mut hinges: Vec<f64> = hinge_arcs.iter().flat_map(|arc| [-arc, *arc]).collect();
     hinges.sort_by(f64::total_cmp);
-    hinges.dedup();
-    let (mut from, mut to) = (vec![0.0], vec![0.0]);
-    for s in hinges {
-        let angle = (-s).acos();
-        let nearest = edge.iter().copied().min_by(|a, b| (a - angle).abs().total_cmp(&(b - angle).abs()));
-        let nearest = nearest.unwrap_or(angle);
-        if nearest <= from[from.len() - 1] {
-            let allowed = "enough that every hinge has an edge of its own";
-            return Err(Error::invalid("strips", edge.len() - 1, allowed));
+    hinges.dedup_by(|a, b| *a == *b);
+    let (mut edges, mut fractions) = (Vec::with_capacity(strips + 1), Vec::with_capacity(strips));
+    for piece in &pieces {
+        if planform.covers(0.5 * (piece.from + piece.to)) {
+            let (edge, fraction) = piece.spacing(&hinges, strips)?;
+            edges.extend(edge);
+            fractions.extend(fraction);
+        } else {
+            // Between the outermost edges of its neighbours.
+            let step = (piece.to - piece.from) / piece.strips as f64;
+            edges.extend((1..piece.strips).map(|j| piece.from + step * j as f64));
+            fractions.extend(std::iter::repeat_n(0.5, piece.strips));
         }
-        from.push(nearest);
-        to.push(angle);
     }
-    from.push(PI);
-    to.push(PI);
-    Ok((from, to))
+    Ok((edges, fractions))
+}
+
+impl Piece {
+    /// Strip edges and the place of the control point in each strip: with t = (s - middle) over
+    /// the half length, edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)),
+    /// i = 1..N; a piecewise-linear map of the angle puts an edge on each hinge.
+    ///
+    /// Equation: aero.strip.spacing
+    fn spacing(&self, hinges: &[f64], strips: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
+        let n = self.strips as f64;
+        let mut edge: Vec<f64> =
+            (0..=self.strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();
+        let mut middle: Vec<f64> = (1..=self.strips).map(|i| i as f64 * PI / (n + 1.0)).collect();
+        let (from, to) = self.hinge_map(&edge, hinges, strips)?;
+        for angle in edge.iter_mut().chain(&mut middle) {
+            *angle = piecewise_linear(&from, &to, *angle);
+        }
+        let edge: Vec<f64> = edge.iter().map(|t| -t.cos()).collect();
+        let fraction =
+            middle.iter().zip(edge.windows(2)).map(|(t, e)| (-t.cos() - e[0]) / (e[1] - e[0])).collect();
+        let (centre, half) = (0.5 * (self.from + self.to), 0.5 * (self.to - self.from));
+        Ok((edge.iter().map(|t| centre + half * t).collect(), fraction))
+    }
+
+    /// Knots of the angle map: the edge nearest to each hinge moves onto it.
+    fn hinge_map(&self, edge: &[f64], hinges: &[f64], strips: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
+        let (centre, half) = (0.5 * (self.from + self.to), 0.5 * (self.to - self.from));
+        let (mut from, mut to) = (vec![0.0], vec![0.0]);
+        for s in hinges.iter().filter(|s| **s > self.from && **s < self.to) {
+            let angle = (-(s - centre) / half).acos();
+            let nearest = edge.iter().copied().min_by(|a, b| (a - angle).abs().total_cmp(&(b - angle).abs()));
+            let nearest = nearest.unwrap_or(angle);
+            if nearest <= from[from.len() - 1] {
+                let allowed = "enough that every hinge has an edge of its own";
+                return Err(Error::invalid("strips", strips, allowed));
+            }
+            from.push(nearest);
+            to.push(angle);
+        }
+        from.push(PI);
+        to.push(PI);
+        Ok((from, to))
+    }
 }

@@ -54,7 +54,9 @@ impl StripModel {
                 added_mass: strip.wrench(carried),
                 profile_drag: strip.wrench(drag.at(i)),
             };
-            loads.incidence[i] = response.lift_wash[i].atan2(strip.along);
+            if self.grid.covered[i] {
+                loads.incidence[i] = response.lift_wash[i].atan2(strip.along);
+            }
             loads.wash[i] = response.wash[i];
             loads.circulation[i] = response.circulation[i];
             loads.strips = self.settings.strips;

@@ -97,14 +97,19 @@ impl StripModel {
                 .map(|i| f(grid.chord[i], grid.cos_half[i], grid.cos_three_quarter[i]))
                 .collect()
         };
+        // What a gap carries is nothing: its neighbours then shed at its two borders.
+        let carried = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+            let strip = |i: usize| if grid.covered[i] { f(grid.chord[i], grid.cos_half[i]) } else { 0.0 };
+            (0..settings.strips).map(strip).collect()
+        };
         let per_width = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
-            let columns = grid.chord.iter().zip(&grid.cos_half).zip(&grid.width);
-            columns.map(|((c, cos), width)| settings.density_kg_m3 * width * f(*c, *cos)).collect()
+            let scale = carried(f).into_iter().zip(&grid.width);
+            scale.map(|(value, width)| settings.density_kg_m3 * width * value).collect()
         };
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Ok(Self {
-            slope: per_strip(&|c, cos, _| PI * c * cos),
-            doublet: per_strip(&|c, cos, _| PI * c * cos / 3.0),
+            slope: carried(&|c, cos| PI * c * cos),
+            doublet: carried(&|c, cos| PI * c * cos / 3.0),
             lift_scale: per_width(&|c, cos| PI * c * cos),
             drag_scale: per_width(&|c, _| 0.5 * c),
             strip_mass: per_width(&|c, cos| PI * c * c * cos / 4.0),
