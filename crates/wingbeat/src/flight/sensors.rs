@@ -3,12 +3,9 @@
 use super::closed_loop::{Controller, Update};
 use super::record::Column;
 use crate::Error;
-use crate::math::{Quat, Vec3};
+use crate::math::{Quat, Random, Vec3};
 use crate::plant::Plant;
 use crate::require;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -57,7 +54,7 @@ pub struct Sensed<C: Controller> {
     attitude_deviation: f64,
     waiting: VecDeque<Vec<f64>>,
     delay: usize,
-    random: ChaCha8Rng,
+    random: Random,
 }
 
 impl<C: Controller> Sensed<C> {
@@ -77,7 +74,7 @@ impl<C: Controller> Sensed<C> {
             attitude_deviation: spec.attitude_deg.to_radians(),
             waiting: VecDeque::with_capacity(spec.delay_updates + 1),
             delay: spec.delay_updates,
-            random: ChaCha8Rng::seed_from_u64(seed),
+            random: Random::new(seed),
         }
     }
 
@@ -86,11 +83,10 @@ impl<C: Controller> Sensed<C> {
         measured.clear();
         measured.extend_from_slice(x);
         for (m, deviation) in measured.iter_mut().zip(&self.deviation) {
-            let sample: f64 = StandardNormal.sample(&mut self.random);
-            *m += deviation * sample;
+            *m += deviation * self.random.normal();
         }
         if let Some(a) = self.attitude {
-            let turn = Vec3([(); 3].map(|()| -> f64 { StandardNormal.sample(&mut self.random) }));
+            let turn = Vec3([(); 3].map(|()| self.random.normal()));
             let attitude = Quat::from_wxyz(&x[a..]) * Quat::exp(turn * self.attitude_deviation);
             attitude.normalized().store_wxyz(&mut measured[a..]);
         }

@@ -1,40 +1,45 @@
 //! Reproducible random numbers: the same seed gives the same run on every machine.
 
-/// SplitMix64 (Steele, Lea & Flood 2014).
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+/// A stream of random numbers (ChaCha, 8 rounds).
 #[derive(Clone, Debug)]
 pub struct Random {
-    state: u64,
+    stream: ChaCha8Rng,
 }
 
 impl Random {
     /// A stream chosen by `seed`.
     pub fn new(seed: u64) -> Self {
-        Self { state: seed }
+        Self { stream: ChaCha8Rng::seed_from_u64(seed) }
+    }
+    /// The stream numbered `stream` of the family chosen by `seed`.
+    pub fn stream(seed: u64, stream: u64) -> Self {
+        let mut random = Self::new(seed);
+        random.stream.set_stream(stream);
+        random
     }
     /// 64 random bits.
     #[inline]
     pub fn bits(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.stream.next_u64()
     }
     /// Uniform in [0, 1).
     #[inline]
     pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+        self.stream.random()
     }
     /// Uniform in [low, high).
     #[inline]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
-    /// Normal with mean 0 and deviation 1 (Box & Muller 1958).
+    /// Normal with mean 0 and deviation 1.
     #[inline]
     pub fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.unit()).cos()
+        self.stream.sample(StandardNormal)
     }
 }
 

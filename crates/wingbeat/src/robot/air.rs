@@ -1,8 +1,6 @@
 //! The air the robot flies in: density, mean wind and gusts.
 
-use crate::math::{Scalar, Vec3};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use crate::math::{Random, Scalar, Vec3};
 use std::f64::consts::TAU;
 
 /// The air.
@@ -47,14 +45,14 @@ impl Wind {
         if peak == 0.0 {
             return Self::steady(mean);
         }
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = Random::new(seed);
         let total: f64 = GUST_FREQUENCIES.iter().map(|f| 1.0 / f).sum();
         let waves = GUST_FREQUENCIES
             .iter()
             .map(|f| Wave {
                 amplitude: peak / (f * total),
                 rate: TAU * f,
-                phase: std::array::from_fn(|_| random.random_range(0.0..TAU)),
+                phase: std::array::from_fn(|_| random.between(0.0, TAU)),
             })
             .collect();
         Self { mean, waves }

@@ -3,9 +3,8 @@
 use super::document::{ConfigError, Document};
 use super::{Scenario, Summary};
 use crate::Error;
+use crate::math::Random;
 use crate::require;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -87,9 +86,8 @@ impl Sweep {
     /// The values drawn for flight `run`, in the order of the draws: a stream of
     /// its own for every flight, so that order and interruption do not matter.
     pub fn values(&self, run: usize) -> Vec<f64> {
-        let mut random = ChaCha8Rng::seed_from_u64(self.spec.seed);
-        random.set_stream(run as u64);
-        let draw = |d: &Draw| d.low + (d.high - d.low) * random.random::<f64>();
+        let mut random = Random::stream(self.spec.seed, run as u64);
+        let draw = |d: &Draw| random.between(d.low, d.high);
         self.spec.draws.iter().map(draw).collect()
     }
 
