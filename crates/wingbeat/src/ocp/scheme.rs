@@ -17,7 +17,8 @@ pub enum InputShape {
 ///
 /// With three points and a linear input this is the Hermite-Simpson method:
 /// its middle defect says that the middle state lies on the cubic through the
-/// ends, so its solutions are those of the compressed form.
+/// ends. The compressed form puts that cubic in place of the middle state, which
+/// leaves the solutions as they are and half the unknowns.
 #[derive(Clone, Debug)]
 pub struct Scheme {
     /// Name in the literature.
@@ -30,12 +31,15 @@ pub struct Scheme {
     pub a: Vec<Vec<f64>>,
     /// The input between the nodes.
     pub input: InputShape,
+    /// The state inside an interval is the middle of the cubic through its
+    /// ends, not an unknown; of three points only.
+    pub compressed: bool,
 }
 
 impl Scheme {
     fn new(name: &'static str, c: &[f64], input: InputShape) -> Self {
         let a = c.iter().map(|&end| integrals(c, end)).collect();
-        Self { name, order: 2 * (c.len() as i32 - 1), c: c.to_vec(), a, input }
+        Self { name, order: 2 * (c.len() as i32 - 1), c: c.to_vec(), a, input, compressed: false }
     }
 
     /// x quadratic, rates linear: order 2.
@@ -45,7 +49,12 @@ impl Scheme {
 
     /// x cubic, input linear: order 4 (Hargraves & Paris 1987).
     pub fn hermite_simpson() -> Self {
-        Self::new("Hermite-Simpson", &[0.0, 0.5, 1.0], InputShape::Linear)
+        Self { name: "Hermite-Simpson", compressed: true, ..Self::separated_hermite_simpson() }
+    }
+
+    /// The same with the middle states as unknowns.
+    pub fn separated_hermite_simpson() -> Self {
+        Self::new("Hermite-Simpson, separated", &[0.0, 0.5, 1.0], InputShape::Linear)
     }
 
     /// x quartic, input cubic, four Gauss-Lobatto points: order 6.
@@ -57,6 +66,11 @@ impl Scheme {
     /// Number of points, both ends included.
     pub fn points(&self) -> usize {
         self.c.len()
+    }
+
+    /// The points whose defects are equations of the program.
+    pub fn defects(&self) -> std::ops::Range<usize> {
+        if self.compressed { self.points() - 1..self.points() } else { 1..self.points() }
     }
 
     /// Quadrature weights on the unit interval.

@@ -3,7 +3,7 @@
 use super::Inertia;
 
 /// A dense symmetric matrix over the unknowns `rows`, of which the first
-/// `candidates` may be eliminated. Lower triangle, row-major, full stride.
+/// `candidates` may be eliminated. Upper triangle, row-major, full stride.
 #[derive(Clone, Debug, Default)]
 pub struct Front {
     pub rows: Vec<usize>,
@@ -11,16 +11,19 @@ pub struct Front {
     values: Vec<f64>,
     /// Largest magnitude each unknown's column had when it was assembled.
     scale: Vec<f64>,
-    column: Vec<f64>,
-    second: Vec<f64>,
+    /// Rows of the last pivots before their division, for the rows below.
+    pivots: [Vec<f64>; PANEL],
 }
 
-/// The eliminated part of a front: P' A P = L D L' for its leading columns.
+/// Pivots of order one whose updates are applied together.
+const PANEL: usize = 4;
+
+/// The eliminated part of a front: P' A P = U' D U for its leading rows.
 #[derive(Clone, Debug, Default)]
 pub struct Pivots {
     rows: Vec<usize>,
     count: usize,
-    /// Multipliers, one row of `count` per unknown of the front.
+    /// U, the first `count` rows over the unknowns of the front.
     factors: Vec<f64>,
     /// D: the diagonal, and the off-diagonal where a pivot of order two starts.
     diagonal: Vec<f64>,
@@ -51,22 +54,35 @@ impl Front {
         self.scale.resize(self.rows.len(), f64::MIN_POSITIVE);
     }
 
-    /// Notes the size of the columns, once the front is assembled.
+    /// Notes the size of the candidates' columns, once the front is assembled.
     pub fn measure(&mut self) {
         let n = self.rows.len();
-        for i in 0..n {
-            for j in 0..=i {
-                let v = self.values[i * n + j].abs();
-                self.scale[i] = self.scale[i].max(v);
-                self.scale[j] = self.scale[j].max(v);
+        for i in 0..self.candidates {
+            let row = &self.values[i * n + i..(i + 1) * n];
+            let mut largest = self.scale[i];
+            for (scale, v) in self.scale[i..].iter_mut().zip(row) {
+                let v = v.abs();
+                largest = if v > largest { v } else { largest };
+                *scale = if v > *scale { v } else { *scale };
             }
+            self.scale[i] = largest;
         }
     }
 
+    /// Adds `value` at row `i` and column `j`, which is not before it.
     #[inline]
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
-        let n = self.rows.len();
-        self.values[i.max(j) * n + i.min(j)] += value;
+        self.values[i * self.rows.len() + j] += value;
+    }
+
+    /// Adds `values` from row `i` and column `j` on, down the column or along the row.
+    pub fn add_along(&mut self, i: usize, j: usize, down: bool, values: &[f64]) {
+        let (n, first) = (self.rows.len(), i * self.rows.len() + j);
+        if down {
+            self.values[first..].iter_mut().step_by(n).zip(values).for_each(|(x, v)| *x += v);
+        } else {
+            self.values[first..].iter_mut().zip(values).for_each(|(x, v)| *x += v);
+        }
     }
 
     /// Adds a child's remainder; `position` maps unknowns to rows here.
@@ -77,15 +93,16 @@ impl Front {
             if i < child.candidates {
                 self.scale[p] = self.scale[p].max(child.scale[i]);
             }
-            for j in 0..=i {
-                self.add(p, position[child.rows[j]], child.values[i * m + j]);
+            for (j, value) in child.values[i * m..(i + 1) * m].iter().enumerate().skip(i) {
+                let q = position[child.rows[j]];
+                self.add(p.min(q), p.max(q), *value);
             }
         }
     }
 
     #[inline]
     fn at(&self, i: usize, j: usize) -> f64 {
-        self.values[i.max(j) * self.rows.len() + i.min(j)]
+        self.values[i.min(j) * self.rows.len() + i.max(j)]
     }
 
     /// Exchanges unknowns p < q of the remaining part (and their factors).
@@ -97,15 +114,14 @@ impl Front {
         self.rows.swap(p, q);
         self.scale.swap(p, q);
         for j in 0..p {
-            self.values.swap(p * n + j, q * n + j);
+            self.values.swap(j * n + p, j * n + q);
         }
         self.values.swap(p * n + p, q * n + q);
         for j in p + 1..q {
-            self.values.swap(j * n + p, q * n + j);
+            self.values.swap(p * n + j, j * n + q);
         }
-        for i in q + 1..n {
-            self.values.swap(i * n + p, i * n + q);
-        }
+        let (above, below) = self.values.split_at_mut(q * n);
+        above[p * n + q + 1..(p + 1) * n].swap_with_slice(&mut below[q + 1..n]);
     }
 
     /// Largest magnitude of column `c` among rows from `k` on other than `c`
@@ -123,6 +139,13 @@ impl Front {
             }
         }
         (all, at)
+    }
+
+    /// Largest magnitude of row `k` right of the diagonal.
+    fn largest_right(&self, k: usize) -> f64 {
+        let n = self.rows.len();
+        let row = &self.values[k * n + k + 1..(k + 1) * n];
+        row.iter().fold(0.0, |m, v| if v.abs() > m { v.abs() } else { m })
     }
 
     fn choose(&self, k: usize, threshold: f64) -> Choice {
@@ -147,17 +170,24 @@ impl Front {
     /// Eliminates every candidate that has a stable pivot; in the last front
     /// (`all`) the rest count as zero eigenvalues.
     pub fn eliminate(&mut self, threshold: f64, all: bool, out: &mut Pivots, inertia: &mut Inertia) {
-        let n = self.rows.len();
         out.diagonal.clear();
         out.coupling.clear();
-        let mut k = 0;
+        let (mut k, mut pending) = (0, 0);
         while k < self.candidates {
-            match self.choose(k, threshold) {
-                Choice::One(c) => {
-                    self.swap(k, c);
-                    self.pivot_one(k, out, inertia);
-                    k += 1;
+            self.update(k, k..k + 1, pending);
+            if self.is_pivot(k, threshold) {
+                self.pivot_one(k, pending, out, inertia);
+                (k, pending) = (k + 1, pending + 1);
+                if pending == PANEL {
+                    self.update(k, k..self.rows.len(), pending);
+                    pending = 0;
                 }
+                continue;
+            }
+            self.update(k, k + 1..self.rows.len(), pending);
+            pending = 0;
+            match self.choose(k, threshold) {
+                Choice::One(c) => self.swap(k, c),
                 Choice::Two(c, r) => {
                     let (c, r) = (c.min(r), c.max(r));
                     self.swap(k, c);
@@ -172,12 +202,39 @@ impl Front {
                 Choice::None => break,
             }
         }
-        out.keep(&self.rows, &self.values, n, k);
+        self.update(k, k..self.rows.len(), pending);
+        out.keep(&self.rows, &mut self.values, k);
     }
 
-    fn pivot_one(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
+    /// Subtracts the last `pending` pivots before row `k` from `rows`.
+    fn update(&mut self, k: usize, rows: std::ops::Range<usize>, pending: usize) {
         let n = self.rows.len();
-        let d = self.values[k * n + k];
+        let (above, below) = self.values.split_at_mut(k * n);
+        let factor = |p: usize, i: usize| above[(k - pending + p) * n + i];
+        for i in rows {
+            let row = &mut below[(i - k) * n + i..(i - k + 1) * n];
+            if pending == PANEL {
+                let factors = std::array::from_fn(|p| factor(p, i));
+                subtract_panel(row, factors, std::array::from_fn(|p| &self.pivots[p][i..n]));
+                continue;
+            }
+            for p in 0..pending {
+                subtract(row, factor(p, i), &self.pivots[p][i..n]);
+            }
+        }
+    }
+
+    /// True when the diagonal of row `k` is a stable pivot.
+    fn is_pivot(&self, k: usize, threshold: f64) -> bool {
+        let diagonal = self.at(k, k).abs();
+        diagonal > NEGLIGIBLE * self.scale[k] && diagonal >= threshold * self.largest_right(k)
+    }
+
+    /// Divides row `k` by its diagonal and keeps what it was.
+    fn pivot_one(&mut self, k: usize, pending: usize, out: &mut Pivots, inertia: &mut Inertia) {
+        let n = self.rows.len();
+        let row = &mut self.values[k * n..(k + 1) * n];
+        let d = row[k];
         out.diagonal.push(d);
         out.coupling.push(0.0);
         if d > 0.0 {
@@ -185,20 +242,9 @@ impl Front {
         } else {
             inertia.negative += 1;
         }
-        self.column.clear();
-        self.column.extend((k + 1..n).map(|i| self.values[i * n + k]));
-        for i in k + 1..n {
-            let c = self.column[i - k - 1];
-            if c == 0.0 {
-                continue;
-            }
-            let factor = c / d;
-            let row = &mut self.values[i * n + k..=i * n + i];
-            row[0] = factor;
-            for (v, c) in row[1..].iter_mut().zip(&self.column) {
-                *v -= factor * c;
-            }
-        }
+        self.pivots[pending].clear();
+        self.pivots[pending].extend(&*row);
+        row[k + 1..].iter_mut().for_each(|v| *v /= d);
     }
 
     fn pivot_two(&mut self, k: usize, out: &mut Pivots, inertia: &mut Inertia) {
@@ -212,22 +258,22 @@ impl Front {
             (false, true) => inertia.positive += 2,
             (false, false) => inertia.negative += 2,
         }
-        self.column.clear();
-        self.column.extend((k + 2..n).map(|i| self.values[i * n + k]));
-        self.second.clear();
-        self.second.extend((k + 2..n).map(|i| self.values[i * n + k + 1]));
-        self.values[(k + 1) * n + k] = 0.0;
-        for i in k + 2..n {
-            let (c, e) = (self.column[i - k - 2], self.second[i - k - 2]);
-            if c == 0.0 && e == 0.0 {
-                continue;
-            }
-            let (fc, fe) = ((d * c - b * e) / determinant, (a * e - b * c) / determinant);
-            let row = &mut self.values[i * n + k..=i * n + i];
-            (row[0], row[1]) = (fc, fe);
-            for ((v, c), e) in row[2..].iter_mut().zip(&self.column).zip(&self.second) {
-                *v -= fc * c + fe * e;
-            }
+        let (above, below) = self.values.split_at_mut((k + 2) * n);
+        let (first, second) = above[k * n..].split_at_mut(n);
+        first[k + 1] = 0.0;
+        let (first, second) = (&mut first[k + 2..], &mut second[k + 2..]);
+        let [one, two, ..] = &mut self.pivots;
+        one.clear();
+        one.extend(&*first);
+        two.clear();
+        two.extend(&*second);
+        for (c, e) in first.iter_mut().zip(second.iter_mut()) {
+            (*c, *e) = ((d * *c - b * *e) / determinant, (a * *e - b * *c) / determinant);
+        }
+        for (i, (fc, fe)) in first.iter().zip(second.iter()).enumerate() {
+            let row = &mut below[i * n + k + 2 + i..(i + 1) * n];
+            subtract(row, *fc, &one[i..]);
+            subtract(row, *fe, &two[i..]);
         }
     }
 
@@ -237,12 +283,11 @@ impl Front {
         inertia.zero += 1;
         out.diagonal.push(f64::INFINITY);
         out.coupling.push(0.0);
-        for i in k + 1..n {
-            self.values[i * n + k] = 0.0;
-        }
+        self.values[k * n + k + 1..(k + 1) * n].fill(0.0);
     }
 
-    /// The part that was not eliminated, delayed candidates first.
+    /// The part that was not eliminated, delayed candidates first; its values
+    /// are still with `pivots`.
     pub fn remainder_into(&self, pivots: &Pivots, out: &mut Front) {
         let (n, k) = (self.rows.len(), pivots.count);
         out.rows.clear();
@@ -252,53 +297,48 @@ impl Front {
         out.candidates = self.candidates - k;
         out.values.clear();
         for i in k..n {
-            out.values.extend(&self.values[i * n + k..(i + 1) * n]);
+            out.values.extend(&pivots.factors[i * n + k..(i + 1) * n]);
         }
     }
 }
 
 impl Pivots {
-    fn keep(&mut self, rows: &[usize], values: &[f64], n: usize, count: usize) {
+    /// Takes the values of a front of which `count` rows are eliminated.
+    fn keep(&mut self, rows: &[usize], values: &mut Vec<f64>, count: usize) {
         self.count = count;
         self.rows.clear();
         self.rows.extend(rows);
-        self.factors.clear();
-        for i in 0..n {
-            self.factors.extend(&values[i * n..i * n + count]);
-        }
+        std::mem::swap(&mut self.factors, values);
     }
 
-    /// x := L^-1 x on this front's unknowns.
+    /// Rows of U.
+    fn pivot_rows(&self) -> impl DoubleEndedIterator<Item = (usize, &[f64])> {
+        let n = self.rows.len();
+        (0..self.count).map(move |k| (k, &self.factors[k * n..(k + 1) * n]))
+    }
+
+    /// x := U^-T x on this front's unknowns.
     pub fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        let m = self.count;
         local.clear();
-        local.extend(self.rows[..m].iter().map(|&i| x[i]));
-        for i in 0..m {
-            let row = &self.factors[i * m..i * m + i];
-            local[i] -= dot(row, &local[..i]);
+        local.extend(self.rows.iter().map(|&i| x[i]));
+        for (k, row) in self.pivot_rows() {
+            let (head, tail) = local.split_at_mut(k + 1);
+            subtract(tail, head[k], &row[k + 1..]);
         }
-        for (&i, v) in self.rows[..m].iter().zip(local.iter()) {
+        for (&i, v) in self.rows.iter().zip(local.iter()) {
             x[i] = *v;
         }
-        for (k, &i) in self.rows.iter().enumerate().skip(m) {
-            x[i] -= dot(&self.factors[k * m..(k + 1) * m], local);
-        }
     }
 
-    /// x := L^-T D^-1 x on this front's unknowns.
+    /// x := U^-1 D^-1 x on this front's unknowns.
     pub fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        let m = self.count;
         local.clear();
-        local.extend(self.rows[..m].iter().map(|&i| x[i]));
+        local.extend(self.rows.iter().map(|&i| x[i]));
         self.divide(local);
-        for (k, &i) in self.rows.iter().enumerate().skip(m) {
-            subtract(local, x[i], &self.factors[k * m..(k + 1) * m]);
+        for (k, row) in self.pivot_rows().rev() {
+            local[k] -= dot(&row[k + 1..], &local[k + 1..]);
         }
-        for i in (0..m).rev() {
-            let (head, tail) = local.split_at_mut(i);
-            subtract(head, tail[0], &self.factors[i * m..i * m + i]);
-        }
-        for (&i, v) in self.rows[..m].iter().zip(local.iter()) {
+        for (&i, v) in self.rows[..self.count].iter().zip(local.iter()) {
             x[i] = *v;
         }
     }
@@ -321,9 +361,18 @@ impl Pivots {
     }
 }
 
+/// a . b in four partial sums.
 #[inline]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut sums = [0.0; 4];
+    let (heads, tails) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = heads.remainder().iter().zip(tails.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in heads.zip(tails) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 /// y -= a x
@@ -331,5 +380,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 fn subtract(y: &mut [f64], a: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y -= a * x;
+    }
+}
+
+/// y -= sum_p a_p x_p
+#[inline]
+fn subtract_panel(y: &mut [f64], a: [f64; PANEL], x: [&[f64]; PANEL]) {
+    let [x0, x1, x2, x3] = x.map(|x| &x[..y.len()]);
+    for (j, y) in y.iter_mut().enumerate() {
+        *y -= a[0] * x0[j] + a[1] * x1[j] + a[2] * x2[j] + a[3] * x3[j];
     }
 }

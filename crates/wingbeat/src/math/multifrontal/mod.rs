@@ -8,12 +8,40 @@ mod front;
 
 use front::{Front, Pivots};
 
-/// Where an entry of the matrix goes: its block and its place in the front.
+/// Where consecutive entries of the matrix go: places in the upper triangle of
+/// their block's front, along a row or down a column.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
-    block: u32,
-    row: u32,
-    column: u32,
+    entry: usize,
+    length: usize,
+    row: usize,
+    column: usize,
+    down: bool,
+}
+
+impl Slot {
+    /// Takes the next entry in when it lies where the slot goes on and on the
+    /// same side of `own`, the number of the block's own unknowns.
+    fn extend(&mut self, entry: usize, row: usize, column: usize, own: usize) -> bool {
+        let Self { row: first, column: left, length, .. } = *self;
+        let right = row == first && column == left + length && column != own;
+        let down = column == left && row == first + length && row != own;
+        let fits = entry == self.entry + length
+            && match length {
+                1 => right || down,
+                _ => {
+                    if self.down {
+                        down
+                    } else {
+                        right
+                    }
+                }
+            };
+        if fits {
+            (self.length, self.down) = (length + 1, down);
+        }
+        fits
+    }
 }
 
 /// One block of the elimination.
@@ -24,6 +52,7 @@ struct Block {
     /// Unknowns of later blocks coupled to them.
     boundary: Vec<usize>,
     children: Vec<usize>,
+    slots: Vec<Slot>,
 }
 
 /// The pattern of a matrix and the order of its elimination.
@@ -31,7 +60,6 @@ struct Block {
 pub struct Pattern {
     size: usize,
     blocks: Vec<Block>,
-    slots: Vec<Slot>,
 }
 
 /// How many positive, negative and zero eigenvalues a matrix has.
@@ -76,32 +104,35 @@ impl Pattern {
             }
             blocks[b].boundary = boundary;
         }
-        let slots = slots(&blocks, block_of, entries);
-        Self { size: block_of.len(), blocks, slots }
+        place_entries(&mut blocks, block_of, entries);
+        Self { size: block_of.len(), blocks }
     }
 }
 
 /// Places of the entries: own unknowns count from 0, boundary ones follow.
-fn slots(blocks: &[Block], block_of: &[usize], entries: &[(usize, usize)]) -> Vec<Slot> {
+fn place_entries(blocks: &mut [Block], block_of: &[usize], entries: &[(usize, usize)]) {
     let mut rank = vec![0; block_of.len()];
-    for block in blocks {
+    for block in blocks.iter() {
         for (k, &i) in block.own.iter().enumerate() {
             rank[i] = k;
         }
     }
     let place = |block: &Block, b: usize, i: usize| {
         if block_of[i] == b {
-            return rank[i] as u32;
+            return rank[i];
         }
         let found = block.boundary.binary_search_by_key(&(block_of[i], i), |&j| (block_of[j], j));
-        (block.own.len() + found.unwrap_or(0)) as u32
+        block.own.len() + found.unwrap_or(0)
     };
-    let slot = |&(i, j): &(usize, usize)| {
+    for (entry, &(i, j)) in entries.iter().enumerate() {
         let b = block_of[i].min(block_of[j]);
         let (p, q) = (place(&blocks[b], b, i), place(&blocks[b], b, j));
-        Slot { block: b as u32, row: p.max(q), column: p.min(q) }
-    };
-    entries.iter().map(slot).collect()
+        let (row, column, own) = (p.min(q), p.max(q), blocks[b].own.len());
+        let slots = &mut blocks[b].slots;
+        if !slots.last_mut().is_some_and(|last| last.extend(entry, row, column, own)) {
+            slots.push(Slot { entry, length: 1, row, column, down: false });
+        }
+    }
 }
 
 /// The factors of a matrix, with their storage, reused from one to the next.
@@ -111,7 +142,6 @@ pub struct Factors {
     contributions: Vec<Front>,
     front: Front,
     position: Vec<usize>,
-    by_block: Vec<Vec<u32>>,
     local: Vec<f64>,
 }
 
@@ -143,10 +173,6 @@ impl Factors {
         self.pivots = vec![Pivots::default(); count];
         self.contributions = vec![Front::default(); count];
         self.position = vec![0; pattern.size];
-        self.by_block = vec![Vec::new(); count];
-        for (k, slot) in pattern.slots.iter().enumerate() {
-            self.by_block[slot.block as usize].push(k as u32);
-        }
     }
 
     /// The front of block `b`: its own unknowns, those delayed by its
@@ -167,10 +193,10 @@ impl Factors {
             self.position[i] = k;
         }
         let (own, shift) = (block.own.len(), front.candidates - block.own.len());
-        let place = |p: u32| if (p as usize) < own { p as usize } else { p as usize + shift };
-        for &k in &self.by_block[b] {
-            let slot = pattern.slots[k as usize];
-            front.add(place(slot.row), place(slot.column), values[k as usize]);
+        let place = |p: usize| if p < own { p } else { p + shift };
+        for slot in &block.slots {
+            let entries = &values[slot.entry..slot.entry + slot.length];
+            front.add_along(place(slot.row), place(slot.column), slot.down, entries);
         }
         for &child in &block.children {
             front.extend_add(&self.contributions[child], &self.position);

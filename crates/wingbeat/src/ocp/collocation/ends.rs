@@ -30,7 +30,7 @@ impl EndFunctions {
     /// The functions of `problem`; their non-zeros are found near the unknowns `w`.
     pub fn new<P: OptimalControl>(problem: &P, setup: &Setup, layout: &Layout, w: &[f64]) -> Self {
         let n = setup.states.len();
-        let (first, last) = (layout.points[0].x, layout.points[layout.points.len() - 1].x);
+        let (first, last) = (layout.nodes[0], layout.nodes[layout.nodes.len() - 1]);
         let mut columns = vec![layout.times, layout.times + 1];
         columns.extend((first..first + n).chain(last..last + n));
         columns.extend(layout.times + 2..layout.times + 2 + setup.parameters.len());

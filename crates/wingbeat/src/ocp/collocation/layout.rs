@@ -4,13 +4,21 @@ use super::super::problem::Setup;
 use super::super::scheme::{InputShape, Scheme};
 use crate::plant::Channel;
 
+/// Where the state of a collocation point comes from.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum StateOf {
+    /// It is unknown; its first component among the unknowns.
+    Unknown(usize),
+    /// The middle of the cubic through the ends of the interval of this number.
+    Middle(usize),
+}
+
 /// A collocation point: its place in time and its unknowns.
 #[derive(Clone, Debug)]
 pub(super) struct PointPlace {
     /// Fraction of the time span.
     pub sigma: f64,
-    /// First state among the unknowns.
-    pub x: usize,
+    pub x: StateOf,
     /// First input of two nodes and their shares (the second share may be 0).
     pub u: [(usize, f64); 2],
     /// Quadrature weight of the running cost, per time span.
@@ -23,8 +31,8 @@ pub(super) struct PointPlace {
 #[derive(Clone, Debug)]
 pub(super) struct IntervalPlace {
     pub share: f64,
-    /// Number of its first point.
-    pub point: usize,
+    /// Its first and last point.
+    pub ends: [usize; 2],
     /// First and one past the last of its own unknowns.
     pub columns: [usize; 2],
     /// First defect row.
@@ -36,6 +44,8 @@ pub(super) struct IntervalPlace {
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     pub points: Vec<PointPlace>,
+    /// First state of each node among the unknowns.
+    pub nodes: Vec<usize>,
     pub intervals: Vec<IntervalPlace>,
     /// Initial time; the final time and the parameters follow.
     pub times: usize,
@@ -51,6 +61,7 @@ impl Layout {
     pub fn new(setup: &Setup, scheme: &Scheme, mesh: &[f64], cost_at_nodes: bool) -> Self {
         let mut layout = Self {
             points: Vec::new(),
+            nodes: Vec::new(),
             intervals: Vec::new(),
             times: 0,
             ends: 0,
@@ -65,8 +76,7 @@ impl Layout {
         }
         layout.node(setup, mesh[last], last, Some(1));
         for k in 0..last {
-            let next = layout.points[(k + 1) * (scheme.points() - 1)].x;
-            layout.intervals[k].columns[1] = next + setup.states.len() + setup.inputs.len();
+            layout.intervals[k].columns[1] = layout.nodes[k + 1] + setup.states.len() + setup.inputs.len();
         }
         if scheme.input == InputShape::Linear {
             layout.blend_inputs(scheme);
@@ -74,6 +84,16 @@ impl Layout {
         layout.weigh(scheme, cost_at_nodes);
         layout.globals(setup, last);
         layout
+    }
+
+    /// The points whose state is unknown.
+    pub fn unknown_states(&self) -> impl Iterator<Item = usize> {
+        (0..self.points.len()).filter(|&i| matches!(self.points[i].x, StateOf::Unknown(_)))
+    }
+
+    /// The points whose state follows from the ends of their interval.
+    pub fn middle_states(&self) -> impl Iterator<Item = usize> {
+        (0..self.points.len()).filter(|&i| matches!(self.points[i].x, StateOf::Middle(_)))
     }
 
     fn variable(&mut self, channel: &Channel, limits: [f64; 2], place: &str, block: usize) {
@@ -89,15 +109,16 @@ impl Layout {
 
     fn node(&mut self, setup: &Setup, sigma: f64, k: usize, end: Option<usize>) {
         let x = self.variables.len();
+        self.nodes.push(x);
         let place = format!("[{k}]");
         for (i, channel) in setup.states.iter().enumerate() {
             self.variable(channel, setup.state_limits(i, end), &place, k);
         }
-        self.point(setup, sigma, k, x, &place, true);
+        self.point(setup, sigma, k, StateOf::Unknown(x), &place, true);
     }
 
-    /// The inputs and path constraints of a point whose states begin at `x`.
-    fn point(&mut self, setup: &Setup, sigma: f64, k: usize, x: usize, place: &str, limited: bool) {
+    /// The inputs and path constraints of a point.
+    fn point(&mut self, setup: &Setup, sigma: f64, k: usize, x: StateOf, place: &str, limited: bool) {
         let u = self.variables.len();
         let mut path = None;
         if limited {
@@ -118,29 +139,31 @@ impl Layout {
         self.node(setup, mesh[k], k, (k == 0).then_some(0));
         let limited = scheme.input == InputShape::Polynomial;
         for (j, c) in scheme.c.iter().enumerate().take(scheme.points() - 1).skip(1) {
-            let (x, place) = (self.variables.len(), format!("[{k}.{j}]"));
-            for channel in &setup.states {
+            let (first, place) = (self.variables.len(), format!("[{k}.{j}]"));
+            for channel in setup.states.iter().filter(|_| !scheme.compressed) {
                 let limits = [channel.low, channel.high];
                 let limits = if limited { limits } else { super::super::problem::FREE };
                 self.variable(channel, limits, &place, k);
             }
+            let x = if scheme.compressed { StateOf::Middle(k) } else { StateOf::Unknown(first) };
             self.point(setup, mesh[k] + c * share, k, x, &place, limited);
         }
         let row = self.constraints.len();
-        for _ in 1..scheme.points() {
+        for _ in scheme.defects() {
             for channel in &setup.states {
                 self.constraint(format!("dynamics of {}[{k}]", channel.name), channel, [0.0, 0.0], k);
             }
         }
-        self.intervals.push(IntervalPlace { share, point: first, columns: [start, start], row });
+        let ends = [first, first + scheme.points() - 1];
+        self.intervals.push(IntervalPlace { share, ends, columns: [start, start], row });
     }
 
     /// Inputs inside an interval as shares of those at its nodes.
     fn blend_inputs(&mut self, scheme: &Scheme) {
         let inner = scheme.points() - 1;
         for k in 0..self.intervals.len() {
-            let first = self.intervals[k].point;
-            let (u0, u1) = (self.points[first].u[0].0, self.points[first + inner].u[0].0);
+            let [first, last] = self.intervals[k].ends;
+            let (u0, u1) = (self.points[first].u[0].0, self.points[last].u[0].0);
             for j in 1..inner {
                 self.points[first + j].u = [(u0, 1.0 - scheme.c[j]), (u1, scheme.c[j])];
             }
@@ -156,7 +179,7 @@ impl Layout {
                     (true, false) => 0.0,
                     (false, _) => *w,
                 };
-                self.points[interval.point + j].weight += interval.share * w;
+                self.points[interval.ends[0] + j].weight += interval.share * w;
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Direct collocation: an optimal-control problem as a sparse nonlinear program.
 
+mod assembly;
 mod ends;
 mod layout;
 mod points;
@@ -9,9 +10,10 @@ use super::problem::{OptimalControl, Setup};
 use super::scheme::Scheme;
 use super::trajectory::Trajectory;
 use crate::plant::Channel;
+use assembly::Assembly;
 use ends::EndFunctions;
-use layout::Layout;
-use points::Points;
+use layout::{Layout, StateOf};
+use points::{MIDDLE, Points};
 
 /// How a problem is collocated.
 #[derive(Clone, Debug)]
@@ -46,8 +48,7 @@ pub struct Collocation<'a, P> {
     weights: Vec<f64>,
     scaled: Vec<f64>,
     end_weights: Vec<f64>,
-    rows: Vec<f64>,
-    block: Vec<f64>,
+    assembly: Assembly,
     gradient: Vec<f64>,
 }
 
@@ -61,10 +62,9 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
             problem,
             ends: EndFunctions::new(problem, &setup, &layout, &vec![0.5; layout.variables.len()]),
             weights: vec![0.0; layout.points.len() * points.outputs],
-            scaled: vec![0.0; layout.points.len() * points.outputs],
+            scaled: vec![0.0; points.outputs],
             end_weights: vec![0.0; setup.ends.len() + 1],
-            rows: Vec::new(),
-            block: Vec::new(),
+            assembly: Assembly::new(&setup, &transcribed.scheme, &layout),
             gradient: Vec::new(),
             setup,
             transcribed,
@@ -82,7 +82,9 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         let mut w = vec![0.0; layout.variables.len()];
         for place in &layout.points {
             let (x, u) = guess.sample(place.sigma);
-            w[place.x..place.x + x.len()].copy_from_slice(&x);
+            if let StateOf::Unknown(first) = place.x {
+                w[first..first + x.len()].copy_from_slice(&x);
+            }
             if place.u[1].1 == 0.0 {
                 w[place.u[0].0..place.u[0].0 + u.len()].copy_from_slice(&u);
             }
@@ -92,19 +94,19 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         w
     }
 
-    /// The trajectory of the unknowns `w` at all collocation points; inputs
-    /// inside an interval follow the scheme.
-    pub fn trajectory(&self, w: &[f64]) -> Trajectory {
-        let (n, m, times) = (self.setup.states.len(), self.setup.inputs.len(), self.layout.times);
+    /// The trajectory of the unknowns `w` at all collocation points; what is
+    /// not unknown inside an interval follows the scheme.
+    pub fn trajectory(&mut self, w: &[f64]) -> Result<Trajectory, EvaluationError> {
+        let times = self.layout.times;
         let mut out = Trajectory { p: w[times + 2..].to_vec(), ..Trajectory::default() };
-        for place in &self.layout.points {
-            let [(a, wa), (b, wb)] = place.u;
-            out.t.push(w[times] + place.sigma * (w[times + 1] - w[times]));
-            out.x.push(w[place.x..place.x + n].to_vec());
-            let blend = |j| if wb == 0.0 { w[a + j] } else { wa * w[a + j] + wb * w[b + j] };
-            out.u.push((0..m).map(blend).collect());
+        self.points.evaluate(self.problem, &self.setup, &self.layout, w, self.layout.unknown_states())?;
+        for i in 0..self.layout.points.len() {
+            let (t, x, u) = self.points.at(w, &self.layout, i);
+            out.t.push(t);
+            out.x.push(x.to_vec());
+            out.u.push(u.to_vec());
         }
-        out
+        Ok(out)
     }
 
     /// Columns of interval `k`: its own unknowns, then times and parameters.
@@ -113,23 +115,10 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         (first..end).chain(self.layout.times..self.layout.variables.len()).collect()
     }
 
-    /// Local unknowns of point `i` as (column of interval `k`, share) pairs.
-    fn local_map(&self, i: usize, k: usize) -> Vec<[(usize, f64); 2]> {
-        let (place, [first, end]) = (&self.layout.points[i], self.layout.intervals[k].columns);
-        let (n, m, own) = (self.setup.states.len(), self.setup.inputs.len(), end - first);
-        let mut map = vec![[(own, 1.0 - place.sigma), (own + 1, place.sigma)]];
-        map.extend((0..n).map(|r| [(place.x + r - first, 1.0), (0, 0.0)]));
-        let [(a, wa), (b, wb)] = place.u;
-        map.extend((0..m).map(|j| [(a + j - first, wa), (b + j - first, wb)]));
-        map.extend((0..self.setup.parameters.len()).map(|q| [(own + 2 + q, 1.0), (0, 0.0)]));
-        map
-    }
-
     /// Points whose Hessian and path rows belong to interval `k`.
     fn owned(&self, k: usize) -> std::ops::Range<usize> {
-        let inner = self.transcribed.scheme.points() - 1;
-        let first = self.layout.intervals[k].point;
-        first..first + inner + usize::from(k + 1 == self.layout.intervals.len())
+        let [first, last] = self.layout.intervals[k].ends;
+        first..last + usize::from(k + 1 == self.layout.intervals.len())
     }
 
     /// Weights of the outputs in the Lagrangian per time span: -A' lambda for
@@ -142,96 +131,68 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
             self.weights[i * outputs + n] = weight * place.weight;
         }
         for interval in &self.layout.intervals {
-            for j in 1..scheme.points() {
-                let lambda = &multipliers[interval.row + (j - 1) * n..][..n];
+            for (block, j) in scheme.defects().enumerate() {
+                let lambda = &multipliers[interval.row + block * n..][..n];
                 for (i, a) in scheme.a[j].iter().enumerate() {
-                    let out = &mut self.weights[(interval.point + i) * outputs..][..n];
+                    let out = &mut self.weights[(interval.ends[0] + i) * outputs..][..n];
                     out.iter_mut().zip(lambda).for_each(|(w, l)| *w -= interval.share * a * l);
                 }
             }
         }
     }
 
-    /// Jacobian rows of the defects of interval `k`, dense over its columns.
-    fn defect_rows(&mut self, k: usize, span: f64) {
-        let (n, scheme) = (self.setup.states.len(), &self.transcribed.scheme);
-        let interval = &self.layout.intervals[k];
-        let width = interval.columns[1] - interval.columns[0] + 2 + self.setup.parameters.len();
-        let own = interval.columns[1] - interval.columns[0];
-        let mut rows = std::mem::take(&mut self.rows);
-        rows.clear();
-        rows.resize((scheme.points() - 1) * n * width, 0.0);
-        let first = self.layout.points[interval.point].x - interval.columns[0];
-        for j in 1..scheme.points() {
-            let x = self.layout.points[interval.point + j].x - interval.columns[0];
-            for r in 0..n {
-                let row = ((j - 1) * n + r) * width;
-                rows[row + x + r] += 1.0;
-                rows[row + first + r] -= 1.0;
+    /// Differentiates all points: middle states first, whose slopes add to the
+    /// weights of the rates at the ends that they follow from.
+    fn differentiate_points(&mut self, w: &[f64], multipliers: &[f64]) -> Result<(), EvaluationError> {
+        let span = w[self.layout.times + 1] - w[self.layout.times];
+        if self.transcribed.scheme.compressed {
+            let nodes = self.layout.unknown_states();
+            self.points.evaluate(self.problem, &self.setup, &self.layout, w, nodes)?;
+        }
+        for i in 0..self.layout.points.len() {
+            if let StateOf::Middle(k) = self.layout.points[i].x {
+                self.differentiate_point(i, w, span, multipliers)?;
+                self.carry(i, k, span);
             }
         }
-        for i in 0..scheme.points() {
-            let map = self.local_map(interval.point + i, k);
-            let (f, jacobian) =
-                (self.points.value(interval.point + i), self.points.jacobian(interval.point + i));
-            for j in 1..scheme.points() {
-                let factor = interval.share * scheme.a[j][i];
-                for r in 0..n {
-                    let row = &mut rows[((j - 1) * n + r) * width..][..width];
-                    for (v, slope) in map.iter().zip(&jacobian[r * map.len()..]) {
-                        v.iter().for_each(|&(c, share)| row[c] -= factor * span * slope * share);
-                    }
-                    row[own] += factor * f[r];
-                    row[own + 1] -= factor * f[r];
-                }
+        for i in 0..self.layout.points.len() {
+            if let StateOf::Unknown(_) = self.layout.points[i].x {
+                self.differentiate_point(i, w, span, multipliers)?;
             }
         }
-        self.rows = rows;
+        Ok(())
     }
 
-    /// Hessian of the Lagrangian's part of interval `k`, dense over its columns.
-    fn hessian_block(&mut self, k: usize, weight: f64) {
-        let (n, locals, outputs) = (self.setup.states.len(), self.points.locals, self.points.outputs);
+    /// The weights of the outputs as they enter the Hessian: the time span
+    /// multiplies rates and cost, path values have their own multipliers.
+    fn differentiate_point(
+        &mut self,
+        i: usize,
+        w: &[f64],
+        span: f64,
+        multipliers: &[f64],
+    ) -> Result<(), EvaluationError> {
+        let (n, outputs) = (self.setup.states.len(), self.points.outputs);
+        for (s, w) in self.scaled[..=n].iter_mut().zip(&self.weights[i * outputs..]) {
+            *s = span * w;
+        }
+        match self.layout.points[i].path {
+            Some(first) => self.scaled[n + 1..].copy_from_slice(&multipliers[first..][..outputs - n - 1]),
+            None => self.scaled[n + 1..].fill(0.0),
+        }
+        self.points.differentiate(self.problem, &self.layout, i, w, &self.scaled)
+    }
+
+    /// Weights of the rates at the ends of interval `k` through its middle state.
+    fn carry(&mut self, i: usize, k: usize, span: f64) {
+        let (n, outputs) = (self.setup.states.len(), self.points.outputs);
         let interval = &self.layout.intervals[k];
-        let own = interval.columns[1] - interval.columns[0];
-        let width = own + 2 + self.setup.parameters.len();
-        let mut block = std::mem::take(&mut self.block);
-        block.clear();
-        block.resize(width * width, 0.0);
-        for i in self.owned(k) {
-            let map = self.local_map(i, k);
-            let (hessian, jacobian) = (self.points.hessian(i), self.points.jacobian(i));
-            for (a, row) in map.iter().zip(hessian.chunks_exact(locals)) {
-                for (b, h) in map.iter().zip(row).filter(|(_, h)| **h != 0.0) {
-                    for &(ca, sa) in a {
-                        b.iter().for_each(|&(cb, sb)| block[ca * width + cb] += sa * sb * h);
-                    }
-                }
-            }
-            // Products of the time span with the slopes of the weighted outputs.
-            let weights = &self.weights[i * outputs..][..=n];
-            for (v, a) in map.iter().enumerate() {
-                let slope: f64 = (0..=n).map(|r| weights[r] * jacobian[r * locals + v]).sum();
-                for &(c, share) in a {
-                    for (time, sign) in [(own, -1.0), (own + 1, 1.0)] {
-                        block[c * width + time] += sign * share * slope;
-                        block[time * width + c] += sign * share * slope;
-                    }
-                }
-            }
+        let [a, b] = interval.ends.map(|end| end * outputs);
+        for r in 0..n {
+            let change = MIDDLE * span * interval.share * self.weighted_slope(i, 1 + r);
+            self.weights[a + r] += change;
+            self.weights[b + r] -= change;
         }
-        let change = 2.0 * weight * self.setup.input_change;
-        if change != 0.0 {
-            let inner = self.transcribed.scheme.points() - 1;
-            let node = |i: usize| self.layout.points[i].u[0].0 - interval.columns[0];
-            let (a, b) = (node(interval.point), node(interval.point + inner));
-            for j in 0..self.setup.inputs.len() {
-                for (p, q, v) in [(a, a, change), (b, b, change), (a, b, -change), (b, a, -change)] {
-                    block[(p + j) * width + q + j] += v;
-                }
-            }
-        }
-        self.block = block;
     }
 
     /// Cost of the changes of the inputs; adds its gradient when wanted.
@@ -240,10 +201,8 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         if weight == 0.0 {
             return 0.0;
         }
-        let inner = self.transcribed.scheme.points() - 1;
         for interval in &self.layout.intervals {
-            let node = |i: usize| self.layout.points[i].u[0].0;
-            let (a, b) = (node(interval.point), node(interval.point + inner));
+            let [a, b] = interval.ends.map(|i| self.layout.points[i].u[0].0);
             for j in 0..self.setup.inputs.len() {
                 let change = w[b + j] - w[a + j];
                 sum += weight * change * change;
@@ -256,30 +215,11 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
         sum
     }
 
-    /// Gradient of the objective at the differentiated point.
-    fn objective_gradient(&mut self, w: &[f64]) {
-        let (n, times) = (self.setup.states.len(), self.layout.times);
-        let span = w[times + 1] - w[times];
+    /// Gradient of the end cost and the changes of the inputs.
+    fn begin_gradient(&mut self, w: &[f64]) {
         let mut gradient = std::mem::take(&mut self.gradient);
         gradient.clear();
         gradient.resize(w.len(), 0.0);
-        for k in 0..self.layout.intervals.len() {
-            let first = self.layout.intervals[k].columns[0];
-            let own = self.layout.intervals[k].columns[1] - first;
-            for i in self.owned(k) {
-                let weight = self.layout.points[i].weight;
-                let slopes = &self.points.jacobian(i)[n * self.points.locals..];
-                for (v, slope) in self.local_map(i, k).iter().zip(slopes) {
-                    for &(c, share) in v {
-                        let column = if c < own { first + c } else { times + c - own };
-                        gradient[column] += weight * span * slope * share;
-                    }
-                }
-                let cost = weight * self.points.value(i)[n];
-                gradient[times + 1] += cost;
-                gradient[times] -= cost;
-            }
-        }
         for (slope, &c) in self.ends.slopes.iter().zip(&self.ends.columns) {
             gradient[c] += slope;
         }

@@ -2,9 +2,13 @@
 
 use super::super::nlp::EvaluationError;
 use super::super::problem::{Instant, OptimalControl, Setup};
-use super::layout::{Layout, PointPlace};
+use super::layout::{Layout, StateOf};
 use crate::math::{Scalar, Tape};
 use crate::plant::Fault;
+
+/// Share of h by which the difference of the ends' rates lifts the middle of
+/// the cubic through them.
+pub(super) const MIDDLE: f64 = 0.125;
 
 /// Outputs (rates, running cost, path values) of all points, and their
 /// derivatives along the local unknowns (t, x, u, p).
@@ -59,16 +63,33 @@ impl Points {
         &self.hessians[i * size..(i + 1) * size]
     }
 
-    /// Gathers the local unknowns of `place` from the unknowns `w`.
-    fn gather(&mut self, w: &[f64], place: &PointPlace, times: usize) {
-        let (n, m) = (self.states, self.inputs);
+    /// Gathers the local unknowns of point `i` from the unknowns `w`; a middle
+    /// state also from the rates at the nodes.
+    fn gather(&mut self, w: &[f64], layout: &Layout, i: usize) {
+        let (n, m, place) = (self.states, self.inputs, &layout.points[i]);
+        let times = layout.times;
         self.local[0] = w[times] * (1.0 - place.sigma) + w[times + 1] * place.sigma;
-        self.local[1..=n].copy_from_slice(&w[place.x..place.x + n]);
+        match place.x {
+            StateOf::Unknown(x) => self.local[1..=n].copy_from_slice(&w[x..x + n]),
+            StateOf::Middle(k) => self.gather_middle(w, layout, k),
+        }
         let [(a, wa), (b, wb)] = place.u;
         for j in 0..m {
             self.local[1 + n + j] = if wb == 0.0 { w[a + j] } else { wa * w[a + j] + wb * w[b + j] };
         }
         self.local[1 + n + m..].copy_from_slice(&w[times + 2..]);
+    }
+
+    /// x_c = (x_0 + x_1)/2 + h/8 (f_0 - f_1), as [`Interval::middle`](crate::ocp::Interval::middle).
+    fn gather_middle(&mut self, w: &[f64], layout: &Layout, k: usize) {
+        let interval = &layout.intervals[k];
+        let [f0, f1] = interval.ends.map(|i| i * self.outputs);
+        let [x0, x1] = [layout.nodes[k], layout.nodes[k + 1]];
+        let h = interval.share * (w[layout.times + 1] - w[layout.times]);
+        for r in 0..self.states {
+            let bulge = self.values[f0 + r] - self.values[f1 + r];
+            self.local[1 + r] = 0.5 * (w[x0 + r] + w[x1 + r]) + MIDDLE * h * bulge;
+        }
     }
 
     fn outputs_at<P: OptimalControl, S: Scalar>(
@@ -87,17 +108,26 @@ impl Points {
         Ok(())
     }
 
-    /// Values of all outputs at all points.
+    /// Time, state and input of point `i`.
+    pub fn at(&mut self, w: &[f64], layout: &Layout, i: usize) -> (f64, &[f64], &[f64]) {
+        self.gather(w, layout, i);
+        let (x, rest) = self.local[1..].split_at(self.states);
+        (self.local[0], x, &rest[..self.inputs])
+    }
+
+    /// Values of all outputs at `points`; those whose state is unknown come
+    /// before middle states.
     pub fn evaluate<P: OptimalControl>(
         &mut self,
         problem: &P,
         setup: &Setup,
         layout: &Layout,
         w: &[f64],
+        points: impl Iterator<Item = usize>,
     ) -> Result<(), EvaluationError> {
         let sizes = (self.states, self.inputs);
-        for (i, place) in layout.points.iter().enumerate() {
-            self.gather(w, place, layout.times);
+        for i in points {
+            self.gather(w, layout, i);
             let out = &mut self.values[i * self.outputs..(i + 1) * self.outputs];
             Self::outputs_at(problem, sizes, &self.local, out).map_err(|f| EvaluationError(f.to_string()))?;
             if let Some(bad) = out.iter().position(|v| !v.is_finite()) {
@@ -107,27 +137,25 @@ impl Points {
         Ok(())
     }
 
-    /// Values, Jacobians, and the Hessians for the `weights` of the outputs
-    /// (one row of outputs per point).
+    /// Values and Jacobian at point `i`, and the Hessian for the `weights` of its outputs.
     pub fn differentiate<P: OptimalControl>(
         &mut self,
         problem: &P,
         layout: &Layout,
+        i: usize,
         w: &[f64],
         weights: &[f64],
     ) -> Result<(), EvaluationError> {
         let (sizes, outputs, locals) = ((self.states, self.inputs), self.outputs, self.locals);
-        for (i, place) in layout.points.iter().enumerate() {
-            self.gather(w, place, layout.times);
-            let out = &mut self.values[i * outputs..(i + 1) * outputs];
-            self.tape
-                .record(&self.local, out, |local, out| Self::outputs_at(problem, sizes, local, out))
-                .map_err(|fault| EvaluationError(fault.to_string()))?;
-            let (first, second) = (outputs * locals, locals * locals);
-            let jacobian = &mut self.jacobians[i * first..(i + 1) * first];
-            let hessian = &mut self.hessians[i * second..(i + 1) * second];
-            self.tape.second_order(&weights[i * outputs..(i + 1) * outputs], jacobian, hessian);
-        }
+        self.gather(w, layout, i);
+        let out = &mut self.values[i * outputs..(i + 1) * outputs];
+        self.tape
+            .record(&self.local, out, |local, out| Self::outputs_at(problem, sizes, local, out))
+            .map_err(|fault| EvaluationError(fault.to_string()))?;
+        let (first, second) = (outputs * locals, locals * locals);
+        let jacobian = &mut self.jacobians[i * first..(i + 1) * first];
+        let hessian = &mut self.hessians[i * second..(i + 1) * second];
+        self.tape.second_order(weights, jacobian, hessian);
         Ok(())
     }
 

@@ -20,13 +20,13 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
         let n = self.setup.states.len();
         for (k, interval) in self.layout.intervals.iter().enumerate() {
             let columns = self.columns(k);
-            for row in 0..(self.transcribed.scheme.points() - 1) * n {
+            for row in 0..self.transcribed.scheme.defects().len() * n {
                 structure.jacobian.extend(columns.iter().map(|&c| (interval.row + row, c)));
             }
             for i in self.owned(k) {
                 let Some(first) = self.layout.points[i].path else { continue };
                 for row in 0..self.points.path() {
-                    for [(a, _), (b, wb)] in self.local_map(i, k) {
+                    for &[(a, _), (b, wb)] in &self.assembly.map(k, i - interval.ends[0]).shares {
                         structure.jacobian.push((first + row, columns[a]));
                         if wb != 0.0 {
                             structure.jacobian.push((first + row, columns[b]));
@@ -46,18 +46,19 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
     }
 
     fn evaluate(&mut self, w: &[f64], g: &mut [f64]) -> Result<f64, EvaluationError> {
-        self.points.evaluate(self.problem, &self.setup, &self.layout, w)?;
+        let order = self.layout.unknown_states().chain(self.layout.middle_states());
+        self.points.evaluate(self.problem, &self.setup, &self.layout, w, order)?;
         self.ends.evaluate(self.problem, &self.setup, w)?;
         let (n, times) = (self.setup.states.len(), self.layout.times);
         let (span, scheme) = (w[times + 1] - w[times], &self.transcribed.scheme);
         for interval in &self.layout.intervals {
-            for j in 1..scheme.points() {
-                let (x0, x) =
-                    (self.layout.points[interval.point].x, self.layout.points[interval.point + j].x);
+            for (block, j) in scheme.defects().enumerate() {
+                let StateOf::Unknown(x) = self.layout.points[interval.ends[0] + j].x else { continue };
+                let StateOf::Unknown(x0) = self.layout.points[interval.ends[0]].x else { continue };
                 for r in 0..n {
                     let rates = scheme.a[j].iter().enumerate();
-                    let sum: f64 = rates.map(|(i, a)| a * self.points.value(interval.point + i)[r]).sum();
-                    g[interval.row + (j - 1) * n + r] = w[x + r] - w[x0 + r] - span * interval.share * sum;
+                    let sum: f64 = rates.map(|(i, a)| a * self.points.value(interval.ends[0] + i)[r]).sum();
+                    g[interval.row + block * n + r] = w[x + r] - w[x0 + r] - span * interval.share * sum;
                 }
             }
         }
@@ -83,49 +84,35 @@ impl<P: OptimalControl> Program for Collocation<'_, P> {
         let (n, times) = (self.setup.states.len(), self.layout.times);
         let span = w[times + 1] - w[times];
         self.weigh(weight, multipliers);
-        self.scale_weights(span, multipliers);
-        self.points.differentiate(self.problem, &self.layout, w, &self.scaled)?;
+        self.differentiate_points(w, multipliers)?;
         self.end_weights[0] = weight;
         self.end_weights[1..].copy_from_slice(&multipliers[self.layout.ends..]);
         self.ends.differentiate(self.problem, w, &self.end_weights);
+        self.begin_gradient(w);
         out.jacobian.clear();
         out.hessian.clear();
         for k in 0..self.layout.intervals.len() {
+            if self.transcribed.scheme.compressed {
+                self.map_middle(k, span);
+            }
             self.defect_rows(k, span);
-            out.jacobian.extend(&self.rows);
+            out.jacobian.extend(&self.assembly.rows);
             self.path_rows(k, n, &mut out.jacobian);
             self.hessian_block(k, weight);
-            let width = self.block.len().isqrt();
-            for (a, row) in self.block.chunks_exact(width).enumerate() {
+            self.add_cost_slopes(k, span);
+            for (a, row) in self.assembly.block.chunks_exact(self.assembly.width).enumerate() {
                 out.hessian.extend(&row[..=a]);
             }
         }
         let size = self.ends.columns.len();
         out.jacobian.extend(self.ends.jacobian.iter().map(|&(i, j)| self.ends.slopes[i * size + j]));
         out.hessian.extend(self.ends.hessian.iter().map(|&(i, j)| self.ends.curvature[i * size + j]));
-        self.objective_gradient(w);
         out.gradient.copy_from_slice(&self.gradient);
         Ok(())
     }
 }
 
 impl<P: OptimalControl> Collocation<'_, P> {
-    /// Weights of the outputs as they enter the Hessian: the time span
-    /// multiplies rates and cost, path values have their own multipliers.
-    fn scale_weights(&mut self, span: f64, multipliers: &[f64]) {
-        let (n, outputs) = (self.setup.states.len(), self.points.outputs);
-        for (i, place) in self.layout.points.iter().enumerate() {
-            let scaled = &mut self.scaled[i * outputs..(i + 1) * outputs];
-            for (s, w) in scaled[..=n].iter_mut().zip(&self.weights[i * outputs..]) {
-                *s = span * w;
-            }
-            match place.path {
-                Some(first) => scaled[n + 1..].copy_from_slice(&multipliers[first..first + outputs - n - 1]),
-                None => scaled[n + 1..].fill(0.0),
-            }
-        }
-    }
-
     /// Jacobian rows of the path constraints that belong to interval `k`.
     fn path_rows(&self, k: usize, n: usize, out: &mut Vec<f64>) {
         let locals = self.points.locals;
@@ -133,9 +120,9 @@ impl<P: OptimalControl> Collocation<'_, P> {
             if self.layout.points[i].path.is_none() {
                 continue;
             }
-            let map = self.local_map(i, k);
+            let map = self.assembly.map(k, i - self.layout.intervals[k].ends[0]);
             for row in self.points.jacobian(i)[(n + 1) * locals..].chunks_exact(locals) {
-                for (&[(_, wa), (_, wb)], slope) in map.iter().zip(row) {
+                for (&[(_, wa), (_, wb)], slope) in map.shares.iter().zip(row) {
                     out.push(wa * slope);
                     if wb != 0.0 {
                         out.push(wb * slope);

@@ -50,7 +50,12 @@ fn slope(f: &mut impl FnMut(&[f64]) -> Vec<f64>, w: &[f64], j: usize) -> Vec<f64
 
 #[test]
 fn derivatives_of_every_scheme_agree_with_differences() {
-    for scheme in [Scheme::trapezoid(), Scheme::hermite_simpson(), Scheme::lobatto()] {
+    for scheme in [
+        Scheme::trapezoid(),
+        Scheme::hermite_simpson(),
+        Scheme::separated_hermite_simpson(),
+        Scheme::lobatto(),
+    ] {
         let transcribed = Transcribed { mesh: vec![0.0, 0.3, 1.0], scheme, cost_at_nodes: false };
         let mut guess = Everything.setup().straight_line();
         guess.p = vec![0.7];

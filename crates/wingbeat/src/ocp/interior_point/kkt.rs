@@ -1,5 +1,6 @@
 //! The Newton system of the barrier problem and its inertia correction.
 
+use super::runs::{Run, add_scaled, dot, runs};
 use super::standard::Standard;
 use crate::math::multifrontal::{Factors, Inertia, Pattern};
 
@@ -10,6 +11,8 @@ const PIVOT_THRESHOLD: f64 = 1e-6;
 const FIRST_SHIFT: f64 = 1e-4;
 const SMALLEST_SHIFT: f64 = 1e-20;
 const LARGEST_SHIFT: f64 = 1e20;
+/// Residual of the Newton system, relative, that needs no refinement.
+const RESIDUAL: f64 = 1e-11;
 /// Curvature given to a slack that nothing holds.
 const SMALLEST_SLACK: f64 = 1e-12;
 
@@ -19,8 +22,12 @@ pub(super) struct Kkt {
     pattern: Pattern,
     factors: Factors,
     values: Vec<f64>,
-    shifted: Vec<f64>,
-    entries: Vec<(usize, usize)>,
+    /// The entries of the matrix, by rows.
+    entries: Vec<Run>,
+    /// Entries that belong to variables that are not free.
+    fixed: Vec<usize>,
+    /// Diagonal of the variables' part: barrier, or one where not free.
+    diagonal: Vec<f64>,
     n: usize,
     m: usize,
     hessian: usize,
@@ -43,12 +50,15 @@ impl Kkt {
         entries.extend((0..m).map(|i| (n + i, n + i)));
         let mut blocks = structure.variable_block.clone();
         blocks.extend(&structure.constraint_block);
+        let free = |k: usize| k >= n || standard.free[k];
+        let fixed = entries.iter().enumerate().filter(|(_, e)| !(free(e.0) && free(e.1)));
         Self {
             pattern: Pattern::new(&blocks, &entries),
             factors: Factors::default(),
             values: vec![0.0; entries.len()],
-            shifted: vec![0.0; entries.len()],
-            entries,
+            fixed: fixed.map(|(k, _)| k).collect(),
+            entries: runs(&entries),
+            diagonal: vec![0.0; n],
             n,
             m,
             hessian,
@@ -63,36 +73,33 @@ impl Kkt {
     /// Without a Hessian the identity takes its place.
     fn assemble(&mut self, standard: &Standard, sigma: &[f64], with_hessian: bool) {
         let (n, h) = (self.n, self.hessian);
-        let (free, structure) = (&standard.free, &standard.structure);
-        let hessian = structure.hessian.iter().zip(&standard.derivatives.hessian);
-        for (v, (&(i, j), x)) in self.values.iter_mut().zip(hessian) {
-            *v = if with_hessian && free[i] && free[j] { *x } else { 0.0 };
+        let derivatives = &standard.derivatives;
+        if with_hessian {
+            self.values[..h].copy_from_slice(&derivatives.hessian);
+        } else {
+            self.values[..h].fill(0.0);
         }
-        for j in 0..n {
-            self.values[h + j] = if free[j] && with_hessian { sigma[j] } else { 1.0 };
-        }
-        let jacobian = structure.jacobian.iter().zip(&standard.derivatives.jacobian);
-        for (v, (&(_, j), x)) in self.values[h + n..].iter_mut().zip(jacobian) {
-            *v = if free[j] { *x } else { 0.0 };
+        let jacobian = derivatives.jacobian.len();
+        self.values[h + n..h + n + jacobian].copy_from_slice(&derivatives.jacobian);
+        self.fixed.iter().for_each(|&k| self.values[k] = 0.0);
+        for (j, d) in self.diagonal.iter_mut().enumerate() {
+            *d = if standard.free[j] && with_hessian { sigma[j] } else { 1.0 };
         }
     }
 
     /// Factorises with shifts `dw` and `dc`.
     fn factorise(&mut self, standard: &Standard, sigma: &[f64], dw: f64, dc: f64) -> Inertia {
         let (n, m, h) = (self.n, self.m, self.hessian);
-        self.shifted.copy_from_slice(&self.values);
         for j in 0..n {
-            if standard.free[j] {
-                self.shifted[h + j] += dw;
-            }
+            self.values[h + j] = self.diagonal[j] + if standard.free[j] { dw } else { 0.0 };
         }
-        let first = self.shifted.len() - m;
+        let first = self.values.len() - m;
         for i in 0..m {
             self.slack[i] = (sigma[n + i] + dw).max(SMALLEST_SLACK);
-            self.shifted[first + i] = if standard.free[n + i] { -1.0 / self.slack[i] } else { 0.0 } - dc;
+            self.values[first + i] = if standard.free[n + i] { -1.0 / self.slack[i] } else { 0.0 } - dc;
         }
         self.shift = dw;
-        self.factors.factorise(&self.pattern, &self.shifted, PIVOT_THRESHOLD)
+        self.factors.factorise(&self.pattern, &self.values, PIVOT_THRESHOLD)
     }
 
     /// Factorises so that the step is a descent direction: `n` positive and `m`
@@ -161,14 +168,16 @@ impl Kkt {
         for _ in 0..5 {
             residual.clear();
             residual.extend(rhs);
-            for (&(i, j), v) in self.entries.iter().zip(&self.shifted) {
-                residual[i] -= v * x[j];
-                if i != j {
-                    residual[j] -= v * x[i];
+            for run in &self.entries {
+                let (values, columns) = (run.of(&self.values), run.columns());
+                residual[run.row] -= dot(values, &x[columns.clone()]);
+                add_scaled(&mut residual[columns.clone()], -x[run.row], values);
+                if columns.contains(&run.row) {
+                    residual[run.row] += values[run.row - run.column] * x[run.row];
                 }
             }
             let error = size(&residual);
-            if error <= 1e-13 * (size(rhs) + size(&x).min(1e6)) || !(error < 0.5 * best) {
+            if error <= RESIDUAL * (size(rhs) + size(&x).min(1e6)) || !(error < 0.5 * best) {
                 break;
             }
             best = error;

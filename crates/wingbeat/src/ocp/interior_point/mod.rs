@@ -7,6 +7,7 @@ mod iterate;
 mod kkt;
 mod line_search;
 mod restoration;
+mod runs;
 mod solver;
 mod standard;
 mod status;

@@ -1,6 +1,7 @@
 //! The scaled program with slacks: min f(x), g(x) - s = 0, low <= (x, s) <= high.
 
 use super::super::nlp::{Derivatives, EvaluationError, Program, Structure};
+use super::runs::{Run, add_scaled, runs};
 
 /// Gradients above this are scaled down to it (Waechter & Biegler 2006, 3.8).
 const LARGEST_GRADIENT: f64 = 100.0;
@@ -25,6 +26,8 @@ pub(super) struct Standard<'a> {
     /// Scaled derivatives at the last differentiated point.
     pub derivatives: Derivatives,
     multipliers: Vec<f64>,
+    /// The Jacobian's entries, by rows.
+    rows: Vec<Run>,
 }
 
 impl<'a> Standard<'a> {
@@ -43,6 +46,7 @@ impl<'a> Standard<'a> {
             program,
             n,
             m,
+            rows: runs(&structure.jacobian),
             structure,
             low: low.collect(),
             high: high.collect(),
@@ -102,8 +106,9 @@ impl<'a> Standard<'a> {
         for g in &mut out.gradient {
             *g *= self.objective_scale;
         }
-        for (v, &(i, _)) in out.jacobian.iter_mut().zip(&self.structure.jacobian) {
-            *v *= self.row_scale[i];
+        for run in self.rows.iter().filter(|run| self.row_scale[run.row] != 1.0) {
+            let scale = self.row_scale[run.row];
+            out.jacobian[run.entry..run.entry + run.length].iter_mut().for_each(|v| *v *= scale);
         }
         let finite = |v: &[f64]| v.iter().all(|v| v.is_finite());
         if finite(&out.gradient) && finite(&out.jacobian) && finite(&out.hessian) {
@@ -128,8 +133,8 @@ impl<'a> Standard<'a> {
 
     /// out += A' y over x.
     pub fn add_transposed(&self, y: &[f64], out: &mut [f64]) {
-        for (&(i, j), v) in self.structure.jacobian.iter().zip(&self.derivatives.jacobian) {
-            out[j] += v * y[i];
+        for run in &self.rows {
+            add_scaled(&mut out[run.columns()], y[run.row], run.of(&self.derivatives.jacobian));
         }
     }
 

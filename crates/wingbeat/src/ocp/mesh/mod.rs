@@ -237,13 +237,14 @@ impl<P: OptimalControl> Run<'_, P> {
         let observer = &mut *self.observer;
         let mut watch = |iteration: &Iteration| observer(Progress::Iteration(iteration));
         let solution = solve(&mut program, &start, &Options { time, ..options }, &mut watch);
-        let points = program.trajectory(&solution.x);
-        let judged = Interpolant::new(self.problem, &scheme, points)
-            .and_then(|interpolant| Ok((interpolant.errors(self.problem)?, interpolant)));
+        let judged = program.trajectory(&solution.x).ok().and_then(|points| {
+            let interpolant = Interpolant::new(self.problem, &scheme, points).ok()?;
+            Some((interpolant.errors(self.problem).ok()?, interpolant))
+        });
         let Solution { status, objective, iterations, .. } = solution;
         let (errors, interpolant) = match judged {
-            Ok(judged) => judged,
-            Err(_) => return (status, None),
+            Some(judged) => judged,
+            None => return (status, None),
         };
         let error = errors.iter().fold(0.0_f64, |m, e| m.max(*e));
         let (number, intervals) = (self.passes.len(), mesh.len() - 1);

@@ -1,0 +1,304 @@
+//! Derivatives of a collocated problem, interval by interval, dense over the
+//! columns of the interval: its own unknowns, then times and parameters.
+
+use super::layout::{Layout, StateOf};
+use super::points::MIDDLE;
+use super::*;
+
+/// A local unknown of a point as shares of two columns of its interval.
+pub(super) type Shares = [(usize, f64); 2];
+
+/// The local unknowns of a point in the columns of its interval.
+#[derive(Clone, Debug)]
+pub(super) struct PointMap {
+    /// Shares of each local unknown.
+    pub shares: Vec<Shares>,
+    /// The locals 1 to `run` are the columns from `start` on, one by one.
+    start: usize,
+    run: usize,
+}
+
+impl PointMap {
+    fn new(shares: Vec<Shares>) -> Self {
+        let start = shares[1][0].0;
+        let next = |(i, s): (usize, &Shares)| *s == [(start + i, 1.0), (s[1].0, 0.0)];
+        let run = shares[1..].iter().enumerate().take_while(|s| next(*s)).count();
+        Self { shares, start, run }
+    }
+
+    /// row += factor (slopes over the locals, as columns).
+    fn add(&self, row: &mut [f64], factor: f64, slopes: &[f64]) {
+        let run = 1..1 + self.run;
+        for (r, slope) in row[self.start..].iter_mut().zip(&slopes[run.clone()]) {
+            *r += factor * slope;
+        }
+        for v in (0..slopes.len()).filter(|v| !run.contains(v)) {
+            self.shares[v].iter().for_each(|&(c, share)| row[c] += factor * slopes[v] * share);
+        }
+    }
+}
+
+/// Maps from the columns of an interval to the local unknowns of its points,
+/// and the scratch of one interval.
+#[derive(Clone, Debug)]
+pub(super) struct Assembly {
+    /// Columns of an interval; those before `own` are its own unknowns.
+    pub width: usize,
+    pub own: usize,
+    /// Points of an interval.
+    points: usize,
+    /// Shares of each local unknown, for each point of each interval.
+    maps: Vec<PointMap>,
+    /// d locals / d columns of a middle point, row-major.
+    middle: Vec<f64>,
+    /// Hessian of a middle point times `middle`.
+    product: Vec<f64>,
+    /// Defect rows, row-major.
+    pub rows: Vec<f64>,
+    /// Hessian, row-major; the lower triangle counts.
+    pub block: Vec<f64>,
+}
+
+impl Assembly {
+    pub fn new(setup: &Setup, scheme: &Scheme, layout: &Layout) -> Self {
+        let own = layout.intervals[0].columns[1] - layout.intervals[0].columns[0];
+        let (width, points) = (own + 2 + setup.parameters.len(), scheme.points());
+        let intervals = layout.intervals.iter().enumerate();
+        let place = |(k, interval): (usize, &layout::IntervalPlace)| -> Vec<PointMap> {
+            let [first, last] = interval.ends;
+            (first..=last).map(|i| PointMap::new(shares(setup, layout, i, k))).collect()
+        };
+        let maps: Vec<PointMap> = intervals.flat_map(place).collect();
+        let locals = maps[0].shares.len();
+        Self {
+            width,
+            own,
+            points,
+            maps,
+            middle: vec![0.0; locals * width],
+            product: vec![0.0; locals * width],
+            rows: vec![0.0; scheme.defects().len() * setup.states.len() * width],
+            block: vec![0.0; width * width],
+        }
+    }
+
+    /// The local unknowns of point `j` of interval `k`.
+    pub fn map(&self, k: usize, j: usize) -> &PointMap {
+        &self.maps[k * self.points + j]
+    }
+
+    /// Adds `value` and its mirror image to the Hessian.
+    fn add_pair(&mut self, a: usize, b: usize, value: f64) {
+        let value = if a == b { 2.0 * value } else { value };
+        self.block[a.max(b) * self.width + a.min(b)] += value;
+    }
+
+    /// Adds the products of the time span with `slope` along column `c`.
+    fn add_span_product(&mut self, c: usize, slope: f64) {
+        self.add_pair(c, self.own, -slope);
+        self.add_pair(c, self.own + 1, slope);
+    }
+}
+
+/// Shares of the local unknowns of point `i`; those of a middle state follow
+/// from the rates at the ends and are left zero.
+fn shares(setup: &Setup, layout: &Layout, i: usize, k: usize) -> Vec<Shares> {
+    let (place, [first, end]) = (&layout.points[i], layout.intervals[k].columns);
+    let (n, m, own) = (setup.states.len(), setup.inputs.len(), end - first);
+    let mut map = vec![[(own, 1.0 - place.sigma), (own + 1, place.sigma)]];
+    map.extend((0..n).map(|r| match place.x {
+        StateOf::Unknown(x) => [(x + r - first, 1.0), (0, 0.0)],
+        StateOf::Middle(_) => [(0, 0.0); 2],
+    }));
+    let [(a, wa), (b, wb)] = place.u;
+    map.extend((0..m).map(|j| [(a + j - first, wa), (b + j - first, wb)]));
+    map.extend((0..setup.parameters.len()).map(|q| [(own + 2 + q, 1.0), (0, 0.0)]));
+    map
+}
+
+/// y += a x
+fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
+    if a != 0.0 {
+        y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+    }
+}
+
+impl<P: OptimalControl> Collocation<'_, P> {
+    /// d locals / d columns of the middle point of interval `k`: shares, and
+    /// the slopes of the middle of the cubic.
+    pub(super) fn map_middle(&mut self, k: usize, span: f64) {
+        let (n, interval) = (self.setup.states.len(), &self.layout.intervals[k]);
+        let (width, own, locals) = (self.assembly.width, self.assembly.own, self.points.locals);
+        let mut middle = std::mem::take(&mut self.assembly.middle);
+        middle.fill(0.0);
+        for (row, shares) in middle.chunks_exact_mut(width).zip(&self.assembly.map(k, 1).shares) {
+            shares.iter().for_each(|&(c, share)| row[c] += share);
+        }
+        let first = interval.columns[0];
+        for (j, i, bulge) in [(0, interval.ends[0], MIDDLE), (2, interval.ends[1], -MIDDLE)] {
+            let (f, jacobian) = (self.points.value(i), self.points.jacobian(i));
+            let (map, x) = (self.assembly.map(k, j), self.layout.nodes[k + j / 2] - first);
+            let factor = bulge * interval.share;
+            for r in 0..n {
+                let row = &mut middle[(1 + r) * width..][..width];
+                row[x + r] += 0.5;
+                row[own] -= factor * f[r];
+                row[own + 1] += factor * f[r];
+                map.add(row, factor * span, &jacobian[r * locals..(r + 1) * locals]);
+            }
+        }
+        self.assembly.middle = middle;
+    }
+
+    /// Jacobian rows of the defects of interval `k`.
+    pub(super) fn defect_rows(&mut self, k: usize, span: f64) {
+        let (n, scheme) = (self.setup.states.len(), &self.transcribed.scheme);
+        let interval = &self.layout.intervals[k];
+        let (width, own, first) = (self.assembly.width, self.assembly.own, interval.columns[0]);
+        let mut rows = std::mem::take(&mut self.assembly.rows);
+        rows.fill(0.0);
+        let start = self.layout.nodes[k] - first;
+        for (block, j) in rows.chunks_exact_mut(n * width).zip(scheme.defects()) {
+            if let StateOf::Unknown(x) = self.layout.points[interval.ends[0] + j].x {
+                for (r, row) in block.chunks_exact_mut(width).enumerate() {
+                    row[x - first + r] += 1.0;
+                    row[start + r] -= 1.0;
+                }
+            }
+            for i in 0..scheme.points() {
+                let (point, factor) = (interval.ends[0] + i, interval.share * scheme.a[j][i]);
+                let (f, map) = (self.points.value(point), self.assembly.map(k, i));
+                let jacobian = self.points.jacobian(point).chunks_exact(self.points.locals);
+                let middle = matches!(self.layout.points[point].x, StateOf::Middle(_));
+                for (r, (row, slopes)) in block.chunks_exact_mut(width).zip(jacobian).enumerate() {
+                    row[own] += factor * f[r];
+                    row[own + 1] -= factor * f[r];
+                    if middle {
+                        for (map, slope) in self.assembly.middle.chunks_exact(width).zip(slopes) {
+                            add_scaled(row, -factor * span * slope, map);
+                        }
+                    } else {
+                        map.add(row, -factor * span, slopes);
+                    }
+                }
+            }
+        }
+        self.assembly.rows = rows;
+    }
+
+    /// Hessian of the Lagrangian's part of interval `k`.
+    pub(super) fn hessian_block(&mut self, k: usize, weight: f64) {
+        self.assembly.block.fill(0.0);
+        for i in self.owned(k) {
+            match self.layout.points[i].x {
+                StateOf::Unknown(_) => self.add_point(k, i),
+                StateOf::Middle(_) => self.add_middle(i),
+            }
+        }
+        let change = weight * self.setup.input_change;
+        if change != 0.0 {
+            let interval = &self.layout.intervals[k];
+            let [a, b] = interval.ends.map(|i| self.layout.points[i].u[0].0 - interval.columns[0]);
+            for j in 0..self.setup.inputs.len() {
+                self.assembly.add_pair(a + j, a + j, change);
+                self.assembly.add_pair(b + j, b + j, change);
+                self.assembly.add_pair(a + j, b + j, -2.0 * change);
+            }
+        }
+    }
+
+    /// Slope along local unknown `v` of the weighted rates and cost of point `i`.
+    pub(super) fn weighted_slope(&self, i: usize, v: usize) -> f64 {
+        let (n, locals) = (self.setup.states.len(), self.points.locals);
+        let jacobian = self.points.jacobian(i);
+        let weights = &self.weights[i * self.points.outputs..][..=n];
+        weights.iter().enumerate().map(|(r, w)| w * jacobian[r * locals + v]).sum()
+    }
+
+    /// Adds a point whose state is unknown to the Hessian.
+    fn add_point(&mut self, k: usize, i: usize) {
+        let (locals, j) = (self.points.locals, i - self.layout.intervals[k].ends[0]);
+        let width = self.assembly.width;
+        let mut block = std::mem::take(&mut self.assembly.block);
+        let PointMap { shares, start, run } = self.assembly.map(k, j);
+        let inside = 1..1 + run;
+        for (v, row) in self.points.hessian(i).chunks_exact(locals).enumerate() {
+            if inside.contains(&v) {
+                let c = start + v - 1;
+                let entries = block[c * width + start..=c * width + c].iter_mut();
+                entries.zip(&row[1..]).for_each(|(b, h)| *b += h);
+            }
+            let outside = |u: &usize| !(inside.contains(&v) && inside.contains(u));
+            for u in (0..locals).filter(outside) {
+                for (ca, sa) in shares[v] {
+                    for (cb, sb) in shares[u].into_iter().filter(|b| b.0 <= ca) {
+                        block[ca * width + cb] += sa * sb * row[u];
+                    }
+                }
+            }
+        }
+        self.assembly.block = block;
+        for v in 0..locals {
+            let slope = self.weighted_slope(i, v);
+            for (c, share) in self.assembly.map(k, j).shares[v] {
+                self.assembly.add_span_product(c, share * slope);
+            }
+        }
+    }
+
+    /// Adds a middle point, mapped by the last [`Self::map_middle`]: M' H M
+    /// and the products with the time span.
+    fn add_middle(&mut self, i: usize) {
+        let (locals, width) = (self.points.locals, self.assembly.width);
+        let Assembly { middle, product, block, .. } = &mut self.assembly;
+        product.fill(0.0);
+        let hessian = self.points.hessian(i).chunks_exact(locals);
+        for (out, row) in product.chunks_exact_mut(width).zip(hessian) {
+            for (map, h) in middle.chunks_exact(width).zip(row) {
+                add_scaled(out, *h, map);
+            }
+        }
+        for (map, out) in middle.chunks_exact(width).zip(product.chunks_exact(width)) {
+            for (c, share) in map.iter().enumerate() {
+                add_scaled(&mut block[c * width..=c * width + c], *share, out);
+            }
+        }
+        for v in 0..locals {
+            let slope = self.weighted_slope(i, v);
+            for c in 0..width {
+                let share = self.assembly.middle[v * width + c];
+                if share != 0.0 {
+                    self.assembly.add_span_product(c, share * slope);
+                }
+            }
+        }
+    }
+
+    /// Adds the running cost of interval `k` to the gradient.
+    pub(super) fn add_cost_slopes(&mut self, k: usize, span: f64) {
+        let (n, locals, times) = (self.setup.states.len(), self.points.locals, self.layout.times);
+        let (first, own, width) =
+            (self.layout.intervals[k].columns[0], self.assembly.own, self.assembly.width);
+        let column = |c: usize| if c < own { first + c } else { times + c - own };
+        for i in self.owned(k) {
+            let place = &self.layout.points[i];
+            let weight = place.weight * span;
+            let slopes = &self.points.jacobian(i)[n * locals..][..locals];
+            let map = self.assembly.map(k, i - self.layout.intervals[k].ends[0]);
+            for (v, slope) in slopes.iter().enumerate().filter(|(_, s)| **s != 0.0) {
+                if let StateOf::Middle(_) = place.x {
+                    for (c, share) in self.assembly.middle[v * width..][..width].iter().enumerate() {
+                        self.gradient[column(c)] += weight * slope * share;
+                    }
+                } else {
+                    map.shares[v]
+                        .iter()
+                        .for_each(|&(c, share)| self.gradient[column(c)] += weight * slope * share);
+                }
+            }
+            let cost = place.weight * self.points.value(i)[n];
+            self.gradient[times + 1] += cost;
+            self.gradient[times] -= cost;
+        }
+    }
+}

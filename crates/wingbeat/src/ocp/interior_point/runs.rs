@@ -1,0 +1,60 @@
+//! Entries of a sparse matrix as runs along its rows, so that products with
+//! dense blocks are products of slices.
+
+/// Consecutive entries of one row, in consecutive columns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    pub row: usize,
+    pub column: usize,
+    /// First entry, and number of entries.
+    pub entry: usize,
+    pub length: usize,
+}
+
+impl Run {
+    /// The entries of the run among `values`.
+    pub fn of<'v>(&self, values: &'v [f64]) -> &'v [f64] {
+        &values[self.entry..self.entry + self.length]
+    }
+
+    pub fn columns(&self) -> std::ops::Range<usize> {
+        self.column..self.column + self.length
+    }
+}
+
+/// The runs of `entries` (row, column), in order.
+pub(super) fn runs(entries: &[(usize, usize)]) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for (entry, &(row, column)) in entries.iter().enumerate() {
+        match runs.last_mut() {
+            Some(run) if run.row == row && run.column + run.length == column => run.length += 1,
+            _ => runs.push(Run { row, column, entry, length: 1 }),
+        }
+    }
+    runs
+}
+
+/// y += a x
+pub(super) fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+}
+
+/// a . b
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_hold_the_entries_in_order() {
+        let entries = [(0, 0), (0, 1), (0, 3), (1, 4), (1, 5), (1, 5)];
+        let found = runs(&entries);
+        let back: Vec<(usize, usize)> =
+            found.iter().flat_map(|run| run.columns().map(|c| (run.row, c))).collect();
+        assert_eq!(back, entries);
+        assert_eq!(found.len(), 4);
+    }
+}
