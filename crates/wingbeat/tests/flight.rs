@@ -72,3 +72,42 @@ fn a_flight_that_ends_before_the_means_has_none() {
     assert_eq!((summary.roll_mean_deg, summary.pitch_half_amplitude_deg), (None, None));
     assert_eq!(summary.controller.updates, 0);
 }
+
+/// Rates of the shoulders, rad/s, as overrides.
+fn shoulder_rates(rate: f64) -> [String; 2] {
+    ["left", "right"].map(|side| format!("controller.input_rate_per_s.command_shoulder_{side}={rate}"))
+}
+
+#[test]
+fn limited_rates_of_inputs_are_kept_throughout_a_flight() {
+    let every_step = ["flight.duration_s=1.4", "flight.record_every_s=1e-4"];
+    let flown = |rate: Option<f64>| {
+        let rates = rate.map(shoulder_rates);
+        let rates = rates.iter().flatten().map(String::as_str);
+        fly(&every_step.into_iter().chain(rates).collect::<Vec<_>>())
+    };
+    let fastest = |run: &Run, name: &str| {
+        let (t, u) = (run.record.values("t").unwrap(), run.record.values(name).unwrap());
+        let rates = t.windows(2).zip(u.windows(2)).map(|(t, u)| ((u[1] - u[0]) / (t[1] - t[0])).abs());
+        rates.fold(0.0, f64::max)
+    };
+    let (free, huge, slow) = (flown(None), flown(Some(1e9)), flown(Some(2.0)));
+    for name in ["command_shoulder_left", "command_shoulder_right"] {
+        assert!(fastest(&free, name) > 4.0, "{name}: {} rad/s without a limit", fastest(&free, name));
+        assert!(fastest(&slow, name) < 2.0 * (1.0 + 1e-6), "{name}: {} rad/s", fastest(&slow, name));
+        assert_eq!(free.record.values(name), huge.record.values(name));
+    }
+    assert_eq!(slow.summary.controller.failures, 0);
+}
+
+#[test]
+fn rate_limits_that_cannot_be_kept_are_refused() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
+    let refusal = |overrides: &[String]| Scenario::load(&path, overrides).err().unwrap().to_string();
+    let mut jumping = shoulder_rates(2.0).to_vec();
+    jumping.push("controller.continuous_input=false".into());
+    assert!(refusal(&jumping).contains("continuous_input"), "{}", refusal(&jumping));
+    assert!(refusal(&shoulder_rates(0.0)).contains("above 0"), "{}", refusal(&shoulder_rates(0.0)));
+    let unknown = refusal(&["controller.input_rate_per_s.shoulder=1.0".into()]);
+    assert!(unknown.contains("command_shoulder_left"), "{unknown}");
+}

@@ -140,3 +140,43 @@ fn limited_inputs_bind_and_shift_with_time() {
     assert!((solver.state(INTERVALS)[0] - expected).abs() < 1e-14);
     assert!((solver.plan().start - dt).abs() < 1e-15);
 }
+
+/// Keeps the mass at the origin with a force that changes by at most `0` N/s.
+struct Gently(f64);
+
+impl Tracking for Gently {
+    fn residuals(&self, node: usize) -> usize {
+        Origin.residuals(node)
+    }
+    fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]) {
+        Origin.residual(node, t, x, u, r);
+    }
+    fn rate_limit(&self, _input: usize) -> f64 {
+        self.0
+    }
+}
+
+#[test]
+fn the_rate_of_an_input_is_limited_from_the_held_one_on() {
+    let plant = Mass::new(2.0);
+    let settings = Settings { hold_first_input: true, ..Settings::new(INTERVALS, STEP) };
+    let solve = |rate: f64| {
+        let mut solver = RealTime::new(&plant, &Gently(rate), settings).unwrap();
+        solver.reset(&plant, &[2.0, 0.0]);
+        let status = solver.solve(&plant, &Gently(rate), 0.0, &[2.0, 0.0], 4);
+        assert_eq!(status, Status::Solved);
+        solver.plan().u.clone()
+    };
+    let changes = |u: &[f64]| u.windows(2).map(|p| (p[1] - p[0]).abs()).fold(0.0, f64::max);
+    let (free, huge, gentle) = (solve(f64::INFINITY), solve(1e6), solve(3.0));
+    assert_eq!(free, huge);
+    assert!(changes(&free) > 0.5, "{}", changes(&free));
+    assert!((changes(&gentle) - 3.0 * STEP).abs() < 1e-12, "{}", changes(&gentle));
+    // What binds first is the step away from the held input.
+    assert_eq!(gentle[0], 0.0);
+    assert!((gentle[1] + 3.0 * STEP).abs() < 1e-12);
+    for bad in [0.0, -1.0, f64::NAN] {
+        let error = RealTime::new(&plant, &Gently(bad), settings).unwrap_err().to_string();
+        assert!(error.contains("rate_limit.force"), "{error}");
+    }
+}

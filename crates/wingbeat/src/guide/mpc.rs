@@ -8,6 +8,7 @@ use crate::ocp::realtime::{Plan, RealTime, Settings, Tracking};
 use crate::plant::{Channel, LocalChart, Plant};
 use crate::require;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// Longest horizon, and most iterations of an update.
@@ -28,6 +29,10 @@ pub struct MpcSpec {
     /// The plan's first input is the last one applied; else it may jump.
     #[serde(default)]
     pub continuous_input: bool,
+    /// Largest rate of inputs by their channel, in its unit per second; the
+    /// others have none. Needs `continuous_input`: a jump has no finite rate.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub input_rate_per_s: BTreeMap<String, f64>,
     /// An update that takes longer by the wall clock is dropped and counted, s;
     /// without it none is. A flight with a deadline does not repeat to the bit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -84,7 +89,26 @@ impl MpcSpec {
                 return Err(Error::invalid(key, value, format!("1 to {MAX_INTERVALS}")));
             }
         }
+        for (name, rate) in &self.input_rate_per_s {
+            require::positive(&format!("input_rate_per_s.{name}"), *rate)?;
+        }
+        if !self.input_rate_per_s.is_empty() && !self.continuous_input {
+            let allowed = "true where input_rate_per_s is given: an input that jumps has no finite rate";
+            return Err(Error::invalid("continuous_input", false, allowed));
+        }
         Ok(())
+    }
+
+    /// The rate limit of each input of a plant, infinite where none is given.
+    fn rate_limits(&self, inputs: &[Channel]) -> Result<Vec<f64>, Error> {
+        let known = |name: &String| inputs.iter().any(|c| c.name == *name);
+        if let Some((name, rate)) = self.input_rate_per_s.iter().find(|(name, _)| !known(name)) {
+            let names: Vec<&str> = inputs.iter().map(|c| c.name.as_str()).collect();
+            let allowed = format!("the inputs {}", names.join(", "));
+            return Err(Error::invalid(format!("input_rate_per_s.{name}"), rate, allowed));
+        }
+        let limit = |c: &Channel| self.input_rate_per_s.get(&c.name).copied().unwrap_or(f64::INFINITY);
+        Ok(inputs.iter().map(limit).collect())
     }
 }
 
@@ -103,6 +127,8 @@ struct AttitudeTracking {
     input_weights: Vec<f64>,
     /// Cost per squared change of an input.
     change_weights: Vec<f64>,
+    /// Largest rate per input, per second.
+    rate_limits: Vec<f64>,
     /// The last node.
     last: usize,
 }
@@ -133,6 +159,10 @@ impl Tracking for AttitudeTracking {
 
     fn change_weight(&self, input: usize) -> f64 {
         self.change_weights[input]
+    }
+
+    fn rate_limit(&self, input: usize) -> f64 {
+        self.rate_limits[input]
     }
 }
 
@@ -175,6 +205,7 @@ impl<'a, P: Plant> Mpc<'a, P> {
                 .iter()
                 .map(|c| (spec.weights.input_change / half_range(c)).powi(2))
                 .collect(),
+            rate_limits: spec.rate_limits(plant.inputs())?,
             last: spec.intervals,
         };
         let settings = Settings {

@@ -77,7 +77,7 @@ use active_set::{ActiveSet, QpEnd, QuadraticProgram};
 use condense::{Columns, Elimination};
 use curvature::Correction;
 use plan::check_finite;
-use reduced::{Reduction, limited};
+use reduced::{Reduction, limited, rate_limited};
 
 /// How a horizon is cut and when it counts as solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,14 +126,15 @@ impl RealTime {
     /// A solver for the sizes and limits of `plant` and `tracking`.
     ///
     /// # Errors
-    /// An empty horizon, a step that is not positive, or crossed limits.
+    /// An empty horizon, a step or a rate limit that is not positive, or crossed limits.
     pub fn new<P: Plant, T: Tracking>(plant: &P, tracking: &T, settings: Settings) -> Result<Self, Error> {
         check(plant, tracking, &settings)?;
         let (n, m) = (plant.states().len(), plant.inputs().len());
         let horizon = Horizon { states: n, inputs: m, intervals: settings.intervals, step: settings.step };
         let columns = Columns { inputs: m, first: usize::from(settings.hold_first_input) };
         let variables = columns.through(settings.intervals) - 1;
-        let rows = settings.intervals * (limited(plant.states()).count() + tracking.limits().len());
+        let rates = rate_limited(tracking, m).count();
+        let rows = settings.intervals * (limited(plant.states()).count() + tracking.limits().len() + rates);
         let residuals = (0..=settings.intervals).map(|k| tracking.residuals(k)).max().unwrap_or(0);
         Ok(Self {
             settings,
@@ -251,8 +252,7 @@ impl RealTime {
         self.linearise(plant)?;
         self.reduction.cost(tracking, &self.trial, &self.states, self.columns, &mut self.qp);
         let channels = [plant.states(), plant.inputs()];
-        let limits = tracking.limits();
-        self.reduction.limits(channels, limits, &self.trial, &self.states, self.columns, &mut self.qp);
+        self.reduction.limits(channels, tracking, &self.trial, &self.states, self.columns, &mut self.qp);
         self.curvature.learn(&self.qp.gradient, &self.qp.hessian);
         self.curvature.add_to(&mut self.qp.hessian);
         let mut end = self.solver.solve(&self.qp);
@@ -378,6 +378,12 @@ fn check<P: Plant, T: Tracking>(plant: &P, tracking: &T, settings: &Settings) ->
     }
     if plant.inputs().is_empty() {
         return Err(Error::invalid("inputs", 0, "at least 1 input"));
+    }
+    for (j, channel) in plant.inputs().iter().enumerate() {
+        if !(tracking.rate_limit(j) > 0.0) {
+            let key = format!("rate_limit.{}", channel.name);
+            return Err(Error::invalid(key, tracking.rate_limit(j), "a positive number"));
+        }
     }
     let channels = plant.states().iter().chain(plant.inputs()).map(|c| (&c.name, c.low, c.high));
     for (name, low, high) in channels.chain(tracking.limits().iter().map(|l| (&l.name, l.low, l.high))) {

@@ -5,7 +5,7 @@ use super::condense::{Columns, Elimination};
 use super::dense::{Terms, axpy, multiply_add, padded};
 use super::plan::{Horizon, Plan};
 use super::status::Limit;
-use super::tracking::{Component, LinearLimit, Tracking};
+use super::tracking::{Component, Tracking};
 use crate::math::Dual;
 use crate::plant::Channel;
 
@@ -136,11 +136,12 @@ impl Reduction {
     }
 
     /// Writes the limits on the steps of inputs, and the rows that limit states
-    /// and linear combinations at the nodes after the first.
-    pub fn limits(
+    /// and linear combinations at the nodes after the first and the rates of
+    /// inputs in between.
+    pub fn limits<T: Tracking>(
         &mut self,
         channels: [&[Channel]; 2],
-        linear: &[LinearLimit],
+        tracking: &T,
         plan: &Plan,
         states: &Elimination,
         columns: Columns,
@@ -166,7 +167,7 @@ impl Reduction {
                 (qp.row_low[row], qp.row_high[row]) = (channel.low - value, channel.high - value);
                 self.meaning.push(Limit::State { channel: i, node });
             }
-            for (index, limit) in linear.iter().enumerate() {
+            for (index, limit) in tracking.limits().iter().enumerate() {
                 let row = self.meaning.len();
                 let entries = &mut qp.rows[row * size..][..size];
                 let mut value = 0.0;
@@ -188,8 +189,41 @@ impl Reduction {
                 (qp.row_low[row], qp.row_high[row]) = (limit.low - value, limit.high - value);
                 self.meaning.push(Limit::Linear { row: index, node });
             }
+            self.rate_rows(tracking, plan, node, columns, qp);
         }
     }
+
+    /// |u_k - u_{k-1}| <= r h for the inputs whose rate is limited, k = `node`.
+    ///
+    /// Equation: ocp.input_rate
+    fn rate_rows<T: Tracking>(
+        &mut self,
+        tracking: &T,
+        plan: &Plan,
+        node: usize,
+        columns: Columns,
+        qp: &mut QuadraticProgram,
+    ) {
+        let size = qp.gradient.len();
+        for j in rate_limited(tracking, self.horizon.inputs) {
+            let row = self.meaning.len();
+            let entries = &mut qp.rows[row * size..][..size];
+            for (node, sign) in [(node - 1, -1.0), (node, 1.0)] {
+                if let Some(first) = columns.of(node) {
+                    entries[first - 1 + j] = sign;
+                }
+            }
+            let most = tracking.rate_limit(j) * self.horizon.step;
+            let change = plan.input(node)[j] - plan.input(node - 1)[j];
+            (qp.row_low[row], qp.row_high[row]) = (-most - change, most - change);
+            self.meaning.push(Limit::Rate { channel: j, node });
+        }
+    }
+}
+
+/// The inputs whose rate is limited.
+pub fn rate_limited<T: Tracking>(tracking: &T, inputs: usize) -> impl Iterator<Item = usize> {
+    (0..inputs).filter(|&j| tracking.rate_limit(j).is_finite())
 }
 
 /// The channels that have a limit, with their index.

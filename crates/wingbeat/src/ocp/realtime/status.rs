@@ -20,6 +20,13 @@ pub enum Limit {
         /// Node, 1 to the number of intervals.
         node: usize,
     },
+    /// Rate limit of an input channel over the interval that ends at `node`.
+    Rate {
+        /// Index of the channel.
+        channel: usize,
+        /// Node, 1 to the number of intervals.
+        node: usize,
+    },
     /// A [`LinearLimit`](super::LinearLimit) of the tracking problem.
     Linear {
         /// Index of the limit.
@@ -30,10 +37,10 @@ pub enum Limit {
 }
 
 impl Limit {
-    /// Name of the channel or linear limit.
+    /// Name of the channel (of an input also where its rate is meant) or linear limit.
     pub fn name<'a, P: Plant, T: Tracking>(&self, plant: &'a P, tracking: &'a T) -> &'a str {
         match *self {
-            Self::Input { channel, .. } => &plant.inputs()[channel].name,
+            Self::Input { channel, .. } | Self::Rate { channel, .. } => &plant.inputs()[channel].name,
             Self::State { channel, .. } => &plant.states()[channel].name,
             Self::Linear { row, .. } => &tracking.limits()[row].name,
         }

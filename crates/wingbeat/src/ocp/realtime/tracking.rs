@@ -19,6 +19,12 @@ pub trait Tracking {
         0.0
     }
 
+    /// Largest rate r_j of input `j`, per second: |u_{j,k+1} - u_{j,k}| <= r_j h
+    /// on every interval. Infinite: no limit.
+    fn rate_limit(&self, _input: usize) -> f64 {
+        f64::INFINITY
+    }
+
     /// Linear limits on states and inputs, held at every node after the first.
     fn limits(&self) -> &[LinearLimit] {
         &[]
