@@ -110,6 +110,8 @@ impl Run {
 /// Compare the models with published or independent numbers
 ///
 /// Prints id, source, metric, value, limit and verdict of every comparison. The exit code is 1 when one fails.
+/// With --out the folder holds rows.json, rows.csv, summary.json, manifest.json, the figures of what was compared and,
+/// when that is everything, the page validation.md.
 #[derive(Debug, Args)]
 pub struct Validate {
     /// Only this comparison, or all below this name: `aero` selects `aero.wagner_limit`
@@ -118,6 +120,12 @@ pub struct Validate {
     /// Only comparisons that take seconds
     #[arg(long)]
     pub quick: bool,
+    /// Write a folder of the results
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace the run that --out names
+    #[arg(long, requires = "out")]
+    pub force: bool,
     /// Also write the table as a JSON list of {id, source, metric, value, limit, pass}
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

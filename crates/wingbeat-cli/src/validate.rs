@@ -2,40 +2,119 @@
 
 use std::fs;
 use std::num::NonZero;
+use std::path::Path;
 use std::thread;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use wingbeat_validate::{Row, Selection};
+use serde::Serialize;
+use wingbeat_validate::figures::PICTURES;
+use wingbeat_validate::{Case, Row, Selection};
 
 use crate::args::Validate;
 use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::manifest::Manifest;
+use crate::run_folder::RunFolder;
 
-/// Runs the wanted comparisons and prints their table.
+/// The contents of `summary.json`.
+#[derive(Serialize)]
+struct Summary {
+    status: &'static str,
+    passed: usize,
+    failed: usize,
+    shown: usize,
+}
+
+/// Runs the wanted comparisons, prints their table and writes their folder when one is asked for.
 pub fn validate(arguments: &Validate) -> Result<(), Error> {
     let selection = Selection { only: arguments.only.clone(), quick: arguments.quick };
     let all = wingbeat_validate::cases();
     let cases = wingbeat_validate::select(&all, &selection);
     let start = Instant::now();
-    let progress = progress(cases.len(), arguments.quiet);
-    let threads = thread::available_parallelism().map_or(1, NonZero::get);
-    let rows = wingbeat_validate::run(&cases, &selection, threads, |rows| {
-        progress.inc(1);
-        progress.set_message(rows.first().map_or(String::new(), |row| row.id.clone()));
-    });
-    progress.finish_and_clear();
+    let out = arguments.out.as_deref();
+    let folder = out.map(|out| RunFolder::create(Some(out), "validate", arguments.force)).transpose()?;
+    let interrupt = Interrupt::listen()?;
+    let rows = compare(&cases, &selection, &interrupt, arguments.quiet);
+    interrupt.check()?;
     if rows.is_empty() {
         return Err(nothing_selected(&selection, &all));
     }
+    let summary = Summary::of(&rows);
     print!("{}", wingbeat_validate::table(&rows));
-    println!("\n{} in {:.1} s", tally(&rows), start.elapsed().as_secs_f64());
+    println!("\n{} in {:.1} s", summary.tally(), start.elapsed().as_secs_f64());
     if let Some(path) = &arguments.json {
-        let lines = wingbeat_validate::to_json(&rows);
-        let mut text = serde_json::to_string_pretty(&lines).map_err(|e| Error::Input(e.to_string()))?;
-        text.push('\n');
-        fs::write(path, text).map_err(|source| Error::file(path, source))?;
+        fs::write(path, json(&rows)?).map_err(|source| Error::file(path, source))?;
     }
-    if rows.iter().all(Row::passes) { Ok(()) } else { Err(Error::ComparisonFailed) }
+    if let Some(folder) = folder {
+        fill(&folder, &rows, &summary)?;
+        draw(&folder, &cases, &interrupt)?;
+        let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
+        println!("folder: {}", shown(&path).display());
+    }
+    if summary.failed == 0 { Ok(()) } else { Err(Error::ComparisonFailed) }
+}
+
+/// Runs `cases` on all cores, until interrupted.
+fn compare(cases: &[&Case], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<Row> {
+    let progress = progress(cases.len(), quiet);
+    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let rows = wingbeat_validate::run(cases, selection, threads, |rows| {
+        progress.inc(1);
+        progress.set_message(rows.first().map_or(String::new(), |row| row.id.clone()));
+        interrupt.flow()
+    });
+    progress.finish_and_clear();
+    rows
+}
+
+/// Writes rows, summary and, when all its rows are there, the page.
+fn fill(folder: &RunFolder, rows: &[Row], summary: &Summary) -> Result<(), Error> {
+    folder.write("rows.json", &json(rows)?)?;
+    folder.write("rows.csv", &csv(rows))?;
+    folder.write_json("summary.json", summary)?;
+    if let Some(page) = wingbeat_validate::page(rows) {
+        folder.write("validation.md", &page)?;
+    }
+    Ok(())
+}
+
+/// Draws what `cases` compare; what cannot be drawn is said and left out.
+fn draw(folder: &RunFolder, cases: &[&Case], interrupt: &Interrupt) -> Result<(), Error> {
+    let figures = folder.folder("figures")?;
+    for picture in PICTURES.iter().filter(|p| cases.iter().any(|case| p.cases.contains(&case.id))) {
+        interrupt.check()?;
+        let drawn = (picture.draw)().map_err(|error| error.to_string()).and_then(|figure| {
+            wingbeat_figures::write_for_screen(&figures, &figure).map_err(|error| error.to_string())
+        });
+        if let Err(error) = drawn {
+            eprintln!("the figure {} is left out: {error}", picture.name);
+        }
+    }
+    Ok(())
+}
+
+fn json(rows: &[Row]) -> Result<String, Error> {
+    let lines = wingbeat_validate::to_json(rows);
+    let text = serde_json::to_string_pretty(&lines).map_err(|error| Error::Input(error.to_string()))?;
+    Ok(text + "\n")
+}
+
+/// The rows as CSV.
+fn csv(rows: &[Row]) -> String {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    let mut text = String::from("id,source,metric,unit,value,limit,pass\n");
+    for row in rows {
+        let limit = row.limit.map_or(String::new(), |limit| limit.to_string());
+        let words = [&row.source, &row.metric].map(|words| quoted(words)).join(",");
+        text += &format!("{},{words},{},{},{limit},{}\n", row.id, quoted(row.unit), row.value, row.passes());
+    }
+    text
+}
+
+fn shown(path: &Path) -> &Path {
+    let here = std::env::current_dir().unwrap_or_default();
+    path.strip_prefix(here).unwrap_or(path)
 }
 
 fn progress(cases: usize, quiet: bool) -> ProgressBar {
@@ -45,15 +124,21 @@ fn progress(cases: usize, quiet: bool) -> ProgressBar {
     ProgressBar::with_draw_target(Some(cases as u64), target).with_style(style)
 }
 
-fn nothing_selected(selection: &Selection, all: &[&wingbeat_validate::Case]) -> Error {
+fn nothing_selected(selection: &Selection, all: &[&Case]) -> Error {
     let ids: Vec<_> = all.iter().map(|case| case.id).collect();
     let only = selection.only.as_deref().unwrap_or("");
     Error::Input(format!("--only {only}: no such comparison; there are {}", ids.join(", ")))
 }
 
-fn tally(rows: &[Row]) -> String {
-    let failed = rows.iter().filter(|row| !row.passes()).count();
-    let shown = rows.iter().filter(|row| row.limit.is_none()).count();
-    let passed = rows.len() - failed - shown;
-    format!("{passed} passed, {failed} failed, {shown} shown without a limit")
+impl Summary {
+    fn of(rows: &[Row]) -> Self {
+        let failed = rows.iter().filter(|row| !row.passes()).count();
+        let shown = rows.iter().filter(|row| row.limit.is_none()).count();
+        let status = if failed == 0 { "ok" } else { "failed" };
+        Self { status, passed: rows.len() - failed - shown, failed, shown }
+    }
+
+    fn tally(&self) -> String {
+        format!("{} passed, {} failed, {} shown without a limit", self.passed, self.failed, self.shown)
+    }
 }

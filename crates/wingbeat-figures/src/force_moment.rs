@@ -1,16 +1,11 @@
 //! Forces and moments on the load cell: the band of all runs and the simulation.
 
-use std::sync::Arc;
-
 use kuva::plot::LinePlot;
-use kuva::plot::annotations::ReferenceLine;
 use kuva::plot::band::BandPlot;
-use kuva::render::color::Color;
 use kuva::render::figure::Figure as Grid;
-use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-use kuva::render::render::{Primitive, TextAnchor};
-use kuva::render::theme::Theme;
+use kuva::render::render::TextAnchor;
 use wingbeat::flight::Record;
 
 use crate::write::Figure;
@@ -56,16 +51,9 @@ pub fn force_moment(record: &Record) -> Result<Figure, Error> {
         .with_figure_size(style::WIDTH, HEIGHT * ROWS.len() as f64 + 22.0 + 12.0)
         .render();
     scene.height += FOOT;
-    scene.elements.push(Primitive::Text {
-        x: style::WIDTH / 2.0,
-        y: scene.height - 10.0,
-        content: "red: smallest to largest of all runs on the load cell; black: simulation".into(),
-        size: style::LETTERS,
-        anchor: TextAnchor::Middle,
-        rotate: None,
-        bold: false,
-        color: Some(Color::from(style::INK)),
-    });
+    let foot = "red: smallest to largest of all runs on the load cell; black: simulation";
+    let (x, y) = (style::WIDTH / 2.0, scene.height - 10.0);
+    scene.elements.push(style::words(x, y, foot, TextAnchor::Middle, false));
     Ok(Figure { name: "force_moment", scene })
 }
 
@@ -79,27 +67,16 @@ fn drawn(t: &[f64], low: &[f64], high: &[f64], line: &[f64], title: &str, last: 
     let values = || low.iter().chain(high).chain(line).copied();
     let (bottom, top) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
     let margin = 0.08 * (top - bottom).max(1e-9);
-    let layout = Layout::auto_from_plots(&plots)
-        .with_theme(Theme::minimal())
+    let layout = style::axes(Layout::auto_from_plots(&plots))
         .with_title(title)
         .with_title_size(style::LETTERS)
         .with_x_axis_min(t.first().copied().unwrap_or(0.0))
         .with_x_axis_max(t.last().copied().unwrap_or(1.0))
         .with_y_axis_min(bottom - margin)
         .with_y_axis_max(top + margin)
-        .with_box_axes()
-        .with_tick_align("inside")
-        .with_show_grid(false)
-        .with_axis_line_width(style::AXIS)
-        .with_label_size(style::LETTERS)
-        .with_tick_size(style::TICKS)
-        .with_body_size(style::LETTERS)
         .with_ticks(5)
-        .with_tick_format(TickFormat::Custom(Arc::new(style::number)))
         .with_force_margins(62.0, 10.0)
         .with_force_margins_y(32.0, if last { 46.0 } else { 24.0 })
-        .with_reference_line(
-            ReferenceLine::horizontal(0.0).with_color(style::GUIDE).with_stroke_width(0.8).with_dasharray(""),
-        );
+        .with_reference_line(style::thin(0.0));
     (plots, layout)
 }

@@ -1,7 +1,8 @@
-//! Figures of a record: PNG and SVG.
+//! Figures of records and of comparisons: PNG and SVG.
 //!
-//! Each figure needs only the columns it names; where one is missing, the figure says which.
+//! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
+pub mod chart;
 mod commands;
 mod cycle;
 mod error;
@@ -23,7 +24,7 @@ pub use path::path;
 pub use robustness::robustness;
 pub use states::states;
 pub use tether::{cycle_loads, span_loading};
-pub use write::{Figure, write};
+pub use write::{Figure, write, write_for_screen};
 
 use wingbeat::flight::Record;
 

@@ -3,14 +3,12 @@
 use std::sync::Arc;
 
 use kuva::plot::LinePlot;
-use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
+use kuva::plot::annotations::ShadedRegion;
 use kuva::plot::legend::LegendPosition;
-use kuva::render::color::Color;
 use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
-use kuva::render::theme::Theme;
+use kuva::render::render::{Scene, TextAnchor};
 
 use crate::style;
 
@@ -88,44 +86,27 @@ pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
         .render();
     for (row, title) in titles.into_iter().enumerate() {
         let y = PADDING + height * row as f64 + HEAD - 8.0;
-        scene.elements.push(text(PADDING + 8.0, y, char::from(b'a' + row as u8).into(), true));
-        scene.elements.push(text(PADDING + LEFT, y, title, false));
+        scene.elements.push(style::words(
+            PADDING + 8.0,
+            y,
+            char::from(b'a' + row as u8),
+            TextAnchor::Start,
+            true,
+        ));
+        scene.elements.push(style::words(PADDING + LEFT, y, title, TextAnchor::Start, false));
     }
     scene
-}
-
-fn text(x: f64, y: f64, content: String, bold: bool) -> Primitive {
-    let color = Some(Color::from(style::INK));
-    Primitive::Text {
-        x,
-        y,
-        content,
-        size: style::LETTERS,
-        anchor: TextAnchor::Start,
-        rotate: None,
-        bold,
-        color,
-    }
 }
 
 fn drawn(panel: Panel, range: (f64, f64), legend: f64) -> (Vec<Plot>, Layout) {
     let (low, high) = y_range(&panel);
     let plots: Vec<Plot> = panel.curves.into_iter().map(plot).collect();
-    let mut layout = Layout::auto_from_plots(&plots)
-        .with_theme(Theme::minimal())
+    let mut layout = style::axes(Layout::auto_from_plots(&plots))
         .with_x_axis_min(range.0)
         .with_x_axis_max(range.1)
         .with_y_axis_min(low)
         .with_y_axis_max(high)
-        .with_box_axes()
-        .with_tick_align("inside")
-        .with_show_grid(false)
-        .with_axis_line_width(style::AXIS)
-        .with_label_size(style::LETTERS)
-        .with_tick_size(style::TICKS)
-        .with_body_size(style::LETTERS)
         .with_ticks(5)
-        .with_tick_format(TickFormat::Custom(Arc::new(style::number)))
         .with_legend_position(LegendPosition::OutsideRightTop)
         .with_legend_box(false)
         .with_force_margins(LEFT, legend);
@@ -136,17 +117,13 @@ fn drawn(panel: Panel, range: (f64, f64), legend: f64) -> (Vec<Plot>, Layout) {
             );
         }
         for limit in [floor, ceiling] {
-            layout = layout.with_reference_line(thin(limit));
+            layout = layout.with_reference_line(style::thin(limit));
         }
     }
     if panel.zero && low < 0.0 && high > 0.0 {
-        layout = layout.with_reference_line(thin(0.0));
+        layout = layout.with_reference_line(style::thin(0.0));
     }
     (plots, layout)
-}
-
-fn thin(at: f64) -> ReferenceLine {
-    ReferenceLine::horizontal(at).with_color(style::GUIDE).with_stroke_width(0.8).with_dasharray("")
 }
 
 fn labelled(layout: Layout, x_label: &str) -> Layout {
@@ -166,7 +143,7 @@ fn plot(curve: Curve) -> Plot {
 }
 
 fn x_range(panels: &[Panel]) -> (f64, f64) {
-    span(panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| curve.x.iter().copied()))
+    style::span(panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| curve.x.iter().copied()))
 }
 
 /// The curves and their limits with a margin.
@@ -174,16 +151,9 @@ fn y_range(panel: &Panel) -> (f64, f64) {
     let limits = panel.limits.into_iter().flat_map(|(low, high)| [low, high]);
     let zero = panel.zero.then_some(0.0);
     let values = panel.curves.iter().flat_map(|curve| curve.y.iter().copied());
-    let (low, high) = span(values.chain(limits).chain(zero));
+    let (low, high) = style::span(values.chain(limits).chain(zero));
     let margin = 0.07 * (high - low).max(1e-9);
     (low - margin, high + margin)
-}
-
-fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|value| value.is_finite());
-    let (low, high) =
-        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    if low > high { (0.0, 1.0) } else { (low, high) }
 }
 
 /// Room to the right for the longest name.

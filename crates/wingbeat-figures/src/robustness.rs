@@ -1,14 +1,11 @@
 //! The flights of a sweep: largest errors of roll and pitch, and what counts as held.
 
-use std::sync::Arc;
-
 use kuva::plot::annotations::ReferenceLine;
 use kuva::plot::legend::LegendPosition;
 use kuva::plot::scatter::ScatterPlot;
 use kuva::render::figure::Figure as Grid;
-use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-use kuva::render::theme::Theme;
 use wingbeat::flight::Record;
 
 use crate::write::Figure;
@@ -60,8 +57,7 @@ fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64)) -> L
     let ((left, right), (low, high)) = (range(|f| f.0, limits.0), range(|f| f.1, limits.1));
     let dashed =
         |line: ReferenceLine| line.with_color(style::GUIDE).with_stroke_width(1.0).with_dasharray("6 4");
-    Layout::auto_from_plots(plots)
-        .with_theme(Theme::minimal())
+    style::axes(Layout::auto_from_plots(plots))
         .with_log_scale()
         .with_x_axis_min(left)
         .with_x_axis_max(right)
@@ -69,14 +65,6 @@ fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64)) -> L
         .with_y_axis_max(high)
         .with_x_label(format!("largest error of roll [°]; dashed: limit {}°", limits.0))
         .with_y_label(format!("largest error of pitch [°]; dashed: limit {}°", limits.1))
-        .with_box_axes()
-        .with_tick_align("inside")
-        .with_show_grid(false)
-        .with_axis_line_width(style::AXIS)
-        .with_label_size(style::LETTERS)
-        .with_tick_size(style::TICKS)
-        .with_body_size(style::LETTERS)
-        .with_tick_format(TickFormat::Custom(Arc::new(style::number)))
         .with_legend_position(LegendPosition::OutsideRightTop)
         .with_legend_box(false)
         .with_reference_line(dashed(ReferenceLine::vertical(limits.0)))

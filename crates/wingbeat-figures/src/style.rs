@@ -1,4 +1,12 @@
-//! Colours, sizes and weights common to all figures.
+//! Colours, sizes, weights and axes common to all figures.
+
+use std::sync::Arc;
+
+use kuva::plot::annotations::ReferenceLine;
+use kuva::render::color::Color;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::render::{Primitive, TextAnchor};
+use kuva::render::theme::Theme;
 
 /// Width of a figure over the full width of a page, px at 120 px per inch.
 pub const WIDTH: f64 = 860.0;
@@ -33,6 +41,54 @@ pub fn number(value: f64) -> String {
     if text == "-0" { "0".into() } else { text.replace('-', "−") }
 }
 
+/// The power of ten whose exponent stands at a tick.
+pub fn decade(exponent: f64) -> String {
+    if (-2.0..=3.0).contains(&exponent) {
+        return number(10_f64.powf(exponent));
+    }
+    let digit = |c: char| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        other => char::from_u32(other as u32 - '0' as u32 + '⁰' as u32).unwrap_or(other),
+    };
+    format!("10{}", exponent.to_string().chars().map(digit).collect::<String>())
+}
+
+/// A closed frame with inward ticks and the house's letters.
+pub fn axes(layout: Layout) -> Layout {
+    layout
+        .with_theme(Theme::minimal())
+        .with_box_axes()
+        .with_tick_align("inside")
+        .with_show_grid(false)
+        .with_axis_line_width(AXIS)
+        .with_label_size(LETTERS)
+        .with_tick_size(TICKS)
+        .with_body_size(LETTERS)
+        .with_tick_format(TickFormat::Custom(Arc::new(number)))
+}
+
+/// A thin line across a panel at the height `at`.
+pub fn thin(at: f64) -> ReferenceLine {
+    ReferenceLine::horizontal(at).with_color(GUIDE).with_stroke_width(0.8).with_dasharray("")
+}
+
+/// Words on a figure, px from its upper left corner.
+pub fn words(x: f64, y: f64, content: impl Into<String>, anchor: TextAnchor, bold: bool) -> Primitive {
+    let color = Some(Color::from(INK));
+    Primitive::Text { x, y, content: content.into(), size: LETTERS, anchor, rotate: None, bold, color }
+}
+
+/// Least and largest of the finite `values`; 0 and 1 when there are none.
+pub fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let finite = values.filter(|value| value.is_finite());
+    let (low, high) =
+        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low > high { (0.0, 1.0) } else { (low, high) }
+}
+
 /// The colour of the curve number `index`.
 pub fn colour(index: usize) -> &'static str {
     COLOURS[index % COLOURS.len()]
@@ -54,6 +110,13 @@ mod tests {
         assert_eq!(number(-0.5), "−0.5");
         assert_eq!(number(2.0), "2");
         assert_eq!(number(-0.0), "0");
+    }
+
+    #[test]
+    fn decades_are_powers() {
+        assert_eq!(decade(-12.0), "10⁻¹²");
+        assert_eq!(decade(-1.0), "0.1");
+        assert_eq!(decade(4.0), "10⁴");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A figure to its files.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -10,7 +11,13 @@ use kuva::render::render::Scene;
 use crate::Error;
 
 /// Pixels of a PNG per pixel of the drawing: 300 per inch at a page's width.
-const PNG_SCALE: f32 = 2.5;
+const PRINT: f32 = 2.5;
+/// The same for a page on a screen.
+const SCREEN: f32 = 1.5;
+/// Steps between neighbouring shades of a colour on a screen.
+const SHADE: u16 = 17;
+/// Most colours of a palette.
+const PALETTE: usize = 256;
 
 /// A figure ready to be written.
 pub struct Figure {
@@ -19,13 +26,76 @@ pub struct Figure {
     pub(crate) scene: Scene,
 }
 
-/// Writes `<name>.svg` and `<name>.png` into `folder`.
+/// Writes `<name>.svg` and `<name>.png`, for print, into `folder`.
 pub fn write(folder: &Path, figure: &Figure) -> Result<(), Error> {
+    write_both(folder, figure, &rendered(figure, PRINT)?)
+}
+
+/// The same with a small PNG for a page on a screen.
+pub fn write_for_screen(folder: &Path, figure: &Figure) -> Result<(), Error> {
+    let small = small(&rendered(figure, SCREEN)?).map_err(|error| Error::Picture(error.to_string()))?;
+    write_both(folder, figure, &small)
+}
+
+fn rendered(figure: &Figure, scale: f32) -> Result<Vec<u8>, Error> {
+    PngBackend::new().with_scale(scale).render_scene(&figure.scene).map_err(Error::Picture)
+}
+
+fn write_both(folder: &Path, figure: &Figure, png: &[u8]) -> Result<(), Error> {
     let file = |extension: &str, bytes: &[u8]| {
         let path = folder.join(figure.name).with_extension(extension);
         fs::write(&path, bytes).map_err(|source| Error::File { path, source })
     };
     file("svg", SvgBackend::default().render_scene(&figure.scene).as_bytes())?;
-    let png = PngBackend::new().with_scale(PNG_SCALE).render_scene(&figure.scene).map_err(Error::Picture)?;
-    file("png", &png)
+    file("png", png)
+}
+
+/// The opaque RGBA `picture` with few shades and a palette, in which a rare shade may miss and take the nearest.
+fn small(picture: &[u8]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(picture)).read_info()?;
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap_or(0)];
+    let frame = reader.next_frame(&mut pixels)?;
+    let shade = |value: u8| ((u16::from(value) + SHADE / 2) / SHADE * SHADE) as u8;
+    let mut places = BTreeMap::new();
+    let mut palette: Vec<[u8; 3]> = Vec::new();
+    let mut place = |colour: [u8; 3]| {
+        *places.entry(colour).or_insert_with(|| {
+            if palette.len() < PALETTE {
+                palette.push(colour);
+                return (palette.len() - 1) as u8;
+            }
+            let distance = |other: &[u8; 3]| (0..3).map(|i| colour[i].abs_diff(other[i]) as u32).sum::<u32>();
+            (0..PALETTE).min_by_key(|&i| distance(&palette[i])).unwrap_or(0) as u8
+        })
+    };
+    let pixels = pixels[..frame.buffer_size()].chunks_exact(4);
+    let indices: Vec<u8> = pixels.map(|p| place([shade(p[0]), shade(p[1]), shade(p[2])])).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, frame.width, frame.height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(palette.concat());
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.write_header()?.write_image_data(&indices)?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_picture_keeps_its_size_and_its_plain_colours() {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.write_header().unwrap().write_image_data(&[255, 255, 255, 255, 1, 0, 35, 255]).unwrap();
+        let small = small(&bytes).unwrap();
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(small));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        assert_eq!(pixels, [255, 255, 255, 0, 0, 34]);
+    }
 }

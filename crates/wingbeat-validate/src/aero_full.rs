@@ -8,9 +8,12 @@ mod mean;
 mod small;
 pub(crate) mod wings;
 
-pub use flapping::{lattice_lift, small_flap_lift};
-pub use mean::scherer_points;
-pub use small::{Point, other_points, plunge_points, slope_points, step_points};
+pub use flapping::{
+    Comparison, added_mass_lift, lattice_lift, oracle_series, reduced_frequency, small_flap_lift,
+};
+pub use linear::Complex;
+pub use mean::{STATIC_DRAG, Thrust, induced_over_trefftz, scherer_points, scherer_thrust};
+pub use small::{Point, SpanLoading, other_points, plunge_points, slope_points, span_loadings, step_points};
 
 use crate::{Case, Error, Row};
 use wingbeat::aero::{
@@ -61,12 +64,16 @@ const STRIPS: usize = 16;
 impl Preset {
     /// The id of a comparison: `aero.<preset>.<name>`.
     fn id(self, name: &str) -> String {
-        let preset = match self {
+        format!("aero.{}.{name}", self.name())
+    }
+
+    /// Its name in ids and figures.
+    pub fn name(self) -> &'static str {
+        match self {
             Self::Full => "full",
             Self::FiveLags => "five_lags",
             Self::Paper => "paper",
-        };
-        format!("aero.{preset}.{name}")
+        }
     }
 
     /// A row judged by `limit` for the default, shown without a judgement for the others.
@@ -84,7 +91,7 @@ impl Preset {
     }
 
     /// The same with another number of strips or nodes.
-    fn model_of(
+    pub(crate) fn model_of(
         self,
         strips: usize,
         wing: &Planform,

@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use wingbeat::aero::{Aero, JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings, ProfileDrag};
+use wingbeat::aero::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 use wingbeat::math::{RK4, Workspace};
 
 use crate::aero_full::linear::{Complex, Motion, SmallMotion};
-use crate::aero_full::wings;
+use crate::aero_full::{Point, Preset, wings};
 use crate::{Case, Error, Row, reference_table};
 
 /// The comparisons.
@@ -89,12 +89,21 @@ fn worst(errors: impl IntoIterator<Item = f64>) -> f64 {
     errors.into_iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
 }
 
-fn elliptic_steady() -> Result<Vec<Row>, Error> {
-    let mut errors = Vec::new();
-    for aspect in [4.0, 8.0] {
+/// Lift slope of ellipses beside a0 / (1 + 2/AR), 1/rad, by aspect ratio.
+///
+/// # Errors
+/// [`Error`] when the model cannot be built.
+pub fn elliptic_points() -> Result<Vec<Point>, Error> {
+    let point = |aspect: f64| {
         let exact = 2.0 * PI / (1.0 + 2.0 / aspect);
-        errors.push(Stream::elliptic(aspect, 12)?.steady_slope(1.0)? / exact - 1.0);
-    }
+        let value = Stream::elliptic(aspect, 12)?.steady_slope(1.0)?;
+        Ok(Point { series: "ellipse".into(), x: aspect, value: (value, 0.0), exact: (exact, 0.0) })
+    };
+    [4.0, 8.0].into_iter().map(point).collect()
+}
+
+fn elliptic_steady() -> Result<Vec<Row>, Error> {
+    let errors = elliptic_points()?.into_iter().map(|point| point.error());
     let metric = "relative error of the lift slope, AR 4 and 8";
     Ok(vec![Row::judged("aero.elliptic_steady", "Prandtl 1918", metric, worst(errors), 1e-9, "")])
 }
@@ -112,30 +121,47 @@ fn speed_invariance() -> Result<Vec<Row>, Error> {
     Ok(vec![Row::judged("aero.speed_invariance", "dimensional analysis", metric, spread, 1e-12, "")])
 }
 
-fn wagner_limit() -> Result<Vec<Row>, Error> {
-    let aspect = 1e5;
-    let wing = Stream::rectangular(aspect, 13)?;
-    let mut errors = Vec::new();
-    for semichords in [0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0] {
+/// Effective wash at mid span of AR 1e5 beside Wagner's function after Jones, by semichords travelled.
+///
+/// # Errors
+/// [`Error`] when the model cannot be built.
+pub fn wagner_points() -> Result<Vec<Point>, Error> {
+    let wing = Stream::rectangular(1e5, 13)?;
+    let point = |semichords: f64| {
         let steps = (semichords * 40.0) as usize;
-        let lift = wing.sudden_start(1.0, 0.5 * semichords, steps)?[6];
+        let value = wing.sudden_start(1.0, 0.5 * semichords, steps)?[6];
         let jones: f64 = (0..2).map(|k| JONES_WEIGHTS[k] * (-JONES_RATES[k] * semichords).exp()).sum();
-        errors.push(lift - (1.0 - jones));
-    }
+        Ok(Point { series: "mid span".into(), x: semichords, value: (value, 0.0), exact: (1.0 - jones, 0.0) })
+    };
+    [0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0].into_iter().map(point).collect()
+}
+
+fn wagner_limit() -> Result<Vec<Row>, Error> {
+    let errors = wagner_points()?.into_iter().map(|point| point.value.0 - point.exact.0);
     let metric = "error of Wagner's function at mid span, AR 1e5";
     Ok(vec![Row::judged("aero.wagner_limit", "Jones 1940", metric, worst(errors), 4e-4, "")])
 }
 
-fn glauert_rectangular() -> Result<Vec<Row>, Error> {
+/// Lift slope of rectangles beside Glauert's series, 1/rad, by aspect ratio 3 to 20.
+///
+/// # Errors
+/// [`Error`] when the table or the model fails.
+pub fn glauert_points() -> Result<Vec<Point>, Error> {
     let table = reference_table!("analytic/lifting_line_steady.csv")?;
     let (planforms, aspects) = (table.words("planform")?, table.column("AR")?);
     let slopes = table.column("CLalpha_per_rad")?;
-    let mut errors = Vec::new();
-    for i in (0..table.len()).filter(|&i| planforms[i] == "rect" && (3.0..=20.0).contains(&aspects[i])) {
+    let point = |i: usize| {
         let wing = Stream::rectangular(aspects[i], MANY_NODES)?;
         let slope = wing.lift_slope(1.0, &wing.sudden_start(1.0, 150.0, 12000)?);
-        errors.push(slope / slopes[i] - 1.0);
-    }
+        let (value, exact) = ((slope, 0.0), (slopes[i], 0.0));
+        Ok(Point { series: "rectangle".into(), x: aspects[i], value, exact })
+    };
+    let wanted = |i: &usize| planforms[*i] == "rect" && (3.0..=20.0).contains(&aspects[*i]);
+    (0..table.len()).filter(wanted).map(point).collect()
+}
+
+fn glauert_rectangular() -> Result<Vec<Row>, Error> {
+    let errors = glauert_points()?.into_iter().map(|point| point.error());
     let metric = "relative error of the lift slope, rectangles AR 3 to 20";
     Ok(vec![Row::judged(
         "aero.glauert_rectangular",
@@ -161,56 +187,65 @@ fn step_starts_at_half() -> Result<Vec<Row>, Error> {
 const SECTION: f64 = 1e4;
 
 /// Complex lift coefficient of a section of unit chord per unit of derivative
-/// `order` of the small motion, at the reduced frequency `k` = omega c / (2 U).
-fn section_response(motion: Motion, order: i32, ks: &[f64]) -> Result<Vec<Complex>, Error> {
+/// `order` of the small motion, by reduced frequency `k` = omega c / (2 U), beside `exact`.
+fn section_points(
+    preset: Preset,
+    series: &str,
+    (motion, order): (Motion, i32),
+    exact: impl Iterator<Item = (f64, Complex)>,
+) -> Result<Vec<Point>, Error> {
     let still = wings::rectangular(SECTION)?;
-    let settings = LiftingLineSettings {
-        nodes: MANY_NODES,
-        density_kg_m3: 1.0,
-        regularisation_m_s: 1e-6,
-        drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
-        ..Default::default()
-    };
-    let line = LiftingLine::new(still.wing.planform(), settings)?;
-    let small = SmallMotion::new(&Aero::LiftingLine(line), &still, motion);
-    let coefficient = |&k: &f64| {
+    let model = preset.model_of(MANY_NODES, still.wing.planform(), &[], 1.0, 1e-6)?;
+    let small = SmallMotion::new(&model, &still, motion);
+    let point = |(k, exact): (f64, Complex)| {
         let omega = 2.0 * k;
         let (re, im) = small.response(omega)?[0];
         let scale = 0.5 * still.area * omega.powi(order);
-        Ok(if order == 1 { (im / scale, -re / scale) } else { (re / scale, im / scale) })
+        let value = if order == 1 { (im / scale, -re / scale) } else { (re / scale, im / scale) };
+        Ok(Point { series: series.into(), x: k, value, exact })
     };
-    ks.iter().map(coefficient).collect()
+    exact.filter(|(k, _)| *k <= 1.0).map(point).collect()
 }
 
-/// Worst |value - exact| / |exact|, k <= 1.
-fn worst_response(ks: &[f64], values: &[Complex], re: &[f64], im: &[f64]) -> f64 {
-    let error = |i: usize| (values[i].0 - re[i]).hypot(values[i].1 - im[i]) / re[i].hypot(im[i]);
-    worst((0..ks.len()).filter(|&i| ks[i] <= 1.0).map(error))
-}
-
-fn theodorsen_plunge() -> Result<Vec<Row>, Error> {
+/// Lift per upwash angle of a section in plunge, by reduced frequency.
+///
+/// # Errors
+/// [`Error`] when the table or the model fails.
+pub fn theodorsen_plunge_points(preset: Preset) -> Result<Vec<Point>, Error> {
     let table = reference_table!("analytic/theodorsen_plunge_2d.csv")?;
-    let (ks, re) = (table.column("k")?, table.column("Re_CL_over_alpha_e")?);
-    let values = section_response(Motion::Plunge, 1, &ks)?;
-    let error = worst_response(&ks, &values, &re, &table.column("Im_CL_over_alpha_e")?);
-    let metric = "worst complex error of lift, k <= 1, AR 1e4";
-    Ok(vec![Row::judged("aero.theodorsen_plunge", "Theodorsen 1935", metric, error, 0.025, "")])
+    let (re, im) = (table.column("Re_CL_over_alpha_e")?, table.column("Im_CL_over_alpha_e")?);
+    let exact = table.column("k")?.into_iter().zip(re.into_iter().zip(im));
+    section_points(preset, "plunge", (Motion::Plunge, 1), exact)
 }
 
-fn theodorsen_pitch() -> Result<Vec<Row>, Error> {
+/// Lift per pitch angle of a section about three axes, by reduced frequency.
+///
+/// # Errors
+/// [`Error`] when the table or the model fails.
+pub fn theodorsen_pitch_points(preset: Preset) -> Result<Vec<Point>, Error> {
     let table = reference_table!("analytic/theodorsen_pitch_2d.csv")?;
     let axes = table.column("a_semichords_from_midchord")?;
     let (ks, re, im) =
         (table.column("k")?, table.column("Re_CL_over_alpha0")?, table.column("Im_CL_over_alpha0")?);
-    let mut errors = Vec::new();
-    for axis in [-0.5, 0.0, 0.5] {
-        let of_axis = |column: &[f64]| -> Vec<f64> {
-            column.iter().zip(&axes).filter(|(_, a)| **a == axis).map(|(v, _)| *v).collect()
-        };
-        let ks = of_axis(&ks);
-        let values = section_response(Motion::Pitch(-0.5 - 0.5 * axis), 0, &ks)?;
-        errors.push(worst_response(&ks, &values, &of_axis(&re), &of_axis(&im)));
+    let mut points = Vec::new();
+    for (axis, name) in [(-0.5, "axis at 1/4 chord"), (0.0, "axis at 1/2 chord"), (0.5, "axis at 3/4 chord")]
+    {
+        let rows = (0..table.len()).filter(|&i| axes[i] == axis);
+        let exact = rows.map(|i| (ks[i], (re[i], im[i])));
+        let motion = Motion::Pitch(-0.5 - 0.5 * axis);
+        points.extend(section_points(preset, name, (motion, 0), exact)?);
     }
+    Ok(points)
+}
+
+fn theodorsen_plunge() -> Result<Vec<Row>, Error> {
+    let errors = theodorsen_plunge_points(Preset::Paper)?.into_iter().map(|point| point.error());
+    let metric = "worst complex error of lift, k <= 1, AR 1e4";
+    Ok(vec![Row::judged("aero.theodorsen_plunge", "Theodorsen 1935", metric, worst(errors), 0.025, "")])
+}
+
+fn theodorsen_pitch() -> Result<Vec<Row>, Error> {
+    let errors = theodorsen_pitch_points(Preset::Paper)?.into_iter().map(|point| point.error());
     let metric = "worst complex error of lift, axes 1/4, 1/2, 3/4 chord, k <= 1, AR 1e4";
     Ok(vec![Row::judged("aero.theodorsen_pitch", "Theodorsen 1935", metric, worst(errors), 0.025, "")])
 }

@@ -17,16 +17,38 @@ pub const CASES: &[Case] = &[
     Case { id: "body.pinocchio", quick: true, run: pinocchio },
 ];
 
-fn linkage_cycle() -> Result<Vec<Row>, Error> {
+/// Angles of one revolution of the crank, degrees.
+#[derive(Clone, Debug)]
+pub struct CrankAngles {
+    /// Crank.
+    pub crank: Vec<f64>,
+    /// Humerus and radius of the model.
+    pub value: [Vec<f64>; 2],
+    /// The same of the table.
+    pub exact: [Vec<f64>; 2],
+}
+
+/// Humerus and radius over a revolution of the crank, beside an independent loop closure.
+///
+/// # Errors
+/// [`Error`] when the table or the linkage fails.
+pub fn crank_angles() -> Result<CrankAngles, Error> {
     let table = reference_table!("linkage/cycle.csv")?;
-    let (crank, humerus, radius) = (table.column_at(0)?, table.column_at(1)?, table.column_at(2)?);
+    let crank = table.column_at(0)?;
     let linkage = Linkage::new(LinkageDimensions::default())?;
-    let mut worst = 0.0_f64;
-    for ((crank, humerus), radius) in crank.iter().zip(&humerus).zip(&radius) {
+    let mut value: [Vec<f64>; 2] = Default::default();
+    for crank in &crank {
         let pose = linkage.pose(Jet::<f64>::from(crank.to_radians()), [Jet::from(0.0); 3])?;
-        worst = worst.max((pose.humerus.x.to_degrees() - humerus).abs());
-        worst = worst.max((pose.radius.x.to_degrees() - radius).abs());
+        value[0].push(pose.humerus.x.to_degrees());
+        value[1].push(pose.radius.x.to_degrees());
     }
+    Ok(CrankAngles { crank, value, exact: [table.column_at(1)?, table.column_at(2)?] })
+}
+
+fn linkage_cycle() -> Result<Vec<Row>, Error> {
+    let angles = crank_angles()?;
+    let pairs = angles.value.iter().flatten().zip(angles.exact.iter().flatten());
+    let worst = pairs.map(|(value, exact)| (value - exact).abs()).fold(0.0, f64::max);
     let metric = "max error of humerus and radius angle";
     Ok(vec![Row::judged("linkage.cycle", "independent loop closure by Newton", metric, worst, 1e-3, "deg")])
 }
@@ -50,7 +72,12 @@ fn energy_power_balance() -> Result<Vec<Row>, Error> {
     Ok(vec![Row::judged("body.energy_power_balance", "conservation of energy", metric, error, 1e-8, "")])
 }
 
-fn pinocchio() -> Result<Vec<Row>, Error> {
+/// Accelerations of the reference tree beside Pinocchio's: base linear and angular (m/s2, rad/s2), then
+/// the joints (rad/s2).
+///
+/// # Errors
+/// [`Error`] when a table or the tree fails.
+pub fn tree_accelerations() -> Result<Vec<(f64, f64)>, Error> {
     let tree = reference_tree()?;
     let q = reference_table!("multibody/ref_q.txt")?.column_at(0)?;
     let v = reference_table!("multibody/ref_v.txt")?.column_at(0)?;
@@ -73,8 +100,12 @@ fn pinocchio() -> Result<Vec<Row>, Error> {
     // The free flyer's acceleration is spatial there: a - w x v.
     let linear = found.base.origin - w_b.cross(v_b);
     let all = linear.0.iter().chain(&found.base.angular.0).chain(&found.joints);
-    let error = |(a, b): (&f64, &f64)| (a - b).abs() / b.abs();
-    let worst = all.zip(&expected).map(error).fold(0.0, f64::max);
+    Ok(all.copied().zip(expected).collect())
+}
+
+fn pinocchio() -> Result<Vec<Row>, Error> {
+    let error = |(a, b): (f64, f64)| (a - b).abs() / b.abs();
+    let worst = tree_accelerations()?.into_iter().map(error).fold(0.0, f64::max);
     let source = "Pinocchio 4.1 and MuJoCo 4.0 (agreeing to 1e-15)";
     let metric = "max relative error of the 10 accelerations, joints free";
     Ok(vec![Row::judged("body.pinocchio", source, metric, worst, 1e-10, "")])

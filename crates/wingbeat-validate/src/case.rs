@@ -1,5 +1,6 @@
 //! A compared number, the case that computes it, and the running of many.
 
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -54,7 +55,7 @@ impl Row {
 
 /// A comparison: its function runs the model and returns one row per number.
 ///
-/// The rows' ids are the case's id, or start with it and a dot.
+/// The rows' ids are the case's id, or start with it and a dot; no two are the same.
 #[derive(Debug)]
 pub struct Case {
     /// Stable name, e.g. `linkage.cycle`.
@@ -86,7 +87,7 @@ impl Selection {
 }
 
 /// True when `id` is `prefix` or starts with `prefix.`.
-fn below(id: &str, prefix: &str) -> bool {
+pub(crate) fn below(id: &str, prefix: &str) -> bool {
     id.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
@@ -95,8 +96,13 @@ pub fn select<'a>(all: &[&'a Case], selection: &Selection) -> Vec<&'a Case> {
     all.iter().copied().filter(|case| selection.keeps_case(case)).collect()
 }
 
-/// Runs `cases` on `threads` threads and hands each case's rows to `show` in the order of `cases`.
-pub fn run(cases: &[&Case], selection: &Selection, threads: usize, mut show: impl FnMut(&[Row])) -> Vec<Row> {
+/// Runs `cases` on `threads` threads and hands each case's rows to `show` in the order of `cases`, until it breaks.
+pub fn run(
+    cases: &[&Case],
+    selection: &Selection,
+    threads: usize,
+    mut show: impl FnMut(&[Row]) -> ControlFlow<()>,
+) -> Vec<Row> {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     let sender = Mutex::new(sender);
@@ -115,7 +121,10 @@ pub fn run(cases: &[&Case], selection: &Selection, threads: usize, mut show: imp
         for (index, rows) in receiver.iter().take(cases.len()) {
             done[index] = Some(rows);
             while let Some(rows) = done.get_mut(front).and_then(Option::take) {
-                show(&rows);
+                if show(&rows).is_break() {
+                    next.store(cases.len(), Ordering::Relaxed);
+                    return;
+                }
                 shown.extend(rows);
                 front += 1;
             }
@@ -135,7 +144,10 @@ fn rows_of(case: &Case, selection: &Selection) -> Vec<Row> {
         Ok(Err(error)) => return vec![Row::failed(case.id, &error)],
         Err(_) => return vec![Row::failed(case.id, &Error::Panicked)],
     };
-    debug_assert!(rows.iter().all(|row| below(&row.id, case.id)), "rows of {} carry its id", case.id);
+    let own = |i: usize| below(&rows[i].id, case.id) && rows[..i].iter().all(|row| row.id != rows[i].id);
+    if !(0..rows.len()).all(own) {
+        return vec![Row::failed(case.id, &Error::Ids)];
+    }
     rows.retain(|row| selection.keeps_row(row));
     rows
 }
@@ -184,7 +196,10 @@ mod tests {
     fn rows_come_in_order_and_failures_are_rows() {
         let all = [&GOOD, &BAD, &PANIC];
         let mut seen = 0;
-        let rows = run(&all, &Selection::default(), 2, |rows| seen += rows.len());
+        let rows = run(&all, &Selection::default(), 2, |rows| {
+            seen += rows.len();
+            ControlFlow::Continue(())
+        });
         assert_eq!(
             rows.iter().map(|row| row.id.as_str()).collect::<Vec<_>>(),
             ["a.good.x", "a.good.y", "a.bad", "b"]
@@ -194,9 +209,28 @@ mod tests {
     }
 
     #[test]
+    fn a_break_ends_the_running() {
+        let mut seen = 0;
+        let rows = run(&[&GOOD, &BAD, &GOOD, &BAD], &Selection::default(), 1, |_| {
+            seen += 1;
+            ControlFlow::Break(())
+        });
+        assert_eq!((rows.len(), seen), (0, 1));
+    }
+
+    #[test]
+    fn two_rows_of_one_id_are_refused() {
+        let twice = || Ok(vec![Row::shown("c", "s", "m", 1.0, ""), Row::shown("c", "s", "n", 1.0, "")]);
+        let rows = run(&[&Case { id: "c", quick: true, run: twice }], &Selection::default(), 1, |_| {
+            ControlFlow::Continue(())
+        });
+        assert_eq!((rows.len(), rows[0].passes()), (1, false));
+    }
+
+    #[test]
     fn one_row_of_a_case_can_be_chosen() {
         let selection = Selection { only: Some("a.good.y".into()), quick: false };
-        let rows = run(&[&GOOD], &selection, 1, |_| {});
+        let rows = run(&[&GOOD], &selection, 1, |_| ControlFlow::Continue(()));
         assert_eq!(rows.len(), 1);
     }
 }

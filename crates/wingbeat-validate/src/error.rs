@@ -20,6 +20,9 @@ pub enum Error {
     /// A solver ended without an answer.
     #[error("no answer: {0}")]
     NoAnswer(String),
+    /// Rows of a comparison that cannot be told apart.
+    #[error("the rows do not carry the comparison's id, each its own")]
+    Ids,
     /// The comparison itself broke off.
     #[error("the comparison broke off; its message is above")]
     Panicked,

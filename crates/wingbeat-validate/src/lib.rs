@@ -5,12 +5,14 @@
 
 mod case;
 mod error;
+mod page;
 mod reference;
 mod report;
 
 pub mod aero_full;
 pub mod aero_paper;
 pub mod body;
+pub mod figures;
 pub mod flapbody;
 pub mod math;
 pub mod ocp;
@@ -19,6 +21,7 @@ pub mod rig;
 
 pub use case::{Case, Row, Selection, run, select};
 pub use error::Error;
+pub use page::page;
 pub use reference::Table;
 pub use report::{Line, table, to_json};
 

@@ -46,9 +46,12 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |worst, (a, b)| worst.max((a - b).abs()))
 }
 
-/// Error of the end state of 0.1 s of flight on 8 and 16 intervals, against
-/// Runge-Kutta steps of 0.01 ms.
-fn hermite_simpson_order() -> Result<Vec<Row>, Error> {
+/// Error of the end state of 0.1 s of flight on each number of `intervals`, against Runge-Kutta steps
+/// of 0.01 ms.
+///
+/// # Errors
+/// [`Error`] when the model fails or the collocation is not solved.
+pub fn collocation_errors(intervals: &[usize]) -> Result<Vec<f64>, Error> {
     const DURATION: f64 = 0.1;
     const STEPS: usize = 10_000;
     let (plant, u) = (FlapBody::default(), [0.3, -0.2, 0.25, -0.15]);
@@ -57,11 +60,16 @@ fn hermite_simpson_order() -> Result<Vec<Row>, Error> {
     for i in 0..STEPS {
         RK4.step(|t, x, dx| plant.rates(t, x, &u, dx), i as f64 * dt, dt, &mut x, &mut work)?;
     }
-    let error = |intervals: usize| -> Result<f64, Error> {
+    let error = |&intervals: &usize| -> Result<f64, Error> {
         let solver = collocated(DURATION, vec![u; intervals + 1])?;
         Ok(largest_difference(solver.state(intervals), &x))
     };
-    let observed = (error(8)? / error(16)?).log2();
+    intervals.iter().map(error).collect()
+}
+
+fn hermite_simpson_order() -> Result<Vec<Row>, Error> {
+    let errors = collocation_errors(&[8, 16])?;
+    let observed = (errors[0] / errors[1]).log2();
     let source = "Hargraves & Paris 1987 (order 4)";
     Ok(vec![Row::order("ocp.hermite_simpson_order", source, observed, 4.0, 0.2)])
 }

@@ -67,7 +67,7 @@ fn cells(row: &Row) -> [String; 6] {
     ]
 }
 
-fn metric(row: &Row) -> String {
+pub(crate) fn metric(row: &Row) -> String {
     if row.unit.is_empty() { row.metric.clone() } else { format!("{} [{}]", row.metric, row.unit) }
 }
 

@@ -3,6 +3,8 @@
 mod arm;
 mod runs;
 
+pub use runs::processed_run;
+
 use crate::Case;
 
 /// The comparisons.

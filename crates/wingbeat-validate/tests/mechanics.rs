@@ -1,10 +1,12 @@
 //! The rows of mathematics and mechanics pass, each by itself.
 
+use std::ops::ControlFlow;
+
 use wingbeat_validate::{Selection, cases, run, select};
 
 fn assert_passing(only: &str, rows_expected: usize) {
     let (all, selection) = (cases(), Selection { only: Some(only.into()), quick: false });
-    let rows = run(&select(&all, &selection), &selection, 1, |_| {});
+    let rows = run(&select(&all, &selection), &selection, 1, |_| ControlFlow::Continue(()));
     assert_eq!(rows.len(), rows_expected, "{only}");
     for row in rows {
         assert!(row.passes(), "{row:?}");

@@ -1,12 +1,13 @@
 //! Text that is generated into the documents.
 
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
 
 use crate::tools;
 
-/// Writes again what is generated: docs/cli.md, the tables and the picture of README.md.
+/// Writes again what is generated: docs/cli.md, docs/validation.md, the tables and the picture of README.md.
 pub fn write() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--package", "wingbeat-cli", "reference"]);
@@ -44,14 +45,63 @@ fn untimed(table: &str) -> String {
     table.lines().filter(|line| !timed(line)).collect::<Vec<_>>().join("\n")
 }
 
-/// Runs every comparison and puts the table into the README.
+/// Runs every comparison, puts the table into the README, and the page with its figures into docs.
 fn comparisons() -> bool {
-    let file = tools::root().join("target/validation.json");
-    let mut command = tools::cargo(&["run", "--release", "--quiet", "--", "validate", "--json"]);
-    command.arg(&file);
+    let run = tools::root().join("target/validation");
+    let mut command = tools::cargo(&["run", "--release", "--quiet", "--", "validate", "--force", "--out"]);
+    let _ = fs::create_dir_all(tools::root().join("target"));
+    command.arg(&run);
     tools::succeeds(command);
-    let rows = fs::read_to_string(&file).ok().and_then(|text| serde_json::from_str::<Vec<Value>>(&text).ok());
-    rows.is_some_and(|rows| put("validation", &markdown(&rows)))
+    rows_of(&run.join("rows.json")).is_some_and(|rows| put("validation", &markdown(&rows))) && page(&run)
+}
+
+/// The rows that a file of `wingbeat validate` holds.
+pub fn rows_of(file: &Path) -> Option<Vec<Value>> {
+    serde_json::from_str(&fs::read_to_string(file).ok()?).ok()
+}
+
+/// Copies the page of the comparisons and its figures from the folder `run`.
+fn page(run: &Path) -> bool {
+    let docs = tools::root().join("docs");
+    let images = docs.join("images/validation");
+    let Ok(text) = fs::read_to_string(run.join("validation.md")) else { return false };
+    let text = text.replace("](figures/", "](images/validation/");
+    let _ = fs::remove_dir_all(&images);
+    let pictures = || -> std::io::Result<()> {
+        fs::create_dir_all(&images)?;
+        for entry in fs::read_dir(run.join("figures"))? {
+            let path = entry?.path();
+            if let (Some("png"), Some(name)) = (path.extension().and_then(|e| e.to_str()), path.file_name()) {
+                fs::copy(&path, images.join(name))?;
+            }
+        }
+        fs::write(docs.join("validation.md"), text)
+    };
+    pictures().is_ok()
+}
+
+/// What the tables of docs/validation.md say otherwise than `rows`, which may be some of all.
+///
+/// Numbers agree within two per cent; below 1e-4 they are rounding and need only stay there.
+pub fn stale(rows: &[Value]) -> Vec<String> {
+    let page = fs::read_to_string(tools::root().join("docs/validation.md")).unwrap_or_default();
+    rows.iter().filter_map(|row| disagreement(row, &page)).collect()
+}
+
+fn disagreement(row: &Value, page: &str) -> Option<String> {
+    let id = row["id"].as_str().unwrap_or("");
+    let start = format!("| `{id}` |");
+    let Some(line) = page.lines().find(|line| line.starts_with(&start)) else {
+        return Some(format!("{id} is missing"));
+    };
+    let cells: Vec<&str> = line.trim_end_matches(" |").rsplit(" | ").take(2).collect();
+    let written = |cell: usize| cells.get(cell).and_then(|cell| cell.parse::<f64>().ok());
+    let same = |written: Option<f64>, now: Option<f64>| match (written, now) {
+        (Some(a), Some(b)) => (a - b).abs() <= 0.02 * b.abs() || (a.abs() < 1e-4 && b.abs() < 1e-4),
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    let agrees = same(written(0), row["limit"].as_f64()) && same(written(1), row["value"].as_f64());
+    (!agrees).then(|| format!("{id} is now {} with limit {}", row["value"], row["limit"]))
 }
 
 /// The rows as a Markdown table.
@@ -105,6 +155,17 @@ mod tests {
         let document = "a\n<!-- x -->\nold\n<!-- end -->\nb";
         assert_eq!(between(document, "x", "new").unwrap(), "a\n<!-- x -->\nnew\n<!-- end -->\nb");
         assert_eq!(between(document, "y", "new"), None);
+    }
+
+    #[test]
+    fn a_page_is_stale_when_a_number_has_moved() {
+        let page = "| `a.b` | error \\| x | 0.0152 | 0.02 |\n| `a.c` | error | 6e-14 | - |";
+        let row = |id: &str, value: f64, limit: Option<f64>| serde_json::json!({"id": id, "value": value, "limit": limit});
+        assert_eq!(disagreement(&row("a.b", 0.01523, Some(0.02)), page), None);
+        assert_eq!(disagreement(&row("a.c", 2e-13, None), page), None);
+        assert!(disagreement(&row("a.b", 0.0160, Some(0.02)), page).is_some());
+        assert!(disagreement(&row("a.b", 0.0152, Some(0.03)), page).is_some());
+        assert!(disagreement(&row("a.d", 0.0152, None), page).is_some());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
 use crate::report::{Account, Tally};
-use crate::{licences, tools};
+use crate::{documents, licences, tools};
 
 /// Runs every check; true when all pass.
 pub fn test() -> bool {
@@ -12,10 +12,22 @@ pub fn test() -> bool {
     });
     account.step("tests", || counted(&["test", "--release", "--workspace", "--no-fail-fast"]));
     account.step("licences", licences::check);
-    account.step("comparisons", || {
-        counted(&["run", "--release", "--quiet", "--", "validate", "--quick", "--quiet"])
-    });
+    account.step("comparisons", comparisons);
     account.close()
+}
+
+/// The quick comparisons, and the numbers of docs/validation.md beside theirs.
+fn comparisons() -> Tally {
+    let file = tools::root().join("target/quick.json");
+    let path = file.to_string_lossy();
+    let mut tally =
+        counted(&["run", "--release", "--quiet", "--", "validate", "--quick", "--quiet", "--json", &path]);
+    let stale = documents::rows_of(&file).map(|rows| documents::stale(&rows)).unwrap_or_default();
+    for what in &stale {
+        println!("docs/validation.md is stale, run `cargo xtask docs`: {what}");
+    }
+    tally.failed += stale.len();
+    tally
 }
 
 fn one(arguments: &[&str]) -> Tally {

@@ -3,7 +3,7 @@
 
 use super::wings::rectangle;
 use super::{Preset, STRIPS};
-use crate::{Error, Row, Table, reference_table};
+use crate::{Error, Row, reference_table};
 use std::f64::consts::FRAC_PI_2;
 use std::f64::consts::PI;
 use wingbeat::aero::{Loads, Planform};
@@ -12,8 +12,17 @@ use wingbeat::tether::{Clock, Coordinate, Hinge, HingeKind, Motion, Reference, S
 
 /// Flapping frequency of all cases, Hz.
 const FREQUENCY: f64 = 3.5;
+/// Chord of all wings, m.
+const CHORD: f64 = 0.08;
+/// Speed of the wind, m/s.
+const SPEED: f64 = 1.5;
 
-/// A flapping rectangular wing in a wind of 1.5 m/s at 5 degrees.
+/// Reduced frequency pi f c / U of all cases.
+pub fn reduced_frequency() -> f64 {
+    PI * FREQUENCY * CHORD / SPEED
+}
+
+/// A flapping rectangular wing in a wind at 5 degrees.
 pub struct Flap {
     half_span: f64,
     amplitude_deg: f64,
@@ -30,7 +39,7 @@ pub const E1: Flap = Flap { half_span: 0.25, amplitude_deg: 30.0, fold: Some((0.
 
 impl Flap {
     fn wing(&self) -> Result<Planform, Error> {
-        rectangle(2.0 * self.half_span, 0.08)
+        rectangle(2.0 * self.half_span, CHORD)
     }
 
     fn incidence() -> f64 {
@@ -67,13 +76,13 @@ impl Flap {
                 hinges: angles,
             },
             aero,
-            wind: Vec3::new(-1.5 * alpha.cos(), 0.0, 1.5 * alpha.sin()),
+            wind: Vec3::new(-alpha.cos(), 0.0, alpha.sin()) * SPEED,
             side: Side::Both,
             reference: Reference {
                 density_kg_m3: 1.225,
-                speed_m_s: 1.5,
-                area_m2: 0.16 * self.half_span,
-                chord_m: 0.08,
+                speed_m_s: SPEED,
+                area_m2: 2.0 * CHORD * self.half_span,
+                chord_m: CHORD,
             },
             clock: Clock { frequency_hz: FREQUENCY, cycles: 3, steps_per_cycle: steps },
         })
@@ -119,29 +128,73 @@ const PARTS: [Part; 5] = [
     ("Faz", |l| l.by_source().added_mass.force[2]),
 ];
 
-/// Time series of F2 and E1: rms difference over rms, the worst of forces and their parts.
-pub fn oracle() -> Result<Vec<Row>, Error> {
+/// A force over the cycle beside the research script's.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// `F2` or `E1`.
+    pub case: &'static str,
+    /// Column of the table: x aft, z up; c circulatory, a added mass.
+    pub part: &'static str,
+    /// Phase, cycles.
+    pub phase: Vec<f64>,
+    /// The model, N.
+    pub value: Vec<f64>,
+    /// The script, N.
+    pub exact: Vec<f64>,
+}
+
+impl Comparison {
+    /// Rms difference over rms.
+    pub fn error(&self) -> f64 {
+        let difference = self.value.iter().zip(&self.exact).map(|(value, exact)| (value - exact).powi(2));
+        (difference.sum::<f64>() / self.exact.iter().map(|exact| exact.powi(2)).sum::<f64>()).sqrt()
+    }
+}
+
+/// Forces of F2 and E1 and their parts, where the script has them.
+///
+/// # Errors
+/// [`Error`] when a table or the model fails.
+pub fn oracle_series(preset: Preset) -> Result<Vec<Comparison>, Error> {
     let steps = 192;
     let cases = [
-        (F2, reference_table!("strip_model/strip_model_F2.csv")?),
-        (E1, reference_table!("strip_model/strip_model_E1.csv")?),
+        ("F2", F2, reference_table!("strip_model/strip_model_F2.csv")?),
+        ("E1", E1, reference_table!("strip_model/strip_model_E1.csv")?),
     ];
-    let mut worst: f64 = 0.0;
-    for (flap, table) in cases {
-        let cycle = last_cycle(&flap.tether(Preset::Full, steps)?)?;
-        for part in PARTS {
-            worst = worst.max(rms_error(&table, part, &cycle)?);
+    let mut series = Vec::new();
+    for (case, flap, table) in cases {
+        let cycle = last_cycle(&flap.tether(preset, steps)?)?;
+        let stride = cycle.len() / table.len();
+        for (part, of) in PARTS {
+            series.push(Comparison {
+                case,
+                part,
+                phase: table.column("phase")?,
+                value: cycle.iter().step_by(stride).map(of).collect(),
+                exact: table.column(part)?,
+            });
         }
     }
+    Ok(series)
+}
+
+/// The worst of the forces of F2 and E1 and their parts.
+pub fn oracle() -> Result<Vec<Row>, Error> {
+    let worst = oracle_series(Preset::Full)?.iter().map(Comparison::error).fold(0.0, f64::max);
     let metric = "F2 and E1: worst rms error of force and its parts over their rms";
     Ok(vec![Row::judged("aero.full.oracle", "research script of the strip model", metric, worst, 0.01, "")])
 }
 
-fn rms_error(table: &Table, (column, of): Part, cycle: &[Loads<f64>]) -> Result<f64, Error> {
-    let exact = table.column(column)?;
-    let stride = cycle.len() / exact.len();
-    let square = |f: &dyn Fn(usize) -> f64| (0..exact.len()).map(|i| f(i).powi(2)).sum::<f64>();
-    Ok((square(&|i| of(&cycle[i * stride]) - exact[i]) / square(&|i| exact[i])).sqrt())
+/// Upward added-mass force of the wing over the last cycle of F2 and of E1, N.
+///
+/// # Errors
+/// [`Error`] when the model cannot be built.
+pub fn added_mass_lift(preset: Preset) -> Result<[(&'static str, Vec<f64>); 2], Error> {
+    let lift = |flap: &Flap| -> Result<Vec<f64>, Error> {
+        let cycle = last_cycle(&flap.tether(preset, 192)?)?;
+        Ok(cycle.iter().map(|l| l.by_source().added_mass.force[2]).collect())
+    };
+    Ok([("F2", lift(&F2)?), ("E1", lift(&E1)?)])
 }
 
 /// Cycle mean of the added-mass force over its amplitude: of the sum for the strip

@@ -20,6 +20,19 @@ pub fn trefftz() -> Result<Vec<Row>, Error> {
     Ok(vec![Row::judged("aero.full.trefftz", "Munk: drag of its own far wake", metric, worst, 0.005, "")])
 }
 
+/// Steady induced drag over its Trefftz drag of a wing of AR 6, swept by `angle` degrees, or folded: each
+/// half at the dihedral 15 degrees up to 1/3 of it, then bent down by `angle` degrees.
+///
+/// # Errors
+/// [`Error`] when the model cannot be built.
+pub fn induced_over_trefftz(folded: bool, angle: f64) -> Result<f64, Error> {
+    drag_over_trefftz(&if folded {
+        wings::folded(6.0, 15.0, 15.0 - angle)?
+    } else {
+        wings::swept(6.0, angle)?
+    })
+}
+
 /// Steady drag at 2 degrees over the drag of its wake.
 fn drag_over_trefftz(still: &Still) -> Result<f64, Error> {
     let model = Preset::Full.model(still.wing.planform(), &still.hinges(), 1.0, 1e-6)?;
@@ -57,13 +70,16 @@ fn far_velocity(bound: &[Vec3], circulation: &[f64], p: Vec3, along: Vec3) -> Ve
         .fold(Vec3::ZERO, |v, (ends, gamma)| v + (line(ends[1]) - line(ends[0])) * *gamma)
 }
 
-/// Drag of the wing at rest that the published comparison takes off.
-const STATIC_DRAG: f64 = 0.057;
+/// Drag coefficient of the wing at rest that the published comparison takes off.
+pub const STATIC_DRAG: f64 = 0.057;
 /// The drag that Scherer gives.
 const SCHERER_DRAG: f64 = 0.027;
 
-/// Thrust coefficient of Scherer's wing at `(theta_max, psi)` in degrees, inviscid.
-fn thrust(preset: Preset, theta_deg: f64, psi_deg: f64) -> Result<f64, Error> {
+/// Inviscid thrust coefficient of Scherer's wing, pitch amplitude and phase in degrees.
+///
+/// # Errors
+/// [`Error`] when the model cannot be built.
+pub fn scherer_thrust(preset: Preset, theta_deg: f64, psi_deg: f64) -> Result<f64, Error> {
     let (chord, span, speed, density, frequency_hz) = (0.1016, 0.3048, 3.048, 1000.0, 5.0);
     let wave = |amplitude: f64, phase: f64| Coordinate::Fourier {
         frequency_hz,
@@ -95,23 +111,43 @@ fn thrust(preset: Preset, theta_deg: f64, psi_deg: f64) -> Result<f64, Error> {
     Ok(mean / (0.5 * density * speed * speed * area))
 }
 
-/// Thrust of the heaving and pitching wing: (theta_max, psi, inviscid model, measured), degrees.
+/// A measured thrust coefficient of the heaving and pitching wing.
+#[derive(Clone, Copy, Debug)]
+pub struct Thrust {
+    /// Pitch amplitude, degrees.
+    pub theta_deg: f64,
+    /// Phase of pitch before heave, degrees.
+    pub psi_deg: f64,
+    /// Inviscid model.
+    pub value: f64,
+    /// Measured.
+    pub measured: f64,
+    /// Error bars below and above.
+    pub bars: (f64, f64),
+}
+
+/// The model at the measured points.
 ///
 /// # Errors
 /// [`Error`] when the table or the model fails.
-pub fn scherer_points(preset: Preset) -> Result<Vec<[f64; 4]>, Error> {
+pub fn scherer_points(preset: Preset) -> Result<Vec<Thrust>, Error> {
     let table = reference_table!("scherer1968/thrust.csv")?;
     let (theta, psi) = (table.column("theta_max_deg")?, table.column("psi_deg")?);
-    let measured = table.column("ct")?;
-    (0..table.len()).map(|i| Ok([theta[i], psi[i], thrust(preset, theta[i], psi[i])?, measured[i]])).collect()
+    let (measured, below, above) =
+        (table.column("ct")?, table.column("err_minus")?, table.column("err_plus")?);
+    let point = |i: usize| {
+        let (theta_deg, psi_deg) = (theta[i], psi[i]);
+        let value = scherer_thrust(preset, theta_deg, psi_deg)?;
+        Ok(Thrust { theta_deg, psi_deg, value, measured: measured[i], bars: (below[i], above[i]) })
+    };
+    (0..table.len()).map(point).collect()
 }
 
 /// Mean |error| of the thrust coefficient over the measured points.
 pub fn scherer(preset: Preset) -> Result<Vec<Row>, Error> {
     let points = scherer_points(preset)?;
     let error = |drag: f64| {
-        points.iter().map(|[_, _, value, exact]| (value - drag - exact).abs()).sum::<f64>()
-            / points.len() as f64
+        points.iter().map(|p| (p.value - drag - p.measured).abs()).sum::<f64>() / points.len() as f64
     };
     let source = "Scherer 1968, measured; Izraelevitz et al. 2017 fig. 14";
     let metric = "mean |error| of thrust coefficient, Cd0 = 0.057";

@@ -6,6 +6,7 @@ use super::lattice::loading;
 use super::linear::{Complex, Motion, SmallMotion};
 use super::wings::{self, Still};
 use crate::{Error, Row, reference_table};
+use std::f64::consts::PI;
 
 const SOURCE: &str = "linear lifting surface (own lattice, Richardson)";
 
@@ -140,19 +141,53 @@ pub fn step_points(preset: Preset) -> Result<Vec<Point>, Error> {
     Ok(points)
 }
 
-/// Normal force along the span of plunging rectangles, against a lattice whose circulation is
+/// Normal force along one half of the span of a plunging rectangle, from the tip inwards.
+#[derive(Clone, Debug)]
+pub struct SpanLoading {
+    /// Aspect ratio.
+    pub aspect: f64,
+    /// Reduced frequency.
+    pub k: f64,
+    /// Places of the stations over the half span.
+    pub places: Vec<f64>,
+    /// Force per span over dynamic pressure, chord and upwash angle, of the model.
+    pub value: Vec<Complex>,
+    /// The same of the lattice, extrapolated from 12 and 24 panels.
+    pub exact: Vec<Complex>,
+    /// Largest error of the lattice's circulation over its peak.
+    pub lattice_error: f64,
+}
+
+/// Span loadings of rectangles, AR 4 to 20, k 0.1 to 0.5, beside a lattice whose circulation is
 /// held against the tables.
-pub fn span_loading(preset: Preset) -> Result<Vec<Row>, Error> {
-    let (mut worst, mut lattice_worst) = (0.0_f64, 0.0_f64);
+///
+/// # Errors
+/// [`Error`] when a table, the lattice or the model fails.
+pub fn span_loadings(preset: Preset) -> Result<Vec<SpanLoading>, Error> {
+    let mut loadings = Vec::new();
     for (aspect, stations) in [(4.0, 16), (6.0, 16), (12.0, 24), (20.0, 24)] {
         for k in [0.1, 0.3, 0.5] {
             let [coarse, fine] = [loading(aspect, k, 12, stations)?, loading(aspect, k, 24, stations)?];
-            let value = span_force(preset, aspect, k, stations)?;
-            worst = worst.max(distance_over_peak(&value, &extrapolated(&coarse.force, &fine.force)));
             let table = table_circulation(aspect, k)?;
-            lattice_worst = lattice_worst.max(distance_over_peak(&fine.circulation, &table));
+            let step = PI / (stations + 1) as f64;
+            loadings.push(SpanLoading {
+                aspect,
+                k,
+                places: (1..=stations / 2).map(|j| (j as f64 * step).cos()).collect(),
+                value: span_force(preset, aspect, k, stations)?,
+                exact: extrapolated(&coarse.force, &fine.force),
+                lattice_error: distance_over_peak(&fine.circulation, &table),
+            });
         }
     }
+    Ok(loadings)
+}
+
+/// The worst of the span loadings, and of the lattice that they are compared with.
+pub fn span_loading(preset: Preset) -> Result<Vec<Row>, Error> {
+    let loadings = span_loadings(preset)?;
+    let worst = loadings.iter().map(|l| distance_over_peak(&l.value, &l.exact)).fold(0.0, f64::max);
+    let lattice_worst = loadings.iter().map(|l| l.lattice_error).fold(0.0, f64::max);
     let metric = "worst error of normal force over its peak, AR 4 to 20, k 0.1 to 0.5";
     let source = "linear vortex lattice, Richardson from 12 and 24 panels";
     let check = "error of the lattice's circulation over its peak";

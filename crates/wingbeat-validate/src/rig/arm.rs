@@ -24,7 +24,7 @@ pub fn forward_kinematics() -> Result<Vec<Row>, Error> {
     let source = "URDF frames by quaternions, 40 digits";
     Ok(vec![
         Row::judged(ID, source, "largest position error, 6 poses", position, 1e-9, "m"),
-        Row::judged(ID, source, "largest angle error, 6 poses", angle, 1e-9, "rad"),
+        Row::judged(&format!("{ID}.angle"), source, "largest angle error, 6 poses", angle, 1e-9, "rad"),
     ])
 }
 
@@ -51,8 +51,15 @@ pub fn inverse_kinematics() -> Result<Vec<Row>, Error> {
     let share = missed as f64 / POSES as f64;
     Ok(vec![
         Row::judged(ID, source, "largest position error", position, 1e-6, "m"),
-        Row::judged(ID, source, "largest angle error", angle, 1e-6, "rad"),
-        Row::judged(ID, source, "share not solved within the limits", share, 0.005, ""),
+        Row::judged(&format!("{ID}.angle"), source, "largest angle error", angle, 1e-6, "rad"),
+        Row::judged(
+            &format!("{ID}.unsolved"),
+            source,
+            "share not solved within the limits",
+            share,
+            0.005,
+            "",
+        ),
     ])
 }
 

@@ -4,12 +4,13 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use wingbeat::math::{GRAVITY, Jet, Mat3, Vec3, Wrench};
+use wingbeat::rig::arm::LimitProfile;
 use wingbeat::rig::carrier::{Carrier, carried_frames};
-use wingbeat::rig::cell::six;
-use wingbeat::rig::process::Butterworth;
-use wingbeat::rig::{FrameMotion, Pose};
+use wingbeat::rig::cell::{CHANNELS, six};
+use wingbeat::rig::process::{Butterworth, Comparison};
+use wingbeat::rig::{FrameMotion, Pose, Trajectory};
 use wingbeat::robot::BodyMotion;
-use wingbeat::scenario::RigRun;
+use wingbeat::scenario::{Processed, RigRun};
 
 use crate::{Error, Row};
 
@@ -30,41 +31,36 @@ fn load(name: &str, overrides: &[&str]) -> Result<RigRun, Error> {
     RigRun::load(Path::new(&file), &overrides).map_err(|error| Error::NoAnswer(error.to_string()))
 }
 
-/// Differences of the 1 kHz positions against every limit; a refused path is shown with the limit it names.
+/// Differences of the 1 kHz positions against every limit: the worst of the runs, then run by run; a refused path is
+/// shown with the limit it names.
 pub fn limits_respected() -> Result<Vec<Row>, Error> {
     const ID: &str = "rig.limits_respected";
-    let mut rows = Vec::new();
+    let (mut worst, mut rows) = (0.0_f64, Vec::new());
     for name in RUNS {
         let run = load(name, &[])?;
-        let source = format!("limit profile {}", run.profile.name);
+        let (id, source) = (format!("{ID}.{name}"), format!("limit profile {}", run.profile.name));
         match run.plan()? {
             Ok(plan) => {
-                let (velocity, acceleration) = plan.trajectory.differenced().peaks();
-                let jerk = plan.trajectory.peak_jerk();
-                let limits = &run.profile;
-                let share = [
-                    (velocity, &limits.velocity),
-                    (acceleration, &limits.acceleration),
-                    (jerk, &limits.jerk),
-                ]
-                .iter()
-                .flat_map(|(peaks, limits)| peaks.iter().zip(limits.iter()).map(|(p, l)| p / l))
-                .fold(0.0, f64::max);
-                rows.push(Row::judged(
-                    ID,
-                    &source,
-                    &format!("{name}: largest share of a limit"),
-                    share,
-                    1.0,
-                    "",
-                ));
+                let share = largest_share(&plan.trajectory, &run.profile);
+                worst = worst.max(share);
+                rows.push(Row::judged(&id, &source, "largest share of a limit", share, 1.0, ""));
             }
-            Err(refusal) => {
-                rows.push(Row::shown(ID, &source, &format!("{name} refused: {refusal}"), f64::NAN, ""))
-            }
+            Err(refusal) => rows.push(Row::shown(&id, &source, &format!("refused: {refusal}"), f64::NAN, "")),
         }
     }
+    let metric = "largest share of a limit of velocity, acceleration or jerk, all runs";
+    rows.insert(0, Row::judged(ID, "limit profiles of the runs", metric, worst, 1.0, ""));
     Ok(rows)
+}
+
+/// Largest share of a limit that the positions of `trajectory` take, by differences.
+fn largest_share(trajectory: &Trajectory, limits: &LimitProfile) -> f64 {
+    let (velocity, acceleration) = trajectory.differenced().peaks();
+    let jerk = trajectory.peak_jerk();
+    [(velocity, &limits.velocity), (acceleration, &limits.acceleration), (jerk, &limits.jerk)]
+        .iter()
+        .flat_map(|(peaks, limits)| peaks.iter().zip(limits.iter()).map(|(peak, limit)| peak / limit))
+        .fold(0.0, f64::max)
 }
 
 /// Weight on the cell in 24 attitudes against mass and first moment read off the momentum of a turning robot.
@@ -134,7 +130,14 @@ pub fn newton_euler() -> Result<Vec<Row>, Error> {
     let source = "rate of momentum, fourth-order differences";
     Ok(vec![
         Row::judged(ID, source, "largest error of the force, 40 instants", force, 1e-8, "N"),
-        Row::judged(ID, source, "largest error of the moment, 40 instants", moment, 1e-8, "N m"),
+        Row::judged(
+            &format!("{ID}.moment"),
+            source,
+            "largest error of the moment, 40 instants",
+            moment,
+            1e-8,
+            "N m",
+        ),
     ])
 }
 
@@ -195,27 +198,33 @@ pub fn filter() -> Result<Vec<Row>, Error> {
     let source = "a sine at the flapping frequency";
     Ok(vec![
         Row::judged(ID, source, "|gain - 1|", (sine.hypot(cosine) - 1.0).abs(), 1e-3, ""),
-        Row::judged(ID, source, "|phase|", cosine.atan2(sine).abs(), 1e-3, "rad"),
+        Row::judged(&format!("{ID}.phase"), source, "|phase|", cosine.atan2(sine).abs(), 1e-3, "rad"),
     ])
+}
+
+/// A simulated run after processing: its phase averages beside those of its noise-free wrench.
+///
+/// # Errors
+/// [`Error`] when the run cannot be planned, simulated or processed.
+pub fn processed_run() -> Result<Processed, Error> {
+    let run = load("roll15_speed08", &[])?;
+    let plan = run.plan()?.map_err(|refusal| Error::NoAnswer(refusal.to_string()))?;
+    let carrier = run.carrier(Some(&plan));
+    let outcome = run.simulate(&carrier, 1, |_| ())??;
+    Ok(run.process(&outcome.record, plan.measured)??)
 }
 
 /// The processed phase average of a simulated run against its noise-free wrench.
 pub fn pipeline_recovers_truth() -> Result<Vec<Row>, Error> {
     const ID: &str = "rig.pipeline_recovers_truth";
-    let run = load("roll15_speed08", &[])?;
-    let plan = run.plan()?.map_err(|refusal| Error::NoAnswer(refusal.to_string()))?;
-    let carrier = run.carrier(Some(&plan));
-    let outcome = run.simulate(&carrier, 1, |_| ())??;
-    let processed = run.process(&outcome.record, plan.measured)??;
     let against =
-        processed.against_truth().ok_or_else(|| Error::NoAnswer("no truth in the record".into()))?;
-    let name = |i: usize| wingbeat::rig::cell::CHANNELS[i].0;
-    Ok(against
-        .iter()
-        .enumerate()
-        .map(|(i, c)| {
-            let metric = format!("{}: RMSE over range", name(i));
-            Row::judged(ID, "noise-free wrench of the simulator", &metric, c.rmse / c.range, 0.02, "")
-        })
-        .collect())
+        processed_run()?.against_truth().ok_or_else(|| Error::NoAnswer("no truth in the record".into()))?;
+    let source = "noise-free wrench of the simulator";
+    let row = |((name, _), c): (&(&str, &str), &Comparison)| {
+        Row::judged(&format!("{ID}.{name}"), source, "RMSE over range", c.rmse / c.range, 0.02, "")
+    };
+    let mut rows: Vec<Row> = CHANNELS.iter().zip(&against).map(row).collect();
+    let worst = rows.iter().map(|row| row.value).fold(0.0, f64::max);
+    rows.insert(0, Row::judged(ID, source, "RMSE over range, worst channel", worst, 0.02, ""));
+    Ok(rows)
 }

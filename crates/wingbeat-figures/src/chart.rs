@@ -1,0 +1,317 @@
+//! Panels in a grid, each with its own axes, above one legend.
+
+use std::sync::Arc;
+
+use kuva::plot::LinePlot;
+use kuva::plot::LineStyle;
+use kuva::plot::annotations::ShadedRegion;
+use kuva::plot::scatter::{MarkerShape, ScatterPlot};
+use kuva::render::color::Color;
+use kuva::render::figure::Figure as Grid;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, Scene, TextAnchor};
+
+use crate::style;
+use crate::write::Figure;
+
+/// Room to the left of a panel, px.
+const LEFT: f64 = 52.0;
+/// Room to the right of a panel, px.
+const RIGHT: f64 = 10.0;
+/// Room above a panel, for its title, px.
+const HEAD: f64 = 28.0;
+/// Room below a panel, for the numbers of its axis, px.
+const FOOT: f64 = 22.0;
+/// Room for the label of an axis, px.
+const LABEL: f64 = 20.0;
+/// Room for a line of the legend, px.
+const LEGEND: f64 = 22.0;
+/// Length of the sample of a line in the legend, px.
+const SAMPLE: f64 = 26.0;
+/// Room around the figure, px.
+const PADDING: f64 = 6.0;
+/// Strokes and gaps of broken lines, px.
+const DASHES: &str = "9 6";
+/// Strokes and gaps of dotted lines, px.
+const DOTS: &str = "2 5";
+/// Radius of a mark, px.
+const MARK: f64 = 3.2;
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// A line.
+    Line,
+    /// A broken line.
+    Dashed,
+    /// A dotted line.
+    Dotted,
+    /// Open circles.
+    Circles,
+    /// Crosses.
+    Crosses,
+}
+
+/// Points with their name in the legend; series of one name look alike.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Name in the legend; none when empty.
+    pub name: String,
+    /// (x, y) in drawing order.
+    pub points: Vec<(f64, f64)>,
+    /// Bars below and above each point; none when empty.
+    pub bars: Vec<(f64, f64)>,
+    /// How the points are drawn.
+    pub look: Look,
+    /// CSS colour.
+    pub colour: String,
+}
+
+impl Series {
+    /// Points in the colour number `index` of the house.
+    pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>, look: Look, index: usize) -> Self {
+        Self { name: name.into(), points, bars: Vec::new(), look, colour: style::colour(index).into() }
+    }
+
+    /// What the others are compared with: black circles.
+    pub fn reference(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        let colour = style::INK.into();
+        Self { name: name.into(), points, bars: Vec::new(), look: Look::Circles, colour }
+    }
+}
+
+/// An axis: label with unit, range when it is given, logarithmic or not.
+#[derive(Clone, Debug, Default)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub label: String,
+    /// Range; without it that of the series.
+    pub range: Option<(f64, f64)>,
+    /// Logarithmic.
+    pub log: bool,
+}
+
+impl Axis {
+    /// A linear axis over the range of the series.
+    pub fn new(label: impl Into<String>) -> Self {
+        Self { label: label.into(), ..Self::default() }
+    }
+
+    /// A logarithmic axis over the range of the series; upwards with a tick per decade.
+    pub fn log(label: impl Into<String>) -> Self {
+        Self { label: label.into(), log: true, ..Self::default() }
+    }
+
+    /// The same with a given range.
+    pub fn over(self, low: f64, high: f64) -> Self {
+        Self { range: Some((low, high)), ..self }
+    }
+}
+
+/// Series over common axes.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// What this panel shows; empty when the quantity upwards says it.
+    pub title: String,
+    /// Axis to the right.
+    pub x: Axis,
+    /// Axis upwards; its label stands above the panel.
+    pub y: Axis,
+    /// Curves and marks, the first below.
+    pub series: Vec<Series>,
+    /// Shaded ground: the range of y that passes.
+    pub passes: Option<(f64, f64)>,
+}
+
+/// `charts` row by row in `columns` columns, each panel `height` px high, the legend below.
+///
+/// A label of x that a column shares stands below its last panel.
+pub fn grid(name: &'static str, charts: Vec<Chart>, columns: usize, height: f64) -> Figure {
+    let rows = charts.len().div_ceil(columns);
+    let width = (style::WIDTH - 2.0 * PADDING) / columns as f64;
+    let labelled = |i: usize| charts.get(i + columns).is_none_or(|below| below.x.label != charts[i].x.label);
+    let heights: Vec<f64> =
+        (0..rows).map(|row| height + if labelled(row * columns) { LABEL } else { 0.0 }).collect();
+    let (plots, layouts): (Vec<_>, Vec<_>) =
+        charts.iter().enumerate().map(|(i, chart)| drawn(chart, labelled(i))).unzip();
+    let mut grid = Grid::new(rows, columns)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_spacing(0.0)
+        .with_padding(PADDING)
+        .with_figure_size(style::WIDTH, heights.iter().sum::<f64>() + 2.0 * PADDING);
+    for (row, height) in heights.iter().enumerate() {
+        grid = grid.with_row_height(row, *height);
+    }
+    let mut scene = grid.render();
+    for (i, chart) in charts.iter().enumerate() {
+        let (row, column) = (i / columns, i % columns);
+        let x = PADDING + width * column as f64;
+        let y = PADDING + heights[..row].iter().sum::<f64>();
+        caption(&mut scene, chart, (x, y), (charts.len() > 1).then_some(i));
+    }
+    legend(&mut scene, &charts);
+    Figure { name, scene }
+}
+
+/// Letter, title and the quantity upwards, above the panel at `(x, y)`.
+fn caption(scene: &mut Scene, chart: &Chart, (x, y): (f64, f64), letter: Option<usize>) {
+    let (mut start, above) = (x + LEFT, y + HEAD - 8.0);
+    if let Some(index) = letter {
+        let letter = char::from(b'a' + index as u8);
+        scene.elements.push(style::words(start, above, letter, TextAnchor::Start, true));
+        start += 16.0;
+    }
+    let title = if chart.title.is_empty() {
+        chart.y.label.clone()
+    } else {
+        format!("{}: {}", chart.title, chart.y.label)
+    };
+    scene.elements.push(style::words(start, above, title, TextAnchor::Start, false));
+}
+
+fn drawn(chart: &Chart, labelled: bool) -> (Vec<Plot>, Layout) {
+    let plots: Vec<Plot> = chart.series.iter().map(|series| plot(series, &chart.y)).collect();
+    let (left, right) = range(chart, &chart.x, |point, _| [point.0; 2]);
+    let (low, high) = range(chart, &chart.y, |point, bar| [point.1 - bar.0, point.1 + bar.1]);
+    let (low, high) = (upwards(&chart.y, low), upwards(&chart.y, high));
+    let mut layout = style::axes(Layout::auto_from_plots(&plots))
+        .with_x_axis_min(left)
+        .with_x_axis_max(right)
+        .with_y_axis_min(low)
+        .with_y_axis_max(high)
+        .with_ticks(5)
+        .with_force_margins(LEFT, RIGHT)
+        .with_force_margins_y(HEAD, if labelled { FOOT + LABEL } else { FOOT });
+    if chart.x.log {
+        layout = layout.with_log_x();
+    }
+    if chart.y.log {
+        let step = ((high - low) / 5.0).ceil();
+        let format = TickFormat::Custom(Arc::new(style::decade));
+        layout = layout.with_y_tick_step(step).with_y_tick_format(format);
+    }
+    if labelled {
+        layout = layout.with_x_label(&chart.x.label);
+    }
+    if let Some((floor, ceiling)) = chart.passes {
+        let (floor, ceiling) = (upwards(&chart.y, floor), upwards(&chart.y, ceiling));
+        let ground = ShadedRegion::horizontal(floor.max(low), ceiling.min(high));
+        layout = layout.with_shaded_region(ground.with_color(style::SHADE).with_opacity(0.5));
+    }
+    if !chart.y.log && low < 0.0 && high > 0.0 {
+        layout = layout.with_reference_line(style::thin(0.0));
+    }
+    (plots, layout)
+}
+
+/// Height of `value` on the axis: its decades on a logarithmic one.
+fn upwards(axis: &Axis, value: f64) -> f64 {
+    if axis.log { value.log10() } else { value }
+}
+
+fn plot(series: &Series, y: &Axis) -> Plot {
+    let points: Vec<(f64, f64)> = series.points.iter().map(|point| (point.0, upwards(y, point.1))).collect();
+    let marks = |shape| {
+        let mut marks = ScatterPlot::new()
+            .with_data(points.clone())
+            .with_color(series.colour.clone())
+            .with_size(MARK)
+            .with_marker(shape)
+            .with_marker_opacity(0.0)
+            .with_marker_stroke_width(style::FINE);
+        if !series.bars.is_empty() {
+            marks = marks.with_y_err_asymmetric(series.bars.clone());
+        }
+        marks.into()
+    };
+    let line = || {
+        let line = LinePlot::new().with_data(points.clone()).with_color(series.colour.clone());
+        line.with_stroke_width(style::CURVE)
+    };
+    match series.look {
+        Look::Line => line().into(),
+        Look::Dashed => line().with_line_style(LineStyle::Custom(DASHES.into())).into(),
+        Look::Dotted => line().with_line_style(LineStyle::Custom(DOTS.into())).into(),
+        Look::Circles => marks(MarkerShape::Circle),
+        Look::Crosses => marks(MarkerShape::Cross),
+    }
+}
+
+/// The range of `axis`: as given, or else that of the series with a margin.
+fn range(chart: &Chart, axis: &Axis, of: impl Fn(&(f64, f64), (f64, f64)) -> [f64; 2] + Copy) -> (f64, f64) {
+    if let Some(given) = axis.range {
+        return given;
+    }
+    let ends = chart.series.iter().flat_map(|series| {
+        let bar = |i: usize| series.bars.get(i).copied().unwrap_or_default();
+        series.points.iter().enumerate().flat_map(move |(i, point)| of(point, bar(i)))
+    });
+    let scaled = ends.map(|value| if axis.log { value.log10() } else { value });
+    let (low, high) = style::span(scaled);
+    let margin = 0.05 * (high - low).max(1e-9);
+    let back = |value: f64| if axis.log { 10_f64.powf(value) } else { value };
+    (back(low - margin), back(high + margin))
+}
+
+/// A line below the panels: a sample and the name of every kind of series, as often as needed.
+fn legend(scene: &mut Scene, charts: &[Chart]) {
+    let mut kinds: Vec<&Series> = Vec::new();
+    for series in charts.iter().flat_map(|chart| &chart.series).filter(|series| !series.name.is_empty()) {
+        if kinds.iter().all(|known| known.name != series.name) {
+            kinds.push(series);
+        }
+    }
+    let room = |series: &&Series| SAMPLE + 8.0 + 6.9 * series.name.chars().count() as f64 + 22.0;
+    let total: f64 = kinds.iter().map(room).sum();
+    let mut x = 0.5 * (style::WIDTH - total + 22.0).max(0.0);
+    for series in &kinds {
+        let width = room(series);
+        sample(scene, series, x, scene.height + 8.0);
+        let name = series.name.clone();
+        scene.elements.push(style::words(
+            x + SAMPLE + 8.0,
+            scene.height + 12.0,
+            name,
+            TextAnchor::Start,
+            false,
+        ));
+        x += width;
+    }
+    scene.height += LEGEND;
+}
+
+/// A short line or a mark as the series has them.
+fn sample(scene: &mut Scene, series: &Series, x: f64, y: f64) {
+    let stroke = Color::from(series.colour.as_str());
+    let line = |x1: f64, y1: f64, x2: f64, y2: f64, dashes: Option<&str>, width: f64| Primitive::Line {
+        x1,
+        y1,
+        x2,
+        y2,
+        stroke: stroke.clone(),
+        stroke_width: width,
+        stroke_dasharray: dashes.map(Into::into),
+    };
+    let middle = x + 0.5 * SAMPLE;
+    match series.look {
+        Look::Line => scene.elements.push(line(x, y, x + SAMPLE, y, None, style::CURVE)),
+        Look::Dashed => scene.elements.push(line(x, y, x + SAMPLE, y, Some(DASHES), style::CURVE)),
+        Look::Dotted => scene.elements.push(line(x, y, x + SAMPLE, y, Some(DOTS), style::CURVE)),
+        Look::Circles => scene.elements.push(Primitive::Circle {
+            cx: middle,
+            cy: y,
+            r: MARK,
+            fill: Color::from("#ffffff"),
+            fill_opacity: None,
+            stroke: Some(stroke),
+            stroke_width: Some(style::FINE),
+        }),
+        Look::Crosses => {
+            let (a, b) = (MARK, -MARK);
+            scene.elements.push(line(middle + b, y + b, middle + a, y + a, None, style::FINE));
+            scene.elements.push(line(middle + b, y + a, middle + a, y + b, None, style::FINE));
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! A figure per comparison, drawn from the numbers that make its rows.
+
+mod flapping;
+mod rest;
+mod section;
+mod small;
+
+use wingbeat_figures::Figure;
+use wingbeat_figures::chart::{Axis, Chart, Look, Series};
+
+use crate::Error;
+use crate::aero_full::{Point, Preset};
+
+/// A figure and the cases whose numbers it shows.
+#[derive(Debug)]
+pub struct Picture {
+    /// Name of its files without extension.
+    pub name: &'static str,
+    /// Ids of the cases.
+    pub cases: &'static [&'static str],
+    /// Runs the models and draws.
+    pub draw: fn() -> Result<Figure, Error>,
+}
+
+/// Every figure, in the order of the cases.
+pub const PICTURES: &[Picture] = &[
+    Picture { name: "slope", cases: &["aero.full.slope", "aero.paper.slope"], draw: small::slope },
+    Picture { name: "plunge", cases: &["aero.full.plunge", "aero.paper.plunge"], draw: small::plunge },
+    Picture { name: "step", cases: &["aero.full.step", "aero.paper.step"], draw: small::step },
+    Picture {
+        name: "other_wings",
+        cases: &["aero.full.other_wings", "aero.paper.other_wings"],
+        draw: small::other_wings,
+    },
+    Picture { name: "span_loading", cases: &["aero.full.span_loading"], draw: small::span_loading },
+    Picture { name: "trefftz", cases: &["aero.full.trefftz"], draw: flapping::trefftz },
+    Picture { name: "oracle", cases: &["aero.full.oracle"], draw: flapping::oracle },
+    Picture {
+        name: "added_mass_mean",
+        cases: &["aero.full.added_mass_mean", "aero.paper.added_mass_mean"],
+        draw: flapping::added_mass_mean,
+    },
+    Picture { name: "scherer", cases: &["aero.scherer", "aero.paper.scherer"], draw: flapping::scherer },
+    Picture {
+        name: "uvlm_small_flap",
+        cases: &["aero.uvlm_small_flap", "aero.paper.uvlm_small_flap"],
+        draw: flapping::lattice,
+    },
+    Picture {
+        name: "lifting_line",
+        cases: &["aero.wagner_limit", "aero.elliptic_steady", "aero.glauert_rectangular"],
+        draw: section::lifting_line,
+    },
+    Picture { name: "theodorsen_plunge", cases: &["aero.theodorsen_plunge"], draw: section::plunge },
+    Picture { name: "theodorsen_pitch", cases: &["aero.theodorsen_pitch"], draw: section::pitch },
+    Picture { name: "linkage", cases: &["linkage.cycle"], draw: rest::linkage },
+    Picture { name: "pinocchio", cases: &["body.pinocchio"], draw: rest::tree },
+    Picture { name: "orders", cases: &["math.rk4_order", "ocp.hermite_simpson_order"], draw: rest::orders },
+    Picture { name: "pipeline", cases: &["rig.pipeline_recovers_truth"], draw: rest::pipeline },
+];
+
+/// Height of a panel of small multiples, px.
+const SMALL: f64 = 165.0;
+/// Height of a panel that is one of two in a row, px.
+const HALF: f64 = 250.0;
+/// The presets, in the order of their colours.
+const PRESETS: [Preset; 2] = [Preset::Full, Preset::Paper];
+
+/// `points` as the preset is drawn everywhere: `full` a blue line, `paper` a broken vermilion one.
+fn model(preset: Preset, points: Vec<(f64, f64)>) -> Series {
+    let (look, index) = match preset {
+        Preset::Full => (Look::Line, 0),
+        Preset::Paper => (Look::Dashed, 1),
+        Preset::FiveLags => (Look::Dotted, 2),
+    };
+    Series::new(format!("preset {}", preset.name()), points, look, index)
+}
+
+fn chart(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Chart {
+    Chart { title: title.into(), x, y, series, passes: None }
+}
+
+/// The points of the series called `name`.
+fn of<'a>(points: &'a [Point], name: &'a str) -> impl Iterator<Item = &'a Point> {
+    points.iter().filter(move |point| point.series == name)
+}
+
+/// `f` of every point of the series called `name`, over x.
+fn over_x(points: &[Point], name: &str, f: impl Fn(&Point) -> f64) -> Vec<(f64, f64)> {
+    of(points, name).map(|point| (point.x, f(point))).collect()
+}
+
+fn size(value: (f64, f64)) -> f64 {
+    value.0.hypot(value.1)
+}
+
+fn phase_deg(value: (f64, f64)) -> f64 {
+    value.1.atan2(value.0).to_degrees()
+}
+
+fn percent(point: &Point) -> f64 {
+    100.0 * point.error()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_figure_shows_cases_that_exist() {
+        let cases = crate::cases();
+        for picture in PICTURES {
+            for id in picture.cases {
+                assert!(cases.iter().any(|case| case.id == *id), "{}: no case {id}", picture.name);
+            }
+        }
+    }
+}

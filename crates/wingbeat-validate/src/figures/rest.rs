@@ -1,0 +1,105 @@
+//! Mechanics, orders of the integrators, rig.
+
+use wingbeat_figures::Figure;
+use wingbeat_figures::chart::{Axis, Chart, Look, Series, grid};
+
+use super::{HALF, SMALL, chart};
+use crate::Error;
+use crate::body::{crank_angles, tree_accelerations};
+use crate::math::error_of_rk4;
+use crate::ocp::collocation_errors;
+use crate::rig::processed_run;
+use wingbeat::rig::cell::CHANNELS;
+
+/// Every this many rows of the table are marked.
+const MARKED: usize = 40;
+
+/// Humerus and radius over the crank angle.
+pub fn linkage() -> Result<Figure, Error> {
+    let angles = crank_angles()?;
+    let names = ["humerus", "radius"];
+    let over_crank = |values: &[f64]| -> Vec<(f64, f64)> {
+        angles.crank.iter().copied().zip(values.iter().copied()).collect()
+    };
+    let (mut lines, mut marks) = (Vec::new(), Vec::new());
+    for (index, name) in names.into_iter().enumerate() {
+        let (value, exact) = (&angles.value[index], &angles.exact[index]);
+        lines.push(Series::new(name, over_crank(value), Look::Line, index));
+        let marked = over_crank(exact).into_iter().step_by(MARKED).collect();
+        marks.push(Series::reference("loop closure by Newton", marked));
+    }
+    lines.append(&mut marks);
+    let chart =
+        chart("", Axis::new("crank angle [°]").over(-90.0, 270.0), Axis::new("angle of the wing [°]"), lines);
+    Ok(grid("linkage", vec![chart], 1, HALF))
+}
+
+/// The ten accelerations, and their relative errors.
+pub fn tree() -> Result<Figure, Error> {
+    let pairs = tree_accelerations()?;
+    let number = |i: usize| (i + 1) as f64;
+    let of = |f: &dyn Fn(&(f64, f64)) -> f64| -> Vec<(f64, f64)> {
+        pairs.iter().enumerate().map(|(i, pair)| (number(i), f(pair))).collect()
+    };
+    let accelerations = vec![
+        Series::reference("Pinocchio and MuJoCo", of(&|pair| pair.1.abs())),
+        Series::new("wingbeat", of(&|pair| pair.0.abs()), Look::Crosses, 0),
+    ];
+    let error = |pair: &(f64, f64)| ((pair.0 - pair.1).abs() / pair.1.abs()).max(f64::EPSILON / 2.0);
+    let errors = vec![Series::new("wingbeat", of(&error), Look::Crosses, 0)];
+    let x = || Axis::new("acceleration: base 1 to 6, joints 7 to 10").over(0.5, 10.5);
+    let charts = vec![
+        chart("", x(), Axis::log("acceleration [m/s², rad/s²]"), accelerations),
+        Chart {
+            passes: Some((1e-17, 1e-10)),
+            ..chart("", x(), Axis::log("relative error; limit shaded").over(1e-17, 1e-8), errors)
+        },
+    ];
+    Ok(grid("pinocchio", charts, 2, HALF))
+}
+
+/// Errors of Runge-Kutta and of Hermite-Simpson over the number of steps, beside the fourth order.
+pub fn orders() -> Result<Figure, Error> {
+    let steps = [25, 50, 100, 200, 400];
+    let runge_kutta: Vec<(f64, f64)> = steps.map(|n| (n as f64, error_of_rk4(n))).into();
+    let intervals = [4, 8, 16, 32];
+    let errors = collocation_errors(&intervals)?;
+    let collocation: Vec<(f64, f64)> = intervals.iter().map(|n| *n as f64).zip(errors).collect();
+    let of = |title: &str, x: &str, points: Vec<(f64, f64)>| {
+        let (n, error) = points[0];
+        let fourth = points.iter().map(|(m, _)| (*m, error * (n / m).powi(4))).collect();
+        let series = vec![
+            Series { colour: "#9a9a9a".into(), ..Series::new("order 4", fourth, Look::Dashed, 0) },
+            Series::new("wingbeat", points, Look::Circles, 0),
+        ];
+        chart(title, Axis::log(x), Axis::log("error at the end"), series)
+    };
+    let charts = vec![
+        of("Runge-Kutta, x' = x cos t", "steps", runge_kutta),
+        of("Hermite-Simpson, flapping body", "intervals", collocation),
+    ];
+    Ok(grid("orders", charts, 2, HALF))
+}
+
+/// Phase averages of a simulated run on the rig and of its noise-free wrench.
+pub fn pipeline() -> Result<Figure, Error> {
+    let processed = processed_run()?;
+    let truth = processed.truth.as_ref().ok_or_else(|| Error::NoAnswer("no truth in the record".into()))?;
+    let axes = ["forward", "left", "up", "roll", "pitch", "yaw"];
+    let panel = |i: usize| {
+        let (name, _) = CHANNELS[i];
+        let unit = if i < 3 { "mN" } else { "N mm" };
+        let line = |values: &[f64]| -> Vec<(f64, f64)> {
+            let n = values.len() as f64;
+            values.iter().enumerate().map(|(k, value)| (k as f64 / n, 1e3 * value)).collect()
+        };
+        let marked = processed.cycles[i].mean.len().div_ceil(36).max(1);
+        let series = vec![
+            Series::new("recovered by the pipeline", line(&processed.cycles[i].mean), Look::Line, 0),
+            Series::reference("noise-free", line(&truth[i].mean).into_iter().step_by(marked).collect()),
+        ];
+        let x = Axis::new("phase of the stroke").over(0.0, 1.0);
+        chart("", x, Axis::new(format!("{name}, {} [{unit}]", axes[i])), series)
+    };
+    Ok(grid("pipeline", (0..6).map(panel).collect(), 3, SMALL))
+}

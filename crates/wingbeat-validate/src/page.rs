@@ -1,0 +1,144 @@
+//! The page of the comparisons: text with its numbers taken from the rows.
+
+use crate::{Row, report};
+
+/// The text; between double braces stand `rows ID ...` for a table, `percent ID` for a value, and `k` for the reduced
+/// frequency of the flapping wings.
+const TEXT: &str = include_str!("page.md");
+
+/// A piece of the text: words, or what stands between braces.
+enum Piece<'a> {
+    Words(&'a str),
+    Place(&'a str),
+}
+
+fn pieces(text: &str) -> impl Iterator<Item = Piece<'_>> {
+    text.split("{{").enumerate().flat_map(|(i, part)| match part.split_once("}}") {
+        Some((place, words)) if i > 0 => vec![Piece::Place(place), Piece::Words(words)],
+        _ => vec![Piece::Words(part)],
+    })
+}
+
+/// The page as Markdown, its figures in the folder `figures`; none when `rows` lack one that it names.
+pub fn page(rows: &[Row]) -> Option<String> {
+    let mut page = String::new();
+    for piece in pieces(TEXT) {
+        match piece {
+            Piece::Words(words) => page += words,
+            Piece::Place(place) => page += &filled(place, rows)?,
+        }
+    }
+    Some(page)
+}
+
+fn filled(place: &str, rows: &[Row]) -> Option<String> {
+    let (kind, names) = place.split_once(' ').unwrap_or((place, ""));
+    match kind {
+        "rows" => table(names.split(' '), rows),
+        "percent" => {
+            let row = rows.iter().find(|row| row.id == names)?;
+            Some(format!("{} %", significant(100.0 * row.value, 2)))
+        }
+        "k" => Some(significant(crate::aero_full::reduced_frequency(), 2)),
+        _ => None,
+    }
+}
+
+/// The rows that are called one of `names`, or stand below one.
+fn table<'a>(names: impl Iterator<Item = &'a str>, rows: &[Row]) -> Option<String> {
+    let mut text = String::from("| id | error | value | limit |\n|---|---|---:|---:|");
+    for name in names {
+        let mut found = rows.iter().filter(|row| crate::case::below(&row.id, name)).peekable();
+        found.peek()?;
+        for row in found {
+            let limit = row.limit.map_or("-".into(), short);
+            let failed = if row.passes() { "" } else { " **fails**" };
+            let metric = report::metric(row).replace('|', "\\|");
+            text += &format!("\n| `{}` | {metric} | {}{failed} | {limit} |", row.id, short(row.value));
+        }
+    }
+    Some(text)
+}
+
+/// Three digits of a number that the model determines, one of what is left by rounding or a solver's tolerance.
+fn short(value: f64) -> String {
+    if value == 0.0 || value.abs() >= ROUNDING { significant(value, 3) } else { format!("{value:.0e}") }
+}
+
+/// Below this size a value is what rounding or the tolerance of a solver leave.
+const ROUNDING: f64 = 1e-4;
+
+/// `value` with `digits` significant digits and no exponent.
+fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let decimals = (digits - 1 - value.abs().log10().floor() as i32).max(0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::PICTURES;
+    use std::path::Path;
+
+    fn places() -> impl Iterator<Item = &'static str> {
+        pieces(TEXT).filter_map(|piece| match piece {
+            Piece::Place(place) => Some(place),
+            Piece::Words(_) => None,
+        })
+    }
+
+    #[test]
+    fn the_page_has_every_comparison_and_every_figure() {
+        let named: Vec<&str> =
+            places().filter_map(|p| p.strip_prefix("rows ")).flat_map(|p| p.split(' ')).collect();
+        for case in crate::cases() {
+            let shown = named.iter().any(|name| crate::case::below(case.id, name));
+            assert!(shown, "{} is not on the page", case.id);
+        }
+        for picture in PICTURES {
+            assert!(TEXT.contains(&format!("](figures/{}.png)", picture.name)), "{}", picture.name);
+        }
+        assert_eq!(TEXT.matches("](figures/").count(), PICTURES.len());
+    }
+
+    /// Only the words: the numbers are compared where the rows are computed anyway.
+    #[test]
+    fn the_page_in_docs_is_current() {
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+        let page = std::fs::read_to_string(docs.join("validation.md")).unwrap_or_default();
+        let mut rest = page.as_str();
+        let text = TEXT.replace("](figures/", "](images/validation/");
+        for piece in pieces(&text) {
+            if let Piece::Words(words) = piece {
+                let at = rest.find(words);
+                assert!(
+                    at.is_some(),
+                    "docs/validation.md is stale: run `cargo xtask docs`; it lacks {words:?}"
+                );
+                rest = &rest[at.unwrap_or(0) + words.len()..];
+            }
+        }
+        for picture in PICTURES {
+            let path = docs.join("images/validation").join(picture.name).with_extension("png");
+            assert!(path.exists(), "no {}: run `cargo xtask docs`", path.display());
+        }
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(significant(0.015_23, 3), "0.0152");
+        assert_eq!(significant(15.46, 2), "15");
+        assert_eq!(significant(1.0, 3), "1");
+        assert_eq!(short(5.6e-14), "6e-14");
+        assert_eq!(short(0.02), "0.02");
+    }
+
+    #[test]
+    fn a_missing_row_makes_no_page() {
+        assert!(page(&[]).is_none());
+    }
+}
