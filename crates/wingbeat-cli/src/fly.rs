@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use wingbeat::flight::Record;
 use wingbeat::scenario::{Run, Scenario, Status};
 use wingbeat_io::write_parquet;
@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::outcome;
+use crate::progress;
 use crate::run_folder::RunFolder;
 
 /// Ticks of the progress bar per simulated second.
@@ -60,10 +61,8 @@ fn simulate(scenario: &Scenario, interrupt: &Interrupt, quiet: bool) -> Result<R
 }
 
 fn progress(duration: f64, quiet: bool) -> ProgressBar {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let style = ProgressStyle::with_template("flying {bar:30} {percent:>3} %  {msg}  ({eta} left)");
-    let bar = ProgressBar::with_draw_target(Some((TICKS * duration) as u64), target);
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let template = "flying {bar:30} {percent:>3} %  {msg}  ({eta} left)";
+    progress::bar(Some((TICKS * duration) as u64), template, quiet)
 }
 
 /// Draws what the record has the columns for; what it has not is said and left out.

@@ -7,6 +7,7 @@ mod interrupt;
 mod manifest;
 mod outcome;
 mod plan;
+mod progress;
 #[cfg(test)]
 mod reference;
 mod rig;

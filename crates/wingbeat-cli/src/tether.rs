@@ -5,7 +5,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use wingbeat::flight::{Ending, Record};
 use wingbeat::scenario::{TetherCase, TetherSummary};
 use wingbeat::tether::{Means, TetherRun};
@@ -16,6 +15,7 @@ use crate::args::Tether;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
+use crate::progress;
 use crate::run_folder::RunFolder;
 
 /// Ticks of the progress bar.
@@ -81,10 +81,8 @@ fn keep_tables(folder: &RunFolder, tables: &[PathBuf]) -> Result<(), Error> {
 }
 
 fn simulate(case: &TetherCase, interrupt: &Interrupt, quiet: bool) -> Result<TetherRun, Error> {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let style = ProgressStyle::with_template("moving {bar:30} {percent:>3} %  ({eta} left)");
-    let progress = ProgressBar::with_draw_target(Some(TICKS as u64), target)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let template = "moving {bar:30} {percent:>3} %  ({eta} left)";
+    let progress = progress::bar(Some(TICKS as u64), template, quiet);
     let run = case.tether.run(|share| {
         progress.set_position((TICKS * share) as u64);
         interrupt.flow()

@@ -6,7 +6,6 @@ use std::path::Path;
 use std::thread;
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use wingbeat_validate::figures::PICTURES;
 use wingbeat_validate::{Case, Row, Selection};
@@ -15,6 +14,7 @@ use crate::args::Validate;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
+use crate::progress;
 use crate::run_folder::RunFolder;
 
 /// The contents of `summary.json`.
@@ -57,7 +57,7 @@ pub fn validate(arguments: &Validate) -> Result<(), Error> {
 
 /// Runs `cases` on all cores, until interrupted.
 fn compare(cases: &[&Case], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<Row> {
-    let progress = progress(cases.len(), quiet);
+    let progress = progress::bar(Some(cases.len() as u64), "{bar:30} {pos}/{len} {wide_msg}", quiet);
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
     let rows = wingbeat_validate::run(cases, selection, threads, |rows| {
         progress.inc(1);
@@ -115,13 +115,6 @@ fn csv(rows: &[Row]) -> String {
 fn shown(path: &Path) -> &Path {
     let here = std::env::current_dir().unwrap_or_default();
     path.strip_prefix(here).unwrap_or(path)
-}
-
-fn progress(cases: usize, quiet: bool) -> ProgressBar {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {wide_msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::with_draw_target(Some(cases as u64), target).with_style(style)
 }
 
 fn nothing_selected(selection: &Selection, all: &[&Case]) -> Error {

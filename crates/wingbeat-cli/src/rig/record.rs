@@ -4,7 +4,7 @@ use std::fs;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use wingbeat::flight::{Column, Record};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::netft::{RDT_PORT, Scale};
@@ -14,6 +14,7 @@ use wingbeat_netft::{Emulator, Ending, Faults, Options, Report, Row, Signal, rea
 use crate::args::{RigEmulate, RigRecord};
 use crate::error::Error;
 use crate::interrupt::Interrupt;
+use crate::progress;
 
 /// Bins of the live phase average.
 const BINS: usize = 16;
@@ -145,10 +146,7 @@ struct Display {
 
 impl Display {
     fn new(scale: Scale, frequency: f64, quiet: bool) -> Self {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let style = ProgressStyle::with_template("{elapsed} {wide_msg}");
-        let bar = ProgressBar::with_draw_target(None, target);
-        let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        let bar = progress::bar(None, "{elapsed} {wide_msg}", quiet);
         Self { scale, frequency, fz: [(0.0, 0.0); BINS], shown: Instant::now(), bar, rows: 0 }
     }
 

@@ -9,7 +9,7 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use serde::Serialize;
 use wingbeat::flight::Record;
 use wingbeat::scenario::{Hold, Summary, Sweep};
@@ -19,6 +19,7 @@ use crate::args;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
+use crate::progress;
 use crate::run_folder::RunFolder;
 use log::Log;
 
@@ -137,10 +138,8 @@ fn columns(sweep: &Sweep) -> Vec<(String, &'static str)> {
 }
 
 fn progress(flights: usize, done: usize, quiet: bool) -> ProgressBar {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let style = ProgressStyle::with_template("flying {bar:30} {pos} of {len} flights  ({eta} left)");
-    let bar = ProgressBar::with_draw_target(Some(flights as u64), target).with_position(done as u64);
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let template = "flying {bar:30} {pos} of {len} flights  ({eta} left)";
+    progress::bar(Some(flights as u64), template, quiet).with_position(done as u64)
 }
 
 fn draw(folder: &RunFolder, record: &Record, hold: Hold) -> Result<(), Error> {

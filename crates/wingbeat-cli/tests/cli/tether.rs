@@ -4,16 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-fn cases() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").canonicalize().unwrap()
-}
+use crate::{entries, root, scratch};
 
-/// An empty folder for one test.
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("tether-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
+fn cases() -> PathBuf {
+    root().join("cases")
 }
 
 fn tether(folder: &Path, case: &Path, more: &[&str]) -> Output {
@@ -21,16 +15,9 @@ fn tether(folder: &Path, case: &Path, more: &[&str]) -> Output {
     command.arg("tether").arg(case).args(more).current_dir(folder).output().unwrap()
 }
 
-fn entries(folder: &Path) -> Vec<String> {
-    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<String> = names.collect();
-    names.sort();
-    names
-}
-
 #[test]
 fn a_case_leaves_a_whole_folder_and_a_table() {
-    let folder = scratch("whole");
+    let folder = scratch("tether-whole");
     let output = tether(&folder, &cases().join("flap_f2.toml"), &["--out", "a"]);
     assert!(output.status.success(), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
@@ -50,7 +37,7 @@ fn a_case_leaves_a_whole_folder_and_a_table() {
 
 #[test]
 fn a_coordinate_may_be_a_table() {
-    let folder = scratch("table");
+    let folder = scratch("tether-table");
     let rows = (0..=40).map(|i| {
         let phase = f64::from(i) / 40.0;
         format!("{},{}\n", phase / 3.5, 35.0 * (std::f64::consts::TAU * phase).sin())
@@ -76,7 +63,7 @@ fn a_coordinate_may_be_a_table() {
 
 #[test]
 fn bad_input_is_one_message_and_no_folder() {
-    let folder = scratch("bad");
+    let folder = scratch("tether-bad");
     for (set, part) in [
         ("time.cycles=0", "1 or more"),
         ("wing.cd0=nan", "finite"),

@@ -1,24 +1,10 @@
 //! `wingbeat fly` as a user meets it: run folders, messages, exit codes.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
-}
-
-/// An empty folder for one test.
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn wingbeat(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_wingbeat")).args(arguments).current_dir(folder).output().unwrap()
-}
+use crate::{entries, root, scratch, wingbeat};
 
 /// Flies a tenth of a second of the glide.
 fn glide(folder: &Path, more: &[&str]) -> Output {
@@ -28,16 +14,9 @@ fn glide(folder: &Path, more: &[&str]) -> Output {
     wingbeat(folder, &arguments)
 }
 
-fn entries(folder: &Path) -> Vec<String> {
-    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<String> = names.collect();
-    names.sort();
-    names
-}
-
 #[test]
 fn a_run_folder_is_whole_and_reproduces_itself() {
-    let folder = scratch("whole");
+    let folder = scratch("fly-whole");
     let output = glide(&folder, &["--out", "a", "--seed", "7"]);
     assert!(output.status.success(), "{output:?}");
     let names = ["figures", "manifest.json", "record.parquet", "scenario.toml", "summary.json"];
@@ -56,7 +35,7 @@ fn a_run_folder_is_whole_and_reproduces_itself() {
 
 #[test]
 fn without_out_runs_count_up_and_an_earlier_run_is_replaced_only_by_force() {
-    let folder = scratch("count");
+    let folder = scratch("fly-count");
     for _ in 0..2 {
         assert!(glide(&folder, &["--quiet"]).status.success());
     }
@@ -86,7 +65,7 @@ const BAD: [(&str, &[&str]); 12] = [
 
 #[test]
 fn bad_input_is_one_message_with_exit_code_2_and_no_folder() {
-    let folder = scratch("bad");
+    let folder = scratch("fly-bad");
     for (set, words) in BAD {
         let output = glide(&folder, &["--set", set]);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -129,7 +108,7 @@ const MISTAKES: [[&str; 4]; 5] = [
 
 #[test]
 fn the_message_names_file_and_line() {
-    let folder = scratch("lines");
+    let folder = scratch("fly-lines");
     for [file, from, to, words] in MISTAKES {
         let text = fs::read_to_string(root().join(file)).unwrap();
         let before = text.find(from).unwrap_or_else(|| panic!("{from} is not in {file}"));
@@ -149,7 +128,7 @@ fn the_message_names_file_and_line() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_flight_leaves_nothing() {
-    let folder = scratch("interrupted");
+    let folder = scratch("fly-interrupted");
     let scenario = root().join("scenarios/glide.toml");
     let mut child = Command::new(env!("CARGO_BIN_EXE_wingbeat"))
         .args(["fly", scenario.to_str().unwrap(), "--set", "flight.duration_s=500", "--quiet"])

@@ -1,27 +1,22 @@
 //! `wingbeat sweep`: the same rows whether or not it was interrupted.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Output};
 use std::time::Duration;
 
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
+use crate::{root, scratch};
 
 /// A sweep of short turns.
 fn written(folder: &Path, flights: usize) {
-    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
+    let scenario = root().join("scenarios/banking_turn.toml");
     let text = format!(
         "name = \"small\"\nscenario = {:?}\nruns = {flights}\n\
          [hold]\nroll_within_deg = 5.0\npitch_within_deg = 10.0\n\
          [[draws]]\nkey = \"mismatch.mass\"\nlow = 0.9\nhigh = 1.1\n\
          [[draws]]\nkey = \"flight.duration_s\"\nlow = 0.3\nhigh = 0.3\n\
          [[draws]]\nkey = \"goal.settle_s\"\nlow = 0.0\nhigh = 0.0\n",
-        scenario.canonicalize().unwrap()
+        scenario
     );
     fs::write(folder.join("small.toml"), text).unwrap();
 }
@@ -48,7 +43,7 @@ fn interrupt(child: &Child) {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_goes_on_to_the_same_rows() {
-    let folder = scratch("sweep");
+    let folder = scratch("sweep-sweep");
     written(&folder, 6);
     let output = sweep(&folder, "whole");
     assert!(output.status.success(), "{output:?}");
@@ -77,7 +72,7 @@ fn an_interrupted_sweep_goes_on_to_the_same_rows() {
 
 #[test]
 fn a_bad_sweep_is_one_message() {
-    let folder = scratch("bad_sweep");
+    let folder = scratch("sweep-bad_sweep");
     written(&folder, 0);
     let output = sweep(&folder, "out");
     let message = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -1,0 +1,34 @@
+//! `wingbeat validate`.
+
+use std::fs;
+
+use crate::{entries, scratch, wingbeat};
+
+#[test]
+fn a_comparison_leaves_its_rows_and_its_figure() {
+    let folder = scratch("validate-whole");
+    let arguments = ["validate", "--only", "linkage", "--quiet", "--out", "a"];
+    let output = wingbeat(&folder, &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let names = ["figures", "manifest.json", "rows.csv", "rows.json", "summary.json"];
+    assert_eq!(entries(&folder.join("a")), names);
+    assert_eq!(entries(&folder.join("a/figures")), ["linkage.png", "linkage.svg"]);
+    let rows = fs::read_to_string(folder.join("a/rows.csv")).unwrap();
+    assert!(rows.starts_with("id,source,metric,unit,value,limit,pass\nlinkage.cycle,"), "{rows}");
+    assert!(fs::read_to_string(folder.join("a/summary.json")).unwrap().contains("\"passed\": 1"));
+
+    let again = wingbeat(&folder, &arguments);
+    assert_eq!(again.status.code(), Some(2), "{again:?}");
+    assert!(String::from_utf8_lossy(&again.stderr).contains("--force"), "{again:?}");
+    assert_eq!(entries(&folder), ["a"]);
+}
+
+#[test]
+fn an_unknown_comparison_leaves_nothing() {
+    let folder = scratch("validate-unknown");
+    let output = wingbeat(&folder, &["validate", "--only", "linkag", "--out", "a"]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("linkag: no such comparison") && message.contains("linkage.cycle"), "{message}");
+    assert!(entries(&folder).is_empty());
+}
