@@ -35,6 +35,7 @@ pub fn cases() -> Vec<&'static Case> {
         ocp::CASES,
         ocp_problems::hock_schittkowski::CASES,
         ocp_problems::trajectories::CASES,
+        ocp_problems::classics::CASES,
         ocp_problems::flapbody::CASES,
         rig::CASES,
     ]

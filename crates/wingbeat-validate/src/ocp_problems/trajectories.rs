@@ -7,21 +7,32 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 use wingbeat::math::{GRAVITY, Scalar};
 use wingbeat::ocp::interior_point::{Options, Status};
-use wingbeat::ocp::{Ends, FREE, Instant, Limits, OptimalControl, Refinement, Setup, optimise};
+use wingbeat::ocp::{Ends, FREE, Instant, Limits, OptimalControl, Refinement, Scheme, Setup, optimise};
 use wingbeat::plant::{Channel, Fault};
 
-const CLOSED_FORM: &str = "closed form";
+pub(super) const CLOSED_FORM: &str = "closed form";
 const CASADI: &str = "CasADi 3.8.2 + IPOPT, Radau IIA degree 4";
 
-/// Relative distance of the optimum found from the reference.
-fn compare<P: OptimalControl>(
+/// Relative distance of the optimum found from the reference, by Hermite-Simpson collocation.
+pub(super) fn compare<P: OptimalControl>(
+    name: &str,
+    source: &str,
+    problem: &P,
+    optimum: f64,
+) -> Result<Vec<Row>, Error> {
+    compare_by(Scheme::hermite_simpson(), name, source, problem, optimum)
+}
+
+/// Relative distance of the optimum found by a collocation scheme from the reference.
+pub(super) fn compare_by<P: OptimalControl>(
+    scheme: Scheme,
     name: &str,
     source: &str,
     problem: &P,
     optimum: f64,
 ) -> Result<Vec<Row>, Error> {
     let solver = Options { time: Duration::from_secs(60), ..Options::default() };
-    let refinement = Refinement { solver, ..Refinement::default() };
+    let refinement = Refinement { scheme, solver, ..Refinement::default() };
     let guess = problem.setup().straight_line();
     let mut quiet = |_: wingbeat::ocp::Progress| ControlFlow::Continue(());
     let found = optimise(problem, &guess, &refinement, &mut quiet);
@@ -36,11 +47,11 @@ fn compare<P: OptimalControl>(
     Ok(vec![Row::judged(&format!("ocp.{name}"), source, &metric, value, 1e-6, "")])
 }
 
-fn free(names: &[&str]) -> Vec<Channel> {
+pub(super) fn free(names: &[&str]) -> Vec<Channel> {
     names.iter().map(|n| Channel::free(*n, "", "")).collect()
 }
 
-fn exactly<const N: usize>(values: [f64; N]) -> [Limits; N] {
+pub(super) fn exactly<const N: usize>(values: [f64; N]) -> [Limits; N] {
     values.map(|v| [v, v])
 }
 

@@ -16,6 +16,10 @@ const CORRECTIONS: usize = 4;
 const CORRECTION_PROGRESS: f64 = 0.99;
 /// Smallest share of the distance to the limits that a step may use.
 const LEAST_TAU: f64 = 0.99;
+/// Steps in a row shortened by the filter alone that clear it, and how often
+/// (IPOPT's reset: corners left by a worse part of the path hold the solve up).
+const REFUSALS: usize = 5;
+const CLEARINGS: usize = 5;
 /// Steps below this, relative to the point, are taken as they are.
 const TINY_STEP: f64 = 10.0 * f64::EPSILON;
 
@@ -68,9 +72,11 @@ impl Solver<'_> {
         }
         let shortest = here.shortest(self.theta_small);
         let mut alpha = longest;
+        self.refused = false;
         while alpha >= shortest {
             if self.evaluate_trial(alpha) {
                 if self.acceptable(&here, alpha) {
+                    self.reconsider_filter(&here);
                     return self.take(alpha, tau);
                 }
                 let worse = self.trial.theta(&self.standard) >= here.theta;
@@ -104,19 +110,35 @@ impl Solver<'_> {
     /// the present point to the filter.
     fn acceptable(&mut self, here: &Here, alpha: f64) -> bool {
         let (theta, phi) = (self.trial.theta(&self.standard), self.trial.phi(&self.standard, self.mu));
-        if !phi.is_finite() || !self.filter.accepts(theta, phi - here.rounding()) {
+        let rounding = here.rounding();
+        let descends = here.switches(alpha, self.theta_small);
+        let better = if descends {
+            phi - here.phi <= ETA * alpha * here.slope + rounding
+        } else {
+            theta <= (1.0 - GAMMA_THETA) * here.theta || phi - here.phi <= -GAMMA_PHI * here.theta + rounding
+        };
+        if !phi.is_finite() || !better {
+            self.refused = false;
             return false;
         }
-        let rounding = here.rounding();
-        if here.switches(alpha, self.theta_small) {
-            return phi - here.phi <= ETA * alpha * here.slope + rounding;
+        if !self.filter.accepts(theta, phi - rounding) {
+            self.refused = true;
+            return false;
         }
-        let better =
-            theta <= (1.0 - GAMMA_THETA) * here.theta || phi - here.phi <= -GAMMA_PHI * here.theta + rounding;
-        if better {
+        if !descends {
             self.filter.add(here.theta, here.phi);
         }
-        better
+        true
+    }
+
+    /// Clears the filter when, near feasible points, it alone has shortened
+    /// several steps in a row.
+    fn reconsider_filter(&mut self, here: &Here) {
+        self.refusals = if self.refused && here.theta <= self.theta_small { self.refusals + 1 } else { 0 };
+        if self.refusals >= REFUSALS && self.clearings < CLEARINGS {
+            self.filter.clear();
+            (self.refusals, self.clearings) = (0, self.clearings + 1);
+        }
     }
 
     /// Second-order corrections: steps that account for the constraints'

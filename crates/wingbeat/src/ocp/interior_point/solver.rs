@@ -60,6 +60,11 @@ pub(super) struct Solver<'a> {
     pub nested: bool,
     /// Restorations so far.
     pub restorations: usize,
+    /// The filter alone refused the last trial point that was refused; steps
+    /// in a row where it did; how often it was cleared for that.
+    pub refused: bool,
+    pub refusals: usize,
+    pub clearings: usize,
     acceptable: usize,
     restarts: usize,
 }
@@ -98,6 +103,9 @@ impl<'a> Solver<'a> {
             step: 0.0,
             nested: false,
             restorations: 0,
+            refused: false,
+            refusals: 0,
+            clearings: 0,
             acceptable: 0,
             restarts: 0,
         }
