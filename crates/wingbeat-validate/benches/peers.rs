@@ -2,11 +2,11 @@
 //!
 //! Prints `name<TAB>seconds`, medians over repeats.
 
+use cpu_time::ProcessTime;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use wingbeat::body::{LinkMotion, Tree};
 use wingbeat::math::{GRAVITY, Jet, Quat, Vec3, Wrench};
@@ -23,7 +23,7 @@ const JOINTS: usize = 4;
 fn median(repeats: usize, mut run: impl FnMut()) -> f64 {
     let mut times: Vec<f64> = (0..repeats)
         .map(|_| {
-            let start = Instant::now();
+            let start = ProcessTime::now();
             run();
             start.elapsed().as_secs_f64()
         })

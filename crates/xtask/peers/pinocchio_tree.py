@@ -26,9 +26,9 @@ def main(folder):
     pool = pin.ModelPool(model, 1)
     times = []
     for _ in range(REPEATS):
-        start = time.perf_counter()
+        start = time.process_time()
         pin.abaInParallel(1, pool, poses, rates, torques, out)
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     alone = pin.aba(model, model.createData(), poses[:, 7].copy(), rates[:, 7].copy(), torques[:, 7].copy())
     assert np.allclose(out[:, 7], alone, rtol=1e-12)
     print(f"forward_dynamics\t{sorted(times)[REPEATS // 2] / BATCH}")

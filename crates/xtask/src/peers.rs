@@ -3,6 +3,7 @@
 mod control;
 
 use std::collections::HashMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -14,7 +15,7 @@ const ROUNDS: usize = 3;
 type Times = HashMap<String, f64>;
 
 /// Rows of the table: what, our name of it, the other program, its name of what it is compared with.
-const ROWS: [(&str, &str, &str, &str); 8] = [
+const ROWS: [(&str, &str, &str, &str); 9] = [
     ("forward dynamics, 10-dof tree", "forward_dynamics", "Pinocchio 4.1.0", "forward_dynamics"),
     ("plant of Aerobat, paper, 9 strips", "plant_paper_9", "Pinocchio 4.1.0", "forward_dynamics"),
     ("plant of Aerobat, full, 9 strips", "plant_full_9", "Pinocchio 4.1.0", "forward_dynamics"),
@@ -22,7 +23,13 @@ const ROWS: [(&str, &str, &str, &str); 8] = [
     ("plant of Aerobat, full, 16 strips", "plant_full_16", "Pinocchio 4.1.0", "forward_dynamics"),
     ("flapping wing F2, paper, per simulated second", "flap_f2_paper", "PteraSoftware 5.1.0", "flap_f2"),
     ("flapping wing F2, full, per simulated second", "flap_f2_full", "PteraSoftware 5.1.0", "flap_f2"),
-    ("FLAPBODY-14 B, 100 intervals", "flapbody14_b", "CasADi 3.8 + IPOPT", "flapbody14_b"),
+    ("FLAPBODY-14 B, 100 intervals", "flapbody14_b", "CasADi 3.8.2 + IPOPT", "flapbody14_b"),
+    (
+        "the same",
+        "flapbody14_b",
+        "IPOPT without the evaluation of the functions",
+        "flapbody14_b_without_evaluation",
+    ),
 ];
 
 /// Runs both sides with the given Python; false when it fails.
@@ -59,10 +66,11 @@ fn mechanics(python: &Path) -> bool {
     theirs.push(flap);
     let table = table(&ours, &theirs);
     println!("{table}");
+    let table = format!("{table}\n\n{}", circumstances(&["pin", "pterasoftware"]));
     documents::put_into("docs/performance.md", "mechanics", &table)
 }
 
-/// Runs the offline solvers in turns.
+/// Runs the offline solvers in turns; prints the table and puts it into docs/performance.md.
 fn offline(python: &Path) -> bool {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
@@ -74,8 +82,39 @@ fn offline(python: &Path) -> bool {
         ours.push(own);
         theirs.push(other);
     }
-    println!("{}", table(&ours, &theirs));
-    true
+    let table = table(&ours, &theirs);
+    println!("{table}");
+    let table = format!("{table}\n\n{}", circumstances(&["casadi"]));
+    documents::put_into("docs/performance.md", "offline", &table)
+}
+
+/// Date, machine and versions, of the Python packages those required.
+fn circumstances(packages: &[&str]) -> String {
+    let required = fs::read_to_string(peers().join("requirements.txt")).unwrap_or_default();
+    let version = |package: &&str| {
+        let line = required.lines().find(|line| line.split("==").next() == Some(package));
+        line.unwrap_or(package).replace("==", " ")
+    };
+    let packages = packages.iter().map(version).collect::<Vec<_>>().join(", ");
+    let (date, rustc) = (first_line("date", &["-u", "+%Y-%m-%d"]), first_line("rustc", &["--version"]));
+    format!("{date}; {}; {packages}, {rustc}, {}.", machine(), first_line("cc", &["--version"]))
+}
+
+/// First line that a program prints.
+fn first_line(program: &str, arguments: &[&str]) -> String {
+    let mut command = Command::new(program);
+    command.args(arguments);
+    tools::output(command)
+        .and_then(|text| text.lines().next().map(String::from))
+        .unwrap_or_else(|| "?".into())
+}
+
+/// Model of the processor.
+fn machine() -> String {
+    let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    format!("{}, {cores} cores", model.map_or("unknown processor", |(_, name)| name))
 }
 
 /// Python with the other programs, in target/peers; none when it cannot be made.

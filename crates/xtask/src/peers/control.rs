@@ -1,12 +1,10 @@
 //! Predictive control beside CasADi, in turn on the same instances of FLAPBODY-14 A.
 
-use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 
-use super::script;
+use super::{circumstances, script};
 use crate::{documents, tools};
 
 /// Times each instance is solved by each program; the best counts.
@@ -35,7 +33,7 @@ pub fn compare(python: &Path) -> bool {
     documents::put_into(
         "docs/performance.md",
         "flapbody14",
-        &format!("{table}\n\n{}", circumstances(&answer)),
+        &format!("{table}\n\n{}", circumstances(&["casadi"])),
     )
 }
 
@@ -57,29 +55,4 @@ fn table(rows: &Value) -> String {
         );
     }
     text
-}
-
-/// Date, machine and versions.
-fn circumstances(answer: &Value) -> String {
-    let casadi = answer["casadi"].as_str().unwrap_or("?");
-    let date = first_line("date", &["-u", "+%Y-%m-%d"]);
-    let (rustc, cc) = (first_line("rustc", &["--version"]), first_line("cc", &["--version"]));
-    format!("{date}; {}; CasADi {casadi}, {rustc}, {cc}.", machine())
-}
-
-/// First line that a program prints.
-fn first_line(program: &str, arguments: &[&str]) -> String {
-    let mut command = Command::new(program);
-    command.args(arguments);
-    tools::output(command)
-        .and_then(|text| text.lines().next().map(String::from))
-        .unwrap_or_else(|| "?".into())
-}
-
-/// Model of the processor.
-fn machine() -> String {
-    let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    format!("{}, {cores} cores", model.map_or("unknown processor", |(_, name)| name))
 }
