@@ -31,7 +31,7 @@ pub(super) fn compare_by<P: OptimalControl>(
     problem: &P,
     optimum: f64,
 ) -> Result<Vec<Row>, Error> {
-    let solver = Options { time: Duration::from_secs(60), ..Options::default() };
+    let solver = Options { time: Duration::from_secs(300), ..Options::default() };
     let refinement = Refinement { scheme, solver, ..Refinement::default() };
     let guess = problem.setup().straight_line();
     let mut quiet = |_: wingbeat::ocp::Progress| ControlFlow::Continue(());
