@@ -1,7 +1,7 @@
 //! Section laws: how lift saturates, and the profile drag.
 
 use crate::Error;
-use crate::math::Scalar;
+use crate::math::{Over, Scalar};
 use crate::require;
 
 /// What becomes of the attached lift as the incidence grows.
@@ -96,11 +96,11 @@ impl ProfileDrag {
     ///
     /// Equation: aero.profile_drag
     #[inline]
-    pub(super) fn section<S: Scalar>(
+    pub(super) fn section<G: Scalar, S: Over<G>>(
         self,
         law: LiftLaw,
-        uc: S,
-        w: S,
+        uc: G,
+        w: G,
         attached: S,
         delta2: f64,
     ) -> SectionDrag<S> {
@@ -111,13 +111,15 @@ impl ProfileDrag {
             LiftLaw::Linear => {
                 let sine2 = sine * sine;
                 let along = speed * (sine2 * self.cd90 + self.cd0);
-                SectionDrag { chordwise: along * uc, normal: along * w, centre: sine2 * 0.25 + 0.25 }
+                let (chordwise, normal) = (S::from(along * uc), S::from(along * w));
+                SectionDrag { chordwise, normal, centre: S::from(sine2 * 0.25 + 0.25) }
             }
             LiftLaw::Stall => {
                 let plate = (S::ONE - attached) * self.cd90 + self.cd0;
-                let centre = S::from(0.5)
+                let centre = G::from(0.5)
                     - uc * inverse * 0.75 / (sine.smooth_abs(SINE_WIDTH) * std::f64::consts::PI + 4.0);
-                SectionDrag { chordwise: speed * uc * self.cd0, normal: speed * w * plate, centre }
+                let chordwise = S::from(speed * uc * self.cd0);
+                SectionDrag { chordwise, normal: plate * (speed * w), centre: S::from(centre) }
             }
         }
     }

@@ -17,7 +17,7 @@ pub use planform::{Gap, Planform, PlanformStation};
 pub use station::{SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings};
 
-use crate::math::{Scalar, Vec3};
+use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
 
 /// Largest number of strips; loads live on the stack.
@@ -100,14 +100,14 @@ impl Aero {
         }
     }
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
-    /// added-mass matrix.
-    pub fn evaluate_sum<S: Scalar>(
+    /// added-mass matrix. The states may carry more derivatives than the motion.
+    pub fn evaluate_sum<G: Scalar, S: Over<G>>(
         &self,
-        sections: &(impl Sections<S> + ?Sized),
-        wind: Vec3<S>,
+        sections: &(impl Sections<G> + ?Sized),
+        wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-    ) -> (Wrench<S>, [[S; 6]; 6]) {
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self {
             Self::LiftingLine(line) => line.evaluate_sum(sections, wind, x, dx),
             Self::Strip(model) => model.evaluate_sum(sections, wind, x, dx),

@@ -2,7 +2,7 @@
 //! meets, and the air that it carries along.
 
 use super::{SectionMotion, Wrench};
-use crate::math::{Scalar, Vec3};
+use crate::math::{Over, Scalar, Vec3};
 
 /// Directions, winds and rates of one section, resolved in B.
 #[derive(Clone, Copy, Debug)]
@@ -119,7 +119,7 @@ impl<S: Scalar> Section<S> {
 
     /// A section force as a wrench about the body origin.
     #[inline]
-    pub fn wrench(&self, f: SectionForce<S>) -> Wrench<S> {
+    pub fn wrench<T: Over<S>>(&self, f: SectionForce<T>) -> Wrench<T> {
         f.wrench(self.middle, self.chordwise, self.normal, self.across)
     }
 }
@@ -146,12 +146,33 @@ impl<S: Scalar> SectionForce<S> {
         Self { chordwise, normal, across: S::ZERO, nose_up: normal * ahead, about_chord: S::ZERO }
     }
 
+    /// The same force with more derivatives, all zero.
+    #[inline]
+    pub fn lifted<T: Over<S>>(self) -> SectionForce<T> {
+        SectionForce {
+            chordwise: T::from(self.chordwise),
+            normal: T::from(self.normal),
+            across: T::from(self.across),
+            nose_up: T::from(self.nose_up),
+            about_chord: T::from(self.about_chord),
+        }
+    }
+
     /// As a wrench about the body origin, given mid chord and the section's directions.
     #[inline]
-    pub fn wrench(self, middle: Vec3<S>, chordwise: Vec3<S>, normal: Vec3<S>, across: Vec3<S>) -> Wrench<S> {
-        let force = chordwise * self.chordwise + normal * self.normal + across * self.across;
-        let couple = across * self.nose_up + chordwise * self.about_chord;
-        Wrench { force, moment: middle.cross(force) + couple }
+    pub fn wrench<G: Scalar>(
+        self,
+        middle: Vec3<G>,
+        chordwise: Vec3<G>,
+        normal: Vec3<G>,
+        across: Vec3<G>,
+    ) -> Wrench<S>
+    where
+        S: Over<G>,
+    {
+        let force = chordwise.times(self.chordwise) + normal.times(self.normal) + across.times(self.across);
+        let couple = across.times(self.nose_up) + chordwise.times(self.about_chord);
+        Wrench { force, moment: middle.cross_over(force) + couple }
     }
 }
 

@@ -1,41 +1,48 @@
 //! Small dense solves in place, row-major, without allocation.
 
-use super::Scalar;
+use super::{Over, Scalar};
 
 /// Solves A x = b for a symmetric positive definite `N` x `N` matrix by LDL'
 /// (Golub & Van Loan, Matrix Computations, 4.1.2). `None` when a pivot is not
 /// positive.
-pub fn solve_symmetric<const N: usize, S: Scalar>(mut a: [[S; N]; N], mut b: [S; N]) -> Option<[S; N]> {
+pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(
+    mut a: [[G; N]; N],
+    mut b: [S; N],
+) -> Option<[S; N]> {
+    let mut inverse = [G::ZERO; N];
     for j in 0..N {
+        // Row j times the pivots so far.
+        let mut scaled = [G::ZERO; N];
         let mut pivot = a[j][j];
         for k in 0..j {
-            pivot -= a[j][k] * a[j][k] * a[k][k];
+            scaled[k] = a[j][k] * a[k][k];
+            pivot -= a[j][k] * scaled[k];
         }
         if pivot.value() <= 0.0 || !pivot.value().is_finite() {
             return None;
         }
         a[j][j] = pivot;
-        let inverse = pivot.recip();
+        inverse[j] = pivot.recip();
         for i in j + 1..N {
             let mut sum = a[i][j];
             for k in 0..j {
-                sum -= a[i][k] * a[j][k] * a[k][k];
+                sum -= a[i][k] * scaled[k];
             }
-            a[i][j] = sum * inverse;
+            a[i][j] = sum * inverse[j];
         }
     }
     for i in 0..N {
         for k in 0..i {
-            let c = a[i][k] * b[k];
+            let c = b[k] * a[i][k];
             b[i] -= c;
         }
     }
     for i in 0..N {
-        b[i] = b[i] / a[i][i];
+        b[i] = b[i] * inverse[i];
     }
     for i in (0..N).rev() {
         for k in i + 1..N {
-            let c = a[k][i] * b[k];
+            let c = b[k] * a[k][i];
             b[i] -= c;
         }
     }

@@ -17,7 +17,7 @@ pub use dual::Dual;
 pub use jet::Jet;
 pub use random::Random;
 pub use runge_kutta::{MIDPOINT, RK4, Tableau, Workspace};
-pub use scalar::Scalar;
+pub use scalar::{Over, Scalar, lift};
 pub use space::{Mat3, Quat, Vec3};
 pub use spline::CubicSpline;
 pub use tape::{Tape, Traced};

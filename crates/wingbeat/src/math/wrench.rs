@@ -1,6 +1,6 @@
 //! Force and moment together.
 
-use super::{Scalar, Vec3};
+use super::{Over, Scalar, Vec3};
 use std::ops::{Add, AddAssign, Neg};
 
 /// Force (N) and moment about the body origin (N m), resolved in the body frame B.
@@ -20,6 +20,11 @@ impl<S: Scalar> Wrench<S> {
     #[inline]
     pub fn at(point: Vec3<S>, force: Vec3<S>) -> Self {
         Self { force, moment: point.cross(force) }
+    }
+    /// The same wrench with more derivatives, all zero.
+    #[inline]
+    pub fn lifted<T: Over<S>>(self) -> Wrench<T> {
+        Wrench { force: self.force.lifted(), moment: self.moment.lifted() }
     }
     /// A pure couple.
     #[inline]

@@ -1,10 +1,7 @@
 //! A local three-component attitude in place of the quaternion.
 
-use super::{Channel, Fault, Plant};
-use crate::math::{Mat3, Quat, Scalar, Vec3};
-
-/// Largest state a chart handles; the scratch lives on the stack.
-pub const MAX_STATES: usize = 160;
+use super::{Channel, Fault, MAX_STATES, Plant};
+use crate::math::{Mat3, Over, Quat, Scalar, Vec3, lift};
 
 /// The plant seen in a chart around a reference attitude: q_WB = q_ref exp(d),
 /// with the rotation vector d (rad, body axes) in place of the quaternion, so
@@ -120,11 +117,41 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         let (mut x, mut rates) = ([S::ZERO; MAX_STATES], [S::ZERO; MAX_STATES]);
         self.globalise(local, &mut x[..n]);
         self.plant.rates(t, &x[..n], u, &mut rates[..n])?;
-        dx[..a].copy_from_slice(&rates[..a]);
-        // w = 2 vec(q* q') undoes q' = q (0, w)/2.
-        let half_w = (Quat::from_wxyz(&x[a..]).conjugate() * Quat::from_wxyz(&rates[a..])).v;
-        rotation_vector_rate(Vec3::from_slice(&local[a..]), half_w * S::from(2.0)).store(&mut dx[a..]);
-        dx[a + 3..].copy_from_slice(&rates[a + 4..n]);
+        localise_rates(a, &x[..n], local, &rates[..n], dx);
         Ok(())
     }
+    fn late_states(&self) -> usize {
+        self.plant.late_states() - usize::from(self.plant.attitude().is_some())
+    }
+    fn rates_by_late<S: Over<f64>>(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[S],
+        u: &[f64],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        let Some(a) = self.plant.attitude() else {
+            return self.plant.rates_by_late(t, early, late, u, dx);
+        };
+        let (first, n) = (early.len() + 1, early.len() + 1 + late.len());
+        assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
+        let (mut x, mut rates) = ([0.0; MAX_STATES], [S::ZERO; MAX_STATES]);
+        self.globalise(early, &mut x[..first]);
+        self.plant.rates_by_late(t, &x[..first], late, u, &mut rates[..n])?;
+        localise_rates(a, &x[..first], early, &rates[..n], dx);
+        Ok(())
+    }
+}
+
+/// Rates of the local coordinates from those of the plant's state `x`, whose attitude is at `a`.
+fn localise_rates<G: Scalar, S: Over<G>>(a: usize, x: &[G], local: &[G], rates: &[S], dx: &mut [S]) {
+    let (mut attitude, mut rotation) = ([S::ZERO; 4], [S::ZERO; 3]);
+    lift(&x[a..], &mut attitude);
+    lift(&local[a..], &mut rotation);
+    dx[..a].copy_from_slice(&rates[..a]);
+    // w = 2 vec(q* q') undoes q' = q (0, w)/2.
+    let half_w = (Quat::from_wxyz(&attitude).conjugate() * Quat::from_wxyz(&rates[a..])).v;
+    rotation_vector_rate(Vec3(rotation), half_w * S::from(2.0)).store(&mut dx[a..]);
+    dx[a + 3..].copy_from_slice(&rates[a + 4..]);
 }

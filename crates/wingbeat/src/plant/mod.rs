@@ -7,7 +7,7 @@ mod linearise;
 pub use chart::LocalChart;
 pub use linearise::Linearisation;
 
-use crate::math::Scalar;
+use crate::math::{Over, Scalar, lift};
 
 /// One named component of a state or input, with its unit, frame and limits.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,4 +94,31 @@ pub trait Plant: Sync {
     }
     /// Writes dx/dt. Pure, and allocates nothing.
     fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault>;
+
+    /// Index of the first late state. Late states enter only the end of an evaluation, so that
+    /// derivatives by them need not follow the rest; all of them come after the others.
+    fn late_states(&self) -> usize {
+        self.states().len()
+    }
+    /// As [`rates`](Self::rates) where only the `late` states carry derivatives.
+    ///
+    /// # Panics
+    /// Where a plant leaves it to `rates` and has more than [`MAX_STATES`] states or inputs.
+    fn rates_by_late<S: Over<f64>>(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[S],
+        u: &[f64],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        let (mut x, mut inputs) = ([S::ZERO; MAX_STATES], [S::ZERO; MAX_STATES]);
+        lift(early, &mut x);
+        x[early.len()..][..late.len()].copy_from_slice(late);
+        lift(u, &mut inputs);
+        self.rates(S::from(t), &x[..early.len() + late.len()], &inputs[..u.len()], dx)
+    }
 }
+
+/// Largest state of which the parts are put together on the stack.
+pub const MAX_STATES: usize = 160;

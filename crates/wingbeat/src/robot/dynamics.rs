@@ -5,19 +5,20 @@ use super::sections::Riding;
 use super::{JOINTS, MAX_ELEMENTS, Robot};
 use crate::body::LinkMotion;
 use crate::math::linear::solve_symmetric;
-use crate::math::{GRAVITY, Jet, Mat3, Quat, Scalar, Vec3, Wrench};
+use crate::math::{GRAVITY, Jet, Mat3, Over, Quat, Scalar, Vec3, Wrench, lift};
 use crate::plant::{Channel, Fault, Plant};
 
-/// Everything one evaluation computes on the way to the rates.
-pub(super) struct Evaluation<S: Scalar> {
+/// Everything one evaluation computes on the way to the rates; what the states of the air do
+/// not enter is in `G`.
+pub(super) struct Evaluation<G: Scalar, S: Over<G> = G> {
     /// R_WB.
-    pub attitude: Mat3<S>,
+    pub attitude: Mat3<G>,
     /// Joint angles, rates and accelerations.
-    pub joints: [Jet<S>; JOINTS.len()],
+    pub joints: [Jet<G>; JOINTS.len()],
     /// Links with the body's own acceleration left out.
-    pub links: [LinkMotion<S>; JOINTS.len()],
+    pub links: [LinkMotion<G>; JOINTS.len()],
     /// The body as a link.
-    pub base: LinkMotion<S>,
+    pub base: LinkMotion<G>,
     /// Acceleration of the body origin and angular acceleration, inertial, in B.
     pub acceleration: [S; 6],
 }
@@ -32,8 +33,21 @@ impl Plant for Robot {
     fn attitude(&self) -> Option<usize> {
         Some(self.layout.attitude)
     }
+    fn late_states(&self) -> usize {
+        self.layout.aero
+    }
     fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
         self.evaluate(t, x, u, dx).map(|_| ())
+    }
+    fn rates_by_late<S: Over<f64>>(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[S],
+        u: &[f64],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        self.evaluate_parts(t, early, late, u, dx).map(|_| ())
     }
 }
 
@@ -47,6 +61,20 @@ impl Robot {
         u: &[S],
         dx: &mut [S],
     ) -> Result<Evaluation<S>, Fault> {
+        let (early, air) = x.split_at(self.layout.aero);
+        self.evaluate_parts(t, early, air, u, dx)
+    }
+
+    /// The same, given the states of body and structure and those of the air.
+    #[inline(always)]
+    fn evaluate_parts<G: Scalar, S: Over<G>>(
+        &self,
+        t: G,
+        x: &[G],
+        air: &[S],
+        u: &[G],
+        dx: &mut [S],
+    ) -> Result<Evaluation<G, S>, Fault> {
         let l = &self.layout;
         let q = Quat::from_wxyz(&x[l.attitude..]);
         let attitude = q.matrix();
@@ -54,18 +82,19 @@ impl Robot {
         let w = Vec3::from_slice(&x[l.rate..]);
         let v = attitude.transpose_mul(v_w);
 
-        let joints = self.joints(t, &x[l.structure..l.aero], u, &mut dx[l.structure..l.aero])?;
+        let mut structure_rates = [G::ZERO; 2 * MAX_ELEMENTS];
+        let joints = self.joints(t, &x[l.structure..], u, &mut structure_rates)?;
         let mut links = [LinkMotion::default(); JOINTS.len()];
         self.tree.motions(&joints, v, w, &mut links);
         let base = LinkMotion::base(v, w);
 
         let (wind, wind_dot) = self.wind(t, attitude);
         let riding = Riding { sections: &self.sections, base: &base, links: &links, wind_dot };
-        let (air, added_mass) = self.aero.evaluate_sum(&riding, wind, &x[l.aero..], &mut dx[l.aero..]);
+        let (air, added_mass) = self.aero.evaluate_sum(&riding, wind, air, &mut dx[l.aero..]);
 
         let (mut mass, bias) = self.tree.inertia_and_bias(w, &links);
         let gravity = self.tree.gravity(self.gravity(attitude), &links);
-        let net = air + gravity + self.body_drag(v - wind) + -bias;
+        let net = air + (gravity + self.body_drag(v - wind) + -bias).lifted();
         let mut rhs = [S::ZERO; 6];
         net.force.store(&mut rhs);
         net.moment.store(&mut rhs[3..]);
@@ -76,10 +105,13 @@ impl Robot {
         }
         let acceleration = solve_symmetric(mass, rhs).ok_or(Fault::MassMatrix { time: t.value() })?;
 
-        v_w.store(&mut dx[l.position..]);
-        q.rate(w).store_wxyz(&mut dx[l.attitude..]);
-        (attitude * Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
+        v_w.lifted().store(&mut dx[l.position..]);
+        let mut turning = [G::ZERO; 4];
+        q.rate(w).store_wxyz(&mut turning);
+        lift(&turning, &mut dx[l.attitude..]);
+        attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
         Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
+        lift(&structure_rates, &mut dx[l.structure..l.aero]);
         Ok(Evaluation { attitude, joints, links, base, acceleration })
     }
 

@@ -18,7 +18,7 @@ use super::law::separation_scale;
 use super::section::{Section, SectionForce, suction_share};
 use super::{Loads, Planform, SectionMotion, Sections, StripLoads, Wrench};
 use crate::Error;
-use crate::math::{Scalar, Vec3};
+use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
 use nodes::{Node, influence, node_angles};
 use std::f64::consts::PI;
@@ -150,12 +150,12 @@ impl LiftingLine {
     ///
     /// Equation: aero.lifting_line.lags
     #[inline]
-    fn lag<S: Scalar>(&self, i: usize, speed: S, w: S, x: &[S], dx: &mut [S]) -> S {
+    fn lag<G: Scalar, S: Over<G>>(&self, i: usize, speed: G, w: S, x: &[S], dx: &mut [S]) -> S {
         let (node, m) = (&self.nodes[i], self.strips());
         let mut effective = w * (1.0 - JONES_WEIGHTS[0] - JONES_WEIGHTS[1]);
         for k in 0..2 {
             let lag = x[(k + 1) * m + i];
-            dx[(k + 1) * m + i] = speed * (w - lag) * node.lag_rates[k];
+            dx[(k + 1) * m + i] = (w - lag) * (speed * node.lag_rates[k]);
             effective += lag * JONES_WEIGHTS[k];
         }
         effective
@@ -166,9 +166,9 @@ impl LiftingLine {
     ///
     /// Equation: aero.lifting_line.circulation
     #[inline]
-    fn circulation_rate<S: Scalar>(&self, i: usize, speed: S, effective_wash: S, gamma: S) -> S {
+    fn circulation_rate<G: Scalar, S: Over<G>>(&self, i: usize, speed: G, effective_wash: S, gamma: S) -> S {
         let node = &self.nodes[i];
-        speed * (effective_wash * node.circulation - gamma) * node.inverse_chord
+        (effective_wash * node.circulation - gamma) * (speed * node.inverse_chord)
     }
 
     /// State rates and loads. `sections` at [`arcs`](Self::arcs), `wind` is the
@@ -199,16 +199,16 @@ impl LiftingLine {
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
-    /// added-mass matrix.
-    pub fn evaluate_sum<S: Scalar>(
+    /// added-mass matrix. The states may carry more derivatives than the motion.
+    pub fn evaluate_sum<G: Scalar, S: Over<G>>(
         &self,
-        sections: &(impl Sections<S> + ?Sized),
-        wind: Vec3<S>,
+        sections: &(impl Sections<G> + ?Sized),
+        wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-    ) -> (Wrench<S>, [[S; 6]; 6]) {
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
         let mut wrench = Wrench::ZERO;
-        let mut added_mass = [[S::ZERO; 6]; 6];
+        let mut added_mass = [[G::ZERO; 6]; 6];
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = Section::new(&sections.section(i), wind, node.inverse_edge);
@@ -224,18 +224,24 @@ impl LiftingLine {
 
     /// State rates of node `i` and the flow that its forces follow from.
     #[inline]
-    fn flow<S: Scalar>(&self, i: usize, section: &Section<S>, x: &[S], dx: &mut [S]) -> Flow<S> {
+    fn flow<G: Scalar, S: Over<G>>(
+        &self,
+        i: usize,
+        section: &Section<G>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> Flow<G, S> {
         let set = &self.settings;
         let (uc, w) = (section.uc, section.w_three_quarter);
         let uc2 = uc * uc + set.regularisation_m_s * set.regularisation_m_s;
         let speed = (uc2 + w * w).sqrt();
-        let wash = w + self.induced_wash(i, &x[..self.strips()]);
+        let wash = self.induced_wash(i, &x[..self.strips()]) + w;
         let effective = self.lag(i, speed, wash, x, dx);
-        let inverse = (uc2 + effective * effective).sqrt().recip();
+        let inverse = (effective * effective + uc2).sqrt().recip();
         let sine = effective * inverse;
         let attached = set.law.attached_share(sine * sine, self.separation_scale);
         dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
-        let suction = suction_share(uc * inverse) * attached;
+        let suction = suction_share(inverse * uc) * attached;
         Flow { w, wash, effective, speed, along: uc2.sqrt(), inverse, attached, suction }
     }
 
@@ -245,7 +251,7 @@ impl LiftingLine {
         &self,
         node: &Node,
         section: &Section<S>,
-        flow: &Flow<S>,
+        flow: &Flow<S, S>,
         added_mass: &mut [[S; 6]; 6],
     ) -> StripLoads<S> {
         let circulatory = section.wrench(flow.lift_without_turning(node));
@@ -262,7 +268,12 @@ impl LiftingLine {
     }
 
     #[inline]
-    fn profile_drag<S: Scalar>(&self, node: &Node, section: &Section<S>, flow: &Flow<S>) -> SectionForce<S> {
+    fn profile_drag<G: Scalar, S: Over<G>>(
+        &self,
+        node: &Node,
+        section: &Section<G>,
+        flow: &Flow<G, S>,
+    ) -> SectionForce<S> {
         let set = &self.settings;
         let delta2 = set.regularisation_m_s * set.regularisation_m_s;
         let drag = set.drag.section(set.law, section.uc, section.w_half, flow.attached, delta2);
@@ -272,12 +283,12 @@ impl LiftingLine {
 
     /// Force and couple of the carried air, its inertia added to the matrix.
     #[inline]
-    fn carried_air<S: Scalar>(
+    fn carried_air<G: Scalar, S: Over<G>>(
         &self,
         node: &Node,
-        section: &Section<S>,
-        speed: S,
-        matrix: &mut [[S; 6]; 6],
+        section: &Section<G>,
+        speed: G,
+        matrix: &mut [[G; 6]; 6],
     ) -> SectionForce<S> {
         let set = &self.settings;
         let mass = if set.added_mass { node.mass } else { 0.0 };
@@ -285,22 +296,22 @@ impl LiftingLine {
         let mut force = section.added_mass(mass);
         force.nose_up = section.section_moment(turned, node.half_chord, speed);
         section.add_inertia(mass, turned * node.half_chord * node.half_chord / 8.0, matrix);
-        force
+        force.lifted()
     }
 }
 
-/// What the forces of a node follow from.
-struct Flow<S: Scalar> {
+/// What the forces of a node follow from; what the motion alone decides is in `G`.
+struct Flow<G: Scalar, S: Over<G>> {
     /// Wash of motion, m/s.
-    w: S,
+    w: G,
     /// Wash of motion and induced wash, m/s.
     wash: S,
     /// Effective wash, lags included, m/s.
     effective: S,
     /// Smooth airspeed of motion, m/s.
-    speed: S,
+    speed: G,
     /// Smooth |uc|, m/s.
-    along: S,
+    along: G,
     /// 1 / airspeed with the effective wash, s/m.
     inverse: S,
     /// Share of attached lift.
@@ -309,7 +320,7 @@ struct Flow<S: Scalar> {
     suction: S,
 }
 
-impl<S: Scalar> Flow<S> {
+impl<G: Scalar, S: Over<G>> Flow<G, S> {
     /// The lift rho (U G + c G') perpendicular to the wind that includes
     /// induced and lag wash W: L (|uc| n - s W e_c) / Ve.
     ///

@@ -3,8 +3,9 @@
 //! Matrices are stored by columns: `m[j][i]` is the wash of strip j on strip i,
 //! so that the inner loops run over strips without a gap and vectorise.
 
-use super::motion::{Edge, Strip};
-use crate::math::{Scalar, Vec3};
+use super::motion::{Edge, Strips, Vectors, Wakes};
+use super::tables::Tables;
+use crate::math::{Over, Scalar, Vec3};
 use std::f64::consts::PI;
 
 /// A number per strip.
@@ -13,34 +14,29 @@ pub(super) type Column<S, const N: usize> = [S; N];
 pub(super) type Matrix<S, const N: usize> = [[S; N]; N];
 
 const INVERSE_4PI: f64 = 0.25 / PI;
+/// Smallest squared distance to the end of a vortex over its squared core radius.
+const NEAREST: f64 = 1e-6;
 
-/// Points of all strips by component, where the wash is wanted.
-struct Points<S, const N: usize> {
-    x: [S; N],
-    y: [S; N],
-    z: [S; N],
+/// Where the wash is taken, and of what direction: points and the lines n through them.
+pub(super) struct Targets<'a, S: Scalar, const N: usize> {
+    /// 3/4 and 1/4 chord points.
+    control: &'a Vectors<S, N>,
+    bound: &'a Vectors<S, N>,
+    /// Normals over 4 pi, with their moments about the origin at both points.
+    normal: Vectors<S, N>,
+    control_moment: Vectors<S, N>,
+    bound_moment: Vectors<S, N>,
 }
 
-impl<S: Scalar, const N: usize> Points<S, N> {
-    fn new(strips: &[Strip<S>; N], of: impl Fn(&Strip<S>) -> Vec3<S>) -> Self {
-        let at = |k: usize| std::array::from_fn(|i| of(&strips[i])[k]);
-        Self { x: at(0), y: at(1), z: at(2) }
-    }
-    #[inline(always)]
-    fn get(&self, i: usize) -> Vec3<S> {
-        Vec3([self.x[i], self.y[i], self.z[i]])
-    }
-}
-
-/// Where the wash is taken: 3/4 chord points, 1/4 chord points, normals.
-pub(super) struct Targets<S, const N: usize> {
-    control: Points<S, N>,
-    bound: Points<S, N>,
-    normal: Points<S, N>,
+/// A straight line as direction and moment about the origin (Pluecker coordinates).
+#[derive(Clone, Copy)]
+struct Line<S: Scalar> {
+    direction: Vec3<S>,
+    moment: Vec3<S>,
 }
 
 /// Normal wash of the trailing vortex of one edge, of unit strength, on all strips.
-pub(super) struct Trailing<S, const N: usize> {
+struct Trailing<S, const N: usize> {
     /// Distance of the control points to the edge's bound point and trailing edge.
     to_bound: Column<S, N>,
     to_trailing: Column<S, N>,
@@ -60,13 +56,13 @@ impl<S: Scalar, const N: usize> Trailing<S, N> {
 }
 
 /// Normal wash of a strip's vortex of unit strength on all strips.
-pub(super) struct Wash<S, const N: usize> {
+pub(super) struct Wash<'a, S, const N: usize> {
     /// Closed ring from the quarter chord to the trailing edge.
-    pub ring: Matrix<S, N>,
+    pub ring: &'a mut Matrix<S, N>,
     /// The horseshoe: ring and wake together.
-    pub horseshoe: Matrix<S, N>,
+    pub horseshoe: &'a mut Matrix<S, N>,
     /// Half the wash far behind (Munk): the wash that turns the force.
-    pub far: Matrix<S, N>,
+    pub far: &'a mut Matrix<S, N>,
 }
 
 /// A quotient whose division waits, so that several share one.
@@ -76,11 +72,11 @@ struct Ratio<S> {
     below: S,
 }
 
-/// x / y, falling to zero below `core2`: x y / (y^2 + core2^2). It differs from x / y
-/// by (core2 / y)^2, which the vortex's own strips hardly feel.
+/// x / y, falling to zero below the core: x y / (y^2 + core4). It differs from x / y
+/// by core4 / y^2, which the vortex's own strips hardly feel.
 #[inline(always)]
-fn cored<S: Scalar>(x: S, y: S, core2: f64) -> Ratio<S> {
-    Ratio { above: x * y, below: y.mul_add(y, S::from(core2 * core2)) }
+fn cored<S: Scalar>(x: S, y: S, core4: f64) -> Ratio<S> {
+    Ratio { above: x * y, below: y.mul_add(y, S::from(core4)) }
 }
 
 /// a . b + c with fused products.
@@ -89,31 +85,30 @@ fn fused<S: Scalar>(a: Vec3<S>, b: Vec3<S>, c: S) -> S {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul_add(b[2], c)))
 }
 
-/// a x b with fused products.
-#[inline(always)]
-fn cross<S: Scalar>(a: Vec3<S>, b: Vec3<S>) -> Vec3<S> {
-    let part = |j: usize, k: usize| a[j].mul_add(b[k], -(a[k] * b[j]));
-    Vec3([part(1, 2), part(2, 0), part(0, 1)])
+impl<S: Scalar> Line<S> {
+    /// Along `direction` through `point`.
+    #[inline(always)]
+    fn new(point: Vec3<S>, direction: Vec3<S>) -> Self {
+        Self { direction, moment: point.cross(direction) }
+    }
+    /// n . (d x r) for r from this line, of direction d, to a point on the line n.
+    #[inline(always)]
+    fn turn(&self, n: &Self) -> S {
+        fused(self.direction, n.moment, fused(self.moment, n.direction, S::ZERO))
+    }
 }
 
-/// Normal velocity of a straight vortex of unit strength along `d`, from whose ends r1 and
-/// r2 = r1 - d lead to the target at the distances a and b:
-/// n . (d x r1) (a + b) / (4 pi a b (a b + r1.r2)), regular on the extension of the segment.
+/// Normal velocity of a straight vortex of unit strength along `d`, 4 pi `turn` = n . (d x r)
+/// with r from the vortex to the target, at the distances a and b from its ends:
+/// n . (d x r) (a + b) / (4 pi a b (a b + r1.r2)), regular on the extension of the segment;
+/// 2 (a b + r1.r2) = (a + b)^2 - d^2.
 ///
 /// Equation: aero.strip.segment
 #[inline(always)]
-fn segment<S: Scalar>(
-    d: Vec3<S>,
-    r1: Vec3<S>,
-    r2: Vec3<S>,
-    [a, b]: [S; 2],
-    n: Vec3<S>,
-    core2: f64,
-) -> Ratio<S> {
-    let ab = a * b;
-    let turn = fused(cross(n, d), r1, S::ZERO) * INVERSE_4PI;
-    let Ratio { above, below } = cored(turn * (a + b), fused(r1, r2, ab), core2);
-    Ratio { above, below: below * ab }
+fn segment<S: Scalar>(turn: S, d2: S, [a, b]: [S; 2], core4: f64) -> Ratio<S> {
+    let sum = a + b;
+    let Ratio { above, below } = cored(turn * sum, (sum.mul_add(sum, -d2)) * 0.5, core4);
+    Ratio { above, below: below * (a * b) }
 }
 
 /// Both quotients by one division.
@@ -123,13 +118,24 @@ fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
     (p.above * q.below * inverse, q.above * p.below * inverse)
 }
 
-impl<S: Scalar, const N: usize> Targets<S, N> {
-    pub fn new(strips: &[Strip<S>; N]) -> Self {
-        Self {
-            control: Points::new(strips, |s| s.three_quarter),
-            bound: Points::new(strips, |s| s.quarter),
-            normal: Points::new(strips, |s| s.normal),
+impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
+    pub fn new(strips: &'a Strips<S, N>) -> Self {
+        let (control, bound) = (&strips.three_quarter, &strips.quarter);
+        let mut normal = Vectors::ZERO;
+        let (mut control_moment, mut bound_moment) = (Vectors::ZERO, Vectors::ZERO);
+        for i in 0..N {
+            let n = strips.normal.get(i).scaled(INVERSE_4PI);
+            normal.set(i, n);
+            control_moment.set(i, control.get(i).cross(n));
+            bound_moment.set(i, bound.get(i).cross(n));
         }
+        Self { control, bound, normal, control_moment, bound_moment }
+    }
+
+    /// The normal of strip `i` through its 3/4 chord point, over 4 pi.
+    #[inline(always)]
+    fn at_control(&self, i: usize) -> Line<S> {
+        Line { direction: self.normal.get(i), moment: self.control_moment.get(i) }
     }
 
     /// Leg along the chord, semi-infinite vortex u x r / (4 pi |r| (|r| - u.r)) from the
@@ -137,75 +143,91 @@ impl<S: Scalar, const N: usize> Targets<S, N> {
     /// u x r / (2 pi |r_perp|^2).
     ///
     /// Equation: aero.strip.trailing_vortex
-    fn trailing(&self, edge: &Edge<S>, core2: f64, out: &mut Trailing<S, N>) {
+    fn trailing(&self, edge: &Edge<S>, core4: f64, out: &mut Trailing<S, N>) {
         let (u, chord) = (edge.wake, edge.trailing - edge.bound);
-        let least = S::from(core2 * 1e-6);
+        let chord2 = chord.norm_squared();
+        let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
+        let behind = Line::new(edge.bound, u);
+        let (u_trailing, u_bound) = (u.dot(edge.trailing), u.dot(edge.bound));
+        let least = S::from(core4.sqrt() * NEAREST);
         for i in 0..N {
-            let (p, n) = (self.control.get(i), self.normal.get(i));
+            let (p, n) = (self.control.get(i), self.at_control(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = (fused(ra, ra, least).sqrt(), fused(rt, rt, least).sqrt());
-            let leg = segment(chord, ra, rt, [a, b], n, core2);
-            let around = cross(n, u);
-            let wake = cored(fused(around, rt, S::ZERO), b * (b - fused(u, rt, S::ZERO)), core2);
-            let r = self.bound.get(i) - edge.bound;
-            let ahead = fused(r, u, S::ZERO);
-            let off2 = fused(r, r, -(ahead * ahead));
-            let far = cored(fused(around, r, S::ZERO), off2, core2);
+            let leg = segment(leg.turn(&n), chord2, [a, b], core4);
+            let wake = cored(wake.turn(&n), b * (b + u_trailing - fused(u, p, S::ZERO)), core4);
+            let q = self.bound.get(i);
+            let r = q - edge.bound;
+            let ahead = fused(q, u, -u_bound);
+            let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
+            let far = cored(behind.turn(&n), fused(r, r, -(ahead * ahead)), core4);
             let (both, far) = divide(Ratio { above: S::ONE, below: leg.below * wake.below }, far);
             out.to_bound[i] = a;
             out.to_trailing[i] = b;
             out.leg[i] = leg.above * wake.below * both;
-            out.wake[i] = wake.above * leg.below * both * INVERSE_4PI;
-            out.far[i] = far * INVERSE_4PI;
+            out.wake[i] = wake.above * leg.below * both;
+            out.far[i] = far;
         }
     }
 
-    /// Wash of the rings and horseshoes between the `edges`, and far behind; `cores` are the
-    /// squared core radii of the vortices that leave the edges, m2.
-    pub fn wash(&self, edges: &[Edge<S>], cores: &[f64]) -> Wash<S, N> {
-        let zero = [[S::ZERO; N]; N];
-        let mut out = Wash { ring: zero, horseshoe: zero, far: zero };
+    /// Wash of the rings and horseshoes between the edges of the first `n` strips, and far behind.
+    pub fn wash(&self, wakes: &Wakes<S, N>, tables: &Tables, n: usize, out: &mut Wash<'_, S, N>) {
         let mut beside = [Trailing::ZERO; 2];
-        self.trailing(&edges[0], cores[0], &mut beside[0]);
-        for (j, pair) in edges.windows(2).enumerate() {
-            self.trailing(&pair[1], cores[j + 1], &mut beside[(j + 1) % 2]);
-            let [left, right] = [&beside[j % 2], &beside[(j + 1) % 2]];
-            let core2 = cores[j].min(cores[j + 1]);
-            let [ahead, behind] = [pair[1].bound - pair[0].bound, pair[0].trailing - pair[1].trailing];
-            for i in 0..N {
-                let (p, n) = (self.control.get(i), self.normal.get(i));
-                let (r1, r2) = (p - pair[0].bound, p - pair[1].bound);
-                let front = segment(ahead, r1, r2, [left.to_bound[i], right.to_bound[i]], n, core2);
-                let (r1, r2) = (p - pair[1].trailing, p - pair[0].trailing);
-                let rear = segment(behind, r1, r2, [right.to_trailing[i], left.to_trailing[i]], n, core2);
-                let (front, rear) = divide(front, rear);
-                let open = front + right.leg[i] - left.leg[i];
-                out.ring[j][i] = open + rear;
-                out.horseshoe[j][i] = open + right.wake[i] - left.wake[i];
-                out.far[j][i] = right.far[i] - left.far[i];
-            }
+        let mut edges = [wakes.edge(0); 2];
+        self.trailing(&edges[0], tables.edge_cores[0], &mut beside[0]);
+        for j in 0..n {
+            edges = [edges[1], wakes.edge(j + 1)];
+            self.trailing(&edges[1], tables.edge_cores[j + 1], &mut beside[(j + 1) % 2]);
+            self.strip(&edges, [&beside[j % 2], &beside[(j + 1) % 2]], tables.strip_cores[j], j, out);
         }
-        out
+    }
+
+    /// Wash of strip `j` between two edges.
+    #[inline(always)]
+    fn strip(
+        &self,
+        edges: &[Edge<S>; 2],
+        [left, right]: [&Trailing<S, N>; 2],
+        core4: f64,
+        j: usize,
+        out: &mut Wash<'_, S, N>,
+    ) {
+        let [ahead, behind] = [edges[1].bound - edges[0].bound, edges[0].trailing - edges[1].trailing];
+        let lines = [Line::new(edges[0].bound, ahead), Line::new(edges[1].trailing, behind)];
+        let lengths = [ahead.norm_squared(), behind.norm_squared()];
+        let (ring, horseshoe, far) = (&mut out.ring[j], &mut out.horseshoe[j], &mut out.far[j]);
+        for i in 0..N {
+            let n = self.at_control(i);
+            let ends = [left.to_bound[i], right.to_bound[i]];
+            let front = segment(lines[0].turn(&n), lengths[0], ends, core4);
+            let ends = [right.to_trailing[i], left.to_trailing[i]];
+            let rear = segment(lines[1].turn(&n), lengths[1], ends, core4);
+            let (front, rear) = divide(front, rear);
+            let open = front + right.leg[i] - left.leg[i];
+            ring[i] = open + rear;
+            horseshoe[i] = open + right.wake[i] - left.wake[i];
+            far[i] = right.far[i] - left.far[i];
+        }
     }
 }
 
 /// sum_j m[j] v[j], over the first `n` sources.
 #[inline(always)]
-pub(super) fn multiply<S: Scalar, const N: usize>(
-    m: &Matrix<S, N>,
+pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
+    m: &Matrix<G, N>,
     v: &Column<S, N>,
     n: usize,
 ) -> Column<S, N> {
     let mut sum = [S::ZERO; N];
     for (column, x) in m.iter().zip(v).take(n) {
         for i in 0..N {
-            sum[i] = column[i].mul_add(*x, sum[i]);
+            sum[i] = x.fused(column[i], sum[i]);
         }
     }
     sum
 }
 
-/// v . m[j] for each of the first `n` sources, over the first `n` targets.
+/// v . m[j] for each of the first `n` sources; zero beyond.
 #[inline(always)]
 pub(super) fn multiply_transposed<S: Scalar, const N: usize>(
     m: &Matrix<S, N>,
@@ -214,30 +236,39 @@ pub(super) fn multiply_transposed<S: Scalar, const N: usize>(
 ) -> Column<S, N> {
     let mut sum = [S::ZERO; N];
     for (x, column) in sum.iter_mut().zip(m).take(n) {
-        *x = dot(column, v, n);
+        *x = dot(column, v);
     }
     sum
 }
 
-/// a . b over the first `n` entries.
+/// a . b.
 #[inline(always)]
-pub(super) fn dot<S: Scalar, const N: usize>(a: &Column<S, N>, b: &Column<S, N>, n: usize) -> S {
+pub(super) fn dot<S: Scalar, const N: usize>(a: &Column<S, N>, b: &Column<S, N>) -> S {
     let mut lanes = [S::ZERO; 4];
-    for (a, b) in a[..n].chunks_exact(4).zip(b[..n].chunks_exact(4)) {
+    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
         for k in 0..4 {
             lanes[k] = a[k].mul_add(b[k], lanes[k]);
         }
     }
-    let mut sum = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
-    for i in n - n % 4..n {
-        sum = a[i].mul_add(b[i], sum);
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+}
+
+/// Sum over all lanes.
+#[inline(always)]
+pub(super) fn sum<S: Scalar, const N: usize>(a: &Column<S, N>) -> S {
+    let mut lanes = [S::ZERO; 4];
+    for a in a.chunks_exact(4) {
+        for k in 0..4 {
+            lanes[k] += a[k];
+        }
     }
-    sum
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
 /// Inverse of the leading `n` x `n` block of `m` by Gauss-Jordan elimination
 /// without exchanges, in place. The matrices met here are positive definite up to a diagonal scaling,
 /// for which this is stable (Golub & Van Loan, Matrix Computations, 4.2.2).
+#[inline(never)]
 pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) {
     for k in 0..n {
         let pivot = m[k][k].recip();
@@ -285,11 +316,13 @@ mod tests {
 
     #[test]
     fn a_long_segment_is_half_a_line_vortex_on_each_side() {
-        let (r1, r2) = (Vec3::new(0.3, 1e4, 0.0), Vec3::new(0.3, -1e4, 0.0));
-        let n = Vec3::new(0.0, 0.0, 1.0);
-        let Ratio { above, below } = segment(r1 - r2, r1, r2, [r1.norm(), r2.norm()], n, 1e-12);
+        let (target, ends) = (Vec3::new(0.3, 2.0, 0.0), [1e4, -1e4].map(|y| Vec3::new(0.0, y, 0.0)));
+        let along = ends[1] - ends[0];
+        let distances = ends.map(|end| (target - end).norm());
+        let turn = Line::new(ends[0], along).turn(&Line::new(target, Vec3::new(0.0, 0.0, INVERSE_4PI)));
+        let Ratio { above, below } = segment(turn, along.norm_squared(), distances, 1e-12);
         let value = above / below;
         assert!((value.abs() / (1.0 / (2.0 * PI * 0.3)) - 1.0).abs() < 1e-6);
-        assert!(value < 0.0);
+        assert!(value > 0.0);
     }
 }

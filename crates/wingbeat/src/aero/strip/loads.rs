@@ -1,12 +1,12 @@
 //! Forces and moments of the strips from their washes and impulses.
 
-use super::influence::{Column, dot, multiply};
-use super::motion::Strip;
+use super::influence::{Column, dot, multiply, sum};
+use super::motion::{Strips, Vectors};
 use super::response::Response;
 use super::{Flow, StripModel};
 use crate::aero::section::{SectionForce, suction_share};
 use crate::aero::{Loads, StripLoads, Wrench};
-use crate::math::Scalar;
+use crate::math::{Over, Scalar, Vec3};
 
 /// Forces in the planes of all sections, N, and how far ahead of mid chord they act, m.
 #[derive(Clone, Copy)]
@@ -19,49 +19,78 @@ struct InPlane<S: Scalar, const N: usize> {
 impl<S: Scalar, const N: usize> InPlane<S, N> {
     const ZERO: Self = Self { chordwise: [S::ZERO; N], normal: [S::ZERO; N], ahead: [S::ZERO; N] };
 
-    fn set_ahead(&mut self, values: impl Iterator<Item = S>) {
-        for (ahead, value) in self.ahead.iter_mut().zip(values) {
-            *ahead = value;
-        }
-    }
     #[inline(always)]
     fn at(&self, i: usize) -> SectionForce<S> {
         SectionForce::in_plane(self.chordwise[i], self.normal[i], self.ahead[i])
     }
 }
 
+/// Forces of all strips by source.
+struct Forces<S: Scalar, const N: usize> {
+    /// As the wash of motion alone directs the lift.
+    plain: InPlane<S, N>,
+    /// As the wash of wake and lags turns it.
+    lift: InPlane<S, N>,
+    drag: InPlane<S, N>,
+}
+
+impl<G: Scalar, const N: usize> Strips<G, N> {
+    /// A force of section `i` as a wrench about the body origin.
+    #[inline(always)]
+    fn wrench<S: Over<G>>(&self, i: usize, force: SectionForce<S>) -> Wrench<S> {
+        force.wrench(self.half.get(i), self.chordwise.get(i), self.normal.get(i), self.across.get(i))
+    }
+}
+
 impl StripModel {
     /// Sum of the loads of all strips; `loads` receives them by strip and source.
-    pub(super) fn load_strips<S: Scalar, const N: usize>(
+    pub(super) fn load_strips<G: Scalar, S: Over<G>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        flow: &Flow<G, N>,
         response: &Response<S, N>,
-        mut loads: Option<&mut Loads<S>>,
+        loads: Option<&mut Loads<S>>,
     ) -> Wrench<S> {
-        let [plain, lift] = self.circulatory(flow, response);
-        let drag = self.profile_drag(flow, &response.attached);
-        let mut wrench = Wrench::ZERO;
+        let strips = &flow.strips;
+        let [plain, lift] = self.circulatory(strips, response);
+        let forces = Forces { plain, lift, drag: self.profile_drag(strips, &response.attached) };
+        let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
+        for i in 0..N {
+            let total = forces.lift.at(i) + self.carried_air(i, flow, response) + forces.drag.at(i);
+            let wrench = strips.wrench(i, total);
+            force.set(i, wrench.force);
+            moment.set(i, wrench.moment);
+        }
+        if let Some(loads) = loads {
+            self.break_down(flow, response, &forces, loads);
+        }
+        let total = |of: &Vectors<S, N>| Vec3([sum(&of.0[0]), sum(&of.0[1]), sum(&of.0[2])]);
+        Wrench { force: total(&force), moment: total(&moment) }
+    }
+
+    /// Writes the loads by strip and source.
+    fn break_down<G: Scalar, S: Over<G>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        response: &Response<S, N>,
+        forces: &Forces<S, N>,
+        loads: &mut Loads<S>,
+    ) {
+        loads.strips = self.settings.strips;
         for i in 0..self.settings.strips {
-            let strip = &flow.strips[i];
-            let carried = self.carried_air(i, strip, response);
-            wrench += strip.wrench(lift.at(i) + carried + drag.at(i));
-            let Some(loads) = loads.as_deref_mut() else { continue };
-            let circulatory = strip.wrench(plain.at(i));
-            let turned = strip.wrench(lift.at(i));
+            let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
+            let circulatory = wrench(forces.plain.at(i));
             loads.strip[i] = StripLoads {
                 circulatory,
-                induced_drag: turned + -circulatory,
-                added_mass: strip.wrench(carried),
-                profile_drag: strip.wrench(drag.at(i)),
+                induced_drag: wrench(forces.lift.at(i)) + -circulatory,
+                added_mass: wrench(self.carried_air(i, flow, response)),
+                profile_drag: wrench(forces.drag.at(i)),
             };
             if self.grid.covered[i] {
-                loads.incidence[i] = response.lift_wash[i].atan2(strip.along);
+                loads.incidence[i] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
             loads.wash[i] = response.wash[i];
             loads.circulation[i] = response.circulation[i];
-            loads.strips = self.settings.strips;
         }
-        wrench
     }
 
     /// Forces at 1/4 chord, N: as the wash of motion alone directs them, and as the wash of
@@ -70,52 +99,51 @@ impl StripModel {
     /// share of the lift, of which the suction s takes another share.
     ///
     /// Equation: aero.strip.force
-    fn circulatory<S: Scalar, const N: usize>(
+    fn circulatory<G: Scalar, S: Over<G>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        strips: &Strips<G, N>,
         response: &Response<S, N>,
     ) -> [InPlane<S, N>; 2] {
         let (attached, delta2) = (&response.attached, self.floor * self.floor);
-        let mut lift: Column<S, N> = std::array::from_fn(|i| response.lift_wash[i] * attached[i]);
-        for (lift, scale) in lift.iter_mut().zip(&self.lift_scale) {
-            *lift *= *scale;
+        let mut lift = [S::ZERO; N];
+        for i in 0..N {
+            lift[i] = response.lift_wash[i] * attached[i] * self.tables.lift_scale[i];
         }
         let directed = |wash: &Column<S, N>| {
             let mut force = InPlane::ZERO;
             for i in 0..N {
-                let along2 = flow.along[i].squared() + delta2;
+                let along2 = strips.along[i].squared() + delta2;
                 let inverse = (wash[i].squared() + along2).sqrt().recip();
-                let suction = suction_share(flow.along[i] * inverse) * attached[i];
+                let suction = suction_share(inverse * strips.along[i]) * attached[i];
                 force.chordwise[i] = -(lift[i] * wash[i] * suction);
-                force.normal[i] = lift[i] * flow.speed[i] * along2.sqrt() * inverse;
+                force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse;
+                force.ahead[i] = S::from(0.25 * self.tables.chord[i]);
             }
-            force.set_ahead(self.grid.chord.iter().map(|c| S::from(0.25 * c)));
             force
         };
-        let plain = directed(&flow.wash);
-        [plain, if self.settings.force_tilt { directed(&response.turning_wash) } else { plain }]
+        let turned = directed(&response.turning_wash);
+        let mut of_motion = [S::ZERO; N];
+        for i in 0..N {
+            of_motion[i] = S::from(strips.wash[i]);
+        }
+        let plain = directed(&of_motion);
+        [plain, if self.settings.force_tilt { turned } else { plain }]
     }
 
     /// Profile drag of the sections in the wind of motion.
-    fn profile_drag<S: Scalar, const N: usize>(
+    fn profile_drag<G: Scalar, S: Over<G>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        strips: &Strips<G, N>,
         attached: &Column<S, N>,
     ) -> InPlane<S, N> {
         let (law, drag, delta2) = (self.settings.law, self.settings.drag, self.floor * self.floor);
         let mut force = InPlane::ZERO;
-        let mut ahead = [S::ZERO; N];
         for i in 0..N {
-            let section = drag.section(law, flow.along[i], flow.half[i], attached[i], delta2);
-            force.chordwise[i] = section.chordwise;
-            force.normal[i] = section.normal;
-            ahead[i] = S::from(0.5) - section.centre;
+            let section = drag.section(law, strips.along[i], strips.wash_half[i], attached[i], delta2);
+            force.chordwise[i] = section.chordwise * self.tables.drag_scale[i];
+            force.normal[i] = section.normal * self.tables.drag_scale[i];
+            force.ahead[i] = (S::from(0.5) - section.centre) * self.tables.chord[i];
         }
-        for (i, scale) in self.drag_scale.iter().enumerate().take(N) {
-            force.chordwise[i] *= *scale;
-            force.normal[i] *= *scale;
-        }
-        force.set_ahead(ahead.iter().zip(&self.grid.chord).map(|(ahead, chord)| *ahead * *chord));
         force
     }
 
@@ -124,68 +152,59 @@ impl StripModel {
     /// -rho dy ma f [(b/2) V q + (b^2/8) q'], f the normal speed left of a unit one.
     ///
     /// Equation: aero.strip.carried_air
-    fn carried_air<S: Scalar, const N: usize>(
+    #[inline(always)]
+    fn carried_air<G: Scalar, S: Over<G>, const N: usize>(
         &self,
         i: usize,
-        strip: &Strip<S>,
+        flow: &Flow<G, N>,
         response: &Response<S, N>,
     ) -> SectionForce<S> {
-        let impulse = response.impulse[i];
+        let (strips, impulse) = (&flow.strips, response.impulse[i]);
+        let normal_rate = strips.normal_rate.get(i);
         let mut force = SectionForce {
-            chordwise: strip.normal_rate.dot(strip.chordwise) * impulse,
+            chordwise: impulse * normal_rate.dot(strips.chordwise.get(i)),
             normal: response.impulse_rate[i],
-            across: strip.normal_rate.dot(strip.across) * impulse,
+            across: impulse * normal_rate.dot(strips.across.get(i)),
             nose_up: S::ZERO,
-            about_chord: strip.drift * impulse,
+            about_chord: impulse * strips.drift[i],
         };
         if self.settings.section_moment {
-            let b = 0.5 * self.grid.chord[i];
-            let moment = strip.speed * strip.pitch * (0.5 * b) + strip.pitch_rate * (0.125 * b * b);
-            force.nose_up = -(moment * self.section_mass(i, response));
+            let b = 0.5 * self.tables.chord[i];
+            let moment =
+                strips.speed[i] * strips.pitch[i] * (0.5 * b) + strips.pitch_rate[i] * (0.125 * b * b);
+            force.nose_up = S::from(-(moment * self.section_mass(i, flow)));
         }
         force
     }
 
     /// Added mass that resists pitching of the section, kg.
-    fn section_mass<S: Scalar, const N: usize>(&self, i: usize, response: &Response<S, N>) -> S {
-        response.relief[i] * self.strip_mass[i]
+    #[inline(always)]
+    fn section_mass<S: Scalar, const N: usize>(&self, i: usize, flow: &Flow<S, N>) -> S {
+        flow.unit_left[i] * self.tables.mass[i]
     }
 
     /// M = sym(J' rho dy ma A0^-1 J) with J = [n; r x n] per strip, plus the pitch inertia of the sections.
     ///
     /// Equation: aero.strip.added_mass_matrix
-    pub(super) fn added_mass<S: Scalar, const N: usize>(
-        &self,
-        flow: &Flow<S, N>,
-        response: &Response<S, N>,
-    ) -> [[S; 6]; 6] {
-        let n = self.settings.strips;
+    pub(super) fn added_mass<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>) -> [[S; 6]; 6] {
         let mut matrix = [[S::ZERO; 6]; 6];
         if self.settings.added_mass {
             let lever = jacobian(&flow.strips);
-            let left: [Column<S, N>; 6] = std::array::from_fn(|r| {
-                let mut column = multiply(&flow.relief, &lever[r], n);
-                for (x, mass) in column.iter_mut().zip(&self.strip_mass) {
-                    *x *= *mass;
+            let mut left = [[S::ZERO; N]; 6];
+            for (left, lever) in left.iter_mut().zip(&lever) {
+                *left = multiply(&flow.relief, lever, self.settings.strips);
+                for i in 0..N {
+                    left[i] *= self.tables.mass[i];
                 }
-                column
-            });
+            }
             for r in 0..6 {
                 for c in 0..=r {
-                    matrix[r][c] = (dot(&left[r], &lever[c], n) + dot(&left[c], &lever[r], n)) * 0.5;
+                    matrix[r][c] = (dot(&left[r], &lever[c]) + dot(&left[c], &lever[r])) * 0.5;
                 }
             }
         }
         if self.settings.section_moment {
-            for (i, strip) in flow.strips.iter().enumerate().take(n) {
-                let b = 0.5 * self.grid.chord[i];
-                let inertia = self.section_mass(i, response) * (0.125 * b * b);
-                for r in 0..3 {
-                    for c in 0..=r {
-                        matrix[3 + r][3 + c] += strip.across[r] * strip.across[c] * inertia;
-                    }
-                }
-            }
+            self.add_pitch_inertia(flow, &mut matrix);
         }
         for r in 0..6 {
             for c in 0..r {
@@ -194,18 +213,33 @@ impl StripModel {
         }
         matrix
     }
+
+    /// Adds the pitch inertia of the sections to the lower triangle.
+    fn add_pitch_inertia<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, matrix: &mut [[S; 6]; 6]) {
+        let across = &flow.strips.across.0;
+        let mut turned = *across;
+        for i in 0..N {
+            let b = 0.5 * self.tables.chord[i];
+            let inertia = self.section_mass(i, flow) * (0.125 * b * b);
+            for axis in &mut turned {
+                axis[i] *= inertia;
+            }
+        }
+        for r in 0..3 {
+            for c in 0..=r {
+                matrix[3 + r][3 + c] += dot(&turned[r], &across[c]);
+            }
+        }
+    }
 }
 
 /// Normal acceleration at 1/2 chord per acceleration and angular acceleration of
 /// the body, by rows.
-fn jacobian<S: Scalar, const N: usize>(strips: &[Strip<S>; N]) -> [[S; N]; 6] {
-    let mut rows = [[S::ZERO; N]; 6];
-    for (i, strip) in strips.iter().enumerate() {
-        let moment = strip.half.cross(strip.normal);
-        for axis in 0..3 {
-            rows[axis][i] = strip.normal[axis];
-            rows[3 + axis][i] = moment[axis];
-        }
+fn jacobian<S: Scalar, const N: usize>(strips: &Strips<S, N>) -> [[S; N]; 6] {
+    let mut moment = Vectors::ZERO;
+    for i in 0..N {
+        moment.set(i, strips.half.get(i).cross(strips.normal.get(i)));
     }
-    rows
+    let ([a, b, c], [d, e, f]) = (strips.normal.0, moment.0);
+    [a, b, c, d, e, f]
 }

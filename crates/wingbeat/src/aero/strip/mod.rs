@@ -13,6 +13,7 @@ mod loads;
 mod motion;
 mod response;
 mod settings;
+mod tables;
 
 pub use constants::Lags;
 pub use settings::{LagSet, StripSettings};
@@ -20,16 +21,12 @@ pub use settings::{LagSet, StripSettings};
 use crate::Error;
 use crate::aero::law::separation_scale;
 use crate::aero::{Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
-use crate::math::{Scalar, Vec3};
+use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
 use grid::Grid;
-use influence::{Column, Matrix, Targets, invert};
-use motion::{Edge, Strip};
-use std::f64::consts::PI;
-
-/// Core radius of a trailing vortex over the half width of the narrower strip beside it: a
-/// choice, small against the strip, that keeps a folded panel finite where it meets a vortex.
-const CORE: f64 = 0.15;
+use influence::{Column, Matrix, Targets, Wash, invert, multiply};
+use motion::{Edges, Strips};
+use tables::Tables;
 
 /// The strip model of a wing. Sections are the edges between strips.
 #[derive(Clone, Debug)]
@@ -40,46 +37,25 @@ pub struct StripModel {
     lags: &'static Lags,
     /// Smoothing speed, m/s.
     floor: f64,
-    /// Squared core radii of the vortices that leave the edges, m2.
-    cores: Vec<f64>,
-    /// Per strip: circulation over lift wash 2 pi b cos(sweep), m.
-    slope: Vec<f64>,
-    /// Per strip: chord doublet over wash, pi b cos(sweep) / 1.5, m.
-    doublet: Vec<f64>,
-    /// Per strip: circulatory force over wash and speed, rho dy 2 pi b cos(sweep), kg/m.
-    lift_scale: Vec<f64>,
-    /// Per strip: profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
-    drag_scale: Vec<f64>,
-    /// Per strip: added mass as part of an infinite wing, kg.
-    strip_mass: Vec<f64>,
-    /// Per strip: own two-dimensional wash of the bound vortex, 1/m.
-    own_bound: Vec<f64>,
-    /// Per strip: own two-dimensional wash of bound vortex and trailing edge, 1/m.
-    own_ring: Vec<f64>,
-    /// One over the lengths over which the wake lags act, 1/m.
-    inverse_wake_length: Vec<f64>,
-    /// Per strip: one over the half chord, 1/m.
-    turnover: Vec<f64>,
+    tables: Tables,
 }
 
-/// What the strips know of the air at one instant.
+/// What the strips know of the air at one instant, whatever the lags hold.
 struct Flow<S: Scalar, const N: usize> {
-    strips: [Strip<S>; N],
-    /// Chordwise and smooth speed of the air at 3/4 chord, m/s.
-    along: Column<S, N>,
-    speed: Column<S, N>,
-    /// Wash of motion at 3/4 and 1/2 chord, m/s, and the rate of the latter, m/s2.
-    wash: Column<S, N>,
-    half: Column<S, N>,
-    half_rate: Column<S, N>,
+    strips: Strips<S, N>,
     /// Wash of horseshoes without the own two-dimensional part, 1/m.
     remainder: Matrix<S, N>,
     /// Half the wash far behind, 1/m.
     far: Matrix<S, N>,
-    /// The same as `remainder` for the chord doublet, 1/m.
-    doublet: Matrix<S, N>,
-    /// Inverse of 1 - doublet diag(d): the wash which motion leaves on the chord.
+    /// Inverse of A0 = 1 - doublet diag(d): the wash which motion leaves on the chord.
     relief: Matrix<S, N>,
+    /// What is left of the wash at 1/2 chord, m/s.
+    half_left: Column<S, N>,
+    /// Normal speed left by a unit normal speed of the whole wing.
+    unit_left: Column<S, N>,
+    /// Normal impulse of the air by the motion alone, N s, and its rate, N.
+    impulse: Column<S, N>,
+    impulse_rate: Column<S, N>,
 }
 
 impl StripModel {
@@ -92,33 +68,9 @@ impl StripModel {
         settings.check()?;
         let grid = Grid::new(planform, settings.strips, &settings.hinge_arcs_m)?;
         let lags = settings.lags.lags();
-        let per_strip = |f: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
-            (0..settings.strips)
-                .map(|i| f(grid.chord[i], grid.cos_half[i], grid.cos_three_quarter[i]))
-                .collect()
-        };
-        // What a gap carries is nothing: its neighbours then shed at its two borders.
-        let carried = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
-            let strip = |i: usize| if grid.covered[i] { f(grid.chord[i], grid.cos_half[i]) } else { 0.0 };
-            (0..settings.strips).map(strip).collect()
-        };
-        let per_width = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
-            let scale = carried(f).into_iter().zip(&grid.width);
-            scale.map(|(value, width)| settings.density_kg_m3 * width * value).collect()
-        };
-        let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Ok(Self {
-            slope: carried(&|c, cos| PI * c * cos),
-            doublet: carried(&|c, cos| PI * c * cos / 3.0),
-            lift_scale: per_width(&|c, cos| PI * c * cos),
-            drag_scale: per_width(&|c, _| 0.5 * c),
-            strip_mass: per_width(&|c, cos| PI * c * c * cos / 4.0),
-            own_bound: per_strip(&|c, cos, _| 1.0 / (PI * c * cos)),
-            own_ring: per_strip(&|c, cos, cos34| 1.0 / (PI * c * cos) + 2.0 / (PI * c * cos34)),
-            inverse_wake_length: lags.wake_delay.iter().map(|t| 1.0 / (t * delay_scale)).collect(),
-            turnover: grid.chord.iter().map(|c| 2.0 / c).collect(),
+            tables: Tables::new(&grid, &settings, lags),
             floor: settings.regularisation_m_s,
-            cores: grid.half_widths().map(|h| (CORE * h) * (CORE * h)).collect(),
             separation_scale: separation_scale(settings.stall_angle_rad),
             lags,
             grid,
@@ -190,53 +142,50 @@ impl StripModel {
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
-    /// added-mass matrix.
-    pub fn evaluate_sum<S: Scalar>(
+    /// added-mass matrix. The lags may carry more derivatives than the motion.
+    pub fn evaluate_sum<G: Scalar, S: Over<G>>(
         &self,
-        sections: &(impl Sections<S> + ?Sized),
-        wind: Vec3<S>,
+        sections: &(impl Sections<G> + ?Sized),
+        wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-    ) -> (Wrench<S>, [[S; 6]; 6]) {
-        let mut edges = [SectionMotion::default(); MAX_STRIPS + 1];
-        for (j, edge) in edges[..=self.settings.strips].iter_mut().enumerate() {
-            *edge = sections.section(j);
-        }
-        self.dispatch(&edges, wind, x, dx, None)
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        self.dispatch(sections, wind, x, dx, None)
     }
 
     /// Chooses the width of the columns.
-    fn dispatch<S: Scalar>(
+    fn dispatch<G: Scalar, S: Over<G>>(
         &self,
-        sections: &[SectionMotion<S>],
-        wind: Vec3<S>,
+        sections: &(impl Sections<G> + ?Sized),
+        wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
         loads: Option<&mut Loads<S>>,
-    ) -> (Wrench<S>, [[S; 6]; 6]) {
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self.settings.strips {
-            0..=8 => self.evaluate_in::<S, 8>(sections, wind, x, dx, loads),
-            9..=12 => self.evaluate_in::<S, 12>(sections, wind, x, dx, loads),
-            13..=16 => self.evaluate_in::<S, 16>(sections, wind, x, dx, loads),
-            17..=24 => self.evaluate_in::<S, 24>(sections, wind, x, dx, loads),
-            _ => self.evaluate_in::<S, MAX_STRIPS>(sections, wind, x, dx, loads),
+            0..=8 => self.evaluate_in::<G, S, 8>(sections, wind, x, dx, loads),
+            9..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, loads),
+            13..=16 => self.evaluate_in::<G, S, 16>(sections, wind, x, dx, loads),
+            17..=24 => self.evaluate_in::<G, S, 24>(sections, wind, x, dx, loads),
+            _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, loads),
         }
     }
 
     /// The evaluation with columns of `N` lanes, of which `strips()` count.
-    fn evaluate_in<S: Scalar, const N: usize>(
+    fn evaluate_in<G: Scalar, S: Over<G>, const N: usize>(
         &self,
-        sections: &[SectionMotion<S>],
-        wind: Vec3<S>,
+        sections: &(impl Sections<G> + ?Sized),
+        wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
         loads: Option<&mut Loads<S>>,
-    ) -> (Wrench<S>, [[S; 6]; 6]) {
-        let flow = self.flow::<S, N>(sections, wind);
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        let mut flow = Flow::<G, N>::STILL;
+        self.flow(&Edges::new(sections, self.settings.strips), wind, &mut flow);
         let states = self.states();
         let response = self.respond(&flow, &x[..states], &mut dx[..states]);
         let wrench = self.load_strips(&flow, &response, loads);
-        (wrench, self.added_mass(&flow, &response))
+        (wrench, self.added_mass(&flow))
     }
 
     /// Points, velocities and influence of the wing as it lies and moves now.
@@ -246,43 +195,48 @@ impl StripModel {
     ///
     /// Equation: aero.strip.remainder
     #[inline(always)]
-    fn flow<S: Scalar, const N: usize>(&self, sections: &[SectionMotion<S>], wind: Vec3<S>) -> Flow<S, N> {
-        let n = self.settings.strips;
-        let strips: [Strip<S>; N] = std::array::from_fn(|i| self.strip(sections, wind, i.min(n - 1)));
-        let mut edges = [Edge::default(); MAX_STRIPS + 1];
-        for (j, edge) in edges[..=n].iter_mut().enumerate() {
-            *edge = self.edge(sections, wind, j);
-        }
-        let mut wash = Targets::new(&strips).wash(&edges[..=n], &self.cores);
+    fn flow<S: Scalar, const N: usize>(&self, edges: &Edges<S, N>, wind: Vec3<S>, flow: &mut Flow<S, N>) {
+        let (n, tables) = (self.settings.strips, &self.tables);
+        self.move_strips(edges, wind, &mut flow.strips);
+        let wakes = self.shed_wakes(edges, wind);
+        let mut wash = Wash { ring: &mut flow.relief, horseshoe: &mut flow.remainder, far: &mut flow.far };
+        Targets::new(&flow.strips).wash(&wakes, tables, n, &mut wash);
         if !self.settings.wake_wash {
-            wash.horseshoe = [[S::ZERO; N]; N];
-            wash.far = [[S::ZERO; N]; N];
+            flow.remainder = [[S::ZERO; N]; N];
+            flow.far = [[S::ZERO; N]; N];
         }
         let beta = if self.settings.doublet_wash { self.lags.doublet } else { 0.0 };
-        let mut relief = [[S::ZERO; N]; N];
         for j in 0..n {
             if self.settings.wake_wash {
-                wash.horseshoe[j][j] = wash.horseshoe[j][j] + self.own_bound[j];
+                flow.remainder[j][j] = flow.remainder[j][j] + tables.own_bound[j];
             }
-            wash.ring[j][j] = wash.ring[j][j] + self.own_ring[j];
+            let doublet = &mut flow.relief[j];
+            doublet[j] = doublet[j] + tables.own_ring[j];
             for i in 0..N {
-                wash.ring[j][i] *= beta;
-                relief[j][i] = -(wash.ring[j][i] * self.doublet[j]);
+                doublet[i] *= -beta * tables.doublet[j];
             }
-            relief[j][j] = relief[j][j] + 1.0;
+            doublet[j] = doublet[j] + 1.0;
         }
-        invert(&mut relief, n);
-        Flow {
-            along: std::array::from_fn(|i| strips[i].along),
-            speed: std::array::from_fn(|i| strips[i].speed),
-            wash: std::array::from_fn(|i| strips[i].wash),
-            half: std::array::from_fn(|i| strips[i].wash_half),
-            half_rate: std::array::from_fn(|i| strips[i].wash_half_rate),
-            strips,
-            remainder: wash.horseshoe,
-            far: wash.far,
-            doublet: wash.ring,
-            relief,
-        }
+        invert(&mut flow.relief, n);
+        flow.half_left = multiply(&flow.relief, &flow.strips.wash_half, n);
+        flow.unit_left = multiply(&flow.relief, &[S::ONE; N], n);
+        self.impulses_of_motion(flow);
     }
+}
+
+impl<S: Scalar, const N: usize> Flow<S, N> {
+    /// Nothing moves yet.
+    const STILL: Self = {
+        let (matrix, zero) = ([[S::ZERO; N]; N], [S::ZERO; N]);
+        Self {
+            strips: Strips::ZERO,
+            remainder: matrix,
+            far: matrix,
+            relief: matrix,
+            half_left: zero,
+            unit_left: zero,
+            impulse: zero,
+            impulse_rate: zero,
+        }
+    };
 }

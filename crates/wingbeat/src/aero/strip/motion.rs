@@ -1,16 +1,109 @@
 //! Points, velocities and directions of edges and strips at one instant.
 
 use super::StripModel;
-use crate::aero::section::SectionForce;
-use crate::aero::{SectionMotion, Wrench};
+use super::influence::Column;
+use crate::aero::{SectionMotion, Sections};
 use crate::math::{Scalar, Vec3};
 
 /// Speed over the general floor below which the wake has no direction of its own
 /// and leaves along the chord: a wing that reverses in still air turns its wake by and by.
 const WAKE_FLOOR: f64 = 5.0;
 
+/// A vector per strip, by component.
+#[derive(Clone, Copy)]
+pub(super) struct Vectors<S, const N: usize>(pub [[S; N]; 3]);
+
+impl<S: Scalar, const N: usize> Vectors<S, N> {
+    pub const ZERO: Self = Self([[S::ZERO; N]; 3]);
+
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Vec3<S> {
+        Vec3([self.0[0][i], self.0[1][i], self.0[2][i]])
+    }
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, v: Vec3<S>) {
+        let [x, y, z] = v.0;
+        (self.0[0][i], self.0[1][i], self.0[2][i]) = (x, y, z);
+    }
+}
+
+/// Ends of a chord line with their velocities and accelerations.
+#[derive(Clone, Copy)]
+pub(super) struct ChordLine<S: Scalar> {
+    le: Vec3<S>,
+    te: Vec3<S>,
+    v_le: Vec3<S>,
+    v_te: Vec3<S>,
+    a_le: Vec3<S>,
+    a_te: Vec3<S>,
+}
+
+impl<S: Scalar> From<&SectionMotion<S>> for ChordLine<S> {
+    #[inline(always)]
+    fn from(s: &SectionMotion<S>) -> Self {
+        Self { le: s.le, te: s.te, v_le: s.v_le, v_te: s.v_te, a_le: s.a_le, a_te: s.a_te }
+    }
+}
+
+/// A chord line per strip: its left or its right edge.
+#[derive(Clone, Copy)]
+struct ChordLines<S: Scalar, const N: usize>([Vectors<S, N>; 6]);
+
+impl<S: Scalar, const N: usize> ChordLines<S, N> {
+    const ZERO: Self = Self([Vectors::ZERO; 6]);
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> ChordLine<S> {
+        let [le, te, v_le, v_te, a_le, a_te] = &self.0;
+        ChordLine {
+            le: le.get(i),
+            te: te.get(i),
+            v_le: v_le.get(i),
+            v_te: v_te.get(i),
+            a_le: a_le.get(i),
+            a_te: a_te.get(i),
+        }
+    }
+    #[inline(always)]
+    fn set(&mut self, i: usize, line: &ChordLine<S>) {
+        let parts = [line.le, line.te, line.v_le, line.v_te, line.a_le, line.a_te];
+        for (columns, part) in self.0.iter_mut().zip(parts) {
+            columns.set(i, part);
+        }
+    }
+}
+
+/// The edges of all strips; lanes beyond the last strip repeat it.
+pub(super) struct Edges<S: Scalar, const N: usize> {
+    left: ChordLines<S, N>,
+    right: ChordLines<S, N>,
+    last: ChordLine<S>,
+}
+
+impl<S: Scalar, const N: usize> Edges<S, N> {
+    /// The edges of `n` strips.
+    #[inline(always)]
+    pub fn new(sections: &(impl Sections<S> + ?Sized), n: usize) -> Self {
+        let (mut left, mut right) = (ChordLines::ZERO, ChordLines::ZERO);
+        let mut line = ChordLine::from(&sections.section(0));
+        left.set(0, &line);
+        for j in 1..n {
+            line = ChordLine::from(&sections.section(j));
+            left.set(j, &line);
+            right.set(j - 1, &line);
+        }
+        let (before, last) = (line, ChordLine::from(&sections.section(n)));
+        right.set(n - 1, &last);
+        for i in n..N {
+            left.set(i, &before);
+            right.set(i, &last);
+        }
+        Self { left, right, last }
+    }
+}
+
 /// An edge between strips: the bound vortex bends at `bound`, the wake leaves at `trailing`.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy)]
 pub(super) struct Edge<S: Scalar> {
     /// Quarter-chord point.
     pub bound: Vec3<S>,
@@ -20,64 +113,76 @@ pub(super) struct Edge<S: Scalar> {
     pub wake: Vec3<S>,
 }
 
-/// The control section of a strip.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Strip<S: Scalar> {
-    /// Points at 1/4, 1/2 and 3/4 chord.
-    pub quarter: Vec3<S>,
-    pub half: Vec3<S>,
-    pub three_quarter: Vec3<S>,
-    /// Unit normal towards the upper side, and its rate.
-    pub normal: Vec3<S>,
-    pub normal_rate: Vec3<S>,
-    /// Unit vector from leading to trailing edge.
-    pub chordwise: Vec3<S>,
-    /// Unit vector across the section: the axis of nose-up pitch.
-    pub across: Vec3<S>,
-    /// Velocity across the section relative to the air at 1/2 chord.
-    pub drift: S,
-    /// Normal wash at 3/4 and 1/2 chord by motion and wind.
-    pub wash: S,
-    pub wash_half: S,
-    /// Rate of `wash_half` from the accelerations known.
-    pub wash_half_rate: S,
-    /// Chordwise speed at 3/4 chord.
-    pub along: S,
-    /// Smooth speed at 3/4 chord.
-    pub speed: S,
-    /// Pitch rate and its rate.
-    pub pitch: S,
-    pub pitch_rate: S,
-}
-
 impl<S: Scalar> Edge<S> {
     /// The wake leaves with the wind that the trailing edge meets, turned so that
     /// it never runs forward over the wing:
     /// u = unit(v + e_c g), g = smooth max(0, |v|/4 + delta - v.e_c).
     ///
     /// Equation: aero.strip.wake_direction
-    pub fn new(section: &SectionMotion<S>, wind: Vec3<S>, floor: f64) -> Self {
-        let air = wind - section.v_te;
-        let chordwise = (section.te - section.le).unit();
+    #[inline(always)]
+    fn new(line: &ChordLine<S>, wind: Vec3<S>, floor: f64) -> Self {
+        let air = wind - line.v_te;
+        let chord = line.te - line.le;
+        let chordwise = chord.unit();
         let least = (air.norm_squared() + floor * floor).sqrt() * 0.25 + floor;
         let turn = (least - air.dot(chordwise)).smooth_positive(floor);
-        Self { bound: section.point(0.25), trailing: section.te, wake: (air + chordwise * turn).unit() }
+        let bound = line.le + chord.scaled(0.25);
+        Self { bound, trailing: line.te, wake: (air + chordwise * turn).unit() }
     }
 }
 
+/// Vortex lines of all edges: left edge of each strip, and the last edge.
+pub(super) struct Wakes<S: Scalar, const N: usize> {
+    bound: Vectors<S, N>,
+    trailing: Vectors<S, N>,
+    wake: Vectors<S, N>,
+    strips: usize,
+    last: Edge<S>,
+}
+
+impl<S: Scalar, const N: usize> Wakes<S, N> {
+    /// Edge `j`, 0 to the number of strips.
+    #[inline(always)]
+    pub fn edge(&self, j: usize) -> Edge<S> {
+        if j == self.strips {
+            return self.last;
+        }
+        Edge { bound: self.bound.get(j), trailing: self.trailing.get(j), wake: self.wake.get(j) }
+    }
+}
+
+/// The control section of a strip.
+#[derive(Clone, Copy)]
+struct Strip<S: Scalar> {
+    quarter: Vec3<S>,
+    half: Vec3<S>,
+    three_quarter: Vec3<S>,
+    normal: Vec3<S>,
+    normal_rate: Vec3<S>,
+    chordwise: Vec3<S>,
+    across: Vec3<S>,
+    drift: S,
+    wash: S,
+    wash_half: S,
+    wash_half_rate: S,
+    along: S,
+    speed: S,
+    pitch: S,
+    pitch_rate: S,
+}
+
 impl<S: Scalar> Strip<S> {
-    /// The strip between two edge sections, its control section at `fraction`.
+    /// The strip between two edges, its control section at `fraction`.
     ///
     /// Equation: aero.strip.kinematics
-    pub fn new(a: &SectionMotion<S>, b: &SectionMotion<S>, fraction: f64, wind: Vec3<S>, floor: f64) -> Self {
-        let (f, g) = (S::from(fraction), S::from(1.0 - fraction));
-        let mix = |p: Vec3<S>, q: Vec3<S>| p * g + q * f;
-        let (le, te) = (mix(a.le, b.le), mix(a.te, b.te));
-        let (v_le, v_te) = (mix(a.v_le, b.v_le), mix(a.v_te, b.v_te));
-        let (a_le, a_te) = (mix(a.a_le, b.a_le), mix(a.a_te, b.a_te));
-        let at = |x: f64, p: Vec3<S>, q: Vec3<S>| p * S::from(1.0 - x) + q * S::from(x);
+    #[inline(always)]
+    fn new(a: &ChordLine<S>, b: &ChordLine<S>, fraction: f64, wind: Vec3<S>, floor: f64) -> Self {
+        let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
+        let (le, v_le, a_le) = (mix(a.le, b.le), mix(a.v_le, b.v_le), mix(a.a_le, b.a_le));
+        let chord = mix(a.te, b.te) - le;
+        let chord_rate = mix(a.v_te, b.v_te) - v_le;
+        let chord_change = mix(a.a_te, b.a_te) - a_le;
 
-        let (chord, chord_rate) = (te - le, v_te - v_le);
         let line = (b.le - a.le) + (b.te - a.te);
         let line_rate = (b.v_le - a.v_le) + (b.v_te - a.v_te);
         let inverse_chord = chord.norm().recip();
@@ -88,16 +193,15 @@ impl<S: Scalar> Strip<S> {
         let normal = area * inverse_area;
         let turning = area_rate * inverse_area;
         let normal_rate = turning - normal * turning.dot(normal);
-
         let across = normal.cross(chordwise);
 
-        let air = wind - at(0.75, v_le, v_te);
-        let air_half = wind - at(0.5, v_le, v_te);
+        let air_half = wind - (v_le + chord_rate.scaled(0.5));
+        let air = air_half - chord_rate.scaled(0.25);
         let (wash, along) = (air.dot(normal), air.dot(chordwise));
         Self {
-            quarter: at(0.25, le, te),
-            half: at(0.5, le, te),
-            three_quarter: at(0.75, le, te),
+            quarter: le + chord.scaled(0.25),
+            half: le + chord.scaled(0.5),
+            three_quarter: le + chord.scaled(0.75),
             normal,
             normal_rate,
             chordwise,
@@ -105,37 +209,117 @@ impl<S: Scalar> Strip<S> {
             drift: -air_half.dot(across),
             wash,
             wash_half: air_half.dot(normal),
-            wash_half_rate: air_half.dot(normal_rate) - at(0.5, a_le, a_te).dot(normal),
+            wash_half_rate: air_half.dot(normal_rate) - (a_le + chord_change.scaled(0.5)).dot(normal),
             along,
             speed: (wash * wash + along * along + floor * floor).sqrt(),
             pitch: -chord_rate.dot(normal) * inverse_chord,
-            pitch_rate: -((a_te - a_le).dot(normal) + chord_rate.dot(normal_rate)) * inverse_chord,
+            pitch_rate: -(chord_change.dot(normal) + chord_rate.dot(normal_rate)) * inverse_chord,
         }
     }
 }
 
-impl<S: Scalar> Strip<S> {
-    /// A force of the section as a wrench about the body origin.
-    #[inline]
-    pub fn wrench(&self, force: SectionForce<S>) -> Wrench<S> {
-        force.wrench(self.half, self.chordwise, self.normal, self.across)
+/// The control sections of all strips.
+pub(super) struct Strips<S: Scalar, const N: usize> {
+    /// Points at 1/4, 1/2 and 3/4 chord.
+    pub quarter: Vectors<S, N>,
+    pub half: Vectors<S, N>,
+    pub three_quarter: Vectors<S, N>,
+    /// Unit normals towards the upper side, and their rates.
+    pub normal: Vectors<S, N>,
+    pub normal_rate: Vectors<S, N>,
+    /// Unit vectors from leading to trailing edge.
+    pub chordwise: Vectors<S, N>,
+    /// Unit vectors across the sections: the axes of nose-up pitch.
+    pub across: Vectors<S, N>,
+    /// Velocity across the section relative to the air at 1/2 chord, m/s.
+    pub drift: Column<S, N>,
+    /// Normal wash at 3/4 and 1/2 chord by motion and wind, m/s.
+    pub wash: Column<S, N>,
+    pub wash_half: Column<S, N>,
+    /// Rate of `wash_half` from the accelerations known, m/s2.
+    pub wash_half_rate: Column<S, N>,
+    /// Chordwise and smooth speed of the air at 3/4 chord, m/s.
+    pub along: Column<S, N>,
+    pub speed: Column<S, N>,
+    /// Pitch rate, rad/s, and its rate, rad/s2.
+    pub pitch: Column<S, N>,
+    pub pitch_rate: Column<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Strips<S, N> {
+    /// Nothing moves yet.
+    pub const ZERO: Self = {
+        let (vectors, zero) = (Vectors::ZERO, [S::ZERO; N]);
+        Self {
+            quarter: vectors,
+            half: vectors,
+            three_quarter: vectors,
+            normal: vectors,
+            normal_rate: vectors,
+            chordwise: vectors,
+            across: vectors,
+            drift: zero,
+            wash: zero,
+            wash_half: zero,
+            wash_half_rate: zero,
+            along: zero,
+            speed: zero,
+            pitch: zero,
+            pitch_rate: zero,
+        }
+    };
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, strip: &Strip<S>) {
+        self.quarter.set(i, strip.quarter);
+        self.half.set(i, strip.half);
+        self.three_quarter.set(i, strip.three_quarter);
+        self.normal.set(i, strip.normal);
+        self.normal_rate.set(i, strip.normal_rate);
+        self.chordwise.set(i, strip.chordwise);
+        self.across.set(i, strip.across);
+        self.drift[i] = strip.drift;
+        self.wash[i] = strip.wash;
+        self.wash_half[i] = strip.wash_half;
+        self.wash_half_rate[i] = strip.wash_half_rate;
+        self.along[i] = strip.along;
+        self.speed[i] = strip.speed;
+        self.pitch[i] = strip.pitch;
+        self.pitch_rate[i] = strip.pitch_rate;
     }
 }
 
 impl StripModel {
-    /// Motion of edge `j`.
-    #[inline]
-    pub(super) fn edge<S: Scalar>(&self, sections: &[SectionMotion<S>], wind: Vec3<S>, j: usize) -> Edge<S> {
-        Edge::new(&sections[j], wind, WAKE_FLOOR * self.floor)
-    }
-    /// Motion of strip `i`.
-    #[inline]
-    pub(super) fn strip<S: Scalar>(
+    /// Motion of all strips.
+    #[inline(never)]
+    pub(super) fn move_strips<S: Scalar, const N: usize>(
         &self,
-        sections: &[SectionMotion<S>],
+        edges: &Edges<S, N>,
         wind: Vec3<S>,
-        i: usize,
-    ) -> Strip<S> {
-        Strip::new(&sections[i], &sections[i + 1], self.grid.fraction[i], wind, self.floor)
+        out: &mut Strips<S, N>,
+    ) {
+        for i in 0..N {
+            let (a, b) = (edges.left.get(i), edges.right.get(i));
+            out.set(i, &Strip::new(&a, &b, self.tables.fraction[i], wind, self.floor));
+        }
+    }
+
+    /// Vortex lines of all edges.
+    #[inline(never)]
+    pub(super) fn shed_wakes<S: Scalar, const N: usize>(
+        &self,
+        edges: &Edges<S, N>,
+        wind: Vec3<S>,
+    ) -> Wakes<S, N> {
+        let floor = WAKE_FLOOR * self.floor;
+        let (mut bound, mut trailing, mut wake) = (Vectors::ZERO, Vectors::ZERO, Vectors::ZERO);
+        for j in 0..N {
+            let edge = Edge::new(&edges.left.get(j), wind, floor);
+            bound.set(j, edge.bound);
+            trailing.set(j, edge.trailing);
+            wake.set(j, edge.wake);
+        }
+        let last = Edge::new(&edges.last, wind, floor);
+        Wakes { bound, trailing, wake, strips: self.settings.strips, last }
     }
 }

@@ -1,9 +1,10 @@
 //! From lags and motion to washes, state rates and impulses.
 
 use super::influence::{Column, multiply, multiply_transposed};
+use super::motion::Strips;
 use super::{Flow, StripModel};
 use crate::aero::LiftLaw;
-use crate::math::{Dual, Scalar};
+use crate::math::{Dual, Over, Scalar};
 
 /// Linear sums over the lags of each strip.
 #[derive(Clone, Copy)]
@@ -41,8 +42,6 @@ pub(super) struct Response<S: Scalar, const N: usize> {
     /// Normal impulse of the air on each strip, N s, and its rate, N.
     pub impulse: Column<S, N>,
     pub impulse_rate: Column<S, N>,
-    /// Normal speed left by a unit normal speed of the whole wing.
-    pub relief: Column<S, N>,
 }
 
 impl StripModel {
@@ -78,19 +77,20 @@ impl StripModel {
         attached: &Column<S, N>,
     ) -> LagSums<S, N> {
         let mut sums = LagSums { circulation: lagged.wash, jump: lagged.jump, delayed: lagged.delayed };
-        let constants = self.slope.iter().zip(&self.doublet);
-        for (i, (slope, doublet)) in constants.enumerate().take(N) {
-            sums.circulation[i] *= attached[i] * *slope;
-            sums.jump[i] *= attached[i] * (2.0 * doublet);
+        for i in 0..N {
+            sums.circulation[i] *= attached[i] * self.tables.slope[i];
+            sums.jump[i] *= attached[i] * (2.0 * self.tables.doublet[i]);
+            // What is left in a gap's lags has no wing to shed it.
+            sums.delayed[i] *= self.tables.covered[i];
             sums.delayed[i] += sums.circulation[i] * self.lags.wake_at_once;
         }
         sums
     }
 
     /// Rates of the sums, the speeds held.
-    fn lag_sum_rates<S: Scalar, const N: usize>(
+    fn lag_sum_rates<G: Scalar, S: Over<G>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        flow: &Flow<G, N>,
         lagged: Lagged<S, N>,
         attached: &Column<S, N>,
         x: &[S],
@@ -100,11 +100,12 @@ impl StripModel {
         if self.settings.law == LiftLaw::Linear {
             return rates;
         }
-        let n = self.settings.strips;
+        let (n, strips) = (self.settings.strips, &flow.strips);
         let attached_rate = std::array::from_fn(|i| {
             let state =
                 |k: usize| Dual::<1, S> { re: x[k * n + i.min(n - 1)], eps: [dx[k * n + i.min(n - 1)]] };
-            self.attached(Dual::constant(flow.along[i]), Dual::constant(flow.wash[i]), state).eps[0]
+            let held = |speed: G| Dual::<1, S>::constant(S::from(speed));
+            self.attached(held(strips.along[i]), held(strips.wash[i]), state).eps[0]
         });
         let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
         for i in 0..N {
@@ -116,12 +117,16 @@ impl StripModel {
     }
 
     /// Share of the lift of each strip that stays attached.
-    fn attached_shares<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, x: &[S]) -> Column<S, N> {
+    fn attached_shares<G: Scalar, S: Over<G>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        x: &[S],
+    ) -> Column<S, N> {
         if self.settings.law == LiftLaw::Linear {
             return [S::ONE; N];
         }
         let n = self.settings.strips;
-        std::array::from_fn(|i| self.attached(flow.along[i], flow.wash[i], |k| x[k * n + i.min(n - 1)]))
+        std::array::from_fn(|i| self.attached(strips.along[i], strips.wash[i], |k| x[k * n + i.min(n - 1)]))
     }
 
     /// Share of the lift that stays attached at the chordwise speed `along`, the wash of motion
@@ -131,20 +136,35 @@ impl StripModel {
     ///
     /// Equation: aero.strip.attached_share
     #[inline]
-    fn attached<S: Scalar>(&self, along: S, wash: S, state: impl Fn(usize) -> S) -> S {
+    fn attached<G: Scalar, S: Over<G>>(&self, along: G, wash: G, state: impl Fn(usize) -> S) -> S {
         let weights = self.lags.circulation.iter().enumerate();
         let lagged2 = weights.fold(S::ZERO, |sum, (k, weight)| sum + state(k).squared() * *weight);
         let wash2 = (lagged2 + wash.squared()) * 0.5;
-        let sine2 = wash2 / (wash2 + along.squared() + self.floor * self.floor);
+        let sine2 = wash2 / (wash2 + (along.squared() + self.floor * self.floor));
         self.settings.law.attached_share(sine2, self.separation_scale)
     }
 
-    /// K (D - Y) + R Y: the three-dimensional wash of what the lags hold.
-    fn held_wash<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, sums: &LagSums<S, N>) -> Column<S, N> {
+    /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
+    /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
+    fn held_left<G: Scalar, S: Over<G>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        sums: &LagSums<S, N>,
+    ) -> Column<S, N> {
         let n = self.settings.strips;
-        let open = std::array::from_fn(|i| sums.jump[i] - sums.delayed[i]);
-        let (jump, wake) = (multiply(&flow.doublet, &open, n), multiply(&flow.remainder, &sums.delayed, n));
-        std::array::from_fn(|i| jump[i] + wake[i])
+        let mut open = [S::ZERO; N];
+        for i in 0..N {
+            open[i] = (sums.jump[i] - sums.delayed[i]) * self.tables.inverse_doublet[i];
+        }
+        let mut held = multiply(&flow.remainder, &sums.delayed, n);
+        for i in 0..N {
+            held[i] += open[i];
+        }
+        let mut left = multiply(&flow.relief, &held, n);
+        for i in 0..N {
+            left[i] -= open[i];
+        }
+        left
     }
 
     /// Washes, state rates and impulses.
@@ -154,41 +174,47 @@ impl StripModel {
     ///
     /// Equation: aero.strip.wash
     #[inline(always)]
-    pub(super) fn respond<S: Scalar, const N: usize>(
+    pub(super) fn respond<G: Scalar, S: Over<G>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        flow: &Flow<G, N>,
         x: &[S],
         dx: &mut [S],
     ) -> Response<S, N> {
-        let n = self.settings.strips;
         let lagged = self.lagged(x);
-        let attached = self.attached_shares(flow, x);
+        let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&lagged, &attached);
-        let held_left = multiply(&flow.relief, &self.held_wash(flow, &sums), n);
-        let half_left = multiply(&flow.relief, &flow.half, n);
-        let wash = std::array::from_fn(|i| flow.wash[i] + half_left[i] + held_left[i] - flow.half[i]);
+        let held_left = self.held_left(flow, &sums);
+        let mut wash = [S::ZERO; N];
+        for i in 0..N {
+            let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
+            wash[i] = held_left[i] + of_motion;
+        }
         let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
-        let mut response = Response {
+        let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
+        if self.settings.added_mass {
+            let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
+            let held_rate_left = self.held_left(flow, &rates);
+            for i in 0..N {
+                let mass = self.tables.mass[i];
+                impulse[i] = held_left[i] * mass + flow.impulse[i];
+                impulse_rate[i] = held_rate_left[i] * mass + flow.impulse_rate[i];
+            }
+        }
+        Response {
+            turning_wash: self.turning_wash(flow, &sums, &lift_wash),
             circulation: sums.circulation,
             attached,
             wash,
             lift_wash,
-            turning_wash: self.turning_wash(flow, &sums, &lift_wash),
-            impulse: [S::ZERO; N],
-            impulse_rate: [S::ZERO; N],
-            relief: multiply(&flow.relief, &[S::ONE; N], n),
-        };
-        if self.settings.added_mass {
-            let held_rate = self.held_wash(flow, &self.lag_sum_rates(flow, lagged, &attached, x, dx));
-            self.impulses(flow, [&half_left, &held_left], &held_rate, &mut response);
+            impulse,
+            impulse_rate,
         }
-        response
     }
 
     /// Rates of the lags; returns the lift wash w/2 + sum psi_k l_k.
-    fn advance_lags<S: Scalar, const N: usize>(
+    fn advance_lags<G: Scalar, S: Over<G>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        flow: &Flow<G, N>,
         wash: &Column<S, N>,
         circulation: &Column<S, N>,
         x: &[S],
@@ -198,15 +224,15 @@ impl StripModel {
         let mut lift_wash = wash.map(|w| w * 0.5);
         let blocks = x.chunks_exact(n).zip(dx.chunks_exact_mut(n));
         for (k, (block, rates)) in blocks.enumerate() {
-            let pairs = block.iter().zip(rates).zip(&self.turnover).enumerate().take(N);
+            let pairs = block.iter().zip(rates).zip(&flow.strips.speed).enumerate().take(N);
             if let Some((rate, lift)) = lags.rate.get(k).zip(lags.lift.get(k)) {
-                for (i, ((lag, lag_rate), turnover)) in pairs {
+                for (i, ((lag, lag_rate), speed)) in pairs {
                     lift_wash[i] += *lag * *lift;
-                    *lag_rate = flow.speed[i] * (wash[i] - *lag) * (turnover * rate);
+                    *lag_rate = (wash[i] - *lag) * (*speed * (self.tables.turnover[i] * rate));
                 }
-            } else if let Some(inverse) = self.inverse_wake_length.get(k - lags.rate.len()) {
-                for (i, ((lag, lag_rate), _)) in pairs {
-                    *lag_rate = flow.speed[i] * (circulation[i] - *lag) * *inverse;
+            } else if let Some(inverse) = self.tables.inverse_wake_length.get(k - lags.rate.len()) {
+                for (i, ((lag, lag_rate), speed)) in pairs {
+                    *lag_rate = (circulation[i] - *lag) * (*speed * *inverse);
                 }
             }
         }
@@ -218,45 +244,49 @@ impl StripModel {
     /// of 3/4 chord.
     ///
     /// Equation: aero.strip.turning_wash
-    fn turning_wash<S: Scalar, const N: usize>(
+    fn turning_wash<G: Scalar, S: Over<G>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        flow: &Flow<G, N>,
         sums: &LagSums<S, N>,
         lift_wash: &Column<S, N>,
     ) -> Column<S, N> {
         let n = self.settings.strips;
-        let seen: Column<S, N> =
-            std::array::from_fn(|i| sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0));
+        let mut seen = [S::ZERO; N];
+        for i in 0..N {
+            seen[i] = sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0);
+        }
         let (far, near) = (multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n));
-        std::array::from_fn(|i| lift_wash[i] + far[i] - near[i])
+        let mut wash = *lift_wash;
+        for i in 0..N {
+            wash[i] += far[i] - near[i];
+        }
+        wash
     }
 
     /// P = B w12 + rho dy ma A0^-1 [K (D - Y) + R Y], with B the
     /// symmetric part of rho dy ma A0^-1 (reciprocity); the rates of K and R are left out.
+    /// Sets the first part and its rate.
     ///
     /// Equation: aero.strip.impulse
-    fn impulses<S: Scalar, const N: usize>(
-        &self,
-        flow: &Flow<S, N>,
-        [half_left, held_left]: [&Column<S, N>; 2],
-        held_rate: &Column<S, N>,
-        response: &mut Response<S, N>,
-    ) {
-        let n = self.settings.strips;
-        let rate_left = multiply(&flow.relief, &flow.half_rate, n);
-        let held_rate_left = multiply(&flow.relief, held_rate, n);
-        let (by_half, by_rate) = (self.reciprocal(flow, &flow.half), self.reciprocal(flow, &flow.half_rate));
-        for (i, mass) in self.strip_mass.iter().enumerate().take(N) {
-            response.impulse[i] = (half_left[i] * 0.5 + held_left[i]) * *mass + by_half[i] * 0.5;
-            response.impulse_rate[i] = (rate_left[i] * 0.5 + held_rate_left[i]) * *mass + by_rate[i] * 0.5;
+    pub(super) fn impulses_of_motion<S: Scalar, const N: usize>(&self, flow: &mut Flow<S, N>) {
+        if !self.settings.added_mass {
+            return;
+        }
+        let (half, rate) = (&flow.strips.wash_half, &flow.strips.wash_half_rate);
+        let rate_left = multiply(&flow.relief, rate, self.settings.strips);
+        let (by_half, by_rate) = (self.reciprocal(flow, half), self.reciprocal(flow, rate));
+        for i in 0..N {
+            let mass = self.tables.mass[i];
+            flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
+            flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
         }
     }
 
     /// The transpose of rho dy ma A0^-1 times `v`.
     fn reciprocal<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, v: &Column<S, N>) -> Column<S, N> {
         let mut weighted = *v;
-        for (v, mass) in weighted.iter_mut().zip(&self.strip_mass) {
-            *v *= *mass;
+        for i in 0..N {
+            weighted[i] *= self.tables.mass[i];
         }
         multiply_transposed(&flow.relief, &weighted, self.settings.strips)
     }

@@ -1,0 +1,85 @@
+//! What of each strip never changes, padded so that loops over lanes need no end.
+
+use super::grid::Grid;
+use super::{Lags, StripSettings};
+use crate::aero::MAX_STRIPS;
+use std::f64::consts::PI;
+
+/// A constant per strip, left tip to right tip, padded.
+pub(super) type Table = [f64; MAX_STRIPS];
+
+/// Core radius of a trailing vortex over the half width of the narrower strip beside it: a
+/// choice, small against the strip, that keeps a folded panel finite where it meets a vortex.
+const CORE: f64 = 0.15;
+
+/// Constants of the strips. Extra lanes repeat the last strip; what scales a force or a mass is
+/// zero there, so that sums may run over all lanes.
+#[derive(Clone, Debug)]
+pub(super) struct Tables {
+    /// One on the wing, zero in a gap.
+    pub covered: Table,
+    /// Place of the control section between the strip's edges, 0 to 1.
+    pub fraction: Table,
+    /// Chord, m.
+    pub chord: Table,
+    /// One over the half chord, 1/m.
+    pub turnover: Table,
+    /// Circulation over lift wash 2 pi b cos(sweep), m.
+    pub slope: Table,
+    /// Chord doublet over wash, pi b cos(sweep) / 1.5, m.
+    pub doublet: Table,
+    /// Its inverse, 1/m; zero in a gap.
+    pub inverse_doublet: Table,
+    /// Own two-dimensional wash of the bound vortex, 1/m.
+    pub own_bound: Table,
+    /// Own two-dimensional wash of bound vortex and trailing edge, 1/m.
+    pub own_ring: Table,
+    /// Circulatory force over wash and speed, rho dy 2 pi b cos(sweep), kg/m.
+    pub lift_scale: Table,
+    /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
+    pub drag_scale: Table,
+    /// Added mass as part of an infinite wing, kg.
+    pub mass: Table,
+    /// Fourth powers of the core radii of the vortices that leave the edges, m4, and of the
+    /// smaller one of the two edges of each strip.
+    pub edge_cores: [f64; MAX_STRIPS + 1],
+    pub strip_cores: Table,
+    /// One over the lengths over which the wake lags act, 1/m.
+    pub inverse_wake_length: Vec<f64>,
+}
+
+impl Tables {
+    pub fn new(grid: &Grid, settings: &StripSettings, lags: &Lags) -> Self {
+        let last = settings.strips - 1;
+        let (chord, cos, cos34) = (&grid.chord, &grid.cos_half, &grid.cos_three_quarter);
+        let repeated = |f: &dyn Fn(usize) -> f64| -> Table { std::array::from_fn(|i| f(i.min(last))) };
+        // What a gap carries is nothing: its neighbours then shed at its two borders.
+        let carried = |f: &dyn Fn(usize) -> f64| repeated(&|i| if grid.covered[i] { f(i) } else { 0.0 });
+        let scale = |f: &dyn Fn(usize) -> f64| -> Table {
+            let value = carried(&|i| settings.density_kg_m3 * grid.width[i] * f(i));
+            std::array::from_fn(|i| if i > last { 0.0 } else { value[i] })
+        };
+        let mut edge_cores = [0.0; MAX_STRIPS + 1];
+        for (core, half_width) in edge_cores.iter_mut().zip(grid.half_widths()) {
+            *core = (CORE * half_width).powi(4);
+        }
+        let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
+        Self {
+            covered: carried(&|_| 1.0),
+            fraction: repeated(&|i| grid.fraction[i]),
+            chord: repeated(&|i| chord[i]),
+            turnover: repeated(&|i| 2.0 / chord[i]),
+            slope: carried(&|i| PI * chord[i] * cos[i]),
+            doublet: carried(&|i| PI * chord[i] * cos[i] / 3.0),
+            inverse_doublet: carried(&|i| 3.0 / (PI * chord[i] * cos[i])),
+            own_bound: repeated(&|i| 1.0 / (PI * chord[i] * cos[i])),
+            own_ring: repeated(&|i| 1.0 / (PI * chord[i] * cos[i]) + 2.0 / (PI * chord[i] * cos34[i])),
+            lift_scale: scale(&|i| PI * chord[i] * cos[i]),
+            drag_scale: scale(&|i| 0.5 * chord[i]),
+            mass: scale(&|i| PI * chord[i] * chord[i] * cos[i] / 4.0),
+            strip_cores: repeated(&|i| edge_cores[i].min(edge_cores[i + 1])),
+            edge_cores,
+            inverse_wake_length: lags.wake_delay.iter().map(|t| 1.0 / (t * delay_scale)).collect(),
+        }
+    }
+}
