@@ -265,30 +265,50 @@ pub(super) fn sum<S: Scalar, const N: usize>(a: &Column<S, N>) -> S {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
-/// Inverse of the leading `n` x `n` block of `m` by Gauss-Jordan elimination
-/// without exchanges, in place. The matrices met here are positive definite up to a diagonal scaling,
-/// for which this is stable (Golub & Van Loan, Matrix Computations, 4.2.2).
+/// Inverse of the leading `n` x `n` block of `m` by Gauss-Jordan elimination in place,
+/// two unknowns at a time, without exchanges. The matrices met here are positive definite up to
+/// a diagonal scaling, for which this is stable (Golub & Van Loan, Matrix Computations, 4.2.2).
+/// `N` is even.
 #[inline(never)]
 pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) {
-    for k in 0..n {
-        let pivot = m[k][k].recip();
+    if n % 2 == 1 {
+        // An unknown of its own makes the number even.
+        m.iter_mut().for_each(|column| column[n] = S::ZERO);
+        m[n][..n].fill(S::ZERO);
+        m[n][n] = S::ONE;
+    }
+    for k in (0..n).step_by(2) {
+        let pair = [m[k], m[k + 1]];
+        let block = inverse_of_pair([[pair[0][k], pair[1][k]], [pair[0][k + 1], pair[1][k + 1]]]);
         // One more on the diagonal leaves -factor in place of what is eliminated.
-        let mut column = m[k];
-        column[k] += S::ONE;
+        let [mut p, mut q] = pair;
+        p[k] += S::ONE;
+        q[k + 1] += S::ONE;
         for (j, other) in m.iter_mut().enumerate().take(n) {
-            if j == k {
+            if j / 2 == k / 2 {
                 continue;
             }
-            let factor = -(other[k] * pivot);
+            let (a, b) = (other[k], other[k + 1]);
+            let f = -block[0][0].mul_add(a, block[0][1] * b);
+            let g = -block[1][0].mul_add(a, block[1][1] * b);
             for i in 0..N {
-                other[i] = column[i].mul_add(factor, other[i]);
+                other[i] = q[i].mul_add(g, p[i].mul_add(f, other[i]));
             }
         }
-        for i in 0..N {
-            m[k][i] = column[i] * pivot;
+        for c in 0..2 {
+            for i in 0..N {
+                m[k + c][i] = pair[1][i].mul_add(block[1][c], pair[0][i] * block[0][c]);
+            }
+            (m[k + c][k], m[k + c][k + 1]) = (block[0][c], block[1][c]);
         }
-        m[k][k] = pivot;
     }
+}
+
+/// Inverse of a 2 x 2 matrix by rows.
+#[inline(always)]
+fn inverse_of_pair<S: Scalar>([[a, b], [c, d]]: [[S; 2]; 2]) -> [[S; 2]; 2] {
+    let inverse = a.mul_add(d, -(b * c)).recip();
+    [[d * inverse, -(b * inverse)], [-(c * inverse), a * inverse]]
 }
 
 #[cfg(test)]
@@ -297,19 +317,21 @@ mod tests {
 
     #[test]
     fn the_inverse_times_the_matrix_is_one() {
-        let mut m: Matrix<f64, 8> =
-            std::array::from_fn(|j| std::array::from_fn(|i| 0.1 * ((3 * i + 5 * j) as f64).sin()));
-        for i in 0..8 {
-            m[i][i] += 1.0;
-        }
-        let original = m;
-        invert(&mut m, 6);
-        for j in 0..6 {
-            let mut column = m[j];
-            column[6..].fill(0.0);
-            let product = multiply(&original, &column, 6);
-            for i in 0..6 {
-                assert!((product[i] - f64::from(u8::from(i == j))).abs() < 1e-14);
+        for n in [1, 5, 6, 8] {
+            let mut m: Matrix<f64, 8> =
+                std::array::from_fn(|j| std::array::from_fn(|i| 0.1 * ((3 * i + 5 * j) as f64).sin()));
+            for i in 0..8 {
+                m[i][i] += 1.0;
+            }
+            let original = m;
+            invert(&mut m, n);
+            for j in 0..n {
+                let mut column = m[j];
+                column[n..].fill(0.0);
+                let product = multiply(&original, &column, n);
+                for i in 0..n {
+                    assert!((product[i] - f64::from(u8::from(i == j))).abs() < 1e-14);
+                }
             }
         }
     }

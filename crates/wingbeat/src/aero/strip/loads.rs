@@ -1,6 +1,6 @@
 //! Forces and moments of the strips from their washes and impulses.
 
-use super::influence::{Column, dot, multiply, sum};
+use super::influence::{Column, sum};
 use super::motion::{Strips, Vectors};
 use super::response::Response;
 use super::{Flow, StripModel};
@@ -179,67 +179,7 @@ impl StripModel {
 
     /// Added mass that resists pitching of the section, kg.
     #[inline(always)]
-    fn section_mass<S: Scalar, const N: usize>(&self, i: usize, flow: &Flow<S, N>) -> S {
+    pub(super) fn section_mass<S: Scalar, const N: usize>(&self, i: usize, flow: &Flow<S, N>) -> S {
         flow.unit_left[i] * self.tables.mass[i]
     }
-
-    /// M = sym(J' rho dy ma A0^-1 J) with J = [n; r x n] per strip, plus the pitch inertia of the sections.
-    ///
-    /// Equation: aero.strip.added_mass_matrix
-    pub(super) fn added_mass<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>) -> [[S; 6]; 6] {
-        let mut matrix = [[S::ZERO; 6]; 6];
-        if self.settings.added_mass {
-            let lever = jacobian(&flow.strips);
-            let mut left = [[S::ZERO; N]; 6];
-            for (left, lever) in left.iter_mut().zip(&lever) {
-                *left = multiply(&flow.relief, lever, self.settings.strips);
-                for i in 0..N {
-                    left[i] *= self.tables.mass[i];
-                }
-            }
-            for r in 0..6 {
-                for c in 0..=r {
-                    matrix[r][c] = (dot(&left[r], &lever[c]) + dot(&left[c], &lever[r])) * 0.5;
-                }
-            }
-        }
-        if self.settings.section_moment {
-            self.add_pitch_inertia(flow, &mut matrix);
-        }
-        for r in 0..6 {
-            for c in 0..r {
-                matrix[c][r] = matrix[r][c];
-            }
-        }
-        matrix
-    }
-
-    /// Adds the pitch inertia of the sections to the lower triangle.
-    fn add_pitch_inertia<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, matrix: &mut [[S; 6]; 6]) {
-        let across = &flow.strips.across.0;
-        let mut turned = *across;
-        for i in 0..N {
-            let b = 0.5 * self.tables.chord[i];
-            let inertia = self.section_mass(i, flow) * (0.125 * b * b);
-            for axis in &mut turned {
-                axis[i] *= inertia;
-            }
-        }
-        for r in 0..3 {
-            for c in 0..=r {
-                matrix[3 + r][3 + c] += dot(&turned[r], &across[c]);
-            }
-        }
-    }
-}
-
-/// Normal acceleration at 1/2 chord per acceleration and angular acceleration of
-/// the body, by rows.
-fn jacobian<S: Scalar, const N: usize>(strips: &Strips<S, N>) -> [[S; N]; 6] {
-    let mut moment = Vectors::ZERO;
-    for i in 0..N {
-        moment.set(i, strips.half.get(i).cross(strips.normal.get(i)));
-    }
-    let ([a, b, c], [d, e, f]) = (strips.normal.0, moment.0);
-    [a, b, c, d, e, f]
 }

@@ -6,6 +6,7 @@
 //! low aspect ratio; flow is tangent at 3/4 chord under the true horseshoes of
 //! the folded, moving wing. Valid for attached flow, aspect ratio 3 and more.
 
+mod carried;
 mod constants;
 mod grid;
 mod influence;
@@ -56,6 +57,8 @@ struct Flow<S: Scalar, const N: usize> {
     /// Normal impulse of the air by the motion alone, N s, and its rate, N.
     impulse: Column<S, N>,
     impulse_rate: Column<S, N>,
+    /// Added-mass matrix on [acceleration; angular acceleration] about the body origin.
+    added_mass: [[S; 6]; 6],
 }
 
 impl StripModel {
@@ -184,8 +187,7 @@ impl StripModel {
         self.flow(&Edges::new(sections, self.settings.strips), wind, &mut flow);
         let states = self.states();
         let response = self.respond(&flow, &x[..states], &mut dx[..states]);
-        let wrench = self.load_strips(&flow, &response, loads);
-        (wrench, self.added_mass(&flow))
+        (self.load_strips(&flow, &response, loads), flow.added_mass)
     }
 
     /// Points, velocities and influence of the wing as it lies and moves now.
@@ -218,9 +220,8 @@ impl StripModel {
             doublet[j] = doublet[j] + 1.0;
         }
         invert(&mut flow.relief, n);
-        flow.half_left = multiply(&flow.relief, &flow.strips.wash_half, n);
         flow.unit_left = multiply(&flow.relief, &[S::ONE; N], n);
-        self.impulses_of_motion(flow);
+        self.carry_air(flow);
     }
 }
 
@@ -237,6 +238,7 @@ impl<S: Scalar, const N: usize> Flow<S, N> {
             unit_left: zero,
             impulse: zero,
             impulse_rate: zero,
+            added_mass: [[S::ZERO; 6]; 6],
         }
     };
 }

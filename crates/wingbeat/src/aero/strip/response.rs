@@ -1,6 +1,6 @@
 //! From lags and motion to washes, state rates and impulses.
 
-use super::influence::{Column, multiply, multiply_transposed};
+use super::influence::{Column, multiply};
 use super::motion::Strips;
 use super::{Flow, StripModel};
 use crate::aero::LiftLaw;
@@ -261,33 +261,5 @@ impl StripModel {
             wash[i] += far[i] - near[i];
         }
         wash
-    }
-
-    /// P = B w12 + rho dy ma A0^-1 [K (D - Y) + R Y], with B the
-    /// symmetric part of rho dy ma A0^-1 (reciprocity); the rates of K and R are left out.
-    /// Sets the first part and its rate.
-    ///
-    /// Equation: aero.strip.impulse
-    pub(super) fn impulses_of_motion<S: Scalar, const N: usize>(&self, flow: &mut Flow<S, N>) {
-        if !self.settings.added_mass {
-            return;
-        }
-        let (half, rate) = (&flow.strips.wash_half, &flow.strips.wash_half_rate);
-        let rate_left = multiply(&flow.relief, rate, self.settings.strips);
-        let (by_half, by_rate) = (self.reciprocal(flow, half), self.reciprocal(flow, rate));
-        for i in 0..N {
-            let mass = self.tables.mass[i];
-            flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
-            flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
-        }
-    }
-
-    /// The transpose of rho dy ma A0^-1 times `v`.
-    fn reciprocal<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, v: &Column<S, N>) -> Column<S, N> {
-        let mut weighted = *v;
-        for i in 0..N {
-            weighted[i] *= self.tables.mass[i];
-        }
-        multiply_transposed(&flow.relief, &weighted, self.settings.strips)
     }
 }

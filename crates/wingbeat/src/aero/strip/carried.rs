@@ -1,0 +1,113 @@
+//! The air that the strips carry along: its impulse by the motion of the wing, and its inertia.
+
+use super::influence::{Column, dot, multiply_transposed};
+use super::{Flow, StripModel};
+use crate::math::Scalar;
+
+/// What drives the carried air at 1/2 chord of a strip: its normal acceleration per acceleration
+/// and angular acceleration of the body (6), the wash there, m/s, and its rate, m/s2.
+type Drive<S> = [S; 8];
+
+impl StripModel {
+    /// What A0^-1 leaves of the motion, the impulse of the carried air and its inertia.
+    pub(super) fn carry_air<S: Scalar, const N: usize>(&self, flow: &mut Flow<S, N>) {
+        let drives = self.drives(flow);
+        let mut rate_left = [S::ZERO; N];
+        for i in 0..N {
+            let left = self.left_at(i, flow, &drives);
+            (flow.half_left[i], rate_left[i]) = (left[6], left[7]);
+            let mass = if self.settings.added_mass { self.tables.mass[i] } else { 0.0 };
+            for (row, drive) in flow.added_mass.iter_mut().zip(&drives[i]) {
+                let driven = *drive * mass;
+                for c in 0..6 {
+                    row[c] = left[c].mul_add(driven, row[c]);
+                }
+            }
+        }
+        if self.settings.added_mass {
+            self.impulses_of_motion(flow, &rate_left);
+        }
+        self.finish_added_mass(flow);
+    }
+
+    fn drives<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>) -> [Drive<S>; N] {
+        let strips = &flow.strips;
+        let mut drives = [[S::ZERO; 8]; N];
+        for i in 0..N {
+            let normal = strips.normal.get(i);
+            let ([a, b, c], [d, e, f]) = (normal.0, strips.half.get(i).cross(normal).0);
+            drives[i] = [a, b, c, d, e, f, strips.wash_half[i], strips.wash_half_rate[i]];
+        }
+        drives
+    }
+
+    /// Row `i` of A0^-1 times the drives.
+    #[inline(always)]
+    fn left_at<S: Scalar, const N: usize>(
+        &self,
+        i: usize,
+        flow: &Flow<S, N>,
+        drives: &[Drive<S>; N],
+    ) -> Drive<S> {
+        let mut left = [S::ZERO; 8];
+        for (column, drive) in flow.relief.iter().zip(drives).take(self.settings.strips) {
+            for k in 0..8 {
+                left[k] = drive[k].mul_add(column[i], left[k]);
+            }
+        }
+        left
+    }
+
+    /// P = B w12 + rho dy ma A0^-1 [K (D - Y) + R Y], with B the
+    /// symmetric part of rho dy ma A0^-1 (reciprocity); the rates of K and R are left out.
+    /// Sets the first part and its rate.
+    ///
+    /// Equation: aero.strip.impulse
+    fn impulses_of_motion<S: Scalar, const N: usize>(&self, flow: &mut Flow<S, N>, rate_left: &Column<S, N>) {
+        let by_half = self.reciprocal(flow, &flow.strips.wash_half);
+        let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
+        for i in 0..N {
+            let mass = self.tables.mass[i];
+            flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
+            flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
+        }
+    }
+
+    /// The transpose of rho dy ma A0^-1 times `v`.
+    fn reciprocal<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, v: &Column<S, N>) -> Column<S, N> {
+        let mut weighted = *v;
+        for i in 0..N {
+            weighted[i] *= self.tables.mass[i];
+        }
+        multiply_transposed(&flow.relief, &weighted, self.settings.strips)
+    }
+
+    /// M = sym(J' rho dy ma A0^-1 J) with J = [n; r x n] per strip, plus the pitch inertia of the
+    /// sections; `flow` holds the first part before it is made symmetric.
+    ///
+    /// Equation: aero.strip.added_mass_matrix
+    fn finish_added_mass<S: Scalar, const N: usize>(&self, flow: &mut Flow<S, N>) {
+        let mut matrix = flow.added_mass;
+        if self.settings.section_moment {
+            let across = &flow.strips.across.0;
+            let mut turned = *across;
+            for i in 0..N {
+                let b = 0.5 * self.tables.chord[i];
+                let inertia = self.section_mass(i, flow) * (0.125 * b * b);
+                for axis in &mut turned {
+                    axis[i] *= inertia;
+                }
+            }
+            for r in 0..3 {
+                for c in 0..3 {
+                    matrix[3 + r][3 + c] += dot(&turned[r], &across[c]);
+                }
+            }
+        }
+        for r in 0..6 {
+            for c in 0..6 {
+                flow.added_mass[r][c] = (matrix[r][c] + matrix[c][r]) * 0.5;
+            }
+        }
+    }
+}
