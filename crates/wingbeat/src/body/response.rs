@@ -1,7 +1,7 @@
 //! Structure response: how the commanded displacements become actual ones.
 
 use crate::Error;
-use crate::math::{Jet, Scalar};
+use crate::math::{Jet, Over, Scalar};
 use crate::require;
 use std::f64::consts::TAU;
 
@@ -122,11 +122,11 @@ impl Response {
     }
 
     /// Rates [y'; y''] of the state, from the displacements of the same instant.
-    pub fn rates<S: Scalar>(&self, displacements: &[Jet<S>], rates: &mut [S]) {
+    pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
         let n = self.elements();
         for (i, y) in displacements.iter().enumerate().take(n) {
-            rates[i] = y.d;
-            rates[n + i] = y.dd;
+            rates[i] = S::from(y.d);
+            rates[n + i] = S::from(y.dd);
         }
     }
 }

@@ -80,7 +80,7 @@ impl Robot {
         let base = accelerated(&LinkMotion::base(v, body.rate), imposed);
         let moving = links.map(|link| accelerated(&link, imposed));
         let (wind, wind_dot) = self.wind(clock.x, body.attitude);
-        let riding = Riding { sections: &self.sections, base: &base, links: &moving, wind_dot };
+        let riding = Riding::new(&self.sections, &base, &moving, wind_dot);
         let mut sections = [SectionMotion::default(); MAX_STRIPS + 1];
         let count = self.sections.len();
         for (i, section) in sections.iter_mut().enumerate().take(count) {

@@ -82,14 +82,13 @@ impl Robot {
         let w = Vec3::from_slice(&x[l.rate..]);
         let v = attitude.transpose_mul(v_w);
 
-        let mut structure_rates = [G::ZERO; 2 * MAX_ELEMENTS];
-        let joints = self.joints(t, &x[l.structure..], u, &mut structure_rates)?;
+        let joints = self.joints(t, &x[l.structure..], u, &mut dx[l.structure..l.aero])?;
         let mut links = [LinkMotion::default(); JOINTS.len()];
         self.tree.motions(&joints, v, w, &mut links);
         let base = LinkMotion::base(v, w);
 
         let (wind, wind_dot) = self.wind(t, attitude);
-        let riding = Riding { sections: &self.sections, base: &base, links: &links, wind_dot };
+        let riding = Riding::new(&self.sections, &base, &links, wind_dot);
         let (air, added_mass) = self.aero.evaluate_sum(&riding, wind, air, &mut dx[l.aero..]);
 
         let (mut mass, bias) = self.tree.inertia_and_bias(w, &links);
@@ -111,30 +110,29 @@ impl Robot {
         lift(&turning, &mut dx[l.attitude..]);
         attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
         Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
-        lift(&structure_rates, &mut dx[l.structure..l.aero]);
         Ok(Evaluation { attitude, joints, links, base, acceleration })
     }
 
     /// Joint angles with rates and accelerations: gait plus structure response.
     /// `dx` receives the rates of the structure's states.
-    fn joints<S: Scalar>(
+    fn joints<G: Scalar, S: Over<G>>(
         &self,
-        t: S,
-        structure: &[S],
-        u: &[S],
+        t: G,
+        structure: &[G],
+        u: &[G],
         dx: &mut [S],
-    ) -> Result<[Jet<S>; JOINTS.len()], Fault> {
-        self.joints_on(&Jet::new(t, S::ONE, S::ZERO), structure, u, dx)
+    ) -> Result<[Jet<G>; JOINTS.len()], Fault> {
+        self.joints_on(&Jet::new(t, G::ONE, G::ZERO), structure, u, dx)
     }
 
     /// The same with a gait whose clock shows `clock` and may run up or stand still.
-    pub(super) fn joints_on<S: Scalar>(
+    pub(super) fn joints_on<G: Scalar, S: Over<G>>(
         &self,
-        clock: &Jet<S>,
-        structure: &[S],
-        u: &[S],
+        clock: &Jet<G>,
+        structure: &[G],
+        u: &[G],
         dx: &mut [S],
-    ) -> Result<[Jet<S>; JOINTS.len()], Fault> {
+    ) -> Result<[Jet<G>; JOINTS.len()], Fault> {
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         self.response.rates(&displacements, dx);

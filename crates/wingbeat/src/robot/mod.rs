@@ -89,7 +89,7 @@ impl Robot {
     pub fn new(spec: &RobotSpec, aero: Aero, air: Air, phase_start: f64) -> Result<Self, Error> {
         spec.check()?;
         let planform = spec.wing.outline().map_err(|e| e.within("wing"))?;
-        let section = |s: &f64| Section::at(*s, &spec.wing, &planform, CARRIERS);
+        let section = |s: &f64| Section::at(*s, &spec.wing, &planform);
         let elements = spec.structure.elements.len();
         let layout = Layout::new(elements, aero.states());
         let gait = spec.gait.build().map_err(|e| e.within("gait"))?;

@@ -63,7 +63,7 @@ impl Robot {
 
         let mut loads = Loads::default();
         let (wind, wind_dot) = self.wind(t, e.attitude);
-        let riding = Riding { sections: &self.sections, base: &base, links: &links, wind_dot };
+        let riding = Riding::new(&self.sections, &base, &links, wind_dot);
         let sections: Vec<_> = (0..self.sections.len()).map(|i| riding.section(i)).collect();
         let aero = self.layout.aero;
         self.aero.evaluate(&sections, wind, &x[aero..], &mut dx[aero..], &mut loads);

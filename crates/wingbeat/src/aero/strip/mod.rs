@@ -26,7 +26,7 @@ use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
 use grid::Grid;
 use influence::{Column, Matrix, Targets, Wash, invert, multiply};
-use motion::{Edges, Strips};
+use motion::{Edges, Strips, Wakes};
 use tables::Tables;
 
 /// The strip model of a wing. Sections are the edges between strips.
@@ -183,8 +183,10 @@ impl StripModel {
         dx: &mut [S],
         loads: Option<&mut Loads<S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
+        let mut edges = Edges::<G, N>::ZERO;
+        edges.fill(sections, self.settings.strips);
         let mut flow = Flow::<G, N>::STILL;
-        self.flow(&Edges::new(sections, self.settings.strips), wind, &mut flow);
+        self.flow(&edges, wind, &mut flow);
         let states = self.states();
         let response = self.respond(&flow, &x[..states], &mut dx[..states]);
         (self.load_strips(&flow, &response, loads), flow.added_mass)
@@ -200,7 +202,8 @@ impl StripModel {
     fn flow<S: Scalar, const N: usize>(&self, edges: &Edges<S, N>, wind: Vec3<S>, flow: &mut Flow<S, N>) {
         let (n, tables) = (self.settings.strips, &self.tables);
         self.move_strips(edges, wind, &mut flow.strips);
-        let wakes = self.shed_wakes(edges, wind);
+        let mut wakes = Wakes::ZERO;
+        self.shed_wakes(edges, wind, &mut wakes);
         let mut wash = Wash { ring: &mut flow.relief, horseshoe: &mut flow.remainder, far: &mut flow.far };
         Targets::new(&flow.strips).wash(&wakes, tables, n, &mut wash);
         if !self.settings.wake_wash {

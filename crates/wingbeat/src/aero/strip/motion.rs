@@ -81,24 +81,30 @@ pub(super) struct Edges<S: Scalar, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Edges<S, N> {
-    /// The edges of `n` strips.
+    pub const ZERO: Self = {
+        let zero = Vec3::ZERO;
+        let last = ChordLine { le: zero, te: zero, v_le: zero, v_te: zero, a_le: zero, a_te: zero };
+        Self { left: ChordLines::ZERO, right: ChordLines::ZERO, last }
+    };
+
+    /// Takes the edges of `n` strips.
     #[inline(always)]
-    pub fn new(sections: &(impl Sections<S> + ?Sized), n: usize) -> Self {
-        let (mut left, mut right) = (ChordLines::ZERO, ChordLines::ZERO);
-        let mut line = ChordLine::from(&sections.section(0));
-        left.set(0, &line);
-        for j in 1..n {
-            line = ChordLine::from(&sections.section(j));
-            left.set(j, &line);
-            right.set(j - 1, &line);
+    pub fn fill(&mut self, sections: &(impl Sections<S> + ?Sized), n: usize) {
+        for j in 0..=n {
+            let line = ChordLine::from(&sections.section(j));
+            if j < n {
+                self.left.set(j, &line);
+            }
+            if j > 0 {
+                self.right.set(j - 1, &line);
+            }
+            self.last = line;
         }
-        let (before, last) = (line, ChordLine::from(&sections.section(n)));
-        right.set(n - 1, &last);
+        let before = self.left.get(n - 1);
         for i in n..N {
-            left.set(i, &before);
-            right.set(i, &last);
+            self.left.set(i, &before);
+            self.right.set(i, &self.last);
         }
-        Self { left, right, last }
     }
 }
 
@@ -141,6 +147,12 @@ pub(super) struct Wakes<S: Scalar, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Wakes<S, N> {
+    pub const ZERO: Self = {
+        let (vectors, zero) = (Vectors::ZERO, Vec3::ZERO);
+        let last = Edge { bound: zero, trailing: zero, wake: zero };
+        Self { bound: vectors, trailing: vectors, wake: vectors, strips: 0, last }
+    };
+
     /// Edge `j`, 0 to the number of strips.
     #[inline(always)]
     pub fn edge(&self, j: usize) -> Edge<S> {
@@ -310,16 +322,16 @@ impl StripModel {
         &self,
         edges: &Edges<S, N>,
         wind: Vec3<S>,
-    ) -> Wakes<S, N> {
+        out: &mut Wakes<S, N>,
+    ) {
         let floor = WAKE_FLOOR * self.floor;
-        let (mut bound, mut trailing, mut wake) = (Vectors::ZERO, Vectors::ZERO, Vectors::ZERO);
         for j in 0..N {
             let edge = Edge::new(&edges.left.get(j), wind, floor);
-            bound.set(j, edge.bound);
-            trailing.set(j, edge.trailing);
-            wake.set(j, edge.wake);
+            out.bound.set(j, edge.bound);
+            out.trailing.set(j, edge.trailing);
+            out.wake.set(j, edge.wake);
         }
-        let last = Edge::new(&edges.last, wind, floor);
-        Wakes { bound, trailing, wake, strips: self.settings.strips, last }
+        out.last = Edge::new(&edges.last, wind, floor);
+        out.strips = self.settings.strips;
     }
 }
