@@ -1,6 +1,8 @@
 //! The flying robot as a whole: symmetry, momentum, power, derivatives.
 
-use wingbeat::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag};
+use wingbeat::aero::{
+    Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings,
+};
 use wingbeat::math::{Quat, RK4, Vec3, Workspace};
 use wingbeat::plant::{Linearisation, LocalChart, Plant};
 use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
@@ -21,6 +23,15 @@ fn robot(name: &str, density: f64) -> Robot {
     };
     let aero = Aero::LiftingLine(LiftingLine::new(&planform, settings).unwrap());
     Robot::new(&spec, aero, Air { density, wind: Wind::steady(Vec3::ZERO) }, 0.3).unwrap()
+}
+
+/// The same with preset `full`, an odd number of strips.
+fn robot_of_strips(name: &str, law: LiftLaw) -> Robot {
+    let spec = spec(name);
+    let planform = Planform::new(&spec.wing.planform).unwrap();
+    let settings = StripSettings { strips: 9, law, ..StripSettings::default() };
+    let aero = Aero::Strip(StripModel::new(&planform, settings).unwrap());
+    Robot::new(&spec, aero, Air { density: 1.225, wind: Wind::steady(Vec3::ZERO) }, 0.3).unwrap()
 }
 
 fn flying(robot: &Robot, roll: f64) -> Vec<f64> {
@@ -78,12 +89,18 @@ fn joint_power_is_the_rate_of_energy_in_vacuum() {
 
 #[test]
 fn rates_in_the_local_chart_have_exact_derivatives() {
-    let robot = robot("aerobat_paper", 1.225);
-    let mut x = flying(&robot, 0.2);
+    derivatives_are_exact(&robot("aerobat_paper", 1.225));
+    for law in [LiftLaw::Linear, LiftLaw::Stall] {
+        derivatives_are_exact(&robot_of_strips("aerobat_paper", law));
+    }
+}
+
+fn derivatives_are_exact(robot: &Robot) {
+    let mut x = flying(robot, 0.2);
     let aero = robot.layout().aero;
     x[aero..].iter_mut().enumerate().for_each(|(i, v)| *v = 0.02 * (i as f64).sin());
-    let mut chart = LocalChart::new(&robot);
-    chart.center_at(&flying(&robot, 0.1));
+    let mut chart = LocalChart::new(robot);
+    chart.center_at(&flying(robot, 0.1));
     let (n, m) = (chart.states().len(), chart.inputs().len());
     let (mut local, u) = (vec![0.0; n], vec![0.1; m]);
     chart.localise(&x, &mut local);

@@ -85,13 +85,12 @@ fn section(arc: f64) -> SectionMotion<f64> {
 }
 
 /// Whole flights: updates of the controller, and the real-time factor, each the median flight of five.
-fn flights(name: &str, overrides: &[&str]) {
-    let scenario = scenario(name, overrides);
+fn flights(name: &str, file: &str, overrides: &[&str]) {
+    let scenario = scenario(file, overrides);
     let mut runs: Vec<Run> =
         (0..5).filter_map(|_| scenario.fly(|_| ControlFlow::Continue(())).ok()).collect();
     runs.sort_by(|a, b| a.summary.real_time_factor.total_cmp(&b.summary.real_time_factor));
     let summary = &runs[runs.len() / 2].summary;
-    let name = name.trim_end_matches(".toml");
     row(&format!("{name}: update of the controller, median"), summary.controller.median_us, "us");
     row(&format!("{name}:   99 %"), summary.controller.p99_us, "us");
     row(&format!("{name}:   99.9 %"), summary.controller.p999_us, "us");
@@ -129,10 +128,12 @@ fn peak_memory() -> Option<f64> {
 
 fn main() {
     mechanics::rows();
-    let cases: [(&str, &str, &[&str]); 4] = [
+    let full: &[&str] = &["aero.preset='full'", "aero.full.strips=16"];
+    let cases: [(&str, &str, &[&str]); 5] = [
         ("paper, 12 strips", "banking_turn.toml", &[]),
         ("paper, 16 strips", "banking_turn.toml", &["aero.paper.nodes=16"]),
-        ("full, 16 strips", "banking_turn.toml", &["aero.preset='full'", "aero.full.strips=16"]),
+        ("full, 9 strips", "banking_turn.toml", &["aero.preset='full'", "aero.full.strips=9"]),
+        ("full, 16 strips", "banking_turn.toml", full),
         ("linkage, paper, 12 strips", "banking_turn_beta.toml", &[]),
     ];
     for (name, file, overrides) in cases {
@@ -140,7 +141,8 @@ fn main() {
         evaluation(name, scenario.robot(), &scenario.start());
         uncontrolled(name, scenario.robot(), &scenario.start());
     }
-    flights("banking_turn.toml", &[]);
+    flights("banking turn, paper", "banking_turn.toml", &[]);
+    flights("banking turn, full, 16 strips", "banking_turn.toml", full);
     if let Some(memory) = peak_memory() {
         row("peak memory", memory, "MiB");
     }

@@ -1,6 +1,6 @@
 //! Forward-mode automatic differentiation with a fixed number of directions.
 
-use super::{Over, Scalar};
+use super::Scalar;
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -182,13 +182,6 @@ impl<const N: usize, S: Scalar> MulAssign for Dual<N, S> {
     #[inline]
     fn mul_assign(&mut self, o: Self) {
         *self = *self * o;
-    }
-}
-
-impl<const N: usize> Over<f64> for Dual<N> {
-    #[inline]
-    fn fused(self, g: f64, c: Self) -> Self {
-        self.zip(c, self.re.mul_add(g, c.re), |a, b| a.mul_add(g, b))
     }
 }
 

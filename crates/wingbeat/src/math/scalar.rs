@@ -110,32 +110,6 @@ pub trait Scalar:
     }
 }
 
-/// A scalar that meets the scalar `G`, which carries no more derivatives, without lifting it.
-///
-/// Where only few of a function's variables carry derivatives, what the others alone decide
-/// is computed in `G`, the rest in `Self`.
-pub trait Over<G: Scalar>:
-    Scalar + From<G> + Add<G, Output = Self> + Sub<G, Output = Self> + Mul<G, Output = Self>
-{
-    /// self * g + c, rounded once where the processor can.
-    fn fused(self, g: G, c: Self) -> Self;
-}
-
-/// Writes `values` with more derivatives, all zero, into `out`, as far as there is room.
-#[inline]
-pub fn lift<G: Scalar, S: Over<G>>(values: &[G], out: &mut [S]) {
-    for (out, value) in out.iter_mut().zip(values) {
-        *out = S::from(*value);
-    }
-}
-
-impl<S: Scalar> Over<S> for S {
-    #[inline]
-    fn fused(self, g: S, c: S) -> S {
-        self.mul_add(g, c)
-    }
-}
-
 impl Scalar for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;

@@ -4,7 +4,7 @@
 //! `p_WB` is the position of B's origin in W, `w_WB_B` the angular rate of B
 //! in W, resolved in B. Body axes are FLU (x forward, y left, z up).
 
-use super::{Over, Scalar};
+use super::Scalar;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
 /// A vector of three components.
@@ -66,22 +66,6 @@ impl<S: Scalar> Vec3<S> {
     #[inline]
     pub fn unit(self) -> Self {
         self * self.norm().recip()
-    }
-    /// The same vector with more derivatives, all zero.
-    #[inline]
-    pub fn lifted<T: Over<S>>(self) -> Vec3<T> {
-        Vec3(self.0.map(T::from))
-    }
-    /// Times a number that may carry more derivatives.
-    #[inline]
-    pub fn times<T: Over<S>>(self, k: T) -> Vec3<T> {
-        Vec3(self.0.map(|c| k * c))
-    }
-    /// Vector product with a vector that may carry more derivatives.
-    #[inline]
-    pub fn cross_over<T: Over<S>>(self, o: Vec3<T>) -> Vec3<T> {
-        let ([a, b, c], [x, y, z]) = (self.0, o.0);
-        Vec3([z * b - y * c, x * c - z * a, y * a - x * b])
     }
     /// Scaled by a constant; cheaper than by a [`Scalar`].
     #[inline]
@@ -208,12 +192,6 @@ impl<S: Scalar> Mat3<S> {
         let ([a, b, c], [x, y, z]) = (&self.0, v.0);
         let row = |r: &[S; 3]| r[0] * x + r[1] * y + r[2] * z;
         Vec3([row(a), row(b), row(c)])
-    }
-    /// Product with a vector that may carry more derivatives.
-    #[inline]
-    pub fn times<T: Over<S>>(&self, v: Vec3<T>) -> Vec3<T> {
-        let row = |r: &[S; 3]| v[2].fused(r[2], v[1].fused(r[1], v[0] * r[0]));
-        Vec3([row(&self.0[0]), row(&self.0[1]), row(&self.0[2])])
     }
     /// Product of the transpose with a vector.
     #[inline]

@@ -1,0 +1,70 @@
+//! Numbers with more derivatives beside numbers with fewer.
+
+use super::{Dual, Mat3, Scalar, Vec3};
+use std::ops::{Add, Mul, Sub};
+
+/// A scalar that meets the scalar `G`, which carries no more derivatives, without lifting it.
+///
+/// Where only few of a function's variables carry derivatives, what the others alone decide
+/// is computed in `G`, the rest in `Self`.
+pub trait Over<G: Scalar>:
+    Scalar + From<G> + Add<G, Output = Self> + Sub<G, Output = Self> + Mul<G, Output = Self>
+{
+    /// self * g + c, rounded once where the processor can.
+    fn fused(self, g: G, c: Self) -> Self;
+}
+
+/// Writes `values` with more derivatives, all zero, into `out`, as far as there is room.
+#[inline]
+pub fn lift<G: Scalar, S: Over<G>>(values: &[G], out: &mut [S]) {
+    for (out, value) in out.iter_mut().zip(values) {
+        *out = S::from(*value);
+    }
+}
+
+impl<S: Scalar> Over<S> for S {
+    #[inline]
+    fn fused(self, g: S, c: S) -> S {
+        self.mul_add(g, c)
+    }
+}
+
+impl<const N: usize> Over<f64> for Dual<N> {
+    #[inline]
+    fn fused(self, g: f64, c: Self) -> Self {
+        let mut sum = c;
+        sum.re = self.re.mul_add(g, c.re);
+        for i in 0..N {
+            sum.eps[i] = self.eps[i].mul_add(g, c.eps[i]);
+        }
+        sum
+    }
+}
+
+impl<S: Scalar> Vec3<S> {
+    /// The same vector with more derivatives, all zero.
+    #[inline]
+    pub fn lifted<T: Over<S>>(self) -> Vec3<T> {
+        Vec3(self.0.map(T::from))
+    }
+    /// Times a number that may carry more derivatives.
+    #[inline]
+    pub fn times<T: Over<S>>(self, k: T) -> Vec3<T> {
+        Vec3(self.0.map(|c| k * c))
+    }
+    /// Vector product with a vector that may carry more derivatives.
+    #[inline]
+    pub fn cross_over<T: Over<S>>(self, o: Vec3<T>) -> Vec3<T> {
+        let ([a, b, c], [x, y, z]) = (self.0, o.0);
+        Vec3([z * b - y * c, x * c - z * a, y * a - x * b])
+    }
+}
+
+impl<S: Scalar> Mat3<S> {
+    /// Product with a vector that may carry more derivatives.
+    #[inline]
+    pub fn times<T: Over<S>>(&self, v: Vec3<T>) -> Vec3<T> {
+        let row = |r: &[S; 3]| v[2].fused(r[2], v[1].fused(r[1], v[0] * r[0]));
+        Vec3([row(&self.0[0]), row(&self.0[1]), row(&self.0[2])])
+    }
+}
