@@ -6,7 +6,7 @@ mod table;
 pub mod trajectory;
 mod urdf;
 
-pub use parquet::{read_parquet, write_parquet};
+pub use parquet::{ParquetWriter, read_parquet, write_parquet};
 pub use table::{read_csv, write_csv};
 pub use urdf::{parse_urdf, read_urdf};
 

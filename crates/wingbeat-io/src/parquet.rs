@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::path::Path;
+use std::panic::catch_unwind;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, get_typed_column_reader};
 use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{ColumnChunkMetaData, KeyValue};
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
@@ -21,6 +22,9 @@ use crate::{Error, arrow_schema};
 /// Key of the columns' units, frames and limits in the file's metadata, as JSON.
 const KEY: &str = "wingbeat";
 
+/// Rows for which room is made at once.
+const PREPARED: usize = 1 << 16;
+
 /// Metadata of columns by name.
 type Descriptions = BTreeMap<String, BTreeMap<String, String>>;
 
@@ -30,35 +34,77 @@ pub fn write_parquet(path: &Path, record: &Record) -> Result<(), Error> {
     write(file, record).map_err(|error| Error::format(path, error))
 }
 
+/// A record that is written part by part: no more than a part is ever in memory.
+pub struct ParquetWriter {
+    path: PathBuf,
+    writer: SerializedFileWriter<File>,
+}
+
+impl ParquetWriter {
+    /// Begins a file with the columns of `record`, of which no row is written.
+    pub fn create(path: &Path, record: &Record) -> Result<Self, Error> {
+        let file = File::create(path).map_err(|source| Error::file(path, source))?;
+        let writer = begin(file, record).map_err(|error| Error::format(path, error))?;
+        Ok(Self { path: path.into(), writer })
+    }
+
+    /// Appends the rows of `record`, whose columns are those of the file.
+    pub fn append(&mut self, record: &Record) -> Result<(), Error> {
+        append_group(&mut self.writer, record).map_err(|error| Error::format(&self.path, error))
+    }
+
+    /// Ends the file; without it the file is no Parquet.
+    pub fn close(self) -> Result<(), Error> {
+        self.writer.close().map(drop).map_err(|error| Error::format(&self.path, error))
+    }
+}
+
 /// Reads a record from `path`: every column must hold 64-bit floats; a gap becomes not-a-number.
 pub fn read_parquet(path: &Path) -> Result<Record, Error> {
     let file = File::open(path).map_err(|source| Error::file(path, source))?;
-    let columns = read(file).map_err(|error| Error::format(path, error))?;
+    // The decoder panics on some pages that are not what the file's metadata says.
+    let columns =
+        catch_unwind(|| read(file)).map_err(|_| Error::format(path, "damaged: cannot be decoded"))?;
+    let columns = columns.map_err(|error| Error::format(path, error))?;
     Record::new(columns, 0).map_err(|error| Error::format(path, error))
 }
 
 fn write(file: File, record: &Record) -> Result<(), ParquetError> {
+    let mut writer = begin(file, record)?;
+    append_group(&mut writer, record)?;
+    writer.close().map(drop)
+}
+
+fn begin(file: File, record: &Record) -> Result<SerializedFileWriter<File>, ParquetError> {
     let fields = record.columns().iter().map(|column| {
         let field = Type::primitive_type_builder(&column.name, Physical::DOUBLE);
         field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
     });
     let schema = Type::group_type_builder("schema").with_fields(fields.collect::<Result<_, _>>()?).build()?;
-    let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties(record)))?;
-    if record.rows() > 0 {
-        let mut group = writer.next_row_group()?;
-        for column in record.columns() {
-            if let Some(mut out) = group.next_column()? {
-                out.typed::<DoubleType>().write_batch(&column.values, None, None)?;
-                out.close()?;
-            }
-        }
-        group.close()?;
+    SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties(record)))
+}
+
+/// Writes the rows as a row group, if there are any.
+fn append_group(writer: &mut SerializedFileWriter<File>, record: &Record) -> Result<(), ParquetError> {
+    if record.rows() == 0 {
+        return Ok(());
     }
-    writer.close().map(drop)
+    let mut group = writer.next_row_group()?;
+    for column in record.columns() {
+        if let Some(mut out) = group.next_column()? {
+            out.typed::<DoubleType>().write_batch(&column.values, None, None)?;
+            out.close()?;
+        }
+    }
+    group.close().map(drop)
 }
 
 fn read(file: File) -> Result<Vec<Column>, ParquetError> {
+    let size = file.metadata()?.len();
     let reader = SerializedFileReader::new(file)?;
+    for group in reader.metadata().row_groups() {
+        group.columns().iter().try_for_each(|chunk| check(chunk, size))?;
+    }
     let metadata = reader.metadata().file_metadata();
     let described = metadata.key_value_metadata().into_iter().flatten().find(|pair| pair.key == KEY);
     let described =
@@ -77,6 +123,17 @@ fn read(file: File) -> Result<Vec<Column>, ParquetError> {
     Ok(columns)
 }
 
+/// Refuses a column chunk that does not lie within a file of `size` bytes: the reader takes it for granted.
+fn check(chunk: &ColumnChunkMetaData, size: u64) -> Result<(), ParquetError> {
+    let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
+    let end = start.checked_add(chunk.compressed_size()).and_then(|end| u64::try_from(end).ok());
+    let lies_within = start >= 0 && chunk.compressed_size() >= 0 && end.is_some_and(|end| end <= size);
+    if lies_within && chunk.num_values() >= 0 && chunk.uncompressed_size() >= 0 {
+        return Ok(());
+    }
+    Err(ParquetError::General(format!("column {} does not lie within the file", chunk.column_path())))
+}
+
 /// Appends `rows` numbers; with `gaps`, those that are not there as not-a-number.
 fn append(column: &mut Column, reader: ColumnReader, rows: usize, gaps: bool) -> Result<(), ParquetError> {
     if !matches!(reader, ColumnReader::DoubleColumnReader(_)) {
@@ -84,10 +141,12 @@ fn append(column: &mut Column, reader: ColumnReader, rows: usize, gaps: bool) ->
         return Err(ParquetError::General(format!("column {name} does not hold 64-bit floats")));
     }
     let mut reader = get_typed_column_reader::<DoubleType>(reader);
-    let (mut values, mut present) = (Vec::with_capacity(rows), Vec::new());
+    // A damaged file may claim any number of rows: memory grows with what is there.
+    let (mut values, mut present) = (Vec::with_capacity(rows.min(PREPARED)), Vec::new());
     let mut left = rows;
     while left > 0 {
-        let (read, _, _) = reader.read_records(left, gaps.then_some(&mut present), None, &mut values)?;
+        let (read, _, _) =
+            reader.read_records(left.min(PREPARED), gaps.then_some(&mut present), None, &mut values)?;
         if read == 0 {
             break;
         }

@@ -1,5 +1,6 @@
 //! Serial arms from URDF files.
 
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use urdf_rs::{Joint, JointType, Link, Robot};
@@ -27,19 +28,38 @@ pub fn parse_urdf(text: &str, tip: Option<&str>) -> Result<ArmConfig, String> {
     if !text.contains("<robot") {
         return Err("no <robot> element: not a URDF file (expand xacro files first)".into());
     }
+    let depth = depth(text);
+    if depth > DEEPEST {
+        return Err(format!("elements nested {depth} deep; allowed are {DEEPEST}"));
+    }
     let robot = urdf_rs::read_from_string(text).map_err(|error| format!("not a URDF file: {error}"))?;
     let tip = tip_of(&robot, tip)?;
     let chain = chain_to(&robot, tip)?;
     assemble(&robot, &chain)
 }
 
+/// Deepest nesting that is read: the parser's time grows with its square, and a URDF file needs 7.
+const DEEPEST: usize = 256;
+
+/// Largest number of elements open at once.
+fn depth(text: &str) -> usize {
+    let (mut open, mut deepest) = (0_usize, 0);
+    for tag in text.split('<').skip(1) {
+        match tag.as_bytes().first() {
+            Some(b'/') => open = open.saturating_sub(1),
+            Some(b'!' | b'?') | None => {}
+            Some(_) if tag.contains("/>") => {}
+            Some(_) => open += 1,
+        }
+        deepest = deepest.max(open);
+    }
+    deepest
+}
+
 fn tip_of<'a>(robot: &'a Robot, wanted: Option<&'a str>) -> Result<&'a str, String> {
-    let leaves: Vec<&str> = robot
-        .links
-        .iter()
-        .map(|link| link.name.as_str())
-        .filter(|name| robot.joints.iter().all(|joint| joint.parent.link != *name))
-        .collect();
+    let parents: HashSet<&str> = robot.joints.iter().map(|joint| joint.parent.link.as_str()).collect();
+    let names = robot.links.iter().map(|link| link.name.as_str());
+    let leaves: Vec<&str> = names.filter(|name| !parents.contains(name)).collect();
     match (wanted, leaves.as_slice()) {
         (Some(name), _) if robot.links.iter().any(|link| link.name == name) => Ok(name),
         (Some(name), _) => Err(format!("no link {name}; leaves are {}", leaves.join(", "))),
@@ -50,13 +70,17 @@ fn tip_of<'a>(robot: &'a Robot, wanted: Option<&'a str>) -> Result<&'a str, Stri
 
 /// The joints from the root to `tip`.
 fn chain_to<'a>(robot: &'a Robot, tip: &str) -> Result<Vec<&'a Joint>, String> {
+    let mut above: HashMap<&str, &Joint> = HashMap::new();
+    for joint in &robot.joints {
+        above.entry(&joint.child.link).or_insert(joint);
+    }
     let mut chain = Vec::new();
     let mut link = tip;
-    while let Some(joint) = robot.joints.iter().find(|joint| joint.child.link == link) {
+    while let Some(joint) = above.get(link) {
         if chain.len() > robot.joints.len() {
             return Err(format!("the joints above {tip} form a loop"));
         }
-        chain.push(joint);
+        chain.push(*joint);
         link = &joint.parent.link;
     }
     chain.reverse();
@@ -204,5 +228,7 @@ mod tests {
         assert!(parse_urdf(fork, None).unwrap_err().contains("b, c"));
         let cut = urdf_of(&ArmConfig::kinova_gen3());
         assert!(parse_urdf(&cut[..cut.len() / 2], None).unwrap_err().contains("not a URDF"));
+        let deep = format!("<robot name='x'>{}{}</robot>", "<a>".repeat(9999), "</a>".repeat(9999));
+        assert!(parse_urdf(&deep, None).unwrap_err().contains("nested 10000 deep"));
     }
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use wingbeat::flight::{Column, Record};
-use wingbeat_io::{read_parquet, write_parquet};
+use wingbeat_io::{ParquetWriter, read_parquet, write_parquet};
 
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -65,4 +65,50 @@ fn what_is_not_a_record_is_refused_with_its_name() {
     fs::write(&path, "not parquet").unwrap();
     assert!(read_parquet(&path).unwrap_err().to_string().contains("record.parquet"));
     assert!(read_parquet(&path.with_extension("none")).unwrap_err().to_string().contains("record.none"));
+}
+
+#[test]
+fn a_damaged_file_is_refused_or_read_but_never_the_end() {
+    let folder = folder("damaged");
+    let path = folder.join("record.parquet");
+    let mut record = Record::new(vec![Column::new("t", "s", ""), Column::new("x", "m", "W")], 3).unwrap();
+    (0..3).for_each(|i| record.append(&[f64::from(i), 0.5]));
+    write_parquet(&path, &record).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let damaged = folder.join("damaged.parquet");
+    // The last 400 bytes hold the description of the chunks.
+    for at in whole.len() - 400..whole.len() {
+        for bit in [1, 0x80] {
+            let mut bytes = whole.clone();
+            bytes[at] ^= bit;
+            fs::write(&damaged, bytes).unwrap();
+            let _ = read_parquet(&damaged);
+        }
+    }
+    for length in [0, 3, 12, whole.len() / 2, whole.len() - 1] {
+        fs::write(&damaged, &whole[..length]).unwrap();
+        assert!(read_parquet(&damaged).is_err());
+    }
+}
+
+#[test]
+fn parts_make_one_record() {
+    let (record, path) = (sample(), folder("parts").join("record.parquet"));
+    let mut writer = ParquetWriter::create(&path, &record).unwrap();
+    writer.append(&record).unwrap();
+    writer.append(&record).unwrap();
+    writer.close().unwrap();
+    let read = read_parquet(&path).unwrap();
+    assert_eq!(read.rows(), 2 * record.rows());
+    let (t, twice) = (record.values("t").unwrap(), read.values("t").unwrap());
+    assert_eq!((&twice[..t.len()], &twice[t.len()..]), (t, t));
+}
+
+#[test]
+fn files_that_fuzzing_found_are_refused() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/damaged");
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        assert!(read_parquet(&path).is_err(), "{}", path.display());
+    }
 }

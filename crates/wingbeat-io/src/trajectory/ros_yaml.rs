@@ -60,6 +60,11 @@ struct Time {
 /// # Errors
 /// What is wrong, without the file's name.
 pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
+    if open_brackets(text) > DEEPEST {
+        return Err(format!(
+            "not a trajectory_msgs/JointTrajectory: more than {DEEPEST} brackets open at once"
+        ));
+    }
     let message: Message = serde_yaml_ng::from_str(text)
         .map_err(|error| format!("not a trajectory_msgs/JointTrajectory: {error}"))?;
     let time = |p: &Point| p.time_from_start.sec as f64 + 1e-9 * p.time_from_start.nanosec as f64;
@@ -82,6 +87,22 @@ pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
     let mut imported = Imported { trajectory, warnings: Vec::new() };
     to_radians(&mut imported, Some(Unit::Radians));
     Ok(imported)
+}
+
+/// Brackets that may be open at once: the parser's time grows with the square, and the message needs 1.
+const DEEPEST: usize = 256;
+
+fn open_brackets(text: &str) -> usize {
+    let (mut open, mut most) = (0_usize, 0);
+    for byte in text.bytes() {
+        match byte {
+            b'[' | b'{' => open += 1,
+            b']' | b'}' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        most = most.max(open);
+    }
+    most
 }
 
 /// The common step of `times`, s.
@@ -132,5 +153,6 @@ mod tests {
         assert!(parse_ros_yaml(&text[..text.len() - 60]).is_err());
         let uneven = text.replace("nanosec: 40000000", "nanosec: 45000000");
         assert!(parse_ros_yaml(&uneven).unwrap_err().contains("equal step"));
+        assert!(parse_ros_yaml(&"[".repeat(200_000)).unwrap_err().contains("brackets"));
     }
 }
