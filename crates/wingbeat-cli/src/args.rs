@@ -172,7 +172,9 @@ pub struct RigProcess {
 
 /// Record from a Net F/T box without losing a sample silently
 ///
-/// Scale factors come from the box. Raw counts and newtons are written to record.parquet; the raw log stays.
+/// Scale factors come from the box. The folder holds record.parquet with raw counts and newtons, the raw logs,
+/// report.txt, summary.json and manifest.json; it appears when the recording is whole. A recording that was killed
+/// or ran out of disk goes on when the same command is given again.
 #[derive(Debug, Args)]
 pub struct RigRecord {
     /// Address of the box
@@ -202,6 +204,9 @@ pub struct RigRecord {
     /// Folder of the recording
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Replace the recording that --out names
+    #[arg(long)]
+    pub force: bool,
     /// Print only errors
     #[arg(long)]
     pub quiet: bool,
@@ -237,9 +242,21 @@ pub struct RigEmulate {
     /// Share of records marked saturated
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     pub saturation: f64,
+    /// Share of records marked with a warning
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub warning: f64,
+    /// Share of records marked with a serious error
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub serious: f64,
     /// Stall after this many records of a stream; 0 never
     #[arg(long, value_name = "RECORDS", default_value_t = 0)]
     pub stall_after: u64,
+    /// Restart the box after this many records of a stream: deaf for 1 s, counts from 0; 0 never
+    #[arg(long, value_name = "RECORDS", default_value_t = 0)]
+    pub restart_after: u64,
+    /// Number before the first record of a stream and of the box's own count, to see numbers wrap
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub sequence: u32,
     /// Seed of the faults
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,

@@ -1,8 +1,11 @@
 //! `wingbeat rig`.
 
+mod display;
+mod emulate;
 mod plan;
 mod process;
 mod record;
+mod recorded;
 mod runs;
 mod simulate;
 
@@ -16,6 +19,6 @@ pub fn rig(command: &Rig) -> Result<(), Error> {
         Rig::Simulate(arguments) => simulate::simulate(arguments),
         Rig::Process(arguments) => process::process(arguments),
         Rig::Record(arguments) => record::record(arguments),
-        Rig::Emulate(arguments) => record::emulate(arguments),
+        Rig::Emulate(arguments) => emulate::emulate(arguments),
     }
 }

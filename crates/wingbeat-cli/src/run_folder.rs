@@ -1,6 +1,6 @@
 //! The folder of a run: written under another name and moved when it is whole.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process;
@@ -18,6 +18,8 @@ pub struct RunFolder {
     partial: PathBuf,
     target: PathBuf,
     keep: bool,
+    /// The folder, locked: a lock that can be had shows that its owner is dead.
+    _owner: File,
 }
 
 impl RunFolder {
@@ -38,20 +40,70 @@ impl RunFolder {
         (identity, text): (&str, &str),
     ) -> Result<Self, Error> {
         let folder = Self::begin(target(out, name, force)?, "partial", true)?;
-        if fs::read_to_string(folder.file(identity)).is_ok_and(|left| left == text) {
+        if folder.holds(identity, text) {
             return Ok(folder);
         }
-        fs::remove_dir_all(&folder.partial).map_err(|source| Error::file(&folder.partial, source))?;
-        fs::create_dir_all(&folder.partial).map_err(|source| Error::file(&folder.partial, source))?;
+        folder.clear()?;
         folder.write(identity, text)?;
         Ok(folder)
     }
 
+    /// Begins or takes up a folder as [`RunFolder::resume`] does, but leaves alone what cannot be made again.
+    ///
+    /// # Errors
+    /// A folder left by a run whose file `identity` holds another text.
+    pub fn resume_measured(out: &Path, force: bool, (identity, text): (&str, &str)) -> Result<Self, Error> {
+        let folder = Self::begin(checked(out, force)?, "partial", true)?;
+        let left = fs::read_dir(&folder.partial).map_err(|source| Error::file(&folder.partial, source))?;
+        if left.count() == 0 {
+            folder.write(identity, text)?;
+        } else if !folder.holds(identity, text) {
+            return Err(Error::Input(format!(
+                "--out {}: an unfinished recording with other settings waits in {}; finish it with the settings of \
+                 its {identity}, move it away, or record to another folder",
+                out.display(),
+                folder.partial.display()
+            )));
+        }
+        Ok(folder)
+    }
+
     fn begin(target: PathBuf, mark: &str, keep: bool) -> Result<Self, Error> {
-        let label = target.file_name().map_or("run".into(), |name| name.to_string_lossy().into_owned());
-        let partial = target.with_file_name(format!(".{label}.{mark}"));
-        fs::create_dir_all(&partial).map_err(|source| Error::file(&partial, source))?;
-        Ok(Self { partial, target, keep })
+        remove_orphans(&target);
+        let partial = target.with_file_name(format!(".{}.{mark}", label(&target)));
+        let failed = |source| Error::file(&partial, source);
+        fs::create_dir_all(&partial).map_err(failed)?;
+        let owner = File::open(&partial).map_err(failed)?;
+        if owner.try_lock().is_err() {
+            let (out, partial) = (target.display(), partial.display());
+            return Err(Error::Input(format!("--out {out}: another command is writing {partial}")));
+        }
+        Ok(Self { partial, target, keep, _owner: owner })
+    }
+
+    fn holds(&self, identity: &str, text: &str) -> bool {
+        fs::read_to_string(self.file(identity)).is_ok_and(|left| left == text)
+    }
+
+    /// Removes everything inside.
+    fn clear(&self) -> Result<(), Error> {
+        let failed = |source| Error::file(&self.partial, source);
+        for entry in fs::read_dir(&self.partial).map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
+            let removed = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+            removed.map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// Leaves nothing, though it could be resumed.
+    pub fn discard(mut self) {
+        self.keep = false;
+    }
+
+    /// Where the folder is while it is written.
+    pub fn partial(&self) -> &Path {
+        &self.partial
     }
 
     /// Path of a file inside, while the folder is written.
@@ -82,7 +134,7 @@ impl RunFolder {
     /// Writes the manifest and moves the folder to its name, which is returned.
     pub fn finish(mut self, manifest: &impl Serialize) -> Result<PathBuf, Error> {
         self.write_json(MANIFEST, manifest)?;
-        let replaced = self.partial.with_extension("replaced");
+        let replaced = replaced(&self.target);
         let moved = |from: &Path, to: &Path| fs::rename(from, to).map_err(|source| Error::file(to, source));
         if is_run(&self.target) {
             moved(&self.target, &replaced)?;
@@ -104,6 +156,39 @@ impl Drop for RunFolder {
     }
 }
 
+fn label(target: &Path) -> String {
+    target.file_name().map_or("run".into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Where an earlier run waits while a new one takes its name.
+fn replaced(target: &Path) -> PathBuf {
+    target.with_file_name(format!(".{}.replaced", label(target)))
+}
+
+/// Removes, and says so, what commands that were killed left of a run called `target`.
+fn remove_orphans(target: &Path) {
+    let start = format!(".{}.partial-", label(target));
+    let entries = target.parent().and_then(|parent| fs::read_dir(parent).ok());
+    for path in entries.into_iter().flatten().flatten().map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let by_number = name.strip_prefix(&start).is_some_and(|id| id.parse::<u32>().is_ok());
+        let orphan = by_number && File::open(&path).is_ok_and(|folder| folder.try_lock().is_ok());
+        if orphan && fs::remove_dir_all(&path).is_ok() {
+            eprintln!("removed {}, left by a command that was killed", path.display());
+        }
+    }
+}
+
+/// Brings an earlier run back to its name when the command that was to replace it was killed in between.
+fn restore(target: &Path) -> io::Result<()> {
+    let replaced = replaced(target);
+    match (replaced.exists(), target.exists()) {
+        (true, false) => fs::rename(replaced, target),
+        (true, true) => fs::remove_dir_all(replaced),
+        (false, _) => Ok(()),
+    }
+}
+
 /// The folder asked for, or else the first free one of `name`.
 fn target(out: Option<&Path>, name: &str, force: bool) -> Result<PathBuf, Error> {
     match out {
@@ -114,6 +199,7 @@ fn target(out: Option<&Path>, name: &str, force: bool) -> Result<PathBuf, Error>
 
 /// The folder asked for, when a run may take its place.
 fn checked(out: &Path, force: bool) -> Result<PathBuf, Error> {
+    restore(out).map_err(|source| Error::file(out, source))?;
     let empty = match fs::read_dir(out) {
         Ok(mut entries) => entries.next().is_none(),
         Err(error) if error.kind() == io::ErrorKind::NotFound => true,
@@ -194,6 +280,50 @@ mod tests {
         assert!(!resume("two").file("log").exists());
         resume("two").finish(&1).unwrap();
         assert_eq!(entries(&parent), 1);
+        fs::remove_dir_all(parent).unwrap();
+    }
+
+    #[test]
+    fn what_a_killed_command_left_goes_and_what_a_living_one_writes_stays() {
+        let parent = scratch("orphans");
+        let out = parent.join("a");
+        let left = parent.join(".a.partial-4294967295");
+        for folder in [&left, &parent.join(".a.partial-x"), &parent.join(".b.partial-4294967295")] {
+            fs::create_dir(folder).unwrap();
+        }
+        let living = RunFolder::create(Some(&out), "x", false).unwrap();
+        assert!(!left.exists() && living.partial().exists());
+        remove_orphans(&out);
+        assert!(living.partial().exists());
+        drop(living);
+        assert_eq!(entries(&parent), 2);
+        let resumed = RunFolder::resume(Some(&out), "x", false, ("i", "1")).unwrap();
+        let second = RunFolder::resume(Some(&out), "x", false, ("i", "1")).unwrap_err();
+        assert!(second.to_string().contains("another command"), "{second}");
+        drop(resumed);
+        fs::remove_dir_all(parent).unwrap();
+    }
+
+    #[test]
+    fn a_run_that_was_to_be_replaced_comes_back() {
+        let parent = scratch("restore");
+        let out = parent.join("a");
+        RunFolder::create(Some(&out), "x", false).unwrap().finish(&1).unwrap();
+        fs::rename(&out, parent.join(".a.replaced")).unwrap();
+        RunFolder::create(Some(&out), "x", true).unwrap().finish(&2).unwrap();
+        assert_eq!(fs::read_to_string(out.join(MANIFEST)).unwrap(), "2\n");
+        assert_eq!(entries(&parent), 1);
+        fs::remove_dir_all(parent).unwrap();
+    }
+
+    #[test]
+    fn an_unfinished_recording_is_never_thrown_away() {
+        let parent = scratch("measured");
+        let out = parent.join("a");
+        let resume = |text: &str| RunFolder::resume_measured(&out, false, ("recording.json", text));
+        resume("one").unwrap().write("raw", "rows").unwrap();
+        assert!(resume("two").unwrap_err().to_string().contains(".a.partial"));
+        assert!(resume("one").unwrap().file("raw").exists());
         fs::remove_dir_all(parent).unwrap();
     }
 

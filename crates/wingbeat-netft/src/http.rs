@@ -63,12 +63,23 @@ fn get(address: SocketAddr, page: &str) -> Result<String, Error> {
     stream.write_all(request.as_bytes()).map_err(failed)?;
     let mut bytes = Vec::new();
     stream.take(LONGEST).read_to_end(&mut bytes).map_err(failed)?;
-    let text = String::from_utf8_lossy(&bytes);
-    let wrong = |what: &str| Error::Answer { url: url.clone(), what: what.into() };
-    let (head, body) = text.split_once("\r\n\r\n").ok_or_else(|| wrong("the answer is cut short"))?;
+    body(&String::from_utf8_lossy(&bytes)).map(str::to_owned).map_err(|what| Error::Answer { url, what })
+}
+
+/// The scale factors in an answer of the box's web server, head and page.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn parse_answer(bytes: &[u8]) -> Result<Scale, String> {
+    Scale::from_xml(body(&String::from_utf8_lossy(bytes))?).map_err(|error| error.to_string())
+}
+
+/// The page of a whole answer whose status is 200.
+fn body(text: &str) -> Result<&str, String> {
+    let (head, body) = text.split_once("\r\n\r\n").ok_or("the answer is cut short")?;
     let status = head.lines().next().unwrap_or("");
     if status.split_whitespace().nth(1) != Some("200") {
-        return Err(wrong(status));
+        return Err(status.to_owned());
     }
-    Ok(body.to_owned())
+    Ok(body)
 }

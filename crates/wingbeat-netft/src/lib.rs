@@ -1,13 +1,16 @@
 //! Recording from an ATI Net F/T box, and an emulator of the box.
 
+mod clock;
 mod emulator;
 mod http;
 mod log;
+mod receive;
 mod recorder;
 
+pub use clock::Timeline;
 pub use emulator::{Emulator, Faults, Sent, Signal};
-pub use http::{Config, get_scale, read_config};
-pub use log::{ROW_BYTES, Row, read_log};
+pub use http::{Config, get_scale, parse_answer, read_config};
+pub use log::{ROW_BYTES, Row, logs, read_log};
 pub use recorder::{Ending, Options, Report, record};
 
 use std::path::{Path, PathBuf};

@@ -1,18 +1,25 @@
 //! The recorder: every record that the box sends is written or counted as missing.
 
-use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, IoSliceMut, Write};
 use std::net::{SocketAddr, UdpSocket};
-use std::os::fd::AsRawFd;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
 
-use nix::cmsg_space;
-use nix::sys::socket::{ControlMessageOwned, MsgFlags, SockaddrStorage, recvmsg, setsockopt, sockopt};
-use nix::sys::time::TimeSpec;
-use wingbeat::rig::netft::{Account, Command, RECORD_BYTES, RdtRecord, Request, Scale};
+use wingbeat::rig::netft::{Account, Command, RdtRecord, Request, Scale};
 
+use crate::clock::ClockFit;
+use crate::log::Log;
+use crate::receive::{self, Datagram, LARGEST, PATIENCE};
 use crate::{Error, ROW_BYTES, Row};
+
+/// Datagrams between the kernel and the log: nine seconds of single records.
+const QUEUE: usize = 1 << 16;
+/// Waits in vain in a row after which silence is the box's and not this machine's.
+const EMPTY_WAITS: u32 = 3;
+/// Longest pause before asking again.
+const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 
 /// How to record.
 #[derive(Clone, Debug)]
@@ -61,7 +68,7 @@ pub enum Ending {
     Complete,
     /// The box fell silent and stayed so.
     Silent,
-    /// A log could not be written; what was written is whole.
+    /// A log could not be written; the rows that it holds are whole.
     Disk(String),
 }
 
@@ -74,7 +81,7 @@ pub struct Report {
     pub account: Account,
     /// Stalls seen.
     pub stalls: u64,
-    /// Longest time between two datagrams.
+    /// Longest time between the arrivals of two datagrams.
     pub longest_silence: Duration,
     /// Datagrams that the kernel threw away for want of buffer.
     pub kernel_drops: u64,
@@ -86,13 +93,15 @@ pub struct Report {
     pub jitter_s: f64,
     /// Largest mean |load| right after a bias, N or N m; none when no bias was asked.
     pub bias_residual: Option<f64>,
-    /// The logs, in order.
+    /// Rows in the logs of this recording.
+    pub rows: u64,
+    /// The logs of this recording, in order.
     pub files: Vec<PathBuf>,
 }
 
 /// Records into logs called `<stem>-000.rdt`, `-001` and so on in `folder`. Logs
 /// that are already there stay; numbers go on after them. `observe` sees every
-/// new row and returns false to stop.
+/// new row, none while nothing comes, and returns false to stop.
 ///
 /// # Errors
 /// A socket or a first log that cannot be opened.
@@ -101,16 +110,24 @@ pub fn record(
     scale: &Scale,
     folder: &Path,
     stem: &str,
-    mut observe: impl FnMut(&Row) -> bool,
+    mut observe: impl FnMut(Option<&Row>) -> bool,
 ) -> Result<Report, Error> {
     let mut session = Session::open(options, folder, stem)?;
     if options.bias {
         session.report.bias_residual = Some(session.bias(scale)?);
     }
-    session.request(if options.buffered { Command::Buffered } else { Command::RealTime })?;
-    session.run(&mut observe);
+    session.request(session.stream())?;
+    let (queue, datagrams) = sync_channel(QUEUE);
+    let (stop, drops) = (AtomicBool::new(false), AtomicU64::new(0));
+    let socket = session.socket.try_clone().map_err(|e| Error::network("UDP socket", e))?;
+    thread::scope(|scope| {
+        scope.spawn(|| receive::pump(&socket, &{ queue }, &drops, &stop));
+        session.run(datagrams, &mut observe);
+        stop.store(true, Ordering::Relaxed);
+    });
+    session.report.kernel_drops = drops.into_inner();
     let _ = session.request(Command::Stop);
-    session.finish()
+    Ok(session.finish())
 }
 
 /// Socket, log and books of one recording.
@@ -120,24 +137,16 @@ struct Session<'a> {
     log: Log,
     report: Report,
     clock: ClockFit,
-    last_datagram: Instant,
-    began: Instant,
+    /// When a datagram was taken from the queue, and the arrival of the last, ns since 1970.
+    last_seen: Instant,
+    last_arrival: Option<u64>,
+    empty_waits: u32,
     failures: u32,
 }
 
 impl<'a> Session<'a> {
     fn open(options: &'a Options, folder: &Path, stem: &str) -> Result<Self, Error> {
-        let any: SocketAddr =
-            if options.address.is_ipv4() { ([0, 0, 0, 0], 0).into() } else { ([0u16; 8], 0).into() };
-        let socket = UdpSocket::bind(any).map_err(|e| Error::network("UDP socket", e))?;
-        socket.connect(options.address).map_err(|e| Error::network(options.address.to_string(), e))?;
-        let patience = Some(Duration::from_millis(50));
-        socket.set_read_timeout(patience).map_err(|e| Error::network("UDP socket", e))?;
-        let set = |e: nix::Error| Error::network("UDP socket options", e);
-        setsockopt(&socket, sockopt::RcvBuf, &options.buffer_bytes).map_err(set)?;
-        setsockopt(&socket, sockopt::ReceiveTimestampns, &true).map_err(set)?;
-        setsockopt(&socket, sockopt::RxqOvfl, &1).map_err(set)?;
-        let granted = nix::sys::socket::getsockopt(&socket, sockopt::RcvBuf).map_err(set)?;
+        let (socket, granted) = receive::open(options.address, options.buffer_bytes)?;
         let report = Report {
             ending: Ending::Complete,
             account: Account::default(),
@@ -148,20 +157,25 @@ impl<'a> Session<'a> {
             rate_hz: 0.0,
             jitter_s: 0.0,
             bias_residual: None,
+            rows: 0,
             files: Vec::new(),
         };
-        let log = Log::open(folder, stem, options.rotate_rows)?;
-        let now = Instant::now();
         Ok(Self {
             options,
             socket,
-            log,
+            log: Log::open(folder, stem, options.rotate_rows)?,
             report,
             clock: ClockFit::default(),
-            last_datagram: now,
-            began: now,
+            last_seen: Instant::now(),
+            last_arrival: None,
+            empty_waits: 0,
             failures: 0,
         })
+    }
+
+    /// The command that asks for the stream.
+    fn stream(&self) -> Command {
+        if self.options.buffered { Command::Buffered } else { Command::RealTime }
     }
 
     fn request(&self, command: Command) -> Result<(), Error> {
@@ -176,7 +190,7 @@ impl<'a> Session<'a> {
         self.request(Command::RealTime)?;
         let (mut sum, mut count) = ([0.0; 6], 0.0);
         let end = Instant::now() + Duration::from_millis(400);
-        let mut buffer = vec![0; 64 << 10];
+        let mut buffer = vec![0; LARGEST];
         while Instant::now() < end && count < 700.0 {
             let Ok(size) = self.socket.recv(&mut buffer) else { continue };
             for record in RdtRecord::parse(&buffer[..size]).into_iter().flatten() {
@@ -205,18 +219,13 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn run(&mut self, observe: &mut impl FnMut(&Row) -> bool) {
-        let mut buffer = vec![0u8; 64 << 10];
-        self.began = Instant::now();
-        self.last_datagram = self.began;
-        loop {
-            if self.options.duration.is_some_and(|d| self.began.elapsed() >= d) {
-                return;
-            }
-            let goes_on = match self.receive(&mut buffer) {
-                Some((size, kernel_ns)) => self.datagram(&buffer[..size], kernel_ns, observe),
-                None if self.last_datagram.elapsed() > self.options.stall => self.stalled(),
-                None => true,
+    fn run(&mut self, datagrams: Receiver<Datagram>, observe: &mut impl FnMut(Option<&Row>) -> bool) {
+        let began = Instant::now();
+        self.last_seen = began;
+        while self.options.duration.is_none_or(|duration| began.elapsed() < duration) {
+            let goes_on = match datagrams.recv_timeout(PATIENCE) {
+                Ok(datagram) => self.datagram(&datagram, observe),
+                Err(_) => observe(None) && self.silence(),
             };
             if !goes_on {
                 return;
@@ -224,61 +233,52 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The next datagram and the kernel's time of it; none when the wait ran out.
-    fn receive(&mut self, buffer: &mut [u8]) -> Option<(usize, u64)> {
-        let mut control = cmsg_space!(TimeSpec, u32);
-        let mut slices = [IoSliceMut::new(buffer)];
-        let message = recvmsg::<SockaddrStorage>(
-            self.socket.as_raw_fd(),
-            &mut slices,
-            Some(&mut control),
-            MsgFlags::empty(),
-        );
-        let message = message.ok()?;
-        let mut kernel_ns = 0;
-        for control in message.cmsgs().into_iter().flatten() {
-            match control {
-                ControlMessageOwned::ScmTimestampns(t) => {
-                    kernel_ns = t.tv_sec() as u64 * 1_000_000_000 + t.tv_nsec() as u64;
-                }
-                ControlMessageOwned::RxqOvfl(n) => self.report.kernel_drops = u64::from(n),
-                _ => {}
-            }
-        }
-        Some((message.bytes, kernel_ns))
-    }
-
     /// Books and writes a datagram; false to stop.
-    fn datagram(&mut self, bytes: &[u8], kernel_ns: u64, observe: &mut impl FnMut(&Row) -> bool) -> bool {
-        let silence = self.last_datagram.elapsed();
+    fn datagram(&mut self, datagram: &Datagram, observe: &mut impl FnMut(Option<&Row>) -> bool) -> bool {
+        (self.last_seen, self.empty_waits) = (Instant::now(), 0);
+        let Datagram { bytes, kernel_ns, host_ns } = datagram;
+        let arrival = if *kernel_ns > 0 { *kernel_ns } else { *host_ns };
+        let silence = Duration::from_nanos(arrival.saturating_sub(self.last_arrival.unwrap_or(arrival)));
         self.report.longest_silence = self.report.longest_silence.max(silence);
-        self.last_datagram = Instant::now();
+        self.last_arrival = Some(arrival);
         let Some(records) = RdtRecord::parse(bytes) else {
             self.report.account.malformed += 1;
             return true;
         };
         self.failures = 0;
-        let host = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos() as u64);
         for record in records {
-            if !self.report.account.take(&record) {
-                continue;
-            }
-            let row = Row { host_ns: host, kernel_ns, record };
-            self.clock.add(record.rdt_sequence, if kernel_ns > 0 { kernel_ns } else { host });
-            if let Err(error) = self.log.append(&row) {
-                self.report.ending = Ending::Disk(error.to_string());
-                return false;
-            }
-            let enough = self.options.count > 0 && self.report.account.received >= self.options.count;
-            if !observe(&row) || enough {
+            let row = Row { host_ns: *host_ns, kernel_ns: *kernel_ns, record };
+            if !self.row(&row, observe) {
                 return false;
             }
         }
         true
     }
 
-    /// The box is silent: asks again after a pause, or gives up.
-    fn stalled(&mut self) -> bool {
+    /// Books and writes a row; false to stop.
+    fn row(&mut self, row: &Row, observe: &mut impl FnMut(Option<&Row>) -> bool) -> bool {
+        let restarts = self.report.account.restarts;
+        if !self.report.account.take(&row.record) {
+            return true;
+        }
+        if self.report.account.restarts > restarts {
+            self.clock = ClockFit::default();
+        }
+        self.clock.add(row.record.rdt_sequence, row.arrival_ns());
+        if let Err(error) = self.log.append(row) {
+            self.report.ending = Ending::Disk(error.to_string());
+            return false;
+        }
+        let enough = self.options.count > 0 && self.report.account.received >= self.options.count;
+        observe(Some(row)) && !enough
+    }
+
+    /// Nothing came for a while: asks again after a pause once that is too long, or gives up; false to stop.
+    fn silence(&mut self) -> bool {
+        self.empty_waits += 1;
+        if self.empty_waits < EMPTY_WAITS || self.last_seen.elapsed() <= self.options.stall {
+            return true;
+        }
         self.report.stalls += u64::from(self.failures == 0);
         if self.failures >= self.options.reconnects {
             self.report.ending = Ending::Silent;
@@ -286,24 +286,14 @@ impl<'a> Session<'a> {
         }
         let pause = Duration::from_millis(100) * 2u32.pow(self.failures.min(5));
         self.failures += 1;
-        std::thread::sleep(pause.min(Duration::from_secs(2)));
-        // A stream that only paused goes on with its numbers; a box that starts anew counts from 1.
-        let before = self.report.account.received;
-        let mut buffer = vec![0u8; RECORD_BYTES];
-        if self.socket.peek(&mut buffer).is_ok() {
-            self.last_datagram = Instant::now();
-            return true;
-        }
-        let _ = self.request(if self.options.buffered { Command::Buffered } else { Command::RealTime });
-        if before > 0 {
-            self.report.account.restart();
-            self.clock = ClockFit::default();
-        }
-        self.last_datagram = Instant::now();
+        thread::sleep(pause.min(LONGEST_PAUSE));
+        let _ = self.request(self.stream());
+        self.report.account.asked();
+        self.last_seen = Instant::now();
         true
     }
 
-    fn finish(mut self) -> Result<Report, Error> {
+    fn finish(mut self) -> Report {
         (self.report.rate_hz, self.report.jitter_s) = self.clock.result();
         if let Err(error) = self.log.close()
             && self.report.ending == Ending::Complete
@@ -311,92 +301,11 @@ impl<'a> Session<'a> {
             self.report.ending = Ending::Disk(error.to_string());
         }
         self.report.files = self.log.files;
-        Ok(self.report)
+        self.report.rows = self.report.files.iter().map(|file| whole_rows(file)).sum();
+        self.report
     }
 }
 
-/// Logs that follow one another.
-struct Log {
-    folder: PathBuf,
-    stem: String,
-    rotate_rows: u64,
-    rows: u64,
-    writer: BufWriter<File>,
-    files: Vec<PathBuf>,
-}
-
-impl Log {
-    fn open(folder: &Path, stem: &str, rotate_rows: u64) -> Result<Self, Error> {
-        std::fs::create_dir_all(folder).map_err(|source| Error::file(folder, source))?;
-        let (path, file) = next(folder, stem)?;
-        let writer = BufWriter::with_capacity(ROW_BYTES * 1024, file);
-        Ok(Self { folder: folder.into(), stem: stem.into(), rotate_rows, rows: 0, writer, files: vec![path] })
-    }
-
-    fn append(&mut self, row: &Row) -> Result<(), Error> {
-        if self.rotate_rows > 0 && self.rows >= self.rotate_rows {
-            self.close()?;
-            let (path, file) = next(&self.folder, &self.stem)?;
-            self.writer = BufWriter::with_capacity(ROW_BYTES * 1024, file);
-            self.files.push(path);
-            self.rows = 0;
-        }
-        self.rows += 1;
-        let failed = |source| Error::file(self.files.last().map_or(Path::new(""), |p| p), source);
-        self.writer.write_all(&row.bytes()).map_err(failed)
-    }
-
-    fn close(&mut self) -> Result<(), Error> {
-        let path = self.files.last().cloned().unwrap_or_default();
-        self.writer.flush().and_then(|()| self.writer.get_ref().sync_all()).map_err(|e| Error::file(&path, e))
-    }
-}
-
-/// The first free name and its file.
-fn next(folder: &Path, stem: &str) -> Result<(PathBuf, File), Error> {
-    for number in 0.. {
-        let path = folder.join(format!("{stem}-{number:03}.rdt"));
-        match OpenOptions::new().write(true).create_new(true).open(&path) {
-            Ok(file) => return Ok((path, file)),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-            Err(source) => return Err(Error::file(&path, source)),
-        }
-    }
-    unreachable!("numbers do not end")
-}
-
-/// A line through (sequence, time) by running sums.
-#[derive(Default)]
-struct ClockFit {
-    first: Option<(u32, u64)>,
-    n: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
-}
-
-impl ClockFit {
-    fn add(&mut self, sequence: u32, ns: u64) {
-        let (s0, t0) = *self.first.get_or_insert((sequence, ns));
-        let x = f64::from(sequence.wrapping_sub(s0) as i32);
-        let y = (ns as i64 - t0 as i64) as f64 * 1e-9;
-        self.n += 1.0;
-        self.x += x;
-        self.y += y;
-        self.xx += x * x;
-        self.xy += x * y;
-        self.yy += y * y;
-    }
-
-    /// Samples per second and spread of arrival, s.
-    fn result(&self) -> (f64, f64) {
-        let (sxx, sxy) = (self.xx - self.x * self.x / self.n, self.xy - self.x * self.y / self.n);
-        let syy = self.yy - self.y * self.y / self.n;
-        if self.n < 3.0 || sxx <= 0.0 || sxy <= 0.0 {
-            return (0.0, 0.0);
-        }
-        (sxx / sxy, ((syy - sxy * sxy / sxx).max(0.0) / self.n).sqrt())
-    }
+fn whole_rows(file: &Path) -> u64 {
+    file.metadata().map_or(0, |metadata| metadata.len() / ROW_BYTES as u64)
 }

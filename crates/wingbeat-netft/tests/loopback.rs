@@ -5,8 +5,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use wingbeat_netft::{
-    Emulator, Ending, Faults, Options, Report, Sent, Signal, read_config, read_log, record,
+    Emulator, Ending, Faults, Options, Report, Row, Sent, Signal, read_config, read_log, record,
 };
+
+/// All rows of a log.
+fn rows(file: &std::path::Path) -> Vec<Row> {
+    read_log(file).unwrap().map(Result::unwrap).collect()
+}
 
 fn folder(name: &str) -> PathBuf {
     let path = std::env::temp_dir().join(format!("wingbeat-netft-{name}-{}", std::process::id()));
@@ -37,7 +42,7 @@ fn a_clean_stream_is_recorded_whole() {
     assert_eq!((a.received, a.lost, a.duplicates, a.reordered, a.malformed), (7000, 0, 0, 0, 0));
     assert!((report.rate_hz - 7000.0).abs() < 200.0, "{}", report.rate_hz);
     assert_eq!(report.kernel_drops, 0);
-    let rows = read_log(&report.files[0]).unwrap();
+    let rows = rows(&report.files[0]);
     assert_eq!(rows.len(), 7000);
     assert!(rows.windows(2).all(|w| w[1].record.rdt_sequence == w[0].record.rdt_sequence + 1));
     assert!(rows.iter().all(|row| row.kernel_ns > 0 && row.host_ns >= row.kernel_ns));
@@ -51,7 +56,7 @@ fn buffered_records_come_in_packs_and_logs_rotate() {
         o.rotate_rows = 3000;
     });
     assert_eq!((report.account.received, report.account.lost), (7000, 0));
-    let lengths: Vec<_> = report.files.iter().map(|file| read_log(file).unwrap().len()).collect();
+    let lengths: Vec<_> = report.files.iter().map(|file| rows(file).len()).collect();
     assert_eq!(lengths, [3000, 3000, 1000]);
     std::fs::remove_dir_all(path).unwrap();
 }
@@ -85,7 +90,7 @@ fn duplicates_and_late_records_are_told_apart() {
         sent.reordered,
         a.reordered
     );
-    let rows = read_log(&report.files[0]).unwrap();
+    let rows = rows(&report.files[0]);
     let mut numbers: Vec<_> = rows.iter().map(|row| row.record.rdt_sequence).collect();
     numbers.sort_unstable();
     assert!(numbers.windows(2).all(|w| w[1] == w[0] + 1));
@@ -109,13 +114,74 @@ fn a_stall_is_survived_or_ends_the_recording() {
     let faults = Faults { stall_after: 3000, ..Default::default() };
     let (report, _, path) = run("stall", 8006, faults, |o| o.stall = Duration::from_millis(200));
     assert_eq!((report.ending, report.account.received), (Ending::Complete, 7000));
-    assert_eq!((report.stalls, report.account.restarts), (2, 2));
+    let a = &report.account;
+    assert_eq!((report.stalls, a.restarts, a.reboots), (2, 2, 0));
+    // The box goes on sampling while it does not send: two silences of at least 0.2 s and the pause of 0.1 s.
+    let rows = rows(&report.files[0]);
+    let span = rows[6999].record.ft_sequence - rows[0].record.ft_sequence + 1;
+    assert_eq!((u64::from(span), a.lost), (a.received + a.unsent, 0));
+    assert!(a.unsent > 2 * 2100, "{}", a.unsent);
     std::fs::remove_dir_all(path).unwrap();
     let (report, _, path) = run("silent", 8007, faults, |o| {
         o.stall = Duration::from_millis(200);
         o.reconnects = 0;
     });
     assert_eq!((report.ending, report.account.received), (Ending::Silent, 3000));
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn a_box_that_restarts_is_asked_again_until_it_answers() {
+    let faults = Faults { restart_after: 3000, ..Default::default() };
+    let (report, sent, path) = run("reboot", 8010, faults, |o| o.stall = Duration::from_millis(200));
+    let a = &report.account;
+    assert_eq!((report.ending, a.received, a.lost, a.duplicates), (Ending::Complete, 7000, 0, 0));
+    assert_eq!((sent.restarts, report.stalls, a.restarts, a.reboots), (2, 2, 2, 2));
+    assert!(report.longest_silence >= Duration::from_secs(1), "{:?}", report.longest_silence);
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn numbers_wrap_without_a_gap() {
+    let faults = Faults { sequence: u32::MAX - 3000, drop: 0.01, seed: 4, ..Default::default() };
+    let (report, sent, path) = run("wrap", 8011, faults, |_| {});
+    let a = &report.account;
+    assert_eq!((a.received, a.restarts, a.duplicates, a.reordered), (7000, 0, 0, 0));
+    assert!(a.lost <= sent.dropped && sent.dropped - a.lost <= 5, "{} {}", a.lost, sent.dropped);
+    let rows = rows(&report.files[0]);
+    assert!(rows[0].record.rdt_sequence > u32::MAX - 3000 && rows[6999].record.rdt_sequence < 5000);
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn status_words_are_told_apart() {
+    let faults = Faults { saturation: 0.05, warning: 0.1, serious: 0.02, seed: 5, ..Default::default() };
+    let (report, sent, path) = run("status", 8012, faults, |_| {});
+    let a = &report.account;
+    assert_eq!((a.received, a.lost), (7000, 0));
+    let pairs = [(sent.saturated, a.saturated), (sent.warnings, a.warnings), (sent.serious, a.serious)];
+    assert!(pairs.iter().all(|(made, seen)| *seen > 80 && made >= seen && made - seen <= 60), "{pairs:?}");
+    let marked = rows(&report.files[0]).iter().filter(|row| row.record.status == 0x8001_0000).count();
+    assert_eq!(marked as u64, a.warnings);
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn a_silent_box_does_not_hold_the_recorder() {
+    let faults = Faults { restart_after: 700, ..Default::default() };
+    let home = IpAddr::V4(Ipv4Addr::LOCALHOST);
+    let emulator = Emulator::start(home, 8013, Signal::Flapping, faults).unwrap();
+    let scale = read_config(emulator.http).unwrap().scale;
+    let path = folder("idle");
+    let began = std::time::Instant::now();
+    // The observer is asked while nothing comes, so that Ctrl-C works.
+    let mut idle = 0;
+    let report = record(&Options::new(emulator.rdt), &scale, &path, "run", |row| {
+        idle += usize::from(row.is_none());
+        idle < 3
+    });
+    assert_eq!((report.unwrap().account.received, idle), (700, 3));
+    assert!(began.elapsed() < Duration::from_secs(5));
     std::fs::remove_dir_all(path).unwrap();
 }
 

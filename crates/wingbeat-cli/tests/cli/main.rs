@@ -1,6 +1,8 @@
 //! The program as a user meets it: run folders, tables, messages, exit codes.
 
 mod fly;
+#[cfg(unix)]
+mod record;
 mod sweep;
 mod tether;
 mod validate;

@@ -2,6 +2,10 @@
 //! scale factors of its configuration pages (ATI, Net F/T Installation and
 //! Operation Manual 9620-05-NET FT).
 
+mod account;
+
+pub use account::Account;
+
 use crate::Error;
 
 /// Default UDP port of RDT.
@@ -222,85 +226,6 @@ pub fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     None
 }
 
-/// Sequence numbers still remembered as missing.
-const WINDOW: u32 = 1 << 16;
-
-/// Accounts for every record of a stream: nothing is lost silently.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Account {
-    /// Records taken for the first time.
-    pub received: u64,
-    /// Records that never came.
-    pub lost: u64,
-    /// Places in the sequence where some were missing.
-    pub gaps: u64,
-    /// Longest run of missing records.
-    pub longest_gap: u64,
-    /// Records that came again.
-    pub duplicates: u64,
-    /// Records that came after later ones.
-    pub reordered: u64,
-    /// Datagrams that are no records.
-    pub malformed: u64,
-    /// Records with a warning status.
-    pub warnings: u64,
-    /// Records with a saturated channel.
-    pub saturated: u64,
-    /// Records with a serious status.
-    pub serious: u64,
-    /// Streams begun anew.
-    pub restarts: u64,
-    next: Option<u32>,
-    missing: std::collections::BTreeSet<u32>,
-}
-
-impl Account {
-    /// Takes note of a record; true when it is new.
-    pub fn take(&mut self, record: &RdtRecord) -> bool {
-        let sequence = record.rdt_sequence;
-        let ahead = self.next.map_or(0, |next| sequence.wrapping_sub(next) as i32);
-        if ahead < 0 {
-            if !self.missing.remove(&sequence) {
-                self.duplicates += 1;
-                return false;
-            }
-            self.lost -= 1;
-            self.reordered += 1;
-        } else {
-            if ahead > 0 {
-                self.note_gap(sequence, ahead as u32);
-            }
-            self.next = Some(sequence.wrapping_add(1));
-        }
-        self.received += 1;
-        match classify(record.status) {
-            StatusClass::Good => {}
-            StatusClass::Warning => self.warnings += 1,
-            StatusClass::Saturated => self.saturated += 1,
-            StatusClass::Serious => self.serious += 1,
-        }
-        true
-    }
-
-    fn note_gap(&mut self, sequence: u32, ahead: u32) {
-        self.gaps += 1;
-        self.lost += u64::from(ahead);
-        self.longest_gap = self.longest_gap.max(u64::from(ahead));
-        for back in 1..=ahead.min(WINDOW) {
-            self.missing.insert(sequence.wrapping_sub(back));
-        }
-        let old = |s: &u32| sequence.wrapping_sub(*s) > WINDOW;
-        self.missing.retain(|s| !old(s));
-    }
-
-    /// The stream begins anew, its numbers too.
-    pub fn restart(&mut self) {
-        self.restarts += 1;
-        self.next = None;
-        self.missing.clear();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -324,26 +249,6 @@ mod tests {
         assert_eq!(q.bytes(), [0x12, 0x34, 0, 2, 0, 0, 0, 0]);
         assert_eq!(Request::parse(&q.bytes()), Some(q));
         assert_eq!(Request::parse(&[0x12, 0x35, 0, 2, 0, 0, 0, 0]), None);
-    }
-
-    #[test]
-    fn every_record_is_accounted_for() {
-        let mut a = Account::default();
-        for s in [1, 2, 5, 4, 4, 6, 3] {
-            a.take(&numbered(s));
-        }
-        assert_eq!((a.received, a.lost, a.gaps, a.duplicates, a.reordered), (6, 0, 1, 1, 2));
-        a.take(&numbered(20));
-        assert_eq!((a.lost, a.longest_gap), (13, 13));
-    }
-
-    #[test]
-    fn sequences_wrap() {
-        let mut a = Account::default();
-        for s in [u32::MAX - 1, u32::MAX, 1, 0, 2] {
-            a.take(&numbered(s));
-        }
-        assert_eq!((a.received, a.lost, a.reordered), (5, 0, 1));
     }
 
     #[test]

@@ -1,0 +1,70 @@
+//! `wingbeat rig emulate`.
+
+use std::time::Duration;
+
+use wingbeat::flight::Record;
+use wingbeat::rig::cell::CHANNELS;
+use wingbeat_io::read_parquet;
+use wingbeat_netft::{Emulator, Faults, Sent, Signal};
+
+use crate::args::RigEmulate;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+
+/// Emulates the box until Ctrl-C.
+pub fn emulate(arguments: &RigEmulate) -> Result<(), Error> {
+    let interrupt = Interrupt::listen()?;
+    let signal = match &arguments.play {
+        None => Signal::Flapping,
+        Some(file) => Signal::Samples(samples(&read_parquet(file)?)?),
+    };
+    let faults = Faults {
+        drop: arguments.drop,
+        duplicate: arguments.duplicate,
+        reorder: arguments.reorder,
+        delay: arguments.delay,
+        garbage: arguments.garbage,
+        saturation: arguments.saturation,
+        warning: arguments.warning,
+        serious: arguments.serious,
+        stall_after: arguments.stall_after,
+        restart_after: arguments.restart_after,
+        sequence: arguments.sequence,
+        seed: arguments.seed,
+    };
+    let emulator = Emulator::start(arguments.bind, arguments.port_offset, signal, faults)
+        .map_err(|error| Error::Input(error.to_string()))?;
+    println!("RDT on udp://{}, pages on http://{}; Ctrl-C ends", emulator.rdt, emulator.http);
+    while interrupt.flow().is_continue() {
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    print!("{}", words(&emulator.sent()));
+    Ok(())
+}
+
+/// One line per count, `name value`.
+fn words(sent: &Sent) -> String {
+    let counts = [
+        ("records", sent.records),
+        ("dropped", sent.dropped),
+        ("duplicated", sent.duplicated),
+        ("reordered", sent.reordered),
+        ("delayed", sent.delayed),
+        ("garbage", sent.garbage),
+        ("saturated", sent.saturated),
+        ("warnings", sent.warnings),
+        ("serious", sent.serious),
+        ("stalls", sent.stalls),
+        ("restarts", sent.restarts),
+    ];
+    counts.iter().map(|(name, count)| format!("{name:10} {count}\n")).collect()
+}
+
+fn samples(record: &Record) -> Result<Vec<[f64; 6]>, Error> {
+    let columns = CHANNELS.map(|(name, _)| record.values(name));
+    if let Some(index) = columns.iter().position(Option::is_none) {
+        return Err(Error::Input(format!("the record has no column {}", CHANNELS[index].0)));
+    }
+    let value = |i: usize, row: usize| columns[i].map_or(0.0, |values| values[row]);
+    Ok((0..record.rows()).map(|row| std::array::from_fn(|i| value(i, row))).collect())
+}

@@ -1,0 +1,150 @@
+//! An emulator of the box: UDP RDT, configuration pages, and faults on request.
+
+mod pages;
+mod stream;
+
+use std::net::{IpAddr, SocketAddr, TcpListener, UdpSocket};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use wingbeat::rig::netft::{RDT_PORT, Scale};
+
+use crate::Error;
+use stream::Stream;
+
+/// What the emulated cell feels.
+#[derive(Clone, Debug)]
+pub enum Signal {
+    /// A flapping robot at 3.5 Hz.
+    Flapping,
+    /// Samples of Fx .. Tz at 7 kHz, N and N m, again and again.
+    Samples(Vec<[f64; 6]>),
+}
+
+impl Signal {
+    /// What the cell feels at sample `sample` of the box, N and N m.
+    pub fn at(&self, sample: u32) -> [f64; 6] {
+        match self {
+            Self::Flapping => {
+                let (s, c) = (std::f64::consts::TAU * 3.5 * f64::from(sample) / 7000.0).sin_cos();
+                let bend = 2.0 * s * c;
+                [0.01 * c, 0.02 * s, 0.4 * s + 0.1 * bend - 0.45, 1e-3 * s, 0.02 * c, 5e-4 * bend]
+            }
+            Self::Samples(list) => list.get(sample as usize % list.len().max(1)).copied().unwrap_or([0.0; 6]),
+        }
+    }
+}
+
+/// Misbehaviour: shares are probabilities per record or datagram.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Faults {
+    /// Share of datagrams not sent.
+    pub drop: f64,
+    /// Share of datagrams sent twice.
+    pub duplicate: f64,
+    /// Share of datagrams sent after the next one.
+    pub reorder: f64,
+    /// Share of datagrams delayed by 20 ms together with all after them.
+    pub delay: f64,
+    /// Share of datagrams followed by one of random bytes.
+    pub garbage: f64,
+    /// Share of records with a saturated status.
+    pub saturation: f64,
+    /// Share of records with a warning status.
+    pub warning: f64,
+    /// Share of records with a serious status.
+    pub serious: f64,
+    /// After this many records the stream stops until it is asked for again; 0 never.
+    pub stall_after: u64,
+    /// After this many records the box restarts: deaf for a second, then it counts from 0 without a bias; 0 never.
+    pub restart_after: u64,
+    /// Number before the first record of a stream and of the box's own count, to see numbers wrap.
+    pub sequence: u32,
+    /// Seed of all this.
+    pub seed: u64,
+}
+
+/// What the emulator did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sent {
+    /// Records made.
+    pub records: u64,
+    /// Records in datagrams that were not sent.
+    pub dropped: u64,
+    /// Datagrams sent twice.
+    pub duplicated: u64,
+    /// Datagrams sent late.
+    pub reordered: u64,
+    /// Datagrams delayed.
+    pub delayed: u64,
+    /// Datagrams of random bytes.
+    pub garbage: u64,
+    /// Records marked saturated.
+    pub saturated: u64,
+    /// Records marked with a warning.
+    pub warnings: u64,
+    /// Records marked serious.
+    pub serious: u64,
+    /// Stalls.
+    pub stalls: u64,
+    /// Restarts of the box.
+    pub restarts: u64,
+}
+
+/// A running emulator; dropped, it stops.
+#[derive(Debug)]
+pub struct Emulator {
+    /// RDT address.
+    pub rdt: SocketAddr,
+    /// Address of the configuration pages.
+    pub http: SocketAddr,
+    stop: Arc<AtomicBool>,
+    sent: Arc<Mutex<Sent>>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+/// What the emulated box is set to.
+const SCALE: Scale = Scale { per_newton: 1e6, per_newton_metre: 1e6 };
+
+impl Emulator {
+    /// Starts on `address`: UDP 49152 and TCP 80, both plus `port_offset`.
+    ///
+    /// # Errors
+    /// A port that cannot be had.
+    pub fn start(address: IpAddr, port_offset: u16, signal: Signal, faults: Faults) -> Result<Self, Error> {
+        let port = |base: u16| SocketAddr::new(address, base.wrapping_add(port_offset));
+        let bind =
+            |at: SocketAddr| move |e| Error::network(format!("{at}: cannot be bound; try --port-offset"), e);
+        let udp = UdpSocket::bind(port(RDT_PORT)).map_err(bind(port(RDT_PORT)))?;
+        let tcp = TcpListener::bind(port(80)).map_err(bind(port(80)))?;
+        udp.set_read_timeout(Some(Duration::from_micros(200)))
+            .map_err(|e| Error::network("UDP socket", e))?;
+        tcp.set_nonblocking(true).map_err(|e| Error::network("TCP socket", e))?;
+        let (stop, sent) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Sent::default())));
+        let rate = Arc::new(AtomicU32::new(7000));
+        let (rdt, http) = (port(RDT_PORT), port(80));
+        let stream = Stream::new(udp, signal, faults, Arc::clone(&sent), Arc::clone(&rate));
+        let (halt, halt_pages) = (Arc::clone(&stop), Arc::clone(&stop));
+        let threads = vec![
+            thread::spawn(move || stream.run(&halt)),
+            thread::spawn(move || pages::serve(&tcp, &rate, &halt_pages)),
+        ];
+        Ok(Self { rdt, http, stop, sent, threads })
+    }
+
+    /// What was sent until now.
+    pub fn sent(&self) -> Sent {
+        *self.sent.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        for thread in self.threads.drain(..) {
+            let _ = thread.join();
+        }
+    }
+}
