@@ -1,9 +1,11 @@
-//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`.
+//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `soak`.
 
 mod documents;
+mod fuzz;
 mod licences;
 mod peers;
 mod report;
+mod soak;
 mod test;
 mod tools;
 
@@ -16,7 +18,9 @@ cargo xtask TASK
   docs    write again what is generated: docs/cli.md, docs/validation.md, the tables and the picture of README.md
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
-          installed into target/peers (Python 3.11 or later)
+          installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box
+  fuzz    [--seconds 600] [TARGET...] everything that reads what others wrote, each for so long
+  soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
 ";
 
 fn main() -> ExitCode {
@@ -28,6 +32,8 @@ fn main() -> ExitCode {
         "bench" => {
             tools::succeeds(tools::cargo(&["bench", "--package", "wingbeat", "--bench", "running_times"]))
         }
+        "fuzz" => fuzz::fuzz(&arguments[1..]),
+        "soak" => soak::soak(&arguments[1..]),
         "peers" => peers::compare(arguments.get(1).map(String::as_str)),
         "" | "help" | "--help" | "-h" => {
             print!("{HELP}");

@@ -1,6 +1,7 @@
 //! Running times beside those of other programs, measured in the same run.
 
 mod control;
+mod netft;
 
 use std::collections::HashMap;
 use std::fs;
@@ -36,15 +37,20 @@ const ROWS: [(&str, &str, &str, &str); 9] = [
 type Comparison = fn(&Path) -> bool;
 
 /// The comparisons by name.
-const COMPARISONS: [(&str, Comparison); 3] =
-    [("mechanics", mechanics), ("control", control::compare), ("offline", offline)];
+const COMPARISONS: [(&str, Comparison); 4] = [
+    ("mechanics", mechanics),
+    ("control", control::compare),
+    ("offline", offline),
+    ("netft", netft::compare),
+];
 
 /// Makes the environment of the other programs and runs the comparison called `only`, or all.
 pub fn compare(only: Option<&str>) -> bool {
     let chosen: Vec<_> =
         COMPARISONS.iter().filter(|(name, _)| only.is_none_or(|only| only == *name)).collect();
     if chosen.is_empty() {
-        eprintln!("error: no comparison {}; there are mechanics, control, offline", only.unwrap_or_default());
+        let names = COMPARISONS.map(|(name, _)| name).join(", ");
+        eprintln!("error: no comparison {}; there are {names}", only.unwrap_or_default());
         return false;
     }
     let Some(python) = environment() else { return false };

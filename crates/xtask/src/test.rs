@@ -1,7 +1,10 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
 use crate::report::{Account, Tally};
-use crate::{documents, licences, tools};
+use crate::{documents, licences, soak, tools};
+
+/// Length of the soak test; `cargo xtask soak` takes ten minutes.
+const SOAK_SECONDS: u64 = 10;
 
 /// Runs every check; true when all pass.
 pub fn test() -> bool {
@@ -11,6 +14,7 @@ pub fn test() -> bool {
         one(&["clippy", "--release", "--workspace", "--all-targets", "--", "--deny", "warnings"])
     });
     account.step("tests", || counted(&["test", "--release", "--workspace", "--no-fail-fast"]));
+    account.step("soak", || Tally::one(soak::run(SOAK_SECONDS)));
     account.step("licences", licences::check);
     account.step("comparisons", comparisons);
     account.close()

@@ -51,3 +51,43 @@ pub fn output(mut command: Command) -> Option<String> {
     let output = command.stderr(Stdio::inherit()).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
+
+/// The value of `--seconds N` in `arguments`, else `otherwise`, and the other arguments; none, and a message, when it
+/// is no number or another option is given.
+pub fn seconds(arguments: &[String], otherwise: u64) -> Option<(u64, Vec<String>)> {
+    let (mut seconds, mut others) = (otherwise, Vec::new());
+    let mut rest = arguments.iter();
+    while let Some(argument) = rest.next() {
+        match argument.as_str() {
+            "--seconds" => {
+                match rest.next().and_then(|word| word.parse().ok()).filter(|number| *number > 0) {
+                    Some(number) => seconds = number,
+                    None => {
+                        eprintln!("error: --seconds takes a whole number above zero");
+                        return None;
+                    }
+                }
+            }
+            option if option.starts_with('-') => {
+                eprintln!("error: no option {option}; there is --seconds N");
+                return None;
+            }
+            _ => others.push(argument.clone()),
+        }
+    }
+    Some((seconds, others))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_stand_anywhere_and_are_a_number() {
+        let given =
+            |words: &[&str]| seconds(&words.iter().map(|word| (*word).into()).collect::<Vec<_>>(), 600);
+        assert_eq!(given(&["a", "--seconds", "5", "b"]), Some((5, vec!["a".into(), "b".into()])));
+        assert_eq!(given(&[]), Some((600, vec![])));
+        assert_eq!((given(&["--seconds", "x"]), given(&["--minutes"])), (None, None));
+    }
+}

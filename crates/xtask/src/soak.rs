@@ -1,0 +1,152 @@
+//! The recorder on the emulated box at its full rate for a long time: every sample accounted for, memory flat.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::tools;
+
+/// Seconds, when not said.
+const SECONDS: u64 = 600;
+/// Added to the box's ports.
+const OFFSET: &str = "8130";
+/// Samples per second of the box.
+const RATE: f64 = 7000.0;
+/// Time from the start after which memory must stay.
+const WARM: Duration = Duration::from_secs(3);
+/// Growth of resident memory after that which is none, kB.
+const FLAT: u64 = 1024;
+
+/// Resident memory of a process over the recording, kB.
+#[derive(Default)]
+struct Memory {
+    start: u64,
+    end: u64,
+    most: u64,
+}
+
+/// Records for `--seconds N` and prints the account; true when nothing was lost silently and memory stayed flat.
+pub fn soak(arguments: &[String]) -> bool {
+    match tools::seconds(arguments, SECONDS) {
+        Some((seconds, rest)) if rest.is_empty() => run(seconds),
+        _ => false,
+    }
+}
+
+/// Records for so many seconds.
+pub fn run(seconds: u64) -> bool {
+    if !tools::succeeds(tools::cargo(&["build", "--release", "--quiet", "--package", "wingbeat-cli"])) {
+        return false;
+    }
+    let out = tools::root().join("target/soak");
+    let _ = fs::remove_dir_all(&out);
+    let Some((mut box_, pages)) = emulator() else { return false };
+    let recorded = recorder(seconds, &out).and_then(|mut recorder| {
+        let memory = watch(&recorder, &box_, seconds);
+        recorder.wait().is_ok_and(|status| status.success()).then_some(memory)
+    });
+    let sent = stop(&mut box_, pages);
+    let summary = fs::read_to_string(out.join("summary.json")).ok();
+    let summary = summary.and_then(|text| serde_json::from_str::<Value>(&text).ok());
+    match (recorded, summary) {
+        (Some(memory), Some(summary)) => judge(seconds, &summary, sent, &memory),
+        _ => false,
+    }
+}
+
+fn wingbeat(arguments: &[&str]) -> Command {
+    let mut command = Command::new(tools::root().join("target/release/wingbeat"));
+    command.args(["rig"]).args(arguments).stdin(Stdio::null());
+    command
+}
+
+/// The emulator, once it listens, and the rest of its output.
+fn emulator() -> Option<(Child, BufReader<std::process::ChildStdout>)> {
+    let mut child = wingbeat(&["emulate", "--port-offset", OFFSET]).stdout(Stdio::piped()).spawn().ok()?;
+    let mut output = BufReader::new(child.stdout.take()?);
+    let mut line = String::new();
+    let listens = output.read_line(&mut line).is_ok() && line.starts_with("RDT");
+    listens.then_some((child, output))
+}
+
+fn recorder(seconds: u64, out: &PathBuf) -> Option<Child> {
+    let seconds = seconds.to_string();
+    let mut command =
+        wingbeat(&["record", "127.0.0.1", "--port-offset", OFFSET, "--duration", &seconds, "--quiet"]);
+    command.arg("--out").arg(out).spawn().ok()
+}
+
+/// Interrupts the emulator; the records that it says it made.
+fn stop(emulator: &mut Child, mut output: impl Read) -> u64 {
+    let interrupt = Command::new("kill").args(["-INT", &emulator.id().to_string()]).status();
+    if !interrupt.is_ok_and(|status| status.success()) {
+        let _ = emulator.kill();
+    }
+    let mut text = String::new();
+    let _ = output.read_to_string(&mut text);
+    let _ = emulator.wait();
+    let records = text.lines().find_map(|line| line.strip_prefix("records"));
+    records.and_then(|number| number.trim().parse().ok()).unwrap_or(0)
+}
+
+/// Memory of recorder and emulator, from warm to a second before the end.
+fn watch(recorder: &Child, emulator: &Child, seconds: u64) -> [Memory; 2] {
+    let began = Instant::now();
+    let end = Duration::from_secs(seconds.saturating_sub(1));
+    let mut memory = [Memory::default(), Memory::default()];
+    while began.elapsed() < end {
+        thread::sleep(Duration::from_secs(1).min(end.saturating_sub(began.elapsed())));
+        if began.elapsed() < WARM {
+            continue;
+        }
+        for (memory, process) in memory.iter_mut().zip([recorder, emulator]) {
+            let resident = resident(process.id());
+            memory.start = if memory.start == 0 { resident } else { memory.start };
+            memory.end = resident;
+            memory.most = memory.most.max(resident);
+        }
+    }
+    memory
+}
+
+/// Resident memory of a process, kB.
+fn resident(id: u32) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{id}/status")).unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
+/// Prints the account. What the emulator made after the recorder's last record is what was on its way at the end.
+fn judge(seconds: u64, summary: &Value, sent: u64, memory: &[Memory; 2]) -> bool {
+    let count = |key: &str| summary[key].as_u64().unwrap_or(u64::MAX);
+    let (records, lost) = (count("records"), count("lost"));
+    let accounted = records.saturating_add(lost);
+    let after = sent.saturating_sub(accounted);
+    println!(
+        "{records} records in {seconds} s, {lost} lost in {} gaps (longest {})",
+        count("gaps"),
+        count("longest_gap")
+    );
+    println!(
+        "{} dropped by the kernel, {} stalls, {} restarts",
+        count("kernel_drops"),
+        count("stalls"),
+        count("restarts")
+    );
+    println!("{sent} made by the emulator, {after} of them after the last that was recorded");
+    println!("longest silence {:.1} ms", 1e3 * summary["longest_silence_s"].as_f64().unwrap_or(f64::NAN));
+    println!("{:<10} {:>9} {:>9} {:>9}", "memory, kB", "start", "end", "most");
+    for (name, m) in ["recorder", "emulator"].iter().zip(memory) {
+        println!("{name:<10} {:>9} {:>9} {:>9}", m.start, m.end, m.most);
+    }
+    let flat = memory.iter().all(|m| m.most <= m.start + FLAT);
+    let whole = accounted <= sent && after as f64 <= RATE && records as f64 >= 0.98 * RATE * seconds as f64;
+    let counted = lost == count("kernel_drops") && count("restarts") == 0;
+    println!("every sample accounted for: {}; memory flat: {flat}", whole && counted);
+    whole && counted && flat
+}
