@@ -2,6 +2,7 @@
 
 mod arrow_schema;
 mod parquet;
+pub mod samples;
 mod table;
 pub mod trajectory;
 mod urdf;

@@ -10,6 +10,7 @@ pub mod plan;
 mod pose;
 pub mod process;
 mod trajectory;
+pub mod unit;
 
 pub use experiment::{Experiment, Outcome};
 pub use motion::FrameMotion;

@@ -6,6 +6,7 @@ mod account;
 
 pub use account::Account;
 
+use super::unit::Quantity;
 use crate::Error;
 
 /// Default UDP port of RDT.
@@ -167,17 +168,16 @@ impl Scale {
             let value = word.parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite());
             value.ok_or_else(|| Error::invalid(format!("netft.{a}"), word, "a positive number"))
         };
-        let unit = |a: &str, b: &str, table: &[(&str, f64)]| {
+        let unit = |a: &str, b: &str, quantity: Quantity| {
             let word = either(a, b)?;
-            let known = table.iter().find(|(name, _)| name.eq_ignore_ascii_case(word));
-            let names: Vec<_> = table.iter().map(|entry| entry.0).collect();
-            known.map(|entry| entry.1).ok_or_else(|| {
-                Error::invalid(format!("netft.{a}"), word, format!("one of {}", names.join(", ")))
+            quantity.factor(word).ok_or_else(|| {
+                let names = quantity.names().join(", ");
+                Error::invalid(format!("netft.{a}"), word, format!("one of {names}"))
             })
         };
         Ok(Self {
-            per_newton: number("cfgcpf", "calcpf")? / unit("scfgfu", "calfu", &FORCE_UNITS)?,
-            per_newton_metre: number("cfgcpt", "calcpt")? / unit("scfgtu", "caltu", &TORQUE_UNITS)?,
+            per_newton: number("cfgcpf", "calcpf")? / unit("scfgfu", "calfu", Quantity::Force)?,
+            per_newton_metre: number("cfgcpt", "calcpt")? / unit("scfgtu", "caltu", Quantity::Moment)?,
         })
     }
 
@@ -195,21 +195,6 @@ impl Scale {
         })
     }
 }
-
-/// Newtons in each unit of force.
-const FORCE_UNITS: [(&str, f64); 5] =
-    [("N", 1.0), ("kN", 1e3), ("lbf", 4.448_221_615_260_5), ("klbf", 4_448.221_615_260_5), ("kgf", 9.80665)];
-/// Newton metres in each unit of torque.
-const TORQUE_UNITS: [(&str, f64); 8] = [
-    ("Nm", 1.0),
-    ("N-m", 1.0),
-    ("Nmm", 1e-3),
-    ("N-mm", 1e-3),
-    ("kNm", 1e3),
-    ("lbf-in", 0.112_984_829_027_616_7),
-    ("lbf-ft", 1.355_817_948_331_400_4),
-    ("kgf-cm", 0.098_066_5),
-];
 
 /// The text of the first element `<name>`, trimmed; entities are not expanded.
 pub fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {

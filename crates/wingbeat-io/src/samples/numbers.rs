@@ -1,0 +1,68 @@
+//! Numbers of any width and byte order.
+
+/// How one number is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Whole, with sign.
+    Signed(u8),
+    /// Whole, without sign.
+    Unsigned(u8),
+    /// IEEE 754.
+    Float(u8),
+}
+
+impl Kind {
+    /// Bytes of one number.
+    pub fn size(self) -> usize {
+        let (Self::Signed(n) | Self::Unsigned(n) | Self::Float(n)) = self;
+        n.into()
+    }
+
+    /// None for a width that is not 1, 2, 4 or 8 (floats: 4 or 8).
+    pub fn checked(self) -> Option<Self> {
+        match self {
+            Self::Float(4 | 8) | Self::Signed(1 | 2 | 4 | 8) | Self::Unsigned(1 | 2 | 4 | 8) => Some(self),
+            _ => None,
+        }
+    }
+
+    /// The numbers in `bytes`; a last one that is cut short is left out.
+    pub fn read(self, bytes: &[u8], big_endian: bool) -> Vec<f64> {
+        bytes.chunks_exact(self.size()).map(|chunk| self.one(chunk, big_endian)).collect()
+    }
+
+    fn one(self, chunk: &[u8], big_endian: bool) -> f64 {
+        let mut word = [0; 8];
+        for (place, byte) in word.iter_mut().zip(chunk) {
+            *place = *byte;
+        }
+        if big_endian {
+            word[..chunk.len().min(8)].reverse();
+        }
+        let whole = u64::from_le_bytes(word);
+        match self {
+            Self::Float(4) => f64::from(f32::from_bits(whole as u32)),
+            Self::Float(_) => f64::from_bits(whole),
+            Self::Unsigned(_) => whole as f64,
+            Self::Signed(n) => {
+                let unused = 64 - 8 * u32::from(n.min(8));
+                ((whole << unused) as i64 >> unused) as f64
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_byte_orders_and_signs() {
+        assert_eq!(Kind::Signed(2).read(&[0xff, 0xfe, 0, 2], true), [-2.0, 2.0]);
+        assert_eq!(Kind::Signed(2).read(&[0xfe, 0xff, 2, 0, 9], false), [-2.0, 2.0]);
+        assert_eq!(Kind::Unsigned(1).read(&[200], false), [200.0]);
+        assert_eq!(Kind::Float(4).read(&1.5f32.to_be_bytes(), true), [1.5]);
+        assert_eq!(Kind::Float(8).read(&(-0.1f64).to_le_bytes(), false), [-0.1]);
+        assert_eq!((Kind::Float(2).checked(), Kind::Signed(3).checked()), (None, None));
+    }
+}

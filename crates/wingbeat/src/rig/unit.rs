@@ -1,0 +1,98 @@
+//! Units of measured channels, by the names that boxes and files give them.
+
+/// What a channel measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// SI unit N.
+    Force,
+    /// SI unit N m.
+    Moment,
+    /// SI unit s.
+    Time,
+    /// SI unit rad.
+    Angle,
+}
+
+/// Newtons in each unit of force.
+const FORCE: [(&str, f64); 8] = [
+    ("N", 1.0),
+    ("mN", 1e-3),
+    ("kN", 1e3),
+    ("lbf", 4.448_221_615_260_5),
+    ("klbf", 4_448.221_615_260_5),
+    ("gf", 9.80665e-3),
+    ("kgf", 9.80665),
+    ("kg", 9.80665), // as ATI's boxes write kgf
+];
+/// Newton metres in each unit of moment.
+const MOMENT: [(&str, f64); 9] = [
+    ("N m", 1.0),
+    ("N mm", 1e-3),
+    ("mN m", 1e-3),
+    ("kN m", 1e3),
+    ("lbf-in", 0.112_984_829_027_616_7),
+    ("lbf-ft", 1.355_817_948_331_400_4),
+    ("kgf-cm", 0.098_066_5),
+    ("kg-cm", 0.098_066_5),
+    ("kgf-m", 9.80665),
+];
+/// Seconds in each unit of time.
+const TIME: [(&str, f64); 3] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6)];
+/// Radians in each unit of angle.
+const ANGLE: [(&str, f64); 3] =
+    [("rad", 1.0), ("deg", std::f64::consts::PI / 180.0), ("turn", std::f64::consts::TAU)];
+
+impl Quantity {
+    /// Every quantity.
+    pub const ALL: [Self; 4] = [Self::Force, Self::Moment, Self::Time, Self::Angle];
+
+    /// SI units in the unit called `name`; upper and lower case, blanks, points and hyphens do not count.
+    pub fn factor(self, name: &str) -> Option<f64> {
+        let name = plain(name);
+        self.table().iter().find(|(known, _)| plain(known) == name).map(|entry| entry.1)
+    }
+
+    /// The names that are known, the SI unit first.
+    pub fn names(self) -> Vec<&'static str> {
+        self.table().iter().map(|entry| entry.0).collect()
+    }
+
+    fn table(self) -> &'static [(&'static str, f64)] {
+        match self {
+            Self::Force => &FORCE,
+            Self::Moment => &MOMENT,
+            Self::Time => &TIME,
+            Self::Angle => &ANGLE,
+        }
+    }
+}
+
+fn plain(name: &str) -> String {
+    let letters = name.trim().chars().filter(|c| !matches!(c, ' ' | '-' | '.' | '*' | '·' | '_'));
+    let text = letters.collect::<String>().to_lowercase();
+    text.strip_suffix("turns").map(|start| format!("{start}turn")).unwrap_or(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_known_however_they_are_written() {
+        for name in ["Nmm", "N-mm", "N mm", "N·mm", "nmm"] {
+            assert_eq!(Quantity::Moment.factor(name), Some(1e-3), "{name}");
+        }
+        assert_eq!(Quantity::Angle.factor("turns"), Some(std::f64::consts::TAU));
+        assert_eq!((Quantity::Force.factor("Nm"), Quantity::Time.factor("")), (None, None));
+        // 1 lbf ft = 12 lbf in = 12 x 0.0254 m x 4.448... N (exact by definition).
+        let foot = Quantity::Moment.factor("lbf-ft").unwrap();
+        assert!((foot - 12.0 * 0.0254 * 4.448_221_615_260_5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn no_name_means_two_quantities() {
+        for (a, b) in [(Quantity::Force, Quantity::Moment), (Quantity::Time, Quantity::Angle)] {
+            assert!(a.names().iter().all(|name| b.factor(name).is_none()));
+        }
+    }
+}
