@@ -157,14 +157,29 @@ pub struct RigRuns {
 }
 
 /// Correct, filter and phase-average recorded runs, and draw forces and moments
+///
+/// The folder of results holds averages (NAME.parquet), envelope.parquet, summary.json with every step in words,
+/// manifest.json and figures. Runs of static tilts give mass, centre and offsets instead. Files: Parquet, MATLAB 5
+/// and 7.3, NumPy npz and npy, HDF5, text with columns, text of ATI's demo application; what they do not say is
+/// set: `--set process.input.rate_hz=7000`, `--set process.input.columns.Fz=NAME`, `--set
+/// process.input.units.force=N`, `--set process.input.start_s=4`, `--set process.phase=force`.
 #[derive(Debug, Args)]
 pub struct RigProcess {
-    /// Folder of `rig simulate` or `rig record`: a run, or a folder of runs
-    #[arg(value_name = "DIR")]
-    pub folder: PathBuf,
-    /// Folder of the results; without it DIR/processed
+    /// A folder of `rig simulate` or `rig record`, a folder of such folders, or a file of samples
+    #[arg(value_name = "PATH")]
+    pub path: PathBuf,
+    /// The run that was measured; needed where no scenario.toml lies beside the samples
+    #[arg(long, value_name = "RUN.toml")]
+    pub run: Option<PathBuf>,
+    /// Folder of the results; without it PATH/processed, or FILE-processed beside a file
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace the results that --out names
+    #[arg(long, requires = "out")]
+    pub force: bool,
+    /// Override a key of every run, e.g. `--set process.steps.tare=false`; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
     /// Print only errors
     #[arg(long)]
     pub quiet: bool,

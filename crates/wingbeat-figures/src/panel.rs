@@ -62,6 +62,11 @@ pub struct Panel {
 
 /// The panels one below another over the axis `x_label`, which spans all curves.
 pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
+    stacked_with(panels, x_label, height, &[])
+}
+
+/// As [`stacked`], with `marks` in every panel.
+pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
     let count = panels.len();
     let range = x_range(&panels);
     let legend = legend_width(&panels);
@@ -72,6 +77,7 @@ pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
         .map(|(row, panel)| {
             let last = row + 1 == count;
             let (plots, layout) = drawn(panel, range, legend);
+            let layout = marks.iter().fold(layout, |layout, mark| layout.with_reference_line(mark.clone()));
             (plots, if last { labelled(layout, x_label) } else { unlabelled(layout) })
         })
         .unzip();
@@ -139,7 +145,7 @@ fn plot(curve: Curve) -> Plot {
     let stride = curve.x.len().div_ceil(MOST_POINTS).max(1);
     let points: Vec<(f64, f64)> = curve.x.iter().copied().zip(curve.y).step_by(stride).collect();
     let line = LinePlot::new().with_data(points).with_color(curve.colour).with_stroke_width(curve.weight);
-    line.with_legend(curve.name).into()
+    if curve.name.is_empty() { line.into() } else { line.with_legend(curve.name).into() }
 }
 
 fn x_range(panels: &[Panel]) -> (f64, f64) {

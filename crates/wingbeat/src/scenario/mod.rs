@@ -6,6 +6,7 @@ mod plan;
 mod recorder;
 mod rig;
 mod rig_process;
+mod rig_statement;
 mod spec;
 mod summary;
 mod sweep;
@@ -16,7 +17,7 @@ pub use document::{ConfigError, Document, Place, Problem};
 pub use mismatch::Mismatch;
 pub use plan::{PlanSpec, PlanSummary, Planned};
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
-pub use rig_process::Processed;
+pub use rig_process::{Processed, Weighed};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };

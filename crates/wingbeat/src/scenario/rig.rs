@@ -9,7 +9,7 @@ use crate::rig::arm::{ArmConfig, LimitProfile, LinkConfig, Payload, SerialArm, T
 use crate::rig::carrier::{Carrier, Mount};
 use crate::rig::cell::CellSpec;
 use crate::rig::plan::{Envelope, Margins, Plan, Refusal, TurnSpec, Workspace};
-use crate::rig::process::{PhaseSource, Steps};
+use crate::rig::process::{InputSpec, PhaseSource, Steps};
 use crate::rig::{Experiment, Outcome, Pose};
 use crate::robot::{Air, Robot, RobotSpec, Wind};
 use serde::{Deserialize, Serialize};
@@ -66,11 +66,42 @@ pub struct ProcessSpec {
     pub phase: PhaseSource,
     /// Phases of the average.
     pub bins: usize,
+    /// Begin and end of what is averaged, s from the begin of the run; without it the steady
+    /// turn, or what follows the start of the flapping.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_s: Option<[f64; 2]>,
+    /// What becomes of samples at the end of the cell's range.
+    pub saturated: Saturated,
+    /// Name of a run in still air, processed with this one, whose average is taken away.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub still_air: Option<String>,
+    /// How measured files are to be read.
+    pub input: InputSpec,
+}
+
+/// What becomes of samples at the end of the cell's range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Saturated {
+    /// The run is refused.
+    Refuse,
+    /// Their cycles are left out.
+    LeaveOut,
+    /// They are used as they are.
+    Keep,
 }
 
 impl Default for ProcessSpec {
     fn default() -> Self {
-        Self { steps: Steps::default(), phase: PhaseSource::Encoder, bins: 200 }
+        Self {
+            steps: Steps::default(),
+            phase: PhaseSource::Encoder,
+            bins: 200,
+            window_s: None,
+            saturated: Saturated::Refuse,
+            still_air: None,
+            input: InputSpec::default(),
+        }
     }
 }
 

@@ -1,14 +1,25 @@
 //! A recorded run to phase-averaged wrenches.
 
 use super::RigRun;
+use super::rig::Saturated;
+use super::rig_statement::statement;
 use crate::Error;
 use crate::flight::{Column, Record};
 use crate::plant::Fault;
-use crate::rig::cell::CHANNELS;
+use crate::rig::carrier::Carrier;
+use crate::rig::cell::{CHANNELS, six, wrench};
+use crate::rig::netft::{StatusClass, classify};
 use crate::rig::process::{
-    Comparison, Corrected, Corrector, CycleAverage, PhaseSource, Samples, Steps, compare, phase_average,
-    phase_of,
+    Comparison, Corrected, Corrector, CycleAverage, Samples, Steps, Tilt, Weighing, compare, phase_average,
+    phase_of, weigh,
 };
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Share of each attitude's time that is left out at its begin and at its end.
+const SETTLING: [f64; 2] = [0.2, 0.05];
+/// Length at which forces and moments of the cell are known equally well, m: 1/64 N mm over 1/320 N.
+const LEVER: f64 = 5e-3;
 
 /// A processed run: six channels in the body frame.
 #[derive(Clone, Debug)]
@@ -23,6 +34,21 @@ pub struct Processed {
     pub slope: [f64; 6],
     /// Samples with a channel at the end of its range.
     pub saturated: usize,
+    /// Samples left out because the box says that they are not to be trusted.
+    pub serious: usize,
+    /// The window sample by sample: t, cycle (turns of the stroke), each channel unfiltered (`raw_`) and as averaged.
+    pub trace: Record,
+    /// What was done, step by step, in words.
+    pub statement: Vec<String>,
+}
+
+/// What static tilts say of the load on the cell.
+#[derive(Clone, Debug, Serialize)]
+pub struct Weighed {
+    /// All that the cell carries.
+    pub load: Weighing,
+    /// The mount alone: the load less the weight of the robot by its model.
+    pub mount: Weighing,
 }
 
 impl Processed {
@@ -32,18 +58,29 @@ impl Processed {
         Some(std::array::from_fn(|i| compare(&self.cycles[i].mean, &truth[i].mean)))
     }
 
+    /// Takes the average of the run `name` in still air away.
+    pub fn subtract(&mut self, name: &str, still: &Self) {
+        for (cycle, common) in self.cycles.iter_mut().zip(&still.cycles) {
+            cycle.subtract(common);
+        }
+        if let (Some(truth), Some(common)) = (&mut self.truth, &still.truth) {
+            truth.iter_mut().zip(common).for_each(|(cycle, common)| cycle.subtract(common));
+        }
+        self.statement.push(format!("still air: the average of {name} taken away, phase by phase"));
+    }
+
     /// Columns: phase in cycles, then mean, low, high (and truth) of each channel.
     ///
     /// # Errors
     /// None in practice: the columns have one length and distinct names.
-    pub fn record(&self) -> Result<Record, Error> {
+    pub fn record(&self, frame: &str) -> Result<Record, Error> {
         let bins = self.cycles[0].mean.len();
         let mut columns = vec![Column::new("cycle", "", "")];
         columns[0].values = (0..bins).map(|k| k as f64 / bins as f64).collect();
         for (i, (name, unit)) in CHANNELS.iter().enumerate() {
             let c = &self.cycles[i];
             let mut add = |prefix: &str, values: &[f64]| {
-                let column = Column::new(format!("{prefix}{name}"), *unit, "B");
+                let column = Column::new(format!("{prefix}{name}"), *unit, frame);
                 columns.push(Column { values: values.to_vec(), ..column });
             };
             add("", &c.mean);
@@ -58,72 +95,200 @@ impl Processed {
 }
 
 impl RigRun {
-    /// Corrects, filters and phase-averages a record of this run over `window` (s).
+    /// True when the run holds the robot still in several attitudes: it is weighed, not averaged.
+    pub fn is_weighing(&self) -> bool {
+        self.frequency() == 0.0 && self.spec.hold.as_ref().is_some_and(|hold| hold.tilts_deg.len() > 1)
+    }
+
+    /// Frame of the processed channels.
+    pub fn processed_frame(&self) -> &'static str {
+        if self.spec.process.steps.body_frame { "B" } else { "C" }
+    }
+
+    /// Corrects, filters and phase-averages a record of this run over `window` (s, cut to the record).
+    /// Motion that the record does not hold is that of `carrier`.
     ///
     /// # Errors
-    /// Missing columns, a window without a whole cycle, steps that cannot be
+    /// Missing columns, saturated samples, a window without a whole cycle, steps that cannot be
     /// made. A fault of the model comes back as such.
-    pub fn process(&self, record: &Record, window: (f64, f64)) -> Result<Result<Processed, Fault>, Error> {
+    pub fn process(
+        &self,
+        record: &Record,
+        carrier: &Carrier,
+        window: (f64, f64),
+    ) -> Result<Result<Processed, Fault>, Error> {
         let spec = &self.spec.process;
-        let samples = Samples::from_record(record, "")?;
+        let (samples, outside) = self.samples(record, carrier, window.1)?;
         let measured = match self.corrected(&samples, spec.steps)? {
             Ok(corrected) => corrected,
             Err(fault) => return Ok(Err(fault)),
         };
-        let phase =
-            phase_of(spec.phase, &samples.time, &samples.phase, &measured.channels[2], self.frequency())?;
+        let force = &measured.channels[2];
+        let phase = phase_of(spec.phase, &samples.time, &samples.phase, force, self.frequency())?;
         let truth = match record.column("true_Fz") {
             None => None,
             Some(_) => {
                 let exact = Steps { tare: false, drift: false, cutoff_multiple: 0.0, ..spec.steps };
-                match self.corrected(&Samples::from_record(record, "true_")?, exact)? {
-                    Ok(corrected) => {
-                        let phase = if spec.phase == PhaseSource::Encoder { &samples.phase } else { &phase };
-                        Some(self.averages(&corrected, phase, window)?)
-                    }
+                let mut samples = Samples::from_record(record, "true_")?;
+                if !holds_motion(record) {
+                    samples.carried_by(carrier);
+                }
+                match self.corrected(&samples, exact)? {
+                    Ok(corrected) => Some(self.averages(&corrected, &phase, window)?),
                     Err(fault) => return Ok(Err(fault)),
                 }
             }
         };
+        let cycles = self.averages(&measured, &phase, window)?;
         Ok(Ok(Processed {
-            cycles: self.averages(&measured, &phase, window)?,
+            trace: self.trace(&measured, &phase, window)?,
+            statement: statement(self, &samples, &measured, &cycles[0], window, holds_motion(record)),
+            cycles,
             truth,
             offset: measured.offset,
             slope: measured.slope,
-            saturated: saturated(record),
+            saturated: outside.saturated,
+            serious: outside.serious,
         }))
     }
 
-    fn corrected(&self, samples: &Samples, steps: Steps) -> Result<Result<Corrected, Fault>, Error> {
-        let corrector = Corrector {
-            robot: &self.robot,
-            arm: Some(&self.arm),
-            mount: &self.mount,
-            steps,
-            frequency: self.frequency(),
+    /// Mass, centre and offsets from a record of static tilts.
+    ///
+    /// # Errors
+    /// Missing columns, attitudes without samples or that do not part mass from offsets.
+    pub fn weigh(&self, record: &Record, carrier: &Carrier) -> Result<Result<Weighed, Fault>, Error> {
+        let Some(hold) = &self.spec.hold else {
+            return Err(Error::invalid("hold", "absent", "[hold] with the attitudes"));
         };
-        corrector.correct(samples)
+        let end = self.duration(carrier);
+        let (samples, _) = self.samples(record, carrier, end)?;
+        let corrector = self.corrector(self.spec.process.steps);
+        let (mut load, mut mount) = (Vec::new(), Vec::new());
+        for k in 0..hold.tilts_deg.len() {
+            let at = |share: f64| samples.index((k as f64 + share) * hold.each_s);
+            let rows = at(SETTLING[0])..at(1.0 - SETTLING[1]);
+            let middle = rows.start.midpoint(rows.end);
+            let whole: Vec<usize> = rows.filter(|row| samples.is_whole(*row)).collect();
+            if whole.is_empty() {
+                let given = format!("attitude {} from {} s", k + 1, k as f64 * hold.each_s);
+                return Err(Error::invalid("hold.each_s", given, "a time for which the record has samples"));
+            }
+            let (robot, gravity) = match corrector.robot_weight(&samples, middle) {
+                Ok(weight) => weight,
+                Err(fault) => return Ok(Err(fault)),
+            };
+            let mean = |of: &[f64]| whole.iter().map(|row| of[*row]).sum::<f64>() / whole.len() as f64;
+            let all = std::array::from_fn(|i| mean(&samples.channels[i]));
+            let tilt = Tilt { time: mean(&samples.time), gravity, wrench: all };
+            load.push(tilt);
+            mount.push(Tilt { wrench: six(&(wrench(all) + -robot)), ..tilt });
+        }
+        let drift = self.spec.process.steps.drift;
+        Ok(Ok(Weighed { load: weigh(&load, drift, LEVER)?, mount: weigh(&mount, drift, LEVER)? }))
+    }
+
+    /// The samples of a record, without those that are not to be used.
+    fn samples(&self, record: &Record, carrier: &Carrier, end: f64) -> Result<(Samples, Outside), Error> {
+        let mut samples = Samples::from_record(record, "")?;
+        if !holds_motion(record) {
+            samples.carried_by(carrier);
+        }
+        let outside = self.outside(record, &samples, end)?;
+        samples.leave_out(&outside.rows);
+        Ok((samples, outside))
+    }
+
+    /// Samples at the end of the cell's range or with a bad status, up to `end` (s).
+    fn outside(&self, record: &Record, samples: &Samples, end: f64) -> Result<Outside, Error> {
+        let range = self.spec.rig.cell.calibration.range();
+        let policy = self.spec.process.saturated;
+        let status = record.values("status");
+        let mut outside = Outside::default();
+        let mut first = None;
+        for row in 0..samples.index(end) {
+            let over = (0..6).find(|i| samples.channels[*i][row].abs() >= range[*i] * (1.0 - 1e-9));
+            let class = status.map_or(StatusClass::Good, |status| classify(status[row] as u32));
+            if over.is_some() || class == StatusClass::Saturated {
+                outside.saturated += 1;
+                first = first.or(Some((row, over)));
+                if policy == Saturated::LeaveOut {
+                    outside.rows.push(row);
+                }
+            } else if class == StatusClass::Serious {
+                outside.serious += 1;
+                outside.rows.push(row);
+            }
+        }
+        let (Some((row, over)), Saturated::Refuse) = (first, policy) else { return Ok(outside) };
+        let channel = over.map_or("the status word", |i| CHANNELS[i].0);
+        let key = format!("{} saturated samples, the first by {channel}", outside.saturated);
+        let allowed = format!(
+            "none within the range of {:?}: lessen the load or take a wider calibration; \
+             process.saturated = leave_out leaves their cycles out, keep uses them",
+            self.spec.rig.cell.calibration
+        );
+        Err(Error::invalid(key, format!("t {:.4} s", samples.time[row]), allowed))
+    }
+
+    fn corrector(&self, steps: Steps) -> Corrector<'_> {
+        let frequency = self.frequency();
+        Corrector { robot: &self.robot, arm: Some(&self.arm), mount: &self.mount, steps, frequency }
+    }
+
+    fn corrected(&self, samples: &Samples, steps: Steps) -> Result<Result<Corrected, Fault>, Error> {
+        self.corrector(steps).correct(samples)
     }
 
     fn averages(
         &self,
         corrected: &Corrected,
         phase: &[f64],
-        (begin, end): (f64, f64),
+        window: (f64, f64),
     ) -> Result<[CycleAverage; 6], Error> {
-        let from = corrected.time.partition_point(|t| *t < begin - 1e-9);
-        let to = corrected.time.partition_point(|t| *t <= end + 1e-9);
+        let rows = rows(&corrected.time, window);
         let mut averages: [CycleAverage; 6] = Default::default();
         for (average, channel) in averages.iter_mut().zip(&corrected.channels) {
-            *average = phase_average(&phase[from..to], &channel[from..to], self.spec.process.bins)?;
+            *average = phase_average(&phase[rows.clone()], &channel[rows.clone()], self.spec.process.bins)?;
         }
         Ok(averages)
     }
+
+    fn trace(&self, measured: &Corrected, phase: &[f64], window: (f64, f64)) -> Result<Record, Error> {
+        let rows = rows(&measured.time, window);
+        let frame = self.processed_frame();
+        let begin = phase.get(rows.start).map_or(0.0, |phase| (phase / TAU).floor());
+        let column = |name: String, unit: &str, frame: &str, values: Vec<f64>| Column {
+            values,
+            ..Column::new(name, unit, frame)
+        };
+        let cycle = phase[rows.clone()].iter().map(|p| p / TAU - begin).collect();
+        let mut columns = vec![
+            column("t".into(), "s", "", measured.time[rows.clone()].to_vec()),
+            column("cycle".into(), "", "", cycle),
+        ];
+        for (prefix, channels) in [("raw_", &measured.unfiltered), ("", &measured.channels)] {
+            for ((name, unit), values) in CHANNELS.iter().zip(channels) {
+                columns.push(column(format!("{prefix}{name}"), unit, frame, values[rows.clone()].to_vec()));
+            }
+        }
+        Record::new(columns, 0)
+    }
 }
 
-/// Rows with a channel on its limit.
-fn saturated(record: &Record) -> usize {
-    let columns: Vec<_> = CHANNELS.iter().filter_map(|(name, _)| record.column(name)).collect();
-    let out = |row: usize| columns.iter().any(|c| c.values[row] <= c.low || c.values[row] >= c.high);
-    (0..record.rows()).filter(|row| out(*row)).count()
+/// Samples that are not to be used, or not as they are.
+#[derive(Default)]
+struct Outside {
+    rows: Vec<usize>,
+    saturated: usize,
+    serious: usize,
+}
+
+/// Rows of a window of time.
+fn rows(time: &[f64], (begin, end): (f64, f64)) -> std::ops::Range<usize> {
+    time.partition_point(|t| *t < begin - 1e-9)..time.partition_point(|t| *t <= end + 1e-9)
+}
+
+/// True when the record itself says how the tool moved.
+fn holds_motion(record: &Record) -> bool {
+    ["ddq1", "quat_w"].iter().any(|name| record.column(name).is_some())
 }

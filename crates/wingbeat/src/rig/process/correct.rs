@@ -2,10 +2,10 @@
 
 use crate::Error;
 use crate::flight::Record;
-use crate::math::{Jet, Quat, Wrench};
+use crate::math::{GRAVITY, Jet, Quat, Vec3, Wrench};
 use crate::plant::{Fault, Plant};
 use crate::rig::arm::{MAX_JOINTS, SerialArm};
-use crate::rig::carrier::{Mount, carried_frames};
+use crate::rig::carrier::{Carrier, Mount, carried_frames};
 use crate::rig::cell::{CHANNELS, six, wrench};
 use crate::rig::{FrameMotion, Pose};
 use crate::robot::{BodyMotion, Robot};
@@ -25,6 +25,8 @@ pub struct Steps {
     pub mount_inertia: bool,
     /// Take the inertia of body and wings away: what is left is aerodynamic.
     pub robot_inertia: bool,
+    /// Turn the wrench to the body frame, about the body's origin; else it stays in the cell's.
+    pub body_frame: bool,
     /// Cut-off of the zero-phase filter in multiples of the flapping frequency; 0 leaves it out.
     pub cutoff_multiple: f64,
 }
@@ -37,19 +39,21 @@ impl Default for Steps {
             gravity: true,
             mount_inertia: true,
             robot_inertia: false,
+            body_frame: true,
             cutoff_multiple: 16.0,
         }
     }
 }
 
-/// Raw channels with the motion under them, one entry per sample.
+/// Raw channels with the motion under them, one entry per sample at equal steps of
+/// time. Missing samples are not-a-number.
 #[derive(Clone, Debug, Default)]
 pub struct Samples {
     /// Time, s; the run begins at 0, rest lies before.
     pub time: Vec<f64>,
     /// Fx .. Tz in the cell frame, N and N m.
     pub channels: [Vec<f64>; 6],
-    /// Stroke phase, rad, without jumps; empty when there is no encoder.
+    /// Stroke phase, rad, without jumps and gaps; empty when there is no encoder.
     pub phase: Vec<f64>,
     /// Joint motion of the arm, or the tool's attitude on a stand.
     motion: Vec<Motion>,
@@ -96,10 +100,31 @@ impl Samples {
         };
         Ok(Self {
             time: column("t".into())?,
-            phase: record.values("phase").map_or(Vec::new(), <[f64]>::to_vec),
+            phase: record.values("phase").map_or(Vec::new(), unwrapped),
             motion: (0..record.rows()).map(motion).collect(),
             channels,
         })
+    }
+
+    /// The motion of the run's own carrier, where the record does not hold it.
+    pub fn carried_by(&mut self, carrier: &Carrier) {
+        let motion = |t: &f64| match carrier.joints(*t) {
+            Some(joints) => Motion::Joints(joints),
+            None => Motion::Stand(carrier.tool(*t).values()),
+        };
+        self.motion = self.time.iter().map(motion).collect();
+    }
+
+    /// True when no channel misses at `row`.
+    pub fn is_whole(&self, row: usize) -> bool {
+        self.channels.iter().all(|channel| channel[row].is_finite())
+    }
+
+    /// Takes the samples of `rows` out: they count as missing.
+    pub fn leave_out(&mut self, rows: &[usize]) {
+        for channel in &mut self.channels {
+            rows.iter().for_each(|row| channel[*row] = f64::NAN);
+        }
     }
 
     /// Samples per second.
@@ -134,8 +159,10 @@ pub struct Corrector<'a> {
 pub struct Corrected {
     /// Time, s.
     pub time: Vec<f64>,
-    /// Fx .. Tz about the body origin in B, N and N m.
+    /// Fx .. Tz about the body origin in B (or the cell's in C), N and N m.
     pub channels: [Vec<f64>; 6],
+    /// The same before the filter.
+    pub unfiltered: [Vec<f64>; 6],
     /// Tare offsets of the channels in C at t = 0.
     pub offset: [f64; 6],
     /// Drift of the channels in C, per s.
@@ -153,7 +180,7 @@ impl Corrector<'_> {
         let mut out = Corrected { time: samples.time.clone(), ..Default::default() };
         let mut models = Vec::with_capacity(n);
         for row in 0..n {
-            match self.model(samples, row) {
+            match if samples.is_whole(row) { self.model(samples, row) } else { Ok(Model::NONE) } {
                 Ok(model) => models.push(model),
                 Err(fault) => return Ok(Err(fault)),
             }
@@ -169,16 +196,17 @@ impl Corrector<'_> {
             let raw = std::array::from_fn(|i| {
                 samples.channels[i][row] - out.offset[i] - out.slope[i] * t - six(&model.removed)[i]
             });
-            let body = six(&self.mount.to_body(&wrench(raw)));
-            for (channel, value) in out.channels.iter_mut().zip(body) {
+            let turned = if self.steps.body_frame { six(&self.mount.to_body(&wrench(raw))) } else { raw };
+            for (channel, value) in out.channels.iter_mut().zip(turned) {
                 channel.push(value);
             }
         }
-        if self.steps.cutoff_multiple > 0.0 {
+        out.unfiltered = out.channels.clone();
+        if self.steps.cutoff_multiple > 0.0 && self.frequency > 0.0 {
             let cutoff = self.steps.cutoff_multiple * self.frequency;
             let filter = super::Butterworth::new(cutoff, samples.rate())?;
             for channel in &mut out.channels {
-                *channel = filter.apply(channel);
+                *channel = filter.apply_between_gaps(channel);
             }
         }
         Ok(Ok(out))
@@ -187,20 +215,21 @@ impl Corrector<'_> {
     /// Offset and slope of each channel over the rest, less the weight that the model expects there.
     fn tare(&self, samples: &Samples, models: &[Model], out: &mut Corrected) -> Result<(), Error> {
         let rest = samples.index(0.0);
-        if rest < 16 {
+        // The filter and resonance of the box settle within the first part of the rest.
+        let rows: Vec<usize> = (rest / 8..rest).filter(|row| samples.is_whole(*row)).collect();
+        if rows.len() < 16 {
             return Err(Error::invalid(
                 "record.t",
-                format!("{rest} samples before 0"),
-                "a rest of 16 samples or more",
+                format!("{} samples before 0", rows.len()),
+                "a rest of 16 samples or more for the tare: process.input.start_s says when the run begins; \
+                 without a rest set process.steps.tare and drift to false",
             ));
         }
-        // The filter and resonance of the box settle within the first part of the rest.
-        let from = rest / 8;
+        let time: Vec<f64> = rows.iter().map(|row| samples.time[*row]).collect();
         for i in 0..6 {
-            let y = (from..rest)
-                .map(|row| samples.channels[i][row] - six(&models[row].weight)[i])
-                .collect::<Vec<_>>();
-            let (offset, slope) = tare_line(&samples.time[from..rest], &y);
+            let unloaded = |row: &usize| samples.channels[i][*row] - six(&models[*row].weight)[i];
+            let y: Vec<f64> = rows.iter().map(unloaded).collect();
+            let (offset, slope) = tare_line(&time, &y);
             if self.steps.drift {
                 (out.offset[i], out.slope[i]) = (offset, slope);
             } else {
@@ -211,12 +240,7 @@ impl Corrector<'_> {
     }
 
     fn model(&self, samples: &Samples, row: usize) -> Result<Model, Fault> {
-        let tool = match (samples.motion[row], self.arm) {
-            (Motion::Joints(q), Some(arm)) => arm.tool_pose(&q),
-            (Motion::Joints(_), None) => Pose::IDENTITY,
-            (Motion::Stand(pose), _) => Pose::constant(&pose),
-        };
-        let (cell, body) = carried_frames(&tool, self.mount);
+        let (cell, body) = carried_frames(&self.tool(samples, row), self.mount);
         let loads = self.robot_loads(&body, self.clock(samples, row))?;
         let still = FrameMotion {
             velocity: Default::default(),
@@ -244,7 +268,7 @@ impl Corrector<'_> {
     /// The gait's clock from the encoder: time, rate and its slope.
     fn clock(&self, samples: &Samples, row: usize) -> Jet {
         let n = samples.phase.len();
-        if n < 3 {
+        if n < 3 || self.frequency <= 0.0 {
             return Jet::default();
         }
         let w = std::f64::consts::TAU * self.frequency;
@@ -253,6 +277,22 @@ impl Corrector<'_> {
         let p = |i: usize| (samples.phase[i] - samples.phase[0]) / w;
         let rate = (p(k + 1) - p(k - 1)) / (2.0 * h);
         Jet::new(p(row), rate, (p(k + 1) - 2.0 * p(k) + p(k - 1)) / (h * h))
+    }
+
+    /// Weight of the robot at `row`, in C, and the direction of gravity, m/s2 in C.
+    pub fn robot_weight(&self, samples: &Samples, row: usize) -> Result<(Wrench<f64>, Vec3), Fault> {
+        let (cell, body) = carried_frames(&self.tool(samples, row), self.mount);
+        let loads = self.robot_loads(&body, self.clock(samples, row))?;
+        let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
+        Ok((self.mount.to_cell(&loads.0), down))
+    }
+
+    fn tool(&self, samples: &Samples, row: usize) -> Pose<Jet> {
+        match (samples.motion[row], self.arm) {
+            (Motion::Joints(q), Some(arm)) => arm.tool_pose(&q),
+            (Motion::Joints(_), None) => Pose::IDENTITY,
+            (Motion::Stand(pose), _) => Pose::constant(&pose),
+        }
     }
 
     /// Weight and inertia of the robot about the body origin, in B.
@@ -269,6 +309,30 @@ impl Corrector<'_> {
 struct Model {
     weight: Wrench<f64>,
     removed: Wrench<f64>,
+}
+
+impl Model {
+    const NONE: Self = Self { weight: Wrench::ZERO, removed: Wrench::ZERO };
+}
+
+/// An angle without jumps by whole turns; gaps are bridged by straight lines.
+fn unwrapped(angle: &[f64]) -> Vec<f64> {
+    use std::f64::consts::TAU;
+    let mut out = angle.to_vec();
+    let mut last: Option<usize> = None;
+    for row in 0..out.len() {
+        if !out[row].is_finite() {
+            continue;
+        }
+        if let Some(before) = last {
+            out[row] -= TAU * ((out[row] - out[before]) / TAU).round();
+            for k in before + 1..row {
+                out[k] = out[before] + (out[row] - out[before]) * (k - before) as f64 / (row - before) as f64;
+            }
+        }
+        last = Some(row);
+    }
+    out
 }
 
 /// Least-squares line through (t, y): value at t = 0 and slope.

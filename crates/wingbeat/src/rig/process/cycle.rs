@@ -41,19 +41,25 @@ pub fn phase_of(
 }
 
 /// Frequency (Hz) and phase at t = 0 (rad) of the strongest oscillation within
-/// 20 % of `near`, by scanning and refining the projection on cosine and sine.
+/// 20 % of `near`, by scanning and refining the projection on cosine and sine under
+/// a Hann window, which keeps other harmonics out.
 fn fundamental(time: &[f64], x: &[f64], near: f64) -> Result<(f64, f64), Error> {
-    let mean = x.iter().sum::<f64>() / x.len() as f64;
-    let spread = x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len() as f64;
+    let turn = TAU / x.len() as f64;
+    let there = || {
+        let weighted = x.iter().zip(time).enumerate().filter(|(_, (v, _))| v.is_finite());
+        weighted.map(|(k, (v, t))| (1.0 - (turn * k as f64).cos(), *v, *t))
+    };
+    let weight = there().map(|(w, ..)| w).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mean = there().map(|(w, v, _)| w * v).sum::<f64>() / weight;
+    let spread = there().map(|(w, v, _)| w * (v - mean).powi(2)).sum::<f64>() / weight;
     let projection = |f: f64| {
         let (mut c, mut s) = (0.0, 0.0);
-        for (t, v) in time.iter().zip(x) {
+        for (w, v, t) in there() {
             let (sin, cos) = (TAU * f * t).sin_cos();
-            c += (v - mean) * cos;
-            s += (v - mean) * sin;
+            c += w * (v - mean) * cos;
+            s += w * (v - mean) * sin;
         }
-        let scale = 2.0 / x.len() as f64;
-        (c * scale, s * scale)
+        (2.0 * c / weight, 2.0 * s / weight)
     };
     let power = |f: f64| {
         let (c, s) = projection(f);
@@ -65,7 +71,7 @@ fn fundamental(time: &[f64], x: &[f64], near: f64) -> Result<(f64, f64), Error> 
         best = trial.max_by(|a, b| power(*a).total_cmp(&power(*b))).unwrap_or(best);
         width *= 0.3;
     }
-    if power(best) < 0.02 * spread {
+    if !(power(best) >= 0.02 * spread) || spread == 0.0 {
         return Err(Error::invalid(
             "process.phase",
             "force",
@@ -87,12 +93,15 @@ pub struct CycleAverage {
     pub high: Vec<f64>,
     /// Whole cycles averaged.
     pub cycles: usize,
+    /// Whole cycles left out because samples are missing in them.
+    pub left_out: usize,
 }
 
 /// Averages `x` over the whole cycles of `phase` at `bins` phases, by linear interpolation.
+/// A cycle in which samples are missing (not-a-number) is left out.
 ///
 /// # Errors
-/// Less than one whole cycle.
+/// Less than one whole cycle, or none without gaps.
 pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAverage, Error> {
     let (Some(first), Some(last)) = (phase.first(), phase.last()) else {
         return Err(Error::invalid("process.window", "no samples", "at least one whole cycle"));
@@ -103,19 +112,27 @@ pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAvera
         let given = format!("{:.2} cycles", (last - first) / TAU);
         return Err(Error::invalid("process.window", given, "at least one whole cycle"));
     }
+    let whole: Vec<usize> =
+        (0..cycles).filter(|cycle| is_whole(phase, x, first + TAU * *cycle as f64)).collect();
+    if whole.is_empty() {
+        let allowed =
+            "at least one cycle without missing samples; process.input.bridge_samples bridges short gaps";
+        return Err(Error::invalid("process.window", format!("{cycles} cycles, each with a gap"), allowed));
+    }
     let mut average = CycleAverage {
         mean: vec![0.0; bins],
         low: vec![f64::INFINITY; bins],
         high: vec![f64::NEG_INFINITY; bins],
-        cycles,
+        cycles: whole.len(),
+        left_out: cycles - whole.len(),
     };
     for bin in 0..bins {
         let share = bin as f64 / bins as f64;
         // The first turn number at which this phase lies in the window.
         let turn = (begin - share).ceil();
-        for cycle in 0..cycles {
-            let value = sample(phase, x, TAU * (turn + share + cycle as f64).min(last / TAU));
-            average.mean[bin] += value / cycles as f64;
+        for cycle in &whole {
+            let value = sample(phase, x, TAU * (turn + share + *cycle as f64).min(last / TAU));
+            average.mean[bin] += value / whole.len() as f64;
             average.low[bin] = average.low[bin].min(value);
             average.high[bin] = average.high[bin].max(value);
         }
@@ -123,9 +140,27 @@ pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAvera
     Ok(average)
 }
 
+/// True when no sample is missing in the cycle that begins at `phase[..] = begin`.
+fn is_whole(phase: &[f64], x: &[f64], begin: f64) -> bool {
+    let from = phase.partition_point(|p| *p < begin).saturating_sub(1);
+    let to = (phase.partition_point(|p| *p <= begin + TAU) + 1).min(x.len());
+    x[from..to].iter().all(|value| value.is_finite())
+}
+
 /// `x` at the phase `p`.
 fn sample(phase: &[f64], x: &[f64], p: f64) -> f64 {
     crate::math::interpolation::piecewise_linear(phase, x, p)
+}
+
+impl CycleAverage {
+    /// Takes another average away, phase by phase: what is common to both.
+    pub fn subtract(&mut self, other: &Self) {
+        for (k, common) in other.mean.iter().enumerate() {
+            self.mean[k] -= common;
+            self.low[k] -= common;
+            self.high[k] -= common;
+        }
+    }
 }
 
 /// Smallest and largest of several cycles, bin by bin.
@@ -198,6 +233,12 @@ mod tests {
             assert!((value - p.sin() - 0.3 * (2.0 * p).cos()).abs() < 1e-5, "{bin}");
         }
         assert!(phase_average(&phase[..1000], &x[..1000], 100).is_err());
+        let mut gap = x.clone();
+        gap[2500] = f64::NAN;
+        let rest = phase_average(&phase, &gap, 100).unwrap();
+        assert_eq!((rest.cycles, rest.left_out), (2, 1));
+        assert!(rest.mean.iter().zip(&average.mean).all(|(a, b)| (a - b).abs() < 1e-5));
+        assert!(phase_average(&phase, &vec![f64::NAN; x.len()], 100).is_err());
     }
 
     #[test]
@@ -208,7 +249,7 @@ mod tests {
         let found = (phase[7000] - phase[0]) / TAU;
         assert!((found - 3.62).abs() < 5e-3, "{found}");
         let nothing = vec![0.0; time.len()];
-        assert!(phase_of(PhaseSource::Force, &time, &[], &nothing, 3.5).is_err() || nothing[0] == 0.0);
+        assert!(phase_of(PhaseSource::Force, &time, &[], &nothing, 3.5).is_err());
     }
 
     #[test]

@@ -66,6 +66,18 @@ impl Butterworth {
         y[pad..pad + n].to_vec()
     }
 
+    /// As [`Butterworth::apply`], each stretch between missing samples (not-a-number) by itself.
+    pub fn apply_between_gaps(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = Vec::with_capacity(x.len());
+        for stretch in x.chunk_by(|a, b| a.is_nan() == b.is_nan()) {
+            match stretch[0].is_nan() {
+                true => y.extend_from_slice(stretch),
+                false => y.extend(self.apply(stretch)),
+            }
+        }
+        y
+    }
+
     /// One pass, begun in the steady state of the first sample.
     fn pass(&self, y: &mut [f64]) {
         for s in &self.sections {
@@ -125,5 +137,10 @@ mod tests {
             assert!((y - x).abs() < 1e-9);
         }
         assert!(Butterworth::new(4000.0, 7000.0).is_err());
+        let mut gap = x.clone();
+        gap[3000..3010].fill(f64::NAN);
+        let y = filter.apply_between_gaps(&gap);
+        assert!(y[3000..3010].iter().all(|y| y.is_nan()));
+        assert!(y.iter().zip(&x).all(|(y, x)| y.is_nan() || (y - x).abs() < 1e-9));
     }
 }

@@ -6,8 +6,10 @@ mod correct;
 mod cycle;
 mod filter;
 mod input;
+mod tilt;
 
 pub use correct::{Corrected, Corrector, Samples, Steps, tare_line};
 pub use cycle::{Comparison, CycleAverage, PhaseSource, compare, envelope, phase_average, phase_of};
 pub use filter::Butterworth;
 pub use input::{InputSpec, UnitSpec};
+pub use tilt::{Tilt, Weighing, weigh};

@@ -1,0 +1,232 @@
+//! The envelope of all runs, and the numbers beside the figures.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::Serialize;
+use wingbeat::flight::{Column, Record};
+use wingbeat::rig::cell::CHANNELS;
+use wingbeat::rig::process::{Comparison, Steps, compare, envelope};
+use wingbeat::scenario::{Processed, RigRun, Weighed};
+use wingbeat_io::samples::Import;
+
+use super::{Done, Outcome};
+use crate::error::Error;
+
+/// The run whose noise-free wrench stands for the simulation when several are processed.
+const REFERENCE: &str = "roll15_speed08";
+
+/// Cycles drawn side by side.
+const CYCLES: usize = 3;
+
+/// The contents of summary.json.
+#[derive(Serialize)]
+pub struct Summary {
+    /// `ok`: a run that cannot be processed ends the command.
+    status: &'static str,
+    /// Steps made, as configured.
+    steps: Steps,
+    /// Run whose simulation is the black line.
+    simulation: String,
+    /// Middle of the envelope against the simulation, by channel.
+    envelope_against_simulation: BTreeMap<&'static str, Comparison>,
+    /// Each run's phase average against its own noise-free wrench, by channel.
+    runs_against_truth: BTreeMap<String, BTreeMap<&'static str, Comparison>>,
+    /// Saturated samples of each run.
+    saturated: BTreeMap<String, usize>,
+    /// How each run was read and processed.
+    runs: BTreeMap<String, RunNumbers>,
+    /// Mass, centre and offsets from static tilts.
+    static_tilts: BTreeMap<String, Weighed>,
+}
+
+/// How a run was read and processed.
+#[derive(Serialize)]
+struct RunNumbers {
+    file: PathBuf,
+    import: Import,
+    window_s: (f64, f64),
+    cycles: usize,
+    cycles_left_out: usize,
+    serious: usize,
+    statement: Vec<String>,
+}
+
+/// Everything that is said of all runs together.
+pub struct Numbers {
+    pub summary: Summary,
+    /// Band of all runs and the simulation over three cycles.
+    pub envelope: Option<Record>,
+}
+
+/// The envelope over the turns (or of a run that is alone) and the numbers.
+pub fn numbers(done: &[Done]) -> Result<Numbers, Error> {
+    let averaged: Vec<_> = done.iter().filter_map(|one| Some((one, one.averaged()?))).collect();
+    let turns: Vec<_> = averaged.iter().filter(|(one, _)| one.run.spec.turn.is_some()).copied().collect();
+    let band = if turns.is_empty() && averaged.len() == 1 { &averaged } else { &turns };
+    let name = |one: &Done| one.run.spec.name.clone();
+    let named = |c: [Comparison; 6]| CHANNELS.iter().map(|(name, _)| *name).zip(c).collect();
+    let reference = band.iter().find(|(one, _)| one.run.spec.name == REFERENCE).or(band.first());
+    let together = reference.map(|(one, black)| together(&one.run, black, band)).transpose()?;
+    let (envelope, against) = together.map_or((None, BTreeMap::new()), |(e, a)| (Some(e), a));
+    let weighed = done.iter().filter_map(|one| match &one.result {
+        Outcome::Weighed(weighed) => Some((name(one), (**weighed).clone())),
+        Outcome::Averaged(_) => None,
+    });
+    let steps = reference
+        .map(|(one, _)| *one)
+        .or(done.first())
+        .map_or(Steps::default(), |one| one.run.spec.process.steps);
+    let summary = Summary {
+        status: "ok",
+        steps,
+        simulation: reference.map_or(String::new(), |(one, _)| name(one)),
+        envelope_against_simulation: against,
+        runs_against_truth: averaged
+            .iter()
+            .filter_map(|(one, p)| Some((name(one), named(p.against_truth()?))))
+            .collect(),
+        saturated: averaged.iter().map(|(one, p)| (name(one), p.saturated)).collect(),
+        runs: done.iter().map(|one| (name(one), RunNumbers::of(one))).collect(),
+        static_tilts: weighed.collect(),
+    };
+    Ok(Numbers { summary, envelope })
+}
+
+impl RunNumbers {
+    fn of(done: &Done) -> Self {
+        let processed = done.averaged();
+        Self {
+            file: done.file.clone(),
+            import: done.import.clone(),
+            window_s: done.window,
+            cycles: processed.map_or(0, |p| p.cycles[0].cycles),
+            cycles_left_out: processed.map_or(0, |p| p.cycles[0].left_out),
+            serious: processed.map_or(0, |p| p.serious),
+            statement: processed.map_or(Vec::new(), |p| p.statement.clone()),
+        }
+    }
+}
+
+/// The envelope beside the simulation of `run`, and one against the other.
+fn together(
+    run: &RigRun,
+    black: &Processed,
+    band: &[(&Done, &Processed)],
+) -> Result<(Record, BTreeMap<&'static str, Comparison>), Error> {
+    let bins = black.cycles[0].mean.len();
+    let mut columns = vec![Column::new("t", "s", "")];
+    columns[0].values = (0..=CYCLES * bins).map(|k| k as f64 / bins as f64 / run.frequency()).collect();
+    let mut against = BTreeMap::new();
+    for (i, (name, unit)) in CHANNELS.iter().enumerate() {
+        let (low, high) = envelope(band.iter().map(|(_, p)| &p.cycles[i]));
+        let simulation = black.truth.as_ref().map_or(&black.cycles[i].mean, |truth| &truth[i].mean);
+        let middle: Vec<f64> = low.iter().zip(&high).map(|(a, b)| 0.5 * (a + b)).collect();
+        against.insert(*name, compare(&middle, simulation));
+        for (prefix, values) in [("low_", &low), ("high_", &high), ("simulation_", simulation)] {
+            let column = Column::new(format!("{prefix}{name}"), *unit, run.processed_frame());
+            let values = (0..=CYCLES * bins).map(|k| values[k % bins]).collect();
+            columns.push(Column { values, ..column });
+        }
+    }
+    Ok((Record::new(columns, 0)?, against))
+}
+
+impl Summary {
+    /// The numbers as tables.
+    pub fn words(&self) -> String {
+        let mut text = String::new();
+        if !self.envelope_against_simulation.is_empty() {
+            text += &self.against_simulation();
+        }
+        for (name, run) in &self.runs {
+            text += &run.words(name);
+        }
+        for (name, count) in self.saturated.iter().filter(|(_, count)| **count > 0) {
+            text += &format!("{name}: {count} samples saturated\n");
+        }
+        for (name, weighed) in &self.static_tilts {
+            text += &weighing(name, weighed);
+        }
+        text
+    }
+
+    fn against_simulation(&self) -> String {
+        let mut text = format!(
+            "middle of the envelope against the simulation of {}\n{:8}{:>12}{:>12}{:>13}{:>12}\n",
+            self.simulation, "channel", "rmse", "range", "correlation", "peak ratio"
+        );
+        for (name, c) in &self.envelope_against_simulation {
+            text += &format!(
+                "{name:8}{:12.5}{:12.5}{:13.4}{:12.3}\n",
+                c.rmse, c.range, c.correlation, c.peak_ratio
+            );
+        }
+        if self.runs_against_truth.is_empty() {
+            return text;
+        }
+        text += "largest RMSE of a run against its noise-free wrench, % of the channel's range\n";
+        for (name, _) in CHANNELS {
+            let share =
+                |runs: &BTreeMap<&str, Comparison>| runs.get(name).map_or(0.0, |c| 100.0 * c.rmse / c.range);
+            let worst = self.runs_against_truth.values().map(share).fold(0.0, f64::max);
+            text += &format!("{name:8}{worst:12.2}\n");
+        }
+        text
+    }
+}
+
+impl RunNumbers {
+    /// What a person must know of the run: gaps and cycles left out.
+    fn words(&self, name: &str) -> String {
+        let i = &self.import;
+        let mut text = String::new();
+        if i.missing > 0 || i.duplicates > 0 || i.late > 0 {
+            text += &format!(
+                "{name}: {} samples missing in {} gaps (longest {}, {} bridged), {} duplicates, {} late\n",
+                i.missing, i.gaps, i.longest_gap, i.bridged, i.duplicates, i.late
+            );
+        }
+        if self.serious > 0 {
+            text += &format!("{name}: {} samples left out for a serious status of the box\n", self.serious);
+        }
+        if self.cycles_left_out > 0 {
+            let all = self.cycles + self.cycles_left_out;
+            text +=
+                &format!("{name}: {} of {all} cycles left out for missing samples\n", self.cycles_left_out);
+        }
+        text
+    }
+}
+
+fn weighing(name: &str, weighed: &Weighed) -> String {
+    let mut text = format!(
+        "{name}: {} attitudes, least squares (plus-minus one standard deviation)\n",
+        weighed.load.tilts
+    );
+    for (what, w) in [("load on the cell", &weighed.load), ("mount without robot", &weighed.mount)] {
+        let com = |i: usize| format!("{:.3} +- {:.3}", 1e3 * w.com_m[i], 1e3 * w.com_sigma_m[i]);
+        text += &format!(
+            "  {what:20} mass {:.3} +- {:.3} g, centre {}, {}, {} mm\n",
+            1e3 * w.mass_kg,
+            1e3 * w.mass_sigma_kg,
+            com(0),
+            com(1),
+            com(2)
+        );
+    }
+    let w = &weighed.mount;
+    let six = |values: &[f64; 6]| values.map(|value| format!("{value:.5}")).join(", ");
+    text += &format!("  bias [{}] N, N m; drift [{}] per s\n", six(&w.bias), six(&w.drift_per_s));
+    text += &format!(
+        "  residual: forces {:.5} N rms, {:.5} N largest; moments {:.3} N mm rms, {:.3} N mm largest\n",
+        w.residual_rms[0],
+        w.residual_largest[0],
+        1e3 * w.residual_rms[1],
+        1e3 * w.residual_largest[1]
+    );
+    text + &format!(
+        "  to use it: --set rig.mount.link.mass_kg={:.6} --set 'rig.mount.link.com_m=[{:.6}, {:.6}, {:.6}]'\n",
+        w.mass_kg, w.com_m[0], w.com_m[1], w.com_m[2]
+    )
+}
