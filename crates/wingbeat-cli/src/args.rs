@@ -137,13 +137,27 @@ pub struct Validate {
 /// Plan, simulate, record and process runs on the test rig
 #[derive(Debug, Subcommand)]
 pub enum Rig {
-    /// Place banking turns in the arm's workspace and write its trajectories
-    Plan(RigRuns),
+    Plan(RigPlan),
     /// Simulate runs: the carried robot, the arm's motion, the load cell
     Simulate(RigRuns),
     Process(RigProcess),
     Record(RigRecord),
     Emulate(RigEmulate),
+}
+
+/// Place banking turns in the arm's workspace and write its trajectories
+///
+/// The folder holds for each run NAME.txt (the report), NAME.toml (as resolved), and the joint motion at 1 kHz as
+/// NAME.csv (Kortex), NAME.yaml (ROS 2) and NAME.json (Kinova Web App); with --from-deg also NAME_approach in the
+/// same formats.
+#[derive(Debug, Args)]
+pub struct RigPlan {
+    #[command(flatten)]
+    pub runs: RigRuns,
+    /// Present joint positions, deg: also plan the way from there to the begin of each run, straight in joint space
+    /// and in least time
+    #[arg(long, value_name = "J1,J2,...", value_delimiter = ',', allow_hyphen_values = true)]
+    pub from_deg: Option<Vec<f64>>,
 }
 
 /// A run on the rig, or a list of runs

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
+use wingbeat::rig::Trajectory;
 use wingbeat::rig::plan::Plan;
 use wingbeat::scenario::RigRun;
 use wingbeat_io::trajectory::{kinova_json, kortex_csv, ros_yaml};
 
 use super::runs;
-use crate::args::RigRuns;
+use crate::args::RigPlan;
 use crate::error::Error;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
@@ -16,29 +17,40 @@ use crate::run_folder::RunFolder;
 const POSE_EVERY: usize = 50;
 
 /// Plans every run and writes its trajectory in the arm's formats.
-pub fn plan(arguments: &RigRuns) -> Result<(), Error> {
+pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
     let start = Instant::now();
-    let options = &arguments.run;
-    let runs = runs::load(&arguments.file, &options.overrides)?;
-    let name = arguments.file.file_stem().map_or("plan".into(), |stem| stem.to_string_lossy());
+    let (options, file) = (&arguments.runs.run, &arguments.runs.file);
+    let runs = runs::load(file, &options.overrides)?;
+    let from: Option<Vec<f64>> =
+        arguments.from_deg.as_ref().map(|from| from.iter().map(|deg| deg.to_radians()).collect());
+    let name = file.file_stem().map_or("plan".into(), |stem| stem.to_string_lossy());
     let folder = RunFolder::create(options.out.as_deref(), &name, options.force)?;
     let plans = runs::shared(&runs, |_, run| run.plan());
-    let mut refusals = Vec::new();
+    let (mut refusals, mut written) = (Vec::new(), 0);
     for (run, plan) in runs.iter().zip(plans) {
+        let name = &run.spec.name;
+        let mut refused = |what: &str, why: String| {
+            refusals.push(format!("{name}: {what}{why}"));
+            format!("{what}refused under limit profile {}: {why}\n", run.profile.name)
+        };
         let text = match plan? {
             Ok(plan) => {
                 write(&folder, run, &plan)?;
-                plan.report(&run.arm, &run.profile)
+                written += 1;
+                let approach = approach(&folder, run, &plan, from.as_deref())?;
+                let approach = approach.unwrap_or_else(|why| refused("way from the present pose: ", why));
+                plan.report(&run.arm, &run.profile) + &approach
             }
-            Err(refusal) => {
-                refusals.push(format!("{}: {refusal}", run.spec.name));
-                format!("refused under limit profile {}: {refusal}\n", run.profile.name)
-            }
+            Err(refusal) => refused("", refusal.to_string()),
         };
         if !options.quiet {
-            println!("{}\n{text}", run.spec.name);
+            println!("{name}\n{text}");
         }
-        folder.write(&format!("{}.txt", run.spec.name), &text)?;
+        folder.write(&format!("{name}.txt"), &text)?;
+    }
+    // Where no run can be planned there is nothing to keep.
+    if refusals.len() == runs.len() && written == 0 {
+        return Err(Error::Input(refusals.join("\n")));
     }
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     if !options.quiet {
@@ -52,9 +64,30 @@ pub fn plan(arguments: &RigRuns) -> Result<(), Error> {
 
 fn write(folder: &RunFolder, run: &RigRun, plan: &Plan) -> Result<(), Error> {
     let name = &run.spec.name;
-    let csv = kortex_csv(&plan.trajectory).map_err(Error::Input)?;
-    folder.write(&format!("{name}.csv"), &csv)?;
-    folder.write(&format!("{name}.yaml"), &ros_yaml(&plan.trajectory, "base_link"))?;
-    folder.write(&format!("{name}.json"), &kinova_json(&plan.trajectory, POSE_EVERY))?;
+    trajectory(folder, name, &plan.trajectory)?;
     folder.write(&format!("{name}.toml"), &run.resolved)
+}
+
+/// Plans and writes the way from the pose `from`, where there is one: the report, or why not.
+fn approach(
+    folder: &RunFolder,
+    run: &RigRun,
+    plan: &Plan,
+    from: Option<&[f64]>,
+) -> Result<Result<String, String>, Error> {
+    let Some(from) = from else { return Ok(Ok(String::new())) };
+    match run.approach(from, plan)? {
+        Ok(approach) => {
+            trajectory(folder, &format!("{}_approach", run.spec.name), &approach.trajectory)?;
+            Ok(Ok(approach.report(&run.profile)))
+        }
+        Err(refusal) => Ok(Err(refusal.to_string())),
+    }
+}
+
+/// Writes a motion in the formats of the arm's controllers.
+fn trajectory(folder: &RunFolder, name: &str, motion: &Trajectory) -> Result<(), Error> {
+    folder.write(&format!("{name}.csv"), &kortex_csv(motion).map_err(Error::Input)?)?;
+    folder.write(&format!("{name}.yaml"), &ros_yaml(motion, "base_link"))?;
+    folder.write(&format!("{name}.json"), &kinova_json(motion, POSE_EVERY))
 }

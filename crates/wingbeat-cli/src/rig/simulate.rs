@@ -49,7 +49,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
         bar.finish_and_clear();
         summary
     });
-    let mut failed = Vec::new();
+    let (mut failed, mut refused) = (Vec::new(), 0);
     for (run, summary) in runs.iter().zip(summaries) {
         let summary = summary?;
         let name = &run.spec.name;
@@ -61,9 +61,14 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
                 summary.status, summary.samples, summary.wall_s
             );
         }
+        refused += usize::from(summary.status == "refused");
         if let Some(reason) = summary.reason {
             failed.push(format!("{name}: {reason}"));
         }
+    }
+    // Where no run can be planned there is nothing to keep.
+    if refused == runs.len() {
+        return Err(Error::Input(failed.join("\n")));
     }
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     if !options.quiet {

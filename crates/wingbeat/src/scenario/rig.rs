@@ -8,7 +8,7 @@ use crate::plant::Fault;
 use crate::rig::arm::{ArmConfig, LimitProfile, LinkConfig, Payload, SerialArm, ToolConfig};
 use crate::rig::carrier::{Carrier, Mount};
 use crate::rig::cell::CellSpec;
-use crate::rig::plan::{Envelope, Margins, Plan, Refusal, TurnSpec, Workspace};
+use crate::rig::plan::{Approach, Envelope, Margins, Plan, Refusal, TurnSpec, Workspace};
 use crate::rig::process::{InputSpec, PhaseSource, Steps};
 use crate::rig::{Experiment, Outcome, Pose};
 use crate::robot::{Air, Robot, RobotSpec, Wind};
@@ -249,18 +249,38 @@ impl RigRun {
         let Some(turn) = &self.spec.turn else {
             return Err(Error::invalid("turn", "absent", "a [turn] to plan"));
         };
+        let (payload, envelope) = (self.payload(), self.envelope());
+        self.workspace(&payload, &envelope).plan(turn)
+    }
+
+    /// The motion from rest at `from` (rad) to the begin of `plan`.
+    ///
+    /// # Errors
+    /// A pose outside the joint limits.
+    pub fn approach(&self, from: &[f64], plan: &Plan) -> Result<Result<Approach, Refusal>, Error> {
+        let (payload, envelope) = (self.payload(), self.envelope());
+        let Some(start) = plan.trajectory.position.first() else {
+            return Err(Error::invalid("plan", "no points", "a plan with points"));
+        };
+        self.workspace(&payload, &envelope).approach(from, start)
+    }
+
+    fn envelope(&self) -> Envelope {
         let e = self.spec.rig.envelope;
+        Envelope::fan(e.half_span_m, e.low_rad, e.high_rad, e.front_m, e.back_m)
+    }
+
+    fn workspace<'a>(&'a self, payload: &'a Payload, envelope: &'a Envelope) -> Workspace<'a> {
         let rig = &self.spec.rig;
-        let workspace = Workspace {
+        Workspace {
             arm: &self.arm,
             profile: &self.profile,
-            payload: &self.payload(),
+            payload,
             body: self.body_in_tool(),
-            envelope: &Envelope::fan(e.half_span_m, e.low_rad, e.high_rad, e.front_m, e.back_m),
+            envelope,
             table: rig.table_m,
             margins: Margins { singularity: rig.singularity_margin, clearance: rig.clearance_m },
-        };
-        workspace.plan(turn)
+        }
     }
 
     /// What carries the robot in this run; a turn needs its `plan`.

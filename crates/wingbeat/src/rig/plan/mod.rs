@@ -1,6 +1,7 @@
 //! Planning of banking turns on an arm: the path, its place in the workspace,
 //! the joint motion, and what of the limits it uses.
 
+mod approach;
 mod clearance;
 mod place;
 mod report;
@@ -8,6 +9,7 @@ mod track;
 mod turn;
 mod usage;
 
+pub use approach::Approach;
 pub use clearance::{Clearance, Envelope, clearance};
 pub use place::{Margins, Placed, Workspace};
 pub use report::{Plan, Refusal};
