@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use kuva::plot::LinePlot;
-use kuva::plot::annotations::ShadedRegion;
+use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
 use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::{Layout, TickFormat};

@@ -198,8 +198,8 @@ fn damaged_files() {
         for _ in 0..100 {
             let mut bytes = bytes.clone();
             for _ in 0..4 {
-                let at = (random.between(0.0, bytes.len() as f64)) as usize;
-                bytes[at] = (random.between(0.0, 256.0)) as u8;
+                let at = random.between(0.0, bytes.len() as f64) as usize;
+                bytes[at] = random.between(0.0, 256.0) as u8;
             }
             fs::write(&path, &bytes).unwrap();
             let _ = read_samples(&path).and_then(|table| table.import(&InputSpec::default()));

@@ -3,6 +3,8 @@
 mod fly;
 #[cfg(unix)]
 mod record;
+mod rig_plan;
+mod rig_process;
 mod sweep;
 mod tether;
 mod validate;

@@ -1,29 +1,17 @@
 //! `wingbeat rig plan` as a user meets it: the way to the begin of a run, refusals.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
+
+use crate::{root, scratch, wingbeat};
 
 fn run(name: &str) -> String {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../rigs/runs/{name}.toml"));
-    file.canonicalize().unwrap().to_string_lossy().into_owned()
-}
-
-/// An empty folder for one test.
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("rig-plan-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
+    root().join(format!("rigs/runs/{name}.toml")).to_string_lossy().into_owned()
 }
 
 fn rig(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_wingbeat"))
-        .arg("rig")
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    wingbeat(folder, &[&["rig"], arguments].concat())
 }
 
 /// The joint angles of a row of a Kortex file, deg.
@@ -33,7 +21,7 @@ fn joints(line: &str) -> Vec<f64> {
 
 #[test]
 fn the_way_from_the_present_pose_ends_where_the_run_begins() {
-    let folder = scratch("approach");
+    let folder = scratch("rig-plan-approach");
     let from = "20,30,-75,10,-80,15";
     let output = rig(&folder, &["plan", &run("roll15_speed07"), "--from-deg", from, "--out", "a"]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -59,7 +47,7 @@ fn the_way_from_the_present_pose_ends_where_the_run_begins() {
 
 #[test]
 fn what_cannot_be_planned_is_refused_with_what_to_do() {
-    let folder = scratch("refused");
+    let folder = scratch("rig-plan-refused");
     let fast = run("roll15_speed09");
     for (file, more, parts) in [
         (&fast, ["--set", "profile=moveit-hard"], &["exceeds the limit", "keeps every limit at"][..]),

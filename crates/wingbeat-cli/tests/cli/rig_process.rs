@@ -6,20 +6,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
+use crate::{root, scratch};
 use wingbeat::flight::{Column, Record};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat_io::{read_parquet, write_parquet};
 
 fn rigs() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rigs").canonicalize().unwrap()
-}
-
-/// An empty folder for one test.
-fn scratch(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("rig-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
+    root().join("rigs")
 }
 
 fn command(folder: &Path, arguments: &[&str]) -> Command {
@@ -97,7 +90,7 @@ const AS_MEASURED: [&str; 6] = [
 
 #[test]
 fn a_recording_gives_the_phase_averages_of_what_was_played() {
-    let folder = scratch("recording");
+    let folder = scratch("rig-recording");
     let _emulator = Emulator::start(&folder, "11240", &[]);
     record(&folder, "11240", "3.2");
     let refused = rig(&folder, &["process", "taken"]);
@@ -126,7 +119,7 @@ fn a_recording_gives_the_phase_averages_of_what_was_played() {
 
 #[test]
 fn gaps_stay_open_and_their_cycles_are_left_out() {
-    let folder = scratch("gaps");
+    let folder = scratch("rig-gaps");
     let _emulator = Emulator::start(&folder, "11241", &["--drop", "0.0002", "--seed", "3"]);
     record(&folder, "11241", "4");
     let bench = bench();
@@ -165,7 +158,7 @@ fn signal(path: &Path, change: impl Fn(usize, &mut [f64; 6])) {
 
 #[test]
 fn bad_input_is_one_message_and_no_folder() {
-    let folder = scratch("bad");
+    let folder = scratch("rig-bad");
     signal(&folder.join("good.parquet"), |_, _| ());
     signal(&folder.join("saturated.parquet"), |k, values| {
         values[2] = if k == 1234 { 17.0 } else { values[2] }
@@ -211,7 +204,7 @@ fn bad_input_is_one_message_and_no_folder() {
 
 #[test]
 fn static_tilts_weigh_the_mount() {
-    let folder = scratch("tilts");
+    let folder = scratch("rig-tilts");
     let tilts = rigs().join("identification/static_tilts.toml");
     let set =
         ["--set", "rig.cell.rate_hz=1000", "--set", "rig.cell.filter_hz=400", "--set", "hold.each_s=1.0"];
