@@ -17,10 +17,11 @@ const PATIENCE: u32 = 10;
 /// Most memory of a target, MB. One input may take half of it: fuzz/src/lib.rs.
 const MEMORY: u32 = 1024;
 /// Examples of the repository that are seeds beside fuzz/seeds/TARGET.
-const EXAMPLES: [(&str, &[&str]); 3] = [
+const EXAMPLES: [(&str, &[&str]); 4] = [
     ("documents", &["scenarios", "rigs", "cases", "sweeps", "robots"]),
     ("urdf", &["validation/multibody"]),
     ("record_csv", &["validation"]),
+    ("samples", &["crates/wingbeat-io/tests/data"]),
 ];
 
 /// What came of a target.
