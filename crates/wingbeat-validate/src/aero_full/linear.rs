@@ -177,4 +177,16 @@ mod tests {
         let pitch = SmallMotion::new(&model, &wing, Motion::Pitch(0.0));
         assert!((pitch.steady(0).unwrap()[0] / steady - 1.0).abs() < 1e-9);
     }
+
+    #[test]
+    fn wide_strips_answer_as_narrow_ones() {
+        let wing = wings::rectangular(20.0).unwrap();
+        let response = |strips: usize| {
+            let model = Preset::Full.model_of(strips, wing.wing.planform(), &[], 1.0, 1e-6).unwrap();
+            SmallMotion::new(&model, &wing, Motion::Plunge).response(1.0).unwrap()[0]
+        };
+        let (wide, narrow) = (response(6), response(24));
+        let distance = (wide.0 - narrow.0).hypot(wide.1 - narrow.1);
+        assert!(distance < 0.01 * narrow.0.hypot(narrow.1), "{wide:?} {narrow:?}");
+    }
 }

@@ -74,10 +74,12 @@ impl Grid {
 }
 
 impl Grid {
-    /// Half width of the narrower strip beside each edge, m.
+    /// Half width of the narrower strip beside each edge, at most half the chord, m: a core that grows
+    /// with a wide strip would reach its own bound vortex.
     pub fn half_widths(&self) -> impl Iterator<Item = f64> {
         let last = self.width.len() - 1;
-        (0..=last + 1).map(move |j| 0.5 * self.width[j.min(last)].min(self.width[j.saturating_sub(1)]))
+        let half = move |i: usize| 0.5 * self.width[i].min(self.chord[i]);
+        (0..=last + 1).map(move |j| half(j.min(last)).min(half(j.saturating_sub(1))))
     }
 }
 
