@@ -6,6 +6,9 @@ use crate::aero::{Planform, SectionMotion, Sections};
 use crate::body::LinkMotion;
 use crate::math::{Scalar, Vec3};
 
+/// How far beyond a hinge a section still lies on it, relative: left and right differ by rounding.
+const ON_HINGE: f64 = 1e-9;
+
 /// One wing section fixed to the body or a link.
 #[derive(Clone, Copy, Debug)]
 pub struct Section {
@@ -27,7 +30,7 @@ impl Section {
         let root = wing.shoulder_m[1];
         let elbow = root + wing.proximal.length_m;
         let side = if s >= 0.0 { 0 } else { 1 };
-        let (carrier, inner) = match s.abs() {
+        let (carrier, inner) = match s.abs() / (1.0 + ON_HINGE) {
             a if a <= root => (None, 0.0),
             a if a <= elbow => (Some(2 * side), root),
             _ => (Some(2 * side + 1), elbow),
