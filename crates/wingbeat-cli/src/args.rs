@@ -66,10 +66,12 @@ pub struct Tether {
     pub run: Run,
 }
 
-/// Plan a scenario's manoeuvre offline, in least time
+/// Plan a scenario's manoeuvre or gait offline: the quickest roll-in, or the least power for a mean force
 ///
-/// The scenario's [plan] says what. The folder holds what `fly` writes, from the open-loop flight of the
-/// plan, and track.toml: the scenario with the plan as the controller's reference, for `fly`.
+/// The scenario's [plan] says which. The folder of a roll-in holds what `fly` writes, from the open-loop flight of the
+/// plan, and track.toml: the scenario with the plan as the controller's reference, for `fly`. The folder of a gait
+/// holds its cycle as simulated from rest on a stand in the scenario's wind, figures, and tether.toml with joints.csv:
+/// the motion of the wing, for `tether`.
 #[derive(Debug, Args)]
 pub struct Plan {
     /// The scenario

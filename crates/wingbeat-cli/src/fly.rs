@@ -5,6 +5,7 @@ use std::time::Instant;
 use indicatif::ProgressBar;
 use wingbeat::flight::Record;
 use wingbeat::scenario::{Run, Scenario, Status};
+use wingbeat_figures::{Draw, FLIGHT};
 use wingbeat_io::write_parquet;
 
 use crate::args::Fly;
@@ -29,7 +30,7 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     folder.write("scenario.toml", &scenario.resolved)?;
     folder.write_json("summary.json", &run.summary)?;
     write_parquet(&folder.file("record.parquet"), &run.record)?;
-    draw(&folder, &run.record, &interrupt)?;
+    draw(&folder, &run.record, &FLIGHT, &interrupt)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
@@ -66,9 +67,9 @@ fn progress(duration: f64, quiet: bool) -> ProgressBar {
 }
 
 /// Draws what the record has the columns for; what it has not is said and left out.
-pub fn draw(folder: &RunFolder, record: &Record, interrupt: &Interrupt) -> Result<(), Error> {
+pub fn draw(folder: &RunFolder, record: &Record, draws: &[Draw], interrupt: &Interrupt) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
-    for draw in wingbeat_figures::FLIGHT {
+    for draw in draws {
         interrupt.check()?;
         let drawn = draw(record).and_then(|figure| wingbeat_figures::write(&figures, &figure));
         if let Err(error) = drawn {

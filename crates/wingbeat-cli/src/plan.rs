@@ -1,11 +1,13 @@
 //! `wingbeat plan`.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use wingbeat::ocp::Progress;
 use wingbeat::ocp::interior_point::Iteration;
-use wingbeat::scenario::{PlanSummary, Scenario};
+use wingbeat::scenario::{GaitNumbers, LeastPowerSummary, PlanSummary, RollInSummary, Scenario};
+use wingbeat_figures::{Draw, FLIGHT, GAIT};
 use wingbeat_io::write_parquet;
 
 use crate::args::Plan;
@@ -44,10 +46,10 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     folder.write_json("summary.json", &planned.summary)?;
     if let Some(record) = &planned.record {
         write_parquet(&folder.file("record.parquet"), record)?;
-        draw(&folder, record, &interrupt)?;
+        draw(&folder, record, figures(&planned.summary), &interrupt)?;
     }
-    if let Some(tracking) = &planned.tracking {
-        folder.write("track.toml", tracking)?;
+    for (name, text) in &planned.files {
+        folder.write(name, text)?;
     }
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
@@ -59,7 +61,8 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     if planned.record.is_some() {
         return Ok(());
     }
-    let (status, reason) = (planned.summary.status.into(), planned.summary.solver);
+    let solver = planned.summary.solver();
+    let (status, reason) = (solver.status.into(), solver.solver.clone());
     Err(Error::Failed { status, reason, folder: shown.into() })
 }
 
@@ -71,19 +74,61 @@ fn progress(quiet: bool) -> ProgressBar {
     bar
 }
 
+fn figures(summary: &PlanSummary) -> &'static [Draw] {
+    match summary {
+        PlanSummary::RollIn(_) => &FLIGHT,
+        PlanSummary::LeastPower(_) => &GAIT,
+    }
+}
+
 fn table(summary: &PlanSummary) -> String {
-    let worst = summary.resimulation_error.iter().max_by(|a, b| a.1.total_cmp(b.1));
-    let worst = worst.map_or("-".into(), |(name, error)| format!("{error:.1e} in {name}"));
+    let solver = summary.solver();
+    let mut lines = vec![("status", format!("{}: {}", solver.status, solver.solver))];
+    lines.extend(match summary {
+        PlanSummary::RollIn(summary) => roll_in(summary),
+        PlanSummary::LeastPower(summary) => least_power(summary),
+    });
+    lines.push(("error between the nodes", format!("{:.1e}, relative", solver.interval_error)));
+    lines.push(("intervals", format!("{} on mesh {}", solver.intervals, solver.meshes)));
+    lines.push(("iterations", format!("{} in {:.1} s", solver.iterations, solver.solve_s)));
+    lines.iter().map(|(name, value)| format!("{name:<28}{value}\n")).collect()
+}
+
+type Lines = Vec<(&'static str, String)>;
+
+fn roll_in(summary: &RollInSummary) -> Lines {
     let angles = |a: [f64; 3]| format!("{:.2} / {:.2} / {:.2} deg", a[0], a[1], a[2]);
-    let lines = [
-        ("status", format!("{}: {}", summary.status, summary.solver)),
+    vec![
         ("duration", format!("{:.4} s from {:.3} s on", summary.duration_s, summary.start_s)),
         ("roll / pitch / yaw, plan", angles(summary.final_angles_deg)),
         ("roll / pitch / yaw, flown", angles(summary.flown_angles_deg)),
-        ("error between the nodes", format!("{:.1e}, relative", summary.interval_error)),
-        ("error re-simulated", worst),
-        ("intervals", format!("{} on mesh {}", summary.intervals, summary.meshes)),
-        ("iterations", format!("{} in {:.1} s", summary.iterations, summary.solve_s)),
-    ];
-    lines.iter().map(|(name, value)| format!("{name:<28}{value}\n")).collect()
+        ("error re-simulated", worst(&summary.resimulation_error)),
+    ]
+}
+
+fn least_power(summary: &LeastPowerSummary) -> Lines {
+    let gait = |gait: &GaitNumbers| {
+        let m = &gait.means;
+        format!(
+            "{:.4} W, up {:.4} N, forward {:.4} N, {:.3} Hz, pitch {:.2} deg",
+            m.drive_power_w, m.up_n, m.forward_n, gait.frequency_hz, gait.pitch_deg
+        )
+    };
+    let asked = format!(
+        "up {:.4} N, forward {:.4} N (weight {:.4} N)",
+        summary.asked_up_n, summary.asked_forward_n, summary.weight_n
+    );
+    let mut lines = vec![("asked", asked), ("own gait", gait(&summary.own))];
+    if let (Some(plan), Some(means)) = (&summary.plan, &summary.replay) {
+        let replay = GaitNumbers { means: *means, ..*plan };
+        lines.push(("plan", gait(plan)));
+        lines.push(("replayed from rest", gait(&replay)));
+        lines.push(("error re-simulated", worst(&summary.resimulation_error)));
+    }
+    lines
+}
+
+fn worst(errors: &BTreeMap<String, f64>) -> String {
+    let worst = errors.iter().max_by(|a, b| a.1.total_cmp(b.1));
+    worst.map_or("-".into(), |(name, error)| format!("{error:.1e} in {name}"))
 }

@@ -8,6 +8,7 @@ mod cycle;
 mod error;
 mod force_moment;
 mod forces;
+mod gait;
 mod panel;
 mod path;
 mod processing;
@@ -21,6 +22,7 @@ pub use commands::commands;
 pub use error::Error;
 pub use force_moment::force_moment;
 pub use forces::forces;
+pub use gait::gait;
 pub use path::path;
 pub use processing::{cycles, filtered};
 pub use robustness::robustness;
@@ -35,6 +37,9 @@ pub type Draw = fn(&Record) -> Result<Figure, Error>;
 
 /// The figures of a flight.
 pub const FLIGHT: [Draw; 4] = [states, path, commands, forces];
+
+/// The figures of a planned gait.
+pub const GAIT: [Draw; 3] = [gait, commands, forces];
 
 /// The numbers of a column that a figure needs.
 fn needed<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], Error> {

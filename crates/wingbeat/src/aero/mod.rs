@@ -70,6 +70,11 @@ impl Aero {
             Self::Strip(model) => model.channels(),
         }
     }
+    /// The state of the other wing that stands for state `i`: strips are counted from left tip to right tip.
+    pub fn mirrored(&self, i: usize) -> usize {
+        let strips = self.strips();
+        i - i % strips + (strips - 1 - i % strips)
+    }
     /// Name of the lift law.
     pub fn law(&self) -> LiftLaw {
         match self {

@@ -116,6 +116,19 @@ pub fn joint_power<S: Scalar>(torques: &[S], joints: &[Jet<S>]) -> S {
     torques.iter().zip(joints).fold(S::ZERO, |sum, (torque, joint)| sum + *torque * joint.d)
 }
 
+/// Equation: body.drive_power
+///
+/// Power that the joints draw from their drives, W: P_drive = sum_i P_i + (1 - storage) max(0, -P_i),
+/// P_i torque times rate. What a joint gives back is stored and used again to the share `storage`:
+/// 0 is no elastic storage, 1 perfect storage (Weis-Fogh 1973; Ellington 1984, part VI). The corner
+/// at P_i = 0 is rounded off over `width` W.
+pub fn drive_power<S: Scalar>(torques: &[S], joints: &[Jet<S>], storage: f64, width: f64) -> S {
+    torques.iter().zip(joints).fold(S::ZERO, |sum, (torque, joint)| {
+        let power = *torque * joint.d;
+        sum + power + (-power).smooth_positive(width) * (1.0 - storage)
+    })
+}
+
 impl<S: Scalar> Reaction<S> {
     /// Wrench about the body origin with the base's acceleration included.
     #[inline]

@@ -13,7 +13,7 @@ mod planar;
 mod response;
 mod tree;
 
-pub use dynamics::{BaseAcceleration, joint_power};
+pub use dynamics::{BaseAcceleration, drive_power, joint_power};
 pub use forward::FreeAcceleration;
 pub use gait::{FourierSeries, Gait, Harmonic, WingAngles};
 pub use linkage::{Directions, Linkage, LinkageDimensions, LinkagePose, MARGIN_LIMIT, REGULATED};

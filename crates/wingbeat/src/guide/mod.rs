@@ -1,12 +1,16 @@
 //! Guidance: what to fly, the predictive controller that flies it, and
 //! manoeuvres planned offline.
 
+mod least_power;
 mod manoeuvre;
 mod mpc;
 mod playback;
 mod roll_in;
+mod stand;
 
+pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, Track, angle_error};
 pub use mpc::{Mpc, MpcSpec, Weights};
 pub use playback::Playback;
 pub use roll_in::{RollIn, RollInSpec};
+pub use stand::{Flapping, Stand};

@@ -4,12 +4,14 @@
 mod air;
 mod carried;
 mod dynamics;
+mod mirror;
 mod observe;
 mod sections;
 mod spec;
 
 pub use air::{Air, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
+pub use mirror::Mirror;
 pub use observe::{Observation, WING_POINTS};
 pub use spec::{BodySpec, Displaced, ElementSpec, GaitSpec, LinkSpec, RobotSpec, StructureSpec, WingSpec};
 
@@ -123,6 +125,14 @@ impl Robot {
     /// The aerodynamic model.
     pub fn aero(&self) -> &Aero {
         &self.aero
+    }
+    /// Velocity of the air without its gust, m/s in W.
+    pub fn mean_wind(&self) -> Vec3 {
+        self.air.wind.mean()
+    }
+    /// Flapping frequency of the gait, Hz.
+    pub fn frequency_hz(&self) -> f64 {
+        self.phase_rate / std::f64::consts::TAU
     }
     /// Flapping phase at time `t`, rad.
     pub fn phase(&self, t: f64) -> f64 {

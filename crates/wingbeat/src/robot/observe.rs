@@ -5,7 +5,7 @@ use super::sections::{Riding, Section};
 use super::{JOINTS, Robot, RobotSpec};
 use crate::aero::{Loads, Planform, Sections, StripLoads};
 use crate::body::{BaseAcceleration, LinkMotion, joint_power};
-use crate::math::{Mat3, Vec3, Wrench};
+use crate::math::{Mat3, Scalar, Vec3, Wrench};
 use crate::plant::Fault;
 
 /// Points along the hinge line of the wings, left tip to right tip: tip, elbow,
@@ -71,7 +71,7 @@ impl Robot {
         let body_drag = self.body_drag(e.base.velocity - wind);
         let g = self.gravity(e.attitude);
         let gravity = self.tree.gravity(g, &e.links);
-        let torques = self.joint_torques(&e, &loads, g);
+        let torques = self.joint_torques(&e.links, body, &loads, g);
         Ok(Observation {
             attitude: e.attitude,
             joints: e.joints.map(|j| j.x),
@@ -102,22 +102,29 @@ impl Robot {
             + self.tree.potential_energy(g, &e.links, datum)
     }
 
-    fn joint_torques(&self, e: &Evaluation<f64>, loads: &Loads<f64>, g: Vec3) -> [f64; JOINTS.len()] {
+    /// Torques that the joints need: `links` without the base's own acceleration,
+    /// which is `body`; `g` is gravity in B.
+    pub(super) fn joint_torques<S: Scalar>(
+        &self,
+        links: &[LinkMotion<S>],
+        body: BaseAcceleration<S>,
+        loads: &Loads<S>,
+        g: Vec3<S>,
+    ) -> [S; JOINTS.len()] {
         let mut external = [Wrench::ZERO; JOINTS.len()];
         for (link, strip) in self.strip_links.iter().zip(&loads.strip) {
             if let Some(link) = link {
                 external[*link] += strip.total();
             }
         }
-        let mut torques = [0.0; JOINTS.len()];
-        let body = BaseAcceleration::from_slice(&e.acceleration);
-        self.tree.joint_torques(&e.links, body, g, &external, &mut torques);
+        let mut torques = [S::ZERO; JOINTS.len()];
+        self.tree.joint_torques(links, body, g, &external, &mut torques);
         torques
     }
 }
 
 /// The link with the body's own acceleration added.
-pub(super) fn accelerated(link: &LinkMotion<f64>, body: BaseAcceleration<f64>) -> LinkMotion<f64> {
+pub(super) fn accelerated<S: Scalar>(link: &LinkMotion<S>, body: BaseAcceleration<S>) -> LinkMotion<S> {
     LinkMotion {
         acceleration: link.acceleration + body.origin + body.angular.cross(link.position),
         rate_dot: link.rate_dot + body.angular,

@@ -207,6 +207,26 @@ impl Displaced {
     pub fn link_length(self) -> Option<(usize, usize)> {
         (self as usize).checked_sub(Self::L3bLeft as usize).map(|i| (i / 3, i % 3))
     }
+    /// The same of the other wing.
+    pub fn mirrored(self) -> Self {
+        use Displaced::*;
+        match self {
+            SweepLeft => SweepRight,
+            ShoulderLeft => ShoulderRight,
+            ElbowLeft => ElbowRight,
+            TwistLeft => TwistRight,
+            SweepRight => SweepLeft,
+            ShoulderRight => ShoulderLeft,
+            ElbowRight => ElbowLeft,
+            TwistRight => TwistLeft,
+            L3bLeft => L3bRight,
+            L5aLeft => L5aRight,
+            L5bLeft => L5bRight,
+            L3bRight => L3bLeft,
+            L5aRight => L5aLeft,
+            L5bRight => L5bLeft,
+        }
+    }
     /// Unit of the displacement.
     pub fn unit(self) -> &'static str {
         if self.joint().is_some() { "rad" } else { "m" }

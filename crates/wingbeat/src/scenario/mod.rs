@@ -15,7 +15,9 @@ mod tether_spec;
 
 pub use document::{ConfigError, Document, Place, Problem};
 pub use mismatch::Mismatch;
-pub use plan::{PlanSpec, PlanSummary, Planned};
+pub use plan::{
+    GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
+};
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
 pub use rig_process::{Processed, Weighed};
 pub use spec::{
@@ -197,7 +199,7 @@ impl ScenarioSpec {
             track.check().map_err(|e| e.within("manoeuvre.track"))?;
         }
         if let Some(plan) = &self.plan {
-            plan.roll_in.check().map_err(|e| e.within("plan.roll_in"))?;
+            plan.check().map_err(|e| e.within("plan"))?;
         }
         if self.controller.is_some() && self.manoeuvre.is_none() {
             return Err(Error::invalid("controller", "given", "a manoeuvre to fly: add [manoeuvre]"));

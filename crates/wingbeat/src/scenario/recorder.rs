@@ -20,6 +20,19 @@ fn sources(o: &Observation) -> [Wrench<f64>; SOURCES.len()] {
     [air.circulatory, air.induced_drag, air.added_mass, air.profile_drag, o.body_drag, o.gravity, o.inertia]
 }
 
+/// Columns of force and moment by source.
+pub(super) fn source_columns() -> impl Iterator<Item = Column> {
+    let axes = |kind: &'static str, source: &'static str, unit: &'static str| {
+        ["x", "y", "z"].map(move |a| Column::new(format!("{kind}_{source}_{a}"), unit, "B"))
+    };
+    SOURCES.iter().flat_map(move |s| axes("force", s, "N").into_iter().chain(axes("moment", s, "N m")))
+}
+
+/// Numbers of [`source_columns`].
+pub(super) fn source_values(sources: &[Wrench<f64>; SOURCES.len()]) -> impl Iterator<Item = f64> {
+    sources.iter().flat_map(|w| w.force.0.into_iter().chain(w.moment.0))
+}
+
 /// Samples of a flight as they become a [`Record`].
 pub struct Recorder<'a> {
     robot: &'a Robot,
@@ -55,7 +68,7 @@ impl<'a> Recorder<'a> {
         row.extend(o.joints);
         row.extend(o.torques);
         row.push(o.power);
-        row.extend(sources(&o).iter().flat_map(|w| w.force.0.into_iter().chain(w.moment.0)));
+        row.extend(source_values(&sources(&o)));
         row.extend((position + o.attitude * o.center_of_mass).0);
         row.extend(o.wing.iter().flatten().flat_map(|p| (position + o.attitude * *p).0));
         row.extend(&o.incidence);
@@ -83,10 +96,7 @@ fn columns(robot: &Robot) -> Vec<Column> {
     columns.extend(JOINTS.map(|n| Column::new(n, "rad", "")));
     columns.extend(JOINTS.map(|n| column(format!("torque_{n}"), "N m", "")));
     columns.push(Column::new("joint_power", "W", ""));
-    for source in SOURCES {
-        columns.extend(["x", "y", "z"].map(|a| column(format!("force_{source}_{a}"), "N", "B")));
-        columns.extend(["x", "y", "z"].map(|a| column(format!("moment_{source}_{a}"), "N m", "B")));
-    }
+    columns.extend(source_columns());
     columns.extend(["x", "y", "z"].map(|a| column(format!("com_{a}"), "m", "W")));
     for point in POINT_NAMES {
         for line in LINES {

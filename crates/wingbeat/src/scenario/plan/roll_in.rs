@@ -1,87 +1,47 @@
-//! Offline planning of a scenario's manoeuvre.
+//! The quickest roll-in, planned and flown open loop.
 
-use super::recorder::Recorder;
-use super::{Scenario, ScenarioSpec};
+use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
 use crate::flight::{AtRest, Controller, Ending, Record, Schedule, fly};
 use crate::guide::{Manoeuvre, Playback, RollIn, RollInSpec};
 use crate::ocp::{Interpolant, Optimum, Progress};
 use crate::plant::Fault;
-use serde::{Deserialize, Serialize};
+use crate::scenario::recorder::Recorder;
+use crate::scenario::{Scenario, ScenarioSpec};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Samples of the record and of the track over the planned manoeuvre.
+/// Samples of the record over the planned manoeuvre.
 const SAMPLES: usize = 200;
-/// Runge-Kutta steps per interval of the re-simulation.
-const CHECK_STEPS: usize = 50;
 
-/// What `wingbeat plan` is asked to plan.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct PlanSpec {
-    /// The quickest roll-in to a bank.
-    pub roll_in: RollInSpec,
-}
-
-/// `summary.json` of a plan.
+/// `summary.json` of a planned roll-in.
 #[derive(Clone, Debug, Serialize)]
-pub struct PlanSummary {
-    /// `ok`, `failed`.
-    pub status: &'static str,
-    /// How the solver ended.
-    pub solver: String,
+pub struct RollInSummary {
+    /// How the solver fared.
+    #[serde(flatten)]
+    pub solver: SolverNumbers,
     /// Start of the manoeuvre, s.
     pub start_s: f64,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
     /// Duration plus the cost of effort, s.
     pub objective_s: f64,
-    /// Largest error of an interval between its nodes, relative.
-    pub interval_error: f64,
     /// Largest distance of a re-simulation from the plan: each state by name, in its unit.
     pub resimulation_error: BTreeMap<String, f64>,
     /// Planned roll, pitch and yaw at the end, deg.
     pub final_angles_deg: [f64; 3],
     /// The same as the robot flew it under the planned inputs, deg.
     pub flown_angles_deg: [f64; 3],
-    /// Intervals of the last mesh.
-    pub intervals: usize,
-    /// Meshes solved.
-    pub meshes: usize,
-    /// Solver iterations on all meshes.
-    pub iterations: usize,
-    /// Wall time of the solver, s.
-    pub solve_s: f64,
-    /// Aerodynamic preset.
-    pub aero_preset: String,
-    /// Lift law.
-    pub lift_law: String,
-}
-
-/// A planned manoeuvre.
-#[derive(Clone, Debug)]
-pub struct Planned {
-    /// Approach and manoeuvre as flown under the planned inputs; empty when
-    /// nothing was found.
-    pub record: Option<Record>,
-    /// Numbers.
-    pub summary: PlanSummary,
-    /// A scenario in which the controller follows the plan, as TOML.
-    pub tracking: Option<String>,
 }
 
 impl Scenario {
-    /// Plans the scenario's `[plan]` on the robot as the controller knows it,
-    /// and flies the plan open loop. `observe` sees the solver's progress.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] when there is no `[plan]` or a setting is out of range.
-    pub fn plan(&self, observe: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Planned, Error> {
-        let spec =
-            self.spec.plan.as_ref().ok_or_else(|| Error::invalid("plan", "none", "a [plan.roll_in]"))?;
-        let spec = &spec.roll_in;
-        spec.check().map_err(|e| e.within("plan.roll_in"))?;
+    /// Plans the roll-in of `spec` from the scenario's approach.
+    pub(super) fn plan_roll_in(
+        &self,
+        spec: &RollInSpec,
+        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Planned, Error> {
         match (self.controller()?, self.controller()?) {
             (Some(approach), Some(again)) => self.roll_in(spec, approach, again, observe),
             _ => self.roll_in(spec, AtRest, AtRest, observe),
@@ -107,9 +67,13 @@ impl Scenario {
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
         let problem = RollIn::new(&self.model, &x, &spec).map_err(|e| e.within("plan.roll_in"))?;
         let optimum = problem.plan(observe).map_err(broken)?;
-        let mut summary = self.plan_summary(&spec, &optimum);
+        let mut summary = self.roll_in_summary(&spec, &optimum);
         let Some(solution) = optimum.solution.filter(|_| optimum.status.is_success()) else {
-            return Ok(Planned { record: None, summary, tracking: None });
+            return Ok(Planned {
+                record: None,
+                summary: PlanSummary::RollIn(Box::new(summary)),
+                files: Vec::new(),
+            });
         };
         summary.resimulation_error = solution
             .resimulate(&problem, CHECK_STEPS)
@@ -124,7 +88,8 @@ impl Scenario {
         let (record, angles) = self.fly_plan(&solution, again)?;
         summary.flown_angles_deg = angles.map(f64::to_degrees);
         let tracking = self.tracking(&problem, &spec, &solution)?;
-        Ok(Planned { record: Some(record), summary, tracking: Some(tracking) })
+        let files = vec![("track.toml", tracking)];
+        Ok(Planned { record: Some(record), summary: PlanSummary::RollIn(Box::new(summary)), files })
     }
 
     /// Flies approach and planned inputs; the record and the last angles.
@@ -173,25 +138,16 @@ impl Scenario {
         toml::to_string(&tracked).map_err(|e| Error::invalid("plan", e, "a scenario that TOML can hold"))
     }
 
-    fn plan_summary(&self, spec: &RollInSpec, optimum: &Optimum) -> PlanSummary {
-        let last = optimum.passes.last();
+    fn roll_in_summary(&self, spec: &RollInSpec, optimum: &Optimum) -> RollInSummary {
         let end = optimum.solution.as_ref().and_then(|s| s.points.t.last().copied());
-        PlanSummary {
-            status: if optimum.status.is_success() { "ok" } else { "failed" },
-            solver: optimum.status.to_string(),
+        RollInSummary {
+            solver: self.solver_numbers(optimum),
             start_s: spec.start_s,
             duration_s: end.map_or(f64::NAN, |t| t - spec.start_s),
             objective_s: optimum.objective - spec.start_s,
-            interval_error: optimum.error,
             resimulation_error: BTreeMap::new(),
             final_angles_deg: [f64::NAN; 3],
             flown_angles_deg: [f64::NAN; 3],
-            intervals: last.map_or(0, |p| p.intervals),
-            meshes: optimum.passes.len(),
-            iterations: optimum.passes.iter().map(|p| p.iterations).sum(),
-            solve_s: optimum.time.as_secs_f64(),
-            aero_preset: self.spec.aero.preset.name().into(),
-            lift_law: self.spec.aero.law.name().into(),
         }
     }
 }

@@ -1,0 +1,98 @@
+//! A planned gait over its cycle beside the robot's own.
+
+use wingbeat::flight::Record;
+
+use crate::panel::{Curve, Panel, stacked};
+use crate::write::Figure;
+use crate::{Error, needed, style};
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Joints of the left wing, from body to tip.
+const JOINTS: [&str; 4] = ["sweep", "shoulder", "elbow", "twist"];
+
+/// Joint angles, power and force over the cycle with their means; the robot's own gait paler, at the same share of its cycle.
+///
+/// Needs `t`, `<joint>_left`, `drive_power`, `power_to_air`, `force_up`, `force_forward`; draws `own_<column>` where it is there.
+pub fn gait(record: &Record) -> Result<Figure, Error> {
+    let t = needed(record, "t")?;
+    if t.len() < 2 {
+        return Err(Error::Rows { rows: t.len(), needed: 2 });
+    }
+    let period = t[t.len() - 1] - t[0];
+    let x: Vec<f64> = t.iter().map(|now| (now - t[0]) / period).collect();
+    let cycle = Cycle { record, x };
+    let mut angles = Vec::new();
+    for (index, joint) in JOINTS.into_iter().enumerate() {
+        angles.extend(cycle.pair(joint, &format!("{joint}_left"), DEGREES, index)?);
+    }
+    let panels = vec![
+        panel("joint angles [°], up, forward, nose up", angles),
+        panel("drive power [W]", cycle.with_means("drive_power", 0)?),
+        panel("power to the air [W]", cycle.with_means("power_to_air", 1)?),
+        panel("upward force of the air [N]", cycle.with_means("force_up", 2)?),
+        panel("forward force of the air [N]", cycle.with_means("force_forward", 4)?),
+    ];
+    let label = format!("share of the cycle of {period:.4} s");
+    Ok(Figure { name: "gait", scene: stacked(panels, &label, style::PANEL) })
+}
+
+struct Cycle<'a> {
+    record: &'a Record,
+    x: Vec<f64>,
+}
+
+impl Cycle<'_> {
+    /// A column, and the own gait's paler beneath.
+    fn pair(&self, name: &str, column: &str, factor: f64, index: usize) -> Result<Vec<Curve>, Error> {
+        let scaled = |values: &[f64]| values.iter().map(|v| factor * v).collect::<Vec<f64>>();
+        let own = self.record.values(&format!("own_{column}")).map(|own| {
+            let curve = Curve::new(format!("{name}, own gait"), &self.x, scaled(own), index);
+            Curve { colour: style::tint(index), ..curve }
+        });
+        let plan = Curve::new(name, &self.x, scaled(needed(self.record, column)?), index);
+        Ok(own.into_iter().chain([plan]).collect())
+    }
+
+    /// The same with fine lines at the means.
+    fn with_means(&self, column: &str, index: usize) -> Result<Vec<Curve>, Error> {
+        let curves = self.pair("plan", column, 1.0, index)?;
+        let means = curves.iter().map(|curve| {
+            let inner = &curve.y[..curve.y.len() - 1];
+            let mean = inner.iter().sum::<f64>() / inner.len() as f64;
+            let name = format!("{} mean {mean:.4}", if curve.name == "plan" { "plan," } else { "own gait," });
+            let ends = [self.x[0], self.x[self.x.len() - 1]];
+            Curve {
+                colour: curve.colour.clone(),
+                weight: style::FINE,
+                ..Curve::new(name, &ends, vec![mean; 2], 0)
+            }
+        });
+        let means: Vec<Curve> = means.collect();
+        Ok(curves.into_iter().chain(means).collect())
+    }
+}
+
+fn panel(title: &str, curves: Vec<Curve>) -> Panel {
+    Panel { title: title.into(), curves, limits: None, zero: true }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wingbeat::flight::Column;
+
+    #[test]
+    fn a_cycle_is_drawn_with_and_without_the_own_gait() {
+        let names =
+            ["t", "sweep_left", "shoulder_left", "elbow_left", "twist_left", "drive_power", "power_to_air"];
+        let all = names.into_iter().chain(["force_up", "force_forward"]);
+        let column = |name: &str| Column { values: vec![0.0, 0.5, 1.0], ..Column::new(name, "", "") };
+        let plain: Vec<Column> = all.map(column).collect();
+        let both = plain.iter().cloned().chain([column("own_drive_power")]).collect();
+        for columns in [plain, both] {
+            assert_eq!(gait(&Record::new(columns, 0).unwrap()).unwrap().name, "gait");
+        }
+        let bare = Record::new(vec![column("t")], 0).unwrap();
+        assert!(matches!(gait(&bare), Err(Error::Column(_))));
+    }
+}

@@ -1,0 +1,368 @@
+//! The periodic gait that needs the least power for a given mean force, planned offline.
+
+use super::stand::{Flapping, Stand};
+use crate::Error;
+use crate::body::drive_power;
+use crate::math::{RK4, Scalar, Workspace};
+use crate::ocp::interior_point::Options;
+use crate::ocp::{
+    Ends, FREE, Instant, OptimalControl, Optimum, Progress, Refinement, Scheme, Setup, Trajectory, optimise,
+};
+use crate::plant::{Channel, Fault, Plant};
+use crate::require;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+/// Cycles from rest after which a gait counts as periodic.
+const CYCLES: usize = 8;
+/// Runge-Kutta steps and samples per cycle of the guess.
+const STEPS: usize = 600;
+const SAMPLES: usize = 100;
+/// Power below which the loss of a joint is rounded off, as a share of the drive power of the robot's own gait.
+/// The corner of max(0, -P) is too sharp to be met at once: it is first rounded more, and the solution is the guess.
+const ROUNDED: f64 = 0.03;
+const ROUNDED_FIRST: f64 = 0.15;
+/// Barrier and margin of the problems after the first.
+const WARM: [f64; 2] = [1e-3, 1e-5];
+/// Forces and moments are summed in mN and mN m, so that their states are of the order of the others.
+const MILLI: f64 = 1e3;
+
+/// Goal and effort of a gait of least power.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LeastPowerSpec {
+    /// Least mean upward force of the air, N; without it that of the robot's own gait.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up_n: Option<f64>,
+    /// Least mean forward force of the air, N, drag included; without it that of the robot's own gait.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forward_n: Option<f64>,
+    /// Largest mean pitching moment of the air about the centre of mass, either way, N m; without it any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trim_within_n_m: Option<f64>,
+    /// Lowest and highest flapping frequency, Hz.
+    pub frequency_hz: [f64; 2],
+    /// Lowest and highest pitch, deg, negative is nose up; without it that of the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pitch_deg: Option<[f64; 2]>,
+    /// Share of a joint's negative power that is stored and used again: 0 none, 1 all of it.
+    #[serde(default)]
+    pub storage: f64,
+    /// Power counted when every regulator is held at its limit, W; it keeps the commands calm.
+    pub effort_w: f64,
+    /// Order of the collocation: 4 (Hermite-Simpson) or 6 (Gauss-Lobatto).
+    #[serde(default = "fourth")]
+    pub order: u8,
+    /// Intervals of the first mesh.
+    pub intervals: usize,
+    /// Most meshes.
+    pub meshes: usize,
+    /// Largest error of an interval, relative.
+    pub tolerance: f64,
+    /// Most wall time, s.
+    pub time_limit_s: f64,
+}
+
+fn fourth() -> u8 {
+    4
+}
+
+impl LeastPowerSpec {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
+        require::positive("effort_w", self.effort_w)?;
+        require::positive("tolerance", self.tolerance)?;
+        require::positive("time_limit_s", self.time_limit_s)?;
+        require::finite("up_n", self.up_n.as_slice())?;
+        require::finite("forward_n", self.forward_n.as_slice())?;
+        self.trim_within_n_m.iter().try_for_each(|&m| require::positive("trim_within_n_m", m))?;
+        let [low, high] = self.frequency_hz;
+        if !(low > 0.0 && low <= high && high.is_finite()) {
+            let given = format!("{:?}", self.frequency_hz);
+            return Err(Error::invalid("frequency_hz", given, "[lowest, highest], both above 0"));
+        }
+        if let Some([low, high]) =
+            self.pitch_deg.filter(|[low, high]| !(-80.0 < *low && low <= high && *high < 80.0))
+        {
+            let allowed = "[lowest, highest] between -80 and 80";
+            return Err(Error::invalid("pitch_deg", format!("[{low}, {high}]"), allowed));
+        }
+        if !(0.0..=1.0).contains(&self.storage) {
+            return Err(Error::invalid("storage", self.storage, "between 0 and 1"));
+        }
+        if ![4, 6].contains(&self.order) {
+            return Err(Error::invalid("order", self.order, "4 or 6"));
+        }
+        for (key, value) in [("intervals", self.intervals), ("meshes", self.meshes)] {
+            if value == 0 {
+                return Err(Error::invalid(key, value, "at least 1"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Means over a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Means {
+    /// Power that the drives give, W ([`drive_power`]).
+    pub drive_power_w: f64,
+    /// Upward force of the air, N.
+    pub up_n: f64,
+    /// Forward force of the air, N.
+    pub forward_n: f64,
+    /// Nose-up moment of the air about the centre of mass, N m.
+    pub trim_n_m: f64,
+}
+
+/// The periodic gait of least power on a [`Stand`]: the regulators' commands over
+/// a cycle, the frequency and the pitch such that
+///
+/// min f int_0^{1/f} (P_drive + effort mean_i (u_i/limit_i)^2) dt, x(1/f) = x(0),
+/// mean force >= the one asked for, commands and displacements within the strokes.
+///
+/// Equation: guide.least_power
+///
+/// The state is that of structure and air of one wing, then the running means of
+/// drive power (W), upward and forward force (mN) and trim moment (mN m).
+#[derive(Clone, Debug)]
+pub struct LeastPower<'a> {
+    stand: Stand<'a>,
+    spec: LeastPowerSpec,
+    pitch: [f64; 2],
+    half_ranges: Vec<f64>,
+    asked: [f64; 2],
+    own: Trajectory,
+    /// Power below which the loss of a joint is rounded off, W.
+    width: f64,
+}
+
+impl<'a> LeastPower<'a> {
+    /// The problem on `stand`; `pitch` (rad) is that of the robot's own gait.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is out of range or the robot's own gait cannot be computed.
+    pub fn new(stand: Stand<'a>, pitch: f64, spec: &LeastPowerSpec) -> Result<Self, Error> {
+        spec.check()?;
+        let half_ranges = stand.robot().inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
+        let range = spec.pitch_deg.map_or([pitch; 2], |range| range.map(f64::to_radians));
+        let mut problem = Self {
+            spec: spec.clone(),
+            pitch: range,
+            half_ranges,
+            asked: [0.0; 2],
+            own: Trajectory::default(),
+            width: 0.0,
+            stand,
+        };
+        let own = Flapping { frequency_hz: problem.stand.robot().frequency_hz(), pitch };
+        let broken =
+            |fault: Fault| Error::invalid("robot.gait", fault, "a gait that can be flapped on the stand");
+        problem.own = problem.cycle(&own).map_err(broken)?;
+        let means = problem.own_means();
+        problem.width = ROUNDED * means.drive_power_w;
+        problem.asked = [spec.up_n.unwrap_or(means.up_n), spec.forward_n.unwrap_or(means.forward_n)];
+        Ok(problem)
+    }
+
+    /// The stand.
+    pub fn stand(&self) -> &Stand<'a> {
+        &self.stand
+    }
+    /// Means of the robot's own gait with resting regulators.
+    pub fn own_means(&self) -> Means {
+        self.means(&self.own)
+    }
+    /// Mean upward and forward force asked for, N.
+    pub fn asked(&self) -> [f64; 2] {
+        self.asked
+    }
+    /// Frequency and pitch of a trajectory.
+    pub fn flapping(&self, trajectory: &Trajectory) -> Flapping {
+        flapping(&trajectory.p)
+    }
+    /// Means at the end of a trajectory.
+    pub fn means(&self, trajectory: &Trajectory) -> Means {
+        let last = trajectory.x.len() - 1;
+        let [drive_power_w, up, forward, trim] = self.sums(&trajectory.x[last]);
+        Means { drive_power_w, up_n: up / MILLI, forward_n: forward / MILLI, trim_n_m: trim / MILLI }
+    }
+
+    /// Plans the gait; `observer` sees every iteration and mesh.
+    ///
+    /// # Errors
+    /// The [`Fault`] of the gait that is the guess.
+    pub fn plan(&self, observer: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Optimum, Fault> {
+        let mut refinement = self.refinement();
+        let guess = self.guess()?;
+        if self.spec.storage == 1.0 {
+            return Ok(optimise(self, &guess, &refinement, observer));
+        }
+        let smoother = Self { width: self.width / ROUNDED * ROUNDED_FIRST, ..self.clone() };
+        let mut first =
+            optimise(&smoother, &guess, &Refinement { meshes: 1, ..refinement.clone() }, observer);
+        let solved = first.passes.last().is_some_and(|p| p.status.is_success());
+        let Some(guess) = first.solution.take().filter(|_| solved) else { return Ok(first) };
+        let [barrier, margin] = WARM;
+        let time = refinement.solver.time.saturating_sub(first.time);
+        refinement.solver = Options { barrier, margin, time, ..refinement.solver };
+        let mut optimum = optimise(self, &guess.points, &refinement, observer);
+        optimum.passes.splice(0..0, first.passes);
+        optimum.time += first.time;
+        Ok(optimum)
+    }
+
+    fn refinement(&self) -> Refinement {
+        let solver = Options {
+            time: Duration::from_secs_f64(self.spec.time_limit_s),
+            iterations: 400,
+            tolerance: 1e-5,
+            complementarity: 1e-6,
+            acceptable: 1e-4,
+            ..Options::default()
+        };
+        Refinement {
+            scheme: if self.spec.order == 6 { Scheme::lobatto() } else { Scheme::hermite_simpson() },
+            intervals: self.spec.intervals,
+            tolerance: self.spec.tolerance,
+            objective_tolerance: 1e-3,
+            meshes: self.spec.meshes,
+            solver,
+            ..Refinement::default()
+        }
+    }
+
+    /// The robot's own gait at the nearest frequency and pitch allowed.
+    fn guess(&self) -> Result<Trajectory, Fault> {
+        let [low, high] = self.spec.frequency_hz;
+        let own = flapping(&self.own.p);
+        self.cycle(&Flapping {
+            frequency_hz: own.frequency_hz.clamp(low, high),
+            pitch: own.pitch.clamp(self.pitch[0], self.pitch[1]),
+        })
+    }
+
+    /// The periodic cycle of the gait with resting regulators.
+    fn cycle(&self, flapping: &Flapping) -> Result<Trajectory, Fault> {
+        let (states, inputs) = (self.stand.mirror().states.len(), self.stand.mirror().inputs.len());
+        let rest = vec![0.0; inputs];
+        let p = vec![flapping.frequency_hz, flapping.pitch];
+        let h = 1.0 / (flapping.frequency_hz * STEPS as f64);
+        let mut x = vec![0.0; states + 4];
+        let mut work = Workspace::new(x.len(), RK4.b.len());
+        let mut out = Trajectory { p: p.clone(), ..Trajectory::default() };
+        for step in 0..CYCLES * STEPS {
+            let t = (step % STEPS) as f64 * h;
+            if step % STEPS == 0 {
+                x[states..].fill(0.0);
+                (out.t, out.x) = (Vec::new(), Vec::new());
+            }
+            if step % (STEPS / SAMPLES) == 0 {
+                out.t.push(t);
+                out.x.push(x.clone());
+            }
+            let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
+                OptimalControl::rates(self, Instant { t, x, u: &rest, p: &p }, dx)
+            };
+            RK4.step(rates, t, h, &mut x, &mut work)?;
+        }
+        out.t.push(1.0 / flapping.frequency_hz);
+        out.x.push(x);
+        out.u = vec![rest; out.t.len()];
+        Ok(out)
+    }
+
+    /// The running means among the states.
+    fn sums<S: Copy>(&self, x: &[S]) -> [S; 4] {
+        let n = self.stand.mirror().states.len();
+        [x[n], x[n + 1], x[n + 2], x[n + 3]]
+    }
+
+    /// States of structure and air of one wing; displacements keep to the strokes.
+    fn states(&self) -> impl Iterator<Item = Channel> {
+        let robot = self.stand.robot();
+        let structure = robot.layout().structure;
+        self.stand.mirror().states.iter().map(move |&i| {
+            let mut channel = robot.states()[structure + i].clone();
+            if let Some(stroke) = robot.inputs().get(i) {
+                (channel.low, channel.high) = (stroke.low, stroke.high);
+            }
+            channel
+        })
+    }
+}
+
+fn flapping<S: Copy>(p: &[S]) -> Flapping<S> {
+    Flapping { frequency_hz: p[0], pitch: p[1] }
+}
+
+impl OptimalControl for LeastPower<'_> {
+    fn setup(&self) -> Setup {
+        let (robot, mirror) = (self.stand.robot(), self.stand.mirror());
+        let mut states: Vec<Channel> = self.states().collect();
+        let closed =
+            |c: &Channel| Channel::limited(format!("closure of {}", c.name), c.unit, c.frame, 0.0, 0.0);
+        let mut ends: Vec<Channel> = states.iter().map(closed).collect();
+        let at_least = |name, low| Channel::limited(name, "N", "W", low, f64::INFINITY);
+        ends.push(Channel::limited("cycles", "", "", 1.0, 1.0));
+        ends.push(at_least("mean upward force", self.asked[0]));
+        ends.push(at_least("mean forward force", self.asked[1]));
+        if let Some(size) = self.spec.trim_within_n_m {
+            ends.push(Channel::limited("mean trim moment", "N m", "B", -size, size));
+        }
+        let mut start = vec![FREE; states.len()];
+        start.extend([[0.0, 0.0]; 4]);
+        let sums =
+            [("drive power", "W"), ("upward force", "mN"), ("forward force", "mN"), ("trim moment", "mN m")];
+        states.extend(sums.map(|(name, unit)| Channel::free(format!("running mean of {name}"), unit, "")));
+        let inputs = mirror.inputs.iter().map(|&i| robot.inputs()[i].clone()).collect();
+        let [slowest, fastest] = self.spec.frequency_hz;
+        let mut setup = Setup::new(states, inputs, [1.0 / fastest, 1.0 / slowest]);
+        setup.parameters = vec![
+            Channel::limited("frequency", "Hz", "", slowest, fastest),
+            Channel::limited("pitch", "rad", "WB", self.pitch[0], self.pitch[1]),
+        ];
+        Setup { start, ends, ..setup }
+    }
+
+    fn rates<S: Scalar>(&self, at: Instant<S>, dx: &mut [S]) -> Result<(), Fault> {
+        let n = self.stand.mirror().states.len();
+        let flapping = flapping(at.p);
+        let (dx, means) = dx.split_at_mut(n);
+        let loads = self.stand.evaluate(at.t, &flapping, &at.x[..n], at.u, dx)?;
+        let drive = drive_power(&loads.torques, &loads.joints, self.spec.storage, self.width);
+        let [up, forward, trim] = self.stand.lift_thrust_trim(&loads, flapping.pitch);
+        let values = [drive, up * MILLI, forward * MILLI, trim * MILLI];
+        for (mean, value) in means.iter_mut().zip(values) {
+            *mean = value * flapping.frequency_hz;
+        }
+        Ok(())
+    }
+
+    fn running_cost<S: Scalar>(&self, at: Instant<S>) -> S {
+        let mirror = self.stand.mirror();
+        let share = |(u, &i): (&S, &usize)| (*u * (1.0 / self.half_ranges[i])).squared();
+        let sum = at.u.iter().zip(&mirror.inputs).map(share).fold(S::ZERO, |sum, s| sum + s);
+        sum * at.p[0] * (self.spec.effort_w / mirror.inputs.len() as f64)
+    }
+
+    fn end_cost<S: Scalar>(&self, ends: Ends<S>) -> S {
+        self.sums(ends.x[1])[0]
+    }
+
+    fn constrain_ends<S: Scalar>(&self, ends: Ends<S>, values: &mut [S]) {
+        let n = self.stand.mirror().states.len();
+        for (i, value) in values[..n].iter_mut().enumerate() {
+            *value = ends.x[1][i] - ends.x[0][i];
+        }
+        let [_, up, forward, trim] = self.sums(ends.x[1]);
+        let means = [(ends.t[1] - ends.t[0]) * ends.p[0], up / MILLI, forward / MILLI, trim / MILLI];
+        for (value, mean) in values[n..].iter_mut().zip(means) {
+            *value = mean;
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Left and right: a robot whose wings move alike, in an air that meets them alike.
+
+use super::{Displaced, Robot};
+use crate::Error;
+
+/// The states and inputs of a carried robot whose two wings move alike: one of
+/// each pair is kept, the other equals it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mirror {
+    /// Kept states, as numbers of [`Robot::carried`]'s.
+    pub states: Vec<usize>,
+    /// Kept inputs.
+    pub inputs: Vec<usize>,
+    /// For every state the place of the kept one that it equals.
+    state_of: Vec<usize>,
+    /// For every input the same.
+    input_of: Vec<usize>,
+}
+
+impl Mirror {
+    /// All states from the kept ones.
+    pub fn expand_states<S: Copy>(&self, kept: &[S], all: &mut [S]) {
+        expand(&self.state_of, kept, all);
+    }
+    /// All inputs from the kept ones.
+    pub fn expand_inputs<S: Copy>(&self, kept: &[S], all: &mut [S]) {
+        expand(&self.input_of, kept, all);
+    }
+}
+
+fn expand<S: Copy>(of: &[usize], kept: &[S], all: &mut [S]) {
+    for (value, &place) in all.iter_mut().zip(of) {
+        *value = kept[place];
+    }
+}
+
+impl Robot {
+    /// Which states and inputs of the carried robot are one another's mirror images.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when an element of one wing has none on the other.
+    pub fn mirror(&self) -> Result<Mirror, Error> {
+        let elements = self.displaced.len();
+        let mut twin = Vec::with_capacity(elements);
+        for moves in &self.displaced {
+            twin.push(self.twin(moves)?);
+        }
+        let aero = (0..self.aero.states()).map(|i| 2 * elements + self.aero.mirrored(i));
+        let states: Vec<usize> =
+            twin.iter().copied().chain(twin.iter().map(|i| elements + i)).chain(aero).collect();
+        let (states, state_of) = halves(&states);
+        let (inputs, input_of) = halves(&twin);
+        Ok(Mirror { states, inputs, state_of, input_of })
+    }
+
+    /// The element that moves on the other wing what `moves` says.
+    fn twin(&self, moves: &[Displaced]) -> Result<usize, Error> {
+        let same = |other: &Vec<Displaced>| {
+            other.len() == moves.len() && moves.iter().all(|m| other.contains(&m.mirrored()))
+        };
+        let allowed = "for every element one that moves the same of the other wing";
+        let missing = || Error::invalid("structure.elements.moves", format!("{moves:?}"), allowed);
+        self.displaced.iter().position(same).ok_or_else(missing)
+    }
+}
+
+/// Of every pair (i, twin) the first is kept; for each its place among the kept.
+fn halves(twin: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let kept: Vec<usize> = (0..twin.len()).filter(|&i| i <= twin[i]).collect();
+    let place = |(i, &t): (usize, &usize)| kept.partition_point(|&k| k < i.min(t));
+    let of = twin.iter().enumerate().map(place).collect();
+    (kept, of)
+}

@@ -1,0 +1,213 @@
+//! The gait of least power, planned and replayed on the stand.
+
+use super::gait_record::{Replay, beside, means};
+use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
+use crate::Error;
+use crate::flight::Record;
+use crate::guide::{Flapping, LeastPower, LeastPowerSpec, Means, Stand};
+use crate::math::Vec3;
+use crate::ocp::{OptimalControl, Optimum, Progress};
+use crate::plant::Fault;
+use crate::scenario::Scenario;
+use crate::scenario::tether_spec::{
+    ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TableSpec, TetherSpec, TetheredBodySpec,
+    TetheredWingSpec, WindSpec,
+};
+use crate::tether::{HingeKind, Side};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::ops::ControlFlow;
+
+/// Cycles and steps per cycle of the tethered replay.
+const TETHER_CYCLES: usize = 8;
+const TETHER_STEPS: usize = 800;
+/// Hinges of the left wing from body to tip: name, kind, true at the elbow.
+const HINGES: [(&str, HingeKind, bool); 4] = [
+    ("sweep", HingeKind::Sweep, false),
+    ("shoulder", HingeKind::Flap, false),
+    ("elbow", HingeKind::Fold, true),
+    ("twist", HingeKind::Twist, true),
+];
+
+/// A gait with its means.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct GaitNumbers {
+    /// Flapping frequency, Hz.
+    pub frequency_hz: f64,
+    /// Pitch, deg; negative is nose up.
+    pub pitch_deg: f64,
+    /// Means over the cycle.
+    #[serde(flatten)]
+    pub means: Means,
+}
+
+/// `summary.json` of a planned gait of least power.
+#[derive(Clone, Debug, Serialize)]
+pub struct LeastPowerSummary {
+    /// How the solver fared.
+    #[serde(flatten)]
+    pub solver: SolverNumbers,
+    /// Drive power and cost of effort, W.
+    pub objective_w: f64,
+    /// Share of negative joint power that is stored.
+    pub storage: f64,
+    /// Mean upward and forward force asked for, N.
+    pub asked_up_n: f64,
+    /// Mean forward force asked for, N.
+    pub asked_forward_n: f64,
+    /// Weight of the robot, N.
+    pub weight_n: f64,
+    /// The plan.
+    pub plan: Option<GaitNumbers>,
+    /// The plan's inputs simulated from rest with both wings until periodic.
+    pub replay: Option<Means>,
+    /// Largest difference of a state over the last cycle of that replay.
+    pub replay_closure: f64,
+    /// The robot's own gait, regulators at rest.
+    pub own: GaitNumbers,
+    /// Largest distance of a re-simulation over one cycle from the plan: each state by name, in its unit.
+    pub resimulation_error: BTreeMap<String, f64>,
+}
+
+impl Scenario {
+    /// Plans the gait of `spec` with the body carried as the scenario starts.
+    pub(super) fn plan_least_power(
+        &self,
+        spec: &LeastPowerSpec,
+        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Planned, Error> {
+        let start = &self.spec.start;
+        if start.roll_deg != 0.0 {
+            return Err(Error::invalid("start.roll_deg", start.roll_deg, "0: both wings move alike"));
+        }
+        let (pitch, yaw) = (start.pitch_deg.to_radians(), start.yaw_deg.to_radians());
+        let stand = Stand::new(&self.model, Vec3(start.velocity_m_s), yaw)?;
+        let problem = LeastPower::new(stand, pitch, spec).map_err(|e| e.within("plan.least_power"))?;
+        let broken = |fault: Fault| {
+            Error::invalid("plan.least_power", fault, "a range in which the model can be evaluated")
+        };
+        let own = Flapping { frequency_hz: self.model.frequency_hz(), pitch };
+        let optimum = problem.plan(observe).map_err(broken)?;
+        let mut summary = self.least_power_summary(spec, &problem, &own, &optimum);
+        let Some(solution) = optimum.solution.filter(|_| optimum.status.is_success()) else {
+            let summary = PlanSummary::LeastPower(Box::new(summary));
+            return Ok(Planned { record: None, summary, files: Vec::new() });
+        };
+        let flapping = problem.flapping(&solution.points);
+        summary.plan = Some(numbers(&flapping, problem.means(&solution.points)));
+        let channels = problem.setup().states.into_iter().map(|c| c.name);
+        let errors = solution.resimulate(&problem, CHECK_STEPS).map_err(broken)?;
+        summary.resimulation_error = channels.zip(errors).collect();
+        let replay = |flapping, commands: &dyn Fn(f64, &mut [f64])| {
+            let replay = Replay { stand: problem.stand(), flapping, commands, storage: spec.storage };
+            replay.record().map_err(broken)?
+        };
+        let (record, closure) = replay(flapping, &|t, u| u.copy_from_slice(&solution.at(t).1))?;
+        let (own_record, _) = replay(own, &|_, u| u.fill(0.0))?;
+        summary.replay = Some(means(&record));
+        summary.replay_closure = closure;
+        let files = self.replay_case(&flapping, &record)?;
+        let record = Some(beside(&record, &own_record)?);
+        Ok(Planned { record, summary: PlanSummary::LeastPower(Box::new(summary)), files })
+    }
+
+    fn least_power_summary(
+        &self,
+        spec: &LeastPowerSpec,
+        problem: &LeastPower,
+        own: &Flapping,
+        optimum: &Optimum,
+    ) -> LeastPowerSummary {
+        let [asked_up_n, asked_forward_n] = problem.asked();
+        LeastPowerSummary {
+            solver: self.solver_numbers(optimum),
+            objective_w: optimum.objective,
+            storage: spec.storage,
+            asked_up_n,
+            asked_forward_n,
+            weight_n: self.model.mass() * crate::math::GRAVITY,
+            plan: None,
+            replay: None,
+            replay_closure: f64::NAN,
+            own: numbers(own, problem.own_means()),
+            resimulation_error: BTreeMap::new(),
+        }
+    }
+
+    /// The planned motion of the wing as a case for `wingbeat tether`, with its table of angles.
+    fn replay_case(
+        &self,
+        flapping: &Flapping,
+        record: &Record,
+    ) -> Result<Vec<(&'static str, String)>, Error> {
+        let broken = |what: String| Error::invalid("plan", what, "a case that TOML can hold");
+        let case = toml::to_string(&self.tethered(flapping)).map_err(|e| broken(e.to_string()))?;
+        let columns: Vec<&[f64]> = std::iter::once("t".into())
+            .chain(HINGES.map(|(name, _, _)| format!("{name}_left")))
+            .map(|name| record.values(&name).ok_or_else(|| broken(name)))
+            .collect::<Result<_, _>>()?;
+        let mut table = String::from("t,sweep,shoulder,elbow,twist\n");
+        for row in 0..record.rows() {
+            let angles = columns[1..].iter().map(|c| c[row].to_degrees());
+            let line: Vec<String> =
+                std::iter::once(columns[0][row]).chain(angles).map(|v| v.to_string()).collect();
+            let _ = writeln!(table, "{}", line.join(","));
+        }
+        Ok(vec![("tether.toml", case), ("joints.csv", table)])
+    }
+
+    fn tethered(&self, flapping: &Flapping) -> TetherSpec {
+        let (wing, air, start) = (&self.spec.robot.wing, &self.spec.air, &self.spec.start);
+        let mut planform = wing.planform.clone();
+        for station in &mut planform {
+            station.leading_edge_m += wing.planform_shift_m;
+            station.trailing_edge_m += wing.planform_shift_m;
+        }
+        let root = wing.shoulder_m[1];
+        let table = |name: &str| TableSpec { file: "joints.csv".into(), column: name.into(), periodic: true };
+        let hinge = |(name, kind, outer): (&str, HingeKind, bool)| HingeSpec {
+            name: name.into(),
+            kind,
+            side: Side::Both,
+            arc_m: if outer { root + wing.proximal.length_m } else { root },
+            to_arc_m: None,
+            ahead_m: 0.0,
+            angle_deg: CoordinateSpec::Table(table(name)),
+        };
+        let against = Vec3(start.velocity_m_s) - Vec3(air.wind_m_s);
+        let along = against[0].hypot(against[1]);
+        TetherSpec {
+            name: format!("{}-tethered", self.spec.name),
+            wing: TetheredWingSpec {
+                planform,
+                side: Side::Both,
+                cd0: wing.cd0,
+                cd90: wing.cd90,
+                hinges: HINGES.map(hinge).into(),
+                gaps: Vec::new(),
+            },
+            body: TetheredBodySpec {
+                nose_up_deg: CoordinateSpec::Constant(-flapping.pitch.to_degrees()),
+                ..TetheredBodySpec::default()
+            },
+            wind: WindSpec {
+                speed_m_s: against.norm(),
+                incidence_deg: (-against[2]).atan2(along).to_degrees(),
+                sideslip_deg: 0.0,
+                density_kg_m3: air.density_kg_m3,
+            },
+            aero: self.spec.aero.clone(),
+            time: ClockSpec {
+                frequency_hz: flapping.frequency_hz,
+                cycles: TETHER_CYCLES,
+                steps_per_cycle: TETHER_STEPS,
+            },
+            reference: ReferenceSpec::default(),
+        }
+    }
+}
+
+fn numbers(flapping: &Flapping, means: Means) -> GaitNumbers {
+    GaitNumbers { frequency_hz: flapping.frequency_hz, pitch_deg: flapping.pitch.to_degrees(), means }
+}
