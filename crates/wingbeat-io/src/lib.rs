@@ -9,7 +9,7 @@ mod urdf;
 
 pub use parquet::{ParquetWriter, read_parquet, write_parquet};
 pub use table::{read_csv, write_csv};
-pub use urdf::{parse_urdf, read_urdf};
+pub use urdf::{parse_urdf, read_urdf, urdf_as_toml};
 
 use std::path::{Path, PathBuf};
 

@@ -38,6 +38,17 @@ pub fn parse_urdf(text: &str, tip: Option<&str>) -> Result<ArmConfig, String> {
     assemble(&robot, &chain)
 }
 
+/// The arm of a file whose name ends in `.urdf` as TOML, for a rig that names it; the part is the
+/// tip. `None` for other files.
+pub fn urdf_as_toml(path: &Path, tip: Option<&str>) -> Option<Result<String, String>> {
+    if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("urdf")) {
+        return None;
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string());
+    let arm = text.and_then(|text| parse_urdf(&text, tip));
+    Some(arm.and_then(|arm| toml::to_string(&arm).map_err(|error| error.to_string())))
+}
+
 /// Deepest nesting that is read: the parser's time grows with its square, and a URDF file needs 7.
 const DEEPEST: usize = 256;
 

@@ -19,16 +19,21 @@ struct List {
     runs: Vec<PathBuf>,
 }
 
+/// Reads one run; its arm may be a URDF file.
+pub fn run(file: &Path, overrides: &[String]) -> Result<RigRun, Error> {
+    Ok(RigRun::load_translated(file, overrides, &wingbeat_io::urdf_as_toml)?)
+}
+
 /// Reads the runs of `file`: itself, or those that it lists.
 pub fn load(file: &Path, overrides: &[String]) -> Result<Vec<RigRun>, Error> {
     let text = std::fs::read_to_string(file).map_err(|source| Error::file(file, source))?;
     let listed = text.lines().any(|line| line.split('=').next().is_some_and(|key| key.trim() == "runs"));
     if !listed {
-        return Ok(vec![RigRun::load(file, overrides)?]);
+        return Ok(vec![run(file, overrides)?]);
     }
     let list: List = Document::load(file, &[], &[])?.parse()?;
     let folder = file.parent().unwrap_or(Path::new(""));
-    let runs = list.runs.iter().map(|run| RigRun::load(&folder.join(run), overrides));
+    let runs = list.runs.iter().map(|name| run(&folder.join(name), overrides));
     let runs = runs.collect::<Result<Vec<_>, _>>()?;
     for (k, run) in runs.iter().enumerate() {
         if runs[..k].iter().any(|earlier| earlier.spec.name == run.spec.name) {

@@ -68,3 +68,68 @@ fn what_cannot_be_planned_is_refused_with_what_to_do() {
     assert!(simulated.status.code() == Some(2) && message.contains("exceeds the limit"), "{message}");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
 }
+
+/// The Kinova Gen3 of `rigs/arms` as a URDF file.
+fn gen3_urdf() -> String {
+    let frames = [
+        ("0 0 0.15643", "-3.141592653589793 0 0", None),
+        ("0 0.005375 -0.12838", "1.5707963267948966 0 0", Some(2.24)),
+        ("0 -0.41 0", "3.141592653589793 0 0", Some(2.57)),
+        ("0 0.20843 -0.006375", "1.5707963267948966 0 0", None),
+        ("0 -0.00017505 -0.10593", "-1.5707963267948966 0 0", Some(2.09)),
+        ("0 0.10593 -0.00017505", "1.5707963267948966 0 0", None),
+    ];
+    let mut text = String::from("<robot name=\"gen3\">\n<link name=\"base\"/>\n");
+    let mut parent = "base".to_owned();
+    for (i, (xyz, rpy, limit)) in frames.iter().enumerate() {
+        let range = limit.map_or(String::new(), |l| format!("lower=\"-{l}\" upper=\"{l}\" "));
+        let kind = if limit.is_some() { "revolute" } else { "continuous" };
+        let speed = if i < 3 { 1.3963 } else { 1.2218 };
+        text += &format!(
+            "<link name=\"l{i}\"><inertial><mass value=\"0.8\"/>\
+             <inertia ixx=\"2e-3\" ixy=\"0\" ixz=\"0\" iyy=\"2e-3\" iyz=\"0\" izz=\"1e-3\"/></inertial></link>\n\
+             <joint name=\"j{i}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"l{i}\"/>\
+             <origin xyz=\"{xyz}\" rpy=\"{rpy}\"/><axis xyz=\"0 0 1\"/>\
+             <limit {range}effort=\"39\" velocity=\"{speed}\"/></joint>\n"
+        );
+        parent = format!("l{i}");
+    }
+    for (name, z) in [("tool", "-0.061525"), ("camera", "-0.05")] {
+        text += &format!(
+            "<link name=\"{name}\"/><joint name=\"to_{name}\" type=\"fixed\"><parent link=\"{parent}\"/>\
+             <child link=\"{name}\"/><origin xyz=\"0 0 {z}\" rpy=\"3.141592653589793 0 -3.141592653589793\"/>\
+             </joint>\n"
+        );
+    }
+    text + "</robot>\n"
+}
+
+#[test]
+fn an_arm_may_be_a_urdf_file() {
+    let folder = scratch("rig-plan-urdf");
+    fs::write(folder.join("gen3.urdf"), gen3_urdf()).unwrap();
+    let file = run("roll15_speed07");
+    let arm = |name: &str| format!("rig.arm={}", folder.join(name).display());
+    let output = rig(
+        &folder,
+        &["plan", &file, "--out", "a", "--set", &arm("gen3.urdf#tool"), "--set", "profile=urdf"],
+    );
+    assert!(output.status.success(), "{output:?}");
+    assert!(folder.join("a/roll15_speed07.csv").is_file());
+    let whole = gen3_urdf();
+    fs::write(folder.join("cut.urdf"), &whole[..whole.len() / 2]).unwrap();
+    fs::write(folder.join("other.urdf"), "joints: 6\n").unwrap();
+    for (name, part) in [
+        ("gen3.urdf", "camera"),
+        ("gen3.urdf#wrist", "wrist"),
+        ("cut.urdf", "not a URDF file"),
+        ("other.urdf", "no <robot> element"),
+        ("none.urdf", "No such file"),
+    ] {
+        let output = rig(&folder, &["plan", &file, "--out", "b", "--set", &arm(name)]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+        assert!(message.contains("rig.arm") && message.contains(part), "{name}: {message}");
+        assert!(!folder.join("b").exists(), "{name}");
+    }
+}

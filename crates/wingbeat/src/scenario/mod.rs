@@ -13,7 +13,7 @@ mod sweep;
 mod tether;
 mod tether_spec;
 
-pub use document::{ConfigError, Document, Place, Problem};
+pub use document::{ConfigError, Document, Place, Problem, Translate};
 pub use mismatch::Mismatch;
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,

@@ -1,6 +1,6 @@
 //! Runs on the test rig: what their files say, checked and built.
 
-use super::{AeroSpec, AirSpec, ConfigError, Document};
+use super::{AeroSpec, AirSpec, ConfigError, Document, Translate};
 use crate::Error;
 use crate::aero::ProfileDrag;
 use crate::math::{Mat3, Vec3};
@@ -111,7 +111,7 @@ impl Default for ProcessSpec {
 pub struct RigSpec {
     /// The robot; a rig names its file.
     pub robot: RobotSpec,
-    /// The arm; a rig names its file.
+    /// The arm; a rig names its file: TOML, or `FILE.urdf`, `FILE.urdf#TIP` where it has several ends.
     pub arm: ArmConfig,
     /// Limit profile of the arm.
     pub profile: String,
@@ -188,7 +188,19 @@ impl RigRun {
     /// # Errors
     /// One message with file, line, key, the value given and what is allowed.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        let document = Document::load(path, overrides, &INCLUDES)?;
+        Self::load_translated(path, overrides, &|_, _| None)
+    }
+
+    /// As [`load`](Self::load); `translate` reads arms that are not written in TOML.
+    ///
+    /// # Errors
+    /// Those of [`load`](Self::load), and what `translate` says of a file.
+    pub fn load_translated(
+        path: &Path,
+        overrides: &[String],
+        translate: Translate,
+    ) -> Result<Self, ConfigError> {
+        let document = Document::load_translated(path, overrides, &INCLUDES, translate)?;
         let spec: RigRunSpec = document.parse()?;
         let resolved = document.resolved()?;
         Self::build(spec, resolved).map_err(|error| document.explain(&error))

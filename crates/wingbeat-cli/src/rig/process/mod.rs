@@ -81,7 +81,7 @@ fn results_beside(path: &Path) -> PathBuf {
 }
 
 fn one(source: &Source, overrides: &[String]) -> Result<Done, Error> {
-    let (run, file) = (RigRun::load(&source.run, overrides)?, source.samples.clone());
+    let (run, file) = (runs::run(&source.run, overrides)?, source.samples.clone());
     let imported = wingbeat_io::samples::read_samples(&file)?.import(&run.spec.process.input)?;
     let named = |what: String| Error::Input(format!("{}: {what}", file.display()));
     let plan = match (&run.spec.turn, &source.window) {

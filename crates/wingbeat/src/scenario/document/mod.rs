@@ -18,6 +18,7 @@ use toml::de::ValueDeserializer;
 use crate::Error;
 pub use error::{ConfigError, Place, Problem};
 use source::Sources;
+pub use source::Translate;
 
 /// A merged configuration: a file, the files it names, and overrides.
 #[derive(Clone, Debug)]
@@ -34,15 +35,29 @@ impl Document {
     /// # Errors
     /// A file that cannot be read or is not TOML, an override that names no place, a number that is not finite.
     pub fn load(path: &Path, overrides: &[String], includes: &[&str]) -> Result<Self, ConfigError> {
+        Self::load_translated(path, overrides, includes, &|_, _| None)
+    }
+
+    /// As [`load`](Self::load); the included files that `translate` knows need not be TOML.
+    ///
+    /// # Errors
+    /// Those of [`load`](Self::load), and what `translate` says of a file.
+    pub fn load_translated(
+        path: &Path,
+        overrides: &[String],
+        includes: &[&str],
+        translate: Translate,
+    ) -> Result<Self, ConfigError> {
         let mut document = Self { sources: Sources::default() };
         document.sources.read_file(path, &[], None)?;
-        let names_file = |text: &&String| text.split('=').next().is_some_and(|key| includes.contains(&key));
-        overrides.iter().filter(names_file).try_for_each(|text| document.sources.read_override(text))?;
-        includes.iter().try_for_each(|key| document.include(key))?;
-        overrides
-            .iter()
-            .filter(|text| !names_file(text))
-            .try_for_each(|text| document.sources.read_override(text))?;
+        let key_of = |text: &str| text.split('=').next().unwrap_or_default().trim().to_owned();
+        for key in includes {
+            let mut named = overrides.iter().filter(|text| key_of(text) == *key);
+            named.try_for_each(|text| document.sources.read_override(text))?;
+            document.include(key, translate)?;
+        }
+        let mut rest = overrides.iter().filter(|text| !includes.contains(&key_of(text).as_str()));
+        rest.try_for_each(|text| document.sources.read_override(text))?;
         document.refuse_non_finite()?;
         Ok(document)
     }
@@ -75,7 +90,7 @@ impl Document {
         self.sources.files()
     }
 
-    fn include(&mut self, key: &str) -> Result<(), ConfigError> {
+    fn include(&mut self, key: &str, translate: Translate) -> Result<(), ConfigError> {
         let tree = self.sources.tree()?;
         let steps = tree::steps(key);
         let found = steps
@@ -90,8 +105,13 @@ impl Document {
             value: Some(format!("\"{name}\"")),
             problem: Problem::Value(String::new()),
         };
-        let path = source::joined(&self.sources.folder(at), name);
-        self.sources.read_file(&path, &steps, Some(blame))
+        let folder = self.sources.folder(at);
+        let (file, part) = name.split_once('#').map_or((name, None), |(file, part)| (file, Some(part)));
+        let path = source::joined(&folder, file);
+        match translate(&path, part) {
+            Some(text) => self.sources.read_text(&path, text, &steps, Some(blame)),
+            None => self.sources.read_file(&source::joined(&folder, name), &steps, Some(blame)),
+        }
     }
 
     fn refuse_non_finite(&self) -> Result<(), ConfigError> {

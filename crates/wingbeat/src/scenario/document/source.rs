@@ -29,6 +29,10 @@ struct Source {
     at: Vec<String>,
 }
 
+/// Tells the TOML of a file of another format, or why it cannot be read; `None` for TOML files.
+/// The second argument is the part of the file asked for: what follows a `#` after its name.
+pub type Translate<'a> = &'a dyn Fn(&Path, Option<&str>) -> Option<Result<String, String>>;
+
 impl Sources {
     /// Reads a file that takes the place `at`; `blame` is the key that names it, if one does.
     pub fn read_file(
@@ -37,13 +41,25 @@ impl Sources {
         at: &[String],
         blame: Option<ConfigError>,
     ) -> Result<(), ConfigError> {
-        let text = fs::read_to_string(path).map_err(|error| match blame {
+        let text = fs::read_to_string(path).map_err(|error| error.to_string());
+        self.read_text(path, text, at, blame)
+    }
+
+    /// Takes the `text` of a file, or why there is none, as [`read_file`](Self::read_file) does.
+    pub fn read_text(
+        &mut self,
+        path: &Path,
+        text: Result<String, String>,
+        at: &[String],
+        blame: Option<ConfigError>,
+    ) -> Result<(), ConfigError> {
+        let text = text.map_err(|error| match blame {
             Some(mut blame) => {
                 blame.problem =
                     Problem::Value(format!("a file that can be read; {}: {error}", path.display()));
                 blame
             }
-            None => of_place(Place::File(path.into()), error.to_string()),
+            None => of_place(Place::File(path.into()), error),
         })?;
         let toml = text.clone();
         self.add(Some(path.into()), text, toml, at.into());
