@@ -27,16 +27,20 @@ const FOOT: f64 = 26.0;
 const HEIGHT: f64 = 190.0;
 
 /// Six panels over the time of the record: the band between `low_<channel>` and
-/// `high_<channel>` of all runs in red, `simulation_<channel>` in black, in the body frame.
+/// `high_<channel>` of all runs in red, `simulation_<channel>` in black, in the body frame;
+/// `mean_<channel>`, what was measured in one run, where there is no simulation.
 pub fn force_moment(record: &Record) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
+    let simulated = record.columns().iter().any(|column| column.name.starts_with("simulation_"));
+    let (black, black_is) =
+        if simulated { ("simulation_", "simulation") } else { ("mean_", "measured mean of one run") };
     let (mut plots, mut layouts) = (Vec::new(), Vec::new());
     for (row, pair) in ROWS.iter().enumerate() {
         for (channel, title, scale) in pair {
             let of = |prefix: &str| -> Result<Vec<f64>, Error> {
                 Ok(needed(record, &format!("{prefix}{channel}"))?.iter().map(|x| x * scale).collect())
             };
-            let (low, high, line) = (of("low_")?, of("high_")?, of("simulation_")?);
+            let (low, high, line) = (of("low_")?, of("high_")?, of(black)?);
             let (panel, layout) = drawn(t, &low, &high, &line, title, row + 1 == ROWS.len());
             plots.push(panel);
             layouts.push(if row + 1 == ROWS.len() { layout.with_x_label("time [s]") } else { layout });
@@ -51,7 +55,7 @@ pub fn force_moment(record: &Record) -> Result<Figure, Error> {
         .with_figure_size(style::WIDTH, HEIGHT * ROWS.len() as f64 + 22.0 + 12.0)
         .render();
     scene.height += FOOT;
-    let foot = "red: smallest to largest of all runs on the load cell; black: simulation";
+    let foot = format!("red: smallest to largest of all runs on the load cell; black: {black_is}");
     let (x, y) = (style::WIDTH / 2.0, scene.height - 10.0);
     scene.elements.push(style::words(x, y, foot, TextAnchor::Middle, false));
     Ok(Figure { name: "force_moment", scene })

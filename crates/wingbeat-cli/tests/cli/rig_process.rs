@@ -112,6 +112,9 @@ fn a_recording_gives_the_phase_averages_of_what_was_played() {
     }
     let summary = fs::read_to_string(folder.join("taken/processed/summary.json")).unwrap();
     assert!(summary.contains("tare: left out") && summary.contains("filter: Butterworth"), "{summary}");
+    // Nothing was simulated: what was measured must not pass for a simulation.
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(summary.contains("\"simulation\": null") && !said.contains("simulation"), "{summary} {said}");
     for figure in ["force_moment.png", "bench/filtered.png", "bench/cycles.png"] {
         assert!(folder.join("taken/processed/figures").join(figure).is_file(), "{figure}");
     }
@@ -154,6 +157,23 @@ fn signal(path: &Path, change: impl Fn(usize, &mut [f64; 6])) {
         record.append(&[&[t][..], &values].concat());
     }
     write_parquet(path, &record).unwrap();
+}
+
+#[test]
+fn settings_without_meaning_are_refused_by_their_key() {
+    let folder = scratch("rig-process-settings");
+    signal(&folder.join("a.csv"), |_, _| {});
+    for (set, part) in [
+        ("process.bins=0", "process.bins"),
+        ("process.bins=100000000", "2 to 10000"),
+        ("process.window_s=[5,1]", "begin before end"),
+        ("process.steps.cutoff_multiple=-1", "cutoff_multiple"),
+    ] {
+        let output = rig(&folder, &["process", "a.csv", "--run", &bench(), "--set", set, "--out", "b"]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{set}: {message}");
+        assert!(message.contains(part) && !folder.join("b").exists(), "{set}: {message}");
+    }
 }
 
 #[test]

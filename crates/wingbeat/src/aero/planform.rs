@@ -77,17 +77,18 @@ impl Planform {
     /// [`Error::Invalid`] when a gap is empty, meets another or reaches the tip.
     pub fn with_gaps(mut self, gaps: &[Gap]) -> Result<Self, Error> {
         let tip = self.half_span();
-        let mut free_from = 0.0;
+        let mut before: Option<f64> = None;
         for (i, gap) in gaps.iter().enumerate() {
-            if !(gap.from_arc_m >= free_from && gap.from_arc_m.is_finite()) {
-                let allowed = format!("at least {free_from}, where the gap before ends");
+            if !(gap.from_arc_m >= 0.0 && before.is_none_or(|end| gap.from_arc_m > end)) {
+                let allowed =
+                    before.map_or("0 or more".into(), |end| format!("more than {end}: wing between"));
                 return Err(Error::invalid(format!("gaps[{i}].from_arc_m"), gap.from_arc_m, allowed));
             }
             if !(gap.to_arc_m > gap.from_arc_m && gap.to_arc_m < tip) {
                 let allowed = format!("more than from_arc_m and less than the half span {tip}");
                 return Err(Error::invalid(format!("gaps[{i}].to_arc_m"), gap.to_arc_m, allowed));
             }
-            free_from = gap.to_arc_m;
+            before = Some(gap.to_arc_m);
         }
         self.gaps = gaps.to_vec();
         Ok(self)

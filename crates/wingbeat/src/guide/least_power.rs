@@ -218,7 +218,7 @@ impl<'a> LeastPower<'a> {
 
     fn refinement(&self) -> Refinement {
         let solver = Options {
-            time: Duration::from_secs_f64(self.spec.time_limit_s),
+            time: Duration::try_from_secs_f64(self.spec.time_limit_s).unwrap_or(Duration::MAX),
             iterations: 400,
             tolerance: 1e-5,
             complementarity: 1e-6,

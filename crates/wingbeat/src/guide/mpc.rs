@@ -219,7 +219,7 @@ impl<'a, P: Plant> Mpc<'a, P> {
             tracking,
             previous: solver.plan().clone(),
             solver,
-            deadline: spec.deadline_s.map(Duration::from_secs_f64),
+            deadline: spec.deadline_s.map(|s| Duration::try_from_secs_f64(s).unwrap_or(Duration::MAX)),
             iterations: spec.iterations,
             last_update: None,
         })

@@ -128,7 +128,7 @@ impl<'a, P: Plant> RollIn<'a, P> {
     /// # Errors
     /// The [`Fault`] of the flight with resting regulators that is the guess.
     pub fn plan(&self, observer: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Optimum, Fault> {
-        let time = Duration::from_secs_f64(self.spec.time_limit_s);
+        let time = Duration::try_from_secs_f64(self.spec.time_limit_s).unwrap_or(Duration::MAX);
         let refinement = Refinement {
             intervals: self.spec.intervals,
             tolerance: self.spec.tolerance,

@@ -44,6 +44,8 @@ use std::path::Path;
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
+/// Most steps of a flight: about twenty minutes of computing.
+const MAX_STEPS: usize = 1_000_000_000;
 
 /// Keys of a scenario that name a file to be put in their place.
 const INCLUDES: [&str; 1] = ["robot"];
@@ -254,6 +256,10 @@ impl ScenarioSpec {
             steps_per_update: period.transpose()?,
             steps_per_sample: whole("flight.record_every_s", flight.record_every_s)?,
         };
+        if schedule.steps > MAX_STEPS {
+            let allowed = format!("long enough for at most {MAX_STEPS} steps of the flight");
+            return Err(Error::invalid("flight.step_s", step, allowed));
+        }
         let samples = schedule.steps / schedule.steps_per_sample;
         if samples > MAX_SAMPLES {
             let allowed = format!("at most {MAX_SAMPLES} records; these make {samples}");

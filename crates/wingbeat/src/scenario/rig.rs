@@ -5,6 +5,7 @@ use crate::Error;
 use crate::aero::ProfileDrag;
 use crate::math::{Mat3, Vec3};
 use crate::plant::Fault;
+use crate::require;
 use crate::rig::arm::{ArmConfig, LimitProfile, LinkConfig, Payload, SerialArm, ToolConfig};
 use crate::rig::carrier::{Carrier, Mount};
 use crate::rig::cell::CellSpec;
@@ -89,6 +90,25 @@ pub enum Saturated {
     LeaveOut,
     /// They are used as they are.
     Keep,
+}
+
+/// Most phases of an average.
+const MAX_BINS: usize = 10_000;
+
+impl ProcessSpec {
+    /// Refuses values without meaning.
+    fn check(&self) -> Result<(), Error> {
+        if !(2..=MAX_BINS).contains(&self.bins) {
+            return Err(Error::invalid("bins", self.bins, format!("2 to {MAX_BINS}")));
+        }
+        require::not_negative("steps.cutoff_multiple", self.steps.cutoff_multiple)?;
+        if let Some([begin, end]) = self.window_s
+            && !(begin < end && begin.is_finite() && end.is_finite())
+        {
+            return Err(Error::invalid("window_s", format!("[{begin}, {end}]"), "begin before end, s"));
+        }
+        Ok(())
+    }
 }
 
 impl Default for ProcessSpec {
@@ -207,6 +227,8 @@ impl RigRun {
     }
 
     fn build(spec: RigRunSpec, resolved: String) -> Result<Self, Error> {
+        spec.frequency_hz.map_or(Ok(()), |f| require::not_negative("frequency_hz", f))?;
+        spec.process.check().map_err(|e| e.within("process"))?;
         if spec.turn.is_some() == spec.hold.is_some() {
             let given = if spec.turn.is_some() { "turn and hold" } else { "neither" };
             return Err(Error::invalid("turn", given, "either [turn] or [hold]"));

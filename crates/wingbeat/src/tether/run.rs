@@ -11,6 +11,9 @@ use crate::require;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 
+/// Most steps of one run.
+const MAX_STEPS: usize = 2_000_000;
+
 /// Cycles and steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
@@ -130,6 +133,11 @@ impl Tether {
             if value < least {
                 return Err(Error::invalid(key, value, format!("{least} or more")));
             }
+        }
+        let steps = self.clock.cycles.saturating_mul(self.clock.steps_per_cycle);
+        if steps > MAX_STEPS {
+            let allowed = format!("at most {MAX_STEPS} steps; these make {steps}");
+            return Err(Error::invalid("time.cycles", self.clock.cycles, allowed));
         }
         Ok(())
     }

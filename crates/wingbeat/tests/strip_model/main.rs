@@ -334,6 +334,7 @@ fn bad_gaps_are_refused() {
     assert!(refused(&[(0.1, 0.1)]).starts_with("gaps[0].to_arc_m = 0.1"));
     assert!(refused(&[(0.0, 0.25)]).starts_with("gaps[0].to_arc_m = 0.25"));
     assert!(refused(&[(0.0, 0.1), (0.05, 0.2)]).starts_with("gaps[1].from_arc_m = 0.05"));
+    assert!(refused(&[(0.05, 0.1), (0.1, 0.2)]).starts_with("gaps[1].from_arc_m = 0.1"));
     let gap = Gap { from_arc_m: 0.1, to_arc_m: 0.12 };
     let wing = planform().with_gaps(&[gap]).unwrap();
     assert!(StripModel::new(&wing, settings(4)).unwrap_err().to_string().starts_with("strips = 4"));

@@ -26,8 +26,8 @@ pub struct Summary {
     status: &'static str,
     /// Steps made, as configured.
     steps: Steps,
-    /// Run whose simulation is the black line.
-    simulation: String,
+    /// Run whose simulation is the black line; none where no run holds one.
+    simulation: Option<String>,
     /// Middle of the envelope against the simulation, by channel.
     envelope_against_simulation: BTreeMap<&'static str, Comparison>,
     /// Each run's phase average against its own noise-free wrench, by channel.
@@ -80,7 +80,7 @@ pub fn numbers(done: &[Done]) -> Result<Numbers, Error> {
     let summary = Summary {
         status: "ok",
         steps,
-        simulation: reference.map_or(String::new(), |(one, _)| name(one)),
+        simulation: reference.filter(|(_, p)| p.truth.is_some()).map(|(one, _)| name(one)),
         envelope_against_simulation: against,
         runs_against_truth: averaged
             .iter()
@@ -108,7 +108,8 @@ impl RunNumbers {
     }
 }
 
-/// The envelope beside the simulation of `run`, and one against the other.
+/// The envelope beside the simulation of `run`, and one against the other; beside the measured
+/// mean of `run` where it holds no simulation.
 fn together(
     run: &RigRun,
     black: &Processed,
@@ -120,10 +121,14 @@ fn together(
     let mut against = BTreeMap::new();
     for (i, (name, unit)) in CHANNELS.iter().enumerate() {
         let (low, high) = envelope(band.iter().map(|(_, p)| &p.cycles[i]));
-        let simulation = black.truth.as_ref().map_or(&black.cycles[i].mean, |truth| &truth[i].mean);
+        let simulation = black.truth.as_ref().map(|truth| &truth[i].mean);
         let middle: Vec<f64> = low.iter().zip(&high).map(|(a, b)| 0.5 * (a + b)).collect();
-        against.insert(*name, compare(&middle, simulation));
-        for (prefix, values) in [("low_", &low), ("high_", &high), ("simulation_", simulation)] {
+        if let Some(simulation) = simulation {
+            against.insert(*name, compare(&middle, simulation));
+        }
+        let mean = ("mean_", &black.cycles[i].mean);
+        let black = simulation.map_or(mean, |simulation| ("simulation_", simulation));
+        for (prefix, values) in [("low_", &low), ("high_", &high), black] {
             let column = Column::new(format!("{prefix}{name}"), *unit, run.processed_frame());
             let values = (0..=CYCLES * bins).map(|k| values[k % bins]).collect();
             columns.push(Column { values, ..column });
@@ -154,7 +159,12 @@ impl Summary {
     fn against_simulation(&self) -> String {
         let mut text = format!(
             "middle of the envelope against the simulation of {}\n{:8}{:>12}{:>12}{:>13}{:>12}\n",
-            self.simulation, "channel", "rmse", "range", "correlation", "peak ratio"
+            self.simulation.as_deref().unwrap_or_default(),
+            "channel",
+            "rmse",
+            "range",
+            "correlation",
+            "peak ratio"
         );
         for (name, c) in &self.envelope_against_simulation {
             text += &format!(
