@@ -170,23 +170,120 @@ impl Piece {
         Ok((edge.iter().map(|t| centre + half * t).collect(), fraction))
     }
 
-    /// Knots of the angle map: the edge nearest to each hinge moves onto it.
+    /// Knots of the angle map: an edge moves onto each hinge.
     fn hinge_map(&self, edge: &[f64], hinges: &[f64], strips: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
         let (centre, half) = (0.5 * (self.from + self.to), 0.5 * (self.to - self.from));
-        let (mut from, mut to) = (vec![0.0], vec![0.0]);
-        for s in hinges.iter().filter(|s| **s > self.from && **s < self.to) {
-            let angle = (-(s - centre) / half).acos();
-            let nearest = edge.iter().copied().min_by(|a, b| (a - angle).abs().total_cmp(&(b - angle).abs()));
-            let nearest = nearest.unwrap_or(angle);
-            if nearest <= from[from.len() - 1] {
-                let allowed = "enough that every hinge has an edge of its own";
-                return Err(Error::invalid("strips", strips, allowed));
-            }
-            from.push(nearest);
-            to.push(angle);
+        let inside = hinges.iter().filter(|s| **s > self.from && **s < self.to);
+        let angles: Vec<f64> = inside.map(|s| (-(s - centre) / half).acos()).collect();
+        let Some(taken) = self.hinge_edges(edge, &angles) else {
+            let allowed = "enough that every hinge has an edge of its own";
+            return Err(Error::invalid("strips", strips, allowed));
+        };
+        let knots = |at: Vec<f64>| std::iter::once(0.0).chain(at).chain([PI]).collect();
+        Ok((knots(taken.iter().map(|&j| edge[j]).collect()), knots(angles)))
+    }
+
+    /// The edge of each hinge: in increasing order with the least squared difference of angle, the same
+    /// on both sides of the plane of symmetry. The outermost edges stay at the ends of the piece.
+    fn hinge_edges(&self, edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
+        let last = edge.len() - 1;
+        if self.from + self.to < 0.0 {
+            return in_order(&edge[1..last], angles).map(|taken| taken.iter().map(|j| j + 1).collect());
         }
-        from.push(PI);
-        to.push(PI);
-        Ok((from, to))
+        let mirrored = |taken: &[usize]| -> Vec<usize> { taken.iter().rev().map(|j| last - j).collect() };
+        if self.from + self.to > 0.0 {
+            let other: Vec<f64> = angles.iter().rev().map(|angle| PI - angle).collect();
+            let image = Self { from: -self.to, to: -self.from, strips: self.strips };
+            return image.hinge_edges(edge, &other).map(|taken| mirrored(&taken));
+        }
+        let side = angles.len() / 2;
+        let mut middle = Vec::new();
+        let mut first_past = edge.len() / 2;
+        if angles.len() % 2 == 1 {
+            // With an odd number of strips there is no edge in the middle: one of the two beside it.
+            let nearer = |j: usize| (edge[j] - angles[side]).abs();
+            middle.push(if nearer(last / 2) <= nearer(last.div_ceil(2)) {
+                last / 2
+            } else {
+                last.div_ceil(2)
+            });
+            first_past = last / 2;
+        }
+        let left = in_order(edge.get(1..first_past).unwrap_or(&[]), &angles[..side])?;
+        let left: Vec<usize> = left.iter().map(|j| j + 1).collect();
+        Some([&left[..], &middle, &mirrored(&left)].concat())
+    }
+}
+
+/// Indices of `edge` for each of `angles`, increasing, with the least sum of squared differences.
+fn in_order(edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
+    // The least sum, and the indices, of the angles so far with the last one at each edge or before.
+    let mut best = vec![Some((0.0, Vec::new())); edge.len() + 1];
+    for angle in angles {
+        let mut next: Vec<Option<(f64, Vec<usize>)>> = vec![None; edge.len() + 1];
+        for (j, e) in edge.iter().enumerate() {
+            let here = best[j].as_ref().map(|(sum, taken)| {
+                (sum + (e - angle).powi(2), taken.iter().copied().chain([j]).collect::<Vec<_>>())
+            });
+            next[j + 1] = match (next[j].clone(), here) {
+                (Some(before), Some(here)) => Some(if here.0 < before.0 { here } else { before }),
+                (before, here) => here.or(before),
+            };
+        }
+        best = next;
+    }
+    best.pop()?.map(|(_, taken)| taken)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::PlanformStation;
+
+    /// Aerobat's outline with its shoulders and elbows.
+    fn aerobat(strips: usize) -> Result<Grid, Error> {
+        let rows = [
+            [0.0, 0.0635, -0.0956],
+            [0.0707, 0.0765, -0.111],
+            [0.1547, 0.118, 0.0171],
+            [0.2027, 0.101, 0.081],
+        ];
+        let stations = rows.map(|[arc_m, leading_edge_m, trailing_edge_m]| PlanformStation {
+            arc_m,
+            leading_edge_m,
+            trailing_edge_m,
+        });
+        Grid::new(&Planform::new(&stations)?, strips, &[0.0207, 0.0707])
+    }
+
+    #[test]
+    fn hinges_take_edges_in_order_and_alike_on_both_sides() {
+        for strips in [6, 7, 8, 9, 10, 12, 13, 14, 16, 32] {
+            let grid = aerobat(strips).unwrap();
+            for (a, b) in grid.arcs.iter().zip(grid.arcs.iter().rev()) {
+                assert!((a + b).abs() < 1e-15, "{strips} strips: {a} and {b}");
+            }
+            for (a, b) in grid.control_arcs.iter().zip(grid.control_arcs.iter().rev()) {
+                assert!((a + b).abs() < 1e-15, "{strips} strips: control at {a} and {b}");
+            }
+            assert!(grid.width.iter().all(|width| *width > 0.0), "{strips} strips");
+            for hinge in [0.0207, 0.0707] {
+                let on_hinge = grid.arcs.iter().filter(|arc| (arc.abs() - hinge).abs() < 1e-15).count();
+                assert_eq!(on_hinge, 2, "{strips} strips, hinge at {hinge}");
+            }
+        }
+        let refused = aerobat(4).unwrap_err().to_string();
+        assert!(refused.starts_with("strips = 4") && refused.contains("every hinge"), "{refused}");
+    }
+
+    #[test]
+    fn the_nearest_edges_are_taken_where_they_are_in_order() {
+        let edge = [0.1, 0.5, 1.0, 1.6];
+        assert_eq!(in_order(&edge, &[0.45, 1.1]), Some(vec![1, 2]));
+        // Both are nearest to 0.5: the pair with the least squares.
+        assert_eq!(in_order(&edge, &[0.52, 0.6]), Some(vec![1, 2]));
+        assert_eq!(in_order(&edge, &[0.3, 0.5]), Some(vec![0, 1]));
+        assert_eq!(in_order(&edge[..1], &[0.3, 0.5]), None);
+        assert_eq!(in_order(&[], &[]), Some(vec![]));
     }
 }
