@@ -2,6 +2,7 @@
 
 use super::MAX_STRIPS;
 use crate::math::{Scalar, Wrench};
+use crate::plant::MAX_DEGREES;
 
 /// Loads of one strip by source.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,6 +23,25 @@ impl<S: Scalar> StripLoads<S> {
     pub fn total(&self) -> Wrench<S> {
         self.circulatory + self.induced_drag + self.added_mass + self.profile_drag
     }
+}
+
+impl<S: Scalar> std::ops::AddAssign for StripLoads<S> {
+    fn add_assign(&mut self, o: Self) {
+        self.circulatory += o.circulatory;
+        self.induced_drag += o.induced_drag;
+        self.added_mass += o.added_mass;
+        self.profile_drag += o.profile_drag;
+    }
+}
+
+/// What coordinates beyond the six of the body take from a surface.
+#[derive(Debug)]
+pub struct Coupling<'a, G: Scalar, S: Scalar> {
+    /// Mass matrix on [acceleration of the body origin; angular acceleration; second rates of the
+    /// coordinates]; its rows and columns 6.. grow by the added mass.
+    pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
+    /// Load of each strip about the body origin, in B, accelerations of body and coordinates left out.
+    pub strips: &'a mut [Wrench<S>],
 }
 
 /// Loads of the whole wing.
@@ -65,11 +85,8 @@ impl<S: Scalar> Default for Loads<S> {
 impl<S: Scalar> Loads<S> {
     /// Sum over strips by source.
     pub fn by_source(&self) -> StripLoads<S> {
-        self.strip[..self.strips].iter().fold(StripLoads::default(), |sum, s| StripLoads {
-            circulatory: sum.circulatory + s.circulatory,
-            induced_drag: sum.induced_drag + s.induced_drag,
-            added_mass: sum.added_mass + s.added_mass,
-            profile_drag: sum.profile_drag + s.profile_drag,
-        })
+        let mut sum = StripLoads::default();
+        self.strip[..self.strips].iter().for_each(|strip| sum += *strip);
+        sum
     }
 }

@@ -120,5 +120,10 @@ pub trait Plant: Sync {
     }
 }
 
+/// Most coordinates of a body's structure that its dynamics decide, beyond the six of the body.
+pub const MAX_COORDINATES: usize = 16;
+/// Order of the mass matrix of body and coordinates.
+pub const MAX_DEGREES: usize = 6 + MAX_COORDINATES;
+
 /// Largest state of which the parts are put together on the stack.
 pub const MAX_STATES: usize = 160;

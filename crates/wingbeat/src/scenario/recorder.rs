@@ -4,12 +4,9 @@ use crate::Error;
 use crate::flight::{Column, Controller, Record, Sample};
 use crate::math::{Vec3, Wrench};
 use crate::plant::{Fault, Plant};
-use crate::robot::{JOINTS, Observation, Robot, WING_POINTS};
+use crate::robot::{Observation, Robot};
 
-/// Names of the wing's recorded points, left tip to right tip.
-const POINT_NAMES: [&str; WING_POINTS] =
-    ["left_tip", "left_elbow", "left_shoulder", "right_shoulder", "right_elbow", "right_tip"];
-/// Lines of the wing recorded at each point.
+/// Lines of a surface recorded at each end of its panels.
 const LINES: [&str; 3] = ["hinge", "leading", "trailing"];
 /// Load sources in the order of [`sources`].
 const SOURCES: [&str; 7] =
@@ -65,12 +62,12 @@ impl<'a> Recorder<'a> {
         row.clear();
         row.extend([t, self.robot.phase(t)]);
         row.extend(o.attitude.roll_pitch_yaw().0);
-        row.extend(o.joints);
-        row.extend(o.torques);
+        row.extend(&o.joints);
+        row.extend(&o.torques);
         row.push(o.power);
         row.extend(source_values(&sources(&o)));
         row.extend((position + o.attitude * o.center_of_mass).0);
-        row.extend(o.wing.iter().flatten().flat_map(|p| (position + o.attitude * *p).0));
+        row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
         row.extend(&o.incidence);
         row.extend(u);
         row.extend(x);
@@ -83,27 +80,42 @@ impl<'a> Recorder<'a> {
 
     /// The record, and the share of strips past `stall_angle` (rad) over all samples.
     pub fn finish(self) -> (Record, f64) {
-        let limit = self.robot.aero().stall_angle();
-        let past = self.incidence.iter().filter(|a| a.abs() > limit).count();
+        let limits = self
+            .robot
+            .surfaces()
+            .flat_map(|(_, aero)| std::iter::repeat_n(aero.stall_angle(), aero.strips()));
+        let limits: Vec<f64> = limits.collect();
+        let past =
+            self.incidence.iter().zip(limits.iter().cycle()).filter(|(a, limit)| a.abs() > **limit).count();
         (self.record, past as f64 / self.incidence.len().max(1) as f64)
     }
+}
+
+/// Columns of the coordinates of all joints, then of their efforts.
+pub(super) fn joint_columns(robot: &Robot) -> impl Iterator<Item = Column> {
+    let units = |i: usize| robot.tree().kind(i).units();
+    let coordinates = robot.joint_names().enumerate().map(move |(i, n)| Column::new(n, units(i)[0], ""));
+    let efforts = robot.joint_names().enumerate();
+    coordinates.chain(efforts.map(move |(i, n)| Column::new(format!("torque_{n}"), units(i)[2], "")))
 }
 
 fn columns(robot: &Robot) -> Vec<Column> {
     let column = |name: String, unit: &str, frame: &str| Column::new(name, unit, frame);
     let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
     columns.extend(["roll", "pitch", "yaw"].map(|n| Column::new(n, "rad", "WB")));
-    columns.extend(JOINTS.map(|n| Column::new(n, "rad", "")));
-    columns.extend(JOINTS.map(|n| column(format!("torque_{n}"), "N m", "")));
+    columns.extend(joint_columns(robot));
     columns.push(Column::new("joint_power", "W", ""));
     columns.extend(source_columns());
     columns.extend(["x", "y", "z"].map(|a| column(format!("com_{a}"), "m", "W")));
-    for point in POINT_NAMES {
+    for point in robot.outline_names() {
         for line in LINES {
             columns.extend(["x", "y", "z"].map(|a| column(format!("{line}_{point}_{a}"), "m", "W")));
         }
     }
-    columns.extend((0..robot.aero().strips()).map(|i| column(format!("incidence_{i}"), "rad", "")));
+    for (i, (name, aero)) in robot.surfaces().enumerate() {
+        let prefix = if i == 0 { String::new() } else { format!("{name}_") };
+        columns.extend((0..aero.strips()).map(|i| column(format!("{prefix}incidence_{i}"), "rad", "")));
+    }
     columns.extend(robot.inputs().iter().map(Column::from));
     columns.extend(robot.states().iter().map(Column::from));
     columns

@@ -191,7 +191,7 @@ impl Tether {
     fn advance(&self, t: f64, x: &mut [f64], work: &mut Workspace<f64>) {
         let count = self.aero.arcs().len();
         let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
-            self.aero.evaluate_sum(&self.sections(t)[..count], self.wind, x, dx);
+            self.aero.evaluate_sum(&self.sections(t)[..count], self.wind, x, dx, None);
             Ok::<(), Infallible>(())
         };
         let Ok(()) = RK4.step(rates, t, self.clock.step(), x, work);

@@ -6,8 +6,8 @@ use crate::flight::{Column, Record};
 use crate::guide::{Flapping, Means, Stand};
 use crate::math::{RK4, Workspace};
 use crate::plant::{Fault, Plant};
-use crate::robot::{CarriedLoads, JOINTS};
-use crate::scenario::recorder::{source_columns, source_values};
+use crate::robot::CarriedLoads;
+use crate::scenario::recorder::{joint_columns, source_columns, source_values};
 
 /// Cycles from rest; the last one is recorded. The slowest lag of a slow wing decays by a third per cycle.
 const CYCLES: usize = 24;
@@ -86,8 +86,7 @@ impl Replay<'_> {
     fn columns(&self) -> Vec<Column> {
         let robot = self.stand.robot();
         let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
-        columns.extend(JOINTS.map(|n| Column::new(n, "rad", "")));
-        columns.extend(JOINTS.map(|n| Column::new(format!("torque_{n}"), "N m", "")));
+        columns.extend(joint_columns(robot));
         columns.extend(["joint_power", "drive_power", "power_to_air"].map(|n| Column::new(n, "W", "")));
         columns.extend(["force_up", "force_forward"].map(|n| Column::new(n, "N", "W")));
         columns.push(Column::new("trim_moment", "N m", "B"));
@@ -100,8 +99,8 @@ impl Replay<'_> {
     fn row(&self, t: f64, x: &[f64]) -> Result<Vec<f64>, Fault> {
         let o = self.loads(t, x, &mut x.to_vec())?;
         let mut row = vec![t, self.stand.robot().phase(self.stand.clock(t, &self.flapping).x)];
-        row.extend(o.joints.map(|j| j.x));
-        row.extend(o.torques);
+        row.extend(o.joints.iter().map(|j| j.x));
+        row.extend(&o.torques);
         row.extend([o.joint_power(), drive_power(&o.torques, &o.joints, self.storage, 0.0), -o.air_power]);
         row.extend(self.stand.lift_thrust_trim(&o, self.flapping.pitch));
         let air = &o.air;
