@@ -27,9 +27,10 @@ pub struct Coordinates<S: Scalar = f64> {
 }
 
 impl<S: Scalar> Coordinates<S> {
-    /// `count` coordinates that move nothing yet.
-    pub fn new(count: usize) -> Self {
-        Self { count, shares: ArrayVec::new() }
+    /// No coordinate.
+    #[inline]
+    pub fn none() -> Self {
+        Self { count: 0, shares: ArrayVec::new() }
     }
 
     /// Number of coordinates.
@@ -51,6 +52,7 @@ impl<S: Scalar> Coordinates<S> {
     ) {
         let BaseAcceleration { origin, angular } = tree.nodes[joint].field(&motions[joint]);
         let field = BaseAcceleration { origin: origin * ratio, angular: angular * ratio };
+        self.count = self.count.max(coordinate + 1);
         self.shares.push(Share { coordinate, links: tree.nodes[joint].carried, field });
     }
 

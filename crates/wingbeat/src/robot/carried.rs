@@ -97,29 +97,35 @@ impl Robot {
         dx: &mut [S],
     ) -> Result<CarriedLoads<S>, Fault> {
         let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
-        let mut joints = self.joints(clock, &x[..structure], u, &mut dx[..elements])?;
+        let (mut joints, mut links) = (Joints::new(), Links::new());
+        self.joints(clock, &x[..structure], u, &mut dx[..elements], &mut joints)?;
         let v = body.attitude.transpose_mul(body.velocity);
-        let mut links = self.links(&joints, v, body.rate);
+        self.links(&joints, v, body.rate, &mut links);
         let imposed = BaseAcceleration {
             origin: body.attitude.transpose_mul(body.acceleration),
             angular: body.angular_acceleration,
         };
         let base = LinkMotion::base(v, body.rate).accelerated(&imposed);
-        let coordinates = self.coordinates(&links);
+        let mut coordinates = Coordinates::none();
+        self.coordinates(&links, &mut coordinates);
         let (wind, wind_dot) = self.wind(clock.x, body.attitude);
         let gravity = self.gravity(body.attitude);
-        let still = Coordinates::new(0);
+        let still = Coordinates::none();
         if coordinates.count() > 0 {
-            let moving: Links<S> = links.iter().map(|link| link.accelerated(&imposed)).collect();
-            let carriers = Carriers::new(&self.carriers, &base, &moving, wind_dot, &coordinates);
+            let mut moving = Links::new();
+            moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
+            let mut carriers = Carriers::new(&base, wind_dot, &coordinates);
+            carriers.follow(&self.carriers, &moving, wind_dot);
             let second_rates = self
                 .second_rates(&moving, &carriers, gravity, wind, x, dx)
                 .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
             self.store_coordinate_rates(&x[..structure], &second_rates, &mut dx[elements..structure]);
             self.let_go(&mut joints, &mut links, &coordinates, &second_rates);
         }
-        let moving: Links<S> = links.iter().map(|link| link.accelerated(&imposed)).collect();
-        let carriers = Carriers::new(&self.carriers, &base, &moving, wind_dot, &still);
+        let mut moving = Links::new();
+        moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
+        let mut carriers = Carriers::new(&base, wind_dot, &still);
+        carriers.follow(&self.carriers, &moving, wind_dot);
         let (x, dx) = (&x[structure..], &mut dx[structure..]);
         let (air, external, _) = self.air_loads(&carriers, wind, x, dx, |_| {});
         let body_drag = self.body_drag(v - wind);
@@ -152,7 +158,8 @@ impl Robot {
         dx: &mut [S],
     ) -> Option<[S; MAX_COORDINATES]> {
         let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
-        let coordinates = self.coordinates(moving);
+        let mut coordinates = Coordinates::none();
+        self.coordinates(moving, &mut coordinates);
         let mut system = System::<S, S>::new();
         self.mechanism.tree.coordinate_inertia(
             moving,
@@ -247,9 +254,10 @@ impl Robot {
         u: &[S],
     ) -> Result<S, Fault> {
         let structure = self.structure_states();
-        let joints = self.joints(clock, &x[..structure], u, &mut x[..structure].to_vec())?;
+        let (mut joints, mut links) = (Joints::new(), Links::new());
+        self.joints(clock, &x[..structure], u, &mut x[..structure].to_vec(), &mut joints)?;
         let v = body.attitude.transpose_mul(body.velocity);
-        let links = self.links(&joints, v, body.rate);
+        self.links(&joints, v, body.rate, &mut links);
         let datum = -body.attitude.transpose_mul(position);
         let tree = &self.mechanism.tree;
         let potential = tree.potential_energy(self.gravity(body.attitude), &links, datum);
@@ -269,9 +277,10 @@ impl Robot {
     ) -> Result<Momentum, Fault> {
         let structure = vec![0.0; self.structure_states()];
         let u = vec![0.0; self.inputs.len()];
-        let joints = self.joints(clock, &structure, &u, &mut structure.clone())?;
+        let (mut joints, mut links) = (Joints::new(), Links::new());
+        self.joints(clock, &structure, &u, &mut structure.clone(), &mut joints)?;
         let v = body.attitude.transpose_mul(body.velocity);
-        let links = self.links(&joints, v, body.rate);
+        self.links(&joints, v, body.rate, &mut links);
         Ok(self.mechanism.tree.momentum(v, body.rate, &links, -body.attitude.transpose_mul(position)))
     }
 }

@@ -8,6 +8,7 @@ use crate::body::{Coordinates, LinkMotion};
 use crate::math::linear::{solve_symmetric, solve_symmetric_leading};
 use crate::math::{GRAVITY, Jet, Mat3, Over, Quat, Scalar, Vec3, Wrench, lift};
 use crate::plant::{Channel, Fault, MAX_COORDINATES, MAX_DEGREES, Plant};
+use arrayvec::ArrayVec;
 
 /// Everything one evaluation computes on the way to the rates; what the states of the air do
 /// not enter is in `G`.
@@ -25,7 +26,23 @@ pub(super) struct Evaluation<G: Scalar, S: Over<G> = G> {
     /// Acceleration of the body origin and angular acceleration, inertial, in B.
     pub acceleration: [S; 6],
     /// Second rates of the elastic joints.
-    pub second_rates: [S; MAX_COORDINATES],
+    pub second_rates: ArrayVec<S, MAX_COORDINATES>,
+}
+
+impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
+    /// Room for an evaluation, which is large and so filled in place.
+    #[inline(always)]
+    pub fn empty() -> Self {
+        Self {
+            attitude: Mat3::IDENTITY,
+            joints: Joints::new(),
+            links: Links::new(),
+            base: LinkMotion::base(Vec3::ZERO, Vec3::ZERO),
+            coordinates: Coordinates::none(),
+            acceleration: [S::ZERO; 6],
+            second_rates: ArrayVec::new(),
+        }
+    }
 }
 
 impl Plant for Robot {
@@ -42,7 +59,7 @@ impl Plant for Robot {
         self.layout.aero
     }
     fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
-        self.evaluate(t, x, u, dx).map(|_| ())
+        self.evaluate(t, x, u, dx, &mut Evaluation::empty())
     }
     fn rates_by_late<S: Over<f64>>(
         &self,
@@ -52,7 +69,7 @@ impl Plant for Robot {
         u: &[f64],
         dx: &mut [S],
     ) -> Result<(), Fault> {
-        self.evaluate_parts(t, early, late, u, dx).map(|_| ())
+        self.evaluate_parts(t, early, late, u, dx, &mut Evaluation::empty())
     }
 }
 
@@ -65,9 +82,10 @@ impl Robot {
         x: &[S],
         u: &[S],
         dx: &mut [S],
-    ) -> Result<Evaluation<S>, Fault> {
+        out: &mut Evaluation<S>,
+    ) -> Result<(), Fault> {
         let (early, air) = x.split_at(self.layout.aero);
-        self.evaluate_parts(t, early, air, u, dx)
+        self.evaluate_parts(t, early, air, u, dx, out)
     }
 
     /// The same, given the states of body and structure and those of the air.
@@ -79,7 +97,8 @@ impl Robot {
         air: &[S],
         u: &[G],
         dx: &mut [S],
-    ) -> Result<Evaluation<G, S>, Fault> {
+        out: &mut Evaluation<G, S>,
+    ) -> Result<(), Fault> {
         let l = &self.layout;
         let q = Quat::from_wxyz(&x[l.attitude..]);
         let attitude = q.matrix();
@@ -89,18 +108,19 @@ impl Robot {
 
         let clock = Jet::new(t, G::ONE, G::ZERO);
         let structure = &x[l.structure..];
-        let joints = self.joints(&clock, structure, u, &mut dx[l.structure..l.joints])?;
-        let links = self.links(&joints, v, w);
-        let base = LinkMotion::base(v, w);
-        let coordinates = self.coordinates(&links);
+        let Evaluation { joints, links, base, coordinates, second_rates, .. } = out;
+        self.joints(&clock, structure, u, &mut dx[l.structure..l.joints], joints)?;
+        self.links(joints, v, w, links);
+        *base = LinkMotion::base(v, w);
+        self.coordinates(links, coordinates);
 
         let (wind, wind_dot) = self.wind(t, attitude);
-        let carriers = Carriers::new(&self.carriers, &base, &links, wind_dot, &coordinates);
+        let mut carriers = Carriers::new(base, wind_dot, coordinates);
+        carriers.follow(&self.carriers, links, wind_dot);
         let tree = &self.mechanism.tree;
-        let (mut mass, bias) = tree.inertia_and_bias(w, &links);
+        let (mut mass, bias) = tree.inertia_and_bias(w, links);
         let g_b = self.gravity(attitude);
-        let body = tree.gravity(g_b, &links) + self.body_drag(v - wind) + -bias;
-        let mut second_rates = [S::ZERO; MAX_COORDINATES];
+        let body = tree.gravity(g_b, links) + self.body_drag(v - wind) + -bias;
         let acceleration = if coordinates.count() == 0 {
             let mut net = body.lifted();
             for surface in &self.surfaces {
@@ -114,7 +134,7 @@ impl Robot {
             solve_symmetric(mass, rhs)
         } else {
             let mut system = System::new();
-            tree.coordinate_inertia(&links, g_b, &coordinates, &mut system.mass, &mut system.forces);
+            tree.coordinate_inertia(links, g_b, coordinates, &mut system.mass, &mut system.forces);
             let springs = &structure[l.joints - l.structure..];
             self.add_springs(springs, &mut system.forces);
             let mut net = system.add_air(self, &carriers, wind, air, &mut dx[l.aero..]);
@@ -122,7 +142,7 @@ impl Robot {
             net += body.lifted();
             let solution = system.solve(Some(net), coordinates.count());
             solution.map(|degrees| {
-                second_rates.copy_from_slice(&degrees[6..]);
+                second_rates.extend(degrees[6..][..coordinates.count()].iter().copied());
                 std::array::from_fn(|i| degrees[i])
             })
         };
@@ -134,25 +154,24 @@ impl Robot {
         lift(&turning, &mut dx[l.attitude..]);
         attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
         Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
-        self.store_coordinate_rates(structure, &second_rates, &mut dx[l.joints..l.aero]);
-        Ok(Evaluation { attitude, joints, links, base, coordinates, acceleration, second_rates })
+        self.store_coordinate_rates(structure, second_rates, &mut dx[l.joints..l.aero]);
+        (out.attitude, out.acceleration) = (attitude, acceleration);
+        Ok(())
     }
 
     /// Motion of the links with the joints at `joints`, the body moving with `v` and `w` in B.
-    pub(super) fn links<S: Scalar>(&self, joints: &Joints<S>, v: Vec3<S>, w: Vec3<S>) -> Links<S> {
-        let mut links: Links<S> = joints.iter().map(|_| LinkMotion::default()).collect();
-        self.mechanism.tree.motions(joints, v, w, &mut links);
-        links
+    #[inline(always)]
+    pub(super) fn links<S: Scalar>(&self, joints: &Joints<S>, v: Vec3<S>, w: Vec3<S>, links: &mut Links<S>) {
+        links.extend(joints.iter().map(|_| LinkMotion::default()));
+        self.mechanism.tree.motions(joints, v, w, links);
     }
 
     /// How elastic joints move the links.
-    pub(super) fn coordinates<S: Scalar>(&self, links: &[LinkMotion<S>]) -> Coordinates<S> {
-        let joints = &self.mechanism.coordinates;
-        let mut coordinates = Coordinates::new(joints.len());
-        for (c, &joint) in joints.iter().enumerate() {
+    #[inline]
+    pub(super) fn coordinates<S: Scalar>(&self, links: &[LinkMotion<S>], coordinates: &mut Coordinates<S>) {
+        for (c, &joint) in self.mechanism.coordinates.iter().enumerate() {
             coordinates.add_joint(c, &self.mechanism.tree, joint, S::ONE, links);
         }
-        coordinates
     }
 
     /// Adds the efforts of springs and dampers to the forces on the coordinates; `states` are the
@@ -240,7 +259,8 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         dx: &mut [S],
     ) -> Wrench<S> {
         let links = robot.mechanism.tree.links();
-        let mut external: External<S> = std::iter::repeat_n(Wrench::ZERO, links + 1).collect();
+        let mut external = External::<S>::new();
+        external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
         let mut net = Wrench::ZERO;
         for surface in &robot.surfaces {
             let coupled = Some((&mut self.mass, &mut external));

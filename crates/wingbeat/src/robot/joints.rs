@@ -134,19 +134,20 @@ impl Robot {
     /// Joint coordinates with rates and accelerations on the time `clock`, of a gait that may run up
     /// or stand still; the second rates of elastic joints, which the dynamics decide, are zero.
     /// `structure` holds the states of the elements, then those of elastic joints; `dx` receives the
-    /// rates of the elements' states.
+    /// rates of the elements' states, `joints` the coordinates.
     pub(super) fn joints<G: Scalar, S: Over<G>>(
         &self,
         clock: &Jet<G>,
         structure: &[G],
         u: &[G],
         dx: &mut [S],
-    ) -> Result<Joints<G>, Fault> {
+        joints: &mut Joints<G>,
+    ) -> Result<(), Fault> {
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         self.response.rates(&displacements, dx);
         let phase = *clock * self.phase_rate + self.phase_start;
-        let mut joints = self.driven(phase, &displacements)?;
+        self.drive(phase, &displacements, joints)?;
         for (element, displacement) in self.elements.iter().zip(&displacements) {
             for moved in &element.moves {
                 if let Displaced::Joint(joint) = *moved {
@@ -159,11 +160,16 @@ impl Robot {
         for (i, &joint) in self.mechanism.coordinates.iter().enumerate() {
             joints[joint] = Jet::new(states[i], states[count + i], G::ZERO);
         }
-        Ok(joints)
+        Ok(())
     }
 
     /// Joint coordinates by the gait alone, its linkages with their lengths displaced.
-    fn driven<G: Scalar>(&self, phase: Jet<G>, displacements: &[Jet<G>]) -> Result<Joints<G>, Fault> {
+    fn drive<G: Scalar>(
+        &self,
+        phase: Jet<G>,
+        displacements: &[Jet<G>],
+        joints: &mut Joints<G>,
+    ) -> Result<(), Fault> {
         let mut poses = [[Jet::ZERO; 2]; 2];
         if let Some(linkage) = &self.mechanism.linkage {
             let mut lengths = [[Jet::ZERO; REGULATED.len()]; 2];
@@ -185,7 +191,8 @@ impl Robot {
             Drive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],
             Drive::Linkage(wing, LinkageOutput::Elbow) => poses[*wing][1],
         };
-        Ok(self.mechanism.drives.iter().map(joint).collect())
+        joints.extend(self.mechanism.drives.iter().map(joint));
+        Ok(())
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is worth seeing of a flight at one instant: angles, named forces, power.
 
+use super::dynamics::Evaluation;
 use super::sections::{Carriers, Section};
 use super::surface::External;
 use super::{Links, Robot};
@@ -51,7 +52,8 @@ impl Robot {
     /// The [`Fault`] that makes the model unusable there.
     pub fn observe(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let e = self.evaluate(t, x, u, &mut dx)?;
+        let mut e = Evaluation::empty();
+        self.evaluate(t, x, u, &mut dx, &mut e)?;
         let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
         self.let_go(&mut joints, &mut links, &e.coordinates, &e.second_rates);
         let body = BaseAcceleration::from_slice(&e.acceleration);
@@ -59,8 +61,9 @@ impl Robot {
         let moving: Links<f64> = links.iter().map(|link| link.accelerated(&body)).collect();
 
         let (wind, wind_dot) = self.wind(t, e.attitude);
-        let still = Coordinates::new(0);
-        let carriers = Carriers::new(&self.carriers, &base, &moving, wind_dot, &still);
+        let still = Coordinates::none();
+        let mut carriers = Carriers::new(&base, wind_dot, &still);
+        carriers.follow(&self.carriers, &moving, wind_dot);
         let aero = self.layout.aero;
         let mut incidence = Vec::new();
         let (air, external, _) = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], |loads| {

@@ -116,17 +116,16 @@ pub(super) struct Carriers<'a, S: Scalar> {
 }
 
 impl<'a, S: Scalar> Carriers<'a, S> {
-    /// `carriers` are the links that carry surfaces.
+    /// The body alone.
     #[inline(always)]
-    pub fn new(
-        carriers: &[usize],
-        base: &LinkMotion<S>,
-        links: &[LinkMotion<S>],
-        wind_dot: Vec3<S>,
-        coordinates: &'a Coordinates<S>,
-    ) -> Self {
-        let links = carriers.iter().map(|&link| Carrier::new(&links[link], wind_dot)).collect();
-        Self { base: Carrier::new(base, wind_dot), links, coordinates }
+    pub fn new(base: &LinkMotion<S>, wind_dot: Vec3<S>, coordinates: &'a Coordinates<S>) -> Self {
+        Self { base: Carrier::new(base, wind_dot), links: ArrayVec::new(), coordinates }
+    }
+
+    /// Adds the links `carriers`, in place.
+    #[inline(always)]
+    pub fn follow(&mut self, carriers: &[usize], links: &[LinkMotion<S>], wind_dot: Vec3<S>) {
+        self.links.extend(carriers.iter().map(|&link| Carrier::new(&links[link], wind_dot)));
     }
 }
 
