@@ -46,6 +46,7 @@ fn unary() -> Vec<Unary> {
         unary!(x: x.acos(), x.acos(), INSIDE),
         unary!(x: x.recip(), x.recip(), ANY),
         unary!(x: x.squared(), x * x, ANY),
+        unary!(x: x.mul_add(x, x.sin()), x * x + x.sin(), ANY),
         unary!(x: x.smooth_abs(WIDTH), (x * x + WIDTH * WIDTH).sqrt(), ANY),
         unary!(x: x.smooth_positive(WIDTH), (x + (x * x + WIDTH * WIDTH).sqrt()) * 0.5, ANY),
         unary!(x: x.clamped(-5.0, 5.0), x, ANY),
@@ -60,6 +61,7 @@ fn binary() -> Vec<Binary> {
         Binary { nested: |x, y| x - y, oracle: |x, y| x - y },
         Binary { nested: |x, y| x * y, oracle: |x, y| x * y },
         Binary { nested: |x, y| x / y, oracle: |x, y| x / y },
+        Binary { nested: |x, y| x.mul_add(y, x / y), oracle: |x, y| x * y + x / y },
         Binary { nested: |x, y| x.atan2(y), oracle: |x, y| x.atan2(y) },
         Binary { nested: |x, y| (x * y.sin()).exp() / y, oracle: |x, y| (x * y.sin()).exp() / y },
     ]

@@ -7,12 +7,15 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 /// A value and its derivatives along `N` directions.
 ///
 /// `Dual<N>` gives gradients; `Dual<N, Dual<M>>` gives exact second derivatives.
+///
+/// Derivatives come first and aligned, so that vector registers load them whole.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
 pub struct Dual<const N: usize, S: Scalar = f64> {
-    /// Value.
-    pub re: S,
     /// Derivatives along each direction.
     pub eps: [S; N],
+    /// Value.
+    pub re: S,
 }
 
 impl<const N: usize, S: Scalar> Dual<N, S> {
@@ -227,6 +230,15 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn recip(self) -> Self {
         let r = self.re.recip();
         self.chain(r, -(r * r))
+    }
+    #[inline]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        let mut sum = b;
+        sum.re = self.re.mul_add(a.re, b.re);
+        for i in 0..N {
+            sum.eps[i] = self.eps[i].mul_add(a.re, a.eps[i].mul_add(self.re, b.eps[i]));
+        }
+        sum
     }
     #[inline]
     fn is_finite(self) -> bool {
