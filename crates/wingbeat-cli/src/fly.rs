@@ -55,7 +55,8 @@ fn simulate(scenario: &Scenario, interrupt: &Interrupt, quiet: bool) -> Result<R
         let factor = sample.t / sample.elapsed.as_secs_f64().max(1e-6);
         progress.set_message(format!("{:.2} s simulated, {factor:.2} x real time", sample.t));
         interrupt.flow()
-    })?;
+    });
+    let run = run.map_err(|error| scenario.explain(&error))?;
     progress.finish_and_clear();
     interrupt.check()?;
     Ok(run)

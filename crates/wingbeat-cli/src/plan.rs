@@ -39,7 +39,8 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
             )),
         }
         interrupt.flow()
-    })?;
+    });
+    let planned = planned.map_err(|error| scenario.explain(&error))?;
     progress.finish_and_clear();
     interrupt.check()?;
     folder.write("scenario.toml", &scenario.resolved)?;

@@ -1,9 +1,7 @@
 //! `wingbeat validate`.
 
 use std::fs;
-use std::num::NonZero;
 use std::path::Path;
-use std::thread;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -58,8 +56,7 @@ pub fn validate(arguments: &Validate) -> Result<(), Error> {
 /// Runs `cases` on all cores, until interrupted.
 fn compare(cases: &[&Case], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<Row> {
     let progress = progress::bar(Some(cases.len() as u64), "{bar:30} {pos}/{len} {wide_msg}", quiet);
-    let threads = thread::available_parallelism().map_or(1, NonZero::get);
-    let rows = wingbeat_validate::run(cases, selection, threads, |rows| {
+    let rows = wingbeat_validate::run(cases, selection, |rows| {
         progress.inc(1);
         progress.set_message(rows.first().map_or(String::new(), |row| row.id.clone()));
         interrupt.flow()

@@ -1,10 +1,8 @@
 //! A compared number, the case that computes it, and the running of many.
 
 use std::ops::ControlFlow;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
+
+use wingbeat::parallel;
 
 use crate::Error;
 
@@ -96,46 +94,28 @@ pub fn select<'a>(all: &[&'a Case], selection: &Selection) -> Vec<&'a Case> {
     all.iter().copied().filter(|case| selection.keeps_case(case)).collect()
 }
 
-/// Runs `cases` on `threads` threads and hands each case's rows to `show` in the order of `cases`, until it breaks.
+/// Runs `cases` on all cores and hands each case's rows to `show` in the order of `cases`, until it breaks.
 pub fn run(
     cases: &[&Case],
     selection: &Selection,
-    threads: usize,
     mut show: impl FnMut(&[Row]) -> ControlFlow<()>,
 ) -> Vec<Row> {
-    let next = AtomicUsize::new(0);
-    let (sender, receiver) = mpsc::channel();
-    let sender = Mutex::new(sender);
     let mut done: Vec<Option<Vec<Row>>> = vec![None; cases.len()];
-    let mut shown = Vec::new();
-    thread::scope(|scope| {
-        for _ in 0..threads.max(1) {
-            let (next, sender) = (&next, sender.lock().unwrap_or_else(|e| e.into_inner()).clone());
-            scope.spawn(move || {
-                while let Some((index, case)) = claim(cases, next) {
-                    let _ = sender.send((index, rows_of(case, selection)));
-                }
-            });
-        }
-        let mut front = 0;
-        for (index, rows) in receiver.iter().take(cases.len()) {
+    let (mut shown, mut front) = (Vec::new(), 0);
+    parallel::each(
+        cases,
+        |_, case| rows_of(case, selection),
+        |index, rows| {
             done[index] = Some(rows);
             while let Some(rows) = done.get_mut(front).and_then(Option::take) {
-                if show(&rows).is_break() {
-                    next.store(cases.len(), Ordering::Relaxed);
-                    return;
-                }
+                show(&rows)?;
                 shown.extend(rows);
                 front += 1;
             }
-        }
-    });
+            ControlFlow::Continue(())
+        },
+    );
     shown
-}
-
-fn claim<'a>(cases: &[&'a Case], next: &AtomicUsize) -> Option<(usize, &'a Case)> {
-    let index = next.fetch_add(1, Ordering::Relaxed);
-    cases.get(index).map(|case| (index, *case))
 }
 
 fn rows_of(case: &Case, selection: &Selection) -> Vec<Row> {
@@ -196,7 +176,7 @@ mod tests {
     fn rows_come_in_order_and_failures_are_rows() {
         let all = [&GOOD, &BAD, &PANIC];
         let mut seen = 0;
-        let rows = run(&all, &Selection::default(), 2, |rows| {
+        let rows = run(&all, &Selection::default(), |rows| {
             seen += rows.len();
             ControlFlow::Continue(())
         });
@@ -211,7 +191,7 @@ mod tests {
     #[test]
     fn a_break_ends_the_running() {
         let mut seen = 0;
-        let rows = run(&[&GOOD, &BAD, &GOOD, &BAD], &Selection::default(), 1, |_| {
+        let rows = run(&[&GOOD, &BAD, &GOOD, &BAD], &Selection::default(), |_| {
             seen += 1;
             ControlFlow::Break(())
         });
@@ -221,7 +201,7 @@ mod tests {
     #[test]
     fn two_rows_of_one_id_are_refused() {
         let twice = || Ok(vec![Row::shown("c", "s", "m", 1.0, ""), Row::shown("c", "s", "n", 1.0, "")]);
-        let rows = run(&[&Case { id: "c", quick: true, run: twice }], &Selection::default(), 1, |_| {
+        let rows = run(&[&Case { id: "c", quick: true, run: twice }], &Selection::default(), |_| {
             ControlFlow::Continue(())
         });
         assert_eq!((rows.len(), rows[0].passes()), (1, false));
@@ -230,7 +210,7 @@ mod tests {
     #[test]
     fn one_row_of_a_case_can_be_chosen() {
         let selection = Selection { only: Some("a.good.y".into()), quick: false };
-        let rows = run(&[&GOOD], &selection, 1, |_| ControlFlow::Continue(()));
+        let rows = run(&[&GOOD], &selection, |_| ControlFlow::Continue(()));
         assert_eq!(rows.len(), 1);
     }
 }

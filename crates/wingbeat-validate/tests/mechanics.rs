@@ -6,7 +6,7 @@ use wingbeat_validate::{Selection, cases, run, select};
 
 fn assert_passing(only: &str, rows_expected: usize) {
     let (all, selection) = (cases(), Selection { only: Some(only.into()), quick: false });
-    let rows = run(&select(&all, &selection), &selection, 1, |_| ControlFlow::Continue(()));
+    let rows = run(&select(&all, &selection), &selection, |_| ControlFlow::Continue(()));
     assert_eq!(rows.len(), rows_expected, "{only}");
     for row in rows {
         assert!(row.passes(), "{row:?}");

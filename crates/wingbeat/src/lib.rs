@@ -4,6 +4,8 @@
 
 mod error;
 
+pub mod parallel;
+
 pub mod math;
 pub mod plant;
 

@@ -135,5 +135,5 @@ fn a_linkage_near_its_singularity_is_a_fault_and_one_that_cannot_close_is_refuse
     let message = Linkage::new(short).unwrap_err().to_string();
     assert!(message.contains("linkage") && message.contains("loop 1"), "{message}");
     let negative = LinkageDimensions { l1_m: -1.0, ..LinkageDimensions::default() };
-    assert!(Linkage::new(negative).unwrap_err().to_string().starts_with("linkage.l1_m = -1"));
+    assert!(Linkage::new(negative).unwrap_err().to_string().starts_with("l1_m = -1"));
 }

@@ -113,11 +113,11 @@ fn bad_cases_are_refused_with_their_place() {
     };
     for (text, part) in [
         ("wing.hinges[1].arc_m=0.5", "arc_m"),
-        ("wing.hinges[1].name=\"shoulder\"", "each name once"),
+        ("wing.hinges[1].name=\"shoulder\"", "wing.hinges[1].name = \"shoulder\": allowed is a name"),
         ("time.frequency_hz=0", "above 0"),
         ("time.cycles=100000000000", "at most 2000000 steps"),
         ("time.steps_per_cycle=2", "8 or more"),
-        ("wind.speed_m_s=0", "reference.speed_m_s"),
+        ("wind.speed_m_s=0", "wind.speed_m_s = 0"),
         ("wing.colour=1", "colour"),
         ("body.heave_m={table={file=\"a.csv\",column=\"h\"}}", "no such file"),
     ] {

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use wingbeat::parallel;
 use wingbeat::rig::Trajectory;
 use wingbeat::rig::plan::Plan;
 use wingbeat::scenario::RigRun;
@@ -25,7 +26,7 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
         arguments.from_deg.as_ref().map(|from| from.iter().map(|deg| deg.to_radians()).collect());
     let name = file.file_stem().map_or("plan".into(), |stem| stem.to_string_lossy());
     let folder = RunFolder::create(options.out.as_deref(), &name, options.force)?;
-    let plans = runs::shared(&runs, |_, run| run.plan());
+    let plans = parallel::map(&runs, |_, run| run.plan().map_err(|error| run.explain(&error)));
     let (mut refusals, mut written) = (Vec::new(), 0);
     for (run, plan) in runs.iter().zip(plans) {
         let name = &run.spec.name;

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Deserialize, Serialize};
+use wingbeat::parallel;
 use wingbeat::scenario::RigRun;
 use wingbeat_io::write_parquet;
 
@@ -43,7 +44,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bars = MultiProgress::with_draw_target(target);
     let folders = runs.iter().map(|run| folder.folder(&run.spec.name)).collect::<Result<Vec<_>, _>>()?;
-    let summaries = runs::shared(&runs, |index, run| {
+    let summaries = parallel::map(&runs, |index, run| {
         let bar = bars.add(bar(&run.spec.name));
         let summary = one(run, &folders[index], options.seed.unwrap_or(0) + index as u64, &bar);
         bar.finish_and_clear();
@@ -102,7 +103,7 @@ fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Summ
     bar.set_message("planning");
     let plan = match run.spec.turn {
         None => None,
-        Some(_) => match run.plan()? {
+        Some(_) => match run.plan().map_err(|error| run.explain(&error))? {
             Ok(plan) => Some(plan),
             Err(refusal) => {
                 summary.status = "refused".into();
@@ -114,7 +115,8 @@ fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Summ
     bar.set_message("simulating");
     let carrier = run.carrier(plan.as_ref());
     summary.window_s = run.window(plan.as_ref(), &carrier);
-    match run.simulate(&carrier, seed, |share| bar.set_position((1000.0 * share) as u64))? {
+    let outcome = run.simulate(&carrier, seed, |share| bar.set_position((1000.0 * share) as u64));
+    match outcome.map_err(|error| run.explain(&error))? {
         Ok(outcome) => {
             write_parquet(&folder.join("record.parquet"), &outcome.record)?;
             (summary.samples, summary.saturated) = (outcome.record.rows(), outcome.saturated);

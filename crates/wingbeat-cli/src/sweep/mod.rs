@@ -2,16 +2,13 @@
 
 mod log;
 
-use std::num::NonZero;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
 use std::time::Instant;
 
 use indicatif::ProgressBar;
 use serde::Serialize;
 use wingbeat::flight::Record;
+use wingbeat::parallel;
 use wingbeat::scenario::{Hold, Summary, Sweep};
 use wingbeat_io::{write_csv, write_parquet};
 
@@ -72,31 +69,22 @@ fn commented(sweep: &Sweep) -> Result<String, Error> {
 fn fly_all(sweep: &Sweep, log: &mut Log, interrupt: &Interrupt, quiet: bool) -> Result<(), Error> {
     let todo: Vec<usize> = (0..sweep.spec.runs).filter(|run| !log.has(*run)).collect();
     let progress = progress(sweep.spec.runs, log.len(), quiet);
-    let (next, (sender, flown)) = (AtomicUsize::new(0), mpsc::channel());
-    let threads = thread::available_parallelism().map_or(1, NonZero::get);
-    thread::scope(|scope| -> Result<(), Error> {
-        for _ in 0..threads {
-            let (sender, next, todo) = (sender.clone(), &next, &todo);
-            scope.spawn(move || {
-                while let Some(&run) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let row = one(sweep, run, interrupt);
-                    let stop = !matches!(row, Ok(Some(_)));
-                    if sender.send(row).is_err() || stop {
-                        next.store(todo.len(), Ordering::Relaxed);
-                        break;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for row in flown {
-            if let Some(row) = row? {
-                log.append(&row)?;
+    let mut outcome = Ok(());
+    parallel::each(
+        &todo,
+        |_, run| one(sweep, *run, interrupt),
+        |_, row| match row.and_then(|row| row.map(|row| log.append(&row)).transpose()) {
+            Ok(Some(())) => {
                 progress.inc(1);
+                ControlFlow::Continue(())
             }
-        }
-        Ok(())
-    })?;
+            stopped => {
+                outcome = stopped.map(drop);
+                ControlFlow::Break(())
+            }
+        },
+    );
+    outcome?;
     progress.finish_and_clear();
     let (done, all) = (log.len(), sweep.spec.runs);
     if done < all { Err(Error::Paused { done, all }) } else { Ok(()) }
@@ -104,7 +92,8 @@ fn fly_all(sweep: &Sweep, log: &mut Log, interrupt: &Interrupt, quiet: bool) -> 
 
 /// The row of a flight; none when it was interrupted.
 fn one(sweep: &Sweep, run: usize, interrupt: &Interrupt) -> Result<Option<Vec<f64>>, Error> {
-    let flown = sweep.scenario(run)?.fly(|_| interrupt.flow())?;
+    let scenario = sweep.scenario(run)?;
+    let flown = scenario.fly(|_| interrupt.flow()).map_err(|error| scenario.explain(&error))?;
     if interrupt.flow() == ControlFlow::Break(()) {
         return Ok(None);
     }

@@ -166,7 +166,7 @@ fn settings_without_meaning_are_refused_by_their_key() {
     for (set, part) in [
         ("process.bins=0", "process.bins"),
         ("process.bins=100000000", "2 to 10000"),
-        ("process.window_s=[5,1]", "begin before end"),
+        ("process.window_s=[5,1]", "process.window_s[0] = 5: allowed is at most 1"),
         ("process.steps.cutoff_multiple=-1", "cutoff_multiple"),
     ] {
         let output = rig(&folder, &["process", "a.csv", "--run", &bench(), "--set", set, "--out", "b"]);

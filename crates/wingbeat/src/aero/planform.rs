@@ -58,24 +58,24 @@ impl Planform {
     /// [`Error::Invalid`] when there are fewer than two stations, arcs do not
     /// start at zero and ascend, or a chord is not positive.
     pub fn new(stations: &[PlanformStation]) -> Result<Self, Error> {
-        let fail = |key: String, value: f64, allowed: &str| Err(Error::invalid(key, value, allowed));
+        let fail = |i: usize, key: &str, value: f64, allowed: &str, other: (usize, &str)| {
+            let error = Error::invalid(format!("planform[{i}].{key}"), value, allowed);
+            Err(error.against([format!("planform[{}].{}", other.0, other.1)]))
+        };
         if stations.len() < 2 {
             let given = format!("{} stations", stations.len());
             return Err(Error::invalid("planform", given, "at least two stations"));
         }
         if stations[0].arc_m != 0.0 {
-            return fail("planform[0].arc_m".into(), stations[0].arc_m, "0: the plane of symmetry");
+            return Err(Error::invalid("planform[0].arc_m", stations[0].arc_m, "0: the plane of symmetry"));
         }
         for (i, s) in stations.iter().enumerate() {
             if i > 0 && !(s.arc_m > stations[i - 1].arc_m) {
-                return fail(format!("planform[{i}].arc_m"), s.arc_m, "more than the station before");
+                return fail(i, "arc_m", s.arc_m, "more than the station before", (i - 1, "arc_m"));
             }
             if !(s.leading_edge_m - s.trailing_edge_m > 0.0) {
-                return fail(
-                    format!("planform[{i}].leading_edge_m"),
-                    s.leading_edge_m,
-                    "ahead of the trailing edge",
-                );
+                let trailing = (i, "trailing_edge_m");
+                return fail(i, "leading_edge_m", s.leading_edge_m, "ahead of the trailing edge", trailing);
             }
         }
         Ok(Self {
@@ -98,11 +98,13 @@ impl Planform {
             if !(gap.from_arc_m >= 0.0 && before.is_none_or(|end| gap.from_arc_m > end)) {
                 let allowed =
                     before.map_or("0 or more".into(), |end| format!("more than {end}: wing between"));
-                return Err(Error::invalid(format!("gaps[{i}].from_arc_m"), gap.from_arc_m, allowed));
+                let error = Error::invalid(format!("gaps[{i}].from_arc_m"), gap.from_arc_m, allowed);
+                return Err(error.against(i.checked_sub(1).map(|before| format!("gaps[{before}].to_arc_m"))));
             }
             if !(gap.to_arc_m > gap.from_arc_m && gap.to_arc_m < tip) {
                 let allowed = format!("more than from_arc_m and less than the half span {tip}");
-                return Err(Error::invalid(format!("gaps[{i}].to_arc_m"), gap.to_arc_m, allowed));
+                let error = Error::invalid(format!("gaps[{i}].to_arc_m"), gap.to_arc_m, allowed);
+                return Err(error.against([format!("gaps[{i}].from_arc_m")]));
             }
             before = Some(gap.to_arc_m);
         }
@@ -165,6 +167,11 @@ impl Planform {
     /// Half span without the gaps, m.
     pub fn covered_half_span(&self) -> f64 {
         self.gaps.iter().fold(self.half_span(), |span, g| span - (g.to_arc_m - g.from_arc_m))
+    }
+
+    /// Number of stations.
+    pub fn stations(&self) -> usize {
+        self.arcs.len()
     }
 
     /// Half of the length along the arc from end to end, m.

@@ -14,6 +14,7 @@ pub struct Harmonic {
     /// Amplitude, rad.
     pub amplitude_rad: f64,
     /// Phase lag, rad.
+    #[serde(default)]
     pub phase_rad: f64,
 }
 
@@ -22,6 +23,7 @@ pub struct Harmonic {
 #[serde(deny_unknown_fields)]
 pub struct FourierSeries {
     /// Mean, rad.
+    #[serde(default)]
     pub mean_rad: f64,
     /// Harmonics 1, 2, ... of the stroke.
     #[serde(default)]

@@ -76,7 +76,9 @@ impl Linkage {
             let pose = linkage.pose(Jet::<f64>::from(degrees.to_radians()), [Jet::ZERO; 3]);
             let pose = pose.map_err(|fault| {
                 let value = format!("({fault}, at crank {degrees} deg)");
-                Error::invalid("", value, format!("closed loops, every margin >= {MARGIN_LIMIT}"))
+                let error =
+                    Error::invalid("", value, format!("closed loops, every margin >= {MARGIN_LIMIT}"));
+                error.against(LinkageDimensions::KEYS)
             })?;
             *angles = [pose.humerus.x, pose.radius.x];
         }

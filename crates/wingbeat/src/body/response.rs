@@ -66,19 +66,22 @@ impl Coupled {
         let shape =
             |m: &[Vec<f64>]| format!("{} rows of {:?}", m.len(), m.iter().map(Vec::len).collect::<Vec<_>>());
         if rows == 0 || rows % 2 == 1 || a.iter().any(|r| r.len() != rows) {
-            return Err(Error::invalid("response.a", shape(a), "a square matrix of even order"));
+            return Err(Error::invalid("a", shape(a), "a square matrix of even order"));
         }
         if b.len() != rows || b.iter().any(|r| r.len() != commands) {
-            return Err(Error::invalid("response.b", shape(b), format!("{rows} rows of one length")));
+            return Err(Error::invalid("b", shape(b), format!("{rows} rows of one length")));
         }
-        if let Some(x) = a.iter().chain(b).flatten().find(|x| !x.is_finite()) {
-            return Err(Error::invalid("response", x, "finite numbers"));
+        for (name, matrix) in [("a", a), ("b", b)] {
+            let mut rows = matrix.iter().enumerate();
+            rows.try_for_each(|(i, row)| require::finite(&format!("{name}[{i}]"), row))?;
         }
         for i in 0..elements {
-            let unit = (0..rows).all(|j| a[i][j] == f64::from(u8::from(j == elements + i)));
-            if !unit || b[i].iter().any(|x| *x != 0.0) {
-                let allowed = "rows [0 1] in A and 0 in B for dy/dt";
-                return Err(Error::invalid("response.a", format!("row {i}: {:?}", a[i]), allowed));
+            let unit =
+                (0..rows).map(|j| (format!("a[{i}][{j}]"), a[i][j], f64::from(u8::from(j == elements + i))));
+            let zero = (0..commands).map(|j| (format!("b[{i}][{j}]"), b[i][j], 0.0));
+            if let Some((key, given, asked)) = unit.chain(zero).find(|(_, given, asked)| given != asked) {
+                let allowed = format!("{asked}: rows [0 1] in A and 0 in B for dy/dt");
+                return Err(Error::invalid(key, given, allowed));
             }
         }
         Ok(Self { elements, commands, state: a[elements..].concat(), command: b[elements..].concat() })
@@ -179,8 +182,8 @@ mod tests {
     fn wrong_matrices_are_refused_by_name() {
         let square = [vec![0.0, 1.0], vec![-1.0, -1.0]];
         let message = |a: &[Vec<f64>], b: &[Vec<f64>]| Coupled::new(a, b).unwrap_err().to_string();
-        assert!(message(&square[..1], &[vec![0.0]]).starts_with("response.a"));
-        assert!(message(&square, &[vec![0.0]]).starts_with("response.b"));
+        assert!(message(&square[..1], &[vec![0.0]]).starts_with("a = "));
+        assert!(message(&square, &[vec![0.0]]).starts_with("b = "));
         assert!(message(&[vec![0.0, 2.0], vec![-1.0, -1.0]], &[vec![0.0], vec![1.0]]).contains("dy/dt"));
         assert!(Element::new(0.0, 0.8).unwrap_err().to_string().starts_with("frequency_hz = 0"));
     }

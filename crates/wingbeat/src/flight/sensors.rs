@@ -9,6 +9,9 @@ use crate::require;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
+/// Oldest measurement, in updates: all up to it are kept.
+const MAX_DELAY: usize = 1000;
+
 /// Standard deviations of white noise per measurement, and the delay of the
 /// measurement chain. States not named here are known exactly.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -41,7 +44,8 @@ impl SensorSpec {
             ("rate_rad_s", self.rate_rad_s),
             ("displacement", self.displacement),
         ];
-        levels.iter().try_for_each(|(key, value)| require::not_negative(key, *value))
+        levels.iter().try_for_each(|(key, value)| require::not_negative(key, *value))?;
+        require::at_most("delay_updates", self.delay_updates, MAX_DELAY)
     }
 }
 

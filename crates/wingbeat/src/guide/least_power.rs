@@ -1,6 +1,7 @@
 //! The periodic gait that needs the least power for a given mean force, planned offline.
 
 use super::stand::{Flapping, Stand};
+use super::{MAX_INTERVALS, MAX_MESHES};
 use crate::Error;
 use crate::body::drive_power;
 use crate::math::{RK4, Scalar, Workspace};
@@ -80,29 +81,18 @@ impl LeastPowerSpec {
         require::finite("up_n", self.up_n.as_slice())?;
         require::finite("forward_n", self.forward_n.as_slice())?;
         self.trim_within_n_m.iter().try_for_each(|&m| require::positive("trim_within_n_m", m))?;
-        let [low, high] = self.frequency_hz;
-        if !(low > 0.0 && low <= high && high.is_finite()) {
-            let given = format!("{:?}", self.frequency_hz);
-            return Err(Error::invalid("frequency_hz", given, "[lowest, highest], both above 0"));
+        require::all("frequency_hz", &self.frequency_hz, require::positive)?;
+        require::range("frequency_hz", self.frequency_hz)?;
+        if let Some(pitch) = self.pitch_deg {
+            require::all("pitch_deg", &pitch, |key, angle| require::inside(key, angle, -80.0, 80.0))?;
+            require::range("pitch_deg", pitch)?;
         }
-        if let Some([low, high]) =
-            self.pitch_deg.filter(|[low, high]| !(-80.0 < *low && low <= high && *high < 80.0))
-        {
-            let allowed = "[lowest, highest] between -80 and 80";
-            return Err(Error::invalid("pitch_deg", format!("[{low}, {high}]"), allowed));
-        }
-        if !(0.0..=1.0).contains(&self.storage) {
-            return Err(Error::invalid("storage", self.storage, "between 0 and 1"));
-        }
+        require::between("storage", self.storage, 0.0, 1.0)?;
         if ![4, 6].contains(&self.order) {
             return Err(Error::invalid("order", self.order, "4 or 6"));
         }
-        for (key, value) in [("intervals", self.intervals), ("meshes", self.meshes)] {
-            if value == 0 {
-                return Err(Error::invalid(key, value, "at least 1"));
-            }
-        }
-        Ok(())
+        require::between("intervals", self.intervals, 1, MAX_INTERVALS)?;
+        require::between("meshes", self.meshes, 1, MAX_MESHES)
     }
 }
 

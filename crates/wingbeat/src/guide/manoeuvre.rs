@@ -21,12 +21,16 @@ pub struct Reference {
 #[serde(deny_unknown_fields)]
 pub struct Manoeuvre {
     /// Start of the turn, s.
+    #[serde(default)]
     pub turn_start_s: f64,
     /// Bank in the turn, deg; positive is right wing down.
+    #[serde(default)]
     pub roll_deg: f64,
     /// Pitch throughout, deg; negative is nose up.
+    #[serde(default)]
     pub pitch_deg: f64,
     /// Heading rate in the turn, rad/s; negative turns right.
+    #[serde(default)]
     pub yaw_rate_rad_s: f64,
     /// A planned way into the turn; while it lasts it is the reference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -54,8 +58,12 @@ impl Track {
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
         let count = self.time_s.len();
-        if count < 2 || self.time_s.windows(2).any(|w| !(w[0] < w[1])) {
-            return Err(Error::invalid("time_s", format!("{count} times"), "two or more, ascending"));
+        if count < 2 {
+            return Err(Error::invalid("time_s", format!("{count} times"), "two or more"));
+        }
+        if let Some(i) = (1..count).find(|&i| !(self.time_s[i - 1] < self.time_s[i])) {
+            let [before, this] = [i - 1, i].map(|i| format!("time_s[{i}]"));
+            return Err(Error::invalid(this, self.time_s[i], "more than the one before").against([before]));
         }
         let series = [
             ("roll_rad", self.roll_rad.len()),

@@ -8,6 +8,10 @@ mod playback;
 mod roll_in;
 mod stand;
 
+/// Most intervals of the first mesh of a plan, and most meshes.
+const MAX_INTERVALS: usize = 500;
+const MAX_MESHES: usize = 20;
+
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, Track, angle_error};
 pub use mpc::{Mpc, MpcSpec, Weights};

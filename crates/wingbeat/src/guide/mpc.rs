@@ -84,11 +84,8 @@ impl MpcSpec {
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
         weights.iter().try_for_each(|(key, value)| require::not_negative(key, *value))?;
         self.deadline_s.map_or(Ok(()), |deadline| require::positive("deadline_s", deadline))?;
-        for (key, value) in [("intervals", self.intervals), ("iterations", self.iterations)] {
-            if !(1..=MAX_INTERVALS).contains(&value) {
-                return Err(Error::invalid(key, value, format!("1 to {MAX_INTERVALS}")));
-            }
-        }
+        require::between("intervals", self.intervals, 1, MAX_INTERVALS)?;
+        require::between("iterations", self.iterations, 1, MAX_INTERVALS)?;
         for (name, rate) in &self.input_rate_per_s {
             require::positive(&format!("input_rate_per_s.{name}"), *rate)?;
         }

@@ -1,6 +1,7 @@
 //! The quickest way from level flight into a banked turn, planned offline.
 
 use super::manoeuvre::{Track, angle_error};
+use super::{MAX_INTERVALS, MAX_MESHES};
 use crate::Error;
 use crate::math::{RK4, Scalar, Workspace};
 use crate::ocp::interior_point::Options;
@@ -8,6 +9,7 @@ use crate::ocp::{
     Ends, Instant, Limits, OptimalControl, Optimum, Progress, Refinement, Setup, Trajectory, optimise,
 };
 use crate::plant::{Channel, Fault, LocalChart, Plant};
+use crate::require;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -65,23 +67,12 @@ impl RollInSpec {
             ("tolerance", self.tolerance),
             ("time_limit_s", self.time_limit_s),
         ];
-        if let Some((key, value)) = positive.iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
-            return Err(Error::invalid(*key, value, "a finite number above 0"));
-        }
-        if !(self.start_s >= 0.0 && self.start_s.is_finite()) {
-            return Err(Error::invalid("start_s", self.start_s, "a finite number, 0 or more"));
-        }
-        for (key, value) in [("roll_deg", self.roll_deg), ("pitch_deg", self.pitch_deg)] {
-            if !(value.abs() < 80.0) {
-                return Err(Error::invalid(key, value, "between -80 and 80"));
-            }
-        }
-        for (key, value) in [("intervals", self.intervals), ("meshes", self.meshes)] {
-            if value == 0 {
-                return Err(Error::invalid(key, value, "at least 1"));
-            }
-        }
-        Ok(())
+        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
+        require::not_negative("start_s", self.start_s)?;
+        require::inside("roll_deg", self.roll_deg, -80.0, 80.0)?;
+        require::inside("pitch_deg", self.pitch_deg, -80.0, 80.0)?;
+        require::between("intervals", self.intervals, 1, MAX_INTERVALS)?;
+        require::between("meshes", self.meshes, 1, MAX_MESHES)
     }
 }
 

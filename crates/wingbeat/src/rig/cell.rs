@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::math::{Random, Vec3, Wrench};
+use crate::require;
 use serde::{Deserialize, Serialize};
 
 /// Names of the six channels, with units.
@@ -53,10 +54,13 @@ pub struct CellSpec {
     /// Samples per second: 7000 divided by a whole number.
     pub rate_hz: f64,
     /// Standard deviation of the noise, in steps of resolution.
+    #[serde(default)]
     pub noise_steps: f64,
     /// Offset at the start, N and N m.
+    #[serde(default)]
     pub bias: [f64; 6],
     /// Drift, N/s and N m/s.
+    #[serde(default)]
     pub drift_per_s: [f64; 6],
     /// Natural frequency of robot and mount on the cell, Hz.
     pub resonance_hz: f64,
@@ -73,19 +77,18 @@ impl CellSpec {
     /// [`Error::Invalid`] naming the key.
     pub fn check(&self) -> Result<(), Error> {
         let check = |key: &str, value: f64, good: bool, allowed: &str| {
-            if good { Ok(()) } else { Err(Error::invalid(key, value, allowed)) }
+            if good { Ok(()) } else { Err(Error::invalid(key, value, allowed).against(["rate_hz"])) }
         };
         let divisor = 7000.0 / self.rate_hz;
         let whole = divisor >= 1.0 && (divisor - divisor.round()).abs() < 1e-9;
         check("rate_hz", self.rate_hz, whole, "7000 divided by a whole number")?;
-        check("noise_steps", self.noise_steps, self.noise_steps >= 0.0, "zero or more")?;
+        require::not_negative("noise_steps", self.noise_steps)?;
         let nyquist = 0.5 * self.rate_hz;
         let below = |x: f64| x > 0.0 && x < nyquist;
         let allowed = format!("above 0 and below half the rate, {nyquist} Hz");
         check("resonance_hz", self.resonance_hz, below(self.resonance_hz), &allowed)?;
         check("filter_hz", self.filter_hz, below(self.filter_hz), &allowed)?;
-        let damping = self.resonance_damping;
-        check("resonance_damping", damping, damping > 0.0 && damping < 1.0, "between 0 and 1")
+        require::inside("resonance_damping", self.resonance_damping, 0.0, 1.0)
     }
 }
 

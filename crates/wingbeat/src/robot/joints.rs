@@ -122,10 +122,9 @@ fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result
     }
     match (spec.low, spec.high) {
         (Some(low), Some(high)) if low < high && low.is_finite() && high.is_finite() => Ok([low, high]),
-        (low, high) => {
-            let given = |limit: Option<f64>| limit.map_or("missing".into(), |l| l.to_string());
-            let given = format!("{}, high = {}", given(low), given(high));
-            Err(Error::invalid("low", given, "finite limits, low below high"))
+        (low, _) => {
+            let given = low.map_or("missing".into(), |low| low.to_string());
+            Err(Error::invalid("low", given, "a finite number below that of high").against(["high"]))
         }
     }
 }

@@ -43,6 +43,18 @@ impl Default for Mismatch {
 }
 
 impl Mismatch {
+    /// Its keys.
+    pub(super) const KEYS: [&str; 8] = [
+        "density",
+        "mass",
+        "inertia",
+        "com_x_m",
+        "com_y_m",
+        "com_z_m",
+        "gait_amplitude",
+        "regulator_bandwidth",
+    ];
+
     /// Checks ranges.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! TOML to checked objects: the only place where strings become things.
 
+mod build;
 mod document;
 mod mismatch;
 mod plan;
@@ -7,19 +8,21 @@ mod recorder;
 mod rig;
 mod rig_process;
 mod rig_statement;
+mod rig_together;
 mod spec;
 mod summary;
 mod sweep;
 mod tether;
 mod tether_spec;
 
-pub use document::{ConfigError, Document, Place, Problem, Translate};
+pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong};
 pub use mismatch::Mismatch;
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
 };
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
 pub use rig_process::{Processed, Weighed};
+pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, together};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };
@@ -32,20 +35,14 @@ pub use tether_spec::{
 };
 
 use crate::Error;
-use crate::aero::{Aero, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
 use crate::flight::{AtRest, Controller, Ending, Flight, Record, Sample, Schedule, Sensed, fly};
 use crate::guide::Mpc;
 use crate::math::{Quat, Vec3};
-use crate::require;
-use crate::robot::{Air, Robot, RobotSpec, SurfaceOutline, Wind};
+use crate::robot::Robot;
+use build::Built;
 use recorder::Recorder;
 use std::ops::ControlFlow;
 use std::path::Path;
-
-/// Largest number of records of a flight: 1 GB in memory.
-const MAX_SAMPLES: usize = 500_000;
-/// Most steps of a flight: about twenty minutes of computing.
-const MAX_STEPS: usize = 1_000_000_000;
 
 /// Keys of a scenario that name a file to be put in their place.
 const INCLUDES: [&str; 1] = ["robot"];
@@ -57,6 +54,7 @@ pub struct Scenario {
     pub spec: ScenarioSpec,
     /// The merged configuration as TOML; flies the same flight.
     pub resolved: String,
+    document: Document,
     robot: Robot,
     model: Robot,
     schedule: Schedule,
@@ -77,19 +75,47 @@ impl Scenario {
     /// # Errors
     /// One message with file, line, key, the value given and what is allowed.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        let document = Document::load(path, overrides, &INCLUDES)?;
-        let spec: ScenarioSpec = document.parse()?;
-        let resolved = document.resolved()?;
-        Self::build(spec, resolved).map_err(|error| document.explain(&error))
+        Self::new(Document::file(path)?.overridden(overrides))
     }
 
-    fn build(spec: ScenarioSpec, resolved: String) -> Result<Self, Error> {
-        spec.check()?;
-        let (robot, model) = (spec.flown_robot()?, spec.known_robot()?);
-        let schedule = spec.schedule()?;
-        let scenario = Self { spec, resolved, robot, model, schedule };
-        scenario.controller()?;
-        Ok(scenario)
+    /// Merges and checks a scenario from files or memory. Its key `robot` names a file, or holds the robot.
+    ///
+    /// ```no_run
+    /// use std::path::Path;
+    /// use wingbeat::scenario::{Document, Scenario, ScenarioSpec};
+    ///
+    /// // From a file, the robot from another one than it names.
+    /// let robot = Document::file(Path::new("robots/aerobat_beta.toml"))?;
+    /// let document = Document::file(Path::new("scenarios/glide.toml"))?.put("robot", robot)?;
+    /// let scenario = Scenario::new(document.set("air.wind_m_s=[-1.0, 0.0, 0.0]"))?;
+    ///
+    /// // From what is in memory.
+    /// let mut spec: ScenarioSpec = scenario.spec.clone();
+    /// spec.flight.duration_s = 0.5;
+    /// spec.robot.body.mass_kg *= 1.1;
+    /// let heavier = Scenario::new(Document::value("heavier", &spec)?)?;
+    /// let run = heavier.fly(|_| std::ops::ControlFlow::Continue(()))?;
+    /// println!("{} m down", -run.summary.altitude_change_m);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Messages with the place, the key, the value given and what is allowed.
+    pub fn new(document: Document) -> Result<Self, ConfigError> {
+        let document = document.merged(&INCLUDES, &|_, _| None)?;
+        let spec: ScenarioSpec = document.parse()?;
+        let resolved = document.resolved()?;
+        match spec.build() {
+            Ok(Built { robot, model, schedule }) => {
+                Ok(Self { spec, resolved, document, robot, model, schedule })
+            }
+            Err(error) => Err(document.explain(&error)),
+        }
+    }
+
+    /// Says where the value that `error` refuses was given.
+    pub fn explain(&self, error: &Error) -> ConfigError {
+        self.document.explain(error)
     }
 
     /// The robot that flies, in its air.
@@ -119,12 +145,7 @@ impl Scenario {
     /// # Errors
     /// [`Error::Invalid`] with the offending key.
     pub fn controller(&self) -> Result<Option<Mpc<'_, Robot>>, Error> {
-        match (&self.spec.controller, &self.spec.manoeuvre) {
-            (Some(spec), Some(manoeuvre)) => {
-                Mpc::new(&self.model, manoeuvre.clone(), spec).map(Some).map_err(|e| e.within("controller"))
-            }
-            _ => Ok(None),
-        }
+        self.spec.controller(&self.model)
     }
 
     /// Flies the scenario. `observe` sees every recorded sample and may stop the flight.
@@ -175,144 +196,5 @@ impl Scenario {
             stall_fraction,
         };
         Summary::new(record, flight, &context)
-    }
-}
-
-impl ScenarioSpec {
-    fn check(&self) -> Result<(), Error> {
-        require::name("name", &self.name)?;
-        self.robot.check().map_err(|e| e.within("robot"))?;
-        require::positive("air.density_kg_m3", self.air.density_kg_m3)?;
-        require::finite("air.wind_m_s", &self.air.wind_m_s)?;
-        require::not_negative("air.gust_m_s", self.air.gust_m_s)?;
-        require::finite("start.velocity_m_s", &self.start.velocity_m_s)?;
-        let stall = self.aero.stall_angle_deg;
-        if !(stall > 0.0 && stall < 90.0) {
-            return Err(Error::invalid("aero.stall_angle_deg", stall, "between 0 and 90"));
-        }
-        if let Some(goal) = &self.goal {
-            goal.check().map_err(|e| e.within("goal"))?;
-        }
-        if let Some(sensors) = &self.sensors {
-            sensors.check().map_err(|e| e.within("sensors"))?;
-        }
-        if let Some(mismatch) = &self.mismatch {
-            mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
-        }
-        if let Some(track) = self.manoeuvre.as_ref().and_then(|m| m.track.as_ref()) {
-            track.check().map_err(|e| e.within("manoeuvre.track"))?;
-        }
-        if let Some(plan) = &self.plan {
-            plan.check().map_err(|e| e.within("plan"))?;
-        }
-        if self.controller.is_some() && self.manoeuvre.is_none() {
-            return Err(Error::invalid("controller", "given", "a manoeuvre to fly: add [manoeuvre]"));
-        }
-        Ok(())
-    }
-
-    /// The robot that flies: mismatch and gust included.
-    fn flown_robot(&self) -> Result<Robot, Error> {
-        let mismatch = self.mismatch.clone().unwrap_or_default();
-        let density = self.air.density_kg_m3 * mismatch.density;
-        let wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed);
-        self.robot_in(&mismatch.apply(&self.robot), Air { density, wind })
-    }
-
-    /// The robot as its controller knows it.
-    fn known_robot(&self) -> Result<Robot, Error> {
-        let wind = Wind::steady(Vec3(self.air.wind_m_s));
-        self.robot_in(&self.robot, Air { density: self.air.density_kg_m3, wind })
-    }
-
-    fn robot_in(&self, spec: &RobotSpec, air: Air) -> Result<Robot, Error> {
-        let mut spec = spec.clone();
-        if !self.flight.flapping {
-            spec.gait.hold_still();
-        }
-        let outlines = spec.outlines().map_err(|e| e.within("robot"))?;
-        let aero = self.aero.models(&outlines, air.density)?;
-        Robot::new(&spec, aero, air, self.start.phase_rad).map_err(|e| e.within("robot"))
-    }
-
-    /// Whole steps for duration, updates and records.
-    fn schedule(&self) -> Result<Schedule, Error> {
-        let flight = &self.flight;
-        let step = flight.step_s;
-        require::positive("flight.step_s", step)?;
-        let whole = |key: &str, time: f64| {
-            let steps = (time / step).round();
-            if steps >= 1.0 && (steps * step - time).abs() <= 1e-9 * time {
-                Ok(steps as usize)
-            } else {
-                Err(Error::invalid(key, time, format!("a whole number of steps of {step} s, at least one")))
-            }
-        };
-        let period = self.controller.as_ref().map(|c| whole("controller.period_s", c.period_s));
-        let schedule = Schedule {
-            step,
-            steps: whole("flight.duration_s", flight.duration_s)?,
-            steps_per_update: period.transpose()?,
-            steps_per_sample: whole("flight.record_every_s", flight.record_every_s)?,
-        };
-        if schedule.steps > MAX_STEPS {
-            let allowed = format!("long enough for at most {MAX_STEPS} steps of the flight");
-            return Err(Error::invalid("flight.step_s", step, allowed));
-        }
-        let samples = schedule.steps / schedule.steps_per_sample;
-        if samples > MAX_SAMPLES {
-            let allowed = format!("at most {MAX_SAMPLES} records; these make {samples}");
-            return Err(Error::invalid("flight.record_every_s", flight.record_every_s, allowed));
-        }
-        Ok(schedule)
-    }
-}
-
-impl AeroSpec {
-    /// The models of all surfaces.
-    fn models(&self, outlines: &[SurfaceOutline], density_kg_m3: f64) -> Result<Vec<Aero>, Error> {
-        outlines.iter().map(|outline| self.build(outline, density_kg_m3)).collect()
-    }
-
-    /// The model of a surface.
-    fn build(&self, outline: &SurfaceOutline, density_kg_m3: f64) -> Result<Aero, Error> {
-        let SurfaceOutline { planform, drag, .. } = outline;
-        match self.preset {
-            Preset::Paper => {
-                let settings = LiftingLineSettings {
-                    nodes: outline.strips.unwrap_or(self.paper.nodes),
-                    regularisation_m_s: self.paper.regularisation_m_s,
-                    chord_floor_m: self.paper.chord_floor_m,
-                    law: self.law,
-                    stall_angle_rad: self.stall_angle_deg.to_radians(),
-                    drag: *drag,
-                    added_mass: self.added_mass,
-                    section_moment: self.section_moment,
-                    density_kg_m3,
-                    ..LiftingLineSettings::default()
-                };
-                LiftingLine::new(planform, settings)
-                    .map(Aero::LiftingLine)
-                    .map_err(|e| e.within("aero.paper"))
-            }
-            Preset::Full => {
-                let settings = StripSettings {
-                    strips: outline.strips.unwrap_or(self.full.strips),
-                    hinge_arcs_m: outline.hinges.clone(),
-                    regularisation_m_s: self.full.regularisation_m_s,
-                    lags: self.full.lags,
-                    wake_wash: self.full.wake_wash,
-                    doublet_wash: self.full.doublet_wash,
-                    force_tilt: self.full.force_tilt,
-                    law: self.law,
-                    stall_angle_rad: self.stall_angle_deg.to_radians(),
-                    drag: *drag,
-                    added_mass: self.added_mass,
-                    section_moment: self.section_moment,
-                    density_kg_m3,
-                };
-                StripModel::new(planform, settings).map(Aero::Strip).map_err(|e| e.within("aero.full"))
-            }
-        }
     }
 }

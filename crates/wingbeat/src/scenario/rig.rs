@@ -1,6 +1,6 @@
 //! Runs on the test rig: what their files say, checked and built.
 
-use super::{AeroSpec, AirSpec, ConfigError, Document, Translate};
+use super::{AeroSpec, AirSpec, ConfigError, Document, Translate, build};
 use crate::Error;
 use crate::math::{Mat3, Vec3};
 use crate::plant::Fault;
@@ -13,7 +13,8 @@ use crate::rig::process::{InputSpec, PhaseSource, Steps};
 use crate::rig::{Experiment, Outcome, Pose};
 use crate::robot::{Air, Robot, RobotSpec, Wind};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
 
 /// Keys of a run that name a file to be put in their place, outer ones first.
 const INCLUDES: [&str; 3] = ["rig", "rig.robot", "rig.arm"];
@@ -46,6 +47,14 @@ pub struct RigRunSpec {
     pub process: ProcessSpec,
 }
 
+/// A file that lists runs.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RunList {
+    /// Run files, relative to the list.
+    runs: Vec<PathBuf>,
+}
+
 /// Attitudes of the body held one after another, without motion between.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -75,6 +84,8 @@ pub struct ProcessSpec {
     /// Name of a run in still air, processed with this one, whose average is taken away.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub still_air: Option<String>,
+    /// Whether this run's simulation stands for all when several are processed together.
+    pub reference: bool,
     /// How measured files are to be read.
     pub input: InputSpec,
 }
@@ -91,22 +102,20 @@ pub enum Saturated {
     Keep,
 }
 
+/// Longest rest, spin-up and time in all attitudes together, s.
+const LONGEST_S: f64 = 3600.0;
+/// Most samples of a run: 3 GB in memory.
+const MAX_SAMPLES: f64 = 4e6;
 /// Most phases of an average.
 const MAX_BINS: usize = 10_000;
 
 impl ProcessSpec {
     /// Refuses values without meaning.
     fn check(&self) -> Result<(), Error> {
-        if !(2..=MAX_BINS).contains(&self.bins) {
-            return Err(Error::invalid("bins", self.bins, format!("2 to {MAX_BINS}")));
-        }
+        require::between("bins", self.bins, 2, MAX_BINS)?;
         require::not_negative("steps.cutoff_multiple", self.steps.cutoff_multiple)?;
-        if let Some([begin, end]) = self.window_s
-            && !(begin < end && begin.is_finite() && end.is_finite())
-        {
-            return Err(Error::invalid("window_s", format!("[{begin}, {end}]"), "begin before end, s"));
-        }
-        Ok(())
+        self.input.check().map_err(|e| e.within("input"))?;
+        self.window_s.map_or(Ok(()), |window| require::range("window_s", window))
     }
 }
 
@@ -119,6 +128,7 @@ impl Default for ProcessSpec {
             window_s: None,
             saturated: Saturated::Refuse,
             still_air: None,
+            reference: false,
             input: InputSpec::default(),
         }
     }
@@ -135,6 +145,7 @@ pub struct RigSpec {
     /// Limit profile of the arm.
     pub profile: String,
     /// Height of the table in the arm's base frame, m.
+    #[serde(default)]
     pub table_m: f64,
     /// Smallest clearance to table, arm and wings, m.
     pub clearance_m: f64,
@@ -153,6 +164,7 @@ pub struct RigSpec {
     /// Rest before a run, s.
     pub rest_s: f64,
     /// Time in which flapping starts, s.
+    #[serde(default)]
     pub spin_up_s: f64,
 }
 
@@ -165,6 +177,7 @@ pub struct MountSpec {
     /// Robot body in the sensing frame.
     pub body: ToolConfig,
     /// What lies between sensing element and robot, in the sensing frame.
+    #[serde(default)]
     pub link: LinkConfig,
 }
 
@@ -179,8 +192,10 @@ pub struct EnvelopeSpec {
     /// Highest stroke angle, rad.
     pub high_rad: f64,
     /// Length ahead of the body origin, m.
+    #[serde(default)]
     pub front_m: f64,
     /// Length behind it, m.
+    #[serde(default)]
     pub back_m: f64,
 }
 
@@ -191,6 +206,7 @@ pub struct RigRun {
     pub spec: RigRunSpec,
     /// The merged configuration as TOML.
     pub resolved: String,
+    document: Document,
     /// The robot in its air.
     pub robot: Robot,
     /// The arm.
@@ -207,37 +223,81 @@ impl RigRun {
     /// # Errors
     /// One message with file, line, key, the value given and what is allowed.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        Self::load_translated(path, overrides, &|_, _| None)
+        Self::new(Document::file(path)?.overridden(overrides), &|_, _| None)
     }
 
-    /// As [`load`](Self::load); `translate` reads arms that are not written in TOML.
+    /// Merges and checks a run from files or memory; `translate` reads arms that are not written in TOML.
+    ///
+    /// ```no_run
+    /// use std::path::Path;
+    /// use wingbeat::scenario::{Document, RigRun};
+    ///
+    /// let rig = Document::file(Path::new("rigs/aerobat_on_gen3.toml"))?;
+    /// let text = "name = \"bank\"\n[turn]\nspeed_m_s = 0.8\nroll_deg = 15.0\npitch_deg = -15.0\nmeasured_s = 0.86";
+    /// let run = RigRun::new(Document::text("bank", text)?.put("rig", rig)?, &|_, _| None)?;
+    /// match run.plan()? {
+    ///     Ok(plan) => println!("{}", plan.report(&run.arm, &run.profile)),
+    ///     Err(refusal) => println!("{refusal}"),
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
-    /// Those of [`load`](Self::load), and what `translate` says of a file.
-    pub fn load_translated(
+    /// Messages with the place, the key, the value given and what is allowed.
+    pub fn new(document: Document, translate: Translate) -> Result<Self, ConfigError> {
+        let document = document.merged(&INCLUDES, translate)?;
+        let spec: RigRunSpec = document.parse()?;
+        let resolved = document.resolved()?;
+        Self::build(spec, resolved, document.clone()).map_err(|error| document.explain(&error))
+    }
+
+    /// The runs of a file: itself, or those that it lists, `runs = ["a.toml", ...]`, each with `overrides`.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); two runs of one name.
+    pub fn load_all(
         path: &Path,
         overrides: &[String],
         translate: Translate,
-    ) -> Result<Self, ConfigError> {
-        let document = Document::load_translated(path, overrides, &INCLUDES, translate)?;
-        let spec: RigRunSpec = document.parse()?;
-        let resolved = document.resolved()?;
-        Self::build(spec, resolved).map_err(|error| document.explain(&error))
+    ) -> Result<Vec<Self>, ConfigError> {
+        let list = Document::file(path)?;
+        if list.written("runs").is_none() {
+            return Ok(vec![Self::new(list.overridden(overrides), translate)?]);
+        }
+        let names = list.parse::<RunList>()?.runs;
+        let mut runs: Vec<Self> = Vec::with_capacity(names.len());
+        for k in 0..names.len() {
+            let run = Self::new(list.part(&format!("runs[{k}]"))?.overridden(overrides), translate)?;
+            let name = &run.spec.name;
+            if runs.iter().any(|earlier| earlier.spec.name == *name) {
+                let error = Error::invalid(format!("runs[{k}]"), name, "a run whose name no other one has");
+                return Err(list.explain(&error));
+            }
+            runs.push(run);
+        }
+        Ok(runs)
     }
 
-    fn build(spec: RigRunSpec, resolved: String) -> Result<Self, Error> {
+    /// Says where the value that `error` refuses was given.
+    pub fn explain(&self, error: &Error) -> ConfigError {
+        self.document.explain(error)
+    }
+
+    fn build(spec: RigRunSpec, resolved: String, document: Document) -> Result<Self, Error> {
         spec.frequency_hz.map_or(Ok(()), |f| require::not_negative("frequency_hz", f))?;
         spec.process.check().map_err(|e| e.within("process"))?;
+        spec.hold.as_ref().map_or(Ok(()), HoldSpec::check).map_err(|e| e.within("hold"))?;
+        spec.turn.as_ref().map_or(Ok(()), TurnSpec::check).map_err(|e| e.within("turn"))?;
+        spec.check_samples()?;
         if spec.turn.is_some() == spec.hold.is_some() {
             let given = if spec.turn.is_some() { "turn and hold" } else { "neither" };
             return Err(Error::invalid("turn", given, "either [turn] or [hold]"));
         }
-        spec.rig.cell.check().map_err(|e| e.within("rig.cell"))?;
-        let rest = spec.rig.rest_s;
-        if !(rest >= 0.0 && rest.is_finite()) {
-            return Err(Error::invalid("rig.rest_s", rest, "zero or more"));
-        }
-        let profile = spec.profile.as_ref().unwrap_or(&spec.rig.profile);
+        spec.rig.check().map_err(|e| e.within("rig"))?;
+        let (profile, key) = match &spec.profile {
+            Some(profile) => (profile, "profile"),
+            None => (&spec.rig.profile, "rig.profile"),
+        };
         let body = spec.rig.mount.link.body();
         let mount = Mount {
             cell: spec.rig.mount.cell.pose(),
@@ -249,9 +309,10 @@ impl RigRun {
         Ok(Self {
             robot: spec.robot()?,
             arm: spec.rig.arm.build().map_err(|e| e.within("rig.arm"))?,
-            profile: spec.rig.arm.profile(profile).map_err(|e| e.within("rig.arm"))?,
+            profile: spec.rig.arm.profile(profile).map_err(|e| e.renamed(&[("profile", key)]))?,
             mount,
             resolved,
+            document,
             spec,
         })
     }
@@ -374,7 +435,63 @@ impl RigRun {
     }
 }
 
+impl EnvelopeSpec {
+    fn check(&self) -> Result<(), Error> {
+        require::positive("half_span_m", self.half_span_m)?;
+        require::inside("low_rad", self.low_rad, -PI, PI)?;
+        require::inside("high_rad", self.high_rad, -PI, PI)?;
+        require::at_most("low_rad", self.low_rad, self.high_rad).map_err(|e| e.against(["high_rad"]))?;
+        require::not_negative("front_m", self.front_m)?;
+        require::not_negative("back_m", self.back_m)
+    }
+}
+
+impl HoldSpec {
+    fn check(&self) -> Result<(), Error> {
+        require::positive("each_s", self.each_s)?;
+        if self.tilts_deg.is_empty() {
+            return Err(Error::invalid("tilts_deg", "[]", "at least one attitude"));
+        }
+        let longest = LONGEST_S / self.tilts_deg.len() as f64;
+        require::at_most("each_s", self.each_s, longest)
+    }
+}
+
+impl RigSpec {
+    /// Checks what the tables say by themselves.
+    fn check(&self) -> Result<(), Error> {
+        self.cell.check().map_err(|e| e.within("cell"))?;
+        self.mount.link.body().check().map_err(|e| e.within("mount.link"))?;
+        self.envelope.check().map_err(|e| e.within("envelope"))?;
+        require::not_negative("clearance_m", self.clearance_m)?;
+        require::not_negative("singularity_margin", self.singularity_margin)?;
+        require::between("rest_s", self.rest_s, 0.0, LONGEST_S)?;
+        require::between("spin_up_s", self.spin_up_s, 0.0, LONGEST_S)
+    }
+}
+
 impl RigRunSpec {
+    /// Refuses more samples than memory holds; what the planner chooses of a turn takes seconds.
+    fn check_samples(&self) -> Result<(), Error> {
+        let held = self.hold.as_ref().map_or(0.0, |hold| hold.each_s * hold.tilts_deg.len() as f64);
+        let turning = self.turn.as_ref().map_or(0.0, |turn| {
+            let rest = [turn.run_up_s, turn.straight_s, turn.roll_in_s, turn.run_down_s];
+            turn.measured_s + rest.iter().flatten().sum::<f64>()
+        });
+        let rate = self.rig.cell.rate_hz;
+        let longest = MAX_SAMPLES / rate - held - turning;
+        require::at_most("rig.rest_s", self.rig.rest_s, longest).map_err(|e| {
+            e.against([
+                "rig.cell.rate_hz",
+                "hold.each_s",
+                "turn.measured_s",
+                "turn.run_up_s",
+                "turn.straight_s",
+            ])
+            .against(["turn.roll_in_s", "turn.run_down_s"])
+        })
+    }
+
     /// The robot in the rig's air, with this run's wind and frequency.
     fn robot(&self) -> Result<Robot, Error> {
         let mut robot = self.rig.robot.clone();
@@ -383,13 +500,8 @@ impl RigRunSpec {
             _ => {}
         }
         let rig = &self.rig;
-        let outlines = robot.outlines().map_err(|e| e.within("rig.robot"))?;
-        let density = rig.air.density_kg_m3;
-        if !(density >= 0.0 && density.is_finite()) {
-            return Err(Error::invalid("rig.air.density_kg_m3", density, "zero or more"));
-        }
-        let aero = rig.aero.models(&outlines, density).map_err(|e| e.within("rig"))?;
         let wind = Wind::steady(Vec3(self.wind_m_s.unwrap_or(rig.air.wind_m_s)));
-        Robot::new(&robot, aero, Air { density, wind }, 0.0).map_err(|e| e.within("rig.robot"))
+        let air = Air { density: rig.air.density_kg_m3, wind };
+        build::robot(&robot, &rig.aero, air, 0.0).map_err(|e| e.within("rig"))
     }
 }

@@ -26,6 +26,7 @@ pub struct ScenarioSpec {
     /// Aerodynamic model.
     pub aero: AeroSpec,
     /// State at t = 0.
+    #[serde(default)]
     pub start: StartSpec,
     /// Clock.
     pub flight: FlightSpec,
@@ -59,6 +60,7 @@ pub struct AirSpec {
     /// Density, kg/m3.
     pub density_kg_m3: f64,
     /// Wind velocity in W, m/s.
+    #[serde(default)]
     pub wind_m_s: [f64; 3],
     /// Largest gust along each axis, m/s; the controller does not know of it.
     #[serde(default)]
@@ -171,9 +173,9 @@ fn default_stall_angle() -> f64 {
     12.0
 }
 
-/// State at t = 0.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+/// State at t = 0; what is not given is 0.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct StartSpec {
     /// Velocity v_WB_W, m/s.
     pub velocity_m_s: [f64; 3],

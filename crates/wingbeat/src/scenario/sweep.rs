@@ -1,12 +1,17 @@
 //! Many flights of one scenario with keys drawn at random.
 
-use super::document::{ConfigError, Document};
+use super::document::{ConfigError, Document, Place, Problem, Wrong};
 use super::{Scenario, Summary};
 use crate::Error;
 use crate::math::Random;
 use crate::require;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+/// Most flights of a sweep.
+const MAX_RUNS: usize = 1_000_000;
+/// Largest seed of the first flight: TOML's whole numbers end beyond the last one's.
+const MAX_SEED: u64 = i64::MAX as u64 - MAX_RUNS as u64;
 
 /// A sweep file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -14,8 +19,8 @@ use std::path::{Path, PathBuf};
 pub struct SweepSpec {
     /// Name; the run folder is called after it.
     pub name: String,
-    /// Scenario file, relative to the sweep file.
-    pub scenario: PathBuf,
+    /// Scenario file, relative to the sweep file; or a table, the scenario itself.
+    pub scenario: toml::Value,
     /// Number of flights.
     pub runs: usize,
     /// Seed of the draws; flight `i` flies with the seed `seed + i`.
@@ -65,7 +70,8 @@ pub struct Sweep {
     pub spec: SweepSpec,
     /// The sweep as TOML.
     pub resolved: String,
-    scenario: PathBuf,
+    document: Document,
+    scenario: Document,
 }
 
 impl Sweep {
@@ -74,12 +80,37 @@ impl Sweep {
     /// # Errors
     /// One message with file, line, key, the value given and what is allowed.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        let document = Document::load(path, overrides, &[])?;
+        Self::new(Document::file(path)?.overridden(overrides))
+    }
+
+    /// Checks a sweep from files or memory. Its key `scenario` names a file, or holds the scenario.
+    ///
+    /// ```no_run
+    /// use std::path::Path;
+    /// use wingbeat::scenario::{Document, Sweep};
+    ///
+    /// let text = r#"
+    /// name = "gusts"
+    /// runs = 20
+    /// draws = [{ key = "air.gust_m_s", low = 0.0, high = 0.5 }]
+    /// hold = { roll_within_deg = 5.0, pitch_within_deg = 10.0 }
+    /// "#;
+    /// let scenario = Document::file(Path::new("scenarios/banking_turn.toml"))?;
+    /// let sweep = Sweep::new(Document::text("gusts", text)?.put("scenario", scenario)?)?;
+    /// assert_eq!(sweep.values(3).len(), 1);
+    /// # Ok::<(), wingbeat::scenario::ConfigError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Messages with the place, the key, the value given and what is allowed.
+    pub fn new(document: Document) -> Result<Self, ConfigError> {
+        let document = document.merged(&[], &|_, _| None)?;
         let spec: SweepSpec = document.parse()?;
+        let resolved = document.resolved()?;
         spec.check().map_err(|error| document.explain(&error))?;
-        let scenario = path.parent().unwrap_or(Path::new("")).join(&spec.scenario);
-        let sweep = Self { spec, resolved: document.resolved()?, scenario };
-        sweep.scenario(0)?;
+        let scenario = document.part("scenario")?;
+        let sweep = Self { spec, resolved, document, scenario };
+        sweep.check_draws()?;
         Ok(sweep)
     }
 
@@ -97,25 +128,64 @@ impl Sweep {
     /// A drawn key that the scenario does not know, or refuses.
     pub fn scenario(&self, run: usize) -> Result<Scenario, ConfigError> {
         let draws = self.spec.draws.iter().zip(self.values(run));
-        let mut overrides: Vec<String> = draws.map(|(d, v)| format!("{}={v:?}", d.key)).collect();
-        overrides.push(format!("seed={}", self.spec.seed.wrapping_add(run as u64)));
-        Scenario::load(&self.scenario, &overrides)
+        let document = draws.fold(self.scenario.clone(), |document, (d, v)| document.set(drawn(d, v)));
+        let seed = self.spec.seed + run as u64;
+        Scenario::new(document.set(format!("seed={seed}")))
     }
+
+    /// Flies flight `run` of the scenario with both ends of every draw, one at a time.
+    fn check_draws(&self) -> Result<(), ConfigError> {
+        Scenario::new(self.scenario.clone())?;
+        for (i, draw) in self.spec.draws.iter().enumerate() {
+            for (end, value) in [("low", draw.low), ("high", draw.high)] {
+                let given = drawn(draw, value);
+                let built = Scenario::new(self.scenario.clone().set(given.as_str()));
+                built.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), end))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// An error about the drawn value `given` as one about the end of the draw, or about its key.
+    fn blamed(&self, error: ConfigError, given: &str, draw: &str, end: &str) -> ConfigError {
+        let here = Place::Override(given.into());
+        let by_draw = |one: &&Wrong| one.place == here || one.against.iter().any(|o| o.place == here);
+        let Some(wrong) = error.all().iter().find(by_draw) else { return error };
+        let end = if matches!(wrong.problem, Problem::Value(_)) { end } else { "key" };
+        let key = format!("{draw}.{end}");
+        let value = self.document.written(&key).map_or(String::new(), |(value, _)| value);
+        self.document.explain(&Error::invalid(key, value, format!("what the scenario allows ({error})")))
+    }
+}
+
+/// The override of one draw.
+fn drawn(draw: &Draw, value: f64) -> String {
+    format!("{}={value:?}", draw.key)
 }
 
 impl SweepSpec {
     fn check(&self) -> Result<(), Error> {
         require::name("name", &self.name)?;
-        if self.runs == 0 {
-            return Err(Error::invalid("runs", 0, "at least 1"));
-        }
-        for (i, draw) in self.draws.iter().enumerate() {
-            if !(draw.low <= draw.high && draw.low.is_finite() && draw.high.is_finite()) {
-                let given = format!("[{}, {}]", draw.low, draw.high);
-                return Err(Error::invalid(format!("draws[{i}].low"), given, "finite, low not above high"));
-            }
-        }
-        Ok(())
+        require::between("runs", self.runs, 1, MAX_RUNS)?;
+        require::at_most("seed", self.seed, MAX_SEED)?;
+        self.hold.check().map_err(|e| e.within("hold"))?;
+        let mut draws = self.draws.iter().enumerate();
+        draws.try_for_each(|(i, draw)| draw.check().map_err(|e| e.within(&format!("draws[{i}]"))))
+    }
+}
+
+impl Draw {
+    fn check(&self) -> Result<(), Error> {
+        require::finite("low", &[self.low])?;
+        require::finite("high", &[self.high])?;
+        require::at_most("low", self.low, self.high).map_err(|e| e.against(["high"]))
+    }
+}
+
+impl Hold {
+    fn check(self) -> Result<(), Error> {
+        require::positive("roll_within_deg", self.roll_within_deg)?;
+        require::positive("pitch_within_deg", self.pitch_within_deg)
     }
 }
 

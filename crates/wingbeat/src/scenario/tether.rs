@@ -9,7 +9,10 @@ use crate::math::Vec3;
 use crate::robot::SurfaceOutline;
 use crate::tether::{Clock, Hinge, Means, Motion, Reference, Side, Tether, TetherRun, Wing};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The folder from which the path at a key is seen.
+type Folder<'a> = &'a dyn Fn(&str) -> PathBuf;
 
 /// A checked case, ready to run.
 #[derive(Debug)]
@@ -29,11 +32,47 @@ impl TetherCase {
     /// # Errors
     /// One message with file, line, key, the value given and what is allowed.
     pub fn load(path: &Path, overrides: &[String], read: ReadTable) -> Result<Self, ConfigError> {
-        let document = Document::load(path, overrides, &[])?;
+        Self::new(Document::file(path)?.overridden(overrides), read)
+    }
+
+    /// Merges and checks a case from files or memory. Tables are sought from the file that names them, or from the
+    /// working folder.
+    ///
+    /// ```
+    /// use wingbeat::scenario::{Document, TetherCase};
+    ///
+    /// let case = r#"
+    /// name = "plate"
+    /// wing.planform = [
+    ///     { arc_m = 0.0, leading_edge_m = 0.25, trailing_edge_m = -0.75 },
+    ///     { arc_m = 2.0, leading_edge_m = 0.25, trailing_edge_m = -0.75 },
+    /// ]
+    /// body.nose_up_deg.constant = 4.0
+    /// wind = { speed_m_s = 1.0, density_kg_m3 = 1.225 }
+    /// aero.law = "linear"
+    /// time = { frequency_hz = 0.5, cycles = 1, steps_per_cycle = 16 }
+    /// "#;
+    /// let no_tables = &|_: &std::path::Path| Err("no tables here".to_owned());
+    /// let case = TetherCase::new(Document::text("plate", case)?, no_tables)?;
+    /// let run = case.tether.run(|_| std::ops::ControlFlow::Continue(()));
+    /// assert_eq!(run.loads.rows(), 17);
+    ///
+    /// let mut spec = case.spec.clone();
+    /// spec.wing.cd0 = -1.0;
+    /// let refused = TetherCase::new(Document::value("spec", &spec)?, no_tables).map(drop);
+    /// let message = refused.map_err(|error| error.to_string());
+    /// assert_eq!(message, Err("spec: wing.cd0 = -1.0: allowed is a finite number, 0 or more".into()));
+    /// # Ok::<(), wingbeat::scenario::ConfigError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Messages with the place, the key, the value given and what is allowed.
+    pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
+        let document = document.merged(&[], &|_, _| None)?;
         let spec: TetherSpec = document.parse()?;
         let resolved = document.resolved()?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let tether = spec.build(folder, read).map_err(|error| document.explain(&error))?;
+        let built = spec.build(&|key| document.folder(key), read);
+        let tether = built.map_err(|error| document.explain(&error))?;
         Ok(Self { spec, resolved, tether })
     }
 
@@ -83,7 +122,8 @@ pub struct TetherSummary {
 }
 
 impl TetherSpec {
-    fn build(&self, folder: &Path, read: ReadTable) -> Result<Tether, Error> {
+    fn build(&self, folder: Folder, read: ReadTable) -> Result<Tether, Error> {
+        self.check()?;
         let clock = Clock {
             frequency_hz: self.time.frequency_hz,
             cycles: self.time.cycles,
@@ -91,8 +131,17 @@ impl TetherSpec {
         };
         let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
         let drag = ProfileDrag { cd0: self.wing.cd0, cd90: self.wing.cd90 };
-        let arcs: Vec<f64> = self.wing.hinges.iter().map(|h| h.arc_m).filter(|arc| *arc > 0.0).collect();
+        let outer = self.wing.hinges.iter().enumerate().filter(|(_, hinge)| hinge.arc_m > 0.0);
+        let (keys, arcs): (Vec<String>, Vec<f64>) =
+            outer.map(|(i, hinge)| (format!("wing.hinges[{i}].arc_m"), hinge.arc_m)).unzip();
         let wing = self.wing.build(planform.clone())?;
+        let mut names = vec![
+            ("half_span".to_owned(), format!("wing.{}", self.wing.tip_key())),
+            ("gaps".into(), "wing.gaps".into()),
+            ("drag".into(), "wing".into()),
+            ("density_kg_m3".into(), "wind.density_kg_m3".into()),
+        ];
+        names.extend(keys.into_iter().enumerate().map(|(k, key)| (format!("hinge_arcs_m[{k}]"), key)));
         let outline = SurfaceOutline {
             name: "wing".into(),
             key: "wing".into(),
@@ -101,7 +150,7 @@ impl TetherSpec {
             drag,
             strips: None,
         };
-        let aero = self.aero.build(&outline, self.wind.density_kg_m3)?;
+        let aero = self.aero.build(&outline, self.wind.density_kg_m3, &names)?;
         let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
         let area = planform.area() * halves;
         let tether = Tether {
@@ -121,16 +170,19 @@ impl TetherSpec {
             side: self.wing.side,
             clock,
         };
-        tether.check()?;
+        let speed = if self.reference.speed_m_s.is_some() { "reference.speed_m_s" } else { "wind.speed_m_s" };
+        let names = [("air", "wind"), ("reference.speed_m_s", speed), ("hinges", "wing.hinges")];
+        tether.check().map_err(|e| e.renamed(&names))?;
         Ok(tether)
     }
 
-    fn motion(&self, folder: &Path, read: ReadTable) -> Result<Motion, Error> {
+    fn motion(&self, folder: Folder, read: ReadTable) -> Result<Motion, Error> {
         let frequency = self.time.frequency_hz;
         let degree = 1.0_f64.to_radians();
         let body = &self.body;
         let build = |spec: &super::CoordinateSpec, key: &str, factor| {
-            spec.build(frequency, factor, folder, read).map_err(|e| e.within(key))
+            let folder = || folder(&format!("{key}.table.file"));
+            spec.build(frequency, factor, &folder, read).map_err(|e| e.within(key))
         };
         let hinge = |(i, h): (usize, &super::HingeSpec)| {
             let key = format!("wing.hinges[{i}].angle_deg");
@@ -153,6 +205,11 @@ impl TetheredWingSpec {
         Planform::new(&self.planform)?.with_gaps(&self.gaps)
     }
 
+    /// The key that says how long the half wing is.
+    fn tip_key(&self) -> String {
+        format!("planform[{}].arc_m", self.planform.len().saturating_sub(1))
+    }
+
     fn build(&self, planform: Planform) -> Result<Wing, Error> {
         let hinge = |h: &super::HingeSpec| Hinge {
             kind: h.kind,
@@ -161,7 +218,8 @@ impl TetheredWingSpec {
             to_arc_m: h.to_arc_m,
             ahead_m: h.ahead_m,
         };
-        Wing::new(planform, self.hinges.iter().map(hinge).collect()).map_err(|e| e.within("wing"))
+        let built = Wing::new(planform, self.hinges.iter().map(hinge).collect());
+        built.map_err(|e| e.renamed(&[("half_span", self.tip_key())]).within("wing"))
     }
 }
 

@@ -5,6 +5,7 @@ use crate::Error;
 use crate::aero::{Gap, PlanformStation};
 use crate::flight::Record;
 use crate::math::CubicSpline;
+use crate::require;
 use crate::tether::{Coordinate, HingeKind, Side};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -186,13 +187,31 @@ pub struct ReferenceSpec {
 /// Reads the columns of a CSV file; the text says what is wrong with it.
 pub type ReadTable<'a> = &'a dyn Fn(&Path) -> Result<Record, String>;
 
+impl TetherSpec {
+    /// Checks what each table says by itself.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        require::name("name", &self.name)?;
+        require::positive("time.frequency_hz", self.time.frequency_hz)?;
+        for (i, hinge) in self.wing.hinges.iter().enumerate() {
+            if let Some(k) = self.wing.hinges[..i].iter().position(|other| other.name == hinge.name) {
+                let (key, given) = (format!("wing.hinges[{i}].name"), format!("{:?}", hinge.name));
+                let error = Error::invalid(key, given, "a name that no other hinge has");
+                return Err(error.against([format!("wing.hinges[{k}].name")]));
+            }
+        }
+        let scales =
+            [("reference.area_m2", self.reference.area_m2), ("reference.chord_m", self.reference.chord_m)];
+        scales.iter().try_for_each(|(key, scale)| scale.map_or(Ok(()), |scale| require::positive(key, scale)))
+    }
+}
+
 impl CoordinateSpec {
     /// The coordinate times `factor`; tables are sought in `folder`.
     pub(super) fn build(
         &self,
         frequency_hz: f64,
         factor: f64,
-        folder: &Path,
+        folder: &dyn Fn() -> PathBuf,
         read: ReadTable,
     ) -> Result<Coordinate, Error> {
         let coordinate = match self {
@@ -201,7 +220,7 @@ impl CoordinateSpec {
                 Coordinate::Fourier { frequency_hz, mean: f.mean, cos: f.cos.clone(), sin: f.sin.clone() }
             }
             Self::Table(table) => {
-                let spline = table.spline(frequency_hz, folder, read).map_err(|e| e.within("table"))?;
+                let spline = table.spline(frequency_hz, &folder(), read).map_err(|e| e.within("table"))?;
                 Coordinate::Table(spline)
             }
         };

@@ -137,7 +137,8 @@ impl Tether {
         let steps = self.clock.cycles.saturating_mul(self.clock.steps_per_cycle);
         if steps > MAX_STEPS {
             let allowed = format!("at most {MAX_STEPS} steps; these make {steps}");
-            return Err(Error::invalid("time.cycles", self.clock.cycles, allowed));
+            let error = Error::invalid("time.cycles", self.clock.cycles, allowed);
+            return Err(error.against(["time.steps_per_cycle"]));
         }
         Ok(())
     }

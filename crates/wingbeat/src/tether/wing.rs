@@ -119,14 +119,17 @@ impl Wing {
         for (i, hinge) in hinges.iter().enumerate() {
             if !(hinge.arc_m >= before && hinge.arc_m < span) {
                 let allowed = format!("{before} (the hinge before) to less than {span} (the tip)");
-                return Err(Error::invalid(format!("hinges[{i}].arc_m"), hinge.arc_m, allowed));
+                let error = Error::invalid(format!("hinges[{i}].arc_m"), hinge.arc_m, allowed);
+                let others = i.checked_sub(1).map(|before| format!("hinges[{before}].arc_m"));
+                return Err(error.against(others).against(["half_span"]));
             }
             before = hinge.arc_m;
             if let Some(to) = hinge.to_arc_m
                 && !(hinge.kind == HingeKind::Twist && to > hinge.arc_m && to <= span)
             {
                 let allowed = format!("only for a twist; more than arc_m, up to {span}");
-                return Err(Error::invalid(format!("hinges[{i}].to_arc_m"), to, allowed));
+                let error = Error::invalid(format!("hinges[{i}].to_arc_m"), to, allowed);
+                return Err(error.against([format!("hinges[{i}].arc_m"), "half_span".into()]));
             }
         }
         Ok(Self { planform, hinges })

@@ -1,23 +1,15 @@
-//! The envelope of all runs, and the numbers beside the figures.
+//! The numbers beside the figures.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Serialize;
-use wingbeat::flight::{Column, Record};
 use wingbeat::rig::cell::CHANNELS;
-use wingbeat::rig::process::{Comparison, Steps, compare, envelope};
-use wingbeat::scenario::{Processed, RigRun, Weighed};
+use wingbeat::rig::process::{Comparison, Steps};
+use wingbeat::scenario::{Evaluated, ProcessedRun, Together, Weighed};
 use wingbeat_io::samples::Import;
 
-use super::{Done, Outcome};
-use crate::error::Error;
-
-/// The run whose noise-free wrench stands for the simulation when several are processed.
-const REFERENCE: &str = "roll15_speed08";
-
-/// Cycles drawn side by side.
-const CYCLES: usize = 3;
+use super::Origin;
 
 /// The contents of summary.json.
 #[derive(Serialize)]
@@ -52,89 +44,45 @@ struct RunNumbers {
     statement: Vec<String>,
 }
 
-/// Everything that is said of all runs together.
-pub struct Numbers {
-    pub summary: Summary,
-    /// Band of all runs and the simulation over three cycles.
-    pub envelope: Option<Record>,
-}
-
-/// The envelope over the turns (or of a run that is alone) and the numbers.
-pub fn numbers(done: &[Done]) -> Result<Numbers, Error> {
-    let averaged: Vec<_> = done.iter().filter_map(|one| Some((one, one.averaged()?))).collect();
-    let turns: Vec<_> = averaged.iter().filter(|(one, _)| one.run.spec.turn.is_some()).copied().collect();
-    let band = if turns.is_empty() && averaged.len() == 1 { &averaged } else { &turns };
-    let name = |one: &Done| one.run.spec.name.clone();
-    let named = |c: [Comparison; 6]| CHANNELS.iter().map(|(name, _)| *name).zip(c).collect();
-    let reference = band.iter().find(|(one, _)| one.run.spec.name == REFERENCE).or(band.first());
-    let together = reference.map(|(one, black)| together(&one.run, black, band)).transpose()?;
-    let (envelope, against) = together.map_or((None, BTreeMap::new()), |(e, a)| (Some(e), a));
-    let weighed = done.iter().filter_map(|one| match &one.result {
-        Outcome::Weighed(weighed) => Some((name(one), (**weighed).clone())),
-        Outcome::Averaged(_) => None,
-    });
-    let steps = reference
-        .map(|(one, _)| *one)
-        .or(done.first())
-        .map_or(Steps::default(), |one| one.run.spec.process.steps);
-    let summary = Summary {
-        status: "ok",
-        steps,
-        simulation: reference.filter(|(_, p)| p.truth.is_some()).map(|(one, _)| name(one)),
-        envelope_against_simulation: against,
-        runs_against_truth: averaged
-            .iter()
-            .filter_map(|(one, p)| Some((name(one), named(p.against_truth()?))))
-            .collect(),
-        saturated: averaged.iter().map(|(one, p)| (name(one), p.saturated)).collect(),
-        runs: done.iter().map(|one| (name(one), RunNumbers::of(one))).collect(),
-        static_tilts: weighed.collect(),
-    };
-    Ok(Numbers { summary, envelope })
+impl Summary {
+    /// The numbers of `runs`, read from `files`.
+    pub fn new(runs: &[ProcessedRun], files: &[Origin], together: Option<&Together>) -> Self {
+        let named = |c: [Comparison; 6]| CHANNELS.iter().map(|(name, _)| *name).zip(c).collect();
+        let name = |one: &ProcessedRun| one.name().to_owned();
+        let reference = together.and_then(|t| runs.iter().find(|one| one.name() == t.reference));
+        let averaged = || runs.iter().filter_map(|one| Some((name(one), one.averaged()?)));
+        let weighed = runs.iter().filter_map(|one| match &one.result {
+            Evaluated::Weighed(weighed) => Some((name(one), (**weighed).clone())),
+            Evaluated::Averaged(_) => None,
+        });
+        Self {
+            status: "ok",
+            steps: reference.or(runs.first()).map_or(Steps::default(), |one| one.run.spec.process.steps),
+            simulation: together.filter(|t| t.simulated).map(|t| t.reference.clone()),
+            envelope_against_simulation: together.map_or(BTreeMap::new(), |t| t.against_simulation.clone()),
+            runs_against_truth: averaged()
+                .filter_map(|(name, p)| Some((name, named(p.against_truth()?))))
+                .collect(),
+            saturated: averaged().map(|(name, p)| (name, p.saturated)).collect(),
+            runs: runs.iter().zip(files).map(|(one, file)| (name(one), RunNumbers::of(one, file))).collect(),
+            static_tilts: weighed.collect(),
+        }
+    }
 }
 
 impl RunNumbers {
-    fn of(done: &Done) -> Self {
-        let processed = done.averaged();
+    fn of(run: &ProcessedRun, origin: &Origin) -> Self {
+        let processed = run.averaged();
         Self {
-            file: done.file.clone(),
-            import: done.import.clone(),
-            window_s: done.window,
+            file: origin.file.clone(),
+            import: origin.import.clone(),
+            window_s: origin.window,
             cycles: processed.map_or(0, |p| p.cycles[0].cycles),
             cycles_left_out: processed.map_or(0, |p| p.cycles[0].left_out),
             serious: processed.map_or(0, |p| p.serious),
             statement: processed.map_or(Vec::new(), |p| p.statement.clone()),
         }
     }
-}
-
-/// The envelope beside the simulation of `run`, and one against the other; beside the measured
-/// mean of `run` where it holds no simulation.
-fn together(
-    run: &RigRun,
-    black: &Processed,
-    band: &[(&Done, &Processed)],
-) -> Result<(Record, BTreeMap<&'static str, Comparison>), Error> {
-    let bins = black.cycles[0].mean.len();
-    let mut columns = vec![Column::new("t", "s", "")];
-    columns[0].values = (0..=CYCLES * bins).map(|k| k as f64 / bins as f64 / run.frequency()).collect();
-    let mut against = BTreeMap::new();
-    for (i, (name, unit)) in CHANNELS.iter().enumerate() {
-        let (low, high) = envelope(band.iter().map(|(_, p)| &p.cycles[i]));
-        let simulation = black.truth.as_ref().map(|truth| &truth[i].mean);
-        let middle: Vec<f64> = low.iter().zip(&high).map(|(a, b)| 0.5 * (a + b)).collect();
-        if let Some(simulation) = simulation {
-            against.insert(*name, compare(&middle, simulation));
-        }
-        let mean = ("mean_", &black.cycles[i].mean);
-        let black = simulation.map_or(mean, |simulation| ("simulation_", simulation));
-        for (prefix, values) in [("low_", &low), ("high_", &high), black] {
-            let column = Column::new(format!("{prefix}{name}"), *unit, run.processed_frame());
-            let values = (0..=CYCLES * bins).map(|k| values[k % bins]).collect();
-            columns.push(Column { values, ..column });
-        }
-    }
-    Ok((Record::new(columns, 0)?, against))
 }
 
 impl Summary {

@@ -51,7 +51,7 @@ impl Default for LiftingLineSettings {
 }
 
 impl LiftingLineSettings {
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         let positive = [
             ("section_slope", self.section_slope),
             ("regularisation_m_s", self.regularisation_m_s),
@@ -61,9 +61,6 @@ impl LiftingLineSettings {
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
         self.drag.check()?;
         check_stall_angle(self.stall_angle_rad)?;
-        if !(3..=MAX_STRIPS).contains(&self.nodes) {
-            return Err(Error::invalid("nodes", self.nodes, format!("3 to {MAX_STRIPS}")));
-        }
-        Ok(())
+        require::between("nodes", self.nodes, 3, MAX_STRIPS)
     }
 }

@@ -1,7 +1,7 @@
 //! Where the strips lie on the wing and what of them never changes.
 
 use crate::Error;
-use crate::aero::{MAX_STRIPS, Planform};
+use crate::aero::Planform;
 use crate::math::interpolation::piecewise_linear;
 use std::f64::consts::PI;
 
@@ -93,9 +93,6 @@ struct Piece {
 /// The pieces of wing and the gaps between them: strips by length on the pieces, one on each
 /// gap, and in the middle what is left.
 fn pieces(planform: &Planform, strips: usize) -> Result<Vec<Piece>, Error> {
-    if strips == 0 || strips > MAX_STRIPS {
-        return Err(Error::invalid("strips", strips, format!("1 to {MAX_STRIPS}")));
-    }
     let (tip, gaps) = (planform.half_span(), planform.gaps());
     let mut bounds: Vec<f64> = gaps.iter().flat_map(|g| [g.from_arc_m, g.to_arc_m]).collect();
     bounds.retain(|s| *s > 0.0);
@@ -128,7 +125,7 @@ fn spacing(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<(Ve
         let at = planform.coordinates(arc);
         if !(arc >= 0.0 && at.iter().all(|s| s.abs() < tip)) {
             let allowed = format!("0 to less than the half span {tip}");
-            return Err(Error::invalid(format!("hinge_arcs_m[{k}]"), arc, allowed));
+            return Err(Error::invalid(format!("hinge_arcs_m[{k}]"), arc, allowed).against(["half_span"]));
         }
         hinges.extend(at);
     }
@@ -137,7 +134,10 @@ fn spacing(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<(Ve
     let (mut edges, mut fractions) = (Vec::with_capacity(strips + 1), Vec::with_capacity(strips));
     for piece in &pieces {
         if planform.covers(0.5 * (piece.from + piece.to)) {
-            let (edge, fraction) = piece.spacing(&hinges, strips)?;
+            let (edge, fraction) = piece.spacing(&hinges, strips).map_err(|e| {
+                let arcs = (0..hinge_arcs.len()).map(|k| format!("hinge_arcs_m[{k}]"));
+                e.against(arcs).against(["half_span"])
+            })?;
             edges.extend(edge);
             fractions.extend(fraction);
         } else {

@@ -4,7 +4,7 @@
 use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
 use crate::Error;
 use crate::aero::law::check_stall_angle;
-use crate::aero::{LiftLaw, ProfileDrag};
+use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
 use crate::require;
 use serde::{Deserialize, Serialize};
 
@@ -86,7 +86,8 @@ impl Default for StripSettings {
 
 impl StripSettings {
     /// Refuses values without physical meaning.
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        require::between("strips", self.strips, 1, MAX_STRIPS)?;
         let positive =
             [("density_kg_m3", self.density_kg_m3), ("regularisation_m_s", self.regularisation_m_s)];
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;

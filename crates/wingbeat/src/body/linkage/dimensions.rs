@@ -1,7 +1,12 @@
 //! Dimensions of the linkage as data.
 
 use crate::Error;
+use crate::require;
+
 use serde::{Deserialize, Serialize};
+
+/// Most that a regulated link may be lengthened: a factor.
+const LONGEST: f64 = 1e3;
 
 /// Lengths, fixed pivots (y outboard, z up) and regulator ranges of one wing's
 /// linkage. The default is the published design of Aerobat's computational structure.
@@ -105,6 +110,13 @@ impl Regulated {
 }
 
 impl LinkageDimensions {
+    /// The keys that say where a loop closes.
+    pub(super) const KEYS: [&str; 23] = [
+        "l1_m", "l2a_m", "l2b_m", "l2c_m", "l3a_m", "l3b_m", "l3c_m", "a3_deg", "l4_m", "l5a_m", "l5b_m",
+        "l5c_m", "l5d_m", "l6_m", "l7b_m", "l7c_m", "l7a_m", "p1_m[0]", "p1_m[1]", "p5_m[0]", "p5_m[1]",
+        "p8_m[0]", "p8_m[1]",
+    ];
+
     /// L3b, L5a and L5b.
     pub(super) fn regulated(&self) -> [Regulated; 3] {
         [
@@ -127,16 +139,14 @@ impl LinkageDimensions {
             ("l6_m", self.l6_m),
             ("l7a_m", self.l7a_m),
         ];
-        if let Some((key, value)) = positive.into_iter().find(|(_, v)| !(*v > 0.0 && v.is_finite())) {
-            return Err(Error::invalid(format!("linkage.{key}"), value, "a finite length above zero"));
-        }
+        positive.iter().try_for_each(|(key, length)| require::positive(key, *length))?;
         let ranges =
             [("l3b_range", self.l3b_range), ("l5a_range", self.l5a_range), ("l5b_range", self.l5b_range)];
         for (key, [low, high]) in ranges {
-            if !(low > 0.0 && low <= 1.0 && high >= 1.0 && high.is_finite()) {
-                let allowed = "0 < low <= 1 <= high: the nominal length lies within";
-                return Err(Error::invalid(format!("linkage.{key}"), format!("[{low}, {high}]"), allowed));
-            }
+            let [first, second] = [0, 1].map(|i| format!("{key}[{i}]"));
+            require::positive(&first, low)?;
+            require::between(&first, low, 0.0, 1.0)?;
+            require::between(&second, high, 1.0, LONGEST)?;
         }
         Ok(())
     }

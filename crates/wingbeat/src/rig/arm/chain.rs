@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::math::{Mat3, Scalar, Vec3};
+use crate::require;
 use crate::rig::Pose;
 
 /// Largest number of joints; kinematics live on the stack.
@@ -40,6 +41,20 @@ impl Joint {
     pub fn continuous(&self) -> bool {
         self.kind == JointKind::Revolute && self.low == f64::NEG_INFINITY && self.high == f64::INFINITY
     }
+    fn check(&self) -> Result<(), Error> {
+        if !((self.axis.norm() - 1.0).abs() < 1e-9) {
+            let allowed = format!("of length 1; this is of length {}", self.axis.norm());
+            return Err(Error::invalid("axis", format!("{:?}", self.axis.0), allowed));
+        }
+        if !(self.low < self.high) {
+            let error = Error::invalid("low_rad", self.low, format!("less than high_rad, {}", self.high));
+            return Err(error.against(["high_rad"]));
+        }
+        if !(self.effort > 0.0) {
+            return Err(Error::invalid("effort_n_m", self.effort, "a number above 0"));
+        }
+        require::finite("xyz_m", &self.mount.origin.0)
+    }
     /// The moved frame in the link before, X_PJ(q).
     #[inline]
     fn place<S: Scalar>(&self, q: S) -> Pose<S> {
@@ -62,6 +77,29 @@ pub struct LinkBody {
     pub inertia: Mat3,
     /// Radius of the capsule that holds the link, m.
     pub radius: f64,
+}
+
+impl LinkBody {
+    /// Refuses what no body is.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a negative mass or radius, or an inertia that no distribution of mass has.
+    pub fn check(&self) -> Result<(), Error> {
+        require::not_negative("mass_kg", self.mass)?;
+        require::not_negative("radius_m", self.radius)?;
+        require::finite("com_m", &self.com.0)?;
+        let Mat3([[xx, xy, xz], [_, yy, yz], [_, _, zz]]) = self.inertia;
+        let item = |i: usize| format!("inertia_kg_m2[{i}]");
+        require::all("inertia_kg_m2", &[xx, yy, zz], require::not_negative)?;
+        for (i, product, [j, k]) in [(3, xy, [0, 1]), (4, xz, [0, 2]), (5, yz, [1, 2])] {
+            let largest = ([xx, yy, zz][j] * [xx, yy, zz][k]).sqrt();
+            if !(product.abs() <= largest * (1.0 + 1e-9)) {
+                let allowed = format!("at most {largest} in magnitude: no body has more");
+                return Err(Error::invalid(item(i), product, allowed).against([j, k].map(item)));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// A serial arm on a fixed base. `q` holds one position per joint, rad or m.
@@ -94,22 +132,13 @@ impl SerialArm {
         if parts.is_empty() || parts.len() > MAX_JOINTS {
             return Err(Error::invalid("joints", parts.len(), format!("1 to {MAX_JOINTS} moving joints")));
         }
-        for (joint, link) in &parts {
-            let fail = |key: &str, value: f64, allowed: &str| {
-                Err(Error::invalid(format!("joints.{}.{key}", joint.name), value, allowed))
-            };
-            if !((joint.axis.norm() - 1.0).abs() < 1e-9) {
-                return fail("axis", joint.axis.norm(), "a vector of length 1");
-            }
-            if !(joint.low < joint.high) {
-                return fail("low", joint.low, &format!("less than high = {}", joint.high));
-            }
-            if !(link.mass >= 0.0 && link.mass.is_finite()) {
-                return fail("link.mass_kg", link.mass, "zero or more");
-            }
-            if !(joint.mount.origin.is_finite() && link.com.is_finite()) {
-                return fail("xyz_m", f64::NAN, "finite numbers");
-            }
+        base.check().map_err(|e| e.within("base"))?;
+        for (i, (joint, link)) in parts.iter().enumerate() {
+            joint.check().map_err(|e| e.within(&format!("joints[{i}]")))?;
+            link.check().map_err(|e| e.within(&format!("joints[{i}].link")))?;
+        }
+        if !tool.origin.is_finite() {
+            return Err(Error::invalid("tool.xyz_m", format!("{:?}", tool.origin.0), "finite numbers"));
         }
         let (joints, links) = parts.into_iter().unzip();
         Ok(Self { name, joints, base, links, tool })

@@ -3,6 +3,7 @@
 use super::{Joint, JointKind, LimitProfile, LinkBody, SerialArm, ToolLimits};
 use crate::Error;
 use crate::math::{Mat3, Vec3};
+use crate::require;
 use crate::rig::Pose;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,7 @@ pub struct ArmConfig {
 #[serde(deny_unknown_fields)]
 pub struct ToolConfig {
     /// Origin, m.
+    #[serde(default)]
     pub xyz_m: [f64; 3],
     /// Roll, pitch, yaw, rad (R = Rz Ry Rx).
     #[serde(default)]
@@ -43,8 +45,10 @@ pub struct JointConfig {
     /// Name.
     pub name: String,
     /// Origin of the joint frame in the link before, m.
+    #[serde(default)]
     pub xyz_m: [f64; 3],
     /// Its roll, pitch, yaw, rad.
+    #[serde(default)]
     pub rpy_rad: [f64; 3],
     /// Unit axis in the joint frame.
     #[serde(default = "along_z")]
@@ -75,10 +79,13 @@ fn along_z() -> [f64; 3] {
 #[serde(deny_unknown_fields)]
 pub struct LinkConfig {
     /// Mass, kg.
+    #[serde(default)]
     pub mass_kg: f64,
     /// Centre of mass, m.
+    #[serde(default)]
     pub com_m: [f64; 3],
     /// Inertia about it: xx, yy, zz, xy, xz, yz, kg m2.
+    #[serde(default)]
     pub inertia_kg_m2: [f64; 6],
     /// Capsule radius, m.
     #[serde(default)]
@@ -122,8 +129,9 @@ impl ArmConfig {
     /// The arm.
     ///
     /// # Errors
-    /// What [`SerialArm::new`] refuses.
+    /// What [`SerialArm::new`] refuses, or profiles that do not hold one positive number per joint.
     pub fn build(&self) -> Result<SerialArm, Error> {
+        self.check_profiles()?;
         let parts = self.joints.iter().map(|j| (j.joint(), j.link.body())).collect();
         SerialArm::new(self.name.clone(), self.base.body(), parts, self.tool.pose())
     }
@@ -131,14 +139,19 @@ impl ArmConfig {
     /// The limit profile called `name`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for an unknown name (listing the known ones), or
-    /// lists that do not hold one positive number per joint.
+    /// [`Error::Invalid`] for an unknown name (listing the known ones).
     pub fn profile(&self, name: &str) -> Result<LimitProfile, Error> {
         let Some(profile) = self.profiles.iter().find(|p| p.name == name) else {
             let known: Vec<_> = self.profiles.iter().map(|p| p.name.as_str()).collect();
             return Err(Error::invalid("profile", name, format!("one of {}", known.join(", "))));
         };
-        profile.build(self.joints.len())
+        Ok(profile.build(self.joints.len()))
+    }
+
+    fn check_profiles(&self) -> Result<(), Error> {
+        let mut profiles = self.profiles.iter().enumerate();
+        let check = |p: &ProfileConfig| p.check(self.joints.len());
+        profiles.try_for_each(|(i, p)| check(p).map_err(|e| e.within(&format!("profiles[{i}]"))))
     }
 }
 
@@ -177,27 +190,41 @@ impl LinkConfig {
 }
 
 impl ProfileConfig {
-    fn build(&self, dof: usize) -> Result<LimitProfile, Error> {
-        let list = |key: &str, given: Option<&Vec<f64>>| match given {
-            None => Ok(vec![f64::INFINITY; dof]),
-            Some(v) if v.len() == dof && v.iter().all(|x| *x > 0.0) => Ok(v.clone()),
-            Some(v) => {
-                let key = format!("profiles.{}.{key}", self.name);
-                Err(Error::invalid(key, format!("{v:?}"), format!("{dof} positive numbers")))
+    fn check(&self, dof: usize) -> Result<(), Error> {
+        let lists = [
+            ("velocity_rad_s", Some(&self.velocity_rad_s)),
+            ("acceleration_rad_s2", self.acceleration_rad_s2.as_ref()),
+            ("jerk_rad_s3", self.jerk_rad_s3.as_ref()),
+        ];
+        for (key, list) in lists.iter().filter_map(|(key, list)| Some((key, (*list)?))) {
+            if list.len() != dof {
+                let given = format!("{} numbers", list.len());
+                return Err(Error::invalid(*key, given, format!("{dof} numbers, one per joint")));
             }
-        };
-        Ok(LimitProfile {
+            require::all(key, list, require::positive)?;
+        }
+        let tool = [
+            ("tool_speed_m_s", self.tool_speed_m_s),
+            ("tool_rate_rad_s", self.tool_rate_rad_s),
+            ("tool_acceleration_m_s2", self.tool_acceleration_m_s2),
+        ];
+        tool.iter().try_for_each(|(key, limit)| limit.map_or(Ok(()), |limit| require::positive(key, limit)))
+    }
+
+    fn build(&self, dof: usize) -> LimitProfile {
+        let list = |given: Option<&Vec<f64>>| given.cloned().unwrap_or_else(|| vec![f64::INFINITY; dof]);
+        LimitProfile {
             name: self.name.clone(),
             source: self.source.clone(),
-            velocity: list("velocity_rad_s", Some(&self.velocity_rad_s))?,
-            acceleration: list("acceleration_rad_s2", self.acceleration_rad_s2.as_ref())?,
-            jerk: list("jerk_rad_s3", self.jerk_rad_s3.as_ref())?,
+            velocity: list(Some(&self.velocity_rad_s)),
+            acceleration: list(self.acceleration_rad_s2.as_ref()),
+            jerk: list(self.jerk_rad_s3.as_ref()),
             tool: ToolLimits {
                 speed: self.tool_speed_m_s.unwrap_or(f64::INFINITY),
                 rate: self.tool_rate_rad_s.unwrap_or(f64::INFINITY),
                 acceleration: self.tool_acceleration_m_s2.unwrap_or(f64::INFINITY),
             },
-        })
+        }
     }
 }
 

@@ -145,7 +145,9 @@ impl Workspace<'_> {
     fn lay(&self, spec: &TurnSpec, at: &Candidate) -> Result<(TurnPath, Placement), Error> {
         let [x, y, z, radius, run_up, straight, roll_in, run_down] = at.x;
         let straight = straight.max(-0.45 * spec.run_up_s.unwrap_or(run_up));
-        let path = TurnPath::new(&spec.settle([radius, run_up, straight, roll_in, run_down])?);
+        let path = TurnPath::new(
+            &spec.settle([radius, run_up, straight, roll_in, run_down]).map_err(|e| e.within("turn"))?,
+        );
         let placed = Pose { rotation: Mat3::IDENTITY, origin: Vec3([x, y, z]) };
         Ok((path, Placement { path: placed, body: self.body }))
     }

@@ -3,8 +3,14 @@
 
 use crate::Error;
 use crate::math::{Jet, Mat3, Scalar, Vec3};
+use crate::require::{between, positive};
 use crate::rig::Pose;
 use serde::{Deserialize, Serialize};
+
+/// Longest part of a turn, s: it passes in an arm's reach.
+const LONGEST_S: f64 = 60.0;
+/// Times are whole multiples of this, s.
+const MILLISECOND: f64 = 1e-3;
 
 /// A banking turn as written in a file; what is absent the planner chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,8 +19,10 @@ pub struct TurnSpec {
     /// Speed along the path where it is measured, m/s.
     pub speed_m_s: f64,
     /// Roll in the turn, deg; positive is right wing down, a turn to the right.
+    #[serde(default)]
     pub roll_deg: f64,
     /// Pitch throughout, deg; FLU axes: negative is nose up.
+    #[serde(default)]
     pub pitch_deg: f64,
     /// Time of the steady turn, s.
     pub measured_s: f64,
@@ -66,6 +74,15 @@ pub struct Turn {
 }
 
 impl TurnSpec {
+    /// Checks the numbers that are given.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the key.
+    pub fn check(&self) -> Result<(), Error> {
+        let run_up = self.straight_s.map_or(1.0, |straight| (-2.0 * straight).clamp(1.0, LONGEST_S));
+        self.settle([1.0, run_up, 0.0, 1.0, 1.0]).map(drop)
+    }
+
     /// The turn with `choice` (radius m; run-up, straight, roll-in, run-down s)
     /// for what the file leaves open. Times are rounded to whole ms, so that 1 kHz
     /// samples meet both ends.
@@ -100,19 +117,19 @@ impl TurnSpec {
 impl Turn {
     fn check(&self) -> Result<(), Error> {
         let check = |key: &str, value: f64, good: bool, allowed: &str| {
-            if good { Ok(()) } else { Err(Error::invalid(format!("turn.{key}"), value, allowed)) }
-        };
-        let positive = |key: &str, value: f64| {
-            check(key, value, value > 0.0 && value.is_finite(), "a finite number above 0")
+            if good { Ok(()) } else { Err(Error::invalid(key, value, allowed)) }
         };
         positive("speed_m_s", self.speed)?;
         positive("radius_m", self.radius)?;
-        positive("run_up_s", self.run_up)?;
-        positive("roll_in_s", self.roll_in)?;
-        positive("measured_s", self.measured)?;
-        positive("run_down_s", self.run_down)?;
-        let straight = self.straight >= -0.5 * self.run_up && self.straight.is_finite();
-        check("straight_s", self.straight, straight, "at least -run_up_s / 2")?;
+        let times = [
+            ("run_up_s", self.run_up),
+            ("roll_in_s", self.roll_in),
+            ("measured_s", self.measured),
+            ("run_down_s", self.run_down),
+        ];
+        times.iter().try_for_each(|(key, time)| between(key, *time, MILLISECOND, LONGEST_S))?;
+        between("straight_s", self.straight, -0.5 * self.run_up, LONGEST_S)
+            .map_err(|e| e.against(["run_up_s"]))?;
         let tilt = |key: &str, rad: f64| check(key, rad.to_degrees(), rad.abs() <= 1.05, "-60 to 60");
         tilt("roll_deg", self.roll)?;
         tilt("pitch_deg", self.pitch)
@@ -370,7 +387,7 @@ mod tests {
             run_down_s: None,
         };
         let message = spec.settle([0.6, 0.4, 0.0, 0.5, 0.4]).unwrap_err().to_string();
-        assert!(message.contains("turn.straight_s = -0.3"), "{message}");
+        assert!(message.contains("straight_s = -0.3"), "{message}");
     }
 
     #[test]

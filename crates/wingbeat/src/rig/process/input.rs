@@ -1,5 +1,7 @@
 //! Which columns of a measured file are which.
 
+use crate::Error;
+use crate::require;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -25,6 +27,21 @@ pub struct InputSpec {
     pub start_s: f64,
     /// Gaps of at most so many samples are bridged by straight lines; longer ones stay open.
     pub bridge_samples: usize,
+}
+
+impl InputSpec {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the key.
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = [
+            ("counts_per_newton", self.counts_per_newton),
+            ("counts_per_newton_metre", self.counts_per_newton_metre),
+            ("rate_hz", self.rate_hz),
+        ];
+        positive.iter().try_for_each(|(key, value)| value.map_or(Ok(()), |v| require::positive(key, v)))
+    }
 }
 
 /// Units by quantity.

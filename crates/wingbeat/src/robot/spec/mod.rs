@@ -13,7 +13,7 @@ pub use surface::{PanelSpec, SurfaceSpec};
 pub use wing::{WingLinkSpec, WingSpec};
 
 use crate::Error;
-use crate::require::{finite, not_negative, positive, principal_inertias};
+use crate::require::{all, finite, not_negative, positive, principal_inertias};
 use serde::{Deserialize, Serialize};
 
 /// A robot: body, links with their joints, surfaces, gait, structure. `wing` stands for the links
@@ -62,7 +62,7 @@ impl BodySpec {
     fn check(&self) -> Result<(), Error> {
         positive("mass_kg", self.mass_kg)?;
         finite("com_m", &self.com_m)?;
-        self.drag_area_m2.iter().try_for_each(|&a| not_negative("drag_area_m2", a))?;
+        all("drag_area_m2", &self.drag_area_m2, not_negative)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
     }
 }

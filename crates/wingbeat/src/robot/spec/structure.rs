@@ -68,11 +68,9 @@ impl StructureSpec {
 
     /// The response of all elements.
     pub(in crate::robot) fn build(&self) -> Result<Response, Error> {
+        let element = Element::new(self.frequency_hz, self.damping)?;
         match (&self.a, &self.b) {
-            (None, None) => {
-                let element = Element::new(self.frequency_hz, self.damping)?;
-                Ok(Response::Uncoupled(vec![element; self.elements.len()]))
-            }
+            (None, None) => Ok(Response::Uncoupled(vec![element; self.elements.len()])),
             (Some(a), Some(b)) => {
                 let coupled = Response::Coupled(Coupled::new(a, b)?);
                 let (n, size) = (self.elements.len(), (coupled.elements(), coupled.commands()));

@@ -51,7 +51,7 @@ impl WingSpec {
 
     pub(super) fn check(&self) -> Result<(), Error> {
         finite("shoulder_m", &self.shoulder_m)?;
-        positive("shoulder_m", self.shoulder_m[1])?;
+        positive("shoulder_m[1]", self.shoulder_m[1])?;
         finite("planform_shift_m", &[self.planform_shift_m])?;
         not_negative("cd0", self.cd0)?;
         not_negative("cd90", self.cd90)?;
@@ -60,11 +60,11 @@ impl WingSpec {
         let span = self.shoulder_m[1] + self.proximal.length_m + self.distal.length_m;
         match self.planform.last() {
             Some(tip) if (tip.arc_m - span).abs() <= 1e-6 * span => Ok(()),
-            Some(tip) => Err(Error::invalid(
-                format!("planform[{}].arc_m", self.planform.len() - 1),
-                tip.arc_m,
-                format!("{span} m: shoulder plus both links"),
-            )),
+            Some(tip) => {
+                let key = format!("planform[{}].arc_m", self.planform.len() - 1);
+                let error = Error::invalid(key, tip.arc_m, format!("{span} m: shoulder plus both links"));
+                Err(error.against(["shoulder_m[1]", "proximal.length_m", "distal.length_m"]))
+            }
             None => Err(Error::invalid("planform", "[]", "at least two stations")),
         }
     }

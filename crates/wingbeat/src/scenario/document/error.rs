@@ -3,9 +3,13 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// What is wrong with a configuration, and where.
+/// Everything that is wrong with a configuration; printed, one line for each.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ConfigError {
+pub struct ConfigError(Vec<Wrong>);
+
+/// One thing that is wrong with a configuration, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wrong {
     /// Where it was given.
     pub place: Place,
     /// Path of the key, e.g. `robot.links.distal.mass_kg`; empty when the file itself is at fault.
@@ -14,6 +18,19 @@ pub struct ConfigError {
     pub value: Option<String>,
     /// What is wrong with it.
     pub problem: Problem,
+    /// Other values that it clashes with.
+    pub against: Vec<Other>,
+}
+
+/// A value that another one clashes with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Other {
+    /// Where it was given.
+    pub place: Place,
+    /// Path of its key.
+    pub key: String,
+    /// The value, as written.
+    pub value: String,
 }
 
 /// Where a value was given.
@@ -23,8 +40,14 @@ pub enum Place {
     Line(PathBuf, usize),
     /// A file as a whole.
     File(PathBuf),
-    /// An override of the command line, `key=value`.
+    /// A line of a text in memory, counted from 1; the name of the text.
+    Text(String, usize),
+    /// A value of the library, by its name.
+    Value(String),
+    /// An override, `key=value`: `--set` of the command line.
     Override(String),
+    /// In a document without texts.
+    Nowhere,
 }
 
 /// What is wrong with a key or its value.
@@ -48,9 +71,44 @@ pub enum Problem {
     File(String),
 }
 
+impl Wrong {
+    /// Without values that it clashes with.
+    pub(super) fn new(place: Place, key: impl Into<String>, value: Option<String>, problem: Problem) -> Self {
+        Self { place, key: key.into(), value, problem, against: Vec::new() }
+    }
+}
+
+impl ConfigError {
+    /// Everything that is wrong, at least one thing.
+    pub fn all(&self) -> &[Wrong] {
+        &self.0
+    }
+}
+
+impl From<Wrong> for ConfigError {
+    fn from(wrong: Wrong) -> Self {
+        Self(vec![wrong])
+    }
+}
+
+impl FromIterator<Wrong> for ConfigError {
+    fn from_iter<I: IntoIterator<Item = Wrong>>(wrongs: I) -> Self {
+        Self(wrongs.into_iter().collect())
+    }
+}
+
 impl std::error::Error for ConfigError {}
 
 impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().enumerate().try_for_each(|(i, wrong)| match i {
+            0 => write!(f, "{wrong}"),
+            _ => write!(f, "\n{wrong}"),
+        })
+    }
+}
+
+impl fmt::Display for Wrong {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.place)?;
         if matches!(self.problem, Problem::UnknownKey { .. }) {
@@ -75,7 +133,9 @@ impl fmt::Display for ConfigError {
             Problem::MissingKey => write!(f, " is missing: it must be given"),
             Problem::Value(allowed) => write!(f, "allowed is {allowed}"),
             Problem::File(what) => write!(f, "{what}"),
-        }
+        }?;
+        let mut others = self.against.iter();
+        others.try_for_each(|other| write!(f, "; {} = {} ({})", other.key, other.value, other.place))
     }
 }
 
@@ -84,6 +144,9 @@ impl fmt::Display for Place {
         match self {
             Self::Line(file, line) => write!(f, "{}:{line}", file.display()),
             Self::File(file) => write!(f, "{}", file.display()),
+            Self::Text(name, line) => write!(f, "{name}:{line}"),
+            Self::Value(name) => write!(f, "{name}"),
+            Self::Nowhere => write!(f, "an empty document"),
             Self::Override(text) => write!(f, "--set {text}"),
         }
     }

@@ -1,75 +1,170 @@
-//! A TOML file with the files it names and the overrides of the command line, and where each value came from.
+//! A configuration from files, texts, values and overrides, and where each of its values came from.
 //!
-//! All texts lie one after another in one numbering of bytes, so that the span of a key or value says which
-//! line of which file it stands in, or which override. Schemas deserialised from a document should use
-//! `deny_unknown_fields` and, for a choice of kinds, serde's external tagging (`[gait.fourier]`): internal tags,
-//! `flatten` and untagged enums lose the spans and with them the line of an error.
+//! All texts lie one after another in one numbering of bytes, so that the span of a value says which line of which
+//! text it stands in, or which override. Schemas read from a document use `deny_unknown_fields` and, for a choice of
+//! kinds, serde's external tagging (`[gait.fourier]`): internal tags, `flatten` and untagged enums hide the types and
+//! with them what is missing.
 
 mod error;
 mod explain;
+mod placeholder;
+mod read;
 mod source;
 mod tree;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use toml::de::ValueDeserializer;
+use toml::Spanned;
+use toml::de::DeValue;
 
 use crate::Error;
-pub use error::{ConfigError, Place, Problem};
-use source::Sources;
+pub use error::{ConfigError, Other, Place, Problem, Wrong};
 pub use source::Translate;
+use source::{Origin, Sources};
 
-/// A merged configuration: a file, the files it names, and overrides.
-#[derive(Clone, Debug)]
+/// Largest magnitude of a number: far beyond any quantity of a robot, and its powers are finite.
+const LARGEST: f64 = 1e12;
+
+/// A configuration: a file, a text or a value, what is put into it, and overrides.
+///
+/// ```
+/// use wingbeat::scenario::Document;
+///
+/// let robot = Document::text("robot", "mass_kg = 0.02\ncolours = [\"red\"]")?;
+/// let document = Document::text("flight", "name = \"up\"")?.put("robot", robot)?.set("robot.mass_kg=0.03");
+///
+/// #[derive(serde::Deserialize)]
+/// #[serde(deny_unknown_fields)]
+/// struct Robot {
+///     mass_kg: f64,
+///     colours: Vec<String>,
+/// }
+///
+/// #[derive(serde::Deserialize)]
+/// #[serde(deny_unknown_fields)]
+/// struct Flight {
+///     name: String,
+///     robot: Robot,
+/// }
+///
+/// let flight: Flight = document.parse()?;
+/// assert_eq!((flight.name.as_str(), flight.robot.mass_kg), ("up", 0.03));
+/// assert_eq!(flight.robot.colours, ["red"]);
+///
+/// let refused = document.set("robot.mass=1").parse::<Flight>().err().map(|error| error.to_string());
+/// let expected = "--set robot.mass=1: unknown key robot.mass = 1: did you mean mass_kg? allowed is mass_kg, colours";
+/// assert_eq!(refused.as_deref(), Some(expected));
+/// # Ok::<(), wingbeat::scenario::ConfigError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
 pub struct Document {
     sources: Sources,
+    /// Overrides that are not yet applied: files that the document names come before them.
+    overrides: Vec<String>,
 }
 
 impl Document {
-    /// Reads the TOML file `path`, puts the file named by each key of `includes` in the place of its name
-    /// (relative to the file that names it), and applies `overrides` (`a.b.c=value`, `list[0].c=value`).
-    ///
-    /// The value of an override is TOML, or else text: `law=stall` means `law="stall"`.
+    /// The TOML file `path`.
     ///
     /// # Errors
-    /// A file that cannot be read or is not TOML, an override that names no place, a number that is not finite.
-    pub fn load(path: &Path, overrides: &[String], includes: &[&str]) -> Result<Self, ConfigError> {
-        Self::load_translated(path, overrides, includes, &|_, _| None)
+    /// A file that cannot be read or is not TOML.
+    pub fn file(path: &Path) -> Result<Self, ConfigError> {
+        let mut document = Self::default();
+        document.sources.read_file(path, &[], None)?;
+        Ok(document)
     }
 
-    /// As [`load`](Self::load); the included files that `translate` knows need not be TOML.
+    /// A TOML text; errors call it `name`. Paths in it are seen from the working folder.
     ///
     /// # Errors
-    /// Those of [`load`](Self::load), and what `translate` says of a file.
-    pub fn load_translated(
-        path: &Path,
-        overrides: &[String],
-        includes: &[&str],
-        translate: Translate,
-    ) -> Result<Self, ConfigError> {
-        let mut document = Self { sources: Sources::default() };
-        document.sources.read_file(path, &[], None)?;
+    /// A text that is not TOML.
+    pub fn text(name: &str, toml: &str) -> Result<Self, ConfigError> {
+        let mut document = Self::default();
+        document.sources.read(Origin::Text(name.into()), toml.into(), &[])?;
+        Ok(document)
+    }
+
+    /// A value that can be serialised, such as a [`ScenarioSpec`](super::ScenarioSpec); errors call it `name`.
+    ///
+    /// # Errors
+    /// A value that TOML cannot hold.
+    pub fn value(name: &str, value: &impl Serialize) -> Result<Self, ConfigError> {
+        let toml = toml::to_string(value).map_err(|error| {
+            let what = format!("cannot be written as TOML: {error}");
+            Wrong::new(Place::Value(name.into()), "", None, Problem::File(what))
+        })?;
+        let mut document = Self::default();
+        document.sources.read(Origin::Value(name.into()), toml, &[])?;
+        Ok(document)
+    }
+
+    /// This document with `other` under `key`, in place of what stands there.
+    ///
+    /// # Errors
+    /// A key that is inside a value that is no table.
+    pub fn put(mut self, key: &str, other: Self) -> Result<Self, ConfigError> {
+        self.sources.put(other.sources, &tree::steps(key))?;
+        let key = key.to_owned();
+        self.overrides.extend(other.overrides.into_iter().map(|text| format!("{key}.{text}")));
+        Ok(self)
+    }
+
+    /// This document with an override, `a.b.c=value` or `list[0].c=value`, which is read last.
+    ///
+    /// The value is TOML, or else text: `law=stall` means `law="stall"`.
+    #[must_use]
+    pub fn set(mut self, text: impl Into<String>) -> Self {
+        self.overrides.push(text.into());
+        self
+    }
+
+    /// This document with several [overrides](Self::set).
+    #[must_use]
+    pub fn overridden(mut self, texts: &[String]) -> Self {
+        self.overrides.extend_from_slice(texts);
+        self
+    }
+
+    /// The TOML file `path` with the files named by `includes` and with `overrides`.
+    ///
+    /// # Errors
+    /// Those of [`file`](Self::file) and [`merged`](Self::merged).
+    pub fn load(path: &Path, overrides: &[String], includes: &[&str]) -> Result<Self, ConfigError> {
+        Self::file(path)?.overridden(overrides).merged(includes, &|_, _| None)
+    }
+
+    /// This document with the file named by each key of `includes` in the place of its name (relative to the file
+    /// that names it; a table there stays), and with its overrides. Files that `translate` knows need not be TOML.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not TOML, an override that names no place, a number that is not finite
+    /// or beyond any meaning.
+    pub fn merged(mut self, includes: &[&str], translate: Translate) -> Result<Self, ConfigError> {
         let key_of = |text: &str| text.split('=').next().unwrap_or_default().trim().to_owned();
+        let overrides = std::mem::take(&mut self.overrides);
         for key in includes {
             let mut named = overrides.iter().filter(|text| key_of(text) == *key);
-            named.try_for_each(|text| document.sources.read_override(text))?;
-            document.include(key, translate)?;
+            named.try_for_each(|text| self.sources.read_override(text))?;
+            self.include(key, translate)?;
         }
         let mut rest = overrides.iter().filter(|text| !includes.contains(&key_of(text).as_str()));
-        rest.try_for_each(|text| document.sources.read_override(text))?;
-        document.refuse_non_finite()?;
-        Ok(document)
+        rest.try_for_each(|text| self.sources.read_override(text))?;
+        self.refuse_immense()?;
+        Ok(self)
     }
 
     /// The document as a `T`.
     ///
     /// # Errors
-    /// The first key that is unknown, missing or of the wrong type.
+    /// All keys that are unknown, missing or of the wrong type.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
+        if !self.overrides.is_empty() {
+            return self.clone().merged(&[], &|_, _| None)?.parse();
+        }
         let tree = self.sources.tree()?;
-        T::deserialize(ValueDeserializer::from(tree.clone()))
-            .map_err(|error| explain::schema(&self.sources, &tree, &error))
+        read::read(&tree).map_err(|complaints| explain::form(&self.sources, &tree, &complaints))
     }
 
     /// Says where the value that `error` refuses was given.
@@ -90,42 +185,96 @@ impl Document {
         self.sources.files()
     }
 
-    fn include(&mut self, key: &str, translate: Translate) -> Result<(), ConfigError> {
+    /// The folder from which the value at `key` sees paths: that of its file; empty where it is in none.
+    pub fn folder(&self, key: &str) -> PathBuf {
+        let found = |tree: &Spanned<DeValue>| tree::follow(tree, key).map(|value| value.span().start);
+        let at = self.sources.tree().ok().and_then(|tree| found(&tree));
+        at.map(|at| self.sources.folder(at)).unwrap_or_default()
+    }
+
+    /// The document that stands at `key`: a table, or the file that a text there names.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not TOML, another value than a table or the name of a file.
+    pub fn part(&self, key: &str) -> Result<Self, ConfigError> {
         let tree = self.sources.tree()?;
-        let steps = tree::steps(key);
-        let found = steps
-            .iter()
-            .try_fold(&tree, |value, step| tree::child(value.get_ref(), step).map(|node| node.value));
-        let Some(value) = found else { return Ok(()) };
-        let Some(name) = value.get_ref().as_str() else { return Ok(()) };
-        let at = value.span().start;
-        let blame = ConfigError {
-            place: self.sources.place(at),
-            key: key.into(),
-            value: Some(format!("\"{name}\"")),
-            problem: Problem::Value(String::new()),
-        };
-        let folder = self.sources.folder(at);
-        let (file, part) = name.split_once('#').map_or((name, None), |(file, part)| (file, Some(part)));
-        let path = source::joined(&folder, file);
-        match translate(&path, part) {
-            Some(text) => self.sources.read_text(&path, text, &steps, Some(blame)),
-            None => self.sources.read_file(&source::joined(&folder, name), &steps, Some(blame)),
+        match tree::follow(&tree, key).map(Spanned::get_ref) {
+            Some(DeValue::Table(_)) => {
+                Ok(Self { sources: self.sources.part(&tree::steps(key)), overrides: self.overrides.clone() })
+            }
+            Some(DeValue::String(name)) => {
+                let mut document = Self::default();
+                let path = source::joined(&self.folder(key), name);
+                document.sources.read_file(&path, &[], Some(self.blame(&tree, key)))?;
+                Ok(document)
+            }
+            _ => {
+                let problem = Problem::Value("the name of a file, or a table".into());
+                Err(Wrong { problem, ..self.blame(&tree, key) }.into())
+            }
         }
     }
 
-    fn refuse_non_finite(&self) -> Result<(), ConfigError> {
-        let infinite = |text: &str| text.contains("inf") || text.contains("nan");
+    /// An error about the value at `key`.
+    fn blame(&self, tree: &Spanned<DeValue>, key: &str) -> Wrong {
+        let span = tree::follow(tree, key).unwrap_or(tree).span();
+        let given = Some(self.sources.text(&span));
+        Wrong::new(self.sources.place(span.start), key, given, Problem::Value(String::new()))
+    }
+
+    /// The paths of all numbers, in the order of the tree.
+    pub fn numbers(&self) -> Vec<String> {
+        let mut paths = Vec::new();
+        if let Ok(tree) = self.sources.tree() {
+            tree::walk(&tree, &mut |path, value| {
+                if matches!(value.get_ref(), DeValue::Integer(_) | DeValue::Float(_)) {
+                    paths.push(path.to_owned());
+                }
+            });
+        }
+        paths
+    }
+
+    /// The value at `key` as written, cut to one line, and where; none where it is not given.
+    pub fn written(&self, key: &str) -> Option<(String, Place)> {
+        let tree = self.sources.tree().ok()?;
+        let span = tree::follow(&tree, key)?.span();
+        Some((self.sources.text(&span), self.sources.place(span.start)))
+    }
+
+    fn include(&mut self, key: &str, translate: Translate) -> Result<(), ConfigError> {
         let tree = self.sources.tree()?;
-        let found =
-            tree::find(&tree, &|node| node.value.get_ref().as_float().is_some_and(|f| infinite(f.as_str())));
+        let Some(value) = tree::follow(&tree, key) else { return Ok(()) };
+        let Some(name) = value.get_ref().as_str() else { return Ok(()) };
+        let (blame, steps) = (self.blame(&tree, key), tree::steps(key));
+        let folder = self.sources.folder(value.span().start);
+        let (file, part) = name.split_once('#').map_or((name, None), |(file, part)| (file, Some(part)));
+        let path = source::joined(&folder, file);
+        let whole = source::joined(&folder, name);
+        match translate(&path, part) {
+            Some(text) => self.sources.read_text(&path, text, &steps, Some(blame)),
+            None => self.sources.read_file(&whole, &steps, Some(blame)),
+        }
+    }
+
+    fn refuse_immense(&self) -> Result<(), ConfigError> {
+        let immense = |text: &str| !text.parse::<f64>().is_ok_and(|number| number.abs() <= LARGEST);
+        let tree = self.sources.tree()?;
+        let mut found = None;
+        tree::walk(&tree, &mut |path, value| {
+            if found.is_none() && value.get_ref().as_float().is_some_and(|f| immense(f.as_str())) {
+                found = Some((path.to_owned(), value.span()));
+            }
+        });
         found.map_or(Ok(()), |(key, span)| {
-            Err(ConfigError {
-                place: self.sources.place(span.start),
+            let (place, given) = (self.sources.place(span.start), Some(self.sources.text(&span)));
+            Err(Wrong::new(
+                place,
                 key,
-                value: Some(self.sources.text(&span)),
-                problem: Problem::Value("a finite number".into()),
-            })
+                given,
+                Problem::Value(format!("a finite number, {LARGEST:e} or less in magnitude")),
+            )
+            .into())
         })
     }
 }

@@ -7,18 +7,32 @@ use std::path::{Component, Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{ConfigError, Place, Problem, tree};
+use super::{ConfigError, Place, Problem, Wrong, tree};
 
 /// The texts, one after another: a byte's number says which text it is in.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     texts: Vec<Source>,
+    /// The steps to the table that is looked at.
+    root: Vec<String>,
+}
+
+/// Where a text comes from.
+#[derive(Clone, Debug)]
+pub enum Origin {
+    /// A file.
+    File(PathBuf),
+    /// A text in memory, by its name.
+    Text(String),
+    /// A value of the library, by its name.
+    Value(String),
+    /// `key=value`.
+    Override,
 }
 
 #[derive(Clone, Debug)]
 struct Source {
-    /// The file; none for an override.
-    file: Option<PathBuf>,
+    origin: Origin,
     /// As it was given.
     text: String,
     /// Number of its first byte.
@@ -35,12 +49,7 @@ pub type Translate<'a> = &'a dyn Fn(&Path, Option<&str>) -> Option<Result<String
 
 impl Sources {
     /// Reads a file that takes the place `at`; `blame` is the key that names it, if one does.
-    pub fn read_file(
-        &mut self,
-        path: &Path,
-        at: &[String],
-        blame: Option<ConfigError>,
-    ) -> Result<(), ConfigError> {
+    pub fn read_file(&mut self, path: &Path, at: &[String], blame: Option<Wrong>) -> Result<(), ConfigError> {
         let text = fs::read_to_string(path).map_err(|error| error.to_string());
         self.read_text(path, text, at, blame)
     }
@@ -51,18 +60,32 @@ impl Sources {
         path: &Path,
         text: Result<String, String>,
         at: &[String],
-        blame: Option<ConfigError>,
+        blame: Option<Wrong>,
     ) -> Result<(), ConfigError> {
         let text = text.map_err(|error| match blame {
             Some(mut blame) => {
                 blame.problem =
                     Problem::Value(format!("a file that can be read; {}: {error}", path.display()));
-                blame
+                blame.into()
             }
             None => of_place(Place::File(path.into()), error),
         })?;
+        self.read(Origin::File(path.into()), text, at)
+    }
+
+    /// Takes a text.
+    pub fn read(&mut self, origin: Origin, text: String, at: &[String]) -> Result<(), ConfigError> {
         let toml = text.clone();
-        self.add(Some(path.into()), text, toml, at.into());
+        self.add(origin, text, &toml, at.into());
+        self.tree().map(drop)
+    }
+
+    /// Takes the texts of `other`, with the place `at` for their root.
+    pub fn put(&mut self, other: Self, at: &[String]) -> Result<(), ConfigError> {
+        for source in other.texts {
+            let at = at.iter().cloned().chain(source.at).collect();
+            self.add(source.origin, source.text, &source.toml[source.start..], at);
+        }
         self.tree().map(drop)
     }
 
@@ -75,8 +98,9 @@ impl Sources {
         if !DeTable::parse(&toml).is_ok_and(|table| table.get_ref().len() == 1) {
             toml = format!("v={}", toml::Value::from(value.trim()));
         }
-        self.add(None, text.into(), toml, tree::steps(key));
-        self.tree().map(drop)
+        let at = self.root.iter().cloned().chain(tree::steps(key)).collect();
+        self.add(Origin::Override, text.into(), &toml, at);
+        Ok(())
     }
 
     /// The texts as one tree, later ones over earlier ones.
@@ -87,78 +111,86 @@ impl Sources {
                 let at = error.span().map_or(source.start, |span| span.start);
                 of_place(self.place(at), format!("not TOML: {}", error.message()))
             })?;
-            tree::assign(&mut root, &source.at, value).map_err(|allowed| ConfigError {
-                place: self.place(source.start),
-                key: source.text.split('=').next().unwrap_or("").trim().into(),
-                value: None,
-                problem: Problem::Value(allowed),
+            tree::assign(&mut root, &source.at, value).map_err(|allowed| {
+                let key = tree::path(&source.at);
+                Wrong::new(self.place(source.start), key, None, Problem::Value(allowed))
             })?;
         }
-        Ok(root)
+        Ok(tree::taken(root, &self.root))
+    }
+
+    /// The same texts, of which only what lies at `steps` is looked at.
+    pub fn part(&self, steps: &[String]) -> Self {
+        let root = self.root.iter().chain(steps).cloned().collect();
+        Self { texts: self.texts.clone(), root }
     }
 
     /// Where byte `at` stands.
     pub fn place(&self, at: usize) -> Place {
-        match self.source(at) {
-            Some(Source { file: Some(file), text, start, .. }) => {
-                let before = text.as_bytes().iter().take(at - start);
-                Place::Line(file.clone(), 1 + before.filter(|byte| **byte == b'\n').count())
-            }
-            Some(Source { text, .. }) => Place::Override(text.clone()),
-            None => Place::File(self.files().next().map(Path::to_path_buf).unwrap_or_default()),
+        let Some(source) = self.source(at) else { return Place::Nowhere };
+        let before = source.text.as_bytes().iter().take(at - source.start);
+        let line = 1 + before.filter(|byte| **byte == b'\n').count();
+        match &source.origin {
+            Origin::File(file) => Place::Line(file.clone(), line),
+            Origin::Text(name) => Place::Text(name.clone(), line),
+            Origin::Value(name) => Place::Value(name.clone()),
+            Origin::Override => Place::Override(source.text.clone()),
         }
     }
 
-    /// The folder of the file that byte `at` is in; empty for an override.
+    /// The folder of the file that byte `at` is in; empty where it is in none.
     pub fn folder(&self, at: usize) -> PathBuf {
-        self.source(at)
-            .and_then(|source| source.file.as_deref()?.parent())
-            .map(Path::to_path_buf)
-            .unwrap_or_default()
+        let file = self.source(at).and_then(|source| source.file()?.parent());
+        file.map(Path::to_path_buf).unwrap_or_default()
     }
 
     /// The text of a value, short enough for one line.
     pub fn text(&self, span: &Range<usize>) -> String {
         let Some(source) = self.source(span.start) else { return String::new() };
-        match &source.file {
-            Some(_) => {
-                brief(source.text.get(span.start - source.start..span.end - source.start).unwrap_or(""))
-            }
-            None => brief(source.text.split_once('=').map_or("", |(_, value)| value.trim())),
+        match &source.origin {
+            Origin::Override => brief(source.text.split_once('=').map_or("", |(_, value)| value.trim())),
+            _ => brief(source.text.get(span.start - source.start..span.end - source.start).unwrap_or("")),
         }
     }
 
     /// The files, in the order read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.texts.iter().filter_map(|source| source.file.as_deref())
+        self.texts.iter().filter_map(Source::file)
     }
 
     fn source(&self, at: usize) -> Option<&Source> {
         self.texts.iter().rev().find(|source| source.start <= at)
     }
 
-    fn add(&mut self, file: Option<PathBuf>, text: String, toml: String, at: Vec<String>) {
+    fn add(&mut self, origin: Origin, text: String, toml: &str, at: Vec<String>) {
         let start = self.texts.last().map_or(0, |last| last.toml.len().max(last.start + last.text.len()) + 1);
-        let toml = " ".repeat(start) + &toml;
-        self.texts.push(Source { file, text, start, toml, at });
+        let toml = " ".repeat(start) + toml;
+        self.texts.push(Source { origin, text, start, toml, at });
     }
 }
 
 impl Source {
+    fn file(&self) -> Option<&Path> {
+        match &self.origin {
+            Origin::File(file) => Some(file),
+            _ => None,
+        }
+    }
+
     fn parse(&self) -> Result<Spanned<DeValue<'_>>, toml::de::Error> {
         let table = DeTable::parse(&self.toml)?;
         let span = self.start..self.start + self.text.len();
         let mut table = table.into_inner();
-        let value = match self.file {
-            Some(_) => None,
-            None => table.remove("v").map(Spanned::into_inner),
+        let value = match self.origin {
+            Origin::Override => table.remove("v").map(Spanned::into_inner),
+            _ => None,
         };
         Ok(Spanned::new(span, value.unwrap_or(DeValue::Table(table))))
     }
 }
 
 fn of_place(place: Place, what: String) -> ConfigError {
-    ConfigError { place, key: String::new(), value: None, problem: Problem::File(what) }
+    Wrong::new(place, "", None, Problem::File(what)).into()
 }
 
 /// `text` on one line of at most 60 letters.

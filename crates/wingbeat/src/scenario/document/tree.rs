@@ -1,15 +1,7 @@
 //! Paths into a tree of TOML values: `a.b.list[0].c`.
 
-use std::ops::Range;
-
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-
-/// A value with the span of its key; items of a list have none.
-pub struct Node<'a, 'i> {
-    pub key: Option<Range<usize>>,
-    pub value: &'a Spanned<DeValue<'i>>,
-}
 
 /// The steps of a path: names, and numbers for the items of lists.
 pub fn steps(path: &str) -> Vec<String> {
@@ -19,42 +11,64 @@ pub fn steps(path: &str) -> Vec<String> {
         .collect()
 }
 
+/// The path of `steps`.
+pub fn path(steps: &[String]) -> String {
+    steps.iter().fold(String::new(), |path, step| match step.parse::<usize>() {
+        Ok(index) => format!("{path}[{index}]"),
+        Err(_) => dotted(&path, step),
+    })
+}
+
+/// `table.name`, or `name` alone at the root.
+pub fn dotted(table: &str, name: &str) -> String {
+    if table.is_empty() { name.into() } else { format!("{table}.{name}") }
+}
+
 /// The value below `parent` called `step`.
-pub fn child<'a, 'i>(parent: &'a DeValue<'i>, step: &str) -> Option<Node<'a, 'i>> {
+pub fn child<'a, 'i>(parent: &'a DeValue<'i>, step: &str) -> Option<&'a Spanned<DeValue<'i>>> {
     match parent {
-        DeValue::Table(table) => {
-            table.get_key_value(step).map(|(key, value)| Node { key: Some(key.span()), value })
-        }
-        DeValue::Array(items) => Some(Node { key: None, value: items.get(step.parse::<usize>().ok()?)? }),
+        DeValue::Table(table) => table.get(step),
+        DeValue::Array(items) => items.get(step.parse::<usize>().ok()?),
         _ => None,
     }
 }
 
-/// The first value, in order, that `wanted` accepts: its path and span.
-pub fn find<'i>(
-    root: &Spanned<DeValue<'i>>,
-    wanted: &dyn Fn(&Node<'_, 'i>) -> bool,
-) -> Option<(String, Range<usize>)> {
-    search(&Node { key: None, value: root }, "", wanted)
+/// The value at `path` below `root`.
+pub fn follow<'a, 'i>(root: &'a Spanned<DeValue<'i>>, path: &str) -> Option<&'a Spanned<DeValue<'i>>> {
+    steps(path).iter().try_fold(root, |value, step| child(value.get_ref(), step))
 }
 
-fn search<'i>(
-    node: &Node<'_, 'i>,
+/// The value at `steps` below `root`; an empty table where there is none.
+pub fn taken<'i>(root: Spanned<DeValue<'i>>, steps: &[String]) -> Spanned<DeValue<'i>> {
+    steps.iter().fold(root, |value, step| {
+        let span = value.span();
+        let below = match value.into_inner() {
+            DeValue::Table(mut table) => table.remove(step.as_str()),
+            _ => None,
+        };
+        below.unwrap_or_else(|| Spanned::new(span, DeValue::Table(DeTable::new())))
+    })
+}
+
+/// Shows every value below `root` that is neither table nor list, with its path.
+pub fn walk<'a, 'i>(root: &'a Spanned<DeValue<'i>>, visit: &mut dyn FnMut(&str, &'a Spanned<DeValue<'i>>)) {
+    walk_below("", root, visit);
+}
+
+fn walk_below<'a, 'i>(
     path: &str,
-    wanted: &dyn Fn(&Node<'_, 'i>) -> bool,
-) -> Option<(String, Range<usize>)> {
-    if wanted(node) {
-        return Some((path.into(), node.value.span()));
-    }
-    match node.value.get_ref() {
-        DeValue::Table(table) => table.iter().find_map(|(key, value)| {
-            let dot = if path.is_empty() { "" } else { "." };
-            search(&Node { key: Some(key.span()), value }, &format!("{path}{dot}{}", key.get_ref()), wanted)
-        }),
-        DeValue::Array(items) => items.iter().enumerate().find_map(|(index, value)| {
-            search(&Node { key: None, value }, &format!("{path}[{index}]"), wanted)
-        }),
-        _ => None,
+    value: &'a Spanned<DeValue<'i>>,
+    visit: &mut dyn FnMut(&str, &'a Spanned<DeValue<'i>>),
+) {
+    match value.get_ref() {
+        DeValue::Table(table) => {
+            table.iter().for_each(|(key, value)| walk_below(&dotted(path, key.get_ref()), value, visit));
+        }
+        DeValue::Array(items) => {
+            let items = items.iter().enumerate();
+            items.for_each(|(index, value)| walk_below(&format!("{path}[{index}]"), value, visit));
+        }
+        _ => visit(path, value),
     }
 }
 

@@ -1,0 +1,230 @@
+//! From what a scenario says to robots, aerodynamic models and clocks.
+
+use super::mismatch::Mismatch;
+use super::plan::PlanSpec;
+use super::spec::{AeroSpec, Preset, ScenarioSpec};
+use crate::Error;
+use crate::aero::{Aero, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
+use crate::flight::Schedule;
+use crate::guide::Mpc;
+use crate::math::Vec3;
+use crate::require;
+use crate::robot::{Air, Robot, RobotSpec, SurfaceOutline, Wind};
+
+/// Largest number of records of a flight: 1 GB in memory.
+const MAX_SAMPLES: usize = 500_000;
+/// Most steps of a flight: about twenty minutes of computing.
+const MAX_STEPS: usize = 1_000_000_000;
+
+/// What a scenario describes.
+pub(super) struct Built {
+    /// The robot that flies.
+    pub robot: Robot,
+    /// The robot as its controller knows it.
+    pub model: Robot,
+    /// The clock.
+    pub schedule: Schedule,
+}
+
+impl ScenarioSpec {
+    /// Checks and builds; keys of errors are those of the scenario.
+    pub(super) fn build(&self) -> Result<Built, Error> {
+        self.check()?;
+        let model = self.known_robot()?;
+        let robot = self.flown_robot().map_err(|error| {
+            let allowed = format!("what leaves a robot that can be built; with it {error}");
+            Error::invalid("mismatch", "given", allowed)
+                .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
+        })?;
+        let schedule = self.schedule()?;
+        self.controller(&model)?;
+        Ok(Built { robot, model, schedule })
+    }
+
+    /// The predictive controller of `model`, if the scenario has one.
+    pub(super) fn controller<'a>(&self, model: &'a Robot) -> Result<Option<Mpc<'a, Robot>>, Error> {
+        match (&self.controller, &self.manoeuvre) {
+            (Some(spec), Some(manoeuvre)) => {
+                Mpc::new(model, manoeuvre.clone(), spec).map(Some).map_err(|e| e.within("controller"))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        require::name("name", &self.name)?;
+        self.robot.check().map_err(|e| e.within("robot"))?;
+        require::positive("air.density_kg_m3", self.air.density_kg_m3)?;
+        require::finite("air.wind_m_s", &self.air.wind_m_s)?;
+        require::not_negative("air.gust_m_s", self.air.gust_m_s)?;
+        require::finite("start.velocity_m_s", &self.start.velocity_m_s)?;
+        self.aero.check().map_err(|e| e.within("aero"))?;
+        if let Some(goal) = &self.goal {
+            goal.check().map_err(|e| e.within("goal"))?;
+        }
+        if let Some(sensors) = &self.sensors {
+            sensors.check().map_err(|e| e.within("sensors"))?;
+        }
+        if let Some(mismatch) = &self.mismatch {
+            mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
+        }
+        if let Some(track) = self.manoeuvre.as_ref().and_then(|m| m.track.as_ref()) {
+            track.check().map_err(|e| e.within("manoeuvre.track"))?;
+        }
+        if let Some(plan) = &self.plan {
+            plan.check().map_err(|e| e.within("plan"))?;
+        }
+        if let Some(PlanSpec::RollIn(plan)) = &self.plan {
+            let checked = require::at_most("plan.roll_in.start_s", plan.start_s, self.flight.duration_s);
+            checked.map_err(|e| e.against(["flight.duration_s"]))?;
+        }
+        if self.controller.is_some() && self.manoeuvre.is_none() {
+            return Err(Error::invalid("controller", "given", "a manoeuvre to fly: add [manoeuvre]"));
+        }
+        Ok(())
+    }
+
+    /// The robot that flies: mismatch and gust included.
+    fn flown_robot(&self) -> Result<Robot, Error> {
+        let mismatch = self.mismatch.clone().unwrap_or_default();
+        let density = self.air.density_kg_m3 * mismatch.density;
+        let wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed);
+        self.robot_in(&mismatch.apply(&self.robot), Air { density, wind })
+    }
+
+    /// The robot as its controller knows it.
+    fn known_robot(&self) -> Result<Robot, Error> {
+        let wind = Wind::steady(Vec3(self.air.wind_m_s));
+        self.robot_in(&self.robot, Air { density: self.air.density_kg_m3, wind })
+    }
+
+    fn robot_in(&self, spec: &RobotSpec, air: Air) -> Result<Robot, Error> {
+        let mut spec = spec.clone();
+        if !self.flight.flapping {
+            spec.gait.hold_still();
+        }
+        robot(&spec, &self.aero, air, self.start.phase_rad)
+    }
+
+    /// Whole steps for duration, updates and records.
+    fn schedule(&self) -> Result<Schedule, Error> {
+        let flight = &self.flight;
+        let step = flight.step_s;
+        require::positive("flight.step_s", step)?;
+        let whole = |key: &str, time: f64| {
+            let steps = (time / step).round();
+            if steps >= 1.0 && (steps * step - time).abs() <= 1e-9 * time {
+                Ok(steps as usize)
+            } else {
+                let allowed = format!("a whole number of steps of {step} s, at least one");
+                Err(Error::invalid(key, time, allowed).against(["flight.step_s"]))
+            }
+        };
+        let period = self.controller.as_ref().map(|c| whole("controller.period_s", c.period_s));
+        let schedule = Schedule {
+            step,
+            steps: whole("flight.duration_s", flight.duration_s)?,
+            steps_per_update: period.transpose()?,
+            steps_per_sample: whole("flight.record_every_s", flight.record_every_s)?,
+        };
+        if schedule.steps > MAX_STEPS {
+            let allowed = format!("long enough for at most {MAX_STEPS} steps of the flight");
+            return Err(Error::invalid("flight.step_s", step, allowed).against(["flight.duration_s"]));
+        }
+        let samples = schedule.steps / schedule.steps_per_sample;
+        if samples > MAX_SAMPLES {
+            let allowed = format!("at most {MAX_SAMPLES} records; these make {samples}");
+            let error = Error::invalid("flight.record_every_s", flight.record_every_s, allowed);
+            return Err(error.against(["flight.duration_s", "flight.step_s"]));
+        }
+        Ok(schedule)
+    }
+}
+
+/// A robot in air; keys of errors begin with `robot`, `aero` and `air`.
+pub(super) fn robot(spec: &RobotSpec, aero: &AeroSpec, air: Air, phase: f64) -> Result<Robot, Error> {
+    spec.check().map_err(|e| e.within("robot"))?;
+    let outlines = spec.outlines().map_err(|e| e.within("robot"))?;
+    let model = |outline: &SurfaceOutline| {
+        let key = format!("robot.{}", outline.key);
+        let mut names = vec![
+            ("half_span", format!("{key}.planform[{}].arc_m", outline.planform.stations() - 1)),
+            ("hinge_arcs_m[0]", format!("{key}.shoulder_m[1]")),
+            ("hinge_arcs_m[1]", format!("{key}.proximal.length_m")),
+            ("gaps", format!("{key}.gaps")),
+            ("density_kg_m3", "air.density_kg_m3".into()),
+        ];
+        if outline.strips.is_some() {
+            names.extend(["strips", "nodes"].map(|name| (name, format!("{key}.strips"))));
+        }
+        names.push(("drag", key));
+        aero.build(outline, air.density, &names)
+    };
+    let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
+    Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))
+}
+
+impl AeroSpec {
+    /// Checks what this table says by itself.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        require::inside("stall_angle_deg", self.stall_angle_deg, 0.0, 90.0)
+    }
+
+    /// The model of a surface. Settings of the model that another table gives have
+    /// their keys in `names`: as the model calls them, and as they were written.
+    pub(super) fn build<F: AsRef<str>, T: AsRef<str>>(
+        &self,
+        outline: &SurfaceOutline,
+        density_kg_m3: f64,
+        names: &[(F, T)],
+    ) -> Result<Aero, Error> {
+        self.check().map_err(|e| e.within("aero"))?;
+        let of = |table: &str, error: Error| {
+            let name = |(from, to): &(F, T)| (format!("{table}.{}", from.as_ref()), to.as_ref().to_owned());
+            error.within(table).renamed(&names.iter().map(name).collect::<Vec<_>>())
+        };
+        let (paper, full) = (|e| of("aero.paper", e), |e| of("aero.full", e));
+        let line = self.lifting_line(outline, density_kg_m3);
+        let strips = self.strips(outline, density_kg_m3);
+        // The preset that is not used has to have a meaning too.
+        line.check().map_err(paper)?;
+        strips.check().map_err(full)?;
+        match self.preset {
+            Preset::Paper => LiftingLine::new(&outline.planform, line).map(Aero::LiftingLine).map_err(paper),
+            Preset::Full => StripModel::new(&outline.planform, strips).map(Aero::Strip).map_err(full),
+        }
+    }
+
+    fn lifting_line(&self, outline: &SurfaceOutline, density_kg_m3: f64) -> LiftingLineSettings {
+        LiftingLineSettings {
+            nodes: outline.strips.unwrap_or(self.paper.nodes),
+            regularisation_m_s: self.paper.regularisation_m_s,
+            chord_floor_m: self.paper.chord_floor_m,
+            law: self.law,
+            stall_angle_rad: self.stall_angle_deg.to_radians(),
+            drag: outline.drag,
+            added_mass: self.added_mass,
+            section_moment: self.section_moment,
+            density_kg_m3,
+            ..LiftingLineSettings::default()
+        }
+    }
+
+    fn strips(&self, outline: &SurfaceOutline, density_kg_m3: f64) -> StripSettings {
+        StripSettings {
+            strips: outline.strips.unwrap_or(self.full.strips),
+            hinge_arcs_m: outline.hinges.clone(),
+            regularisation_m_s: self.full.regularisation_m_s,
+            lags: self.full.lags,
+            wake_wash: self.full.wake_wash,
+            doublet_wash: self.full.doublet_wash,
+            force_tilt: self.full.force_tilt,
+            law: self.law,
+            stall_angle_rad: self.stall_angle_deg.to_radians(),
+            drag: outline.drag,
+            added_mass: self.added_mass,
+            section_moment: self.section_moment,
+            density_kg_m3,
+        }
+    }
+}
