@@ -148,7 +148,10 @@ impl Sources {
     pub fn text(&self, span: &Range<usize>) -> String {
         let Some(source) = self.source(span.start) else { return String::new() };
         match &source.origin {
-            Origin::Override => brief(source.text.split_once('=').map_or("", |(_, value)| value.trim())),
+            Origin::Override if span.start == source.start => {
+                brief(source.text.split_once('=').map_or("", |(_, value)| value.trim()))
+            }
+            Origin::Override => brief(source.toml.get(span.clone()).unwrap_or("")),
             _ => brief(source.text.get(span.start - source.start..span.end - source.start).unwrap_or("")),
         }
     }
