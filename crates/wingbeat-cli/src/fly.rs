@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use indicatif::ProgressBar;
-use wingbeat::flight::Record;
 use wingbeat::scenario::{Run, Scenario, Status};
+use wingbeat::simulate::Record;
 use wingbeat_figures::{Draw, FLIGHT};
 use wingbeat_io::write_parquet;
 

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use wingbeat::flight::{Ending, Record};
 use wingbeat::scenario::{TetherCase, TetherSummary};
+use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::{Means, TetherRun};
 use wingbeat_figures::{cycle_loads, span_loading};
 use wingbeat_io::{read_csv, write_csv, write_parquet};

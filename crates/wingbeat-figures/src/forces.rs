@@ -1,6 +1,6 @@
 //! The forces by source over the last stroke.
 
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;

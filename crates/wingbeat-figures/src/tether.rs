@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
@@ -145,7 +145,7 @@ fn last_cycle(phase: &[f64]) -> Result<Range<usize>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wingbeat::flight::Column;
+    use wingbeat::simulate::Column;
 
     #[test]
     fn the_last_cycle_closes_where_the_next_begins() {

@@ -2,11 +2,11 @@
 
 use super::manoeuvre::{Manoeuvre, angle_error};
 use crate::Error;
-use crate::flight::{Column, Controller, Update};
 use crate::math::{Quat, Scalar, Vec3};
 use crate::ocp::realtime::{Plan, RealTime, Settings, Tracking};
 use crate::plant::{Channel, LocalChart, Plant};
 use crate::require;
+use crate::simulate::{Column, Controller, Update};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

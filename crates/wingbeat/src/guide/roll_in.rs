@@ -2,12 +2,13 @@
 
 use super::manoeuvre::{Track, angle_error};
 use crate::Error;
-use crate::math::{RK4, Scalar, Workspace};
+use crate::math::Scalar;
 use crate::ocp::interior_point::Options;
 use crate::ocp::{
     Ends, Instant, Limits, OptimalControl, Optimum, Progress, Refinement, Setup, Trajectory, optimise,
 };
 use crate::plant::{Channel, Fault, LocalChart, Plant};
+use crate::simulate::{Held, Moment, Stepper};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -152,19 +153,17 @@ impl<'a, P: Plant> RollIn<'a, P> {
         let duration = self.spec.longest_s / 3.0;
         let steps = ((duration * GUESS_RATE).ceil() as usize).max(1);
         let every = (steps / GUESS_SAMPLES).max(1);
-        let (h, rest) = (duration / steps as f64, vec![0.0; self.half_ranges.len()]);
-        let (mut x, mut out) = (self.start.clone(), Trajectory::default());
-        let mut work = Workspace::new(x.len(), RK4.b.len());
-        for i in 0..=steps {
-            let t = self.spec.start_s + i as f64 * h;
-            if i % every == 0 || i == steps {
-                out.t.push(t);
-                out.x.push(x.clone());
-                out.u.push(rest.clone());
+        let mut out = Trajectory::default();
+        let mut keep = Held(|i: usize, at: Moment| {
+            if i.is_multiple_of(every) || i == steps {
+                out.t.push(at.t);
+                out.x.push(at.x.to_vec());
+                out.u.push(at.u.to_vec());
             }
-            let rates = |t: f64, x: &[f64], dx: &mut [f64]| self.chart.rates(t, x, &rest, dx);
-            RK4.step(rates, t, h, &mut x, &mut work)?;
-        }
+            Ok(ControlFlow::Continue(()))
+        });
+        let mut stepper = Stepper::new(&self.chart, self.spec.start_s, &self.start);
+        stepper.run(duration / steps as f64, steps, &mut keep).check()?;
         Ok(out)
     }
 

@@ -33,11 +33,11 @@ pub use tether_spec::{
 
 use crate::Error;
 use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings};
-use crate::flight::{AtRest, Controller, Ending, Flight, Record, Sample, Schedule, Sensed, fly};
 use crate::guide::Mpc;
 use crate::math::{Quat, Vec3};
 use crate::require;
 use crate::robot::{Air, Robot, RobotSpec, Wind};
+use crate::simulate::{AtRest, Controller, Flight, Record, Sample, Schedule, Sensed, fly};
 use recorder::Recorder;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -147,18 +147,11 @@ impl Scenario {
     ) -> Result<Run, Error> {
         let rows = self.schedule.steps / self.schedule.steps_per_sample + 1;
         let mut recorder = Recorder::new(&self.robot, controller, rows)?;
-        let mut broken = None;
         let mut x = self.start();
-        let mut flight = fly(&self.robot, controller, &self.schedule, &mut x, |sample, controller| {
-            if let Err(fault) = recorder.sample(sample, controller) {
-                broken = Some(fault);
-                return ControlFlow::Break(());
-            }
-            observe(sample)
+        let flight = fly(&self.robot, controller, &self.schedule, &mut x, |sample, controller| {
+            recorder.sample(sample, controller)?;
+            Ok(observe(sample))
         });
-        if let Some(fault) = broken {
-            flight.ending = Ending::Fault(fault);
-        }
         let (record, stall_fraction) = recorder.finish();
         let summary = self.summarise(&record, &flight, stall_fraction);
         Ok(Run { record, summary })

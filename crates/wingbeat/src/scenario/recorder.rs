@@ -1,10 +1,10 @@
 //! From an observed robot to the columns of a record.
 
 use crate::Error;
-use crate::flight::{Column, Controller, Record, Sample};
 use crate::math::{Vec3, Wrench};
 use crate::plant::{Fault, Plant};
 use crate::robot::{JOINTS, Observation, Robot, WING_POINTS};
+use crate::simulate::{Column, Controller, Record, Sample};
 
 /// Names of the wing's recorded points, left tip to right tip.
 const POINT_NAMES: [&str; WING_POINTS] =

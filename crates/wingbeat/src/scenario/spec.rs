@@ -4,10 +4,10 @@ use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use crate::Error;
 use crate::aero::{LagSet, LiftLaw, StripSettings};
-use crate::flight::SensorSpec;
 use crate::guide::{Manoeuvre, MpcSpec};
 use crate::require;
 use crate::robot::RobotSpec;
+use crate::simulate::SensorSpec;
 use serde::{Deserialize, Serialize};
 
 /// A flight: robot, air, start, manoeuvre, controller.

@@ -1,8 +1,8 @@
 //! The numbers of a flight that are compared.
 
 use super::spec::GoalSpec;
-use crate::flight::{Ending, Flight, Record};
 use crate::guide::{Manoeuvre, Reference, angle_error};
+use crate::simulate::{Ending, Flight, Record};
 use serde::Serialize;
 
 /// `summary.json` of a flight. What is optional is taken from the goal's settling

@@ -3,8 +3,8 @@
 use super::AeroSpec;
 use crate::Error;
 use crate::aero::{Gap, PlanformStation};
-use crate::flight::Record;
 use crate::math::CubicSpline;
+use crate::simulate::Record;
 use crate::tether::{Coordinate, HingeKind, Side};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

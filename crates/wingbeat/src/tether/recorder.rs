@@ -3,8 +3,8 @@
 use super::{Side, Tether};
 use crate::Error;
 use crate::aero::{Loads, StripLoads};
-use crate::flight::{Column, Ending, Record};
 use crate::math::{Mat3, Vec3, Wrench};
+use crate::simulate::{Column, Ending, Record};
 
 /// Names of the sources of a strip's loads.
 const SOURCES: [&str; 4] = ["circulatory", "induced_drag", "added_mass", "profile_drag"];

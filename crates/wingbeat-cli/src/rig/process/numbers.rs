@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Serialize;
-use wingbeat::flight::{Column, Record};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{Comparison, Steps, compare, envelope};
 use wingbeat::scenario::{Processed, RigRun, Weighed};
+use wingbeat::simulate::{Column, Record};
 use wingbeat_io::samples::Import;
 
 use super::{Done, Outcome};

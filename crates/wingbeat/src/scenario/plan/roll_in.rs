@@ -2,12 +2,12 @@
 
 use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
-use crate::flight::{AtRest, Controller, Ending, Record, Schedule, fly};
 use crate::guide::{Manoeuvre, Playback, RollIn, RollInSpec};
 use crate::ocp::{Interpolant, Optimum, Progress};
 use crate::plant::Fault;
 use crate::scenario::recorder::Recorder;
 use crate::scenario::{Scenario, ScenarioSpec};
+use crate::simulate::{AtRest, Controller, Record, Schedule, fly};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -60,10 +60,8 @@ impl Scenario {
         let mut x = self.start();
         let steps = (spec.start_s / self.schedule.step).round() as usize;
         let schedule = Schedule { steps, ..self.schedule };
-        let flight = fly(&self.model, &mut approach, &schedule, &mut x, |_, _| ControlFlow::Continue(()));
-        if let Ending::Fault(fault) = flight.ending {
-            return Err(broken(fault));
-        }
+        let flight = fly(&self.model, &mut approach, &schedule, &mut x, |_, _| Ok(ControlFlow::Continue(())));
+        flight.ending.check().map_err(broken)?;
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
         let problem = RollIn::new(&self.model, &x, &spec).map_err(|e| e.within("plan.roll_in"))?;
         let optimum = problem.plan(observe).map_err(broken)?;
@@ -109,10 +107,8 @@ impl Scenario {
         let mut recorder = Recorder::new(&self.model, &player, steps / schedule.steps_per_sample + 1)?;
         let mut x = self.start();
         fly(&self.model, &mut player, &schedule, &mut x, |sample, player| {
-            match recorder.sample(sample, player) {
-                Ok(()) => ControlFlow::Continue(()),
-                Err(_) => ControlFlow::Break(()),
-            }
+            recorder.sample(sample, player)?;
+            Ok(ControlFlow::Continue(()))
         });
         let attitude = crate::math::Quat::from_wxyz(&x[self.model.layout().attitude..]);
         Ok((recorder.finish().0, attitude.matrix().roll_pitch_yaw().0))

@@ -1,7 +1,7 @@
 //! The loop of plant, controller and clock.
 
 use super::record::Column;
-use crate::math::{Quat, RK4, Workspace};
+use super::stepper::{Driver, Ending, Moment, Stepper};
 use crate::plant::{Fault, Plant};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -71,17 +71,6 @@ pub struct Sample<'a> {
     pub elapsed: Duration,
 }
 
-/// How a flight ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ending {
-    /// The whole duration was flown.
-    Complete,
-    /// The model could not be evaluated.
-    Fault(Fault),
-    /// The observer asked to stop.
-    Stopped,
-}
-
 /// A flown flight without its samples.
 #[derive(Clone, Debug)]
 pub struct Flight {
@@ -100,7 +89,7 @@ pub struct Flight {
 }
 
 /// Flies `plant` from `x` (state at t = 0, left at the final state) under
-/// `controller`: classical Runge-Kutta steps, inputs limited by the plant's
+/// `controller`: the steps of a [`Stepper`], inputs limited by the plant's
 /// channels, quaternion renormalised every step.
 ///
 /// `observe` sees every sample, the first at t = 0, and may stop the flight.
@@ -109,74 +98,69 @@ pub fn fly<P: Plant, C: Controller>(
     controller: &mut C,
     schedule: &Schedule,
     x: &mut [f64],
-    mut observe: impl FnMut(&Sample, &C) -> ControlFlow<()>,
+    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 ) -> Flight {
-    let start = Instant::now();
-    let mut u = vec![0.0; plant.inputs().len()];
-    let mut stage_u = u.clone();
-    let mut work = Workspace::new(x.len(), RK4.b.len());
-    let mut flight = Flight {
-        ending: Ending::Complete,
-        duration: 0.0,
-        wall: Duration::ZERO,
-        updates: Vec::with_capacity(schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1)),
+    let updates = schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1);
+    let mut pilot = Pilot {
+        controller,
+        schedule,
+        observe,
+        start: Instant::now(),
+        updates: Vec::with_capacity(updates),
         failures: 0,
         late: 0,
     };
-    for i in 0..=schedule.steps {
-        let t = i as f64 * schedule.step;
-        flight.duration = t;
-        if schedule.steps_per_update.is_some_and(|n| i % n == 0) && i < schedule.steps {
-            let begun = Instant::now();
-            match controller.update(t, x) {
-                Update::Fresh => {}
-                Update::Kept => flight.failures += 1,
-                Update::Late => flight.late += 1,
-            }
-            flight.updates.push(begun.elapsed());
-        }
-        if i % schedule.steps_per_sample == 0 {
-            limited_input(plant, controller, t, &mut u);
-            if observe(&Sample { t, x, u: &u, elapsed: start.elapsed() }, controller).is_break() {
-                flight.ending = Ending::Stopped;
-                break;
-            }
-        }
-        if i == schedule.steps {
-            break;
-        }
-        let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
-            limited_input(plant, controller, t, &mut stage_u);
-            plant.rates(t, x, &stage_u, dx)
-        };
-        let end = RK4.step(rates, t, schedule.step, x, &mut work).and_then(|()| finite(x, t));
-        if let Err(fault) = end {
-            flight.ending = Ending::Fault(fault);
-            break;
-        }
-        renormalise(plant, x);
-    }
-    flight.wall = start.elapsed();
-    flight
-}
-
-/// The controller's inputs at `t`, limited by the plant's channels.
-fn limited_input<P: Plant, C: Controller>(plant: &P, controller: &C, t: f64, u: &mut [f64]) {
-    controller.input(t, u);
-    for (u, channel) in u.iter_mut().zip(plant.inputs()) {
-        *u = channel.clamp(*u);
+    let mut stepper = Stepper::new(plant, 0.0, x);
+    let ending = stepper.run(schedule.step, schedule.steps, &mut pilot);
+    x.copy_from_slice(stepper.state());
+    Flight {
+        ending,
+        duration: stepper.time(),
+        wall: pilot.start.elapsed(),
+        updates: pilot.updates,
+        failures: pilot.failures,
+        late: pilot.late,
     }
 }
 
-fn finite(x: &[f64], time: f64) -> Result<(), Fault> {
-    match x.iter().position(|v| !v.is_finite()) {
-        Some(state) => Err(Fault::NotFinite { state, time }),
-        None => Ok(()),
-    }
+/// A controller at the stepper's wheel.
+struct Pilot<'a, C, O> {
+    controller: &'a mut C,
+    schedule: &'a Schedule,
+    observe: O,
+    start: Instant,
+    updates: Vec<Duration>,
+    failures: usize,
+    late: usize,
 }
 
-fn renormalise<P: Plant>(plant: &P, x: &mut [f64]) {
-    if let Some(a) = plant.attitude() {
-        Quat::from_wxyz(&x[a..]).normalized().store_wxyz(&mut x[a..]);
+impl<C: Controller, O> Driver<()> for Pilot<'_, C, O>
+where
+    O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+{
+    fn decide(&mut self, k: usize, t: f64, x: &[f64]) {
+        let due = self.schedule.steps_per_update.is_some_and(|n| k.is_multiple_of(n));
+        if k == self.schedule.steps || !due {
+            return;
+        }
+        let begun = Instant::now();
+        match self.controller.update(t, x) {
+            Update::Fresh => {}
+            Update::Kept => self.failures += 1,
+            Update::Late => self.late += 1,
+        }
+        self.updates.push(begun.elapsed());
+    }
+
+    fn inputs(&self, t: f64, u: &mut [f64]) {
+        self.controller.input(t, u);
+    }
+
+    fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
+        if !k.is_multiple_of(self.schedule.steps_per_sample) {
+            return Ok(ControlFlow::Continue(()));
+        }
+        let sample = Sample { t: at.t, x: at.x, u: at.u, elapsed: self.start.elapsed() };
+        (self.observe)(&sample, self.controller)
     }
 }

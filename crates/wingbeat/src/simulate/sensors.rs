@@ -1,6 +1,6 @@
 //! What the controller is told of the state: noise and delay.
 
-use super::closed_loop::{Controller, Update};
+use super::fly::{Controller, Update};
 use super::record::Column;
 use crate::Error;
 use crate::math::{Quat, Random, Vec3};
