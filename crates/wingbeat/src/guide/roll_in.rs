@@ -7,7 +7,7 @@ use crate::ocp::interior_point::Options;
 use crate::ocp::{
     Ends, Instant, Limits, OptimalControl, Optimum, Progress, Refinement, Setup, Trajectory, optimise,
 };
-use crate::plant::{Channel, Fault, LocalChart, Plant};
+use crate::plant::{Channel, Fault, LocalChart, Plant, Role};
 use crate::simulate::{Held, Moment, Stepper};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -86,8 +86,8 @@ impl RollInSpec {
     }
 }
 
-/// The minimum-time roll-in of any plant with an attitude and the angular
-/// rate `w_WB_B` among its states: min t_f + effort integral |u|^2.
+/// The minimum-time roll-in of any plant with an attitude and an angular
+/// rate among its states: min t_f + effort integral |u|^2.
 pub struct RollIn<'a, P: Plant> {
     chart: LocalChart<'a, P>,
     spec: RollInSpec,
@@ -110,13 +110,13 @@ impl<'a, P: Plant> RollIn<'a, P> {
         chart.center_at(x);
         let missing = |what: &str| Error::invalid("plant", what, "a plant with attitude and angular rate");
         chart.rotation().ok_or_else(|| missing("no attitude"))?;
-        let rate = chart.states().iter().position(|c| c.name == "w_WB_B_x");
+        let rate = Role::AngularRate(0).place(chart.states());
         let mut start = vec![0.0; chart.states().len()];
         chart.localise(x, &mut start);
         let half_ranges: Vec<f64> = plant.inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
         Ok(Self {
             settled: settled(chart.states(), &half_ranges, spec),
-            rate: rate.ok_or_else(|| missing("no angular rate w_WB_B_x"))?,
+            rate: rate.ok_or_else(|| missing("no angular rate"))?,
             half_ranges,
             spec: spec.clone(),
             start,
@@ -237,10 +237,12 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
 /// The structure elements' displacements and rates among the states, and how
 /// large they may be at the end.
 fn settled(states: &[Channel], half_ranges: &[f64], spec: &RollInSpec) -> Vec<(usize, f64)> {
-    let named = |prefix: &'static str| (0..states.len()).filter(move |&i| states[i].name.starts_with(prefix));
-    let displacements =
-        named("displacement_").zip(half_ranges).map(|(i, h)| (i, spec.displacement_within * h));
-    displacements.chain(named("rate_").map(|i| (i, spec.rate_within_rad_s))).collect()
+    let size = |(i, channel): (usize, &Channel)| match channel.role {
+        Role::Displacement(element) => Some((i, spec.displacement_within * half_ranges.get(element)?)),
+        Role::DisplacementRate(_) => Some((i, spec.rate_within_rad_s)),
+        _ => None,
+    };
+    states.iter().enumerate().filter_map(size).collect()
 }
 
 #[cfg(test)]
@@ -274,9 +276,9 @@ mod tests {
 
     #[test]
     fn a_free_body_takes_the_time_of_full_torque_and_full_counter_torque() {
-        let names = ["quat_w", "quat_x", "quat_y", "quat_z", "w_WB_B_x", "w_WB_B_y", "w_WB_B_z"];
+        let roles = (0..4).map(Role::Attitude).chain((0..3).map(Role::AngularRate));
         let top = Top {
-            states: names.map(|n| Channel::free(n, "", "")).into(),
+            states: roles.map(|role| Channel::free(format!("{role:?}"), "", "").of(role)).collect(),
             inputs: ["x", "y", "z"].map(|n| Channel::limited(n, "N m", "B", -1.0, 1.0)).into(),
         };
         let spec = RollInSpec {

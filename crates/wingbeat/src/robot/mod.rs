@@ -19,7 +19,7 @@ use crate::Error;
 use crate::aero::Aero;
 use crate::body::{Base, Gait, Link, Response, Tree};
 use crate::math::{Mat3, Vec3};
-use crate::plant::Channel;
+use crate::plant::{Channel, Role};
 use sections::Section;
 
 /// Joints of both wings, left first; from body to tip: sweep about z (positive
@@ -147,19 +147,24 @@ impl Layout {
     }
 
     fn channels(&self, spec: &RobotSpec, aero: &Aero) -> Vec<Channel> {
-        let axes = |name: &'static str, unit, frame, of: &'static str| {
-            of.chars().map(move |axis| Channel::free(format!("{name}_{axis}"), unit, frame))
+        let axes = |name: &'static str, unit, frame, of: &'static str, role: fn(usize) -> Role| {
+            let axes = of.chars().enumerate();
+            axes.map(move |(i, axis)| Channel::free(format!("{name}_{axis}"), unit, frame).of(role(i)))
         };
         let elements = &spec.structure.elements;
-        let displacement = |e: &ElementSpec| Channel::free(format!("displacement_{}", e.name), e.unit(), "");
-        let rate = |e: &ElementSpec| Channel::free(format!("rate_{}", e.name), e.rate_unit(), "");
-        axes("p_WB", "m", "W", "xyz")
-            .chain(axes("quat", "", "WB", "wxyz"))
-            .chain(axes("v_WB_W", "m/s", "W", "xyz"))
-            .chain(axes("w_WB_B", "rad/s", "B", "xyz"))
-            .chain(elements.iter().map(displacement))
-            .chain(elements.iter().map(rate))
-            .chain(aero.channels())
+        let displacement = |(i, e): (usize, &ElementSpec)| {
+            Channel::free(format!("displacement_{}", e.name), e.unit(), "").of(Role::Displacement(i))
+        };
+        let rate = |(i, e): (usize, &ElementSpec)| {
+            Channel::free(format!("rate_{}", e.name), e.rate_unit(), "").of(Role::DisplacementRate(i))
+        };
+        axes("p_WB", "m", "W", "xyz", Role::Position)
+            .chain(axes("quat", "", "WB", "wxyz", Role::Attitude))
+            .chain(axes("v_WB_W", "m/s", "W", "xyz", Role::Velocity))
+            .chain(axes("w_WB_B", "rad/s", "B", "xyz", Role::AngularRate))
+            .chain(elements.iter().enumerate().map(displacement))
+            .chain(elements.iter().enumerate().map(rate))
+            .chain(aero.channels().into_iter().map(|channel| channel.of(Role::Air)))
             .collect()
     }
 }

@@ -4,7 +4,7 @@ use super::MAX_ELEMENTS;
 use crate::Error;
 use crate::aero::{Gap, Planform, PlanformStation};
 use crate::body::{Coupled, Element, FourierSeries, Gait, Linkage, LinkageDimensions, Response};
-use crate::plant::Channel;
+use crate::plant::{Channel, Role};
 use crate::require::{finite, not_negative, positive, principal_inertias};
 use serde::{Deserialize, Serialize};
 
@@ -307,7 +307,8 @@ impl StructureSpec {
     /// The regulators, in order.
     pub(super) fn channels(&self, gait: &Gait) -> Result<Vec<Channel>, Error> {
         let element = |(i, e): (usize, &ElementSpec)| {
-            e.channel(gait).map_err(|error| error.within(&format!("elements[{i}]")))
+            let channel = e.channel(gait).map_err(|error| error.within(&format!("elements[{i}]")))?;
+            Ok(channel.of(Role::Command(i)))
         };
         self.elements.iter().enumerate().map(element).collect()
     }

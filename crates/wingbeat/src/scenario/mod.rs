@@ -35,9 +35,10 @@ use crate::Error;
 use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings};
 use crate::guide::Mpc;
 use crate::math::{Quat, Vec3};
+use crate::plant::Plant;
 use crate::require;
 use crate::robot::{Air, Robot, RobotSpec, Wind};
-use crate::simulate::{AtRest, Controller, Flight, Record, Sample, Schedule, Sensed, fly};
+use crate::simulate::{AtRest, Controller, Flight, Record, Sample, Schedule, Sensors, fly};
 use recorder::Recorder;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -130,25 +131,31 @@ impl Scenario {
     /// # Errors
     /// [`Error::Invalid`] when the controller's settings are out of range.
     pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
-        match (self.controller()?, &self.spec.sensors) {
-            (Some(controller), Some(sensors)) => {
-                let mut sensed = Sensed::new(controller, &self.robot, sensors, self.spec.seed);
-                self.fly_with(&mut sensed, observe)
-            }
-            (Some(mut controller), None) => self.fly_with(&mut controller, observe),
-            (None, _) => self.fly_with(&mut AtRest, observe),
+        match self.controller()? {
+            Some(mut controller) => self.fly_under(&mut controller, &self.schedule, observe),
+            None => self.fly_under(&mut AtRest, &self.schedule, observe),
         }
     }
 
-    fn fly_with<C: Controller>(
+    /// What the scenario's controller is told of the robot.
+    pub fn sensors(&self) -> Sensors {
+        match &self.spec.sensors {
+            Some(spec) => Sensors::noisy(&self.robot, spec, self.spec.seed),
+            None => Sensors::perfect(&self.robot),
+        }
+    }
+
+    fn fly_under<C: Controller>(
         &self,
         controller: &mut C,
+        schedule: &Schedule,
         mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
-        let rows = self.schedule.steps / self.schedule.steps_per_sample + 1;
+        let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut recorder = Recorder::new(&self.robot, controller, rows)?;
         let mut x = self.start();
-        let flight = fly(&self.robot, controller, &self.schedule, &mut x, |sample, controller| {
+        let (robot, mut sensors) = (&self.robot, self.sensors());
+        let flight = fly(robot, &mut sensors, controller, schedule, &mut x, |sample, controller| {
             recorder.sample(sample, controller)?;
             Ok(observe(sample))
         });
@@ -161,6 +168,7 @@ impl Scenario {
         let context = summary::Context {
             manoeuvre: self.spec.manoeuvre.as_ref(),
             goal: self.spec.goal.as_ref(),
+            inputs: self.robot.inputs(),
             preset: self.spec.aero.preset.name(),
             law: self.spec.aero.law.name(),
             stall_fraction,

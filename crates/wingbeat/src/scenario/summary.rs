@@ -2,6 +2,7 @@
 
 use super::spec::GoalSpec;
 use crate::guide::{Manoeuvre, Reference, angle_error};
+use crate::plant::Channel;
 use crate::simulate::{Ending, Flight, Record};
 use serde::Serialize;
 
@@ -153,6 +154,7 @@ fn half_range_deg(angles: &[f64]) -> Option<f64> {
 pub(super) struct Context<'a> {
     pub manoeuvre: Option<&'a Manoeuvre>,
     pub goal: Option<&'a GoalSpec>,
+    pub inputs: &'a [Channel],
     pub preset: &'a str,
     pub law: &'a str,
     pub stall_fraction: f64,
@@ -197,7 +199,7 @@ impl Summary {
             aero_preset: context.preset.into(),
             lift_law: context.law.into(),
             stall_fraction: context.stall_fraction,
-            input_saturation_fraction: saturation(record),
+            input_saturation_fraction: saturation(record, context.inputs),
             warnings: warnings(context, flight.duration < settle),
             controller: ControllerSummary::new(flight),
         };
@@ -245,13 +247,13 @@ fn unwrapped_change(angles: &[f64]) -> f64 {
 const LIMIT_BAND: f64 = 0.01;
 
 /// Share of input samples within 1 % of their range of a limit.
-fn saturation(record: &Record) -> f64 {
-    let inputs = record.columns().iter().filter(|c| c.name.starts_with("command_"));
+fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
     let (mut on, mut all) = (0, 0);
-    for column in inputs {
-        let band = LIMIT_BAND * (column.high - column.low);
-        all += column.values.len();
-        on += column.values.iter().filter(|&&v| v <= column.low + band || v >= column.high - band).count();
+    for input in inputs {
+        let (values, band) =
+            (record.values(&input.name).unwrap_or(&[]), LIMIT_BAND * (input.high - input.low));
+        all += values.len();
+        on += values.iter().filter(|&&v| v <= input.low + band || v >= input.high - band).count();
     }
     on as f64 / (all as f64).max(1.0)
 }

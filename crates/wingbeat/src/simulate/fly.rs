@@ -1,6 +1,7 @@
-//! The loop of plant, controller and clock.
+//! The flight of a plant: sensors, controller and clock around the stepper.
 
 use super::record::Column;
+use super::sensors::{Measurement, Sensors};
 use super::stepper::{Driver, Ending, Moment, Stepper};
 use crate::plant::{Fault, Plant};
 use std::ops::ControlFlow;
@@ -8,8 +9,8 @@ use std::time::{Duration, Instant};
 
 /// What decides the plant's inputs.
 pub trait Controller {
-    /// Plans anew from the measured state. A failure leaves the previous plan in force.
-    fn update(&mut self, t: f64, x: &[f64]) -> Update;
+    /// Plans anew at time `t` from what is measured. A failure leaves the previous plan in force.
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update;
     /// Writes the planned inputs at time `t`, the very function the plan was made with.
     fn input(&self, t: f64, u: &mut [f64]);
     /// Columns of [`diagnostics`](Self::diagnostics).
@@ -37,7 +38,7 @@ pub enum Update {
 pub struct AtRest;
 
 impl Controller for AtRest {
-    fn update(&mut self, _: f64, _: &[f64]) -> Update {
+    fn update(&mut self, _: f64, _: &Measurement) -> Update {
         Update::Fresh
     }
     fn input(&self, _: f64, u: &mut [f64]) {
@@ -89,12 +90,13 @@ pub struct Flight {
 }
 
 /// Flies `plant` from `x` (state at t = 0, left at the final state) under
-/// `controller`: the steps of a [`Stepper`], inputs limited by the plant's
+/// `controller`, which knows of it what `sensors` tell: the steps of a [`Stepper`], inputs limited by the plant's
 /// channels, quaternion renormalised every step.
 ///
 /// `observe` sees every sample, the first at t = 0, and may stop the flight.
 pub fn fly<P: Plant, C: Controller>(
     plant: &P,
+    sensors: &mut Sensors,
     controller: &mut C,
     schedule: &Schedule,
     x: &mut [f64],
@@ -102,6 +104,7 @@ pub fn fly<P: Plant, C: Controller>(
 ) -> Flight {
     let updates = schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1);
     let mut pilot = Pilot {
+        sensors,
         controller,
         schedule,
         observe,
@@ -123,8 +126,9 @@ pub fn fly<P: Plant, C: Controller>(
     }
 }
 
-/// A controller at the stepper's wheel.
+/// A controller behind its sensors at the stepper's wheel.
 struct Pilot<'a, C, O> {
+    sensors: &'a mut Sensors,
     controller: &'a mut C,
     schedule: &'a Schedule,
     observe: O,
@@ -144,7 +148,7 @@ where
             return;
         }
         let begun = Instant::now();
-        match self.controller.update(t, x) {
+        match self.controller.update(t, &self.sensors.measure(t, x)) {
             Update::Fresh => {}
             Update::Kept => self.failures += 1,
             Update::Late => self.late += 1,

@@ -1,12 +1,14 @@
 //! Simulation: the stepper that advances every system, the flight of a plant
-//! under a controller, the record of a run.
+//! under a controller behind sensors, the record of a run.
 
+mod estimator;
 mod fly;
 mod record;
 mod sensors;
 mod stepper;
 
+pub use estimator::{Estimator, TrueState, Unmeasured};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
 pub use record::{Column, Record};
-pub use sensors::{Sensed, SensorSpec};
+pub use sensors::{Measurement, SensorSpec, Sensors};
 pub use stepper::{Driver, Ending, Held, Moment, Observed, Saved, Sizes, Stepper, System};

@@ -1,10 +1,8 @@
-//! What the controller is told of the state: noise and delay.
+//! What the controller is told of the state: which channels, how noisy, how late.
 
-use super::fly::{Controller, Update};
-use super::record::Column;
 use crate::Error;
 use crate::math::{Quat, Random, Vec3};
-use crate::plant::Plant;
+use crate::plant::{Channel, Plant, Role};
 use crate::require;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -43,117 +41,186 @@ impl SensorSpec {
         ];
         levels.iter().try_for_each(|(key, value)| require::not_negative(key, *value))
     }
+
+    /// Standard deviation of a channel; the attitude turns as a whole.
+    fn deviation(&self, channel: &Channel) -> f64 {
+        match channel.role {
+            Role::Position(_) => self.position_m,
+            Role::Velocity(_) => self.velocity_m_s,
+            Role::AngularRate(_) => self.rate_rad_s,
+            Role::Displacement(_) => self.displacement,
+            _ => 0.0,
+        }
+    }
 }
 
-/// A controller behind sensors.
+/// What a controller is told: channels of the plant's state as measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Measurement<'a> {
+    taken: f64,
+    channels: &'a [Channel],
+    values: &'a [f64],
+}
+
+impl<'a> Measurement<'a> {
+    /// `values` of `channels`, taken at the time `taken`, s.
+    ///
+    /// # Panics
+    /// When there is not one value per channel.
+    pub fn new(taken: f64, channels: &'a [Channel], values: &'a [f64]) -> Self {
+        assert_eq!(channels.len(), values.len(), "one value per channel");
+        Self { taken, channels, values }
+    }
+
+    /// Time at which it was taken, s: older than the update by the delay of the sensors.
+    pub fn taken(&self) -> f64 {
+        self.taken
+    }
+    /// The channels measured, in the order of the state.
+    pub fn channels(&self) -> &'a [Channel] {
+        self.channels
+    }
+    /// One value per channel.
+    pub fn values(&self) -> &'a [f64] {
+        self.values
+    }
+    /// The value of the channel of this role, if it is measured.
+    pub fn value(&self, role: Role) -> Option<f64> {
+        role.place(self.channels).map(|i| self.values[i])
+    }
+    /// Three components, if they are measured: `vector(Role::AngularRate)`.
+    pub fn vector(&self, role: fn(usize) -> Role) -> Option<Vec3> {
+        Some(Vec3::new(self.value(role(0))?, self.value(role(1))?, self.value(role(2))?))
+    }
+    /// q_WB, if it is measured.
+    pub fn attitude(&self) -> Option<Quat> {
+        let first = Role::Attitude(0).place(self.channels)?;
+        self.values.get(first..first + 4).map(Quat::from_wxyz)
+    }
+}
+
+/// The sensors of a plant.
 #[derive(Debug)]
-pub struct Sensed<C: Controller> {
-    inner: C,
+pub struct Sensors {
+    /// States measured, by number, and their channels.
+    seen: Vec<usize>,
+    channels: Vec<Channel>,
+    noise: Option<Noise>,
+    delay: usize,
+    /// Measurements on their way with the times at which they were taken, oldest first.
+    waiting: VecDeque<(f64, Vec<f64>)>,
+    scratch: Vec<f64>,
+}
+
+/// White noise on the state.
+#[derive(Debug)]
+struct Noise {
     deviation: Vec<f64>,
     attitude: Option<usize>,
     attitude_deviation: f64,
-    waiting: VecDeque<Vec<f64>>,
-    delay: usize,
     random: Random,
 }
 
-impl<C: Controller> Sensed<C> {
-    /// Puts sensors between `plant` and `inner`; the noise follows `seed`.
-    pub fn new<P: Plant>(inner: C, plant: &P, spec: &SensorSpec, seed: u64) -> Self {
-        let deviation = |name: &str| match name {
-            n if n.starts_with("p_WB") => spec.position_m,
-            n if n.starts_with("v_WB_W") => spec.velocity_m_s,
-            n if n.starts_with("w_WB_B") => spec.rate_rad_s,
-            n if n.starts_with("displacement_") => spec.displacement,
-            _ => 0.0,
-        };
-        Self {
-            inner,
-            deviation: plant.states().iter().map(|c| deviation(&c.name)).collect(),
-            attitude: plant.attitude(),
-            attitude_deviation: spec.attitude_deg.to_radians(),
-            waiting: VecDeque::with_capacity(spec.delay_updates + 1),
-            delay: spec.delay_updates,
-            random: Random::new(seed),
-        }
-    }
-
-    /// The state with noise, in the storage of `measured`.
-    fn measure(&mut self, x: &[f64], measured: &mut Vec<f64>) {
-        measured.clear();
-        measured.extend_from_slice(x);
-        for (m, deviation) in measured.iter_mut().zip(&self.deviation) {
+impl Noise {
+    fn add(&mut self, x: &mut [f64]) {
+        let attitude = self.attitude.map(|a| (a, Quat::from_wxyz(&x[a..])));
+        for (m, deviation) in x.iter_mut().zip(&self.deviation) {
             *m += deviation * self.random.normal();
         }
-        if let Some(a) = self.attitude {
+        if let Some((a, q)) = attitude {
             let turn = Vec3([(); 3].map(|()| self.random.normal()));
-            let attitude = Quat::from_wxyz(&x[a..]) * Quat::exp(turn * self.attitude_deviation);
-            attitude.normalized().store_wxyz(&mut measured[a..]);
+            (q * Quat::exp(turn * self.attitude_deviation)).normalized().store_wxyz(&mut x[a..]);
         }
     }
 }
 
-impl<C: Controller> Controller for Sensed<C> {
-    fn update(&mut self, t: f64, x: &[f64]) -> Update {
-        // Until the first measurement is old enough, the oldest one serves.
-        let mut newest =
-            if self.waiting.len() > self.delay { self.waiting.pop_front() } else { None }.unwrap_or_default();
-        self.measure(x, &mut newest);
-        self.waiting.push_back(newest);
-        self.inner.update(t, &self.waiting[0])
+impl Sensors {
+    /// Tells every state of `plant` as it is, the air's included, at once: what no instrument does.
+    pub fn perfect<P: Plant>(plant: &P) -> Self {
+        Self {
+            seen: (0..plant.states().len()).collect(),
+            channels: plant.states().to_vec(),
+            noise: None,
+            delay: 0,
+            waiting: VecDeque::new(),
+            scratch: Vec::new(),
+        }
     }
-    fn input(&self, t: f64, u: &mut [f64]) {
-        self.inner.input(t, u);
+
+    /// Tells every state of `plant` with the noise and delay of `spec`; the noise follows `seed`.
+    pub fn noisy<P: Plant>(plant: &P, spec: &SensorSpec, seed: u64) -> Self {
+        let noise = Noise {
+            deviation: plant.states().iter().map(|channel| spec.deviation(channel)).collect(),
+            attitude: plant.attitude(),
+            attitude_deviation: spec.attitude_deg.to_radians(),
+            random: Random::new(seed),
+        };
+        Self {
+            noise: Some(noise),
+            delay: spec.delay_updates,
+            waiting: VecDeque::with_capacity(spec.delay_updates + 1),
+            ..Self::perfect(plant)
+        }
     }
-    fn columns(&self) -> Vec<Column> {
-        self.inner.columns()
+
+    /// The same sensors without those of the channels that `sees` denies: an inertial unit is
+    /// `|role| matches!(role, Role::Attitude(_) | Role::AngularRate(_))`.
+    #[must_use]
+    pub fn only(mut self, sees: impl Fn(Role) -> bool) -> Self {
+        let kept = |(_, channel): &(usize, Channel)| sees(channel.role);
+        (self.seen, self.channels) = self.seen.into_iter().zip(self.channels).filter(kept).unzip();
+        self
     }
-    fn diagnostics(&self, row: &mut Vec<f64>) {
-        self.inner.diagnostics(row);
+
+    /// Measures the state `x` at `t` (s) and tells the newest measurement that has arrived;
+    /// until one is old enough, the oldest serves.
+    pub fn measure(&mut self, t: f64, x: &[f64]) -> Measurement<'_> {
+        let arrived = if self.waiting.len() > self.delay { self.waiting.pop_front() } else { None };
+        let (_, mut values) = arrived.unwrap_or_default();
+        self.scratch.clear();
+        self.scratch.extend_from_slice(x);
+        if let Some(noise) = &mut self.noise {
+            noise.add(&mut self.scratch);
+        }
+        values.clear();
+        values.extend(self.seen.iter().map(|&i| self.scratch[i]));
+        self.waiting.push_back((t, values));
+        let (taken, values) = &self.waiting[0];
+        Measurement::new(*taken, &self.channels, values)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Scalar;
+    use crate::plant::Fault;
 
-    /// Keeps what it is told.
-    struct Listener(Vec<f64>);
-    impl Controller for Listener {
-        fn update(&mut self, _: f64, x: &[f64]) -> Update {
-            self.0 = x.to_vec();
-            Update::Fresh
-        }
-        fn input(&self, _: f64, u: &mut [f64]) {
-            u.fill(self.0[0]);
-        }
-    }
+    struct Line([Channel; 2]);
 
-    struct Line([crate::plant::Channel; 1]);
     impl Plant for Line {
-        fn states(&self) -> &[crate::plant::Channel] {
+        fn states(&self) -> &[Channel] {
             &self.0
         }
-        fn inputs(&self) -> &[crate::plant::Channel] {
+        fn inputs(&self) -> &[Channel] {
             &[]
         }
-        fn rates<S: crate::math::Scalar>(
-            &self,
-            _: S,
-            _: &[S],
-            _: &[S],
-            _: &mut [S],
-        ) -> Result<(), crate::plant::Fault> {
+        fn rates<S: Scalar>(&self, _: S, _: &[S], _: &[S], _: &mut [S]) -> Result<(), Fault> {
             Ok(())
         }
     }
 
-    fn heard(spec: &SensorSpec, updates: usize) -> Vec<f64> {
-        let plant = Line([crate::plant::Channel::free("v_WB_W_x", "m/s", "W")]);
-        let mut sensed = Sensed::new(Listener(vec![0.0]), &plant, spec, 3);
+    fn line() -> Line {
+        let speed = Channel::free("a name of its own", "m/s", "W").of(Role::Velocity(0));
+        Line([Channel::free("lag", "m/s", "").of(Role::Air), speed])
+    }
+
+    fn heard(spec: &SensorSpec, updates: usize) -> Vec<(f64, f64)> {
+        let mut sensors = Sensors::noisy(&line(), spec, 3);
         let hear = |i: usize| {
-            sensed.update(0.0, &[i as f64]);
-            sensed.inner.0[0]
+            let measurement = sensors.measure(i as f64, &[7.0, i as f64]);
+            assert_eq!(measurement.value(Role::Air), Some(7.0));
+            (measurement.taken(), measurement.value(Role::Velocity(0)).unwrap())
         };
         (0..updates).map(hear).collect()
     }
@@ -161,15 +228,24 @@ mod tests {
     #[test]
     fn a_delay_is_whole_updates() {
         let spec = SensorSpec { delay_updates: 2, ..Default::default() };
-        assert_eq!(heard(&spec, 5), [0.0, 0.0, 0.0, 1.0, 2.0]);
-        assert_eq!(heard(&SensorSpec::default(), 3), [0.0, 1.0, 2.0]);
+        let twice = |v: f64| (v, v);
+        assert_eq!(heard(&spec, 5), [0.0, 0.0, 0.0, 1.0, 2.0].map(twice));
+        assert_eq!(heard(&SensorSpec::default(), 3), [0.0, 1.0, 2.0].map(twice));
     }
 
     #[test]
     fn noise_has_its_deviation() {
         let spec = SensorSpec { velocity_m_s: 0.1, ..Default::default() };
-        let errors: Vec<f64> = heard(&spec, 4000).iter().enumerate().map(|(i, x)| x - i as f64).collect();
+        let errors: Vec<f64> = heard(&spec, 4000).iter().map(|(t, x)| x - t).collect();
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
         assert!((rms - 0.1).abs() < 0.005, "rms {rms}");
+    }
+
+    #[test]
+    fn what_is_not_sensed_is_not_told() {
+        let mut sensors = Sensors::perfect(&line()).only(|role| role != Role::Air);
+        let measurement = sensors.measure(0.5, &[7.0, 2.0]);
+        assert_eq!((measurement.values(), measurement.value(Role::Air)), ([2.0].as_slice(), None));
+        assert_eq!((measurement.vector(Role::Velocity), measurement.attitude()), (None, None));
     }
 }

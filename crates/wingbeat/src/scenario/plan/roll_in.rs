@@ -7,7 +7,7 @@ use crate::ocp::{Interpolant, Optimum, Progress};
 use crate::plant::Fault;
 use crate::scenario::recorder::Recorder;
 use crate::scenario::{Scenario, ScenarioSpec};
-use crate::simulate::{AtRest, Controller, Record, Schedule, fly};
+use crate::simulate::{AtRest, Controller, Record, Sample, Schedule, Sensors, fly};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -60,7 +60,9 @@ impl Scenario {
         let mut x = self.start();
         let steps = (spec.start_s / self.schedule.step).round() as usize;
         let schedule = Schedule { steps, ..self.schedule };
-        let flight = fly(&self.model, &mut approach, &schedule, &mut x, |_, _| Ok(ControlFlow::Continue(())));
+        let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
+        let go_on = |_: &Sample, _: &C| Ok(ControlFlow::Continue(()));
+        let flight = fly(model, &mut sensors, &mut approach, &schedule, &mut x, go_on);
         flight.ending.check().map_err(broken)?;
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
         let problem = RollIn::new(&self.model, &x, &spec).map_err(|e| e.within("plan.roll_in"))?;
@@ -106,7 +108,8 @@ impl Scenario {
         let mut player = Playback::new(approach, points.t.clone(), points.u.clone());
         let mut recorder = Recorder::new(&self.model, &player, steps / schedule.steps_per_sample + 1)?;
         let mut x = self.start();
-        fly(&self.model, &mut player, &schedule, &mut x, |sample, player| {
+        let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
+        fly(model, &mut sensors, &mut player, &schedule, &mut x, |sample, player| {
             recorder.sample(sample, player)?;
             Ok(ControlFlow::Continue(()))
         });
