@@ -3,7 +3,7 @@
 use super::dynamics::Evaluation;
 use super::sections::{Riding, Section};
 use super::{JOINTS, Robot, RobotSpec};
-use crate::aero::{Loads, Planform, Sections, StripLoads};
+use crate::aero::{LoadSource, Loads, Planform, Sections, StripLoads};
 use crate::body::{BaseAcceleration, LinkMotion, joint_power};
 use crate::math::{Mat3, Scalar, Vec3, Wrench};
 use crate::plant::Fault;
@@ -34,12 +34,24 @@ pub struct Observation {
     /// Inertia: minus the rate of momentum of body and links, in B. With the
     /// forces above it sums to zero (d'Alembert).
     pub inertia: Wrench<f64>,
-    /// Incidence of each strip, wash included, rad.
-    pub incidence: Vec<f64>,
+    /// Loads, incidence, circulation and place of each strip, in B about the body origin.
+    pub strips: Loads<f64>,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3,
     /// Hinge-line points with leading and trailing edge, from the body origin, in B, m.
     pub wing: [[Vec3; 3]; WING_POINTS],
+}
+
+impl Observation {
+    /// The loads of air, body drag, gravity and inertia in the order of [`LoadSource::ALL`].
+    pub fn parts(&self) -> [Wrench<f64>; LoadSource::ALL.len()] {
+        self.air.parts_with([self.body_drag, self.gravity, self.inertia])
+    }
+
+    /// Incidence of each strip, wash included, rad.
+    pub fn incidence(&self) -> &[f64] {
+        &self.strips.incidence[..self.strips.strips]
+    }
 }
 
 /// Arcs of the [`WING_POINTS`].
@@ -82,7 +94,7 @@ impl Robot {
             air,
             body_drag,
             gravity,
-            incidence: loads.incidence[..loads.strips].to_vec(),
+            strips: loads,
             center_of_mass: self.tree.center_of_mass(&e.links),
             wing: self.wing_points.map(|s: Section| {
                 let link = s.link.map_or(&e.base, |i| &e.links[i]);

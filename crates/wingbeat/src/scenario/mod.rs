@@ -23,7 +23,7 @@ pub use rig_process::{Processed, Weighed};
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };
-pub use summary::{ControllerSummary, Status, Summary};
+pub use summary::{ControllerSummary, FlightStatus, Summary};
 pub use sweep::{Draw, Hold, Sweep, SweepSpec};
 pub use tether::{TetherCase, TetherSummary};
 pub use tether_spec::{
@@ -39,12 +39,14 @@ use crate::plant::Plant;
 use crate::require;
 use crate::robot::{Air, Robot, RobotSpec, Wind};
 use crate::simulate::{AtRest, Controller, Flight, Record, Sample, Schedule, Sensors, fly};
-use recorder::Recorder;
+use recorder::{Recorded, Recorder};
 use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
+/// Largest number of rows of a flight's strips: 1 GB in memory.
+const MAX_STRIP_ROWS: usize = 5_000_000;
 /// Most steps of a flight: about twenty minutes of computing.
 const MAX_STEPS: usize = 1_000_000_000;
 
@@ -61,6 +63,7 @@ pub struct Scenario {
     robot: Robot,
     model: Robot,
     schedule: Schedule,
+    samples_per_strips: Option<usize>,
 }
 
 /// A flown scenario.
@@ -68,6 +71,9 @@ pub struct Scenario {
 pub struct Run {
     /// Time histories.
     pub record: Record,
+    /// Loads of the strips, one row per strip and instant ([`StripRecorder`](crate::simulate::StripRecorder)),
+    /// where `flight.record_strips_every_s` asks for them.
+    pub strips: Option<Record>,
     /// Numbers to compare.
     pub summary: Summary,
 }
@@ -88,7 +94,8 @@ impl Scenario {
         spec.check()?;
         let (robot, model) = (spec.flown_robot()?, spec.known_robot()?);
         let schedule = spec.schedule()?;
-        let scenario = Self { spec, resolved, robot, model, schedule };
+        let samples_per_strips = spec.samples_per_strips(&schedule, &robot)?;
+        let scenario = Self { spec, resolved, robot, model, schedule, samples_per_strips };
         scenario.controller()?;
         Ok(scenario)
     }
@@ -152,16 +159,16 @@ impl Scenario {
         mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
-        let mut recorder = Recorder::new(&self.robot, controller, rows)?;
+        let mut recorder = Recorder::new(&self.robot, controller, rows, self.samples_per_strips)?;
         let mut x = self.start();
         let (robot, mut sensors) = (&self.robot, self.sensors());
         let flight = fly(robot, &mut sensors, controller, schedule, &mut x, |sample, controller| {
             recorder.sample(sample, controller)?;
             Ok(observe(sample))
         });
-        let (record, stall_fraction) = recorder.finish();
+        let Recorded { record, strips, stall_fraction } = recorder.finish();
         let summary = self.summarise(&record, &flight, stall_fraction);
-        Ok(Run { record, summary })
+        Ok(Run { record, strips, summary })
     }
 
     fn summarise(&self, record: &Record, flight: &Flight, stall_fraction: f64) -> Summary {
@@ -237,19 +244,25 @@ impl ScenarioSpec {
         Robot::new(&spec, aero, air, self.start.phase_rad).map_err(|e| e.within("robot"))
     }
 
+    /// Whole samples between the records of the strips.
+    fn samples_per_strips(&self, schedule: &Schedule, robot: &Robot) -> Result<Option<usize>, Error> {
+        let Some(every) = self.flight.record_strips_every_s else { return Ok(None) };
+        let key = "flight.record_strips_every_s";
+        let samples = whole(key, every, self.flight.record_every_s, "records every")?;
+        let rows = robot.aero().strips() * (schedule.steps / schedule.steps_per_sample / samples + 1);
+        if rows > MAX_STRIP_ROWS {
+            let allowed = format!("at most {MAX_STRIP_ROWS} rows of strips; these make {rows}");
+            return Err(Error::invalid(key, every, allowed));
+        }
+        Ok(Some(samples))
+    }
+
     /// Whole steps for duration, updates and records.
     fn schedule(&self) -> Result<Schedule, Error> {
         let flight = &self.flight;
         let step = flight.step_s;
         require::positive("flight.step_s", step)?;
-        let whole = |key: &str, time: f64| {
-            let steps = (time / step).round();
-            if steps >= 1.0 && (steps * step - time).abs() <= 1e-9 * time {
-                Ok(steps as usize)
-            } else {
-                Err(Error::invalid(key, time, format!("a whole number of steps of {step} s, at least one")))
-            }
-        };
+        let whole = |key: &str, time: f64| whole(key, time, step, "steps of");
         let period = self.controller.as_ref().map(|c| whole("controller.period_s", c.period_s));
         let schedule = Schedule {
             step,
@@ -268,6 +281,15 @@ impl ScenarioSpec {
         }
         Ok(schedule)
     }
+}
+
+/// How many times `unit` (s) goes into `time`, if it does; `units` names it.
+fn whole(key: &str, time: f64, unit: f64, units: &str) -> Result<usize, Error> {
+    let count = (time / unit).round();
+    if count >= 1.0 && (count * unit - time).abs() <= 1e-9 * time {
+        return Ok(count as usize);
+    }
+    Err(Error::invalid(key, time, format!("a whole number of {units} {unit} s, at least one")))
 }
 
 impl AeroSpec {

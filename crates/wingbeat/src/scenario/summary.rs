@@ -12,7 +12,7 @@ use serde::Serialize;
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// `ok`, `off_target`, `fault`, `stopped`.
-    pub status: Status,
+    pub status: FlightStatus,
     /// Why, when the status is not `ok`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
@@ -59,7 +59,7 @@ pub struct Summary {
 /// How a flight went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Status {
+pub enum FlightStatus {
     /// Flown to the end, goal met.
     Ok,
     /// Flown to the end, goal missed.
@@ -181,7 +181,7 @@ impl Summary {
         let roll_errors = settled.errors("roll", |t| context.reference(t).map_or(0.0, |r| r.roll));
         let pitch_errors = settled.errors("pitch", |t| context.reference(t).map_or(0.0, |r| r.pitch));
         let mut summary = Self {
-            status: Status::Ok,
+            status: FlightStatus::Ok,
             reason: None,
             duration_s: flight.duration,
             real_time_factor: flight.duration / flight.wall.as_secs_f64(),
@@ -209,19 +209,19 @@ impl Summary {
 
     /// True when the whole duration was flown.
     pub fn completed(&self) -> bool {
-        matches!(self.status, Status::Ok | Status::OffTarget)
+        matches!(self.status, FlightStatus::Ok | FlightStatus::OffTarget)
     }
 
-    fn judge(&self, flight: &Flight, context: &Context) -> (Status, Option<String>) {
+    fn judge(&self, flight: &Flight, context: &Context) -> (FlightStatus, Option<String>) {
         match flight.ending {
             Ending::Fault(fault) => {
-                return (Status::Fault, Some(format!("{fault}, after {:.4} s", flight.duration)));
+                return (FlightStatus::Fault, Some(format!("{fault}, after {:.4} s", flight.duration)));
             }
-            Ending::Stopped => return (Status::Stopped, Some("stopped from outside".into())),
+            Ending::Stopped => return (FlightStatus::Stopped, Some("stopped from outside".into())),
             Ending::Complete => {}
         }
         let (Some(goal), Some(_)) = (context.goal, context.manoeuvre) else {
-            return (Status::Ok, None);
+            return (FlightStatus::Ok, None);
         };
         let off = |name: &str, rms: Option<f64>, within: f64| {
             let rms = rms.filter(|rms| !(*rms <= within))?;
@@ -234,7 +234,11 @@ impl Summary {
         .into_iter()
         .flatten()
         .collect();
-        if missed.is_empty() { (Status::Ok, None) } else { (Status::OffTarget, Some(missed.join("; "))) }
+        if missed.is_empty() {
+            (FlightStatus::Ok, None)
+        } else {
+            (FlightStatus::OffTarget, Some(missed.join("; ")))
+        }
     }
 }
 

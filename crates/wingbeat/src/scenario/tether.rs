@@ -6,7 +6,7 @@ use crate::Error;
 use crate::aero::{LiftLaw, Planform, ProfileDrag};
 use crate::math::Vec3;
 use crate::simulate::Ending;
-use crate::tether::{Clock, Hinge, Means, Motion, Reference, Side, Tether, TetherRun, Wing};
+use crate::tether::{Clock, CycleMean, Hinge, Motion, Reference, Side, Tether, TetherRun, Wing};
 use serde::Serialize;
 use std::path::Path;
 
@@ -78,7 +78,7 @@ pub struct TetherSummary {
     /// What to beware of.
     pub warnings: Vec<String>,
     /// Means and ranges over the last cycle.
-    pub cycle: Vec<Means>,
+    pub cycle: Vec<CycleMean>,
 }
 
 impl TetherSpec {

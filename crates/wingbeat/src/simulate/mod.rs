@@ -6,9 +6,11 @@ mod fly;
 mod record;
 mod sensors;
 mod stepper;
+mod strips;
 
 pub use estimator::{Estimator, TrueState, Unmeasured};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
 pub use record::{Column, Record};
 pub use sensors::{Measurement, SensorSpec, Sensors};
 pub use stepper::{Driver, Ending, Held, Moment, Observed, Saved, Sizes, Stepper, System};
+pub use strips::{AXES, StripRecorder};

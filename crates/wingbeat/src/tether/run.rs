@@ -1,7 +1,7 @@
 //! Time stepping of a tethered wing.
 
 use super::recorder::Recorder;
-use super::{BodyMotion, Coordinate, Side, TetherRun, Wing};
+use super::{Coordinate, Side, TetherRun, TetheredBody, Wing};
 use crate::Error;
 use crate::aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
 use crate::math::{Jet, Vec3};
@@ -58,8 +58,8 @@ pub struct Motion {
 
 impl Motion {
     /// The body at time `t`.
-    pub fn body(&self, t: f64) -> BodyMotion<f64> {
-        BodyMotion {
+    pub fn body(&self, t: f64) -> TetheredBody<f64> {
+        TetheredBody {
             surge: self.surge.at(t),
             heave: self.heave.at(t),
             nose_up: self.nose_up.at(t),

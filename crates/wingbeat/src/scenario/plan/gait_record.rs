@@ -86,16 +86,7 @@ impl Replay<'_> {
         row.extend(o.torques);
         row.extend([o.joint_power(), drive_power(&o.torques, &o.joints, self.storage, 0.0), -o.air_power]);
         row.extend(self.stand.lift_thrust_trim(&o, self.flapping.pitch));
-        let air = &o.air;
-        row.extend(source_values(&[
-            air.circulatory,
-            air.induced_drag,
-            air.added_mass,
-            air.profile_drag,
-            o.body_drag,
-            o.gravity,
-            o.inertia,
-        ]));
+        row.extend(source_values(&o.parts()));
         row.extend(u);
         row.extend(x);
         Ok(row)

@@ -106,7 +106,7 @@ impl Scenario {
         let schedule = Schedule { steps: (last / step).ceil() as usize, steps_per_sample, ..self.schedule };
         let steps = schedule.steps;
         let mut player = Playback::new(approach, points.t.clone(), points.u.clone());
-        let mut recorder = Recorder::new(&self.model, &player, steps / schedule.steps_per_sample + 1)?;
+        let mut recorder = Recorder::new(&self.model, &player, steps / schedule.steps_per_sample + 1, None)?;
         let mut x = self.start();
         let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
         fly(model, &mut sensors, &mut player, &schedule, &mut x, |sample, player| {
@@ -114,7 +114,7 @@ impl Scenario {
             Ok(ControlFlow::Continue(()))
         });
         let attitude = crate::math::Quat::from_wxyz(&x[self.model.layout().attitude..]);
-        Ok((recorder.finish().0, attitude.matrix().roll_pitch_yaw().0))
+        Ok((recorder.finish().record, attitude.matrix().roll_pitch_yaw().0))
     }
 
     /// This scenario with the plan as the reference of its controller.
