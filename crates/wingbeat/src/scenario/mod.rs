@@ -139,9 +139,73 @@ impl Scenario {
     /// [`Error::Invalid`] when the controller's settings are out of range.
     pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
         match self.controller()? {
-            Some(mut controller) => self.fly_under(&mut controller, &self.schedule, observe),
-            None => self.fly_under(&mut AtRest, &self.schedule, observe),
+            Some(mut controller) => self.fly_under(&mut controller, self.sensors(), &self.schedule, observe),
+            None => self.fly_under(&mut AtRest, self.sensors(), &self.schedule, observe),
         }
+    }
+
+    /// Flies the scenario's robot from its start under a controller of one's own, updated every
+    /// `period_s` (whole steps) with what `sensors` tell; record and summary stay in memory.
+    /// `observe` sees every recorded sample and may stop the flight.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the period is no whole number of steps, or a column of the
+    /// controller has a name that the record has already.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use wingbeat::plant::{Plant, Role};
+    /// use wingbeat::scenario::Scenario;
+    /// use wingbeat::simulate::{Controller, Measurement, Update};
+    ///
+    /// /// Lifts the lower wing in proportion to roll and roll rate.
+    /// struct Leveller {
+    ///     left: usize,
+    ///     right: usize,
+    ///     stroke: f64,
+    /// }
+    ///
+    /// impl Controller for Leveller {
+    ///     fn update(&mut self, _t: f64, measurement: &Measurement) -> Update {
+    ///         let (Some(q), Some(w)) = (measurement.attitude(), measurement.vector(Role::AngularRate))
+    ///         else {
+    ///             return Update::Kept;
+    ///         };
+    ///         let roll = q.matrix().roll_pitch_yaw()[0];
+    ///         self.stroke = 0.5 * roll + 0.02 * w[0];
+    ///         Update::Fresh
+    ///     }
+    ///     fn input(&self, _t: f64, u: &mut [f64]) {
+    ///         u.fill(0.0);
+    ///         (u[self.left], u[self.right]) = (-self.stroke, self.stroke);
+    ///     }
+    /// }
+    ///
+    /// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml");
+    /// let scenario = Scenario::load(path.as_ref(), &["flight.duration_s=0.1".into()])?;
+    /// let input = |name: &str| scenario.robot().inputs().iter().position(|input| input.name == name);
+    /// let mut own = Leveller {
+    ///     left: input("command_shoulder_left").expect("a shoulder"),
+    ///     right: input("command_shoulder_right").expect("a shoulder"),
+    ///     stroke: 0.0,
+    /// };
+    /// let inertial_unit =
+    ///     scenario.sensors().only(|role| matches!(role, Role::Attitude(_) | Role::AngularRate(_)));
+    /// let run = scenario.fly_with(&mut own, 0.005, inertial_unit, |_| ControlFlow::Continue(()))?;
+    /// assert_eq!((run.summary.controller.updates, run.summary.controller.failures), (20, 0));
+    /// assert!(run.record.values("roll").is_some_and(|roll| roll.len() == 101));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn fly_with<C: Controller>(
+        &self,
+        controller: &mut C,
+        period_s: f64,
+        sensors: Sensors,
+        observe: impl FnMut(&Sample) -> ControlFlow<()>,
+    ) -> Result<Run, Error> {
+        let period = whole("period_s", period_s, self.schedule.step, "steps of")?;
+        let schedule = Schedule { steps_per_update: Some(period), ..self.schedule };
+        self.fly_under(controller, sensors, &schedule, observe)
     }
 
     /// What the scenario's controller is told of the robot.
@@ -155,14 +219,14 @@ impl Scenario {
     fn fly_under<C: Controller>(
         &self,
         controller: &mut C,
+        mut sensors: Sensors,
         schedule: &Schedule,
         mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut recorder = Recorder::new(&self.robot, controller, rows, self.samples_per_strips)?;
         let mut x = self.start();
-        let (robot, mut sensors) = (&self.robot, self.sensors());
-        let flight = fly(robot, &mut sensors, controller, schedule, &mut x, |sample, controller| {
+        let flight = fly(&self.robot, &mut sensors, controller, schedule, &mut x, |sample, controller| {
             recorder.sample(sample, controller)?;
             Ok(observe(sample))
         });

@@ -2,7 +2,8 @@
 
 use super::record::Column;
 use super::sensors::{Measurement, Sensors};
-use super::stepper::{Driver, Ending, Moment, Stepper};
+use super::stepper::Stepper;
+use super::system::{Driver, Ending, Moment};
 use crate::plant::{Fault, Plant};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};

@@ -7,10 +7,12 @@ mod record;
 mod sensors;
 mod stepper;
 mod strips;
+mod system;
 
 pub use estimator::{Estimator, TrueState, Unmeasured};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
 pub use record::{Column, Record};
 pub use sensors::{Measurement, SensorSpec, Sensors};
-pub use stepper::{Driver, Ending, Held, Moment, Observed, Saved, Sizes, Stepper, System};
+pub use stepper::{Saved, Stepper};
 pub use strips::{AXES, StripRecorder};
+pub use system::{Driver, Ending, Held, Moment, Observed, Sizes, System};
