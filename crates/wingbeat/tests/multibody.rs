@@ -1,6 +1,6 @@
 //! The multibody tree against Pinocchio's numbers, conservation laws and itself.
 
-use wingbeat::body::{Base, BaseAcceleration, Link, LinkMotion, MAX_LINKS, Tree, joint_power};
+use wingbeat::body::{Base, BaseAcceleration, JointKind, Link, LinkMotion, MAX_LINKS, Tree, joint_power};
 use wingbeat::math::linear::solve_symmetric;
 use wingbeat::math::{Dual, Jet, Mat3, Quat, RK4, Scalar, Vec3, Workspace, Wrench};
 
@@ -14,6 +14,7 @@ fn wing_link(name: &str, parent: Option<usize>, origin: [f64; 3], axis: [f64; 3]
         parent,
         origin: Vec3(origin),
         orientation: Mat3::IDENTITY,
+        kind: JointKind::Revolute,
         axis: Vec3(axis),
         mass: 0.0,
         com: Vec3::ZERO,

@@ -16,24 +16,26 @@ fn spec(name: &str) -> RobotSpec {
 
 fn robot(name: &str, density: f64) -> Robot {
     let spec = spec(name);
-    let planform = Planform::new(&spec.wing.planform).unwrap();
+    let wing = spec.wing.as_ref().unwrap();
+    let planform = Planform::new(&wing.planform).unwrap();
     let settings = LiftingLineSettings {
         density_kg_m3: density,
         law: LiftLaw::Stall,
-        drag: ProfileDrag { cd0: spec.wing.cd0, cd90: spec.wing.cd90 },
+        drag: ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 },
         ..LiftingLineSettings::default()
     };
     let aero = Aero::LiftingLine(LiftingLine::new(&planform, settings).unwrap());
-    Robot::new(&spec, aero, Air { density, wind: Wind::steady(Vec3::ZERO) }, 0.3).unwrap()
+    Robot::new(&spec, vec![aero], Air { density, wind: Wind::steady(Vec3::ZERO) }, 0.3).unwrap()
 }
 
 /// The same with preset `full`, an odd number of strips.
 fn robot_of_strips(name: &str, law: LiftLaw) -> Robot {
     let spec = spec(name);
-    let planform = Planform::new(&spec.wing.planform).unwrap();
+    let wing = spec.wing.as_ref().unwrap();
+    let planform = Planform::new(&wing.planform).unwrap();
     let settings = StripSettings { strips: 9, law, ..StripSettings::default() };
     let aero = Aero::Strip(StripModel::new(&planform, settings).unwrap());
-    Robot::new(&spec, aero, Air { density: 1.225, wind: Wind::steady(Vec3::ZERO) }, 0.3).unwrap()
+    Robot::new(&spec, vec![aero], Air { density: 1.225, wind: Wind::steady(Vec3::ZERO) }, 0.3).unwrap()
 }
 
 fn flying(robot: &Robot, roll: f64) -> Vec<f64> {

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use urdf_rs::{Inertial, Joint, JointType, Pose, Robot};
-use wingbeat::body::{Base, Link, Tree};
+use wingbeat::body::{Base, JointKind, Link, Tree};
 use wingbeat::math::{Mat3, Vec3};
 
 const FILE: &str = "multibody/aerobat10.urdf";
@@ -47,6 +47,7 @@ fn hinged(robot: &Robot, joint: &Joint, parent: Option<usize>) -> Result<Link, E
         parent,
         origin: Vec3(joint.origin.xyz.0),
         orientation: rotation(&joint.origin),
+        kind: JointKind::Revolute,
         axis: Vec3(joint.axis.xyz.0).unit(),
         mass,
         com,

@@ -1,9 +1,7 @@
 //! One flapping cycle of a free tree without air.
 
 use crate::Error;
-use wingbeat::body::{
-    BaseAcceleration, FourierSeries, Gait, LinkMotion, MAX_LINKS, Momentum, Tree, WingAngles, joint_power,
-};
+use wingbeat::body::{BaseAcceleration, FourierSeries, LinkMotion, MAX_LINKS, Momentum, Tree, joint_power};
 use wingbeat::math::linear::solve_symmetric;
 use wingbeat::math::{Jet, Mat3, Quat, RK4, Vec3, Workspace, Wrench};
 use wingbeat::plant::Fault;
@@ -42,7 +40,8 @@ pub struct Flight {
 /// A tree of two wings (shoulder, elbow, shoulder, elbow) whose joints follow the gait.
 struct Model {
     tree: Tree,
-    gait: Gait,
+    shoulder: FourierSeries,
+    elbow: FourierSeries,
     gravity: Vec3,
 }
 
@@ -58,11 +57,9 @@ struct Snapshot {
 impl Flight {
     /// Flies one cycle of the published gait from a moving start; `gravity` in W, m/s2.
     pub fn one_cycle(tree: Tree, gravity: Vec3) -> Result<Self, Error> {
-        let gait = Gait::Fourier {
-            shoulder: FourierSeries::single(0.1, 0.95, 0.0),
-            elbow: FourierSeries::single(-0.65, -0.65, 1.25 * std::f64::consts::PI),
-        };
-        let model = Model { tree, gait, gravity };
+        let shoulder = FourierSeries::single(0.1, 0.95, 0.0);
+        let elbow = FourierSeries::single(-0.65, -0.65, 1.25 * std::f64::consts::PI);
+        let model = Model { tree, shoulder, elbow, gravity };
         let period = 1.0 / FREQUENCY;
         let (h, mut workspace) = (period / STEPS as f64, Workspace::new(STATES, 4));
         let mut x = [0.0; STATES];
@@ -82,12 +79,11 @@ impl Flight {
 impl Model {
     fn snapshot(&self, t: f64, x: &[f64]) -> Result<Snapshot, Fault> {
         let rate = std::f64::consts::TAU * FREQUENCY;
-        let WingAngles { shoulder, elbow } =
-            self.gait.angles(Jet::new(rate * t, rate, 0.0), &[Jet::from(0.0); 2])?;
+        let phase = Jet::new(rate * t, rate, 0.0);
         let (v_b, w_b) = (Vec3::from_slice(&x[7..]), Vec3::from_slice(&x[10..]));
         let joints = [0, 1, 2, 3].map(|i| match self.tree.parent(i) {
-            None => shoulder,
-            Some(_) => elbow,
+            None => self.shoulder.angle(phase),
+            Some(_) => self.elbow.angle(phase),
         });
         let mut motions = [LinkMotion::default(); MAX_LINKS];
         self.tree.motions(&joints, v_b, w_b, &mut motions);

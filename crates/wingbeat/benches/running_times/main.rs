@@ -61,12 +61,18 @@ fn evaluation(name: &str, robot: &Robot, x: &[f64]) {
 
 /// Median time of the robot's aerodynamics alone, s, on wings in mid stroke.
 fn air(robot: &Robot) -> f64 {
-    let aero = robot.aero();
+    let (_, aero) = robot.surfaces().next().unwrap();
     let sections: Vec<SectionMotion<f64>> = aero.arcs().iter().map(|&arc| section(arc)).collect();
     let x: Vec<f64> = (0..aero.states()).map(|i| 0.05 * (i as f64).sin()).collect();
     let mut dx = x.clone();
     median(100, || {
-        black_box(aero.evaluate_sum(black_box(&sections), Vec3([-1.0, 0.0, 0.2]), black_box(&x), &mut dx));
+        black_box(aero.evaluate_sum(
+            black_box(&sections),
+            Vec3([-1.0, 0.0, 0.2]),
+            black_box(&x),
+            &mut dx,
+            None,
+        ));
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use wingbeat::body::{Base, Link, LinkMotion, Linkage, LinkageDimensions, Tree};
+use wingbeat::body::{Base, JointKind, Link, LinkMotion, Linkage, LinkageDimensions, Tree};
 use wingbeat::math::{Dual, Jet, Mat3, Scalar, Vec3};
 
 use super::{median, row};
@@ -18,6 +18,7 @@ fn link(parent: Option<usize>, name: String, origin: f64, axis: [f64; 3], mass: 
         parent,
         origin: Vec3([0.0, side * origin, 0.0]),
         orientation: Mat3::IDENTITY,
+        kind: JointKind::Revolute,
         axis: Vec3(axis),
         mass,
         com: Vec3([0.02, side * 0.05, 0.0]),

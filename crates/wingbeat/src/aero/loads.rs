@@ -2,6 +2,7 @@
 
 use super::MAX_STRIPS;
 use crate::math::{Scalar, Vec3, Wrench};
+use crate::plant::MAX_DEGREES;
 
 /// Where a load on a wing or a robot comes from: the one list of names of columns, sums and curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +107,25 @@ impl<S: Scalar> StripLoads<S> {
     }
 }
 
+impl<S: Scalar> std::ops::AddAssign for StripLoads<S> {
+    fn add_assign(&mut self, o: Self) {
+        self.circulatory += o.circulatory;
+        self.induced_drag += o.induced_drag;
+        self.added_mass += o.added_mass;
+        self.profile_drag += o.profile_drag;
+    }
+}
+
+/// What coordinates beyond the six of the body take from a surface.
+#[derive(Debug)]
+pub struct Coupling<'a, G: Scalar, S: Scalar> {
+    /// Mass matrix on [acceleration of the body origin; angular acceleration; second rates of the
+    /// coordinates]; its rows and columns 6.. grow by the added mass.
+    pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
+    /// Load of each strip about the body origin, in B, accelerations of body and coordinates left out.
+    pub strips: &'a mut [Wrench<S>],
+}
+
 /// Loads of the whole wing.
 ///
 /// The body acceleration may still be unknown when the loads are computed:
@@ -150,11 +170,8 @@ impl<S: Scalar> Default for Loads<S> {
 impl<S: Scalar> Loads<S> {
     /// Sum over strips by source.
     pub fn by_source(&self) -> StripLoads<S> {
-        self.strip[..self.strips].iter().fold(StripLoads::default(), |sum, s| StripLoads {
-            circulatory: sum.circulatory + s.circulatory,
-            induced_drag: sum.induced_drag + s.induced_drag,
-            added_mass: sum.added_mass + s.added_mass,
-            profile_drag: sum.profile_drag + s.profile_drag,
-        })
+        let mut sum = StripLoads::default();
+        self.strip[..self.strips].iter().for_each(|strip| sum += *strip);
+        sum
     }
 }

@@ -12,9 +12,9 @@ mod strip;
 pub use crate::math::Wrench;
 pub use law::{LiftLaw, ProfileDrag};
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
-pub use loads::{Circulation, LoadSource, Loads, StripLoads};
-pub use planform::{Gap, Planform, PlanformStation};
-pub use station::{SectionMotion, Sections};
+pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
+pub use planform::{Gap, Planform, PlanformStation, Span};
+pub use station::{SectionField, SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings};
 
 use crate::math::{Over, Scalar, Vec3};
@@ -122,17 +122,26 @@ impl Aero {
         }
     }
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
-    /// added-mass matrix. The states may carry more derivatives than the motion.
+    /// added-mass matrix. The states may carry more derivatives than the motion. `coupling` receives
+    /// what the coordinates of `sections` take.
     pub fn evaluate_sum<G: Scalar, S: Over<G>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
+        coupling: Option<Coupling<G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self {
-            Self::LiftingLine(line) => line.evaluate_sum(sections, wind, x, dx),
-            Self::Strip(model) => model.evaluate_sum(sections, wind, x, dx),
+            Self::LiftingLine(line) => line.evaluate_sum(sections, wind, x, dx, coupling),
+            Self::Strip(model) => model.evaluate_sum(sections, wind, x, dx, coupling),
+        }
+    }
+    /// The sections between which strip `i` lies, and the share of the second.
+    pub fn strip_sections(&self, i: usize) -> ([usize; 2], f64) {
+        match self {
+            Self::LiftingLine(_) => ([i, i], 0.0),
+            Self::Strip(model) => ([i, i + 1], model.fraction(i)),
         }
     }
 }

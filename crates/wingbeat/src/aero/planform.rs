@@ -27,9 +27,24 @@ pub struct Gap {
     pub to_arc_m: f64,
 }
 
-/// A symmetric wing given by stations with straight edges between them.
+/// What the outline of a half wing is laid out to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Span {
+    /// Both halves, one the mirror image of the other.
+    #[default]
+    Symmetric,
+    /// That half alone, its tip to the left.
+    Left,
+    /// That half alone, its tip to the right.
+    Right,
+}
+
+/// A wing given by stations of one half with straight edges between them. The arc coordinate s runs
+/// from the left end, half a span, to the right end, minus half a span.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planform {
+    span: Span,
     arcs: Vec<f64>,
     leading: Vec<f64>,
     trailing: Vec<f64>,
@@ -64,6 +79,7 @@ impl Planform {
             }
         }
         Ok(Self {
+            span: Span::Symmetric,
             arcs: stations.iter().map(|s| s.arc_m).collect(),
             leading: stations.iter().map(|s| s.leading_edge_m).collect(),
             trailing: stations.iter().map(|s| s.trailing_edge_m).collect(),
@@ -94,30 +110,72 @@ impl Planform {
         Ok(self)
     }
 
+    /// Lays the outline out to one half alone, or to both.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a one-sided surface has gaps.
+    pub fn spanning(mut self, span: Span) -> Result<Self, Error> {
+        if span != Span::Symmetric && !self.gaps.is_empty() {
+            return Err(Error::invalid("gaps", self.gaps.len(), "none on a one-sided surface"));
+        }
+        self.span = span;
+        Ok(self)
+    }
+    /// What the outline is laid out to.
+    pub fn span(&self) -> Span {
+        self.span
+    }
+    /// Arc length from the root at the arc coordinate `s`, m.
+    pub fn from_root(&self, s: f64) -> f64 {
+        match self.span {
+            Span::Symmetric => s.abs(),
+            Span::Left => s + self.half_span(),
+            Span::Right => self.half_span() - s,
+        }
+    }
+    /// Whether the arc coordinate `s` lies on the left half.
+    pub fn on_left(&self, s: f64) -> bool {
+        match self.span {
+            Span::Symmetric => s >= 0.0,
+            Span::Left => true,
+            Span::Right => false,
+        }
+    }
+    /// The arc coordinates at the arc length `arc` from the root, m.
+    pub fn coordinates(&self, arc: f64) -> Vec<f64> {
+        match self.span {
+            Span::Symmetric => vec![-arc, arc],
+            Span::Left => vec![arc - self.half_span()],
+            Span::Right => vec![self.half_span() - arc],
+        }
+    }
+
     /// Where there is no wing, ascending from the middle.
     pub fn gaps(&self) -> &[Gap] {
         &self.gaps
     }
     /// Whether there is wing at the arc coordinate `s` (either side).
     pub fn covers(&self, s: f64) -> bool {
-        let s = s.abs();
+        let inboard = s.abs() <= self.half_span();
+        let s = self.from_root(s);
         // A gap from the plane of symmetry on is one gap with its mirror image.
         let inside = |g: &Gap| (s > g.from_arc_m || g.from_arc_m == 0.0) && s < g.to_arc_m;
-        s <= self.half_span() && !self.gaps.iter().any(inside)
+        inboard && !self.gaps.iter().any(inside)
     }
     /// Half span without the gaps, m.
     pub fn covered_half_span(&self) -> f64 {
         self.gaps.iter().fold(self.half_span(), |span, g| span - (g.to_arc_m - g.from_arc_m))
     }
 
-    /// Half span along the arc, m.
+    /// Half of the length along the arc from end to end, m.
     pub fn half_span(&self) -> f64 {
-        self.arcs[self.arcs.len() - 1]
+        let outline = self.arcs[self.arcs.len() - 1];
+        if self.span == Span::Symmetric { outline } else { 0.5 * outline }
     }
     /// Leading and trailing edge ahead of the hinge line at the arc coordinate
     /// `s` (either side), m.
     pub fn edges(&self, s: f64) -> (f64, f64) {
-        let at = |ys| piecewise_linear(&self.arcs, ys, s.abs());
+        let at = |ys| piecewise_linear(&self.arcs, ys, self.from_root(s));
         (at(&self.leading), at(&self.trailing))
     }
     /// Chord at the arc coordinate `s`, m.
@@ -125,16 +183,21 @@ impl Planform {
         let (leading, trailing) = self.edges(s);
         leading - trailing
     }
-    /// Area of both halves without the gaps, m2 (trapezoids between stations).
+    /// Area of all halves laid out, without the gaps, m2 (trapezoids between stations).
     pub fn area(&self) -> f64 {
-        let whole = self.area_between(0.0, self.half_span());
-        2.0 * self.gaps.iter().fold(whole, |area, g| area - self.area_between(g.from_arc_m, g.to_arc_m))
+        let whole = self.area_between(0.0, self.arcs[self.arcs.len() - 1]);
+        let halves = if self.span == Span::Symmetric { 2.0 } else { 1.0 };
+        halves * self.gaps.iter().fold(whole, |area, g| area - self.area_between(g.from_arc_m, g.to_arc_m))
     }
 
-    /// Area of one half between two arc coordinates, m2.
+    /// Area of one half between two arc lengths from the root, m2.
     fn area_between(&self, from: f64, to: f64) -> f64 {
         let between = self.arcs.iter().copied().filter(|s| *s > from && *s < to);
         let bounds: Vec<f64> = std::iter::once(from).chain(between).chain([to]).collect();
-        bounds.windows(2).map(|a| 0.5 * (a[1] - a[0]) * (self.chord(a[0]) + self.chord(a[1]))).sum()
+        let chord = |arc: f64| {
+            piecewise_linear(&self.arcs, &self.leading, arc)
+                - piecewise_linear(&self.arcs, &self.trailing, arc)
+        };
+        bounds.windows(2).map(|a| 0.5 * (a[1] - a[0]) * (chord(a[0]) + chord(a[1]))).sum()
     }
 }

@@ -1,8 +1,9 @@
 //! One strip of air and wing: the directions of a moving section, the wind it
 //! meets, and the air that it carries along.
 
-use super::{SectionMotion, Wrench};
+use super::{SectionMotion, Sections, Wrench};
 use crate::math::{Over, Scalar, Vec3};
+use crate::plant::MAX_DEGREES;
 
 /// Directions, winds and rates of one section, resolved in B.
 #[derive(Clone, Copy, Debug)]
@@ -114,6 +115,38 @@ impl<S: Scalar> Section<S> {
             for j in i..3 {
                 matrix[3 + i][3 + j] += scaled * self.across[j];
             }
+        }
+    }
+
+    /// Adds this strip's share of the rows and columns 6.. of the added-mass matrix, on the second
+    /// rates of the coordinates of `sections`, with [`add_inertia`](Self::add_inertia)'s `mass` and
+    /// `inertia`.
+    pub fn add_coupled_inertia(
+        &self,
+        mass: f64,
+        inertia: f64,
+        i: usize,
+        sections: &(impl Sections<S> + ?Sized),
+        matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
+    ) {
+        let count = sections.coordinates();
+        let motion = sections.section(i);
+        let inverse_chord = (motion.te - motion.le).norm().recip();
+        let (mut heave, mut pitch) = ([S::ZERO; MAX_DEGREES], [S::ZERO; MAX_DEGREES]);
+        self.normal.store(&mut heave);
+        self.middle.cross(self.normal).store(&mut heave[3..]);
+        self.across.store(&mut pitch[3..]);
+        for c in 0..count {
+            (heave[6 + c], pitch[6 + c]) = sections.field(i, c).heave_and_pitch(self.normal, inverse_chord);
+        }
+        for r in 6..6 + count {
+            let (heaving, pitching) = (heave[r] * mass, pitch[r] * inertia);
+            for k in 0..r {
+                let share = heaving * heave[k] + pitching * pitch[k];
+                matrix[r][k] += share;
+                matrix[k][r] += share;
+            }
+            matrix[r][r] += heaving * heave[r] + pitching * pitch[r];
         }
     }
 

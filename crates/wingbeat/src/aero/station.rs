@@ -33,6 +33,37 @@ pub struct SectionMotion<S: Scalar> {
 pub trait Sections<S: Scalar> {
     /// Motion of section `i`, counted from the left tip.
     fn section(&self, i: usize) -> SectionMotion<S>;
+    /// Number of coordinates, beyond the six of the body, whose second rates the motions leave out.
+    fn coordinates(&self) -> usize {
+        0
+    }
+    /// How section `i` moves per unit rate of `coordinate`.
+    fn field(&self, _i: usize, _coordinate: usize) -> SectionField<S> {
+        SectionField::default()
+    }
+}
+
+/// Velocities of a chord line per unit rate of a coordinate, in B.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SectionField<S: Scalar> {
+    /// Of the leading edge.
+    pub le: Vec3<S>,
+    /// Of the trailing edge.
+    pub te: Vec3<S>,
+}
+
+impl<S: Scalar> SectionField<S> {
+    /// The field that lies the share `x` of the way to another.
+    #[inline]
+    pub fn mixed(&self, other: &Self, x: f64) -> Self {
+        Self { le: along(self.le, other.le, x), te: along(self.te, other.te, x) }
+    }
+    /// Velocity of mid chord along `normal`, and rate of nose-up pitch of a chord 1/`inverse_chord` m long.
+    #[inline]
+    pub fn heave_and_pitch(&self, normal: Vec3<S>, inverse_chord: S) -> (S, S) {
+        let heave = (self.le + self.te).dot(normal) * 0.5;
+        (heave, -((self.te - self.le).dot(normal) * inverse_chord))
+    }
 }
 
 impl<S: Scalar, T: AsRef<[SectionMotion<S>]> + ?Sized> Sections<S> for T {

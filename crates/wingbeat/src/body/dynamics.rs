@@ -3,8 +3,8 @@
 use super::MAX_LINKS;
 use super::inertia::{Inertia, Reaction, Symmetric};
 use super::motion::LinkMotion;
-use super::tree::Tree;
-use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
+use super::tree::{JointKind, Tree};
+use crate::math::{Jet, Mat3, Over, Scalar, Vec3, Wrench};
 
 impl Tree {
     /// Equation: body.mass_matrix
@@ -64,8 +64,7 @@ impl Tree {
 
     /// Equation: body.joint_torques
     ///
-    /// Torque (N m) of every joint about its axis, positive along it, that the
-    /// motion needs, by summing link wrenches from the tips inwards (recursive
+    /// Effort of every joint, torque about its axis (N m) or force along it (N), that the motion needs, by summing link wrenches from the tips inwards (recursive
     /// Newton-Euler; Featherstone 2008, table 5.1).
     ///
     /// `base` is the base's own acceleration, `g_b` gravity in B, `external[i]` the
@@ -86,8 +85,11 @@ impl Tree {
             if let Some(inertia) = &node.inertia {
                 needed += inertia.reaction(motion).full(inertia.mass, apparent, base.angular);
             }
-            let about_joint = needed.moment - motion.position.cross(needed.force);
-            torques[i] = node.axis.direction(&motion.rotation).dot(about_joint);
+            let axis = node.axis.direction(&motion.rotation);
+            torques[i] = match node.kind {
+                JointKind::Revolute => axis.dot(needed.moment - motion.position.cross(needed.force)),
+                JointKind::Prismatic => axis.dot(needed.force),
+            };
             if let Some(p) = node.parent {
                 carried[p] += needed;
             }
@@ -108,6 +110,18 @@ impl<S: Scalar> BaseAcceleration<S> {
     /// From [origin; angular].
     pub fn from_slice(x: &[S]) -> Self {
         Self { origin: Vec3::from_slice(x), angular: Vec3::from_slice(&x[3..]) }
+    }
+
+    /// Virtual power of a wrench about the body origin in this field of motion.
+    #[inline]
+    pub fn power<T: Over<S>>(&self, wrench: &Wrench<T>) -> T {
+        self.origin.dot_over(wrench.force) + self.angular.dot_over(wrench.moment)
+    }
+
+    /// Acceleration of the point `r` of a body that moves with this field.
+    #[inline]
+    pub fn at(&self, r: Vec3<S>) -> Vec3<S> {
+        self.origin + self.angular.cross(r)
     }
 }
 
@@ -133,10 +147,16 @@ impl<S: Scalar> Reaction<S> {
     /// Wrench about the body origin with the base's acceleration included.
     #[inline]
     fn full(&self, mass: f64, a0: Vec3<S>, w_dot: Vec3<S>) -> Wrench<S> {
+        self.inertial(mass, &BaseAcceleration { origin: a0, angular: w_dot }) + self.bias
+    }
+
+    /// Wrench about the body origin that the field of acceleration `x` alone needs.
+    #[inline]
+    pub(super) fn inertial(&self, mass: f64, x: &BaseAcceleration<S>) -> Wrench<S> {
         let first_moment = self.com.scaled(mass);
         Wrench {
-            force: self.bias.force + a0.scaled(mass) + w_dot.cross(first_moment),
-            moment: self.bias.moment + first_moment.cross(a0) + self.about_origin.apply(&w_dot),
+            force: x.origin.scaled(mass) + x.angular.cross(first_moment),
+            moment: first_moment.cross(x.origin) + self.about_origin.apply(&x.angular),
         }
     }
 }

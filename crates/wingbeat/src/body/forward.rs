@@ -42,7 +42,7 @@ struct Hinge<S: Scalar> {
 impl Tree {
     /// Equation: body.articulated
     ///
-    /// Accelerations of base and joints for the joint torques `torques` (N m) and
+    /// Accelerations of base and joints for the joint efforts `torques` (N m, or N along a slide) and
     /// external wrenches (gravity `g_b` is added), by the articulated-body
     /// algorithm (Featherstone 2008, table 7.1). Every quantity is resolved in B
     /// about the body origin, so no inertia is ever transformed between links.
@@ -92,7 +92,7 @@ impl Tree {
         let mut joints = [S::ZERO; N];
         for (i, node) in self.nodes.iter().enumerate() {
             let (parent, hinge) = (node.parent.map_or(base, |p| fields[p]), &hinges[i]);
-            joints[i] = (hinge.torque - virtual_power(&parent, &hinge.reaction)) * hinge.inverse;
+            joints[i] = (hinge.torque - parent.power(&hinge.reaction)) * hinge.inverse;
             fields[i] = BaseAcceleration {
                 origin: parent.origin + hinge.axis.origin * joints[i],
                 angular: parent.angular + hinge.axis.angular * joints[i],
@@ -112,14 +112,13 @@ impl<S: Scalar> Hinge<S> {
 
     #[inline]
     fn new(node: &Node, motion: &LinkMotion<S>, body: &Articulated<S>, torque: S) -> Option<Self> {
-        let angular = node.axis.direction(&motion.rotation);
-        let axis = BaseAcceleration { origin: motion.position.cross(angular), angular };
+        let axis = node.field(motion);
         let reaction = body.apply(&axis);
-        let effective = virtual_power(&axis, &reaction);
+        let effective = axis.power(&reaction);
         if !(effective.value() > 0.0) {
             return None;
         }
-        let torque = torque - virtual_power(&axis, &body.bias);
+        let torque = torque - axis.power(&body.bias);
         Some(Self { axis, reaction, inverse: effective.recip(), torque })
     }
 }
@@ -199,10 +198,4 @@ impl<S: Scalar> Articulated<S> {
         let x = solve_symmetric(matrix, [-fx, -fy, -fz, -tx, -ty, -tz])?;
         Some(BaseAcceleration::from_slice(&x))
     }
-}
-
-/// Field times wrench.
-#[inline]
-fn virtual_power<S: Scalar>(field: &BaseAcceleration<S>, wrench: &Wrench<S>) -> S {
-    field.origin.dot(wrench.force) + field.angular.dot(wrench.moment)
 }

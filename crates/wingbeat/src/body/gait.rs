@@ -1,9 +1,11 @@
-//! Joint angles of one wing over the flapping cycle.
+//! Joint coordinates over the flapping cycle.
 
-use super::linkage::{Linkage, REGULATED};
 use crate::math::{Jet, Scalar};
-use crate::plant::Fault;
+use crate::{Error, require};
 use serde::{Deserialize, Serialize};
+
+/// Most harmonics of a series.
+pub const MAX_HARMONICS: usize = 64;
 
 /// One harmonic amplitude cos(k phase - phase_k).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,6 +29,23 @@ pub struct FourierSeries {
 }
 
 impl FourierSeries {
+    /// Refuses what is not finite, and more harmonics than [`MAX_HARMONICS`].
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
+        require::finite("mean_rad", &[self.mean_rad])?;
+        if self.harmonics.len() > MAX_HARMONICS {
+            let allowed = format!("at most {MAX_HARMONICS} harmonics");
+            return Err(Error::invalid("harmonics", format!("{} harmonics", self.harmonics.len()), allowed));
+        }
+        for (i, h) in self.harmonics.iter().enumerate() {
+            require::finite(&format!("harmonics[{i}].amplitude_rad"), &[h.amplitude_rad])?;
+            require::finite(&format!("harmonics[{i}].phase_rad"), &[h.phase_rad])?;
+        }
+        Ok(())
+    }
+
     /// mean + amplitude cos(phase - lag).
     pub fn single(mean_rad: f64, amplitude_rad: f64, phase_rad: f64) -> Self {
         Self { mean_rad, harmonics: vec![Harmonic { amplitude_rad, phase_rad }] }
@@ -44,57 +63,6 @@ impl FourierSeries {
     }
 }
 
-/// How the wing is driven over the cycle.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Gait {
-    /// Shoulder and elbow angle as Fourier series.
-    Fourier {
-        /// Shoulder angle.
-        shoulder: FourierSeries,
-        /// Elbow angle.
-        elbow: FourierSeries,
-    },
-    /// The linkage; the stroke phase is its crank angle.
-    Linkage(Box<Linkage>),
-}
-
-/// Joint angles of one wing, positive = wing up; the same on either side.
-#[derive(Clone, Copy, Debug)]
-pub struct WingAngles<S: Scalar = f64> {
-    /// Humerus against the body, rad.
-    pub shoulder: Jet<S>,
-    /// Radius against the humerus, rad.
-    pub elbow: Jet<S>,
-}
-
-impl Gait {
-    /// What the displacements of one wing are: joint offsets (rad) or link lengths (m).
-    pub fn displacements(&self) -> &'static [&'static str] {
-        match self {
-            Self::Fourier { .. } => &["shoulder", "elbow"],
-            Self::Linkage(_) => &REGULATED,
-        }
-    }
-
-    /// Angles at the stroke phase (rad), displaced about the gait by one entry
-    /// per name in [`Gait::displacements`].
-    ///
-    /// # Errors
-    /// [`Fault::LinkageSingular`] near a pose where the linkage does not assemble.
-    pub fn angles<S: Scalar>(&self, phase: Jet<S>, displacement: &[Jet<S>]) -> Result<WingAngles<S>, Fault> {
-        match self {
-            Self::Fourier { shoulder, elbow } => Ok(WingAngles {
-                shoulder: shoulder.angle(phase) + displacement[0],
-                elbow: elbow.angle(phase) + displacement[1],
-            }),
-            Self::Linkage(linkage) => {
-                let pose = linkage.pose(phase, [displacement[0], displacement[1], displacement[2]])?;
-                Ok(WingAngles { shoulder: pose.humerus, elbow: pose.radius - pose.humerus })
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,25 +70,37 @@ mod tests {
 
     #[test]
     fn fourier_rates_are_derivatives_and_the_extremes_are_known() {
-        let gait = Gait::Fourier {
-            shoulder: FourierSeries::single(0.1, 0.95, 0.0),
-            elbow: FourierSeries {
-                mean_rad: -0.65,
-                harmonics: vec![
-                    Harmonic { amplitude_rad: -0.65, phase_rad: 3.9 },
-                    Harmonic { amplitude_rad: 0.1, phase_rad: 0.4 },
-                ],
-            },
+        let elbow = FourierSeries {
+            mean_rad: -0.65,
+            harmonics: vec![
+                Harmonic { amplitude_rad: -0.65, phase_rad: 3.9 },
+                Harmonic { amplitude_rad: 0.1, phase_rad: 0.4 },
+            ],
         };
-        assert_eq!(gait.angles(Jet::<f64>::from(0.0), &[Jet::ZERO; 2]).unwrap().shoulder.x, 1.05);
+        let shoulder = FourierSeries::single(0.1, 0.95, 0.0);
+        assert_eq!(shoulder.angle(Jet::<f64>::from(0.0)).x, 1.05);
         let rate = 21.0;
         let t = Dual::<1, Dual<1>> { re: Dual::variable(0.4, 0), eps: [Dual::constant(1.0)] };
         let phase = Jet::new(t * rate, Dual::ZERO, Dual::ZERO);
-        let moved = gait.angles(phase, &[Jet::ZERO; 2]).unwrap();
-        let exact = gait.angles(Jet::new(0.4 * rate, rate, 0.0), &[Jet::ZERO; 2]).unwrap();
-        for (a, b) in [(moved.shoulder.x, exact.shoulder), (moved.elbow.x, exact.elbow)] {
-            assert!((a.re.eps[0] - b.d).abs() < 1e-12);
-            assert!((a.eps[0].eps[0] - b.dd).abs() < 1e-9);
+        for series in [shoulder, elbow] {
+            let moved = series.angle(phase).x;
+            let exact = series.angle(Jet::new(0.4 * rate, rate, 0.0));
+            assert!((moved.re.eps[0] - exact.d).abs() < 1e-12);
+            assert!((moved.eps[0].eps[0] - exact.dd).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_series_without_meaning_is_refused_by_key() {
+        let message = |series: FourierSeries| series.check().unwrap_err().to_string();
+        assert!(message(FourierSeries::single(f64::NAN, 0.1, 0.0)).starts_with("mean_rad = NaN"));
+        assert!(
+            message(FourierSeries::single(0.0, 0.1, f64::INFINITY)).starts_with("harmonics[0].phase_rad")
+        );
+        let many = FourierSeries {
+            harmonics: vec![Harmonic { amplitude_rad: 0.0, phase_rad: 0.0 }; 65],
+            mean_rad: 0.0,
+        };
+        assert!(message(many).contains("at most 64"));
     }
 }

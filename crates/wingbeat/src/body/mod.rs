@@ -1,6 +1,7 @@
 //! Rigid bodies, gait, linkage and structure response. Knows no air: loads come
 //! in as wrenches on links, motion goes out.
 
+mod coordinates;
 mod dynamics;
 mod forward;
 mod gait;
@@ -13,15 +14,16 @@ mod planar;
 mod response;
 mod tree;
 
+pub use coordinates::Coordinates;
 pub use dynamics::{BaseAcceleration, drive_power, joint_power};
 pub use forward::FreeAcceleration;
-pub use gait::{FourierSeries, Gait, Harmonic, WingAngles};
+pub use gait::{FourierSeries, Harmonic, MAX_HARMONICS};
 pub use linkage::{Directions, Linkage, LinkageDimensions, LinkagePose, MARGIN_LIMIT, REGULATED};
 pub use momentum::Momentum;
 pub use motion::LinkMotion;
 pub use planar::Planar;
 pub use response::{Coupled, Element, Response};
-pub use tree::{Base, Link, Tree};
+pub use tree::{Base, JointKind, Link, Tree};
 
 /// Largest number of links of a tree; the scratch lives on the stack.
-pub const MAX_LINKS: usize = 12;
+pub const MAX_LINKS: usize = 40;

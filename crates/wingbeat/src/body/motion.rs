@@ -1,7 +1,7 @@
 //! Motion of every link, outwards from the base.
 
-use super::joint::Axis;
-use super::tree::Tree;
+use super::dynamics::BaseAcceleration;
+use super::tree::{JointKind, Node, Tree};
 use crate::math::{Jet, Mat3, Scalar, Vec3};
 
 /// Motion of one link. Everything is resolved in the body frame B; positions
@@ -73,6 +73,16 @@ impl<S: Scalar> LinkMotion<S> {
         (self.velocity + sweep, self.acceleration + self.rate_dot.cross(arm) + self.rate.cross(sweep))
     }
 
+    /// The same motion with the field of acceleration `x` about the body origin added.
+    #[inline]
+    pub fn accelerated(&self, x: &BaseAcceleration<S>) -> Self {
+        Self {
+            acceleration: self.acceleration + x.at(self.position),
+            rate_dot: self.rate_dot + x.angular,
+            ..*self
+        }
+    }
+
     /// Places `out` at `origin` in this link, moving with it; not yet turned.
     #[inline]
     fn carry(&self, origin: Vec3<f64>, out: &mut Self) {
@@ -88,11 +98,11 @@ impl<S: Scalar> LinkMotion<S> {
         out.acceleration = self.acceleration + self.rate_dot.cross(arm) + self.rate.cross(sweep);
     }
 
-    /// Turns `out`, carried by this link, as its joint does; `orientation` None is no rotation.
+    /// Moves `out`, carried by this link, as its joint does.
     #[inline]
-    fn turn(&self, orientation: Option<&Mat3>, axis: &Axis, joint: &Jet<S>, out: &mut Self) {
+    fn articulate(&self, node: &Node, joint: &Jet<S>, out: &mut Self) {
         let mounted;
-        let frame = match orientation {
+        let frame = match &node.orientation {
             None => &self.rotation,
             Some(fixed) => {
                 let column = |j| self.rotation.mul_constant(fixed.column(j));
@@ -100,11 +110,26 @@ impl<S: Scalar> LinkMotion<S> {
                 &mounted
             }
         };
-        let hinge = axis.direction(frame);
-        let spin = hinge * joint.d;
-        out.rotation = axis.turn(frame, joint.x);
-        out.rate = self.rate + spin;
-        out.rate_dot = self.rate_dot + hinge * joint.dd + self.rate.cross(spin);
+        let axis = node.axis.direction(frame);
+        match node.kind {
+            JointKind::Revolute => {
+                let spin = axis * joint.d;
+                out.rotation = node.axis.turn(frame, joint.x);
+                out.rate = self.rate + spin;
+                out.rate_dot = self.rate_dot + axis * joint.dd + self.rate.cross(spin);
+            }
+            JointKind::Prismatic => {
+                let (arm, slide) = (axis * joint.x, axis * joint.d);
+                let sweep = self.rate.cross(arm);
+                out.rotation = *frame;
+                out.rate = self.rate;
+                out.rate_dot = self.rate_dot;
+                out.position += arm;
+                out.velocity += sweep + slide;
+                out.acceleration +=
+                    axis * joint.dd + self.rate_dot.cross(arm) + self.rate.cross(sweep + slide + slide);
+            }
+        }
     }
 }
 
@@ -115,7 +140,8 @@ impl Tree {
     /// accelerations, the inertial velocity `v_b` of the body origin and the
     /// angular rate `w_b`, both in B: v = v_p + w_p x r,
     /// a = a_p + w_p' x r + w_p x (w_p x r), w = w_p + e q',
-    /// w' = w_p' + e q'' + w_p x e q' (Featherstone 2008, section 5.3, at the joint origins).
+    /// w' = w_p' + e q'' + w_p x e q' (Featherstone 2008, section 5.3, at the joint origins); a
+    /// prismatic joint adds e q to r, e q' to v and e q'' + 2 w_p x e q' to a instead.
     ///
     /// `joints` and `out` hold one entry per link.
     pub fn motions<S: Scalar>(
@@ -130,7 +156,7 @@ impl Tree {
             let (done, rest) = out.split_at_mut(i);
             let parent = node.parent.map_or(&base, |p| &done[p]);
             parent.carry(node.origin, &mut rest[0]);
-            parent.turn(node.orientation.as_ref(), &node.axis, &joints[i], &mut rest[0]);
+            parent.articulate(node, &joints[i], &mut rest[0]);
         }
     }
 }

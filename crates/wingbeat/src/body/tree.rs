@@ -1,10 +1,13 @@
-//! The constant model: a floating base with links in a tree of revolute joints.
+//! The constant model: a floating base with links in a tree of revolute and prismatic joints.
 
 use super::MAX_LINKS;
+use super::dynamics::BaseAcceleration;
 use super::inertia::Inertia;
 use super::joint::Axis;
+use super::motion::LinkMotion;
 use crate::Error;
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Scalar, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// The floating base body.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +20,28 @@ pub struct Base {
     pub inertia: Mat3,
 }
 
-/// A rigid link hinged to its parent. Mass and inertia may be zero: two hinges
+/// How a link moves against its parent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    /// Turns about the axis; the coordinate is an angle, rad.
+    #[default]
+    Revolute,
+    /// Slides along the axis; the coordinate is a length, m.
+    Prismatic,
+}
+
+impl JointKind {
+    /// Units of the coordinate, its rate and the effort along it.
+    pub fn units(self) -> [&'static str; 3] {
+        match self {
+            Self::Revolute => ["rad", "rad/s", "N m"],
+            Self::Prismatic => ["m", "m/s", "N"],
+        }
+    }
+}
+
+/// A rigid link jointed to its parent. Mass and inertia may be zero: two joints
 /// in a row are two links, the first without mass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
@@ -27,8 +51,10 @@ pub struct Link {
     pub parent: Option<usize>,
     /// Joint origin in the parent's frame, m.
     pub origin: Vec3,
-    /// Rotation that turns link coordinates into the parent's at joint angle zero.
+    /// Rotation that turns link coordinates into the parent's at joint coordinate zero.
     pub orientation: Mat3,
+    /// Whether it turns about or slides along the axis.
+    pub kind: JointKind,
     /// Unit vector of the joint axis, in link axes.
     pub axis: Vec3,
     /// Mass, kg.
@@ -46,9 +72,12 @@ pub(super) struct Node {
     pub(super) origin: Vec3,
     /// None when it is the identity.
     pub(super) orientation: Option<Mat3>,
+    pub(super) kind: JointKind,
     pub(super) axis: Axis,
     /// None when massless.
     pub(super) inertia: Option<Inertia>,
+    /// The links that the joint carries, the own among them, as bits.
+    pub(super) carried: u64,
 }
 
 /// A floating base and its links. Constant; every evaluation brings its own
@@ -75,13 +104,19 @@ impl Tree {
             return Err(Error::invalid("base.mass_kg", base.mass, "more than zero"));
         }
         let stored = Inertia::new(base.mass, base.com, base.inertia).map_err(|e| e.within("base"))?;
-        let mut nodes = Vec::with_capacity(links.len());
+        let mut nodes: Vec<Node> = Vec::with_capacity(links.len());
         for (i, link) in links.iter().enumerate() {
             if links[..i].iter().any(|other| other.name == link.name) {
                 return Err(Error::invalid("links.name", &link.name, "a name of its own"));
             }
             let key = format!("links.{}", link.name);
             nodes.push(Node::new(i, link).map_err(|e| e.within(&key))?);
+        }
+        for i in (0..nodes.len()).rev() {
+            nodes[i].carried |= 1 << i;
+            if let Some(p) = nodes[i].parent {
+                nodes[p].carried |= nodes[i].carried;
+            }
         }
         Ok(Self { base: stored, nodes, names: links.iter().map(|l| l.name.clone()).collect() })
     }
@@ -101,6 +136,11 @@ impl Tree {
         self.names.iter().position(|n| n == name)
     }
 
+    /// Whether the joint of a link turns or slides.
+    pub fn kind(&self, link: usize) -> JointKind {
+        self.nodes[link].kind
+    }
+
     /// Parent of a link; None for the base.
     pub fn parent(&self, link: usize) -> Option<usize> {
         self.nodes[link].parent
@@ -108,6 +148,17 @@ impl Tree {
 }
 
 impl Node {
+    /// The field of motion about the body origin that a unit rate of the joint gives the links it
+    /// carries, in B.
+    #[inline]
+    pub(super) fn field<S: Scalar>(&self, motion: &LinkMotion<S>) -> BaseAcceleration<S> {
+        let axis = self.axis.direction(&motion.rotation);
+        match self.kind {
+            JointKind::Revolute => BaseAcceleration { origin: motion.position.cross(axis), angular: axis },
+            JointKind::Prismatic => BaseAcceleration { origin: axis, angular: Vec3::ZERO },
+        }
+    }
+
     fn new(index: usize, link: &Link) -> Result<Self, Error> {
         if let Some(p) = link.parent.filter(|&p| p >= index) {
             return Err(Error::invalid(
@@ -134,8 +185,10 @@ impl Node {
             parent: link.parent,
             origin: link.origin,
             orientation: (link.orientation != Mat3::IDENTITY).then_some(link.orientation),
+            kind: link.kind,
             axis: Axis::new(link.axis),
             inertia: (!inertia.is_massless()).then_some(inertia),
+            carried: 0,
         })
     }
 }

@@ -5,12 +5,19 @@ use super::{Over, Scalar};
 /// Solves A x = b for a symmetric positive definite `N` x `N` matrix by LDL'
 /// (Golub & Van Loan, Matrix Computations, 4.1.2). `None` when a pivot is not
 /// positive.
-pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(
+pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(a: [[G; N]; N], b: [S; N]) -> Option<[S; N]> {
+    solve_symmetric_leading(N, a, b)
+}
+
+/// As [`solve_symmetric`] for the leading `n` rows and columns; the rest of the answer is that of `b`.
+#[inline]
+pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
+    n: usize,
     mut a: [[G; N]; N],
     mut b: [S; N],
 ) -> Option<[S; N]> {
     let mut inverse = [G::ZERO; N];
-    for j in 0..N {
+    for j in 0..n {
         // Row j times the pivots so far.
         let mut scaled = [G::ZERO; N];
         let mut pivot = a[j][j];
@@ -23,7 +30,7 @@ pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(
         }
         a[j][j] = pivot;
         inverse[j] = pivot.recip();
-        for i in j + 1..N {
+        for i in j + 1..n {
             let mut sum = a[i][j];
             for k in 0..j {
                 sum -= a[i][k] * scaled[k];
@@ -31,17 +38,17 @@ pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(
             a[i][j] = sum * inverse[j];
         }
     }
-    for i in 0..N {
+    for i in 0..n {
         for k in 0..i {
             let c = b[k] * a[i][k];
             b[i] -= c;
         }
     }
-    for i in 0..N {
+    for i in 0..n {
         b[i] = b[i] * inverse[i];
     }
-    for i in (0..N).rev() {
-        for k in i + 1..N {
+    for i in (0..n).rev() {
+        for k in i + 1..n {
             let c = b[k] * a[k][i];
             b[i] -= c;
         }

@@ -52,6 +52,11 @@ impl<S: Scalar> Vec3<S> {
     pub fn times<T: Over<S>>(self, k: T) -> Vec3<T> {
         Vec3(self.0.map(|c| k * c))
     }
+    /// Scalar product with a vector that may carry more derivatives.
+    #[inline]
+    pub fn dot_over<T: Over<S>>(self, o: Vec3<T>) -> T {
+        o.0[0] * self.0[0] + o.0[1] * self.0[1] + o.0[2] * self.0[2]
+    }
     /// Vector product with a vector that may carry more derivatives.
     #[inline]
     pub fn cross_over<T: Over<S>>(self, o: Vec3<T>) -> Vec3<T> {

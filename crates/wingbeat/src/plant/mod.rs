@@ -29,6 +29,10 @@ pub enum Role {
     Displacement(usize),
     /// Rate of a structure element's displacement, by its number.
     DisplacementRate(usize),
+    /// Coordinate of an elastic or free joint, by its number among them.
+    Coordinate(usize),
+    /// Rate of that coordinate.
+    CoordinateRate(usize),
     /// State of the air.
     Air,
     /// Command to the regulator of a structure element, by its number.
@@ -160,6 +164,11 @@ pub trait Plant: Sync {
         self.rates(S::from(t), &x[..early.len() + late.len()], &inputs[..u.len()], dx)
     }
 }
+
+/// Most coordinates of a body's structure that its dynamics decide, beyond the six of the body.
+pub const MAX_COORDINATES: usize = 16;
+/// Order of the mass matrix of body and coordinates.
+pub const MAX_DEGREES: usize = 6 + MAX_COORDINATES;
 
 /// Largest state of which the parts are put together on the stack.
 pub const MAX_STATES: usize = 160;

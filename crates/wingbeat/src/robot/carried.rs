@@ -1,12 +1,14 @@
 //! The robot with its body carried along a given motion: on a test rig, in a tunnel, on a stand.
 
-use super::observe::accelerated;
-use super::sections::Riding;
-use super::{JOINTS, Robot};
+use super::dynamics::System;
+use super::sections::Carriers;
+use super::surface::External;
+use super::{Joints, Links, Robot};
 use crate::aero::{LoadSource, Loads, MAX_STRIPS, SectionMotion, Sections, StripLoads};
-use crate::body::{BaseAcceleration, LinkMotion, Momentum, joint_power};
+use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
 use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
-use crate::plant::Fault;
+use crate::plant::{Fault, MAX_COORDINATES};
+use arrayvec::ArrayVec;
 
 /// Motion that something outside imposes on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,9 +35,9 @@ impl<S: Scalar> BodyMotion<S> {
 
 /// Loads on what carries the robot, by source, in B about the body origin; and
 /// what the joints do.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct CarriedLoads<S: Scalar = f64> {
-    /// Aerodynamic loads of the wing by source.
+    /// Aerodynamic loads of the surfaces by source.
     pub air: StripLoads<S>,
     /// Drag of the body.
     pub body_drag: Wrench<S>,
@@ -43,11 +45,11 @@ pub struct CarriedLoads<S: Scalar = f64> {
     pub gravity: Wrench<S>,
     /// Minus the rate of momentum of body and links.
     pub inertia: Wrench<S>,
-    /// Joint angles with rates and accelerations, rad; order of [`JOINTS`].
-    pub joints: [Jet<S>; JOINTS.len()],
-    /// Joint torques, N m.
-    pub torques: [S; JOINTS.len()],
-    /// Power that wing and body take from the air, W.
+    /// Joint coordinates with rates and accelerations, rad or m; order of the tree.
+    pub joints: ArrayVec<Jet<S>, MAX_LINKS>,
+    /// Joint efforts, N m or N.
+    pub torques: ArrayVec<S, MAX_LINKS>,
+    /// Power that surfaces and body take from the air, W.
     pub air_power: S,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3<S>,
@@ -98,50 +100,124 @@ impl Robot {
         u: &[S],
         dx: &mut [S],
     ) -> Result<CarriedLoads<S>, Fault> {
-        let structure = self.layout.aero - self.layout.structure;
-        let joints = self.joints_on(clock, &x[..structure], u, &mut dx[..structure])?;
+        let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
+        let mut joints = self.joints(clock, &x[..structure], u, &mut dx[..elements])?;
         let v = body.attitude.transpose_mul(body.velocity);
-        let mut links = [LinkMotion::default(); JOINTS.len()];
-        self.tree.motions(&joints, v, body.rate, &mut links);
+        let mut links = self.links(&joints, v, body.rate);
         let imposed = BaseAcceleration {
             origin: body.attitude.transpose_mul(body.acceleration),
             angular: body.angular_acceleration,
         };
-        let base = accelerated(&LinkMotion::base(v, body.rate), imposed);
-        let moving = links.map(|link| accelerated(&link, imposed));
+        let base = LinkMotion::base(v, body.rate).accelerated(&imposed);
+        let coordinates = self.coordinates(&links);
         let (wind, wind_dot) = self.wind(clock.x, body.attitude);
-        let riding = Riding::new(&self.sections, &base, &moving, wind_dot);
-        let mut sections = [SectionMotion::default(); MAX_STRIPS + 1];
-        let count = self.sections.len();
-        for (i, section) in sections.iter_mut().enumerate().take(count) {
-            *section = riding.section(i);
-        }
-        let mut loads = Loads::default();
-        let (x, dx) = (&x[structure..], &mut dx[structure..]);
-        self.aero.evaluate(&sections[..count], wind, x, dx, &mut loads);
-        let body_drag = self.body_drag(v - wind);
         let gravity = self.gravity(body.attitude);
+        let still = Coordinates::new(0);
+        if coordinates.count() > 0 {
+            let moving: Links<S> = links.iter().map(|link| link.accelerated(&imposed)).collect();
+            let carriers = Carriers::new(&self.carriers, &base, &moving, wind_dot, &coordinates);
+            let second_rates = self
+                .second_rates(&moving, &carriers, gravity, wind, x, dx)
+                .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
+            self.store_coordinate_rates(&x[..structure], &second_rates, &mut dx[elements..structure]);
+            self.let_go(&mut joints, &mut links, &coordinates, &second_rates);
+        }
+        let moving: Links<S> = links.iter().map(|link| link.accelerated(&imposed)).collect();
+        let carriers = Carriers::new(&self.carriers, &base, &moving, wind_dot, &still);
+        let (x, dx) = (&x[structure..], &mut dx[structure..]);
+        let (air, external, _) = self.air_loads(&carriers, wind, x, dx, |_| {});
+        let body_drag = self.body_drag(v - wind);
         Ok(CarriedLoads {
-            air: loads.by_source(),
+            air,
             body_drag,
-            gravity: self.tree.gravity(gravity, &links),
+            gravity: self.mechanism.tree.gravity(gravity, &links),
             inertia: self.momentum_reaction(body.rate, &links, imposed),
-            torques: self.joint_torques(&links, imposed, &loads, gravity),
-            air_power: self.air_power(&base, &links, &loads) + body_drag.force.dot(v),
-            center_of_mass: self.tree.center_of_mass(&links),
+            torques: self.joint_torques(&links, imposed, &external, gravity),
+            air_power: air_power(&base, &links, &external) + body_drag.force.dot(v),
+            center_of_mass: self.mechanism.tree.center_of_mass(&links),
             joints,
         })
     }
 
-    /// Power of the strips' loads on the links they ride on, W: sum of F . v + T . w with F, T, v
-    /// at the body origin. With it the joints' power is the rate of the energy of body and links.
-    ///
-    /// Equation: robot.air_power
-    fn air_power<S: Scalar>(&self, base: &LinkMotion<S>, links: &[LinkMotion<S>], loads: &Loads<S>) -> S {
-        self.strip_links.iter().zip(&loads.strip).fold(S::ZERO, |sum, (link, strip)| {
-            let (link, load) = (link.map_or(base, |i| &links[i]), strip.total());
-            sum + load.force.dot(link.velocity_at(Vec3::ZERO)) + load.moment.dot(link.rate)
-        })
+    /// Number of states of the structure: elements and elastic joints.
+    fn structure_states(&self) -> usize {
+        self.layout.aero - self.layout.structure
+    }
+
+    /// Second rates of the elastic joints with the body's acceleration imposed; `moving` and `carriers`
+    /// hold it.
+    fn second_rates<S: Scalar>(
+        &self,
+        moving: &[LinkMotion<S>],
+        carriers: &Carriers<S>,
+        gravity: Vec3<S>,
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> Option<[S; MAX_COORDINATES]> {
+        let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
+        let coordinates = self.coordinates(moving);
+        let mut system = System::<S, S>::new();
+        self.mechanism.tree.coordinate_inertia(
+            moving,
+            gravity,
+            &coordinates,
+            &mut system.mass,
+            &mut system.forces,
+        );
+        self.add_springs(&x[elements..structure], &mut system.forces);
+        system.add_air(self, carriers, wind, &x[structure..], &mut dx[structure..]);
+        let degrees = system.solve(None, coordinates.count())?;
+        Some(std::array::from_fn(|c| degrees[6 + c]))
+    }
+
+    /// Gives the elastic joints and the links the second rates found.
+    pub(super) fn let_go<S: Scalar>(
+        &self,
+        joints: &mut Joints<S>,
+        links: &mut Links<S>,
+        coordinates: &Coordinates<S>,
+        second_rates: &[S],
+    ) {
+        for (&joint, rate) in self.mechanism.coordinates.iter().zip(second_rates) {
+            joints[joint].dd = *rate;
+        }
+        for (i, link) in links.iter_mut().enumerate() {
+            *link = link.accelerated(&coordinates.combined(i, second_rates));
+        }
+    }
+
+    /// Loads of all surfaces by source and by the links that bear them; `strips` sees each surface's.
+    pub(super) fn air_loads<S: Scalar>(
+        &self,
+        carriers: &Carriers<S>,
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        mut strips: impl FnMut(&Loads<S>),
+    ) -> (StripLoads<S>, External<S>, usize) {
+        let links = self.mechanism.tree.links();
+        let mut external: External<S> = std::iter::repeat_n(Wrench::ZERO, links + 1).collect();
+        let (mut air, mut count) = (StripLoads::default(), 0);
+        for surface in &self.surfaces {
+            let riding = surface.riding(carriers);
+            let mut sections = [SectionMotion::default(); MAX_STRIPS + 1];
+            let needed = surface.aero.arcs().len();
+            for (i, section) in sections.iter_mut().enumerate().take(needed) {
+                *section = riding.section(i);
+            }
+            let mut loads = Loads::default();
+            let states = surface.states.clone();
+            let (x, dx) = (&x[states.clone()], &mut dx[states]);
+            surface.aero.evaluate(&sections[..needed], wind, x, dx, &mut loads);
+            let totals: ArrayVec<Wrench<S>, MAX_STRIPS> =
+                loads.strip[..loads.strips].iter().map(StripLoads::total).collect();
+            surface.share(&riding, &totals, &mut external);
+            air += loads.by_source();
+            count += loads.strips;
+            strips(&loads);
+        }
+        (air, external, count)
     }
 
     /// Minus the rate of momentum of body and links about the body origin, in B.
@@ -151,7 +227,7 @@ impl Robot {
         links: &[LinkMotion<S>],
         base: BaseAcceleration<S>,
     ) -> Wrench<S> {
-        let (mass, bias) = self.tree.inertia_and_bias(w, links);
+        let (mass, bias) = self.mechanism.tree.inertia_and_bias(w, links);
         let mut acceleration = [S::ZERO; 6];
         base.origin.store(&mut acceleration);
         base.angular.store(&mut acceleration[3..]);
@@ -174,14 +250,14 @@ impl Robot {
         x: &[S],
         u: &[S],
     ) -> Result<S, Fault> {
-        let structure = self.layout.aero - self.layout.structure;
-        let joints = self.joints_on(clock, &x[..structure], u, &mut x[..structure].to_vec())?;
+        let structure = self.structure_states();
+        let joints = self.joints(clock, &x[..structure], u, &mut x[..structure].to_vec())?;
         let v = body.attitude.transpose_mul(body.velocity);
-        let mut links = [LinkMotion::default(); JOINTS.len()];
-        self.tree.motions(&joints, v, body.rate, &mut links);
+        let links = self.links(&joints, v, body.rate);
         let datum = -body.attitude.transpose_mul(position);
-        let potential = self.tree.potential_energy(self.gravity(body.attitude), &links, datum);
-        Ok(self.tree.kinetic_energy(v, body.rate, &links) + potential)
+        let tree = &self.mechanism.tree;
+        let potential = tree.potential_energy(self.gravity(body.attitude), &links, datum);
+        Ok(tree.kinetic_energy(v, body.rate, &links) + potential)
     }
 
     /// Momentum of body and links about the origin of W, resolved in B, with the
@@ -195,12 +271,25 @@ impl Robot {
         body: &BodyMotion,
         position: Vec3,
     ) -> Result<Momentum, Fault> {
-        let structure = vec![0.0; self.layout.aero - self.layout.structure];
+        let structure = vec![0.0; self.structure_states()];
         let u = vec![0.0; self.inputs.len()];
-        let joints = self.joints_on(clock, &structure, &u, &mut structure.clone())?;
+        let joints = self.joints(clock, &structure, &u, &mut structure.clone())?;
         let v = body.attitude.transpose_mul(body.velocity);
-        let mut links = [LinkMotion::default(); JOINTS.len()];
-        self.tree.motions(&joints, v, body.rate, &mut links);
-        Ok(self.tree.momentum(v, body.rate, &links, -body.attitude.transpose_mul(position)))
+        let links = self.links(&joints, v, body.rate);
+        Ok(self.mechanism.tree.momentum(v, body.rate, &links, -body.attitude.transpose_mul(position)))
     }
+}
+
+/// Power of the loads on body and links, W: sum of F . v + T . w with F, T, v at the body origin, `base` last in
+/// `external`. With it the joints' power is the rate of the energy of body and links.
+///
+/// Equation: robot.air_power
+pub(super) fn air_power<S: Scalar>(
+    base: &LinkMotion<S>,
+    links: &[LinkMotion<S>],
+    external: &[Wrench<S>],
+) -> S {
+    links.iter().chain([base]).zip(external).fold(S::ZERO, |sum, (link, load)| {
+        sum + load.force.dot(link.velocity_at(Vec3::ZERO)) + load.moment.dot(link.rate)
+    })
 }

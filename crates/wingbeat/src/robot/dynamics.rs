@@ -1,26 +1,31 @@
-//! Equations of motion: joints follow gait and structure exactly, so each
-//! evaluation is one 6x6 solve for the body's acceleration.
+//! Equations of motion: driven joints follow gait and structure exactly; the body's acceleration and
+//! the second rates of elastic joints come from one solve.
 
-use super::sections::Riding;
-use super::{JOINTS, MAX_ELEMENTS, Robot};
-use crate::body::LinkMotion;
-use crate::math::linear::solve_symmetric;
+use super::sections::Carriers;
+use super::surface::External;
+use super::{Joints, Links, Robot};
+use crate::body::{Coordinates, LinkMotion};
+use crate::math::linear::{solve_symmetric, solve_symmetric_leading};
 use crate::math::{GRAVITY, Jet, Mat3, Over, Quat, Scalar, Vec3, Wrench, lift};
-use crate::plant::{Channel, Fault, Plant};
+use crate::plant::{Channel, Fault, MAX_COORDINATES, MAX_DEGREES, Plant};
 
 /// Everything one evaluation computes on the way to the rates; what the states of the air do
 /// not enter is in `G`.
 pub(super) struct Evaluation<G: Scalar, S: Over<G> = G> {
     /// R_WB.
     pub attitude: Mat3<G>,
-    /// Joint angles, rates and accelerations.
-    pub joints: [Jet<G>; JOINTS.len()],
-    /// Links with the body's own acceleration left out.
-    pub links: [LinkMotion<G>; JOINTS.len()],
+    /// Joint coordinates, rates and accelerations, without the second rates of elastic joints.
+    pub joints: Joints<G>,
+    /// Links with the body's own acceleration and those second rates left out.
+    pub links: Links<G>,
     /// The body as a link.
     pub base: LinkMotion<G>,
+    /// How elastic joints move the links.
+    pub coordinates: Coordinates<G>,
     /// Acceleration of the body origin and angular acceleration, inertial, in B.
     pub acceleration: [S; 6],
+    /// Second rates of the elastic joints.
+    pub second_rates: [S; MAX_COORDINATES],
 }
 
 impl Plant for Robot {
@@ -82,27 +87,46 @@ impl Robot {
         let w = Vec3::from_slice(&x[l.rate..]);
         let v = attitude.transpose_mul(v_w);
 
-        let joints = self.joints(t, &x[l.structure..], u, &mut dx[l.structure..l.aero])?;
-        let mut links = [LinkMotion::default(); JOINTS.len()];
-        self.tree.motions(&joints, v, w, &mut links);
+        let clock = Jet::new(t, G::ONE, G::ZERO);
+        let structure = &x[l.structure..];
+        let joints = self.joints(&clock, structure, u, &mut dx[l.structure..l.joints])?;
+        let links = self.links(&joints, v, w);
         let base = LinkMotion::base(v, w);
+        let coordinates = self.coordinates(&links);
 
         let (wind, wind_dot) = self.wind(t, attitude);
-        let riding = Riding::new(&self.sections, &base, &links, wind_dot);
-        let (air, added_mass) = self.aero.evaluate_sum(&riding, wind, air, &mut dx[l.aero..]);
-
-        let (mut mass, bias) = self.tree.inertia_and_bias(w, &links);
-        let gravity = self.tree.gravity(self.gravity(attitude), &links);
-        let net = air + (gravity + self.body_drag(v - wind) + -bias).lifted();
-        let mut rhs = [S::ZERO; 6];
-        net.force.store(&mut rhs);
-        net.moment.store(&mut rhs[3..]);
-        for (row, added) in mass.iter_mut().zip(&added_mass) {
-            for (m, a) in row.iter_mut().zip(added) {
-                *m += *a;
+        let carriers = Carriers::new(&self.carriers, &base, &links, wind_dot, &coordinates);
+        let tree = &self.mechanism.tree;
+        let (mut mass, bias) = tree.inertia_and_bias(w, &links);
+        let g_b = self.gravity(attitude);
+        let body = tree.gravity(g_b, &links) + self.body_drag(v - wind) + -bias;
+        let mut second_rates = [S::ZERO; MAX_COORDINATES];
+        let acceleration = if coordinates.count() == 0 {
+            let mut net = body.lifted();
+            for surface in &self.surfaces {
+                let (load, added) = surface.sum(&carriers, wind, air, &mut dx[l.aero..], None);
+                net = load + net;
+                add(&mut mass, &added);
             }
-        }
-        let acceleration = solve_symmetric(mass, rhs).ok_or(Fault::MassMatrix { time: t.value() })?;
+            let mut rhs = [S::ZERO; 6];
+            net.force.store(&mut rhs);
+            net.moment.store(&mut rhs[3..]);
+            solve_symmetric(mass, rhs)
+        } else {
+            let mut system = System::new();
+            tree.coordinate_inertia(&links, g_b, &coordinates, &mut system.mass, &mut system.forces);
+            let springs = &structure[l.joints - l.structure..];
+            self.add_springs(springs, &mut system.forces);
+            let mut net = system.add_air(self, &carriers, wind, air, &mut dx[l.aero..]);
+            add(&mut system.mass, &mass);
+            net += body.lifted();
+            let solution = system.solve(Some(net), coordinates.count());
+            solution.map(|degrees| {
+                second_rates.copy_from_slice(&degrees[6..]);
+                std::array::from_fn(|i| degrees[i])
+            })
+        };
+        let acceleration = acceleration.ok_or(Fault::MassMatrix { time: t.value() })?;
 
         v_w.lifted().store(&mut dx[l.position..]);
         let mut turning = [G::ZERO; 4];
@@ -110,51 +134,46 @@ impl Robot {
         lift(&turning, &mut dx[l.attitude..]);
         attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
         Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
-        Ok(Evaluation { attitude, joints, links, base, acceleration })
+        self.store_coordinate_rates(structure, &second_rates, &mut dx[l.joints..l.aero]);
+        Ok(Evaluation { attitude, joints, links, base, coordinates, acceleration, second_rates })
     }
 
-    /// Joint angles with rates and accelerations: gait plus structure response.
-    /// `dx` receives the rates of the structure's states.
-    fn joints<G: Scalar, S: Over<G>>(
-        &self,
-        t: G,
-        structure: &[G],
-        u: &[G],
-        dx: &mut [S],
-    ) -> Result<[Jet<G>; JOINTS.len()], Fault> {
-        self.joints_on(&Jet::new(t, G::ONE, G::ZERO), structure, u, dx)
+    /// Motion of the links with the joints at `joints`, the body moving with `v` and `w` in B.
+    pub(super) fn links<S: Scalar>(&self, joints: &Joints<S>, v: Vec3<S>, w: Vec3<S>) -> Links<S> {
+        let mut links: Links<S> = joints.iter().map(|_| LinkMotion::default()).collect();
+        self.mechanism.tree.motions(joints, v, w, &mut links);
+        links
     }
 
-    /// The same with a gait whose clock shows `clock` and may run up or stand still.
-    pub(super) fn joints_on<G: Scalar, S: Over<G>>(
+    /// How elastic joints move the links.
+    pub(super) fn coordinates<S: Scalar>(&self, links: &[LinkMotion<S>]) -> Coordinates<S> {
+        let joints = &self.mechanism.coordinates;
+        let mut coordinates = Coordinates::new(joints.len());
+        for (c, &joint) in joints.iter().enumerate() {
+            coordinates.add_joint(c, &self.mechanism.tree, joint, S::ONE, links);
+        }
+        coordinates
+    }
+
+    /// Adds the efforts of springs and dampers to the forces on the coordinates; `states` are the
+    /// coordinates and their rates.
+    pub(super) fn add_springs<S: Scalar>(&self, states: &[S], forces: &mut [S]) {
+        let count = self.mechanism.coordinates.len();
+        for (c, spring) in self.mechanism.springs().enumerate() {
+            forces[c] += spring.effort(states[c], states[count + c]);
+        }
+    }
+
+    /// Rates of the coordinates and their rates; `structure` as for [`Robot::joints`].
+    pub(super) fn store_coordinate_rates<G: Scalar, S: Over<G>>(
         &self,
-        clock: &Jet<G>,
         structure: &[G],
-        u: &[G],
+        second_rates: &[S],
         dx: &mut [S],
-    ) -> Result<[Jet<G>; JOINTS.len()], Fault> {
-        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
-        self.response.displacements(structure, u, &mut displacements);
-        self.response.rates(&displacements, dx);
-        let phase = *clock * self.phase_rate + self.phase_start;
-        let mut lengths = [[Jet::ZERO; 3]; 2];
-        for (i, moves) in self.displaced.iter().enumerate() {
-            for (wing, link) in moves.iter().filter_map(|d| d.link_length()) {
-                lengths[wing][link] += displacements[i];
-            }
-        }
-        let mut joints = [Jet::ZERO; JOINTS.len()];
-        for wing in 0..2 {
-            let angles = self.gait.angles(phase, &lengths[wing])?;
-            joints[4 * wing + 1] = angles.shoulder;
-            joints[4 * wing + 2] = angles.elbow;
-        }
-        for (i, moves) in self.displaced.iter().enumerate() {
-            for joint in moves.iter().filter_map(|d| d.joint()) {
-                joints[joint] += displacements[i];
-            }
-        }
-        Ok(joints)
+    ) {
+        let count = self.mechanism.coordinates.len();
+        lift(&structure[2 * self.elements.len() + count..][..count], dx);
+        dx[count..].copy_from_slice(&second_rates[..count]);
     }
 
     /// Velocity and acceleration of the air, resolved in B.
@@ -182,3 +201,80 @@ impl Robot {
 
 /// Speed below which the body's drag is rounded off, m/s.
 const DRAG_WIDTH: f64 = 1e-3;
+
+/// Adds the leading 6 x 6 block.
+fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S; 6]; 6]) {
+    for (row, added) in mass.iter_mut().zip(block) {
+        for (m, a) in row.iter_mut().zip(added) {
+            *m += *a;
+        }
+    }
+}
+
+/// Mass matrix and forces of body and coordinates.
+pub(super) struct System<G: Scalar, S: Over<G>> {
+    pub mass: [[G; MAX_DEGREES]; MAX_DEGREES],
+    /// Forces on the coordinates that the states of the air do not enter.
+    pub forces: [G; MAX_COORDINATES],
+    /// Forces of the air on the coordinates.
+    of_air: [S; MAX_COORDINATES],
+}
+
+impl<G: Scalar, S: Over<G>> System<G, S> {
+    pub fn new() -> Self {
+        Self {
+            mass: [[G::ZERO; MAX_DEGREES]; MAX_DEGREES],
+            forces: [G::ZERO; MAX_COORDINATES],
+            of_air: [S::ZERO; MAX_COORDINATES],
+        }
+    }
+
+    /// Adds the added mass of all surfaces and their forces on the coordinates of `carriers`; returns
+    /// their wrench on the whole.
+    pub fn add_air(
+        &mut self,
+        robot: &Robot,
+        carriers: &Carriers<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> Wrench<S> {
+        let links = robot.mechanism.tree.links();
+        let mut external: External<S> = std::iter::repeat_n(Wrench::ZERO, links + 1).collect();
+        let mut net = Wrench::ZERO;
+        for surface in &robot.surfaces {
+            let coupled = Some((&mut self.mass, &mut external));
+            let (load, added) = surface.sum(carriers, wind, x, dx, coupled);
+            net += load;
+            add(&mut self.mass, &added);
+        }
+        for (link, load) in external.iter().enumerate().take(links) {
+            carriers.project(link, load, &mut self.of_air);
+        }
+        net
+    }
+
+    /// Accelerations of the body under the wrench `net` (all of them zero where it is imposed: `None`)
+    /// and second rates of `count` coordinates. `None` when the matrix is not positive definite.
+    pub fn solve(mut self, net: Option<Wrench<S>>, count: usize) -> Option<[S; MAX_DEGREES]> {
+        let mut rhs = [S::ZERO; MAX_DEGREES];
+        match net {
+            Some(net) => {
+                net.force.store(&mut rhs);
+                net.moment.store(&mut rhs[3..]);
+            }
+            None => {
+                for i in 0..6 {
+                    for j in 0..6 + count {
+                        (self.mass[i][j], self.mass[j][i]) = (G::ZERO, G::ZERO);
+                    }
+                    self.mass[i][i] = G::ONE;
+                }
+            }
+        }
+        for c in 0..count {
+            rhs[6 + c] = self.of_air[c] + self.forces[c];
+        }
+        solve_symmetric_leading(6 + count, self.mass, rhs)
+    }
+}

@@ -1,6 +1,7 @@
 //! Left and right: a robot whose wings move alike, in an air that meets them alike.
 
-use super::{Displaced, Robot};
+use super::Robot;
+use super::joints::Displaced;
 use crate::Error;
 
 /// The states and inputs of a carried robot whose two wings move alike: one of
@@ -40,14 +41,30 @@ impl Robot {
     /// # Errors
     /// [`Error::Invalid`] when an element of one wing has none on the other.
     pub fn mirror(&self) -> Result<Mirror, Error> {
-        let elements = self.displaced.len();
+        let elements = self.elements.len();
         let mut twin = Vec::with_capacity(elements);
-        for moves in &self.displaced {
-            twin.push(self.twin(moves)?);
+        for element in &self.elements {
+            twin.push(self.twin(&element.moves)?);
         }
-        let aero = (0..self.aero.states()).map(|i| 2 * elements + self.aero.mirrored(i));
-        let states: Vec<usize> =
-            twin.iter().copied().chain(twin.iter().map(|i| elements + i)).chain(aero).collect();
+        let coordinates = &self.mechanism.coordinates;
+        let image = |joint: &usize| {
+            let twin = self.mechanism.twins[*joint];
+            coordinates.iter().position(|c| *c == twin).unwrap_or_default()
+        };
+        let joints: Vec<usize> = coordinates.iter().map(image).collect();
+        let (first, count) = (2 * elements, joints.len());
+        let mut states: Vec<usize> = twin.clone();
+        states.extend(twin.iter().map(|i| elements + i));
+        states.extend(joints.iter().map(|i| first + i));
+        states.extend(joints.iter().map(|i| first + count + i));
+        for surface in &self.surfaces {
+            if !surface.symmetric {
+                let allowed = "symmetric surfaces alone, where both wings move alike";
+                return Err(Error::invalid("surfaces.span", &surface.name, allowed));
+            }
+            let first = first + 2 * count + surface.states.start;
+            states.extend((0..surface.aero.states()).map(|i| first + surface.aero.mirrored(i)));
+        }
         let (states, state_of) = halves(&states);
         let (inputs, input_of) = halves(&twin);
         Ok(Mirror { states, inputs, state_of, input_of })
@@ -55,12 +72,12 @@ impl Robot {
 
     /// The element that moves on the other wing what `moves` says.
     fn twin(&self, moves: &[Displaced]) -> Result<usize, Error> {
-        let same = |other: &Vec<Displaced>| {
-            other.len() == moves.len() && moves.iter().all(|m| other.contains(&m.mirrored()))
-        };
+        let image: Vec<Displaced> = moves.iter().map(|m| m.mirrored(&self.mechanism)).collect();
+        let same =
+            |other: &[Displaced]| other.len() == moves.len() && image.iter().all(|m| other.contains(m));
         let allowed = "for every element one that moves the same of the other wing";
         let missing = || Error::invalid("structure.elements.moves", format!("{moves:?}"), allowed);
-        self.displaced.iter().position(same).ok_or_else(missing)
+        self.elements.iter().position(|e| same(&e.moves)).ok_or_else(missing)
     }
 }
 

@@ -1,46 +1,44 @@
 //! The flying robot: body and aerodynamics meet here and nowhere else. Stations
-//! carry geometry down to the wing, loads come back up by name.
+//! carry geometry down to the surfaces, loads come back up by name.
 
 mod air;
 mod carried;
 mod dynamics;
+mod joints;
+mod mechanism;
 mod mirror;
 mod observe;
 mod sections;
 mod spec;
+mod surface;
 
 pub use air::{Air, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
-pub use observe::{Observation, WING_POINTS};
-pub use spec::{BodySpec, Displaced, ElementSpec, GaitSpec, LinkSpec, RobotSpec, StructureSpec, WingSpec};
+pub use observe::Observation;
+pub use spec::{
+    BodySpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput,
+    PanelSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, WingLinkSpec, WingSpec,
+};
+pub use surface::SurfaceOutline;
 
 use crate::Error;
 use crate::aero::Aero;
-use crate::body::{Base, Gait, Link, Response, Tree};
-use crate::math::{Mat3, Vec3};
+use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
+use crate::math::{Jet, Vec3};
 use crate::plant::{Channel, Role};
-use sections::Section;
-
-/// Joints of both wings, left first; from body to tip: sweep about z (positive
-/// forward), shoulder about x (positive up), elbow about x (positive up), twist
-/// about the span (positive nose up).
-pub const JOINTS: [&str; 8] = [
-    "sweep_left",
-    "shoulder_left",
-    "elbow_left",
-    "twist_left",
-    "sweep_right",
-    "shoulder_right",
-    "elbow_right",
-    "twist_right",
-];
+use arrayvec::ArrayVec;
+use joints::Placed;
+use mechanism::Mechanism;
+use surface::Surface;
 
 /// Largest number of structure elements.
 pub const MAX_ELEMENTS: usize = 16;
 
-/// Links that carry the wing: proximal and distal, left and right.
-const CARRIERS: [usize; 4] = [1, 3, 5, 7];
+/// Coordinates of all joints with rates and accelerations.
+pub(crate) type Joints<S> = ArrayVec<Jet<S>, MAX_LINKS>;
+/// Motion of all links.
+pub(crate) type Links<S> = ArrayVec<LinkMotion<S>, MAX_LINKS>;
 
 /// Index of the state's parts.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +53,9 @@ pub struct Layout {
     pub rate: usize,
     /// Displacements of the structure elements (n), then their rates (n).
     pub structure: usize,
-    /// States of the aerodynamic model.
+    /// Coordinates of the elastic and free joints (m), then their rates (m).
+    pub joints: usize,
+    /// States of the surfaces, one after another.
     pub aero: usize,
     /// Number of states.
     pub len: usize,
@@ -65,16 +65,14 @@ pub struct Layout {
 /// regulators omega of the structure elements.
 #[derive(Clone, Debug)]
 pub struct Robot {
-    tree: Tree,
-    gait: Gait,
+    mechanism: Mechanism,
     phase_rate: f64,
     phase_start: f64,
     response: Response,
-    displaced: Vec<Vec<Displaced>>,
-    aero: Aero,
-    sections: Vec<Section>,
-    strip_links: Vec<Option<usize>>,
-    wing_points: [Section; WING_POINTS],
+    elements: Vec<Placed>,
+    surfaces: Vec<Surface>,
+    /// Links that carry surfaces.
+    carriers: Vec<usize>,
     drag_area: Vec3,
     air: Air,
     layout: Layout,
@@ -83,34 +81,35 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Builds a robot from its specification and an aerodynamic model of its
-    /// planform; the gait's phase at t = 0 is `phase_start`, rad.
+    /// Builds a robot from its specification and an aerodynamic model of each of its surfaces, in the
+    /// order of [`RobotSpec::outlines`]; the gait's phase at t = 0 is `phase_start`, rad.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the offending key of the robot file.
-    pub fn new(spec: &RobotSpec, aero: Aero, air: Air, phase_start: f64) -> Result<Self, Error> {
+    ///
+    /// # Panics
+    /// When there is not one model per surface.
+    pub fn new(spec: &RobotSpec, aero: Vec<Aero>, air: Air, phase_start: f64) -> Result<Self, Error> {
         spec.check()?;
-        let planform = spec.wing.outline().map_err(|e| e.within("wing"))?;
-        let section = |s: &f64| Section::at(*s, &spec.wing, &planform);
-        let elements = spec.structure.elements.len();
-        let layout = Layout::new(elements, aero.states());
-        let gait = spec.gait.build().map_err(|e| e.within("gait"))?;
+        let mechanism = Mechanism::new(spec)?;
+        let elements = Placed::all(spec, &mechanism)?;
+        let carriers = carriers(spec, &mechanism)?;
+        let surfaces = surfaces(spec, &mechanism, &carriers, aero)?;
+        let air_states = surfaces.last().map_or(0, |s| s.states.end);
+        let layout = Layout::new(elements.len(), mechanism.coordinates.len(), air_states);
         Ok(Self {
-            tree: tree(spec)?,
-            phase_rate: std::f64::consts::TAU * spec.gait.frequency_hz(),
+            phase_rate: joints::phase_rate(&spec.gait),
             phase_start,
             response: spec.structure.build().map_err(|e| e.within("structure"))?,
-            displaced: spec.structure.elements.iter().map(|e| e.moves.clone()).collect(),
-            strip_links: aero.strip_arcs().iter().map(|s| section(s).link).collect(),
-            sections: aero.arcs().iter().map(section).collect(),
-            wing_points: observe::wing_point_arcs(spec, &planform).map(|s| section(&s)),
+            carriers,
             drag_area: Vec3(spec.body.drag_area_m2),
             air,
             layout,
-            states: layout.channels(spec, &aero),
-            inputs: spec.structure.channels(&gait).map_err(|e| e.within("structure"))?,
-            gait,
-            aero,
+            states: layout.channels(&elements, &mechanism, &surfaces),
+            inputs: regulators(&elements),
+            elements,
+            surfaces,
+            mechanism,
         })
     }
 
@@ -118,13 +117,34 @@ impl Robot {
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
+    /// Body, links and joints.
+    pub fn tree(&self) -> &Tree {
+        &self.mechanism.tree
+    }
+    /// Names of the joints, in the order of the tree.
+    pub fn joint_names(&self) -> impl Iterator<Item = &str> {
+        (0..self.tree().links()).map(|i| self.tree().name(i))
+    }
     /// Total mass, kg.
     pub fn mass(&self) -> f64 {
-        self.tree.mass()
+        self.mechanism.tree.mass()
     }
-    /// The aerodynamic model.
-    pub fn aero(&self) -> &Aero {
-        &self.aero
+    /// The surfaces with their aerodynamic models.
+    pub fn surfaces(&self) -> impl Iterator<Item = (&str, &Aero)> {
+        self.surfaces.iter().map(|s| (s.name.as_str(), &s.aero))
+    }
+    /// Names of the ends of all panels, surface after surface, as [`Observation::outlines`] has them; of
+    /// surfaces beyond the first with the surface's name before.
+    pub fn outline_names(&self) -> Vec<String> {
+        let of = |(i, s): (usize, &Surface)| {
+            let prefix = if i == 0 { String::new() } else { format!("{}_", s.name) };
+            s.outline.iter().map(|(name, _)| format!("{prefix}{name}")).collect::<Vec<_>>()
+        };
+        self.surfaces.iter().enumerate().flat_map(of).collect()
+    }
+    /// Coordinates of the elastic and free joints at the start, rad or m.
+    pub fn start_coordinates(&self) -> Vec<f64> {
+        self.mechanism.springs().map(|s| s.start).collect()
     }
     /// Velocity of the air without its gust, m/s in W.
     pub fn mean_wind(&self) -> Vec3 {
@@ -140,63 +160,92 @@ impl Robot {
     }
 }
 
+/// The regulators' channels.
+fn regulators(elements: &[Placed]) -> Vec<Channel> {
+    let channel = |(i, e): (usize, &Placed)| e.regulator.clone().of(Role::Command(i));
+    elements.iter().enumerate().map(channel).collect()
+}
+
+/// The links that carry surfaces, ascending.
+fn carriers(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Vec<usize>, Error> {
+    let mut carriers = Vec::new();
+    for (surface, outline) in spec.all_surfaces().zip(spec.outlines()?) {
+        for (i, panel) in surface.panels.iter().enumerate() {
+            let key = format!("{}.panels[{i}].link", outline.key);
+            for side in 0..2 {
+                carriers.extend(mechanism.link_on(&key, &panel.link, side)?);
+            }
+        }
+    }
+    carriers.sort_unstable();
+    carriers.dedup();
+    Ok(carriers)
+}
+
+/// The surfaces in place.
+fn surfaces(
+    spec: &RobotSpec,
+    mechanism: &Mechanism,
+    carriers: &[usize],
+    aero: Vec<Aero>,
+) -> Result<Vec<Surface>, Error> {
+    let outlines = spec.outlines()?;
+    assert_eq!(outlines.len(), aero.len(), "one aerodynamic model per surface");
+    let mut surfaces: Vec<Surface> = Vec::with_capacity(aero.len());
+    for ((surface, outline), aero) in spec.all_surfaces().zip(&outlines).zip(aero) {
+        if surfaces.iter().any(|other| other.name == surface.name) {
+            return Err(Error::invalid(
+                format!("{}.name", outline.key),
+                &surface.name,
+                "a name not yet used",
+            ));
+        }
+        let first = surfaces.last().map_or(0, |s| s.states.end);
+        let placed = Surface::new(&surface, mechanism, carriers, aero, first);
+        surfaces.push(placed.map_err(|e| e.within(&outline.key))?);
+    }
+    Ok(surfaces)
+}
+
 impl Layout {
-    fn new(elements: usize, aero_states: usize) -> Self {
-        let aero = 13 + 2 * elements;
-        Self { position: 0, attitude: 3, velocity: 7, rate: 10, structure: 13, aero, len: aero + aero_states }
+    fn new(elements: usize, coordinates: usize, aero_states: usize) -> Self {
+        let joints = 13 + 2 * elements;
+        let aero = joints + 2 * coordinates;
+        let len = aero + aero_states;
+        Self { position: 0, attitude: 3, velocity: 7, rate: 10, structure: 13, joints, aero, len }
     }
 
-    fn channels(&self, spec: &RobotSpec, aero: &Aero) -> Vec<Channel> {
+    fn channels(&self, elements: &[Placed], mechanism: &Mechanism, surfaces: &[Surface]) -> Vec<Channel> {
         let axes = |name: &'static str, unit, frame, of: &'static str, role: fn(usize) -> Role| {
             let axes = of.chars().enumerate();
             axes.map(move |(i, axis)| Channel::free(format!("{name}_{axis}"), unit, frame).of(role(i)))
         };
-        let elements = &spec.structure.elements;
-        let displacement = |(i, e): (usize, &ElementSpec)| {
-            Channel::free(format!("displacement_{}", e.name), e.unit(), "").of(Role::Displacement(i))
+        let element = |prefix: &'static str, of: usize, role: fn(usize) -> Role| {
+            let channel = move |e: &Placed| Channel::free(format!("{prefix}_{}", e.name), e.units[of], "");
+            elements.iter().enumerate().map(move |(i, e)| channel(e).of(role(i)))
         };
-        let rate = |(i, e): (usize, &ElementSpec)| {
-            Channel::free(format!("rate_{}", e.name), e.rate_unit(), "").of(Role::DisplacementRate(i))
+        let joint = |prefix: &'static str, of: usize, role: fn(usize) -> Role| {
+            let tree = &mechanism.tree;
+            let named = move |i: usize| (format!("{prefix}_{}", tree.name(i)), tree.kind(i).units()[of]);
+            let named = mechanism.coordinates.iter().map(move |&i| named(i)).enumerate();
+            named.map(move |(k, (name, unit))| Channel::free(name, unit, "").of(role(k)))
+        };
+        let of_surface = |(i, s): (usize, &Surface)| {
+            let prefix = if i == 0 { String::new() } else { format!("{}_", s.name) };
+            s.aero
+                .channels()
+                .into_iter()
+                .map(move |c| Channel { name: format!("{prefix}{}", c.name), ..c }.of(Role::Air))
         };
         axes("p_WB", "m", "W", "xyz", Role::Position)
             .chain(axes("quat", "", "WB", "wxyz", Role::Attitude))
             .chain(axes("v_WB_W", "m/s", "W", "xyz", Role::Velocity))
             .chain(axes("w_WB_B", "rad/s", "B", "xyz", Role::AngularRate))
-            .chain(elements.iter().enumerate().map(displacement))
-            .chain(elements.iter().enumerate().map(rate))
-            .chain(aero.channels().into_iter().map(|channel| channel.of(Role::Air)))
+            .chain(element("displacement", 0, Role::Displacement))
+            .chain(element("rate", 1, Role::DisplacementRate))
+            .chain(joint("coordinate", 0, Role::Coordinate))
+            .chain(joint("coordinate_rate", 1, Role::CoordinateRate))
+            .chain(surfaces.iter().enumerate().flat_map(of_surface))
             .collect()
     }
-}
-
-/// Body with four hinges and two massive links per wing; the right wing mirrors the left.
-fn tree(spec: &RobotSpec) -> Result<Tree, Error> {
-    let (wing, body) = (&spec.wing, &spec.body);
-    let mut links = Vec::with_capacity(JOINTS.len());
-    for (first, mirror) in [(0, 1.0), (4, -1.0)] {
-        let hinge = |i: usize, arm: f64, axis: Vec3, carried: Option<&LinkSpec>| Link {
-            name: JOINTS[first + i].into(),
-            parent: i.checked_sub(1).map(|p| first + p),
-            origin: Vec3::new(0.0, mirror * arm, 0.0),
-            orientation: Mat3::IDENTITY,
-            axis,
-            mass: carried.map_or(0.0, |l| l.mass_kg),
-            com: carried.map_or(Vec3::ZERO, |l| mirrored(l.com_m, mirror)),
-            inertia: carried.map_or(Mat3::ZERO, |l| Mat3::diagonal(Vec3(l.inertia_kg_m2))),
-        };
-        let up = Vec3::new(mirror, 0.0, 0.0);
-        let mut sweep = hinge(0, 0.0, Vec3::new(0.0, 0.0, -mirror), None);
-        sweep.origin = mirrored(wing.shoulder_m, mirror);
-        links.push(sweep);
-        links.push(hinge(1, 0.0, up, Some(&wing.proximal)));
-        links.push(hinge(2, wing.proximal.length_m, up, None));
-        links.push(hinge(3, 0.0, Vec3::new(0.0, -1.0, 0.0), Some(&wing.distal)));
-    }
-    let base =
-        Base { mass: body.mass_kg, com: Vec3(body.com_m), inertia: Mat3::diagonal(Vec3(body.inertia_kg_m2)) };
-    Tree::new(&base, &links)
-}
-
-fn mirrored(v: [f64; 3], mirror: f64) -> Vec3 {
-    Vec3::new(v[0], mirror * v[1], v[2])
 }

@@ -1,31 +1,32 @@
 //! What is worth seeing of a flight at one instant: angles, named forces, power.
 
-use super::dynamics::Evaluation;
-use super::sections::{Riding, Section};
-use super::{JOINTS, Robot, RobotSpec};
-use crate::aero::{LoadSource, Loads, Planform, Sections, StripLoads};
-use crate::body::{BaseAcceleration, LinkMotion, joint_power};
+use super::sections::{Carriers, Section};
+use super::surface::External;
+use super::{Links, Robot};
+use crate::aero::{LoadSource, Loads, StripLoads};
+use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, joint_power};
 use crate::math::{Mat3, Scalar, Vec3, Wrench};
 use crate::plant::Fault;
-
-/// Points along the hinge line of the wings, left tip to right tip: tip, elbow,
-/// shoulder, shoulder, elbow, tip.
-pub const WING_POINTS: usize = 6;
+use arrayvec::ArrayVec;
 
 /// One instant of a flight.
 #[derive(Clone, Debug)]
 pub struct Observation {
     /// R_WB.
     pub attitude: Mat3,
-    /// Joint angles, rad; order of [`JOINTS`].
-    pub joints: [f64; JOINTS.len()],
-    /// Joint torques, N m.
-    pub torques: [f64; JOINTS.len()],
-    /// Mechanical power of the joints, W.
+    /// Joint coordinates, rad or m; order of the tree.
+    pub joints: Vec<f64>,
+    /// Joint efforts, N m or N.
+    pub torques: Vec<f64>,
+    /// Mechanical power of the driven joints, W.
     pub power: f64,
-    /// Kinetic energy plus potential energy above z = 0, J.
+    /// Kinetic energy plus potential energy above z = 0 and in the springs of elastic joints, J.
     pub energy: f64,
-    /// Aerodynamic loads summed over the strips, by source, in B about the body origin.
+    /// Power that the surfaces and the body take from the air, W.
+    pub air_power: f64,
+    /// Power that the dampers of elastic joints take, W.
+    pub dissipation: f64,
+    /// Aerodynamic loads summed over the strips of all surfaces, by source, in B about the body origin.
     pub air: StripLoads<f64>,
     /// Drag of the body, in B.
     pub body_drag: Wrench<f64>,
@@ -34,12 +35,13 @@ pub struct Observation {
     /// Inertia: minus the rate of momentum of body and links, in B. With the
     /// forces above it sums to zero (d'Alembert).
     pub inertia: Wrench<f64>,
-    /// Loads, incidence, circulation and place of each strip, in B about the body origin.
-    pub strips: Loads<f64>,
+    /// For each surface loads, incidence, circulation and place of its strips, in B about the body origin.
+    pub strips: Vec<Loads<f64>>,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3,
-    /// Hinge-line points with leading and trailing edge, from the body origin, in B, m.
-    pub wing: [[Vec3; 3]; WING_POINTS],
+    /// For each surface the ends of its panels, left to right: hinge-line point, leading and trailing
+    /// edge, from the body origin, in B, m.
+    pub outlines: Vec<Vec<[Vec3; 3]>>,
 }
 
 impl Observation {
@@ -48,17 +50,10 @@ impl Observation {
         self.air.parts_with([self.body_drag, self.gravity, self.inertia])
     }
 
-    /// Incidence of each strip, wash included, rad.
-    pub fn incidence(&self) -> &[f64] {
-        &self.strips.incidence[..self.strips.strips]
+    /// Incidence of each strip, wash included, rad; surface after surface.
+    pub fn incidence(&self) -> impl Iterator<Item = f64> {
+        self.strips.iter().flat_map(|loads| loads.incidence[..loads.strips].iter().copied())
     }
-}
-
-/// Arcs of the [`WING_POINTS`].
-pub(super) fn wing_point_arcs(spec: &RobotSpec, planform: &Planform) -> [f64; WING_POINTS] {
-    let (root, tip) = (spec.wing.shoulder_m[1], planform.half_span());
-    let elbow = root + spec.wing.proximal.length_m;
-    [tip, elbow, root, -root, -elbow, -tip]
 }
 
 impl Robot {
@@ -69,77 +64,72 @@ impl Robot {
     pub fn observe(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
         let e = self.evaluate(t, x, u, &mut dx)?;
+        let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
+        self.let_go(&mut joints, &mut links, &e.coordinates, &e.second_rates);
         let body = BaseAcceleration::from_slice(&e.acceleration);
-        let base = accelerated(&e.base, body);
-        let links = e.links.map(|link| accelerated(&link, body));
+        let base = e.base.accelerated(&body);
+        let moving: Links<f64> = links.iter().map(|link| link.accelerated(&body)).collect();
 
-        let mut loads = Loads::default();
         let (wind, wind_dot) = self.wind(t, e.attitude);
-        let riding = Riding::new(&self.sections, &base, &links, wind_dot);
-        let sections: Vec<_> = (0..self.sections.len()).map(|i| riding.section(i)).collect();
+        let still = Coordinates::new(0);
+        let carriers = Carriers::new(&self.carriers, &base, &moving, wind_dot, &still);
         let aero = self.layout.aero;
-        self.aero.evaluate(&sections, wind, &x[aero..], &mut dx[aero..], &mut loads);
-        let air = loads.by_source();
+        let mut strips = Vec::new();
+        let (air, external, _) = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], |loads| {
+            strips.push(*loads);
+        });
         let body_drag = self.body_drag(e.base.velocity - wind);
         let g = self.gravity(e.attitude);
-        let gravity = self.tree.gravity(g, &e.links);
-        let torques = self.joint_torques(&e.links, body, &loads, g);
+        let torques = self.joint_torques(&links, body, &external, g);
+        let tree = &self.mechanism.tree;
+        let springs = || {
+            let springs = self.mechanism.springs().zip(&self.mechanism.coordinates);
+            springs.map(|(spring, &joint)| (spring, joints[joint]))
+        };
+        let datum = -e.attitude.transpose_mul(Vec3::from_slice(&x[self.layout.position..]));
         Ok(Observation {
             attitude: e.attitude,
-            joints: e.joints.map(|j| j.x),
-            torques,
-            power: joint_power(&torques, &e.joints),
-            energy: self.energy(&e, g, Vec3::from_slice(&x[self.layout.position..])),
-            inertia: self.inertia(&e),
+            power: joint_power(&torques, &joints)
+                - springs().map(|(spring, q)| spring.effort(q.x, q.d) * q.d).sum::<f64>(),
+            energy: tree.kinetic_energy(e.base.velocity, e.base.rate, &links)
+                + tree.potential_energy(g, &links, datum)
+                + springs().map(|(spring, joint)| spring.energy(joint.x)).sum::<f64>(),
+            air_power: super::carried::air_power(&base, &links, &external)
+                + body_drag.force.dot(e.base.velocity),
+            dissipation: springs().map(|(spring, joint)| spring.dissipation(joint.d)).sum(),
+            inertia: self.momentum_reaction(e.base.rate, &links, body),
+            joints: joints.iter().map(|j| j.x).collect(),
+            torques: torques.to_vec(),
             air,
             body_drag,
-            gravity,
-            strips: loads,
-            center_of_mass: self.tree.center_of_mass(&e.links),
-            wing: self.wing_points.map(|s: Section| {
-                let link = s.link.map_or(&e.base, |i| &e.links[i]);
-                let [le, te] = s.edges(link);
-                [s.hinge_point(link), le, te]
-            }),
+            gravity: tree.gravity(g, &links),
+            strips,
+            center_of_mass: tree.center_of_mass(&links),
+            outlines: self.outlines(&e.base, &links),
         })
     }
 
-    fn inertia(&self, e: &Evaluation<f64>) -> Wrench<f64> {
-        self.momentum_reaction(e.base.rate, &e.links, BaseAcceleration::from_slice(&e.acceleration))
+    /// Ends of the panels of every surface.
+    fn outlines(&self, base: &LinkMotion, links: &[LinkMotion]) -> Vec<Vec<[Vec3; 3]>> {
+        let place = |(_, s): &(String, Section)| {
+            let link = s.link.map_or(base, |i| &links[i]);
+            let [le, te] = s.edges(link);
+            [s.hinge_point(link), le, te]
+        };
+        self.surfaces.iter().map(|surface| surface.outline.iter().map(place).collect()).collect()
     }
 
-    fn energy(&self, e: &Evaluation<f64>, g: Vec3, position: Vec3) -> f64 {
-        let datum = -e.attitude.transpose_mul(position);
-        self.tree.kinetic_energy(e.base.velocity, e.base.rate, &e.links)
-            + self.tree.potential_energy(g, &e.links, datum)
-    }
-
-    /// Torques that the joints need: `links` without the base's own acceleration,
-    /// which is `body`; `g` is gravity in B.
+    /// Efforts that the joints need: `links` without the base's own acceleration,
+    /// which is `body`; `external` the loads of the air on them; `g` is gravity in B.
     pub(super) fn joint_torques<S: Scalar>(
         &self,
         links: &[LinkMotion<S>],
         body: BaseAcceleration<S>,
-        loads: &Loads<S>,
+        external: &External<S>,
         g: Vec3<S>,
-    ) -> [S; JOINTS.len()] {
-        let mut external = [Wrench::ZERO; JOINTS.len()];
-        for (link, strip) in self.strip_links.iter().zip(&loads.strip) {
-            if let Some(link) = link {
-                external[*link] += strip.total();
-            }
-        }
-        let mut torques = [S::ZERO; JOINTS.len()];
-        self.tree.joint_torques(links, body, g, &external, &mut torques);
+    ) -> ArrayVec<S, MAX_LINKS> {
+        let mut torques: ArrayVec<S, MAX_LINKS> = links.iter().map(|_| S::ZERO).collect();
+        self.mechanism.tree.joint_torques(links, body, g, external, &mut torques);
         torques
-    }
-}
-
-/// The link with the body's own acceleration added.
-pub(super) fn accelerated<S: Scalar>(link: &LinkMotion<S>, body: BaseAcceleration<S>) -> LinkMotion<S> {
-    LinkMotion {
-        acceleration: link.acceleration + body.origin + body.angular.cross(link.position),
-        rate_dot: link.rate_dot + body.angular,
-        ..*link
     }
 }

@@ -1,48 +1,31 @@
-//! Where the wing's sections ride: from arc length to link and local edges.
+//! Sections of surfaces riding on body and links.
 
-use super::CARRIERS;
-use super::spec::WingSpec;
-use crate::aero::{Planform, SectionMotion, Sections};
-use crate::body::LinkMotion;
-use crate::math::{Scalar, Vec3};
+use crate::aero::{SectionField, SectionMotion, Sections};
+use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
+use crate::math::{Over, Scalar, Vec3, Wrench};
+use arrayvec::ArrayVec;
 
-/// How far beyond a hinge a section still lies on it, relative: left and right differ by rounding.
-const ON_HINGE: f64 = 1e-9;
-
-/// One wing section fixed to the body or a link.
+/// One section of a surface fixed to the body or a link.
 #[derive(Clone, Copy, Debug)]
 pub struct Section {
     /// Link index; `None` rides on the body.
     pub link: Option<usize>,
-    /// Place of the link among the [`CARRIERS`].
+    /// Place of the link among those that carry surfaces.
     carrier: Option<usize>,
     /// Leading edge in the link's frame, m.
     le: Vec3,
     /// Trailing edge in the link's frame, m.
     te: Vec3,
+    /// Unit vector across the section, from left tip to right tip, in the link's frame; `None` is -y.
+    across: Option<Vec3>,
 }
 
 impl Section {
-    /// The section at the signed arc length `s` (left positive), m. A section on
-    /// a hinge belongs to the inner link.
-    pub fn at(s: f64, wing: &WingSpec, planform: &Planform) -> Self {
-        let (leading, trailing) = planform.edges(s);
-        let root = wing.shoulder_m[1];
-        let elbow = root + wing.proximal.length_m;
-        let side = if s >= 0.0 { 0 } else { 1 };
-        let (carrier, inner) = match s.abs() / (1.0 + ON_HINGE) {
-            a if a <= root => (None, 0.0),
-            a if a <= elbow => (Some(2 * side), root),
-            _ => (Some(2 * side + 1), elbow),
-        };
-        let base = match carrier {
-            None => Vec3::new(wing.shoulder_m[0], 0.0, wing.shoulder_m[2]),
-            Some(_) => Vec3::ZERO,
-        };
-        let y = s - s.signum() * inner;
-        let edge = |x: f64| base + Vec3::new(x + wing.planform_shift_m, y, 0.0);
-        let link = carrier.map(|place| CARRIERS[place]);
-        Self { link, carrier, le: edge(leading), te: edge(trailing) }
+    /// A section with leading and trailing edge `edges` (m), which differ in x alone, and the unit
+    /// vector `across` it, in the frame of `link`, the `carrier`-th of those that carry surfaces.
+    pub fn new(link: Option<usize>, carrier: Option<usize>, edges: [Vec3; 2], across: Vec3) -> Self {
+        let across = (across != Vec3::new(0.0, -1.0, 0.0)).then_some(across);
+        Self { link, carrier, le: edges[0], te: edges[1], across }
     }
 
     /// The hinge line of the section, from the body origin.
@@ -75,8 +58,6 @@ struct Carrier<S: Scalar> {
 }
 
 impl<S: Scalar> Track<S> {
-    const ZERO: Self = Self { p: Vec3::ZERO, v: Vec3::ZERO, a: Vec3::ZERO };
-
     /// The track of the point `x` m further along `axis`.
     #[inline(always)]
     fn shifted(&self, axis: &Self, x: f64) -> Self {
@@ -85,21 +66,17 @@ impl<S: Scalar> Track<S> {
 }
 
 impl<S: Scalar> Carrier<S> {
-    const ZERO: Self =
-        Self { origin: Track::ZERO, along: [Track::ZERO; 3], rate: Vec3::ZERO, rate_dot: Vec3::ZERO };
-
     /// Along a fixed direction e of the link: v = w x e, a = w' x e + w x (w x e).
     #[inline(always)]
-    fn follow(&mut self, link: &LinkMotion<S>, wind_dot: Vec3<S>) {
-        self.origin = Track { p: link.position, v: link.velocity, a: link.acceleration - wind_dot };
-        for (axis, along) in self.along.iter_mut().enumerate() {
+    fn new(link: &LinkMotion<S>, wind_dot: Vec3<S>) -> Self {
+        let along = std::array::from_fn(|axis| {
             let direction = link.rotation.column(axis);
             let sweep = link.rate.cross(direction);
             let bend = link.rate_dot.cross(direction) + link.rate.cross(sweep);
-            *along = Track { p: direction, v: sweep, a: bend };
-        }
-        self.rate = link.rate;
-        self.rate_dot = link.rate_dot;
+            Track { p: direction, v: sweep, a: bend }
+        });
+        let origin = Track { p: link.position, v: link.velocity, a: link.acceleration - wind_dot };
+        Self { origin, along, rate: link.rate, rate_dot: link.rate_dot }
     }
 
     #[inline(always)]
@@ -110,6 +87,10 @@ impl<S: Scalar> Carrier<S> {
             root = root.shifted(&self.along[2], z);
         }
         let (le, te) = (root.shifted(&self.along[0], x), root.shifted(&self.along[0], section.te[0]));
+        let span = match section.across {
+            None => -self.along[1].p,
+            Some(across) => self.along[1].p.scaled(across[1]) + self.along[2].p.scaled(across[2]),
+        };
         SectionMotion {
             le: le.p,
             te: te.p,
@@ -117,43 +98,65 @@ impl<S: Scalar> Carrier<S> {
             v_te: te.v,
             a_le: le.a,
             a_te: te.a,
-            span: -self.along[1].p,
+            span,
             w: self.rate,
             alpha: self.rate_dot,
         }
     }
 }
 
-/// The wing's sections riding on body and links, one by one; accelerations
+/// Body and links that carry surfaces, at one instant; accelerations
 /// against air that itself accelerates with `wind_dot` (resolved in B), so that the added mass
 /// feels the gust.
-pub(super) struct Riding<'a, S: Scalar> {
-    sections: &'a [Section],
+pub(super) struct Carriers<'a, S: Scalar> {
     base: Carrier<S>,
-    links: [Carrier<S>; CARRIERS.len()],
+    links: ArrayVec<Carrier<S>, MAX_LINKS>,
+    /// Coordinates whose second rates the accelerations leave out.
+    coordinates: &'a Coordinates<S>,
 }
 
-impl<'a, S: Scalar> Riding<'a, S> {
+impl<'a, S: Scalar> Carriers<'a, S> {
+    /// `carriers` are the links that carry surfaces.
     #[inline(always)]
     pub fn new(
-        sections: &'a [Section],
+        carriers: &[usize],
         base: &LinkMotion<S>,
         links: &[LinkMotion<S>],
         wind_dot: Vec3<S>,
+        coordinates: &'a Coordinates<S>,
     ) -> Self {
-        let mut riding = Self { sections, base: Carrier::ZERO, links: [Carrier::ZERO; CARRIERS.len()] };
-        riding.base.follow(base, wind_dot);
-        for (carrier, link) in riding.links.iter_mut().zip(CARRIERS) {
-            carrier.follow(&links[link], wind_dot);
-        }
-        riding
+        let links = carriers.iter().map(|&link| Carrier::new(&links[link], wind_dot)).collect();
+        Self { base: Carrier::new(base, wind_dot), links, coordinates }
     }
+}
+
+impl<S: Scalar> Carriers<'_, S> {
+    /// Adds the forces of `load` on `link` along the coordinates.
+    pub fn project<T: Over<S>>(&self, link: usize, load: &Wrench<T>, forces: &mut [T]) {
+        self.coordinates.project(link, load, forces);
+    }
+}
+
+/// The sections of a surface, one by one.
+pub(super) struct Riding<'a, S: Scalar> {
+    pub sections: &'a [Section],
+    pub carriers: &'a Carriers<'a, S>,
 }
 
 impl<S: Scalar> Sections<S> for Riding<'_, S> {
     #[inline(always)]
     fn section(&self, i: usize) -> SectionMotion<S> {
         let section = &self.sections[i];
-        section.carrier.map_or(&self.base, |carrier| &self.links[carrier]).section(section)
+        let carriers = self.carriers;
+        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier]).section(section)
+    }
+    #[inline]
+    fn coordinates(&self) -> usize {
+        self.carriers.coordinates.count()
+    }
+    fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
+        let field = self.carriers.coordinates.field(coordinate, self.sections[i].link);
+        let SectionMotion { le, te, .. } = self.section(i);
+        SectionField { le: field.at(le), te: field.at(te) }
     }
 }

@@ -1,9 +1,8 @@
 //! How the robot that flies differs from the one its controller knows.
 
 use crate::Error;
-use crate::body::FourierSeries;
 use crate::require;
-use crate::robot::{GaitSpec, LinkSpec, RobotSpec};
+use crate::robot::RobotSpec;
 use serde::{Deserialize, Serialize};
 
 /// Factors and shifts applied to the flown robot alone.
@@ -69,30 +68,12 @@ impl Mismatch {
     /// The robot as it really is.
     pub fn apply(&self, robot: &RobotSpec) -> RobotSpec {
         let mut real = robot.clone();
-        real.body.mass_kg *= self.mass;
+        real.scale_inertias(self.mass, self.inertia);
+        real.scale_gait(self.gait_amplitude);
         for (i, shift) in [self.com_x_m, self.com_y_m, self.com_z_m].into_iter().enumerate() {
-            real.body.inertia_kg_m2[i] *= self.inertia;
             real.body.com_m[i] += shift;
-        }
-        self.apply_to_link(&mut real.wing.proximal);
-        self.apply_to_link(&mut real.wing.distal);
-        match &mut real.gait {
-            GaitSpec::Fourier { shoulder, elbow, .. } => {
-                self.apply_to_series(shoulder);
-                self.apply_to_series(elbow);
-            }
-            GaitSpec::Linkage { dimensions, .. } => dimensions.l1_m *= self.gait_amplitude,
         }
         real.structure.frequency_hz *= self.regulator_bandwidth;
         real
-    }
-
-    fn apply_to_link(&self, link: &mut LinkSpec) {
-        link.mass_kg *= self.mass;
-        link.inertia_kg_m2.iter_mut().for_each(|i| *i *= self.inertia);
-    }
-
-    fn apply_to_series(&self, series: &mut FourierSeries) {
-        series.harmonics.iter_mut().for_each(|h| h.amplitude_rad *= self.gait_amplitude);
     }
 }

@@ -32,12 +32,12 @@ pub use tether_spec::{
 };
 
 use crate::Error;
-use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings};
+use crate::aero::{Aero, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
 use crate::guide::Mpc;
 use crate::math::{Quat, Vec3};
 use crate::plant::Plant;
 use crate::require;
-use crate::robot::{Air, Robot, RobotSpec, Wind};
+use crate::robot::{Air, Robot, RobotSpec, SurfaceOutline, Wind};
 use crate::simulate::{AtRest, Controller, Flight, Record, Sample, Schedule, Sensors, fly};
 use recorder::{Recorded, Recorder};
 use std::ops::ControlFlow;
@@ -117,6 +117,8 @@ impl Scenario {
         let [roll, pitch, yaw] = [start.roll_deg, start.pitch_deg, start.yaw_deg].map(f64::to_radians);
         Quat::from_roll_pitch_yaw(roll, pitch, yaw).store_wxyz(&mut x[layout.attitude..]);
         Vec3(start.velocity_m_s).store(&mut x[layout.velocity..]);
+        let coordinates = self.robot.start_coordinates();
+        x[layout.joints..][..coordinates.len()].copy_from_slice(&coordinates);
         x
     }
 
@@ -300,11 +302,8 @@ impl ScenarioSpec {
         if !self.flight.flapping {
             spec.gait.hold_still();
         }
-        let wing = &spec.wing;
-        let planform = wing.outline().map_err(|e| e.within("robot.wing"))?;
-        let drag = ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 };
-        let hinges = [wing.shoulder_m[1], wing.shoulder_m[1] + wing.proximal.length_m];
-        let aero = self.aero.build(&planform, &hinges, drag, air.density)?;
+        let outlines = spec.outlines().map_err(|e| e.within("robot"))?;
+        let aero = self.aero.models(&outlines, air.density)?;
         Robot::new(&spec, aero, air, self.start.phase_rad).map_err(|e| e.within("robot"))
     }
 
@@ -313,7 +312,8 @@ impl ScenarioSpec {
         let Some(every) = self.flight.record_strips_every_s else { return Ok(None) };
         let key = "flight.record_strips_every_s";
         let samples = whole(key, every, self.flight.record_every_s, "records every")?;
-        let rows = robot.aero().strips() * (schedule.steps / schedule.steps_per_sample / samples + 1);
+        let strips: usize = robot.surfaces().map(|(_, aero)| aero.strips()).sum();
+        let rows = strips * (schedule.steps / schedule.steps_per_sample / samples + 1);
         if rows > MAX_STRIP_ROWS {
             let allowed = format!("at most {MAX_STRIP_ROWS} rows of strips; these make {rows}");
             return Err(Error::invalid(key, every, allowed));
@@ -357,23 +357,23 @@ fn whole(key: &str, time: f64, unit: f64, units: &str) -> Result<usize, Error> {
 }
 
 impl AeroSpec {
-    /// The model of `planform` with hinges at `hinge_arcs_m`.
-    fn build(
-        &self,
-        planform: &Planform,
-        hinge_arcs_m: &[f64],
-        drag: ProfileDrag,
-        density_kg_m3: f64,
-    ) -> Result<Aero, Error> {
+    /// The models of all surfaces.
+    fn models(&self, outlines: &[SurfaceOutline], density_kg_m3: f64) -> Result<Vec<Aero>, Error> {
+        outlines.iter().map(|outline| self.build(outline, density_kg_m3)).collect()
+    }
+
+    /// The model of a surface.
+    fn build(&self, outline: &SurfaceOutline, density_kg_m3: f64) -> Result<Aero, Error> {
+        let SurfaceOutline { planform, drag, .. } = outline;
         match self.preset {
             Preset::Paper => {
                 let settings = LiftingLineSettings {
-                    nodes: self.paper.nodes,
+                    nodes: outline.strips.unwrap_or(self.paper.nodes),
                     regularisation_m_s: self.paper.regularisation_m_s,
                     chord_floor_m: self.paper.chord_floor_m,
                     law: self.law,
                     stall_angle_rad: self.stall_angle_deg.to_radians(),
-                    drag,
+                    drag: *drag,
                     added_mass: self.added_mass,
                     section_moment: self.section_moment,
                     density_kg_m3,
@@ -385,8 +385,8 @@ impl AeroSpec {
             }
             Preset::Full => {
                 let settings = StripSettings {
-                    strips: self.full.strips,
-                    hinge_arcs_m: hinge_arcs_m.to_vec(),
+                    strips: outline.strips.unwrap_or(self.full.strips),
+                    hinge_arcs_m: outline.hinges.clone(),
                     regularisation_m_s: self.full.regularisation_m_s,
                     lags: self.full.lags,
                     wake_wash: self.full.wake_wash,
@@ -394,7 +394,7 @@ impl AeroSpec {
                     force_tilt: self.full.force_tilt,
                     law: self.law,
                     stall_angle_rad: self.stall_angle_deg.to_radians(),
-                    drag,
+                    drag: *drag,
                     added_mass: self.added_mass,
                     section_moment: self.section_moment,
                     density_kg_m3,

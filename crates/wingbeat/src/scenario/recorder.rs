@@ -4,13 +4,10 @@ use crate::Error;
 use crate::aero::LoadSource;
 use crate::math::{Mat3, Vec3, Wrench};
 use crate::plant::{Fault, Plant};
-use crate::robot::{JOINTS, Observation, Robot, WING_POINTS};
+use crate::robot::{Observation, Robot};
 use crate::simulate::{AXES, Column, Controller, Moment, Observed, Record, Sample, StripRecorder};
 
-/// Names of the wing's recorded points, left tip to right tip.
-const POINT_NAMES: [&str; WING_POINTS] =
-    ["left_tip", "left_elbow", "left_shoulder", "right_shoulder", "right_elbow", "right_tip"];
-/// Lines of the wing recorded at each point.
+/// Lines of a surface recorded at each end of its panels.
 const LINES: [&str; 3] = ["hinge", "leading", "trailing"];
 /// Columns of force and moment by source.
 pub(super) fn source_columns() -> impl Iterator<Item = Column> {
@@ -62,7 +59,7 @@ impl<'a> Recorder<'a> {
         samples_per_strips: Option<usize>,
     ) -> Result<Self, Error> {
         let strips = |every: usize| Strips {
-            recorder: StripRecorder::new(robot.aero(), "rad", rows.div_ceil(every)),
+            recorder: StripRecorder::new(robot.surfaces().map(|(_, aero)| aero), "rad", rows.div_ceil(every)),
             every,
             due: 0,
         };
@@ -88,12 +85,12 @@ impl<'a> Recorder<'a> {
         row.clear();
         row.extend([t, self.robot.phase(t)]);
         row.extend(o.attitude.roll_pitch_yaw().0);
-        row.extend(o.joints);
-        row.extend(o.torques);
+        row.extend(&o.joints);
+        row.extend(&o.torques);
         row.push(o.power);
         row.extend(source_values(&o.parts()));
         row.extend((position + o.attitude * o.center_of_mass).0);
-        row.extend(o.wing.iter().flatten().flat_map(|p| (position + o.attitude * *p).0));
+        row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
         row.extend(o.incidence());
         row.extend(u);
         row.extend(x);
@@ -104,7 +101,9 @@ impl<'a> Recorder<'a> {
         if let Some(strips) = &mut self.strips {
             if strips.due == 0 {
                 let instant = [t, self.robot.phase(t)];
-                strips.recorder.append(instant, &o.strips, Mat3::IDENTITY, Vec3::ZERO);
+                for (surface, loads) in o.strips.iter().enumerate() {
+                    strips.recorder.append(instant, surface, loads, Mat3::IDENTITY, Vec3::ZERO);
+                }
                 strips.due = strips.every;
             }
             strips.due -= 1;
@@ -114,8 +113,13 @@ impl<'a> Recorder<'a> {
 
     /// What was recorded.
     pub fn finish(self) -> Recorded {
-        let limit = self.robot.aero().stall_angle();
-        let past = self.incidence.iter().filter(|a| a.abs() > limit).count();
+        let limits = self
+            .robot
+            .surfaces()
+            .flat_map(|(_, aero)| std::iter::repeat_n(aero.stall_angle(), aero.strips()));
+        let limits: Vec<f64> = limits.collect();
+        let past =
+            self.incidence.iter().zip(limits.iter().cycle()).filter(|(a, limit)| a.abs() > **limit).count();
         Recorded {
             record: self.record,
             strips: self.strips.map(|strips| strips.recorder.finish()),
@@ -132,21 +136,31 @@ impl Observed for Robot {
     }
 }
 
+/// Columns of the coordinates of all joints, then of their efforts.
+pub(super) fn joint_columns(robot: &Robot) -> impl Iterator<Item = Column> {
+    let units = |i: usize| robot.tree().kind(i).units();
+    let coordinates = robot.joint_names().enumerate().map(move |(i, n)| Column::new(n, units(i)[0], ""));
+    let efforts = robot.joint_names().enumerate();
+    coordinates.chain(efforts.map(move |(i, n)| Column::new(format!("torque_{n}"), units(i)[2], "")))
+}
+
 fn columns(robot: &Robot) -> Vec<Column> {
     let column = |name: String, unit: &str, frame: &str| Column::new(name, unit, frame);
     let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
     columns.extend(["roll", "pitch", "yaw"].map(|n| Column::new(n, "rad", "WB")));
-    columns.extend(JOINTS.map(|n| Column::new(n, "rad", "")));
-    columns.extend(JOINTS.map(|n| column(format!("torque_{n}"), "N m", "")));
+    columns.extend(joint_columns(robot));
     columns.push(Column::new("joint_power", "W", ""));
     columns.extend(source_columns());
     columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
-    for point in POINT_NAMES {
+    for point in robot.outline_names() {
         for line in LINES {
             columns.extend(AXES.map(|a| column(format!("{line}_{point}_{a}"), "m", "W")));
         }
     }
-    columns.extend((0..robot.aero().strips()).map(|i| column(format!("incidence_{i}"), "rad", "")));
+    for (i, (name, aero)) in robot.surfaces().enumerate() {
+        let prefix = if i == 0 { String::new() } else { format!("{name}_") };
+        columns.extend((0..aero.strips()).map(|i| column(format!("{prefix}incidence_{i}"), "rad", "")));
+    }
     columns.extend(robot.inputs().iter().map(Column::from));
     columns.extend(robot.states().iter().map(Column::from));
     columns

@@ -2,7 +2,6 @@
 
 use super::{AeroSpec, AirSpec, ConfigError, Document, Translate};
 use crate::Error;
-use crate::aero::ProfileDrag;
 use crate::math::{Mat3, Vec3};
 use crate::plant::Fault;
 use crate::require;
@@ -383,15 +382,13 @@ impl RigRunSpec {
             Some(f) if f > 0.0 => robot.gait.set_frequency_hz(f),
             _ => {}
         }
-        let (rig, wing) = (&self.rig, &robot.wing);
-        let planform = wing.outline().map_err(|e| e.within("rig.robot.wing"))?;
-        let drag = ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 };
-        let hinges = [wing.shoulder_m[1], wing.shoulder_m[1] + wing.proximal.length_m];
+        let rig = &self.rig;
+        let outlines = robot.outlines().map_err(|e| e.within("rig.robot"))?;
         let density = rig.air.density_kg_m3;
         if !(density >= 0.0 && density.is_finite()) {
             return Err(Error::invalid("rig.air.density_kg_m3", density, "zero or more"));
         }
-        let aero = rig.aero.build(&planform, &hinges, drag, density).map_err(|e| e.within("rig"))?;
+        let aero = rig.aero.models(&outlines, density).map_err(|e| e.within("rig"))?;
         let wind = Wind::steady(Vec3(self.wind_m_s.unwrap_or(rig.air.wind_m_s)));
         Robot::new(&robot, aero, Air { density, wind }, 0.0).map_err(|e| e.within("rig.robot"))
     }

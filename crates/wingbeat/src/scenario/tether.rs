@@ -5,6 +5,7 @@ use super::{ConfigError, Document};
 use crate::Error;
 use crate::aero::{LiftLaw, Planform, ProfileDrag};
 use crate::math::Vec3;
+use crate::robot::SurfaceOutline;
 use crate::simulate::Ending;
 use crate::tether::{Clock, CycleMean, Hinge, Motion, Reference, Side, Tether, TetherRun, Wing};
 use serde::Serialize;
@@ -92,7 +93,15 @@ impl TetherSpec {
         let drag = ProfileDrag { cd0: self.wing.cd0, cd90: self.wing.cd90 };
         let arcs: Vec<f64> = self.wing.hinges.iter().map(|h| h.arc_m).filter(|arc| *arc > 0.0).collect();
         let wing = self.wing.build(planform.clone())?;
-        let aero = self.aero.build(&planform, &arcs, drag, self.wind.density_kg_m3)?;
+        let outline = SurfaceOutline {
+            name: "wing".into(),
+            key: "wing".into(),
+            planform: planform.clone(),
+            hinges: arcs,
+            drag,
+            strips: None,
+        };
+        let aero = self.aero.build(&outline, self.wind.density_kg_m3)?;
         let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
         let area = planform.area() * halves;
         let tether = Tether {

@@ -74,7 +74,7 @@ impl Recorder {
         };
         Self {
             loads: Record::new(load_columns(tether), rows).unwrap_or_default(),
-            strips: StripRecorder::new(&tether.aero, "cycles", rows),
+            strips: StripRecorder::new(std::iter::once(&tether.aero), "cycles", rows),
             axes: WindAxes::new(tether.wind),
             weights: tether.aero.strip_arcs().iter().map(weight).collect(),
         }
@@ -107,7 +107,7 @@ impl Recorder {
         row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
         row.extend(tether.motion.angles(t).iter().map(|j| j.x));
         self.loads.append(&row);
-        self.strips.append([t, phase], loads, back, origin);
+        self.strips.append([t, phase], 0, loads, back, origin);
     }
 
     /// Loads in W about W's origin, summed over the strips that count.

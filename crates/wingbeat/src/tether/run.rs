@@ -186,7 +186,7 @@ impl System for Tether {
     }
     fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
         let count = self.aero.arcs().len();
-        self.aero.evaluate_sum(&self.sections(at.t)[..count], self.wind, at.x, dx);
+        self.aero.evaluate_sum(&self.sections(at.t)[..count], self.wind, at.x, dx, None);
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ pub use settings::LiftingLineSettings;
 
 use super::law::separation_scale;
 use super::section::{Section, SectionForce, suction_share};
-use super::{Loads, Planform, SectionMotion, Sections, StripLoads, Wrench};
+use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, Wrench};
 use crate::Error;
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
@@ -200,13 +200,15 @@ impl LiftingLine {
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
-    /// added-mass matrix. The states may carry more derivatives than the motion.
+    /// added-mass matrix. The states may carry more derivatives than the motion. `coupling` receives
+    /// what the coordinates of `sections` take.
     pub fn evaluate_sum<G: Scalar, S: Over<G>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
+        mut coupling: Option<Coupling<G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let mut wrench = Wrench::ZERO;
         let mut added_mass = [[G::ZERO; 6]; 6];
@@ -217,7 +219,13 @@ impl LiftingLine {
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow)
                 + self.carried_air(node, &section, flow.speed, &mut added_mass);
-            wrench += section.wrench(force);
+            let load = section.wrench(force);
+            wrench += load;
+            if let Some(coupling) = &mut coupling {
+                let (mass, inertia) = self.carried_masses(node);
+                section.add_coupled_inertia(mass, inertia, i, sections, coupling.mass);
+                coupling.strips[i] = load;
+            }
         }
         mirror_upper(&mut added_mass);
         (wrench, added_mass)
@@ -291,13 +299,22 @@ impl LiftingLine {
         speed: G,
         matrix: &mut [[G; 6]; 6],
     ) -> SectionForce<S> {
+        let (mass, inertia) = self.carried_masses(node);
+        let turned = if self.settings.section_moment { node.mass } else { 0.0 };
+        let mut force = section.added_mass(mass);
+        force.nose_up = section.section_moment(turned, node.half_chord, speed);
+        section.add_inertia(mass, inertia, matrix);
+        force.lifted()
+    }
+
+    /// Mass (kg) of the air that a node carries along its normal, and inertia (kg m2) of the air that
+    /// it turns.
+    #[inline]
+    fn carried_masses(&self, node: &Node) -> (f64, f64) {
         let set = &self.settings;
         let mass = if set.added_mass { node.mass } else { 0.0 };
         let turned = if set.section_moment { node.mass } else { 0.0 };
-        let mut force = section.added_mass(mass);
-        force.nose_up = section.section_moment(turned, node.half_chord, speed);
-        section.add_inertia(mass, turned * node.half_chord * node.half_chord / 8.0, matrix);
-        force.lifted()
+        (mass, turned * node.half_chord * node.half_chord / 8.0)
     }
 }
 

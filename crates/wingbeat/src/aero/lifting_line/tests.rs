@@ -225,7 +225,7 @@ fn sums_agree_and_breakdown_adds_up() {
     let (mut dx, mut dx_sum) = (vec![0.0; 36], vec![0.0; 36]);
     let mut loads = Loads::default();
     line.evaluate(&sections, wind, &x, &mut dx, &mut loads);
-    let (wrench, added_mass) = line.evaluate_sum(&sections, wind, &x, &mut dx_sum);
+    let (wrench, added_mass) = line.evaluate_sum(&sections, wind, &x, &mut dx_sum, None);
     assert_eq!((dx, added_mass), (dx_sum, loads.added_mass));
     let by_source = loads.by_source().total();
     for w in [wrench, by_source] {
@@ -291,7 +291,7 @@ fn any_wind_gives_finite_loads_that_vary_smoothly() {
         let x = vec![Dual::<1>::constant(0.0); line.states()];
         let mut dx = x.clone();
         let wind = Vec3::new(Dual::variable(0.0, 0), Dual::from(0.0), Dual::from(0.0));
-        let (wrench, matrix) = line.evaluate_sum(&constant.sections(&line), wind, &x, &mut dx);
+        let (wrench, matrix) = line.evaluate_sum(&constant.sections(&line), wind, &x, &mut dx, None);
         assert!(wrench.force.is_finite() && wrench.moment.is_finite());
         assert!(dx.iter().chain(matrix.iter().flatten()).all(|v| v.is_finite()));
     }

@@ -1,8 +1,11 @@
 //! The air that the strips carry along: its impulse by the motion of the wing, and its inertia.
 
-use super::influence::{Column, dot, multiply_transposed};
+use super::influence::{Column, dot, multiply, multiply_transposed};
 use super::{Flow, StripModel};
+use crate::aero::Sections;
 use crate::math::Scalar;
+use crate::plant::{MAX_COORDINATES, MAX_DEGREES};
+use arrayvec::ArrayVec;
 
 /// What drives the carried air at 1/2 chord of a strip: its normal acceleration per acceleration
 /// and angular acceleration of the body (6), the wash there, m/s, and its rate, m/s2.
@@ -71,6 +74,81 @@ impl StripModel {
             flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
             flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
         }
+    }
+
+    /// Adds the rows and columns 6.. of the added-mass matrix, on the second rates of the coordinates
+    /// of `sections`: as the body's own, with J the normal velocity at 1/2 chord per unit rate.
+    pub(super) fn couple<S: Scalar, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        sections: &(impl Sections<S> + ?Sized),
+        matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
+    ) {
+        let (strips, count) = (&flow.strips, sections.coordinates());
+        let mut fields = ArrayVec::<[Column<S, N>; 2], MAX_COORDINATES>::new();
+        for c in 0..count {
+            let (heave, pitch) = self.heave_and_pitch(flow, sections, c);
+            let carried = self.symmetric_impulse(flow, &heave);
+            let mut turned = pitch;
+            for i in 0..N {
+                let b = 0.5 * self.tables.chord[i];
+                let mass = if self.settings.section_moment { self.section_mass(i, flow) } else { S::ZERO };
+                turned[i] *= mass * (0.125 * b * b);
+            }
+            let mut add = |k: usize, share: S| {
+                matrix[6 + c][k] += share;
+                if k != 6 + c {
+                    matrix[k][6 + c] += share;
+                }
+            };
+            for i in 0..self.settings.strips {
+                let (normal, across) = (strips.normal.get(i), strips.across.get(i));
+                let moment = strips.half.get(i).cross(normal);
+                for k in 0..3 {
+                    add(k, normal[k] * carried[i]);
+                    add(3 + k, moment[k] * carried[i] + across[k] * turned[i]);
+                }
+            }
+            fields.push([heave, pitch]);
+            for (other, [heave, pitch]) in fields.iter().enumerate() {
+                add(6 + other, dot(heave, &carried) + dot(pitch, &turned));
+            }
+        }
+    }
+
+    /// Normal velocity at 1/2 chord and pitch rate of every strip per unit rate of a coordinate.
+    fn heave_and_pitch<S: Scalar, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        sections: &(impl Sections<S> + ?Sized),
+        coordinate: usize,
+    ) -> (Column<S, N>, Column<S, N>) {
+        let (strips, mut heave, mut pitch) = (&flow.strips, [S::ZERO; N], [S::ZERO; N]);
+        let mut left = sections.field(0, coordinate);
+        for i in 0..self.settings.strips {
+            let right = sections.field(i + 1, coordinate);
+            let inverse_chord = ((strips.half.get(i) - strips.quarter.get(i)).norm() * 4.0).recip();
+            let field = left.mixed(&right, self.tables.fraction[i]);
+            (heave[i], pitch[i]) = field.heave_and_pitch(strips.normal.get(i), inverse_chord);
+            left = right;
+        }
+        (heave, pitch)
+    }
+
+    /// The symmetric part of rho dy ma A0^-1 times `v`; nothing without added mass.
+    fn symmetric_impulse<S: Scalar, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        v: &Column<S, N>,
+    ) -> Column<S, N> {
+        if !self.settings.added_mass {
+            return [S::ZERO; N];
+        }
+        let (left, mut sum) = (multiply(&flow.relief, v, self.settings.strips), self.reciprocal(flow, v));
+        for i in 0..N {
+            sum[i] = (left[i] * self.tables.mass[i] + sum[i]) * 0.5;
+        }
+        sum
     }
 
     /// The transpose of rho dy ma A0^-1 times `v`.

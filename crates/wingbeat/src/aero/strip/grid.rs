@@ -123,13 +123,15 @@ fn pieces(planform: &Planform, strips: usize) -> Result<Vec<Piece>, Error> {
 fn spacing(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Error> {
     let pieces = pieces(planform, strips)?;
     let tip = planform.half_span();
+    let mut hinges = Vec::new();
     for (k, &arc) in hinge_arcs.iter().enumerate() {
-        if !(arc >= 0.0 && arc < tip) {
+        let at = planform.coordinates(arc);
+        if !(arc >= 0.0 && at.iter().all(|s| s.abs() < tip)) {
             let allowed = format!("0 to less than the half span {tip}");
             return Err(Error::invalid(format!("hinge_arcs_m[{k}]"), arc, allowed));
         }
+        hinges.extend(at);
     }
-    let mut hinges: Vec<f64> = hinge_arcs.iter().flat_map(|arc| [-arc, *arc]).collect();
     hinges.sort_by(f64::total_cmp);
     hinges.dedup_by(|a, b| *a == *b);
     let (mut edges, mut fractions) = (Vec::with_capacity(strips + 1), Vec::with_capacity(strips));

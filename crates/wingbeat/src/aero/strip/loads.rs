@@ -43,12 +43,13 @@ impl<G: Scalar, const N: usize> Strips<G, N> {
 }
 
 impl StripModel {
-    /// Sum of the loads of all strips; `loads` receives them by strip and source.
+    /// Sum of the loads of all strips; `loads` receives them by strip and source, `by_strip` their sums.
     pub(super) fn load_strips<G: Scalar, S: Over<G>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         response: &Response<S, N>,
         loads: Option<&mut Loads<S>>,
+        by_strip: Option<&mut [Wrench<S>]>,
     ) -> Wrench<S> {
         let strips = &flow.strips;
         let [plain, lift] = self.circulatory(strips, response);
@@ -59,6 +60,11 @@ impl StripModel {
             let wrench = strips.wrench(i, total);
             force.set(i, wrench.force);
             moment.set(i, wrench.moment);
+        }
+        if let Some(out) = by_strip {
+            for (i, load) in out.iter_mut().enumerate().take(self.settings.strips) {
+                *load = Wrench { force: force.get(i), moment: moment.get(i) };
+            }
         }
         if let Some(loads) = loads {
             self.break_down(flow, response, &forces, loads);

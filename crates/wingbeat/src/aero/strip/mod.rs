@@ -21,7 +21,7 @@ pub use settings::{LagSet, StripSettings};
 
 use crate::Error;
 use crate::aero::law::separation_scale;
-use crate::aero::{Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
+use crate::aero::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
 use grid::Grid;
@@ -59,6 +59,14 @@ struct Flow<S: Scalar, const N: usize> {
     impulse_rate: Column<S, N>,
     /// Added-mass matrix on [acceleration; angular acceleration] about the body origin.
     added_mass: [[S; 6]; 6],
+}
+
+/// What is wanted beside the sum.
+struct Wanted<'a, G: Scalar, S: Scalar> {
+    /// Loads by strip and source.
+    loads: Option<&'a mut Loads<S>>,
+    /// What the coordinates of the sections take.
+    coupling: Option<Coupling<'a, G, S>>,
 }
 
 impl StripModel {
@@ -139,21 +147,29 @@ impl StripModel {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
-        let (wrench, added_mass) = self.dispatch(sections, wind, x, dx, Some(&mut *loads));
+        let (wrench, added_mass) =
+            self.dispatch(sections, wind, x, dx, Wanted { loads: Some(&mut *loads), coupling: None });
         loads.wrench = wrench;
         loads.added_mass = added_mass;
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
-    /// added-mass matrix. The lags may carry more derivatives than the motion.
+    /// added-mass matrix. The lags may carry more derivatives than the motion. `coupling` receives
+    /// what the coordinates of `sections` take.
     pub fn evaluate_sum<G: Scalar, S: Over<G>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
+        coupling: Option<Coupling<G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        self.dispatch(sections, wind, x, dx, None)
+        self.dispatch(sections, wind, x, dx, Wanted { loads: None, coupling })
+    }
+
+    /// Place of the control section of strip `i` between its edges, 0 to 1.
+    pub(super) fn fraction(&self, i: usize) -> f64 {
+        self.grid.fraction[i]
     }
 
     /// Chooses the width of the columns.
@@ -163,14 +179,14 @@ impl StripModel {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        loads: Option<&mut Loads<S>>,
+        wanted: Wanted<G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self.settings.strips {
-            0..=8 => self.evaluate_in::<G, S, 8>(sections, wind, x, dx, loads),
-            9..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, loads),
-            13..=16 => self.evaluate_in::<G, S, 16>(sections, wind, x, dx, loads),
-            17..=24 => self.evaluate_in::<G, S, 24>(sections, wind, x, dx, loads),
-            _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, loads),
+            0..=8 => self.evaluate_in::<G, S, 8>(sections, wind, x, dx, wanted),
+            9..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, wanted),
+            13..=16 => self.evaluate_in::<G, S, 16>(sections, wind, x, dx, wanted),
+            17..=24 => self.evaluate_in::<G, S, 24>(sections, wind, x, dx, wanted),
+            _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, wanted),
         }
     }
 
@@ -181,7 +197,7 @@ impl StripModel {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        loads: Option<&mut Loads<S>>,
+        wanted: Wanted<G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let mut edges = Edges::<G, N>::ZERO;
         edges.fill(sections, self.settings.strips);
@@ -189,7 +205,12 @@ impl StripModel {
         self.flow(&edges, wind, &mut flow);
         let states = self.states();
         let response = self.respond(&flow, &x[..states], &mut dx[..states]);
-        (self.load_strips(&flow, &response, loads), flow.added_mass)
+        let Wanted { loads, coupling } = wanted;
+        let strips = coupling.map(|Coupling { mass, strips }| {
+            self.couple(&flow, sections, mass);
+            strips
+        });
+        (self.load_strips(&flow, &response, loads, strips), flow.added_mass)
     }
 
     /// Points, velocities and influence of the wing as it lies and moves now.

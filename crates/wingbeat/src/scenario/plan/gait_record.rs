@@ -4,8 +4,8 @@ use crate::Error;
 use crate::body::drive_power;
 use crate::guide::{Flapping, Means, Stand};
 use crate::plant::{Fault, Plant};
-use crate::robot::{CarriedLoads, JOINTS, MAX_ELEMENTS};
-use crate::scenario::recorder::{source_columns, source_values};
+use crate::robot::{CarriedLoads, MAX_ELEMENTS};
+use crate::scenario::recorder::{joint_columns, source_columns, source_values};
 use crate::simulate::{Column, Driver, Moment, Observed, Record, Sizes, Stepper, System};
 use std::ops::ControlFlow;
 
@@ -67,8 +67,7 @@ impl Replay<'_> {
     fn columns(&self) -> Vec<Column> {
         let robot = self.stand.robot();
         let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
-        columns.extend(JOINTS.map(|n| Column::new(n, "rad", "")));
-        columns.extend(JOINTS.map(|n| Column::new(format!("torque_{n}"), "N m", "")));
+        columns.extend(joint_columns(robot));
         columns.extend(["joint_power", "drive_power", "power_to_air"].map(|n| Column::new(n, "W", "")));
         columns.extend(["force_up", "force_forward"].map(|n| Column::new(n, "N", "W")));
         columns.push(Column::new("trim_moment", "N m", "B"));
@@ -82,8 +81,8 @@ impl Replay<'_> {
         let o = self.observed(at)?;
         let Moment { t, x, u, .. } = at;
         let mut row = vec![t, self.stand.robot().phase(self.stand.clock(t, &self.flapping).x)];
-        row.extend(o.joints.map(|j| j.x));
-        row.extend(o.torques);
+        row.extend(o.joints.iter().map(|j| j.x));
+        row.extend(&o.torques);
         row.extend([o.joint_power(), drive_power(&o.torques, &o.joints, self.storage, 0.0), -o.air_power]);
         row.extend(self.stand.lift_thrust_trim(&o, self.flapping.pitch));
         row.extend(source_values(&o.parts()));

@@ -7,6 +7,7 @@ use crate::guide::{Flapping, LeastPower, LeastPowerSpec, Means, Stand};
 use crate::math::Vec3;
 use crate::ocp::{OptimalControl, Optimum, Progress};
 use crate::plant::Fault;
+use crate::robot::WingSpec;
 use crate::scenario::Scenario;
 use crate::scenario::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TableSpec, TetherSpec, TetheredBodySpec,
@@ -142,7 +143,8 @@ impl Scenario {
         record: &Record,
     ) -> Result<Vec<(&'static str, String)>, Error> {
         let broken = |what: String| Error::invalid("plan", what, "a case that TOML can hold");
-        let case = toml::to_string(&self.tethered(flapping)).map_err(|e| broken(e.to_string()))?;
+        let Some(wing) = &self.spec.robot.wing else { return Ok(Vec::new()) };
+        let case = toml::to_string(&self.tethered(wing, flapping)).map_err(|e| broken(e.to_string()))?;
         let columns: Vec<&[f64]> = std::iter::once("t".into())
             .chain(HINGES.map(|(name, _, _)| format!("{name}_left")))
             .map(|name| record.values(&name).ok_or_else(|| broken(name)))
@@ -157,8 +159,8 @@ impl Scenario {
         Ok(vec![("tether.toml", case), ("joints.csv", table)])
     }
 
-    fn tethered(&self, flapping: &Flapping) -> TetherSpec {
-        let (wing, air, start) = (&self.spec.robot.wing, &self.spec.air, &self.spec.start);
+    fn tethered(&self, wing: &WingSpec, flapping: &Flapping) -> TetherSpec {
+        let (air, start) = (&self.spec.air, &self.spec.start);
         let mut planform = wing.planform.clone();
         for station in &mut planform {
             station.leading_edge_m += wing.planform_shift_m;

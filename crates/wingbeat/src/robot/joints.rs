@@ -1,0 +1,195 @@
+//! Joint coordinates over time: gait, structure response and states of elastic joints.
+
+use super::mechanism::{Drive, Mechanism};
+use super::spec::{ElementSpec, GaitSpec, LinkageOutput, RobotSpec};
+use super::{Joints, MAX_ELEMENTS, Robot};
+use crate::Error;
+use crate::body::REGULATED;
+use crate::math::{Jet, Over, Scalar};
+use crate::plant::{Channel, Fault};
+
+/// What a structure element displaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Displaced {
+    /// A driven joint.
+    Joint(usize),
+    /// A length of the linkage of a wing (0 left, 1 right), by its place in [`REGULATED`].
+    Length(usize, usize),
+}
+
+impl Displaced {
+    /// The joint or length called `name`.
+    fn find(name: &str, mechanism: &Mechanism) -> Result<Self, Error> {
+        let lengths = || {
+            let of = |(wing, side)| {
+                REGULATED.iter().enumerate().map(move |(i, l)| (wing, i, format!("{l}{side}")))
+            };
+            super::mechanism::SIDES.into_iter().enumerate().flat_map(of)
+        };
+        let tree = &mechanism.tree;
+        let driven = |i: &usize| !matches!(mechanism.drives[*i], Drive::Elastic(_) | Drive::Fixed);
+        if let Some(joint) = tree.find(name).filter(driven) {
+            return Ok(Self::Joint(joint));
+        }
+        let length = lengths().find(|(.., length)| mechanism.linkage.is_some() && length == name);
+        if let Some((wing, i, _)) = length {
+            return Ok(Self::Length(wing, i));
+        }
+        let mut names: Vec<String> =
+            (0..tree.links()).filter(driven).map(|i| tree.name(i).to_string()).collect();
+        if mechanism.linkage.is_some() {
+            names.extend(lengths().map(|(.., name)| name));
+        }
+        Err(Error::invalid("moves", format!("{name:?}"), format!("of {}", names.join(", "))))
+    }
+
+    /// The same of the other side.
+    pub fn mirrored(self, mechanism: &Mechanism) -> Self {
+        match self {
+            Self::Joint(joint) => Self::Joint(mechanism.twins[joint]),
+            Self::Length(wing, i) => Self::Length(1 - wing, i),
+        }
+    }
+
+    /// Units of the displacement and its rate.
+    fn units(self, mechanism: &Mechanism) -> [&'static str; 2] {
+        match self {
+            Self::Joint(joint) => {
+                let [unit, rate, _] = mechanism.tree.kind(joint).units();
+                [unit, rate]
+            }
+            Self::Length(..) => ["m", "m/s"],
+        }
+    }
+
+    fn alike(self, other: Self, mechanism: &Mechanism) -> bool {
+        match (self, other) {
+            (Self::Joint(a), Self::Joint(b)) => mechanism.tree.kind(a) == mechanism.tree.kind(b),
+            (Self::Length(_, a), Self::Length(_, b)) => a == b,
+            _ => false,
+        }
+    }
+}
+
+/// A structure element in place.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub name: String,
+    pub moves: Vec<Displaced>,
+    /// Units of the displacement and its rate.
+    pub units: [&'static str; 2],
+    /// Its regulator; the only home of the stroke limits.
+    pub regulator: Channel,
+}
+
+impl Placed {
+    /// The elements of the structure.
+    pub fn all(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Vec<Self>, Error> {
+        let place = |(i, e): (usize, &ElementSpec)| {
+            Self::new(e, mechanism).map_err(|error| error.within(&format!("structure.elements[{i}]")))
+        };
+        spec.structure.elements.iter().enumerate().map(place).collect()
+    }
+
+    fn new(spec: &ElementSpec, mechanism: &Mechanism) -> Result<Self, Error> {
+        let moves = spec.moves.iter().map(|name| Displaced::find(name, mechanism));
+        let moves: Vec<Displaced> = moves.collect::<Result<_, _>>()?;
+        let Some(&first) = moves.first() else {
+            return Err(Error::invalid("moves", "[]", "at least one joint or link length"));
+        };
+        if !moves.iter().all(|m| m.alike(first, mechanism)) {
+            let allowed = "either joints that all turn or all slide, or one kind of link length";
+            return Err(Error::invalid("moves", format!("{:?}", spec.moves), allowed));
+        }
+        let [low, high] = limits(spec, first, mechanism)?;
+        let units = first.units(mechanism);
+        let regulator = Channel::limited(format!("command_{}", spec.name), units[0], "", low, high);
+        Ok(Self { name: spec.name.clone(), moves, units, regulator })
+    }
+}
+
+/// Stroke limits: a joint's as given, a length's from the ranges of the linkage.
+fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result<[f64; 2], Error> {
+    if let (Displaced::Length(_, i), Some(linkage)) = (first, &mechanism.linkage) {
+        let given = [("low", spec.low), ("high", spec.high)].into_iter().find_map(|(k, v)| Some((k, v?)));
+        return match given {
+            None => Ok(linkage.displacement_limits()[i]),
+            Some((key, given)) => {
+                let allowed = "no limits here: a link length has its range in gait.linkage.dimensions";
+                Err(Error::invalid(key, given, allowed))
+            }
+        };
+    }
+    match (spec.low, spec.high) {
+        (Some(low), Some(high)) if low < high && low.is_finite() && high.is_finite() => Ok([low, high]),
+        (low, high) => {
+            let given = |limit: Option<f64>| limit.map_or("missing".into(), |l| l.to_string());
+            let given = format!("{}, high = {}", given(low), given(high));
+            Err(Error::invalid("low", given, "finite limits, low below high"))
+        }
+    }
+}
+
+impl Robot {
+    /// Joint coordinates with rates and accelerations on the time `clock`, of a gait that may run up
+    /// or stand still; the second rates of elastic joints, which the dynamics decide, are zero.
+    /// `structure` holds the states of the elements, then those of elastic joints; `dx` receives the
+    /// rates of the elements' states.
+    pub(super) fn joints<G: Scalar, S: Over<G>>(
+        &self,
+        clock: &Jet<G>,
+        structure: &[G],
+        u: &[G],
+        dx: &mut [S],
+    ) -> Result<Joints<G>, Fault> {
+        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
+        self.response.displacements(structure, u, &mut displacements);
+        self.response.rates(&displacements, dx);
+        let phase = *clock * self.phase_rate + self.phase_start;
+        let mut joints = self.driven(phase, &displacements)?;
+        for (element, displacement) in self.elements.iter().zip(&displacements) {
+            for moved in &element.moves {
+                if let Displaced::Joint(joint) = *moved {
+                    joints[joint] += *displacement;
+                }
+            }
+        }
+        let states = &structure[2 * self.elements.len()..];
+        let count = self.mechanism.coordinates.len();
+        for (i, &joint) in self.mechanism.coordinates.iter().enumerate() {
+            joints[joint] = Jet::new(states[i], states[count + i], G::ZERO);
+        }
+        Ok(joints)
+    }
+
+    /// Joint coordinates by the gait alone, its linkages with their lengths displaced.
+    fn driven<G: Scalar>(&self, phase: Jet<G>, displacements: &[Jet<G>]) -> Result<Joints<G>, Fault> {
+        let mut poses = [[Jet::ZERO; 2]; 2];
+        if let Some(linkage) = &self.mechanism.linkage {
+            let mut lengths = [[Jet::ZERO; REGULATED.len()]; 2];
+            for (element, displacement) in self.elements.iter().zip(displacements) {
+                for moved in &element.moves {
+                    if let Displaced::Length(wing, length) = *moved {
+                        lengths[wing][length] += *displacement;
+                    }
+                }
+            }
+            for (angles, lengths) in poses.iter_mut().zip(lengths) {
+                let pose = linkage.pose(phase, lengths)?;
+                *angles = [pose.humerus, pose.radius - pose.humerus];
+            }
+        }
+        let joint = |drive: &Drive| match drive {
+            Drive::Fixed | Drive::Held | Drive::Elastic(_) => Jet::ZERO,
+            Drive::Series(series, lag) => series.angle(phase - *lag),
+            Drive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],
+            Drive::Linkage(wing, LinkageOutput::Elbow) => poses[*wing][1],
+        };
+        Ok(self.mechanism.drives.iter().map(joint).collect())
+    }
+}
+
+/// Flapping rate of the gait, rad/s.
+pub(super) fn phase_rate(gait: &GaitSpec) -> f64 {
+    std::f64::consts::TAU * gait.frequency_hz()
+}

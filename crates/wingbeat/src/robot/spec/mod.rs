@@ -1,0 +1,107 @@
+//! What a robot file says, before it is checked and built.
+
+mod gait;
+mod link;
+mod structure;
+mod surface;
+mod wing;
+
+pub use gait::GaitSpec;
+pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
+pub use structure::{ElementSpec, StructureSpec};
+pub use surface::{PanelSpec, SurfaceSpec};
+pub use wing::{WingLinkSpec, WingSpec};
+
+use crate::Error;
+use crate::require::{finite, not_negative, positive, principal_inertias};
+use serde::{Deserialize, Serialize};
+
+/// A robot: body, links with their joints, surfaces, gait, structure. `wing` stands for the links
+/// and the surface of a pair of two-panelled wings.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotSpec {
+    /// Name.
+    pub name: String,
+    /// Central body.
+    pub body: BodySpec,
+    /// A pair of wings of two panels each, with sweep, shoulder, elbow and twist joints; the left one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wing: Option<WingSpec>,
+    /// Links, each after its parent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub links: Vec<LinkSpec>,
+    /// Lifting surfaces beside that of `wing`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<SurfaceSpec>,
+    /// What drives the joints over the flapping cycle.
+    #[serde(default)]
+    pub gait: GaitSpec,
+    /// Response of the structure to its regulators.
+    #[serde(default)]
+    pub structure: StructureSpec,
+}
+
+/// Central body; lengths from the body origin in FLU axes.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodySpec {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m.
+    #[serde(default)]
+    pub com_m: [f64; 3],
+    /// Principal inertias about the centre of mass along x, y, z, kg m2.
+    pub inertia_kg_m2: [f64; 3],
+    /// Drag areas of the body along x, y, z, m2: F_i = -rho/2 A_i |v_i| v_i.
+    #[serde(default)]
+    pub drag_area_m2: [f64; 3],
+}
+
+impl BodySpec {
+    fn check(&self) -> Result<(), Error> {
+        positive("mass_kg", self.mass_kg)?;
+        finite("com_m", &self.com_m)?;
+        self.drag_area_m2.iter().try_for_each(|&a| not_negative("drag_area_m2", a))?;
+        principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
+    }
+}
+
+impl RobotSpec {
+    /// Checks what the types alone do not: ranges, names, clashes.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.body.check().map_err(|e| e.within("body"))?;
+        if let Some(wing) = &self.wing {
+            wing.check().map_err(|e| e.within("wing"))?;
+        }
+        for (i, link) in self.links.iter().enumerate() {
+            link.check(&self.gait).map_err(|e| e.within(&format!("links[{i}]")))?;
+        }
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            surface.check().map_err(|e| e.within(&format!("surfaces[{i}]")))?;
+        }
+        self.gait.check(self.wing.is_some()).map_err(|e| e.within("gait"))?;
+        self.structure.check().map_err(|e| e.within("structure"))
+    }
+
+    /// Multiplies the masses and the inertias of body and links.
+    pub fn scale_inertias(&mut self, mass: f64, inertia: f64) {
+        let wing = self.wing.iter_mut().flat_map(|w| [&mut w.proximal, &mut w.distal]);
+        let wing = wing.map(|l| (&mut l.mass_kg, &mut l.inertia_kg_m2));
+        let links = self.links.iter_mut().map(|l| (&mut l.mass_kg, &mut l.inertia_kg_m2));
+        let body = (&mut self.body.mass_kg, &mut self.body.inertia_kg_m2);
+        for (m, i) in wing.chain(links).chain([body]) {
+            *m *= mass;
+            i.iter_mut().for_each(|i| *i *= inertia);
+        }
+    }
+
+    /// Multiplies the amplitudes of the gait; of a linkage, its crank.
+    pub fn scale_gait(&mut self, amplitude: f64) {
+        self.gait.scale(amplitude);
+        let series = self.links.iter_mut().filter_map(|l| l.driven.as_mut());
+        for harmonic in series.flat_map(|d| &mut d.harmonics) {
+            harmonic.amplitude_rad *= amplitude;
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Lifting surfaces.
+
+use crate::Error;
+use crate::aero::{Gap, Planform, PlanformStation, Span};
+use crate::require::{finite, not_negative};
+use serde::{Deserialize, Serialize};
+
+/// A lifting surface: an outline by arc length, laid over links from the root to the tip.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceSpec {
+    /// Name.
+    pub name: String,
+    /// `symmetric` about the middle plane, its outline that of the left half; or one-sided, `left` with
+    /// the tip to the left (or upward) and `right`.
+    #[serde(default)]
+    pub span: Span,
+    /// Profile drag coefficient along the wind at zero incidence.
+    #[serde(default)]
+    pub cd0: f64,
+    /// Additional drag coefficient broadside to the wind.
+    #[serde(default)]
+    pub cd90: f64,
+    /// Strips, or nodes of preset `paper`; those of the scenario where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strips: Option<usize>,
+    /// Shift of the outline along x, m.
+    #[serde(default)]
+    pub planform_shift_m: f64,
+    /// Outline by arc length from the root.
+    pub planform: Vec<PlanformStation>,
+    /// Where there is no surface, by the same arc; preset `full` only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<Gap>,
+    /// The links that carry it, from the root on.
+    pub panels: Vec<PanelSpec>,
+}
+
+/// A stretch of a surface that rides on one link.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PanelSpec {
+    /// Name of its begin in the columns of a record; that of the link where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// `body` or a link; of a mirrored pair the name of the pair in a symmetric surface.
+    pub link: String,
+    /// Arc length at which it begins, m; it ends where the next begins.
+    #[serde(default)]
+    pub from_arc_m: f64,
+    /// Place of its begin in the frame of the link, m; edges lie ahead of it along x.
+    #[serde(default)]
+    pub origin_m: [f64; 3],
+    /// Direction of the span from the root on, in the frame of the link, across x; any length above 0.
+    #[serde(default = "left")]
+    pub direction: [f64; 3],
+}
+
+fn left() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+impl SurfaceSpec {
+    /// The outline.
+    pub fn outline(&self) -> Result<Planform, Error> {
+        Planform::new(&self.planform)?.with_gaps(&self.gaps)?.spanning(self.span)
+    }
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        not_negative("cd0", self.cd0)?;
+        not_negative("cd90", self.cd90)?;
+        finite("planform_shift_m", &[self.planform_shift_m])?;
+        if self.panels.is_empty() {
+            return Err(Error::invalid("panels", "[]", "at least one panel"));
+        }
+        let tip = self.planform.last().map_or(0.0, |s| s.arc_m);
+        for (i, panel) in self.panels.iter().enumerate() {
+            panel.check().map_err(|e| e.within(&format!("panels[{i}]")))?;
+            let before = i.checked_sub(1).map(|b| self.panels[b].from_arc_m);
+            let good = before.map_or(panel.from_arc_m == 0.0, |b| panel.from_arc_m > b);
+            if !(good && panel.from_arc_m < tip) {
+                let allowed =
+                    before.map_or("0: the root".into(), |b| format!("more than {b}, less than {tip}"));
+                return Err(Error::invalid(format!("panels[{i}].from_arc_m"), panel.from_arc_m, allowed));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PanelSpec {
+    fn check(&self) -> Result<(), Error> {
+        finite("origin_m", &self.origin_m)?;
+        finite("direction", &self.direction)?;
+        let [x, y, z] = self.direction;
+        if x != 0.0 || !(y * y + z * z > 0.0) {
+            let allowed = "a direction across x: [0, y, z]";
+            return Err(Error::invalid("direction", format!("{:?}", self.direction), allowed));
+        }
+        Ok(())
+    }
+}

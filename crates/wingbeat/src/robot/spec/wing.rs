@@ -1,0 +1,80 @@
+//! A pair of wings of two panels each, the left one given.
+
+use crate::Error;
+use crate::aero::{Gap, Planform, PlanformStation};
+use crate::require::{finite, not_negative, positive, principal_inertias};
+use serde::{Deserialize, Serialize};
+
+/// The left wing of a pair: sweep, shoulder, elbow and twist joints, from body to tip.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct WingSpec {
+    /// Shoulder hinge from the body origin, m.
+    pub shoulder_m: [f64; 3],
+    /// Profile drag coefficient along the wind at zero incidence.
+    pub cd0: f64,
+    /// Additional drag coefficient broadside to the wind.
+    pub cd90: f64,
+    /// Shift of the planform along x against the hinge line, m.
+    #[serde(default)]
+    pub planform_shift_m: f64,
+    /// Link between shoulder and elbow.
+    pub proximal: WingLinkSpec,
+    /// Link beyond the elbow.
+    pub distal: WingLinkSpec,
+    /// Outline by arc length from the middle, body strip included.
+    pub planform: Vec<PlanformStation>,
+    /// Where there is no wing, by the same arc; preset `full` only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<Gap>,
+}
+
+/// One wing link; lengths from its inner hinge, y along the span.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct WingLinkSpec {
+    /// Length along the span, m.
+    pub length_m: f64,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m.
+    pub com_m: [f64; 3],
+    /// Principal inertias about the centre of mass along x, y, z, kg m2.
+    pub inertia_kg_m2: [f64; 3],
+}
+
+impl WingSpec {
+    /// The planform with its gaps.
+    pub fn outline(&self) -> Result<Planform, Error> {
+        Planform::new(&self.planform)?.with_gaps(&self.gaps)
+    }
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        finite("shoulder_m", &self.shoulder_m)?;
+        positive("shoulder_m", self.shoulder_m[1])?;
+        finite("planform_shift_m", &[self.planform_shift_m])?;
+        not_negative("cd0", self.cd0)?;
+        not_negative("cd90", self.cd90)?;
+        self.proximal.check().map_err(|e| e.within("proximal"))?;
+        self.distal.check().map_err(|e| e.within("distal"))?;
+        let span = self.shoulder_m[1] + self.proximal.length_m + self.distal.length_m;
+        match self.planform.last() {
+            Some(tip) if (tip.arc_m - span).abs() <= 1e-6 * span => Ok(()),
+            Some(tip) => Err(Error::invalid(
+                format!("planform[{}].arc_m", self.planform.len() - 1),
+                tip.arc_m,
+                format!("{span} m: shoulder plus both links"),
+            )),
+            None => Err(Error::invalid("planform", "[]", "at least two stations")),
+        }
+    }
+}
+
+impl WingLinkSpec {
+    pub(super) fn check(&self) -> Result<(), Error> {
+        positive("length_m", self.length_m)?;
+        positive("mass_kg", self.mass_kg)?;
+        finite("com_m", &self.com_m)?;
+        principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
+    }
+}

@@ -1,0 +1,303 @@
+//! Surfaces laid over links: where their sections ride, and which links bear the loads of the strips.
+
+use super::mechanism::{Mechanism, mirrored};
+use super::sections::{Carriers, Riding, Section};
+use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
+use crate::Error;
+use crate::aero::{Aero, Coupling, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, Sections, Span, Wrench};
+use crate::body::MAX_LINKS;
+use crate::math::{Over, Scalar, Vec3};
+use crate::plant::MAX_DEGREES;
+use arrayvec::ArrayVec;
+use std::ops::Range;
+
+/// What a scenario needs to know of a surface to choose its aerodynamic model.
+#[derive(Clone, Debug)]
+pub struct SurfaceOutline {
+    /// Name.
+    pub name: String,
+    /// Key in the robot file.
+    pub key: String,
+    /// Outline.
+    pub planform: Planform,
+    /// Arc lengths from the root at which it passes from link to link, m.
+    pub hinges: Vec<f64>,
+    /// Profile drag.
+    pub drag: ProfileDrag,
+    /// Strips or nodes asked for.
+    pub strips: Option<usize>,
+}
+
+impl RobotSpec {
+    /// The surfaces in order: that of `wing`, then the others.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key of the robot file.
+    pub fn outlines(&self) -> Result<Vec<SurfaceOutline>, Error> {
+        let wing = self.wing.as_ref().map(|w| ("wing".into(), w.surface()));
+        let others = self.surfaces.iter().enumerate().map(|(i, s)| (format!("surfaces[{i}]"), s.clone()));
+        let outline = |(key, surface): (String, SurfaceSpec)| {
+            Ok(SurfaceOutline {
+                planform: surface.outline().map_err(|e| e.within(&key))?,
+                hinges: surface.panels[1..].iter().map(|p| p.from_arc_m).collect(),
+                drag: ProfileDrag { cd0: surface.cd0, cd90: surface.cd90 },
+                strips: surface.strips,
+                name: surface.name,
+                key,
+            })
+        };
+        wing.into_iter().chain(others).map(outline).collect()
+    }
+
+    /// The surfaces as the file gives them, that of `wing` first.
+    pub(super) fn all_surfaces(&self) -> impl Iterator<Item = SurfaceSpec> {
+        self.wing.iter().map(WingSpec::surface).chain(self.surfaces.iter().cloned())
+    }
+}
+
+impl WingSpec {
+    /// The surface of the pair of wings.
+    pub(super) fn surface(&self) -> SurfaceSpec {
+        let [x, root, z] = self.shoulder_m;
+        let panel = |name: &str, link: &str, from_arc_m: f64, origin_m: [f64; 3]| PanelSpec {
+            name: Some(name.into()),
+            link: link.into(),
+            from_arc_m,
+            origin_m,
+            direction: [0.0, 1.0, 0.0],
+        };
+        SurfaceSpec {
+            name: "wing".into(),
+            span: Span::Symmetric,
+            cd0: self.cd0,
+            cd90: self.cd90,
+            strips: None,
+            planform_shift_m: self.planform_shift_m,
+            planform: self.planform.clone(),
+            gaps: self.gaps.clone(),
+            panels: vec![
+                panel("body", "body", 0.0, [x, 0.0, z]),
+                panel("shoulder", "shoulder", root, [0.0; 3]),
+                panel("elbow", "twist", root + self.proximal.length_m, [0.0; 3]),
+            ],
+        }
+    }
+}
+
+/// A stretch of one half of a surface on a link.
+#[derive(Clone, Copy, Debug)]
+struct Panel {
+    from_arc: f64,
+    link: Option<usize>,
+    /// Begin in the link's frame, m.
+    origin: Vec3,
+    /// Unit vector of the span from the root on, in the link's frame.
+    along: Vec3,
+}
+
+/// Geometry of a surface on its links.
+#[derive(Clone, Debug)]
+struct Placement {
+    planform: Planform,
+    shift: f64,
+    /// Panels of the left and right half, from the root on.
+    panels: [Vec<Panel>; 2],
+}
+
+/// How far beyond a hinge a section still lies on it, relative: left and right differ by rounding.
+const ON_HINGE: f64 = 1e-9;
+
+impl Placement {
+    fn new(spec: &SurfaceSpec, mechanism: &Mechanism) -> Result<Self, Error> {
+        let half = |side: usize, mirror: f64| -> Result<Vec<Panel>, Error> {
+            let panel = |(i, p): (usize, &PanelSpec)| {
+                let along = mirrored(p.direction, mirror);
+                Ok(Panel {
+                    from_arc: p.from_arc_m,
+                    link: mechanism.link_on(&format!("panels[{i}].link"), &p.link, side)?,
+                    origin: mirrored(p.origin_m, mirror),
+                    along: along * along.norm().recip(),
+                })
+            };
+            spec.panels.iter().enumerate().map(panel).collect()
+        };
+        // A one-sided surface lies where it is written; its side only orders its strips.
+        let right = if spec.span == Span::Symmetric { half(1, -1.0)? } else { half(1, 1.0)? };
+        let panels = [half(0, 1.0)?, right];
+        Ok(Self { planform: spec.outline()?, shift: spec.planform_shift_m, panels })
+    }
+
+    /// The section at the arc coordinate `s`, m. A section on a hinge belongs to the inner link.
+    fn section(&self, s: f64, carriers: &[usize]) -> Section {
+        let (leading, trailing) = self.planform.edges(s);
+        let (arc, left) = (self.planform.from_root(s), self.planform.on_left(s));
+        let panels = &self.panels[usize::from(!left)];
+        let passed = panels.iter().skip(1).filter(|p| arc / (1.0 + ON_HINGE) > p.from_arc).count();
+        let panel = &panels[passed];
+        let root = panel.origin + panel.along * (arc - panel.from_arc);
+        let edge = |x: f64| root + Vec3::new(x + self.shift, 0.0, 0.0);
+        let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
+        let across = if left { -panel.along } else { panel.along };
+        Section::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
+    }
+
+    /// Ends of the panels from left to right: arc coordinate and name.
+    fn ends(&self, panels: &[PanelSpec]) -> Vec<(f64, String)> {
+        let named = |s: f64, name: &str| match (self.planform.span(), s >= 0.0) {
+            (Span::Symmetric, true) => (s, format!("left_{name}")),
+            (Span::Symmetric, false) => (s, format!("right_{name}")),
+            _ => (s, name.to_string()),
+        };
+        let begin = |p: &PanelSpec| p.name.clone().unwrap_or_else(|| p.link.clone());
+        let inner = panels[1..].iter().map(|p| (p.from_arc_m, begin(p)));
+        let root = (self.planform.span() != Span::Symmetric).then(|| (0.0, "root".to_string()));
+        let tip = (self.planform.half_span(), "tip".to_string());
+        let tip = if root.is_some() { (2.0 * tip.0, tip.1) } else { tip };
+        let arcs = root.into_iter().chain(inner).chain([tip]);
+        let at = |(arc, name): (f64, String)| {
+            self.planform.coordinates(arc).into_iter().map(move |s| (s, name.clone()))
+        };
+        let mut ends: Vec<(f64, String)> = arcs.flat_map(at).map(|(s, name)| named(s, &name)).collect();
+        ends.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ends
+    }
+}
+
+/// Which links bear the load of a strip.
+#[derive(Clone, Copy, Debug)]
+struct Mount {
+    /// The link of the control section; `None` is the body.
+    link: Option<usize>,
+    /// Where the edges ride on different links: the sections of both edges, and the share of the second.
+    edges: Option<([usize; 2], f64)>,
+}
+
+/// A surface of a robot with its aerodynamic model.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    pub name: String,
+    pub aero: Aero,
+    /// Its states among those of the air.
+    pub states: Range<usize>,
+    pub symmetric: bool,
+    sections: Vec<Section>,
+    mounts: Vec<Mount>,
+    /// Sections at the ends of the panels with their names, from left to right.
+    pub outline: Vec<(String, Section)>,
+}
+
+/// Loads on links, and on the body last, about the body origin, in B.
+pub(super) type External<S> = ArrayVec<Wrench<S>, { MAX_LINKS + 1 }>;
+
+impl Surface {
+    /// # Errors
+    /// [`Error::Invalid`] with the key of the surface.
+    pub fn new(
+        spec: &SurfaceSpec,
+        mechanism: &Mechanism,
+        carriers: &[usize],
+        aero: Aero,
+        first_state: usize,
+    ) -> Result<Self, Error> {
+        let placement = Placement::new(spec, mechanism)?;
+        let at = |s: &f64| placement.section(*s, carriers);
+        let sections: Vec<Section> = aero.arcs().iter().map(at).collect();
+        let mount = |(i, s): (usize, &f64)| {
+            let (edges, share) = aero.strip_sections(i);
+            let apart = sections[edges[0]].link != sections[edges[1]].link;
+            Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
+        };
+        Ok(Self {
+            name: spec.name.clone(),
+            symmetric: spec.span == Span::Symmetric,
+            states: first_state..first_state + aero.states(),
+            mounts: aero.strip_arcs().iter().enumerate().map(mount).collect(),
+            outline: placement.ends(&spec.panels).into_iter().map(|(s, name)| (name, at(&s))).collect(),
+            sections,
+            aero,
+        })
+    }
+
+    /// The sections riding on `carriers`.
+    pub fn riding<'a, S: Scalar>(&'a self, carriers: &'a Carriers<'a, S>) -> Riding<'a, S> {
+        Riding { sections: &self.sections, carriers }
+    }
+
+    /// Sum of the loads and the added mass, with the state rates in `dx`; the coordinates of `carriers`
+    /// take their part in `coupled`.
+    #[inline(always)]
+    pub fn sum<G: Scalar, S: Over<G>>(
+        &self,
+        carriers: &Carriers<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        coupled: Option<(&mut [[G; MAX_DEGREES]; MAX_DEGREES], &mut External<S>)>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        let riding = self.riding(carriers);
+        let (x, dx) = (&x[self.states.clone()], &mut dx[self.states.clone()]);
+        let Some((mass, external)) = coupled else {
+            return self.aero.evaluate_sum(&riding, wind, x, dx, None);
+        };
+        let mut strips = [Wrench::ZERO; MAX_STRIPS];
+        let coupling = Coupling { mass, strips: &mut strips };
+        let sum = self.aero.evaluate_sum(&riding, wind, x, dx, Some(coupling));
+        self.share(&riding, &strips, external);
+        sum
+    }
+
+    /// Adds the loads of the strips to the links that bear them.
+    pub fn share<G: Scalar, S: Over<G>>(
+        &self,
+        riding: &Riding<G>,
+        strips: &[Wrench<S>],
+        external: &mut External<S>,
+    ) {
+        let body = external.len() - 1;
+        for (mount, load) in self.mounts.iter().zip(strips) {
+            let own = mount.link.unwrap_or(body);
+            let Some((edges, share)) = mount.edges else {
+                external[own] += *load;
+                continue;
+            };
+            let at = edges.map(|edge| riding.section(edge));
+            let (shares, rest) = between_edges(&at, share, load);
+            for (edge, load) in edges.into_iter().zip(shares) {
+                external[self.sections[edge].link.unwrap_or(body)] += load;
+            }
+            external[own] += Wrench { force: Vec3::ZERO, moment: rest };
+        }
+    }
+}
+
+/// The load of a strip as both of its edges bear it, and the couple about the chord, which the strip's
+/// own link bears. The strip moves with v = (1 - f) v_1 + f v_2 at mid chord and pitches with
+/// q = -[(1 - f) c_1' + f c_2'] . n / c, c_k the chord lines, so that by virtual work the force F acts as
+/// (1 - f) F and f F at both mid chords and the couple T about the strip's axis as (1 - f) T n x c_1 / c and f T n x c_2 / c.
+///
+/// Equation: robot.strip_shares
+fn between_edges<G: Scalar, S: Over<G>>(
+    edges: &[SectionMotion<G>; 2],
+    share: f64,
+    load: &Wrench<S>,
+) -> ([Wrench<S>; 2], Vec3<S>) {
+    let weights = [1.0 - share, share];
+    let chords = [edges[0].te - edges[0].le, edges[1].te - edges[1].le];
+    let chord = chords[0].scaled(weights[0]) + chords[1].scaled(weights[1]);
+    let line = (edges[1].le - edges[0].le) + (edges[1].te - edges[0].te);
+    let normal = chord.cross(line).unit();
+    let inverse_chord = chord.norm().recip();
+    let forces: [Wrench<S>; 2] = std::array::from_fn(|k| {
+        let force = load.force.scaled(weights[k]);
+        Wrench { force, moment: edges[k].point(0.5).cross_over(force) }
+    });
+    let couple = load.moment - forces[0].moment - forces[1].moment;
+    let nose_up = (normal.cross(chord) * inverse_chord).dot_over(couple);
+    let mut rest = couple;
+    let shares = std::array::from_fn(|k| {
+        let turning = (normal.cross(chords[k]) * inverse_chord).times(nose_up * G::from(weights[k]));
+        rest = rest - turning;
+        Wrench { force: forces[k].force, moment: forces[k].moment + turning }
+    });
+    (shares, rest)
+}

@@ -1,0 +1,340 @@
+//! Robots read from data: any links, elastic and free joints, several surfaces.
+
+use wingbeat::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
+use wingbeat::body::LinkMotion;
+use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace, Wrench};
+use wingbeat::plant::{Linearisation, Plant};
+use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
+
+/// Body with a chain of a skew hinge, a slide and a driven hinge, and a pair of elastic fins.
+const CHAIN: &str = r#"
+name = "chain"
+[body]
+mass_kg = 0.02
+com_m = [0.003, 0.001, -0.002]
+inertia_kg_m2 = [2e-5, 3e-5, 4e-5]
+[[links]]
+name = "boom"
+origin_m = [-0.05, 0.0, 0.01]
+orientation_deg = [10.0, -20.0, 30.0]
+axis = [1.0, 2.0, -1.0]
+mass_kg = 0.004
+com_m = [-0.04, 0.002, 0.003]
+inertia_kg_m2 = [1e-7, 3e-6, 3e-6]
+free = true
+[[links]]
+name = "slider"
+parent = "boom"
+origin_m = [-0.08, 0.0, 0.0]
+joint = "prismatic"
+axis = [0.0, 1.0, 0.5]
+mass_kg = 0.002
+com_m = [0.0, 0.01, 0.0]
+inertia_kg_m2 = [2e-7, 1e-7, 2e-7]
+elastic = { stiffness = 30.0, damping = 0.02, rest = 0.002, stops = { low = -0.01, high = 0.01, stiffness = 200.0 } }
+[[links]]
+name = "fin"
+side = "mirrored"
+origin_m = [0.0, 0.02, 0.0]
+axis = [0.2, -1.0, 0.1]
+mass_kg = 0.001
+com_m = [-0.01, 0.03, 0.0]
+inertia_kg_m2 = [4e-7, 1e-7, 4e-7]
+elastic = { stiffness = 2e-3, damping = 1e-6 }
+"#;
+
+/// Wings of three links each, the outer one on an elastic twist hinge; a tail on a free hinge.
+const FLAPPER: &str = r#"
+name = "flapper"
+[body]
+mass_kg = 0.012
+inertia_kg_m2 = [9e-6, 3e-5, 3e-5]
+drag_area_m2 = [0.001, 0.002, 0.0]
+[gait.fourier]
+frequency_hz = 4.0
+[[links]]
+name = "arm"
+side = "mirrored"
+origin_m = [0.0, 0.02, 0.005]
+mass_kg = 0.001
+com_m = [0.0, 0.025, 0.0]
+inertia_kg_m2 = [2e-7, 1e-8, 2e-7]
+driven = { mean_rad = 0.1, harmonics = [{ amplitude_rad = 0.6, phase_rad = 0.0 }] }
+[[links]]
+name = "hand"
+side = "mirrored"
+parent = "arm"
+origin_m = [0.0, 0.05, 0.0]
+mass_kg = 0.001
+com_m = [0.0, 0.03, 0.0]
+inertia_kg_m2 = [4e-7, 1e-7, 4e-7]
+driven = { mean_rad = -0.3, harmonics = [{ amplitude_rad = 0.3, phase_rad = 1.0 }], lag_rad = 0.4 }
+[[links]]
+name = "feather"
+side = "mirrored"
+parent = "hand"
+origin_m = [0.01, 0.06, 0.0]
+axis = [0.0, -1.0, 0.0]
+mass_kg = 0.001
+com_m = [-0.01, 0.03, 0.0]
+inertia_kg_m2 = [4e-7, 4e-7, 6e-7]
+elastic = { stiffness = 4e-3, damping = 2e-5, rest = 0.05 }
+[[links]]
+name = "tail"
+origin_m = [-0.08, 0.0, 0.0]
+axis = [0.0, 1.0, 0.0]
+mass_kg = 0.0005
+com_m = [-0.02, 0.0, 0.0]
+inertia_kg_m2 = [1e-7, 1e-7, 2e-7]
+free = true
+[[surfaces]]
+name = "wing"
+cd0 = 0.05
+cd90 = 1.5
+planform = [
+  { arc_m = 0.0, leading_edge_m = 0.04, trailing_edge_m = -0.06 },
+  { arc_m = 0.20, leading_edge_m = 0.02, trailing_edge_m = -0.03 },
+]
+panels = [
+  { link = "body", origin_m = [0.0, 0.0, 0.005] },
+  { link = "arm", from_arc_m = 0.02 },
+  { link = "hand", from_arc_m = 0.07 },
+  { link = "feather", from_arc_m = 0.13, origin_m = [-0.01, 0.0, 0.0] },
+]
+[[surfaces]]
+name = "tail"
+cd0 = 0.03
+strips = 7
+planform = [
+  { arc_m = 0.0, leading_edge_m = 0.0, trailing_edge_m = -0.05 },
+  { arc_m = 0.06, leading_edge_m = -0.01, trailing_edge_m = -0.04 },
+]
+panels = [{ link = "tail" }]
+"#;
+
+#[derive(Clone, Copy, PartialEq)]
+enum Preset {
+    Paper,
+    Full,
+}
+
+fn robot(text: &str, preset: Preset, density: f64) -> Robot {
+    let spec: RobotSpec = toml::from_str(text).unwrap();
+    let models = spec.outlines().unwrap().into_iter().map(|outline| match preset {
+        Preset::Paper => {
+            let settings = LiftingLineSettings {
+                nodes: outline.strips.unwrap_or(12),
+                density_kg_m3: density,
+                law: LiftLaw::Stall,
+                drag: outline.drag,
+                ..LiftingLineSettings::default()
+            };
+            Aero::LiftingLine(LiftingLine::new(&outline.planform, settings).unwrap())
+        }
+        Preset::Full => {
+            let settings = StripSettings {
+                strips: outline.strips.unwrap_or(14),
+                hinge_arcs_m: outline.hinges,
+                density_kg_m3: density,
+                drag: outline.drag,
+                ..StripSettings::default()
+            };
+            Aero::Strip(StripModel::new(&outline.planform, settings).unwrap())
+        }
+    });
+    let air = Air { density, wind: Wind::steady(Vec3::new(0.1, -0.2, 0.05)) };
+    Robot::new(&spec, models.collect(), air, 0.3).unwrap()
+}
+
+/// In flight with every part in motion.
+fn moving(robot: &Robot) -> Vec<f64> {
+    let l = robot.layout();
+    let mut x: Vec<f64> = (0..l.len).map(|i| 0.05 * (1.7 * i as f64).sin()).collect();
+    Quat::from_roll_pitch_yaw(0.2, -0.3, 0.4).store_wxyz(&mut x[l.attitude..]);
+    Vec3::new(2.0, 0.1, -0.3).store(&mut x[l.velocity..]);
+    Vec3::new(0.4, -0.8, 0.5).store(&mut x[l.rate..]);
+    let count = (l.aero - l.joints) / 2;
+    for (i, joint) in x[l.joints..l.aero].iter_mut().enumerate() {
+        *joint = if i < count { 0.004 + 0.002 * i as f64 } else { 0.3 - 0.2 * i as f64 };
+    }
+    x
+}
+
+fn rates(robot: &Robot, t: f64, x: &[f64]) -> Vec<f64> {
+    let mut dx = vec![0.0; x.len()];
+    robot.rates(t, x, &vec![0.0; robot.inputs().len()], &mut dx).unwrap();
+    dx
+}
+
+#[test]
+fn coordinates_and_articulated_bodies_agree_in_vacuum() {
+    let robot = robot(CHAIN, Preset::Paper, 0.0);
+    let (x, l, tree) = (moving(&robot), *robot.layout(), robot.tree());
+    let dx = rates(&robot, 0.0, &x);
+    let attitude = Quat::from_wxyz(&x[l.attitude..]).matrix();
+    let (v, w) = (attitude.transpose_mul(Vec3::from_slice(&x[l.velocity..])), Vec3::from_slice(&x[l.rate..]));
+    let joints: Vec<Jet> = (0..4).map(|i| Jet::new(x[l.joints + i], x[l.joints + 4 + i], 0.0)).collect();
+    let mut motions = [LinkMotion::default(); 4];
+    tree.motions(&joints, v, w, &mut motions);
+    let stop = |x: f64| 0.5 * (x + x.hypot(2e-4)) * 200.0;
+    let (q, d) = (joints[1].x, joints[1].d);
+    let slide = -30.0 * (q - 0.002) - 0.02 * d - stop(q - 0.01) + stop(-0.01 - q);
+    let fin = |i: usize| -2e-3 * joints[i].x - 1e-6 * joints[i].d;
+    let efforts = [0.0, slide, fin(2), fin(3)];
+    let g = attitude.transpose_mul(Vec3::new(0.0, 0.0, -wingbeat::math::GRAVITY));
+    let free = tree.forward_dynamics(w, &motions, &efforts, g, Wrench::ZERO, &[Wrench::ZERO; 4]).unwrap();
+    let base = attitude * free.base.origin;
+    let expected = base.0.into_iter().chain(free.base.angular.0).chain(free.joints);
+    let found = dx[l.velocity..l.velocity + 6].iter().chain(&dx[l.joints + 4..l.joints + 8]);
+    for (found, expected) in found.zip(expected) {
+        assert!((found - expected).abs() < 1e-10 * expected.abs().max(1.0), "{found} {expected}");
+    }
+    assert_eq!(dx[l.joints..l.joints + 4], x[l.joints + 4..l.joints + 8]);
+}
+
+/// Inverse dynamics with the loads of the accelerated strips returns what the springs exert: air,
+/// inertia and coupling all enter once, on the way there and on the way back.
+#[test]
+fn elastic_joints_bear_the_efforts_of_their_springs() {
+    for preset in [Preset::Paper, Preset::Full] {
+        let robot = robot(FLAPPER, preset, 1.2);
+        let (x, l) = (moving(&robot), *robot.layout());
+        let seen = robot.observe(0.05, &x, &[]).unwrap();
+        let joint = |name: &str| robot.tree().find(name).unwrap();
+        let coordinates = ["feather_left", "feather_right", "tail"].map(joint);
+        let largest = seen.torques.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+        for (c, &i) in coordinates.iter().enumerate() {
+            let (q, d) = (x[l.joints + c], x[l.joints + 3 + c]);
+            let effort = if c < 2 { -4e-3 * (q - 0.05) - 2e-5 * d } else { 0.0 };
+            let error = (seen.torques[i] - effort).abs();
+            assert!(error < 1e-12 * largest.max(1.0), "{} {effort} {error:e}", seen.torques[i]);
+        }
+        let loads = [seen.air.total(), seen.body_drag, seen.gravity, seen.inertia];
+        let net = loads.into_iter().fold(Wrench::ZERO, |sum, load| sum + load);
+        assert!(net.force.norm() < 1e-11 && net.moment.norm() < 1e-12, "{net:?}");
+    }
+}
+
+#[test]
+fn drives_air_and_dampers_account_for_the_energy() {
+    for (text, preset) in [(FLAPPER, Preset::Paper), (FLAPPER, Preset::Full), (CHAIN, Preset::Paper)] {
+        let robot = robot(text, preset, 1.2);
+        let (t, h) = (0.05, 1e-5);
+        let seen = robot.observe(t, &moving(&robot), &[]).unwrap();
+        let energy = |h: f64| {
+            let mut x = moving(&robot);
+            let mut work = Workspace::new(x.len(), RK4.b.len());
+            RK4.step(|t, x, dx| robot.rates(t, x, &[], dx), t, h, &mut x, &mut work).unwrap();
+            robot.observe(t + h, &x, &[]).unwrap().energy
+        };
+        let slope = (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
+        let power = seen.power + seen.air_power - seen.dissipation;
+        assert!((slope - power).abs() < 1e-7 * power.abs().max(0.1), "{slope} {power}");
+        assert!(seen.dissipation > 0.0);
+    }
+}
+
+#[test]
+fn mirrored_elastic_joints_stay_alike() {
+    let robot = robot(FLAPPER, Preset::Full, 1.2);
+    let l = *robot.layout();
+    let mut x = vec![0.0; l.len];
+    Quat::from_roll_pitch_yaw(0.0, -0.2, 0.0).store_wxyz(&mut x[l.attitude..]);
+    x[l.velocity] = 2.0;
+    let air = Air { density: 1.2, wind: Wind::steady(Vec3::ZERO) };
+    let spec: RobotSpec = toml::from_str(FLAPPER).unwrap();
+    let models = robot.surfaces().map(|(_, aero)| aero.clone()).collect();
+    let robot = Robot::new(&spec, models, air, 0.3).unwrap();
+    let mut work = Workspace::new(x.len(), RK4.b.len());
+    for i in 0..200 {
+        let t = i as f64 * 5e-4;
+        RK4.step(|t, x, dx| robot.rates(t, x, &[], dx), t, 5e-4, &mut x, &mut work).unwrap();
+    }
+    assert!(x[l.joints].abs() > 1e-3, "the hinge must have moved: {}", x[l.joints]);
+    assert!((x[l.joints] - x[l.joints + 1]).abs() < 1e-10, "{:?}", &x[l.joints..l.aero]);
+    assert!(x[1].abs() < 1e-10 && x[l.rate].abs() < 1e-8);
+}
+
+#[test]
+fn derivatives_through_elastic_joints_are_exact() {
+    for preset in [Preset::Paper, Preset::Full] {
+        let robot = robot(FLAPPER, preset, 1.2);
+        let (x, n) = (moving(&robot), robot.states().len());
+        let mut exact = Linearisation::new(n, 0);
+        exact.evaluate(&robot, 0.05, &x, &[]).unwrap();
+        let l = robot.layout();
+        for j in [l.attitude, l.velocity, l.rate, l.joints, l.joints + 1, l.joints + 5, l.aero, n - 1] {
+            let h = 1e-6;
+            let at = |sign: f64| {
+                let mut moved = x.clone();
+                moved[j] += sign * h;
+                rates(&robot, 0.05, &moved)
+            };
+            let (up, down) = (at(1.0), at(-1.0));
+            for i in 0..n {
+                let (difference, exact) = ((up[i] - down[i]) / (2.0 * h), exact.a[i * n + j]);
+                let scale = 1.0 + exact.abs().max(up[i].abs());
+                assert!((difference - exact).abs() < 2e-4 * scale, "d{i}/d{j}: {difference} {exact}");
+            }
+        }
+    }
+}
+
+/// A wing on the left alone and its mirror image on the right load the body alike.
+#[test]
+fn one_sided_surfaces_mirror_one_another() {
+    let side = |span: &str, y: f64| {
+        format!(
+            r#"
+name = "half"
+body = {{ mass_kg = 0.02, inertia_kg_m2 = [1e-5, 1e-5, 1e-5] }}
+[[surfaces]]
+name = "wing"
+span = "{span}"
+planform = [
+  {{ arc_m = 0.0, leading_edge_m = 0.03, trailing_edge_m = -0.07 }},
+  {{ arc_m = 0.3, leading_edge_m = 0.01, trailing_edge_m = -0.03 }},
+]
+panels = [{{ link = "body", origin_m = [0.0, {y}, 0.0], direction = [0.0, {y}, 0.0] }}]
+"#
+        )
+    };
+    for preset in [Preset::Paper, Preset::Full] {
+        let load = |span: &str, y: f64| {
+            let robot = robot(&side(span, y), preset, 1.2);
+            let l = *robot.layout();
+            let mut x = vec![0.0; l.len];
+            Quat::from_roll_pitch_yaw(0.0, -0.1, 0.0).store_wxyz(&mut x[l.attitude..]);
+            Vec3::new(3.1, -0.2, 0.05).store(&mut x[l.velocity..]);
+            for _ in 0..40 {
+                let dx = rates(&robot, 0.0, &x);
+                (l.aero..l.len).for_each(|s| x[s] += 2e-4 * dx[s]);
+            }
+            robot.observe(0.0, &x, &[]).unwrap().air.total()
+        };
+        let (left, right) = (load("left", 0.02), load("right", -0.02));
+        let scale = left.force.norm();
+        assert!(left.force[2] > 0.01, "lift {:?}", left.force);
+        for (i, sign) in [(0, 1.0), (1, -1.0), (2, 1.0)] {
+            assert!((left.force[i] - sign * right.force[i]).abs() < 1e-12 * scale, "{left:?} {right:?}");
+            assert!((left.moment[i] + sign * right.moment[i]).abs() < 1e-12 * scale, "{left:?} {right:?}");
+        }
+    }
+}
+
+#[test]
+fn what_a_mechanism_cannot_be_is_refused_by_key() {
+    let refusal = |from: &str, to: &str| {
+        let text = CHAIN.replacen(from, to, 1);
+        assert_ne!(text, CHAIN);
+        let spec: RobotSpec = toml::from_str(&text).unwrap();
+        let air = Air { density: 1.2, wind: Wind::steady(Vec3::ZERO) };
+        Robot::new(&spec, Vec::new(), air, 0.0).unwrap_err().to_string()
+    };
+    let unknown = refusal("parent = \"boom\"", "parent = \"bom\"");
+    assert_eq!(unknown, "links[1].parent = \"bom\": allowed is body or a link before this one: boom");
+    assert!(refusal("axis = [1.0, 2.0, -1.0]", "axis = [0.0, 0.0, 0.0]").starts_with("links[0].axis"));
+    assert!(refusal("stiffness = 30.0", "stiffness = -1.0").starts_with("links[1].elastic.stiffness = -1"));
+    assert!(refusal("low = -0.01", "low = 0.02").starts_with("links[1].elastic.stops.low = 0.02"));
+    assert!(refusal("free = true", "free = true\ndriven = {}").contains("one of `driven`"));
+}
