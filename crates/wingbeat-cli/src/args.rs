@@ -29,8 +29,11 @@ pub enum Command {
 
 /// Fly a scenario and write its run folder
 ///
-/// The folder holds scenario.toml (as resolved), record.parquet, summary.json, manifest.json and figures.
-/// It appears when the run is whole.
+/// The folder holds scenario.toml (as resolved), record.parquet, summary.json, manifest.json and figures, and
+/// strips.parquet where the key flight.record_strips_every_s (s) asks for it: for every strip and instant its force
+/// by source in body axes, incidence, width, point at 1/4 chord from the body origin, and circulation where the model
+/// has one (preset paper, five lags of preset full; three lags give circulation_lag_sum). It appears when the run is
+/// whole.
 #[derive(Debug, Args)]
 pub struct Fly {
     /// The scenario

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use indicatif::ProgressBar;
-use wingbeat::flight::Record;
-use wingbeat::scenario::{Run, Scenario, Status};
+use wingbeat::scenario::{FlightStatus, Run, Scenario};
+use wingbeat::simulate::Record;
 use wingbeat_figures::{Draw, FLIGHT};
 use wingbeat_io::write_parquet;
 
@@ -30,6 +30,9 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     folder.write("scenario.toml", &scenario.resolved)?;
     folder.write_json("summary.json", &run.summary)?;
     write_parquet(&folder.file("record.parquet"), &run.record)?;
+    if let Some(strips) = &run.strips {
+        write_parquet(&folder.file("strips.parquet"), strips)?;
+    }
     draw(&folder, &run.record, &FLIGHT, &interrupt)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
@@ -39,7 +42,7 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
         println!("\nrun folder: {}", shown.display());
     }
     match run.summary.status {
-        Status::Ok => Ok(()),
+        FlightStatus::Ok => Ok(()),
         status => Err(Error::Failed {
             status: outcome::name(status).into(),
             reason: run.summary.reason.unwrap_or_default(),

@@ -1,6 +1,6 @@
 //! The numbers of a flight beside the paper's.
 
-use wingbeat::scenario::{PaperResults, Status, Summary};
+use wingbeat::scenario::{FlightStatus, PaperResults, Summary};
 
 /// A line: what, the paper's number, this run's, and its unit or a remark.
 type Line = (&'static str, Option<f64>, String, &'static str);
@@ -20,12 +20,12 @@ pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
 }
 
 /// The status as summary.json has it.
-pub fn name(status: Status) -> &'static str {
+pub fn name(status: FlightStatus) -> &'static str {
     match status {
-        Status::Ok => "ok",
-        Status::OffTarget => "off_target",
-        Status::Fault => "fault",
-        Status::Stopped => "stopped",
+        FlightStatus::Ok => "ok",
+        FlightStatus::OffTarget => "off_target",
+        FlightStatus::Fault => "fault",
+        FlightStatus::Stopped => "stopped",
     }
 }
 

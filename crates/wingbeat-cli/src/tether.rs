@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use wingbeat::flight::{Ending, Record};
 use wingbeat::scenario::{TetherCase, TetherSummary};
-use wingbeat::tether::{Means, TetherRun};
+use wingbeat::simulate::{Ending, Record};
+use wingbeat::tether::{CycleMean, TetherRun};
 use wingbeat_figures::{cycle_loads, span_loading};
 use wingbeat_io::{read_csv, write_csv, write_parquet};
 
@@ -107,7 +107,7 @@ fn draw(folder: &RunFolder, run: &TetherRun) -> Result<(), Error> {
 }
 
 /// Means of every quantity as CSV.
-fn means(means: &[Means]) -> String {
+fn means(means: &[CycleMean]) -> String {
     let rows = means.iter().map(|m| format!("{},{},{},{},{}\n", m.name, m.unit, m.mean, m.low, m.high));
     std::iter::once("quantity,unit,mean,least,most\n".into()).chain(rows).collect()
 }
@@ -118,7 +118,7 @@ fn table(summary: &TetherSummary) -> String {
     let mut text = format!("{name}: preset {preset}, law {lift_law}; last cycle, from rest\n\n");
     text += &format!("{:<18}{:>11}{:>11}{:>11}\n", "", "mean", "least", "most");
     for row in summary.cycle.iter().filter(|row| PRINTED.contains(&row.name.as_str())) {
-        let Means { name, unit, mean, low, high } = row;
+        let CycleMean { name, unit, mean, low, high } = row;
         text += format!("{name:<18}{mean:>11.5}{low:>11.5}{high:>11.5}  {unit}").trim_end();
         text.push('\n');
     }

@@ -1,6 +1,6 @@
 //! The commands to the regulators with their limits.
 
-use wingbeat::flight::{Column, Record};
+use wingbeat::simulate::{Column, Record};
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;

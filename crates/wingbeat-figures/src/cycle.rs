@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 /// Rows of the last whole cycle of `shoulder_left`, from one upward crossing of its mean to the next.
 ///
@@ -21,7 +21,7 @@ pub fn last(record: &Record) -> Option<Range<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wingbeat::flight::Column;
+    use wingbeat::simulate::Column;
 
     #[test]
     fn a_sine_has_its_period() {

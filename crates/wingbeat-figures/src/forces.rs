@@ -1,6 +1,7 @@
 //! The forces by source over the last stroke.
 
-use wingbeat::flight::Record;
+use wingbeat::aero::LoadSource;
+use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
@@ -8,9 +9,6 @@ use crate::{Error, cycle, needed, style};
 
 const AXES: [(&str, &str); 3] =
     [("x", "forward force [N]"), ("y", "left force [N]"), ("z", "upward force [N]")];
-
-/// Sources that are no force of the air.
-const OF_MASS: [&str; 2] = ["gravity", "inertia"];
 
 /// Every `force_<source>_x`, `_y`, `_z` (body frame) and the sum of those of the air over the last whole stroke;
 /// over the whole record when there is none.
@@ -34,7 +32,7 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
         let mut curves = Vec::new();
         for (index, source) in sources.iter().enumerate() {
             let y = &needed(record, &format!("force_{source}_{axis}"))?[rows.clone()];
-            if !OF_MASS.contains(source) {
+            if LoadSource::ALL.iter().any(|known| known.name() == *source && known.is_of_air()) {
                 sum.iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
             }
             curves.push(Curve::new(source.replace('_', " "), &x, y.to_vec(), index));

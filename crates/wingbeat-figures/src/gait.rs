@@ -1,6 +1,6 @@
 //! A planned gait over its cycle beside the robot's own.
 
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
@@ -79,7 +79,7 @@ fn panel(title: &str, curves: Vec<Curve>) -> Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wingbeat::flight::Column;
+    use wingbeat::simulate::Column;
 
     #[test]
     fn a_cycle_is_drawn_with_and_without_the_own_gait() {

@@ -30,7 +30,7 @@ pub use states::states;
 pub use tether::{cycle_loads, span_loading};
 pub use write::{Figure, write, write_for_screen};
 
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 /// What draws a figure of a record.
 pub type Draw = fn(&Record) -> Result<Figure, Error>;

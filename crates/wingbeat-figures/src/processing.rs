@@ -1,8 +1,8 @@
 //! What processing made of a run: raw against filtered samples, and every cycle with their mean.
 
 use kuva::plot::annotations::ReferenceLine;
-use wingbeat::flight::Record;
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked, stacked_with};
 use crate::write::Figure;

@@ -6,7 +6,7 @@ use kuva::plot::scatter::ScatterPlot;
 use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 use crate::write::Figure;
 use crate::{Error, needed, style};

@@ -1,6 +1,6 @@
 //! The state figure: orientation, position, shoulder and elbow angles over time.
 
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;

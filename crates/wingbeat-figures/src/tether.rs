@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use wingbeat::flight::Record;
+use wingbeat::aero::{Circulation, LoadSource};
+use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
@@ -12,9 +13,6 @@ use crate::{Error, needed, style};
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Phases at which the span is shown, cycles.
 const PHASES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
-
-/// Sources of a strip's loads.
-const SOURCES: [&str; 4] = ["circulatory", "induced_drag", "added_mass", "profile_drag"];
 
 /// Lift and drag, forces by source, the pitching moment and the motion over the last cycle.
 pub fn cycle_loads(record: &Record) -> Result<Figure, Error> {
@@ -62,7 +60,7 @@ impl<'a> LastCycle<'a> {
 
     fn by_source(&self, axis: &str, title: &str) -> Result<Panel, Error> {
         let mut curves = Vec::new();
-        for (index, source) in SOURCES.iter().enumerate() {
+        for (index, source) in LoadSource::STRIP.map(LoadSource::name).iter().enumerate() {
             curves.push(self.curve(
                 &source.replace('_', " "),
                 &format!("force_{source}_{axis}"),
@@ -103,7 +101,7 @@ impl<'a> LastCycle<'a> {
     }
 }
 
-/// Circulation and incidence over the span at four phases of the last cycle.
+/// Circulation, where the model has one, incidence and force over the span at four phases of the last cycle.
 pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
     let (phase, arc) = (needed(strips, "phase")?, needed(strips, "arc")?);
     let count = 1 + needed(strips, "strip")?.iter().fold(0.0_f64, |most, strip| most.max(*strip)) as usize;
@@ -122,11 +120,13 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
         }
         Ok(panel(title, curves))
     };
-    let panels = vec![
-        at_phases("circulation", "circulation [m2/s]", 1.0)?,
-        at_phases("incidence", "incidence, wash included [deg]", DEGREES)?,
-        at_phases("force_z", "upward force per strip, body axes [N]", 1.0)?,
-    ];
+    let mut panels = Vec::new();
+    let circulation = Circulation::Bound.name();
+    if strips.column(circulation).is_some() {
+        panels.push(at_phases(circulation, "circulation [m2/s]", 1.0)?);
+    }
+    panels.push(at_phases("incidence", "incidence, wash included [deg]", DEGREES)?);
+    panels.push(at_phases("force_z", "upward force per strip, body axes [N]", 1.0)?);
     Ok(Figure {
         name: "span",
         scene: stacked(panels, "arc from the middle, left wing positive [m]", style::PANEL),
@@ -145,7 +145,7 @@ fn last_cycle(phase: &[f64]) -> Result<Range<usize>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wingbeat::flight::Column;
+    use wingbeat::simulate::Column;
 
     #[test]
     fn the_last_cycle_closes_where_the_next_begins() {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use wingbeat::flight::{Column, Record};
+use wingbeat::simulate::{Column, Record};
 use wingbeat_figures::{Error, Figure, commands, forces, path, states, write};
 
 const SIDES: [(&str, f64); 2] = [("left", 1.0), ("right", -1.0)];

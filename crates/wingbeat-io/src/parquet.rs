@@ -15,7 +15,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
-use wingbeat::flight::{Column, Record};
+use wingbeat::simulate::{Column, Record};
 
 use crate::{Error, arrow_schema};
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use wingbeat::flight::{Column, Record};
+use wingbeat::simulate::{Column, Record};
 
 use crate::Error;
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use wingbeat::flight::{Column, Record};
+use wingbeat::simulate::{Column, Record};
 use wingbeat_io::{ParquetWriter, read_parquet, write_parquet};
 
 fn folder(name: &str) -> PathBuf {

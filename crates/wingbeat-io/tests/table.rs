@@ -1,6 +1,6 @@
 //! Records through CSV and back.
 
-use wingbeat::flight::{Column, Record};
+use wingbeat::simulate::{Column, Record};
 use wingbeat_io::{read_csv, write_csv};
 
 #[test]

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use wingbeat::aero::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
-use wingbeat::math::{RK4, Workspace};
+use wingbeat::math::{RK4, Steps, Workspace};
 
 use crate::aero_full::linear::{Complex, Motion, SmallMotion};
 use crate::aero_full::{Point, Preset, wings};
@@ -55,13 +55,11 @@ impl Stream {
         let (mut x, mut dx, mut wash) = (vec![0.0; 3 * m], vec![0.0; 3 * m], vec![0.0; m]);
         let mut work = Workspace::new(3 * m, 4);
         let h = travel * self.area / (airspeed * steps.max(1) as f64);
-        for _ in 0..steps {
-            let rates = |_: f64, x: &[f64], dx: &mut [f64]| {
-                self.line.rates_in_wash(&stream, &stream, x, dx, &mut wash);
-                Ok::<(), Error>(())
-            };
-            RK4.step(rates, 0.0, h, &mut x, &mut work)?;
-        }
+        let mut rates = |_: f64, x: &[f64], dx: &mut [f64]| {
+            self.line.rates_in_wash(&stream, &stream, x, dx, &mut wash);
+            Ok::<(), Error>(())
+        };
+        RK4.integrate(&mut rates, Steps::new(0.0, h, steps), &mut x, &mut work)?;
         self.line.rates_in_wash(&stream, &stream, &x, &mut dx, &mut wash);
         Ok(wash)
     }

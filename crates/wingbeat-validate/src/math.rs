@@ -3,7 +3,7 @@
 mod derivatives;
 
 use crate::{Case, Error, Row};
-use wingbeat::math::{RK4, Workspace};
+use wingbeat::math::{RK4, Steps, Workspace};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -15,13 +15,11 @@ pub const CASES: &[Case] = &[
 pub fn error_of_rk4(steps: usize) -> f64 {
     let h = 2.0 / steps as f64;
     let (mut x, mut workspace) = ([1.0], Workspace::new(1, 4));
-    let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
+    let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| {
         dx[0] = x[0] * t.cos();
         Ok::<_, std::convert::Infallible>(())
     };
-    for k in 0..steps {
-        let Ok(()) = RK4.step(rates, k as f64 * h, h, &mut x, &mut workspace);
-    }
+    let Ok(_) = RK4.integrate(&mut rates, Steps::new(0.0, h, steps), &mut x, &mut workspace);
     (x[0] - 2f64.sin().exp()).abs()
 }
 

@@ -2,7 +2,7 @@
 
 use crate::flapbody::{self, FlapBody};
 use crate::{Case, Error, Row};
-use wingbeat::math::{RK4, Scalar, Workspace};
+use wingbeat::math::{RK4, Scalar, Steps, Workspace};
 use wingbeat::ocp::realtime::{RealTime, Settings, Status, Tracking};
 use wingbeat::plant::Plant;
 
@@ -57,9 +57,8 @@ pub fn collocation_errors(intervals: &[usize]) -> Result<Vec<f64>, Error> {
     let (plant, u) = (FlapBody::default(), [0.3, -0.2, 0.25, -0.15]);
     let (mut x, mut work) = (flapbody::initial_state(), Workspace::new(14, 4));
     let dt = DURATION / STEPS as f64;
-    for i in 0..STEPS {
-        RK4.step(|t, x, dx| plant.rates(t, x, &u, dx), i as f64 * dt, dt, &mut x, &mut work)?;
-    }
+    let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates(t, x, &u, dx);
+    RK4.integrate(&mut rates, Steps::new(0.0, dt, STEPS), &mut x, &mut work)?;
     let error = |&intervals: &usize| -> Result<f64, Error> {
         let solver = collocated(DURATION, vec![u; intervals + 1])?;
         Ok(largest_difference(solver.state(intervals), &x))

@@ -17,7 +17,7 @@ pub mod robot;
 
 pub mod ocp;
 
-pub mod flight;
+pub mod simulate;
 
 pub mod guide;
 

@@ -3,7 +3,9 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use wingbeat::scenario::{Run, Scenario, Status};
+use wingbeat::aero::LoadSource;
+use wingbeat::scenario::{FlightStatus, Run, Scenario};
+use wingbeat::simulate::Record;
 
 fn fly(overrides: &[&str]) -> Run {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
@@ -16,7 +18,7 @@ fn fly(overrides: &[&str]) -> Run {
 fn the_banking_turn_meets_the_paper_and_converges_with_the_step() {
     let run = fly(&["flight.record_every_s=0.005"]);
     let s = &run.summary;
-    assert_eq!(s.status, Status::Ok, "{:?}", s.reason);
+    assert_eq!(s.status, FlightStatus::Ok, "{:?}", s.reason);
     assert!((s.roll_mean_deg.unwrap() - 15.0).abs() < 1.5, "roll {:?}", s.roll_mean_deg);
     assert!((s.pitch_mean_deg.unwrap() + 15.0).abs() < 2.0, "pitch {:?}", s.pitch_mean_deg);
     assert!(s.pitch_half_amplitude_deg.unwrap() < 10.0);
@@ -50,8 +52,7 @@ fn the_same_flight_twice_is_the_same_to_the_bit() {
 #[test]
 fn sources_of_force_sum_to_zero() {
     let record = fly(&["flight.duration_s=0.1"]).record;
-    let sources =
-        ["circulatory", "induced_drag", "added_mass", "profile_drag", "body_drag", "gravity", "inertia"];
+    let sources = LoadSource::ALL.map(LoadSource::name);
     for row in 0..record.rows() {
         for kind in ["force", "moment"] {
             for axis in ["x", "y", "z"] {
@@ -61,6 +62,60 @@ fn sources_of_force_sum_to_zero() {
             }
         }
     }
+}
+
+/// Columns of one row of a record.
+fn at<'a>(record: &'a Record, row: usize) -> impl Fn(&str) -> f64 + 'a {
+    move |name| record.values(name).unwrap_or_else(|| panic!("no column {name}"))[row]
+}
+
+#[test]
+fn strips_sum_to_the_recorded_loads_and_lie_on_the_wing() {
+    let asked = ["flight.duration_s=0.02", "flight.record_strips_every_s=0.004"];
+    let run = fly(&asked);
+    let (record, strips) = (&run.record, run.strips.unwrap());
+    let count = 1 + strips.values("strip").unwrap().iter().fold(0.0_f64, |m, s| m.max(*s)) as usize;
+    assert_eq!((count, strips.rows()), (12, 12 * 6));
+    for instant in 0..6 {
+        let whole = at(record, 4 * instant);
+        let each: Vec<_> = (0..count).map(|i| at(&strips, instant * count + i)).collect();
+        for source in LoadSource::STRIP.map(LoadSource::name) {
+            for axis in ["x", "y", "z"] {
+                let name = format!("force_{source}_{axis}");
+                let sum: f64 = each.iter().map(|strip| strip(&name)).sum();
+                assert!((sum - whole(&name)).abs() < 1e-14, "{name}: {sum} and {}", whole(&name));
+            }
+        }
+        for (i, strip) in each.iter().enumerate() {
+            assert_eq!(strip("t"), whole("t"));
+            assert_eq!(strip("circulation"), whole(&format!("circulation_{i}")));
+            assert_eq!(strip("incidence"), whole(&format!("incidence_{i}")));
+            let reach = strip("quarter_chord_y").hypot(strip("quarter_chord_z"));
+            assert!(reach < strip("arc").abs() + 0.02 && strip("width") > 0.0, "strip {i} at {reach}");
+        }
+        let width: f64 = each.iter().map(|strip| strip("width")).sum();
+        assert!((width / (each[0]("arc") - each[count - 1]("arc")) - 1.0).abs() < 0.1, "{width}");
+    }
+    assert!(fly(&asked[..1]).strips.is_none());
+}
+
+#[test]
+fn only_a_bound_circulation_is_called_one() {
+    let columns = |lags: &str| {
+        let lags = format!("aero.full.lags={lags}");
+        let asked =
+            ["aero.preset=full", &lags, "flight.duration_s=0.002", "flight.record_strips_every_s=0.001"];
+        let strips = fly(&asked).strips.unwrap();
+        ["circulation", "circulation_lag_sum"].map(|name| strips.column(name).is_some())
+    };
+    assert_eq!((columns("three"), columns("five")), ([false, true], [true, false]));
+}
+
+#[test]
+fn strips_are_recorded_at_whole_records() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
+    let refused = Scenario::load(&path, &["flight.record_strips_every_s=0.0015".into()]).err().unwrap();
+    assert!(refused.to_string().contains("a whole number of records every 0.001 s"), "{refused}");
 }
 
 #[test]

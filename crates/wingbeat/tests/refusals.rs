@@ -6,9 +6,9 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use wingbeat::flight::{Column, Record};
 use wingbeat::parallel;
 use wingbeat::scenario::{ConfigError, Document, Place, RigRun, Scenario, Sweep, TetherCase};
+use wingbeat::simulate::{Column, Record};
 
 /// What a number may be set to, and have a meaning.
 const NUMBERS: [&str; 4] = ["-1", "0", "1e-9", "900000000000"];

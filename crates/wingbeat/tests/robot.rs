@@ -1,11 +1,13 @@
 //! The flying robot as a whole: symmetry, momentum, power, derivatives.
 
+use std::ops::ControlFlow;
 use wingbeat::aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings,
 };
-use wingbeat::math::{Quat, RK4, Vec3, Workspace};
+use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::{Linearisation, LocalChart, Plant};
 use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
+use wingbeat::simulate::{Held, Moment, Observed, Stepper};
 
 fn spec(name: &str) -> RobotSpec {
     let path = format!("{}/../../robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -68,18 +70,18 @@ fn a_symmetric_state_stays_symmetric() {
 #[test]
 fn joint_power_is_the_rate_of_energy_in_vacuum() {
     let robot = robot("aerobat_paper", 1e-300);
-    let mut x = flying(&robot, 0.1);
     let u = [0.2, -0.1, 0.1, 0.3, -0.2, 0.1, 0.25, -0.2];
     let (h, steps) = (1e-4, 400);
-    let mut work = Workspace::new(x.len(), 4);
     let (mut energies, mut powers) = (Vec::new(), Vec::new());
-    for i in 0..=steps {
-        let t = i as f64 * h;
-        let o = robot.observe(t, &x, &u).unwrap();
+    let mut watch = Held(|_, at: Moment| {
+        let o = robot.observed(at)?;
         energies.push(o.energy);
         powers.push(o.power);
-        RK4.step(|t, x, dx| robot.rates(t, x, &u, dx), t, h, &mut x, &mut work).unwrap();
-    }
+        Ok(ControlFlow::Continue(()))
+    });
+    let mut stepper = Stepper::new(&robot, 0.0, &flying(&robot, 0.1));
+    stepper.set_inputs(&u);
+    stepper.run(h, steps, &mut watch).check().unwrap();
     // Simpson's rule over the whole flight.
     let simpson: f64 = (0..=steps)
         .map(|i| powers[i] * if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 })

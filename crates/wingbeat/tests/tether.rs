@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use wingbeat::flight::{Ending, Record};
 use wingbeat::scenario::TetherCase;
+use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::TetherRun;
 
 /// Aerodynamic presets.
@@ -64,8 +64,8 @@ fn a_body_that_moves_forward_is_a_wind_from_ahead() {
     let surge = "body.surge_m.table={file=\"x\",column=\"y\"}";
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
     let read = |_: &std::path::Path| {
-        let mut table = wingbeat::flight::Record::new(
-            ["t", "y"].map(|name| wingbeat::flight::Column::new(name, "", "")).to_vec(),
+        let mut table = wingbeat::simulate::Record::new(
+            ["t", "y"].map(|name| wingbeat::simulate::Column::new(name, "", "")).to_vec(),
             2,
         )
         .unwrap();
@@ -87,8 +87,8 @@ fn a_body_that_moves_forward_is_a_wind_from_ahead() {
 fn a_periodic_table_moves_like_its_function() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
     let read = |_: &std::path::Path| {
-        let columns = ["t", "shoulder"].map(|name| wingbeat::flight::Column::new(name, "", "")).to_vec();
-        let mut table = wingbeat::flight::Record::new(columns, 65).unwrap();
+        let columns = ["t", "shoulder"].map(|name| wingbeat::simulate::Column::new(name, "", "")).to_vec();
+        let mut table = wingbeat::simulate::Record::new(columns, 65).unwrap();
         for i in 0..=64 {
             let phase = f64::from(i) / 64.0;
             table.append(&[phase / 3.5, 35.0 * (std::f64::consts::TAU * phase).sin()]);

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use wingbeat::flight::Record;
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::simulate::Record;
 use wingbeat_io::read_parquet;
 use wingbeat_netft::{Emulator, Faults, Sent, Signal};
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use serde::Serialize;
-use wingbeat::flight::{Column, Record};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::netft::{Account, Scale};
+use wingbeat::simulate::{Column, Record};
 use wingbeat_io::ParquetWriter;
 use wingbeat_netft::{Ending, ROW_BYTES, Report, Row, Timeline, logs, read_log};
 

@@ -5,7 +5,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use wingbeat::flight::{Column, Record};
+use wingbeat::simulate::{Column, Record};
 
 use crate::error::Error;
 

@@ -7,9 +7,9 @@ use std::time::Instant;
 
 use indicatif::ProgressBar;
 use serde::Serialize;
-use wingbeat::flight::Record;
 use wingbeat::parallel;
 use wingbeat::scenario::{Hold, Summary, Sweep};
+use wingbeat::simulate::Record;
 use wingbeat_io::{write_csv, write_parquet};
 
 use crate::args;

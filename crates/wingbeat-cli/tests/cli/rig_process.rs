@@ -7,8 +7,8 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
 use crate::{root, scratch};
-use wingbeat::flight::{Column, Record};
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::simulate::{Column, Record};
 use wingbeat_io::{read_parquet, write_parquet};
 
 fn rigs() -> PathBuf {

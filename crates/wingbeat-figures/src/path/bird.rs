@@ -1,6 +1,6 @@
 //! The robot at the instants at which it is drawn.
 
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 use super::{Point, points};
 

@@ -5,7 +5,7 @@ mod projection;
 mod room;
 mod sheet;
 
-use wingbeat::flight::Record;
+use wingbeat::simulate::Record;
 
 use crate::write::Figure;
 use crate::{Error, needed};

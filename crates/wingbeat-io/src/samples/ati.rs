@@ -8,8 +8,8 @@
 //! them by the counts per unit before writing. Whole numbers are counts, numbers with a point are units:
 //! a division always leaves a point. The time is the host's, to a second: samples are placed by their sequence.
 
-use wingbeat::flight::Column;
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::simulate::Column;
 
 use super::Table;
 use super::text::Cells;

@@ -16,7 +16,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use wingbeat::flight::Column;
+use wingbeat::simulate::Column;
 
 use crate::{Error, read_parquet};
 

@@ -1,10 +1,10 @@
 //! From a file's columns to the record that processing reads: known names, SI units, equal steps of time.
 
 use serde::Serialize;
-use wingbeat::flight::{Column, Record};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::InputSpec;
 use wingbeat::rig::unit::Quantity;
+use wingbeat::simulate::{Column, Record};
 
 use super::Table;
 use super::grid::Grid;

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use csv::StringRecord;
-use wingbeat::flight::Column;
+use wingbeat::simulate::Column;
 
 use super::{MOST_NUMBERS, Table, ati};
 use crate::Error;

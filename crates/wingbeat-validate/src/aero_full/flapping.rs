@@ -3,11 +3,14 @@
 
 use super::wings::rectangle;
 use super::{Preset, STRIPS};
+use std::ops::ControlFlow;
+
 use crate::{Error, Row, reference_table};
 use std::f64::consts::FRAC_PI_2;
 use std::f64::consts::PI;
 use wingbeat::aero::{Loads, Planform};
-use wingbeat::math::{RK4, Vec3, Workspace, Wrench};
+use wingbeat::math::{Vec3, Wrench};
+use wingbeat::simulate::{Held, Moment, Observed, Stepper};
 use wingbeat::tether::{Clock, Coordinate, Hinge, HingeKind, Motion, Reference, Side, Tether, Wing};
 
 /// Flapping frequency of all cases, Hz.
@@ -91,24 +94,17 @@ impl Flap {
 
 /// Loads of the last cycle, from phase 0.
 pub fn last_cycle(tether: &Tether) -> Result<Vec<Loads<f64>>, Error> {
-    let states = tether.aero.states();
     let clock = tether.clock;
-    let (mut x, mut dx) = (vec![0.0; states], vec![0.0; states]);
-    let mut work = Workspace::new(states, 4);
+    let last = clock.steps() - clock.steps_per_cycle..clock.steps();
     let mut kept = Vec::with_capacity(clock.steps_per_cycle);
-    for step in 0..clock.steps() {
-        let t = step as f64 * clock.step();
-        let mut loads = Loads::default();
-        if step >= clock.steps() - clock.steps_per_cycle {
-            tether.evaluate(t, &x, &mut dx, &mut loads);
-            kept.push(loads);
+    let mut keep = Held(|step: usize, at: Moment| {
+        if last.contains(&step) {
+            kept.push(tether.observed(at)?);
         }
-        let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
-            tether.evaluate(t, x, dx, &mut loads);
-            Ok::<(), Error>(())
-        };
-        RK4.step(rates, t, clock.step(), &mut x, &mut work)?;
-    }
+        Ok(ControlFlow::Continue(()))
+    });
+    let mut stepper = Stepper::new(tether, 0.0, &vec![0.0; tether.aero.states()]);
+    stepper.run(clock.step(), clock.steps(), &mut keep).check()?;
     Ok(kept)
 }
 

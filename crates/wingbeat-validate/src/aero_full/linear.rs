@@ -4,7 +4,7 @@ use super::wings::Still;
 use crate::Error;
 use wingbeat::aero::{Aero, Loads};
 use wingbeat::math::{Dual, Jet, Scalar, Vec3, linear};
-use wingbeat::tether::BodyMotion;
+use wingbeat::tether::TetheredBody;
 
 /// A complex number (real, imaginary).
 pub type Complex = (f64, f64);
@@ -139,17 +139,17 @@ fn mix(columns: &[Vec<f64>; 3], i: usize, powers: &[Complex; 3]) -> Complex {
 }
 
 /// The body at rest, with a derivative along derivative `order` of q.
-fn body(motion: Motion, order: Option<usize>) -> BodyMotion<D> {
+fn body(motion: Motion, order: Option<usize>) -> TetheredBody<D> {
     let unit = |k| if order == Some(k) { D::variable(0.0, 0) } else { D::ZERO };
     let q = Jet::new(unit(0), unit(1), unit(2));
     match motion {
-        Motion::Plunge => BodyMotion { heave: -q, ..BodyMotion::rest() },
-        Motion::Pitch(axis_ahead_m) => BodyMotion { nose_up: q, axis_ahead_m, ..BodyMotion::rest() },
+        Motion::Plunge => TetheredBody { heave: -q, ..TetheredBody::rest() },
+        Motion::Pitch(axis_ahead_m) => TetheredBody { nose_up: q, axis_ahead_m, ..TetheredBody::rest() },
     }
 }
 
 /// One column of the linearisation.
-fn derivatives(model: &Aero, still: &Still, body: &BodyMotion<D>, x: &[D]) -> Column {
+fn derivatives(model: &Aero, still: &Still, body: &TetheredBody<D>, x: &[D]) -> Column {
     let angles: Vec<_> = still.angles.iter().map(|a| Jet::from(a.x)).collect();
     let frame = body.frame();
     let sections: Vec<_> = model.arcs().iter().map(|&arc| still.wing.section(arc, &frame, &angles)).collect();

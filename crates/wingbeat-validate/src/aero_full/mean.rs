@@ -7,7 +7,7 @@ use crate::{Error, Row, reference_table};
 use std::f64::consts::PI;
 use wingbeat::aero::Loads;
 use wingbeat::math::{Jet, Vec3};
-use wingbeat::tether::{BodyMotion, Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
+use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, TetheredBody, Wing};
 
 /// Steady induced drag over the Trefftz drag of the wing's own circulation.
 pub fn trefftz() -> Result<Vec<Row>, Error> {
@@ -39,7 +39,7 @@ fn drag_over_trefftz(still: &Still) -> Result<f64, Error> {
     let alpha = 2_f64.to_radians();
     let wind = Vec3::new(-alpha.cos(), 0.0, alpha.sin());
     let angles: Vec<Jet<f64>> = still.angles.clone();
-    let frame = BodyMotion::rest().frame();
+    let frame = TetheredBody::rest().frame();
     let sections: Vec<_> = model.arcs().iter().map(|&arc| still.wing.section(arc, &frame, &angles)).collect();
     let (mut x, mut dx) = (vec![0.0; model.states()], vec![0.0; model.states()]);
     let mut loads = Loads::default();

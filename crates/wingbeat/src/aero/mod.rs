@@ -12,7 +12,7 @@ mod strip;
 pub use crate::math::Wrench;
 pub use law::{LiftLaw, ProfileDrag};
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
-pub use loads::{Coupling, Loads, StripLoads};
+pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
 pub use planform::{Gap, Planform, PlanformStation, Span};
 pub use station::{SectionField, SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings};
@@ -74,6 +74,23 @@ impl Aero {
     pub fn mirrored(&self, i: usize) -> usize {
         let strips = self.strips();
         i - i % strips + (strips - 1 - i % strips)
+    }
+    /// Widths of the strips along the arc, m.
+    pub fn widths(&self) -> &[f64] {
+        match self {
+            Self::LiftingLine(line) => line.widths(),
+            Self::Strip(model) => model.widths(),
+        }
+    }
+    /// What [`Loads::circulation`] holds: three lags make no bound circulation.
+    pub fn circulation(&self) -> Circulation {
+        match self {
+            Self::LiftingLine(_) => Circulation::Bound,
+            Self::Strip(model) => match model.settings().lags {
+                LagSet::Three => Circulation::LagSum,
+                LagSet::Five => Circulation::Bound,
+            },
+        }
     }
     /// Name of the lift law.
     pub fn law(&self) -> LiftLaw {

@@ -4,13 +4,14 @@ use super::stand::{Flapping, Stand};
 use super::{MAX_INTERVALS, MAX_MESHES};
 use crate::Error;
 use crate::body::drive_power;
-use crate::math::{RK4, Scalar, Workspace};
+use crate::math::Scalar;
 use crate::ocp::interior_point::Options;
 use crate::ocp::{
     Ends, FREE, Instant, OptimalControl, Optimum, Progress, Refinement, Scheme, Setup, Trajectory, optimise,
 };
 use crate::plant::{Channel, Fault, Plant};
 use crate::require;
+use crate::simulate::{Held, Moment, Sizes, Stepper, System};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -238,31 +239,27 @@ impl<'a> LeastPower<'a> {
 
     /// The periodic cycle of the gait with resting regulators.
     fn cycle(&self, flapping: &Flapping) -> Result<Trajectory, Fault> {
-        let (states, inputs) = (self.stand.mirror().states.len(), self.stand.mirror().inputs.len());
-        let rest = vec![0.0; inputs];
-        let p = vec![flapping.frequency_hz, flapping.pitch];
+        let states = self.stand.mirror().states.len();
+        let gait = SteadyGait { problem: self, p: [flapping.frequency_hz, flapping.pitch] };
         let h = 1.0 / (flapping.frequency_hz * STEPS as f64);
-        let mut x = vec![0.0; states + 4];
-        let mut work = Workspace::new(x.len(), RK4.b.len());
-        let mut out = Trajectory { p: p.clone(), ..Trajectory::default() };
-        for step in 0..CYCLES * STEPS {
-            let t = (step % STEPS) as f64 * h;
-            if step % STEPS == 0 {
-                x[states..].fill(0.0);
-                (out.t, out.x) = (Vec::new(), Vec::new());
-            }
-            if step % (STEPS / SAMPLES) == 0 {
-                out.t.push(t);
-                out.x.push(x.clone());
-            }
-            let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
-                OptimalControl::rates(self, Instant { t, x, u: &rest, p: &p }, dx)
-            };
-            RK4.step(rates, t, h, &mut x, &mut work)?;
+        let mut stepper = Stepper::new(&gait, 0.0, &vec![0.0; states + 4]);
+        let mut out = Trajectory { p: gait.p.to_vec(), ..Trajectory::default() };
+        for _ in 0..CYCLES {
+            stepper.set_time(0.0);
+            stepper.state_mut()[states..].fill(0.0);
+            (out.t, out.x) = (Vec::new(), Vec::new());
+            let mut keep = Held(|step: usize, at: Moment| {
+                if step < STEPS && step.is_multiple_of(STEPS / SAMPLES) {
+                    out.t.push(at.t);
+                    out.x.push(at.x.to_vec());
+                }
+                Ok(ControlFlow::Continue(()))
+            });
+            stepper.run(h, STEPS, &mut keep).check()?;
         }
         out.t.push(1.0 / flapping.frequency_hz);
-        out.x.push(x);
-        out.u = vec![rest; out.t.len()];
+        out.x.push(stepper.state().to_vec());
+        out.u = vec![stepper.inputs().to_vec(); out.t.len()];
         Ok(out)
     }
 
@@ -283,6 +280,25 @@ impl<'a> LeastPower<'a> {
             }
             channel
         })
+    }
+}
+
+/// The states of a [`LeastPower`] problem at one frequency and pitch.
+struct SteadyGait<'a> {
+    problem: &'a LeastPower<'a>,
+    p: [f64; 2],
+}
+
+impl System for SteadyGait<'_> {
+    type Memory = ();
+
+    fn sizes(&self) -> Sizes {
+        let mirror = self.problem.stand.mirror();
+        Sizes { states: mirror.states.len() + 4, inputs: mirror.inputs.len() }
+    }
+    fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
+        let Moment { t, x, u, .. } = at;
+        OptimalControl::rates(self.problem, Instant { t, x, u, p: &self.p }, dx)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::manoeuvre::{Manoeuvre, angle_error};
 use crate::Error;
-use crate::flight::{Column, Controller, Update};
 use crate::math::{Quat, Scalar, Vec3};
 use crate::ocp::realtime::{Plan, RealTime, Settings, Tracking};
-use crate::plant::{Channel, LocalChart, Plant};
+use crate::plant::{Channel, LocalChart, Plant, Role};
 use crate::require;
+use crate::simulate::{Column, Controller, Estimator, Measurement, TrueState, Update};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -163,9 +163,9 @@ impl Tracking for AttitudeTracking {
     }
 }
 
-/// Predictive controller of any plant with an attitude and the angular rate
-/// `w_WB_B` among its states.
-pub struct Mpc<'a, P: Plant> {
+/// Predictive controller of any plant with an attitude and an angular rate among its states.
+/// It plans from the state that its estimator makes of the measurement.
+pub struct Mpc<'a, P: Plant, E = TrueState> {
     chart: LocalChart<'a, P>,
     tracking: AttitudeTracking,
     solver: RealTime,
@@ -175,27 +175,45 @@ pub struct Mpc<'a, P: Plant> {
     iterations: usize,
     last_update: Option<f64>,
     local: Vec<f64>,
+    estimator: E,
+    estimate: Vec<f64>,
+    applied: Vec<f64>,
 }
 
 impl<'a, P: Plant> Mpc<'a, P> {
-    /// A controller of `plant` for a manoeuvre.
+    /// A controller of `plant` for a manoeuvre that takes what is measured for the true state.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a setting is out of range, or the plant has no
     /// attitude or angular rate.
     pub fn new(plant: &'a P, manoeuvre: Manoeuvre, spec: &MpcSpec) -> Result<Self, Error> {
+        Self::with_estimator(plant, manoeuvre, spec, TrueState)
+    }
+}
+
+impl<'a, P: Plant, E: Estimator> Mpc<'a, P, E> {
+    /// A controller of `plant` for a manoeuvre behind an estimator of its state.
+    ///
+    /// # Errors
+    /// Those of [`new`](Mpc::new).
+    pub fn with_estimator(
+        plant: &'a P,
+        manoeuvre: Manoeuvre,
+        spec: &MpcSpec,
+        estimator: E,
+    ) -> Result<Self, Error> {
         spec.check()?;
         let chart = LocalChart::new(plant);
         let missing = |what: &str| Error::invalid("plant", what, "a plant with attitude and angular rate");
         let rotation = chart.rotation().ok_or_else(|| missing("no attitude"))?;
-        let rate = chart.states().iter().position(|c| c.name == "w_WB_B_x");
+        let rate = Role::AngularRate(0).place(chart.states());
         let half_range = |c: &Channel| 0.5 * (c.high - c.low);
         let tracking = AttitudeTracking {
             manoeuvre,
             weights: spec.weights.clone(),
             center: Quat::IDENTITY,
             rotation,
-            rate: rate.ok_or_else(|| missing("no angular rate w_WB_B_x"))?,
+            rate: rate.ok_or_else(|| missing("no angular rate"))?,
             input_weights: plant.inputs().iter().map(|c| spec.weights.input / half_range(c)).collect(),
             change_weights: plant
                 .inputs()
@@ -212,6 +230,9 @@ impl<'a, P: Plant> Mpc<'a, P> {
         let solver = RealTime::new(&chart, &tracking, settings)?;
         Ok(Self {
             local: vec![0.0; chart.states().len()],
+            estimator,
+            estimate: vec![0.0; plant.states().len()],
+            applied: vec![0.0; plant.inputs().len()],
             chart,
             tracking,
             previous: solver.plan().clone(),
@@ -237,11 +258,9 @@ impl<'a, P: Plant> Mpc<'a, P> {
         }
         self.chart.localise(x, &mut self.local);
     }
-}
 
-impl<P: Plant> Controller for Mpc<'_, P> {
-    fn update(&mut self, t: f64, x: &[f64]) -> Update {
-        let begun = Instant::now();
+    /// Solves for the plan from the state `x` at `t`; the deadline counts from `begun`.
+    fn replan(&mut self, t: f64, x: &[f64], begun: Instant) -> Update {
         if let Some(last) = self.last_update {
             self.solver.shift(&self.chart, t - last);
             let nodes = self.solver.plan().nodes();
@@ -261,6 +280,18 @@ impl<P: Plant> Controller for Mpc<'_, P> {
             return Update::Late;
         }
         Update::Fresh
+    }
+}
+
+impl<P: Plant, E: Estimator> Controller for Mpc<'_, P, E> {
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
+        let begun = Instant::now();
+        self.solver.plan().input_at(t, &mut self.applied);
+        let mut x = std::mem::take(&mut self.estimate);
+        let estimated = self.estimator.estimate(t, measurement, &self.applied, &mut x);
+        let update = estimated.map_or(Update::Kept, |()| self.replan(t, &x, begun));
+        self.estimate = x;
+        update
     }
 
     fn input(&self, t: f64, u: &mut [f64]) {

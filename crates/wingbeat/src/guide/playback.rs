@@ -1,7 +1,7 @@
 //! A controller, then a planned input, then rest.
 
-use crate::flight::{Column, Controller, Update};
 use crate::math::interpolation::lerp;
+use crate::simulate::{Column, Controller, Measurement, Update};
 
 /// Flies `approach` up to the plan's first time, then the planned inputs,
 /// linear between their times; after the last one the regulators hold.
@@ -19,8 +19,8 @@ impl<C: Controller> Playback<C> {
 }
 
 impl<C: Controller> Controller for Playback<C> {
-    fn update(&mut self, t: f64, x: &[f64]) -> Update {
-        if t < self.times[0] { self.approach.update(t, x) } else { Update::Fresh }
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
+        if t < self.times[0] { self.approach.update(t, measurement) } else { Update::Fresh }
     }
 
     fn input(&self, t: f64, u: &mut [f64]) {
@@ -43,7 +43,7 @@ impl<C: Controller> Controller for Playback<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flight::AtRest;
+    use crate::simulate::AtRest;
 
     #[test]
     fn inputs_are_linear_between_their_times_and_held_after() {

@@ -3,13 +3,14 @@
 use super::manoeuvre::{Track, angle_error};
 use super::{MAX_INTERVALS, MAX_MESHES};
 use crate::Error;
-use crate::math::{RK4, Scalar, Workspace};
+use crate::math::Scalar;
 use crate::ocp::interior_point::Options;
 use crate::ocp::{
     Ends, Instant, Limits, OptimalControl, Optimum, Progress, Refinement, Setup, Trajectory, optimise,
 };
-use crate::plant::{Channel, Fault, LocalChart, Plant};
+use crate::plant::{Channel, Fault, LocalChart, Plant, Role};
 use crate::require;
+use crate::simulate::{Held, Moment, Stepper};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -76,8 +77,8 @@ impl RollInSpec {
     }
 }
 
-/// The minimum-time roll-in of any plant with an attitude and the angular
-/// rate `w_WB_B` among its states: min t_f + effort integral |u|^2.
+/// The minimum-time roll-in of any plant with an attitude and an angular
+/// rate among its states: min t_f + effort integral |u|^2.
 pub struct RollIn<'a, P: Plant> {
     chart: LocalChart<'a, P>,
     spec: RollInSpec,
@@ -100,13 +101,13 @@ impl<'a, P: Plant> RollIn<'a, P> {
         chart.center_at(x);
         let missing = |what: &str| Error::invalid("plant", what, "a plant with attitude and angular rate");
         chart.rotation().ok_or_else(|| missing("no attitude"))?;
-        let rate = chart.states().iter().position(|c| c.name == "w_WB_B_x");
+        let rate = Role::AngularRate(0).place(chart.states());
         let mut start = vec![0.0; chart.states().len()];
         chart.localise(x, &mut start);
         let half_ranges: Vec<f64> = plant.inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
         Ok(Self {
             settled: settled(chart.states(), &half_ranges, spec),
-            rate: rate.ok_or_else(|| missing("no angular rate w_WB_B_x"))?,
+            rate: rate.ok_or_else(|| missing("no angular rate"))?,
             half_ranges,
             spec: spec.clone(),
             start,
@@ -143,19 +144,17 @@ impl<'a, P: Plant> RollIn<'a, P> {
         let duration = self.spec.longest_s / 3.0;
         let steps = ((duration * GUESS_RATE).ceil() as usize).max(1);
         let every = (steps / GUESS_SAMPLES).max(1);
-        let (h, rest) = (duration / steps as f64, vec![0.0; self.half_ranges.len()]);
-        let (mut x, mut out) = (self.start.clone(), Trajectory::default());
-        let mut work = Workspace::new(x.len(), RK4.b.len());
-        for i in 0..=steps {
-            let t = self.spec.start_s + i as f64 * h;
-            if i % every == 0 || i == steps {
-                out.t.push(t);
-                out.x.push(x.clone());
-                out.u.push(rest.clone());
+        let mut out = Trajectory::default();
+        let mut keep = Held(|i: usize, at: Moment| {
+            if i.is_multiple_of(every) || i == steps {
+                out.t.push(at.t);
+                out.x.push(at.x.to_vec());
+                out.u.push(at.u.to_vec());
             }
-            let rates = |t: f64, x: &[f64], dx: &mut [f64]| self.chart.rates(t, x, &rest, dx);
-            RK4.step(rates, t, h, &mut x, &mut work)?;
-        }
+            Ok(ControlFlow::Continue(()))
+        });
+        let mut stepper = Stepper::new(&self.chart, self.spec.start_s, &self.start);
+        stepper.run(duration / steps as f64, steps, &mut keep).check()?;
         Ok(out)
     }
 
@@ -229,10 +228,12 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
 /// The structure elements' displacements and rates among the states, and how
 /// large they may be at the end.
 fn settled(states: &[Channel], half_ranges: &[f64], spec: &RollInSpec) -> Vec<(usize, f64)> {
-    let named = |prefix: &'static str| (0..states.len()).filter(move |&i| states[i].name.starts_with(prefix));
-    let displacements =
-        named("displacement_").zip(half_ranges).map(|(i, h)| (i, spec.displacement_within * h));
-    displacements.chain(named("rate_").map(|i| (i, spec.rate_within_rad_s))).collect()
+    let size = |(i, channel): (usize, &Channel)| match channel.role {
+        Role::Displacement(element) => Some((i, spec.displacement_within * half_ranges.get(element)?)),
+        Role::DisplacementRate(_) => Some((i, spec.rate_within_rad_s)),
+        _ => None,
+    };
+    states.iter().enumerate().filter_map(size).collect()
 }
 
 #[cfg(test)]
@@ -266,9 +267,9 @@ mod tests {
 
     #[test]
     fn a_free_body_takes_the_time_of_full_torque_and_full_counter_torque() {
-        let names = ["quat_w", "quat_x", "quat_y", "quat_z", "w_WB_B_x", "w_WB_B_y", "w_WB_B_z"];
+        let roles = (0..4).map(Role::Attitude).chain((0..3).map(Role::AngularRate));
         let top = Top {
-            states: names.map(|n| Channel::free(n, "", "")).into(),
+            states: roles.map(|role| Channel::free(format!("{role:?}"), "", "").of(role)).collect(),
             inputs: ["x", "y", "z"].map(|n| Channel::limited(n, "N m", "B", -1.0, 1.0)).into(),
         };
         let spec = RollInSpec {

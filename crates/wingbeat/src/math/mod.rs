@@ -18,7 +18,7 @@ pub use dual::Dual;
 pub use jet::Jet;
 pub use over::{Over, lift};
 pub use random::Random;
-pub use runge_kutta::{MIDPOINT, RK4, Tableau, Workspace};
+pub use runge_kutta::{Dynamics, MIDPOINT, RK4, Steps, Tableau, Workspace};
 pub use scalar::Scalar;
 pub use space::{Mat3, Quat, Vec3};
 pub use spline::CubicSpline;

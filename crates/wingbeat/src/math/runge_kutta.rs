@@ -1,6 +1,7 @@
 //! Explicit Runge-Kutta methods; a method is its table and nothing else.
 
 use super::Scalar;
+use std::ops::ControlFlow;
 
 /// Butcher table of an explicit method with `STAGES` stages.
 #[derive(Clone, Copy, Debug)]
@@ -72,6 +73,78 @@ impl<const STAGES: usize> Tableau<STAGES> {
             axpy(x, h * *b, k);
         }
         Ok(())
+    }
+}
+
+/// Equal steps of time. Step `k` begins at `start + k length`, free of summed rounding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps<S = f64> {
+    /// Time at which step 0 begins.
+    pub start: S,
+    /// Length of a step.
+    pub length: S,
+    /// First step to take.
+    pub first: usize,
+    /// Number of steps to take.
+    pub count: usize,
+}
+
+impl<S: Scalar> Steps<S> {
+    /// `count` steps of `length` from `start`.
+    pub fn new(start: S, length: S, count: usize) -> Self {
+        Self { start, length, first: 0, count }
+    }
+
+    /// Time at which step `k` begins.
+    pub fn time(&self, k: usize) -> S {
+        self.start + self.length * k as f64
+    }
+}
+
+/// What [`Tableau::integrate`] follows: a slope, and what is done between the steps.
+/// A closure `f(t, x, dx)` is a slope alone.
+pub trait Dynamics<S: Scalar, E> {
+    /// Writes dx/dt.
+    ///
+    /// # Errors
+    /// What makes the slope unusable there.
+    fn slope(&mut self, t: S, x: &[S], dx: &mut [S]) -> Result<(), E>;
+
+    /// Sees the state at the end of step `k`, may correct it, and stops by `Break`.
+    ///
+    /// # Errors
+    /// What makes the state unusable.
+    fn after_step(&mut self, _k: usize, _t: S, _x: &mut [S]) -> Result<ControlFlow<()>, E> {
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
+impl<S: Scalar, E, F: FnMut(S, &[S], &mut [S]) -> Result<(), E>> Dynamics<S, E> for F {
+    fn slope(&mut self, t: S, x: &[S], dx: &mut [S]) -> Result<(), E> {
+        self(t, x, dx)
+    }
+}
+
+impl<const STAGES: usize> Tableau<STAGES> {
+    /// Takes `steps` with the state `x`: the one place that advances a state step after step.
+    /// True when all were taken, false when `dynamics` stopped before.
+    ///
+    /// # Errors
+    /// The first that `dynamics` gives; a step that fails in its slope leaves `x` as it began.
+    pub fn integrate<S: Scalar, E>(
+        &self,
+        dynamics: &mut impl Dynamics<S, E>,
+        steps: Steps<S>,
+        x: &mut [S],
+        work: &mut Workspace<S>,
+    ) -> Result<bool, E> {
+        for k in steps.first..steps.first + steps.count {
+            self.step(|t, x, dx| dynamics.slope(t, x, dx), steps.time(k), steps.length, x, work)?;
+            if dynamics.after_step(k, steps.time(k + 1), x)?.is_break() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 }
 

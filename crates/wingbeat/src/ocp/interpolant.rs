@@ -3,7 +3,7 @@
 use super::problem::{Instant, OptimalControl};
 use super::scheme::Scheme;
 use super::trajectory::Trajectory;
-use crate::math::{RK4, Workspace};
+use crate::math::{RK4, Steps, Workspace};
 use crate::plant::Fault;
 
 /// Where the defect is looked at inside an interval.
@@ -102,14 +102,11 @@ impl Interpolant {
         let mut work = Workspace::new(x.len(), 4);
         for k in 0..self.intervals() {
             let (first, start, h) = self.interval(k);
-            let step = h / steps as f64;
-            let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
+            let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| {
                 let u = self.inside(k, (t - start) / h).1;
                 problem.rates(Instant { t, x, u: &u, p: &self.points.p }, dx)
             };
-            for i in 0..steps {
-                RK4.step(rates, start + i as f64 * step, step, &mut x, &mut work)?;
-            }
+            RK4.integrate(&mut rates, Steps::new(start, h / steps as f64, steps), &mut x, &mut work)?;
             let node = &self.points.x[first + self.scheme.points() - 1];
             for (w, (a, b)) in worst.iter_mut().zip(x.iter().zip(node)) {
                 *w = w.max((a - b).abs());

@@ -1,6 +1,6 @@
 //! A local three-component attitude in place of the quaternion.
 
-use super::{Channel, Fault, MAX_STATES, Plant};
+use super::{Channel, Fault, MAX_STATES, Plant, Role};
 use crate::math::{Mat3, Over, Quat, Scalar, Vec3, lift};
 
 /// The plant seen in a chart around a reference attitude: q_WB = q_ref exp(d),
@@ -19,8 +19,9 @@ impl<'a, P: Plant> LocalChart<'a, P> {
     pub fn new(plant: &'a P) -> Self {
         let mut states = plant.states().to_vec();
         if let Some(a) = plant.attitude() {
-            let axes = ["x", "y", "z"].map(|i| Channel::free(format!("rotation_{i}"), "rad", "B"));
-            states.splice(a..a + 4, axes);
+            let axis =
+                |(i, name)| Channel::free(format!("rotation_{name}"), "rad", "B").of(Role::Rotation(i));
+            states.splice(a..a + 4, ["x", "y", "z"].into_iter().enumerate().map(axis));
         }
         Self { plant, reference: Quat::IDENTITY, states }
     }

@@ -9,7 +9,44 @@ pub use linearise::Linearisation;
 
 use crate::math::{Over, Scalar, lift};
 
-/// One named component of a state or input, with its unit, frame and limits.
+/// What a channel means, whatever its name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Role {
+    /// Nothing that others need to know.
+    #[default]
+    Other,
+    /// Component of the position p_WB along an axis of W: 0, 1, 2.
+    Position(usize),
+    /// Component of the attitude quaternion q_WB: w, x, y, z.
+    Attitude(usize),
+    /// Component of a rotation vector in place of the quaternion, along an axis of B.
+    Rotation(usize),
+    /// Component of the velocity v_WB_W along an axis of W.
+    Velocity(usize),
+    /// Component of the angular rate w_WB_B along an axis of B.
+    AngularRate(usize),
+    /// Displacement of a structure element, by its number.
+    Displacement(usize),
+    /// Rate of a structure element's displacement, by its number.
+    DisplacementRate(usize),
+    /// Coordinate of an elastic or free joint, by its number among them.
+    Coordinate(usize),
+    /// Rate of that coordinate.
+    CoordinateRate(usize),
+    /// State of the air.
+    Air,
+    /// Command to the regulator of a structure element, by its number.
+    Command(usize),
+}
+
+impl Role {
+    /// Place of the channel of this role.
+    pub fn place(self, channels: &[Channel]) -> Option<usize> {
+        channels.iter().position(|channel| channel.role == self)
+    }
+}
+
+/// One named component of a state or input, with its meaning, unit, frame and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// Name, unique within its vector, e.g. `shoulder_left`.
@@ -22,6 +59,8 @@ pub struct Channel {
     pub low: f64,
     /// Upper limit.
     pub high: f64,
+    /// What it means.
+    pub role: Role,
 }
 
 impl Channel {
@@ -38,7 +77,13 @@ impl Channel {
         low: f64,
         high: f64,
     ) -> Self {
-        Self { name: name.into(), unit, frame, low, high }
+        Self { name: name.into(), unit, frame, low, high, role: Role::Other }
+    }
+
+    /// The channel with its meaning.
+    #[must_use]
+    pub fn of(self, role: Role) -> Self {
+        Self { role, ..self }
     }
 
     /// `value` limited to the channel's range.

@@ -1,12 +1,14 @@
 //! One run on the rig: the carried robot, the cell, and the record of both.
 
+use super::FrameMotion;
 use super::carrier::{Carrier, Mount, carried_frames};
 use super::cell::{CHANNELS, CellSpec, LoadCell, six};
 use crate::Error;
-use crate::flight::{Column, Record};
-use crate::math::{Jet, Mat3, Quat, RK4, Workspace, Wrench};
+use crate::math::{Jet, Mat3, Quat, Wrench};
 use crate::plant::{Fault, Plant};
-use crate::robot::{BodyMotion, Robot};
+use crate::robot::{BodyMotion, CarriedLoads, Robot};
+use crate::simulate::{Column, Ending, Held, Moment, Observed, Record, Sizes, Stepper, System};
+use std::ops::ControlFlow;
 
 /// A run ready to be simulated.
 #[derive(Debug)]
@@ -40,11 +42,15 @@ pub struct Outcome {
     pub saturated: usize,
 }
 
-/// Everything about one instant that the record keeps.
-struct Instant {
-    wrench: Wrench<f64>,
-    air: Wrench<f64>,
-    inertia: Wrench<f64>,
+/// Loads of one instant, without noise.
+#[derive(Clone, Copy, Debug)]
+pub struct CellLoads {
+    /// What the cell feels, about its origin, in C.
+    pub wrench: Wrench<f64>,
+    /// Of the air, about the body origin, in B.
+    pub air: Wrench<f64>,
+    /// Of the inertia of body and links, about the body origin, in B.
+    pub inertia: Wrench<f64>,
 }
 
 impl Experiment<'_> {
@@ -57,35 +63,29 @@ impl Experiment<'_> {
         let step = 1.0 / self.cell.rate_hz;
         let samples = ((self.rest + self.duration) * self.cell.rate_hz).round() as usize;
         let mut record = Record::new(self.columns(), samples + 1)?;
-        let mut x = vec![0.0; self.robot.carried_states()];
-        let mut work = Workspace::new(x.len(), RK4.b.len());
-        let u = vec![0.0; self.robot.inputs().len()];
         let mut row = Vec::new();
         let mut saturated = 0;
-        let first = match self.instant(-self.rest, &x, &u) {
+        let mut stepper = Stepper::new(self, -self.rest, &vec![0.0; self.robot.carried_states()]);
+        let first = match stepper.observe() {
             Ok(first) => first,
             Err(fault) => return Ok(Err(fault)),
         };
         let mut cell = LoadCell::new(self.cell, &first.wrench, self.seed)?;
-        for k in 0..=samples {
-            let t = k as f64 * step - self.rest;
-            let now = match self.instant(t, &x, &u) {
-                Ok(now) => now,
-                Err(fault) => return Ok(Err(fault)),
-            };
+        let mut measure = Held(|k: usize, at: Moment| {
+            let now = self.observed(at)?;
             let reading = cell.sample(&now.wrench);
             saturated += usize::from(reading.saturated);
-            self.fill(&mut row, t, &now, &reading.values);
+            self.fill(&mut row, at.t, &now, &reading.values);
             record.append(&row);
-            let rates = |t: f64, x: &[f64], dx: &mut [f64]| self.rates(t, x, &u, dx);
-            if let Err(fault) = RK4.step(rates, t, step, &mut x, &mut work) {
-                return Ok(Err(fault));
-            }
-            if k % 512 == 0 {
+            if k.is_multiple_of(512) {
                 progress(k as f64 / samples as f64);
             }
+            Ok(ControlFlow::Continue(()))
+        });
+        match stepper.run(step, samples, &mut measure) {
+            Ending::Fault(fault) => Ok(Err(fault)),
+            Ending::Complete | Ending::Stopped => Ok(Ok(Outcome { record, saturated })),
         }
-        Ok(Ok(Outcome { record, saturated }))
     }
 
     /// The gait's clock at `t`: at rest before the start, then running up
@@ -102,17 +102,11 @@ impl Experiment<'_> {
         Jet::new(time, s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / self.spin_up)
     }
 
-    fn rates(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
-        let (_, body) = carried_frames(&self.carrier.tool(t), self.mount);
-        self.robot.carried(&self.clock(t), &BodyMotion::from(&body), x, u, dx).map(|_| ())
-    }
-
-    fn instant(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Instant, Fault> {
-        let (cell, body) = carried_frames(&self.carrier.tool(t), self.mount);
-        let mut dx = vec![0.0; x.len()];
-        let loads = self.robot.carried(&self.clock(t), &BodyMotion::from(&body), x, u, &mut dx)?;
-        let wrench = self.mount.to_cell(&loads.total()) + self.mount.wrench(&cell);
-        Ok(Instant { wrench, air: loads.air.total() + loads.body_drag, inertia: loads.inertia })
+    /// Loads of the robot on its mount, and the motion of the cell.
+    fn carried(&self, at: Moment, dx: &mut [f64]) -> Result<(FrameMotion, CarriedLoads), Fault> {
+        let (cell, body) = carried_frames(&self.carrier.tool(at.t), self.mount);
+        let loads = self.robot.carried(&self.clock(at.t), &BodyMotion::from(&body), at.x, at.u, dx)?;
+        Ok((cell, loads))
     }
 
     fn columns(&self) -> Vec<Column> {
@@ -143,7 +137,7 @@ impl Experiment<'_> {
         }
     }
 
-    fn fill(&self, row: &mut Vec<f64>, t: f64, now: &Instant, reading: &[f64; 6]) {
+    fn fill(&self, row: &mut Vec<f64>, t: f64, now: &CellLoads, reading: &[f64; 6]) {
         row.clear();
         row.extend([t, self.robot.phase(self.clock(t).x)]);
         match self.carrier.joints(t) {
@@ -155,6 +149,27 @@ impl Experiment<'_> {
         }
         row.extend(reading);
         row.extend(six(&now.wrench).into_iter().chain(six(&now.air)).chain(six(&now.inertia)));
+    }
+}
+
+impl System for Experiment<'_> {
+    type Memory = ();
+
+    fn sizes(&self) -> Sizes {
+        Sizes { states: self.robot.carried_states(), inputs: self.robot.inputs().len() }
+    }
+    fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
+        self.carried(at, dx).map(|_| ())
+    }
+}
+
+impl Observed for Experiment<'_> {
+    type Observation = CellLoads;
+
+    fn observed(&self, at: Moment) -> Result<CellLoads, Fault> {
+        let (cell, loads) = self.carried(at, &mut vec![0.0; at.x.len()])?;
+        let wrench = self.mount.to_cell(&loads.total()) + self.mount.wrench(&cell);
+        Ok(CellLoads { wrench, air: loads.air.total() + loads.body_drag, inertia: loads.inertia })
     }
 }
 

@@ -4,7 +4,7 @@ use super::dynamics::System;
 use super::sections::Carriers;
 use super::surface::External;
 use super::{Joints, Links, Robot};
-use crate::aero::{Loads, MAX_STRIPS, SectionMotion, Sections, StripLoads};
+use crate::aero::{LoadSource, Loads, MAX_STRIPS, SectionMotion, Sections, StripLoads};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
 use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
 use crate::plant::{Fault, MAX_COORDINATES};
@@ -59,6 +59,10 @@ impl<S: Scalar> CarriedLoads<S> {
     /// The wrench that the robot exerts on its carrier.
     pub fn total(&self) -> Wrench<S> {
         self.air.total() + self.body_drag + self.gravity + self.inertia
+    }
+    /// The loads in the order of [`LoadSource::ALL`].
+    pub fn parts(&self) -> [Wrench<S>; LoadSource::ALL.len()] {
+        self.air.parts_with([self.body_drag, self.gravity, self.inertia])
     }
     /// Mechanical power of the joints, W.
     pub fn joint_power(&self) -> S {

@@ -26,7 +26,7 @@ use crate::Error;
 use crate::aero::Aero;
 use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
 use crate::math::{Jet, Vec3};
-use crate::plant::Channel;
+use crate::plant::{Channel, Role};
 use arrayvec::ArrayVec;
 use joints::Placed;
 use mechanism::Mechanism;
@@ -106,7 +106,7 @@ impl Robot {
             air,
             layout,
             states: layout.channels(&elements, &mechanism, &surfaces),
-            inputs: elements.iter().map(|e| e.regulator.clone()).collect(),
+            inputs: regulators(&elements),
             elements,
             surfaces,
             mechanism,
@@ -160,6 +160,12 @@ impl Robot {
     }
 }
 
+/// The regulators' channels.
+fn regulators(elements: &[Placed]) -> Vec<Channel> {
+    let channel = |(i, e): (usize, &Placed)| e.regulator.clone().of(Role::Command(i));
+    elements.iter().enumerate().map(channel).collect()
+}
+
 /// The links that carry surfaces, ascending.
 fn carriers(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Vec<usize>, Error> {
     let mut carriers = Vec::new();
@@ -210,28 +216,35 @@ impl Layout {
     }
 
     fn channels(&self, elements: &[Placed], mechanism: &Mechanism, surfaces: &[Surface]) -> Vec<Channel> {
-        let axes = |name: &'static str, unit, frame, of: &'static str| {
-            of.chars().map(move |axis| Channel::free(format!("{name}_{axis}"), unit, frame))
+        let axes = |name: &'static str, unit, frame, of: &'static str, role: fn(usize) -> Role| {
+            let axes = of.chars().enumerate();
+            axes.map(move |(i, axis)| Channel::free(format!("{name}_{axis}"), unit, frame).of(role(i)))
         };
-        let displacement = |e: &Placed| Channel::free(format!("displacement_{}", e.name), e.units[0], "");
-        let rate = |e: &Placed| Channel::free(format!("rate_{}", e.name), e.units[1], "");
-        let joint = |prefix: &'static str, of: usize| {
+        let element = |prefix: &'static str, of: usize, role: fn(usize) -> Role| {
+            let channel = move |e: &Placed| Channel::free(format!("{prefix}_{}", e.name), e.units[of], "");
+            elements.iter().enumerate().map(move |(i, e)| channel(e).of(role(i)))
+        };
+        let joint = |prefix: &'static str, of: usize, role: fn(usize) -> Role| {
             let tree = &mechanism.tree;
-            let named = move |&i: &usize| (format!("{prefix}_{}", tree.name(i)), tree.kind(i).units()[of]);
-            mechanism.coordinates.iter().map(named).map(|(name, unit)| Channel::free(name, unit, ""))
+            let named = move |i: usize| (format!("{prefix}_{}", tree.name(i)), tree.kind(i).units()[of]);
+            let named = mechanism.coordinates.iter().map(move |&i| named(i)).enumerate();
+            named.map(move |(k, (name, unit))| Channel::free(name, unit, "").of(role(k)))
         };
         let of_surface = |(i, s): (usize, &Surface)| {
             let prefix = if i == 0 { String::new() } else { format!("{}_", s.name) };
-            s.aero.channels().into_iter().map(move |c| Channel { name: format!("{prefix}{}", c.name), ..c })
+            s.aero
+                .channels()
+                .into_iter()
+                .map(move |c| Channel { name: format!("{prefix}{}", c.name), ..c }.of(Role::Air))
         };
-        axes("p_WB", "m", "W", "xyz")
-            .chain(axes("quat", "", "WB", "wxyz"))
-            .chain(axes("v_WB_W", "m/s", "W", "xyz"))
-            .chain(axes("w_WB_B", "rad/s", "B", "xyz"))
-            .chain(elements.iter().map(displacement))
-            .chain(elements.iter().map(rate))
-            .chain(joint("coordinate", 0))
-            .chain(joint("coordinate_rate", 1))
+        axes("p_WB", "m", "W", "xyz", Role::Position)
+            .chain(axes("quat", "", "WB", "wxyz", Role::Attitude))
+            .chain(axes("v_WB_W", "m/s", "W", "xyz", Role::Velocity))
+            .chain(axes("w_WB_B", "rad/s", "B", "xyz", Role::AngularRate))
+            .chain(element("displacement", 0, Role::Displacement))
+            .chain(element("rate", 1, Role::DisplacementRate))
+            .chain(joint("coordinate", 0, Role::Coordinate))
+            .chain(joint("coordinate_rate", 1, Role::CoordinateRate))
             .chain(surfaces.iter().enumerate().flat_map(of_surface))
             .collect()
     }

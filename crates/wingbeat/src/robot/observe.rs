@@ -4,7 +4,7 @@ use super::dynamics::Evaluation;
 use super::sections::{Carriers, Section};
 use super::surface::External;
 use super::{Links, Robot};
-use crate::aero::StripLoads;
+use crate::aero::{LoadSource, Loads, StripLoads};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, joint_power};
 use crate::math::{Mat3, Scalar, Vec3, Wrench};
 use crate::plant::Fault;
@@ -36,13 +36,25 @@ pub struct Observation {
     /// Inertia: minus the rate of momentum of body and links, in B. With the
     /// forces above it sums to zero (d'Alembert).
     pub inertia: Wrench<f64>,
-    /// Incidence of each strip, wash included, rad; surface after surface.
-    pub incidence: Vec<f64>,
+    /// For each surface loads, incidence, circulation and place of its strips, in B about the body origin.
+    pub strips: Vec<Loads<f64>>,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3,
     /// For each surface the ends of its panels, left to right: hinge-line point, leading and trailing
     /// edge, from the body origin, in B, m.
     pub outlines: Vec<Vec<[Vec3; 3]>>,
+}
+
+impl Observation {
+    /// The loads of air, body drag, gravity and inertia in the order of [`LoadSource::ALL`].
+    pub fn parts(&self) -> [Wrench<f64>; LoadSource::ALL.len()] {
+        self.air.parts_with([self.body_drag, self.gravity, self.inertia])
+    }
+
+    /// Incidence of each strip, wash included, rad; surface after surface.
+    pub fn incidence(&self) -> impl Iterator<Item = f64> {
+        self.strips.iter().flat_map(|loads| loads.incidence[..loads.strips].iter().copied())
+    }
 }
 
 impl Robot {
@@ -65,9 +77,9 @@ impl Robot {
         let mut carriers = Carriers::new(&base, wind_dot, &still);
         carriers.follow(&self.carriers, &moving, wind_dot);
         let aero = self.layout.aero;
-        let mut incidence = Vec::new();
+        let mut strips = Vec::new();
         let (air, external, _) = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], |loads| {
-            incidence.extend(&loads.incidence[..loads.strips]);
+            strips.push(*loads);
         });
         let body_drag = self.body_drag(e.base.velocity - wind);
         let g = self.gravity(e.attitude);
@@ -94,7 +106,7 @@ impl Robot {
             air,
             body_drag,
             gravity: tree.gravity(g, &links),
-            incidence,
+            strips,
             center_of_mass: tree.center_of_mass(&links),
             outlines: self.outlines(&e.base, &links),
         })

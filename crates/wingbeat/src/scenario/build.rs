@@ -5,14 +5,16 @@ use super::plan::PlanSpec;
 use super::spec::{AeroSpec, Preset, ScenarioSpec};
 use crate::Error;
 use crate::aero::{Aero, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
-use crate::flight::Schedule;
 use crate::guide::Mpc;
 use crate::math::Vec3;
 use crate::require;
 use crate::robot::{Air, Robot, RobotSpec, SurfaceOutline, Wind};
+use crate::simulate::Schedule;
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
+/// Largest number of rows of a flight's strips: 1 GB in memory.
+const MAX_STRIP_ROWS: usize = 5_000_000;
 /// Most steps of a flight: about twenty minutes of computing.
 const MAX_STEPS: usize = 1_000_000_000;
 
@@ -24,6 +26,8 @@ pub(super) struct Built {
     pub model: Robot,
     /// The clock.
     pub schedule: Schedule,
+    /// Samples between the records of the strips.
+    pub samples_per_strips: Option<usize>,
 }
 
 impl ScenarioSpec {
@@ -37,8 +41,9 @@ impl ScenarioSpec {
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
         let schedule = self.schedule()?;
+        let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
         self.controller(&model)?;
-        Ok(Built { robot, model, schedule })
+        Ok(Built { robot, model, schedule, samples_per_strips })
     }
 
     /// The predictive controller of `model`, if the scenario has one.
@@ -106,19 +111,28 @@ impl ScenarioSpec {
         robot(&spec, &self.aero, air, self.start.phase_rad)
     }
 
+    /// Whole samples between the records of the strips.
+    fn samples_per_strips(&self, schedule: &Schedule, robot: &Robot) -> Result<Option<usize>, Error> {
+        let Some(every) = self.flight.record_strips_every_s else { return Ok(None) };
+        let key = "flight.record_strips_every_s";
+        let samples = whole(key, every, self.flight.record_every_s, "records every")
+            .map_err(|e| e.against(["flight.record_every_s"]))?;
+        let strips: usize = robot.surfaces().map(|(_, aero)| aero.strips()).sum();
+        let rows = strips.saturating_mul(schedule.steps / schedule.steps_per_sample / samples + 1);
+        if rows > MAX_STRIP_ROWS {
+            let allowed = format!("at most {MAX_STRIP_ROWS} rows of strips; these make {rows}");
+            return Err(Error::invalid(key, every, allowed).against(["flight.duration_s"]));
+        }
+        Ok(Some(samples))
+    }
+
     /// Whole steps for duration, updates and records.
     fn schedule(&self) -> Result<Schedule, Error> {
         let flight = &self.flight;
         let step = flight.step_s;
         require::positive("flight.step_s", step)?;
         let whole = |key: &str, time: f64| {
-            let steps = (time / step).round();
-            if steps >= 1.0 && (steps * step - time).abs() <= 1e-9 * time {
-                Ok(steps as usize)
-            } else {
-                let allowed = format!("a whole number of steps of {step} s, at least one");
-                Err(Error::invalid(key, time, allowed).against(["flight.step_s"]))
-            }
+            whole(key, time, step, "steps of").map_err(|e| e.against(["flight.step_s"]))
         };
         let period = self.controller.as_ref().map(|c| whole("controller.period_s", c.period_s));
         let schedule = Schedule {
@@ -139,6 +153,15 @@ impl ScenarioSpec {
         }
         Ok(schedule)
     }
+}
+
+/// How many times `unit` (s) goes into `time`, if it does; `units` names it.
+pub(super) fn whole(key: &str, time: f64, unit: f64, units: &str) -> Result<usize, Error> {
+    let count = (time / unit).round();
+    if count >= 1.0 && (count * unit - time).abs() <= 1e-9 * time {
+        return Ok(count as usize);
+    }
+    Err(Error::invalid(key, time, format!("a whole number of {units} {unit} s, at least one")))
 }
 
 /// A robot in air; keys of errors begin with `robot`, `aero` and `air`.

@@ -26,7 +26,7 @@ pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, to
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };
-pub use summary::{ControllerSummary, Status, Summary};
+pub use summary::{ControllerSummary, FlightStatus, Summary};
 pub use sweep::{Draw, Hold, Sweep, SweepSpec};
 pub use tether::{TetherCase, TetherSummary};
 pub use tether_spec::{
@@ -35,12 +35,13 @@ pub use tether_spec::{
 };
 
 use crate::Error;
-use crate::flight::{AtRest, Controller, Ending, Flight, Record, Sample, Schedule, Sensed, fly};
 use crate::guide::Mpc;
 use crate::math::{Quat, Vec3};
+use crate::plant::Plant;
 use crate::robot::Robot;
-use build::Built;
-use recorder::Recorder;
+use crate::simulate::{AtRest, Controller, Flight, Record, Sample, Schedule, Sensors, fly};
+use build::{Built, whole};
+use recorder::{Recorded, Recorder};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -58,6 +59,7 @@ pub struct Scenario {
     robot: Robot,
     model: Robot,
     schedule: Schedule,
+    samples_per_strips: Option<usize>,
 }
 
 /// A flown scenario.
@@ -65,6 +67,9 @@ pub struct Scenario {
 pub struct Run {
     /// Time histories.
     pub record: Record,
+    /// Loads of the strips, one row per strip and instant ([`StripRecorder`](crate::simulate::StripRecorder)),
+    /// where `flight.record_strips_every_s` asks for them.
+    pub strips: Option<Record>,
     /// Numbers to compare.
     pub summary: Summary,
 }
@@ -106,8 +111,8 @@ impl Scenario {
         let spec: ScenarioSpec = document.parse()?;
         let resolved = document.resolved()?;
         match spec.build() {
-            Ok(Built { robot, model, schedule }) => {
-                Ok(Self { spec, resolved, document, robot, model, schedule })
+            Ok(Built { robot, model, schedule, samples_per_strips }) => {
+                Ok(Self { spec, resolved, document, robot, model, schedule, samples_per_strips })
             }
             Err(error) => Err(document.explain(&error)),
         }
@@ -153,44 +158,108 @@ impl Scenario {
     /// # Errors
     /// [`Error::Invalid`] when the controller's settings are out of range.
     pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
-        match (self.controller()?, &self.spec.sensors) {
-            (Some(controller), Some(sensors)) => {
-                let mut sensed = Sensed::new(controller, &self.robot, sensors, self.spec.seed);
-                self.fly_with(&mut sensed, observe)
-            }
-            (Some(mut controller), None) => self.fly_with(&mut controller, observe),
-            (None, _) => self.fly_with(&mut AtRest, observe),
+        match self.controller()? {
+            Some(mut controller) => self.fly_under(&mut controller, self.sensors(), &self.schedule, observe),
+            None => self.fly_under(&mut AtRest, self.sensors(), &self.schedule, observe),
         }
     }
 
-    fn fly_with<C: Controller>(
+    /// Flies the scenario's robot from its start under a controller of one's own, updated every
+    /// `period_s` (whole steps) with what `sensors` tell; record and summary stay in memory.
+    /// `observe` sees every recorded sample and may stop the flight.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the period is no whole number of steps, or a column of the
+    /// controller has a name that the record has already.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use wingbeat::plant::{Plant, Role};
+    /// use wingbeat::scenario::Scenario;
+    /// use wingbeat::simulate::{Controller, Measurement, Update};
+    ///
+    /// /// Lifts the lower wing in proportion to roll and roll rate.
+    /// struct Leveller {
+    ///     left: usize,
+    ///     right: usize,
+    ///     stroke: f64,
+    /// }
+    ///
+    /// impl Controller for Leveller {
+    ///     fn update(&mut self, _t: f64, measurement: &Measurement) -> Update {
+    ///         let (Some(q), Some(w)) = (measurement.attitude(), measurement.vector(Role::AngularRate))
+    ///         else {
+    ///             return Update::Kept;
+    ///         };
+    ///         let roll = q.matrix().roll_pitch_yaw()[0];
+    ///         self.stroke = 0.5 * roll + 0.02 * w[0];
+    ///         Update::Fresh
+    ///     }
+    ///     fn input(&self, _t: f64, u: &mut [f64]) {
+    ///         u.fill(0.0);
+    ///         (u[self.left], u[self.right]) = (-self.stroke, self.stroke);
+    ///     }
+    /// }
+    ///
+    /// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml");
+    /// let scenario = Scenario::load(path.as_ref(), &["flight.duration_s=0.1".into()])?;
+    /// let input = |name: &str| scenario.robot().inputs().iter().position(|input| input.name == name);
+    /// let mut own = Leveller {
+    ///     left: input("command_shoulder_left").expect("a shoulder"),
+    ///     right: input("command_shoulder_right").expect("a shoulder"),
+    ///     stroke: 0.0,
+    /// };
+    /// let inertial_unit =
+    ///     scenario.sensors().only(|role| matches!(role, Role::Attitude(_) | Role::AngularRate(_)));
+    /// let run = scenario.fly_with(&mut own, 0.005, inertial_unit, |_| ControlFlow::Continue(()))?;
+    /// assert_eq!((run.summary.controller.updates, run.summary.controller.failures), (20, 0));
+    /// assert!(run.record.values("roll").is_some_and(|roll| roll.len() == 101));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn fly_with<C: Controller>(
         &self,
         controller: &mut C,
+        period_s: f64,
+        sensors: Sensors,
+        observe: impl FnMut(&Sample) -> ControlFlow<()>,
+    ) -> Result<Run, Error> {
+        let period = whole("period_s", period_s, self.schedule.step, "steps of")?;
+        let schedule = Schedule { steps_per_update: Some(period), ..self.schedule };
+        self.fly_under(controller, sensors, &schedule, observe)
+    }
+
+    /// What the scenario's controller is told of the robot.
+    pub fn sensors(&self) -> Sensors {
+        match &self.spec.sensors {
+            Some(spec) => Sensors::noisy(&self.robot, spec, self.spec.seed),
+            None => Sensors::perfect(&self.robot),
+        }
+    }
+
+    fn fly_under<C: Controller>(
+        &self,
+        controller: &mut C,
+        mut sensors: Sensors,
+        schedule: &Schedule,
         mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
-        let rows = self.schedule.steps / self.schedule.steps_per_sample + 1;
-        let mut recorder = Recorder::new(&self.robot, controller, rows)?;
-        let mut broken = None;
+        let rows = schedule.steps / schedule.steps_per_sample + 1;
+        let mut recorder = Recorder::new(&self.robot, controller, rows, self.samples_per_strips)?;
         let mut x = self.start();
-        let mut flight = fly(&self.robot, controller, &self.schedule, &mut x, |sample, controller| {
-            if let Err(fault) = recorder.sample(sample, controller) {
-                broken = Some(fault);
-                return ControlFlow::Break(());
-            }
-            observe(sample)
+        let flight = fly(&self.robot, &mut sensors, controller, schedule, &mut x, |sample, controller| {
+            recorder.sample(sample, controller)?;
+            Ok(observe(sample))
         });
-        if let Some(fault) = broken {
-            flight.ending = Ending::Fault(fault);
-        }
-        let (record, stall_fraction) = recorder.finish();
+        let Recorded { record, strips, stall_fraction } = recorder.finish();
         let summary = self.summarise(&record, &flight, stall_fraction);
-        Ok(Run { record, summary })
+        Ok(Run { record, strips, summary })
     }
 
     fn summarise(&self, record: &Record, flight: &Flight, stall_fraction: f64) -> Summary {
         let context = summary::Context {
             manoeuvre: self.spec.manoeuvre.as_ref(),
             goal: self.spec.goal.as_ref(),
+            inputs: self.robot.inputs(),
             preset: self.spec.aero.preset.name(),
             law: self.spec.aero.law.name(),
             stall_fraction,

@@ -1,33 +1,36 @@
 //! From an observed robot to the columns of a record.
 
 use crate::Error;
-use crate::flight::{Column, Controller, Record, Sample};
-use crate::math::{Vec3, Wrench};
+use crate::aero::LoadSource;
+use crate::math::{Mat3, Vec3, Wrench};
 use crate::plant::{Fault, Plant};
 use crate::robot::{Observation, Robot};
+use crate::simulate::{AXES, Column, Controller, Moment, Observed, Record, Sample, StripRecorder};
 
 /// Lines of a surface recorded at each end of its panels.
 const LINES: [&str; 3] = ["hinge", "leading", "trailing"];
-/// Load sources in the order of [`sources`].
-const SOURCES: [&str; 7] =
-    ["circulatory", "induced_drag", "added_mass", "profile_drag", "body_drag", "gravity", "inertia"];
-
-fn sources(o: &Observation) -> [Wrench<f64>; SOURCES.len()] {
-    let air = &o.air;
-    [air.circulatory, air.induced_drag, air.added_mass, air.profile_drag, o.body_drag, o.gravity, o.inertia]
-}
-
 /// Columns of force and moment by source.
 pub(super) fn source_columns() -> impl Iterator<Item = Column> {
     let axes = |kind: &'static str, source: &'static str, unit: &'static str| {
-        ["x", "y", "z"].map(move |a| Column::new(format!("{kind}_{source}_{a}"), unit, "B"))
+        AXES.map(move |a| Column::new(format!("{kind}_{source}_{a}"), unit, "B"))
     };
-    SOURCES.iter().flat_map(move |s| axes("force", s, "N").into_iter().chain(axes("moment", s, "N m")))
+    let names = LoadSource::ALL.iter().map(|source| source.name());
+    names.flat_map(move |s| axes("force", s, "N").into_iter().chain(axes("moment", s, "N m")))
 }
 
 /// Numbers of [`source_columns`].
-pub(super) fn source_values(sources: &[Wrench<f64>; SOURCES.len()]) -> impl Iterator<Item = f64> {
-    sources.iter().flat_map(|w| w.force.0.into_iter().chain(w.moment.0))
+pub(super) fn source_values(parts: &[Wrench<f64>; LoadSource::ALL.len()]) -> impl Iterator<Item = f64> {
+    parts.iter().flat_map(|w| w.force.0.into_iter().chain(w.moment.0))
+}
+
+/// The records of a flight.
+pub struct Recorded {
+    /// One row per sample.
+    pub record: Record,
+    /// One row per strip and instant, where asked for.
+    pub strips: Option<Record>,
+    /// Share of strips past the stall angle over all samples.
+    pub stall_fraction: f64,
 }
 
 /// Samples of a flight as they become a [`Record`].
@@ -36,11 +39,30 @@ pub struct Recorder<'a> {
     record: Record,
     row: Vec<f64>,
     incidence: Vec<f64>,
+    strips: Option<Strips>,
+}
+
+/// Loads of the strips at every so many samples.
+struct Strips {
+    recorder: StripRecorder,
+    every: usize,
+    due: usize,
 }
 
 impl<'a> Recorder<'a> {
-    /// An empty record of `robot` under `controller` with room for `rows` samples.
-    pub fn new<C: Controller>(robot: &'a Robot, controller: &C, rows: usize) -> Result<Self, Error> {
+    /// An empty record of `robot` under `controller` with room for `rows` samples; with
+    /// `samples_per_strips` the strips at every so many of them.
+    pub fn new<C: Controller>(
+        robot: &'a Robot,
+        controller: &C,
+        rows: usize,
+        samples_per_strips: Option<usize>,
+    ) -> Result<Self, Error> {
+        let strips = |every: usize| Strips {
+            recorder: StripRecorder::new(robot.surfaces().map(|(_, aero)| aero), "rad", rows.div_ceil(every)),
+            every,
+            due: 0,
+        };
         let mut columns = columns(robot);
         columns.extend(controller.columns());
         let width = columns.len();
@@ -49,13 +71,14 @@ impl<'a> Recorder<'a> {
             record: Record::new(columns, rows)?,
             row: Vec::with_capacity(width),
             incidence: Vec::new(),
+            strips: samples_per_strips.map(strips),
         })
     }
 
     /// Appends a sample and the controller's diagnostics.
     pub fn sample<C: Controller>(&mut self, sample: &Sample, controller: &C) -> Result<(), Fault> {
         let Sample { t, x, u, .. } = *sample;
-        let o = self.robot.observe(t, x, u)?;
+        let o = self.robot.observed(Moment { t, x, u, memory: &() })?;
         let layout = self.robot.layout();
         let position = Vec3::from_slice(&x[layout.position..]);
         let mut row = std::mem::take(&mut self.row);
@@ -65,21 +88,31 @@ impl<'a> Recorder<'a> {
         row.extend(&o.joints);
         row.extend(&o.torques);
         row.push(o.power);
-        row.extend(source_values(&sources(&o)));
+        row.extend(source_values(&o.parts()));
         row.extend((position + o.attitude * o.center_of_mass).0);
         row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
-        row.extend(&o.incidence);
+        row.extend(o.incidence());
         row.extend(u);
         row.extend(x);
         controller.diagnostics(&mut row);
         self.record.append(&row);
         self.row = row;
-        self.incidence.extend(&o.incidence);
+        self.incidence.extend(o.incidence());
+        if let Some(strips) = &mut self.strips {
+            if strips.due == 0 {
+                let instant = [t, self.robot.phase(t)];
+                for (surface, loads) in o.strips.iter().enumerate() {
+                    strips.recorder.append(instant, surface, loads, Mat3::IDENTITY, Vec3::ZERO);
+                }
+                strips.due = strips.every;
+            }
+            strips.due -= 1;
+        }
         Ok(())
     }
 
-    /// The record, and the share of strips past `stall_angle` (rad) over all samples.
-    pub fn finish(self) -> (Record, f64) {
+    /// What was recorded.
+    pub fn finish(self) -> Recorded {
         let limits = self
             .robot
             .surfaces()
@@ -87,7 +120,19 @@ impl<'a> Recorder<'a> {
         let limits: Vec<f64> = limits.collect();
         let past =
             self.incidence.iter().zip(limits.iter().cycle()).filter(|(a, limit)| a.abs() > **limit).count();
-        (self.record, past as f64 / self.incidence.len().max(1) as f64)
+        Recorded {
+            record: self.record,
+            strips: self.strips.map(|strips| strips.recorder.finish()),
+            stall_fraction: past as f64 / self.incidence.len().max(1) as f64,
+        }
+    }
+}
+
+impl Observed for Robot {
+    type Observation = Observation;
+
+    fn observed(&self, at: Moment) -> Result<Observation, Fault> {
+        self.observe(at.t, at.x, at.u)
     }
 }
 
@@ -106,10 +151,10 @@ fn columns(robot: &Robot) -> Vec<Column> {
     columns.extend(joint_columns(robot));
     columns.push(Column::new("joint_power", "W", ""));
     columns.extend(source_columns());
-    columns.extend(["x", "y", "z"].map(|a| column(format!("com_{a}"), "m", "W")));
+    columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
     for point in robot.outline_names() {
         for line in LINES {
-            columns.extend(["x", "y", "z"].map(|a| column(format!("{line}_{point}_{a}"), "m", "W")));
+            columns.extend(AXES.map(|a| column(format!("{line}_{point}_{a}"), "m", "W")));
         }
     }
     for (i, (name, aero)) in robot.surfaces().enumerate() {

@@ -4,7 +4,6 @@ use super::RigRun;
 use super::rig::Saturated;
 use super::rig_statement::statement;
 use crate::Error;
-use crate::flight::{Column, Record};
 use crate::plant::Fault;
 use crate::rig::carrier::Carrier;
 use crate::rig::cell::{CHANNELS, six, wrench};
@@ -13,6 +12,7 @@ use crate::rig::process::{
     Comparison, Corrected, Corrector, CycleAverage, Samples, Steps, Tilt, Weighing, compare, phase_average,
     phase_of, weigh,
 };
+use crate::simulate::{Column, Record};
 use serde::Serialize;
 use std::f64::consts::TAU;
 

@@ -4,11 +4,11 @@ use super::ConfigError;
 use super::rig::RigRun;
 use super::rig_process::{Processed, Weighed};
 use crate::Error;
-use crate::flight::{Column, Record};
 use crate::plant::Fault;
 use crate::rig::carrier::Carrier;
 use crate::rig::cell::CHANNELS;
 use crate::rig::process::{Comparison, compare, envelope};
+use crate::simulate::{Column, Record};
 use std::collections::BTreeMap;
 
 /// Cycles of an envelope, side by side.

@@ -4,10 +4,10 @@ use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use crate::Error;
 use crate::aero::{LagSet, LiftLaw, StripSettings};
-use crate::flight::SensorSpec;
 use crate::guide::{Manoeuvre, MpcSpec};
 use crate::require;
 use crate::robot::RobotSpec;
+use crate::simulate::SensorSpec;
 use serde::{Deserialize, Serialize};
 
 /// A flight: robot, air, start, manoeuvre, controller.
@@ -199,6 +199,9 @@ pub struct FlightSpec {
     pub step_s: f64,
     /// Time between records, s.
     pub record_every_s: f64,
+    /// Time between records of the loads of every strip, s: whole records; without it there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub record_strips_every_s: Option<f64>,
     /// Whether the wings flap; else they stay at the starting phase.
     #[serde(default = "yes")]
     pub flapping: bool,

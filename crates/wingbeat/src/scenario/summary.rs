@@ -1,8 +1,9 @@
 //! The numbers of a flight that are compared.
 
 use super::spec::GoalSpec;
-use crate::flight::{Ending, Flight, Record};
 use crate::guide::{Manoeuvre, Reference, angle_error};
+use crate::plant::Channel;
+use crate::simulate::{Ending, Flight, Record};
 use serde::Serialize;
 
 /// `summary.json` of a flight. What is optional is taken from the goal's settling
@@ -11,7 +12,7 @@ use serde::Serialize;
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// `ok`, `off_target`, `fault`, `stopped`.
-    pub status: Status,
+    pub status: FlightStatus,
     /// Why, when the status is not `ok`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
@@ -58,7 +59,7 @@ pub struct Summary {
 /// How a flight went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Status {
+pub enum FlightStatus {
     /// Flown to the end, goal met.
     Ok,
     /// Flown to the end, goal missed.
@@ -153,6 +154,7 @@ fn half_range_deg(angles: &[f64]) -> Option<f64> {
 pub(super) struct Context<'a> {
     pub manoeuvre: Option<&'a Manoeuvre>,
     pub goal: Option<&'a GoalSpec>,
+    pub inputs: &'a [Channel],
     pub preset: &'a str,
     pub law: &'a str,
     pub stall_fraction: f64,
@@ -179,7 +181,7 @@ impl Summary {
         let roll_errors = settled.errors("roll", |t| context.reference(t).map_or(0.0, |r| r.roll));
         let pitch_errors = settled.errors("pitch", |t| context.reference(t).map_or(0.0, |r| r.pitch));
         let mut summary = Self {
-            status: Status::Ok,
+            status: FlightStatus::Ok,
             reason: None,
             duration_s: flight.duration,
             real_time_factor: flight.duration / flight.wall.as_secs_f64(),
@@ -197,7 +199,7 @@ impl Summary {
             aero_preset: context.preset.into(),
             lift_law: context.law.into(),
             stall_fraction: context.stall_fraction,
-            input_saturation_fraction: saturation(record),
+            input_saturation_fraction: saturation(record, context.inputs),
             warnings: warnings(context, flight.duration < settle),
             controller: ControllerSummary::new(flight),
         };
@@ -207,19 +209,19 @@ impl Summary {
 
     /// True when the whole duration was flown.
     pub fn completed(&self) -> bool {
-        matches!(self.status, Status::Ok | Status::OffTarget)
+        matches!(self.status, FlightStatus::Ok | FlightStatus::OffTarget)
     }
 
-    fn judge(&self, flight: &Flight, context: &Context) -> (Status, Option<String>) {
+    fn judge(&self, flight: &Flight, context: &Context) -> (FlightStatus, Option<String>) {
         match flight.ending {
             Ending::Fault(fault) => {
-                return (Status::Fault, Some(format!("{fault}, after {:.4} s", flight.duration)));
+                return (FlightStatus::Fault, Some(format!("{fault}, after {:.4} s", flight.duration)));
             }
-            Ending::Stopped => return (Status::Stopped, Some("stopped from outside".into())),
+            Ending::Stopped => return (FlightStatus::Stopped, Some("stopped from outside".into())),
             Ending::Complete => {}
         }
         let (Some(goal), Some(_)) = (context.goal, context.manoeuvre) else {
-            return (Status::Ok, None);
+            return (FlightStatus::Ok, None);
         };
         let off = |name: &str, rms: Option<f64>, within: f64| {
             let rms = rms.filter(|rms| !(*rms <= within))?;
@@ -232,7 +234,11 @@ impl Summary {
         .into_iter()
         .flatten()
         .collect();
-        if missed.is_empty() { (Status::Ok, None) } else { (Status::OffTarget, Some(missed.join("; "))) }
+        if missed.is_empty() {
+            (FlightStatus::Ok, None)
+        } else {
+            (FlightStatus::OffTarget, Some(missed.join("; ")))
+        }
     }
 }
 
@@ -245,13 +251,13 @@ fn unwrapped_change(angles: &[f64]) -> f64 {
 const LIMIT_BAND: f64 = 0.01;
 
 /// Share of input samples within 1 % of their range of a limit.
-fn saturation(record: &Record) -> f64 {
-    let inputs = record.columns().iter().filter(|c| c.name.starts_with("command_"));
+fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
     let (mut on, mut all) = (0, 0);
-    for column in inputs {
-        let band = LIMIT_BAND * (column.high - column.low);
-        all += column.values.len();
-        on += column.values.iter().filter(|&&v| v <= column.low + band || v >= column.high - band).count();
+    for input in inputs {
+        let (values, band) =
+            (record.values(&input.name).unwrap_or(&[]), LIMIT_BAND * (input.high - input.low));
+        all += values.len();
+        on += values.iter().filter(|&&v| v <= input.low + band || v >= input.high - band).count();
     }
     on as f64 / (all as f64).max(1.0)
 }

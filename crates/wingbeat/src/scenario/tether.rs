@@ -4,10 +4,10 @@ use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{ConfigError, Document};
 use crate::Error;
 use crate::aero::{LiftLaw, Planform, ProfileDrag};
-use crate::flight::Ending;
 use crate::math::Vec3;
 use crate::robot::SurfaceOutline;
-use crate::tether::{Clock, Hinge, Means, Motion, Reference, Side, Tether, TetherRun, Wing};
+use crate::simulate::Ending;
+use crate::tether::{Clock, CycleMean, Hinge, Motion, Reference, Side, Tether, TetherRun, Wing};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -118,7 +118,7 @@ pub struct TetherSummary {
     /// What to beware of.
     pub warnings: Vec<String>,
     /// Means and ranges over the last cycle.
-    pub cycle: Vec<Means>,
+    pub cycle: Vec<CycleMean>,
 }
 
 impl TetherSpec {

@@ -3,9 +3,9 @@
 use super::AeroSpec;
 use crate::Error;
 use crate::aero::{Gap, PlanformStation};
-use crate::flight::Record;
 use crate::math::CubicSpline;
 use crate::require;
+use crate::simulate::Record;
 use crate::tether::{Coordinate, HingeKind, Side};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

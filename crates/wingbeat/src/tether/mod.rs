@@ -7,6 +7,6 @@ mod run;
 mod wing;
 
 pub use coordinate::Coordinate;
-pub use recorder::{Means, TetherRun};
+pub use recorder::{CycleMean, TetherRun};
 pub use run::{Clock, Motion, Reference, Tether};
-pub use wing::{BodyMotion, Hinge, HingeKind, Side, Wing};
+pub use wing::{Hinge, HingeKind, Side, TetheredBody, Wing};

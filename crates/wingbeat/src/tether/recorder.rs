@@ -2,21 +2,13 @@
 
 use super::{Side, Tether};
 use crate::Error;
-use crate::aero::{Loads, StripLoads};
-use crate::flight::{Column, Ending, Record};
+use crate::aero::{LoadSource, Loads};
 use crate::math::{Mat3, Vec3, Wrench};
-
-/// Names of the sources of a strip's loads.
-const SOURCES: [&str; 4] = ["circulatory", "induced_drag", "added_mass", "profile_drag"];
-const AXES: [&str; 3] = ["x", "y", "z"];
-
-fn sources(s: &StripLoads<f64>) -> [Wrench<f64>; 4] {
-    [s.circulatory, s.induced_drag, s.added_mass, s.profile_drag]
-}
+use crate::simulate::{AXES, Column, Ending, Record, StripRecorder};
 
 /// Mean and range of one quantity over the last cycle.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Means {
+pub struct CycleMean {
     /// Name of its column.
     pub name: String,
     /// SI unit.
@@ -39,7 +31,7 @@ pub struct TetherRun {
     /// Strips by time, one row per strip and instant.
     pub strips: Record,
     /// Means over the last cycle of every column of `loads` but time and phase.
-    pub means: Vec<Means>,
+    pub means: Vec<CycleMean>,
     /// Share of strips past the stall angle over the last cycle.
     pub stall_fraction: f64,
 }
@@ -66,7 +58,7 @@ impl WindAxes {
 /// Rows as they come.
 pub(super) struct Recorder {
     loads: Record,
-    strips: Record,
+    strips: StripRecorder,
     axes: WindAxes,
     weights: Vec<f64>,
 }
@@ -80,10 +72,9 @@ impl Recorder {
             half if half.holds(arc.signum()) => 1.0,
             _ => 0.0,
         };
-        let record = |columns: Vec<Column>, rows| Record::new(columns, rows).unwrap_or_default();
         Self {
-            loads: record(load_columns(tether), rows),
-            strips: record(strip_columns(), rows * tether.aero.strips()),
+            loads: Record::new(load_columns(tether), rows).unwrap_or_default(),
+            strips: StripRecorder::new(std::iter::once(&tether.aero), "cycles", rows),
             axes: WindAxes::new(tether.wind),
             weights: tether.aero.strip_arcs().iter().map(weight).collect(),
         }
@@ -116,41 +107,30 @@ impl Recorder {
         row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
         row.extend(tether.motion.angles(t).iter().map(|j| j.x));
         self.loads.append(&row);
-        self.sample_strips(tether, [t, phase], back, loads);
+        self.strips.append([t, phase], 0, loads, back, origin);
     }
 
     /// Loads in W about W's origin, summed over the strips that count.
-    fn sum_by_source(&self, loads: &Loads<f64>) -> [Wrench<f64>; 4] {
-        let mut sum = [Wrench::ZERO; 4];
+    fn sum_by_source(&self, loads: &Loads<f64>) -> [Wrench<f64>; LoadSource::STRIP.len()] {
+        let mut sum = [Wrench::ZERO; LoadSource::STRIP.len()];
         for (strip, weight) in loads.strip[..loads.strips].iter().zip(&self.weights) {
-            for (sum, part) in sum.iter_mut().zip(sources(strip)) {
+            for (sum, part) in sum.iter_mut().zip(strip.parts()) {
                 *sum += Wrench { force: part.force * *weight, moment: part.moment * *weight };
             }
         }
         sum
     }
 
-    /// One row per strip; `back` turns W into B.
-    fn sample_strips(&mut self, tether: &Tether, [t, phase]: [f64; 2], back: Mat3, loads: &Loads<f64>) {
-        for (i, strip) in loads.strip[..loads.strips].iter().enumerate() {
-            let mut row = vec![t, phase, i as f64, tether.aero.strip_arcs()[i]];
-            row.extend([loads.circulation[i], loads.wash[i], loads.incidence[i]]);
-            row.extend((back * strip.total().force).0);
-            row.extend(sources(strip).iter().flat_map(|s| (back * s.force).0));
-            self.strips.append(&row);
-        }
-    }
-
     pub fn finish(self, tether: &Tether, ending: Ending) -> TetherRun {
         let rows = self.loads.rows();
         let cycle = rows.saturating_sub(tether.clock.steps_per_cycle + 1)..rows.saturating_sub(1);
         let means = self.loads.columns()[2..].iter().map(|c| mean(c, &c.values[cycle.clone()])).collect();
-        let strips = tether.aero.strips();
-        let incidence = self.strips.values("incidence").unwrap_or_default();
+        let (strips, record) = (tether.aero.strips(), self.strips.finish());
+        let incidence = record.values("incidence").unwrap_or_default();
         let last = &incidence[cycle.start * strips..cycle.end * strips];
         let past = last.iter().filter(|a| a.abs() > tether.aero.stall_angle()).count();
         let stall_fraction = past as f64 / last.len().max(1) as f64;
-        TetherRun { ending, loads: self.loads, strips: self.strips, means, stall_fraction }
+        TetherRun { ending, loads: self.loads, strips: record, means, stall_fraction }
     }
 }
 
@@ -165,10 +145,10 @@ fn coefficients(tether: &Tether, [drag, side, lift]: [f64; 3], moment: Vec3) -> 
     [lift / scale, drag / scale, side / scale, -moment[1] / (scale * r.chord_m)]
 }
 
-fn mean(column: &Column, values: &[f64]) -> Means {
+fn mean(column: &Column, values: &[f64]) -> CycleMean {
     let (low, high) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    Means {
+    CycleMean {
         name: column.name.clone(),
         unit: column.unit.clone(),
         mean: values.iter().sum::<f64>() / values.len().max(1) as f64,
@@ -186,7 +166,7 @@ fn load_columns(tether: &Tether) -> Vec<Column> {
     wrench("", "B", AXES);
     wrench("_wind", "wind", ["drag", "side", "lift"]);
     columns.extend(["CL", "CD", "CY", "CM"].map(|n| Column::new(n, "", "")));
-    for source in SOURCES {
+    for source in LoadSource::STRIP.map(LoadSource::name) {
         columns.extend(AXES.map(|a| Column::new(format!("force_{source}_{a}"), "N", "B")));
         columns.extend(AXES.map(|a| Column::new(format!("moment_{source}_{a}"), "N m", "B")));
     }
@@ -195,18 +175,5 @@ fn load_columns(tether: &Tether) -> Vec<Column> {
     }
     columns
         .extend(tether.motion.hinges.iter().map(|(name, _)| Column::new(format!("hinge_{name}"), "rad", "")));
-    columns
-}
-
-fn strip_columns() -> Vec<Column> {
-    let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "cycles", "")];
-    columns.extend(
-        [("strip", ""), ("arc", "m"), ("circulation", "m2/s"), ("wash", "m/s"), ("incidence", "rad")]
-            .map(|(name, unit)| Column::new(name, unit, "")),
-    );
-    columns.extend(AXES.map(|a| Column::new(format!("force_{a}"), "N", "B")));
-    for source in SOURCES {
-        columns.extend(AXES.map(|a| Column::new(format!("force_{source}_{a}"), "N", "B")));
-    }
     columns
 }

@@ -1,14 +1,13 @@
 //! Time stepping of a tethered wing.
 
 use super::recorder::Recorder;
-use super::{BodyMotion, Coordinate, Side, TetherRun, Wing};
+use super::{Coordinate, Side, TetherRun, TetheredBody, Wing};
 use crate::Error;
 use crate::aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
-use crate::flight::Ending;
-use crate::math::{Jet, RK4, Vec3, Workspace};
+use crate::math::{Jet, Vec3};
 use crate::plant::Fault;
 use crate::require;
-use std::convert::Infallible;
+use crate::simulate::{Held, Moment, Observed, Sizes, Stepper, System};
 use std::ops::ControlFlow;
 
 /// Most steps of one run.
@@ -59,8 +58,8 @@ pub struct Motion {
 
 impl Motion {
     /// The body at time `t`.
-    pub fn body(&self, t: f64) -> BodyMotion<f64> {
-        BodyMotion {
+    pub fn body(&self, t: f64) -> TetheredBody<f64> {
+        TetheredBody {
             surge: self.surge.at(t),
             heave: self.heave.at(t),
             nose_up: self.nose_up.at(t),
@@ -166,35 +165,43 @@ impl Tether {
     /// # Panics
     /// When [`check`](Self::check) would refuse two hinges of one name.
     pub fn run(&self, mut progress: impl FnMut(f64) -> ControlFlow<()>) -> TetherRun {
-        let n = self.aero.states();
-        let (mut x, mut dx) = (vec![0.0; n], vec![0.0; n]);
-        let mut work = Workspace::new(n, 4);
-        let mut loads = Loads::default();
         let mut recorder = Recorder::new(self);
         let steps = self.clock.steps();
-        for step in 0..=steps {
-            let t = step as f64 * self.clock.step();
-            self.evaluate(t, &x, &mut dx, &mut loads);
-            if let Some(state) = dx.iter().position(|rate| !rate.is_finite()) {
-                return recorder.finish(self, Ending::Fault(Fault::NotFinite { state, time: t }));
-            }
-            recorder.sample(self, step, &loads);
-            if step < steps && progress(step as f64 / steps as f64).is_break() {
-                return recorder.finish(self, Ending::Stopped);
-            }
-            if step < steps {
-                self.advance(t, &mut x, &mut work);
-            }
-        }
-        recorder.finish(self, Ending::Complete)
+        let mut watch = Held(|step: usize, at: Moment| {
+            recorder.sample(self, step, &self.observed(at)?);
+            let done = step as f64 / steps as f64;
+            Ok(if step < steps { progress(done) } else { ControlFlow::Continue(()) })
+        });
+        let mut stepper = Stepper::new(self, 0.0, &vec![0.0; self.aero.states()]);
+        let ending = stepper.run(self.clock.step(), steps, &mut watch);
+        recorder.finish(self, ending)
     }
+}
 
-    fn advance(&self, t: f64, x: &mut [f64], work: &mut Workspace<f64>) {
+/// The states are those of the air; the motion is given, so that there are no inputs.
+impl System for Tether {
+    type Memory = ();
+
+    fn sizes(&self) -> Sizes {
+        Sizes { states: self.aero.states(), inputs: 0 }
+    }
+    fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
         let count = self.aero.arcs().len();
-        let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
-            self.aero.evaluate_sum(&self.sections(t)[..count], self.wind, x, dx, None);
-            Ok::<(), Infallible>(())
-        };
-        let Ok(()) = RK4.step(rates, t, self.clock.step(), x, work);
+        self.aero.evaluate_sum(&self.sections(at.t)[..count], self.wind, at.x, dx, None);
+        Ok(())
+    }
+}
+
+impl Observed for Tether {
+    /// Loads in W about W's origin.
+    type Observation = Loads<f64>;
+
+    fn observed(&self, at: Moment) -> Result<Loads<f64>, Fault> {
+        let (mut dx, mut loads) = (vec![0.0; at.x.len()], Loads::default());
+        self.evaluate(at.t, at.x, &mut dx, &mut loads);
+        match dx.iter().position(|rate| !rate.is_finite()) {
+            Some(state) => Err(Fault::NotFinite { state, time: at.t }),
+            None => Ok(loads),
+        }
     }
 }

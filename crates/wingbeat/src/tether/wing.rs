@@ -57,9 +57,9 @@ pub struct Hinge {
     pub ahead_m: f64,
 }
 
-/// Motion of the body, with rates.
+/// Prescribed motion of the body on its tether, with rates.
 #[derive(Clone, Copy, Debug)]
-pub struct BodyMotion<S: Scalar> {
+pub struct TetheredBody<S: Scalar> {
     /// Forward, m.
     pub surge: Jet<S>,
     /// Up, m.
@@ -72,7 +72,7 @@ pub struct BodyMotion<S: Scalar> {
     pub axis_ahead_m: f64,
 }
 
-impl<S: Scalar> BodyMotion<S> {
+impl<S: Scalar> TetheredBody<S> {
     /// At rest at the origin.
     pub fn rest() -> Self {
         let zero = Jet::ZERO;
@@ -225,7 +225,7 @@ mod tests {
 
     fn at(t: f64, arc: f64) -> SectionMotion<f64> {
         let wave = |n: f64, a: f64| (Jet::new(n * t + n, n, 0.0)).sin() * a;
-        let body = BodyMotion {
+        let body = TetheredBody {
             surge: wave(2.0, 0.1),
             heave: wave(3.0, 0.2),
             nose_up: wave(4.0, 0.3),
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn positive_angles_mean_what_they_say() {
         let wing = wing();
-        let flat = BodyMotion::<f64>::rest();
+        let flat = TetheredBody::<f64>::rest();
         let tip = |i: usize| {
             let mut angles = [Jet::ZERO; 5];
             angles[i] = Jet::from(0.1);
@@ -267,9 +267,9 @@ mod tests {
             let section = tip(twist);
             assert!(section.le[2] > section.te[2]);
         }
-        let up = BodyMotion { nose_up: Jet::from(0.1), ..flat };
+        let up = TetheredBody { nose_up: Jet::from(0.1), ..flat };
         assert!(wing.section(0.0, &up.frame(), &[Jet::ZERO; 5]).le[2] > 0.0);
-        let down = BodyMotion { roll: Jet::from(0.1), ..flat };
+        let down = TetheredBody { roll: Jet::from(0.1), ..flat };
         assert!(wing.section(-0.1, &down.frame(), &[Jet::ZERO; 5]).le[2] < 0.0);
     }
 }

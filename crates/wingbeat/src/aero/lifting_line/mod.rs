@@ -191,6 +191,7 @@ impl LiftingLine {
             loads.incidence[i] = flow.wash.atan2(section.uc);
             loads.wash[i] = flow.wash;
             loads.circulation[i] = x[i];
+            loads.quarter_chord[i] = sections[i].point(0.25);
             wrench += loads.strip[i].total();
         }
         mirror_upper(&mut loads.added_mass);

@@ -96,6 +96,7 @@ impl StripModel {
             }
             loads.wash[i] = response.wash[i];
             loads.circulation[i] = response.circulation[i];
+            loads.quarter_chord[i] = flow.strips.quarter.get(i).lifted();
         }
     }
 

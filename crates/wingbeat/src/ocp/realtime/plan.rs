@@ -1,6 +1,6 @@
 //! The planned trajectory at its nodes.
 
-use crate::math::{RK4, Workspace};
+use crate::math::{RK4, Steps, Workspace};
 use crate::ocp::{Interval, Transcription};
 use crate::plant::{Channel, Fault, Plant};
 
@@ -174,14 +174,12 @@ impl Plan {
                 }
                 let (x, u) = (&mut self.x[k * n..][..n], &self.u[k * m..][..m]);
                 let steps = ((t - reached) / substep).ceil().max(1.0);
-                let h = (t - reached) / steps;
-                for i in 0..steps as usize {
-                    let time = reached + i as f64 * h;
-                    let stopped = RK4.step(|t, x, dx| plant.rates(t, x, u, dx), time, h, x, work).is_err();
-                    if stopped || x.iter().any(|x| !x.is_finite()) {
-                        old.state_at(end, x);
-                        break;
-                    }
+                let steps = Steps::new(reached, (t - reached) / steps, steps as usize);
+                let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates(t, x, u, dx);
+                let stopped = RK4.integrate(&mut rates, steps, x, work).is_err();
+                // A component that is not finite stays so whatever is added to it.
+                if stopped || x.iter().any(|x| !x.is_finite()) {
+                    old.state_at(end, x);
                 }
                 reached = t;
             }

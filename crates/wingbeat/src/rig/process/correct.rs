@@ -1,7 +1,6 @@
 //! Tare, drift, weight and inertia, and the change to the body frame.
 
 use crate::Error;
-use crate::flight::Record;
 use crate::math::{GRAVITY, Jet, Quat, Vec3, Wrench};
 use crate::plant::{Fault, Plant};
 use crate::rig::arm::{MAX_JOINTS, SerialArm};
@@ -9,6 +8,7 @@ use crate::rig::carrier::{Carrier, Mount, carried_frames};
 use crate::rig::cell::{CHANNELS, six, wrench};
 use crate::rig::{FrameMotion, Pose};
 use crate::robot::{BodyMotion, Robot};
+use crate::simulate::Record;
 use serde::{Deserialize, Serialize};
 
 /// Which corrections are made; each can be left out.

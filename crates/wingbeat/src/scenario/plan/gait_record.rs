@@ -2,12 +2,12 @@
 
 use crate::Error;
 use crate::body::drive_power;
-use crate::flight::{Column, Record};
 use crate::guide::{Flapping, Means, Stand};
-use crate::math::{RK4, Workspace};
 use crate::plant::{Fault, Plant};
-use crate::robot::CarriedLoads;
+use crate::robot::{CarriedLoads, MAX_ELEMENTS};
 use crate::scenario::recorder::{joint_columns, source_columns, source_values};
+use crate::simulate::{Column, Driver, Moment, Observed, Record, Sizes, Stepper, System};
+use std::ops::ControlFlow;
 
 /// Cycles from rest; the last one is recorded. The slowest lag of a slow wing decays by a third per cycle.
 const CYCLES: usize = 24;
@@ -46,41 +46,22 @@ impl Replay<'_> {
             Ok(record) => record,
             Err(error) => return Ok(Err(error)),
         };
-        let period = 1.0 / self.flapping.frequency_hz;
-        let h = period / STEPS as f64;
-        let mut x = vec![0.0; robot.carried_states()];
-        let mut start = x.clone();
-        let mut work = Workspace::new(x.len(), RK4.b.len());
-        for step in 0..=CYCLES * STEPS {
-            let t = (step % STEPS) as f64 * h;
-            let last = step >= (CYCLES - 1) * STEPS;
-            if last && step % (STEPS / SAMPLES) == 0 {
-                let t = if step == CYCLES * STEPS { period } else { t };
-                record.append(&self.row(t, &x)?);
-            }
-            if step == (CYCLES - 1) * STEPS {
-                start.copy_from_slice(&x);
-            }
-            if step < CYCLES * STEPS {
-                RK4.step(|t, x, dx| self.loads(t, x, dx).map(|_| ()), t, h, &mut x, &mut work)?;
-            }
+        let h = 1.0 / self.flapping.frequency_hz / STEPS as f64;
+        let mut stepper = Stepper::new(self, 0.0, &vec![0.0; robot.carried_states()]);
+        for _ in 1..CYCLES {
+            stepper.run(h, STEPS, &mut Player { replay: self, record: None }).check()?;
+            stepper.set_time(0.0);
         }
-        let closure = x.iter().zip(&start).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+        let start = stepper.state().to_vec();
+        stepper.run(h, STEPS, &mut Player { replay: self, record: Some(&mut record) }).check()?;
+        let ends = stepper.state().iter().zip(&start);
+        let closure = ends.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
         Ok(Ok((record, closure)))
     }
 
-    fn inputs(&self, t: f64) -> Vec<f64> {
-        let mirror = self.stand.mirror();
-        let (mut kept, mut all) =
-            (vec![0.0; mirror.inputs.len()], vec![0.0; self.stand.robot().inputs().len()]);
-        (self.commands)(t, &mut kept);
-        mirror.expand_inputs(&kept, &mut all);
-        all
-    }
-
-    fn loads(&self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<CarriedLoads, Fault> {
-        let (clock, body) = (self.stand.clock(t, &self.flapping), self.stand.body(self.flapping.pitch));
-        self.stand.robot().carried(&clock, &body, x, &self.inputs(t), dx)
+    fn loads(&self, at: Moment, dx: &mut [f64]) -> Result<CarriedLoads, Fault> {
+        let (clock, body) = (self.stand.clock(at.t, &self.flapping), self.stand.body(self.flapping.pitch));
+        self.stand.robot().carried(&clock, &body, at.x, at.u, dx)
     }
 
     fn columns(&self) -> Vec<Column> {
@@ -96,26 +77,63 @@ impl Replay<'_> {
         columns
     }
 
-    fn row(&self, t: f64, x: &[f64]) -> Result<Vec<f64>, Fault> {
-        let o = self.loads(t, x, &mut x.to_vec())?;
+    fn row(&self, at: Moment) -> Result<Vec<f64>, Fault> {
+        let o = self.observed(at)?;
+        let Moment { t, x, u, .. } = at;
         let mut row = vec![t, self.stand.robot().phase(self.stand.clock(t, &self.flapping).x)];
         row.extend(o.joints.iter().map(|j| j.x));
         row.extend(&o.torques);
         row.extend([o.joint_power(), drive_power(&o.torques, &o.joints, self.storage, 0.0), -o.air_power]);
         row.extend(self.stand.lift_thrust_trim(&o, self.flapping.pitch));
-        let air = &o.air;
-        row.extend(source_values(&[
-            air.circulatory,
-            air.induced_drag,
-            air.added_mass,
-            air.profile_drag,
-            o.body_drag,
-            o.gravity,
-            o.inertia,
-        ]));
-        row.extend(self.inputs(t));
+        row.extend(source_values(&o.parts()));
+        row.extend(u);
         row.extend(x);
         Ok(row)
+    }
+}
+
+impl System for Replay<'_> {
+    type Memory = ();
+
+    fn sizes(&self) -> Sizes {
+        let robot = self.stand.robot();
+        Sizes { states: robot.carried_states(), inputs: robot.inputs().len() }
+    }
+    fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
+        self.loads(at, dx).map(|_| ())
+    }
+}
+
+impl Observed for Replay<'_> {
+    type Observation = CarriedLoads;
+
+    fn observed(&self, at: Moment) -> Result<CarriedLoads, Fault> {
+        self.loads(at, &mut at.x.to_vec())
+    }
+}
+
+/// The commands over one cycle, with the record of it.
+struct Player<'a> {
+    replay: &'a Replay<'a>,
+    record: Option<&'a mut Record>,
+}
+
+impl Driver<()> for Player<'_> {
+    fn inputs(&self, t: f64, u: &mut [f64]) {
+        let mirror = self.replay.stand.mirror();
+        let mut kept = [0.0; MAX_ELEMENTS];
+        let kept = &mut kept[..mirror.inputs.len()];
+        (self.replay.commands)(t, kept);
+        mirror.expand_inputs(kept, u);
+    }
+
+    fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
+        if let Some(record) = self.record.as_mut().filter(|_| k.is_multiple_of(STEPS / SAMPLES)) {
+            // The cycle closes at its very period, which steps only come to within rounding.
+            let t = if k == STEPS { 1.0 / self.replay.flapping.frequency_hz } else { at.t };
+            record.append(&self.replay.row(Moment { t, ..at })?);
+        }
+        Ok(ControlFlow::Continue(()))
     }
 }
 

@@ -3,7 +3,6 @@
 use super::gait_record::{Replay, beside, means};
 use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
-use crate::flight::Record;
 use crate::guide::{Flapping, LeastPower, LeastPowerSpec, Means, Stand};
 use crate::math::Vec3;
 use crate::ocp::{OptimalControl, Optimum, Progress};
@@ -14,6 +13,7 @@ use crate::scenario::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TableSpec, TetherSpec, TetheredBodySpec,
     TetheredWingSpec, WindSpec,
 };
+use crate::simulate::Record;
 use crate::tether::{HingeKind, Side};
 use serde::Serialize;
 use std::collections::BTreeMap;

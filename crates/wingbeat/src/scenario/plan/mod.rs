@@ -9,9 +9,9 @@ pub use roll_in::RollInSummary;
 
 use super::Scenario;
 use crate::Error;
-use crate::flight::Record;
 use crate::guide::{LeastPowerSpec, RollInSpec};
 use crate::ocp::{Optimum, Progress};
+use crate::simulate::Record;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 

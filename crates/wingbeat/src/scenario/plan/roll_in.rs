@@ -2,12 +2,12 @@
 
 use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
-use crate::flight::{AtRest, Controller, Ending, Record, Schedule, fly};
 use crate::guide::{Manoeuvre, Playback, RollIn, RollInSpec};
 use crate::ocp::{Interpolant, Optimum, Progress};
 use crate::plant::Fault;
 use crate::scenario::recorder::Recorder;
 use crate::scenario::{Scenario, ScenarioSpec};
+use crate::simulate::{AtRest, Controller, Record, Sample, Schedule, Sensors, fly};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -60,10 +60,10 @@ impl Scenario {
         let mut x = self.start();
         let steps = (spec.start_s / self.schedule.step).round() as usize;
         let schedule = Schedule { steps, ..self.schedule };
-        let flight = fly(&self.model, &mut approach, &schedule, &mut x, |_, _| ControlFlow::Continue(()));
-        if let Ending::Fault(fault) = flight.ending {
-            return Err(broken(fault));
-        }
+        let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
+        let go_on = |_: &Sample, _: &C| Ok(ControlFlow::Continue(()));
+        let flight = fly(model, &mut sensors, &mut approach, &schedule, &mut x, go_on);
+        flight.ending.check().map_err(broken)?;
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
         let problem = RollIn::new(&self.model, &x, &spec).map_err(|e| e.within("plan.roll_in"))?;
         let optimum = problem.plan(observe).map_err(broken)?;
@@ -106,16 +106,15 @@ impl Scenario {
         let schedule = Schedule { steps: (last / step).ceil() as usize, steps_per_sample, ..self.schedule };
         let steps = schedule.steps;
         let mut player = Playback::new(approach, points.t.clone(), points.u.clone());
-        let mut recorder = Recorder::new(&self.model, &player, steps / schedule.steps_per_sample + 1)?;
+        let mut recorder = Recorder::new(&self.model, &player, steps / schedule.steps_per_sample + 1, None)?;
         let mut x = self.start();
-        fly(&self.model, &mut player, &schedule, &mut x, |sample, player| {
-            match recorder.sample(sample, player) {
-                Ok(()) => ControlFlow::Continue(()),
-                Err(_) => ControlFlow::Break(()),
-            }
+        let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
+        fly(model, &mut sensors, &mut player, &schedule, &mut x, |sample, player| {
+            recorder.sample(sample, player)?;
+            Ok(ControlFlow::Continue(()))
         });
         let attitude = crate::math::Quat::from_wxyz(&x[self.model.layout().attitude..]);
-        Ok((recorder.finish().0, attitude.matrix().roll_pitch_yaw().0))
+        Ok((recorder.finish().record, attitude.matrix().roll_pitch_yaw().0))
     }
 
     /// This scenario with the plan as the reference of its controller.

@@ -1,0 +1,171 @@
+//! The flight of a plant: sensors, controller and clock around the stepper.
+
+use super::record::Column;
+use super::sensors::{Measurement, Sensors};
+use super::stepper::Stepper;
+use super::system::{Driver, Ending, Moment};
+use crate::plant::{Fault, Plant};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// What decides the plant's inputs.
+pub trait Controller {
+    /// Plans anew at time `t` from what is measured. A failure leaves the previous plan in force.
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update;
+    /// Writes the planned inputs at time `t`, the very function the plan was made with.
+    fn input(&self, t: f64, u: &mut [f64]);
+    /// Columns of [`diagnostics`](Self::diagnostics).
+    fn columns(&self) -> Vec<Column> {
+        Vec::new()
+    }
+    /// Appends what the last update tells of itself, one number per column.
+    /// Nothing that depends on the wall clock, so that records repeat.
+    fn diagnostics(&self, _row: &mut Vec<f64>) {}
+}
+
+/// How an update of the controller ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// A new plan is in force.
+    Fresh,
+    /// The update failed; the previous plan goes on.
+    Kept,
+    /// The update came after its deadline; the previous plan goes on.
+    Late,
+}
+
+/// The controller that leaves every regulator at rest.
+#[derive(Clone, Copy, Debug)]
+pub struct AtRest;
+
+impl Controller for AtRest {
+    fn update(&mut self, _: f64, _: &Measurement) -> Update {
+        Update::Fresh
+    }
+    fn input(&self, _: f64, u: &mut [f64]) {
+        u.fill(0.0);
+    }
+}
+
+/// The clock of a flight: whole steps between updates and between samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Schedule {
+    /// Integration step, s.
+    pub step: f64,
+    /// Number of steps.
+    pub steps: usize,
+    /// Steps between controller updates; `None` never updates.
+    pub steps_per_update: Option<usize>,
+    /// Steps between samples.
+    pub steps_per_sample: usize,
+}
+
+/// The plant at one instant, as it is recorded.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Time, s.
+    pub t: f64,
+    /// State.
+    pub x: &'a [f64],
+    /// Inputs in force.
+    pub u: &'a [f64],
+    /// Wall time since the flight began.
+    pub elapsed: Duration,
+}
+
+/// A flown flight without its samples.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// How it ended.
+    pub ending: Ending,
+    /// Time reached, s.
+    pub duration: f64,
+    /// Wall time of the loop.
+    pub wall: Duration,
+    /// Wall time of each controller update.
+    pub updates: Vec<Duration>,
+    /// Updates that failed and kept the previous plan.
+    pub failures: usize,
+    /// Updates that came late and kept the previous plan.
+    pub late: usize,
+}
+
+/// Flies `plant` from `x` (state at t = 0, left at the final state) under
+/// `controller`, which knows of it what `sensors` tell: the steps of a [`Stepper`], inputs limited by the plant's
+/// channels, quaternion renormalised every step.
+///
+/// `observe` sees every sample, the first at t = 0, and may stop the flight.
+pub fn fly<P: Plant, C: Controller>(
+    plant: &P,
+    sensors: &mut Sensors,
+    controller: &mut C,
+    schedule: &Schedule,
+    x: &mut [f64],
+    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+) -> Flight {
+    let updates = schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1);
+    let mut pilot = Pilot {
+        sensors,
+        controller,
+        schedule,
+        observe,
+        start: Instant::now(),
+        updates: Vec::with_capacity(updates),
+        failures: 0,
+        late: 0,
+    };
+    let mut stepper = Stepper::new(plant, 0.0, x);
+    let ending = stepper.run(schedule.step, schedule.steps, &mut pilot);
+    x.copy_from_slice(stepper.state());
+    Flight {
+        ending,
+        duration: stepper.time(),
+        wall: pilot.start.elapsed(),
+        updates: pilot.updates,
+        failures: pilot.failures,
+        late: pilot.late,
+    }
+}
+
+/// A controller behind its sensors at the stepper's wheel.
+struct Pilot<'a, C, O> {
+    sensors: &'a mut Sensors,
+    controller: &'a mut C,
+    schedule: &'a Schedule,
+    observe: O,
+    start: Instant,
+    updates: Vec<Duration>,
+    failures: usize,
+    late: usize,
+}
+
+impl<C: Controller, O> Driver<()> for Pilot<'_, C, O>
+where
+    O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+{
+    fn decide(&mut self, k: usize, t: f64, x: &[f64]) {
+        let due = self.schedule.steps_per_update.is_some_and(|n| k.is_multiple_of(n));
+        if k == self.schedule.steps || !due {
+            return;
+        }
+        let begun = Instant::now();
+        match self.controller.update(t, &self.sensors.measure(t, x)) {
+            Update::Fresh => {}
+            Update::Kept => self.failures += 1,
+            Update::Late => self.late += 1,
+        }
+        self.updates.push(begun.elapsed());
+    }
+
+    fn inputs(&self, t: f64, u: &mut [f64]) {
+        self.controller.input(t, u);
+    }
+
+    fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
+        if !k.is_multiple_of(self.schedule.steps_per_sample) {
+            return Ok(ControlFlow::Continue(()));
+        }
+        let sample = Sample { t: at.t, x: at.x, u: at.u, elapsed: self.start.elapsed() };
+        (self.observe)(&sample, self.controller)
+    }
+}

@@ -1,0 +1,92 @@
+//! Loads of a wing's strips over time, as a record.
+
+use super::record::{Column, Record};
+use crate::aero::{Aero, Circulation, LoadSource, Loads};
+use crate::math::{Mat3, Vec3};
+
+/// Axes of a vector, as they end the names of its columns.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// One row per strip and instant: where the strip is, what it meets, what it bears.
+///
+/// | column | unit | |
+/// |---|---|---|
+/// | `t`, `phase` | s, as the run counts it | instant |
+/// | `strip`, `arc` | -, m | number from the left tip; arc of the control section, left positive |
+/// | `circulation` or `circulation_lag_sum` | m2/s | see [`Circulation`](crate::aero::Circulation) |
+/// | `wash`, `incidence` | m/s, rad | along the normal at 3/4 chord; wash included |
+/// | `force_*` | N | sum over the sources, then by [`LoadSource::STRIP`], in B |
+/// | `width` | m | along the arc |
+/// | `quarter_chord_*` | m | point at 1/4 chord of the control section, from the origin of B, in B |
+/// | `surface` | - | number of the surface, in the robot's order |
+#[derive(Clone, Debug)]
+pub struct StripRecorder {
+    record: Record,
+    /// Arcs and widths of the strips of each surface, m.
+    surfaces: Vec<[Vec<f64>; 2]>,
+    row: Vec<f64>,
+}
+
+impl StripRecorder {
+    /// An empty record of the strips of all surfaces, whose models are of one kind, with room for
+    /// `instants`; `phase_unit` is that of the column `phase`.
+    pub fn new<'a>(surfaces: impl Iterator<Item = &'a Aero>, phase_unit: &str, instants: usize) -> Self {
+        let surfaces: Vec<&Aero> = surfaces.collect();
+        let strips: usize = surfaces.iter().map(|aero| aero.strips()).sum();
+        // A sum of lags is no bound circulation beside one that is.
+        let of_lags = surfaces.iter().find(|aero| aero.circulation() == Circulation::LagSum);
+        let columns = columns(of_lags.map_or(Circulation::Bound, |aero| aero.circulation()), phase_unit);
+        Self {
+            row: Vec::with_capacity(columns.len()),
+            // Refused are only two columns of one name.
+            record: Record::new(columns, instants * strips).unwrap_or_default(),
+            surfaces: surfaces.iter().map(|a| [a.strip_arcs().to_vec(), a.widths().to_vec()]).collect(),
+        }
+    }
+
+    /// Appends the strips of a surface, by its number, at an instant: `loads` are in a frame in which
+    /// B has its origin at `origin` (m), and which `to_body` turns into B.
+    pub fn append(
+        &mut self,
+        [t, phase]: [f64; 2],
+        surface: usize,
+        loads: &Loads<f64>,
+        to_body: Mat3,
+        origin: Vec3,
+    ) {
+        let [arcs, widths] = &self.surfaces[surface];
+        for (i, strip) in loads.strip[..loads.strips].iter().enumerate() {
+            let row = &mut self.row;
+            row.clear();
+            row.extend([t, phase, i as f64, arcs[i]]);
+            row.extend([loads.circulation[i], loads.wash[i], loads.incidence[i]]);
+            row.extend((to_body * strip.total().force).0);
+            row.extend(strip.parts().iter().flat_map(|part| (to_body * part.force).0));
+            row.push(widths[i]);
+            row.extend((to_body * (loads.quarter_chord[i] - origin)).0);
+            row.push(surface as f64);
+            self.record.append(row);
+        }
+    }
+
+    /// The record.
+    pub fn finish(self) -> Record {
+        self.record
+    }
+}
+
+fn columns(circulation: Circulation, phase_unit: &str) -> Vec<Column> {
+    let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", phase_unit, "")];
+    columns.extend(
+        [("strip", ""), ("arc", "m"), (circulation.name(), "m2/s"), ("wash", "m/s"), ("incidence", "rad")]
+            .map(|(name, unit)| Column::new(name, unit, "")),
+    );
+    columns.extend(AXES.map(|a| Column::new(format!("force_{a}"), "N", "B")));
+    for source in LoadSource::STRIP {
+        columns.extend(AXES.map(|a| Column::new(format!("force_{}_{a}", source.name()), "N", "B")));
+    }
+    columns.push(Column::new("width", "m", ""));
+    columns.extend(AXES.map(|a| Column::new(format!("quarter_chord_{a}"), "m", "B")));
+    columns.push(Column::new("surface", "", ""));
+    columns
+}
