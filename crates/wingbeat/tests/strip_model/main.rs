@@ -129,7 +129,7 @@ fn sums_agree_and_breakdown_adds_up() {
         let (wind, x) = (Vec3::new(-1.5, 0.2, 0.4), state(&model));
         let (dx, loads) = evaluate(&model, &sections, wind, &x);
         let mut dx_sum = vec![0.0; model.states()];
-        let (wrench, added_mass) = model.evaluate_sum(&sections, wind, &x, &mut dx_sum);
+        let (wrench, added_mass) = model.evaluate_sum(&sections, wind, &x, &mut dx_sum, None);
         assert_eq!((dx, added_mass), (dx_sum, loads.added_mass));
         for w in [wrench, loads.by_source().total()] {
             assert!((w.force - loads.wrench.force).norm() < 1e-13);
@@ -365,7 +365,7 @@ fn check_wind(model: &StripModel, wing: &Wing<f64>, wind: Vec3<f64>, x: &[f64]) 
     let dual_wind = Vec3::new(Dual::variable(wind[0], 0), Dual::from(wind[1]), Dual::from(wind[2]));
     let dual_x: Vec<_> = x.iter().map(|&v| Dual::<1>::constant(v)).collect();
     let mut dual_dx = dual_x.clone();
-    let (wrench, matrix) = model.evaluate_sum(&still, dual_wind, &dual_x, &mut dual_dx);
+    let (wrench, matrix) = model.evaluate_sum(&still, dual_wind, &dual_x, &mut dual_dx, None);
     prop_assert!(wrench.force.is_finite() && wrench.moment.is_finite());
     prop_assert!(dual_dx.iter().chain(matrix.iter().flatten()).all(|v| v.is_finite()));
     let step = 1e-6 * (wind.norm() + 1e-3);
