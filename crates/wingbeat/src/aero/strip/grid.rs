@@ -130,7 +130,8 @@ fn spacing(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<(Ve
             let allowed = format!("0 to less than the half span {tip}");
             return Err(Error::invalid(format!("hinge_arcs_m[{k}]"), arc, allowed));
         }
-        hinges.extend(at);
+        // Edges are laid from the right tip, where the arc coordinate is negative, to the left one.
+        hinges.extend(at.iter().map(|s| -s));
     }
     hinges.sort_by(f64::total_cmp);
     hinges.dedup_by(|a, b| *a == *b);
