@@ -2,7 +2,7 @@
 //! lifting line, which are shown without a limit.
 
 mod flapping;
-mod lattice;
+pub(crate) mod lattice;
 pub(crate) mod linear;
 mod mean;
 mod small;

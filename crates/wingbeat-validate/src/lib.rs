@@ -11,6 +11,7 @@ mod report;
 
 pub mod aero_full;
 pub mod aero_paper;
+pub mod aero_surfaces;
 pub mod body;
 pub mod figures;
 pub mod flapbody;
@@ -31,6 +32,7 @@ pub fn cases() -> Vec<&'static Case> {
         math::CASES,
         aero_paper::CASES,
         aero_full::CASES,
+        aero_surfaces::CASES,
         body::CASES,
         ocp::CASES,
         ocp_problems::hock_schittkowski::CASES,

@@ -3,7 +3,10 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::PathBuf;
-use wingbeat::math::Dual;
+use wingbeat::aero::{
+    Aero, Loads, Planform, PlanformStation, SectionMotion, StripModel, StripSettings, Surfaces,
+};
+use wingbeat::math::{Dual, Vec3};
 use wingbeat::plant::Plant;
 use wingbeat::scenario::Scenario;
 use wingbeat::simulate::Stepper;
@@ -11,15 +14,19 @@ use wingbeat::simulate::Stepper;
 struct Counting;
 
 thread_local! {
-    /// Allocations of this thread: the test harness has threads of its own.
     static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+/// Allocations of this thread so far: the test harness has threads of its own.
+fn allocations() -> usize {
+    ALLOCATIONS.get()
 }
 
 // SAFETY: every call goes to the system allocator unchanged; only a count is added.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
         // SAFETY: the caller's promise is passed on.
         unsafe { System.alloc(layout) }
     }
@@ -47,11 +54,40 @@ fn a_plant_evaluation_allocates_nothing() {
         let dual = |v: &[f64]| v.iter().map(|&v| Dual::<8>::constant(v)).collect::<Vec<_>>();
         let (xd, ud, mut dxd) = (dual(&x), dual(&u), dual(&x));
         let mut stepper = Stepper::new(robot, 0.0, &x);
-        let before = ALLOCATIONS.get();
+        let before = allocations();
         robot.rates(0.01, &x, &u, &mut dx).unwrap();
         robot.rates(Dual::<8>::constant(0.01), &xd, &ud, &mut dxd).unwrap();
         (0..5).for_each(|_| stepper.step(1e-4).unwrap());
-        assert_eq!(ALLOCATIONS.get() - before, 0, "{name}");
+        assert_eq!(allocations() - before, 0, "{name}");
         assert_ne!(before, 0);
     }
+}
+
+#[test]
+fn surfaces_in_each_others_wash_allocate_nothing() {
+    let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -0.1 };
+    let planform = Planform::new(&[station(0.0), station(0.3)]).unwrap();
+    let settings = StripSettings { strips: 8, ..Default::default() };
+    let wing = Aero::Strip(StripModel::new(&planform, settings).unwrap());
+    let surfaces = Surfaces::new([("wing".to_string(), wing.clone()), ("tail".to_string(), wing)]).unwrap();
+    let edge = |behind: f64, arc: f64| SectionMotion {
+        le: Vec3::new(-behind, arc, 0.0),
+        te: Vec3::new(-behind - 0.1, arc, 0.0),
+        ..SectionMotion::default()
+    };
+    let sections: Vec<_> = surfaces
+        .arcs()
+        .iter()
+        .enumerate()
+        .map(|(i, &arc)| edge(if i < 9 { 0.0 } else { 0.4 }, arc))
+        .collect();
+    let (x, wind) = (vec![0.01; surfaces.states()], Vec3::new(-2.0, 0.0, 0.1));
+    let (mut dx, mut loads) = (x.clone(), Loads::default());
+    let dual: Vec<Dual<8>> = x.iter().map(|&v| Dual::constant(v)).collect();
+    let mut dual_dx = dual.clone();
+    let before = allocations();
+    surfaces.evaluate(&sections, wind, &x, &mut dx, &mut loads);
+    surfaces.evaluate_sum(&sections, wind, &dual, &mut dual_dx, None);
+    assert_eq!(allocations() - before, 0);
+    assert!(dx.iter().all(|d| d.is_finite()));
 }

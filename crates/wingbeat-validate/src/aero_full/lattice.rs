@@ -124,6 +124,33 @@ pub fn loading(aspect: f64, k: f64, chordwise: usize, spanwise: usize) -> Result
     })
 }
 
+/// Places across the span of a rectangular wing of aspect ratio `aspect` in steady flow, from one tip to the
+/// middle, and the downwash there, per speed and incidence, at `behind` chords behind its leading edge in
+/// its plane, on `chordwise` x `spanwise` panels.
+///
+/// # Errors
+/// [`Error::NoAnswer`] when the lattice is singular.
+pub fn downwash(
+    aspect: f64,
+    behind: f64,
+    chordwise: usize,
+    spanwise: usize,
+) -> Result<Vec<(f64, f64)>, Error> {
+    let lattice = Lattice::new(aspect, chordwise, spanwise, 0.0);
+    let rings = lattice.solve()?;
+    let upwash = |y: f64| -> f64 {
+        let vortices = rings.iter().enumerate().map(|(column, ring)| {
+            let (j, i) = (column / chordwise, column % chordwise);
+            // A ring of the last row is open: its wake is a horseshoe.
+            let next = lattice.vortex(i + 1);
+            let rear = if i + 1 == chordwise { 0.0 } else { lattice.horseshoe(j, next, behind, y) };
+            ring.0 * (lattice.horseshoe(j, lattice.vortex(i), behind, y) - rear)
+        });
+        vortices.sum()
+    };
+    Ok(lattice.stations.iter().map(|&y| (y, -upwash(y))).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -136,5 +163,20 @@ mod tests {
         let weights = (1..=8).map(|j| 2.0 * step * (f64::from(j) * step).sin());
         let slope: f64 = loading.force.iter().zip(weights).map(|(f, w)| f.0 * w).sum::<f64>() / 2.0;
         assert!((slope / 3.612014 - 1.0).abs() < 0.005, "{slope}");
+    }
+
+    #[test]
+    fn far_behind_the_downwash_drags_like_the_trefftz_plane() {
+        // Induced drag 0.5 sum(Gamma w dy) of the loading's own wake far behind, for nearly elliptic loading L^2/(pi q b^2).
+        let loading = loading(6.0, 0.0, 6, 32).unwrap();
+        let step = PI / 33.0;
+        let width = |j: usize| 6.0 * 0.5 * step * (j as f64 * step).sin();
+        let wash = downwash(6.0, 1e4, 6, 32).unwrap();
+        let sums = (1..=16).fold((0.0, 0.0), |sum, j| {
+            let gamma = loading.circulation[j - 1].0 * width(j);
+            (sum.0 + 2.0 * gamma, sum.1 + 2.0 * 0.5 * gamma * wash[j - 1].1)
+        });
+        let elliptic = sums.0 * sums.0 / (0.5 * PI * 36.0);
+        assert!(sums.1 > elliptic && sums.1 < 1.06 * elliptic, "{sums:?} {elliptic}");
     }
 }

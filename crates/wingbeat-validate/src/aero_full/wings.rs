@@ -73,7 +73,7 @@ pub fn folded(aspect: f64, inner: f64, outer: f64) -> Result<Still, Error> {
 pub fn other(name: &str) -> Result<Still, Error> {
     let still = match name {
         "rect4" => Still { area: 3.992107, ..rectangular(4.0)? },
-        "ell4" => elliptic()?,
+        "ell4" => Still::flat(ellipse(4.0)?, 2.456436, 0.783454, 0.25)?,
         "tap.4_AR6" => Still::flat(planform(&[[0.0, 0.25, -0.75], [2.1, 0.1, -0.3]])?, 2.934199, 0.7, 0.25)?,
         "swept30_AR6" => Still { area: 5.988160, ..swept(6.0, 30.0)? },
         "aerobat_flat" => aerobat()?,
@@ -85,16 +85,17 @@ pub fn other(name: &str) -> Result<Still, Error> {
     Ok(still)
 }
 
-/// Ellipse of aspect ratio 4 and root chord 1 m, straight quarter chord.
-fn elliptic() -> Result<Still, Error> {
+/// Ellipse of root chord 1 m, straight quarter chord.
+pub fn ellipse(aspect: f64) -> Result<Planform, Error> {
+    let span = 0.25 * aspect * PI;
     let rows: Vec<[f64; 3]> = (0..=200)
         .map(|i| {
             let angle = f64::from(i) / 400.0 * PI;
             let chord = angle.cos().max(1e-3);
-            [angle.sin() * 0.5 * PI, 0.25 * chord, -0.75 * chord]
+            [angle.sin() * 0.5 * span, 0.25 * chord, -0.75 * chord]
         })
         .collect();
-    Still::flat(planform(&rows)?, 2.456436, 0.783454, 0.25)
+    planform(&rows)
 }
 
 /// Aerobat's planform in units of 0.1 m; pitch axes count from its hinge line.

@@ -8,6 +8,7 @@ mod planform;
 mod section;
 mod station;
 mod strip;
+mod surfaces;
 
 pub use crate::math::Wrench;
 pub use law::{LiftLaw, ProfileDrag};
@@ -16,12 +17,18 @@ pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
 pub use planform::{Gap, Planform, PlanformStation, Span};
 pub use station::{SectionField, SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings};
+pub use surfaces::{Surface, Surfaces};
 
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
+use strip::{Others, Source, Wanted};
 
-/// Largest number of strips; loads live on the stack.
+/// Largest number of strips of all surfaces together; loads live on the stack.
 pub const MAX_STRIPS: usize = 32;
+/// Largest number of surfaces of one robot.
+pub const MAX_SURFACES: usize = 8;
+/// Largest number of sections of all surfaces together: strips lie between sections.
+pub const MAX_SECTIONS: usize = MAX_STRIPS + MAX_SURFACES;
 
 /// The aerodynamic presets.
 #[derive(Clone, Debug)]
@@ -92,6 +99,16 @@ impl Aero {
             },
         }
     }
+    /// What others need to know of the surface, given its first section and strip among those of all; none
+    /// where it neither sees nor is seen.
+    fn source(&self, first_section: usize, first_strip: usize) -> Option<Source> {
+        match self {
+            Self::Strip(model) if model.settings().wake_wash => {
+                Some(model.source(first_section, first_strip))
+            }
+            _ => None,
+        }
+    }
     /// Name of the lift law.
     pub fn law(&self) -> LiftLaw {
         match self {
@@ -116,9 +133,26 @@ impl Aero {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
+        loads.strips = 0;
+        (loads.wrench, loads.added_mass) = self.append(sections, wind, x, dx, None, loads);
+    }
+    /// Loads and state rates among `others`, of which preset `paper` knows nothing. Writes the loads by
+    /// strip behind the strips that `loads` holds; returns the sum, which the other fields of `loads` do not get.
+    fn append<S: Scalar>(
+        &self,
+        sections: &(impl Sections<S> + ?Sized),
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        others: Option<Others<'_, S, S>>,
+        loads: &mut Loads<S>,
+    ) -> (Wrench<S>, [[S; 6]; 6]) {
         match self {
-            Self::LiftingLine(line) => line.evaluate(sections, wind, x, dx, loads),
-            Self::Strip(model) => model.evaluate(sections, wind, x, dx, loads),
+            Self::LiftingLine(line) => line.append(sections, wind, x, dx, loads),
+            Self::Strip(model) => {
+                let wanted = Wanted { loads: Some(loads), coupling: None };
+                model.evaluate_among(sections, wind, x, dx, others, wanted)
+            }
         }
     }
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
@@ -132,9 +166,23 @@ impl Aero {
         dx: &mut [S],
         coupling: Option<Coupling<G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
+        self.sum(sections, wind, x, dx, None, coupling)
+    }
+    /// The same among `others`, of which preset `paper` knows nothing.
+    fn sum<G: Scalar, S: Over<G>>(
+        &self,
+        sections: &(impl Sections<G> + ?Sized),
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        others: Option<Others<'_, G, S>>,
+        coupling: Option<Coupling<'_, G, S>>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self {
             Self::LiftingLine(line) => line.evaluate_sum(sections, wind, x, dx, coupling),
-            Self::Strip(model) => model.evaluate_sum(sections, wind, x, dx, coupling),
+            Self::Strip(model) => {
+                model.evaluate_among(sections, wind, x, dx, others, Wanted { loads: None, coupling })
+            }
         }
     }
     /// The sections between which strip `i` lies, and the share of the second.

@@ -4,7 +4,7 @@ use super::dynamics::System;
 use super::sections::Carriers;
 use super::surface::External;
 use super::{Joints, Links, Robot};
-use crate::aero::{LoadSource, Loads, MAX_STRIPS, SectionMotion, Sections, StripLoads};
+use crate::aero::{LoadSource, Loads, MAX_STRIPS, StripLoads};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
 use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
 use crate::plant::{Fault, MAX_COORDINATES};
@@ -131,10 +131,11 @@ impl Robot {
         let mut carriers = Carriers::new(&base, wind_dot, &still);
         carriers.follow(&self.carriers, &moving, wind_dot);
         let (x, dx) = (&x[structure..], &mut dx[structure..]);
-        let (air, external, _) = self.air_loads(&carriers, wind, x, dx, |_| {});
+        let mut loads = Loads::default();
+        let external = self.air_loads(&carriers, wind, x, dx, &mut loads);
         let body_drag = self.body_drag(v - wind);
         Ok(CarriedLoads {
-            air,
+            air: loads.by_source(),
             body_drag,
             gravity: self.mechanism.tree.gravity(gravity, &links),
             inertia: self.momentum_reaction(body.rate, &links, imposed),
@@ -194,37 +195,23 @@ impl Robot {
         }
     }
 
-    /// Loads of all surfaces by source and by the links that bear them; `strips` sees each surface's.
+    /// Loads of all strips, `loads`, and of the links that bear them.
     pub(super) fn air_loads<S: Scalar>(
         &self,
         carriers: &Carriers<S>,
         wind: Vec3<S>,
         x: &[S],
         dx: &mut [S],
-        mut strips: impl FnMut(&Loads<S>),
-    ) -> (StripLoads<S>, External<S>, usize) {
-        let links = self.mechanism.tree.links();
-        let mut external: External<S> = std::iter::repeat_n(Wrench::ZERO, links + 1).collect();
-        let (mut air, mut count) = (StripLoads::default(), 0);
-        for surface in &self.surfaces {
-            let riding = surface.riding(carriers);
-            let mut sections = [SectionMotion::default(); MAX_STRIPS + 1];
-            let needed = surface.aero.arcs().len();
-            for (i, section) in sections.iter_mut().enumerate().take(needed) {
-                *section = riding.section(i);
-            }
-            let mut loads = Loads::default();
-            let states = surface.states.clone();
-            let (x, dx) = (&x[states.clone()], &mut dx[states]);
-            surface.aero.evaluate(&sections[..needed], wind, x, dx, &mut loads);
-            let totals: ArrayVec<Wrench<S>, MAX_STRIPS> =
-                loads.strip[..loads.strips].iter().map(StripLoads::total).collect();
-            surface.share(&riding, &totals, &mut external);
-            air += loads.by_source();
-            count += loads.strips;
-            strips(&loads);
-        }
-        (air, external, count)
+        loads: &mut Loads<S>,
+    ) -> External<S> {
+        let covering = &self.covering;
+        covering.aero.evaluate(&covering.motions(carriers), wind, x, dx, loads);
+        let totals: ArrayVec<Wrench<S>, MAX_STRIPS> =
+            loads.strip[..loads.strips].iter().map(StripLoads::total).collect();
+        let mut external = External::new();
+        external.extend(std::iter::repeat_n(Wrench::ZERO, self.mechanism.tree.links() + 1));
+        covering.share(&covering.riding(carriers), &totals, &mut external);
+        external
     }
 
     /// Minus the rate of momentum of body and links about the body origin, in B.

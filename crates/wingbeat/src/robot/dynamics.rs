@@ -122,12 +122,9 @@ impl Robot {
         let g_b = self.gravity(attitude);
         let body = tree.gravity(g_b, links) + self.body_drag(v - wind) + -bias;
         let acceleration = if coordinates.count() == 0 {
-            let mut net = body.lifted();
-            for surface in &self.surfaces {
-                let (load, added) = surface.sum(&carriers, wind, air, &mut dx[l.aero..], None);
-                net = load + net;
-                add(&mut mass, &added);
-            }
+            let (load, added) = self.covering.sum(&carriers, wind, air, &mut dx[l.aero..], None);
+            let net = load + body.lifted();
+            add(&mut mass, &added);
             let mut rhs = [S::ZERO; 6];
             net.force.store(&mut rhs);
             net.moment.store(&mut rhs[3..]);
@@ -261,13 +258,9 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         let links = robot.mechanism.tree.links();
         let mut external = External::<S>::new();
         external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
-        let mut net = Wrench::ZERO;
-        for surface in &robot.surfaces {
-            let coupled = Some((&mut self.mass, &mut external));
-            let (load, added) = surface.sum(carriers, wind, x, dx, coupled);
-            net += load;
-            add(&mut self.mass, &added);
-        }
+        let coupled = Some((&mut self.mass, &mut external));
+        let (net, added) = robot.covering.sum(carriers, wind, x, dx, coupled);
+        add(&mut self.mass, &added);
         for (link, load) in external.iter().enumerate().take(links) {
             carriers.project(link, load, &mut self.of_air);
         }

@@ -57,14 +57,12 @@ impl Robot {
         states.extend(twin.iter().map(|i| elements + i));
         states.extend(joints.iter().map(|i| first + i));
         states.extend(joints.iter().map(|i| first + count + i));
-        for surface in &self.surfaces {
-            if !surface.symmetric {
-                let allowed = "symmetric surfaces alone, where both wings move alike";
-                return Err(Error::invalid("surfaces.span", &surface.name, allowed));
-            }
-            let first = first + 2 * count + surface.states.start;
-            states.extend((0..surface.aero.states()).map(|i| first + surface.aero.mirrored(i)));
+        if let Some(surface) = self.covering.laid.iter().find(|surface| !surface.symmetric) {
+            let allowed = "symmetric surfaces alone, where both wings move alike";
+            return Err(Error::invalid("surfaces.span", &surface.name, allowed));
         }
+        let (air, first) = (&self.covering.aero, first + 2 * count);
+        states.extend((0..air.states()).map(|i| first + air.mirrored(i)));
         let (states, state_of) = halves(&states);
         let (inputs, input_of) = halves(&twin);
         Ok(Mirror { states, inputs, state_of, input_of })

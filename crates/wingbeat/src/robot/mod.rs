@@ -23,14 +23,14 @@ pub use spec::{
 pub use surface::SurfaceOutline;
 
 use crate::Error;
-use crate::aero::Aero;
+use crate::aero::{Aero, Surfaces};
 use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
 use crate::math::{Jet, Vec3};
 use crate::plant::{Channel, Role};
 use arrayvec::ArrayVec;
 use joints::Placed;
 use mechanism::Mechanism;
-use surface::Surface;
+use surface::{Covering, Laid};
 
 /// Largest number of structure elements.
 pub const MAX_ELEMENTS: usize = 16;
@@ -70,7 +70,7 @@ pub struct Robot {
     phase_start: f64,
     response: Response,
     elements: Vec<Placed>,
-    surfaces: Vec<Surface>,
+    covering: Covering,
     /// Links that carry surfaces.
     carriers: Vec<usize>,
     drag_area: Vec3,
@@ -94,9 +94,8 @@ impl Robot {
         let mechanism = Mechanism::new(spec)?;
         let elements = Placed::all(spec, &mechanism)?;
         let carriers = carriers(spec, &mechanism)?;
-        let surfaces = surfaces(spec, &mechanism, &carriers, aero)?;
-        let air_states = surfaces.last().map_or(0, |s| s.states.end);
-        let layout = Layout::new(elements.len(), mechanism.coordinates.len(), air_states);
+        let covering = Covering::new(spec, &mechanism, &carriers, aero)?;
+        let layout = Layout::new(elements.len(), mechanism.coordinates.len(), covering.aero.states());
         Ok(Self {
             phase_rate: joints::phase_rate(&spec.gait),
             phase_start,
@@ -105,10 +104,10 @@ impl Robot {
             drag_area: Vec3(spec.body.drag_area_m2),
             air,
             layout,
-            states: layout.channels(&elements, &mechanism, &surfaces),
+            states: layout.channels(&elements, &mechanism, &covering.aero),
             inputs: regulators(&elements),
             elements,
-            surfaces,
+            covering,
             mechanism,
         })
     }
@@ -131,16 +130,16 @@ impl Robot {
     }
     /// The surfaces with their aerodynamic models.
     pub fn surfaces(&self) -> impl Iterator<Item = (&str, &Aero)> {
-        self.surfaces.iter().map(|s| (s.name.as_str(), &s.aero))
+        self.covering.aero.surfaces().iter().map(|s| (s.name(), s.aero()))
     }
     /// Names of the ends of all panels, surface after surface, as [`Observation::outlines`] has them; of
     /// surfaces beyond the first with the surface's name before.
     pub fn outline_names(&self) -> Vec<String> {
-        let of = |(i, s): (usize, &Surface)| {
+        let of = |(i, s): (usize, &Laid)| {
             let prefix = if i == 0 { String::new() } else { format!("{}_", s.name) };
             s.outline.iter().map(|(name, _)| format!("{prefix}{name}")).collect::<Vec<_>>()
         };
-        self.surfaces.iter().enumerate().flat_map(of).collect()
+        self.covering.laid.iter().enumerate().flat_map(of).collect()
     }
     /// Coordinates of the elastic and free joints at the start, rad or m.
     pub fn start_coordinates(&self) -> Vec<f64> {
@@ -182,31 +181,6 @@ fn carriers(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Vec<usize>, Error
     Ok(carriers)
 }
 
-/// The surfaces in place.
-fn surfaces(
-    spec: &RobotSpec,
-    mechanism: &Mechanism,
-    carriers: &[usize],
-    aero: Vec<Aero>,
-) -> Result<Vec<Surface>, Error> {
-    let outlines = spec.outlines()?;
-    assert_eq!(outlines.len(), aero.len(), "one aerodynamic model per surface");
-    let mut surfaces: Vec<Surface> = Vec::with_capacity(aero.len());
-    for ((surface, outline), aero) in spec.all_surfaces().zip(&outlines).zip(aero) {
-        if surfaces.iter().any(|other| other.name == surface.name) {
-            return Err(Error::invalid(
-                format!("{}.name", outline.key),
-                &surface.name,
-                "a name not yet used",
-            ));
-        }
-        let first = surfaces.last().map_or(0, |s| s.states.end);
-        let placed = Surface::new(&surface, mechanism, carriers, aero, first);
-        surfaces.push(placed.map_err(|e| e.within(&outline.key))?);
-    }
-    Ok(surfaces)
-}
-
 impl Layout {
     fn new(elements: usize, coordinates: usize, aero_states: usize) -> Self {
         let joints = 13 + 2 * elements;
@@ -215,7 +189,7 @@ impl Layout {
         Self { position: 0, attitude: 3, velocity: 7, rate: 10, structure: 13, joints, aero, len }
     }
 
-    fn channels(&self, elements: &[Placed], mechanism: &Mechanism, surfaces: &[Surface]) -> Vec<Channel> {
+    fn channels(&self, elements: &[Placed], mechanism: &Mechanism, air: &Surfaces) -> Vec<Channel> {
         let axes = |name: &'static str, unit, frame, of: &'static str, role: fn(usize) -> Role| {
             let axes = of.chars().enumerate();
             axes.map(move |(i, axis)| Channel::free(format!("{name}_{axis}"), unit, frame).of(role(i)))
@@ -230,13 +204,6 @@ impl Layout {
             let named = mechanism.coordinates.iter().map(move |&i| named(i)).enumerate();
             named.map(move |(k, (name, unit))| Channel::free(name, unit, "").of(role(k)))
         };
-        let of_surface = |(i, s): (usize, &Surface)| {
-            let prefix = if i == 0 { String::new() } else { format!("{}_", s.name) };
-            s.aero
-                .channels()
-                .into_iter()
-                .map(move |c| Channel { name: format!("{prefix}{}", c.name), ..c }.of(Role::Air))
-        };
         axes("p_WB", "m", "W", "xyz", Role::Position)
             .chain(axes("quat", "", "WB", "wxyz", Role::Attitude))
             .chain(axes("v_WB_W", "m/s", "W", "xyz", Role::Velocity))
@@ -245,7 +212,7 @@ impl Layout {
             .chain(element("rate", 1, Role::DisplacementRate))
             .chain(joint("coordinate", 0, Role::Coordinate))
             .chain(joint("coordinate_rate", 1, Role::CoordinateRate))
-            .chain(surfaces.iter().enumerate().flat_map(of_surface))
+            .chain(air.channels().into_iter().map(|c| c.of(Role::Air)))
             .collect()
     }
 }

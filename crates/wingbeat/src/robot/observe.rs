@@ -36,8 +36,9 @@ pub struct Observation {
     /// Inertia: minus the rate of momentum of body and links, in B. With the
     /// forces above it sums to zero (d'Alembert).
     pub inertia: Wrench<f64>,
-    /// For each surface loads, incidence, circulation and place of its strips, in B about the body origin.
-    pub strips: Vec<Loads<f64>>,
+    /// Loads, incidence, circulation and place of the strips of all surfaces in turn, in B about the
+    /// body origin.
+    pub strips: Loads<f64>,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3,
     /// For each surface the ends of its panels, left to right: hinge-line point, leading and trailing
@@ -53,7 +54,7 @@ impl Observation {
 
     /// Incidence of each strip, wash included, rad; surface after surface.
     pub fn incidence(&self) -> impl Iterator<Item = f64> {
-        self.strips.iter().flat_map(|loads| loads.incidence[..loads.strips].iter().copied())
+        self.strips.incidence[..self.strips.strips].iter().copied()
     }
 }
 
@@ -77,10 +78,8 @@ impl Robot {
         let mut carriers = Carriers::new(&base, wind_dot, &still);
         carriers.follow(&self.carriers, &moving, wind_dot);
         let aero = self.layout.aero;
-        let mut strips = Vec::new();
-        let (air, external, _) = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], |loads| {
-            strips.push(*loads);
-        });
+        let mut strips = Loads::default();
+        let external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
         let body_drag = self.body_drag(e.base.velocity - wind);
         let g = self.gravity(e.attitude);
         let torques = self.joint_torques(&links, body, &external, g);
@@ -103,7 +102,7 @@ impl Robot {
             inertia: self.momentum_reaction(e.base.rate, &links, body),
             joints: joints.iter().map(|j| j.x).collect(),
             torques: torques.to_vec(),
-            air,
+            air: strips.by_source(),
             body_drag,
             gravity: tree.gravity(g, &links),
             strips,
@@ -119,7 +118,7 @@ impl Robot {
             let [le, te] = s.edges(link);
             [s.hinge_point(link), le, te]
         };
-        self.surfaces.iter().map(|surface| surface.outline.iter().map(place).collect()).collect()
+        self.covering.laid.iter().map(|surface| surface.outline.iter().map(place).collect()).collect()
     }
 
     /// Efforts that the joints need: `links` without the base's own acceleration,

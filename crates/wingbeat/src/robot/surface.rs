@@ -4,12 +4,14 @@ use super::mechanism::{Mechanism, mirrored};
 use super::sections::{Carriers, Riding, Section};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::Error;
-use crate::aero::{Aero, Coupling, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, Sections, Span, Wrench};
+use crate::aero::{
+    Aero, Coupling, MAX_SECTIONS, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, Sections, Span, Surfaces,
+    Wrench,
+};
 use crate::body::MAX_LINKS;
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::MAX_DEGREES;
 use arrayvec::ArrayVec;
-use std::ops::Range;
 
 /// What a scenario needs to know of a surface to choose its aerodynamic model.
 #[derive(Clone, Debug)]
@@ -172,53 +174,67 @@ struct Mount {
     edges: Option<([usize; 2], f64)>,
 }
 
-/// A surface of a robot with its aerodynamic model.
+/// How a surface lies on the robot.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
+pub(super) struct Laid {
     pub name: String,
-    pub aero: Aero,
-    /// Its states among those of the air.
-    pub states: Range<usize>,
     pub symmetric: bool,
-    sections: Vec<Section>,
-    mounts: Vec<Mount>,
     /// Sections at the ends of the panels with their names, from left to right.
     pub outline: Vec<(String, Section)>,
+}
+
+/// All surfaces of a robot with their aerodynamic models.
+#[derive(Clone, Debug)]
+pub(super) struct Covering {
+    pub aero: Surfaces,
+    pub laid: Vec<Laid>,
+    sections: Vec<Section>,
+    mounts: Vec<Mount>,
 }
 
 /// Loads on links, and on the body last, about the body origin, in B.
 pub(super) type External<S> = ArrayVec<Wrench<S>, { MAX_LINKS + 1 }>;
 
-impl Surface {
+impl Covering {
+    /// Lays the surfaces of `spec` over `mechanism`, of which `carriers` carry them, with one model each.
+    ///
     /// # Errors
     /// [`Error::Invalid`] with the key of the surface.
     pub fn new(
-        spec: &SurfaceSpec,
+        spec: &RobotSpec,
         mechanism: &Mechanism,
         carriers: &[usize],
-        aero: Aero,
-        first_state: usize,
+        models: Vec<Aero>,
     ) -> Result<Self, Error> {
-        let placement = Placement::new(spec, mechanism)?;
-        let at = |s: &f64| placement.section(*s, carriers);
-        let sections: Vec<Section> = aero.arcs().iter().map(at).collect();
-        let mount = |(i, s): (usize, &f64)| {
-            let (edges, share) = aero.strip_sections(i);
-            let apart = sections[edges[0]].link != sections[edges[1]].link;
-            Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
-        };
-        Ok(Self {
-            name: spec.name.clone(),
-            symmetric: spec.span == Span::Symmetric,
-            states: first_state..first_state + aero.states(),
-            mounts: aero.strip_arcs().iter().enumerate().map(mount).collect(),
-            outline: placement.ends(&spec.panels).into_iter().map(|(s, name)| (name, at(&s))).collect(),
-            sections,
-            aero,
-        })
+        let outlines = spec.outlines()?;
+        assert_eq!(outlines.len(), models.len(), "one aerodynamic model per surface");
+        let (mut laid, mut sections, mut mounts) = (Vec::new(), Vec::new(), Vec::new());
+        for ((surface, outline), aero) in spec.all_surfaces().zip(&outlines).zip(&models) {
+            let placement = Placement::new(&surface, mechanism).map_err(|e| e.within(&outline.key))?;
+            let at = |s: &f64| placement.section(*s, carriers);
+            let first = sections.len();
+            sections.extend(aero.arcs().iter().map(at));
+            mounts.extend(aero.strip_arcs().iter().enumerate().map(|(i, s)| {
+                let (edges, share) = aero.strip_sections(i);
+                let edges = edges.map(|edge| first + edge);
+                let apart = sections[edges[0]].link != sections[edges[1]].link;
+                Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
+            }));
+            laid.push(Laid {
+                name: surface.name.clone(),
+                symmetric: surface.span == Span::Symmetric,
+                outline: placement
+                    .ends(&surface.panels)
+                    .into_iter()
+                    .map(|(s, name)| (name, at(&s)))
+                    .collect(),
+            });
+        }
+        let named = outlines.into_iter().map(|outline| outline.name).zip(models);
+        Ok(Self { aero: Surfaces::new(named)?, laid, sections, mounts })
     }
 
-    /// The sections riding on `carriers`.
+    /// The sections of all surfaces riding on `carriers`.
     pub fn riding<'a, S: Scalar>(&'a self, carriers: &'a Carriers<'a, S>) -> Riding<'a, S> {
         Riding { sections: &self.sections, carriers }
     }
@@ -235,7 +251,6 @@ impl Surface {
         coupled: Option<(&mut [[G; MAX_DEGREES]; MAX_DEGREES], &mut External<S>)>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let riding = self.riding(carriers);
-        let (x, dx) = (&x[self.states.clone()], &mut dx[self.states.clone()]);
         let Some((mass, external)) = coupled else {
             return self.aero.evaluate_sum(&riding, wind, x, dx, None);
         };
@@ -244,6 +259,12 @@ impl Surface {
         let sum = self.aero.evaluate_sum(&riding, wind, x, dx, Some(coupling));
         self.share(&riding, &strips, external);
         sum
+    }
+
+    /// Motion of all sections.
+    pub fn motions<S: Scalar>(&self, carriers: &Carriers<S>) -> ArrayVec<SectionMotion<S>, MAX_SECTIONS> {
+        let riding = self.riding(carriers);
+        (0..self.sections.len()).map(|i| riding.section(i)).collect()
     }
 
     /// Adds the loads of the strips to the links that bear them.
@@ -296,7 +317,7 @@ fn between_edges<G: Scalar, S: Over<G>>(
     let mut rest = couple;
     let shares = std::array::from_fn(|k| {
         let turning = (normal.cross(chords[k]) * inverse_chord).times(nose_up * G::from(weights[k]));
-        rest = rest - turning;
+        rest -= turning;
         Wrench { force: forces[k].force, moment: forces[k].moment + turning }
     });
     (shares, rest)

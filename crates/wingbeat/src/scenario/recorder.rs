@@ -101,9 +101,7 @@ impl<'a> Recorder<'a> {
         if let Some(strips) = &mut self.strips {
             if strips.due == 0 {
                 let instant = [t, self.robot.phase(t)];
-                for (surface, loads) in o.strips.iter().enumerate() {
-                    strips.recorder.append(instant, surface, loads, Mat3::IDENTITY, Vec3::ZERO);
-                }
+                strips.recorder.append(instant, &o.strips, Mat3::IDENTITY, Vec3::ZERO);
                 strips.due = strips.every;
             }
             strips.due -= 1;

@@ -22,8 +22,8 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 #[derive(Clone, Debug)]
 pub struct StripRecorder {
     record: Record,
-    /// Arcs and widths of the strips of each surface, m.
-    surfaces: Vec<[Vec<f64>; 2]>,
+    /// Surface, number on it, arc and width (m) of each strip.
+    strips: Vec<[f64; 4]>,
     row: Vec<f64>,
 }
 
@@ -32,39 +32,36 @@ impl StripRecorder {
     /// `instants`; `phase_unit` is that of the column `phase`.
     pub fn new<'a>(surfaces: impl Iterator<Item = &'a Aero>, phase_unit: &str, instants: usize) -> Self {
         let surfaces: Vec<&Aero> = surfaces.collect();
-        let strips: usize = surfaces.iter().map(|aero| aero.strips()).sum();
+        let of = |(surface, aero): (usize, &&'a Aero)| {
+            let places = aero.strip_arcs().iter().zip(aero.widths()).enumerate();
+            places.map(move |(i, (arc, width))| [surface as f64, i as f64, *arc, *width]).collect::<Vec<_>>()
+        };
+        let strips: Vec<[f64; 4]> = surfaces.iter().enumerate().flat_map(of).collect();
         // A sum of lags is no bound circulation beside one that is.
         let of_lags = surfaces.iter().find(|aero| aero.circulation() == Circulation::LagSum);
         let columns = columns(of_lags.map_or(Circulation::Bound, |aero| aero.circulation()), phase_unit);
         Self {
             row: Vec::with_capacity(columns.len()),
             // Refused are only two columns of one name.
-            record: Record::new(columns, instants * strips).unwrap_or_default(),
-            surfaces: surfaces.iter().map(|a| [a.strip_arcs().to_vec(), a.widths().to_vec()]).collect(),
+            record: Record::new(columns, instants * strips.len()).unwrap_or_default(),
+            strips,
         }
     }
 
-    /// Appends the strips of a surface, by its number, at an instant: `loads` are in a frame in which
+    /// Appends the strips of all surfaces at an instant: `loads` are in a frame in which
     /// B has its origin at `origin` (m), and which `to_body` turns into B.
-    pub fn append(
-        &mut self,
-        [t, phase]: [f64; 2],
-        surface: usize,
-        loads: &Loads<f64>,
-        to_body: Mat3,
-        origin: Vec3,
-    ) {
-        let [arcs, widths] = &self.surfaces[surface];
-        for (i, strip) in loads.strip[..loads.strips].iter().enumerate() {
+    pub fn append(&mut self, [t, phase]: [f64; 2], loads: &Loads<f64>, to_body: Mat3, origin: Vec3) {
+        for (i, (strip, place)) in loads.strip[..loads.strips].iter().zip(&self.strips).enumerate() {
+            let [surface, number, arc, width] = *place;
             let row = &mut self.row;
             row.clear();
-            row.extend([t, phase, i as f64, arcs[i]]);
+            row.extend([t, phase, number, arc]);
             row.extend([loads.circulation[i], loads.wash[i], loads.incidence[i]]);
             row.extend((to_body * strip.total().force).0);
             row.extend(strip.parts().iter().flat_map(|part| (to_body * part.force).0));
-            row.push(widths[i]);
+            row.push(width);
             row.extend((to_body * (loads.quarter_chord[i] - origin)).0);
-            row.push(surface as f64);
+            row.push(surface);
             self.record.append(row);
         }
     }

@@ -107,7 +107,7 @@ impl Recorder {
         row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
         row.extend(tether.motion.angles(t).iter().map(|j| j.x));
         self.loads.append(&row);
-        self.strips.append([t, phase], 0, loads, back, origin);
+        self.strips.append([t, phase], loads, back, origin);
     }
 
     /// Loads in W about W's origin, summed over the strips that count.

@@ -181,22 +181,38 @@ impl LiftingLine {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
+        loads.strips = 0;
+        (loads.wrench, loads.added_mass) = self.append(sections, wind, x, dx, loads);
+    }
+
+    /// Writes the loads by node behind the strips that `loads` holds; returns the sum.
+    pub(super) fn append<S: Scalar>(
+        &self,
+        sections: &(impl Sections<S> + ?Sized),
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) -> (Wrench<S>, [[S; 6]; 6]) {
         let mut wrench = Wrench::ZERO;
-        loads.added_mass = [[S::ZERO; 6]; 6];
+        let mut added_mass = [[S::ZERO; 6]; 6];
+        let first = loads.strips;
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections[i], wind, node.inverse_edge);
+            let section = Section::new(&sections.section(i), wind, node.inverse_edge);
             let flow = self.flow(i, &section, x, dx);
-            loads.strip[i] = self.by_source(node, &section, &flow, &mut loads.added_mass);
-            loads.incidence[i] = flow.wash.atan2(section.uc);
-            loads.wash[i] = flow.wash;
-            loads.circulation[i] = x[i];
-            loads.quarter_chord[i] = sections[i].point(0.25);
-            wrench += loads.strip[i].total();
+            let at = first + i;
+            loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
+            loads.incidence[at] = flow.wash.atan2(section.uc);
+            loads.wash[at] = flow.wash;
+            loads.wash_of_others[at] = S::ZERO;
+            loads.circulation[at] = x[i];
+            loads.quarter_chord[at] = sections.section(i).point(0.25);
+            wrench += loads.strip[at].total();
         }
-        mirror_upper(&mut loads.added_mass);
-        loads.wrench = wrench;
-        loads.strips = self.strips();
+        mirror_upper(&mut added_mass);
+        loads.strips = first + self.strips();
+        (wrench, added_mass)
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the

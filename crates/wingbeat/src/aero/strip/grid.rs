@@ -127,7 +127,8 @@ fn spacing(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<(Ve
             let allowed = format!("0 to less than the half span {tip}");
             return Err(Error::invalid(format!("hinge_arcs_m[{k}]"), arc, allowed).against(["half_span"]));
         }
-        hinges.extend(at);
+        // Edges are laid from the right tip, where the arc coordinate is negative, to the left one.
+        hinges.extend(at.iter().map(|s| -s));
     }
     hinges.sort_by(f64::total_cmp);
     hinges.dedup_by(|a, b| *a == *b);
@@ -189,14 +190,22 @@ impl Piece {
     /// on both sides of the plane of symmetry. The outermost edges stay at the ends of the piece.
     fn hinge_edges(&self, edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
         let last = edge.len() - 1;
-        if self.from + self.to < 0.0 {
-            return in_order(&edge[1..last], angles).map(|taken| taken.iter().map(|j| j + 1).collect());
+        let paired = |(a, b): (&f64, &f64)| (a + b - PI).abs() < 1e-9;
+        let middle = self.from + self.to;
+        let alike = angles.iter().zip(angles.iter().rev()).all(paired);
+        // A one-sided surface has its hinges where they are.
+        let one_sided = middle == 0.0 && !alike;
+        let lean = if one_sided { angles.iter().map(|angle| angle - 0.5 * PI).sum() } else { middle };
+        let alone = |angles: &[f64]| -> Option<Vec<usize>> {
+            in_order(&edge[1..last], angles).map(|taken| taken.iter().map(|j| j + 1).collect())
+        };
+        if lean < 0.0 || (one_sided && lean == 0.0) {
+            return alone(angles);
         }
         let mirrored = |taken: &[usize]| -> Vec<usize> { taken.iter().rev().map(|j| last - j).collect() };
-        if self.from + self.to > 0.0 {
+        if lean > 0.0 {
             let other: Vec<f64> = angles.iter().rev().map(|angle| PI - angle).collect();
-            let image = Self { from: -self.to, to: -self.from, strips: self.strips };
-            return image.hinge_edges(edge, &other).map(|taken| mirrored(&taken));
+            return alone(&other).map(|taken| mirrored(&taken));
         }
         let side = angles.len() / 2;
         let mut middle = Vec::new();
@@ -217,6 +226,9 @@ impl Piece {
     }
 }
 
+/// Sums of squared angles, rad2, that differ by less are the same: the choice must not depend on rounding.
+const TIE: f64 = 1e-12;
+
 /// Indices of `edge` for each of `angles`, increasing, with the least sum of squared differences.
 fn in_order(edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
     // The least sum, and the indices, of the angles so far with the last one at each edge or before.
@@ -228,7 +240,7 @@ fn in_order(edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
                 (sum + (e - angle).powi(2), taken.iter().copied().chain([j]).collect::<Vec<_>>())
             });
             next[j + 1] = match (next[j].clone(), here) {
-                (Some(before), Some(here)) => Some(if here.0 < before.0 { here } else { before }),
+                (Some(before), Some(here)) => Some(if here.0 < before.0 - TIE { here } else { before }),
                 (before, here) => here.or(before),
             };
         }
@@ -240,7 +252,7 @@ fn in_order(edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aero::PlanformStation;
+    use crate::aero::{PlanformStation, Span};
 
     /// Aerobat's outline with its shoulders and elbows.
     fn aerobat(strips: usize) -> Result<Grid, Error> {
@@ -276,6 +288,27 @@ mod tests {
         }
         let refused = aerobat(4).unwrap_err().to_string();
         assert!(refused.starts_with("strips = 4") && refused.contains("every hinge"), "{refused}");
+    }
+
+    #[test]
+    fn hinges_of_one_sided_surfaces_mirror_each_other() {
+        let stations =
+            [0.0, 0.2].map(|arc_m| PlanformStation { arc_m, leading_edge_m: 0.02, trailing_edge_m: -0.03 });
+        let half = |span: Span, hinges: &[f64]| {
+            Grid::new(&Planform::new(&stations).unwrap().spanning(span).unwrap(), 8, hinges).unwrap()
+        };
+        for hinges in [&[0.05][..], &[0.1], &[0.03, 0.15], &[0.02, 0.08, 0.1]] {
+            let [left, right] = [Span::Left, Span::Right].map(|span| half(span, hinges));
+            for (a, b) in left.arcs.iter().zip(right.arcs.iter().rev()) {
+                assert!((a + b).abs() < 1e-15, "{hinges:?}: {a} and {b}");
+            }
+            for hinge in hinges {
+                assert!(
+                    left.arcs.iter().any(|arc| (arc + 0.1 - hinge).abs() < 1e-15),
+                    "{hinge} of {hinges:?}"
+                );
+            }
+        }
     }
 
     #[test]

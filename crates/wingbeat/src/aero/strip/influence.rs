@@ -13,9 +13,9 @@ pub(super) type Column<S, const N: usize> = [S; N];
 /// A number per pair of strips, `m[source][target]`.
 pub(super) type Matrix<S, const N: usize> = [[S; N]; N];
 
-const INVERSE_4PI: f64 = 0.25 / PI;
+pub(super) const INVERSE_4PI: f64 = 0.25 / PI;
 /// Smallest squared distance to the end of a vortex over its squared core radius.
-const NEAREST: f64 = 1e-6;
+pub(super) const NEAREST: f64 = 1e-6;
 
 /// Where the wash is taken, and of what direction: points and the lines n through them.
 pub(super) struct Targets<'a, S: Scalar, const N: usize> {
@@ -30,9 +30,9 @@ pub(super) struct Targets<'a, S: Scalar, const N: usize> {
 
 /// A straight line as direction and moment about the origin (Pluecker coordinates).
 #[derive(Clone, Copy)]
-struct Line<S: Scalar> {
-    direction: Vec3<S>,
-    moment: Vec3<S>,
+pub(super) struct Line<S: Scalar> {
+    pub direction: Vec3<S>,
+    pub moment: Vec3<S>,
 }
 
 /// Normal wash of the trailing vortex of one edge, of unit strength, on all strips.
@@ -67,7 +67,7 @@ pub(super) struct Wash<'a, S, const N: usize> {
 
 /// A quotient whose division waits, so that several share one.
 #[derive(Clone, Copy)]
-struct Ratio<S> {
+pub(super) struct Ratio<S> {
     above: S,
     below: S,
 }
@@ -75,8 +75,8 @@ struct Ratio<S> {
 /// x / y, falling to zero below the core: x y / (y^2 + core4). It differs from x / y
 /// by core4 / y^2, which the vortex's own strips hardly feel.
 #[inline(always)]
-fn cored<S: Scalar>(x: S, y: S, core4: f64) -> Ratio<S> {
-    Ratio { above: x * y, below: y.mul_add(y, S::from(core4)) }
+pub(super) fn cored<S: Scalar>(x: S, y: S, core4: S) -> Ratio<S> {
+    Ratio { above: x * y, below: y.mul_add(y, core4) }
 }
 
 /// a . b + c with fused products.
@@ -88,12 +88,12 @@ fn fused<S: Scalar>(a: Vec3<S>, b: Vec3<S>, c: S) -> S {
 impl<S: Scalar> Line<S> {
     /// Along `direction` through `point`.
     #[inline(always)]
-    fn new(point: Vec3<S>, direction: Vec3<S>) -> Self {
+    pub fn new(point: Vec3<S>, direction: Vec3<S>) -> Self {
         Self { direction, moment: point.cross(direction) }
     }
     /// n . (d x r) for r from this line, of direction d, to a point on the line n.
     #[inline(always)]
-    fn turn(&self, n: &Self) -> S {
+    pub fn turn(&self, n: &Self) -> S {
         fused(self.direction, n.moment, fused(self.moment, n.direction, S::ZERO))
     }
 }
@@ -105,15 +105,15 @@ impl<S: Scalar> Line<S> {
 ///
 /// Equation: aero.strip.segment
 #[inline(always)]
-fn segment<S: Scalar>(turn: S, d2: S, [a, b]: [S; 2], core4: f64) -> Ratio<S> {
+pub(super) fn segment<S: Scalar>(turn: S, d2: S, [a, b]: [S; 2], core4: f64) -> Ratio<S> {
     let sum = a + b;
-    let Ratio { above, below } = cored(turn * sum, (sum.mul_add(sum, -d2)) * 0.5, core4);
+    let Ratio { above, below } = cored(turn * sum, (sum.mul_add(sum, -d2)) * 0.5, S::from(core4));
     Ratio { above, below: below * (a * b) }
 }
 
 /// Both quotients by one division.
 #[inline(always)]
-fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
+pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
     let inverse = (p.below * q.below).recip();
     (p.above * q.below * inverse, q.above * p.below * inverse)
 }
@@ -155,12 +155,12 @@ impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = (fused(ra, ra, least).sqrt(), fused(rt, rt, least).sqrt());
             let leg = segment(leg.turn(&n), chord2, [a, b], core4);
-            let wake = cored(wake.turn(&n), b * (b + u_trailing - fused(u, p, S::ZERO)), core4);
+            let wake = cored(wake.turn(&n), b * (b + u_trailing - fused(u, p, S::ZERO)), S::from(core4));
             let q = self.bound.get(i);
             let r = q - edge.bound;
             let ahead = fused(q, u, -u_bound);
             let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
-            let far = cored(behind.turn(&n), fused(r, r, -(ahead * ahead)), core4);
+            let far = cored(behind.turn(&n), fused(r, r, -(ahead * ahead)), S::from(core4));
             let (both, far) = divide(Ratio { above: S::ONE, below: leg.below * wake.below }, far);
             out.to_bound[i] = a;
             out.to_trailing[i] = b;

@@ -81,22 +81,24 @@ impl StripModel {
         forces: &Forces<S, N>,
         loads: &mut Loads<S>,
     ) {
-        loads.strips = self.settings.strips;
+        let first = loads.strips;
+        loads.strips = first + self.settings.strips;
         for i in 0..self.settings.strips {
+            let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
             let circulatory = wrench(forces.plain.at(i));
-            loads.strip[i] = StripLoads {
+            loads.strip[at] = StripLoads {
                 circulatory,
                 induced_drag: wrench(forces.lift.at(i)) + -circulatory,
                 added_mass: wrench(self.carried_air(i, flow, response)),
                 profile_drag: wrench(forces.drag.at(i)),
             };
             if self.grid.covered[i] {
-                loads.incidence[i] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
+                loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
-            loads.wash[i] = response.wash[i];
-            loads.circulation[i] = response.circulation[i];
-            loads.quarter_chord[i] = flow.strips.quarter.get(i).lifted();
+            loads.wash[at] = response.wash[i];
+            loads.circulation[at] = response.circulation[i];
+            loads.quarter_chord[at] = flow.strips.quarter.get(i).lifted();
         }
     }
 

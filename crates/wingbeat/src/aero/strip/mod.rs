@@ -12,11 +12,13 @@ mod grid;
 mod influence;
 mod loads;
 mod motion;
+mod mutual;
 mod response;
 mod settings;
 mod tables;
 
 pub use constants::Lags;
+pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
 pub use settings::{LagSet, StripSettings};
 
 use crate::Error;
@@ -62,11 +64,11 @@ struct Flow<S: Scalar, const N: usize> {
 }
 
 /// What is wanted beside the sum.
-struct Wanted<'a, G: Scalar, S: Scalar> {
+pub(super) struct Wanted<'a, G: Scalar, S: Scalar> {
     /// Loads by strip and source.
-    loads: Option<&'a mut Loads<S>>,
+    pub loads: Option<&'a mut Loads<S>>,
     /// What the coordinates of the sections take.
-    coupling: Option<Coupling<'a, G, S>>,
+    pub coupling: Option<Coupling<'a, G, S>>,
 }
 
 impl StripModel {
@@ -147,10 +149,9 @@ impl StripModel {
         dx: &mut [S],
         loads: &mut Loads<S>,
     ) {
-        let (wrench, added_mass) =
-            self.dispatch(sections, wind, x, dx, Wanted { loads: Some(&mut *loads), coupling: None });
-        loads.wrench = wrench;
-        loads.added_mass = added_mass;
+        loads.strips = 0;
+        let wanted = Wanted { loads: Some(&mut *loads), coupling: None };
+        (loads.wrench, loads.added_mass) = self.evaluate_among(sections, wind, x, dx, None, wanted);
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
@@ -164,7 +165,7 @@ impl StripModel {
         dx: &mut [S],
         coupling: Option<Coupling<G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        self.dispatch(sections, wind, x, dx, Wanted { loads: None, coupling })
+        self.evaluate_among(sections, wind, x, dx, None, Wanted { loads: None, coupling })
     }
 
     /// Place of the control section of strip `i` between its edges, 0 to 1.
@@ -172,21 +173,23 @@ impl StripModel {
         self.grid.fraction[i]
     }
 
-    /// Chooses the width of the columns.
-    fn dispatch<G: Scalar, S: Over<G>>(
+    /// Sum of the loads, and state rates, of the surface among others; writes the loads by strip behind the
+    /// strips that `loads` holds. Chooses the width of the columns.
+    pub(super) fn evaluate_among<G: Scalar, S: Over<G>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        wanted: Wanted<G, S>,
+        others: Option<Others<'_, G, S>>,
+        wanted: Wanted<'_, G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self.settings.strips {
-            0..=8 => self.evaluate_in::<G, S, 8>(sections, wind, x, dx, wanted),
-            9..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, wanted),
-            13..=16 => self.evaluate_in::<G, S, 16>(sections, wind, x, dx, wanted),
-            17..=24 => self.evaluate_in::<G, S, 24>(sections, wind, x, dx, wanted),
-            _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, wanted),
+            0..=8 => self.evaluate_in::<G, S, 8>(sections, wind, x, dx, others, wanted),
+            9..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, others, wanted),
+            13..=16 => self.evaluate_in::<G, S, 16>(sections, wind, x, dx, others, wanted),
+            17..=24 => self.evaluate_in::<G, S, 24>(sections, wind, x, dx, others, wanted),
+            _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
         }
     }
 
@@ -197,15 +200,20 @@ impl StripModel {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        wanted: Wanted<G, S>,
+        others: Option<Others<'_, G, S>>,
+        wanted: Wanted<'_, G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let mut edges = Edges::<G, N>::ZERO;
         edges.fill(sections, self.settings.strips);
         let mut flow = Flow::<G, N>::STILL;
         self.flow(&edges, wind, &mut flow);
         let states = self.states();
-        let response = self.respond(&flow, &x[..states], &mut dx[..states]);
-        let Wanted { loads, coupling } = wanted;
+        let Wanted { mut loads, coupling } = wanted;
+        let foreign = others.map(|others| self.wash_of_others(&flow.strips, others));
+        if let Some(loads) = loads.as_deref_mut() {
+            self.note_others(foreign.as_ref(), loads);
+        }
+        let response = self.respond(&flow, foreign.as_ref(), &x[..states], &mut dx[..states]);
         let strips = coupling.map(|Coupling { mass, strips }| {
             self.couple(&flow, sections, mass);
             strips

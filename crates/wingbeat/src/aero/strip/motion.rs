@@ -324,14 +324,19 @@ impl StripModel {
         wind: Vec3<S>,
         out: &mut Wakes<S, N>,
     ) {
-        let floor = WAKE_FLOOR * self.floor;
         for j in 0..N {
-            let edge = Edge::new(&edges.left.get(j), wind, floor);
+            let edge = self.vortex_line(&edges.left.get(j), wind);
             out.bound.set(j, edge.bound);
             out.trailing.set(j, edge.trailing);
             out.wake.set(j, edge.wake);
         }
-        out.last = Edge::new(&edges.last, wind, floor);
+        out.last = self.vortex_line(&edges.last, wind);
         out.strips = self.settings.strips;
+    }
+
+    /// The vortex line of one edge.
+    #[inline(always)]
+    pub(super) fn vortex_line<S: Scalar>(&self, line: &ChordLine<S>, wind: Vec3<S>) -> Edge<S> {
+        Edge::new(line, wind, WAKE_FLOOR * self.floor)
     }
 }

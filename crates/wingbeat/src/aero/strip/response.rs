@@ -2,6 +2,7 @@
 
 use super::influence::{Column, multiply};
 use super::motion::Strips;
+use super::mutual::Foreign;
 use super::{Flow, StripModel};
 use crate::aero::LiftLaw;
 use crate::math::{Dual, Over, Scalar};
@@ -117,7 +118,7 @@ impl StripModel {
     }
 
     /// Share of the lift of each strip that stays attached.
-    fn attached_shares<G: Scalar, S: Over<G>, const N: usize>(
+    pub(super) fn attached_shares<G: Scalar, S: Over<G>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
         x: &[S],
@@ -169,14 +170,15 @@ impl StripModel {
 
     /// Washes, state rates and impulses.
     ///
-    /// A0 w3 = K (d w12 + D - Y) + R Y; w = w34 + w3;
-    /// l_k' = e_k V/b (w - l_k); y_m' = V/tau_m (Gamma - y_m).
+    /// A0 w3 = K (d w12 + D - Y) + R Y; w = w34 + w3, both winds of motion raised by the
+    /// wash of other surfaces; l_k' = e_k V/b (w - l_k); y_m' = V/tau_m (Gamma - y_m).
     ///
     /// Equation: aero.strip.wash
     #[inline(always)]
     pub(super) fn respond<G: Scalar, S: Over<G>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
+        foreign: Option<&Foreign<S, N>>,
         x: &[S],
         dx: &mut [S],
     ) -> Response<S, N> {
@@ -188,6 +190,13 @@ impl StripModel {
         for i in 0..N {
             let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
             wash[i] = held_left[i] + of_motion;
+        }
+        if let Some(foreign) = foreign {
+            // K d = 1 - A0 leaves A0^-1 of a wind that is the same along the chord.
+            let left = multiply(&flow.relief, &foreign.at_control, self.settings.strips);
+            for i in 0..N {
+                wash[i] += left[i];
+            }
         }
         let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
@@ -201,7 +210,7 @@ impl StripModel {
             }
         }
         Response {
-            turning_wash: self.turning_wash(flow, &sums, &lift_wash),
+            turning_wash: self.turning_wash(flow, foreign, &sums, &lift_wash),
             circulation: sums.circulation,
             attached,
             wash,
@@ -241,12 +250,13 @@ impl StripModel {
 
     /// W = lw + (T - R)(2/3 Y + 1/3 Gamma): the wash that turns the force takes the trailing
     /// vortices at the bound vortex, half of their wash far behind (Munk), in place
-    /// of 3/4 chord.
+    /// of 3/4 chord; so does what other surfaces wash there.
     ///
     /// Equation: aero.strip.turning_wash
     fn turning_wash<G: Scalar, S: Over<G>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
+        foreign: Option<&Foreign<S, N>>,
         sums: &LagSums<S, N>,
         lift_wash: &Column<S, N>,
     ) -> Column<S, N> {
@@ -259,6 +269,11 @@ impl StripModel {
         let mut wash = *lift_wash;
         for i in 0..N {
             wash[i] += far[i] - near[i];
+        }
+        if let Some(foreign) = foreign {
+            for i in 0..N {
+                wash[i] += foreign.at_bound[i] - foreign.at_control[i];
+            }
         }
         wash
     }

@@ -38,6 +38,8 @@ pub(super) struct Tables {
     pub lift_scale: Table,
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
     pub drag_scale: Table,
+    /// Share of the wing's area.
+    pub share: Table,
     /// Added mass as part of an infinite wing, kg.
     pub mass: Table,
     /// Fourth powers of the core radii of the vortices that leave the edges, m4, and of the
@@ -63,6 +65,7 @@ impl Tables {
         for (core, half_width) in edge_cores.iter_mut().zip(grid.half_widths()) {
             *core = (CORE * half_width).powi(4);
         }
+        let area: f64 = (0..=last).filter(|i| grid.covered[*i]).map(|i| chord[i] * grid.width[i]).sum();
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Self {
             covered: carried(&|_| 1.0),
@@ -76,6 +79,9 @@ impl Tables {
             own_ring: repeated(&|i| 1.0 / (PI * chord[i] * cos[i]) + 2.0 / (PI * chord[i] * cos34[i])),
             lift_scale: scale(&|i| PI * chord[i] * cos[i]),
             drag_scale: scale(&|i| 0.5 * chord[i]),
+            share: std::array::from_fn(|i| {
+                if i > last || !grid.covered[i] { 0.0 } else { chord[i] * grid.width[i] / area }
+            }),
             mass: scale(&|i| PI * chord[i] * chord[i] * cos[i] / 4.0),
             strip_cores: repeated(&|i| edge_cores[i].min(edge_cores[i + 1])),
             edge_cores,
