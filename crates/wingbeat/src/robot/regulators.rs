@@ -57,7 +57,11 @@ fn limits(regulator: &RegulatorSpec, moved: &[(&Placed, f64)]) -> Result<[f64; 2
     }
     let tighter = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.max(a.min(b)), high.min(a.max(b))];
     let [low, high] = limited().fold([f64::NEG_INFINITY, f64::INFINITY], |all, (_, own)| tighter(all, own));
-    range(Some(low), Some(high))
+    if low < high {
+        return Ok([low, high]);
+    }
+    let names = moved.iter().map(|(e, _)| e.name.as_str()).collect::<Vec<_>>().join(", ");
+    Err(Error::invalid("elements", names, "elements whose limits one command can keep"))
 }
 
 /// How far held commands within their limits displace each element: its own limits where it has some, by

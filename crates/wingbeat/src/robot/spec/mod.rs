@@ -86,6 +86,7 @@ impl RobotSpec {
             surface.check().map_err(|e| e.within(&format!("surfaces[{i}]")))?;
         }
         self.gait.check(self.wing.is_some()).map_err(|e| e.within("gait"))?;
+        self.drive.build().map_err(|e| e.within("drive"))?;
         self.structure.check().map_err(|e| e.within("structure"))
     }
 

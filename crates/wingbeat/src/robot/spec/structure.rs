@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::body::{Coupled, Element, Response};
+use crate::require::{not_negative, positive};
 use crate::robot::MAX_ELEMENTS;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -142,6 +143,8 @@ impl StructureSpec {
 
     /// That the response is given in one way alone.
     fn check_ways(&self) -> Result<(), Error> {
+        self.frequency_hz.map_or(Ok(()), |f| positive("frequency_hz", f))?;
+        self.damping.map_or(Ok(()), |d| not_negative("damping", d))?;
         let pair = |[one, other]: [(&'static str, bool); 2]| match (one.1, other.1) {
             (true, false) => {
                 Err(Error::invalid(other.0, "missing", format!("both {} and {}", one.0, other.0)))
