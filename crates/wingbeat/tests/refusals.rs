@@ -69,7 +69,7 @@ const KINDS: [(&str, Build, &[&str]); 5] = [
 ];
 
 /// Documents with the tables that no shipped one has: a file, and what is set in it.
-const TABLES: [(&str, &[&str]); 6] = [
+const TABLES: [(&str, &[&str]); 7] = [
     (
         "scenarios/banking_turn.toml",
         &[
@@ -101,9 +101,20 @@ const TABLES: [(&str, &[&str]); 6] = [
         ],
     ),
     (
+        "scenarios/banking_turn_beta.toml",
+        &[
+            "robot.drive.motor={torque_constant_n_m_a=1.5e-3, resistance_ohm=1.0, supply_v=3.7, gear_ratio=60.0, \
+             efficiency=0.8, rotor_inertia_kg_m2=3e-9, crank_inertia_kg_m2=1e-6}",
+            "robot.structure={stiffness_per_s2=[[5000.0, 10.0], [10.0, 5000.0]], \
+             damping_per_s=[[100.0, 1.0], [1.0, 100.0]], elements=[{name=\"left\", moves=[\"l5a_left\"]}, \
+             {name=\"right\", moves=[\"l5a_right\"]}], \
+             regulators=[{name=\"fold\", elements={left=1.0, right=0.9}}]}",
+        ],
+    ),
+    (
         "scenarios/least_power_gait.toml",
         &[
-            "robot.structure={frequency_hz=12.0, a=[[0.0, 1.0], [-5000.0, -100.0]], b=[[0.0], [5000.0]], \
+            "robot.structure={a=[[0.0, 1.0], [-5000.0, -100.0]], b=[[0.0], [5000.0]], \
              elements=[{name=\"left\", moves=[\"shoulder_left\"], low=-0.3, high=0.3}]}",
             "plan.least_power.trim_within_n_m=0.001",
             "plan.least_power.order=6",

@@ -86,6 +86,42 @@ impl Coupled {
         }
         Ok(Self { elements, commands, state: a[elements..].concat(), command: b[elements..].concat() })
     }
+
+    /// Equation: body.structure_parts
+    ///
+    /// From stiffness K (n x n, 1/s2) and damping C (n x n, 1/s) per unit inertia and the placement P
+    /// (n x m) of the commands, by rows: y'' = K (P omega - y) - C y', so that held commands displace
+    /// by P omega; A = [0 1; -K -C], B = [0; K P].
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a shape does not match or a number is not finite.
+    pub fn placed(
+        stiffness: &[Vec<f64>],
+        damping: &[Vec<f64>],
+        placement: &[Vec<f64>],
+    ) -> Result<Self, Error> {
+        let (elements, commands) = (placement.len(), placement.first().map_or(0, Vec::len));
+        let parts = [
+            ("stiffness_per_s2", stiffness, elements),
+            ("damping_per_s", damping, elements),
+            ("placement", placement, commands),
+        ];
+        for (key, matrix, columns) in parts {
+            if matrix.len() != elements || matrix.iter().any(|row| row.len() != columns) {
+                let shape = format!("rows of {:?}", matrix.iter().map(Vec::len).collect::<Vec<_>>());
+                return Err(Error::invalid(key, shape, format!("{elements} rows of {columns}")));
+            }
+            require::finite(key, &matrix.concat())?;
+        }
+        let state = |(k, c): (&Vec<f64>, &Vec<f64>)| k.iter().chain(c).map(|x| -x).collect::<Vec<_>>();
+        let gain = |k: &Vec<f64>, j: usize| k.iter().zip(placement).map(|(k, row)| k * row[j]).sum::<f64>();
+        Ok(Self {
+            elements,
+            commands,
+            state: stiffness.iter().zip(damping).flat_map(state).collect(),
+            command: stiffness.iter().flat_map(|k| (0..commands).map(move |j| gain(k, j))).collect(),
+        })
+    }
 }
 
 impl Response {
@@ -102,6 +138,25 @@ impl Response {
         match self {
             Self::Uncoupled(elements) => elements.len(),
             Self::Coupled(c) => c.commands,
+        }
+    }
+
+    /// What the acceleration of element `i` gains per unit of the state `j`: an entry of the lower rows of A.
+    pub fn state_gain(&self, i: usize, j: usize) -> f64 {
+        match self {
+            Self::Uncoupled(e) if j == i => -e[i].stiffness,
+            Self::Uncoupled(e) if j == e.len() + i => -e[i].damping,
+            Self::Uncoupled(_) => 0.0,
+            Self::Coupled(c) => c.state[i * 2 * c.elements + j],
+        }
+    }
+
+    /// What the acceleration of element `i` gains per unit of the command `j`: an entry of the lower rows of B.
+    pub fn command_gain(&self, i: usize, j: usize) -> f64 {
+        match self {
+            Self::Uncoupled(e) if j == i => e[i].stiffness,
+            Self::Uncoupled(_) => 0.0,
+            Self::Coupled(c) => c.command[i * c.commands + j],
         }
     }
 

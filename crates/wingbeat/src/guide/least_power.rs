@@ -275,8 +275,8 @@ impl<'a> LeastPower<'a> {
         let structure = robot.layout().structure;
         self.stand.mirror().states.iter().map(move |&i| {
             let mut channel = robot.states()[structure + i].clone();
-            if let Some(stroke) = robot.inputs().get(i) {
-                (channel.low, channel.high) = (stroke.low, stroke.high);
+            if let Some([low, high]) = robot.strokes().get(i) {
+                (channel.low, channel.high) = (*low, *high);
             }
             channel
         })

@@ -104,6 +104,11 @@ impl<'a, P: Plant> RollIn<'a, P> {
         let rate = Role::AngularRate(0).place(chart.states());
         let mut start = vec![0.0; chart.states().len()];
         chart.localise(x, &mut start);
+        let elements = chart.states().iter().filter(|c| matches!(c.role, Role::Displacement(_))).count();
+        if elements > 0 && elements != plant.inputs().len() {
+            let (given, allowed) = (plant.inputs().len(), format!("one for each of {elements} elements"));
+            return Err(Error::invalid("robot.structure.regulators", given, allowed));
+        }
         let half_ranges: Vec<f64> = plant.inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
         Ok(Self {
             settled: settled(chart.states(), &half_ranges, spec),

@@ -37,6 +37,10 @@ impl<'a> Stand<'a> {
         if !(robot.frequency_hz() > 0.0) {
             return Err(Error::invalid("robot.gait", robot.frequency_hz(), "a gait that flaps"));
         }
+        if robot.motor().is_some() {
+            let allowed = "nothing here: the stand sets the frequency of the gait";
+            return Err(Error::invalid("robot.drive.motor", "given", allowed));
+        }
         if robot.carried_states() > MAX_STATES {
             let allowed = format!("at most {MAX_STATES} states");
             return Err(Error::invalid("aero", robot.carried_states(), allowed));

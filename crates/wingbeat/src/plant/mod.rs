@@ -33,9 +33,13 @@ pub enum Role {
     Coordinate(usize),
     /// Rate of that coordinate.
     CoordinateRate(usize),
+    /// Angle of the crank under a motor.
+    Crank,
+    /// Rate of that crank.
+    CrankRate,
     /// State of the air.
     Air,
-    /// Command to the regulator of a structure element, by its number.
+    /// Command to a regulator of the structure, by its number.
     Command(usize),
 }
 

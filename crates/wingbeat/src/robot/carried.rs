@@ -1,5 +1,6 @@
 //! The robot with its body carried along a given motion: on a test rig, in a tunnel, on a stand.
 
+use super::drive::Ratios;
 use super::dynamics::System;
 use super::sections::Carriers;
 use super::surface::External;
@@ -83,7 +84,8 @@ impl Robot {
 
     /// Loads with the body moving as `body`, structure and aerodynamics in the
     /// state `x` and the inputs `u`; `dx` receives the rates of `x`. `clock` is the
-    /// gait's time with its rate, 1 while flapping at the full frequency, and the rate's slope.
+    /// gait's time with its rate, 1 while flapping at the full frequency, and the rate's slope; a
+    /// motor receives its rate as the share of the supply voltage.
     ///
     /// Newton-Euler: carrier + air + drag + gravity = rate of momentum, so the
     /// carrier bears air + drag + gravity + inertia.
@@ -102,7 +104,8 @@ impl Robot {
     ) -> Result<CarriedLoads<S>, Fault> {
         let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
         let (mut joints, mut links) = (Joints::new(), Links::new());
-        self.joints(clock, &x[..structure], u, &mut dx[..elements], &mut joints)?;
+        let mut ratios = Ratios::new();
+        self.joints(clock, &x[..structure], u, &mut dx[..elements], &mut joints, &mut ratios)?;
         let v = body.attitude.transpose_mul(body.velocity);
         self.links(&joints, v, body.rate, &mut links);
         let imposed = BaseAcceleration {
@@ -111,7 +114,7 @@ impl Robot {
         };
         let base = LinkMotion::base(v, body.rate).accelerated(&imposed);
         let mut coordinates = Coordinates::none();
-        self.coordinates(&links, &mut coordinates);
+        self.coordinates(&links, &ratios, &mut coordinates);
         let (wind, wind_dot) = self.wind(clock.x, body.attitude);
         let gravity = self.gravity(body.attitude);
         let still = Coordinates::none();
@@ -121,10 +124,10 @@ impl Robot {
             let mut carriers = Carriers::new(&base, wind_dot, &coordinates);
             carriers.follow(&self.carriers, &moving, wind_dot);
             let second_rates = self
-                .second_rates(&moving, &carriers, gravity, wind, x, dx)
+                .second_rates(&moving, &ratios, &carriers, gravity, (wind, clock.d), x, dx)
                 .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
             self.store_coordinate_rates(&x[..structure], &second_rates, &mut dx[elements..structure]);
-            self.let_go(&mut joints, &mut links, &coordinates, &second_rates);
+            self.let_go(&mut joints, &mut links, &coordinates, &ratios, &second_rates);
         }
         let mut moving = Links::new();
         moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
@@ -146,25 +149,26 @@ impl Robot {
         })
     }
 
-    /// Number of states of the structure: elements and elastic joints.
+    /// Number of states of the structure: elements, elastic joints, crank.
     fn structure_states(&self) -> usize {
         self.layout.aero - self.layout.structure
     }
 
-    /// Second rates of the elastic joints with the body's acceleration imposed; `moving` and `carriers`
-    /// hold it.
+    /// Second rates of elastic joints and crank with the body's acceleration imposed; `moving` and
+    /// `carriers` hold it. `wind` and `supply`: velocity of the air, the motor's share of its voltage.
     fn second_rates<S: Scalar>(
         &self,
         moving: &[LinkMotion<S>],
+        ratios: &Ratios<S>,
         carriers: &Carriers<S>,
         gravity: Vec3<S>,
-        wind: Vec3<S>,
+        (wind, supply): (Vec3<S>, S),
         x: &[S],
         dx: &mut [S],
     ) -> Option<[S; MAX_COORDINATES]> {
         let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
         let mut coordinates = Coordinates::none();
-        self.coordinates(moving, &mut coordinates);
+        self.coordinates(moving, ratios, &mut coordinates);
         let mut system = System::<S, S>::new();
         self.mechanism.tree.coordinate_inertia(
             moving,
@@ -173,22 +177,27 @@ impl Robot {
             &mut system.mass,
             &mut system.forces,
         );
-        self.add_springs(&x[elements..structure], &mut system.forces);
+        self.add_efforts(&x[elements..structure], supply, &mut system);
         system.add_air(self, carriers, wind, &x[structure..], &mut dx[structure..]);
         let degrees = system.solve(None, coordinates.count())?;
         Some(std::array::from_fn(|c| degrees[6 + c]))
     }
 
-    /// Gives the elastic joints and the links the second rates found.
+    /// Gives elastic joints, what the crank turns, and the links the second rates found.
     pub(super) fn let_go<S: Scalar>(
         &self,
         joints: &mut Joints<S>,
         links: &mut Links<S>,
         coordinates: &Coordinates<S>,
+        ratios: &Ratios<S>,
         second_rates: &[S],
     ) {
         for (&joint, rate) in self.mechanism.coordinates.iter().zip(second_rates) {
             joints[joint].dd = *rate;
+        }
+        if self.motor.is_some() {
+            let turning = second_rates[self.degrees() - 1];
+            joints.iter_mut().zip(ratios).for_each(|(joint, ratio)| joint.dd += *ratio * turning);
         }
         for (i, link) in links.iter_mut().enumerate() {
             *link = link.accelerated(&coordinates.combined(i, second_rates));
@@ -246,7 +255,8 @@ impl Robot {
     ) -> Result<S, Fault> {
         let structure = self.structure_states();
         let (mut joints, mut links) = (Joints::new(), Links::new());
-        self.joints(clock, &x[..structure], u, &mut x[..structure].to_vec(), &mut joints)?;
+        let mut ratios = Ratios::new();
+        self.joints(clock, &x[..structure], u, &mut x[..structure].to_vec(), &mut joints, &mut ratios)?;
         let v = body.attitude.transpose_mul(body.velocity);
         self.links(&joints, v, body.rate, &mut links);
         let datum = -body.attitude.transpose_mul(position);
@@ -266,10 +276,15 @@ impl Robot {
         body: &BodyMotion,
         position: Vec3,
     ) -> Result<Momentum, Fault> {
-        let structure = vec![0.0; self.structure_states()];
+        let mut structure = vec![0.0; self.structure_states()];
+        if self.motor.is_some() {
+            let phase = *clock * self.phase_rate + self.phase_start;
+            let (crank, rate) = (structure.len() - 1 - self.degrees(), structure.len() - 1);
+            (structure[crank], structure[rate]) = (phase.x, phase.d);
+        }
         let u = vec![0.0; self.inputs.len()];
         let (mut joints, mut links) = (Joints::new(), Links::new());
-        self.joints(clock, &structure, &u, &mut structure.clone(), &mut joints)?;
+        self.joints(clock, &structure, &u, &mut structure.clone(), &mut joints, &mut Ratios::new())?;
         let v = body.attitude.transpose_mul(body.velocity);
         self.links(&joints, v, body.rate, &mut links);
         Ok(self.mechanism.tree.momentum(v, body.rate, &links, -body.attitude.transpose_mul(position)))

@@ -1,6 +1,7 @@
 //! Equations of motion: driven joints follow gait and structure exactly; the body's acceleration and
-//! the second rates of elastic joints come from one solve.
+//! the second rates of elastic joints and of a crank under a motor come from one solve.
 
+use super::drive::Ratios;
 use super::sections::Carriers;
 use super::surface::External;
 use super::{Joints, Links, Robot};
@@ -21,11 +22,13 @@ pub(super) struct Evaluation<G: Scalar, S: Over<G> = G> {
     pub links: Links<G>,
     /// The body as a link.
     pub base: LinkMotion<G>,
-    /// How elastic joints move the links.
+    /// How elastic joints and crank move the links.
     pub coordinates: Coordinates<G>,
+    /// Ratios of the joints to a crank under a motor.
+    pub ratios: Ratios<G>,
     /// Acceleration of the body origin and angular acceleration, inertial, in B.
     pub acceleration: [S; 6],
-    /// Second rates of the elastic joints.
+    /// Second rates of elastic joints and crank.
     pub second_rates: ArrayVec<S, MAX_COORDINATES>,
 }
 
@@ -39,6 +42,7 @@ impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
             links: Links::new(),
             base: LinkMotion::base(Vec3::ZERO, Vec3::ZERO),
             coordinates: Coordinates::none(),
+            ratios: Ratios::new(),
             acceleration: [S::ZERO; 6],
             second_rates: ArrayVec::new(),
         }
@@ -108,11 +112,11 @@ impl Robot {
 
         let clock = Jet::new(t, G::ONE, G::ZERO);
         let structure = &x[l.structure..];
-        let Evaluation { joints, links, base, coordinates, second_rates, .. } = out;
-        self.joints(&clock, structure, u, &mut dx[l.structure..l.joints], joints)?;
+        let Evaluation { joints, links, base, coordinates, ratios, second_rates, .. } = out;
+        self.joints(&clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
         self.links(joints, v, w, links);
         *base = LinkMotion::base(v, w);
-        self.coordinates(links, coordinates);
+        self.coordinates(links, ratios, coordinates);
 
         let (wind, wind_dot) = self.wind(t, attitude);
         let mut carriers = Carriers::new(base, wind_dot, coordinates);
@@ -133,7 +137,7 @@ impl Robot {
             let mut system = System::new();
             tree.coordinate_inertia(links, g_b, coordinates, &mut system.mass, &mut system.forces);
             let springs = &structure[l.joints - l.structure..];
-            self.add_springs(springs, &mut system.forces);
+            self.add_efforts(springs, G::ONE, &mut system);
             let mut net = system.add_air(self, &carriers, wind, air, &mut dx[l.aero..]);
             add(&mut system.mass, &mass);
             net += body.lifted();
@@ -163,20 +167,38 @@ impl Robot {
         self.mechanism.tree.motions(joints, v, w, links);
     }
 
-    /// How elastic joints move the links.
+    /// How elastic joints and a crank under a motor move the links.
     #[inline]
-    pub(super) fn coordinates<S: Scalar>(&self, links: &[LinkMotion<S>], coordinates: &mut Coordinates<S>) {
+    pub(super) fn coordinates<S: Scalar>(
+        &self,
+        links: &[LinkMotion<S>],
+        ratios: &Ratios<S>,
+        coordinates: &mut Coordinates<S>,
+    ) {
         for (c, &joint) in self.mechanism.coordinates.iter().enumerate() {
             coordinates.add_joint(c, &self.mechanism.tree, joint, S::ONE, links);
         }
+        if self.motor.is_some() {
+            self.add_crank(links, ratios, coordinates);
+        }
     }
 
-    /// Adds the efforts of springs and dampers to the forces on the coordinates; `states` are the
-    /// coordinates and their rates.
-    pub(super) fn add_springs<S: Scalar>(&self, states: &[S], forces: &mut [S]) {
-        let count = self.mechanism.coordinates.len();
+    /// Adds the efforts of springs, dampers and motor to the forces on the coordinates, and the inertia
+    /// of the motor; `states` are the coordinates and their rates, `supply` the share of the voltage
+    /// that the motor receives.
+    pub(super) fn add_efforts<G: Scalar, S: Over<G>>(
+        &self,
+        states: &[G],
+        supply: G,
+        system: &mut System<G, S>,
+    ) {
+        let count = self.degrees();
         for (c, spring) in self.mechanism.springs().enumerate() {
-            forces[c] += spring.effort(states[c], states[count + c]);
+            system.forces[c] += spring.effort(states[c], states[count + c]);
+        }
+        if let Some(motor) = &self.motor {
+            system.forces[count - 1] += motor.crank_torque(states[2 * count - 1], supply);
+            system.mass[5 + count][5 + count] += G::from(motor.inertia);
         }
     }
 
@@ -187,7 +209,7 @@ impl Robot {
         second_rates: &[S],
         dx: &mut [S],
     ) {
-        let count = self.mechanism.coordinates.len();
+        let count = self.degrees();
         lift(&structure[2 * self.elements.len() + count..][..count], dx);
         dx[count..].copy_from_slice(&second_rates[..count]);
     }

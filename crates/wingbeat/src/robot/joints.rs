@@ -1,12 +1,13 @@
 //! Joint coordinates over time: gait, structure response and states of elastic joints.
 
+use super::drive::Ratios;
 use super::mechanism::{Drive, Mechanism};
 use super::spec::{ElementSpec, GaitSpec, LinkageOutput, RobotSpec};
 use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::Error;
 use crate::body::REGULATED;
 use crate::math::{Jet, Over, Scalar};
-use crate::plant::{Channel, Fault};
+use crate::plant::Fault;
 
 /// What a structure element displaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,8 +79,8 @@ pub(super) struct Placed {
     pub moves: Vec<Displaced>,
     /// Units of the displacement and its rate.
     pub units: [&'static str; 2],
-    /// Its regulator; the only home of the stroke limits.
-    pub regulator: Channel,
+    /// Its own limits: given, or of a link length.
+    pub limits: Option<[f64; 2]>,
 }
 
 impl Placed {
@@ -101,19 +102,17 @@ impl Placed {
             let allowed = "either joints that all turn or all slide, or one kind of link length";
             return Err(Error::invalid("moves", format!("{:?}", spec.moves), allowed));
         }
-        let [low, high] = limits(spec, first, mechanism)?;
-        let units = first.units(mechanism);
-        let regulator = Channel::limited(format!("command_{}", spec.name), units[0], "", low, high);
-        Ok(Self { name: spec.name.clone(), moves, units, regulator })
+        let limits = limits(spec, first, mechanism)?;
+        Ok(Self { name: spec.name.clone(), moves, units: first.units(mechanism), limits })
     }
 }
 
 /// Stroke limits: a joint's as given, a length's from the ranges of the linkage.
-fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result<[f64; 2], Error> {
+fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result<Option<[f64; 2]>, Error> {
     if let (Displaced::Length(_, i), Some(linkage)) = (first, &mechanism.linkage) {
         let given = [("low", spec.low), ("high", spec.high)].into_iter().find_map(|(k, v)| Some((k, v?)));
         return match given {
-            None => Ok(linkage.displacement_limits()[i]),
+            None => Ok(Some(linkage.displacement_limits()[i])),
             Some((key, given)) => {
                 let allowed = "no limits here: a link length has its range in gait.linkage.dimensions";
                 Err(Error::invalid(key, given, allowed))
@@ -121,19 +120,17 @@ fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result
         };
     }
     match (spec.low, spec.high) {
-        (Some(low), Some(high)) if low < high && low.is_finite() && high.is_finite() => Ok([low, high]),
-        (low, _) => {
-            let given = low.map_or("missing".into(), |low| low.to_string());
-            Err(Error::invalid("low", given, "a finite number below that of high").against(["high"]))
-        }
+        (None, None) => Ok(None),
+        (low, high) => super::regulators::range(low, high).map(Some),
     }
 }
 
 impl Robot {
     /// Joint coordinates with rates and accelerations on the time `clock`, of a gait that may run up
-    /// or stand still; the second rates of elastic joints, which the dynamics decide, are zero.
-    /// `structure` holds the states of the elements, then those of elastic joints; `dx` receives the
-    /// rates of the elements' states, `joints` the coordinates.
+    /// or stand still; the second rates of elastic joints and of the crank under a motor, which the
+    /// dynamics decide, are zero. `structure` holds the states of the elements, then those of elastic
+    /// joints and crank; `dx` receives the rates of the elements' states, `joints` the coordinates,
+    /// `ratios` the crank's ratios where a motor turns it.
     pub(super) fn joints<G: Scalar, S: Over<G>>(
         &self,
         clock: &Jet<G>,
@@ -141,21 +138,18 @@ impl Robot {
         u: &[G],
         dx: &mut [S],
         joints: &mut Joints<G>,
+        ratios: &mut Ratios<G>,
     ) -> Result<(), Fault> {
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         self.response.rates(&displacements, dx);
-        let phase = *clock * self.phase_rate + self.phase_start;
-        self.drive(phase, &displacements, joints)?;
-        for (element, displacement) in self.elements.iter().zip(&displacements) {
-            for moved in &element.moves {
-                if let Displaced::Joint(joint) = *moved {
-                    joints[joint] += *displacement;
-                }
-            }
+        let phase = self.crank(clock, structure);
+        self.driven(phase, &displacements, joints)?;
+        if self.motor.is_some() {
+            self.ratios(phase.x, &displacements, ratios)?;
         }
         let states = &structure[2 * self.elements.len()..];
-        let count = self.mechanism.coordinates.len();
+        let count = self.degrees();
         for (i, &joint) in self.mechanism.coordinates.iter().enumerate() {
             joints[joint] = Jet::new(states[i], states[count + i], G::ZERO);
         }
@@ -163,7 +157,7 @@ impl Robot {
     }
 
     /// Joint coordinates by the gait alone, its linkages with their lengths displaced.
-    fn drive<G: Scalar>(
+    pub(super) fn drive<G: Scalar>(
         &self,
         phase: Jet<G>,
         displacements: &[Jet<G>],

@@ -51,8 +51,9 @@ impl Robot {
             let twin = self.mechanism.twins[*joint];
             coordinates.iter().position(|c| *c == twin).unwrap_or_default()
         };
-        let joints: Vec<usize> = coordinates.iter().map(image).collect();
-        let (first, count) = (2 * elements, joints.len());
+        let crank = self.motor.map(|_| coordinates.len());
+        let joints: Vec<usize> = coordinates.iter().map(image).chain(crank).collect();
+        let (first, count) = (2 * elements, self.degrees());
         let mut states: Vec<usize> = twin.clone();
         states.extend(twin.iter().map(|i| elements + i));
         states.extend(joints.iter().map(|i| first + i));
@@ -64,8 +65,32 @@ impl Robot {
         let (air, first) = (&self.covering.aero, first + 2 * count);
         states.extend((0..air.states()).map(|i| first + air.mirrored(i)));
         let (states, state_of) = halves(&states);
-        let (inputs, input_of) = halves(&twin);
+        let (inputs, input_of) = halves(&self.regulator_twins(&twin)?);
         Ok(Mirror { states, inputs, state_of, input_of })
+    }
+
+    /// The regulator that does on the other wing what each does; `twin` are the elements' images.
+    fn regulator_twins(&self, twin: &[usize]) -> Result<Vec<usize>, Error> {
+        let (n, response) = (twin.len(), &self.response);
+        let state = |j: usize| if j < n { twin[j] } else { n + twin[j - n] };
+        let alike = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
+        let same =
+            |(i, j): (usize, usize)| alike(response.state_gain(i, j), response.state_gain(twin[i], state(j)));
+        if let Some((i, j)) = (0..n).flat_map(|i| (0..2 * n).map(move |j| (i, j))).find(|&ij| !same(ij)) {
+            let allowed = "a response that is the same for both wings";
+            return Err(Error::invalid("structure.a", format!("row {}, column {j}", n + i), allowed));
+        }
+        let image = |r: usize, s: usize| {
+            (0..n).all(|e| alike(response.command_gain(e, r), response.command_gain(twin[e], s)))
+        };
+        let of = |r: usize| {
+            let missing = || {
+                let allowed = "for every regulator one that does the same to the other wing";
+                Error::invalid("structure.regulators", &self.inputs[r].name, allowed)
+            };
+            (0..self.inputs.len()).find(|&s| image(r, s)).ok_or_else(missing)
+        };
+        (0..self.inputs.len()).map(of).collect()
     }
 
     /// The element that moves on the other wing what `moves` says.
@@ -78,6 +103,9 @@ impl Robot {
         self.elements.iter().position(|e| same(&e.moves)).ok_or_else(missing)
     }
 }
+
+/// Relative difference at which two gains still count as the same.
+const ALIKE: f64 = 1e-12;
 
 /// Of every pair (i, twin) the first is kept; for each its place among the kept.
 fn halves(twin: &[usize]) -> (Vec<usize>, Vec<usize>) {

@@ -3,11 +3,13 @@
 
 mod air;
 mod carried;
+mod drive;
 mod dynamics;
 mod joints;
 mod mechanism;
 mod mirror;
 mod observe;
+mod regulators;
 mod sections;
 mod spec;
 mod surface;
@@ -17,16 +19,17 @@ pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
 pub use observe::Observation;
 pub use spec::{
-    BodySpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput,
-    PanelSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, WingLinkSpec, WingSpec,
+    BodySpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec, JointSpec, LinkSide, LinkSpec,
+    LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec,
+    WingLinkSpec, WingSpec,
 };
 pub use surface::SurfaceOutline;
 
 use crate::Error;
 use crate::aero::{Aero, Surfaces};
-use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
+use crate::body::{LinkMotion, MAX_LINKS, Motor, Response, Tree};
 use crate::math::{Jet, Vec3};
-use crate::plant::{Channel, Role};
+use crate::plant::{Channel, MAX_COORDINATES, Role};
 use arrayvec::ArrayVec;
 use joints::Placed;
 use mechanism::Mechanism;
@@ -53,8 +56,11 @@ pub struct Layout {
     pub rate: usize,
     /// Displacements of the structure elements (n), then their rates (n).
     pub structure: usize,
-    /// Coordinates of the elastic and free joints (m), then their rates (m).
+    /// Coordinates of the elastic and free joints and, where a motor turns it, the angle of the crank as
+    /// the last of them (m); then their rates (m).
     pub joints: usize,
+    /// Angle and rate of the crank under a motor.
+    pub crank: Option<[usize; 2]>,
     /// States of the surfaces, one after another.
     pub aero: usize,
     /// Number of states.
@@ -68,7 +74,10 @@ pub struct Robot {
     mechanism: Mechanism,
     phase_rate: f64,
     phase_start: f64,
+    motor: Option<Motor>,
     response: Response,
+    /// How far each element is displaced at rest.
+    strokes: Vec<[f64; 2]>,
     elements: Vec<Placed>,
     covering: Covering,
     /// Links that carry surfaces.
@@ -95,17 +104,23 @@ impl Robot {
         let elements = Placed::all(spec, &mechanism)?;
         let carriers = carriers(spec, &mechanism)?;
         let covering = Covering::new(spec, &mechanism, &carriers, aero)?;
-        let layout = Layout::new(elements.len(), mechanism.coordinates.len(), covering.aero.states());
+        let motor = motor(spec, &mechanism)?;
+        let air_states = covering.aero.states();
+        let layout = Layout::new(elements.len(), mechanism.coordinates.len(), motor.is_some(), air_states);
+        let response = spec.structure.build().map_err(|e| e.within("structure"))?;
+        let inputs = regulators::channels(&spec.structure, &elements).map_err(|e| e.within("structure"))?;
         Ok(Self {
             phase_rate: joints::phase_rate(&spec.gait),
             phase_start,
-            response: spec.structure.build().map_err(|e| e.within("structure"))?,
+            motor,
+            response,
+            strokes: regulators::strokes(&spec.structure, &elements, &inputs),
             carriers,
             drag_area: Vec3(spec.body.drag_area_m2),
             air,
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),
-            inputs: regulators(&elements),
+            inputs,
             elements,
             covering,
             mechanism,
@@ -141,28 +156,43 @@ impl Robot {
         };
         self.covering.laid.iter().enumerate().flat_map(of).collect()
     }
-    /// Coordinates of the elastic and free joints at the start, rad or m.
+    /// Where the states of elastic and free joints and crank start, from [`Layout::joints`] to
+    /// [`Layout::aero`]: the joints at rest, the crank at the starting phase and the gait's frequency.
     pub fn start_coordinates(&self) -> Vec<f64> {
-        self.mechanism.springs().map(|s| s.start).collect()
+        let crank = |state: f64| self.motor.map(|_| state);
+        let still = self.mechanism.springs().map(|_| 0.0);
+        let joints = self.mechanism.springs().map(|s| s.start).chain(crank(self.phase_start));
+        joints.chain(still).chain(crank(self.phase_rate)).collect()
+    }
+    /// How far each structure element is displaced by held commands within their limits, rad or m.
+    pub fn strokes(&self) -> &[[f64; 2]] {
+        &self.strokes
     }
     /// Velocity of the air without its gust, m/s in W.
     pub fn mean_wind(&self) -> Vec3 {
         self.air.wind.mean()
     }
-    /// Flapping frequency of the gait, Hz.
+    /// Flapping frequency of the gait, Hz; a motor starts with it.
     pub fn frequency_hz(&self) -> f64 {
         self.phase_rate / std::f64::consts::TAU
     }
-    /// Flapping phase at time `t`, rad.
+    /// Flapping phase at time `t` at a constant rate, rad.
     pub fn phase(&self, t: f64) -> f64 {
         self.phase_start + self.phase_rate * t
     }
 }
 
-/// The regulators' channels.
-fn regulators(elements: &[Placed]) -> Vec<Channel> {
-    let channel = |(i, e): (usize, &Placed)| e.regulator.clone().of(Role::Command(i));
-    elements.iter().enumerate().map(channel).collect()
+/// The motor, if there is one, of a gait that moves something.
+fn motor(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Option<Motor>, Error> {
+    let motor = spec.drive.build().map_err(|e| e.within("drive"))?;
+    if motor.is_some() && !mechanism.drives.iter().any(mechanism::Drive::cranked) {
+        return Err(Error::invalid("drive.motor", "given", "a motor only where a gait drives joints"));
+    }
+    if motor.is_some() && mechanism.coordinates.len() == MAX_COORDINATES {
+        let allowed = format!("at most {} elastic or free joints beside a motor", MAX_COORDINATES - 1);
+        return Err(Error::invalid("drive.motor", "given", allowed));
+    }
+    Ok(motor)
 }
 
 /// The links that carry surfaces, ascending.
@@ -182,11 +212,13 @@ fn carriers(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Vec<usize>, Error
 }
 
 impl Layout {
-    fn new(elements: usize, coordinates: usize, aero_states: usize) -> Self {
+    fn new(elements: usize, coordinates: usize, motor: bool, aero_states: usize) -> Self {
         let joints = 13 + 2 * elements;
-        let aero = joints + 2 * coordinates;
+        let degrees = coordinates + usize::from(motor);
+        let aero = joints + 2 * degrees;
+        let crank = motor.then_some([joints + degrees - 1, aero - 1]);
         let len = aero + aero_states;
-        Self { position: 0, attitude: 3, velocity: 7, rate: 10, structure: 13, joints, aero, len }
+        Self { position: 0, attitude: 3, velocity: 7, rate: 10, structure: 13, joints, crank, aero, len }
     }
 
     fn channels(&self, elements: &[Placed], mechanism: &Mechanism, air: &Surfaces) -> Vec<Channel> {
@@ -204,6 +236,7 @@ impl Layout {
             let named = mechanism.coordinates.iter().map(move |&i| named(i)).enumerate();
             named.map(move |(k, (name, unit))| Channel::free(name, unit, "").of(role(k)))
         };
+        let crank = |name, unit, role| self.crank.map(|_| Channel::free(name, unit, "").of(role));
         axes("p_WB", "m", "W", "xyz", Role::Position)
             .chain(axes("quat", "", "WB", "wxyz", Role::Attitude))
             .chain(axes("v_WB_W", "m/s", "W", "xyz", Role::Velocity))
@@ -211,7 +244,9 @@ impl Layout {
             .chain(element("displacement", 0, Role::Displacement))
             .chain(element("rate", 1, Role::DisplacementRate))
             .chain(joint("coordinate", 0, Role::Coordinate))
+            .chain(crank("crank_angle", "rad", Role::Crank))
             .chain(joint("coordinate_rate", 1, Role::CoordinateRate))
+            .chain(crank("crank_rate", "rad/s", Role::CrankRate))
             .chain(air.channels().into_iter().map(|c| c.of(Role::Air)))
             .collect()
     }

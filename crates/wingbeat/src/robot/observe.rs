@@ -5,8 +5,8 @@ use super::sections::{Carriers, Section};
 use super::surface::External;
 use super::{Links, Robot};
 use crate::aero::{LoadSource, Loads, StripLoads};
-use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, joint_power};
-use crate::math::{Mat3, Scalar, Vec3, Wrench};
+use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, joint_power};
+use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
 use crate::plant::Fault;
 use arrayvec::ArrayVec;
 
@@ -19,8 +19,16 @@ pub struct Observation {
     pub joints: Vec<f64>,
     /// Joint efforts, N m or N.
     pub torques: Vec<f64>,
-    /// Mechanical power of the driven joints, W.
+    /// Phase of the gait, rad.
+    pub phase: f64,
+    /// Mechanical power of the driven joints, W: that of the drive and that of the regulators.
     pub power: f64,
+    /// Part of it that the drive gives, turning the crank, W.
+    pub drive_power: f64,
+    /// Part of it that the regulators give, displacing the structure, W.
+    pub regulator_power: f64,
+    /// The motor, where one turns the crank.
+    pub motor: Option<MotorWork>,
     /// Kinetic energy plus potential energy above z = 0 and in the springs of elastic joints, J.
     pub energy: f64,
     /// Power that the surfaces and the body take from the air, W.
@@ -68,7 +76,7 @@ impl Robot {
         let mut e = Evaluation::empty();
         self.evaluate(t, x, u, &mut dx, &mut e)?;
         let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
-        self.let_go(&mut joints, &mut links, &e.coordinates, &e.second_rates);
+        self.let_go(&mut joints, &mut links, &e.coordinates, &e.ratios, &e.second_rates);
         let body = BaseAcceleration::from_slice(&e.acceleration);
         let base = e.base.accelerated(&body);
         let moving: Links<f64> = links.iter().map(|link| link.accelerated(&body)).collect();
@@ -88,9 +96,16 @@ impl Robot {
             let springs = self.mechanism.springs().zip(&self.mechanism.coordinates);
             springs.map(|(spring, &joint)| (spring, joints[joint]))
         };
+        let phase = self.crank(&Jet::new(t, 1.0, 0.0), &x[self.layout.structure..]);
+        let [drive_power, regulator_power] =
+            self.power_split(phase, &x[self.layout.structure..], u, &torques)?;
         let datum = -e.attitude.transpose_mul(Vec3::from_slice(&x[self.layout.position..]));
         Ok(Observation {
             attitude: e.attitude,
+            phase: phase.x,
+            drive_power,
+            regulator_power,
+            motor: self.motor_work(phase),
             power: joint_power(&torques, &joints)
                 - springs().map(|(spring, q)| spring.effort(q.x, q.d) * q.d).sum::<f64>(),
             energy: tree.kinetic_energy(e.base.velocity, e.base.rate, &links)

@@ -106,7 +106,7 @@ impl ScenarioSpec {
     fn robot_in(&self, spec: &RobotSpec, air: Air) -> Result<Robot, Error> {
         let mut spec = spec.clone();
         if !self.flight.flapping {
-            spec.gait.hold_still();
+            spec.hold_still();
         }
         robot(&spec, &self.aero, air, self.start.phase_rad)
     }

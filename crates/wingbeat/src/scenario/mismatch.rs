@@ -85,7 +85,7 @@ impl Mismatch {
         for (i, shift) in [self.com_x_m, self.com_y_m, self.com_z_m].into_iter().enumerate() {
             real.body.com_m[i] += shift;
         }
-        real.structure.frequency_hz *= self.regulator_bandwidth;
+        real.structure.scale_frequency(self.regulator_bandwidth);
         real
     }
 }

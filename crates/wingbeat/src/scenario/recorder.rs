@@ -83,11 +83,12 @@ impl<'a> Recorder<'a> {
         let position = Vec3::from_slice(&x[layout.position..]);
         let mut row = std::mem::take(&mut self.row);
         row.clear();
-        row.extend([t, self.robot.phase(t)]);
+        row.extend([t, o.phase]);
         row.extend(o.attitude.roll_pitch_yaw().0);
         row.extend(&o.joints);
         row.extend(&o.torques);
-        row.push(o.power);
+        row.extend([o.power, o.drive_power, o.regulator_power]);
+        row.extend(o.motor.iter().flat_map(|m| [m.shaft_torque, m.shaft_power, m.electrical_power]));
         row.extend(source_values(&o.parts()));
         row.extend((position + o.attitude * o.center_of_mass).0);
         row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
@@ -100,7 +101,7 @@ impl<'a> Recorder<'a> {
         self.incidence.extend(o.incidence());
         if let Some(strips) = &mut self.strips {
             if strips.due == 0 {
-                let instant = [t, self.robot.phase(t)];
+                let instant = [t, o.phase];
                 strips.recorder.append(instant, &o.strips, Mat3::IDENTITY, Vec3::ZERO);
                 strips.due = strips.every;
             }
@@ -147,7 +148,11 @@ fn columns(robot: &Robot) -> Vec<Column> {
     let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
     columns.extend(["roll", "pitch", "yaw"].map(|n| Column::new(n, "rad", "WB")));
     columns.extend(joint_columns(robot));
-    columns.push(Column::new("joint_power", "W", ""));
+    columns.extend(["joint_power", "drive_power", "regulator_power"].map(|n| Column::new(n, "W", "")));
+    if robot.motor().is_some() {
+        let motor = [("motor_torque", "N m"), ("motor_power", "W"), ("electrical_power", "W")];
+        columns.extend(motor.map(|(name, unit)| Column::new(name, unit, "")));
+    }
     columns.extend(source_columns());
     columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
     for point in robot.outline_names() {

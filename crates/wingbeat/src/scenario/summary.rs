@@ -42,6 +42,19 @@ pub struct Summary {
     pub pitch_half_amplitude_deg: Option<f64>,
     /// Change of heading over the whole flight, deg; left is positive.
     pub yaw_change_deg: f64,
+    /// Mean power of the drive on the joints, W: what turning the crank takes.
+    pub drive_power_w: Option<f64>,
+    /// Mean power of the regulators on the joints, W: what displacing the structure takes.
+    pub regulator_power_w: Option<f64>,
+    /// Mean mechanical power of the motor's shaft, W, where a motor turns the crank.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motor_power_w: Option<f64>,
+    /// Mean electrical power of the motor, W.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub electrical_power_w: Option<f64>,
+    /// Range of the crank's rate over its mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crank_ripple: Option<f64>,
     /// Aerodynamic preset.
     pub aero_preset: String,
     /// Lift law.
@@ -144,6 +157,13 @@ fn largest_deg(errors: &[f64]) -> Option<f64> {
     errors.iter().map(|e| e.abs()).reduce(f64::max).map(f64::to_degrees)
 }
 
+/// Range over mean.
+fn ripple(rates: &[f64]) -> Option<f64> {
+    let low = rates.iter().copied().reduce(f64::min)?;
+    let high = rates.iter().copied().reduce(f64::max)?;
+    Some((high - low) / mean(rates)?)
+}
+
 fn half_range_deg(angles: &[f64]) -> Option<f64> {
     let low = angles.iter().copied().reduce(f64::min)?;
     let high = angles.iter().copied().reduce(f64::max)?;
@@ -196,6 +216,11 @@ impl Summary {
             pitch_max_error_deg: largest_deg(&pitch_errors),
             pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
             yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
+            drive_power_w: mean(settled.column("drive_power")),
+            regulator_power_w: mean(settled.column("regulator_power")),
+            motor_power_w: mean(settled.column("motor_power")),
+            electrical_power_w: mean(settled.column("electrical_power")),
+            crank_ripple: ripple(settled.column("crank_rate")),
             aero_preset: context.preset.into(),
             lift_law: context.law.into(),
             stall_fraction: context.stall_fraction,

@@ -53,10 +53,6 @@ impl GaitSpec {
         }
     }
 
-    /// Stops the flapping.
-    pub fn hold_still(&mut self) {
-        self.set_frequency_hz(0.0);
-    }
     /// Flaps at another frequency, Hz.
     pub fn set_frequency_hz(&mut self, hz: f64) {
         match self {

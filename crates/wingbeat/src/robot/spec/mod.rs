@@ -1,14 +1,16 @@
 //! What a robot file says, before it is checked and built.
 
+mod drive;
 mod gait;
 mod link;
 mod structure;
 mod surface;
 mod wing;
 
+pub use drive::{DriveSpec, MotorSpec};
 pub use gait::GaitSpec;
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
-pub use structure::{ElementSpec, StructureSpec};
+pub use structure::{ElementSpec, RegulatorSpec, StructureSpec};
 pub use surface::{PanelSpec, SurfaceSpec};
 pub use wing::{WingLinkSpec, WingSpec};
 
@@ -37,6 +39,9 @@ pub struct RobotSpec {
     /// What drives the joints over the flapping cycle.
     #[serde(default)]
     pub gait: GaitSpec,
+    /// What turns the crank of the gait.
+    #[serde(default, skip_serializing_if = "DriveSpec::is_constant")]
+    pub drive: DriveSpec,
     /// Response of the structure to its regulators.
     #[serde(default)]
     pub structure: StructureSpec,
@@ -81,6 +86,7 @@ impl RobotSpec {
             surface.check().map_err(|e| e.within(&format!("surfaces[{i}]")))?;
         }
         self.gait.check(self.wing.is_some()).map_err(|e| e.within("gait"))?;
+        self.drive.build().map_err(|e| e.within("drive"))?;
         self.structure.check().map_err(|e| e.within("structure"))
     }
 
@@ -94,6 +100,12 @@ impl RobotSpec {
             *m *= mass;
             i.iter_mut().for_each(|i| *i *= inertia);
         }
+    }
+
+    /// Stops the flapping and whatever motor turns the crank.
+    pub fn hold_still(&mut self) {
+        self.gait.set_frequency_hz(0.0);
+        self.drive = DriveSpec::default();
     }
 
     /// Multiplies the amplitudes of the gait; of a linkage, its crank.

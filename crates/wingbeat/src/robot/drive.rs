@@ -1,0 +1,124 @@
+//! The crank of the gait under its drive, and what drive and regulators give to the joints.
+
+use super::joints::Displaced;
+use super::mechanism::Drive;
+use super::{Joints, MAX_ELEMENTS, Robot};
+use crate::body::{Coordinates, LinkMotion, MAX_LINKS, Motor, MotorWork};
+use crate::math::{Jet, Scalar};
+use crate::plant::Fault;
+use arrayvec::ArrayVec;
+
+/// dq/dphase of every joint, the displacements of the structure held; empty at a constant rate.
+pub(super) type Ratios<S> = ArrayVec<S, MAX_LINKS>;
+
+impl Robot {
+    /// Coordinates that the dynamics decide: elastic and free joints, then the crank under a motor.
+    pub(super) fn degrees(&self) -> usize {
+        self.mechanism.coordinates.len() + usize::from(self.motor.is_some())
+    }
+
+    /// The motor that turns the crank, if the crank does not turn at a constant rate.
+    pub fn motor(&self) -> Option<&Motor> {
+        self.motor.as_ref()
+    }
+
+    /// Phase of the gait with its rate: the crank's under a motor, whose acceleration is left out.
+    /// `structure` as for [`Robot::joints`].
+    #[inline(always)]
+    pub(super) fn crank<S: Scalar>(&self, clock: &Jet<S>, structure: &[S]) -> Jet<S> {
+        if self.motor.is_none() {
+            return *clock * self.phase_rate + self.phase_start;
+        }
+        let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
+        Jet::new(states[count - 1], states[2 * count - 1], S::ZERO)
+    }
+
+    /// Coordinates of the driven joints at the phase `phase`, the structure displaced.
+    #[inline(always)]
+    pub(super) fn driven<S: Scalar>(
+        &self,
+        phase: Jet<S>,
+        displacements: &[Jet<S>],
+        joints: &mut Joints<S>,
+    ) -> Result<(), Fault> {
+        self.drive(phase, displacements, joints)?;
+        for (element, displacement) in self.elements.iter().zip(displacements) {
+            for moved in &element.moves {
+                if let Displaced::Joint(joint) = *moved {
+                    joints[joint] += *displacement;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Equation: robot.crank_ratios
+    ///
+    /// Ratios dq_j/dphase of the joints to the crank, the displacements held: what one unit of the
+    /// crank's rate turns or slides each joint, so that by virtual work the crank bears
+    /// sum_j dq_j/dphase tau_j.
+    pub(super) fn ratios<S: Scalar>(
+        &self,
+        phase: S,
+        displacements: &[Jet<S>],
+        ratios: &mut Ratios<S>,
+    ) -> Result<(), Fault> {
+        let mut held = [Jet::ZERO; MAX_ELEMENTS];
+        for (held, y) in held.iter_mut().zip(displacements) {
+            held.x = y.x;
+        }
+        let mut turned = Joints::new();
+        self.driven(Jet::new(phase, S::ONE, S::ZERO), &held, &mut turned)?;
+        ratios.extend(turned.iter().map(|q| q.d));
+        Ok(())
+    }
+
+    /// Adds the crank to the coordinates, the last of them.
+    pub(super) fn add_crank<S: Scalar>(
+        &self,
+        links: &[LinkMotion<S>],
+        ratios: &Ratios<S>,
+        coordinates: &mut Coordinates<S>,
+    ) {
+        for (joint, drive) in self.mechanism.drives.iter().enumerate() {
+            if drive.cranked() {
+                let crank = self.mechanism.coordinates.len();
+                coordinates.add_joint(crank, &self.mechanism.tree, joint, ratios[joint], links);
+            }
+        }
+    }
+
+    /// Power that the efforts of the joints take from drive and regulators, W, by virtual work:
+    /// a joint's rate is dq/dphase phase' by the drive and, the phase held, that of its displacements by
+    /// the regulators.
+    ///
+    /// Equation: robot.power_split
+    pub(super) fn power_split(
+        &self,
+        phase: Jet,
+        structure: &[f64],
+        u: &[f64],
+        torques: &[f64],
+    ) -> Result<[f64; 2], Fault> {
+        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
+        self.response.displacements(structure, u, &mut displacements);
+        let (mut ratios, mut displaced) = (Ratios::new(), Joints::new());
+        self.ratios(phase.x, &displacements, &mut ratios)?;
+        self.driven(Jet::new(phase.x, 0.0, 0.0), &displacements, &mut displaced)?;
+        let drive: f64 = torques.iter().zip(&ratios).map(|(torque, ratio)| torque * ratio).sum();
+        let regulators = torques.iter().zip(&displaced).map(|(torque, q)| torque * q.d).sum();
+        Ok([drive * phase.d, regulators])
+    }
+
+    /// What the motor does, the crank at `phase`, at full supply.
+    pub(super) fn motor_work(&self, phase: Jet) -> Option<MotorWork> {
+        self.motor.map(|motor| motor.work(phase.x, phase.d, 1.0))
+    }
+}
+
+impl Drive {
+    /// Whether the crank turns the joint.
+    pub(super) fn cranked(&self) -> bool {
+        matches!(self, Self::Series(..) | Self::Linkage(..))
+    }
+}
