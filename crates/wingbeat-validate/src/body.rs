@@ -1,5 +1,7 @@
 //! Linkage and multibody dynamics.
 
+mod elastic;
+mod free;
 mod urdf;
 mod vacuum;
 
@@ -15,6 +17,8 @@ pub const CASES: &[Case] = &[
     Case { id: "body.momentum_vacuum", quick: true, run: momentum_vacuum },
     Case { id: "body.energy_power_balance", quick: true, run: energy_power_balance },
     Case { id: "body.pinocchio", quick: true, run: pinocchio },
+    Case { id: "body.elastic_frequency", quick: true, run: elastic::rows },
+    Case { id: "body.multibody_free", quick: true, run: free::rows },
 ];
 
 /// Angles of one revolution of the crank, degrees.
@@ -72,35 +76,67 @@ fn energy_power_balance() -> Result<Vec<Row>, Error> {
     Ok(vec![Row::judged("body.energy_power_balance", "conservation of energy", metric, error, 1e-8, "")])
 }
 
+/// State, efforts and accelerations of the reference tree; Pinocchio's numbers.
+#[derive(Clone, Debug)]
+struct Reference {
+    attitude: Quat,
+    /// Velocity of the base in its own frame, m/s.
+    v: Vec3,
+    /// Its angular rate, rad/s.
+    w: Vec3,
+    /// Joint angles, their rates and accelerations, rad.
+    q: [f64; 4],
+    qd: [f64; 4],
+    qdd: [f64; 4],
+    /// Joint efforts, N m.
+    efforts: [f64; 4],
+    /// Acceleration of the base: linear, spatial (a - w x v), then angular.
+    base: Vec<f64>,
+    /// Gravity, m/s2.
+    gravity: f64,
+}
+
+fn reference() -> Result<Reference, Error> {
+    let q = reference_table!("multibody/ref_q.txt")?.column_at(0)?;
+    let v = reference_table!("multibody/ref_v.txt")?.column_at(0)?;
+    let efforts = reference_table!("multibody/ref_tau.txt")?.column_at(0)?;
+    let accelerations = reference_table!("multibody/ref_qdd_pin_local.txt")?.column_at(0)?;
+    let joints = |column: &[f64], first: usize| std::array::from_fn(|i| column[first + i]);
+    Ok(Reference {
+        // The table has x, y, z, w.
+        attitude: Quat::from_wxyz(&[q[6], q[3], q[4], q[5]]),
+        v: Vec3::from_slice(&v),
+        w: Vec3::from_slice(&v[3..]),
+        q: joints(&q, 7),
+        qd: joints(&v, 6),
+        qdd: joints(&accelerations, 6),
+        efforts: joints(&efforts, 6),
+        base: accelerations[..6].to_vec(),
+        // Pinocchio's default.
+        gravity: 9.81,
+    })
+}
+
 /// Accelerations of the reference tree beside Pinocchio's: base linear and angular (m/s2, rad/s2), then
 /// the joints (rad/s2).
 ///
 /// # Errors
 /// [`Error`] when a table or the tree fails.
 pub fn tree_accelerations() -> Result<Vec<(f64, f64)>, Error> {
-    let tree = reference_tree()?;
-    let q = reference_table!("multibody/ref_q.txt")?.column_at(0)?;
-    let v = reference_table!("multibody/ref_v.txt")?.column_at(0)?;
-    let tau = reference_table!("multibody/ref_tau.txt")?.column_at(0)?;
-    let expected = reference_table!("multibody/ref_qdd_pin_local.txt")?.column_at(0)?;
-
-    let quat_xyzw = &q[3..7];
-    let attitude = Quat::from_wxyz(&[quat_xyzw[3], quat_xyzw[0], quat_xyzw[1], quat_xyzw[2]]);
-    let torques: [f64; 4] = std::array::from_fn(|i| tau[6 + i]);
-    let (v_b, w_b) = (Vec3::from_slice(&v), Vec3::from_slice(&v[3..]));
-    let joints: Vec<Jet> = q[7..].iter().zip(&v[6..]).map(|(q, v)| Jet::new(*q, *v, 0.0)).collect();
+    let (tree, reference) = (reference_tree()?, reference()?);
+    let (v_b, w_b) = (reference.v, reference.w);
+    let joints: Vec<Jet> =
+        reference.q.iter().zip(&reference.qd).map(|(q, v)| Jet::new(*q, *v, 0.0)).collect();
     let mut motions = [LinkMotion::default(); MAX_LINKS];
     tree.motions(&joints, v_b, w_b, &mut motions);
-    // Pinocchio's default gravity.
-    let g_b = attitude.matrix().transpose_mul(Vec3([0.0, 0.0, -9.81]));
+    let g_b = reference.attitude.matrix().transpose_mul(Vec3([0.0, 0.0, -reference.gravity]));
     let found = tree
-        .forward_dynamics(w_b, &motions, &torques, g_b, Wrench::ZERO, &[Wrench::ZERO; 4])
+        .forward_dynamics(w_b, &motions, &reference.efforts, g_b, Wrench::ZERO, &[Wrench::ZERO; 4])
         .ok_or_else(|| Error::NoAnswer("the mass matrix is not positive definite".into()))?;
 
-    // The free flyer's acceleration is spatial there: a - w x v.
     let linear = found.base.origin - w_b.cross(v_b);
     let all = linear.0.iter().chain(&found.base.angular.0).chain(&found.joints);
-    Ok(all.copied().zip(expected).collect())
+    Ok(all.copied().zip(reference.base.iter().chain(&reference.qdd).copied()).collect())
 }
 
 fn pinocchio() -> Result<Vec<Row>, Error> {

@@ -15,6 +15,7 @@ pub mod aero_surfaces;
 pub mod body;
 pub mod figures;
 pub mod flapbody;
+pub mod fsi;
 pub mod math;
 pub mod ocp;
 pub mod ocp_problems;
@@ -34,6 +35,7 @@ pub fn cases() -> Vec<&'static Case> {
         aero_full::CASES,
         aero_surfaces::CASES,
         body::CASES,
+        fsi::CASES,
         ocp::CASES,
         ocp_problems::hock_schittkowski::CASES,
         ocp_problems::trajectories::CASES,

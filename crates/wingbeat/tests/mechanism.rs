@@ -44,73 +44,7 @@ elastic = { stiffness = 2e-3, damping = 1e-6 }
 "#;
 
 /// Wings of three links each, the outer one on an elastic twist hinge; a tail on a free hinge.
-const FLAPPER: &str = r#"
-name = "flapper"
-[body]
-mass_kg = 0.012
-inertia_kg_m2 = [9e-6, 3e-5, 3e-5]
-drag_area_m2 = [0.001, 0.002, 0.0]
-[gait.fourier]
-frequency_hz = 4.0
-[[links]]
-name = "arm"
-side = "mirrored"
-origin_m = [0.0, 0.02, 0.005]
-mass_kg = 0.001
-com_m = [0.0, 0.025, 0.0]
-inertia_kg_m2 = [2e-7, 1e-8, 2e-7]
-driven = { mean_rad = 0.1, harmonics = [{ amplitude_rad = 0.6, phase_rad = 0.0 }] }
-[[links]]
-name = "hand"
-side = "mirrored"
-parent = "arm"
-origin_m = [0.0, 0.05, 0.0]
-mass_kg = 0.001
-com_m = [0.0, 0.03, 0.0]
-inertia_kg_m2 = [4e-7, 1e-7, 4e-7]
-driven = { mean_rad = -0.3, harmonics = [{ amplitude_rad = 0.3, phase_rad = 1.0 }], lag_rad = 0.4 }
-[[links]]
-name = "feather"
-side = "mirrored"
-parent = "hand"
-origin_m = [0.01, 0.06, 0.0]
-axis = [0.0, -1.0, 0.0]
-mass_kg = 0.001
-com_m = [-0.01, 0.03, 0.0]
-inertia_kg_m2 = [4e-7, 4e-7, 6e-7]
-elastic = { stiffness = 4e-3, damping = 2e-5, rest = 0.05 }
-[[links]]
-name = "tail"
-origin_m = [-0.08, 0.0, 0.0]
-axis = [0.0, 1.0, 0.0]
-mass_kg = 0.0005
-com_m = [-0.02, 0.0, 0.0]
-inertia_kg_m2 = [1e-7, 1e-7, 2e-7]
-free = true
-[[surfaces]]
-name = "wing"
-cd0 = 0.05
-cd90 = 1.5
-planform = [
-  { arc_m = 0.0, leading_edge_m = 0.04, trailing_edge_m = -0.06 },
-  { arc_m = 0.20, leading_edge_m = 0.02, trailing_edge_m = -0.03 },
-]
-panels = [
-  { link = "body", origin_m = [0.0, 0.0, 0.005] },
-  { link = "arm", from_arc_m = 0.02 },
-  { link = "hand", from_arc_m = 0.07 },
-  { link = "feather", from_arc_m = 0.13, origin_m = [-0.01, 0.0, 0.0] },
-]
-[[surfaces]]
-name = "tail"
-cd0 = 0.03
-strips = 7
-planform = [
-  { arc_m = 0.0, leading_edge_m = 0.0, trailing_edge_m = -0.05 },
-  { arc_m = 0.06, leading_edge_m = -0.01, trailing_edge_m = -0.04 },
-]
-panels = [{ link = "tail" }]
-"#;
+const FLAPPER: &str = include_str!("../../../validation/fsi/flapper.toml");
 
 #[derive(Clone, Copy, PartialEq)]
 enum Preset {

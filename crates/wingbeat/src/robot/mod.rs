@@ -150,11 +150,7 @@ impl Robot {
     /// Names of the ends of all panels, surface after surface, as [`Observation::outlines`] has them; of
     /// surfaces beyond the first with the surface's name before.
     pub fn outline_names(&self) -> Vec<String> {
-        let of = |(i, s): (usize, &Laid)| {
-            let prefix = if i == 0 { String::new() } else { format!("{}_", s.name) };
-            s.outline.iter().map(|(name, _)| format!("{prefix}{name}")).collect::<Vec<_>>()
-        };
-        self.covering.laid.iter().enumerate().flat_map(of).collect()
+        self.covering.laid.iter().enumerate().flat_map(|(i, s)| s.outline_names(i == 0)).collect()
     }
     /// Where the states of elastic and free joints and crank start, from [`Layout::joints`] to
     /// [`Layout::aero`]: the joints at rest, the crank at the starting phase and the gait's frequency.

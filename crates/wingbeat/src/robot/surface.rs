@@ -195,6 +195,31 @@ pub(super) struct Covering {
 /// Loads on links, and on the body last, about the body origin, in B.
 pub(super) type External<S> = ArrayVec<Wrench<S>, { MAX_LINKS + 1 }>;
 
+impl Laid {
+    /// Names of the ends of the panels, with the surface's name before unless it is the `first`.
+    pub fn outline_names(&self, first: bool) -> Vec<String> {
+        let prefix = if first { String::new() } else { format!("{}_", self.name) };
+        self.outline.iter().map(|(name, _)| format!("{prefix}{name}")).collect()
+    }
+
+    /// Refuses ends of panels that share a name with each other or with those of the surfaces `before`.
+    fn check_names(&self, before: &[Self]) -> Result<(), Error> {
+        let names = self.outline_names(before.is_empty());
+        if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
+            let allowed = "panels of which each end has a name of its own";
+            return Err(Error::invalid("panels", &names[twice], allowed));
+        }
+        let taken = before.iter().enumerate().flat_map(|(i, s)| s.outline_names(i == 0));
+        match taken.into_iter().find(|name| names.contains(name)) {
+            Some(clash) => {
+                let allowed = format!("another name: its panels would share the columns of {clash:?}");
+                Err(Error::invalid("name", &self.name, allowed))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
 impl Covering {
     /// Lays the surfaces of `spec` over `mechanism`, of which `carriers` carry them, with one model each.
     ///
@@ -220,7 +245,7 @@ impl Covering {
                 let apart = sections[edges[0]].link != sections[edges[1]].link;
                 Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
             }));
-            laid.push(Laid {
+            let placed = Laid {
                 name: surface.name.clone(),
                 symmetric: surface.span == Span::Symmetric,
                 outline: placement
@@ -228,7 +253,9 @@ impl Covering {
                     .into_iter()
                     .map(|(s, name)| (name, at(&s)))
                     .collect(),
-            });
+            };
+            placed.check_names(&laid).map_err(|e| e.within(&outline.key))?;
+            laid.push(placed);
         }
         let named = outlines.into_iter().map(|outline| outline.name).zip(models);
         Ok(Self { aero: Surfaces::new(named)?, laid, sections, mounts })
