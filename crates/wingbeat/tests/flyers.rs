@@ -7,7 +7,7 @@ mod glider;
 
 use flown::{Flown, fly, scenario, shipped};
 use std::f64::consts::{FRAC_PI_2, PI};
-use wingbeat::scenario::Status;
+use wingbeat::scenario::FlightStatus;
 
 /// Two pairs in antiphase: what one lifts the other lowers, so that the robot nods where pairs in phase heave.
 #[test]
@@ -266,6 +266,6 @@ fn an_elastic_twist_hinge_gives_way_under_the_air() {
         flown.assert_symmetric();
         flown.assert_momentum_balance(0.05, 0.45);
     }
-    assert_eq!(soft.run.summary.status, Status::Ok);
+    assert_eq!(soft.run.summary.status, FlightStatus::Ok);
     assert!(PI > twist[0]);
 }

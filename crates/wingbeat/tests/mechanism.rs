@@ -257,6 +257,15 @@ panels = [{{ link = "body", origin_m = [0.0, {y}, 0.0], direction = [0.0, {y}, 0
 }
 
 #[test]
+fn the_documented_robot_is_built() {
+    let page = include_str!("../../../docs/robots.md");
+    let text = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let robot = robot(text, Preset::Full, 1.2);
+    assert_eq!(robot.joint_names().collect::<Vec<_>>(), ["wing_left", "wing_right", "tip_left", "tip_right"]);
+    assert!(rates(&robot, 0.05, &moving(&robot)).iter().all(|rate| rate.is_finite()));
+}
+
+#[test]
 fn what_a_mechanism_cannot_be_is_refused_by_key() {
     let refusal = |from: &str, to: &str| {
         let text = CHAIN.replacen(from, to, 1);

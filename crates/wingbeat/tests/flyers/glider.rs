@@ -2,11 +2,10 @@
 
 use super::flown::{Flown, fly, shipped};
 use nalgebra::{Complex, DMatrix, Matrix3, Matrix4, Vector3};
-use std::ops::ControlFlow;
-use wingbeat::flight::{Controller, Schedule, Update};
 use wingbeat::math::{GRAVITY, Jet, Quat, RK4, Vec3, Workspace};
 use wingbeat::plant::{Linearisation, Plant};
 use wingbeat::robot::{BodyMotion, Robot};
+use wingbeat::simulate::Stepper;
 
 /// A raised trailing edge makes the glide slower; each glide carries the weight.
 #[test]
@@ -30,28 +29,15 @@ fn the_elevator_sets_the_speed() {
     }
 }
 
-/// A regulator held.
-struct Held(f64);
-
-impl Controller for Held {
-    fn update(&mut self, _t: f64, _x: &[f64]) -> Update {
-        Update::Fresh
-    }
-    fn input(&self, _t: f64, u: &mut [f64]) {
-        u.fill(self.0);
-    }
-}
-
 #[test]
 fn the_regulated_elevator_raises_and_lowers_the_nose() {
     let scenario = shipped("glider", &[]);
     let robot = scenario.robot();
     let pitch = |command: f64| {
-        let schedule = Schedule { step: 1e-3, steps: 400, steps_per_update: None, steps_per_sample: 400 };
-        let mut x = scenario.start();
-        let mut held = Held(command);
-        wingbeat::flight::fly(robot, &mut held, &schedule, &mut x, |_, _| ControlFlow::Continue(()));
-        let l = robot.layout();
+        let mut stepper = Stepper::new(robot, 0.0, &scenario.start());
+        stepper.set_inputs(&[command]);
+        (0..400).for_each(|_| stepper.step(1e-3).unwrap());
+        let (x, l) = (stepper.state(), robot.layout());
         assert!((x[l.structure] - command).abs() < 1e-3, "the servo follows: {}", x[l.structure]);
         Quat::from_wxyz(&x[l.attitude..]).matrix().roll_pitch_yaw()[1]
     };
