@@ -124,7 +124,7 @@ impl Robot {
             let mut carriers = Carriers::new(&base, wind_dot, &coordinates);
             carriers.follow(&self.carriers, &moving, wind_dot);
             let second_rates = self
-                .second_rates(&moving, &ratios, &carriers, gravity, (wind, clock.d), x, dx)
+                .second_rates(&moving, &carriers, gravity, (wind, clock.d), x, dx)
                 .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
             self.store_coordinate_rates(&x[..structure], &second_rates, &mut dx[elements..structure]);
             self.let_go(&mut joints, &mut links, &coordinates, &ratios, &second_rates);
@@ -159,7 +159,6 @@ impl Robot {
     fn second_rates<S: Scalar>(
         &self,
         moving: &[LinkMotion<S>],
-        ratios: &Ratios<S>,
         carriers: &Carriers<S>,
         gravity: Vec3<S>,
         (wind, supply): (Vec3<S>, S),
@@ -167,19 +166,17 @@ impl Robot {
         dx: &mut [S],
     ) -> Option<[S; MAX_COORDINATES]> {
         let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
-        let mut coordinates = Coordinates::none();
-        self.coordinates(moving, ratios, &mut coordinates);
         let mut system = System::<S, S>::new();
         self.mechanism.tree.coordinate_inertia(
             moving,
             gravity,
-            &coordinates,
+            carriers.coordinates,
             &mut system.mass,
             &mut system.forces,
         );
         self.add_efforts(&x[elements..structure], supply, &mut system);
         system.add_air(self, carriers, wind, &x[structure..], &mut dx[structure..]);
-        let degrees = system.solve(None, coordinates.count())?;
+        let degrees = system.solve(None, carriers.coordinates.count())?;
         Some(std::array::from_fn(|c| degrees[6 + c]))
     }
 

@@ -112,7 +112,7 @@ pub(super) struct Carriers<'a, S: Scalar> {
     base: Carrier<S>,
     links: ArrayVec<Carrier<S>, MAX_LINKS>,
     /// Coordinates whose second rates the accelerations leave out.
-    coordinates: &'a Coordinates<S>,
+    pub coordinates: &'a Coordinates<S>,
 }
 
 impl<'a, S: Scalar> Carriers<'a, S> {
