@@ -30,7 +30,7 @@ use crate::plant::{Channel, Role};
 use arrayvec::ArrayVec;
 use joints::Placed;
 use mechanism::Mechanism;
-use surface::{Covering, Laid};
+use surface::Covering;
 
 /// Largest number of structure elements.
 pub const MAX_ELEMENTS: usize = 16;
