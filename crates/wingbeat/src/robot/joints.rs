@@ -145,9 +145,35 @@ impl Robot {
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         self.response.rates(&displacements, dx);
+        self.pose(clock, &displacements, structure, joints)
+    }
+
+    /// Joint coordinates with the elements and elastic joints of `structure` standing still.
+    pub(super) fn rest<G: Scalar>(
+        &self,
+        clock: &Jet<G>,
+        structure: &[G],
+        joints: &mut Joints<G>,
+    ) -> Result<(), Fault> {
+        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
+        for (displacement, y) in displacements.iter_mut().zip(&structure[..self.elements.len()]) {
+            displacement.x = *y;
+        }
+        self.pose(clock, &displacements, structure, joints)
+    }
+
+    /// Joint coordinates with the elements displaced.
+    #[inline(always)]
+    fn pose<G: Scalar>(
+        &self,
+        clock: &Jet<G>,
+        displacements: &[Jet<G>; MAX_ELEMENTS],
+        structure: &[G],
+        joints: &mut Joints<G>,
+    ) -> Result<(), Fault> {
         let phase = *clock * self.phase_rate + self.phase_start;
-        self.drive(phase, &displacements, joints)?;
-        for (element, displacement) in self.elements.iter().zip(&displacements) {
+        self.drive(phase, displacements, joints)?;
+        for (element, displacement) in self.elements.iter().zip(displacements) {
             for moved in &element.moves {
                 if let Displaced::Joint(joint) = *moved {
                     joints[joint] += *displacement;

@@ -3,6 +3,7 @@
 
 mod air;
 mod carried;
+mod clearance;
 mod dynamics;
 mod joints;
 mod mechanism;
@@ -17,8 +18,9 @@ pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
 pub use observe::Observation;
 pub use spec::{
-    BodySpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput,
-    PanelSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, WingLinkSpec, WingSpec,
+    BodySpec, CapsuleSpec, ClearanceSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec, JointSpec,
+    LinkSide, LinkSpec, LinkageOutput, PanelSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec,
+    WingLinkSpec, WingSpec,
 };
 pub use surface::SurfaceOutline;
 
@@ -28,6 +30,7 @@ use crate::body::{LinkMotion, MAX_LINKS, Response, Tree};
 use crate::math::{Jet, Vec3};
 use crate::plant::{Channel, Role};
 use arrayvec::ArrayVec;
+use clearance::Clearances;
 use joints::Placed;
 use mechanism::Mechanism;
 use surface::{Covering, Laid};
@@ -71,6 +74,7 @@ pub struct Robot {
     response: Response,
     elements: Vec<Placed>,
     covering: Covering,
+    clearances: Clearances,
     /// Links that carry surfaces.
     carriers: Vec<usize>,
     drag_area: Vec3,
@@ -108,6 +112,7 @@ impl Robot {
             inputs: regulators(&elements),
             elements,
             covering,
+            clearances: Clearances::new(spec, &mechanism)?,
             mechanism,
         })
     }
