@@ -48,6 +48,8 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("yaw change", None, number(summary.yaw_change_deg), "deg"),
         ("lift law", None, summary.lift_law.clone(), ""),
         ("strips past stall", None, share(summary.stall_fraction), "%"),
+        ("least clearance", None, summary.least_clearance_m.map_or("-".into(), |c| number(1e3 * c)), "mm"),
+        ("clearance below zero", None, summary.crossing_fraction.map_or("-".into(), share), "% of the time"),
         ("inputs at a limit", None, share(summary.input_saturation_fraction), "%"),
         ("controller updates", None, controller.updates.to_string(), ""),
         ("controller failures", None, controller.failures.to_string(), ""),

@@ -103,6 +103,7 @@ fn roll_in(summary: &RollInSummary) -> Lines {
         ("duration", format!("{:.4} s from {:.3} s on", summary.duration_s, summary.start_s)),
         ("roll / pitch / yaw, plan", angles(summary.final_angles_deg)),
         ("roll / pitch / yaw, flown", angles(summary.flown_angles_deg)),
+        ("least clearance, flown", clearance(summary.least_clearance_m)),
         ("error re-simulated", worst(&summary.resimulation_error)),
     ]
 }
@@ -120,13 +121,19 @@ fn least_power(summary: &LeastPowerSummary) -> Lines {
         summary.asked_up_n, summary.asked_forward_n, summary.weight_n
     );
     let mut lines = vec![("asked", asked), ("own gait", gait(&summary.own))];
+    lines.push(("least clearance, own gait", clearance(summary.own_least_clearance_m)));
     if let (Some(plan), Some(means)) = (&summary.plan, &summary.replay) {
         let replay = GaitNumbers { means: *means, ..*plan };
         lines.push(("plan", gait(plan)));
         lines.push(("replayed from rest", gait(&replay)));
+        lines.push(("least clearance, replayed", clearance(summary.least_clearance_m)));
         lines.push(("error re-simulated", worst(&summary.resimulation_error)));
     }
     lines
+}
+
+fn clearance(least_m: Option<f64>) -> String {
+    least_m.map_or("-".into(), |least| format!("{:.2} mm", 1e3 * least))
 }
 
 fn worst(errors: &BTreeMap<String, f64>) -> String {

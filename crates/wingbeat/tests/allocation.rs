@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use wingbeat::aero::{
     Aero, Loads, Planform, PlanformStation, SectionMotion, StripModel, StripSettings, Surfaces,
 };
-use wingbeat::math::{Dual, Vec3};
+use wingbeat::math::{Dual, Scalar, Vec3};
 use wingbeat::plant::Plant;
 use wingbeat::scenario::Scenario;
 use wingbeat::simulate::Stepper;
@@ -53,10 +53,12 @@ fn a_plant_evaluation_allocates_nothing() {
         let mut dx = x.clone();
         let dual = |v: &[f64]| v.iter().map(|&v| Dual::<8>::constant(v)).collect::<Vec<_>>();
         let (xd, ud, mut dxd) = (dual(&x), dual(&u), dual(&x));
+        let mut clearances = vec![Dual::ZERO; robot.clearances().len()];
         let mut stepper = Stepper::new(robot, 0.0, &x);
         let before = allocations();
         robot.rates(0.01, &x, &u, &mut dx).unwrap();
         robot.rates(Dual::<8>::constant(0.01), &xd, &ud, &mut dxd).unwrap();
+        robot.clear(Dual::<8>::constant(0.01), &xd, &mut clearances).unwrap();
         (0..5).for_each(|_| stepper.step(1e-4).unwrap());
         assert_eq!(allocations() - before, 0, "{name}");
         assert_ne!(before, 0);

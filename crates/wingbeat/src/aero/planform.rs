@@ -152,6 +152,10 @@ impl Planform {
         }
     }
 
+    /// Arc lengths from the root of the stations, m.
+    pub fn station_arcs(&self) -> &[f64] {
+        &self.arcs
+    }
     /// Where there is no wing, ascending from the middle.
     pub fn gaps(&self) -> &[Gap] {
         &self.gaps

@@ -1,5 +1,6 @@
 //! The periodic gait that needs the least power for a given mean force, planned offline.
 
+use super::roll_in::{clearance_path, limited_clearances};
 use super::stand::{Flapping, Stand};
 use super::{MAX_INTERVALS, MAX_MESHES};
 use crate::Error;
@@ -43,6 +44,9 @@ pub struct LeastPowerSpec {
     /// Largest mean pitching moment of the air about the centre of mass, either way, N m; without it any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trim_within_n_m: Option<f64>,
+    /// Least clearance between parts, m; without it any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
     /// Lowest and highest flapping frequency, Hz.
     pub frequency_hz: [f64; 2],
     /// Lowest and highest pitch, deg, negative is nose up; without it that of the start.
@@ -81,6 +85,7 @@ impl LeastPowerSpec {
         require::positive("time_limit_s", self.time_limit_s)?;
         require::finite("up_n", self.up_n.as_slice())?;
         require::finite("forward_n", self.forward_n.as_slice())?;
+        require::finite("clearance_m", self.clearance_m.as_slice())?;
         self.trim_within_n_m.iter().try_for_each(|&m| require::positive("trim_within_n_m", m))?;
         require::all("frequency_hz", &self.frequency_hz, require::positive)?;
         require::range("frequency_hz", self.frequency_hz)?;
@@ -139,6 +144,7 @@ impl<'a> LeastPower<'a> {
     /// [`Error::Invalid`] when a setting is out of range or the robot's own gait cannot be computed.
     pub fn new(stand: Stand<'a>, pitch: f64, spec: &LeastPowerSpec) -> Result<Self, Error> {
         spec.check()?;
+        limited_clearances(stand.robot(), spec.clearance_m)?;
         let half_ranges = stand.robot().inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
         let range = spec.pitch_deg.map_or([pitch; 2], |range| range.map(f64::to_radians));
         let mut problem = Self {
@@ -332,7 +338,8 @@ impl OptimalControl for LeastPower<'_> {
             Channel::limited("frequency", "Hz", "", slowest, fastest),
             Channel::limited("pitch", "rad", "WB", self.pitch[0], self.pitch[1]),
         ];
-        Setup { start, ends, ..setup }
+        let path = clearance_path(robot.clearances(), self.spec.clearance_m);
+        Setup { start, ends, path, ..setup }
     }
 
     fn rates<S: Scalar>(&self, at: Instant<S>, dx: &mut [S]) -> Result<(), Fault> {
@@ -354,6 +361,13 @@ impl OptimalControl for LeastPower<'_> {
         let share = |(u, &i): (&S, &usize)| (*u * (1.0 / self.half_ranges[i])).squared();
         let sum = at.u.iter().zip(&mirror.inputs).map(share).fold(S::ZERO, |sum, s| sum + s);
         sum * at.p[0] * (self.spec.effort_w / mirror.inputs.len() as f64)
+    }
+
+    fn constrain_path<S: Scalar>(&self, at: Instant<S>, values: &mut [S]) {
+        let states = &at.x[..self.stand.mirror().states.len()];
+        if !values.is_empty() && self.stand.clear(at.t, &flapping(at.p), states, values).is_err() {
+            values.fill(S::from(f64::NAN));
+        }
     }
 
     fn end_cost<S: Scalar>(&self, ends: Ends<S>) -> S {

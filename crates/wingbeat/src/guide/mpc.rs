@@ -2,7 +2,7 @@
 
 use super::manoeuvre::{Manoeuvre, angle_error};
 use crate::Error;
-use crate::math::{Quat, Scalar, Vec3};
+use crate::math::Scalar;
 use crate::ocp::realtime::{Plan, RealTime, Settings, Tracking};
 use crate::plant::{Channel, LocalChart, Plant, Role};
 use crate::require;
@@ -37,6 +37,9 @@ pub struct MpcSpec {
     /// without it none is. A flight with a deadline does not repeat to the bit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deadline_s: Option<f64>,
+    /// Clearance below which the soft limit `weights.clearance` counts, m.
+    #[serde(default)]
+    pub clearance_m: f64,
     /// Weights.
     pub weights: Weights,
 }
@@ -56,6 +59,9 @@ pub struct Weights {
     /// Change of the input over an interval, per half of its range.
     #[serde(default)]
     pub input_change: f64,
+    /// Clearance short of `clearance_m`, per m, at the nodes after the first; 0 for none.
+    #[serde(default)]
+    pub clearance: f64,
     /// Factor on the state residuals of the last node: the terminal cost.
     #[serde(default = "one")]
     pub terminal: f64,
@@ -79,8 +85,10 @@ impl MpcSpec {
             ("weights.pitch", weights.pitch),
             ("weights.rate", weights.rate),
             ("weights.input_change", weights.input_change),
+            ("weights.clearance", weights.clearance),
             ("weights.terminal", weights.terminal),
         ];
+        require::finite("clearance_m", &[self.clearance_m])?;
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
         weights.iter().try_for_each(|(key, value)| require::not_negative(key, *value))?;
         self.deadline_s.map_or(Ok(()), |deadline| require::positive("deadline_s", deadline))?;
@@ -109,15 +117,17 @@ impl MpcSpec {
     }
 }
 
+/// Most clearances of a plant that a controller may watch.
+const MAX_CLEARANCES: usize = 16;
+/// Shortfall of a clearance below which the soft limit is rounded off, m.
+const SHORTFALL_WIDTH: f64 = 1e-3;
+
 /// The paper's cost J = sum (z - z_ref)' C (z - z_ref), z = [roll, pitch, w],
-/// on the nodes after the first, with a small cost on the inputs at all nodes.
-struct AttitudeTracking {
+/// on the nodes after the first, with a small cost on the inputs at all nodes; and the soft limits of the clearances.
+struct AttitudeTracking<'a, P: Plant> {
+    chart: LocalChart<'a, P>,
     manoeuvre: Manoeuvre,
     weights: Weights,
-    /// Attitude at which the chart is centred.
-    center: Quat,
-    /// Index of the rotation vector in the local state.
-    rotation: usize,
     /// Index of the angular rate in the local state.
     rate: usize,
     /// Residual per input, weight over half range.
@@ -126,13 +136,72 @@ struct AttitudeTracking {
     change_weights: Vec<f64>,
     /// Largest rate per input, per second.
     rate_limits: Vec<f64>,
+    /// Number of clearances with a soft limit.
+    clearances: usize,
+    /// Their limit, m.
+    clearance: f64,
     /// The last node.
     last: usize,
 }
 
-impl Tracking for AttitudeTracking {
+impl<'a, P: Plant> AttitudeTracking<'a, P> {
+    fn new(plant: &'a P, manoeuvre: Manoeuvre, spec: &MpcSpec) -> Result<Self, Error> {
+        let chart = LocalChart::new(plant);
+        let missing = |what: &str| Error::invalid("plant", what, "a plant with attitude and angular rate");
+        chart.rotation().ok_or_else(|| missing("no attitude"))?;
+        let rate = Role::AngularRate(0).place(chart.states());
+        let half_range = |c: &Channel| 0.5 * (c.high - c.low);
+        let inputs = plant.inputs();
+        Ok(Self {
+            manoeuvre,
+            weights: spec.weights.clone(),
+            rate: rate.ok_or_else(|| missing("no angular rate"))?,
+            input_weights: inputs.iter().map(|c| spec.weights.input / half_range(c)).collect(),
+            change_weights: inputs
+                .iter()
+                .map(|c| (spec.weights.input_change / half_range(c)).powi(2))
+                .collect(),
+            rate_limits: spec.rate_limits(inputs)?,
+            clearances: soft_limits(plant, spec)?,
+            clearance: spec.clearance_m,
+            last: spec.intervals,
+            chart,
+        })
+    }
+
+    /// Weight times the smooth positive part of what each clearance is short of its limit. Where the model cannot
+    /// be evaluated it has none: its rates refuse the state.
+    ///
+    /// Equation: guide.soft_clearance
+    fn shortfalls<S: Scalar>(&self, t: f64, x: &[S], r: &mut [S]) {
+        let mut clearances = [S::ZERO; MAX_CLEARANCES];
+        let clearances = &mut clearances[..self.clearances];
+        if self.chart.clear(S::from(t), x, clearances).is_err() {
+            return r.fill(S::ZERO);
+        }
+        for (r, c) in r.iter_mut().zip(clearances) {
+            *r = (-*c + self.clearance).smooth_positive(SHORTFALL_WIDTH) * self.weights.clearance;
+        }
+    }
+}
+
+/// Number of clearances under the soft limit.
+fn soft_limits<P: Plant>(plant: &P, spec: &MpcSpec) -> Result<usize, Error> {
+    if spec.weights.clearance == 0.0 {
+        return Ok(0);
+    }
+    match plant.clearances().len() {
+        count @ 1..=MAX_CLEARANCES => Ok(count),
+        count => {
+            let allowed = format!("0 for a robot with {count} clearances; with 1 to {MAX_CLEARANCES} any");
+            Err(Error::invalid("weights.clearance", spec.weights.clearance, allowed))
+        }
+    }
+}
+
+impl<P: Plant> Tracking for AttitudeTracking<'_, P> {
     fn residuals(&self, node: usize) -> usize {
-        self.input_weights.len() + if node == 0 { 0 } else { 5 }
+        self.input_weights.len() + if node == 0 { 0 } else { 5 + self.clearances }
     }
 
     fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]) {
@@ -143,14 +212,16 @@ impl Tracking for AttitudeTracking {
         if node == 0 {
             return;
         }
-        let attitude = Quat::constant(self.center) * Quat::exp(Vec3::from_slice(&x[self.rotation..]));
-        let angles = attitude.matrix().roll_pitch_yaw();
+        let angles = self.chart.rotation_matrix(x).roll_pitch_yaw();
         let reference = self.manoeuvre.reference(t);
         let factor = if node == self.last { self.weights.terminal } else { 1.0 };
         outputs[0] = angle_error(angles[0], reference.roll) * (self.weights.roll * factor);
         outputs[1] = angle_error(angles[1], reference.pitch) * (self.weights.pitch * factor);
         for i in 0..3 {
             outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * (self.weights.rate * factor);
+        }
+        if self.clearances > 0 {
+            self.shortfalls(t, x, &mut outputs[5..]);
         }
     }
 
@@ -166,8 +237,7 @@ impl Tracking for AttitudeTracking {
 /// Predictive controller of any plant with an attitude and an angular rate among its states.
 /// It plans from the state that its estimator makes of the measurement.
 pub struct Mpc<'a, P: Plant, E = TrueState> {
-    chart: LocalChart<'a, P>,
-    tracking: AttitudeTracking,
+    tracking: AttitudeTracking<'a, P>,
     solver: RealTime,
     /// The plan to go on with when an update comes late.
     previous: Plan,
@@ -203,37 +273,18 @@ impl<'a, P: Plant, E: Estimator> Mpc<'a, P, E> {
         estimator: E,
     ) -> Result<Self, Error> {
         spec.check()?;
-        let chart = LocalChart::new(plant);
-        let missing = |what: &str| Error::invalid("plant", what, "a plant with attitude and angular rate");
-        let rotation = chart.rotation().ok_or_else(|| missing("no attitude"))?;
-        let rate = Role::AngularRate(0).place(chart.states());
-        let half_range = |c: &Channel| 0.5 * (c.high - c.low);
-        let tracking = AttitudeTracking {
-            manoeuvre,
-            weights: spec.weights.clone(),
-            center: Quat::IDENTITY,
-            rotation,
-            rate: rate.ok_or_else(|| missing("no angular rate"))?,
-            input_weights: plant.inputs().iter().map(|c| spec.weights.input / half_range(c)).collect(),
-            change_weights: plant
-                .inputs()
-                .iter()
-                .map(|c| (spec.weights.input_change / half_range(c)).powi(2))
-                .collect(),
-            rate_limits: spec.rate_limits(plant.inputs())?,
-            last: spec.intervals,
-        };
+        let tracking = AttitudeTracking::new(plant, manoeuvre, spec)?;
+        let chart = &tracking.chart;
         let settings = Settings {
             hold_first_input: spec.continuous_input,
             ..Settings::new(spec.intervals, spec.interval_s)
         };
-        let solver = RealTime::new(&chart, &tracking, settings)?;
+        let solver = RealTime::new(chart, &tracking, settings)?;
         Ok(Self {
             local: vec![0.0; chart.states().len()],
             estimator,
             estimate: vec![0.0; plant.states().len()],
             applied: vec![0.0; plant.inputs().len()],
-            chart,
             tracking,
             previous: solver.plan().clone(),
             solver,
@@ -250,28 +301,28 @@ impl<'a, P: Plant, E: Estimator> Mpc<'a, P, E> {
 
     /// Centres the chart at the measured attitude and moves the plan's states over.
     fn recenter(&mut self, x: &[f64], nodes: usize) {
-        let old = self.chart.reference();
-        self.chart.center_at(x);
-        self.tracking.center = self.chart.reference();
+        let chart = &mut self.tracking.chart;
+        let old = chart.reference();
+        chart.center_at(x);
         for k in 0..nodes {
-            self.chart.adopt(old, self.solver.plan_mut().state_mut(k));
+            chart.adopt(old, self.solver.plan_mut().state_mut(k));
         }
-        self.chart.localise(x, &mut self.local);
+        chart.localise(x, &mut self.local);
     }
 
     /// Solves for the plan from the state `x` at `t`; the deadline counts from `begun`.
     fn replan(&mut self, t: f64, x: &[f64], begun: Instant) -> Update {
         if let Some(last) = self.last_update {
-            self.solver.shift(&self.chart, t - last);
+            self.solver.shift(&self.tracking.chart, t - last);
             let nodes = self.solver.plan().nodes();
             self.recenter(x, nodes);
         } else {
             self.recenter(x, 0);
-            self.solver.reset(&self.chart, &self.local);
+            self.solver.reset(&self.tracking.chart, &self.local);
         }
         self.last_update = Some(t);
         self.previous.clone_from(self.solver.plan());
-        let status = self.solver.solve(&self.chart, &self.tracking, t, &self.local, self.iterations);
+        let status = self.solver.solve(&self.tracking.chart, &self.tracking, t, &self.local, self.iterations);
         if !status.updated() {
             return Update::Kept;
         }
@@ -309,9 +360,134 @@ impl<P: Plant, E: Estimator> Controller for Mpc<'_, P, E> {
     fn diagnostics(&self, row: &mut Vec<f64>) {
         let (plan, statistics) = (self.solver.plan(), self.solver.statistics());
         let end = plan.state(plan.nodes() - 1);
-        row.extend(self.chart.rotation_matrix(end).roll_pitch_yaw().0);
+        row.extend(self.tracking.chart.rotation_matrix(end).roll_pitch_yaw().0);
         let counts = [statistics.iterations, statistics.qp_changes, statistics.active];
         row.extend(counts.map(|c| c as f64));
         row.extend([statistics.stationarity, statistics.defect]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Dual, Quat, Vec3};
+    use crate::plant::Fault;
+
+    /// A free body with two clearances that bend with time and state.
+    struct Body {
+        states: Vec<Channel>,
+        inputs: Vec<Channel>,
+        clearances: Vec<Channel>,
+    }
+
+    impl Plant for Body {
+        fn states(&self) -> &[Channel] {
+            &self.states
+        }
+        fn inputs(&self) -> &[Channel] {
+            &self.inputs
+        }
+        fn attitude(&self) -> Option<usize> {
+            Some(0)
+        }
+        fn rates<S: Scalar>(&self, _: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+            Quat::from_wxyz(x).rate(Vec3::from_slice(&x[4..])).store_wxyz(dx);
+            dx[4..7].copy_from_slice(u);
+            Ok(())
+        }
+        fn clearances(&self) -> &[Channel] {
+            &self.clearances
+        }
+        fn clear<S: Scalar>(&self, t: S, x: &[S], values: &mut [S]) -> Result<(), Fault> {
+            values[0] = (t + x[4]).sin() * 0.01;
+            values[1] = x[1] * x[5] + 0.02;
+            Ok(())
+        }
+    }
+
+    fn body() -> Body {
+        let roles = (0..4).map(Role::Attitude).chain((0..3).map(Role::AngularRate));
+        Body {
+            states: roles.map(|role| Channel::free(format!("{role:?}"), "", "").of(role)).collect(),
+            inputs: ["x", "y", "z"].map(|n| Channel::limited(n, "N m", "B", -1.0, 1.0)).into(),
+            clearances: ["one", "other"].map(|n| Channel::free(n, "m", "B")).into(),
+        }
+    }
+
+    fn spec(clearance: f64) -> MpcSpec {
+        let weights = Weights {
+            roll: 1.0,
+            pitch: 1.0,
+            rate: 0.1,
+            input: 0.01,
+            input_change: 0.0,
+            clearance,
+            terminal: 2.0,
+        };
+        MpcSpec {
+            period_s: 0.01,
+            intervals: 3,
+            interval_s: 0.02,
+            iterations: 1,
+            continuous_input: true,
+            input_rate_per_s: BTreeMap::new(),
+            deadline_s: None,
+            clearance_m: 0.015,
+            weights,
+        }
+    }
+
+    #[test]
+    fn residuals_of_the_soft_limit_and_their_derivatives_are_exact() {
+        let manoeuvre = Manoeuvre {
+            turn_start_s: 0.0,
+            roll_deg: 10.0,
+            pitch_deg: -5.0,
+            yaw_rate_rad_s: 0.1,
+            track: None,
+        };
+        let plant = body();
+        let mut tracking = AttitudeTracking::new(&plant, manoeuvre, &spec(50.0)).unwrap();
+        tracking.chart.center_at(&[0.9, 0.3, -0.2, 0.1, 0.0, 0.0, 0.0]);
+        assert_eq!([0, 1, 3].map(|node| tracking.residuals(node)), [3, 10, 10]);
+        let (x, u, t) = ([0.05, -0.1, 0.2, 0.3, -0.02, 0.4], [0.1, 0.2, -0.3], 0.35);
+        let at = |x: &[f64; 6]| {
+            let mut r = [0.0; 10];
+            tracking.residual(3, t, x, &u, &mut r);
+            r
+        };
+        let short = |c: f64| 25.0 * (0.015 - c + (0.015 - c).hypot(1e-3));
+        assert!((at(&x)[8] - short(0.01 * (t + x[3]).sin())).abs() < 1e-14);
+        for i in 0..6 {
+            let mut dual = x.map(Dual::<1>::constant);
+            dual[i].eps[0] = 1.0;
+            let mut exact = [Dual::<1>::ZERO; 10];
+            tracking.residual(3, t, &dual, &u.map(Dual::constant), &mut exact);
+            let moved = |h: f64| {
+                let mut x = x;
+                x[i] += h;
+                at(&x)
+            };
+            let (h, k) = (moved(1e-6), moved(-1e-6));
+            for r in 0..10 {
+                let difference = (h[r] - k[r]) / 2e-6;
+                assert!((exact[r].eps[0] - difference).abs() < 1e-6, "{r} by {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_soft_limit_needs_clearances() {
+        let bare = Body { clearances: Vec::new(), ..body() };
+        let manoeuvre = || Manoeuvre {
+            turn_start_s: 0.0,
+            roll_deg: 0.0,
+            pitch_deg: 0.0,
+            yaw_rate_rad_s: 0.0,
+            track: None,
+        };
+        let error = Mpc::new(&bare, manoeuvre(), &spec(1.0)).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(error.starts_with("weights.clearance = 1"), "{error}");
+        assert!(Mpc::new(&bare, manoeuvre(), &spec(0.0)).is_ok());
     }
 }

@@ -39,6 +39,9 @@ pub struct RollInSpec {
     /// of what its input may command: a body that is only turned by the
     /// reaction to its moving wings turns back with them.
     pub displacement_within: f64,
+    /// Least clearance between parts on the way, m; without it any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
     /// Longest duration, s.
     pub longest_s: f64,
     /// Cost of an input at its limit, seconds per second.
@@ -70,6 +73,7 @@ impl RollInSpec {
         ];
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
         require::not_negative("start_s", self.start_s)?;
+        require::finite("clearance_m", self.clearance_m.as_slice())?;
         require::inside("roll_deg", self.roll_deg, -80.0, 80.0)?;
         require::inside("pitch_deg", self.pitch_deg, -80.0, 80.0)?;
         require::between("intervals", self.intervals, 1, MAX_INTERVALS)?;
@@ -109,6 +113,7 @@ impl<'a, P: Plant> RollIn<'a, P> {
             let (given, allowed) = (plant.inputs().len(), format!("one for each of {elements} elements"));
             return Err(Error::invalid("robot.structure.regulators", given, allowed));
         }
+        limited_clearances(plant, spec.clearance_m)?;
         let half_ranges: Vec<f64> = plant.inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
         Ok(Self {
             settled: settled(chart.states(), &half_ranges, spec),
@@ -198,6 +203,7 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
         let rates =
             ["x", "y", "z"].map(|axis| end(&format!("w_WB_B_{axis}"), "rad/s", "B", spec.rate_within_rad_s));
         setup.ends.extend(rates);
+        setup.path = clearance_path(self.chart.clearances(), spec.clearance_m);
         let states = self.chart.states();
         setup
             .ends
@@ -214,6 +220,12 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
         at.u.iter().zip(&self.half_ranges).map(share).fold(S::ZERO, |sum, s| sum + s) * self.spec.effort
     }
 
+    fn constrain_path<S: Scalar>(&self, at: Instant<S>, values: &mut [S]) {
+        if !values.is_empty() && self.chart.clear(at.t, at.x, values).is_err() {
+            values.fill(S::from(f64::NAN));
+        }
+    }
+
     fn end_cost<S: Scalar>(&self, ends: Ends<S>) -> S {
         ends.t[1]
     }
@@ -228,6 +240,22 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
             *value = x[i];
         }
     }
+}
+
+/// Refuses a least clearance where a plant has none.
+pub(super) fn limited_clearances<P: Plant>(plant: &P, least: Option<f64>) -> Result<(), Error> {
+    match least {
+        Some(given) if plant.clearances().is_empty() => {
+            Err(Error::invalid("clearance_m", given, "a robot with clearances, or no limit"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The clearances as path constraints; none without a limit.
+pub(super) fn clearance_path(clearances: &[Channel], least: Option<f64>) -> Vec<Channel> {
+    let limited = |low: f64| clearances.iter().map(move |c| Channel { low, ..c.clone() });
+    least.into_iter().flat_map(limited).collect()
 }
 
 /// The structure elements' displacements and rates among the states, and how
@@ -250,6 +278,8 @@ mod tests {
     struct Top {
         states: Vec<Channel>,
         inputs: Vec<Channel>,
+        /// The distance left between the rate of roll and 1 rad/s.
+        clearances: Vec<Channel>,
     }
 
     impl Plant for Top {
@@ -268,29 +298,66 @@ mod tests {
             dx[4..7].copy_from_slice(u);
             Ok(())
         }
+        fn clearances(&self) -> &[Channel] {
+            &self.clearances
+        }
+        fn clear<S: Scalar>(&self, _: S, x: &[S], values: &mut [S]) -> Result<(), Fault> {
+            values[0] = -x[4] + 1.0;
+            Ok(())
+        }
     }
 
-    #[test]
-    fn a_free_body_takes_the_time_of_full_torque_and_full_counter_torque() {
+    fn top() -> Top {
         let roles = (0..4).map(Role::Attitude).chain((0..3).map(Role::AngularRate));
-        let top = Top {
+        Top {
             states: roles.map(|role| Channel::free(format!("{role:?}"), "", "").of(role)).collect(),
             inputs: ["x", "y", "z"].map(|n| Channel::limited(n, "N m", "B", -1.0, 1.0)).into(),
-        };
-        let spec = RollInSpec {
+            clearances: vec![Channel::free("rate", "rad/s", "B")],
+        }
+    }
+
+    /// A bank of 15 deg.
+    fn bank(clearance_m: Option<f64>) -> RollInSpec {
+        RollInSpec {
             start_s: 0.25,
             roll_deg: 15.0,
             pitch_deg: 0.0,
             pitch_within_deg: 1.0,
             rate_within_rad_s: 1e-6,
             displacement_within: 1.0,
+            clearance_m,
             longest_s: 4.0,
             effort: 1e-4,
             intervals: 20,
             meshes: 4,
             tolerance: 1e-5,
             time_limit_s: 20.0,
-        };
+        }
+    }
+
+    #[test]
+    fn a_path_that_keeps_its_clearance_takes_longer() {
+        let (top, x) = (top(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let spec = bank(Some(0.7));
+        let problem = RollIn::new(&top, &x, &spec).unwrap();
+        let optimum = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap();
+        assert!(optimum.status.is_success(), "{}", optimum.status);
+        let points = optimum.solution.unwrap().points;
+        // Full torque up to 0.3 rad/s, on at that rate, full counter-torque.
+        let expected = 15_f64.to_radians() / 0.3 + 0.3;
+        let duration = points.t[points.t.len() - 1] - spec.start_s;
+        assert!((duration - expected).abs() < 2e-3, "{duration} {expected}");
+        // The limit holds at the nodes; where torque ends within an interval the cubic between bulges over it.
+        let fastest = points.x.iter().map(|x| x[problem.rate]).fold(0.0, f64::max);
+        assert!((fastest - 0.3).abs() < 0.01, "{fastest}");
+        let bare = Top { clearances: Vec::new(), ..top };
+        let error = RollIn::new(&bare, &x, &spec).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(error.starts_with("clearance_m = 0.7"), "{error}");
+    }
+
+    #[test]
+    fn a_free_body_takes_the_time_of_full_torque_and_full_counter_torque() {
+        let (top, spec) = (top(), bank(None));
         let x = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         let problem = RollIn::new(&top, &x, &spec).unwrap();
         let optimum = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap();

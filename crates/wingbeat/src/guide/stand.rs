@@ -102,6 +102,23 @@ impl<'a> Stand<'a> {
         Ok(loads)
     }
 
+    /// Smooth clearances ([`Robot::smooth_clearances`]) at `t` s for the states `x` of one wing.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the gait unusable there.
+    pub fn clear<S: Scalar>(
+        &self,
+        t: S,
+        flapping: &Flapping<S>,
+        x: &[S],
+        values: &mut [S],
+    ) -> Result<(), Fault> {
+        let mut states = [S::ZERO; MAX_STATES];
+        let n = self.robot.carried_states();
+        self.mirror.expand_states(x, &mut states[..n]);
+        self.robot.smooth_clearances(self.clock(t, flapping).x, &states[..n], values)
+    }
+
     /// Upward and forward force of the air, N, with forward the horizontal heading,
     /// and its nose-up moment about the centre of mass, N m.
     pub fn lift_thrust_trim<S: Scalar>(&self, loads: &CarriedLoads<S>, pitch: S) -> [S; 3] {

@@ -121,6 +121,19 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         localise_rates(a, &x[..n], local, &rates[..n], dx);
         Ok(())
     }
+    fn clearances(&self) -> &[Channel] {
+        self.plant.clearances()
+    }
+    fn clear<S: Scalar>(&self, t: S, local: &[S], values: &mut [S]) -> Result<(), Fault> {
+        if self.plant.attitude().is_none() {
+            return self.plant.clear(t, local, values);
+        }
+        let n = local.len() + 1;
+        assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
+        let mut x = [S::ZERO; MAX_STATES];
+        self.globalise(local, &mut x[..n]);
+        self.plant.clear(t, &x[..n], values)
+    }
     fn late_states(&self) -> usize {
         self.plant.late_states() - usize::from(self.plant.attitude().is_some())
     }

@@ -144,6 +144,16 @@ pub trait Plant: Sync {
     /// Writes dx/dt. Pure, and allocates nothing.
     fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault>;
 
+    /// The distances between parts that should not meet, in order; none where nothing can.
+    fn clearances(&self) -> &[Channel] {
+        &[]
+    }
+    /// Writes those distances, smooth in state and time and never above the true ones; negative where the parts
+    /// pass through each other. Pure, and allocates nothing.
+    fn clear<S: Scalar>(&self, _t: S, _x: &[S], _values: &mut [S]) -> Result<(), Fault> {
+        Ok(())
+    }
+
     /// Index of the first late state. Late states enter only the end of an evaluation, so that
     /// derivatives by them need not follow the rest; all of them come after the others.
     fn late_states(&self) -> usize {

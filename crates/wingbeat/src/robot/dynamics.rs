@@ -59,6 +59,12 @@ impl Plant for Robot {
     fn attitude(&self) -> Option<usize> {
         Some(self.layout.attitude)
     }
+    fn clearances(&self) -> &[Channel] {
+        &self.clearances.channels
+    }
+    fn clear<S: Scalar>(&self, t: S, x: &[S], values: &mut [S]) -> Result<(), Fault> {
+        self.smooth_clearances(t, &x[self.layout.structure..], values)
+    }
     fn late_states(&self) -> usize {
         self.layout.aero
     }

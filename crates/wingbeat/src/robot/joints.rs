@@ -148,12 +148,34 @@ impl Robot {
         if self.motor.is_some() {
             self.ratios(phase.x, &displacements, ratios)?;
         }
+        self.decided(structure, joints);
+        Ok(())
+    }
+
+    /// Joint coordinates with the elements and elastic joints of `structure` standing still.
+    pub(super) fn rest<G: Scalar>(
+        &self,
+        clock: &Jet<G>,
+        structure: &[G],
+        joints: &mut Joints<G>,
+    ) -> Result<(), Fault> {
+        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
+        for (displacement, y) in displacements.iter_mut().zip(&structure[..self.elements.len()]) {
+            displacement.x = *y;
+        }
+        self.driven(self.crank(clock, structure), &displacements, joints)?;
+        self.decided(structure, joints);
+        Ok(())
+    }
+
+    /// Coordinates and rates of elastic joints.
+    #[inline(always)]
+    fn decided<G: Scalar>(&self, structure: &[G], joints: &mut Joints<G>) {
         let states = &structure[2 * self.elements.len()..];
         let count = self.degrees();
         for (i, &joint) in self.mechanism.coordinates.iter().enumerate() {
             joints[joint] = Jet::new(states[i], states[count + i], G::ZERO);
         }
-        Ok(())
     }
 
     /// Joint coordinates by the gait alone, its linkages with their lengths displaced.

@@ -157,7 +157,7 @@ impl Mechanism {
 }
 
 /// Name of the base among the links.
-const BODY: &str = "body";
+pub(super) const BODY: &str = "body";
 /// What the names of a mirrored pair end in.
 pub(super) const SIDES: [&str; 2] = ["_left", "_right"];
 

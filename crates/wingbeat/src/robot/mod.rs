@@ -3,6 +3,7 @@
 
 mod air;
 mod carried;
+mod clearance;
 mod drive;
 mod dynamics;
 mod joints;
@@ -19,9 +20,9 @@ pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
 pub use observe::Observation;
 pub use spec::{
-    BodySpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec, JointSpec, LinkSide, LinkSpec,
-    LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec,
-    WingLinkSpec, WingSpec,
+    BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
+    JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,
+    StructureSpec, SurfaceSpec, WingLinkSpec, WingSpec,
 };
 pub use surface::SurfaceOutline;
 
@@ -31,6 +32,7 @@ use crate::body::{LinkMotion, MAX_LINKS, Motor, Response, Tree};
 use crate::math::{Jet, Vec3};
 use crate::plant::{Channel, MAX_COORDINATES, Role};
 use arrayvec::ArrayVec;
+use clearance::Clearances;
 use joints::Placed;
 use mechanism::Mechanism;
 use surface::Covering;
@@ -80,6 +82,7 @@ pub struct Robot {
     strokes: Vec<[f64; 2]>,
     elements: Vec<Placed>,
     covering: Covering,
+    clearances: Clearances,
     /// Links that carry surfaces.
     carriers: Vec<usize>,
     drag_area: Vec3,
@@ -123,6 +126,7 @@ impl Robot {
             inputs,
             elements,
             covering,
+            clearances: Clearances::new(spec, &mechanism)?,
             mechanism,
         })
     }

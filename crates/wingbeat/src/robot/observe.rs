@@ -52,6 +52,8 @@ pub struct Observation {
     /// For each surface the ends of its panels, left to right: hinge-line point, leading and trailing
     /// edge, from the body origin, in B, m.
     pub outlines: Vec<Vec<[Vec3; 3]>>,
+    /// Clearances, m, in the order of [`Plant::clearances`](crate::plant::Plant::clearances): exact, not rounded off.
+    pub clearances: Vec<f64>,
 }
 
 impl Observation {
@@ -123,6 +125,7 @@ impl Robot {
             strips,
             center_of_mass: tree.center_of_mass(&links),
             outlines: self.outlines(&e.base, &links),
+            clearances: self.clearances.least(&links).collect(),
         })
     }
 

@@ -1,5 +1,6 @@
 //! Surfaces laid over links: where their sections ride, and which links bear the loads of the strips.
 
+use super::clearance::Corner;
 use super::mechanism::{Mechanism, mirrored};
 use super::sections::{Carriers, Riding, Section};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
@@ -97,6 +98,13 @@ struct Panel {
     along: Vec3,
 }
 
+impl Panel {
+    /// The point `x` m ahead of the line of the panel at the arc length `arc`, in the link's frame.
+    fn point(&self, arc: f64, x: f64) -> Vec3 {
+        self.origin + self.along * (arc - self.from_arc) + Vec3::new(x, 0.0, 0.0)
+    }
+}
+
 /// Geometry of a surface on its links.
 #[derive(Clone, Debug)]
 struct Placement {
@@ -136,11 +144,28 @@ impl Placement {
         let panels = &self.panels[usize::from(!left)];
         let passed = panels.iter().skip(1).filter(|p| arc / (1.0 + ON_HINGE) > p.from_arc).count();
         let panel = &panels[passed];
-        let root = panel.origin + panel.along * (arc - panel.from_arc);
-        let edge = |x: f64| root + Vec3::new(x + self.shift, 0.0, 0.0);
+        let edge = |x: f64| panel.point(arc, x + self.shift);
         let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
         let across = if left { -panel.along } else { panel.along };
         Section::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
+    }
+
+    /// Corners of panel `i` of one half (0 left, 1 right) on `link`: both edges at its ends, at the stations in
+    /// between and at the ends of gaps. Between them the outline is straight.
+    fn panel_corners(&self, i: usize, half: usize, link: usize) -> impl Iterator<Item = Corner> {
+        let panel = self.panels[half][i];
+        let tip = self.planform.station_arcs().last().copied().unwrap_or_default();
+        let end = self.panels[half].get(i + 1).map_or(tip, |next| next.from_arc);
+        let side = if half == 0 { 1.0 } else { -1.0 };
+        let gaps = self.planform.gaps().iter().flat_map(|g| [g.from_arc_m, g.to_arc_m]);
+        let inner = self.planform.station_arcs().iter().copied().chain(gaps);
+        let inner = inner.filter(move |&arc| arc > panel.from_arc && arc < end);
+        let arcs = [panel.from_arc, end].into_iter().chain(inner).filter(|&arc| self.planform.covers(arc));
+        arcs.flat_map(move |arc| {
+            let (leading, trailing) = self.planform.edges(arc);
+            let corner = |x: f64| Corner { link, place: panel.point(arc, x + self.shift), side };
+            [corner(leading), corner(trailing)]
+        })
     }
 
     /// Ends of the panels from left to right: arc coordinate and name.
@@ -163,6 +188,24 @@ impl Placement {
         ends.sort_by(|a, b| b.0.total_cmp(&a.0));
         ends
     }
+}
+
+/// Corners of both halves of a symmetric surface, where these ride on links of their own side; none otherwise.
+pub(super) fn corners(spec: &SurfaceSpec, mechanism: &Mechanism) -> Result<Vec<Corner>, Error> {
+    let placement = Placement::new(spec, mechanism)?;
+    let mut corners = Vec::new();
+    if spec.span == Span::Symmetric {
+        let links = |i: usize| [0, 1].map(|half| placement.panels[half][i].link);
+        for i in 0..spec.panels.len() {
+            let [Some(left), Some(right)] = links(i) else { continue };
+            // A link on both sides carries its surface across the plane.
+            if left != right {
+                corners.extend(placement.panel_corners(i, 0, left));
+                corners.extend(placement.panel_corners(i, 1, right));
+            }
+        }
+    }
+    Ok(corners)
 }
 
 /// Which links bear the load of a strip.

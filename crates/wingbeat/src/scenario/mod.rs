@@ -260,6 +260,7 @@ impl Scenario {
             manoeuvre: self.spec.manoeuvre.as_ref(),
             goal: self.spec.goal.as_ref(),
             inputs: self.robot.inputs(),
+            clearances: self.robot.clearances(),
             preset: self.spec.aero.preset.name(),
             law: self.spec.aero.law.name(),
             stall_fraction,

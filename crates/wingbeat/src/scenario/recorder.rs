@@ -93,6 +93,7 @@ impl<'a> Recorder<'a> {
         row.extend((position + o.attitude * o.center_of_mass).0);
         row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
         row.extend(o.incidence());
+        row.extend(&o.clearances);
         row.extend(u);
         row.extend(x);
         controller.diagnostics(&mut row);
@@ -164,6 +165,7 @@ fn columns(robot: &Robot) -> Vec<Column> {
         let prefix = if i == 0 { String::new() } else { format!("{name}_") };
         columns.extend((0..aero.strips()).map(|i| column(format!("{prefix}incidence_{i}"), "rad", "")));
     }
+    columns.extend(robot.clearances().iter().map(Column::from));
     columns.extend(robot.inputs().iter().map(Column::from));
     columns.extend(robot.states().iter().map(Column::from));
     columns

@@ -63,6 +63,11 @@ pub struct Summary {
     pub stall_fraction: f64,
     /// Share of input samples within 1 % of their range of a limit.
     pub input_saturation_fraction: f64,
+    /// Least of all clearances over the records of the whole flight, m; negative where parts pass through each
+    /// other, or a wing through the middle plane. Missing for a robot without clearances.
+    pub least_clearance_m: Option<f64>,
+    /// Share of the records in which a clearance is below zero.
+    pub crossing_fraction: Option<f64>,
     /// Cautions that a reader must know.
     pub warnings: Vec<String>,
     /// Controller timing and failures.
@@ -175,6 +180,7 @@ pub(super) struct Context<'a> {
     pub manoeuvre: Option<&'a Manoeuvre>,
     pub goal: Option<&'a GoalSpec>,
     pub inputs: &'a [Channel],
+    pub clearances: &'a [Channel],
     pub preset: &'a str,
     pub law: &'a str,
     pub stall_fraction: f64,
@@ -200,6 +206,7 @@ impl Summary {
         };
         let roll_errors = settled.errors("roll", |t| context.reference(t).map_or(0.0, |r| r.roll));
         let pitch_errors = settled.errors("pitch", |t| context.reference(t).map_or(0.0, |r| r.pitch));
+        let crossing = Crossing::new(record, context.clearances);
         let mut summary = Self {
             status: FlightStatus::Ok,
             reason: None,
@@ -225,7 +232,9 @@ impl Summary {
             lift_law: context.law.into(),
             stall_fraction: context.stall_fraction,
             input_saturation_fraction: saturation(record, context.inputs),
-            warnings: warnings(context, flight.duration < settle),
+            least_clearance_m: crossing.as_ref().map(|c| c.least_m),
+            crossing_fraction: crossing.as_ref().map(|c| c.fraction),
+            warnings: warnings(context, crossing.as_ref(), flight.duration < settle),
             controller: ControllerSummary::new(flight),
         };
         (summary.status, summary.reason) = summary.judge(flight, context);
@@ -287,7 +296,52 @@ fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
     on as f64 / (all as f64).max(1.0)
 }
 
-fn warnings(context: &Context, unsettled: bool) -> Vec<String> {
+/// How close the parts of a robot come over a record.
+pub(super) struct Crossing {
+    /// Least of all clearances, m.
+    pub least_m: f64,
+    /// Share of the rows in which one is below zero.
+    pub fraction: f64,
+    /// The clearance that is the least.
+    name: String,
+}
+
+impl Crossing {
+    /// Of the columns `clearances`; none where there are no rows or columns.
+    pub fn new(record: &Record, clearances: &[Channel]) -> Option<Self> {
+        Self::since(record, clearances, f64::NEG_INFINITY)
+    }
+
+    /// The same from the time `start` (s) on.
+    pub fn since(record: &Record, clearances: &[Channel], start: f64) -> Option<Self> {
+        let t = record.values("t")?;
+        let first = t.partition_point(|&t| t < start);
+        let columns = clearances.iter().filter_map(|c| Some((&c.name, &record.values(&c.name)?[first..])));
+        let columns: Vec<(&String, &[f64])> = columns.collect();
+        let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+        let (name, least_m) = columns
+            .iter()
+            .map(|(name, values)| ((*name).clone(), least(values)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let rows = t.len() - first;
+        let crossing = (0..rows).filter(|&row| columns.iter().any(|(_, values)| values[row] < 0.0)).count();
+        (rows > 0).then(|| Self { least_m, fraction: crossing as f64 / rows as f64, name })
+    }
+
+    /// What to say of it.
+    fn warning(&self) -> Option<String> {
+        let Self { least_m, fraction, name } = self;
+        (*least_m < 0.0).then(|| {
+            format!(
+                "{name} falls to {:.1} mm and is negative {:.1} % of the time: parts of the robot pass through each other or through the middle plane of the body",
+                1e3 * least_m,
+                100.0 * fraction
+            )
+        })
+    }
+}
+
+fn warnings(context: &Context, crossing: Option<&Crossing>, unsettled: bool) -> Vec<String> {
     let share = 100.0 * context.stall_fraction;
     let mut warnings = Vec::new();
     if unsettled && context.goal.is_some() {
@@ -303,5 +357,6 @@ fn warnings(context: &Context, unsettled: bool) -> Vec<String> {
             "{share:.0} % of strip samples lean on the quasi-steady law beyond stall, outside the range it is valid in"
         ));
     }
+    warnings.extend(crossing.and_then(Crossing::warning));
     warnings
 }

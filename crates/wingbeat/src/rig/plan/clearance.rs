@@ -1,6 +1,6 @@
 //! Distances between the arm, the flapping robot and the table.
 
-use crate::math::Vec3;
+use crate::math::{Vec3, segment_distance};
 use crate::rig::Pose;
 use crate::rig::arm::{MAX_JOINTS, SerialArm};
 
@@ -75,7 +75,7 @@ pub fn clearance(
     let mut least = Clearance::FREE;
     for (i, a) in capsules.iter().enumerate() {
         for b in capsules.iter().skip(i + 2) {
-            least.arm = least.arm.min(distance(a.ends, b.ends) - a.radius - b.radius);
+            least.arm = least.arm.min(segment_distance(a.ends, b.ends) - a.radius - b.radius);
         }
         if i >= 2 {
             least.table = least.table.min(a.ends[0][2].min(a.ends[1][2]) - a.radius - table);
@@ -85,7 +85,7 @@ pub fn clearance(
         let at = body.point(p);
         least.table = least.table.min(at[2] - table);
         for c in &capsules {
-            least.wings = least.wings.min(distance([at, at], c.ends) - c.radius);
+            least.wings = least.wings.min(segment_distance([at, at], c.ends) - c.radius);
         }
     }
     least
@@ -101,56 +101,9 @@ fn capsule(arm: &SerialArm, frames: &[Pose; MAX_JOINTS + 1], i: usize) -> Capsul
     }
 }
 
-/// Distance between two segments (Ericson, Real-Time Collision Detection, 5.1.9).
-fn distance(a: [Vec3; 2], b: [Vec3; 2]) -> f64 {
-    let (d1, d2, r) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
-    let (aa, ee, f) = (d1.norm_squared(), d2.norm_squared(), d2.dot(r));
-    let tiny = 1e-18;
-    let (s, t) = if aa <= tiny && ee <= tiny {
-        (0.0, 0.0)
-    } else if aa <= tiny {
-        (0.0, (f / ee).clamp(0.0, 1.0))
-    } else {
-        let c = d1.dot(r);
-        if ee <= tiny {
-            ((-c / aa).clamp(0.0, 1.0), 0.0)
-        } else {
-            let bb = d1.dot(d2);
-            let det = aa * ee - bb * bb;
-            let s = if det > tiny { ((bb * f - c * ee) / det).clamp(0.0, 1.0) } else { 0.0 };
-            let t = (bb * s + f) / ee;
-            let clamped = t.clamp(0.0, 1.0);
-            let s = if t == clamped { s } else { ((bb * clamped - c) / aa).clamp(0.0, 1.0) };
-            (s, clamped)
-        }
-    };
-    (a[0] + d1 * s - b[0] - d2 * t).norm()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Random;
-
-    #[test]
-    fn segment_distance_against_a_fine_search() {
-        let mut random = Random::new(3);
-        for _ in 0..50 {
-            let mut p = || Vec3(std::array::from_fn(|_| random.between(-1.0, 1.0)));
-            let (a, b) = ([p(), p()], [p(), p()]);
-            let mut best = f64::INFINITY;
-            for i in 0..=200 {
-                for j in 0..=200 {
-                    let (s, t) = (i as f64 / 200.0, j as f64 / 200.0);
-                    let x = a[0] + (a[1] - a[0]) * s;
-                    let y = b[0] + (b[1] - b[0]) * t;
-                    best = best.min((x - y).norm());
-                }
-            }
-            let exact = distance(a, b);
-            assert!(exact <= best + 1e-12 && best - exact < 0.02, "{exact} {best}");
-        }
-    }
 
     #[test]
     fn an_upright_arm_stands_clear() {

@@ -1,6 +1,6 @@
 //! Links and their joints.
 
-use super::GaitSpec;
+use super::{CapsuleSpec, GaitSpec};
 use crate::Error;
 use crate::body::{FourierSeries, Harmonic, JointKind};
 use crate::require::{finite, not_negative, positive, principal_inertias};
@@ -53,6 +53,9 @@ pub struct LinkSpec {
     /// Principal inertias about the centre of mass along x, y, z, kg m2.
     #[serde(default)]
     pub inertia_kg_m2: [f64; 3],
+    /// Room it takes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capsule: Option<CapsuleSpec>,
     /// Moved by the gait.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven: Option<DrivenSpec>,
@@ -166,6 +169,7 @@ impl LinkSpec {
         not_negative("mass_kg", self.mass_kg)?;
         finite("com_m", &self.com_m)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)?;
+        self.capsule.iter().try_for_each(CapsuleSpec::check)?;
         let ways = [self.driven.is_some(), self.elastic.is_some(), self.free];
         if ways.iter().filter(|w| **w).count() > 1 {
             let allowed = "one of `driven`, `elastic` and `free`, or none for a fixed joint";

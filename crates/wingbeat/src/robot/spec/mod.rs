@@ -1,5 +1,6 @@
 //! What a robot file says, before it is checked and built.
 
+mod clearance;
 mod drive;
 mod gait;
 mod link;
@@ -7,6 +8,7 @@ mod structure;
 mod surface;
 mod wing;
 
+pub use clearance::{CapsuleSpec, ClearanceSpec};
 pub use drive::{DriveSpec, MotorSpec};
 pub use gait::GaitSpec;
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
@@ -36,6 +38,9 @@ pub struct RobotSpec {
     /// Lifting surfaces beside that of `wing`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<SurfaceSpec>,
+    /// Parts whose clearance is watched, beside the halves of symmetric surfaces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clearances: Vec<ClearanceSpec>,
     /// What drives the joints over the flapping cycle.
     #[serde(default)]
     pub gait: GaitSpec,
@@ -61,12 +66,16 @@ pub struct BodySpec {
     /// Drag areas of the body along x, y, z, m2: F_i = -rho/2 A_i |v_i| v_i.
     #[serde(default)]
     pub drag_area_m2: [f64; 3],
+    /// Room it takes, from the body origin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capsule: Option<CapsuleSpec>,
 }
 
 impl BodySpec {
     fn check(&self) -> Result<(), Error> {
         positive("mass_kg", self.mass_kg)?;
         finite("com_m", &self.com_m)?;
+        self.capsule.iter().try_for_each(CapsuleSpec::check)?;
         all("drag_area_m2", &self.drag_area_m2, not_negative)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
     }

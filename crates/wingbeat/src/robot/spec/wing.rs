@@ -1,5 +1,6 @@
 //! A pair of wings of two panels each, the left one given.
 
+use super::CapsuleSpec;
 use crate::Error;
 use crate::aero::{Gap, Planform, PlanformStation};
 use crate::require::{finite, not_negative, positive, principal_inertias};
@@ -41,6 +42,9 @@ pub struct WingLinkSpec {
     pub com_m: [f64; 3],
     /// Principal inertias about the centre of mass along x, y, z, kg m2.
     pub inertia_kg_m2: [f64; 3],
+    /// Room it takes; from its inner hinge, y along the span.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capsule: Option<CapsuleSpec>,
 }
 
 impl WingSpec {
@@ -75,6 +79,7 @@ impl WingLinkSpec {
         positive("length_m", self.length_m)?;
         positive("mass_kg", self.mass_kg)?;
         finite("com_m", &self.com_m)?;
+        self.capsule.iter().try_for_each(CapsuleSpec::check)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
     }
 }

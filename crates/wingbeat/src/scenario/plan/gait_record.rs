@@ -72,6 +72,7 @@ impl Replay<'_> {
         columns.extend(["force_up", "force_forward"].map(|n| Column::new(n, "N", "W")));
         columns.push(Column::new("trim_moment", "N m", "B"));
         columns.extend(source_columns());
+        columns.extend(robot.clearances().iter().map(Column::from));
         columns.extend(robot.inputs().iter().map(Column::from));
         columns.extend(robot.states()[robot.layout().structure..].iter().map(Column::from));
         columns
@@ -80,12 +81,14 @@ impl Replay<'_> {
     fn row(&self, at: Moment) -> Result<Vec<f64>, Fault> {
         let o = self.observed(at)?;
         let Moment { t, x, u, .. } = at;
-        let mut row = vec![t, self.stand.robot().phase(self.stand.clock(t, &self.flapping).x)];
+        let (robot, clock) = (self.stand.robot(), self.stand.clock(t, &self.flapping).x);
+        let mut row = vec![t, robot.phase(clock)];
         row.extend(o.joints.iter().map(|j| j.x));
         row.extend(&o.torques);
         row.extend([o.joint_power(), drive_power(&o.torques, &o.joints, self.storage, 0.0), -o.air_power]);
         row.extend(self.stand.lift_thrust_trim(&o, self.flapping.pitch));
         row.extend(source_values(&o.parts()));
+        row.extend(robot.least_clearances(clock, x)?);
         row.extend(u);
         row.extend(x);
         Ok(row)

@@ -6,9 +6,10 @@ use crate::Error;
 use crate::guide::{Flapping, LeastPower, LeastPowerSpec, Means, Stand};
 use crate::math::Vec3;
 use crate::ocp::{OptimalControl, Optimum, Progress};
-use crate::plant::Fault;
+use crate::plant::{Fault, Plant};
 use crate::robot::WingSpec;
 use crate::scenario::Scenario;
+use crate::scenario::summary::Crossing;
 use crate::scenario::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TableSpec, TetherSpec, TetheredBodySpec,
     TetheredWingSpec, WindSpec,
@@ -63,6 +64,10 @@ pub struct LeastPowerSummary {
     pub plan: Option<GaitNumbers>,
     /// The plan's inputs simulated from rest with both wings until periodic.
     pub replay: Option<Means>,
+    /// Least of all clearances over the last cycle of that replay, m.
+    pub least_clearance_m: Option<f64>,
+    /// The same of the robot's own gait, regulators at rest.
+    pub own_least_clearance_m: Option<f64>,
     /// Largest difference of a state over the last cycle of that replay.
     pub replay_closure: f64,
     /// The robot's own gait, regulators at rest.
@@ -108,6 +113,8 @@ impl Scenario {
         let (own_record, _) = replay(own, &|_, u| u.fill(0.0))?;
         summary.replay = Some(means(&record));
         summary.replay_closure = closure;
+        let least = |record| Crossing::new(record, self.model.clearances()).map(|c| c.least_m);
+        (summary.least_clearance_m, summary.own_least_clearance_m) = (least(&record), least(&own_record));
         let files = self.replay_case(&flapping, &record)?;
         let record = Some(beside(&record, &own_record)?);
         Ok(Planned { record, summary: PlanSummary::LeastPower(Box::new(summary)), files })
@@ -130,6 +137,8 @@ impl Scenario {
             weight_n: self.model.mass() * crate::math::GRAVITY,
             plan: None,
             replay: None,
+            least_clearance_m: None,
+            own_least_clearance_m: None,
             replay_closure: f64::NAN,
             own: numbers(own, problem.own_means()),
             resimulation_error: BTreeMap::new(),

@@ -4,8 +4,9 @@ use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
 use crate::guide::{Manoeuvre, Playback, RollIn, RollInSpec};
 use crate::ocp::{Interpolant, Optimum, Progress};
-use crate::plant::Fault;
+use crate::plant::{Fault, Plant};
 use crate::scenario::recorder::Recorder;
+use crate::scenario::summary::Crossing;
 use crate::scenario::{Scenario, ScenarioSpec};
 use crate::simulate::{AtRest, Controller, Record, Sample, Schedule, Sensors, fly};
 use serde::Serialize;
@@ -33,6 +34,8 @@ pub struct RollInSummary {
     pub final_angles_deg: [f64; 3],
     /// The same as the robot flew it under the planned inputs, deg.
     pub flown_angles_deg: [f64; 3],
+    /// Least of all clearances from `start_s` on as the robot flew it, m.
+    pub least_clearance_m: Option<f64>,
 }
 
 impl Scenario {
@@ -87,6 +90,8 @@ impl Scenario {
         }
         let (record, angles) = self.fly_plan(&solution, again)?;
         summary.flown_angles_deg = angles.map(f64::to_degrees);
+        let planned = Crossing::since(&record, self.model.clearances(), spec.start_s);
+        summary.least_clearance_m = planned.map(|c| c.least_m);
         let tracking = self.tracking(&problem, &spec, &solution)?;
         let files = vec![("track.toml", tracking)];
         Ok(Planned { record: Some(record), summary: PlanSummary::RollIn(Box::new(summary)), files })
@@ -147,6 +152,7 @@ impl Scenario {
             resimulation_error: BTreeMap::new(),
             final_angles_deg: [f64::NAN; 3],
             flown_angles_deg: [f64::NAN; 3],
+            least_clearance_m: None,
         }
     }
 }
