@@ -261,7 +261,10 @@ fn the_documented_robot_is_built() {
     let page = include_str!("../../../docs/robots.md");
     let text = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let robot = robot(text, Preset::Full, 1.2);
-    assert_eq!(robot.joint_names().collect::<Vec<_>>(), ["wing_left", "wing_right", "tip_left", "tip_right"]);
+    assert_eq!(
+        robot.joint_names().collect::<Vec<_>>(),
+        ["wing_left", "wing_right", "hand_left", "hand_right"]
+    );
     assert!(rates(&robot, 0.05, &moving(&robot)).iter().all(|rate| rate.is_finite()));
 }
 

@@ -125,7 +125,7 @@ mod tests {
     fn torque_is_smooth_through_standstill_and_no_load() {
         for rate in [0.0, 0.02, 59.99, 60.0, 60.05] {
             let torque = |rate: f64| MOTOR.crank_torque(rate, 1.0);
-            let h = 1e-5;
+            let h = 1e-7;
             let difference = (torque(rate + h) - torque(rate - h)) / (2.0 * h);
             let exact = MOTOR.crank_torque(Dual::<1>::variable(rate, 0), Dual::ONE).eps[0];
             assert!((difference - exact).abs() < 1e-5 * exact.abs(), "{rate}: {difference} {exact}");

@@ -164,7 +164,8 @@ impl LinkSpec {
         finite("orientation_deg", &[roll, pitch, yaw])?;
         finite("axis", &self.axis)?;
         if !(self.axis.iter().map(|a| a * a).sum::<f64>() > 0.0) {
-            return Err(Error::invalid("axis", format!("{:?}", self.axis), "a direction"));
+            let error = Error::invalid("axis", format!("{:?}", self.axis), "a direction");
+            return Err(error.against([0, 1, 2].map(|i| format!("axis[{i}]"))));
         }
         not_negative("mass_kg", self.mass_kg)?;
         finite("com_m", &self.com_m)?;

@@ -73,6 +73,7 @@ impl SurfaceSpec {
         if self.panels.is_empty() {
             return Err(Error::invalid("panels", "[]", "at least one panel"));
         }
+        self.outline()?;
         let tip = self.planform.last().map_or(0.0, |s| s.arc_m);
         for (i, panel) in self.panels.iter().enumerate() {
             panel.check().map_err(|e| e.within(&format!("panels[{i}]")))?;
@@ -81,7 +82,8 @@ impl SurfaceSpec {
             if !(good && panel.from_arc_m < tip) {
                 let allowed =
                     before.map_or("0: the root".into(), |b| format!("more than {b}, less than {tip}"));
-                return Err(Error::invalid(format!("panels[{i}].from_arc_m"), panel.from_arc_m, allowed));
+                let error = Error::invalid(format!("panels[{i}].from_arc_m"), panel.from_arc_m, allowed);
+                return Err(error.against([format!("planform[{}].arc_m", self.planform.len() - 1)]));
             }
         }
         Ok(())
@@ -95,7 +97,8 @@ impl PanelSpec {
         let [x, y, z] = self.direction;
         if x != 0.0 || !(y * y + z * z > 0.0) {
             let allowed = "a direction across x: [0, y, z]";
-            return Err(Error::invalid("direction", format!("{:?}", self.direction), allowed));
+            let error = Error::invalid("direction", format!("{:?}", self.direction), allowed);
+            return Err(error.against([0, 1, 2].map(|i| format!("direction[{i}]"))));
         }
         Ok(())
     }
