@@ -61,6 +61,12 @@ fn buffered_records_come_in_packs_and_logs_rotate() {
     std::fs::remove_dir_all(path).unwrap();
 }
 
+/// How many faults of the share `share` may have come after the last record of 7000 that was kept: the box
+/// goes on until it hears the stop. Twice the expectation, and three.
+fn after_the_last(sent: &Sent, share: f64) -> u64 {
+    3 + (2.0 * share * sent.records.saturating_sub(7000) as f64) as u64
+}
+
 #[test]
 fn drops_are_counted_exactly() {
     let faults = Faults { drop: 0.01, seed: 1, ..Default::default() };
@@ -68,7 +74,8 @@ fn drops_are_counted_exactly() {
     let a = &report.account;
     assert!(sent.dropped > 30 && a.gaps > 30);
     assert_eq!(a.received, 7000);
-    assert!(a.lost <= sent.dropped && sent.dropped - a.lost <= 5, "{} {}", a.lost, sent.dropped);
+    let after = 2 + after_the_last(&sent, 0.01);
+    assert!(a.lost <= sent.dropped && sent.dropped - a.lost <= after, "{} {}", a.lost, sent.dropped);
     std::fs::remove_dir_all(path).unwrap();
 }
 
@@ -78,14 +85,15 @@ fn duplicates_and_late_records_are_told_apart() {
     let (report, sent, path) = run("order", 8004, faults, |_| {});
     let a = &report.account;
     assert_eq!(a.lost, 0);
+    let after = after_the_last(&sent, 0.02);
     assert!(
-        sent.duplicated.abs_diff(a.duplicates) <= 3 && a.duplicates > 80,
+        sent.duplicated.abs_diff(a.duplicates) <= after && a.duplicates > 80,
         "{} {}",
         sent.duplicated,
         a.duplicates
     );
     assert!(
-        sent.reordered.abs_diff(a.reordered) <= 3 && a.reordered > 80,
+        sent.reordered.abs_diff(a.reordered) <= after && a.reordered > 80,
         "{} {}",
         sent.reordered,
         a.reordered
@@ -147,7 +155,8 @@ fn numbers_wrap_without_a_gap() {
     let (report, sent, path) = run("wrap", 8011, faults, |_| {});
     let a = &report.account;
     assert_eq!((a.received, a.restarts, a.duplicates, a.reordered), (7000, 0, 0, 0));
-    assert!(a.lost <= sent.dropped && sent.dropped - a.lost <= 5, "{} {}", a.lost, sent.dropped);
+    let after = 2 + after_the_last(&sent, 0.01);
+    assert!(a.lost <= sent.dropped && sent.dropped - a.lost <= after, "{} {}", a.lost, sent.dropped);
     let rows = rows(&report.files[0]);
     assert!(rows[0].record.rdt_sequence > u32::MAX - 3000 && rows[6999].record.rdt_sequence < 5000);
     std::fs::remove_dir_all(path).unwrap();
