@@ -1,20 +1,24 @@
 //! Guidance: what to fly, the predictive controller that flies it, and
 //! manoeuvres planned offline.
 
+mod controllers;
 mod least_power;
 mod manoeuvre;
 mod mpc;
 mod playback;
 mod roll_in;
 mod stand;
+mod turn;
 
 /// Most intervals of the first mesh of a plan, and most meshes.
 const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
+pub use controllers::{ControllerSpec, RobotSolver, SolverSpec, Task};
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
-pub use manoeuvre::{Manoeuvre, Reference, Track, angle_error};
-pub use mpc::{Mpc, MpcSpec, Weights};
+pub use manoeuvre::{Manoeuvre, Reference, angle_error};
+pub use mpc::{AttitudeTracking, Mpc, MpcSpec, Weights};
 pub use playback::Playback;
 pub use roll_in::{RollIn, RollInSpec};
 pub use stand::{Flapping, Stand};
+pub use turn::{Track, Turn};

@@ -1,14 +1,16 @@
 //! Model predictive control of attitude by direct collocation.
 
+use super::controllers::{ControllerSpec, Task};
 use super::manoeuvre::{Manoeuvre, angle_error};
 use crate::Error;
 use crate::math::Scalar;
-use crate::ocp::realtime::{Plan, RealTime, Settings, Tracking};
+use crate::ocp::realtime::{HorizonSolver, Plan, RealTime, Settings, Tracking};
 use crate::plant::{Channel, LocalChart, Plant, Role};
 use crate::require;
 use crate::simulate::{Column, Controller, Estimator, Measurement, TrueState, Update};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Longest horizon, and most iterations of an update.
@@ -71,6 +73,24 @@ fn one() -> f64 {
     1.0
 }
 
+impl ControllerSpec for MpcSpec {
+    fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+        let allowed = "a manoeuvre to fly: add [manoeuvre]";
+        let manoeuvre = task.manoeuvre.ok_or_else(|| Error::invalid("", "given", allowed))?;
+        Ok(match task.solver {
+            None => Box::new(Mpc::new(task.model, manoeuvre, self)?),
+            Some(solver) => {
+                let make = |chart: &_, tracking: &_, settings| solver.build(chart, tracking, settings);
+                Box::new(Mpc::with(task.model, manoeuvre, self, TrueState, make)?)
+            }
+        })
+    }
+}
+
 impl MpcSpec {
     /// Checks ranges.
     ///
@@ -124,9 +144,9 @@ const SHORTFALL_WIDTH: f64 = 1e-3;
 
 /// The paper's cost J = sum (z - z_ref)' C (z - z_ref), z = [roll, pitch, w],
 /// on the nodes after the first, with a small cost on the inputs at all nodes; and the soft limits of the clearances.
-struct AttitudeTracking<'a, P: Plant> {
+pub struct AttitudeTracking<'a, P: Plant> {
     chart: LocalChart<'a, P>,
-    manoeuvre: Manoeuvre,
+    manoeuvre: Arc<dyn Manoeuvre>,
     weights: Weights,
     /// Index of the angular rate in the local state.
     rate: usize,
@@ -145,7 +165,7 @@ struct AttitudeTracking<'a, P: Plant> {
 }
 
 impl<'a, P: Plant> AttitudeTracking<'a, P> {
-    fn new(plant: &'a P, manoeuvre: Manoeuvre, spec: &MpcSpec) -> Result<Self, Error> {
+    fn new(plant: &'a P, manoeuvre: Arc<dyn Manoeuvre>, spec: &MpcSpec) -> Result<Self, Error> {
         let chart = LocalChart::new(plant);
         let missing = |what: &str| Error::invalid("plant", what, "a plant with attitude and angular rate");
         chart.rotation().ok_or_else(|| missing("no attitude"))?;
@@ -235,10 +255,10 @@ impl<P: Plant> Tracking for AttitudeTracking<'_, P> {
 }
 
 /// Predictive controller of any plant with an attitude and an angular rate among its states.
-/// It plans from the state that its estimator makes of the measurement.
-pub struct Mpc<'a, P: Plant, E = TrueState> {
+/// It plans from the state that its estimator `E` makes of the measurement, with the horizon solver `H`.
+pub struct Mpc<'a, P: Plant, E = TrueState, H = RealTime> {
     tracking: AttitudeTracking<'a, P>,
-    solver: RealTime,
+    solver: H,
     /// The plan to go on with when an update comes late.
     previous: Plan,
     deadline: Option<Duration>,
@@ -251,26 +271,34 @@ pub struct Mpc<'a, P: Plant, E = TrueState> {
 }
 
 impl<'a, P: Plant> Mpc<'a, P> {
-    /// A controller of `plant` for a manoeuvre that takes what is measured for the true state.
+    /// A controller of `plant` for a manoeuvre that takes what is measured for the true state and plans
+    /// with [`RealTime`].
     ///
     /// # Errors
     /// [`Error::Invalid`] when a setting is out of range, or the plant has no
     /// attitude or angular rate.
-    pub fn new(plant: &'a P, manoeuvre: Manoeuvre, spec: &MpcSpec) -> Result<Self, Error> {
-        Self::with_estimator(plant, manoeuvre, spec, TrueState)
+    pub fn new(plant: &'a P, manoeuvre: Arc<dyn Manoeuvre>, spec: &MpcSpec) -> Result<Self, Error> {
+        Self::with(plant, manoeuvre, spec, TrueState, RealTime::new)
     }
 }
 
-impl<'a, P: Plant, E: Estimator> Mpc<'a, P, E> {
-    /// A controller of `plant` for a manoeuvre behind an estimator of its state.
+impl<'a, P, E, H> Mpc<'a, P, E, H>
+where
+    P: Plant,
+    E: Estimator,
+    H: HorizonSolver<LocalChart<'a, P>, AttitudeTracking<'a, P>>,
+{
+    /// A controller of `plant` for a manoeuvre behind an estimator of its state, with the solver that
+    /// `make` makes for its chart, cost and horizon.
     ///
     /// # Errors
-    /// Those of [`new`](Mpc::new).
-    pub fn with_estimator(
+    /// Those of [`new`](Mpc::new) and of `make`.
+    pub fn with(
         plant: &'a P,
-        manoeuvre: Manoeuvre,
+        manoeuvre: Arc<dyn Manoeuvre>,
         spec: &MpcSpec,
         estimator: E,
+        make: impl FnOnce(&LocalChart<'a, P>, &AttitudeTracking<'a, P>, Settings) -> Result<H, Error>,
     ) -> Result<Self, Error> {
         spec.check()?;
         let tracking = AttitudeTracking::new(plant, manoeuvre, spec)?;
@@ -279,7 +307,7 @@ impl<'a, P: Plant, E: Estimator> Mpc<'a, P, E> {
             hold_first_input: spec.continuous_input,
             ..Settings::new(spec.intervals, spec.interval_s)
         };
-        let solver = RealTime::new(chart, &tracking, settings)?;
+        let solver = make(chart, &tracking, settings)?;
         Ok(Self {
             local: vec![0.0; chart.states().len()],
             estimator,
@@ -295,7 +323,7 @@ impl<'a, P: Plant, E: Estimator> Mpc<'a, P, E> {
     }
 
     /// The solver with its plan, in the chart of the last update.
-    pub fn solver(&self) -> &RealTime {
+    pub fn solver(&self) -> &H {
         &self.solver
     }
 
@@ -334,7 +362,12 @@ impl<'a, P: Plant, E: Estimator> Mpc<'a, P, E> {
     }
 }
 
-impl<P: Plant, E: Estimator> Controller for Mpc<'_, P, E> {
+impl<'a, P, E, H> Controller for Mpc<'a, P, E, H>
+where
+    P: Plant,
+    E: Estimator,
+    H: HorizonSolver<LocalChart<'a, P>, AttitudeTracking<'a, P>>,
+{
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
         let begun = Instant::now();
         self.solver.plan().input_at(t, &mut self.applied);
@@ -369,6 +402,7 @@ impl<P: Plant, E: Estimator> Controller for Mpc<'_, P, E> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Turn;
     use super::*;
     use crate::math::{Dual, Quat, Vec3};
     use crate::plant::Fault;
@@ -439,15 +473,9 @@ mod tests {
 
     #[test]
     fn residuals_of_the_soft_limit_and_their_derivatives_are_exact() {
-        let manoeuvre = Manoeuvre {
-            turn_start_s: 0.0,
-            roll_deg: 10.0,
-            pitch_deg: -5.0,
-            yaw_rate_rad_s: 0.1,
-            track: None,
-        };
+        let turn = Turn { roll_deg: 10.0, pitch_deg: -5.0, yaw_rate_rad_s: 0.1, ..Turn::default() };
         let plant = body();
-        let mut tracking = AttitudeTracking::new(&plant, manoeuvre, &spec(50.0)).unwrap();
+        let mut tracking = AttitudeTracking::new(&plant, Arc::new(turn), &spec(50.0)).unwrap();
         tracking.chart.center_at(&[0.9, 0.3, -0.2, 0.1, 0.0, 0.0, 0.0]);
         assert_eq!([0, 1, 3].map(|node| tracking.residuals(node)), [3, 10, 10]);
         let (x, u, t) = ([0.05, -0.1, 0.2, 0.3, -0.02, 0.4], [0.1, 0.2, -0.3], 0.35);
@@ -479,13 +507,7 @@ mod tests {
     #[test]
     fn a_soft_limit_needs_clearances() {
         let bare = Body { clearances: Vec::new(), ..body() };
-        let manoeuvre = || Manoeuvre {
-            turn_start_s: 0.0,
-            roll_deg: 0.0,
-            pitch_deg: 0.0,
-            yaw_rate_rad_s: 0.0,
-            track: None,
-        };
+        let manoeuvre = || Arc::new(Turn::default());
         let error = Mpc::new(&bare, manoeuvre(), &spec(1.0)).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.starts_with("weights.clearance = 1"), "{error}");
         assert!(Mpc::new(&bare, manoeuvre(), &spec(0.0)).is_ok());

@@ -1,6 +1,7 @@
 //! The quickest way from level flight into a banked turn, planned offline.
 
-use super::manoeuvre::{Track, angle_error};
+use super::manoeuvre::angle_error;
+use super::turn::Track;
 use super::{MAX_INTERVALS, MAX_MESHES};
 use crate::Error;
 use crate::math::Scalar;

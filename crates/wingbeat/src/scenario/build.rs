@@ -1,15 +1,17 @@
 //! From what a scenario says to robots, aerodynamic models and clocks.
 
+use super::chosen::Chosen;
+use super::doors::Choice;
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use super::spec::{AeroSpec, Preset, ScenarioSpec};
 use crate::Error;
 use crate::aero::{Aero, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
-use crate::guide::Mpc;
+use crate::guide::Task;
 use crate::math::Vec3;
 use crate::require;
 use crate::robot::{Air, Robot, RobotSpec, SurfaceOutline, Wind};
-use crate::simulate::Schedule;
+use crate::simulate::{Controller, Schedule};
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
@@ -32,7 +34,7 @@ pub(super) struct Built {
 
 impl ScenarioSpec {
     /// Checks and builds; keys of errors are those of the scenario.
-    pub(super) fn build(&self) -> Result<Built, Error> {
+    pub(super) fn build(&self, choice: &Choice) -> Result<Built, Error> {
         self.check()?;
         let model = self.known_robot()?;
         let robot = self.flown_robot().map_err(|error| {
@@ -40,19 +42,30 @@ impl ScenarioSpec {
             Error::invalid("mismatch", "given", allowed)
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
-        let schedule = self.schedule()?;
+        let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
-        self.controller(&model)?;
+        self.controller(choice, &model)?;
         Ok(Built { robot, model, schedule, samples_per_strips })
     }
 
-    /// The predictive controller of `model`, if the scenario has one.
-    pub(super) fn controller<'a>(&self, model: &'a Robot) -> Result<Option<Mpc<'a, Robot>>, Error> {
-        match (&self.controller, &self.manoeuvre) {
-            (Some(spec), Some(manoeuvre)) => {
-                Mpc::new(model, manoeuvre.clone(), spec).map(Some).map_err(|e| e.within("controller"))
-            }
-            _ => Ok(None),
+    /// The controller of `model`, if the scenario has one.
+    pub(super) fn controller<'a>(
+        &self,
+        choice: &Choice,
+        model: &'a Robot,
+    ) -> Result<Option<Box<dyn Controller + 'a>>, Error> {
+        let Some(spec) = &choice.controller else { return Ok(None) };
+        let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
+        spec.build(Task { model, manoeuvre, solver })
+            .map(Some)
+            .map_err(|e| e.within(&self.controller_table()))
+    }
+
+    /// Key of the table that the controller is made of.
+    fn controller_table(&self) -> String {
+        match &self.controller {
+            Some(Chosen::Own(named)) => format!("controller.{}", named.name),
+            _ => "controller".into(),
         }
     }
 
@@ -73,18 +86,12 @@ impl ScenarioSpec {
         if let Some(mismatch) = &self.mismatch {
             mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
         }
-        if let Some(track) = self.manoeuvre.as_ref().and_then(|m| m.track.as_ref()) {
-            track.check().map_err(|e| e.within("manoeuvre.track"))?;
-        }
         if let Some(plan) = &self.plan {
             plan.check().map_err(|e| e.within("plan"))?;
         }
         if let Some(PlanSpec::RollIn(plan)) = &self.plan {
             let checked = require::at_most("plan.roll_in.start_s", plan.start_s, self.flight.duration_s);
             checked.map_err(|e| e.against(["flight.duration_s"]))?;
-        }
-        if self.controller.is_some() && self.manoeuvre.is_none() {
-            return Err(Error::invalid("controller", "given", "a manoeuvre to fly: add [manoeuvre]"));
         }
         Ok(())
     }
@@ -127,14 +134,15 @@ impl ScenarioSpec {
     }
 
     /// Whole steps for duration, updates and records.
-    fn schedule(&self) -> Result<Schedule, Error> {
+    fn schedule(&self, choice: &Choice) -> Result<Schedule, Error> {
         let flight = &self.flight;
         let step = flight.step_s;
         require::positive("flight.step_s", step)?;
         let whole = |key: &str, time: f64| {
             whole(key, time, step, "steps of").map_err(|e| e.against(["flight.step_s"]))
         };
-        let period = self.controller.as_ref().map(|c| whole("controller.period_s", c.period_s));
+        let period_key = format!("{}.period_s", self.controller_table());
+        let period = choice.controller.as_ref().map(|c| whole(&period_key, c.period_s()));
         let schedule = Schedule {
             step,
             steps: whole("flight.duration_s", flight.duration_s)?,

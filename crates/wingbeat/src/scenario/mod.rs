@@ -1,7 +1,9 @@
 //! TOML to checked objects: the only place where strings become things.
 
 mod build;
+mod chosen;
 mod document;
+mod doors;
 mod mismatch;
 mod plan;
 mod recorder;
@@ -15,7 +17,9 @@ mod sweep;
 mod tether;
 mod tether_spec;
 
+pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong};
+pub use doors::Doors;
 pub use mismatch::Mismatch;
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
@@ -35,12 +39,13 @@ pub use tether_spec::{
 };
 
 use crate::Error;
-use crate::guide::Mpc;
+use crate::guide::Manoeuvre;
 use crate::math::{Quat, Vec3};
 use crate::plant::Plant;
 use crate::robot::Robot;
 use crate::simulate::{AtRest, Controller, Flight, Record, Sample, Schedule, Sensors, fly};
 use build::{Built, whole};
+use doors::Choice;
 use recorder::{Recorded, Recorder};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -56,6 +61,7 @@ pub struct Scenario {
     /// The merged configuration as TOML; flies the same flight.
     pub resolved: String,
     document: Document,
+    choice: Choice,
     robot: Robot,
     model: Robot,
     schedule: Schedule,
@@ -107,12 +113,21 @@ impl Scenario {
     /// # Errors
     /// Messages with the place, the key, the value given and what is allowed.
     pub fn new(document: Document) -> Result<Self, ConfigError> {
+        Self::open(document, &Doors::shipped())
+    }
+
+    /// As [`new`](Self::new), with manoeuvres, controllers and horizon solvers of one's own.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), and what those kinds refuse.
+    pub fn open(document: Document, doors: &Doors) -> Result<Self, ConfigError> {
         let document = document.merged(&INCLUDES, &|_, _| None)?;
         let spec: ScenarioSpec = document.parse()?;
         let resolved = document.resolved()?;
-        match spec.build() {
+        let choice = doors.choose(&spec, &document)?;
+        match spec.build(&choice) {
             Ok(Built { robot, model, schedule, samples_per_strips }) => {
-                Ok(Self { spec, resolved, document, robot, model, schedule, samples_per_strips })
+                Ok(Self { spec, resolved, document, choice, robot, model, schedule, samples_per_strips })
             }
             Err(error) => Err(document.explain(&error)),
         }
@@ -145,12 +160,17 @@ impl Scenario {
         x
     }
 
-    /// The scenario's predictive controller, if it has one.
+    /// The scenario's controller at the start of a flight, if it has one.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the offending key.
-    pub fn controller(&self) -> Result<Option<Mpc<'_, Robot>>, Error> {
-        self.spec.controller(&self.model)
+    pub fn controller(&self) -> Result<Option<Box<dyn Controller + '_>>, Error> {
+        self.spec.controller(&self.choice, &self.model)
+    }
+
+    /// What the scenario flies, if it says.
+    pub fn manoeuvre(&self) -> Option<&dyn Manoeuvre> {
+        self.choice.manoeuvre.as_deref()
     }
 
     /// Flies the scenario. `observe` sees every recorded sample and may stop the flight.
@@ -257,7 +277,7 @@ impl Scenario {
 
     fn summarise(&self, record: &Record, flight: &Flight, stall_fraction: f64) -> Summary {
         let context = summary::Context {
-            manoeuvre: self.spec.manoeuvre.as_ref(),
+            manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),
             inputs: self.robot.inputs(),
             clearances: self.robot.clearances(),

@@ -1,10 +1,11 @@
 //! What a scenario file says, before it is checked and built.
 
+use super::chosen::{Chosen, Named};
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use crate::Error;
 use crate::aero::{LagSet, LiftLaw, StripSettings};
-use crate::guide::{Manoeuvre, MpcSpec};
+use crate::guide::{MpcSpec, Turn};
 use crate::require;
 use crate::robot::RobotSpec;
 use crate::simulate::SensorSpec;
@@ -30,15 +31,18 @@ pub struct ScenarioSpec {
     pub start: StartSpec,
     /// Clock.
     pub flight: FlightSpec,
-    /// What to fly; needed by a controller.
+    /// What to fly; needed by a predictive controller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub manoeuvre: Option<Manoeuvre>,
+    pub manoeuvre: Option<Chosen<Turn>>,
     /// What `wingbeat plan` plans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanSpec>,
-    /// Predictive controller; without it every regulator rests.
+    /// The controller; without it every regulator rests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub controller: Option<MpcSpec>,
+    pub controller: Option<Chosen<MpcSpec>>,
+    /// Horizon solver of the predictive controller, if not the shipped one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solver: Option<Named>,
     /// Sensors between robot and controller; without them the state is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensors: Option<SensorSpec>,

@@ -177,7 +177,7 @@ fn half_range_deg(angles: &[f64]) -> Option<f64> {
 
 /// What the summary needs beside record and flight.
 pub(super) struct Context<'a> {
-    pub manoeuvre: Option<&'a Manoeuvre>,
+    pub manoeuvre: Option<&'a dyn Manoeuvre>,
     pub goal: Option<&'a GoalSpec>,
     pub inputs: &'a [Channel],
     pub clearances: &'a [Channel],

@@ -23,6 +23,21 @@ pub trait Controller {
     fn diagnostics(&self, _row: &mut Vec<f64>) {}
 }
 
+impl<C: Controller + ?Sized> Controller for Box<C> {
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
+        (**self).update(t, measurement)
+    }
+    fn input(&self, t: f64, u: &mut [f64]) {
+        (**self).input(t, u);
+    }
+    fn columns(&self) -> Vec<Column> {
+        (**self).columns()
+    }
+    fn diagnostics(&self, row: &mut Vec<f64>) {
+        (**self).diagnostics(row);
+    }
+}
+
 /// How an update of the controller ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Update {

@@ -60,11 +60,13 @@ mod active_set;
 mod condense;
 mod curvature;
 mod dense;
+mod horizon;
 mod plan;
 mod reduced;
 mod status;
 mod tracking;
 
+pub use horizon::HorizonSolver;
 pub use plan::{Horizon, Plan};
 pub use status::{Limit, Statistics, Status};
 pub use tracking::{Component, LinearLimit, Tracking};

@@ -163,8 +163,19 @@ impl Document {
         if !self.overrides.is_empty() {
             return self.clone().merged(&[], &|_, _| None)?.parse();
         }
+        self.parse_at("")
+    }
+
+    /// What stands at `key` of the merged document as a `T`.
+    ///
+    /// # Errors
+    /// All keys below that are unknown, missing or of the wrong type; nothing at `key`.
+    pub fn parse_at<T: DeserializeOwned>(&self, key: &str) -> Result<T, ConfigError> {
         let tree = self.sources.tree()?;
-        read::read(&tree).map_err(|complaints| explain::form(&self.sources, &tree, &complaints))
+        let Some(node) = tree::follow(&tree, key) else {
+            return Err(Wrong { problem: Problem::MissingKey, ..self.blame(&tree, key) }.into());
+        };
+        read::read(node, key).map_err(|complaints| explain::form(&self.sources, &tree, &complaints))
     }
 
     /// Says where the value that `error` refuses was given.

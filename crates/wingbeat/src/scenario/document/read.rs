@@ -49,12 +49,12 @@ pub enum Fault {
     Value(String),
 }
 
-/// `root` as a `T`, or everything that keeps it from being one.
-pub fn read<T: DeserializeOwned>(root: &Spanned<DeValue<'_>>) -> Result<T, Vec<Complaint>> {
+/// The value `node` at `path` as a `T`, or everything that keeps it from being one.
+pub fn read<T: DeserializeOwned>(node: &Spanned<DeValue<'_>>, path: &str) -> Result<T, Vec<Complaint>> {
     let mut mended = Mended::default();
     let mut complaints = Vec::new();
     loop {
-        let reader = Reader { node: root, path: String::new(), mended: &mended };
+        let reader = Reader { node, path: path.into(), mended: &mended };
         match T::deserialize(reader) {
             Ok(value) if complaints.is_empty() => return Ok(value),
             Ok(_) => return Err(complaints),

@@ -2,12 +2,12 @@
 
 use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
-use crate::guide::{Manoeuvre, Playback, RollIn, RollInSpec};
+use crate::guide::{Playback, RollIn, RollInSpec, Turn};
 use crate::ocp::{Interpolant, Optimum, Progress};
 use crate::plant::{Fault, Plant};
 use crate::scenario::recorder::Recorder;
 use crate::scenario::summary::Crossing;
-use crate::scenario::{Scenario, ScenarioSpec};
+use crate::scenario::{Chosen, Scenario, ScenarioSpec};
 use crate::simulate::{AtRest, Controller, Record, Sample, Schedule, Sensors, fly};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -131,14 +131,15 @@ impl Scenario {
     ) -> Result<String, Error> {
         let mut tracked = ScenarioSpec { plan: None, ..self.spec.clone() };
         tracked.name = format!("{}-tracked", self.spec.name);
-        let yaw_rate_rad_s = self.spec.manoeuvre.as_ref().map_or(0.0, |m| m.yaw_rate_rad_s);
-        tracked.manoeuvre = Some(Manoeuvre {
+        let turn = self.spec.manoeuvre.as_ref().and_then(Chosen::shipped);
+        let yaw_rate_rad_s = turn.map_or(0.0, |turn| turn.yaw_rate_rad_s);
+        tracked.manoeuvre = Some(Chosen::Shipped(Turn {
             turn_start_s: spec.start_s,
             roll_deg: spec.roll_deg,
             pitch_deg: spec.pitch_deg,
             yaw_rate_rad_s,
             track: Some(problem.track(&solution.points)),
-        });
+        }));
         toml::to_string(&tracked).map_err(|e| Error::invalid("plan", e, "a scenario that TOML can hold"))
     }
 

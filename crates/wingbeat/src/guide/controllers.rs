@@ -1,0 +1,54 @@
+//! Kinds of feedback controllers and horizon solvers of a robot: what their tables in a scenario say, and how
+//! they are made.
+
+use super::manoeuvre::Manoeuvre;
+use super::mpc::AttitudeTracking;
+use crate::Error;
+use crate::ocp::realtime::{HorizonSolver, Settings};
+use crate::plant::LocalChart;
+use crate::robot::Robot;
+use crate::simulate::Controller;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// What a controller is made for.
+#[derive(Clone, Debug)]
+pub struct Task<'a> {
+    /// The robot and its air as the controller knows them.
+    pub model: &'a Robot,
+    /// What to fly, where the scenario says it.
+    pub manoeuvre: Option<Arc<dyn Manoeuvre>>,
+    /// The horizon solver, where the scenario names another than the shipped one.
+    pub solver: Option<Arc<dyn SolverSpec>>,
+}
+
+/// A kind of feedback controller. [`MpcSpec`](super::MpcSpec) is the one that ships;
+/// a scenario names another by its table, `[controller.NAME]`.
+pub trait ControllerSpec: Debug + Send + Sync {
+    /// Time between updates, s.
+    fn period_s(&self) -> f64;
+
+    /// The controller at the start of a flight.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key, as the controller's table has it; an empty key is the table itself.
+    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error>;
+}
+
+/// A horizon solver of a robot's attitude tracking.
+pub type RobotSolver<'a> = Box<dyn HorizonSolver<LocalChart<'a, Robot>, AttitudeTracking<'a, Robot>> + 'a>;
+
+/// A kind of horizon solver. [`RealTime`](crate::ocp::realtime::RealTime) is the one that ships;
+/// a scenario names another by its table, `[solver.NAME]`.
+pub trait SolverSpec: Debug + Send + Sync {
+    /// A solver for the sizes and limits of `plant` and `tracking`, on the horizon of `settings`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key, as the solver's table has it.
+    fn build<'a>(
+        &self,
+        plant: &LocalChart<'a, Robot>,
+        tracking: &AttitudeTracking<'a, Robot>,
+        settings: Settings,
+    ) -> Result<RobotSolver<'a>, Error>;
+}
