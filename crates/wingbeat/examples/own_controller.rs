@@ -78,6 +78,7 @@ roll_gain = 0.5
 rate_gain_s = 0.02
 ";
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let doors = Doors::shipped().controller::<LevellerSpec>("leveller");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml");

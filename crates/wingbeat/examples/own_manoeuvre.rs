@@ -37,6 +37,7 @@ impl Manoeuvre for Weave {
     }
 }
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let doors = Doors::shipped().manoeuvre::<Weave>("weave");
     let weave = Document::text("weave", "[weave]\nroll_deg = 10.0\npitch_deg = -15.0\nperiod_s = 1.0")?;

@@ -149,6 +149,7 @@ impl<P: Plant, T: Tracking> HorizonSolver<P, T> for Axes {
     }
 }
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let doors = Doors::shipped().solver::<AxesSpec>("axes");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml");
