@@ -3,6 +3,7 @@
 mod build;
 mod document;
 mod mismatch;
+mod name;
 mod plan;
 mod recorder;
 mod rig;
@@ -17,6 +18,7 @@ mod tether_spec;
 
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong};
 pub use mismatch::Mismatch;
+pub use name::RunName;
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
 };

@@ -72,7 +72,7 @@ impl Choice {
             match argument.as_str() {
                 "--quick" => choice.quick = true,
                 "--class" => choice.class = Some(rest.next()?.parse().ok()?),
-                "--program" => choice.program = rest.next()?.into(),
+                "--program" => choice.program = std::path::absolute(rest.next()?).ok()?,
                 option if option.starts_with('-') => {
                     eprintln!("error: no option {option}; there are --quick, --class N, --program FILE");
                     return None;
