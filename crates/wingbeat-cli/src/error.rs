@@ -40,6 +40,9 @@ pub enum Error {
         /// The run folder.
         folder: PathBuf,
     },
+    /// The output cannot be written.
+    #[error("the output could not be printed: {0}; what was asked to be kept is whole")]
+    Output(std::io::Error),
     /// Ctrl-C in a run that can be resumed.
     #[error("interrupted with {done} of {all} done; the same command goes on from here")]
     Paused {
@@ -63,7 +66,12 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::ComparisonFailed => 1,
-            Self::Input(_) | Self::Config(_) | Self::Refused(_) | Self::File { .. } | Self::Record(_) => 2,
+            Self::Input(_)
+            | Self::Config(_)
+            | Self::Refused(_)
+            | Self::File { .. }
+            | Self::Record(_)
+            | Self::Output(_) => 2,
             Self::Failed { .. } => 3,
             Self::Interrupted | Self::Paused { .. } => 130,
         }

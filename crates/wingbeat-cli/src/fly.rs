@@ -15,6 +15,7 @@ use crate::manifest::Manifest;
 use crate::outcome;
 use crate::progress;
 use crate::run_folder::RunFolder;
+use crate::say;
 
 /// Ticks of the progress bar per simulated second.
 const TICKS: f64 = 1000.0;
@@ -23,9 +24,9 @@ const TICKS: f64 = 1000.0;
 pub fn fly(arguments: &Fly) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
-    let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
-    let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.name, options.force)?;
     let interrupt = Interrupt::listen()?;
+    let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
+    let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
     let run = simulate(&scenario, &interrupt, options.quiet)?;
     folder.write("scenario.toml", &scenario.resolved)?;
     folder.write_json("summary.json", &run.summary)?;
@@ -37,12 +38,10 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
-    if !options.quiet {
-        print!("{}", outcome::table(&run.summary, scenario.spec.paper.as_ref()));
-        println!("\nrun folder: {}", shown.display());
-    }
+    let table = || outcome::table(&run.summary, scenario.spec.paper.as_ref());
+    let printed = say::unless(options.quiet, || format!("{}\nrun folder: {}\n", table(), shown.display()));
     match run.summary.status {
-        FlightStatus::Ok => Ok(()),
+        FlightStatus::Ok => printed,
         status => Err(Error::Failed {
             status: outcome::name(status).into(),
             reason: run.summary.reason.unwrap_or_default(),
@@ -77,7 +76,7 @@ pub fn draw(folder: &RunFolder, record: &Record, draws: &[Draw], interrupt: &Int
         interrupt.check()?;
         let drawn = draw(record).and_then(|figure| wingbeat_figures::write(&figures, &figure));
         if let Err(error) = drawn {
-            eprintln!("a figure is left out: {error}");
+            say::note(&format!("a figure is left out: {error}"));
         }
     }
     Ok(())

@@ -12,6 +12,7 @@ mod progress;
 mod reference;
 mod rig;
 mod run_folder;
+mod say;
 mod sweep;
 mod tether;
 mod validate;
@@ -35,7 +36,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if !error.is_silent() {
-                eprintln!("error: {error}");
+                say::note(&format!("error: {error}"));
             }
             ExitCode::from(error.exit_code())
         }

@@ -36,7 +36,7 @@ impl Manifest {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             git_commit: env!("WINGBEAT_COMMIT"),
-            command: env::args().collect(),
+            command: env::args_os().map(|word| word.to_string_lossy().into_owned()).collect(),
             seed,
             started_unix_s: now.saturating_sub(wall).as_secs_f64(),
             wall_time_s: wall.as_secs_f64(),

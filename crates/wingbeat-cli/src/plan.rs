@@ -16,14 +16,15 @@ use crate::fly::draw;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
+use crate::say;
 
 /// Plans the scenario's manoeuvre and writes its run folder.
 pub fn plan(arguments: &Plan) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
-    let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
-    let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.name, options.force)?;
     let interrupt = Interrupt::listen()?;
+    let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
+    let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
     let progress = progress(options.quiet);
     let planned = scenario.plan(&mut |step| {
         match step {
@@ -55,12 +56,11 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
-    if !options.quiet {
-        print!("{}", table(&planned.summary));
-        println!("\nrun folder: {}", shown.display());
-    }
+    let printed = say::unless(options.quiet, || {
+        format!("{}\nrun folder: {}\n", table(&planned.summary), shown.display())
+    });
     if planned.record.is_some() {
-        return Ok(());
+        return printed;
     }
     let solver = planned.summary.solver();
     let (status, reason) = (solver.status.into(), solver.solver.clone());

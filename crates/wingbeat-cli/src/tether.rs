@@ -17,6 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
+use crate::say;
 
 /// Ticks of the progress bar.
 const TICKS: f64 = 1000.0;
@@ -39,14 +40,14 @@ const PRINTED: [&str; 10] = [
 pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
+    let interrupt = Interrupt::listen()?;
     let tables = RefCell::new(Vec::new());
     let read = |path: &Path| {
         tables.borrow_mut().push(path.to_path_buf());
         read_csv(path).map_err(|error| error.to_string())
     };
     let case = TetherCase::load(&arguments.case, &options.overrides, &read)?;
-    let folder = RunFolder::create(options.out.as_deref(), &case.spec.name, options.force)?;
-    let interrupt = Interrupt::listen()?;
+    let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
     let run = simulate(&case, &interrupt, options.quiet)?;
     let summary = case.summary(&run);
     folder.write("case.toml", &case.resolved)?;
@@ -59,15 +60,13 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
-    if !options.quiet {
-        print!("{}", table(&summary));
-        println!("\nrun folder: {}", shown.display());
-    }
+    let printed =
+        say::unless(options.quiet, || format!("{}\nrun folder: {}\n", table(&summary), shown.display()));
     match run.ending {
         Ending::Fault(fault) => {
             Err(Error::Failed { status: "fault".into(), reason: fault.to_string(), folder: shown.into() })
         }
-        _ => Ok(()),
+        _ => printed,
     }
 }
 
@@ -100,7 +99,7 @@ fn draw(folder: &RunFolder, run: &TetherRun) -> Result<(), Error> {
     for (draw, record) in drawn {
         let outcome = draw(record).and_then(|figure| wingbeat_figures::write(&figures, &figure));
         if let Err(error) = outcome {
-            eprintln!("a figure is left out: {error}");
+            say::note(&format!("a figure is left out: {error}"));
         }
     }
     Ok(())

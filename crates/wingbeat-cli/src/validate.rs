@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
+use wingbeat::scenario::RunName;
 use wingbeat_validate::figures::PICTURES;
 use wingbeat_validate::{Case, Row, Selection};
 
@@ -14,6 +15,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
+use crate::say;
 
 /// The contents of `summary.json`.
 #[derive(Serialize)]
@@ -30,27 +32,57 @@ pub fn validate(arguments: &Validate) -> Result<(), Error> {
     let all = wingbeat_validate::cases();
     let cases = wingbeat_validate::select(&all, &selection);
     let start = Instant::now();
-    let out = arguments.out.as_deref();
-    let folder = out.map(|out| RunFolder::create(Some(out), "validate", arguments.force)).transpose()?;
     let interrupt = Interrupt::listen()?;
+    arguments.json.as_deref().map_or(Ok(()), may_replace)?;
+    let name = RunName::new("name", "validate")?;
+    let out = arguments.out.as_deref();
+    let folder = out.map(|out| RunFolder::create(Some(out), &name, arguments.force)).transpose()?;
     let rows = compare(&cases, &selection, &interrupt, arguments.quiet);
     interrupt.check()?;
     if rows.is_empty() {
         return Err(nothing_selected(&selection, &all));
     }
     let summary = Summary::of(&rows);
-    print!("{}", wingbeat_validate::table(&rows));
-    println!("\n{} in {:.1} s", summary.tally(), start.elapsed().as_secs_f64());
+    let mut told = wingbeat_validate::table(&rows);
+    told += &format!("\n{} in {:.1} s\n", summary.tally(), start.elapsed().as_secs_f64());
     if let Some(path) = &arguments.json {
-        fs::write(path, json(&rows)?).map_err(|source| Error::file(path, source))?;
+        replace(path, &json(&rows)?)?;
     }
     if let Some(folder) = folder {
         fill(&folder, &rows, &summary)?;
         draw(&folder, &cases, &interrupt)?;
         let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
-        println!("folder: {}", shown(&path).display());
+        told += &format!("folder: {}\n", shown(&path).display());
     }
-    if summary.failed == 0 { Ok(()) } else { Err(Error::ComparisonFailed) }
+    let printed = say::say(&told);
+    if summary.failed == 0 { printed } else { Err(Error::ComparisonFailed) }
+}
+
+/// Refuses to write over a file that is no list of rows.
+fn may_replace(path: &Path) -> Result<(), Error> {
+    if fs::symlink_metadata(path).is_err() {
+        return Ok(());
+    }
+    let is_file = fs::symlink_metadata(path).is_ok_and(|data| data.is_file());
+    let text = if is_file { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
+    let rows: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap_or_default();
+    match rows.first().is_some_and(|row| row.get("id").is_some() && row.get("metric").is_some()) {
+        true => Ok(()),
+        false => {
+            Err(Error::Input(format!("--json {}: allowed is a new file, or one with rows", path.display())))
+        }
+    }
+}
+
+/// Writes a file under another name and moves it when it is whole.
+fn replace(path: &Path, text: &str) -> Result<(), Error> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let partial = path.with_file_name(format!(".{name}.partial"));
+    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, path));
+    written.map_err(|source| {
+        let _ = fs::remove_file(&partial);
+        Error::file(path, source)
+    })
 }
 
 /// Runs `cases` on all cores, until interrupted.
@@ -85,7 +117,7 @@ fn draw(folder: &RunFolder, cases: &[&Case], interrupt: &Interrupt) -> Result<()
             wingbeat_figures::write_for_screen(&figures, &figure).map_err(|error| error.to_string())
         });
         if let Err(error) = drawn {
-            eprintln!("the figure {} is left out: {error}", picture.name);
+            say::note(&format!("the figure {} is left out: {error}", picture.name));
         }
     }
     Ok(())

@@ -128,15 +128,6 @@ pub(crate) mod require {
         }
     }
 
-    /// Fit to be the name of a folder.
-    pub fn name(key: &str, value: &str) -> Result<(), Error> {
-        if value.is_empty() || value.starts_with('.') || value.contains(['/', '\\']) {
-            let allowed = "a name for a folder: not empty, without slashes, not starting with a dot";
-            return Err(Error::invalid(key, format!("{value:?}"), allowed));
-        }
-        Ok(())
-    }
-
     /// Principal inertias of a real body: none negative, none above the sum of the others.
     pub fn principal_inertias(key: &str, inertias: [f64; 3]) -> Result<(), Error> {
         all(key, &inertias, not_negative)?;

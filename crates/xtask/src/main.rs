@@ -1,7 +1,8 @@
-//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `soak`.
+//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `hostile`, `soak`.
 
 mod documents;
 mod fuzz;
+mod hostile;
 mod licences;
 mod peers;
 mod report;
@@ -20,6 +21,8 @@ cargo xtask TASK
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box
   fuzz    [--seconds 600] [TARGET...] everything that reads what others wrote, each for so long
+  hostile [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits of
+          memory, time and disk
   soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
 ";
 
@@ -33,6 +36,7 @@ fn main() -> ExitCode {
             tools::succeeds(tools::cargo(&["bench", "--package", "wingbeat", "--bench", "running_times"]))
         }
         "fuzz" => fuzz::fuzz(&arguments[1..]),
+        "hostile" => hostile::hostile(&arguments[1..]),
         "soak" => soak::soak(&arguments[1..]),
         "peers" => peers::compare(arguments.get(1).map(String::as_str)),
         "" | "help" | "--help" | "-h" => {

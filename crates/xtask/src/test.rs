@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
 use crate::report::{Account, Tally};
-use crate::{documents, licences, soak, tools};
+use crate::{documents, hostile, licences, soak, tools};
 
 /// Length of the soak test; `cargo xtask soak` takes ten minutes.
 const SOAK_SECONDS: u64 = 10;
@@ -14,6 +14,7 @@ pub fn test() -> bool {
         one(&["clippy", "--release", "--workspace", "--all-targets", "--", "--deny", "warnings"])
     });
     account.step("tests", || counted(&["test", "--release", "--workspace", "--no-fail-fast"]));
+    account.step("hostile", hostile::quick);
     account.step("soak", || Tally::one(soak::run(SOAK_SECONDS)));
     account.step("licences", licences::check);
     account.step("comparisons", comparisons);

@@ -10,6 +10,7 @@ use wingbeat_netft::{Emulator, Faults, Sent, Signal};
 use crate::args::RigEmulate;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
+use crate::say::say;
 
 /// Emulates the box until Ctrl-C.
 pub fn emulate(arguments: &RigEmulate) -> Result<(), Error> {
@@ -34,12 +35,11 @@ pub fn emulate(arguments: &RigEmulate) -> Result<(), Error> {
     };
     let emulator = Emulator::start(arguments.bind, arguments.port_offset, signal, faults)
         .map_err(|error| Error::Input(error.to_string()))?;
-    println!("RDT on udp://{}, pages on http://{}; Ctrl-C ends", emulator.rdt, emulator.http);
+    say(&format!("RDT on udp://{}, pages on http://{}; Ctrl-C ends\n", emulator.rdt, emulator.http))?;
     while interrupt.flow().is_continue() {
         std::thread::sleep(Duration::from_millis(100));
     }
-    print!("{}", words(&emulator.sent()));
-    Ok(())
+    say(&words(&emulator.sent()))
 }
 
 /// One line per count, `name value`.

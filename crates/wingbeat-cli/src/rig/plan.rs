@@ -11,8 +11,10 @@ use wingbeat_io::trajectory::{kinova_json, kortex_csv, ros_yaml};
 use super::runs;
 use crate::args::RigPlan;
 use crate::error::Error;
+use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
-use crate::run_folder::RunFolder;
+use crate::run_folder::{RunFolder, named_after};
+use crate::say;
 
 /// Points between the poses of the Web App's list.
 const POSE_EVERY: usize = 50;
@@ -20,14 +22,15 @@ const POSE_EVERY: usize = 50;
 /// Plans every run and writes its trajectory in the arm's formats.
 pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
     let start = Instant::now();
+    let _interrupt = Interrupt::listen()?;
     let (options, file) = (&arguments.runs.run, &arguments.runs.file);
     let runs = runs::load(file, &options.overrides)?;
     let from: Option<Vec<f64>> =
         arguments.from_deg.as_ref().map(|from| from.iter().map(|deg| deg.to_radians()).collect());
-    let name = file.file_stem().map_or("plan".into(), |stem| stem.to_string_lossy());
+    let name = named_after(file, options.out.as_deref())?;
     let folder = RunFolder::create(options.out.as_deref(), &name, options.force)?;
     let plans = parallel::map(&runs, |_, run| run.plan().map_err(|error| run.explain(&error)));
-    let (mut refusals, mut written) = (Vec::new(), 0);
+    let (mut refusals, mut written, mut told) = (Vec::new(), 0, String::new());
     for (run, plan) in runs.iter().zip(plans) {
         let name = &run.spec.name;
         let mut refused = |what: &str, why: String| {
@@ -44,9 +47,7 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
             }
             Err(refusal) => refused("", refusal.to_string()),
         };
-        if !options.quiet {
-            println!("{name}\n{text}");
-        }
+        told += &format!("{name}\n{text}\n");
         folder.write(&format!("{name}.txt"), &text)?;
     }
     // Where no run can be planned there is nothing to keep.
@@ -54,11 +55,9 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
         return Err(Error::Input(refusals.join("\n")));
     }
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
-    if !options.quiet {
-        println!("plans: {}", path.display());
-    }
+    let printed = say::unless(options.quiet, || format!("{told}plans: {}\n", path.display()));
     match refusals.is_empty() {
-        true => Ok(()),
+        true => printed,
         false => Err(Error::Failed { status: "refused".into(), reason: refusals.join("\n"), folder: path }),
     }
 }

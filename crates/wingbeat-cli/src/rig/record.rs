@@ -14,6 +14,7 @@ use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
+use crate::say;
 
 /// The file that says what a recording is of.
 const IDENTITY: &str = "recording.json";
@@ -27,6 +28,7 @@ pub fn record(arguments: &RigRecord) -> Result<(), Error> {
     let scale = read_config(at(80)).map_err(refused)?.scale;
     let identity = identity(options.address, &scale);
     let folder = RunFolder::resume_measured(&arguments.out, arguments.force, (IDENTITY, &identity))?;
+    interrupt.patient();
     let mut display = Display::new(scale, arguments.frequency, arguments.quiet);
     let report = wingbeat_netft::record(&options, &scale, folder.partial(), RAW, |row| {
         if let Some(row) = row {
@@ -49,11 +51,8 @@ pub fn record(arguments: &RigRecord) -> Result<(), Error> {
     done.map_err(|why| unfinished(&folder, &why))?;
     let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
     display.bar.finish_and_clear();
-    if !arguments.quiet {
-        print!("{text}");
-        println!("recording: {}", path.display());
-    }
-    ended(&report, &summary, path)
+    let printed = say::unless(arguments.quiet, || format!("{text}recording: {}\n", path.display()));
+    ended(&report, &summary, path).and(printed)
 }
 
 fn options(arguments: &RigRecord, address: SocketAddr) -> Result<Options, Error> {

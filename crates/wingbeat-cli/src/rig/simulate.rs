@@ -12,8 +12,10 @@ use wingbeat_io::write_parquet;
 use super::runs;
 use crate::args::RigRuns;
 use crate::error::Error;
+use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
-use crate::run_folder::RunFolder;
+use crate::run_folder::{RunFolder, named_after};
+use crate::say;
 
 /// What is said of a simulated run.
 #[derive(Debug, Serialize, Deserialize)]
@@ -37,9 +39,10 @@ pub struct Summary {
 /// Plans and simulates every run into its own folder.
 pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     let start = Instant::now();
+    let _interrupt = Interrupt::listen()?;
     let options = &arguments.run;
     let runs = runs::load(&arguments.file, &options.overrides)?;
-    let name = arguments.file.file_stem().map_or("rig".into(), |stem| stem.to_string_lossy());
+    let name = named_after(&arguments.file, options.out.as_deref())?;
     let folder = RunFolder::create(options.out.as_deref(), &name, options.force)?;
     let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bars = MultiProgress::with_draw_target(target);
@@ -50,18 +53,16 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
         bar.finish_and_clear();
         summary
     });
-    let (mut failed, mut refused) = (Vec::new(), 0);
+    let (mut failed, mut refused, mut told) = (Vec::new(), 0, String::new());
     for (run, summary) in runs.iter().zip(summaries) {
         let summary = summary?;
         let name = &run.spec.name;
         folder.write_json(&format!("{name}/summary.json"), &summary)?;
-        if !options.quiet {
-            let saturated = summary.saturated;
-            println!(
-                "{name:20} {:8} {:6} samples, {saturated} saturated, {:.1} s",
-                summary.status, summary.samples, summary.wall_s
-            );
-        }
+        let saturated = summary.saturated;
+        told += &format!(
+            "{name:20} {:8} {:6} samples, {saturated} saturated, {:.1} s\n",
+            summary.status, summary.samples, summary.wall_s
+        );
         refused += usize::from(summary.status == "refused");
         if let Some(reason) = summary.reason {
             failed.push(format!("{name}: {reason}"));
@@ -72,11 +73,9 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
         return Err(Error::Input(failed.join("\n")));
     }
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
-    if !options.quiet {
-        println!("runs: {}", path.display());
-    }
+    let printed = say::unless(options.quiet, || format!("{told}runs: {}\n", path.display()));
     match failed.is_empty() {
-        true => Ok(()),
+        true => printed,
         false => Err(Error::Failed { status: "failed".into(), reason: failed.join("\n"), folder: path }),
     }
 }

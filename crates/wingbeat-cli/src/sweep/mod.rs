@@ -18,6 +18,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
+use crate::say;
 use log::Log;
 
 /// Columns of a flight beside its number and its draws, with their units.
@@ -38,12 +39,13 @@ const MEASURES: [(&str, &str); 10] = [
 pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
+    let interrupt = Interrupt::listen()?;
     let sweep = Sweep::load(&arguments.sweep, &options.all_overrides())?;
     let identity = format!("{}\n# The scenario of the first flight:\n{}", sweep.resolved, commented(&sweep)?);
-    let name = &sweep.spec.name;
+    let name = &sweep.spec.run_name()?;
     let folder = RunFolder::resume(options.out.as_deref(), name, options.force, ("sweep.toml", &identity))?;
     let mut log = Log::open(&folder.file("flights.log"), 1 + sweep.spec.draws.len() + MEASURES.len())?;
-    fly_all(&sweep, &mut log, &Interrupt::listen()?, options.quiet)?;
+    fly_all(&sweep, &mut log, &interrupt, options.quiet)?;
     let record = log.record(&columns(&sweep))?;
     log.remove()?;
     let outcome = Outcome::new(&record, sweep.spec.hold);
@@ -52,12 +54,8 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     folder.write_json("summary.json", &outcome)?;
     draw(&folder, &record, sweep.spec.hold)?;
     let path = folder.finish(&Manifest::new(sweep.spec.seed, start.elapsed()))?;
-    if !options.quiet {
-        print!("{}", outcome.table());
-        let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
-        println!("\nrun folder: {}", shown.display());
-    }
-    Ok(())
+    let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
+    say::unless(options.quiet, || format!("{}\nrun folder: {}\n", outcome.table(), shown.display()))
 }
 
 /// The scenario of the first flight as TOML comments: a sweep goes on only with the same one.
@@ -136,7 +134,7 @@ fn draw(folder: &RunFolder, record: &Record, hold: Hold) -> Result<(), Error> {
     let limits = (hold.roll_within_deg, hold.pitch_within_deg);
     let drawn = wingbeat_figures::robustness(record, limits);
     if let Err(error) = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)) {
-        eprintln!("the figure is left out: {error}");
+        say::note(&format!("the figure is left out: {error}"));
     }
     Ok(())
 }

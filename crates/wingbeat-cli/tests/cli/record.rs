@@ -218,7 +218,7 @@ fn what_a_killed_run_left_is_removed_by_the_next() {
         command
     };
     let mut child = fly().args(["--set", "flight.duration_s=100"]).spawn().unwrap();
-    let left = folder.join(format!(".run.partial-{}", child.id()));
+    let left = folder.join(".run.partial/unfinished.json");
     while !left.exists() {
         assert!(child.try_wait().unwrap().is_none());
         std::thread::sleep(Duration::from_millis(2));

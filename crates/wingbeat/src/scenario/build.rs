@@ -3,6 +3,7 @@
 use super::chosen::Chosen;
 use super::doors::Choice;
 use super::mismatch::Mismatch;
+use super::name::RunName;
 use super::plan::PlanSpec;
 use super::spec::{AeroSpec, Preset, ScenarioSpec};
 use crate::Error;
@@ -33,6 +34,14 @@ pub(super) struct Built {
 }
 
 impl ScenarioSpec {
+    /// The checked name.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key `name`.
+    pub fn run_name(&self) -> Result<RunName, Error> {
+        RunName::new("name", &self.name)
+    }
+
     /// Checks and builds; keys of errors are those of the scenario.
     pub(super) fn build(&self, choice: &Choice) -> Result<Built, Error> {
         self.check()?;
@@ -70,7 +79,7 @@ impl ScenarioSpec {
     }
 
     fn check(&self) -> Result<(), Error> {
-        require::name("name", &self.name)?;
+        self.run_name()?;
         self.robot.check().map_err(|e| e.within("robot"))?;
         require::positive("air.density_kg_m3", self.air.density_kg_m3)?;
         require::finite("air.wind_m_s", &self.air.wind_m_s)?;

@@ -5,6 +5,7 @@ mod chosen;
 mod document;
 mod doors;
 mod mismatch;
+mod name;
 mod plan;
 mod recorder;
 mod rig;
@@ -21,6 +22,7 @@ pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong};
 pub use doors::Doors;
 pub use mismatch::Mismatch;
+pub use name::RunName;
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
 };

@@ -1,6 +1,6 @@
 //! Runs on the test rig: what their files say, checked and built.
 
-use super::{AeroSpec, AirSpec, ConfigError, Document, Translate, build};
+use super::{AeroSpec, AirSpec, ConfigError, Document, RunName, Translate, build};
 use crate::Error;
 use crate::math::{Mat3, Vec3};
 use crate::plant::Fault;
@@ -284,6 +284,7 @@ impl RigRun {
     }
 
     fn build(spec: RigRunSpec, resolved: String, document: Document) -> Result<Self, Error> {
+        RunName::new("name", &spec.name)?;
         spec.frequency_hz.map_or(Ok(()), |f| require::not_negative("frequency_hz", f))?;
         spec.process.check().map_err(|e| e.within("process"))?;
         spec.hold.as_ref().map_or(Ok(()), HoldSpec::check).map_err(|e| e.within("hold"))?;

@@ -1,7 +1,7 @@
 //! Many flights of one scenario with keys drawn at random.
 
 use super::document::{ConfigError, Document, Place, Problem, Wrong};
-use super::{Scenario, Summary};
+use super::{RunName, Scenario, Summary};
 use crate::Error;
 use crate::math::Random;
 use crate::require;
@@ -164,8 +164,16 @@ fn drawn(draw: &Draw, value: f64) -> String {
 }
 
 impl SweepSpec {
+    /// The checked name.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key `name`.
+    pub fn run_name(&self) -> Result<RunName, Error> {
+        RunName::new("name", &self.name)
+    }
+
     fn check(&self) -> Result<(), Error> {
-        require::name("name", &self.name)?;
+        self.run_name()?;
         require::between("runs", self.runs, 1, MAX_RUNS)?;
         require::at_most("seed", self.seed, MAX_SEED)?;
         self.hold.check().map_err(|e| e.within("hold"))?;

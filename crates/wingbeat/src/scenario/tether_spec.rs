@@ -1,6 +1,6 @@
 //! What a case file of a tethered wing says.
 
-use super::AeroSpec;
+use super::{AeroSpec, RunName};
 use crate::Error;
 use crate::aero::{Gap, PlanformStation};
 use crate::math::CubicSpline;
@@ -188,9 +188,17 @@ pub struct ReferenceSpec {
 pub type ReadTable<'a> = &'a dyn Fn(&Path) -> Result<Record, String>;
 
 impl TetherSpec {
+    /// The checked name.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key `name`.
+    pub fn run_name(&self) -> Result<RunName, Error> {
+        RunName::new("name", &self.name)
+    }
+
     /// Checks what each table says by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
-        require::name("name", &self.name)?;
+        self.run_name()?;
         require::positive("time.frequency_hz", self.time.frequency_hz)?;
         for (i, hinge) in self.wing.hinges.iter().enumerate() {
             if let Some(k) = self.wing.hinges[..i].iter().position(|other| other.name == hinge.name) {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use wingbeat::parallel;
-use wingbeat::scenario::{ProcessedRun, Together, subtract_still_air, together};
+use wingbeat::scenario::{ProcessedRun, RunName, Together, subtract_still_air, together};
 use wingbeat_figures::Figure;
 use wingbeat_io::samples::Import;
 use wingbeat_io::write_parquet;
@@ -15,8 +15,10 @@ use wingbeat_io::write_parquet;
 use super::runs;
 use crate::args::RigProcess;
 use crate::error::Error;
+use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
+use crate::say;
 use numbers::Summary;
 use source::Source;
 
@@ -30,10 +32,10 @@ struct Origin {
 /// Processes a file, a run folder, a recording, or a folder of run folders.
 pub fn process(arguments: &RigProcess) -> Result<(), Error> {
     let start = Instant::now();
+    let _interrupt = Interrupt::listen()?;
     let sources = source::find(&arguments.path, arguments.run.as_deref())?;
-    let target = arguments.out.clone().unwrap_or_else(|| results_beside(&arguments.path));
-    // Results of an earlier processing may be replaced where the name is our own choice.
-    let folder = RunFolder::create(Some(&target), "processed", arguments.force || arguments.out.is_none())?;
+    let (parent, name) = results_beside(&arguments.path)?;
+    let folder = RunFolder::create_in(arguments.out.as_deref(), &parent, &name, arguments.force)?;
     let answers = parallel::map(&sources, |_, source| one(source, &arguments.overrides));
     let (mut runs, files): (Vec<_>, Vec<_>) =
         answers.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
@@ -49,20 +51,18 @@ pub fn process(arguments: &RigProcess) -> Result<(), Error> {
         draw(&folder.folder("figures")?, wingbeat_figures::force_moment(envelope))?;
     }
     let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
-    if !arguments.quiet {
-        print!("{}", summary.words());
-        println!("results: {}", path.display());
-    }
-    Ok(())
+    say::unless(arguments.quiet, || format!("{}results: {}\n", summary.words(), path.display()))
 }
 
-/// `processed` in a folder, NAME-processed beside a file.
-fn results_beside(path: &Path) -> PathBuf {
+/// `processed` in a folder, NAME-processed beside a file: where that is, and its name.
+fn results_beside(path: &Path) -> Result<(PathBuf, RunName), Error> {
     if path.is_dir() {
-        return path.join("processed");
+        return Ok((path.into(), RunName::new("name", "processed")?));
     }
     let stem = path.file_stem().map_or("samples".into(), |stem| stem.to_string_lossy());
-    path.with_file_name(format!("{stem}-processed"))
+    let name =
+        RunName::new("name", &format!("{stem}-processed")).or(RunName::new("name", "samples-processed"))?;
+    Ok((path.parent().unwrap_or(Path::new("")).into(), name))
 }
 
 fn one(source: &Source, overrides: &[String]) -> Result<(ProcessedRun, Origin), Error> {
@@ -102,7 +102,7 @@ fn draw(folder: &Path, figure: Result<Figure, wingbeat_figures::Error>) -> Resul
     match figure {
         Ok(figure) => wingbeat_figures::write(folder, &figure).map_err(|e| Error::Input(e.to_string())),
         Err(error) => {
-            eprintln!("a figure is left out: {error}");
+            say::note(&format!("a figure is left out: {error}"));
             Ok(())
         }
     }

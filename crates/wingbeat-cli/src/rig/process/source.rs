@@ -28,7 +28,9 @@ pub fn find(path: &Path, run: Option<&Path>) -> Result<Vec<Source>, Error> {
     }
     let entries = fs::read_dir(path).map_err(|source| Error::file(path, source))?;
     let mut found: Vec<PathBuf> = entries.filter_map(Result::ok).map(|entry| entry.path()).collect();
-    found.retain(|path| holds(path));
+    let hidden =
+        |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    found.retain(|path| holds(path) && !hidden(path));
     found.sort();
     if found.is_empty() {
         return Err(Error::Input(format!(

@@ -1,0 +1,425 @@
+//! The folder of a run: reserved and locked under a hidden name before work begins, moved to its name when it is whole.
+
+mod ours;
+mod place;
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use wingbeat::scenario::RunName;
+
+use crate::error::Error;
+use crate::interrupt::Unfinished;
+use crate::say::note;
+use ours::Ours;
+use place::{Made, Wanted, numbered};
+
+/// The file that tells a run folder from any other folder.
+const MANIFEST: &str = "manifest.json";
+/// The file that says of a folder that its run is not finished.
+const MARK: &str = "unfinished.json";
+/// What both say that they are of.
+const PROGRAM: &str = "wingbeat";
+
+/// A run folder while it is written. Dropped before [`RunFolder::finish`], it leaves nothing, unless it can be resumed.
+#[derive(Debug)]
+pub struct RunFolder {
+    partial: PathBuf,
+    target: PathBuf,
+    /// How messages call it.
+    words: String,
+    /// The run of ours that it replaces.
+    replaces: bool,
+    keep: bool,
+    made: Made,
+    /// What goes when the program must end at once.
+    unfinished: Unfinished,
+    /// The folder, locked: a lock that can be had shows that its owner is dead.
+    _owner: File,
+}
+
+/// The contents of [`MARK`].
+#[derive(Serialize, Deserialize)]
+struct Mark {
+    program: String,
+    /// Whether the same command goes on from there.
+    resumes: bool,
+}
+
+/// The manifest with what it is of and the files of its run.
+#[derive(Serialize)]
+struct Listed<'a, M> {
+    program: &'static str,
+    #[serde(flatten)]
+    manifest: &'a M,
+    files: Vec<PathBuf>,
+}
+
+/// Whether a folder is begun anew, or goes on from what an interrupted command left.
+#[derive(Clone, Copy)]
+enum Mode<'a> {
+    Anew,
+    /// A file, and the text that it must hold.
+    GoesOn(&'a str, &'a str),
+}
+
+/// What lies in a hidden folder.
+enum Left {
+    Nothing,
+    /// What the command goes on from.
+    Ours,
+    /// What a killed command left that could not be gone on from.
+    Dead,
+    /// What must stay, and why.
+    Other(String),
+}
+
+/// Why a name cannot be had.
+enum Taken {
+    /// Another one may be had.
+    Busy(String),
+    /// Nothing can.
+    Failed(Error),
+}
+
+impl RunFolder {
+    /// Begins the folder `out`, or else `runs/<name>`, `runs/<name>-2` and so on, the first that is free.
+    ///
+    /// # Errors
+    /// `out` holds something, unless it is a run of ours alone and `force` allows to replace it.
+    pub fn create(out: Option<&Path>, name: &RunName, force: bool) -> Result<Self, Error> {
+        Self::begin(&wanted(out, Path::new("runs"), name), force, Mode::Anew)
+    }
+
+    /// Begins the folder `out`, or else the first free one of `<name>`, `<name>-2` and so on in `parent`.
+    ///
+    /// # Errors
+    /// Those of [`create`](Self::create).
+    pub fn create_in(out: Option<&Path>, parent: &Path, name: &RunName, force: bool) -> Result<Self, Error> {
+        Self::begin(&wanted(out, parent, name), force, Mode::Anew)
+    }
+
+    /// Begins a folder as [`RunFolder::create`] does, or takes up what an interrupted run of the same name left, if
+    /// its file `identity` holds `text`. What another one left stays.
+    ///
+    /// # Errors
+    /// Those of [`create`](Self::create); `out` waits for a run whose file `identity` holds another text.
+    pub fn resume(
+        out: Option<&Path>,
+        name: &RunName,
+        force: bool,
+        (identity, text): (&str, &str),
+    ) -> Result<Self, Error> {
+        Self::begin(&wanted(out, Path::new("runs"), name), force, Mode::GoesOn(identity, text))
+    }
+
+    /// [`resume`](Self::resume) of the folder `out`.
+    ///
+    /// # Errors
+    /// Those of [`resume`](Self::resume).
+    pub fn resume_measured(out: &Path, force: bool, (identity, text): (&str, &str)) -> Result<Self, Error> {
+        Self::begin(&Wanted::Out(out), force, Mode::GoesOn(identity, text))
+    }
+
+    fn begin(wanted: &Wanted, force: bool, mode: Mode) -> Result<Self, Error> {
+        let mut place = wanted.settle()?;
+        let made = std::mem::take(&mut place.made);
+        let mut busy = String::new();
+        for target in place.targets() {
+            match Self::claim(wanted, &target, force, mode) {
+                Ok(mut folder) => {
+                    folder.made = made;
+                    return Ok(folder);
+                }
+                Err(Taken::Busy(why)) => busy = why,
+                Err(Taken::Failed(error)) => return Err(error),
+            }
+            if !place.counts() {
+                break;
+            }
+        }
+        Err(wanted.refused(busy))
+    }
+
+    /// Reserves and locks the hidden folder of `target`, and looks whether `target` may be moved to.
+    fn claim(wanted: &Wanted, target: &Path, force: bool, mode: Mode) -> Result<Self, Taken> {
+        let partial = hidden(target, "partial");
+        let failed = |source: io::Error| {
+            Taken::Failed(Error::Input(format!("{}: {}: {source}", wanted.words(), partial.display())))
+        };
+        let new = match fs::create_dir(&partial) {
+            Ok(()) => true,
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => false,
+            Err(source) => return Err(failed(source)),
+        };
+        let busy =
+            || Taken::Busy(format!("another folder: another command is writing {}", partial.display()));
+        let owner = File::open(&partial).map_err(|_| busy())?;
+        if owner.try_lock().is_err() || !is_at(&owner, &partial) {
+            return Err(busy());
+        }
+        // From here on the name is ours; what is not taken is given back.
+        let give_back = |taken: Taken| {
+            if new {
+                let _ = fs::remove_dir(&partial);
+            }
+            taken
+        };
+        let replaces = may_move_to(wanted, target, force).map_err(give_back)?;
+        let fresh = match left(&partial, mode) {
+            Left::Nothing => true,
+            Left::Ours => false,
+            Left::Dead => {
+                clear(&partial).map_err(failed)?;
+                note(&format!("removed {}, left by a command that was killed", partial.display()));
+                true
+            }
+            Left::Other(why) => return Err(give_back(Taken::Busy(why))),
+        };
+        let resumes = matches!(mode, Mode::GoesOn(..));
+        let mut folder = Self {
+            unfinished: Unfinished::new(&partial, resumes),
+            partial,
+            target: target.into(),
+            words: wanted.words(),
+            replaces,
+            keep: resumes,
+            made: Made::default(),
+            _owner: owner,
+        };
+        if let Err(error) = folder.mark(mode, fresh) {
+            folder.keep &= !fresh;
+            return Err(Taken::Failed(error));
+        }
+        Ok(folder)
+    }
+
+    /// Says of the folder that it is not finished, and what it is of.
+    fn mark(&self, mode: Mode, fresh: bool) -> Result<(), Error> {
+        let resumes = matches!(mode, Mode::GoesOn(..));
+        if fresh || !self.file(MARK).exists() {
+            self.write_json(MARK, &Mark { program: PROGRAM.into(), resumes })?;
+        }
+        match mode {
+            Mode::GoesOn(identity, text) if fresh => self.write(identity, text),
+            _ => Ok(()),
+        }
+    }
+
+    /// Leaves nothing, though it could be resumed.
+    pub fn discard(mut self) {
+        self.keep = false;
+    }
+
+    /// Where the folder is while it is written.
+    pub fn partial(&self) -> &Path {
+        &self.partial
+    }
+
+    /// Path of a file inside, while the folder is written.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.partial.join(name)
+    }
+
+    /// Makes a folder inside.
+    pub fn folder(&self, name: &str) -> Result<PathBuf, Error> {
+        let path = self.file(name);
+        fs::create_dir_all(&path).map_err(|source| Error::file(&path, source))?;
+        Ok(path)
+    }
+
+    /// Writes a text file inside.
+    pub fn write(&self, name: &str, text: &str) -> Result<(), Error> {
+        let path = self.file(name);
+        fs::write(&path, text).map_err(|source| Error::file(&path, source))
+    }
+
+    /// Writes a JSON file inside.
+    pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), Error> {
+        let text = serde_json::to_string_pretty(value).map_err(io::Error::from);
+        let text = text.map_err(|source| Error::file(&self.file(name), source))?;
+        self.write(name, &(text + "\n"))
+    }
+
+    /// Writes the manifest, which lists the files, and moves the folder to its name, which is returned. Where that
+    /// name was taken meanwhile, it is the first free one of NAME-2, NAME-3, ..., and a note says so.
+    pub fn finish(mut self, manifest: &impl Serialize) -> Result<PathBuf, Error> {
+        let failed = |path: &Path| {
+            let path = path.to_path_buf();
+            move |source| Error::File { path, source }
+        };
+        fs::remove_file(self.file(MARK)).map_err(failed(&self.partial))?;
+        let files = ours::files(&self.partial).map_err(failed(&self.partial))?;
+        self.write_json(MANIFEST, &Listed { program: PROGRAM, manifest, files })?;
+        let _whole = self.unfinished.settle();
+        let moved = self.moved()?;
+        self.keep = true;
+        self.made.keep();
+        Ok(moved)
+    }
+
+    /// Moves the folder to its name, or another one.
+    fn moved(&self) -> Result<PathBuf, Error> {
+        let old = self.replaces.then(|| Ours::at(&self.target)).transpose();
+        let aside = hidden(&self.target, "replaced");
+        let outcome = match &old {
+            Ok(None) => fs::rename(&self.partial, &self.target),
+            Ok(Some(_)) => {
+                fs::rename(&self.target, &aside).and_then(|()| fs::rename(&self.partial, &self.target))
+            }
+            Err(why) => Err(io::Error::other(why.clone())),
+        };
+        let Err(why) = outcome else {
+            if let Ok(Some(old)) = old {
+                old.remove(&aside).map_err(|source| Error::file(&aside, source))?;
+            }
+            return Ok(self.target.clone());
+        };
+        if old.is_ok_and(|old| old.is_some()) && !self.target.exists() {
+            let _ = fs::rename(&aside, &self.target);
+        }
+        let label = label(&self.target);
+        let others = (2..).map(|number| self.target.with_file_name(numbered(&label, number))).take(1000);
+        for other in others.filter(|other| fs::symlink_metadata(other).is_err()) {
+            if fs::rename(&self.partial, &other).is_ok() {
+                note(&format!(
+                    "{} was taken meanwhile ({why}): the run is in {}",
+                    self.words,
+                    other.display()
+                ));
+                return Ok(other);
+            }
+        }
+        Err(Error::file(&self.target, why))
+    }
+}
+
+impl Drop for RunFolder {
+    fn drop(&mut self) {
+        if !self.keep {
+            let _ = fs::remove_dir_all(&self.partial);
+        }
+    }
+}
+
+fn wanted<'a>(out: Option<&'a Path>, parent: &Path, name: &RunName) -> Wanted<'a> {
+    out.map_or_else(|| Wanted::Named(parent.into(), name.clone()), Wanted::Out)
+}
+
+/// The name of the runs of a file, where no run names them.
+///
+/// # Errors
+/// A file name that is none for a folder.
+pub fn named_after(file: &Path, out: Option<&Path>) -> Result<RunName, Error> {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    match (RunName::new("name", &stem), out) {
+        (Err(_), Some(_)) => Ok(RunName::new("name", "runs")?),
+        (Err(why), None) => Err(Error::Input(format!(
+            "{}: the runs cannot be called after it, give --out DIR: {why}",
+            file.display()
+        ))),
+        (name, _) => Ok(name?),
+    }
+}
+
+fn label(target: &Path) -> String {
+    target.file_name().map_or("run".into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// The hidden neighbour of a folder: `partial` while it is written, `replaced` while a new run takes its place.
+fn hidden(target: &Path, mark: &str) -> PathBuf {
+    target.with_file_name(format!(".{}.{mark}", label(target)))
+}
+
+/// True when `folder` is what stands at `path`, and not what stood there before.
+#[cfg(unix)]
+fn is_at(folder: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let (Ok(held), Ok(there)) = (folder.metadata(), fs::symlink_metadata(path)) else { return false };
+    (held.dev(), held.ino()) == (there.dev(), there.ino())
+}
+
+#[cfg(not(unix))]
+fn is_at(_: &File, path: &Path) -> bool {
+    path.is_dir()
+}
+
+/// Whether a run may be moved to `target`, and takes the place of an earlier one there.
+fn may_move_to(wanted: &Wanted, target: &Path, force: bool) -> Result<bool, Taken> {
+    restore(target).map_err(Taken::Failed)?;
+    wanted.check(target).map_err(|error| match wanted {
+        Wanted::Out(_) => Taken::Failed(error),
+        Wanted::Named(..) => Taken::Busy(error.to_string()),
+    })?;
+    let empty = fs::read_dir(target).map_or(true, |mut entries| entries.next().is_none());
+    let named = matches!(wanted, Wanted::Named(..));
+    match Ours::at(target) {
+        _ if empty && !(named && target.exists()) => Ok(false),
+        Ok(_) if force && !named => Ok(true),
+        Ok(_) => Err(Taken::Busy("a new or empty folder; --force replaces this earlier run".into())),
+        Err(_) if !force => Err(Taken::Busy("a new or empty folder; this one holds other files".into())),
+        Err(why) => Err(Taken::Busy(format!(
+            "a new or empty folder, or with --force a run of wingbeat and nothing else: here {why}"
+        ))),
+    }
+}
+
+/// Brings an earlier run back to its name when the command that was to replace it was killed in between.
+fn restore(target: &Path) -> Result<(), Error> {
+    let aside = hidden(target, "replaced");
+    if fs::symlink_metadata(&aside).is_err() {
+        return Ok(());
+    }
+    let waits = |why| Error::Input(format!("{}: a replaced run waits here, and {why}", aside.display()));
+    let old = Ours::at(&aside).map_err(waits)?;
+    let outcome = match fs::symlink_metadata(target) {
+        Ok(_) => old.remove(&aside),
+        Err(_) => fs::rename(&aside, target),
+    };
+    outcome.map_err(|source| Error::file(&aside, source))
+}
+
+/// What lies in the hidden folder `partial`, which nobody else holds.
+fn left(partial: &Path, mode: Mode) -> Left {
+    if fs::read_dir(partial).is_ok_and(|mut entries| entries.next().is_none()) {
+        return Left::Nothing;
+    }
+    let mark: Option<Mark> =
+        fs::read_to_string(partial.join(MARK)).ok().and_then(|text| serde_json::from_str(&text).ok());
+    let mark = mark.filter(|mark| mark.program == PROGRAM);
+    let resumes = mark.as_ref().is_none_or(|mark| mark.resumes);
+    let holds =
+        |identity, text| fs::read_to_string(partial.join(identity)).is_ok_and(|left: String| left == text);
+    match mode {
+        Mode::GoesOn(identity, text) if resumes && holds(identity, text) => Left::Ours,
+        _ if mark.is_some() && !resumes => Left::Dead,
+        _ if mark.is_none() && Ours::at(partial).is_ok() => Left::Dead,
+        Mode::GoesOn(identity, _) if resumes => Left::Other(format!(
+            "another folder: an unfinished run with other settings waits in {}; finish it with those of its \
+             {identity}, or move it away",
+            partial.display()
+        )),
+        _ if mark.is_some() => Left::Other(format!(
+            "another folder: an unfinished run waits in {} for its command to go on",
+            partial.display()
+        )),
+        _ => Left::Other(format!("another folder: {} holds other files", partial.display())),
+    }
+}
+
+/// Removes everything inside a folder that a killed command of ours left.
+fn clear(partial: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(partial)? {
+        let entry = entry?;
+        match entry.file_type()?.is_dir() {
+            true => fs::remove_dir_all(entry.path())?,
+            false => fs::remove_file(entry.path())?,
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,385 @@
+//! The folder of a case, and the program called in it under limits.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{BufRead, BufReader, Read};
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use super::case::Judged;
+use crate::tools;
+
+/// Most memory of a call, kB of address space.
+const MEMORY_KB: u64 = 1 << 20;
+/// Longest time of a call.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Longest time from a signal to the end.
+pub const ANSWER: Duration = Duration::from_secs(1);
+/// Most that may lie in the folder of a case, bytes; no single file may become larger.
+const DISK: u64 = 1 << 30;
+/// Words of a program that broke.
+const BROKEN: [&str; 4] =
+    ["panicked at", "overflowed its stack", "memory allocation of", "capacity overflow"];
+
+/// An empty folder and the program.
+pub struct Place {
+    program: PathBuf,
+    /// The folder.
+    pub folder: PathBuf,
+}
+
+/// What lies in a folder: contents of files by their hash, targets of links, folders.
+pub type State = BTreeMap<PathBuf, String>;
+
+/// Where the standard output goes.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Stdout {
+    /// It is read.
+    Read,
+    /// To a full device.
+    Full,
+    /// It is closed.
+    Closed,
+    /// One line is read, then its reader goes, as `head -n 1` does.
+    Head,
+}
+
+/// A call of the program.
+pub struct Call<'a> {
+    place: &'a Place,
+    arguments: Vec<OsString>,
+    folder: PathBuf,
+    stdout: Stdout,
+    signal: Option<(&'static str, Duration)>,
+    /// Largest file that it may write, blocks of 512 bytes.
+    blocks: u64,
+}
+
+/// How a call ended.
+pub struct Ended {
+    /// Exit code; none after a signal.
+    pub code: Option<i32>,
+    /// The signal that ended it.
+    pub signal: Option<i32>,
+    /// What it printed.
+    pub stdout: String,
+    /// What it said.
+    pub stderr: String,
+    /// Time from the signal sent to the end.
+    pub answered: Option<Duration>,
+}
+
+/// `{root}` in `text` as the path of the repository.
+fn placed(text: &str) -> String {
+    text.replace("{root}", &tools::root().to_string_lossy())
+}
+
+fn told<T>(path: &Path, outcome: std::io::Result<T>) -> Result<T, String> {
+    outcome.map_err(|error| format!("{}: {error}", path.display()))
+}
+
+impl Place {
+    /// The folder, empty.
+    pub fn new(program: &Path, folder: &Path) -> Result<Self, String> {
+        if folder.exists() {
+            told(folder, fs::remove_dir_all(folder))?;
+        }
+        told(folder, fs::create_dir_all(folder))?;
+        Ok(Self { program: program.into(), folder: folder.into() })
+    }
+
+    /// A path inside.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// Writes a file, with the folders above it.
+    pub fn write(&self, name: &str, text: &str) -> Judged {
+        self.write_bytes(name, placed(text).as_bytes())
+    }
+
+    /// Writes a file that need not be text.
+    pub fn write_bytes(&self, name: &str, bytes: &[u8]) -> Judged {
+        let path = self.path(name);
+        let above = path.parent().unwrap_or(&self.folder);
+        told(above, fs::create_dir_all(above))?;
+        told(&path, fs::write(&path, bytes))
+    }
+
+    /// The text of a file.
+    pub fn read(&self, name: &str) -> Result<String, String> {
+        let path = self.path(name);
+        told(&path, fs::read_to_string(&path))
+    }
+
+    /// Names in a folder, sorted.
+    pub fn names(&self, folder: &str) -> Result<Vec<String>, String> {
+        let path = self.path(folder);
+        let entries = told(&path, fs::read_dir(&path))?;
+        let mut names: Vec<String> =
+            entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        Ok(names)
+    }
+
+    /// Exactly `names` lie in `folder`.
+    pub fn holds(&self, folder: &str, names: &[&str]) -> Judged {
+        let found = self.names(folder)?;
+        if found == names { Ok(()) } else { Err(format!("{folder} holds {found:?}, wanted {names:?}")) }
+    }
+
+    /// Two files have the same bytes.
+    pub fn same(&self, a: &str, b: &str) -> Judged {
+        let bytes = |name| told(&self.path(name), fs::read(self.path(name)));
+        if bytes(a)? == bytes(b)? { Ok(()) } else { Err(format!("{a} and {b} differ")) }
+    }
+
+    /// Everything inside.
+    pub fn state(&self) -> Result<State, String> {
+        let mut state = State::new();
+        look(&self.folder, &mut state)?;
+        Ok(state)
+    }
+
+    /// Nothing was added, changed or removed.
+    pub fn unchanged(&self, before: &State) -> Judged {
+        self.kept(before)?;
+        match self.state()?.keys().find(|path| !before.contains_key(*path)) {
+            Some(path) => Err(format!("left {}", path.display())),
+            None => Ok(()),
+        }
+    }
+
+    /// Nothing that lay there was changed or removed.
+    pub fn kept(&self, before: &State) -> Judged {
+        let after = self.state()?;
+        match before.iter().find(|(path, what)| after.get(*path) != Some(what)) {
+            Some((path, _)) => Err(format!("destroyed {}", path.display())),
+            None => Ok(()),
+        }
+    }
+
+    /// The folder has not grown beyond the limit.
+    pub fn within_disk(&self) -> Judged {
+        let size = size(&self.folder);
+        if size <= DISK { Ok(()) } else { Err(format!("{size} bytes on disk")) }
+    }
+
+    /// A call in the folder.
+    pub fn call(&self, arguments: &[&str]) -> Call<'_> {
+        let arguments = arguments.iter().map(|word| placed(word).into()).collect();
+        let folder = self.folder.clone();
+        Call { place: self, arguments, folder, stdout: Stdout::Read, signal: None, blocks: DISK / 512 }
+    }
+
+    /// Calls the program in the folder and waits for its end.
+    pub fn run(&self, arguments: &[&str]) -> Result<Ended, String> {
+        self.call(arguments).run()
+    }
+}
+
+impl Call<'_> {
+    /// With one more argument, which need not be text.
+    pub fn argument(mut self, argument: OsString) -> Self {
+        self.arguments.push(argument);
+        self
+    }
+
+    /// In another folder.
+    pub fn within(mut self, folder: &str) -> Self {
+        self.folder = self.place.path(folder);
+        self
+    }
+
+    /// With its standard output elsewhere.
+    pub fn stdout(mut self, stdout: Stdout) -> Self {
+        self.stdout = stdout;
+        self
+    }
+
+    /// Sends a signal (`INT`, `TERM`) so long after the start.
+    pub fn signal(mut self, name: &'static str, after: Duration) -> Self {
+        self.signal = Some((name, after));
+        self
+    }
+
+    /// No file may become larger than so many blocks of 512 bytes: writing fails as on a full disk.
+    pub fn blocks(mut self, blocks: u64) -> Self {
+        self.blocks = blocks;
+        self
+    }
+
+    /// Starts it.
+    pub fn start(&self) -> Result<Running, String> {
+        let closed = if self.stdout == Stdout::Closed { " >&-" } else { "" };
+        let script = format!(
+            "trap '' XFSZ; ulimit -c 0; ulimit -v {MEMORY_KB}; ulimit -f {}; exec \"$@\"{closed}",
+            self.blocks
+        );
+        let mut command = Command::new("sh");
+        command.args(["-c", &script, "sh"]).arg(&self.place.program).args(&self.arguments);
+        command.current_dir(&self.folder).stdin(Stdio::null()).stderr(Stdio::piped());
+        match self.stdout {
+            Stdout::Full => {
+                let full = Path::new("/dev/full");
+                command.stdout(told(full, File::options().write(true).open(full))?)
+            }
+            _ => command.stdout(Stdio::piped()),
+        };
+        let mut child = command.spawn().map_err(|error| format!("sh: {error}"))?;
+        let head = self.stdout == Stdout::Head;
+        let stdout = child.stdout.take().map(|pipe| gather(pipe, head));
+        let stderr = child.stderr.take().map(|pipe| gather(pipe, false));
+        Ok(Running { child, stdout, stderr })
+    }
+
+    /// Runs it to its end.
+    pub fn run(&self) -> Result<Ended, String> {
+        let mut running = self.start()?;
+        let Some((name, after)) = self.signal else { return running.end(PATIENCE) };
+        thread::sleep(after);
+        if running.child.try_wait().is_ok_and(|ended| ended.is_some()) {
+            let ended = running.end(PATIENCE)?;
+            return Err(format!("ended before the signal: {:?} {}", ended.code, ended.stderr.trim()));
+        }
+        let sent = Instant::now();
+        running.send(name)?;
+        let ended = running.end(PATIENCE)?;
+        Ok(Ended { answered: Some(sent.elapsed()), ..ended })
+    }
+}
+
+/// A program under way.
+pub struct Running {
+    child: Child,
+    stdout: Option<JoinHandle<String>>,
+    stderr: Option<JoinHandle<String>>,
+}
+
+impl Running {
+    /// Sends it a signal.
+    pub fn send(&self, name: &str) -> Judged {
+        let id = self.child.id().to_string();
+        let sent = Command::new("kill").args([&format!("-{name}"), &id]).status();
+        if sent.is_ok_and(|status| status.success()) { Ok(()) } else { Err(format!("kill -{name} failed")) }
+    }
+
+    /// Waits for its end, at most so long; what broke is an error.
+    pub fn end(mut self, patience: Duration) -> Result<Ended, String> {
+        let begun = Instant::now();
+        let status = loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => break Some(status),
+                Ok(None) if begun.elapsed() > patience => break None,
+                Ok(None) => thread::sleep(Duration::from_millis(3)),
+                Err(error) => return Err(format!("lost: {error}")),
+            }
+        };
+        if status.is_none() {
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+        let text =
+            |reader: Option<JoinHandle<String>>| reader.and_then(|r| r.join().ok()).unwrap_or_default();
+        let (stdout, stderr) = (text(self.stdout.take()), text(self.stderr.take()));
+        let Some(status) = status else {
+            return Err(format!("still running after {patience:?}: {}", brief(&stderr)));
+        };
+        let ended = Ended { code: status.code(), signal: status.signal(), stdout, stderr, answered: None };
+        match BROKEN.iter().find(|word| ended.stderr.contains(**word)) {
+            Some(word) => Err(format!("it broke ({word}): {}", brief(&ended.stderr))),
+            None => Ok(ended),
+        }
+    }
+}
+
+impl Ended {
+    /// It ended by itself with this exit code.
+    pub fn exits(self, code: i32) -> Result<Self, String> {
+        if self.code == Some(code) {
+            return Ok(self);
+        }
+        let how = self.code.map_or(format!("signal {:?}", self.signal), |code| format!("exit {code}"));
+        Err(format!("{how}, wanted exit {code}: {}", brief(&self.stderr)))
+    }
+
+    /// Its error stream says each of `words`.
+    pub fn says(self, words: &[&str]) -> Result<Self, String> {
+        match words.iter().find(|word| !self.stderr.contains(&placed(word))) {
+            Some(word) => Err(format!("does not say {word:?}: {}", brief(&self.stderr))),
+            None => Ok(self),
+        }
+    }
+
+    /// Its output says each of `words`.
+    pub fn prints(self, words: &[&str]) -> Result<Self, String> {
+        match words.iter().find(|word| !self.stdout.contains(&placed(word))) {
+            Some(word) => Err(format!("does not print {word:?}: {}", brief(&self.stdout))),
+            None => Ok(self),
+        }
+    }
+
+    /// It ended soon enough after its signal.
+    pub fn in_time(self) -> Result<Self, String> {
+        match self.answered {
+            Some(took) if took <= ANSWER => Ok(self),
+            took => Err(format!("answered the signal after {took:?}: {}", brief(&self.stderr))),
+        }
+    }
+}
+
+/// Reads a stream to its end, or its first line only.
+fn gather(pipe: impl Read + Send + 'static, first_line: bool) -> JoinHandle<String> {
+    thread::spawn(move || {
+        let mut reader = BufReader::with_capacity(if first_line { 64 } else { 8192 }, pipe);
+        let mut bytes = Vec::new();
+        let _ = match first_line {
+            true => reader.read_until(b'\n', &mut bytes),
+            false => reader.read_to_end(&mut bytes),
+        };
+        String::from_utf8_lossy(&bytes).into_owned()
+    })
+}
+
+fn look(folder: &Path, state: &mut State) -> Judged {
+    for entry in told(folder, fs::read_dir(folder))? {
+        let path = told(folder, entry)?.path();
+        let kind = told(&path, fs::symlink_metadata(&path))?.file_type();
+        let what = if kind.is_symlink() {
+            format!("link to {:?}", told(&path, fs::read_link(&path))?)
+        } else if kind.is_dir() {
+            look(&path, state)?;
+            "folder".into()
+        } else if kind.is_file() {
+            let mut hasher = DefaultHasher::new();
+            told(&path, fs::read(&path))?.hash(&mut hasher);
+            format!("file {:x}", hasher.finish())
+        } else {
+            "special".into()
+        };
+        state.insert(path, what);
+    }
+    Ok(())
+}
+
+fn size(path: &Path) -> u64 {
+    match fs::symlink_metadata(path) {
+        Ok(data) if data.is_dir() => {
+            fs::read_dir(path).into_iter().flatten().flatten().map(|entry| size(&entry.path())).sum()
+        }
+        Ok(data) => data.len(),
+        Err(_) => 0,
+    }
+}
+
+/// The end of what was said, short.
+fn brief(text: &str) -> String {
+    let text = text.trim();
+    let start = text.char_indices().rev().nth(399).map_or(0, |(at, _)| at);
+    text[start..].replace('\n', " | ")
+}
