@@ -14,7 +14,8 @@ pub struct Arguments {
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 a comparison failed; 2 bad input; 3 a run that did not do what its scenario asks, \
-its folder is kept and its summary.json says why; 130 interrupted, nothing is kept.";
+its folder is kept and its summary.json says why; 130 interrupted, nothing is kept but what the same command goes on \
+from. Where runs lie and what is replaced: docs/runs.md.";
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -90,7 +91,7 @@ pub struct Run {
     /// Folder of the run; without it runs/NAME, or runs/NAME-2 and so on when that is taken
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace the run that --out names
+    /// Replace the run that --out names, if nothing else lies there
     #[arg(long, requires = "out")]
     pub force: bool,
     /// Override a key, e.g. `--set robot.body.mass_kg=0.012`; may be repeated
@@ -128,7 +129,7 @@ pub struct Validate {
     /// Write a folder of the results
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace the run that --out names
+    /// Replace the run that --out names, if nothing else lies there
     #[arg(long, requires = "out")]
     pub force: bool,
     /// Also write the table as a JSON list of {id, source, metric, value, limit, pass}
@@ -190,10 +191,11 @@ pub struct RigProcess {
     /// The run that was measured; needed where no scenario.toml lies beside the samples
     #[arg(long, value_name = "RUN.toml")]
     pub run: Option<PathBuf>,
-    /// Folder of the results; without it PATH/processed, or FILE-processed beside a file
+    /// Folder of the results; without it PATH/processed, or FILE-processed beside a file,
+    /// with -2 and so on when that is taken
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace the results that --out names
+    /// Replace the results that --out names, if nothing else lies there
     #[arg(long, requires = "out")]
     pub force: bool,
     /// Override a key of every run, e.g. `--set process.steps.tare=false`; may be repeated
@@ -238,7 +240,7 @@ pub struct RigRecord {
     /// Folder of the recording
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Replace the recording that --out names
+    /// Replace the recording that --out names, if nothing else lies there
     #[arg(long)]
     pub force: bool,
     /// Print only errors

@@ -41,7 +41,7 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     let table = || outcome::table(&run.summary, scenario.spec.paper.as_ref());
     let printed = say::unless(options.quiet, || format!("{}\nrun folder: {}\n", table(), shown.display()));
     match run.summary.status {
-        FlightStatus::Ok => printed,
+        FlightStatus::Ok | FlightStatus::NotJudged => printed,
         status => Err(Error::Failed {
             status: outcome::name(status).into(),
             reason: run.summary.reason.unwrap_or_default(),

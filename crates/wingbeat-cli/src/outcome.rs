@@ -24,6 +24,8 @@ pub fn name(status: FlightStatus) -> &'static str {
     match status {
         FlightStatus::Ok => "ok",
         FlightStatus::OffTarget => "off_target",
+        FlightStatus::NotJudged => "not_judged",
+        FlightStatus::NotFinite => "not_finite",
         FlightStatus::Fault => "fault",
         FlightStatus::Stopped => "stopped",
     }
@@ -53,6 +55,7 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("inputs at a limit", None, share(summary.input_saturation_fraction), "%"),
         ("controller updates", None, controller.updates.to_string(), ""),
         ("controller failures", None, controller.failures.to_string(), ""),
+        ("updates past their period", None, controller.late.to_string(), ""),
         ("update, median", None, number(1e-3 * controller.median_us), "ms"),
         ("update, 99.9 %", None, number(1e-3 * controller.p999_us), "ms"),
         ("real-time factor", None, number(summary.real_time_factor), ""),

@@ -1,11 +1,10 @@
 //! `wingbeat tether`.
 
 use std::cell::RefCell;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use wingbeat::scenario::{TetherCase, TetherSummary};
+use wingbeat::scenario::{RunName, TetherCase, TetherSummary};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::{CycleMean, TetherRun};
 use wingbeat_figures::{cycle_loads, span_loading};
@@ -41,17 +40,14 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let tables = RefCell::new(Vec::new());
-    let read = |path: &Path| {
-        tables.borrow_mut().push(path.to_path_buf());
-        read_csv(path).map_err(|error| error.to_string())
-    };
-    let case = TetherCase::load(&arguments.case, &options.overrides, &read)?;
+    let tables = Tables::default();
+    let case = TetherCase::load(&arguments.case, &options.overrides, &|path| tables.read(path))?;
     let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
-    let run = simulate(&case, &interrupt, options.quiet)?;
-    let summary = case.summary(&run);
-    folder.write("case.toml", &case.resolved)?;
-    keep_tables(&folder, &tables.into_inner())?;
+    let run = simulate(&case.tether, &interrupt, options.quiet)?;
+    let coarse = case.tether.halved().map(|half| simulate(&half, &interrupt, true)).transpose()?;
+    let summary = case.summary(&run, coarse.as_ref());
+    folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
+    tables.keep(&folder)?;
     folder.write("means.csv", &means(&run.means))?;
     folder.write_json("summary.json", &summary)?;
     write_csv(&folder.file("loads.csv"), &run.loads)?;
@@ -64,25 +60,59 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
         say::unless(options.quiet, || format!("{}\nrun folder: {}\n", table(&summary), shown.display()));
     match run.ending {
         Ending::Fault(fault) => {
-            Err(Error::Failed { status: "fault".into(), reason: fault.to_string(), folder: shown.into() })
+            let status = if fault.is_not_finite() { "not_finite" } else { "fault" };
+            Err(Error::Failed { status: status.into(), reason: fault.to_string(), folder: shown.into() })
         }
         _ => printed,
     }
 }
 
-/// Copies the tables beside the case, so that it runs again from its folder.
-fn keep_tables(folder: &RunFolder, tables: &[PathBuf]) -> Result<(), Error> {
-    for table in tables {
-        let name = table.file_name().unwrap_or_default().to_string_lossy();
-        fs::copy(table, folder.file(&name)).map_err(|source| Error::file(table, source))?;
+/// The tables of a case, each read once and kept beside it, so that it runs again from its folder.
+#[derive(Default)]
+struct Tables(RefCell<Vec<(PathBuf, Record)>>);
+
+impl Tables {
+    fn read(&self, path: &Path) -> Result<Record, String> {
+        let mut tables = self.0.borrow_mut();
+        if let Some((_, record)) = tables.iter().find(|(known, _)| known == path) {
+            return Ok(record.clone());
+        }
+        let record = read_csv(path).map_err(|error| error.to_string())?;
+        tables.push((path.into(), record.clone()));
+        Ok(record)
     }
-    Ok(())
+
+    /// The name under which the table of a file is kept.
+    fn name(&self, path: &Path) -> String {
+        let tables = self.0.borrow();
+        let own = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        let alone = tables.iter().filter(|(known, _)| own(known) == own(path)).count() == 1;
+        let free = alone && !["loads.csv", "means.csv", "case.toml"].contains(&own(path).as_str());
+        let name = path.file_name().and_then(|name| name.to_str());
+        match name.filter(|name| free && RunName::new("file", name).is_ok()) {
+            Some(name) => name.into(),
+            None => {
+                format!("table-{}.csv", 1 + tables.iter().position(|(known, _)| known == path).unwrap_or(0))
+            }
+        }
+    }
+
+    fn keep(&self, folder: &RunFolder) -> Result<(), Error> {
+        for (path, record) in self.0.borrow().iter() {
+            write_csv(&folder.file(&self.name(path)), record)?;
+        }
+        Ok(())
+    }
 }
 
-fn simulate(case: &TetherCase, interrupt: &Interrupt, quiet: bool) -> Result<TetherRun, Error> {
+fn simulate(
+    tether: &wingbeat::tether::Tether,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Result<TetherRun, Error> {
     let template = "moving {bar:30} {percent:>3} %  ({eta} left)";
     let progress = progress::bar(Some(TICKS as u64), template, quiet);
-    let run = case.tether.run(|share| {
+    let run = tether.run(|share| {
         progress.set_position((TICKS * share) as u64);
         interrupt.flow()
     });

@@ -41,7 +41,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     let start = Instant::now();
     let _interrupt = Interrupt::listen()?;
     let options = &arguments.run;
-    let runs = runs::load(&arguments.file, &options.overrides)?;
+    let runs = runs::load(&arguments.file, &options.all_overrides())?;
     let name = named_after(&arguments.file, options.out.as_deref())?;
     let folder = RunFolder::create(options.out.as_deref(), &name, options.force)?;
     let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
@@ -49,7 +49,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     let folders = runs.iter().map(|run| folder.folder(&run.spec.name)).collect::<Result<Vec<_>, _>>()?;
     let summaries = parallel::map(&runs, |index, run| {
         let bar = bars.add(bar(&run.spec.name));
-        let summary = one(run, &folders[index], options.seed.unwrap_or(0) + index as u64, &bar);
+        let summary = one(run, &folders[index], run.spec.seed.unwrap_or(0), &bar);
         bar.finish_and_clear();
         summary
     });
@@ -72,7 +72,8 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     if refused == runs.len() {
         return Err(Error::Input(failed.join("\n")));
     }
-    let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
+    let path = folder
+        .finish(&Manifest::new(runs.first().and_then(|run| run.spec.seed).unwrap_or(0), start.elapsed()))?;
     let printed = say::unless(options.quiet, || format!("{told}runs: {}\n", path.display()));
     match failed.is_empty() {
         true => printed,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use wingbeat::simulate::{Column, Record};
@@ -17,19 +17,30 @@ pub struct Log {
 }
 
 impl Log {
-    /// Opens the log; rows have `width` numbers, the first of which is the flight's. A line cut short is left out.
-    pub fn open(path: &Path, width: usize) -> Result<Self, Error> {
-        let text = fs::read_to_string(path).unwrap_or_default();
-        let whole = text.rsplit_once('\n').map_or("", |(whole, _)| whole);
-        let rows: BTreeMap<usize, Vec<f64>> =
-            whole.lines().filter_map(|line| row(line, width)).map(|row| (row[0] as usize, row)).collect();
-        let file = OpenOptions::new().create(true).append(true).open(path);
-        let mut log =
-            Self { path: path.into(), file: file.map_err(|source| Error::file(path, source))?, rows };
-        if text.len() > whole.len() + 1 {
-            log.line("")?;
+    /// Opens the log; the first number of a row is its flight's. A last line cut short goes.
+    ///
+    /// # Errors
+    /// A line that is no row for which `belongs` holds, a flight that is there twice.
+    pub fn open(path: &Path, belongs: impl Fn(&[f64]) -> bool) -> Result<Self, Error> {
+        let failed = |source| Error::file(path, source);
+        let text = match fs::read_to_string(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
+            other => other.map_err(failed)?,
+        };
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        let mut rows = BTreeMap::new();
+        for (number, line) in text[..whole].lines().enumerate() {
+            let row = row(line).filter(|row| belongs(row));
+            let new = row.is_some_and(|row| rows.insert(row[0] as usize, row).is_none());
+            if !new {
+                let at = number + 1;
+                let what = "no flight of this sweep, or one that is there already: move the file away";
+                return Err(Error::Input(format!("{}:{at}: {what}", path.display())));
+            }
         }
-        Ok(log)
+        let file = OpenOptions::new().create(true).append(true).open(path).map_err(failed)?;
+        file.set_len(whole as u64).map_err(failed)?;
+        Ok(Self { path: path.into(), file, rows })
     }
 
     /// True when flight `run` is done.
@@ -68,9 +79,8 @@ impl Log {
     }
 }
 
-fn row(line: &str, width: usize) -> Option<Vec<f64>> {
-    let numbers: Option<Vec<f64>> = line.split(',').map(|cell| cell.parse().ok()).collect();
-    numbers.filter(|numbers| numbers.len() == width)
+fn row(line: &str) -> Option<Vec<f64>> {
+    line.split(',').map(|cell| cell.parse().ok()).collect()
 }
 
 #[cfg(test)]
@@ -81,17 +91,19 @@ mod tests {
     fn a_log_goes_on_where_it_was_cut() {
         let path = std::env::temp_dir().join(format!("wingbeat-log-{}", std::process::id()));
         let _ = fs::remove_file(&path);
-        let mut log = Log::open(&path, 2).unwrap();
+        let two = |row: &[f64]| row.len() == 2;
+        let mut log = Log::open(&path, two).unwrap();
         log.append(&[3.0, 0.1 + 0.2]).unwrap();
         log.append(&[1.0, f64::NAN]).unwrap();
         drop(log);
         let cut = fs::read_to_string(&path).unwrap() + "2,0.";
         fs::write(&path, cut).unwrap();
-        let mut log = Log::open(&path, 2).unwrap();
+        let mut log = Log::open(&path, two).unwrap();
         assert!(log.has(1) && log.has(3) && !log.has(2));
         log.append(&[2.0, 7.0]).unwrap();
         drop(log);
-        let log = Log::open(&path, 2).unwrap();
+        assert!(Log::open(&path, |row| row[0] < 3.0).unwrap_err().to_string().contains(":1:"));
+        let log = Log::open(&path, two).unwrap();
         let record = log.record(&[("run".into(), ""), ("x".into(), "m")]).unwrap();
         assert_eq!(record.values("run"), Some([1.0, 2.0, 3.0].as_slice()));
         assert_eq!(record.values("x").unwrap()[2].to_bits(), (0.1_f64 + 0.2).to_bits());

@@ -41,10 +41,10 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
     let sweep = Sweep::load(&arguments.sweep, &options.all_overrides())?;
-    let identity = format!("{}\n# The scenario of the first flight:\n{}", sweep.resolved, commented(&sweep)?);
     let name = &sweep.spec.run_name()?;
-    let folder = RunFolder::resume(options.out.as_deref(), name, options.force, ("sweep.toml", &identity))?;
-    let mut log = Log::open(&folder.file("flights.log"), 1 + sweep.spec.draws.len() + MEASURES.len())?;
+    let folder =
+        RunFolder::resume(options.out.as_deref(), name, options.force, ("sweep.toml", &sweep.resolved))?;
+    let mut log = Log::open(&folder.file("flights.log"), |row| is_of(&sweep, row))?;
     fly_all(&sweep, &mut log, &interrupt, options.quiet)?;
     let record = log.record(&columns(&sweep))?;
     log.remove()?;
@@ -58,9 +58,14 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     say::unless(options.quiet, || format!("{}\nrun folder: {}\n", outcome.table(), shown.display()))
 }
 
-/// The scenario of the first flight as TOML comments: a sweep goes on only with the same one.
-fn commented(sweep: &Sweep) -> Result<String, Error> {
-    Ok(sweep.scenario(0)?.resolved.lines().map(|line| format!("# {line}\n")).collect())
+/// Whether `row` is that of a flight of the sweep: its number and its draws.
+fn is_of(sweep: &Sweep, row: &[f64]) -> bool {
+    let draws = sweep.spec.draws.len();
+    let run = row.first().copied().unwrap_or(f64::NAN);
+    row.len() == 1 + draws + MEASURES.len()
+        && run.fract() == 0.0
+        && (0.0..sweep.spec.runs as f64).contains(&run)
+        && sweep.values(run as usize) == row[1..=draws]
 }
 
 /// Flies the flights that are not in the log, on all cores.

@@ -6,6 +6,9 @@ use super::bird::Bird;
 /// Share of the picture that the robot's reach should take at least.
 const SHARE: f64 = 0.08;
 
+/// Most lines of the grid along the longest side, about.
+const LINES: f64 = 20.0;
+
 /// A box whose sides are whole steps long.
 pub struct Room {
     pub low: Point,
@@ -25,7 +28,8 @@ impl Room {
         let enlargement = if reach > 0.0 { (SHARE * size / reach).round().clamp(1.0, 10.0) } else { 1.0 };
         let robots = birds.iter().flat_map(|bird| bird.enlarged(enlargement).points().collect::<Vec<_>>());
         let (low, high) = bounds(track.iter().copied().chain(robots));
-        let step = round_step(size / 5.0);
+        let reached = (0..3).map(|i| high[i] - low[i]).fold(size, f64::max);
+        let step = round_step((size / 5.0).max(reached / LINES));
         Self {
             low: low.map(|low| (low / step - 0.1).floor() * step),
             high: high.map(|high| (high / step + 0.1).ceil() * step),
@@ -36,8 +40,8 @@ impl Room {
 
     /// The multiples of the step from `low` to `high` along axis `i`.
     pub fn ticks(&self, i: usize) -> Vec<f64> {
-        let count = ((self.high[i] - self.low[i]) / self.step).round() as usize;
-        (0..=count).map(|n| self.low[i] + n as f64 * self.step).collect()
+        let count = ((self.high[i] - self.low[i]) / self.step).round();
+        (0..=count.min(2.0 * LINES) as usize).map(|n| self.low[i] + n as f64 * self.step).collect()
     }
 
     /// The eight corners.

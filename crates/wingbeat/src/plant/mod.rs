@@ -129,6 +129,21 @@ pub enum Fault {
         /// Time, s.
         time: f64,
     },
+    /// A number to be recorded is not finite.
+    #[error("column {column} of the record is not finite at t = {time:.4} s")]
+    NotRecorded {
+        /// Index of the column.
+        column: usize,
+        /// Time, s.
+        time: f64,
+    },
+}
+
+impl Fault {
+    /// True when the model went on to numbers that are none.
+    pub fn is_not_finite(&self) -> bool {
+        matches!(self, Self::NotFinite { .. } | Self::NotRecorded { .. })
+    }
 }
 
 /// A dynamical system dx/dt = f(t, x, u).

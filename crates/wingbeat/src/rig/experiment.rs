@@ -76,7 +76,7 @@ impl Experiment<'_> {
             let reading = cell.sample(&now.wrench);
             saturated += usize::from(reading.saturated);
             self.fill(&mut row, at.t, &now, &reading.values);
-            record.append(&row);
+            record.append_finite(&row)?;
             if k.is_multiple_of(512) {
                 progress(k as f64 / samples as f64);
             }

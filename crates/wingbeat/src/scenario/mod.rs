@@ -13,6 +13,7 @@ mod rig_process;
 mod rig_statement;
 mod rig_together;
 mod spec;
+mod step_error;
 mod summary;
 mod sweep;
 mod tether;
@@ -51,6 +52,7 @@ use doors::Choice;
 use recorder::{Recorded, Recorder};
 use std::ops::ControlFlow;
 use std::path::Path;
+use step_error::StepError;
 
 /// Keys of a scenario that name a file to be put in their place.
 const INCLUDES: [&str; 1] = ["robot"];
@@ -266,18 +268,27 @@ impl Scenario {
         mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
+        let mut error = StepError::new(&self.robot, schedule);
         let mut recorder = Recorder::new(&self.robot, controller, rows, self.samples_per_strips)?;
         let mut x = self.start();
         let flight = fly(&self.robot, &mut sensors, controller, schedule, &mut x, |sample, controller| {
             recorder.sample(sample, controller)?;
+            error.see(sample);
             Ok(observe(sample))
         });
+        let error = error.at_end(flight.duration);
         let Recorded { record, strips, stall_fraction } = recorder.finish();
-        let summary = self.summarise(&record, &flight, stall_fraction);
+        let summary = self.summarise(&record, &flight, schedule, (stall_fraction, error));
         Ok(Run { record, strips, summary })
     }
 
-    fn summarise(&self, record: &Record, flight: &Flight, stall_fraction: f64) -> Summary {
+    fn summarise(
+        &self,
+        record: &Record,
+        flight: &Flight,
+        schedule: &Schedule,
+        (stall_fraction, step_error_m): (f64, Option<f64>),
+    ) -> Summary {
         let context = summary::Context {
             manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),
@@ -286,6 +297,8 @@ impl Scenario {
             preset: self.spec.aero.preset.name(),
             law: self.spec.aero.law.name(),
             stall_fraction,
+            period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
+            step_error_m,
         };
         Summary::new(record, flight, &context)
     }

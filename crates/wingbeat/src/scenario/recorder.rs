@@ -97,8 +97,9 @@ impl<'a> Recorder<'a> {
         row.extend(u);
         row.extend(x);
         controller.diagnostics(&mut row);
-        self.record.append(&row);
+        let recorded = self.record.append_finite(&row);
         self.row = row;
+        recorded?;
         self.incidence.extend(o.incidence());
         if let Some(strips) = &mut self.strips {
             if strips.due == 0 {

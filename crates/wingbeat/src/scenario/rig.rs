@@ -25,6 +25,9 @@ const INCLUDES: [&str; 3] = ["rig", "rig.robot", "rig.arm"];
 pub struct RigRunSpec {
     /// Name; the run folder is called after it.
     pub name: String,
+    /// Seed of the cell's noise; without it the run's number in its list, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// The rig; a run names its file.
     pub rig: RigSpec,
     /// Another limit profile than the rig's.
@@ -251,7 +254,8 @@ impl RigRun {
         Self::build(spec, resolved, document.clone()).map_err(|error| document.explain(&error))
     }
 
-    /// The runs of a file: itself, or those that it lists, `runs = ["a.toml", ...]`, each with `overrides`.
+    /// The runs of a file: itself, or those that it lists, `runs = ["a.toml", ...]`, each with `overrides`. A run
+    /// without a seed gets its number, from 0; an override of the seed is that of the first run.
     ///
     /// # Errors
     /// Those of [`new`](Self::new); two runs of one name.
@@ -262,14 +266,14 @@ impl RigRun {
     ) -> Result<Vec<Self>, ConfigError> {
         let list = Document::file(path)?;
         if list.written("runs").is_none() {
-            return Ok(vec![Self::new(list.overridden(overrides), translate)?]);
+            return Ok(vec![Self::new(seeded(list, overrides, 0), translate)?]);
         }
         let names = list.parse::<RunList>()?.runs;
         let mut runs: Vec<Self> = Vec::with_capacity(names.len());
         for k in 0..names.len() {
-            let run = Self::new(list.part(&format!("runs[{k}]"))?.overridden(overrides), translate)?;
+            let run = Self::new(seeded(list.part(&format!("runs[{k}]"))?, overrides, k as u64), translate)?;
             let name = &run.spec.name;
-            if runs.iter().any(|earlier| earlier.spec.name == *name) {
+            if runs.iter().any(|earlier| earlier.spec.name.eq_ignore_ascii_case(name)) {
                 let error = Error::invalid(format!("runs[{k}]"), name, "a run whose name no other one has");
                 return Err(list.explain(&error));
             }
@@ -289,12 +293,12 @@ impl RigRun {
         spec.process.check().map_err(|e| e.within("process"))?;
         spec.hold.as_ref().map_or(Ok(()), HoldSpec::check).map_err(|e| e.within("hold"))?;
         spec.turn.as_ref().map_or(Ok(()), TurnSpec::check).map_err(|e| e.within("turn"))?;
-        spec.check_samples()?;
         if spec.turn.is_some() == spec.hold.is_some() {
             let given = if spec.turn.is_some() { "turn and hold" } else { "neither" };
             return Err(Error::invalid("turn", given, "either [turn] or [hold]"));
         }
         spec.rig.check().map_err(|e| e.within("rig"))?;
+        spec.check_samples()?;
         let (profile, key) = match &spec.profile {
             Some(profile) => (profile, "profile"),
             None => (&spec.rig.profile, "rig.profile"),
@@ -433,6 +437,21 @@ impl RigRun {
             spin_up: self.spec.rig.spin_up_s,
         };
         experiment.simulate(progress)
+    }
+}
+
+/// A run with `overrides` and a seed: that of an override plus `number`, its own, or `number`.
+fn seeded(document: Document, overrides: &[String], number: u64) -> Document {
+    let seed = |text: &String| {
+        text.split_once('=').filter(|(key, _)| key.trim() == "seed").map(|(_, v)| v.trim().parse())
+    };
+    let given: Option<u64> = overrides.iter().rev().find_map(seed).and_then(Result::ok);
+    let own = document.written("seed").is_some();
+    let document = document.overridden(overrides);
+    match given {
+        Some(first) => document.set(format!("seed={}", first.saturating_add(number))),
+        None if own || overrides.iter().any(|text| seed(text).is_some()) => document,
+        None => document.set(format!("seed={number}")),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::spec::GoalSpec;
 use crate::guide::{Manoeuvre, Reference, angle_error};
-use crate::plant::Channel;
+use crate::plant::{Channel, Fault};
 use crate::simulate::{Ending, Flight, Record};
 use serde::Serialize;
 
@@ -11,11 +11,13 @@ use serde::Serialize;
 /// Pitch is FLU: negative is nose up.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// `ok`, `off_target`, `fault`, `stopped`.
+    /// `ok`, `off_target`, `not_judged`, `not_finite`, `fault`, `stopped`.
     pub status: FlightStatus,
     /// Why, when the status is not `ok`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// What the goal asked and was judged, by key; empty without a goal.
+    pub judged: Vec<String>,
     /// Simulated time, s.
     pub duration_s: f64,
     /// Simulated over wall time.
@@ -68,6 +70,9 @@ pub struct Summary {
     pub least_clearance_m: Option<f64>,
     /// Share of the records in which a clearance is below zero.
     pub crossing_fraction: Option<f64>,
+    /// Estimate of the error of the integration in the last position, m: what two steps differ from one of twice
+    /// the length, over 15, at instants of the flight, summed up to its end. Feedback and growth are not in it.
+    pub step_error_m: Option<f64>,
     /// Cautions that a reader must know.
     pub warnings: Vec<String>,
     /// Controller timing and failures.
@@ -82,6 +87,10 @@ pub enum FlightStatus {
     Ok,
     /// Flown to the end, goal missed.
     OffTarget,
+    /// Flown to the end, a goal is given, and what it asks could not be judged.
+    NotJudged,
+    /// A number became infinite or none.
+    NotFinite,
     /// The model could not be evaluated.
     Fault,
     /// Stopped from outside.
@@ -95,8 +104,12 @@ pub struct ControllerSummary {
     pub updates: usize,
     /// Updates that failed and kept the previous plan.
     pub failures: usize,
-    /// Updates that missed their deadline and kept the previous plan.
+    /// Updates that took longer than the period by the wall clock, or missed their deadline and kept the previous
+    /// plan.
     pub late: usize,
+    /// Time between updates, s; none without a controller.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period_s: Option<f64>,
     /// Wall time of an update, microseconds.
     pub median_us: f64,
     /// 99th percentile.
@@ -109,7 +122,7 @@ pub struct ControllerSummary {
 
 impl ControllerSummary {
     /// Order statistics of the update times.
-    pub fn new(flight: &Flight) -> Self {
+    pub fn new(flight: &Flight, period_s: Option<f64>) -> Self {
         let mut us: Vec<f64> = flight.updates.iter().map(|d| d.as_secs_f64() * 1e6).collect();
         us.sort_by(f64::total_cmp);
         let quantile = |q: f64| match us.len() {
@@ -119,7 +132,10 @@ impl ControllerSummary {
         Self {
             updates: us.len(),
             failures: flight.failures,
-            late: flight.late,
+            late: flight
+                .late
+                .max(us.iter().filter(|us| period_s.is_some_and(|period| **us > 1e6 * period)).count()),
+            period_s,
             median_us: quantile(0.5),
             p99_us: quantile(0.99),
             p999_us: quantile(0.999),
@@ -184,6 +200,10 @@ pub(super) struct Context<'a> {
     pub preset: &'a str,
     pub law: &'a str,
     pub stall_fraction: f64,
+    /// Time between updates of the controller, s.
+    pub period_s: Option<f64>,
+    /// Estimate of the error of the steps, m.
+    pub step_error_m: Option<f64>,
 }
 
 impl Context<'_> {
@@ -210,6 +230,7 @@ impl Summary {
         let mut summary = Self {
             status: FlightStatus::Ok,
             reason: None,
+            judged: Vec::new(),
             duration_s: flight.duration,
             real_time_factor: flight.duration / flight.wall.as_secs_f64(),
             distance_x_m: change("p_WB_x"),
@@ -234,29 +255,52 @@ impl Summary {
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
-            warnings: warnings(context, crossing.as_ref(), flight.duration < settle),
-            controller: ControllerSummary::new(flight),
+            step_error_m: context.step_error_m,
+            warnings: warnings(context, crossing.as_ref()),
+            controller: ControllerSummary::new(flight, context.period_s),
         };
-        (summary.status, summary.reason) = summary.judge(flight, context);
+        (summary.status, summary.reason) = summary.judge(record, flight, context);
+        if summary.status == FlightStatus::NotJudged {
+            summary.warnings.extend(summary.reason.clone());
+        }
         summary
     }
 
     /// True when the whole duration was flown.
     pub fn completed(&self) -> bool {
-        matches!(self.status, FlightStatus::Ok | FlightStatus::OffTarget)
+        matches!(self.status, FlightStatus::Ok | FlightStatus::OffTarget | FlightStatus::NotJudged)
     }
 
-    fn judge(&self, flight: &Flight, context: &Context) -> (FlightStatus, Option<String>) {
+    fn judge(
+        &mut self,
+        record: &Record,
+        flight: &Flight,
+        context: &Context,
+    ) -> (FlightStatus, Option<String>) {
         match flight.ending {
+            Ending::Fault(Fault::NotRecorded { column, time }) => {
+                let name = record.columns().get(column).map_or("a column", |column| column.name.as_str());
+                return (FlightStatus::NotFinite, Some(format!("{name} is not finite at t = {time:.4} s")));
+            }
+            Ending::Fault(fault) if fault.is_not_finite() => {
+                return (FlightStatus::NotFinite, Some(fault.to_string()));
+            }
             Ending::Fault(fault) => {
                 return (FlightStatus::Fault, Some(format!("{fault}, after {:.4} s", flight.duration)));
             }
             Ending::Stopped => return (FlightStatus::Stopped, Some("stopped from outside".into())),
             Ending::Complete => {}
         }
-        let (Some(goal), Some(_)) = (context.goal, context.manoeuvre) else {
-            return (FlightStatus::Ok, None);
-        };
+        let Some(goal) = context.goal else { return (FlightStatus::Ok, None) };
+        if context.manoeuvre.is_none() {
+            let why = "the goal was not judged: without [manoeuvre] there is no reference to hold";
+            return (FlightStatus::NotJudged, Some(why.into()));
+        }
+        if self.roll_rms_error_deg.is_none() || self.pitch_rms_error_deg.is_none() {
+            let why = "the flight ended before the goal's settling time and was not judged";
+            return (FlightStatus::NotJudged, Some(why.into()));
+        }
+        self.judged = vec!["goal.roll_within_deg".into(), "goal.pitch_within_deg".into()];
         let off = |name: &str, rms: Option<f64>, within: f64| {
             let rms = rms.filter(|rms| !(*rms <= within))?;
             Some(format!("rms error of {name} {rms:.2} deg, allowed is {within} deg"))
@@ -341,11 +385,17 @@ impl Crossing {
     }
 }
 
-fn warnings(context: &Context, crossing: Option<&Crossing>, unsettled: bool) -> Vec<String> {
+/// Estimate of the error of the steps above which there is a caution, m. *Choice.*
+const STEP_ERROR: f64 = 0.01;
+
+fn warnings(context: &Context, crossing: Option<&Crossing>) -> Vec<String> {
     let share = 100.0 * context.stall_fraction;
     let mut warnings = Vec::new();
-    if unsettled && context.goal.is_some() {
-        warnings.push("the flight ended before the goal's settling time and was not judged".into());
+    if let Some(error) = context.step_error_m.filter(|error| !(*error <= STEP_ERROR)) {
+        warnings.push(format!(
+            "the steps of the integration are too long: their error is estimated to move the end of the flight by \
+             {error:.2} m; shorten flight.step_s"
+        ));
     }
     if context.law == "linear" && context.stall_fraction > 0.0 {
         warnings.push(format!(

@@ -68,7 +68,7 @@ impl Hold {
 pub struct Sweep {
     /// What the file said.
     pub spec: SweepSpec,
-    /// The sweep as TOML.
+    /// The sweep as TOML, scenario and robot inside; flies the same flights.
     pub resolved: String,
     document: Document,
     scenario: Document,
@@ -104,7 +104,8 @@ impl Sweep {
     /// # Errors
     /// Messages with the place, the key, the value given and what is allowed.
     pub fn new(document: Document) -> Result<Self, ConfigError> {
-        let document = document.merged(&[], &|_, _| None)?;
+        // Scenario and robot are read here, once: all flights are of the same, and the sweep holds them.
+        let document = document.merged(&["scenario", "scenario.robot"], &|_, _| None)?;
         let spec: SweepSpec = document.parse()?;
         let resolved = document.resolved()?;
         spec.check().map_err(|error| document.explain(&error))?;

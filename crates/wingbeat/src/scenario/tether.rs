@@ -1,7 +1,7 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::{ConfigError, Document};
+use super::{ConfigError, CoordinateSpec, Document};
 use crate::Error;
 use crate::aero::{LiftLaw, Planform, ProfileDrag};
 use crate::math::Vec3;
@@ -23,6 +23,7 @@ pub struct TetherCase {
     pub resolved: String,
     /// The wing in its wind.
     pub tether: Tether,
+    document: Document,
 }
 
 impl TetherCase {
@@ -73,11 +74,36 @@ impl TetherCase {
         let resolved = document.resolved()?;
         let built = spec.build(&|key| document.folder(key), read);
         let tether = built.map_err(|error| document.explain(&error))?;
-        Ok(Self { spec, resolved, tether })
+        Ok(Self { spec, resolved, tether, document })
     }
 
-    /// The numbers of a run, with warnings.
-    pub fn summary(&self, run: &TetherRun) -> TetherSummary {
+    /// The case as TOML, each table under the name that `name` gives for its file, beside the case.
+    ///
+    /// # Errors
+    /// A case that TOML cannot hold.
+    pub fn kept(&self, name: impl Fn(&Path) -> String) -> Result<String, ConfigError> {
+        let mut spec = self.spec.clone();
+        let hinges = spec.wing.hinges.iter_mut().enumerate();
+        let hinges = hinges.map(|(i, hinge)| (format!("wing.hinges[{i}].angle_deg"), &mut hinge.angle_deg));
+        let body = &mut spec.body;
+        let body = [
+            ("body.surge_m", &mut body.surge_m),
+            ("body.heave_m", &mut body.heave_m),
+            ("body.nose_up_deg", &mut body.nose_up_deg),
+            ("body.roll_deg", &mut body.roll_deg),
+        ];
+        for (key, coordinate) in hinges.chain(body.map(|(key, coordinate)| (key.to_owned(), coordinate))) {
+            if let CoordinateSpec::Table(table) = coordinate {
+                let folder = self.document.folder(&format!("{key}.table.file"));
+                table.file = name(&folder.join(&table.file)).into();
+            }
+        }
+        Document::value("case", &spec)?.resolved()
+    }
+
+    /// The numbers of a run, with warnings; `coarse` is the run with half the steps per cycle.
+    pub fn summary(&self, run: &TetherRun, coarse: Option<&TetherRun>) -> TetherSummary {
+        let step_change = coarse.map(|coarse| change(&run.means, &coarse.means));
         let law = self.tether.aero.law();
         let share = 100.0 * run.stall_fraction;
         let limit = self.tether.aero.stall_angle().to_degrees();
@@ -90,13 +116,19 @@ impl TetherCase {
             status: match run.ending {
                 Ending::Complete => "ok".into(),
                 Ending::Stopped => "stopped".into(),
+                Ending::Fault(fault) if fault.is_not_finite() => format!("not_finite: {fault}"),
                 Ending::Fault(fault) => format!("failed: {fault}"),
             },
             name: self.spec.name.clone(),
             preset: self.spec.aero.preset.name(),
             lift_law: law.name(),
             stall_fraction: run.stall_fraction,
-            warnings: (run.stall_fraction > 0.0).then_some(warning).into_iter().collect(),
+            step_change,
+            warnings: (run.stall_fraction > 0.0)
+                .then_some(warning)
+                .into_iter()
+                .chain(step_change.and_then(|change| self.coarse(change)))
+                .collect(),
             cycle: run.means.clone(),
         }
     }
@@ -115,10 +147,51 @@ pub struct TetherSummary {
     pub lift_law: &'static str,
     /// Share of strips past the stall angle over the last cycle.
     pub stall_fraction: f64,
+    /// Largest change of a mean force or moment over the last cycle when half the steps per cycle are taken, over
+    /// the range of the largest force or moment; NaN when that run fails.
+    pub step_change: Option<f64>,
     /// What to beware of.
     pub warnings: Vec<String>,
     /// Means and ranges over the last cycle.
     pub cycle: Vec<CycleMean>,
+}
+
+/// Change of the means with half the steps above which there is a caution. *Choice.*
+const STEP_CHANGE: f64 = 0.02;
+
+impl TetherCase {
+    /// The caution that the steps are too long.
+    fn coarse(&self, change: f64) -> Option<String> {
+        let steps = self.spec.time.steps_per_cycle;
+        (!(change <= STEP_CHANGE)).then(|| match change.is_finite() {
+            true => format!(
+                "with half of time.steps_per_cycle = {steps} the mean loads change by {:.1} % of their range: take \
+                 more steps per cycle",
+                100.0 * change
+            ),
+            false => format!("with half of time.steps_per_cycle = {steps} the run fails: take more steps per cycle"),
+        })
+    }
+}
+
+/// The largest change of a mean, forces and moments each by the largest of their kind.
+fn change(fine: &[CycleMean], coarse: &[CycleMean]) -> f64 {
+    let of = |kind: &str| {
+        let pairs = || fine.iter().zip(coarse).filter(|(row, _)| row.name.starts_with(kind));
+        let scale = pairs().map(|(row, _)| row.low.abs().max(row.high.abs())).fold(0.0, f64::max);
+        let worst = pairs().map(|(a, b)| (a.mean - b.mean).abs()).fold(0.0, |a: f64, b| {
+            if b >= a {
+                b
+            } else if b.is_nan() {
+                b
+            } else {
+                a
+            }
+        });
+        if scale > 0.0 { worst / scale } else { 0.0 }
+    };
+    let (force, moment) = (of("force_wind_"), of("moment_"));
+    if force.is_nan() || moment.is_nan() { f64::NAN } else { force.max(moment) }
 }
 
 impl TetherSpec {

@@ -1,7 +1,7 @@
 //! The border between computing and looking: named columns with units and frames.
 
 use crate::Error;
-use crate::plant::Channel;
+use crate::plant::{Channel, Fault};
 
 /// One named column of a [`Record`].
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +81,23 @@ impl Record {
         assert_eq!(row.len(), self.columns.len(), "a row has one number per column");
         for (column, &value) in self.columns.iter_mut().zip(row) {
             column.values.push(value);
+        }
+    }
+
+    /// Appends a row as [`append`](Self::append) does, its first number the time, unless one is not finite.
+    ///
+    /// # Errors
+    /// [`Fault::NotRecorded`] with the column.
+    ///
+    /// # Panics
+    /// When `row` has not one number per column.
+    pub fn append_finite(&mut self, row: &[f64]) -> Result<(), Fault> {
+        match row.iter().position(|value| !value.is_finite()) {
+            Some(column) => Err(Fault::NotRecorded { column, time: row[0] }),
+            None => {
+                self.append(row);
+                Ok(())
+            }
         }
     }
 

@@ -4,6 +4,7 @@ use super::{Side, Tether};
 use crate::Error;
 use crate::aero::{LoadSource, Loads};
 use crate::math::{Mat3, Vec3, Wrench};
+use crate::plant::Fault;
 use crate::simulate::{AXES, Column, Ending, Record, StripRecorder};
 
 /// Mean and range of one quantity over the last cycle.
@@ -85,8 +86,8 @@ impl Recorder {
         Record::new(load_columns(tether), 0)
     }
 
-    /// Appends the loads at `step`.
-    pub fn sample(&mut self, tether: &Tether, step: usize, loads: &Loads<f64>) {
+    /// Appends the loads at `step`, unless one is not finite.
+    pub fn sample(&mut self, tether: &Tether, step: usize, loads: &Loads<f64>) -> Result<(), Fault> {
         let t = step as f64 * tether.clock.step();
         let phase = tether.clock.phase(step);
         let body = tether.motion.body(t);
@@ -106,8 +107,9 @@ impl Recorder {
         parts.iter().for_each(|part| push(&mut row, &in_body(part)));
         row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
         row.extend(tether.motion.angles(t).iter().map(|j| j.x));
-        self.loads.append(&row);
+        self.loads.append_finite(&row)?;
         self.strips.append([t, phase], loads, back, origin);
+        Ok(())
     }
 
     /// Loads in W about W's origin, summed over the strips that count.

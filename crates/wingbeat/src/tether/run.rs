@@ -142,6 +142,13 @@ impl Tether {
         Ok(())
     }
 
+    /// The same with half the steps per cycle, where that many are enough to run: what changes is an estimate of the
+    /// error of the steps.
+    pub fn halved(&self) -> Option<Self> {
+        let steps_per_cycle = self.clock.steps_per_cycle / 2;
+        (steps_per_cycle > 1).then(|| Self { clock: Clock { steps_per_cycle, ..self.clock }, ..self.clone() })
+    }
+
     /// Sections of the wing at time `t`, in W.
     fn sections(&self, t: f64) -> [SectionMotion<f64>; MAX_STRIPS + 1] {
         let (body, angles) = (self.motion.body(t).frame(), self.motion.angles(t));
@@ -168,7 +175,7 @@ impl Tether {
         let mut recorder = Recorder::new(self);
         let steps = self.clock.steps();
         let mut watch = Held(|step: usize, at: Moment| {
-            recorder.sample(self, step, &self.observed(at)?);
+            recorder.sample(self, step, &self.observed(at)?)?;
             let done = step as f64 / steps as f64;
             Ok(if step < steps { progress(done) } else { ControlFlow::Continue(()) })
         });

@@ -25,12 +25,12 @@ runs = 3
 draws = [{ key = \"air.gust_m_s\", low = 0.0, high = 0.1 }]
 hold = { roll_within_deg = 5.0, pitch_within_deg = 10.0 }
 ";
-/// A hold of a tenth of a second on the rig.
+/// A hold of less than three cycles on the rig.
 pub const HOLD: &str = "\
 name = \"ho\"
 rig = \"{root}/rigs/aerobat_on_gen3.toml\"
 frequency_hz = 3.5
-hold = { each_s = 0.1, tilts_deg = [[0.0, 0.0]] }
+hold = { each_s = 0.8, tilts_deg = [[0.0, 0.0]] }
 process = { phase = \"force\", steps = { tare = false, drift = false } }
 ";
 /// Its rest is left out.
@@ -253,7 +253,7 @@ fn force() -> Vec<Case> {
                 .chain(NO_REST)
                 .collect();
             place.run(&simulate)?.exits(0)?;
-            let process = ["rig", "process", "s/ho", "--quiet", "--set", "process.window_s=[0.0, 0.1]"];
+            let process = ["rig", "process", "s/ho", "--quiet"];
             let first = place.run(&process)?;
             if first.code != Some(0) {
                 return first.exits(0).map(drop);
@@ -368,7 +368,14 @@ fn ends() -> Vec<Case> {
         starved("tether", &["tether", "{root}/cases/step.toml", "--set", "time.steps_per_cycle=100"]),
         starved("rig_simulate", &["rig", "simulate", "hold.toml", "--set", "rig.rest_s=0"]),
         starved("rig_plan", &["rig", "plan", "{root}/rigs/runs/roll15_speed08.toml"]),
-        starved("sweep", &["sweep", "sweep.toml", "--set", "runs=200"]),
+        Case::new(1, "full_disk_sweep", |place| {
+            files(place)?;
+            let before = place.state()?;
+            let call = place.call(&["sweep", "sweep.toml", "--quiet", "--out", "a", "--set", "runs=300"]);
+            call.blocks(16).run()?.exits(2)?.says(&["flights.log"])?;
+            place.kept(&before)?;
+            if place.path("a").exists() { Err("left what looks finished".into()) } else { Ok(()) }
+        }),
         Case::new(1, "orphan_of_another", |place| {
             files(place)?;
             place.write("runs/.gl.partial/thesis.txt", "years of work")?;

@@ -7,6 +7,7 @@
 
 mod error;
 mod explain;
+mod limits;
 mod placeholder;
 mod read;
 mod source;
@@ -23,9 +24,6 @@ use crate::Error;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
 pub use source::Translate;
 use source::{Origin, Sources};
-
-/// Largest magnitude of a number: far beyond any quantity of a robot, and its powers are finite.
-const LARGEST: f64 = 1e12;
 
 /// A configuration: a file, a text or a value, what is put into it, and overrides.
 ///
@@ -140,7 +138,7 @@ impl Document {
     ///
     /// # Errors
     /// A file that cannot be read or is not TOML, an override that names no place, a number that is not finite
-    /// or beyond any meaning.
+    /// or beyond any meaning of the unit that its key ends with.
     pub fn merged(mut self, includes: &[&str], translate: Translate) -> Result<Self, ConfigError> {
         let key_of = |text: &str| text.split('=').next().unwrap_or_default().trim().to_owned();
         let overrides = std::mem::take(&mut self.overrides);
@@ -269,23 +267,28 @@ impl Document {
     }
 
     fn refuse_immense(&self) -> Result<(), ConfigError> {
-        let immense = |text: &str| !text.parse::<f64>().is_ok_and(|number| number.abs() <= LARGEST);
+        let immense = |path: &str, text: &str| {
+            !text.replace('_', "").parse::<f64>().is_ok_and(|number| number.abs() <= limits::largest(path))
+        };
+        let number = |value: &DeValue| match value {
+            DeValue::Float(float) => Some(float.as_str().to_owned()),
+            DeValue::Integer(whole) if whole.radix() == 10 => Some(whole.as_str().to_owned()),
+            _ => None,
+        };
         let tree = self.sources.tree()?;
         let mut found = None;
         tree::walk(&tree, &mut |path, value| {
-            if found.is_none() && value.get_ref().as_float().is_some_and(|f| immense(f.as_str())) {
+            let fits = number(value.get_ref()).is_none_or(|text| !immense(path, &text));
+            if found.is_none() && !fits && !path.ends_with("seed") {
                 found = Some((path.to_owned(), value.span()));
             }
         });
         found.map_or(Ok(()), |(key, span)| {
             let (place, given) = (self.sources.place(span.start), Some(self.sources.text(&span)));
-            Err(Wrong::new(
-                place,
-                key,
-                given,
-                Problem::Value(format!("a finite number, {LARGEST:e} or less in magnitude")),
-            )
-            .into())
+            let largest = limits::largest(&key);
+            let allowed = if largest < 1e5 { largest.to_string() } else { format!("{largest:e}") };
+            let problem = Problem::Value(format!("a finite number, {allowed} or less in magnitude"));
+            Err(Wrong::new(place, key, given, problem).into())
         })
     }
 }

@@ -1,13 +1,12 @@
 //! The texts a document was made of, in one numbering of bytes.
 
-use std::fs;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{ConfigError, Place, Problem, Wrong, tree};
+use super::{ConfigError, Place, Problem, Wrong, limits, tree};
 
 /// The texts, one after another: a byte's number says which text it is in.
 #[derive(Clone, Debug, Default)]
@@ -50,8 +49,7 @@ pub type Translate<'a> = &'a dyn Fn(&Path, Option<&str>) -> Option<Result<String
 impl Sources {
     /// Reads a file that takes the place `at`; `blame` is the key that names it, if one does.
     pub fn read_file(&mut self, path: &Path, at: &[String], blame: Option<Wrong>) -> Result<(), ConfigError> {
-        let text = fs::read_to_string(path).map_err(|error| error.to_string());
-        self.read_text(path, text, at, blame)
+        self.read_text(path, limits::text(path), at, blame)
     }
 
     /// Takes the `text` of a file, or why there is none, as [`read_file`](Self::read_file) does.
@@ -76,15 +74,16 @@ impl Sources {
     /// Takes a text.
     pub fn read(&mut self, origin: Origin, text: String, at: &[String]) -> Result<(), ConfigError> {
         let toml = text.clone();
-        self.add(origin, text, &toml, at.into());
+        let at = self.root.iter().chain(at).cloned().collect();
+        self.add(origin, text, &toml, at)?;
         self.tree().map(drop)
     }
 
     /// Takes the texts of `other`, with the place `at` for their root.
     pub fn put(&mut self, other: Self, at: &[String]) -> Result<(), ConfigError> {
         for source in other.texts {
-            let at = at.iter().cloned().chain(source.at).collect();
-            self.add(source.origin, source.text, &source.toml[source.start..], at);
+            let at = self.root.iter().chain(at).cloned().chain(source.at).collect();
+            self.add(source.origin, source.text, &source.toml[source.start..], at)?;
         }
         self.tree().map(drop)
     }
@@ -92,15 +91,18 @@ impl Sources {
     /// Reads an override `key=value`; the value is TOML or else text.
     pub fn read_override(&mut self, text: &str) -> Result<(), ConfigError> {
         let Some((key, value)) = text.split_once('=').filter(|(key, _)| !tree::steps(key).is_empty()) else {
-            return Err(of_place(Place::Override(text.into()), "allowed is KEY=VALUE".into()));
+            return Err(of_place(Place::Override(shown(text)), "allowed is KEY=VALUE".into()));
         };
         let mut toml = format!("v={}", value.trim());
         if !DeTable::parse(&toml).is_ok_and(|table| table.get_ref().len() == 1) {
             toml = format!("v={}", toml::Value::from(value.trim()));
         }
-        let at = self.root.iter().cloned().chain(tree::steps(key)).collect();
-        self.add(Origin::Override, text.into(), &toml, at);
-        Ok(())
+        let at: Vec<String> = self.root.iter().cloned().chain(tree::steps(key)).collect();
+        if at.len() > limits::DEEPEST {
+            let what = format!("allowed is a key of at most {} names", limits::DEEPEST);
+            return Err(of_place(Place::Override(brief(text)), what));
+        }
+        self.add(Origin::Override, text.into(), &toml, at)
     }
 
     /// The texts as one tree, later ones over earlier ones.
@@ -134,7 +136,7 @@ impl Sources {
             Origin::File(file) => Place::Line(file.clone(), line),
             Origin::Text(name) => Place::Text(name.clone(), line),
             Origin::Value(name) => Place::Value(name.clone()),
-            Origin::Override => Place::Override(source.text.clone()),
+            Origin::Override => Place::Override(shown(&source.text)),
         }
     }
 
@@ -165,10 +167,17 @@ impl Sources {
         self.texts.iter().rev().find(|source| source.start <= at)
     }
 
-    fn add(&mut self, origin: Origin, text: String, toml: &str, at: Vec<String>) {
+    /// Adds a text, moved behind all others.
+    fn add(&mut self, origin: Origin, text: String, toml: &str, at: Vec<String>) -> Result<(), ConfigError> {
         let start = self.texts.last().map_or(0, |last| last.toml.len().max(last.start + last.text.len()) + 1);
+        let taken: usize = self.texts.iter().map(|source| source.toml.len()).sum();
+        if taken.saturating_add(start).saturating_add(toml.len()) > limits::LARGEST_DOCUMENT {
+            let what = format!("allowed are fewer or shorter texts: {} of them so far", self.texts.len());
+            return Err(of_place(Place::Override(brief(&text)), what));
+        }
         let toml = " ".repeat(start) + toml;
         self.texts.push(Source { origin, text, start, toml, at });
+        Ok(())
     }
 }
 
@@ -190,6 +199,11 @@ impl Source {
         };
         Ok(Spanned::new(span, value.unwrap_or(DeValue::Table(table))))
     }
+}
+
+/// An override as messages show it: whole, unless it is very long.
+fn shown(text: &str) -> String {
+    if text.len() <= 200 { text.into() } else { brief(text) }
 }
 
 fn of_place(place: Place, what: String) -> ConfigError {
