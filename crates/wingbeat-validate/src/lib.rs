@@ -12,6 +12,8 @@ mod report;
 pub mod aero_full;
 pub mod aero_paper;
 pub mod aero_surfaces;
+pub mod aero_symmetry;
+pub mod aero_turn;
 pub mod body;
 pub mod figures;
 pub mod flapbody;
@@ -34,6 +36,8 @@ pub fn cases() -> Vec<&'static Case> {
         aero_paper::CASES,
         aero_full::CASES,
         aero_surfaces::CASES,
+        aero_symmetry::CASES,
+        aero_turn::CASES,
         body::CASES,
         fsi::CASES,
         ocp::CASES,

@@ -40,6 +40,9 @@ pub enum Span {
     Right,
 }
 
+/// How far beyond a hinge a section still lies on it, over the half span: left and right differ by rounding.
+const ON_HINGE: f64 = 1e-9;
+
 /// A wing given by stations of one half with straight edges between them. The arc coordinate s runs
 /// from the left end, half a span, to the right end, minus half a span.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,6 +153,12 @@ impl Planform {
             Span::Left => vec![arc - self.half_span()],
             Span::Right => vec![self.half_span() - arc],
         }
+    }
+
+    /// Whether the arc length `arc` from the root lies beyond `hinge`, m. A section on a hinge lies within it:
+    /// rounding must not give it to one side.
+    pub fn beyond(&self, arc: f64, hinge: f64) -> bool {
+        arc - hinge > ON_HINGE * self.half_span()
     }
 
     /// Arc lengths from the root of the stations, m.

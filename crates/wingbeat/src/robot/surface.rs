@@ -114,9 +114,6 @@ struct Placement {
     panels: [Vec<Panel>; 2],
 }
 
-/// How far beyond a hinge a section still lies on it, relative: left and right differ by rounding.
-const ON_HINGE: f64 = 1e-9;
-
 impl Placement {
     fn new(spec: &SurfaceSpec, mechanism: &Mechanism) -> Result<Self, Error> {
         let half = |side: usize, mirror: f64| -> Result<Vec<Panel>, Error> {
@@ -142,7 +139,7 @@ impl Placement {
         let (leading, trailing) = self.planform.edges(s);
         let (arc, left) = (self.planform.from_root(s), self.planform.on_left(s));
         let panels = &self.panels[usize::from(!left)];
-        let passed = panels.iter().skip(1).filter(|p| arc / (1.0 + ON_HINGE) > p.from_arc).count();
+        let passed = panels.iter().skip(1).filter(|p| self.planform.beyond(arc, p.from_arc)).count();
         let panel = &panels[passed];
         let edge = |x: f64| panel.point(arc, x + self.shift);
         let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));

@@ -258,6 +258,7 @@ impl AeroSpec {
             lags: self.full.lags,
             wake_wash: self.full.wake_wash,
             doublet_wash: self.full.doublet_wash,
+            vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,
             law: self.law,
             stall_angle_rad: self.stall_angle_deg.to_radians(),

@@ -150,6 +150,9 @@ pub struct FullAeroSpec {
     pub wake_wash: bool,
     /// Three-dimensional wash of the potential jump on the chord.
     pub doublet_wash: bool,
+    /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
+    /// two pass on the flat wing: 0.01 to 0.5.
+    pub vortex_core: f64,
     /// Turning of the force by the wash of wake and lags: induced drag.
     pub force_tilt: bool,
 }
@@ -163,6 +166,7 @@ impl Default for FullAeroSpec {
             lags: set.lags,
             wake_wash: set.wake_wash,
             doublet_wash: set.doublet_wash,
+            vortex_core: set.vortex_core,
             force_tilt: set.force_tilt,
         }
     }

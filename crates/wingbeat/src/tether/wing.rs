@@ -146,7 +146,8 @@ impl Wing {
 
     /// Motion of the section at `arc` in W, about W's origin, for the body
     /// frame and the hinge angles (rad): each hinge turns what lies outboard
-    /// of it; jets carry exact rates and accelerations.
+    /// of it; jets carry exact rates and accelerations. A section on a hinge belongs to the inner side, but the
+    /// middle of the wing to halves that both twist there: they leave no other section between them.
     ///
     /// Equation: tether.section_motion
     pub fn section<S: Scalar>(&self, arc: f64, body: &Frame<S>, angles: &[Jet<S>]) -> SectionMotion<S> {
@@ -154,7 +155,9 @@ impl Wing {
         let along = |length: f64| Vec3([Jet::ZERO, Jet::from(side * length), Jet::ZERO]);
         let Frame { mut turn, mut origin } = *body;
         let (mut reached, mut twist) = (0.0, Jet::ZERO);
-        let outboard = |h: &Hinge| arc.abs() > h.arc_m && h.side.holds(side);
+        let whole = |h: &Hinge| h.kind == HingeKind::Twist && h.side == Side::Both && h.arc_m == 0.0;
+        let outboard =
+            |h: &Hinge| (self.planform.beyond(arc.abs(), h.arc_m) && h.side.holds(side)) || whole(h);
         for (hinge, &angle) in self.hinges.iter().zip(angles).filter(|(h, _)| outboard(h)) {
             origin += turn * along(hinge.arc_m - reached);
             reached = hinge.arc_m;

@@ -16,6 +16,8 @@ pub(super) struct Grid {
     pub fraction: Vec<f64>,
     /// Whether there is wing, not a gap.
     pub covered: Vec<bool>,
+    /// Leading and trailing edge at the edges of the strips, m ahead of the hinge line.
+    pub outline: Vec<(f64, f64)>,
     /// Chord, m.
     pub chord: Vec<f64>,
     /// Width perpendicular to the chord, m.
@@ -67,6 +69,7 @@ impl Grid {
             aspect: span / mean_chord,
             covered,
             arcs,
+            outline,
             chord,
             width,
         })

@@ -3,8 +3,8 @@
 //! Matrices are stored by columns: `m[j][i]` is the wash of strip j on strip i,
 //! so that the inner loops run over strips without a gap and vectorise.
 
+use super::cores::{Cores, EdgeCores, StripCores};
 use super::motion::{Edge, Strips, Vectors, Wakes};
-use super::tables::Tables;
 use crate::math::{Over, Scalar, Vec3};
 use std::f64::consts::PI;
 
@@ -17,11 +17,13 @@ pub(super) const INVERSE_4PI: f64 = 0.25 / PI;
 /// Smallest squared distance to the end of a vortex over its squared core radius.
 pub(super) const NEAREST: f64 = 1e-6;
 
-/// Where the wash is taken, and of what direction: points and the lines n through them.
+/// Where the wash is taken, and of what direction: points and the lines n through them. Lengths are over the mean
+/// chord, so that their high powers stay far from the ends of the numbers.
 pub(super) struct Targets<'a, S: Scalar, const N: usize> {
+    cores: &'a Cores,
     /// 3/4 and 1/4 chord points.
-    control: &'a Vectors<S, N>,
-    bound: &'a Vectors<S, N>,
+    control: Vectors<S, N>,
+    bound: Vectors<S, N>,
     /// Normals over 4 pi, with their moments about the origin at both points.
     normal: Vectors<S, N>,
     control_moment: Vectors<S, N>,
@@ -72,11 +74,27 @@ pub(super) struct Ratio<S> {
     below: S,
 }
 
-/// x / y, falling to zero below the core: x y / (y^2 + core4). It differs from x / y
-/// by core4 / y^2, which the vortex's own strips hardly feel.
+/// x / y, falling to zero below the core: x y / (y^2 + core4).
 #[inline(always)]
 pub(super) fn cored<S: Scalar>(x: S, y: S, core4: S) -> Ratio<S> {
     Ratio { above: x * y, below: y.mul_add(y, core4) }
+}
+
+/// x / y, falling to zero where y is less than the core: x y^3 / (y^4 + core4).
+///
+/// Equation: aero.strip.core
+#[inline(always)]
+fn faded<S: Scalar>(x: S, y: S, core4: f64) -> Ratio<S> {
+    let y2 = y * y;
+    Ratio { above: x * (y2 * y), below: y2.mul_add(y2, S::from(core4)) }
+}
+
+/// a b + r1.r2 = ((a + b)^2 - d^2) / 2 at the distances a and b from the ends of a segment of length d: by its
+/// smallness the wash of the segment grows.
+#[inline(always)]
+pub(super) fn segment_square<S: Scalar>(d2: S, [a, b]: [S; 2]) -> S {
+    let sum = a + b;
+    (sum.mul_add(sum, -d2)) * 0.5
 }
 
 /// a . b + c with fused products.
@@ -101,13 +119,17 @@ impl<S: Scalar> Line<S> {
 /// Normal velocity of a straight vortex of unit strength along `d`, 4 pi `turn` = n . (d x r)
 /// with r from the vortex to the target, at the distances a and b from its ends:
 /// n . (d x r) (a + b) / (4 pi a b (a b + r1.r2)), regular on the extension of the segment;
-/// 2 (a b + r1.r2) = (a + b)^2 - d^2.
+/// 2 (a b + r1.r2) = (a + b)^2 - d^2. `core` makes the last quotient.
 ///
 /// Equation: aero.strip.segment
 #[inline(always)]
-pub(super) fn segment<S: Scalar>(turn: S, d2: S, [a, b]: [S; 2], core4: f64) -> Ratio<S> {
-    let sum = a + b;
-    let Ratio { above, below } = cored(turn * sum, (sum.mul_add(sum, -d2)) * 0.5, S::from(core4));
+pub(super) fn segment<S: Scalar>(
+    turn: S,
+    d2: S,
+    [a, b]: [S; 2],
+    core: impl FnOnce(S, S) -> Ratio<S>,
+) -> Ratio<S> {
+    let Ratio { above, below } = core(turn * (a + b), segment_square(d2, [a, b]));
     Ratio { above, below: below * (a * b) }
 }
 
@@ -119,17 +141,28 @@ pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
 }
 
 impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
-    pub fn new(strips: &'a Strips<S, N>) -> Self {
-        let (control, bound) = (&strips.three_quarter, &strips.quarter);
-        let mut normal = Vectors::ZERO;
-        let (mut control_moment, mut bound_moment) = (Vectors::ZERO, Vectors::ZERO);
+    pub fn new(strips: &Strips<S, N>, cores: &'a Cores) -> Self {
+        let zero = Vectors::ZERO;
+        let (mut control, mut bound, mut normal) = (zero, zero, zero);
+        let (mut control_moment, mut bound_moment) = (zero, zero);
         for i in 0..N {
-            let n = strips.normal.get(i).scaled(INVERSE_4PI);
+            let n = strips.normal.get(i).scaled(INVERSE_4PI * cores.strength);
+            let [p, q] = [&strips.three_quarter, &strips.quarter].map(|at| at.get(i).scaled(cores.scale));
             normal.set(i, n);
-            control_moment.set(i, control.get(i).cross(n));
-            bound_moment.set(i, bound.get(i).cross(n));
+            control.set(i, p);
+            bound.set(i, q);
+            control_moment.set(i, p.cross(n));
+            bound_moment.set(i, q.cross(n));
         }
-        Self { control, bound, normal, control_moment, bound_moment }
+        Self { cores, control, bound, normal, control_moment, bound_moment }
+    }
+
+    /// Edge `j` as seen from here.
+    #[inline(always)]
+    fn edge(&self, wakes: &Wakes<S, N>, j: usize) -> Edge<S> {
+        let Edge { bound, trailing, wake } = wakes.edge(j);
+        let scale = self.cores.scale;
+        Edge { bound: bound.scaled(scale), trailing: trailing.scaled(scale), wake }
     }
 
     /// The normal of strip `i` through its 3/4 chord point, over 4 pi.
@@ -143,24 +176,25 @@ impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
     /// u x r / (2 pi |r_perp|^2).
     ///
     /// Equation: aero.strip.trailing_vortex
-    fn trailing(&self, edge: &Edge<S>, core4: f64, out: &mut Trailing<S, N>) {
+    fn trailing(&self, edge: &Edge<S>, cores: &EdgeCores, out: &mut Trailing<S, N>) {
         let (u, chord) = (edge.wake, edge.trailing - edge.bound);
         let chord2 = chord.norm_squared();
         let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
         let behind = Line::new(edge.bound, u);
         let (u_trailing, u_bound) = (u.dot(edge.trailing), u.dot(edge.bound));
-        let least = S::from(core4.sqrt() * NEAREST);
+        let least = S::from(cores.least);
         for i in 0..N {
             let (p, n) = (self.control.get(i), self.at_control(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = (fused(ra, ra, least).sqrt(), fused(rt, rt, least).sqrt());
-            let leg = segment(leg.turn(&n), chord2, [a, b], core4);
-            let wake = cored(wake.turn(&n), b * (b + u_trailing - fused(u, p, S::ZERO)), S::from(core4));
+            let leg = segment(leg.turn(&n), chord2, [a, b], |x, y| faded(x, y, cores.leg[i]));
+            let behind_edge = b * (b + u_trailing - fused(u, p, S::ZERO));
+            let wake = faded(wake.turn(&n), behind_edge, cores.wake[i]);
             let q = self.bound.get(i);
             let r = q - edge.bound;
             let ahead = fused(q, u, -u_bound);
             let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
-            let far = cored(behind.turn(&n), fused(r, r, -(ahead * ahead)), S::from(core4));
+            let far = faded(behind.turn(&n), fused(r, r, -(ahead * ahead)), cores.far[i]);
             let (both, far) = divide(Ratio { above: S::ONE, below: leg.below * wake.below }, far);
             out.to_bound[i] = a;
             out.to_trailing[i] = b;
@@ -171,14 +205,15 @@ impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
     }
 
     /// Wash of the rings and horseshoes between the edges of the first `n` strips, and far behind.
-    pub fn wash(&self, wakes: &Wakes<S, N>, tables: &Tables, n: usize, out: &mut Wash<'_, S, N>) {
+    pub fn wash(&self, wakes: &Wakes<S, N>, n: usize, out: &mut Wash<'_, S, N>) {
+        let cores = self.cores;
         let mut beside = [Trailing::ZERO; 2];
-        let mut edges = [wakes.edge(0); 2];
-        self.trailing(&edges[0], tables.edge_cores[0], &mut beside[0]);
+        let mut edges = [self.edge(wakes, 0); 2];
+        self.trailing(&edges[0], &cores.edges[0], &mut beside[0]);
         for j in 0..n {
-            edges = [edges[1], wakes.edge(j + 1)];
-            self.trailing(&edges[1], tables.edge_cores[j + 1], &mut beside[(j + 1) % 2]);
-            self.strip(&edges, [&beside[j % 2], &beside[(j + 1) % 2]], tables.strip_cores[j], j, out);
+            edges = [edges[1], self.edge(wakes, j + 1)];
+            self.trailing(&edges[1], &cores.edges[j + 1], &mut beside[(j + 1) % 2]);
+            self.strip(&edges, [&beside[j % 2], &beside[(j + 1) % 2]], &cores.strips[j], j, out);
         }
     }
 
@@ -188,7 +223,7 @@ impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
         &self,
         edges: &[Edge<S>; 2],
         [left, right]: [&Trailing<S, N>; 2],
-        core4: f64,
+        cores: &StripCores,
         j: usize,
         out: &mut Wash<'_, S, N>,
     ) {
@@ -199,9 +234,9 @@ impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
         for i in 0..N {
             let n = self.at_control(i);
             let ends = [left.to_bound[i], right.to_bound[i]];
-            let front = segment(lines[0].turn(&n), lengths[0], ends, core4);
+            let front = segment(lines[0].turn(&n), lengths[0], ends, |x, y| faded(x, y, cores.front[i]));
             let ends = [right.to_trailing[i], left.to_trailing[i]];
-            let rear = segment(lines[1].turn(&n), lengths[1], ends, core4);
+            let rear = segment(lines[1].turn(&n), lengths[1], ends, |x, y| faded(x, y, cores.rear[i]));
             let (front, rear) = divide(front, rear);
             let open = front + right.leg[i] - left.leg[i];
             ring[i] = open + rear;
@@ -342,7 +377,8 @@ mod tests {
         let along = ends[1] - ends[0];
         let distances = ends.map(|end| (target - end).norm());
         let turn = Line::new(ends[0], along).turn(&Line::new(target, Vec3::new(0.0, 0.0, INVERSE_4PI)));
-        let Ratio { above, below } = segment(turn, along.norm_squared(), distances, 1e-12);
+        let core = |x, y| faded(x, y, 1e-12);
+        let Ratio { above, below } = segment(turn, along.norm_squared(), distances, core);
         let value = above / below;
         assert!((value.abs() / (1.0 / (2.0 * PI * 0.3)) - 1.0).abs() < 1e-6);
         assert!(value > 0.0);

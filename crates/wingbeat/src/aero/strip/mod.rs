@@ -8,6 +8,7 @@
 
 mod carried;
 mod constants;
+mod cores;
 mod grid;
 mod influence;
 mod loads;
@@ -26,6 +27,7 @@ use crate::aero::law::separation_scale;
 use crate::aero::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
+use cores::Cores;
 use grid::Grid;
 use influence::{Column, Matrix, Targets, Wash, invert, multiply};
 use motion::{Edges, Strips, Wakes};
@@ -41,6 +43,7 @@ pub struct StripModel {
     /// Smoothing speed, m/s.
     floor: f64,
     tables: Tables,
+    cores: Cores,
 }
 
 /// What the strips know of the air at one instant, whatever the lags hold.
@@ -83,6 +86,7 @@ impl StripModel {
         let lags = settings.lags.lags();
         Ok(Self {
             tables: Tables::new(&grid, &settings, lags),
+            cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
             separation_scale: separation_scale(settings.stall_angle_rad),
             lags,
@@ -234,7 +238,7 @@ impl StripModel {
         let mut wakes = Wakes::ZERO;
         self.shed_wakes(edges, wind, &mut wakes);
         let mut wash = Wash { ring: &mut flow.relief, horseshoe: &mut flow.remainder, far: &mut flow.far };
-        Targets::new(&flow.strips).wash(&wakes, tables, n, &mut wash);
+        Targets::new(&flow.strips, &self.cores).wash(&wakes, n, &mut wash);
         if !self.settings.wake_wash {
             flow.remainder = [[S::ZERO; N]; N];
             flow.far = [[S::ZERO; N]; N];

@@ -139,7 +139,8 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
             let (a, b) = ((ra.norm_squared() + least).sqrt(), (rt.norm_squared() + least).sqrt());
             let run = rt.dot(edge.wake);
             let grown2 = run.smooth_positive(core) * growth + core2;
-            let leg = segment(leg.turn(&n), chord2, [a, b], core2 * core2);
+            let own = G::from(core2 * core2);
+            let leg = segment(leg.turn(&n), chord2, [a, b], |x, y| cored(x, y, own));
             let wake = cored(wake.turn(&n), b * (b - run), grown2 * grown2);
             (out.leg[i], out.wake[i]) = divide(leg, wake);
             (out.to_bound[i], out.to_trailing[i]) = (a, b);
@@ -161,16 +162,17 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
         for (j, ends) in edges.windows(2).enumerate() {
             std::mem::swap(&mut left, &mut right);
             self.beside(&ends[1], cores[j + 1], source.core_growth, &mut right);
-            let core4 = cores[j].min(cores[j + 1]).powi(4);
+            let core4 = G::from(cores[j].min(cores[j + 1]).powi(4));
+            let core = |x, y| cored(x, y, core4);
             let [ahead, behind] = [ends[1].bound - ends[0].bound, ends[0].trailing - ends[1].trailing];
             let lines = [Line::new(ends[0].bound, ahead), Line::new(ends[1].trailing, behind)];
             let lengths = [ahead.norm_squared(), behind.norm_squared()];
             for i in 0..N {
                 let n = self.line(i);
-                let front =
-                    segment(lines[0].turn(&n), lengths[0], [left.to_bound[i], right.to_bound[i]], core4);
+                let ends = [left.to_bound[i], right.to_bound[i]];
+                let front = segment(lines[0].turn(&n), lengths[0], ends, core);
                 let sides = [right.to_trailing[i], left.to_trailing[i]];
-                let (front, rear) = divide(front, segment(lines[1].turn(&n), lengths[1], sides, core4));
+                let (front, rear) = divide(front, segment(lines[1].turn(&n), lengths[1], sides, core));
                 let ring = front + rear + (right.leg[i] - left.leg[i]);
                 let wake = right.wake[i] - left.wake[i] - rear;
                 sum[i] = shed[j].fused(wake, bound[j].fused(ring, sum[i]));

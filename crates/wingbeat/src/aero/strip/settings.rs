@@ -49,6 +49,9 @@ pub struct StripSettings {
     pub wake_wash: bool,
     /// Three-dimensional wash of the potential jump on the chord.
     pub doublet_wash: bool,
+    /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
+    /// two pass on the flat wing: 0.01 to 0.5.
+    pub vortex_core: f64,
     /// Turning of the force by the wash of wake and lags: induced drag.
     pub force_tilt: bool,
     /// Reaction of the accelerated air.
@@ -74,6 +77,7 @@ impl Default for StripSettings {
             lags: LagSet::Three,
             wake_wash: true,
             doublet_wash: true,
+            vortex_core: 0.3,
             force_tilt: true,
             added_mass: true,
             section_moment: true,
@@ -88,6 +92,7 @@ impl StripSettings {
     /// Refuses values without physical meaning.
     pub(crate) fn check(&self) -> Result<(), Error> {
         require::between("strips", self.strips, 1, MAX_STRIPS)?;
+        require::between("vortex_core", self.vortex_core, 0.01, 0.5)?;
         let positive =
             [("density_kg_m3", self.density_kg_m3), ("regularisation_m_s", self.regularisation_m_s)];
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;

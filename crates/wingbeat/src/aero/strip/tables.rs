@@ -8,10 +8,6 @@ use std::f64::consts::PI;
 /// A constant per strip, left tip to right tip, padded.
 pub(super) type Table = [f64; MAX_STRIPS];
 
-/// Core radius of a trailing vortex over the half width of the narrower strip beside it: a
-/// choice, small against the strip, that keeps a folded panel finite where it meets a vortex.
-const CORE: f64 = 0.15;
-
 /// Constants of the strips. Extra lanes repeat the last strip; what scales a force or a mass is
 /// zero there, so that sums may run over all lanes.
 #[derive(Clone, Debug)]
@@ -42,10 +38,6 @@ pub(super) struct Tables {
     pub share: Table,
     /// Added mass as part of an infinite wing, kg.
     pub mass: Table,
-    /// Fourth powers of the core radii of the vortices that leave the edges, m4, and of the
-    /// smaller one of the two edges of each strip.
-    pub edge_cores: [f64; MAX_STRIPS + 1],
-    pub strip_cores: Table,
     /// One over the lengths over which the wake lags act, 1/m.
     pub inverse_wake_length: Vec<f64>,
 }
@@ -61,10 +53,6 @@ impl Tables {
             let value = carried(&|i| settings.density_kg_m3 * grid.width[i] * f(i));
             std::array::from_fn(|i| if i > last { 0.0 } else { value[i] })
         };
-        let mut edge_cores = [0.0; MAX_STRIPS + 1];
-        for (core, half_width) in edge_cores.iter_mut().zip(grid.half_widths()) {
-            *core = (CORE * half_width).powi(4);
-        }
         let area: f64 = (0..=last).filter(|i| grid.covered[*i]).map(|i| chord[i] * grid.width[i]).sum();
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Self {
@@ -83,8 +71,6 @@ impl Tables {
                 if i > last || !grid.covered[i] { 0.0 } else { chord[i] * grid.width[i] / area }
             }),
             mass: scale(&|i| PI * chord[i] * chord[i] * cos[i] / 4.0),
-            strip_cores: repeated(&|i| edge_cores[i].min(edge_cores[i + 1])),
-            edge_cores,
             inverse_wake_length: lags.wake_delay.iter().map(|t| 1.0 / (t * delay_scale)).collect(),
         }
     }

@@ -1,0 +1,131 @@
+//! The banking turn flown with preset `full`: convergence with the step, the fastest slope of the lags, and what of
+//! its end hangs on the choices of the model.
+
+use crate::{Case, Error, Row};
+use std::ops::ControlFlow;
+use wingbeat::plant::{Linearisation, Plant};
+use wingbeat::scenario::{Document, Run, Scenario};
+
+/// The comparisons.
+pub const CASES: &[Case] = &[
+    Case { id: "aero.convergence.step", quick: false, run: steps },
+    Case { id: "aero.convergence.lag_slope", quick: false, run: lag_slope },
+    Case { id: "aero.convergence.spread", quick: false, run: spread },
+];
+
+const SOURCE: &str = "own steps of .2, .1 and .05 ms";
+
+/// The turn of `scenarios/banking_turn.toml` with preset `full`.
+pub(crate) fn turn(overrides: &[String]) -> Result<Scenario, Error> {
+    let refused = |e: wingbeat::scenario::ConfigError| Error::reference("banking_turn", e.to_string());
+    let at = |path: &str| concat!(env!("CARGO_MANIFEST_DIR"), "/../../").to_owned() + path;
+    let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml"));
+    let robot = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/aerobat_paper.toml"));
+    let robot = Document::text(&at("robots/aerobat_paper.toml"), robot).map_err(refused)?;
+    let document = Document::text(&at("scenarios/banking_turn.toml"), text).map_err(refused)?;
+    let document = document.put("robot", robot).map_err(refused)?.set("aero.preset=full");
+    Scenario::new(overrides.iter().fold(document, |d, text| d.set(text))).map_err(refused)
+}
+
+fn flown(overrides: &[String]) -> Result<Run, Error> {
+    let run = turn(overrides)?.fly(|_| ControlFlow::Continue(()))?;
+    let ended = run.record.values("t").and_then(|t| t.last().copied());
+    match &run.summary.reason {
+        Some(reason) if ended.is_none() => Err(Error::NoAnswer(reason.to_string())),
+        _ => Ok(run),
+    }
+}
+
+/// Where the body's centre of mass is, m, and how it lies, rad, at the time `t`, s.
+fn pose(run: &Run, t: f64) -> Result<[f64; 6], Error> {
+    let lost = || Error::NoAnswer(format!("the flight did not last {t} s"));
+    let times = run.record.values("t").ok_or_else(lost)?;
+    let row = times.iter().position(|at| (at - t).abs() < 1e-9).ok_or_else(lost)?;
+    let mut pose = [0.0; 6];
+    for (value, name) in pose.iter_mut().zip(["com_x", "com_y", "com_z", "roll", "pitch", "yaw"]) {
+        *value = run.record.values(name).ok_or_else(lost)?[row];
+    }
+    Ok(pose)
+}
+
+fn apart(a: [f64; 6], b: [f64; 6]) -> f64 {
+    a.iter().zip(b).fold(0.0, |largest, (a, b)| largest.max((a - b).abs()))
+}
+
+/// Order in the step, and what the step still moves at 1 and 5 s.
+fn steps() -> Result<Vec<Row>, Error> {
+    let fly = |step: &str| flown(&[format!("flight.step_s={step}"), "flight.record_every_s=0.005".into()]);
+    let runs = [fly("2e-4")?, fly("1e-4")?, fly("5e-5")?];
+    let id = |name: &str| format!("aero.convergence.step.{name}");
+    let mut rows = Vec::new();
+    for (name, t, limit) in [("1s", 1.0, 1e-8), ("5s", 5.0, 1e-5)] {
+        let [coarse, middle, fine] = [pose(&runs[0], t)?, pose(&runs[1], t)?, pose(&runs[2], t)?];
+        let moved = apart(middle, fine);
+        let metric = format!("turn with preset full: .1 against .05 ms at {t} s, m and rad");
+        rows.push(Row::judged(&id(name), SOURCE, &metric, moved, limit, ""));
+        if t == 5.0 {
+            let order = (apart(coarse, middle) / moved).log2();
+            rows.push(Row::order(&id("order"), SOURCE, order, 4.0, 0.5));
+        }
+    }
+    Ok(rows)
+}
+
+/// Largest derivative of the rate of a lag by a lag of its kind along the turn, 1/s.
+fn lag_slope() -> Result<Vec<Row>, Error> {
+    let scenario = turn(&[])?;
+    let robot = scenario.robot();
+    let (layout, states) = (*robot.layout(), robot.states());
+    let mut linear = Linearisation::new(states.len(), robot.inputs().len());
+    let (mut largest, mut fault, mut next) = (0.0_f64, None, 0.0);
+    let alike = |i: usize, j: usize| states[i].unit == states[j].unit;
+    let run = scenario.fly(|sample| {
+        if sample.t + 1e-9 < next {
+            return ControlFlow::Continue(());
+        }
+        next = sample.t + SLOPE_EVERY;
+        if let Err(e) = linear.evaluate(robot, sample.t, sample.x, sample.u) {
+            fault = Some(e);
+            return ControlFlow::Break(());
+        }
+        for i in layout.aero..layout.len {
+            for j in (layout.aero..layout.len).filter(|&j| alike(i, j)) {
+                largest = largest.max(linear.a[i * layout.len + j].abs());
+            }
+        }
+        ControlFlow::Continue(())
+    })?;
+    if let Some(fault) = fault {
+        return Err(fault.into());
+    }
+    pose(&run, 5.0)?;
+    let metric = "turn with preset full: largest slope of a lag's rate by a lag of its kind, every 2 ms";
+    let id = "aero.convergence.lag_slope";
+    Ok(vec![Row::judged(id, "a controller's interval holds it", metric, largest, 2000.0, "1/s")])
+}
+
+/// How often the slopes are taken, s.
+const SLOPE_EVERY: f64 = 2e-3;
+
+/// Distances between ends of the turn with other cores and strips, m: what the model leaves open.
+fn spread() -> Result<Vec<Row>, Error> {
+    let fly = |strips: usize, core: f64| {
+        let keys = [format!("aero.full.strips={strips}"), format!("aero.full.vortex_core={core}")];
+        flown(&keys).and_then(|run| pose(&run, 5.0))
+    };
+    let default = fly(16, 0.3)?;
+    let away = |end: [f64; 6]| (0..3).map(|i| (end[i] - default[i]).powi(2)).sum::<f64>().sqrt();
+    let mut rows = Vec::new();
+    for (name, strips, core) in [
+        ("core_quarter", 16, 0.25),
+        ("core_larger", 16, 0.35),
+        ("strips_24", 24, 0.3),
+        ("strips_32", 32, 0.3),
+    ] {
+        let id = format!("aero.convergence.spread.{name}");
+        let metric =
+            format!("turn's end, {strips} strips and core {core}, from that of 16 strips and core 0.3");
+        rows.push(Row::shown(&id, "choices of the model", &metric, away(fly(strips, core)?), "m"));
+    }
+    Ok(rows)
+}
