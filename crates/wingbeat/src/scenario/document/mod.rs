@@ -21,8 +21,8 @@ use toml::de::DeValue;
 
 use crate::Error;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
-pub use source::Translate;
 use source::{Origin, Sources};
+pub use source::{Translate, text_of};
 
 /// Largest magnitude of a number: far beyond any quantity of a robot, and its powers are finite.
 const LARGEST: f64 = 1e12;

@@ -1,6 +1,7 @@
 //! The texts a document was made of, in one numbering of bytes.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
@@ -43,6 +44,25 @@ struct Source {
     at: Vec<String>,
 }
 
+/// Largest file of text that is read whole, bytes (*choice*: a hundred times the longest of ours).
+const LARGEST_TEXT: u64 = 16 << 20;
+
+/// The text of a regular file of at most 16 MiB; what is no regular file may have no end.
+///
+/// # Errors
+/// What the system says, or which of the two it is not.
+pub fn text_of(path: &Path) -> io::Result<String> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    let mut text = String::new();
+    File::open(path)?.take(LARGEST_TEXT + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LARGEST_TEXT {
+        return Err(io::Error::other(format!("more than {LARGEST_TEXT} bytes, the most that is read")));
+    }
+    Ok(text)
+}
+
 /// Tells the TOML of a file of another format, or why it cannot be read; `None` for TOML files.
 /// The second argument is the part of the file asked for: what follows a `#` after its name.
 pub type Translate<'a> = &'a dyn Fn(&Path, Option<&str>) -> Option<Result<String, String>>;
@@ -50,7 +70,7 @@ pub type Translate<'a> = &'a dyn Fn(&Path, Option<&str>) -> Option<Result<String
 impl Sources {
     /// Reads a file that takes the place `at`; `blame` is the key that names it, if one does.
     pub fn read_file(&mut self, path: &Path, at: &[String], blame: Option<Wrong>) -> Result<(), ConfigError> {
-        let text = fs::read_to_string(path).map_err(|error| error.to_string());
+        let text = text_of(path).map_err(|error| error.to_string());
         self.read_text(path, text, at, blame)
     }
 
@@ -230,6 +250,13 @@ mod tests {
         assert_eq!(joined(Path::new("scenarios"), "../robots/a.toml"), Path::new("robots/a.toml"));
         assert_eq!(joined(Path::new(""), "../a.toml"), Path::new("../a.toml"));
         assert_eq!(joined(Path::new("x"), "/a.toml"), Path::new("/a.toml"));
+    }
+
+    #[test]
+    fn what_may_have_no_end_is_not_read() {
+        let why = |path: &str| text_of(Path::new(path)).unwrap_err().to_string();
+        assert_eq!(why("/dev/zero"), "not a regular file");
+        assert_eq!(why("/"), "not a regular file");
     }
 
     #[test]
