@@ -210,14 +210,16 @@ pub struct RigProcess {
 ///
 /// Scale factors come from the box. The folder holds record.parquet with raw counts and newtons, the raw logs,
 /// report.txt, summary.json and manifest.json; it appears when the recording is whole. A recording that was killed
-/// or ran out of disk goes on when the same command is given again.
+/// or ran out of disk goes on when the same command is given again. Exit code 3: the box was silent at the end, or
+/// the records, those booked as missing included, are not as many as the box's rate makes in the time by the clock
+/// (half a second of them and 1 % may differ, and the rate itself by 10 %).
 #[derive(Debug, Args)]
 pub struct RigRecord {
     /// Address of the box
     #[arg(value_name = "ADDRESS")]
     pub address: std::net::IpAddr,
     /// Added to the box's ports 49152 and 80
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = offset())]
     pub port_offset: u16,
     /// Seconds to record; without it until Ctrl-C
     #[arg(long, value_name = "S")]
@@ -255,7 +257,7 @@ pub struct RigEmulate {
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     pub bind: std::net::IpAddr,
     /// Added to the ports 49152 and 80
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = offset())]
     pub port_offset: u16,
     /// A record with columns Fx .. Tz at 7 kHz to play, instead of a flapping robot
     #[arg(long, value_name = "RECORD.parquet")]
@@ -290,10 +292,27 @@ pub struct RigEmulate {
     /// Restart the box after this many records of a stream: deaf for 1 s, counts from 0; 0 never
     #[arg(long, value_name = "RECORDS", default_value_t = 0)]
     pub restart_after: u64,
+    /// Number from which the box counts its samples after a restart
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub restart_at: u32,
+    /// Send nothing any more after this many records of a stream; 0 never
+    #[arg(long, value_name = "RECORDS", default_value_t = 0)]
+    pub die_after: u64,
+    /// Let the numbers leap ahead after this many records of a stream; 0 never
+    #[arg(long, value_name = "RECORDS", default_value_t = 0)]
+    pub jump_after: u64,
+    /// Records made of those that the stated rate says; 0 all
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    pub pace: f64,
     /// Number before the first record of a stream and of the box's own count, to see numbers wrap
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub sequence: u32,
     /// Seed of the faults
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
+}
+
+/// What may be added to the box's ports.
+fn offset() -> clap::builder::RangedI64ValueParser<u16> {
+    clap::value_parser!(u16).range(..=i64::from(wingbeat_netft::LARGEST_OFFSET))
 }

@@ -23,7 +23,18 @@ use clap::Parser;
 
 use args::{Arguments, Command};
 
+/// Keeps what a decoder of another library says when it fails on a damaged file from the user: it becomes an error.
+fn silence_decoders() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if std::thread::current().name() != Some(wingbeat_io::DECODER) {
+            usual(panic);
+        }
+    }));
+}
+
 fn main() -> ExitCode {
+    silence_decoders();
     let outcome = match Arguments::parse().command {
         Command::Fly(arguments) => fly::fly(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),

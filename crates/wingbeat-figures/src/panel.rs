@@ -12,8 +12,8 @@ use kuva::render::render::{Scene, TextAnchor};
 
 use crate::style;
 
-/// Most points of a curve: more would not be seen.
-const MOST_POINTS: usize = 2000;
+/// Most points of a curve: four of each pixel's width.
+pub const MOST_POINTS: usize = 2800;
 
 /// Room to the left of a panel, for the numbers of its axis, px.
 const LEFT: f64 = 58.0;
@@ -37,16 +37,39 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A curve of ordinary weight in the colour number `index`.
+    /// A curve of ordinary weight in the colour number `index`; of one of many points, what would be seen.
     pub fn new(name: impl Into<String>, x: &[f64], y: Vec<f64>, index: usize) -> Self {
+        let kept = seen(&y, MOST_POINTS);
+        let of = |values: &[f64]| kept.iter().map(|k| values[*k]).collect();
         Self {
             name: name.into(),
-            x: x.to_vec(),
-            y,
+            x: of(x),
+            y: of(&y),
             colour: style::colour(index).into(),
             weight: style::CURVE,
         }
     }
+}
+
+/// Which points of a curve to draw, `most` or fewer: of every stretch its first, lowest, highest and last, so that no
+/// peak is lost.
+pub fn seen(y: &[f64], most: usize) -> Vec<usize> {
+    if y.len() <= most {
+        return (0..y.len()).collect();
+    }
+    let stretch = y.len().div_ceil((most / 4).max(1));
+    let mut kept = Vec::with_capacity(most);
+    for from in (0..y.len()).step_by(stretch) {
+        let to = (from + stretch).min(y.len());
+        let by = |a: &usize, b: &usize| y[*a].total_cmp(&y[*b]);
+        let there = || (from..to).filter(|k| y[*k].is_finite());
+        let mut points = vec![from, to - 1];
+        points.extend(there().min_by(by).into_iter().chain(there().max_by(by)));
+        points.sort_unstable();
+        points.dedup();
+        kept.extend(points);
+    }
+    kept
 }
 
 /// Curves over a common axis.
@@ -142,8 +165,7 @@ fn unlabelled(layout: Layout) -> Layout {
 }
 
 fn plot(curve: Curve) -> Plot {
-    let stride = curve.x.len().div_ceil(MOST_POINTS).max(1);
-    let points: Vec<(f64, f64)> = curve.x.iter().copied().zip(curve.y).step_by(stride).collect();
+    let points: Vec<(f64, f64)> = curve.x.iter().copied().zip(curve.y).collect();
     let line = LinePlot::new().with_data(points).with_color(curve.colour).with_stroke_width(curve.weight);
     if curve.name.is_empty() { line.into() } else { line.with_legend(curve.name).into() }
 }
@@ -166,4 +188,20 @@ fn y_range(panel: &Panel) -> (f64, f64) {
 fn legend_width(panels: &[Panel]) -> f64 {
     let names = panels.iter().flat_map(|panel| &panel.curves).map(|curve| curve.name.chars().count());
     58.0 + 7.4 * names.max().unwrap_or(0) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_peak_of_a_long_curve_is_lost() {
+        let mut y: Vec<f64> = (0..1_000_000).map(|k| (f64::from(k) * 1e-4).sin()).collect();
+        (y[123_456], y[777_777], y[500_000]) = (9.0, -9.0, f64::NAN);
+        let kept = seen(&y, MOST_POINTS);
+        assert!(kept.len() <= MOST_POINTS && kept.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(kept.contains(&123_456) && kept.contains(&777_777));
+        assert_eq!((kept[0], kept.last()), (0, Some(&999_999)));
+        assert_eq!(seen(&y[..5], 5), [0, 1, 2, 3, 4]);
+    }
 }

@@ -4,12 +4,20 @@ use kuva::plot::annotations::ReferenceLine;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
 
-use crate::panel::{Curve, Panel, stacked, stacked_with};
+use crate::panel::{Curve, Panel, seen, stacked, stacked_with};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
 /// Height of a panel, px.
 const HEIGHT: f64 = 130.0;
+
+/// Most lines that mark the begins of cycles: more would be a wall.
+const MOST_MARKS: usize = 60;
+/// Most points of the cycles of a panel together, and fewest of one that is drawn by itself.
+const MOST_SWEPT: usize = 12_000;
+const FEWEST_SWEPT: usize = 400;
+/// Parts of a cycle, each with one stroke from the lowest to the highest of all cycles: one a pixel.
+const STROKES: usize = 700;
 
 /// Title of a channel and the factor to the unit drawn.
 fn title(name: &str, unit: &str) -> (String, f64) {
@@ -40,33 +48,66 @@ pub fn filtered(trace: &Record) -> Result<Figure, Error> {
         panels.push(Panel { title, curves: vec![raw, filtered], limits: None, zero: true });
     }
     let marks = (1..t.len()).filter(|k| cycle[*k].floor() > cycle[k - 1].floor()).map(|k| t[k]);
-    let marks: Vec<ReferenceLine> = std::iter::once(t[0])
-        .chain(marks)
+    let marks: Vec<f64> = std::iter::once(t[0]).chain(marks).collect();
+    let few = marks.len() <= MOST_MARKS;
+    let marks: Vec<ReferenceLine> = marks
+        .into_iter()
+        .filter(|_| few)
         .map(|at| ReferenceLine::vertical(at).with_color(style::GUIDE).with_stroke_width(0.8))
         .collect();
-    let x = "t [s]; broken lines: begin of each cycle";
+    let x = if few { "t [s]; broken lines: begin of each cycle" } else { "t [s]" };
     Ok(Figure { name: "filtered", scene: stacked_with(panels, x, HEIGHT, &marks) })
 }
 
-/// Each channel against the phase of the stroke: every sweep of `trace`, and the mean of `average`.
+/// Each channel against the phase of the stroke: every sweep of `trace`, or what all of them cover where there are
+/// many, and the mean of `average`.
 pub fn cycles(trace: &Record, average: &Record) -> Result<Figure, Error> {
     let (cycle, phase) = (needed(trace, "cycle")?, needed(average, "cycle")?);
     let mut panels = Vec::new();
     for (name, unit) in CHANNELS {
         let (title, scale) = title(name, unit);
-        let values = needed(trace, name)?;
-        let mut curves = Vec::new();
-        let mut from = 0;
-        for sweep in cycle.chunk_by(|a, b| a.floor() == b.floor()) {
-            let x: Vec<f64> = sweep.iter().map(|c| c - c.floor()).collect();
-            let y = values[from..from + sweep.len()].iter().map(|y| y * scale).collect();
-            let name = if from == 0 { "each cycle" } else { "" };
-            from += sweep.len();
-            curves.push(Curve { colour: style::tint(0), weight: style::FINE, ..Curve::new(name, &x, y, 0) });
-        }
+        let mut curves = sweeps(cycle, needed(trace, name)?, scale);
         let mean = needed(average, name)?.iter().map(|x| x * scale).collect();
         curves.push(Curve::new("mean", phase, mean, 1));
         panels.push(Panel { title, curves, limits: None, zero: true });
     }
     Ok(Figure { name: "cycles", scene: stacked(panels, "phase of the stroke, turns", HEIGHT) })
+}
+
+/// Every cycle by itself while they are few, else one curve up and down between the lowest and the highest of all.
+fn sweeps(cycle: &[f64], values: &[f64], scale: f64) -> Vec<Curve> {
+    let light = |curve| Curve { colour: style::tint(0), weight: style::FINE, ..curve };
+    let each = || cycle.chunk_by(|a, b| a.floor() == b.floor());
+    let points = MOST_SWEPT / each().count().max(1);
+    if points < FEWEST_SWEPT {
+        return vec![light(covered(cycle, values, scale))];
+    }
+    let mut curves = Vec::new();
+    let mut from = 0;
+    for sweep in each() {
+        let y = &values[from..from + sweep.len()];
+        let name = if from == 0 { "each cycle" } else { "" };
+        from += sweep.len();
+        let kept = seen(y, points);
+        let x: Vec<f64> = kept.iter().map(|k| sweep[*k] - sweep[*k].floor()).collect();
+        curves.push(light(Curve::new(name, &x, kept.iter().map(|k| y[*k] * scale).collect(), 0)));
+    }
+    curves
+}
+
+/// The range of all cycles, phase by phase, as strokes.
+fn covered(cycle: &[f64], values: &[f64], scale: f64) -> Curve {
+    let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); STROKES];
+    for (cycle, value) in cycle.iter().zip(values).filter(|(cycle, value)| (**cycle + **value).is_finite()) {
+        let part = ((cycle - cycle.floor()) * STROKES as f64) as usize;
+        let (low, high) = &mut ranges[part.min(STROKES - 1)];
+        (*low, *high) = (low.min(*value), high.max(*value));
+    }
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for (k, (low, high)) in ranges.into_iter().enumerate().filter(|(_, (low, high))| low <= high) {
+        x.extend([(k as f64 + 0.5) / STROKES as f64; 2]);
+        // Up and down in turn, so that one line draws all strokes.
+        y.extend(if k % 2 == 0 { [low * scale, high * scale] } else { [high * scale, low * scale] });
+    }
+    Curve::new("all cycles, lowest to highest", &x, y, 0)
 }

@@ -6,11 +6,13 @@ pub mod samples;
 mod table;
 pub mod trajectory;
 mod urdf;
+mod xml_depth;
 
-pub use parquet::{ParquetWriter, read_parquet, write_parquet};
+pub use parquet::{ParquetWriter, read_parquet, read_parquet_columns, write_parquet};
 pub use table::{read_csv, write_csv};
 pub use urdf::{parse_urdf, read_urdf, urdf_as_toml};
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Why a file could not be written or read.
@@ -44,14 +46,33 @@ impl Error {
     }
 }
 
-/// Largest text file that is read, bytes.
-const LARGEST_TEXT: u64 = 256 << 20;
+/// Most numbers that are kept of one file: 512 MiB of them, 16 minutes of ten channels at 7 kHz.
+const MOST_NUMBERS: usize = 1 << 26;
+/// Most columns of a file.
+const MOST_COLUMNS: usize = 4096;
+
+/// A file opened to be read, if it is a regular one: what is not may have no end, or never begin.
+fn regular(path: &Path) -> Result<File, Error> {
+    let failed = |source| Error::file(path, source);
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(Error::format(path, "not a regular file"));
+    }
+    File::open(path).map_err(failed)
+}
 
 /// The text of a file of bounded size.
 fn text(path: &Path) -> Result<String, Error> {
-    let size = std::fs::metadata(path).map_err(|source| Error::file(path, source))?.len();
-    if size > LARGEST_TEXT {
-        return Err(Error::format(path, format!("{size} bytes; read are at most {LARGEST_TEXT}")));
-    }
-    std::fs::read_to_string(path).map_err(|source| Error::file(path, source))
+    wingbeat::scenario::text_of(path).map_err(|source| Error::file(path, source))
+}
+
+/// Name of the threads in which decoders of other libraries run: some panic on damaged files, which becomes an error.
+pub const DECODER: &str = "decoder";
+
+/// Runs a decoder of a file; its panic is the file's fault.
+fn decoded<T: Send>(path: &Path, decode: impl FnOnce() -> Result<T, Error> + Send) -> Result<T, Error> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().name(DECODER.into()).spawn_scoped(scope, decode);
+        let thread = thread.map_err(|source| Error::file(path, source))?;
+        thread.join().unwrap_or_else(|_| Err(Error::format(path, "damaged: cannot be decoded")))
+    })
 }

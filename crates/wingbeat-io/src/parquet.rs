@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -17,7 +16,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use wingbeat::simulate::{Column, Record};
 
-use crate::{Error, arrow_schema};
+use crate::{Error, MOST_COLUMNS, MOST_NUMBERS, arrow_schema, decoded, regular};
 
 /// Key of the columns' units, frames and limits in the file's metadata, as JSON.
 const KEY: &str = "wingbeat";
@@ -61,12 +60,33 @@ impl ParquetWriter {
 
 /// Reads a record from `path`: every column must hold 64-bit floats; a gap becomes not-a-number.
 pub fn read_parquet(path: &Path) -> Result<Record, Error> {
-    let file = File::open(path).map_err(|source| Error::file(path, source))?;
+    let read = read_some(path, &|_| true)?;
+    Record::new(read.columns, 0).map_err(|error| Error::format(path, error))
+}
+
+/// Reads the columns of these names, which must hold 64-bit floats.
+///
+/// # Errors
+/// Those of [`read_parquet`], or a name that is not there.
+pub fn read_parquet_columns(path: &Path, names: &[&str]) -> Result<Record, Error> {
+    let read = read_some(path, &|name| names.contains(&name))?;
+    if let Some(missing) = names.iter().find(|name| read.columns.iter().all(|column| column.name != **name)) {
+        return Err(Error::format(path, format!("no column {missing}; found {}", read.names.join(", "))));
+    }
+    Record::new(read.columns, 0).map_err(|error| Error::format(path, error))
+}
+
+/// The columns asked for, and the names of all.
+pub struct Read {
+    pub columns: Vec<Column>,
+    pub names: Vec<String>,
+}
+
+/// Reads the columns that are `wanted`.
+pub fn read_some(path: &Path, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Read, Error> {
+    let file = regular(path)?;
     // The decoder panics on some pages that are not what the file's metadata says.
-    let columns =
-        catch_unwind(|| read(file)).map_err(|_| Error::format(path, "damaged: cannot be decoded"))?;
-    let columns = columns.map_err(|error| Error::format(path, error))?;
-    Record::new(columns, 0).map_err(|error| Error::format(path, error))
+    decoded(path, || read(file, wanted).map_err(|error| Error::format(path, error)))
 }
 
 fn write(file: File, record: &Record) -> Result<(), ParquetError> {
@@ -99,7 +119,7 @@ fn append_group(writer: &mut SerializedFileWriter<File>, record: &Record) -> Res
     group.close().map(drop)
 }
 
-fn read(file: File) -> Result<Vec<Column>, ParquetError> {
+fn read(file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetError> {
     let size = file.metadata()?.len();
     let reader = SerializedFileReader::new(file)?;
     for group in reader.metadata().row_groups() {
@@ -110,17 +130,31 @@ fn read(file: File) -> Result<Vec<Column>, ParquetError> {
     let described =
         described.and_then(|pair| serde_json::from_str::<Descriptions>(pair.value.as_deref()?).ok());
     let described = described.unwrap_or_default();
-    let names = metadata.schema_descr().columns().iter().map(|column| column.name());
-    let mut columns: Vec<Column> = names.map(|name| column(name, described.get(name))).collect();
+    let schema = metadata.schema_descr();
+    let names: Vec<String> = schema.columns().iter().map(|column| column.name().to_owned()).collect();
+    if names.len() > MOST_COLUMNS {
+        let count = names.len();
+        return Err(ParquetError::General(format!("{count} columns; read are at most {MOST_COLUMNS}")));
+    }
+    let indices: Vec<usize> = (0..names.len()).filter(|index| wanted(&names[*index])).collect();
+    let claimed: i64 = reader.metadata().row_groups().iter().map(|group| group.num_rows().max(0)).sum();
+    if claimed.saturating_mul(indices.len() as i64) > MOST_NUMBERS as i64 {
+        let count = indices.len();
+        return Err(ParquetError::General(format!(
+            "{claimed} rows of {count} columns of use; read are at most {MOST_NUMBERS} numbers"
+        )));
+    }
+    let mut columns: Vec<Column> =
+        indices.iter().map(|index| column(&names[*index], described.get(&names[*index]))).collect();
     for group in 0..reader.num_row_groups() {
         let group = reader.get_row_group(group)?;
         let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
-        for (index, column) in columns.iter_mut().enumerate() {
-            let gaps = group.metadata().column(index).column_descr().max_def_level() > 0;
-            append(column, group.get_column_reader(index)?, rows, gaps)?;
+        for (index, column) in indices.iter().zip(&mut columns) {
+            let gaps = group.metadata().column(*index).column_descr().max_def_level() > 0;
+            append(column, group.get_column_reader(*index)?, rows, gaps)?;
         }
     }
-    Ok(columns)
+    Ok(Read { columns, names })
 }
 
 /// Refuses a column chunk that does not lie within a file of `size` bytes: the reader takes it for granted.

@@ -1,11 +1,12 @@
 //! Records as CSV: a `#` line with the units, a header, one row per instant.
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 
 use wingbeat::simulate::{Column, Record};
 
-use crate::Error;
+use crate::{Error, MOST_COLUMNS, regular};
 
 /// Writes `record` to `path`; numbers keep all their digits.
 pub fn write_csv(path: &Path, record: &Record) -> Result<(), Error> {
@@ -28,16 +29,29 @@ fn unit(column: &Column) -> String {
     if column.frame.is_empty() { unit.into() } else { format!("{unit} in {}", column.frame) }
 }
 
-/// Reads a record from `path`: a header of names, then rows of numbers; `#` starts a comment line.
+/// Largest file that is read, bytes.
+const LARGEST: u64 = 64 << 20;
+/// Most numbers that are read.
+const MOST: usize = 1 << 24;
+
+/// Reads a record from `path`: a header of names, then rows of numbers; `#` starts a comment line. The last line ends
+/// with a line break: without it, its last number may be cut.
 pub fn read_csv(path: &Path) -> Result<Record, Error> {
     let format = |error: csv::Error| Error::format(path, error);
-    let text = fs::read(path).map_err(|source| Error::file(path, source))?;
+    let bytes = bytes(path)?;
     let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_slice());
+        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes.as_slice());
     let header = reader.headers().map_err(format)?;
+    if header.len() > MOST_COLUMNS {
+        let count = header.len();
+        return Err(Error::format(path, format!("{count} columns; read are at most {MOST_COLUMNS}")));
+    }
     let mut columns: Vec<Column> = header.iter().map(|name| Column::new(name, "", "")).collect();
-    for row in reader.records() {
+    for (rows, row) in reader.records().enumerate() {
         let row = row.map_err(format)?;
+        if (rows + 1) * columns.len() > MOST {
+            return Err(Error::format(path, format!("more than {MOST} numbers")));
+        }
         for (column, cell) in columns.iter_mut().zip(&row) {
             let line = row.position().map_or(0, csv::Position::line);
             let number = cell.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
@@ -47,4 +61,26 @@ pub fn read_csv(path: &Path) -> Result<Record, Error> {
         }
     }
     Record::new(columns, 0).map_err(|error| Error::format(path, error))
+}
+
+/// The bytes of a file of bounded size that ends with a line break.
+fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    regular(path)?.take(LARGEST + 1).read_to_end(&mut bytes).map_err(|source| Error::file(path, source))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(Error::format(path, format!("more than {LARGEST} bytes, the most that is read")));
+    }
+    if bytes.last().is_some_and(|byte| *byte != b'\n') {
+        let lines = 1 + bytes.iter().filter(|byte| **byte == b'\n').count();
+        return Err(Error::format(path, unended(lines)));
+    }
+    Ok(bytes)
+}
+
+/// What is said of a last line without its end: digits of its last number may be missing.
+pub fn unended(line: usize) -> String {
+    format!(
+        "line {line}, the last, has no line break behind it: the file may be cut short; add the line break if it is \
+         whole, else delete the line"
+    )
 }

@@ -6,8 +6,9 @@ use std::path::Path;
 use urdf_rs::{Joint, JointType, Link, Robot};
 use wingbeat::rig::arm::{ArmConfig, JointConfig, LinkConfig, ProfileConfig, ToolConfig};
 use wingbeat::rig::{Pose, rotation_vector};
+use wingbeat::scenario::text_of;
 
-use crate::{Error, text};
+use crate::{Error, text, xml_depth};
 
 /// Reads the chain of moving joints from the root to `tip` (the only leaf when
 /// absent). Fixed joints are folded into their neighbours; velocity limits
@@ -28,11 +29,12 @@ pub fn parse_urdf(text: &str, tip: Option<&str>) -> Result<ArmConfig, String> {
     if !text.contains("<robot") {
         return Err("no <robot> element: not a URDF file (expand xacro files first)".into());
     }
-    let depth = depth(text);
-    if depth > DEEPEST {
-        return Err(format!("elements nested {depth} deep; allowed are {DEEPEST}"));
-    }
+    xml_depth::check(text, DEEPEST).map_err(|error| format!("not a URDF file: {error}"))?;
     let robot = urdf_rs::read_from_string(text).map_err(|error| format!("not a URDF file: {error}"))?;
+    if robot.links.len().max(robot.joints.len()) > MOST_LINKS {
+        let (links, joints) = (robot.links.len(), robot.joints.len());
+        return Err(format!("{links} links and {joints} joints; read are at most {MOST_LINKS} of each"));
+    }
     let tip = tip_of(&robot, tip)?;
     let chain = chain_to(&robot, tip)?;
     assemble(&robot, &chain)
@@ -44,38 +46,42 @@ pub fn urdf_as_toml(path: &Path, tip: Option<&str>) -> Option<Result<String, Str
     if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("urdf")) {
         return None;
     }
-    let text = std::fs::read_to_string(path).map_err(|error| error.to_string());
-    let arm = text.and_then(|text| parse_urdf(&text, tip));
+    let text = text_of(path).map_err(|error| error.to_string());
+    let arm = text.and_then(|text| parse_urdf(&text, tip)).and_then(|arm| limited(&arm).map(|()| arm));
     Some(arm.and_then(|arm| toml::to_string(&arm).map_err(|error| error.to_string())))
+}
+
+/// Refuses a joint without limit of speed: a rig plans motion within those.
+fn limited(arm: &ArmConfig) -> Result<(), String> {
+    let speeds = arm.profiles.iter().flat_map(|profile| arm.joints.iter().zip(&profile.velocity_rad_s));
+    match speeds.into_iter().find(|(_, speed)| !speed.is_finite()) {
+        None => Ok(()),
+        Some((joint, _)) => Err(format!(
+            "joint {}: <limit velocity=\"...\"> is missing or not above 0: an arm's motion is planned within it",
+            joint.name
+        )),
+    }
 }
 
 /// Deepest nesting that is read: the parser's time grows with its square, and a URDF file needs 7.
 const DEEPEST: usize = 256;
 
-/// Largest number of elements open at once.
-fn depth(text: &str) -> usize {
-    let (mut open, mut deepest) = (0_usize, 0);
-    for tag in text.split('<').skip(1) {
-        match tag.as_bytes().first() {
-            Some(b'/') => open = open.saturating_sub(1),
-            Some(b'!' | b'?') | None => {}
-            Some(_) if tag.contains("/>") => {}
-            Some(_) => open += 1,
-        }
-        deepest = deepest.max(open);
-    }
-    deepest
-}
+/// Most links and joints: a robot of several hundred is a large one.
+const MOST_LINKS: usize = 4096;
+/// Most leaves that a message lists.
+const LISTED: usize = 20;
 
 fn tip_of<'a>(robot: &'a Robot, wanted: Option<&'a str>) -> Result<&'a str, String> {
     let parents: HashSet<&str> = robot.joints.iter().map(|joint| joint.parent.link.as_str()).collect();
     let names = robot.links.iter().map(|link| link.name.as_str());
     let leaves: Vec<&str> = names.filter(|name| !parents.contains(name)).collect();
+    let more = if leaves.len() > LISTED { ", ..." } else { "" };
+    let listed = leaves.iter().copied().take(LISTED).collect::<Vec<_>>().join(", ") + more;
     match (wanted, leaves.as_slice()) {
         (Some(name), _) if robot.links.iter().any(|link| link.name == name) => Ok(name),
-        (Some(name), _) => Err(format!("no link {name}; leaves are {}", leaves.join(", "))),
+        (Some(name), _) => Err(format!("no link {name}; leaves are {listed}")),
         (None, [leaf]) => Ok(leaf),
-        (None, _) => Err(format!("{} leaves; name the tool's link: {}", leaves.len(), leaves.join(", "))),
+        (None, _) => Err(format!("{} leaves; name the tool's link: {listed}", leaves.len())),
     }
 }
 
@@ -152,15 +158,22 @@ fn moving(joint: &Joint, at: &Pose, robot: &Robot) -> Result<JointConfig, String
     if !(length > 1e-9 && length.is_finite()) {
         return Err(format!("joint {}: axis {a:?} has no direction", joint.name));
     }
-    let effort = joint.limit.effort;
+    let (lower, upper, effort) = (joint.limit.lower, joint.limit.upper, joint.limit.effort);
+    if limited && !(lower < upper && lower.is_finite() && upper.is_finite()) {
+        return Err(format!(
+            "joint {}: <limit lower=\"{lower}\" upper=\"{upper}\"> leaves it no room; a revolute or prismatic joint \
+             has a lower limit below its upper one",
+            joint.name
+        ));
+    }
     Ok(JointConfig {
         name: joint.name.clone(),
         xyz_m: at.origin.0,
         rpy_rad: at.rotation.roll_pitch_yaw().0,
         axis: a.map(|x| x / length),
         prismatic: joint.joint_type == JointType::Prismatic,
-        low_rad: limited.then_some(joint.limit.lower),
-        high_rad: limited.then_some(joint.limit.upper),
+        low_rad: limited.then_some(lower),
+        high_rad: limited.then_some(upper),
         effort_n_m: (effort > 0.0).then_some(effort),
         link: robot.links.iter().find(|l| l.name == joint.child.link).map_or_else(LinkConfig::default, body),
     })
@@ -240,6 +253,26 @@ mod tests {
         let cut = urdf_of(&ArmConfig::kinova_gen3());
         assert!(parse_urdf(&cut[..cut.len() / 2], None).unwrap_err().contains("not a URDF"));
         let deep = format!("<robot name='x'>{}{}</robot>", "<a>".repeat(9999), "</a>".repeat(9999));
-        assert!(parse_urdf(&deep, None).unwrap_err().contains("nested 10000 deep"));
+        assert!(parse_urdf(&deep, None).unwrap_err().contains("nested more than 256 deep"));
+        let disguised =
+            format!("<robot name='x'>{}{}</robot>", "<a>/>".repeat(50_000), "</a>".repeat(50_000));
+        assert!(parse_urdf(&disguised, None).unwrap_err().contains("nested more than 256 deep"));
+        let many = format!("<robot name='x'>{}</robot>", "<link name='a'/>".repeat(5000));
+        assert!(parse_urdf(&many, None).unwrap_err().contains("5000 links"));
+    }
+
+    #[test]
+    fn missing_limits_are_named_as_the_file_has_them() {
+        let whole = urdf_of(&ArmConfig::kinova_gen3());
+        let path = std::env::temp_dir().join(format!("wingbeat-urdf-{}.urdf", std::process::id()));
+        let refused = |text: String| {
+            std::fs::write(&path, text).unwrap();
+            urdf_as_toml(&path, None).unwrap().unwrap_err()
+        };
+        let unlimited = refused(whole.replace(" velocity=\"1.2\"", " velocity=\"0\""));
+        assert!(unlimited.contains("joint joint_1: <limit velocity="), "{unlimited}");
+        let stuck = refused(whole.replace("upper=\"", "upper=\"-9"));
+        assert!(stuck.contains("<limit lower=") && stuck.contains("leaves it no room"), "{stuck}");
+        std::fs::remove_file(path).unwrap();
     }
 }

@@ -19,7 +19,7 @@ fn truth(i: usize, k: usize) -> f64 {
 
 fn import(name: &str, with: &str) -> Result<Imported, String> {
     let input: InputSpec = serde_toml(with);
-    let table = read_samples(&file(name)).map_err(|error| error.to_string())?;
+    let table = read_samples(&file(name), &input).map_err(|error| error.to_string())?;
     table.import(&input).map_err(|error| error.to_string())
 }
 
@@ -156,6 +156,12 @@ const ALL: [&str; 11] = [
     "semicolons.csv",
 ];
 
+/// Reads and imports without a mapping.
+fn take(path: &Path) -> Result<Imported, wingbeat_io::Error> {
+    let input = InputSpec::default();
+    read_samples(path, &input)?.import(&input)
+}
+
 fn scratch(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("samples");
     fs::create_dir_all(&folder).unwrap();
@@ -170,7 +176,7 @@ fn files_cut_short_anywhere() {
         let path = scratch(&format!("cut_{name}"));
         for length in (0..bytes.len()).step_by(if name.ends_with(".h5") { 197 } else { 13 }) {
             fs::write(&path, &bytes[..length]).unwrap();
-            if let Err(error) = read_samples(&path).and_then(|table| table.import(&InputSpec::default())) {
+            if let Err(error) = take(&path) {
                 assert!(error.to_string().contains(name), "{error}");
             }
         }
@@ -179,7 +185,7 @@ fn files_cut_short_anywhere() {
         let bytes = fs::read(file(name)).unwrap();
         let path = scratch(&format!("half_{name}"));
         fs::write(&path, &bytes[..(bytes.len() as f64 * share) as usize]).unwrap();
-        read_samples(&path).unwrap_err().to_string()
+        read_samples(&path, &InputSpec::default()).unwrap_err().to_string()
     };
     assert!(half("named.csv", 0.5).contains("cut short at sample 7: line 9"), "{}", half("named.csv", 0.5));
     assert!(half("matrix.npy", 0.5).contains("cut short at sample"), "{}", half("matrix.npy", 0.5));
@@ -202,7 +208,7 @@ fn damaged_files() {
                 bytes[at] = random.between(0.0, 256.0) as u8;
             }
             fs::write(&path, &bytes).unwrap();
-            let _ = read_samples(&path).and_then(|table| table.import(&InputSpec::default()));
+            let _ = take(&path);
         }
     }
 }

@@ -1,11 +1,15 @@
 //! The box's clock beside the host's.
 
+use wingbeat::rig::netft::{APART_S, BOX_RATE};
+
 use crate::Row;
 
 /// A line through (sequence, time) by running sums.
 #[derive(Default)]
 pub struct ClockFit {
     first: Option<(u32, u64)>,
+    /// Time from the first record to the last, s.
+    pub span: f64,
     n: f64,
     x: f64,
     y: f64,
@@ -20,6 +24,7 @@ impl ClockFit {
         let (s0, t0) = *self.first.get_or_insert((sequence, ns));
         let x = f64::from(sequence.wrapping_sub(s0) as i32);
         let y = (ns as i64 - t0 as i64) as f64 * 1e-9;
+        self.span = self.span.max(y);
         self.n += 1.0;
         self.x += x;
         self.y += y;
@@ -39,11 +44,6 @@ impl ClockFit {
     }
 }
 
-/// Samples per second inside the box.
-const BOX_RATE: f64 = 7000.0;
-/// Difference between the box's clock and the kernel's over one step that only a restart explains, s.
-const APART: f64 = 0.5;
-
 /// Times of rows by the box's own count of samples, bridged by arrival where that count began anew.
 #[derive(Debug, Default)]
 pub struct Timeline {
@@ -59,7 +59,7 @@ impl Timeline {
         if let Some(last) = self.last.replace(*row) {
             let step = row.record.ft_sequence.wrapping_sub(last.record.ft_sequence) as i32;
             let arrival = (row.arrival_ns() as i64 - last.arrival_ns() as i64) as f64 * 1e-9;
-            if (f64::from(step) / BOX_RATE - arrival).abs() < APART {
+            if (f64::from(step) / BOX_RATE - arrival).abs() < APART_S {
                 self.samples += i64::from(step);
             } else {
                 self.anchor += self.samples as f64 / BOX_RATE + arrival;

@@ -4,13 +4,15 @@ mod clock;
 mod emulator;
 mod http;
 mod log;
+mod page;
 mod receive;
 mod recorder;
 
 pub use clock::Timeline;
-pub use emulator::{Emulator, Faults, Sent, Signal};
-pub use http::{Config, get_scale, parse_answer, read_config};
+pub use emulator::{Emulator, Faults, LARGEST_OFFSET, Sent, Signal};
+pub use http::{get_scale, parse_answer, read_config, read_config_while};
 pub use log::{ROW_BYTES, Row, logs, read_log};
+pub use page::Config;
 pub use recorder::{Ending, Options, Report, record};
 
 use std::path::{Path, PathBuf};

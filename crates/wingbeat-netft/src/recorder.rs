@@ -89,6 +89,12 @@ pub struct Report {
     pub buffer_bytes: usize,
     /// Samples per second by the kernel's clock, from a line through sequence and time.
     pub rate_hz: f64,
+    /// Time that this line spans.
+    pub rate_span: Duration,
+    /// From asking for records to the first that came, or to the end.
+    pub head: Duration,
+    /// From the last record that came to the end.
+    pub tail: Duration,
     /// Spread of arrival about that line, s.
     pub jitter_s: f64,
     /// Largest mean |load| right after a bias, N or N m; none when no bias was asked.
@@ -123,6 +129,7 @@ pub fn record(
     thread::scope(|scope| {
         scope.spawn(|| receive::pump(&socket, &{ queue }, &drops, &stop));
         session.run(datagrams, &mut observe);
+        session.ended = Instant::now();
         stop.store(true, Ordering::Relaxed);
     });
     session.report.kernel_drops = drops.into_inner();
@@ -137,11 +144,17 @@ struct Session<'a> {
     log: Log,
     report: Report,
     clock: ClockFit,
-    /// When a datagram was taken from the queue, and the arrival of the last, ns since 1970.
+    /// When records were taken from the queue, or asked for, and the arrival of the last, ns since 1970.
     last_seen: Instant,
     last_arrival: Option<u64>,
     empty_waits: u32,
     failures: u32,
+    /// When to ask again.
+    ask_at: Option<Instant>,
+    /// When records were asked for first, when the first came, and when the last.
+    began: Instant,
+    came: Option<(Instant, Instant)>,
+    ended: Instant,
 }
 
 impl<'a> Session<'a> {
@@ -155,6 +168,9 @@ impl<'a> Session<'a> {
             kernel_drops: 0,
             buffer_bytes: granted,
             rate_hz: 0.0,
+            rate_span: Duration::ZERO,
+            head: Duration::ZERO,
+            tail: Duration::ZERO,
             jitter_s: 0.0,
             bias_residual: None,
             rows: 0,
@@ -170,6 +186,10 @@ impl<'a> Session<'a> {
             last_arrival: None,
             empty_waits: 0,
             failures: 0,
+            ask_at: None,
+            began: Instant::now(),
+            came: None,
+            ended: Instant::now(),
         })
     }
 
@@ -220,9 +240,8 @@ impl<'a> Session<'a> {
     }
 
     fn run(&mut self, datagrams: Receiver<Datagram>, observe: &mut impl FnMut(Option<&Row>) -> bool) {
-        let began = Instant::now();
-        self.last_seen = began;
-        while self.options.duration.is_none_or(|duration| began.elapsed() < duration) {
+        (self.began, self.last_seen) = (Instant::now(), Instant::now());
+        while self.options.duration.is_none_or(|duration| self.began.elapsed() < duration) {
             let goes_on = match datagrams.recv_timeout(PATIENCE) {
                 Ok(datagram) => self.datagram(&datagram, observe),
                 Err(_) => observe(None) && self.silence(),
@@ -235,16 +254,18 @@ impl<'a> Session<'a> {
 
     /// Books and writes a datagram; false to stop.
     fn datagram(&mut self, datagram: &Datagram, observe: &mut impl FnMut(Option<&Row>) -> bool) -> bool {
-        (self.last_seen, self.empty_waits) = (Instant::now(), 0);
         let Datagram { bytes, kernel_ns, host_ns } = datagram;
+        let Some(records) = RdtRecord::parse(bytes) else {
+            // Noise is no record: a box that sends nothing else is silent.
+            self.report.account.malformed += 1;
+            return observe(None) && self.silence();
+        };
+        (self.last_seen, self.empty_waits, self.ask_at) = (Instant::now(), 0, None);
+        self.came = Some((self.came.map_or(self.last_seen, |(first, _)| first), self.last_seen));
         let arrival = if *kernel_ns > 0 { *kernel_ns } else { *host_ns };
         let silence = Duration::from_nanos(arrival.saturating_sub(self.last_arrival.unwrap_or(arrival)));
         self.report.longest_silence = self.report.longest_silence.max(silence);
         self.last_arrival = Some(arrival);
-        let Some(records) = RdtRecord::parse(bytes) else {
-            self.report.account.malformed += 1;
-            return true;
-        };
         self.failures = 0;
         for record in records {
             let row = Row { host_ns: *host_ns, kernel_ns: *kernel_ns, record };
@@ -258,7 +279,7 @@ impl<'a> Session<'a> {
     /// Books and writes a row; false to stop.
     fn row(&mut self, row: &Row, observe: &mut impl FnMut(Option<&Row>) -> bool) -> bool {
         let restarts = self.report.account.restarts;
-        if !self.report.account.take(&row.record) {
+        if !self.report.account.take(&row.record, row.arrival_ns()) {
             return true;
         }
         if self.report.account.restarts > restarts {
@@ -273,9 +294,17 @@ impl<'a> Session<'a> {
         observe(Some(row)) && !enough
     }
 
-    /// Nothing came for a while: asks again after a pause once that is too long, or gives up; false to stop.
+    /// No record came for a while: asks again after a pause once that is too long, or gives up; false to stop.
     fn silence(&mut self) -> bool {
-        self.empty_waits += 1;
+        self.empty_waits = self.empty_waits.saturating_add(1);
+        if let Some(at) = self.ask_at {
+            if Instant::now() >= at {
+                let _ = self.request(self.stream());
+                self.report.account.asked();
+                (self.ask_at, self.last_seen) = (None, Instant::now());
+            }
+            return true;
+        }
         if self.empty_waits < EMPTY_WAITS || self.last_seen.elapsed() <= self.options.stall {
             return true;
         }
@@ -286,15 +315,18 @@ impl<'a> Session<'a> {
         }
         let pause = Duration::from_millis(100) * 2u32.pow(self.failures.min(5));
         self.failures += 1;
-        thread::sleep(pause.min(LONGEST_PAUSE));
-        let _ = self.request(self.stream());
-        self.report.account.asked();
-        self.last_seen = Instant::now();
+        self.ask_at = Some(Instant::now() + pause.min(LONGEST_PAUSE));
         true
     }
 
     fn finish(mut self) -> Report {
         (self.report.rate_hz, self.report.jitter_s) = self.clock.result();
+        self.report.rate_span = Duration::from_secs_f64(self.clock.span);
+        let end = self.ended;
+        (self.report.head, self.report.tail) = match self.came {
+            Some((first, last)) => (first - self.began, end.saturating_duration_since(last)),
+            None => (end - self.began, Duration::ZERO),
+        };
         if let Err(error) = self.log.close()
             && self.report.ending == Ending::Complete
         {

@@ -150,6 +150,71 @@ fn a_box_that_restarts_is_asked_again_until_it_answers() {
 }
 
 #[test]
+fn a_restart_whose_count_passes_the_old_one_is_booked_by_the_clock() {
+    let faults = Faults { restart_after: 3000, restart_at: 30_000, ..Default::default() };
+    let (report, _, path) = run("passing", 8014, faults, |o| o.stall = Duration::from_millis(200));
+    let a = &report.account;
+    assert_eq!((report.ending, a.received, a.reboots), (Ending::Complete, 7000, 2));
+    let rows = rows(&report.files[0]);
+    let seconds = (rows[6999].arrival_ns() - rows[0].arrival_ns()) as f64 * 1e-9;
+    assert!((a.booked() as f64 / 7000.0 - seconds).abs() < 0.1, "{} {seconds}", a.booked());
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn a_jump_in_the_numbers_is_no_loss() {
+    let faults = Faults { jump_after: 3000, ..Default::default() };
+    let (report, sent, path) = run("jump", 8015, faults, |_| {});
+    let a = &report.account;
+    assert_eq!((a.received, a.lost, a.jumps, a.reboots, sent.jumps), (7000, 0, 1, 0, 1));
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn noise_alone_is_silence() {
+    let faults = Faults { drop: 1.0, garbage: 1.0, ..Default::default() };
+    let (report, _, path) = run("noise", 8016, faults, |o| {
+        o.stall = Duration::from_millis(200);
+        o.reconnects = 1;
+    });
+    assert_eq!((report.ending, report.account.received), (Ending::Silent, 0));
+    assert!(report.account.malformed > 100 && report.stalls == 1, "{:?}", report.account);
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn the_tail_after_the_last_record_is_told() {
+    let faults = Faults { die_after: 3000, ..Default::default() };
+    let (report, _, path) = run("death", 8017, faults, |o| o.duration = Some(Duration::from_secs(2)));
+    assert_eq!(report.account.received, 3000);
+    assert!(report.tail.as_secs_f64() > 1.2 && report.head.as_secs_f64() < 0.3, "{report:?}");
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn a_slow_box_keeps_its_numbers_but_not_its_time() {
+    let faults = Faults { pace: 0.2, ..Default::default() };
+    let (report, _, path) = run("slow", 8018, faults, |o| o.duration = Some(Duration::from_secs(2)));
+    assert_eq!((report.account.lost, report.account.rate()), (0, Some(7000.0)));
+    assert!((report.rate_hz - 1400.0).abs() < 50.0, "{}", report.rate_hz);
+    std::fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn faults_that_are_none_are_refused_by_their_key() {
+    let home = IpAddr::V4(Ipv4Addr::LOCALHOST);
+    let start = |offset: u16, faults: Faults| {
+        Emulator::start(home, offset, Signal::Flapping, faults).map(drop).unwrap_err().to_string()
+    };
+    assert!(start(8019, Faults { drop: 2.0, ..Default::default() }).contains("drop = 2"));
+    assert!(start(8019, Faults { pace: f64::NAN, ..Default::default() }).contains("pace = NaN"));
+    assert!(start(8019, Faults { garbage: -0.1, ..Default::default() }).contains("garbage = -0.1"));
+    let marked = Faults { saturation: 0.6, serious: 0.6, ..Default::default() };
+    assert!(start(8019, marked).contains("saturation = 0.6"));
+    assert!(start(16384, Faults::default()).contains("port_offset = 16384"));
+}
+
+#[test]
 fn numbers_wrap_without_a_gap() {
     let faults = Faults { sequence: u32::MAX - 3000, drop: 0.01, seed: 4, ..Default::default() };
     let (report, sent, path) = run("wrap", 8011, faults, |_| {});

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
-use wingbeat_io::read_parquet;
+use wingbeat_io::read_parquet_columns;
 use wingbeat_netft::{Emulator, Faults, Sent, Signal};
 
 use crate::args::RigEmulate;
@@ -12,12 +12,28 @@ use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::say::say;
 
+/// Names of faults, and their arguments.
+const KEYS: [(&str, &str); 10] = [
+    ("drop", "--drop"),
+    ("duplicate", "--duplicate"),
+    ("reorder", "--reorder"),
+    ("delay", "--delay"),
+    ("garbage", "--garbage"),
+    ("saturation", "--saturation"),
+    ("warning", "--warning"),
+    ("serious", "--serious"),
+    ("pace", "--pace"),
+    ("port_offset", "--port-offset"),
+];
+
 /// Emulates the box until Ctrl-C.
 pub fn emulate(arguments: &RigEmulate) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let signal = match &arguments.play {
         None => Signal::Flapping,
-        Some(file) => Signal::Samples(samples(&read_parquet(file)?)?),
+        Some(file) => {
+            Signal::Samples(samples(&read_parquet_columns(file, &CHANNELS.map(|(name, _)| name))?)?)
+        }
     };
     let faults = Faults {
         drop: arguments.drop,
@@ -30,11 +46,19 @@ pub fn emulate(arguments: &RigEmulate) -> Result<(), Error> {
         serious: arguments.serious,
         stall_after: arguments.stall_after,
         restart_after: arguments.restart_after,
+        restart_at: arguments.restart_at,
+        die_after: arguments.die_after,
+        jump_after: arguments.jump_after,
+        pace: arguments.pace,
         sequence: arguments.sequence,
         seed: arguments.seed,
     };
-    let emulator = Emulator::start(arguments.bind, arguments.port_offset, signal, faults)
-        .map_err(|error| Error::Input(error.to_string()))?;
+    let emulator = Emulator::start(arguments.bind, arguments.port_offset, signal, faults).map_err(
+        |error| match error {
+            wingbeat_netft::Error::Refused(error) => error.renamed(&KEYS).into(),
+            error => Error::Input(error.to_string()),
+        },
+    )?;
     say(&format!("RDT on udp://{}, pages on http://{}; Ctrl-C ends\n", emulator.rdt, emulator.http))?;
     while interrupt.flow().is_continue() {
         std::thread::sleep(Duration::from_millis(100));
@@ -56,6 +80,7 @@ fn words(sent: &Sent) -> String {
         ("serious", sent.serious),
         ("stalls", sent.stalls),
         ("restarts", sent.restarts),
+        ("jumps", sent.jumps),
     ];
     counts.iter().map(|(name, count)| format!("{name:10} {count}\n")).collect()
 }

@@ -76,7 +76,7 @@ fn approach(
     from: Option<&[f64]>,
 ) -> Result<Result<String, String>, Error> {
     let Some(from) = from else { return Ok(Ok(String::new())) };
-    match run.approach(from, plan)? {
+    match run.approach(from, plan).map_err(|error| error.renamed(&[("from", "--from-deg")]))? {
         Ok(approach) => {
             trajectory(folder, &format!("{}_approach", run.spec.name), &approach.trajectory)?;
             Ok(Ok(approach.report(&run.profile)))

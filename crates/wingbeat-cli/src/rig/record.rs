@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use wingbeat::rig::netft::{RDT_PORT, Scale};
-use wingbeat_netft::{Ending, Options, Report, read_config};
+use wingbeat_netft::{Ending, Options, Report, read_config_while};
 
 use super::display::Display;
 use super::recorded::{self, RAW, Summary};
@@ -22,10 +22,18 @@ const IDENTITY: &str = "recording.json";
 /// Records until the time is over or Ctrl-C.
 pub fn record(arguments: &RigRecord) -> Result<(), Error> {
     let start = Instant::now();
-    let at = |port: u16| SocketAddr::new(arguments.address, port.wrapping_add(arguments.port_offset));
+    // The offset is bounded where the arguments are read.
+    let at = |port: u16| SocketAddr::new(arguments.address, port.saturating_add(arguments.port_offset));
+    if !(arguments.frequency > 0.0 && arguments.frequency.is_finite()) {
+        let hz = arguments.frequency;
+        return Err(Error::Input(format!("--frequency {hz}: allowed is a finite number above 0")));
+    }
     let options = options(arguments, at(RDT_PORT))?;
     let interrupt = Interrupt::listen()?;
-    let scale = read_config(at(80)).map_err(refused)?.scale;
+    let config = read_config_while(at(80), &|| interrupt.flow().is_continue());
+    interrupt.check()?;
+    let config = config.map_err(refused)?;
+    let scale = config.scale;
     let identity = identity(options.address, &scale);
     let folder = RunFolder::resume_measured(&arguments.out, arguments.force, (IDENTITY, &identity))?;
     interrupt.patient();
@@ -39,20 +47,20 @@ pub fn record(arguments: &RigRecord) -> Result<(), Error> {
     let nothing = recorded::rows(folder.partial()).is_ok_and(|rows| rows == 0);
     let report = match report {
         Ok(report) if !nothing => report,
-        outcome => return Err(nothing_kept(folder, nothing, outcome)),
+        outcome => return Err(nothing_kept(folder, nothing, outcome, &interrupt)),
     };
     if let Ending::Disk(why) = &report.ending {
         return Err(unfinished(&folder, why));
     }
     display.bar.set_message("writing record.parquet");
-    let summary = recorded::write(&folder, &report, &scale).map_err(|why| unfinished(&folder, &why))?;
+    let summary = recorded::write(&folder, &report, &config).map_err(|why| unfinished(&folder, &why))?;
     let text = summary.words();
     let done = folder.write("report.txt", &text).and_then(|()| folder.write_json("summary.json", &summary));
     done.map_err(|why| unfinished(&folder, &why))?;
     let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
     display.bar.finish_and_clear();
     let printed = say::unless(arguments.quiet, || format!("{text}recording: {}\n", path.display()));
-    ended(&report, &summary, path).and(printed)
+    ended(&summary, path).and(printed)
 }
 
 fn options(arguments: &RigRecord, address: SocketAddr) -> Result<Options, Error> {
@@ -83,11 +91,20 @@ fn refused(error: wingbeat_netft::Error) -> Error {
 }
 
 /// Ends a recording that has no row, or could not go on.
-fn nothing_kept(folder: RunFolder, nothing: bool, outcome: Result<Report, wingbeat_netft::Error>) -> Error {
+fn nothing_kept(
+    folder: RunFolder,
+    nothing: bool,
+    outcome: Result<Report, wingbeat_netft::Error>,
+    interrupt: &Interrupt,
+) -> Error {
     let error = match outcome {
-        Ok(Report { ending: Ending::Silent, .. }) => Error::Input("the box sent no record".into()),
         Ok(Report { ending: Ending::Disk(why), .. }) => Error::Input(format!("no record was written: {why}")),
-        Ok(_) => Error::Interrupted,
+        Ok(_) if interrupt.flow().is_break() => Error::Interrupted,
+        Ok(Report { account, .. }) if account.malformed > 0 => Error::Input(format!(
+            "the box sent {} datagrams, none of which is a record: is it a Net F/T box?",
+            account.malformed
+        )),
+        Ok(report) => Error::Input(format!("the box sent no record in {:.1} s", report.head.as_secs_f64())),
         Err(error) => refused(error),
     };
     if nothing {
@@ -105,12 +122,9 @@ fn unfinished(folder: &RunFolder, why: &dyn std::fmt::Display) -> Error {
     Error::Failed { status: "unfinished".into(), reason, folder: folder.partial().into() }
 }
 
-fn ended(report: &Report, summary: &Summary, folder: PathBuf) -> Result<(), Error> {
-    match report.ending {
-        Ending::Silent => {
-            let (status, reason) = (summary.status.clone(), "the box stopped sending".into());
-            Err(Error::Failed { status, reason, folder })
-        }
-        _ => Ok(()),
+fn ended(summary: &Summary, folder: PathBuf) -> Result<(), Error> {
+    match &summary.reason {
+        None => Ok(()),
+        Some(reason) => Err(Error::Failed { status: summary.status.clone(), reason: reason.clone(), folder }),
     }
 }

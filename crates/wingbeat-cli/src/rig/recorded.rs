@@ -1,13 +1,14 @@
 //! A recording's raw logs as one record, and the account of it.
 
 use std::path::Path;
+use std::time::Duration;
 
 use serde::Serialize;
 use wingbeat::rig::cell::CHANNELS;
-use wingbeat::rig::netft::{Account, Scale};
+use wingbeat::rig::netft::{APART_S, Account, BOX_RATE, Scale};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_io::ParquetWriter;
-use wingbeat_netft::{Ending, ROW_BYTES, Report, Row, Timeline, logs, read_log};
+use wingbeat_netft::{Config, Ending, ROW_BYTES, Report, Row, Timeline, logs, read_log};
 
 use crate::error::Error;
 use crate::run_folder::RunFolder;
@@ -20,8 +21,10 @@ const PART: usize = 1 << 16;
 /// The account of a recording. Counts of records are of all its raw logs, other counts of the last start.
 #[derive(Debug, Serialize)]
 pub struct Summary {
-    /// `ok` or `silent`.
+    /// `ok`, `silent` (at the end), or `clock`: the records are not as many as the clock says.
     pub status: String,
+    /// Why, when not `ok`.
+    pub reason: Option<String>,
     /// Begin and end, s.
     pub window_s: (f64, f64),
     /// Records written.
@@ -36,10 +39,12 @@ pub struct Summary {
     pub reordered: u64,
     /// Streams begun anew.
     pub restarts: u64,
-    /// Samples of the box between one stream and the next.
+    /// Records between one stream and the next, by the box's count or by the clock.
     pub unsent: u64,
-    /// Restarts of the box, before which what was missed is not known.
+    /// Restarts of the box, before which what was missed is known by the clock alone.
     pub reboots: u64,
+    /// Leaps of the box's numbers.
+    pub jumps: u64,
     /// Records with a warning status.
     pub warnings: u64,
     /// Records with a saturated channel.
@@ -60,12 +65,74 @@ pub struct Summary {
     pub buffer_bytes: usize,
     /// Samples per second by the kernel's clock.
     pub rate_hz: f64,
+    /// What the clock says of all that.
+    pub by_clock: ByClock,
     /// Spread of arrival, s.
     pub jitter_s: f64,
     /// Largest mean load right after the bias, N or N m.
     pub bias_residual: Option<f64>,
     /// Raw logs.
     pub logs: usize,
+}
+
+/// Wall clock times rate, against what was recorded or booked as missing.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ByClock {
+    /// Samples per second that the box states, or else makes by its own numbers.
+    pub stated_rate_hz: f64,
+    /// From asking for records to the end, s; of a recording that went on, from its first record on.
+    pub wall_s: f64,
+    /// Time without a record at the end, s.
+    pub tail_s: f64,
+    /// Records that this rate makes in this time.
+    pub expected: f64,
+    /// Those of them that are neither recorded nor booked as missing; negative when there are too many.
+    pub unaccounted: f64,
+}
+
+/// Share of the records by which count and clock may differ beside [`APART_S`] (*choice*).
+const TOLERANCE: f64 = 0.01;
+/// Share by which the rate of arrival may differ from the one stated (*choice*), where it was seen for [`SEEN`].
+const RATE_TOLERANCE: f64 = 0.1;
+/// Time for which a rate must be seen to be judged.
+const SEEN: Duration = Duration::from_millis(200);
+
+impl ByClock {
+    /// Of a recording whose records came over `span` seconds, `whole` when the last start made all of it.
+    fn of(report: &Report, account: &Account, stated: Option<f64>, span: f64, whole: bool) -> Self {
+        let rate = stated.or(account.rate()).unwrap_or(BOX_RATE);
+        let (head, tail_s) = (if whole { report.head } else { Duration::ZERO }, report.tail.as_secs_f64());
+        let wall_s = head.as_secs_f64() + span + tail_s;
+        let expected = rate * wall_s;
+        let unaccounted = expected - account.booked() as f64;
+        Self { stated_rate_hz: rate, wall_s, tail_s, expected, unaccounted }
+    }
+
+    /// Status and reason, when something is wrong.
+    fn verdict(&self, report: &Report) -> Option<(&'static str, String)> {
+        let Self { stated_rate_hz, wall_s, tail_s, expected, unaccounted } = *self;
+        if report.ending == Ending::Silent || tail_s > APART_S {
+            return Some(("silent", format!("the box stopped sending {tail_s:.1} s before the end")));
+        }
+        if unaccounted.abs() > APART_S * stated_rate_hz + TOLERANCE * expected {
+            return Some((
+                "clock",
+                format!(
+                    "{expected:.0} records should be there by the clock ({stated_rate_hz} Hz over {wall_s:.2} s), but \
+                     {:.0} came or are booked as missing",
+                    expected - unaccounted
+                ),
+            ));
+        }
+        let rate = report.rate_hz;
+        let seen = report.rate_span >= SEEN && rate > 0.0;
+        (seen && (rate / stated_rate_hz - 1.0).abs() > RATE_TOLERANCE).then(|| {
+            (
+                "clock",
+                format!("records came at {rate:.0} Hz by the clock; the box states {stated_rate_hz} Hz"),
+            )
+        })
+    }
 }
 
 /// Rows in the raw logs of `folder`.
@@ -79,20 +146,21 @@ fn input(error: wingbeat_netft::Error) -> Error {
 }
 
 /// Writes all raw logs of `folder` as record.parquet and gives account of them.
-pub fn write(folder: &RunFolder, report: &Report, scale: &Scale) -> Result<Summary, Error> {
+pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<Summary, Error> {
     let empty = || Record::new(columns(), PART);
     let mut file = ParquetWriter::create(&folder.file("record.parquet"), &empty()?)?;
     let (mut part, mut account, mut line) = (empty()?, Account::default(), Timeline::default());
     let mut first: Option<Row> = None;
-    let (mut begin, mut end) = (0.0_f64, 0.0_f64);
+    let (mut begin, mut end, mut last_ns) = (0.0_f64, 0.0_f64, 0);
     let logs = logs(folder.partial(), RAW).map_err(input)?;
     for log in &logs {
         for row in read_log(log).map_err(input)? {
             let row = row.map_err(input)?;
-            account.take_new(&row.record);
+            account.take_new(&row.record, row.arrival_ns());
+            last_ns = last_ns.max(row.arrival_ns());
             let t = line.time(&row);
             (begin, end) = (begin.min(t), end.max(t));
-            part.append(&cells(&row, t, first.get_or_insert(row), scale));
+            part.append(&cells(&row, t, first.get_or_insert(row), &config.scale));
             if part.rows() == PART {
                 file.append(&part)?;
                 part = empty()?;
@@ -101,7 +169,10 @@ pub fn write(folder: &RunFolder, report: &Report, scale: &Scale) -> Result<Summa
     }
     file.append(&part)?;
     file.close()?;
-    Ok(Summary::new(report, &account, (begin, end), logs.len()))
+    let span = first.map_or(0.0, |first| (last_ns as f64 - first.arrival_ns() as f64) * 1e-9);
+    let whole = report.rows == account.received;
+    let by_clock = ByClock::of(report, &account, config.rate_hz, span, whole);
+    Ok(Summary::new(report, &account, by_clock, (begin, end), logs.len()))
 }
 
 fn columns() -> Vec<Column> {
@@ -134,9 +205,13 @@ fn cells(row: &Row, t: f64, first: &Row, scale: &Scale) -> Vec<f64> {
 }
 
 impl Summary {
-    fn new(report: &Report, account: &Account, window_s: (f64, f64), logs: usize) -> Self {
+    fn new(report: &Report, account: &Account, by_clock: ByClock, window_s: (f64, f64), logs: usize) -> Self {
+        let verdict = by_clock.verdict(report);
         Self {
-            status: if report.ending == Ending::Silent { "silent" } else { "ok" }.into(),
+            status: verdict.as_ref().map_or("ok", |(status, _)| status).into(),
+            reason: verdict.map(|(_, reason)| reason),
+            by_clock,
+            jumps: account.jumps,
             window_s,
             records: account.received,
             lost: account.lost,
@@ -167,7 +242,7 @@ impl Summary {
         let mut text = format!(
             "{} records, {} lost in {} gaps (longest {}), {} duplicates, {} late, {} malformed datagrams\n\
              status: {} warnings, {} saturated, {} serious\n\
-             {} stalls, {} restarts of the stream ({} samples between), {} restarts of the box\n\
+             {} stalls, {} restarts of the stream ({} records between), {} restarts of the box, {} jumps\n\
              longest silence {:.1} ms, {} datagrams dropped by the kernel (buffer {} kB)\n\
              {:.2} samples/s by the kernel's clock, arrival spread {:.3} ms\n",
             self.records,
@@ -184,15 +259,63 @@ impl Summary {
             self.restarts,
             self.unsent,
             self.reboots,
+            self.jumps,
             1e3 * self.longest_silence_s,
             self.kernel_drops,
             self.buffer_bytes / 1024,
             self.rate_hz,
             1e3 * self.jitter_s,
         );
+        let ByClock { stated_rate_hz, wall_s, expected, unaccounted, .. } = self.by_clock;
+        text += &format!(
+            "{stated_rate_hz} Hz over {wall_s:.2} s make {expected:.0} records; {unaccounted:.0} are not accounted for\n"
+        );
         if let Some(residual) = self.bias_residual {
             text += &format!("bias: largest mean load right after it {residual:.4} (N or N m)\n");
         }
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(rate_hz: f64, tail: f64) -> Report {
+        Report {
+            ending: Ending::Complete,
+            account: Account::default(),
+            stalls: 0,
+            longest_silence: Duration::ZERO,
+            kernel_drops: 0,
+            buffer_bytes: 0,
+            rate_hz,
+            rate_span: Duration::from_secs(10),
+            head: Duration::from_millis(10),
+            tail: Duration::from_secs_f64(tail),
+            jitter_s: 0.0,
+            bias_residual: None,
+            rows: 0,
+            files: Vec::new(),
+        }
+    }
+
+    /// Status of a recording of `seconds` with so many records of 7 kHz, none of them booked as missing.
+    fn status(seconds: f64, records: u64, rate: f64, tail: f64) -> Option<&'static str> {
+        let account = Account { received: records, ..Account::default() };
+        let report = report(rate, tail);
+        ByClock::of(&report, &account, Some(7000.0), seconds, true).verdict(&report).map(|(status, _)| status)
+    }
+
+    #[test]
+    fn count_and_clock_agree_within_the_tolerance_stated() {
+        assert_eq!(status(10.0, 70_000, 7000.0, 0.0), None);
+        // Half a second and 1 %: 3500 + 700.
+        assert_eq!(status(10.0, 66_000, 7000.0, 0.0), None);
+        assert_eq!(status(10.0, 65_500, 7000.0, 0.0), Some("clock"));
+        assert_eq!(status(10.0, 75_000, 7000.0, 0.0), Some("clock"));
+        assert_eq!(status(10.0, 70_000, 7000.0, 0.6), Some("silent"));
+        // A second at a fifth of the rate is within half a second of records, yet not at the rate stated.
+        assert_eq!(status(0.3, 2100, 1400.0, 0.0), Some("clock"));
     }
 }

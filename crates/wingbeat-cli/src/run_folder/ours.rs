@@ -54,7 +54,7 @@ impl Ours {
         Ok(ours)
     }
 
-    /// Refuses what is not listed, or is no plain file.
+    /// Refuses what is not listed, or is not a regular file.
     fn check(&self, below: &Path) -> Result<(), String> {
         let path = self.folder.join(below);
         let told = |error: io::Error| format!("{}: {error}", path.display());

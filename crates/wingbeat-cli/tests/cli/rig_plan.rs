@@ -53,8 +53,8 @@ fn what_cannot_be_planned_is_refused_with_what_to_do() {
         (&fast, ["--set", "profile=moveit-hard"], &["exceeds the limit", "keeps every limit at"][..]),
         (&fast, ["--set", "profile=cautious"], &["profile = cautious", "moveit-hard", "urdf"]),
         (&fast, ["--set", "turn.centre_m=[4.0, 4.0]"], &["roll15_speed09", "no place in the workspace"]),
-        (&fast, ["--from-deg", "0,0,200,0,0,0"], &["from", "200", "deg"]),
-        (&fast, ["--from-deg", "0,0"], &["6 finite joint positions"]),
+        (&fast, ["--from-deg", "0,0,200,0,0,0"], &["--from-deg.joint_3 = 200", "deg"]),
+        (&fast, ["--from-deg", "0,0"], &["--from-deg = [0.0, 0.0]", "6 finite joint positions"]),
     ] {
         let output = rig(&folder, &["plan", file, "--out", "a", more[0], more[1]]);
         let message = String::from_utf8(output.stderr).unwrap();

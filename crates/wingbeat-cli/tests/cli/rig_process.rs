@@ -194,7 +194,7 @@ fn bad_input_is_one_message_and_no_folder() {
         (
             "good.parquet",
             "process.window_s=[0.5, 0.6]",
-            &["process.window = 0.35 cycles", "at least one whole cycle"],
+            &["process.window_s = 0.35 cycles", "at least one whole cycle"],
         ),
         ("saturated.parquet", "seed=1", &["unknown key seed"]),
         (

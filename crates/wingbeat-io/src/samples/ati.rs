@@ -9,11 +9,15 @@
 //! a division always leaves a point. The time is the host's, to a second: samples are placed by their sequence.
 
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::rig::netft::COUNTS_PER_UNIT as COUNTS;
 use wingbeat::simulate::Column;
 
-use super::Table;
+use super::table::Table;
 use super::text::Cells;
 use crate::Error;
+
+/// Sample rates that a file may state, Hz (*choice*: once in 17 minutes to 1 MHz).
+const RATES: [f64; 2] = [1e-3, 1e6];
 
 /// True of the line that names the columns.
 pub fn is_header(line: &str) -> bool {
@@ -29,8 +33,15 @@ pub fn fill(
     cells: Vec<Cells>,
 ) -> Result<(), Error> {
     let said = |key: &str| said(preamble, key);
-    let number = |key: &str| said(key).and_then(|text| text.parse::<f64>().ok()).filter(|x| *x > 0.0);
-    table.rate = number("rdt sample rate");
+    let number = |key: &str, [low, high]: [f64; 2]| -> Result<Option<f64>, Error> {
+        let Some(text) = said(key) else { return Ok(None) };
+        let number = text.parse().ok().filter(|number| (low..=high).contains(number));
+        let refused = || table.bad(format!("`{key}: {text}`: allowed is a number from {low:e} to {high:e}"));
+        number.ok_or_else(refused).map(Some)
+    };
+    let rate = number("rdt sample rate", RATES)?;
+    let per_unit = [number("counts per unit force", COUNTS)?, number("counts per unit torque", COUNTS)?];
+    table.rate = rate;
     table.unordered = true;
     for (name, cells) in names.iter().zip(cells) {
         if cells.words {
@@ -38,12 +49,14 @@ pub fn fill(
             continue;
         }
         let Some(index) = CHANNELS.iter().position(|(channel, _)| channel.eq_ignore_ascii_case(name)) else {
-            table.columns.push(Column { values: cells.values, ..Column::new(plain(name), "", "") });
+            if cells.wanted {
+                table.columns.push(Column { values: cells.values, ..Column::new(plain(name), "", "") });
+            }
             continue;
         };
         let kind = if index < 3 { "force" } else { "torque" };
         let unit = said(&format!("{kind} units")).unwrap_or("");
-        let scale = if cells.whole { number(&format!("counts per unit {kind}")) } else { Some(1.0) };
+        let scale = if cells.whole { per_unit[usize::from(index >= 3)] } else { Some(1.0) };
         let (unit, scale) = scale.map_or(("counts", 1.0), |scale| (unit, scale));
         let values = cells.values.iter().map(|value| value / scale).collect();
         table.columns.push(Column { values, ..Column::new(CHANNELS[index].0, unit, "") });
@@ -52,7 +65,7 @@ pub fn fill(
 }
 
 /// The name that the recorder gives this column.
-fn plain(name: &str) -> String {
+pub fn plain(name: &str) -> String {
     match name.to_lowercase().replace(' ', "").as_str() {
         "status(hex)" | "status" => "status".into(),
         "rdtsequence" => "rdt_sequence".into(),

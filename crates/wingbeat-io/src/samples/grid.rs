@@ -4,9 +4,9 @@
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grid {
     /// Steps from the first sample, one per row kept.
-    pub place: Vec<usize>,
+    pub place: Vec<u32>,
     /// The rows kept, in the order of time.
-    pub rows: Vec<usize>,
+    pub rows: Vec<u32>,
     /// Time of the first sample, s.
     pub start: f64,
     /// Samples per second.
@@ -18,17 +18,25 @@ pub struct Grid {
 }
 
 /// Steps that a gap may have at most: a recording with longer ones is several.
-const LONGEST_GAP: usize = 1 << 22;
+const LONGEST_GAP: u32 = 1 << 22;
+/// Samples by which a number may go back before it is one of a count that began anew: nine seconds of the box.
+const FURTHEST_BACK: i32 = 1 << 16;
 
 impl Grid {
     /// Number of steps of the grid.
     pub fn len(&self) -> usize {
-        self.place.last().map_or(0, |last| last + 1)
+        self.place.last().map_or(0, |last| *last as usize + 1)
+    }
+
+    /// True when each of `rows` rows lies at its own number.
+    pub fn is_whole(&self, rows: usize) -> bool {
+        self.len() == rows && self.rows.len() == rows && self.late == 0
     }
 
     /// Rows that follow one another without a gap.
     pub fn counted(rows: usize, rate: f64) -> Self {
-        Self { place: (0..rows).collect(), rows: (0..rows).collect(), rate, ..Self::default() }
+        let all: Vec<u32> = (0..rows as u32).collect();
+        Self { place: all.clone(), rows: all, rate, ..Self::default() }
     }
 
     /// By numbers that count the samples and wrap at 2^32.
@@ -42,28 +50,41 @@ impl Grid {
                 return Err(format!("sample {row}: {number} is no sequence number"));
             }
             let number = *number as u32;
-            ahead += i64::from(number.wrapping_sub(last) as i32);
+            let step = number.wrapping_sub(last) as i32;
+            if step < -FURTHEST_BACK || (number <= 1 && step <= -8) {
+                return Err(format!(
+                    "the numbers of the samples begin anew at sample {row}, {number} after {last}: cut the file \
+                     there, or leave process.input.rate_hz out where it has a column of time"
+                ));
+            }
+            ahead += i64::from(step);
             last = number;
             steps.push(ahead);
         }
-        Self::placed(&steps, 0.0, rate)
+        Self::placed(steps, 0.0, rate)
     }
 
-    /// By times (s) that need not be exact. `unordered` rows are put in order; others may not go back.
-    pub fn timed(time: &[f64], unordered: bool) -> Result<Self, String> {
+    /// By times (of `unit` seconds each) that need not be exact. `unordered` rows are put in order; others may not go
+    /// back.
+    pub fn timed(time: &[f64], unit: f64, unordered: bool) -> Result<Self, String> {
         if let Some(row) = time.iter().position(|t| !t.is_finite()) {
             return Err(format!("sample {row} has no time"));
         }
-        let mut order: Vec<usize> = (0..time.len()).collect();
-        if unordered {
-            order.sort_by(|a, b| time[*a].total_cmp(&time[*b]));
-        } else if let Some(row) = (1..time.len()).find(|row| time[*row] < time[row - 1]) {
-            let (now, before) = (time[row], time[row - 1]);
-            return Err(format!(
-                "time goes back at sample {row}, from {before} s to {now} s: cut the file there"
-            ));
-        }
-        let sorted: Vec<f64> = order.iter().map(|row| time[*row]).collect();
+        let back = (1..time.len()).find(|row| time[*row] < time[row - 1]);
+        let (sorted, order) = match back {
+            None => (time.to_vec(), None),
+            Some(_) if unordered => {
+                let mut order: Vec<u32> = (0..time.len() as u32).collect();
+                order.sort_by(|a, b| time[*a as usize].total_cmp(&time[*b as usize]));
+                (order.iter().map(|row| time[*row as usize]).collect(), Some(order))
+            }
+            Some(row) => {
+                let (now, before) = (unit * time[row], unit * time[row - 1]);
+                return Err(format!(
+                    "time goes back at sample {row}, from {before} s to {now} s: cut the file there"
+                ));
+            }
+        };
         let step = step(&sorted)?;
         let mut ahead = 0_i64;
         let mut steps = vec![0; time.len()];
@@ -71,29 +92,41 @@ impl Grid {
             let gap = (pair[1] - pair[0]) / step;
             // A duplicate has the same time; jitter may bring others near.
             let moved = if gap < 1e-6 { 0 } else { gap.round().max(1.0) as i64 };
-            ahead += moved;
-            steps[order[k + 1]] = ahead;
+            ahead = ahead.saturating_add(moved);
+            steps[order.as_ref().map_or(k + 1, |order| order[k + 1] as usize)] = ahead;
         }
-        let span = sorted.last().unwrap_or(&0.0) - sorted[0];
-        Self::placed(&steps, sorted[0], ahead as f64 / span)
+        let span = unit * (sorted.last().unwrap_or(&0.0) - sorted[0]);
+        if !(span > 0.0 && span.is_finite()) {
+            return Err(format!("the times span {span} s"));
+        }
+        Self::placed(steps, unit * sorted[0], ahead as f64 / span)
     }
 
-    fn placed(steps: &[i64], start: f64, rate: f64) -> Result<Self, String> {
-        let mut rows: Vec<usize> = (0..steps.len()).collect();
-        rows.sort_by_key(|row| steps[*row]);
-        let late = (1..steps.len()).filter(|row| steps[*row] < steps[row - 1]).count();
-        let before = rows.len();
-        rows.dedup_by_key(|row| steps[*row]);
-        let duplicates = before - rows.len();
-        let first = rows.first().map_or(0, |row| steps[*row]);
-        let place: Vec<usize> = rows.iter().map(|row| (steps[*row] - first) as usize).collect();
-        if let Some(k) = (1..place.len()).find(|k| place[*k] - place[k - 1] > LONGEST_GAP) {
-            let gap = place[k] - place[k - 1];
-            return Err(format!("{gap} samples are missing after sample {k}: cut the file there"));
+    fn placed(steps: Vec<i64>, start: f64, rate: f64) -> Result<Self, String> {
+        if u32::try_from(steps.len()).is_err() {
+            return Err(format!("{} samples", steps.len()));
         }
-        let most = 16 * place.len() + (1 << 16);
-        if place.last().is_some_and(|last| *last > most) {
-            return Err("more than 15 of 16 samples are missing".into());
+        let mut rows: Vec<u32> = (0..steps.len() as u32).collect();
+        let late = (1..steps.len()).filter(|row| steps[*row] < steps[row - 1]).count();
+        if late > 0 {
+            rows.sort_by_key(|row| steps[*row as usize]);
+        }
+        let before = rows.len();
+        rows.dedup_by_key(|row| steps[*row as usize]);
+        let duplicates = before - rows.len();
+        let first = rows.first().map_or(0, |row| steps[*row as usize]);
+        let most = 16 * rows.len() as i64 + (1 << 16);
+        let mut place: Vec<u32> = Vec::with_capacity(rows.len());
+        for (k, row) in rows.iter().enumerate() {
+            let ahead = steps[*row as usize].saturating_sub(first);
+            let gap = ahead - i64::from(place.last().copied().unwrap_or(0));
+            if gap > i64::from(LONGEST_GAP) {
+                return Err(format!("{gap} samples are missing after sample {k}: cut the file there"));
+            }
+            if ahead > most {
+                return Err("more than 15 of 16 samples are missing".into());
+            }
+            place.push(u32::try_from(ahead).map_err(|_| format!("{ahead} samples"))?);
         }
         Ok(Self { place, rows, start: start + first as f64 / rate, rate, duplicates, late })
     }
@@ -126,16 +159,19 @@ mod tests {
     fn gaps_repeats_and_late_rows_are_found() {
         let grid = Grid::numbered(&[4294967294.0, 4294967295.0, 1.0, 0.0, 1.0, 5.0], 7000.0).unwrap();
         assert_eq!((grid.place.clone(), grid.rows.clone()), (vec![0, 1, 2, 3, 7], vec![0, 1, 3, 2, 5]));
+        assert!(!grid.is_whole(6) && Grid::counted(6, 1.0).is_whole(6));
         assert_eq!((grid.duplicates, grid.late, grid.len()), (1, 1, 8));
         assert!(Grid::numbered(&[1.0, 2e9], 7000.0).unwrap_err().contains("missing after sample 1"));
         assert!(Grid::numbered(&[-1.0], 7000.0).is_err());
+        let again: Vec<f64> = (1..=9).chain(1..=9).map(f64::from).collect();
+        assert!(Grid::numbered(&again, 7000.0).unwrap_err().contains("begin anew at sample 9, 1 after 9"));
     }
 
     #[test]
     fn coarsely_rounded_times_keep_their_rate() {
         // 7 kHz printed with four digits: steps of 0.1 and 0.2 ms.
         let time: Vec<f64> = (0..70_000).map(|k| (f64::from(k) / 0.7).round() * 1e-4).collect();
-        let grid = Grid::timed(&time, false).unwrap();
+        let grid = Grid::timed(&time, 1.0, false).unwrap();
         assert_eq!((grid.len(), grid.duplicates), (70_000, 0));
         assert!((grid.rate - 7000.0).abs() < 0.1, "{}", grid.rate);
     }
@@ -144,16 +180,16 @@ mod tests {
     fn a_gap_in_time_stays_open() {
         let time: Vec<f64> =
             (0..1000).filter(|k| !(300..340).contains(k)).map(|k| f64::from(k) * 1e-3).collect();
-        let grid = Grid::timed(&time, false).unwrap();
+        let grid = Grid::timed(&time, 1.0, false).unwrap();
         assert_eq!((grid.len(), grid.place[300]), (1000, 340));
         assert!((grid.rate - 1000.0).abs() < 1e-6);
     }
 
     #[test]
     fn what_is_no_time_is_refused() {
-        assert!(Grid::timed(&[0.0, 0.1, 0.05, 0.2], false).unwrap_err().contains("back at sample 2"));
-        assert!(Grid::timed(&[0.0, f64::NAN], false).unwrap_err().contains("sample 1 has no time"));
-        assert!(Grid::timed(&[1.0; 50], false).unwrap_err().contains("repeat"));
-        assert!(Grid::timed(&[], false).is_err());
+        assert!(Grid::timed(&[0.0, 0.1, 0.05, 0.2], 1.0, false).unwrap_err().contains("back at sample 2"));
+        assert!(Grid::timed(&[0.0, f64::NAN], 1.0, false).unwrap_err().contains("sample 1 has no time"));
+        assert!(Grid::timed(&[1.0; 50], 1.0, false).unwrap_err().contains("repeat"));
+        assert!(Grid::timed(&[], 1.0, false).is_err());
     }
 }

@@ -1,88 +1,94 @@
 //! MATLAB files of level 5 (MathWorks, MAT-File Format): numeric arrays with their names.
 
-use std::io::Read;
-use std::path::Path;
+use std::io::{BufReader, Read, Seek, SeekFrom};
 
 use flate2::read::ZlibDecoder;
 
 use super::numbers::Kind;
-use super::{MOST_NUMBERS, Table, bytes};
+use super::opened;
+use super::table::{Shape, Table};
 use crate::Error;
 
 /// Bytes before the first element.
-const HEADER: usize = 128;
+const HEADER: u64 = 128;
 /// Types of elements.
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 /// Array classes double .. uint64; those below hold no plain numbers.
 const NUMERIC: std::ops::RangeInclusive<u8> = 6..=15;
+/// Longest description (flags, dimensions, name) that is read, bytes.
+const MOST_DESCRIPTION: u32 = 1 << 12;
 
 /// Every numeric array of a file.
-pub fn read(path: &Path) -> Result<Table, Error> {
-    let mut table = Table::new(path, "MATLAB 5");
-    let data = bytes(path)?;
-    let big_endian = match data.get(HEADER - 2..HEADER) {
-        Some(b"IM") => false,
-        Some(b"MI") => true,
+pub fn read(mut table: Table) -> Result<Table, Error> {
+    let (file, length) = opened(&table.path)?;
+    let path = table.path.clone();
+    let failed = |source| Error::file(&path, source);
+    let mut file = BufReader::new(file);
+    let mut header = [0; HEADER as usize];
+    let big_endian = match file.read_exact(&mut header).map(|()| &header[126..]) {
+        Ok(b"IM") => false,
+        Ok(b"MI") => true,
         _ => return Err(table.bad("cut short in its header")),
     };
-    let reader = Elements { data: data.get(HEADER..).unwrap_or(&[]), big_endian };
-    for (number, element) in reader.enumerate() {
-        let cut = || table.bad(format!("cut short in variable {}", number + 1));
-        let (kind, body) = element.ok_or_else(cut)?;
-        match kind {
-            MATRIX => variable(&mut table, body, big_endian, number)?,
+    let (mut at, mut number) = (HEADER, 0);
+    while at < length {
+        number += 1;
+        let cut = |table: &Table| table.bad(format!("cut short in variable {number}"));
+        file.seek(SeekFrom::Start(at)).map_err(failed)?;
+        let tag = Tag::read(&mut file, big_endian).filter(|tag| at + tag.end() <= length);
+        let tag = tag.ok_or_else(|| cut(&table))?;
+        let mut body = tag.body(&mut file);
+        match tag.kind {
+            MATRIX => variable(&mut table, &mut body, big_endian, number)?,
             COMPRESSED => {
-                let inflated = inflate(&table, body, number)?;
-                if let Some(Some((MATRIX, body))) = (Elements { data: &inflated, big_endian }).next() {
-                    variable(&mut table, body, big_endian, number)?;
+                let mut inflated = BufReader::new(ZlibDecoder::new(body));
+                let inner = Tag::read(&mut inflated, big_endian).ok_or_else(|| cut(&table))?;
+                if inner.kind == MATRIX {
+                    variable(&mut table, &mut inner.body(&mut inflated), big_endian, number)?;
                 }
             }
             _ => {}
         }
+        at += if tag.kind == COMPRESSED { tag.end() } else { tag.end().next_multiple_of(8) };
     }
     Ok(table)
 }
 
-fn inflate(table: &Table, body: &[u8], number: usize) -> Result<Vec<u8>, Error> {
-    let most = 8 * MOST_NUMBERS as u64;
-    let mut data = Vec::new();
-    let read = ZlibDecoder::new(body).take(most).read_to_end(&mut data);
-    read.map_err(|error| table.bad(format!("variable {}: cut short or damaged: {error}", number + 1)))?;
-    match data.len() as u64 == most {
-        true => Err(table.bad(format!("variable {}: more than {MOST_NUMBERS} numbers", number + 1))),
-        false => Ok(data),
-    }
-}
-
 /// Adds the array in the body of a matrix element: flags, dimensions, name, real part.
-fn variable(table: &mut Table, body: &[u8], big_endian: bool, number: usize) -> Result<(), Error> {
-    let broken = |what: &str| format!("variable {}: {what}", number + 1);
-    let mut parts = Elements { data: body, big_endian }.flatten();
-    let (Some((_, flags)), Some((_, shape)), Some((_, name))) = (parts.next(), parts.next(), parts.next())
+fn variable(table: &mut Table, body: &mut impl Read, big_endian: bool, number: usize) -> Result<(), Error> {
+    let (Some(flags), Some(shape), Some(name)) =
+        (part(body, big_endian), part(body, big_endian), part(body, big_endian))
     else {
-        return Err(table.bad(broken("cut short in its description")));
+        return Err(table.bad(format!("variable {number}: cut short in its description")));
     };
     let class = if big_endian { flags.get(3) } else { flags.first() };
-    let name = String::from_utf8_lossy(name).into_owned();
-    let shape = Kind::Signed(4).read(shape, big_endian);
+    let name = String::from_utf8_lossy(&name).into_owned();
+    let shape = Kind::Signed(4).read(&shape, big_endian);
     let ([rows, columns], true) = (shape.as_slice(), class.is_some_and(|class| NUMERIC.contains(class)))
     else {
         table.skipped.push(name);
         return Ok(());
     };
     // Columns follow one another: rows of the transpose.
-    let shape = (columns.max(0.0) as usize, rows.max(0.0) as usize);
-    let count = table.room(&name, shape)?;
-    let (kind, data) = parts.next().unwrap_or((0, &[]));
-    let kind = stored(kind).ok_or_else(|| table.bad(format!("variable {name}: cut short at sample 0")))?;
-    let mut values = kind.read(data, big_endian);
-    if values.len() < count {
-        return Err(table.bad(format!("variable {name}: cut short at sample {} of {count}", values.len())));
-    }
-    values.truncate(count);
-    table.add(&name, "", shape, values);
-    Ok(())
+    let shape = Shape { rows: columns.max(0.0) as usize, columns: rows.max(0.0) as usize };
+    let data = Tag::read(body, big_endian);
+    let stored = data.as_ref().and_then(|tag| stored(tag.kind));
+    let (Some(tag), Some(kind)) = (data, stored) else {
+        return Err(table.bad(format!("variable {name}: cut short at sample 0")));
+    };
+    table.add(&name, "", shape, kind.stream(tag.body(body), big_endian))
+}
+
+/// The bytes of a short element, and none of what fills it up to a multiple of eight.
+fn part(body: &mut impl Read, big_endian: bool) -> Option<Vec<u8>> {
+    let tag = Tag::read(body, big_endian).filter(|tag| tag.size <= MOST_DESCRIPTION)?;
+    let mut bytes = Vec::new();
+    tag.body(body).read_to_end(&mut bytes).ok()?;
+    let filling = if tag.small.is_some() { 0 } else { (8 - tag.size % 8) % 8 };
+    let mut rest = [0; 8];
+    body.read_exact(&mut rest[..filling as usize]).ok()?;
+    (bytes.len() == tag.size as usize).then_some(bytes)
 }
 
 /// How the numbers of a data element are stored.
@@ -102,43 +108,39 @@ fn stored(kind: u32) -> Option<Kind> {
     })
 }
 
-/// Type and body of the elements one after another; none where one is cut short.
-struct Elements<'a> {
-    data: &'a [u8],
-    big_endian: bool,
+/// What an element begins with.
+struct Tag {
+    kind: u32,
+    /// Bytes of its body.
+    size: u32,
+    /// The body, where it stands in the tag itself: up to four bytes, their number in its upper half.
+    small: Option<[u8; 4]>,
 }
 
-impl<'a> Iterator for Elements<'a> {
-    type Item = Option<(u32, &'a [u8])>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.data.is_empty() {
-            return None;
-        }
-        let element = self.split();
-        if element.is_none() {
-            self.data = &[];
-        }
-        Some(element)
-    }
-}
-
-impl<'a> Elements<'a> {
-    fn word(&self, at: usize) -> Option<u32> {
-        let word = self.data.get(at..at + 4)?.try_into().ok()?;
-        Some(if self.big_endian { u32::from_be_bytes(word) } else { u32::from_le_bytes(word) })
+impl Tag {
+    fn read(reader: &mut impl Read, big_endian: bool) -> Option<Self> {
+        let (mut first, mut second) = ([0; 4], [0; 4]);
+        reader.read_exact(&mut first).and_then(|()| reader.read_exact(&mut second)).ok()?;
+        let word = |word| if big_endian { u32::from_be_bytes(word) } else { u32::from_le_bytes(word) };
+        let kind = word(first);
+        Some(match kind >> 16 {
+            0 => Self { kind, size: word(second), small: None },
+            small => Self { kind: kind & 0xffff, size: small.min(4), small: Some(second) },
+        })
     }
 
-    fn split(&mut self) -> Option<(u32, &'a [u8])> {
-        let kind = self.word(0)?;
-        // Up to four bytes of data stand in the tag itself, their number in its upper half.
-        let (kind, from, size): (u32, usize, usize) = match kind >> 16 {
-            0 => (kind, 8, self.word(4)? as usize),
-            small => (kind & 0xffff, 4, small.min(4) as usize),
+    /// Bytes of tag and body.
+    fn end(&self) -> u64 {
+        if self.small.is_some() { 8 } else { 8 + u64::from(self.size) }
+    }
+
+    /// The body, most of which `reader` holds.
+    fn body<'a, R: Read>(&self, reader: &'a mut R) -> impl Read + use<'a, R> {
+        let (inside, behind) = match self.small {
+            Some(bytes) => (bytes, 0),
+            None => ([0; 4], u64::from(self.size)),
         };
-        let body = self.data.get(from..from.checked_add(size)?)?;
-        let padded = if kind == COMPRESSED { from + size } else { (from + size).next_multiple_of(8) };
-        self.data = self.data.get(padded..).unwrap_or(&[]);
-        Some((kind, body))
+        let here = if self.small.is_some() { u64::from(self.size) } else { 0 };
+        std::io::Cursor::new(inside).take(here).chain(reader.take(behind))
     }
 }

@@ -5,134 +5,86 @@ mod grid;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod matlab;
+mod matlab4;
 mod numbers;
 mod numpy;
 mod record;
+mod resolve;
+mod table;
 mod text;
 
 pub use record::{Import, Imported};
+pub use table::Table;
 
 use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use wingbeat::simulate::Column;
+use wingbeat::rig::process::InputSpec;
 
-use crate::{Error, read_parquet};
+use crate::{Error, decoded, parquet, regular};
+use resolve::Wanted;
 
-/// Most numbers that are read of one file: 2 GiB of them.
-const MOST_NUMBERS: usize = 1 << 28;
-/// Most bytes of a file that is read whole.
-const MOST_BYTES: u64 = 4 << 30;
-
-/// What a file of samples holds.
-#[derive(Clone, Debug, Default)]
-pub struct Table {
-    /// The file.
-    pub path: PathBuf,
-    /// Its layout, in words.
-    pub layout: &'static str,
-    /// Columns with the names and units that the file gives them; their lengths may differ.
-    pub columns: Vec<Column>,
-    /// What else is there, without numbers or of more than two dimensions.
-    pub skipped: Vec<String>,
-    /// Samples per second, Hz, where the file says it.
-    pub rate: Option<f64>,
-    /// True when records may stand in another order than they were measured.
-    pub unordered: bool,
-}
-
-impl Table {
-    fn new(path: &Path, layout: &'static str) -> Self {
-        Self { path: path.into(), layout, ..Self::default() }
-    }
-
-    fn bad(&self, what: impl ToString) -> Error {
-        Error::format(&self.path, what)
-    }
-
-    /// The size of an array, if the table has room for it.
-    fn room(&self, name: &str, (rows, columns): (usize, usize)) -> Result<usize, Error> {
-        let held: usize = self.columns.iter().map(|column| column.values.len()).sum();
-        let count = rows.checked_mul(columns).filter(|count| *count <= MOST_NUMBERS - held.min(MOST_NUMBERS));
-        count.ok_or_else(|| self.bad(format!("{name}: the file has more than {MOST_NUMBERS} numbers")))
-    }
-
-    /// An array of one or two dimensions as columns: the longer one is time. `rows` by
-    /// `columns`, `values` by rows.
-    fn add(&mut self, name: &str, unit: &str, (rows, columns): (usize, usize), values: Vec<f64>) {
-        if rows <= 1 || columns <= 1 {
-            return self.columns.push(Column { values, ..Column::new(name, unit, "") });
-        }
-        let by_rows = rows >= columns;
-        let (count, length) = if by_rows { (columns, rows) } else { (rows, columns) };
-        for k in 0..count {
-            let at = |i: usize| if by_rows { i * columns + k } else { k * columns + i };
-            let values = (0..length).map(|i| values[at(i)]).collect();
-            self.columns.push(Column { values, ..Column::new(format!("{name}[{k}]"), unit, "") });
-        }
-    }
-}
-
-/// Reads a file of samples: Parquet, MATLAB (level 5 and 7.3), NumPy (npz, npy), HDF5, or
+/// Reads a file of samples: Parquet, MATLAB (level 4, 5 and 7.3), NumPy (npz, npy), HDF5, or
 /// text with commas, semicolons or tabs, that of ATI's demo application included. The first
-/// bytes say which.
+/// bytes say which. Kept are the columns that `input` names or processing knows.
 ///
 /// # Errors
-/// A file that cannot be read, is of none of these kinds, or is cut short.
-pub fn read_samples(path: &Path) -> Result<Table, Error> {
+/// A file that cannot be read, is of none of these kinds, holds more than is read, or is cut short.
+pub fn read_samples(path: &Path, input: &InputSpec) -> Result<Table, Error> {
     let mut head = Vec::new();
     let open = |source| Error::file(path, source);
-    File::open(path).map_err(open)?.take(1024).read_to_end(&mut head).map_err(open)?;
+    let file = regular(path)?;
+    file.take(1024).read_to_end(&mut head).map_err(open)?;
     if head.is_empty() {
         return Err(Error::format(path, "the file is empty"));
     }
     let begins = |magic: &[u8]| head.starts_with(magic);
     let hdf5 = [0, 512].iter().any(|at| head.get(*at..).is_some_and(|rest| rest.starts_with(HDF5)));
+    let table = |layout| Table::new(path, layout, Wanted::of(input));
     if begins(b"PAR1") {
-        parquet(path)
+        of_parquet(table("Parquet"))
     } else if hdf5 {
-        hierarchical(path)
+        decoded(path, || hierarchical(table("HDF5")))
     } else if begins(b"MATLAB 5.0") {
-        matlab::read(path)
+        matlab::read(table("MATLAB 5"))
     } else if begins(b"PK\x03\x04") {
-        numpy::read_npz(path)
+        numpy::read_npz(table("NumPy npz"))
     } else if begins(numpy::MAGIC) {
-        numpy::read_npy(path)
+        numpy::read_npy(table("NumPy npy"))
+    } else if matlab4::begins(&head) {
+        matlab4::read(table("MATLAB 4"))
     } else if head.contains(&0) {
         Err(Error::format(path, UNKNOWN))
     } else {
-        text::read(path)
+        text::read(table("text"))
     }
 }
 
 /// Signature of an HDF5 superblock.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// What can be read.
-const UNKNOWN: &str = "not a file of samples: allowed are Parquet, MATLAB 5 and 7.3 (in MATLAB: save -v7), \
-                       NumPy npz and npy, HDF5, and text with columns";
+const UNKNOWN: &str = "not a file of samples: allowed are Parquet, MATLAB 4, 5 and 7.3, NumPy npz and npy, HDF5, \
+                       and text with columns";
 
 #[cfg(feature = "hdf5")]
 use hdf5::read as hierarchical;
 
 #[cfg(not(feature = "hdf5"))]
-fn hierarchical(path: &Path) -> Result<Table, Error> {
-    Err(Error::format(path, "an HDF5 file, which this build does not read: build with --features hdf5"))
+fn hierarchical(table: Table) -> Result<Table, Error> {
+    Err(table.bad("an HDF5 file, which this build does not read: build with --features hdf5"))
 }
 
-fn parquet(path: &Path) -> Result<Table, Error> {
-    let record = read_parquet(path)?;
-    let mut table = Table::new(path, "Parquet");
-    table.unordered = record.column("rdt_sequence").is_some();
-    table.columns = record.columns().to_vec();
+fn of_parquet(mut table: Table) -> Result<Table, Error> {
+    let read = parquet::read_some(&table.path, &|name| table.wanted.wants(name))?;
+    table.unordered = read.names.iter().any(|name| name == "rdt_sequence");
+    (table.names, table.columns) = (read.names, read.columns);
     Ok(table)
 }
 
-/// The bytes of a file of bounded size.
-fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    let size = std::fs::metadata(path).map_err(|source| Error::file(path, source))?.len();
-    if size > MOST_BYTES {
-        return Err(Error::format(path, format!("{size} bytes; read are at most {MOST_BYTES}")));
-    }
-    std::fs::read(path).map_err(|source| Error::file(path, source))
+/// A file with its length.
+fn opened(path: &Path) -> Result<(File, u64), Error> {
+    let file = regular(path)?;
+    let length = file.metadata().map_err(|source| Error::file(path, source))?.len();
+    Ok((file, length))
 }

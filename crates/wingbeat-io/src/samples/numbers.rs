@@ -1,5 +1,7 @@
 //! Numbers of any width and byte order.
 
+use std::io::Read;
+
 /// How one number is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -29,6 +31,16 @@ impl Kind {
     /// The numbers in `bytes`; a last one that is cut short is left out.
     pub fn read(self, bytes: &[u8], big_endian: bool) -> Vec<f64> {
         bytes.chunks_exact(self.size()).map(|chunk| self.one(chunk, big_endian)).collect()
+    }
+
+    /// The numbers that `reader` gives, until it ends or fails.
+    pub fn stream(self, mut reader: impl Read, big_endian: bool) -> impl Iterator<Item = f64> {
+        let mut word = [0; 8];
+        std::iter::from_fn(move || {
+            let chunk = &mut word[..self.size().min(8)];
+            reader.read_exact(chunk).ok()?;
+            Some(self.one(chunk, big_endian))
+        })
     }
 
     fn one(self, chunk: &[u8], big_endian: bool) -> f64 {
@@ -64,5 +76,7 @@ mod tests {
         assert_eq!(Kind::Float(4).read(&1.5f32.to_be_bytes(), true), [1.5]);
         assert_eq!(Kind::Float(8).read(&(-0.1f64).to_le_bytes(), false), [-0.1]);
         assert_eq!((Kind::Float(2).checked(), Kind::Signed(3).checked()), (None, None));
+        let stream = Kind::Signed(2).stream(&[0xfe, 0xff, 2, 0, 9][..], false);
+        assert_eq!(stream.collect::<Vec<_>>(), [-2.0, 2.0]);
     }
 }

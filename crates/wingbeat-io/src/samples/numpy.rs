@@ -1,12 +1,11 @@
 //! Arrays of NumPy: one in an npy file, several in an npz archive (numpy.lib.format, version 1 to 3).
 
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
+use std::io::{BufReader, Read};
 
 use super::numbers::Kind;
-use super::{MOST_NUMBERS, Table, bytes};
-use crate::Error;
+use super::opened;
+use super::table::{Shape, Table};
+use crate::{Error, MOST_COLUMNS};
 
 /// First bytes of an npy file.
 pub const MAGIC: &[u8] = b"\x93NUMPY";
@@ -14,41 +13,37 @@ pub const MAGIC: &[u8] = b"\x93NUMPY";
 const MOST_HEADER: usize = 1 << 16;
 
 /// The one array of an npy file; its name is that of the file.
-pub fn read_npy(path: &Path) -> Result<Table, Error> {
-    let mut table = Table::new(path, "NumPy npy");
-    let name = path.file_stem().map_or("array".into(), |stem| stem.to_string_lossy().into_owned());
-    let data = bytes(path)?;
-    array(&mut table, &name, &data)?;
+pub fn read_npy(mut table: Table) -> Result<Table, Error> {
+    let name = table.path.file_stem().map_or("array".into(), |stem| stem.to_string_lossy().into_owned());
+    let (file, length) = opened(&table.path)?;
+    array(&mut table, &name, BufReader::new(file), Some(length))?;
     Ok(table)
 }
 
 /// Every array of an npz archive.
-pub fn read_npz(path: &Path) -> Result<Table, Error> {
-    let mut table = Table::new(path, "NumPy npz");
-    let file = File::open(path).map_err(|source| Error::file(path, source))?;
-    let broken = |error| Error::format(path, format!("cut short, or not an npz archive: {error}"));
-    let mut archive = zip::ZipArchive::new(file).map_err(broken)?;
-    let mut left = 8 * MOST_NUMBERS as u64;
+pub fn read_npz(mut table: Table) -> Result<Table, Error> {
+    let path = table.path.clone();
+    let (file, _) = opened(&path)?;
+    let broken = |error| Error::format(&path, format!("cut short, or not an npz archive: {error}"));
+    let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(broken)?;
+    if archive.len() > MOST_COLUMNS {
+        return Err(table.bad(format!("{} arrays; read are at most {MOST_COLUMNS}", archive.len())));
+    }
     for index in 0..archive.len() {
-        let mut entry = archive.by_index(index).map_err(broken)?;
+        let entry = archive.by_index(index).map_err(broken)?;
         let name = entry.name().map_err(broken)?.into_owned();
         let Some(name) = name.strip_suffix(".npy") else { continue };
-        let mut data = Vec::new();
-        let read = entry.by_ref().take(left).read_to_end(&mut data);
-        read.map_err(|error| Error::format(path, format!("array {name}: cut short or damaged: {error}")))?;
-        left -= data.len() as u64;
-        if left == 0 {
-            return Err(table.bad(format!("array {name}: more than {MOST_NUMBERS} numbers")));
-        }
-        array(&mut table, name, &data)?;
+        array(&mut table, name, BufReader::new(entry), None)?;
     }
     Ok(table)
 }
 
-/// Adds the array in `data`, an npy file.
-fn array(table: &mut Table, name: &str, data: &[u8]) -> Result<(), Error> {
-    let (header, body) = split(data).ok_or_else(|| table.bad(format!("array {name}: no npy header")))?;
-    let field = |key: &str| value(header, key).unwrap_or("");
+/// Adds the array that `data`, an npy file of `length` bytes where that is known, holds.
+fn array(table: &mut Table, name: &str, mut data: impl Read, length: Option<u64>) -> Result<(), Error> {
+    let Some((header, begin)) = header(&mut data) else {
+        return Err(table.bad(format!("array {name}: no npy header, cut short or damaged")));
+    };
+    let field = |key: &str| value(&header, key).unwrap_or("");
     let shape: Option<Vec<usize>> = numbers(field("shape"));
     let Some(shape) = shape else {
         return Err(table.bad(format!("array {name}: shape {} is not known", field("shape"))));
@@ -58,27 +53,30 @@ fn array(table: &mut Table, name: &str, data: &[u8]) -> Result<(), Error> {
         return Ok(());
     };
     let (a, b) = (shape.first().copied().unwrap_or(1), shape.get(1).copied().unwrap_or(1));
-    let count = table.room(name, (a, b))?;
-    let mut values = kind.read(body, big_endian);
-    if values.len() < count {
-        let samples = values.len() / if field("fortran_order") == "True" { 1 } else { b.max(1) };
-        return Err(table.bad(format!("array {name}: cut short at sample {samples} of {a}")));
+    let fortran = field("fortran_order") == "True";
+    let shape = if fortran { Shape { rows: b, columns: a } } else { Shape { rows: a, columns: b } };
+    // An array that ends too soon is told even if nobody asked for it.
+    let there =
+        length.map_or(usize::MAX, |length| (length.saturating_sub(begin) / kind.size() as u64) as usize);
+    if shape.count().is_some_and(|count| there < count) {
+        return Err(table.cut(name, shape, there));
     }
-    values.truncate(count);
-    let shape = if field("fortran_order") == "True" { (b, a) } else { (a, b) };
-    table.add(name, "", shape, values);
-    Ok(())
+    table.add(name, "", shape, kind.stream(data, big_endian))
 }
 
-/// Header and what follows it.
-fn split(data: &[u8]) -> Option<(&str, &[u8])> {
-    let rest = data.strip_prefix(MAGIC)?;
-    let (length, start) = match rest.first()? {
-        1 => (usize::from(u16::from_le_bytes(rest.get(2..4)?.try_into().ok()?)), 4),
-        _ => (u32::from_le_bytes(rest.get(2..6)?.try_into().ok()?) as usize, 6),
-    };
-    let header = rest.get(start..start + length.min(MOST_HEADER))?;
-    Some((std::str::from_utf8(header).ok()?, rest.get(start + length..)?))
+/// The header, and the bytes up to its end.
+fn header(data: &mut impl Read) -> Option<(String, u64)> {
+    let mut start = [0; 8];
+    data.read_exact(&mut start).ok()?;
+    let version = *start.strip_prefix(MAGIC)?.first()?;
+    let mut size = [0; 4];
+    let digits = if version == 1 { 2 } else { 4 };
+    data.read_exact(&mut size[..digits]).ok()?;
+    let length = u32::from_le_bytes(size) as usize;
+    let mut header = vec![0; length.min(MOST_HEADER)];
+    data.read_exact(&mut header).ok()?;
+    let whole = length <= MOST_HEADER;
+    Some((String::from_utf8(header).ok().filter(|_| whole)?, (8 + digits + length) as u64))
 }
 
 /// The value of `key` in the header's Python dictionary, without quotes.

@@ -1,19 +1,18 @@
 //! Columns of text: commas, semicolons (with decimal commas) or tabs between them, a header above.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
 
-use csv::StringRecord;
 use wingbeat::simulate::Column;
 
-use super::{MOST_NUMBERS, Table, ati};
-use crate::Error;
+use super::table::Table;
+use super::{ati, opened};
+use crate::table::unended as unended_line;
+use crate::{Error, MOST_COLUMNS, MOST_NUMBERS};
 
 /// Bytes in which the header must stand.
 const HEAD: u64 = 1 << 16;
-/// Most columns.
-const MOST_COLUMNS: usize = 1024;
+/// Longest line that is read, bytes.
+const LONGEST_LINE: u64 = 1 << 16;
 
 /// What stands above the rows.
 struct Head {
@@ -33,6 +32,8 @@ struct Head {
 pub struct Cells {
     /// Its numbers.
     pub values: Vec<f64>,
+    /// False of a column that is not kept.
+    pub wanted: bool,
     /// True when its first cell is no number.
     pub words: bool,
     /// True while no cell has a decimal point.
@@ -40,27 +41,31 @@ pub struct Cells {
 }
 
 /// Reads a file of text.
-pub fn read(path: &Path) -> Result<Table, Error> {
-    let file = || File::open(path).map_err(|source| Error::file(path, source));
+pub fn read(mut table: Table) -> Result<Table, Error> {
+    let failed = |source| Error::file(&table.path, source);
     let mut top = Vec::new();
-    file()?.take(HEAD).read_to_end(&mut top).map_err(|source| Error::file(path, source))?;
-    let head = head(&String::from_utf8_lossy(&top)).map_err(|what| Error::format(path, what))?;
-    let mut reader = BufReader::new(file()?);
+    let (file, _) = opened(&table.path)?;
+    file.take(HEAD).read_to_end(&mut top).map_err(failed)?;
+    let head = head(&String::from_utf8_lossy(&top)).map_err(|what| table.bad(what))?;
+    let mut lines = Lines::of(BufReader::with_capacity(1 << 16, opened(&table.path)?.0));
     for _ in 0..head.lines {
-        reader.skip_until(b'\n').map_err(|source| Error::file(path, source))?;
+        lines.next().map_err(|what| table.bad(what))?;
     }
-    let layout = if head.ati.is_some() { "CSV of ATI's demo application" } else { "text" };
-    let mut table = Table::new(path, layout);
-    let cells = rows(&table, &head, reader)?;
+    let cells = rows(&table, &head, &mut lines)?;
+    table.names = head.names.iter().zip(&cells).filter(|(_, c)| !c.words).map(|(n, _)| n.clone()).collect();
     match head.ati {
-        Some(preamble) => ati::fill(&mut table, &preamble, &head.names, cells)?,
+        Some(preamble) => {
+            table.layout = "CSV of ATI's demo application";
+            ati::fill(&mut table, &preamble, &head.names, cells)?;
+        }
         None => {
             for ((name, unit), cells) in head.names.iter().zip(&head.units).zip(cells) {
                 match cells.words {
                     true => table.skipped.push(name.clone()),
-                    false => {
+                    false if cells.wanted => {
                         table.columns.push(Column { values: cells.values, ..Column::new(name, unit, "") })
                     }
+                    false => {}
                 }
             }
         }
@@ -101,57 +106,146 @@ fn head(top: &str) -> Result<Head, String> {
     Ok(Head { lines: at + usize::from(!bare), names, units, delimiter, ati })
 }
 
+/// The lines of a file, none longer than [`LONGEST_LINE`].
+struct Lines<R> {
+    reader: R,
+    bytes: Vec<u8>,
+    /// Number of the line in `bytes`, from 1.
+    number: usize,
+    /// False of a line that the end of the file ends.
+    ended: bool,
+}
+
+impl<R: BufRead> Lines<R> {
+    fn of(reader: R) -> Self {
+        Self { reader, bytes: Vec::new(), number: 0, ended: true }
+    }
+
+    /// Takes the next line in; false where there is none.
+    fn next(&mut self) -> Result<bool, String> {
+        self.bytes.clear();
+        let mut part = (&mut self.reader).take(LONGEST_LINE);
+        let size = part.read_until(b'\n', &mut self.bytes).map_err(|error| error.to_string())?;
+        self.number += usize::from(size > 0);
+        self.ended = self.bytes.last() == Some(&b'\n');
+        if !self.ended && size as u64 == LONGEST_LINE {
+            return Err(format!("line {} is longer than {LONGEST_LINE} bytes", self.number));
+        }
+        Ok(size > 0)
+    }
+}
+
 /// Reads the rows below the header.
-fn rows(table: &Table, head: &Head, reader: impl Read) -> Result<Vec<Cells>, Error> {
-    let wanted = head.names.len();
-    let mut columns: Vec<Cells> =
-        head.names.iter().map(|_| Cells { whole: true, ..Cells::default() }).collect();
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(head.delimiter)
-        .comment(Some(b'#'))
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(reader);
-    let mut row = StringRecord::new();
+fn rows(table: &Table, head: &Head, lines: &mut Lines<impl BufRead>) -> Result<Vec<Cells>, Error> {
+    let names = head.names.iter();
+    let mut columns: Vec<Cells> = names
+        .map(|name| Cells { whole: true, wanted: wanted(table, head, name), ..Cells::default() })
+        .collect();
+    let kept = columns.iter().filter(|column| column.wanted).count();
     let mut samples = 0;
-    while reader.read_record(&mut row).map_err(|error| table.bad(error))? {
-        let line = row.position().map_or(0, csv::Position::line) as usize + head.lines;
-        // The date of ATI's layout may hold a comma of its own.
-        let too_many = row.len() > wanted + usize::from(head.ati.is_some());
-        if row.len() < wanted || too_many {
-            let found = row.len();
-            return Err(table.bad(match reader.read_record(&mut row) {
-                Ok(true) => format!("line {line}: {found} columns; the header has {wanted}"),
-                _ => format!(
-                    "cut short at sample {samples}: line {line}, the last, has {found} of {wanted} columns; \
-                     delete it to use what stands before"
-                ),
-            }));
+    while lines.next().map_err(|what| table.bad(what))? {
+        let (text, line) = (String::from_utf8_lossy(&lines.bytes), lines.number);
+        let text = text.trim_end_matches(['\n', '\r']);
+        if text.trim().is_empty() || text.starts_with('#') {
+            continue;
         }
-        if (samples + 1) * wanted > MOST_NUMBERS {
-            return Err(table.bad(format!("more than {MOST_NUMBERS} numbers")));
-        }
-        for ((column, cell), name) in columns.iter_mut().zip(&row).zip(&head.names) {
-            column
-                .take(cell, head.delimiter, samples == 0)
-                .map_err(|()| table.bad(format!("line {line}, column {name}: `{cell}` is not a number")))?;
+        let row = row(text, head, &mut columns, samples == 0);
+        row.map_err(|what| match (what, lines.ended) {
+            (Wrong::Number(column, cell), true) => {
+                let name = &head.names[column];
+                table.bad(format!("line {line}, column {name}: `{cell}` is not a number"))
+            }
+            (Wrong::Count(found), true) if !at_end(lines) => {
+                table.bad(format!("line {line}: {found} columns; the header has {}", head.names.len()))
+            }
+            (Wrong::Count(found), _) => cut(table, samples, line, found, head.names.len()),
+            (Wrong::Number(..), false) => unended(table, samples, line),
+        })?;
+        if !lines.ended {
+            return Err(unended(table, samples, line));
         }
         samples += 1;
+        if samples * kept > MOST_NUMBERS {
+            return Err(table.bad(format!("more than {MOST_NUMBERS} numbers of use")));
+        }
     }
     Ok(columns)
 }
 
+fn at_end(lines: &mut Lines<impl BufRead>) -> bool {
+    lines.reader.fill_buf().is_ok_and(<[u8]>::is_empty)
+}
+
+fn cut(table: &Table, samples: usize, line: usize, found: usize, wanted: usize) -> Error {
+    table.bad(format!(
+        "cut short at sample {samples}: line {line}, the last, has {found} of {wanted} columns; delete it to use what \
+         stands before"
+    ))
+}
+
+fn unended(table: &Table, samples: usize, line: usize) -> Error {
+    table.bad(format!("cut short at sample {samples}? {}", unended_line(line)))
+}
+
+fn wanted(table: &Table, head: &Head, name: &str) -> bool {
+    let plain = if head.ati.is_some() { ati::plain(name) } else { name.to_owned() };
+    table.wanted.wants(&plain)
+}
+
+/// What is wrong with a row.
+enum Wrong {
+    /// So many columns.
+    Count(usize),
+    /// This column holds this text.
+    Number(usize, String),
+}
+
+/// Takes the cells of a row in.
+fn row(text: &str, head: &Head, columns: &mut [Cells], first: bool) -> Result<(), Wrong> {
+    let mut found = 0;
+    for cell in (Split { rest: Some(text), delimiter: head.delimiter }) {
+        if let Some(column) = columns.get_mut(found) {
+            column.take(cell, head.delimiter, first).map_err(|()| Wrong::Number(found, cell.into()))?;
+        }
+        found += 1;
+    }
+    // The date of ATI's layout may hold a comma of its own.
+    let most = columns.len() + usize::from(head.ati.is_some());
+    if (columns.len()..=most).contains(&found) { Ok(()) } else { Err(Wrong::Count(found)) }
+}
+
+/// The cells of a line; a delimiter between quotes parts none.
+struct Split<'a> {
+    rest: Option<&'a str>,
+    delimiter: u8,
+}
+
+impl<'a> Iterator for Split<'a> {
+    type Item = &'a str;
+
+    fn next(&mut self) -> Option<&'a str> {
+        let rest = self.rest?;
+        let mut quoted = false;
+        let end = rest.bytes().position(|byte| {
+            quoted ^= byte == b'"';
+            byte == self.delimiter && !quoted
+        });
+        self.rest = end.map(|end| &rest[end + 1..]);
+        Some(rest[..end.unwrap_or(rest.len())].trim())
+    }
+}
+
 impl Cells {
     fn take(&mut self, cell: &str, delimiter: u8, first: bool) -> Result<(), ()> {
-        if self.words {
+        if self.words || !(self.wanted || first) {
             return Ok(());
         }
         match number(cell, delimiter) {
-            Some(value) => {
+            Some(value) if self.wanted => {
                 self.whole &= !cell.contains(['.', 'e', 'E']);
                 self.values.push(value);
             }
+            Some(_) => {}
             None if first => self.words = true,
             None => return Err(()),
         }

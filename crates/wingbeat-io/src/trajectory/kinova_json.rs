@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use wingbeat::rig::Trajectory;
 
 use super::ros_yaml::equal_step;
-use super::{Imported, unwind};
+use super::{Imported, entries, unwind};
 
 /// The list of joint poses that the Web App imports, one every `every` points
 /// and the last. The time of each stands in its `applicationData`.
@@ -45,6 +45,7 @@ fn pose(index: usize, time: f64, q: &[f64]) -> Value {
 /// # Errors
 /// What is wrong, without the file's name.
 pub fn parse_kinova_json(text: &str) -> Result<Imported, String> {
+    entries(text)?;
     let root: Value = serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))?;
     let poses = root["jointAnglesGroup"]["jointAngles"]
         .as_array()

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use wingbeat::rig::Trajectory;
 
 use super::ros_yaml::equal_step;
-use super::{Imported, Unit, to_radians};
+use super::{Imported, Unit, to_radians, whole};
 
 /// Longest pre-computed trajectory, s.
 const LONGEST: f64 = 30.0;
@@ -54,6 +54,7 @@ pub fn kortex_csv(trajectory: &Trajectory) -> Result<String, String> {
 /// # Errors
 /// What is wrong, without the file's name.
 pub fn parse_kortex_csv(text: &str) -> Result<Imported, String> {
+    whole(text)?;
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .comment(Some(b'#'))
@@ -158,5 +159,7 @@ mod tests {
         assert!(parse_kortex_csv("0,1,2\n0.001,1\n").is_err());
         assert!(parse_kortex_csv("time,a\n0,1\n0.001,x\n").unwrap_err().contains("line 3"));
         assert!(parse_kortex_csv("").is_err());
+        let cut = parse_kortex_csv("0,0.5\n0.001,0.5\n0.002,0.").unwrap_err();
+        assert!(cut.contains("line 3, the last"), "{cut}");
     }
 }

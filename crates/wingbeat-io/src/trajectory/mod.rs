@@ -13,6 +13,7 @@ use std::path::Path;
 use wingbeat::rig::Trajectory;
 use wingbeat::rig::arm::SerialArm;
 
+use crate::table::unended;
 use crate::{Error, text};
 
 /// A trajectory read from a file, with what a person should know of it.
@@ -76,6 +77,27 @@ pub fn against(mut imported: Imported, arm: &SerialArm) -> Result<Imported, Stri
         }
     }
     Ok(imported)
+}
+
+/// Most values of a file that a parser keeps whole, each of which takes some hundred bytes there (*choice*: four times
+/// the longest trajectory that the arm takes).
+const MOST_ENTRIES: usize = 1 << 22;
+
+/// Refuses a text with more values than are read, counted by what stands between them.
+fn entries(text: &str) -> Result<(), String> {
+    let between = |byte: &u8| matches!(byte, b',' | b'\n' | b'[' | b'{' | b':');
+    let found = text.bytes().filter(|byte| between(byte)).count();
+    if found <= MOST_ENTRIES {
+        Ok(())
+    } else {
+        Err(format!("{found} values; read are at most {MOST_ENTRIES}"))
+    }
+}
+
+/// Refuses a text whose last line does not end: its last number may be cut.
+fn whole(text: &str) -> Result<(), String> {
+    let lines = text.bytes().filter(|byte| *byte == b'\n').count();
+    if text.is_empty() || text.ends_with('\n') { Ok(()) } else { Err(unended(lines + 1)) }
 }
 
 /// Turns degrees into radians when the numbers can only be degrees, and says so.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::Deserialize;
 use wingbeat::rig::Trajectory;
 
-use super::{Imported, Unit, to_radians};
+use super::{Imported, Unit, entries, to_radians, whole};
 
 /// The message, with `header.frame_id` as given.
 pub fn ros_yaml(trajectory: &Trajectory, frame_id: &str) -> String {
@@ -60,6 +60,8 @@ struct Time {
 /// # Errors
 /// What is wrong, without the file's name.
 pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
+    whole(text)?;
+    entries(text)?;
     if open_brackets(text) > DEEPEST {
         return Err(format!(
             "not a trajectory_msgs/JointTrajectory: more than {DEEPEST} brackets open at once"
@@ -151,8 +153,9 @@ mod tests {
     fn a_cut_file_and_uneven_times_are_explained() {
         let text = ros_yaml(&sample(), "base_link");
         assert!(parse_ros_yaml(&text[..text.len() - 60]).is_err());
+        assert!(parse_ros_yaml(text.trim_end()).unwrap_err().contains("line break"));
         let uneven = text.replace("nanosec: 40000000", "nanosec: 45000000");
         assert!(parse_ros_yaml(&uneven).unwrap_err().contains("equal step"));
-        assert!(parse_ros_yaml(&"[".repeat(200_000)).unwrap_err().contains("brackets"));
+        assert!(parse_ros_yaml(&("[".repeat(200_000) + "\n")).unwrap_err().contains("brackets"));
     }
 }

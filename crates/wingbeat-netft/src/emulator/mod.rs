@@ -60,11 +60,56 @@ pub struct Faults {
     pub stall_after: u64,
     /// After this many records the box restarts: deaf for a second, then it counts from 0 without a bias; 0 never.
     pub restart_after: u64,
+    /// Number from which the box counts its samples after a restart.
+    pub restart_at: u32,
+    /// After this many records of a stream the box sends nothing any more; 0 never.
+    pub die_after: u64,
+    /// After this many records of a stream its numbers leap ahead by 2^30; 0 never.
+    pub jump_after: u64,
+    /// Records made of those that its rate says; 1 all, and 0 means 1.
+    pub pace: f64,
     /// Number before the first record of a stream and of the box's own count, to see numbers wrap.
     pub sequence: u32,
     /// Seed of all this.
     pub seed: u64,
 }
+
+impl Faults {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A share that is none.
+    pub fn check(&self) -> Result<(), wingbeat::Error> {
+        let shares = [
+            ("drop", self.drop),
+            ("duplicate", self.duplicate),
+            ("reorder", self.reorder),
+            ("delay", self.delay),
+            ("garbage", self.garbage),
+            ("saturation", self.saturation),
+            ("warning", self.warning),
+            ("serious", self.serious),
+            ("pace", self.pace),
+        ];
+        let share = |(key, value): (&str, f64)| match (0.0..=1.0).contains(&value) {
+            true => Ok(()),
+            false => Err(wingbeat::Error::invalid(key, value, "a share from 0 to 1")),
+        };
+        shares.into_iter().try_for_each(share)?;
+        let marked = self.saturation + self.warning + self.serious;
+        match marked <= 1.0 {
+            true => Ok(()),
+            false => {
+                let allowed = "at most 1 together with the other two";
+                let error = wingbeat::Error::invalid("saturation", self.saturation, allowed);
+                Err(error.against(["warning", "serious"]))
+            }
+        }
+    }
+}
+
+/// Largest number that is added to the box's ports.
+pub const LARGEST_OFFSET: u16 = u16::MAX - RDT_PORT;
 
 /// What the emulator did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -91,6 +136,8 @@ pub struct Sent {
     pub stalls: u64,
     /// Restarts of the box.
     pub restarts: u64,
+    /// Jumps of its numbers.
+    pub jumps: u64,
 }
 
 /// A running emulator; dropped, it stops.
@@ -112,9 +159,14 @@ impl Emulator {
     /// Starts on `address`: UDP 49152 and TCP 80, both plus `port_offset`.
     ///
     /// # Errors
-    /// A port that cannot be had.
+    /// A port that cannot be had, faults that are none.
     pub fn start(address: IpAddr, port_offset: u16, signal: Signal, faults: Faults) -> Result<Self, Error> {
-        let port = |base: u16| SocketAddr::new(address, base.wrapping_add(port_offset));
+        faults.check()?;
+        if port_offset > LARGEST_OFFSET {
+            let allowed = format!("at most {LARGEST_OFFSET}: ports end at 65535");
+            return Err(wingbeat::Error::invalid("port_offset", port_offset, allowed).into());
+        }
+        let port = |base: u16| SocketAddr::new(address, base + port_offset);
         let bind =
             |at: SocketAddr| move |e| Error::network(format!("{at}: cannot be bound; try --port-offset"), e);
         let udp = UdpSocket::bind(port(RDT_PORT)).map_err(bind(port(RDT_PORT)))?;

@@ -15,6 +15,8 @@ use super::{Faults, SCALE, Sent, Signal};
 const PACK: usize = 28;
 /// Samples per second inside the box.
 const BOX_RATE: u32 = 7000;
+/// By how much numbers leap.
+const JUMP: u32 = 1 << 30;
 /// Time in which a box that restarts hears nothing.
 const REBOOT: Duration = Duration::from_secs(1);
 
@@ -29,8 +31,8 @@ pub struct Stream {
     books: Sent,
     client: Option<Client>,
     offset: [f64; 6],
-    /// When the box's samples began to be counted, from `first`.
-    born: Instant,
+    /// When the box's samples began to be counted, from `first`; none of a box that is dead.
+    born: Option<Instant>,
     first: u32,
 }
 
@@ -65,7 +67,7 @@ impl Stream {
             books: Sent::default(),
             client: None,
             offset: [0.0; 6],
-            born: Instant::now(),
+            born: Some(Instant::now()),
             first: faults.sequence,
         }
     }
@@ -75,7 +77,7 @@ impl Stream {
         while !stop.load(Ordering::Relaxed) {
             if let Ok((size, from)) = self.socket.recv_from(&mut buffer)
                 && let Some(request) = Request::parse(&buffer[..size])
-                && Instant::now() >= self.born
+                && self.born.is_some_and(|born| Instant::now() >= born)
             {
                 self.obey(request, from);
             }
@@ -85,7 +87,8 @@ impl Stream {
     }
 
     fn obey(&mut self, request: Request, address: SocketAddr) {
-        let now = self.first.wrapping_add((self.born.elapsed().as_secs_f64() * f64::from(BOX_RATE)) as u32);
+        let age = self.born.map_or(0.0, |born| born.elapsed().as_secs_f64());
+        let now = self.first.wrapping_add((age * f64::from(BOX_RATE)) as u32);
         match request.command {
             Command::Stop => self.client = None,
             Command::Bias => self.offset = self.signal.at(now),
@@ -108,7 +111,8 @@ impl Stream {
     fn send_due(&mut self) {
         let Some(mut client) = self.client.take() else { return };
         let rate = self.rate.load(Ordering::Relaxed);
-        let due = (client.began.elapsed().as_secs_f64() * f64::from(rate)) as u64;
+        let pace = if self.faults.pace > 0.0 { self.faults.pace } else { 1.0 };
+        let due = (client.began.elapsed().as_secs_f64() * f64::from(rate) * pace) as u64;
         let pack = if client.buffered { PACK } else { 1 };
         let mut datagram = Vec::with_capacity(pack * RECORD_BYTES);
         while client.made + pack as u64 <= due {
@@ -136,7 +140,9 @@ impl Stream {
         client.left = client.left.map(|left| left - 1);
         client.made += 1;
         self.books.records += 1;
-        client.rdt_sequence = client.rdt_sequence.wrapping_add(1);
+        let leaps = self.faults.jump_after > 0 && client.made == self.faults.jump_after + 1;
+        self.books.jumps += u64::from(leaps);
+        client.rdt_sequence = client.rdt_sequence.wrapping_add(if leaps { JUMP } else { 1 });
         client.ft_sequence = client.ft_sequence.wrapping_add(step);
         let wrench = self.signal.at(client.ft_sequence);
         let loaded = std::array::from_fn(|i| wrench[i] - self.offset[i]);
@@ -166,7 +172,12 @@ impl Stream {
         let after = |limit: u64| limit > 0 && made >= limit;
         if after(self.faults.restart_after) {
             self.books.restarts += 1;
-            (self.born, self.first, self.offset) = (Instant::now() + REBOOT, 0, [0.0; 6]);
+            (self.born, self.first) = (Some(Instant::now() + REBOOT), self.faults.restart_at);
+            self.offset = [0.0; 6];
+            return true;
+        }
+        if after(self.faults.die_after) {
+            self.born = None;
             return true;
         }
         let stalls = after(self.faults.stall_after);

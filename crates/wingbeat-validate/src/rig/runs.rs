@@ -211,7 +211,7 @@ pub fn processed_run() -> Result<Processed, Error> {
     let plan = run.plan()?.map_err(|refusal| Error::NoAnswer(refusal.to_string()))?;
     let carrier = run.carrier(Some(&plan));
     let outcome = run.simulate(&carrier, 1, |_| ())??;
-    Ok(run.process(&outcome.record, &carrier, plan.measured)??)
+    Ok(run.process(outcome.record, &carrier, plan.measured)??)
 }
 
 /// The processed phase average of a simulated run against its noise-free wrench.

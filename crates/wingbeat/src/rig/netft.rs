@@ -1,6 +1,5 @@
 //! The wire format of the ATI Net F/T box: Raw Data Transfer over UDP and the
-//! scale factors of its configuration pages (ATI, Net F/T Installation and
-//! Operation Manual 9620-05-NET FT).
+//! scale factors that it states (ATI, Net F/T Installation and Operation Manual 9620-05-NET FT).
 
 mod account;
 
@@ -13,6 +12,14 @@ use crate::Error;
 pub const RDT_PORT: u16 = 49152;
 /// First word of a request.
 const HEADER: u16 = 0x1234;
+/// Counts per N or N m that are believed: the boxes' are 1 to 1e7 per N, lbf, N m or lbf-in (*choice*: a thousand times
+/// less and more).
+pub const COUNTS_PER_UNIT: [f64; 2] = [1e-3, 1e10];
+/// Samples per second inside the box.
+pub const BOX_RATE: f64 = 7000.0;
+/// Time by which what the box's numbers say and the clock may differ; more only a restart of the box, a jump of its
+/// numbers or samples that are not accounted for explain, s (*choice*: ten times the delays of a busy host).
+pub const APART_S: f64 = 0.5;
 /// Bytes of one RDT record.
 pub const RECORD_BYTES: usize = 36;
 /// Bytes of a request.
@@ -152,32 +159,26 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Reads cfgcpf, cfgcpt with the units scfgfu, scfgtu (`/netftapi2.xml`), or
-    /// calcpf, calcpt with calfu, caltu (`/netftcalapi.xml`).
+    /// From counts per unit of force and of moment as the box states them, by the names of its elements.
     ///
     /// # Errors
-    /// A field that is missing, not a positive number, or a unit not known.
-    pub fn from_xml(text: &str) -> Result<Self, Error> {
-        let either = |a: &str, b: &str| {
-            element(text, a).or_else(|| element(text, b)).ok_or_else(|| {
-                Error::invalid(format!("netft.{a}"), "absent", format!("an element <{a}> or <{b}>"))
-            })
-        };
-        let number = |a: &str, b: &str| {
-            let word = either(a, b)?;
-            let value = word.parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite());
-            value.ok_or_else(|| Error::invalid(format!("netft.{a}"), word, "a positive number"))
-        };
-        let unit = |a: &str, b: &str, quantity: Quantity| {
-            let word = either(a, b)?;
-            quantity.factor(word).ok_or_else(|| {
+    /// A number outside [`COUNTS_PER_UNIT`] per N or N m, or a unit not known.
+    pub fn stated(force: [(&str, &str); 2], moment: [(&str, &str); 2]) -> Result<Self, Error> {
+        let per = |[(number_key, number), (unit_key, unit)]: [(&str, &str); 2], quantity: Quantity| {
+            let factor = quantity.factor(unit).ok_or_else(|| {
                 let names = quantity.names().join(", ");
-                Error::invalid(format!("netft.{a}"), word, format!("one of {names}"))
+                Error::invalid(format!("netft.{unit_key}"), unit, format!("one of {names}"))
+            })?;
+            let [low, high] = COUNTS_PER_UNIT;
+            let per = number.parse::<f64>().map(|number| number / factor);
+            per.ok().filter(|per| (low..=high).contains(per)).ok_or_else(|| {
+                let allowed = format!("a number that makes {low:e} to {high:e} counts per N or N m");
+                Error::invalid(format!("netft.{number_key}"), format!("{number} per {unit}"), allowed)
             })
         };
         Ok(Self {
-            per_newton: number("cfgcpf", "calcpf")? / unit("scfgfu", "calfu", Quantity::Force)?,
-            per_newton_metre: number("cfgcpt", "calcpt")? / unit("scfgtu", "caltu", Quantity::Moment)?,
+            per_newton: per(force, Quantity::Force)?,
+            per_newton_metre: per(moment, Quantity::Moment)?,
         })
     }
 
@@ -194,21 +195,6 @@ impl Scale {
             (wrench[i] * if i < 3 { self.per_newton } else { self.per_newton_metre }).round() as i32
         })
     }
-}
-
-/// The text of the first element `<name>`, trimmed; entities are not expanded.
-pub fn element<'a>(text: &'a str, name: &str) -> Option<&'a str> {
-    let mut rest = text;
-    while let Some(at) = rest.find('<') {
-        rest = &rest[at + 1..];
-        let Some(body) = rest.strip_prefix(name).filter(|body| body.starts_with(['>', ' ', '\t', '\n']))
-        else {
-            continue;
-        };
-        let content = &body[body.find('>')? + 1..];
-        return Some(content[..content.find('<')?].trim());
-    }
-    None
 }
 
 #[cfg(test)]
@@ -237,15 +223,17 @@ mod tests {
     }
 
     #[test]
-    fn scale_comes_from_the_box_in_any_unit() {
-        let xml = "<?xml version=\"1.0\"?><netft><cfgcpf>1000000</cfgcpf><cfgcpt>1000</cfgcpt>\
-                   <scfgfu>N</scfgfu><scfgtu>Nmm</scfgtu></netft>";
-        let s = Scale::from_xml(xml).unwrap();
+    fn scale_is_as_stated_in_any_unit_within_a_range() {
+        let stated = |force: &str, unit: &str| {
+            Scale::stated([("cfgcpf", force), ("scfgfu", unit)], [("cfgcpt", "1000"), ("scfgtu", "Nmm")])
+        };
+        let s = stated("1000000", "N").unwrap();
         assert_eq!((s.per_newton, s.per_newton_metre), (1e6, 1e6));
         assert_eq!(s.counts(s.wrench([5, -6, 7, 8, 9, -10])), [5, -6, 7, 8, 9, -10]);
-        let broken = xml.replace("Nmm", "furlong");
-        assert!(Scale::from_xml(&broken).unwrap_err().to_string().contains("scfgtu = furlong"));
-        assert!(Scale::from_xml("<a><cfgcpf>").is_err() && Scale::from_xml("").is_err());
+        assert!(stated("1000000", "furlong").unwrap_err().to_string().contains("scfgfu = furlong"));
+        for wrong in ["1e-320", "0", "-1e6", "nan", "inf", "1e300", "", "many"] {
+            assert!(stated(wrong, "N").unwrap_err().to_string().contains("netft.cfgcpf"), "{wrong}");
+        }
     }
 
     #[test]

@@ -20,7 +20,7 @@ mod tether;
 mod tether_spec;
 
 pub use chosen::{Chosen, Named};
-pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong};
+pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, text_of};
 pub use doors::Doors;
 pub use mismatch::Mismatch;
 pub use name::RunName;

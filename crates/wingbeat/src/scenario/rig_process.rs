@@ -113,27 +113,30 @@ impl RigRun {
     /// made. A fault of the model comes back as such.
     pub fn process(
         &self,
-        record: &Record,
+        record: Record,
         carrier: &Carrier,
         window: (f64, f64),
     ) -> Result<Result<Processed, Fault>, Error> {
         let spec = &self.spec.process;
+        let own_motion = holds_motion(&record);
+        let simulated = record.column("true_Fz").map(|_| record.clone());
         let (samples, outside) = self.samples(record, carrier, window.1)?;
-        let measured = match self.corrected(&samples, spec.steps)? {
+        let mut measured = match self.corrector(spec.steps).correct(samples)? {
             Ok(corrected) => corrected,
             Err(fault) => return Ok(Err(fault)),
         };
+        let encoder = std::mem::take(&mut measured.phase);
         let force = &measured.channels[2];
-        let phase = phase_of(spec.phase, &samples.time, &samples.phase, force, self.frequency())?;
-        let truth = match record.column("true_Fz") {
+        let phase = phase_of(spec.phase, &measured.time, encoder, force, self.frequency())?;
+        let truth = match simulated {
             None => None,
-            Some(_) => {
+            Some(record) => {
                 let exact = Steps { tare: false, drift: false, cutoff_multiple: 0.0, ..spec.steps };
                 let mut samples = Samples::from_record(record, "true_")?;
-                if !holds_motion(record) {
+                if !own_motion {
                     samples.carried_by(carrier);
                 }
-                match self.corrected(&samples, exact)? {
+                match self.corrector(exact).correct(samples)? {
                     Ok(corrected) => Some(self.averages(&corrected, &phase, window)?),
                     Err(fault) => return Ok(Err(fault)),
                 }
@@ -141,12 +144,12 @@ impl RigRun {
         };
         let cycles = self.averages(&measured, &phase, window)?;
         Ok(Ok(Processed {
-            trace: self.trace(&measured, &phase, window)?,
-            statement: statement(self, &samples, &measured, &cycles[0], window, holds_motion(record)),
-            cycles,
-            truth,
+            statement: statement(self, &measured, &cycles[0], window, own_motion),
             offset: measured.offset,
             slope: measured.slope,
+            trace: self.trace(measured, phase, window)?,
+            cycles,
+            truth,
             saturated: outside.saturated,
             serious: outside.serious,
         }))
@@ -156,7 +159,7 @@ impl RigRun {
     ///
     /// # Errors
     /// Missing columns, attitudes without samples or that do not part mass from offsets.
-    pub fn weigh(&self, record: &Record, carrier: &Carrier) -> Result<Result<Weighed, Fault>, Error> {
+    pub fn weigh(&self, record: Record, carrier: &Carrier) -> Result<Result<Weighed, Fault>, Error> {
         let Some(hold) = &self.spec.hold else {
             return Err(Error::invalid("hold", "absent", "[hold] with the attitudes"));
         };
@@ -188,26 +191,31 @@ impl RigRun {
     }
 
     /// The samples of a record, without those that are not to be used.
-    fn samples(&self, record: &Record, carrier: &Carrier, end: f64) -> Result<(Samples, Outside), Error> {
+    fn samples<'a>(
+        &self,
+        record: Record,
+        carrier: &'a Carrier,
+        end: f64,
+    ) -> Result<(Samples<'a>, Outside), Error> {
+        let own_motion = holds_motion(&record);
         let mut samples = Samples::from_record(record, "")?;
-        if !holds_motion(record) {
+        if !own_motion {
             samples.carried_by(carrier);
         }
-        let outside = self.outside(record, &samples, end)?;
+        let outside = self.outside(&samples, end)?;
         samples.leave_out(&outside.rows);
         Ok((samples, outside))
     }
 
     /// Samples at the end of the cell's range or with a bad status, up to `end` (s).
-    fn outside(&self, record: &Record, samples: &Samples, end: f64) -> Result<Outside, Error> {
+    fn outside(&self, samples: &Samples, end: f64) -> Result<Outside, Error> {
         let range = self.spec.rig.cell.calibration.range();
         let policy = self.spec.process.saturated;
-        let status = record.values("status");
         let mut outside = Outside::default();
         let mut first = None;
         for row in 0..samples.index(end) {
             let over = (0..6).find(|i| samples.channels[*i][row].abs() >= range[*i] * (1.0 - 1e-9));
-            let class = status.map_or(StatusClass::Good, |status| classify(status[row] as u32));
+            let class = samples.status.get(row).map_or(StatusClass::Good, |status| classify(*status as u32));
             if over.is_some() || class == StatusClass::Saturated {
                 outside.saturated += 1;
                 first = first.or(Some((row, over)));
@@ -235,10 +243,6 @@ impl RigRun {
         Corrector { robot: &self.robot, arm: Some(&self.arm), mount: &self.mount, steps, frequency }
     }
 
-    fn corrected(&self, samples: &Samples, steps: Steps) -> Result<Result<Corrected, Fault>, Error> {
-        self.corrector(steps).correct(samples)
-    }
-
     fn averages(
         &self,
         corrected: &Corrected,
@@ -253,22 +257,26 @@ impl RigRun {
         Ok(averages)
     }
 
-    fn trace(&self, measured: &Corrected, phase: &[f64], window: (f64, f64)) -> Result<Record, Error> {
+    /// The window sample by sample, in the memory of what was measured.
+    fn trace(&self, measured: Corrected, phase: Vec<f64>, window: (f64, f64)) -> Result<Record, Error> {
         let rows = rows(&measured.time, window);
         let frame = self.processed_frame();
         let begin = phase.get(rows.start).map_or(0.0, |phase| (phase / TAU).floor());
-        let column = |name: String, unit: &str, frame: &str, values: Vec<f64>| Column {
-            values,
-            ..Column::new(name, unit, frame)
+        let cut = |mut values: Vec<f64>| {
+            values.truncate(rows.end);
+            values.drain(..rows.start);
+            values
         };
-        let cycle = phase[rows.clone()].iter().map(|p| p / TAU - begin).collect();
+        let mut cycle = cut(phase);
+        cycle.iter_mut().for_each(|phase| *phase = *phase / TAU - begin);
         let mut columns = vec![
-            column("t".into(), "s", "", measured.time[rows.clone()].to_vec()),
-            column("cycle".into(), "", "", cycle),
+            Column { values: cut(measured.time), ..Column::new("t", "s", "") },
+            Column { values: cycle, ..Column::new("cycle", "", "") },
         ];
-        for (prefix, channels) in [("raw_", &measured.unfiltered), ("", &measured.channels)] {
+        for (prefix, channels) in [("raw_", measured.unfiltered), ("", measured.channels)] {
             for ((name, unit), values) in CHANNELS.iter().zip(channels) {
-                columns.push(column(format!("{prefix}{name}"), unit, frame, values[rows.clone()].to_vec()));
+                let column = Column::new(format!("{prefix}{name}"), *unit, frame);
+                columns.push(Column { values: cut(values), ..column });
             }
         }
         Record::new(columns, 0)

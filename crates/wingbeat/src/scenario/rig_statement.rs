@@ -2,12 +2,11 @@
 
 use super::RigRun;
 use crate::rig::cell::CHANNELS;
-use crate::rig::process::{Corrected, CycleAverage, PhaseSource, Samples};
+use crate::rig::process::{Corrected, CycleAverage, PhaseSource};
 
 /// One line per step of processing, those left out included.
 pub fn statement(
     run: &RigRun,
-    samples: &Samples,
     measured: &Corrected,
     cycles: &CycleAverage,
     (begin, end): (f64, f64),
@@ -52,8 +51,7 @@ pub fn statement(
             format!(
                 "Butterworth of fourth order, both ways, {cutoff:.2} Hz = {} times the flapping frequency, of {:.1} \
                  samples/s",
-                steps.cutoff_multiple,
-                samples.rate()
+                steps.cutoff_multiple, measured.rate
             ),
         ),
         format!(

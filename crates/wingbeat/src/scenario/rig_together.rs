@@ -54,7 +54,7 @@ impl RigRun {
     /// Those of [`process`](Self::process) and [`weigh`](Self::weigh).
     pub fn evaluate(
         &self,
-        record: &Record,
+        record: Record,
         carrier: &Carrier,
         window: (f64, f64),
     ) -> Result<Result<Evaluated, Fault>, Error> {

@@ -111,6 +111,11 @@ impl Record {
         &self.columns
     }
 
+    /// The columns alone.
+    pub fn into_columns(self) -> Vec<Column> {
+        self.columns
+    }
+
     /// The column called `name`.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)

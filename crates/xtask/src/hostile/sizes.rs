@@ -123,13 +123,13 @@ fn documents() -> Vec<Case> {
         text("endless", || format!("a = \"{}\"", "x".repeat(9 << 20)), &["longer than"]),
         text("huge_number", || format!("a = {}", "9".repeat(100_000)), &["bad.toml"]),
         text("many_keys", || (0..300_000).map(|i| format!("k{i} = 1\n")).collect(), &["unknown key"]),
-        refused(2, "file_zero", &[], &["fly", "/dev/zero"], &["/dev/zero", "no plain file"]),
-        refused(2, "file_random", &[], &["tether", "/dev/urandom"], &["/dev/urandom", "no plain file"]),
-        refused(2, "file_folder", &[], &["fly", "/tmp"], &["/tmp", "no plain file"]),
+        refused(2, "file_zero", &[], &["fly", "/dev/zero"], &["/dev/zero", "not a regular file"]),
+        refused(2, "file_random", &[], &["tether", "/dev/urandom"], &["/dev/urandom", "not a regular file"]),
+        refused(2, "file_folder", &[], &["fly", "/tmp"], &["/tmp", "not a regular file"]),
         refused(2, "file_none", &[], &["sweep", "none.toml"], &["none.toml"]),
         refused(2, "file_memory", &[], &["fly", "/proc/self/mem"], &["/proc/self/mem"]),
-        robot("zero", "/dev/zero", "no plain file"),
-        robot("folder", "/tmp", "no plain file"),
+        robot("zero", "/dev/zero", "not a regular file"),
+        robot("folder", "/tmp", "not a regular file"),
         robot("terminal", "/dev/tty", "robot"),
         robot("itself", "glide.toml", "robot"),
         Case::new(2, "robot_pipe", |place| {
@@ -139,7 +139,7 @@ fn documents() -> Vec<Case> {
                 return Err("mkfifo failed".into());
             }
             let ended = place.run(&["fly", "glide.toml", "--set", "robot=pipe"])?;
-            ended.exits(2)?.says(&["robot", "no plain file"]).map(drop)
+            ended.exits(2)?.says(&["robot", "not a regular file"]).map(drop)
         }),
         Case::new(2, "many_overrides", |place| {
             written(place)?;

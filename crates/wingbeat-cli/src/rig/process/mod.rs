@@ -67,7 +67,8 @@ fn results_beside(path: &Path) -> Result<(PathBuf, RunName), Error> {
 
 fn one(source: &Source, overrides: &[String]) -> Result<(ProcessedRun, Origin), Error> {
     let (run, file) = (runs::run(&source.run, overrides)?, source.samples.clone());
-    let imported = wingbeat_io::samples::read_samples(&file)?.import(&run.spec.process.input)?;
+    let input = &run.spec.process.input;
+    let imported = wingbeat_io::samples::read_samples(&file, input)?.import(input)?;
     let named = |what: String| Error::Input(format!("{}: {what}", file.display()));
     let refused = |error: wingbeat::Error| named(run.explain(&error).to_string());
     let plan = match (&run.spec.turn, &source.window) {
@@ -81,7 +82,7 @@ fn one(source: &Source, overrides: &[String]) -> Result<(ProcessedRun, Origin), 
     let carrier = run.carrier(plan.as_ref());
     let window = run.spec.process.window_s.map(|[begin, end]| (begin, end));
     let window = window.or(source.window).unwrap_or_else(|| run.window(plan.as_ref(), &carrier));
-    let result = run.evaluate(&imported.record, &carrier, window).map_err(refused)?;
+    let result = run.evaluate(imported.record, &carrier, window).map_err(refused)?;
     let result = result.map_err(|fault| named(fault.to_string()))?;
     Ok((ProcessedRun { run, result }, Origin { file, import: imported.import, window }))
 }

@@ -145,6 +145,9 @@ impl RunNumbers {
                 i.missing, i.gaps, i.longest_gap, i.bridged, i.duplicates, i.late
             );
         }
+        for caution in &i.cautions {
+            text += &format!("{name}: caution: {caution}\n");
+        }
         if self.serious > 0 {
             text += &format!("{name}: {} samples left out for a serious status of the box\n", self.serious);
         }

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use wingbeat::scenario::text_of;
+
 use super::super::simulate::Summary;
 use crate::error::Error;
 
@@ -53,7 +55,7 @@ fn folder(path: &Path, run: Option<&Path>) -> Result<Source, Error> {
         return measured(&samples, run);
     }
     let file = path.join("summary.json");
-    let text = fs::read_to_string(&file).map_err(|source| Error::file(&file, source))?;
+    let text = text_of(&file).map_err(|source| Error::file(&file, source))?;
     let summary: Summary =
         serde_json::from_str(&text).map_err(|error| Error::Input(format!("{}: {error}", file.display())))?;
     Ok(Source { samples, run: scenario, window: Some(summary.window_s) })

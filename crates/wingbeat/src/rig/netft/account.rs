@@ -1,6 +1,6 @@
 //! The books of a stream of records: nothing is lost silently.
 
-use super::{RdtRecord, StatusClass, classify};
+use super::{APART_S, BOX_RATE, RdtRecord, StatusClass, classify};
 
 /// Records behind the latest of which it is remembered whether they came.
 const WINDOW: u32 = 1 << 16;
@@ -8,7 +8,8 @@ const WINDOW: u32 = 1 << 16;
 /// Accounts for every record of the streams that a box sends one after another.
 ///
 /// Within a stream `rdt_sequence` counts by one; a record that carries an earlier number but is not one of
-/// those that came or are missing begins a new stream.
+/// those that came or are missing begins a new stream, and so does one whose number leapt ahead by more than the
+/// clock of arrival allows.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Account {
     /// Records taken for the first time.
@@ -33,12 +34,15 @@ pub struct Account {
     pub serious: u64,
     /// Streams begun anew.
     pub restarts: u64,
-    /// Samples of the box between one stream and the next, by its own count.
+    /// Records between one stream and the next: by the box's own count, or by the clock where that count began anew.
     pub unsent: u64,
-    /// New streams before which the box's own count began anew, so that what lies between is not known.
+    /// New streams before which the box's own count began anew: it, and the clock, passed by more than half a second
+    /// apart.
     pub reboots: u64,
-    /// Numbers (rdt, ft) of the record furthest on in the stream.
-    latest: Option<(u32, u32)>,
+    /// Places where the box's numbers leapt ahead without the time for it.
+    pub jumps: u64,
+    /// The record furthest on in the stream.
+    latest: Option<Latest>,
     /// The stream was asked for again, and no record came since.
     asked: bool,
     /// Samples of the box from record to record.
@@ -46,6 +50,43 @@ pub struct Account {
     /// The last [`WINDOW`] records by `rdt_sequence`.
     recent: Vec<Fate>,
 }
+
+/// Numbers of a record, and when it came, ns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Latest {
+    rdt: u32,
+    ft: u32,
+    arrival_ns: u64,
+}
+
+impl Latest {
+    fn of(record: &RdtRecord, arrival_ns: u64) -> Self {
+        Self { rdt: record.rdt_sequence, ft: record.ft_sequence, arrival_ns }
+    }
+
+    /// Time since `earlier`, s.
+    fn since(self, earlier: Self) -> f64 {
+        (i128::from(self.arrival_ns) - i128::from(earlier.arrival_ns)) as f64 * 1e-9
+    }
+
+    /// Samples of the box since `earlier`, by its own count.
+    fn samples_since(self, earlier: Self) -> i32 {
+        self.ft.wrapping_sub(earlier.ft) as i32
+    }
+}
+
+/// True when so many samples of the box and a time, s, may be the same.
+fn agrees(samples: i32, seconds: f64) -> bool {
+    (f64::from(samples) / BOX_RATE - seconds).abs() < APART_S + DRIFT * seconds.abs()
+}
+
+/// True when so many samples of the box take longer than a time, s.
+fn leaps(samples: f64, seconds: f64) -> bool {
+    samples / BOX_RATE > seconds.max(0.0) * (1.0 + DRIFT) + APART_S
+}
+
+/// Largest share by which two clocks differ (*choice*: ten times the error of a quartz clock of a PC).
+const DRIFT: f64 = 1e-3;
 
 /// What became of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +103,8 @@ enum Fate {
 enum Place {
     /// First that came of a stream.
     First,
+    /// So far ahead of the latest that it is of another stream.
+    Leapt,
     /// Ahead of the latest; so many are missing between.
     Ahead(u32),
     /// After later ones; true when it was counted as lost.
@@ -71,13 +114,13 @@ enum Place {
 }
 
 impl Account {
-    /// Takes note of a record; true when it is new.
-    pub fn take(&mut self, record: &RdtRecord) -> bool {
-        if !self.asked && matches!(self.place(record), Place::Again) {
+    /// Takes note of a record that came at `arrival_ns` by any clock; true when it is new.
+    pub fn take(&mut self, record: &RdtRecord, arrival_ns: u64) -> bool {
+        if !self.asked && matches!(self.place(record, arrival_ns), Place::Again) {
             self.duplicates += 1;
             return false;
         }
-        self.take_new(record);
+        self.take_new(record, arrival_ns);
         true
     }
 
@@ -88,14 +131,15 @@ impl Account {
     }
 
     /// Takes note of a record that is known to be no duplicate, as those of a log.
-    pub fn take_new(&mut self, record: &RdtRecord) {
-        match self.place(record) {
+    pub fn take_new(&mut self, record: &RdtRecord, arrival_ns: u64) {
+        match self.place(record, arrival_ns) {
             Place::Late(missed) => {
                 self.lost -= u64::from(missed);
                 self.reordered += 1;
             }
-            Place::First | Place::Again => self.begin(record),
-            Place::Ahead(missing) => self.advance(record, missing),
+            Place::First | Place::Again => self.begin(record, arrival_ns, false),
+            Place::Leapt => self.begin(record, arrival_ns, true),
+            Place::Ahead(missing) => self.advance(record, arrival_ns, missing),
         }
         self.asked = false;
         *self.slot(record.rdt_sequence) = Fate::Came(record.ft_sequence);
@@ -108,17 +152,33 @@ impl Account {
         }
     }
 
-    fn place(&mut self, record: &RdtRecord) -> Place {
-        let Some((rdt, ft)) = self.latest else { return Place::First };
-        let ahead = record.rdt_sequence.wrapping_sub(rdt) as i32;
+    /// Every record that should be there by the box's numbers: those that came, and those booked as missing.
+    pub fn booked(&self) -> u64 {
+        self.received + self.lost + self.unsent
+    }
+
+    /// Records per second that the box makes, by the samples from one to the next; none before the second.
+    pub fn rate(&self) -> Option<f64> {
+        (self.step > 0).then(|| BOX_RATE / f64::from(self.step))
+    }
+
+    fn place(&mut self, record: &RdtRecord, arrival_ns: u64) -> Place {
+        let Some(latest) = self.latest else { return Place::First };
+        let now = Latest::of(record, arrival_ns);
+        let ahead = now.rdt.wrapping_sub(latest.rdt) as i32;
         if ahead > 0 {
-            return Place::Ahead(ahead as u32 - 1);
+            let samples = f64::from(ahead - 1) * f64::from(self.step.max(1));
+            return if leaps(samples, now.since(latest)) {
+                Place::Leapt
+            } else {
+                Place::Ahead(ahead as u32 - 1)
+            };
         }
         if ahead.unsigned_abs() >= WINDOW {
             return Place::First;
         }
         // A late record of this stream is about as many samples back as its number says.
-        let back = ft.wrapping_sub(record.ft_sequence);
+        let back = latest.ft.wrapping_sub(record.ft_sequence);
         let furthest = u64::from(self.step) * 2 * (u64::from(ahead.unsigned_abs()) + 1);
         let earlier = (back as i32) > 0 && (self.step == 0 || u64::from(back) <= furthest);
         match *self.slot(record.rdt_sequence) {
@@ -130,32 +190,39 @@ impl Account {
     }
 
     /// A stream counts from 1: what it sent before the first record that came is lost, if that is near.
-    fn begin(&mut self, record: &RdtRecord) {
+    fn begin(&mut self, record: &RdtRecord, arrival_ns: u64, leapt: bool) {
         let missing = record.rdt_sequence.wrapping_sub(1);
-        let missing = if missing < WINDOW { missing } else { 0 };
-        if let Some((_, ft)) = self.latest {
+        let missing = if missing < WINDOW && !leapt { missing } else { 0 };
+        let now = Latest::of(record, arrival_ns);
+        if let Some(latest) = self.latest {
+            let (samples, seconds) = (now.samples_since(latest), now.since(latest));
+            let counted = samples > 0 && agrees(samples, seconds);
             self.restarts += 1;
-            match record.ft_sequence.wrapping_sub(ft) as i32 {
-                ahead if ahead > 0 => {
-                    let between = ahead as u32 / self.step.max(1);
-                    self.unsent += u64::from(between.saturating_sub(1 + missing));
-                }
-                _ => self.reboots += 1,
-            }
+            self.jumps += u64::from(leapt);
+            self.reboots += u64::from(!counted && !leapt);
+            let samples = if counted { f64::from(samples) } else { BOX_RATE * seconds };
+            let between = (samples / f64::from(self.step.max(1))) as u64;
+            self.unsent += between.saturating_sub(1 + u64::from(missing));
         }
         self.recent.clear();
         self.recent.resize(WINDOW as usize, Fate::Unknown);
         self.miss(record.rdt_sequence, missing);
-        self.latest = Some((record.rdt_sequence, record.ft_sequence));
+        self.latest = Some(now);
     }
 
-    fn advance(&mut self, record: &RdtRecord, missing: u32) {
+    fn advance(&mut self, record: &RdtRecord, arrival_ns: u64, missing: u32) {
+        let now = Latest::of(record, arrival_ns);
         if missing > 0 {
             self.miss(record.rdt_sequence, missing);
-        } else if let Some((_, ft)) = self.latest {
-            self.step = record.ft_sequence.wrapping_sub(ft).clamp(1, 7000);
+        } else if let Some(latest) = self.latest {
+            let samples = now.samples_since(latest);
+            let leapt = leaps(f64::from(samples), now.since(latest));
+            self.jumps += u64::from(leapt);
+            if !leapt && samples > 0 {
+                self.step = samples as u32;
+            }
         }
-        self.latest = Some((record.rdt_sequence, record.ft_sequence));
+        self.latest = Some(now);
     }
 
     /// So many before `rdt_sequence` are missing.
@@ -177,17 +244,28 @@ impl Account {
 mod tests {
     use super::*;
 
-    /// Takes records numbered in the stream and inside the box.
-    fn take(account: &mut Account, numbers: impl IntoIterator<Item = (u32, u32)>) {
-        for (rdt_sequence, ft_sequence) in numbers {
-            account.take(&RdtRecord { rdt_sequence, ft_sequence, ..Default::default() });
+    /// Nanoseconds of a sample of the box.
+    const SAMPLE: u64 = 142_857;
+
+    /// Takes records numbered in the stream and inside the box, as they come from `ns` on, one sample after another.
+    fn take_at(account: &mut Account, ns: u64, numbers: impl IntoIterator<Item = (u32, u32)>) {
+        for (k, (rdt_sequence, ft_sequence)) in numbers.into_iter().enumerate() {
+            let record = RdtRecord { rdt_sequence, ft_sequence, ..Default::default() };
+            account.take(&record, ns + k as u64 * SAMPLE);
         }
+    }
+
+    fn take(account: &mut Account, numbers: impl IntoIterator<Item = (u32, u32)>) {
+        take_at(account, 0, numbers);
     }
 
     /// The numbers `list` of a stream that began at the box's sample `ft`.
     fn stream<'a>(ft: u32, list: &'a [u32]) -> impl Iterator<Item = (u32, u32)> + 'a {
         list.iter().map(move |n| (*n, ft.wrapping_add(*n)))
     }
+
+    /// A second, ns.
+    const SECOND: u64 = 1_000_000_000;
 
     #[test]
     fn every_record_is_accounted_for() {
@@ -196,6 +274,7 @@ mod tests {
         assert_eq!((a.received, a.lost, a.gaps, a.duplicates, a.reordered), (6, 0, 1, 1, 2));
         take(&mut a, stream(50, &[20]));
         assert_eq!((a.lost, a.longest_gap, a.restarts), (13, 13, 0));
+        assert_eq!(a.booked(), 20);
     }
 
     #[test]
@@ -213,12 +292,38 @@ mod tests {
         let mut a = Account::default();
         take(&mut a, stream(1000, &[1, 2, 3, 4, 6]));
         // Record 5 of the new stream could be the missing one of the old; the box's own count tells.
-        take(&mut a, stream(4000, &[5, 6, 7]));
+        take_at(&mut a, 3 * SECOND / 7, stream(4000, &[5, 6, 7]));
         assert_eq!((a.received, a.lost, a.restarts, a.duplicates, a.reordered), (8, 1 + 4, 1, 0, 0));
         // 1007 to 4000.
         assert_eq!((a.unsent, a.reboots), (2994, 0));
-        take(&mut a, stream(0, &[1, 2, 3]));
+        take_at(&mut a, 2 * SECOND, stream(0, &[1, 2, 3]));
         assert_eq!((a.received, a.restarts, a.reboots), (11, 2, 1));
+        // By the clock: 2 s after the begin, 14000 samples.
+        assert!(a.booked().abs_diff(14_000 + 3) < 8, "{a:?}");
+    }
+
+    #[test]
+    fn a_restart_whose_count_passes_the_old_one_is_found_by_the_clock() {
+        let mut a = Account::default();
+        take(&mut a, (1..=1000).map(|n| (n, n)));
+        // Two seconds later the box counts from 2188: its numbers alone say that 1188 samples passed.
+        take_at(&mut a, 2 * SECOND, (1..=100).map(|n| (n, 2188 + n)));
+        assert_eq!((a.received, a.restarts, a.reboots, a.jumps), (1100, 1, 1, 0));
+        assert!(a.booked().abs_diff(14_100) < 3, "{a:?}");
+    }
+
+    #[test]
+    fn numbers_that_leap_without_the_time_for_it_are_a_jump_and_nothing_is_lost() {
+        let mut a = Account::default();
+        take(&mut a, (1..=1000).map(|n| (n, n)));
+        take_at(&mut a, 1000 * SAMPLE, (1..=1000).map(|n| (n + 2_000_000_000, n + 1000)));
+        assert_eq!((a.received, a.lost, a.jumps, a.restarts, a.reboots), (2000, 0, 1, 1, 0));
+        assert_eq!(a.booked(), 2000);
+        take_at(&mut a, 2000 * SAMPLE, (1001..=2000).map(|n| (n + 2_000_000_000, n + 1_000_000_000)));
+        assert_eq!((a.received, a.booked(), a.jumps, a.rate()), (3000, 3000, 2, Some(BOX_RATE)));
+        let mut far = Account::default();
+        take(&mut far, (0..100).map(|n: u32| (n * 20_000_000, n)));
+        assert_eq!((far.received, far.lost, far.jumps), (100, 0, 99));
     }
 
     #[test]
@@ -232,7 +337,7 @@ mod tests {
         assert_eq!((a.received, a.duplicates, a.restarts, a.reboots), (7, 2, 1, 1));
         let mut replayed = Account::default();
         for (rdt_sequence, ft_sequence) in stream(30, &[1, 2, 3, 1, 2, 3, 4]) {
-            replayed.take_new(&RdtRecord { rdt_sequence, ft_sequence, ..Default::default() });
+            replayed.take_new(&RdtRecord { rdt_sequence, ft_sequence, ..Default::default() }, 0);
         }
         assert_eq!((replayed.received, replayed.restarts, replayed.reboots), (7, 1, 1));
     }
@@ -240,9 +345,16 @@ mod tests {
     #[test]
     fn every_other_sample_of_a_slower_stream_is_none_missing() {
         let mut a = Account::default();
-        take(&mut a, (1..=100).map(|n| (n, 14 * n)));
-        take(&mut a, (1..=100).map(|n| (n, 14 * (n + 150))));
-        assert_eq!((a.received, a.lost, a.unsent), (200, 0, 50));
+        let slower = |begin: u32| (1..=100).map(move |n| (n, 14 * (n + begin)));
+        let take = |a: &mut Account, begin: u32| {
+            for (rdt_sequence, ft_sequence) in slower(begin) {
+                let record = RdtRecord { rdt_sequence, ft_sequence, ..Default::default() };
+                a.take(&record, u64::from(ft_sequence) * SAMPLE);
+            }
+        };
+        take(&mut a, 0);
+        take(&mut a, 150);
+        assert_eq!((a.received, a.lost, a.unsent, a.rate()), (200, 0, 50, Some(500.0)));
     }
 
     #[test]
@@ -253,12 +365,5 @@ mod tests {
         let mut far = Account::default();
         take(&mut far, stream(9, &[1 << 20, (1 << 20) - 1]));
         assert_eq!((far.received, far.lost, far.reordered), (2, 0, 1));
-    }
-
-    #[test]
-    fn a_jump_takes_no_longer_than_the_window() {
-        let mut a = Account::default();
-        take(&mut a, (0..100).map(|n: u32| (n * 20_000_000, n)));
-        assert_eq!((a.received, a.lost), (100, 99 * 19_999_999));
     }
 }

@@ -117,7 +117,7 @@ impl Workspace<'_> {
             Some((joint, _)) => {
                 let j = &self.arm.joints[joint];
                 let allowed = format!("{:.1} to {:.1} deg", j.low.to_degrees(), j.high.to_degrees());
-                Err(Error::invalid(format!("from: {}", j.name), from[joint].to_degrees(), allowed))
+                Err(Error::invalid(format!("from.{}", j.name), from[joint].to_degrees(), allowed))
             }
         }
     }

@@ -48,71 +48,107 @@ impl Default for Steps {
 /// Raw channels with the motion under them, one entry per sample at equal steps of
 /// time. Missing samples are not-a-number.
 #[derive(Clone, Debug, Default)]
-pub struct Samples {
+pub struct Samples<'a> {
     /// Time, s; the run begins at 0, rest lies before.
     pub time: Vec<f64>,
     /// Fx .. Tz in the cell frame, N and N m.
     pub channels: [Vec<f64>; 6],
     /// Stroke phase, rad, without jumps and gaps; empty when there is no encoder.
     pub phase: Vec<f64>,
-    /// Joint motion of the arm, or the tool's attitude on a stand.
-    motion: Vec<Motion>,
+    /// Status words of the box; empty when there are none.
+    pub status: Vec<f64>,
+    motion: Motion<'a>,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Motion {
+/// Where the motion of the tool comes from.
+#[derive(Clone, Debug, Default)]
+enum Motion<'a> {
+    /// It stands upright.
+    #[default]
+    Still,
+    /// Columns q, dq, ddq of every joint; empty where a rate is not recorded.
+    Joints(Vec<[Vec<f64>; 3]>),
+    /// Columns of the quaternion of a stand.
+    Stand([Vec<f64>; 4]),
+    /// What the run itself plans.
+    Carried(&'a Carrier),
+}
+
+/// Motion of the tool at one sample: of the arm's joints, or of a stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Posture {
     Joints([Jet; MAX_JOINTS]),
-    Stand(Pose),
+    Stand(Pose<Jet>),
 }
 
-impl Samples {
-    /// Reads the columns t, Fx .. Tz (or `prefix` before them), phase, and q, dq,
+impl<'a> Samples<'a> {
+    /// Takes the columns t, Fx .. Tz (or `prefix` before them), phase, status, and q, dq,
     /// ddq of the joints or the quaternion of a stand.
     ///
     /// # Errors
     /// A column that is missing, with the ones that are there.
-    pub fn from_record(record: &Record, prefix: &str) -> Result<Self, Error> {
-        let column = |name: String| {
-            record.values(&name).map(<[f64]>::to_vec).ok_or_else(|| {
-                let there: Vec<_> = record.columns().iter().map(|c| c.name.as_str()).collect();
-                Error::invalid("record.column", name, format!("one of {}", there.join(", ")))
-            })
+    pub fn from_record(record: Record, prefix: &str) -> Result<Self, Error> {
+        let mut columns = record.into_columns();
+        let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+        let mut taken = |name: &str| {
+            let index = names.iter().position(|known| known == name)?;
+            Some(std::mem::take(&mut columns[index].values))
         };
+        let missing =
+            |name: &str| Error::invalid("record.column", name, format!("one of {}", names.join(", ")));
         let mut channels: [Vec<f64>; 6] = Default::default();
         for (channel, (name, _)) in channels.iter_mut().zip(CHANNELS) {
-            *channel = column(format!("{prefix}{name}"))?;
+            let name = format!("{prefix}{name}");
+            *channel = taken(&name).ok_or_else(|| missing(&name))?;
         }
-        let joints = (1..=MAX_JOINTS).take_while(|j| record.values(&format!("q{j}")).is_some()).count();
-        let part = |name: &str, j: usize, row: usize| {
-            record.values(&format!("{name}{}", j + 1)).map_or(0.0, |values| values[row])
-        };
-        let motion = |row: usize| {
-            if joints > 0 {
-                return Motion::Joints(std::array::from_fn(|j| {
-                    Jet::new(part("q", j, row), part("dq", j, row), part("ddq", j, row))
-                }));
-            }
-            let q = ["quat_w", "quat_x", "quat_y", "quat_z"]
-                .map(|name| record.values(name).map_or(0.0, |values| values[row]));
-            let upright = q.iter().all(|x| *x == 0.0);
-            let attitude = if upright { Quat::IDENTITY } else { Quat::from_wxyz(&q) };
-            Motion::Stand(Pose { rotation: attitude.matrix(), ..Pose::IDENTITY })
+        let mut joints = Vec::new();
+        while let Some(q) = taken(&format!("q{}", joints.len() + 1)).filter(|_| joints.len() < MAX_JOINTS) {
+            let j = joints.len() + 1;
+            let rates = ["dq", "ddq"].map(|name| taken(&format!("{name}{j}")).unwrap_or_default());
+            let [first, second] = rates;
+            joints.push([q, first, second]);
+        }
+        let quaternion = ["quat_w", "quat_x", "quat_y", "quat_z"].map(|name| taken(name).unwrap_or_default());
+        let motion = match (joints.is_empty(), quaternion[0].is_empty()) {
+            (false, _) => Motion::Joints(joints),
+            (_, false) => Motion::Stand(quaternion),
+            _ => Motion::Still,
         };
         Ok(Self {
-            time: column("t".into())?,
-            phase: record.values("phase").map_or(Vec::new(), unwrapped),
-            motion: (0..record.rows()).map(motion).collect(),
+            time: taken("t").ok_or_else(|| missing("t"))?,
+            phase: taken("phase").map_or(Vec::new(), unwrapped),
+            status: taken("status").unwrap_or_default(),
+            motion,
             channels,
         })
     }
 
     /// The motion of the run's own carrier, where the record does not hold it.
-    pub fn carried_by(&mut self, carrier: &Carrier) {
-        let motion = |t: &f64| match carrier.joints(*t) {
-            Some(joints) => Motion::Joints(joints),
-            None => Motion::Stand(carrier.tool(*t).values()),
-        };
-        self.motion = self.time.iter().map(motion).collect();
+    pub fn carried_by(&mut self, carrier: &'a Carrier) {
+        self.motion = Motion::Carried(carrier);
+    }
+
+    fn posture(&self, row: usize) -> Posture {
+        let at = |column: &[f64]| column.get(row).copied().unwrap_or(0.0);
+        match &self.motion {
+            Motion::Still => Posture::Stand(Pose::constant(&Pose::IDENTITY)),
+            Motion::Joints(joints) => Posture::Joints(std::array::from_fn(|j| {
+                joints.get(j).map_or(Jet::default(), |[q, dq, ddq]| Jet::new(at(q), at(dq), at(ddq)))
+            })),
+            Motion::Stand(columns) => {
+                let q = [0, 1, 2, 3].map(|i| at(&columns[i]));
+                let upright = q.iter().all(|x| *x == 0.0);
+                let attitude = if upright { Quat::IDENTITY } else { Quat::from_wxyz(&q) };
+                Posture::Stand(Pose::constant(&Pose { rotation: attitude.matrix(), ..Pose::IDENTITY }))
+            }
+            Motion::Carried(carrier) => {
+                let t = self.time[row];
+                match carrier.joints(t) {
+                    Some(joints) => Posture::Joints(joints),
+                    None => Posture::Stand(Pose::constant(&carrier.tool(t).values())),
+                }
+            }
+        }
     }
 
     /// True when no channel misses at `row`.
@@ -159,6 +195,8 @@ pub struct Corrector<'a> {
 pub struct Corrected {
     /// Time, s.
     pub time: Vec<f64>,
+    /// Stroke phase, rad; empty when there is no encoder.
+    pub phase: Vec<f64>,
     /// Fx .. Tz about the body origin in B (or the cell's in C), N and N m.
     pub channels: [Vec<f64>; 6],
     /// The same before the filter.
@@ -167,53 +205,60 @@ pub struct Corrected {
     pub offset: [f64; 6],
     /// Drift of the channels in C, per s.
     pub slope: [f64; 6],
+    /// Samples per second.
+    pub rate: f64,
 }
 
 impl Corrector<'_> {
-    /// Corrects, turns and filters the samples.
+    /// Corrects, turns and filters the samples, in their own memory as far as that goes: there may be millions.
     ///
     /// # Errors
     /// No rest before the run although tare or drift is asked for; a cut-off
     /// above half the rate. Faults of the model come back as such.
-    pub fn correct(&self, samples: &Samples) -> Result<Result<Corrected, Fault>, Error> {
-        let n = samples.time.len();
-        let mut out = Corrected { time: samples.time.clone(), ..Default::default() };
-        let mut models = Vec::with_capacity(n);
-        for row in 0..n {
-            match if samples.is_whole(row) { self.model(samples, row) } else { Ok(Model::NONE) } {
-                Ok(model) => models.push(model),
-                Err(fault) => return Ok(Err(fault)),
+    pub fn correct(&self, mut samples: Samples) -> Result<Result<Corrected, Fault>, Error> {
+        let mut out = Corrected { rate: samples.rate(), ..Default::default() };
+        let mut memory = Memory::default();
+        if self.steps.tare || self.steps.drift {
+            if let Err(fault) = self.tare(&samples, &mut memory, &mut out)? {
+                return Ok(Err(fault));
             }
         }
-        if self.steps.tare || self.steps.drift {
-            self.tare(samples, &models, &mut out)?;
-        }
-        for channel in &mut out.channels {
-            channel.reserve_exact(n);
-        }
-        for (row, model) in models.iter().enumerate() {
+        for row in 0..samples.time.len() {
+            if !samples.is_whole(row) {
+                samples.channels.iter_mut().for_each(|channel| channel[row] = f64::NAN);
+                continue;
+            }
+            let model = match self.model(&samples, row, &mut memory) {
+                Ok(model) => six(&model.removed),
+                Err(fault) => return Ok(Err(fault)),
+            };
             let t = samples.time[row];
             let raw = std::array::from_fn(|i| {
-                samples.channels[i][row] - out.offset[i] - out.slope[i] * t - six(&model.removed)[i]
+                samples.channels[i][row] - out.offset[i] - out.slope[i] * t - model[i]
             });
             let turned = if self.steps.body_frame { six(&self.mount.to_body(&wrench(raw))) } else { raw };
-            for (channel, value) in out.channels.iter_mut().zip(turned) {
-                channel.push(value);
+            for (channel, value) in samples.channels.iter_mut().zip(turned) {
+                channel[row] = value;
             }
         }
-        out.unfiltered = out.channels.clone();
         if self.steps.cutoff_multiple > 0.0 && self.frequency > 0.0 {
             let cutoff = self.steps.cutoff_multiple * self.frequency;
-            let filter = super::Butterworth::new(cutoff, samples.rate())?;
-            for channel in &mut out.channels {
-                *channel = filter.apply_between_gaps(channel);
-            }
+            let filter = super::Butterworth::new(cutoff, out.rate)?;
+            out.channels = samples.channels.each_ref().map(|channel| filter.apply_between_gaps(channel));
+        } else {
+            out.channels = samples.channels.clone();
         }
+        (out.time, out.phase, out.unfiltered) = (samples.time, samples.phase, samples.channels);
         Ok(Ok(out))
     }
 
     /// Offset and slope of each channel over the rest, less the weight that the model expects there.
-    fn tare(&self, samples: &Samples, models: &[Model], out: &mut Corrected) -> Result<(), Error> {
+    fn tare(
+        &self,
+        samples: &Samples,
+        memory: &mut Memory,
+        out: &mut Corrected,
+    ) -> Result<Result<(), Fault>, Error> {
         let rest = samples.index(0.0);
         // The filter and resonance of the box settle within the first part of the rest.
         let rows: Vec<usize> = (rest / 8..rest).filter(|row| samples.is_whole(*row)).collect();
@@ -226,22 +271,43 @@ impl Corrector<'_> {
             ));
         }
         let time: Vec<f64> = rows.iter().map(|row| samples.time[*row]).collect();
-        for i in 0..6 {
-            let unloaded = |row: &usize| samples.channels[i][*row] - six(&models[*row].weight)[i];
-            let y: Vec<f64> = rows.iter().map(unloaded).collect();
-            let (offset, slope) = tare_line(&time, &y);
+        let mut unloaded: [Vec<f64>; 6] = Default::default();
+        for row in &rows {
+            let weight = match self.model(samples, *row, memory) {
+                Ok(model) => six(&model.weight),
+                Err(fault) => return Ok(Err(fault)),
+            };
+            for (i, y) in unloaded.iter_mut().enumerate() {
+                y.push(samples.channels[i][*row] - weight[i]);
+            }
+        }
+        for (i, y) in unloaded.iter().enumerate() {
+            let (offset, slope) = tare_line(&time, y);
             if self.steps.drift {
                 (out.offset[i], out.slope[i]) = (offset, slope);
             } else {
                 out.offset[i] = y.iter().sum::<f64>() / y.len() as f64;
             }
         }
-        Ok(())
+        Ok(Ok(()))
     }
 
-    fn model(&self, samples: &Samples, row: usize) -> Result<Model, Fault> {
-        let (cell, body) = carried_frames(&self.tool(samples, row), self.mount);
-        let loads = self.robot_loads(&body, self.clock(samples, row))?;
+    /// What the model says of a sample; that of the last one where posture and clock are the same.
+    fn model(&self, samples: &Samples, row: usize, memory: &mut Memory) -> Result<Model, Fault> {
+        let asked = (samples.posture(row), self.clock(samples, row));
+        match &memory.last {
+            Some((same, model)) if *same == asked => Ok(*model),
+            _ => {
+                let model = self.new_model(&asked, memory)?;
+                memory.last = Some((asked, model));
+                Ok(model)
+            }
+        }
+    }
+
+    fn new_model(&self, (posture, clock): &(Posture, Jet), memory: &mut Memory) -> Result<Model, Fault> {
+        let (cell, body) = carried_frames(&self.tool(posture), self.mount);
+        let loads = self.robot_loads(&body, *clock, memory)?;
         let still = FrameMotion {
             velocity: Default::default(),
             acceleration: Default::default(),
@@ -281,44 +347,55 @@ impl Corrector<'_> {
 
     /// Weight of the robot at `row`, in C, and the direction of gravity, m/s2 in C.
     pub fn robot_weight(&self, samples: &Samples, row: usize) -> Result<(Wrench<f64>, Vec3), Fault> {
-        let (cell, body) = carried_frames(&self.tool(samples, row), self.mount);
-        let loads = self.robot_loads(&body, self.clock(samples, row))?;
+        let (cell, body) = carried_frames(&self.tool(&samples.posture(row)), self.mount);
+        let loads = self.robot_loads(&body, self.clock(samples, row), &mut Memory::default())?;
         let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
         Ok((self.mount.to_cell(&loads.0), down))
     }
 
-    fn tool(&self, samples: &Samples, row: usize) -> Pose<Jet> {
-        match (samples.motion[row], self.arm) {
-            (Motion::Joints(q), Some(arm)) => arm.tool_pose(&q),
-            (Motion::Joints(_), None) => Pose::IDENTITY,
-            (Motion::Stand(pose), _) => Pose::constant(&pose),
+    fn tool(&self, posture: &Posture) -> Pose<Jet> {
+        match (posture, self.arm) {
+            (Posture::Joints(q), Some(arm)) => arm.tool_pose(q),
+            (Posture::Joints(_), None) => Pose::constant(&Pose::IDENTITY),
+            (Posture::Stand(pose), _) => *pose,
         }
     }
 
     /// Weight and inertia of the robot about the body origin, in B.
-    fn robot_loads(&self, body: &FrameMotion, clock: Jet) -> Result<(Wrench<f64>, Wrench<f64>), Fault> {
-        let x = vec![0.0; self.robot.carried_states()];
-        let u = vec![0.0; self.robot.inputs().len()];
-        let mut dx = x.clone();
-        let loads = self.robot.carried(&clock, &BodyMotion::from(body), &x, &u, &mut dx)?;
+    fn robot_loads(
+        &self,
+        body: &FrameMotion,
+        clock: Jet,
+        memory: &mut Memory,
+    ) -> Result<(Wrench<f64>, Wrench<f64>), Fault> {
+        memory.x.resize(self.robot.carried_states(), 0.0);
+        memory.u.resize(self.robot.inputs().len(), 0.0);
+        memory.dx.resize(memory.x.len(), 0.0);
+        let Memory { x, u, dx, .. } = memory;
+        let loads = self.robot.carried(&clock, &BodyMotion::from(body), x, u, dx)?;
         Ok((loads.gravity, loads.inertia))
     }
 }
 
+/// What is kept from sample to sample: room for the model's states, and its last answer.
+#[derive(Debug, Default)]
+struct Memory {
+    x: Vec<f64>,
+    u: Vec<f64>,
+    dx: Vec<f64>,
+    last: Option<((Posture, Jet), Model)>,
+}
+
 /// What the model says of one sample, in C.
+#[derive(Clone, Copy, Debug)]
 struct Model {
     weight: Wrench<f64>,
     removed: Wrench<f64>,
 }
 
-impl Model {
-    const NONE: Self = Self { weight: Wrench::ZERO, removed: Wrench::ZERO };
-}
-
 /// An angle without jumps by whole turns; gaps are bridged by straight lines.
-fn unwrapped(angle: &[f64]) -> Vec<f64> {
+fn unwrapped(mut out: Vec<f64>) -> Vec<f64> {
     use std::f64::consts::TAU;
-    let mut out = angle.to_vec();
     let mut last: Option<usize> = None;
     for row in 0..out.len() {
         if !out[row].is_finite() {

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::require;
+use crate::rig::netft::COUNTS_PER_UNIT;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -35,12 +36,16 @@ impl InputSpec {
     /// # Errors
     /// [`Error::Invalid`] naming the key.
     pub fn check(&self) -> Result<(), Error> {
-        let positive = [
+        let [low, high] = COUNTS_PER_UNIT;
+        let counts = [
             ("counts_per_newton", self.counts_per_newton),
             ("counts_per_newton_metre", self.counts_per_newton_metre),
-            ("rate_hz", self.rate_hz),
         ];
-        positive.iter().try_for_each(|(key, value)| value.map_or(Ok(()), |v| require::positive(key, v)))
+        let each = |(key, value): &(&str, Option<f64>)| {
+            value.map_or(Ok(()), |value| require::between(key, value, low, high))
+        };
+        counts.iter().try_for_each(each)?;
+        self.rate_hz.map_or(Ok(()), |rate| require::positive("rate_hz", rate))
     }
 }
 

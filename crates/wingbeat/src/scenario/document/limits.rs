@@ -1,7 +1,7 @@
 //! What every number of every document may be, by the unit that ends its key, and how large documents may be.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 /// Largest file, bytes. *Choice*: a scenario with a planned track has less than one million.
@@ -46,23 +46,23 @@ pub fn largest(path: &str) -> f64 {
     keys.filter(|key| !key.is_empty()).find_map(of).unwrap_or(LARGEST)
 }
 
-/// The text of a file that is one, of bounded size; a pipe of the shell is one too.
+/// The text of a plain file of at most [`LARGEST_FILE`] bytes, or of a pipe of the shell; what else is not a regular file
+/// may have no end.
 ///
 /// # Errors
-/// What is wrong with it, in words.
-pub fn text(path: &Path) -> Result<String, String> {
-    let told = |error: std::io::Error| error.to_string();
+/// What the system says, or what the file is not.
+pub fn text_of(path: &Path) -> io::Result<String> {
     let pipe = ["/dev/stdin", "/dev/fd", "/proc/self/fd"].iter().any(|pipes| path.starts_with(pipes));
-    let data = std::fs::metadata(path).map_err(told)?;
+    let data = std::fs::metadata(path)?;
     if !data.is_file() && !(pipe && !data.is_dir()) {
-        return Err("it is no plain file".into());
+        return Err(io::Error::other("not a regular file"));
     }
     let mut bytes = Vec::new();
-    File::open(path).and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes)).map_err(told)?;
+    File::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > LARGEST_FILE {
-        return Err(format!("it is longer than {LARGEST_FILE} bytes"));
+        return Err(io::Error::other(format!("more than {LARGEST_FILE} bytes, the most that is read")));
     }
-    String::from_utf8(bytes).map_err(|error| format!("it is no UTF-8 text: {error}"))
+    String::from_utf8(bytes).map_err(|error| io::Error::other(format!("it is no UTF-8 text: {error}")))
 }
 
 #[cfg(test)]
@@ -77,5 +77,12 @@ mod tests {
         assert_eq!(largest("robot.body.inertia_kg_m2[1]"), 1e6);
         assert_eq!(largest("draws[0].low"), LARGEST);
         assert_eq!(largest("controller.weights.roll"), LARGEST);
+    }
+
+    #[test]
+    fn what_may_have_no_end_is_not_read() {
+        let why = |path: &str| text_of(Path::new(path)).unwrap_err().to_string();
+        assert_eq!(why("/dev/zero"), "not a regular file");
+        assert_eq!(why("/"), "not a regular file");
     }
 }

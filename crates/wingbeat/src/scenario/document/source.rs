@@ -49,7 +49,8 @@ pub type Translate<'a> = &'a dyn Fn(&Path, Option<&str>) -> Option<Result<String
 impl Sources {
     /// Reads a file that takes the place `at`; `blame` is the key that names it, if one does.
     pub fn read_file(&mut self, path: &Path, at: &[String], blame: Option<Wrong>) -> Result<(), ConfigError> {
-        self.read_text(path, limits::text(path), at, blame)
+        let text = limits::text_of(path).map_err(|error| error.to_string());
+        self.read_text(path, text, at, blame)
     }
 
     /// Takes the `text` of a file, or why there is none, as [`read_file`](Self::read_file) does.
