@@ -3,13 +3,13 @@
 use wingbeat::scenario::{FlightStatus, PaperResults, Summary};
 
 /// A line: what, the paper's number, this run's, and its unit or a remark.
-type Line = (&'static str, Option<f64>, String, &'static str);
+type Line = (&'static str, Option<String>, String, &'static str);
 
 /// The table *paper / this run*, with the cautions below.
 pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
     let mut text = format!("{:<24}{:>9}  {:>9}\n", "", "paper", "this run");
     for (name, published, value, unit) in lines(summary, paper) {
-        let published = published.map_or("-".into(), |number| format!("{number:.2}"));
+        let published = published.unwrap_or("-".into());
         text += format!("{name:<24}{published:>9}  {value:>9} {unit}").trim_end();
         text.push('\n');
     }
@@ -35,7 +35,8 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let number = |value: f64| format!("{value:.2}");
     let settled = |value: Option<f64>| value.map_or("-".into(), number);
     let share = |value: f64| format!("{:.1}", 100.0 * value);
-    let of = |take: fn(&PaperResults) -> f64| paper.map(take);
+    let of = |take: fn(&PaperResults) -> f64| paper.map(take).map(number);
+    let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
     let controller = &summary.controller;
     vec![
@@ -43,7 +44,7 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("roll, mean", of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
         ("roll, rms error", None, settled(summary.roll_rms_error_deg), "deg"),
         ("pitch, mean", of(|p| p.pitch_deg), settled(summary.pitch_mean_deg), "deg, negative is nose up"),
-        ("pitch, oscillation +-", None, settled(summary.pitch_half_amplitude_deg), "deg"),
+        ("pitch, oscillation +-", oscillation, settled(summary.pitch_half_amplitude_deg), "deg"),
         ("distance x", of(|p| p.distance_x_m), number(summary.distance_x_m), "m"),
         ("distance y", of(|p| p.distance_y_m), number(summary.distance_y_m.abs()), side),
         ("altitude change", None, number(summary.altitude_change_m), "m"),

@@ -48,7 +48,7 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     folder.write_json("summary.json", &planned.summary)?;
     if let Some(record) = &planned.record {
         write_parquet(&folder.file("record.parquet"), record)?;
-        draw(&folder, record, figures(&planned.summary), &interrupt)?;
+        draw(&folder, record, None, figures(&planned.summary), &interrupt)?;
     }
     for (name, text) in &planned.files {
         folder.write(name, text)?;

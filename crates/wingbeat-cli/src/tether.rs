@@ -124,10 +124,8 @@ fn simulate(
 /// Draws what can be drawn; what cannot is said and left out.
 fn draw(folder: &RunFolder, run: &TetherRun) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
-    let drawn: [(wingbeat_figures::Draw, &Record); 2] =
-        [(cycle_loads, &run.loads), (span_loading, &run.strips)];
-    for (draw, record) in drawn {
-        let outcome = draw(record).and_then(|figure| wingbeat_figures::write(&figures, &figure));
+    for drawn in [cycle_loads(&run.loads), span_loading(&run.strips)] {
+        let outcome = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure));
         if let Err(error) = outcome {
             say::note(&format!("a figure is left out: {error}"));
         }

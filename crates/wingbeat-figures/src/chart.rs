@@ -12,6 +12,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
+use crate::scale::Scale;
 use crate::style;
 use crate::write::Figure;
 
@@ -163,19 +164,16 @@ fn caption(scene: &mut Scene, chart: &Chart, (x, y): (f64, f64), letter: Option<
         scene.elements.push(style::words(start, above, letter, TextAnchor::Start, true));
         start += 16.0;
     }
-    let title = if chart.title.is_empty() {
-        chart.y.label.clone()
-    } else {
-        format!("{}: {}", chart.title, chart.y.label)
-    };
+    let (low, high) = up(chart);
+    let label = if chart.y.log { chart.y.label.clone() } else { Scale::new(low, high).label(&chart.y.label) };
+    let title = if chart.title.is_empty() { label } else { format!("{}: {label}", chart.title) };
     scene.elements.push(style::words(start, above, title, TextAnchor::Start, false));
 }
 
 fn drawn(chart: &Chart, labelled: bool) -> (Vec<Plot>, Layout) {
     let plots: Vec<Plot> = chart.series.iter().map(|series| plot(series, &chart.y)).collect();
-    let (left, right) = range(chart, &chart.x, |point, _| [point.0; 2]);
-    let (low, high) = range(chart, &chart.y, |point, bar| [point.1 - bar.0, point.1 + bar.1]);
-    let (low, high) = (upwards(&chart.y, low), upwards(&chart.y, high));
+    let (left, right) = across(chart);
+    let (low, high) = up(chart);
     let mut layout = style::axes(Layout::auto_from_plots(&plots))
         .with_x_axis_min(left)
         .with_x_axis_max(right)
@@ -186,14 +184,20 @@ fn drawn(chart: &Chart, labelled: bool) -> (Vec<Plot>, Layout) {
         .with_force_margins_y(HEAD, if labelled { FOOT + LABEL } else { FOOT });
     if chart.x.log {
         layout = layout.with_log_x();
+    } else {
+        layout = Scale::new(left, right).right(layout);
     }
     if chart.y.log {
         let step = ((high - low) / 5.0).ceil();
         let format = TickFormat::Custom(Arc::new(style::decade));
         layout = layout.with_y_tick_step(step).with_y_tick_format(format);
+    } else {
+        layout = Scale::new(low, high).upwards(layout);
     }
     if labelled {
-        layout = layout.with_x_label(&chart.x.label);
+        let scale = Scale::new(left, right);
+        let label = if chart.x.log { chart.x.label.clone() } else { scale.label(&chart.x.label) };
+        layout = layout.with_x_label(label);
     }
     if let Some((floor, ceiling)) = chart.passes {
         let (floor, ceiling) = (upwards(&chart.y, floor), upwards(&chart.y, ceiling));
@@ -204,6 +208,17 @@ fn drawn(chart: &Chart, labelled: bool) -> (Vec<Plot>, Layout) {
         layout = layout.with_reference_line(style::thin(0.0));
     }
     (plots, layout)
+}
+
+/// The range to the right.
+fn across(chart: &Chart) -> (f64, f64) {
+    range(chart, &chart.x, |point, _| [point.0; 2])
+}
+
+/// The range upwards, in decades on a logarithmic axis.
+fn up(chart: &Chart) -> (f64, f64) {
+    let (low, high) = range(chart, &chart.y, |point, bar| [point.1 - bar.0, point.1 + bar.1]);
+    (upwards(&chart.y, low), upwards(&chart.y, high))
 }
 
 /// Height of `value` on the axis: its decades on a logarithmic one.
@@ -250,9 +265,9 @@ fn range(chart: &Chart, axis: &Axis, of: impl Fn(&(f64, f64), (f64, f64)) -> [f6
     });
     let scaled = ends.map(|value| if axis.log { value.log10() } else { value });
     let (low, high) = style::span(scaled);
-    let margin = 0.05 * (high - low).max(1e-9);
+    let Scale { low, high, .. } = Scale::padded(low, high, 0.05);
     let back = |value: f64| if axis.log { 10_f64.powf(value) } else { value };
-    (back(low - margin), back(high + margin))
+    (back(low), back(high))
 }
 
 /// A line below the panels: a sample and the name of every kind of series, as often as needed.

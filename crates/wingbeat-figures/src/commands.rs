@@ -20,7 +20,7 @@ pub fn commands(record: &Record) -> Result<Figure, Error> {
         let element = command.name.trim_start_matches("command_");
         let (group, side) = pair(element);
         let panel = panel_of(&mut panels, &labelled(&group, &command.unit), command);
-        let index = usize::from(!panel.curves.is_empty());
+        let index = style::SIDES.iter().find(|(name, _)| *name == side).map_or(0, |(_, index)| *index);
         if let Some(displacement) = record.values(&format!("displacement_{element}")) {
             let follows = Curve::new(format!("{side}, response"), t, displacement.to_vec(), index);
             panel.curves.push(Curve { colour: style::tint(index), weight: style::BROAD, ..follows });
@@ -36,7 +36,7 @@ fn panel_of<'a>(panels: &'a mut Vec<Panel>, title: &str, command: &Column) -> &'
     let limits = (command.low.is_finite() && command.high.is_finite()).then_some((command.low, command.high));
     let found = panels.iter().position(|panel| panel.title == title && panel.limits == limits);
     let index = found.unwrap_or_else(|| {
-        panels.push(Panel { title: title.into(), curves: Vec::new(), limits, zero: true });
+        panels.push(Panel { limits, ..Panel::new(title, Vec::new()) });
         panels.len() - 1
     });
     &mut panels[index]

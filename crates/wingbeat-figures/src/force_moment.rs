@@ -8,15 +8,15 @@ use kuva::render::plots::Plot;
 use kuva::render::render::TextAnchor;
 use wingbeat::simulate::Record;
 
+use crate::scale::Scale;
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
-/// Channels by row: a force and the moment about the same axis, with the factor
-/// to the unit drawn.
-const ROWS: [[(&str, &str, f64); 2]; 3] = [
-    [("Fx", "Fx, forward [N]", 1.0), ("Tx", "Mx, roll [N mm]", 1e3)],
-    [("Fy", "Fy, left [N]", 1.0), ("Ty", "My, pitch [N mm]", 1e3)],
-    [("Fz", "Fz, up [N]", 1.0), ("Tz", "Mz, yaw [N mm]", 1e3)],
+/// Channels by row: a force and the moment about the same axis.
+const ROWS: [[(&str, &str); 2]; 3] = [
+    [("Fx", "Fx, forward [N]"), ("Tx", "Mx, roll, right wing down [N m]")],
+    [("Fy", "Fy, left [N]"), ("Ty", "My, pitch, nose down [N m]")],
+    [("Fz", "Fz, up [N]"), ("Tz", "Mz, yaw, nose left [N m]")],
 ];
 
 /// Red of the measured band.
@@ -36,14 +36,12 @@ pub fn force_moment(record: &Record) -> Result<Figure, Error> {
         if simulated { ("simulation_", "simulation") } else { ("mean_", "measured mean of one run") };
     let (mut plots, mut layouts) = (Vec::new(), Vec::new());
     for (row, pair) in ROWS.iter().enumerate() {
-        for (channel, title, scale) in pair {
-            let of = |prefix: &str| -> Result<Vec<f64>, Error> {
-                Ok(needed(record, &format!("{prefix}{channel}"))?.iter().map(|x| x * scale).collect())
-            };
+        for (channel, title) in pair {
+            let of = |prefix: &str| needed(record, &format!("{prefix}{channel}"));
             let (low, high, line) = (of("low_")?, of("high_")?, of(black)?);
-            let (panel, layout) = drawn(t, &low, &high, &line, title, row + 1 == ROWS.len());
+            let (panel, layout) = drawn(t, low, high, line, title, row + 1 == ROWS.len());
             plots.push(panel);
-            layouts.push(if row + 1 == ROWS.len() { layout.with_x_label("time [s]") } else { layout });
+            layouts.push(layout);
         }
     }
     let mut scene = Grid::new(ROWS.len(), 2)
@@ -70,15 +68,13 @@ fn drawn(t: &[f64], low: &[f64], high: &[f64], line: &[f64], title: &str, last: 
     let plots: Vec<Plot> = vec![band.into(), curve.into()];
     let values = || low.iter().chain(high).chain(line).copied();
     let (bottom, top) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
-    let margin = 0.08 * (top - bottom).max(1e-9);
-    let layout = style::axes(Layout::auto_from_plots(&plots))
-        .with_title(title)
+    let up = Scale::padded(bottom, top, 0.08);
+    let across = Scale::new(t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(1.0));
+    let axes = up.upwards(across.right(style::axes(Layout::auto_from_plots(&plots))));
+    let axes = if last { axes.with_x_label(across.label("time [s]")) } else { axes };
+    let layout = axes
+        .with_title(up.label(title))
         .with_title_size(style::LETTERS)
-        .with_x_axis_min(t.first().copied().unwrap_or(0.0))
-        .with_x_axis_max(t.last().copied().unwrap_or(1.0))
-        .with_y_axis_min(bottom - margin)
-        .with_y_axis_max(top + margin)
-        .with_ticks(5)
         .with_force_margins(62.0, 10.0)
         .with_force_margins_y(32.0, if last { 46.0 } else { 24.0 })
         .with_reference_line(style::thin(0.0));

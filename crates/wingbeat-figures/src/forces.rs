@@ -37,9 +37,8 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
             }
             curves.push(Curve::new(source.replace('_', " "), &x, y.to_vec(), index));
         }
-        let total = Curve::new("air, total", &x, sum, 0);
-        curves.push(Curve { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total });
-        panels.push(Panel { title: label.into(), curves, limits: None, zero: true });
+        curves.push(Curve::total("air, total", &x, sum));
+        panels.push(Panel::new(label, curves));
     }
     let x_label = if whole.is_some() {
         format!("phase of the stroke from t = {start:.2} s, in cycles of {period:.3} s")

@@ -26,11 +26,11 @@ pub fn gait(record: &Record) -> Result<Figure, Error> {
         angles.extend(cycle.pair(joint, &format!("{joint}_left"), DEGREES, index)?);
     }
     let panels = vec![
-        panel("joint angles [°], up, forward, nose up", angles),
-        panel("drive power [W]", cycle.with_means("drive_power", 0)?),
-        panel("power to the air [W]", cycle.with_means("power_to_air", 1)?),
-        panel("upward force of the air [N]", cycle.with_means("force_up", 2)?),
-        panel("forward force of the air [N]", cycle.with_means("force_forward", 4)?),
+        Panel::new("joint angles [°], up, forward, nose up", angles),
+        Panel::new("drive power [W]", cycle.with_means("drive_power", 0)?),
+        Panel::new("power to the air [W]", cycle.with_means("power_to_air", 1)?),
+        Panel::new("upward force of the air [N]", cycle.with_means("force_up", 2)?),
+        Panel::new("forward force of the air [N]", cycle.with_means("force_forward", 4)?),
     ];
     let label = format!("share of the cycle of {period:.4} s");
     Ok(Figure { name: "gait", scene: stacked(panels, &label, style::PANEL) })
@@ -70,10 +70,6 @@ impl Cycle<'_> {
         let means: Vec<Curve> = means.collect();
         Ok(curves.into_iter().chain(means).collect())
     }
-}
-
-fn panel(title: &str, curves: Vec<Curve>) -> Panel {
-    Panel { title: title.into(), curves, limits: None, zero: true }
 }
 
 #[cfg(test)]

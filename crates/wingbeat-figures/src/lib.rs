@@ -13,6 +13,7 @@ mod panel;
 mod path;
 mod processing;
 mod robustness;
+mod scale;
 mod states;
 mod style;
 mod tether;
@@ -30,16 +31,19 @@ pub use states::states;
 pub use tether::{cycle_loads, span_loading};
 pub use write::{Figure, write, write_for_screen};
 
+use wingbeat::scenario::GoalSpec;
 use wingbeat::simulate::Record;
 
-/// What draws a figure of a record.
-pub type Draw = fn(&Record) -> Result<Figure, Error>;
+/// What draws a figure of a record, with what counts as held where that is said.
+pub type Draw = fn(&Record, Option<&GoalSpec>) -> Result<Figure, Error>;
 
 /// The figures of a flight.
-pub const FLIGHT: [Draw; 4] = [states, path, commands, forces];
+pub const FLIGHT: [Draw; 4] =
+    [states, |record, _| path(record), |record, _| commands(record), |record, _| forces(record)];
 
 /// The figures of a planned gait.
-pub const GAIT: [Draw; 3] = [gait, commands, forces];
+pub const GAIT: [Draw; 3] =
+    [|record, _| gait(record), |record, _| commands(record), |record, _| forces(record)];
 
 /// The numbers of a column that a figure needs.
 fn needed<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], Error> {

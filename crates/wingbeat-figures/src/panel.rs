@@ -3,13 +3,16 @@
 use std::sync::Arc;
 
 use kuva::plot::LinePlot;
+use kuva::plot::LineStyle;
 use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
+use kuva::plot::band::BandPlot;
 use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, TextAnchor};
 
+use crate::scale::Scale;
 use crate::style;
 
 /// Most points of a curve: four of each pixel's width.
@@ -34,10 +37,12 @@ pub struct Curve {
     pub colour: String,
     /// Thickness of the line, px.
     pub weight: f64,
+    /// Strokes and gaps, px; a whole line where there are none.
+    pub dashes: Option<&'static str>,
 }
 
 impl Curve {
-    /// A curve of ordinary weight in the colour number `index`; of one of many points, what would be seen.
+    /// A curve of ordinary weight in the colour and the strokes number `index`; of one of many points, what would be seen.
     pub fn new(name: impl Into<String>, x: &[f64], y: Vec<f64>, index: usize) -> Self {
         let kept = seen(&y, MOST_POINTS);
         let of = |values: &[f64]| kept.iter().map(|k| values[*k]).collect();
@@ -47,7 +52,25 @@ impl Curve {
             y: of(&y),
             colour: style::colour(index).into(),
             weight: style::CURVE,
+            dashes: style::dashes(index),
         }
+    }
+
+    /// The same as a whole line.
+    pub fn whole(self) -> Self {
+        Self { dashes: None, ..self }
+    }
+
+    /// A whole black line, heavier than others: the sum of what the others show.
+    pub fn total(name: &str, x: &[f64], y: Vec<f64>) -> Self {
+        let total = Self::new(name, x, y, 0);
+        Self { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total }
+    }
+
+    /// A fine black line: what the others are to follow.
+    pub fn reference(name: &str, x: &[f64], y: Vec<f64>) -> Self {
+        let reference = Self::new(name, x, y, 0);
+        Self { colour: style::INK.into(), weight: style::FINE, ..reference }
     }
 }
 
@@ -73,14 +96,24 @@ pub fn seen(y: &[f64], most: usize) -> Vec<usize> {
 }
 
 /// Curves over a common axis.
+#[derive(Default)]
 pub struct Panel {
-    /// What is drawn, with its unit.
+    /// What is drawn, with its unit in brackets.
     pub title: String,
     pub curves: Vec<Curve>,
     /// What the curves may not leave; shaded outside.
     pub limits: Option<(f64, f64)>,
+    /// Where curves should lie: (x, low, high) along x, shaded inside.
+    pub bands: Vec<Vec<(f64, f64, f64)>>,
     /// True for a thin line at zero.
     pub zero: bool,
+}
+
+impl Panel {
+    /// Curves with a thin line at zero.
+    pub fn new(title: impl Into<String>, curves: Vec<Curve>) -> Self {
+        Self { title: title.into(), curves, zero: true, ..Self::default() }
+    }
 }
 
 /// The panels one below another over the axis `x_label`, which spans all curves.
@@ -91,17 +124,18 @@ pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
 /// As [`stacked`], with `marks` in every panel.
 pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
     let count = panels.len();
-    let range = x_range(&panels);
+    let (left, right) = x_range(&panels);
+    let across = Scale::new(left, right);
     let legend = legend_width(&panels);
-    let titles: Vec<String> = panels.iter().map(|panel| panel.title.clone()).collect();
+    let titles: Vec<String> = panels.iter().map(|panel| upwards(panel).label(&panel.title)).collect();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels
         .into_iter()
         .enumerate()
         .map(|(row, panel)| {
             let last = row + 1 == count;
-            let (plots, layout) = drawn(panel, range, legend);
+            let (plots, layout) = drawn(panel, across, legend);
             let layout = marks.iter().fold(layout, |layout, mark| layout.with_reference_line(mark.clone()));
-            (plots, if last { labelled(layout, x_label) } else { unlabelled(layout) })
+            (plots, if last { labelled(layout, &across.label(x_label)) } else { unlabelled(layout) })
         })
         .unzip();
     let last_row = height + FOOT - GAP;
@@ -127,15 +161,13 @@ pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[Ref
     scene
 }
 
-fn drawn(panel: Panel, range: (f64, f64), legend: f64) -> (Vec<Plot>, Layout) {
-    let (low, high) = y_range(&panel);
-    let plots: Vec<Plot> = panel.curves.into_iter().map(plot).collect();
-    let mut layout = style::axes(Layout::auto_from_plots(&plots))
-        .with_x_axis_min(range.0)
-        .with_x_axis_max(range.1)
-        .with_y_axis_min(low)
-        .with_y_axis_max(high)
-        .with_ticks(5)
+fn drawn(panel: Panel, across: Scale, legend: f64) -> (Vec<Plot>, Layout) {
+    let scale = upwards(&panel);
+    let Scale { low, high, .. } = scale;
+    let plots: Vec<Plot> =
+        panel.bands.into_iter().map(band).chain(panel.curves.into_iter().map(plot)).collect();
+    let mut layout = scale
+        .upwards(across.right(style::axes(Layout::auto_from_plots(&plots))))
         .with_legend_position(LegendPosition::OutsideRightTop)
         .with_legend_box(false)
         .with_force_margins(LEFT, legend);
@@ -166,22 +198,34 @@ fn unlabelled(layout: Layout) -> Layout {
 
 fn plot(curve: Curve) -> Plot {
     let points: Vec<(f64, f64)> = curve.x.iter().copied().zip(curve.y).collect();
-    let line = LinePlot::new().with_data(points).with_color(curve.colour).with_stroke_width(curve.weight);
+    let mut line = LinePlot::new().with_data(points).with_color(curve.colour).with_stroke_width(curve.weight);
+    if let Some(dashes) = curve.dashes {
+        line = line.with_line_style(LineStyle::Custom(dashes.into()));
+    }
     if curve.name.is_empty() { line.into() } else { line.with_legend(curve.name).into() }
+}
+
+/// The ground between two curves.
+fn band(edges: Vec<(f64, f64, f64)>) -> Plot {
+    let (low, high) = (edges.iter().map(|edge| edge.1), edges.iter().map(|edge| edge.2));
+    BandPlot::new(edges.iter().map(|edge| edge.0), low, high)
+        .with_color(style::SHADE)
+        .with_opacity(0.6)
+        .into()
 }
 
 fn x_range(panels: &[Panel]) -> (f64, f64) {
     style::span(panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| curve.x.iter().copied()))
 }
 
-/// The curves and their limits with a margin.
-fn y_range(panel: &Panel) -> (f64, f64) {
+/// The axis of the curves, their limits and bands with a margin.
+fn upwards(panel: &Panel) -> Scale {
     let limits = panel.limits.into_iter().flat_map(|(low, high)| [low, high]);
+    let bands = panel.bands.iter().flatten().flat_map(|edge| [edge.1, edge.2]);
     let zero = panel.zero.then_some(0.0);
     let values = panel.curves.iter().flat_map(|curve| curve.y.iter().copied());
-    let (low, high) = style::span(values.chain(limits).chain(zero));
-    let margin = 0.07 * (high - low).max(1e-9);
-    (low - margin, high + margin)
+    let (low, high) = style::span(values.chain(limits).chain(bands).chain(zero));
+    Scale::padded(low, high, 0.07)
 }
 
 /// Room to the right for the longest name.

@@ -19,12 +19,9 @@ const FEWEST_SWEPT: usize = 400;
 /// Parts of a cycle, each with one stroke from the lowest to the highest of all cycles: one a pixel.
 const STROKES: usize = 700;
 
-/// Title of a channel and the factor to the unit drawn.
-fn title(name: &str, unit: &str) -> (String, f64) {
-    match unit {
-        "N m" => (format!("{name} [N mm]"), 1e3),
-        _ => (format!("{name} [{unit}]"), 1.0),
-    }
+/// Title of a channel.
+fn title(name: &str, unit: &str) -> String {
+    format!("{name} [{unit}]")
 }
 
 /// Each channel before (`raw_<channel>`) and after the filter over `t`; a line where each cycle begins.
@@ -35,17 +32,14 @@ pub fn filtered(trace: &Record) -> Result<Figure, Error> {
     }
     let mut panels = Vec::new();
     for (name, unit) in CHANNELS {
-        let (title, scale) = title(name, unit);
-        let values = |name: &str| -> Result<Vec<f64>, Error> {
-            Ok(needed(trace, name)?.iter().map(|x| x * scale).collect())
-        };
+        let values = |name: &str| -> Result<Vec<f64>, Error> { Ok(needed(trace, name)?.to_vec()) };
         let raw = Curve {
             colour: style::tint(0),
             weight: style::FINE,
             ..Curve::new("unfiltered", t, values(&format!("raw_{name}"))?, 0)
         };
-        let filtered = Curve::new("filtered", t, values(name)?, 1);
-        panels.push(Panel { title, curves: vec![raw, filtered], limits: None, zero: true });
+        let filtered = Curve::new("filtered", t, values(name)?, 1).whole();
+        panels.push(Panel::new(title(name, unit), vec![raw, filtered]));
     }
     let marks = (1..t.len()).filter(|k| cycle[*k].floor() > cycle[k - 1].floor()).map(|k| t[k]);
     let marks: Vec<f64> = std::iter::once(t[0]).chain(marks).collect();
@@ -65,22 +59,21 @@ pub fn cycles(trace: &Record, average: &Record) -> Result<Figure, Error> {
     let (cycle, phase) = (needed(trace, "cycle")?, needed(average, "cycle")?);
     let mut panels = Vec::new();
     for (name, unit) in CHANNELS {
-        let (title, scale) = title(name, unit);
-        let mut curves = sweeps(cycle, needed(trace, name)?, scale);
-        let mean = needed(average, name)?.iter().map(|x| x * scale).collect();
-        curves.push(Curve::new("mean", phase, mean, 1));
-        panels.push(Panel { title, curves, limits: None, zero: true });
+        let mut curves = sweeps(cycle, needed(trace, name)?);
+        let mean = needed(average, name)?.to_vec();
+        curves.push(Curve::new("mean", phase, mean, 1).whole());
+        panels.push(Panel::new(title(name, unit), curves));
     }
     Ok(Figure { name: "cycles", scene: stacked(panels, "phase of the stroke, turns", HEIGHT) })
 }
 
 /// Every cycle by itself while they are few, else one curve up and down between the lowest and the highest of all.
-fn sweeps(cycle: &[f64], values: &[f64], scale: f64) -> Vec<Curve> {
+fn sweeps(cycle: &[f64], values: &[f64]) -> Vec<Curve> {
     let light = |curve| Curve { colour: style::tint(0), weight: style::FINE, ..curve };
     let each = || cycle.chunk_by(|a, b| a.floor() == b.floor());
     let points = MOST_SWEPT / each().count().max(1);
     if points < FEWEST_SWEPT {
-        return vec![light(covered(cycle, values, scale))];
+        return vec![light(covered(cycle, values))];
     }
     let mut curves = Vec::new();
     let mut from = 0;
@@ -90,13 +83,13 @@ fn sweeps(cycle: &[f64], values: &[f64], scale: f64) -> Vec<Curve> {
         from += sweep.len();
         let kept = seen(y, points);
         let x: Vec<f64> = kept.iter().map(|k| sweep[*k] - sweep[*k].floor()).collect();
-        curves.push(light(Curve::new(name, &x, kept.iter().map(|k| y[*k] * scale).collect(), 0)));
+        curves.push(light(Curve::new(name, &x, kept.iter().map(|k| y[*k]).collect(), 0)));
     }
     curves
 }
 
 /// The range of all cycles, phase by phase, as strokes.
-fn covered(cycle: &[f64], values: &[f64], scale: f64) -> Curve {
+fn covered(cycle: &[f64], values: &[f64]) -> Curve {
     let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); STROKES];
     for (cycle, value) in cycle.iter().zip(values).filter(|(cycle, value)| (**cycle + **value).is_finite()) {
         let part = ((cycle - cycle.floor()) * STROKES as f64) as usize;
@@ -107,7 +100,7 @@ fn covered(cycle: &[f64], values: &[f64], scale: f64) -> Curve {
     for (k, (low, high)) in ranges.into_iter().enumerate().filter(|(_, (low, high))| low <= high) {
         x.extend([(k as f64 + 0.5) / STROKES as f64; 2]);
         // Up and down in turn, so that one line draws all strokes.
-        y.extend(if k % 2 == 0 { [low * scale, high * scale] } else { [high * scale, low * scale] });
+        y.extend(if k % 2 == 0 { [low, high] } else { [high, low] });
     }
     Curve::new("all cycles, lowest to highest", &x, y, 0)
 }

@@ -1,47 +1,66 @@
-//! The state figure: orientation, position, shoulder and elbow angles over time.
+//! The state figure: roll and pitch with what is asked, heading, position, shoulder and elbow angles over time.
 
+use wingbeat::scenario::GoalSpec;
 use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
-/// Orientation, position, shoulder and elbow angles over time.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// Roll and pitch, heading, position, shoulder and elbow angles over time.
 ///
 /// Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws of `shoulder_left`, `shoulder_right`,
-/// `elbow_left`, `elbow_right` those that are there. Where there is `roll_reference` it is drawn fine.
-pub fn states(record: &Record) -> Result<Figure, Error> {
+/// `elbow_left`, `elbow_right` those that are there. Where there are `roll_reference` and `pitch_reference` they are
+/// drawn fine, and about them, from its settling time on, the errors that `goal` allows as a root mean square.
+pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
-    let angles = |names: &[(&str, &str)]| -> Result<Vec<Curve>, Error> {
-        curves(record, t, names, 180.0 / std::f64::consts::PI)
-    };
-    let mut orientation = angles(&[("roll", "roll"), ("pitch", "pitch (nose up −)"), ("yaw", "yaw")])?;
-    if record.values("roll_reference").is_some() {
-        let reference = angles(&[("roll_reference", "roll reference")])?;
-        let drawn = |curve| Curve { colour: style::INK.into(), weight: style::FINE, ..curve };
-        orientation.extend(reference.into_iter().map(drawn));
+    let mut attitude = Panel::new("roll and pitch [°]", Vec::new());
+    let within = |of: fn(&GoalSpec) -> f64| goal.map(|goal| (goal.settle_s, of(goal)));
+    let asked = [within(|goal| goal.roll_within_deg), within(|goal| goal.pitch_within_deg)];
+    let followed = [("roll", "roll (right wing down +)"), ("pitch", "pitch (nose up −)")];
+    for (index, ((angle, name), goal)) in followed.into_iter().zip(asked).enumerate() {
+        attitude.curves.push(Curve::new(name, t, scaled(record, angle, DEGREES)?, index));
+        if let Ok(reference) = scaled(record, &format!("{angle}_reference"), DEGREES) {
+            attitude.bands.extend(goal.and_then(|goal| band(t, &reference, goal)));
+            let name = if index == 0 { "references" } else { "" };
+            attitude.curves.push(Curve::reference(name, t, reference));
+        }
     }
-    let position = curves(record, t, &[("p_WB_x", "x"), ("p_WB_y", "y"), ("p_WB_z", "z (up)")], 1.0)?;
-    let mut panels = vec![panel("orientation [°]", orientation), panel("position [m]", position)];
+    if !attitude.bands.is_empty() {
+        attitude.title = "roll and pitch [°]; shaded: rms errors within the goal".into();
+    }
+    let heading = Curve::new("yaw (left +)", t, scaled(record, "yaw", DEGREES)?, 2);
+    let places = [("p_WB_x", "x"), ("p_WB_y", "y (left +)"), ("p_WB_z", "z (up +)")];
+    let places = places.iter().enumerate();
+    let places = places.map(|(i, (column, name))| Ok(Curve::new(*name, t, scaled(record, column, 1.0)?, i)));
+    let mut panels = vec![
+        attitude,
+        Panel::new("heading [°]", vec![heading]),
+        Panel::new("position [m]", places.collect::<Result<_, Error>>()?),
+    ];
     for (joint, label) in [("shoulder", "shoulder angle [°]"), ("elbow", "elbow angle [°]")] {
-        let (left, right) = (format!("{joint}_left"), format!("{joint}_right"));
-        if record.values(&left).is_some() && record.values(&right).is_some() {
-            let mut sides = angles(&[(&left, "left"), (&right, "right")])?;
-            sides[0].weight = style::BROAD;
-            panels.push(panel(label, sides));
+        let side = |(side, index): (&str, usize)| {
+            let values = scaled(record, &format!("{joint}_{side}"), DEGREES).ok()?;
+            let weight = if index == 0 { style::BROAD } else { style::CURVE };
+            Some(Curve { weight, ..Curve::new(side, t, values, index) })
+        };
+        let sides: Vec<Curve> = style::SIDES.into_iter().filter_map(side).collect();
+        if sides.len() == style::SIDES.len() {
+            panels.push(Panel::new(label, sides));
         }
     }
     Ok(Figure { name: "states", scene: stacked(panels, "time [s]", style::PANEL) })
 }
 
-fn curves(record: &Record, t: &[f64], names: &[(&str, &str)], factor: f64) -> Result<Vec<Curve>, Error> {
-    let curve = |(index, (column, name)): (usize, &(&str, &str))| {
-        let y = needed(record, column)?.iter().map(|value| factor * value).collect();
-        Ok(Curve::new(*name, t, y, index))
-    };
-    names.iter().enumerate().map(curve).collect()
+fn scaled(record: &Record, column: &str, factor: f64) -> Result<Vec<f64>, Error> {
+    Ok(needed(record, column)?.iter().map(|value| factor * value).collect())
 }
 
-fn panel(label: &str, curves: Vec<Curve>) -> Panel {
-    Panel { title: label.into(), curves, limits: None, zero: true }
+/// `within` below and above the reference from `settle` on; none where the record ends before.
+fn band(t: &[f64], reference: &[f64], (settle, within): (f64, f64)) -> Option<Vec<(f64, f64, f64)>> {
+    let rows = t.iter().zip(reference).filter(|(t, _)| **t >= settle);
+    let edges: Vec<_> = rows.map(|(t, angle)| (*t, angle - within, angle + within)).collect();
+    (edges.len() > 1).then_some(edges)
 }

@@ -32,12 +32,17 @@ pub const SHADE: &str = "#d9d9d9";
 pub const GUIDE: &str = "#9a9a9a";
 
 /// Colours that stay apart for colour-blind readers and in grey (Okabe & Ito 2008).
-pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8b5a2b"];
+pub const COLOURS: [&str; 8] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8b5a2b", "#5e4fa2"];
+/// Strokes and gaps, px, that tell as many curves apart without colour; the first is whole.
+const DASHES: [&str; 8] = ["", "9 4", "2 3", "10 3 2 3", "16 4", "5 3", "10 3 2 3 2 3", "1 5"];
+/// Number of the colour of each side of the robot, in every figure.
+pub const SIDES: [(&str, usize); 2] = [("left", 0), ("right", 1)];
 
-/// A number as it is written beside a tick.
+/// A number to nine digits, in the shortest form.
 pub fn number(value: f64) -> String {
-    let text = format!("{value:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
+    let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
+    let text = rounded.to_string();
     if text == "-0" { "0".into() } else { text.replace('-', "−") }
 }
 
@@ -46,6 +51,11 @@ pub fn decade(exponent: f64) -> String {
     if (-2.0..=3.0).contains(&exponent) {
         return number(10_f64.powf(exponent));
     }
+    decade_of(exponent.round() as i32)
+}
+
+/// Ten to the power of `exponent`, raised.
+pub fn decade_of(exponent: i32) -> String {
     let digit = |c: char| match c {
         '-' => '⁻',
         '1' => '¹',
@@ -54,6 +64,11 @@ pub fn decade(exponent: f64) -> String {
         other => char::from_u32(other as u32 - '0' as u32 + '⁰' as u32).unwrap_or(other),
     };
     format!("10{}", exponent.to_string().chars().map(digit).collect::<String>())
+}
+
+/// Strokes and gaps of the curve number `index`; none where it is whole.
+pub fn dashes(index: usize) -> Option<&'static str> {
+    Some(DASHES[index % DASHES.len()]).filter(|dashes| !dashes.is_empty())
 }
 
 /// A closed frame with inward ticks and the house's letters.

@@ -22,7 +22,7 @@ pub fn cycle_loads(record: &Record) -> Result<Figure, Error> {
         cycle.curve("drag", "force_wind_drag", 1.0, 1)?,
     ];
     let mut panels = vec![
-        panel("force in wind axes [N]", wind),
+        Panel::new("force in wind axes [N]", wind),
         cycle.by_source("z", "upward force by source, body axes [N]")?,
         cycle.by_source("x", "forward force by source, body axes [N]")?,
         cycle.moment()?,
@@ -30,10 +30,6 @@ pub fn cycle_loads(record: &Record) -> Result<Figure, Error> {
     panels.extend(cycle.motion()?);
     let x_label = format!("phase of the last cycle of {:.3} s", cycle.period);
     Ok(Figure { name: "loads", scene: stacked(panels, &x_label, style::PANEL) })
-}
-
-fn panel(title: &str, curves: Vec<Curve>) -> Panel {
-    Panel { title: title.into(), curves, limits: None, zero: true }
 }
 
 /// The last cycle of a record of loads.
@@ -68,22 +64,20 @@ impl<'a> LastCycle<'a> {
                 index,
             )?);
         }
-        let total = self.curve("total", &format!("force_{axis}"), 1.0, 0)?;
-        curves.push(Curve { colour: style::INK.into(), weight: 1.5 * style::CURVE, ..total });
-        Ok(panel(title, curves))
+        let total = self.curve("", &format!("force_{axis}"), 1.0, 0)?;
+        curves.push(Curve::total("total", &self.phase, total.y));
+        Ok(Panel::new(title, curves))
     }
 
-    /// Nose up; in mN m when it stays below 0.1 N m.
+    /// Nose up: about the span, against the record's `moment_y`.
     fn moment(&self) -> Result<Panel, Error> {
-        let largest = self.curve("", "moment_y", 1.0, 0)?.y.iter().fold(0.0_f64, |most, m| most.max(m.abs()));
-        let (unit, scale) = if largest < 0.1 { ("mN m", -1e3) } else { ("N m", -1.0) };
-        let title = format!("nose-up moment, body axes [{unit}]");
-        Ok(panel(&title, vec![self.curve("total", "moment_y", scale, 0)?]))
+        let moment = self.curve("nose up", "moment_y", -1.0, 0)?;
+        Ok(Panel::new("moment about the span, nose up, body axes [N m]", vec![moment]))
     }
 
     /// Body and hinges, as far as they leave zero.
     fn motion(&self) -> Result<Vec<Panel>, Error> {
-        let body = vec![self.curve("heave", "heave", 1e3, 0)?, self.curve("surge", "surge", 1e3, 1)?];
+        let body = vec![self.curve("heave", "heave", 1.0, 0)?, self.curve("surge", "surge", 1.0, 1)?];
         let mut angles =
             vec![self.curve("nose up", "nose_up", DEGREES, 0)?, self.curve("roll", "roll", DEGREES, 1)?];
         let hinges = self.record.columns().iter().filter_map(|column| column.name.strip_prefix("hinge_"));
@@ -91,10 +85,10 @@ impl<'a> LastCycle<'a> {
             angles.push(self.curve(name, &format!("hinge_{name}"), DEGREES, index + 2)?);
         }
         let mut panels = Vec::new();
-        for (title, mut curves) in [("body [mm]", body), ("angles [deg]", angles)] {
+        for (title, mut curves) in [("body [m]", body), ("angles [deg]", angles)] {
             curves.retain(|curve| curve.y.iter().any(|y| *y != 0.0));
             if !curves.is_empty() {
-                panels.push(panel(title, curves));
+                panels.push(Panel::new(title, curves));
             }
         }
         Ok(panels)
@@ -107,7 +101,7 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
     let count = 1 + needed(strips, "strip")?.iter().fold(0.0_f64, |most, strip| most.max(*strip)) as usize;
     let by_instant: Vec<f64> = phase.iter().copied().step_by(count).collect();
     let cycle = last_cycle(&by_instant)?;
-    let at_phases = |column: &str, title: &str, scale: f64| -> Result<Panel, Error> {
+    let at_phases = |column: &str, title: &str, scale: &dyn Fn(usize) -> f64| -> Result<Panel, Error> {
         let values = needed(strips, column)?;
         let mut curves = Vec::new();
         for (index, wanted) in PHASES.into_iter().enumerate() {
@@ -115,18 +109,19 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
             let distance = |i: &usize| (by_instant[*i] - wanted).abs();
             let nearest = instants.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(cycle.start);
             let rows = nearest * count..(nearest + 1) * count;
-            let y = values[rows.clone()].iter().map(|y| scale * y).collect();
+            let y = rows.clone().map(|row| scale(row) * values[row]).collect();
             curves.push(Curve::new(format!("phase {wanted}"), &arc[rows], y, index));
         }
-        Ok(panel(title, curves))
+        Ok(Panel::new(title, curves))
     };
     let mut panels = Vec::new();
     let circulation = Circulation::Bound.name();
     if strips.column(circulation).is_some() {
-        panels.push(at_phases(circulation, "circulation [m2/s]", 1.0)?);
+        panels.push(at_phases(circulation, "circulation [m2/s]", &|_| 1.0)?);
     }
-    panels.push(at_phases("incidence", "incidence, wash included [deg]", DEGREES)?);
-    panels.push(at_phases("force_z", "upward force per strip, body axes [N]", 1.0)?);
+    panels.push(at_phases("incidence", "incidence, wash included [°]", &|_| DEGREES)?);
+    let width = needed(strips, "width")?;
+    panels.push(at_phases("force_z", "upward force per span, body axes [N/m]", &|row| 1.0 / width[row])?);
     Ok(Figure {
         name: "span",
         scene: stacked(panels, "arc from the middle, left wing positive [m]", style::PANEL),
@@ -155,12 +150,12 @@ mod tests {
 
     #[test]
     fn span_curves_are_taken_at_their_phases() {
-        let names = ["t", "phase", "strip", "arc", "circulation", "incidence", "force_z"];
+        let names = ["t", "phase", "strip", "arc", "circulation", "incidence", "force_z", "width"];
         let mut strips = Record::new(names.map(|name| Column::new(name, "", "")).to_vec(), 0).unwrap();
         for step in 0..=8 {
             for strip in 0..3 {
                 let (phase, strip) = (f64::from(step % 4) / 4.0, f64::from(strip));
-                strips.append(&[f64::from(step), phase, strip, 1.0 - strip, phase + strip, 0.1, 0.0]);
+                strips.append(&[f64::from(step), phase, strip, 1.0 - strip, phase + strip, 0.1, 0.0, 0.1]);
             }
         }
         assert_eq!(span_loading(&strips).unwrap().name, "span");

@@ -109,8 +109,8 @@ fn every_figure_names_its_axes_and_curves() {
     let (record, folder) = (record(), folder());
     let expected: [(Figure, &[&str]); 4] = [
         (
-            states(&record).unwrap(),
-            &["orientation [°]", "position [m]", "elbow angle [°]", "time [s]", "roll reference"],
+            states(&record, None).unwrap(),
+            &["roll and pitch [°]", "heading [°]", "position [m]", "elbow angle [°]", "time [s]", "references"],
         ),
         (commands(&record).unwrap(), &["shoulder [rad]", "elbow [rad]", "left, response"]),
         (forces(&record).unwrap(), &["upward force [N]", "added mass", "air, total", "cycles of 0.286 s"]),
@@ -129,7 +129,7 @@ fn every_figure_names_its_axes_and_curves() {
 fn a_missing_column_is_named() {
     let record = Record::new(vec![Column::new("t", "s", "")], 0).unwrap();
     for (outcome, name) in [
-        (states(&record), "roll"),
+        (states(&record, None), "roll"),
         (commands(&record), "command_<element>"),
         (forces(&record), "force_<source>_x"),
         (path(&record), "p_WB_x"),
@@ -144,5 +144,5 @@ fn a_record_of_one_row_is_refused_or_drawn_but_never_a_panic() {
     record.append(&row(0.0));
     assert!(path(&record).is_err());
     assert!(forces(&record).is_err());
-    let _ = (states(&record), commands(&record));
+    let _ = (states(&record, None), commands(&record));
 }

@@ -133,15 +133,15 @@ impl Sheet {
     }
 
     pub fn track(&mut self, track: &[Point]) {
-        self.line(track, style::colour(0), style::CURVE);
+        self.line(track, style::INK, style::CURVE);
     }
 
     /// A robot with its membranes, above its place on the ground.
     pub fn bird(&mut self, room: &Room, bird: &Bird) {
         self.line(&[bird.body, [bird.body[0], bird.body[1], room.low[2]]], "#d4d4d4", 0.6);
         let bird = bird.enlarged(room.enlargement);
-        for (side, wing) in bird.wings.iter().enumerate() {
-            let colour = style::colour(1 + side);
+        for (wing, (_, side)) in bird.wings.iter().zip(style::SIDES) {
+            let colour = style::colour(side);
             for panel in 0..2 {
                 let [a, b] = [wing.leading[panel], wing.leading[panel + 1]];
                 let [c, d] = [wing.trailing[panel + 1], wing.trailing[panel]];
@@ -169,7 +169,7 @@ impl Sheet {
     pub fn ends(&mut self, track: &[Point], t: &[f64]) {
         for (point, time) in [(track[0], t[0]), (track[track.len() - 1], t[t.len() - 1])] {
             let (x, y) = self.at(point);
-            self.disc(x, y, 3.6, style::colour(0));
+            self.disc(x, y, 3.6, style::INK);
             self.text((x - 30.0, y + 5.0), format!("{time:.1} s"), TextAnchor::End, style::TICKS);
         }
     }
@@ -177,9 +177,9 @@ impl Sheet {
     /// What the colours and the size of the robot mean.
     pub fn note(&mut self, birds: &[Bird], enlargement: f64) {
         let mut x = Self::MARGINS.0;
-        let mut entries = vec![("path", style::colour(0)), ("on the ground", SHADOW)];
+        let mut entries = vec![("path", style::INK), ("on the ground", SHADOW)];
         if !birds.is_empty() {
-            entries.extend([("left wing", style::colour(1)), ("right wing", style::colour(2))]);
+            entries.extend([("left wing", style::colour(0)), ("right wing", style::colour(1))]);
         }
         for (name, colour) in entries {
             let stroke = Color::from(colour);

@@ -269,7 +269,8 @@ impl Scenario {
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut error = StepError::new(&self.robot, schedule);
-        let mut recorder = Recorder::new(&self.robot, controller, rows, self.samples_per_strips)?;
+        let mut recorder =
+            Recorder::new(&self.robot, self.manoeuvre(), controller, rows, self.samples_per_strips)?;
         let mut x = self.start();
         let flight = fly(&self.robot, &mut sensors, controller, schedule, &mut x, |sample, controller| {
             recorder.sample(sample, controller)?;

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::aero::LoadSource;
+use crate::guide::Manoeuvre;
 use crate::math::{Mat3, Vec3, Wrench};
 use crate::plant::{Fault, Plant};
 use crate::robot::{Observation, Robot};
@@ -36,6 +37,7 @@ pub struct Recorded {
 /// Samples of a flight as they become a [`Record`].
 pub struct Recorder<'a> {
     robot: &'a Robot,
+    manoeuvre: Option<&'a dyn Manoeuvre>,
     record: Record,
     row: Vec<f64>,
     incidence: Vec<f64>,
@@ -51,9 +53,10 @@ struct Strips {
 
 impl<'a> Recorder<'a> {
     /// An empty record of `robot` under `controller` with room for `rows` samples; with
-    /// `samples_per_strips` the strips at every so many of them.
+    /// `samples_per_strips` the strips at every so many of them. What the `manoeuvre` asks is written last.
     pub fn new<C: Controller>(
         robot: &'a Robot,
+        manoeuvre: Option<&'a dyn Manoeuvre>,
         controller: &C,
         rows: usize,
         samples_per_strips: Option<usize>,
@@ -65,9 +68,13 @@ impl<'a> Recorder<'a> {
         };
         let mut columns = columns(robot);
         columns.extend(controller.columns());
+        if manoeuvre.is_some() {
+            columns.extend(["roll_reference", "pitch_reference"].map(|n| Column::new(n, "rad", "WB")));
+        }
         let width = columns.len();
         Ok(Self {
             robot,
+            manoeuvre,
             record: Record::new(columns, rows)?,
             row: Vec::with_capacity(width),
             incidence: Vec::new(),
@@ -97,6 +104,8 @@ impl<'a> Recorder<'a> {
         row.extend(u);
         row.extend(x);
         controller.diagnostics(&mut row);
+        let asked = self.manoeuvre.map(|manoeuvre| manoeuvre.reference(t));
+        row.extend(asked.into_iter().flat_map(|asked| [asked.roll, asked.pitch]));
         let recorded = self.record.append_finite(&row);
         self.row = row;
         recorded?;

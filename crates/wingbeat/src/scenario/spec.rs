@@ -243,6 +243,9 @@ pub struct PaperResults {
     pub roll_deg: f64,
     /// Pitch, deg.
     pub pitch_deg: f64,
+    /// Oscillation of pitch, from and to, deg.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pitch_oscillation_deg: Option<[f64; 2]>,
     /// Distance along x, m.
     pub distance_x_m: f64,
     /// Distance along y, m, without sign.

@@ -111,7 +111,13 @@ impl Scenario {
         let schedule = Schedule { steps: (last / step).ceil() as usize, steps_per_sample, ..self.schedule };
         let steps = schedule.steps;
         let mut player = Playback::new(approach, points.t.clone(), points.u.clone());
-        let mut recorder = Recorder::new(&self.model, &player, steps / schedule.steps_per_sample + 1, None)?;
+        let mut recorder = Recorder::new(
+            &self.model,
+            self.manoeuvre(),
+            &player,
+            steps / schedule.steps_per_sample + 1,
+            None,
+        )?;
         let mut x = self.start();
         let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
         fly(model, &mut sensors, &mut player, &schedule, &mut x, |sample, player| {
