@@ -215,7 +215,7 @@ fn signals() -> Vec<Case> {
     let long: [(&str, u64, &[&str]); 9] = [
         ("fly", 700, &["fly", "glide.toml", "--set", "flight.duration_s=50"]),
         ("turn", 700, &["fly", "{root}/scenarios/banking_turn.toml", "--set", "flight.record_every_s=1.0"]),
-        ("tether", 700, &["tether", "{root}/cases/step.toml", "--set", "time.steps_per_cycle=2000000"]),
+        ("tether", 700, &["tether", "{root}/cases/step.toml", "--set", "time.steps_per_cycle=120000"]),
         ("plan", 1500, &["plan", "{root}/scenarios/roll_in.toml"]),
         ("gait", 1500, &["plan", "{root}/scenarios/least_power_gait.toml"]),
         ("sweep", 700, &["sweep", "sweep.toml", "--set", "runs=1000000"]),

@@ -8,6 +8,7 @@ use super::runs::{GLIDE, HOLD};
 
 const TURN: &str = "{root}/scenarios/banking_turn.toml";
 const STEP: &str = "{root}/cases/step.toml";
+const STAND: &str = "{root}/cases/aerobat_stand.toml";
 const FLAP: &str = "{root}/cases/flap_f1.toml";
 const BANK: &str = "{root}/rigs/runs/roll15_speed08.toml";
 
@@ -148,11 +149,11 @@ fn statuses() -> Vec<Case> {
             when(!warns(s, "flight.step_s"), "caution")
         })
         .long(),
-        summed("tether_10_steps", &["tether", FLAP, "--set", "time.steps_per_cycle=10"], 0, |s| {
-            when(warns(s, "time.steps_per_cycle"), "no caution")
+        summed("tether_10_steps", &["tether", STAND, "--set", "time.steps_per_cycle=10"], 3, |s| {
+            when(s["status"] == "not_resolved" && warns(s, "time.steps_per_cycle"), "status")
         }),
-        summed("tether_20_steps", &["tether", FLAP, "--set", "time.steps_per_cycle=20"], 0, |s| {
-            when(warns(s, "time.steps_per_cycle"), "no caution")
+        summed("tether_20_steps", &["tether", STAND, "--set", "time.steps_per_cycle=20"], 0, |s| {
+            when(s["status"] == "ok" && s["step_change"].as_f64().is_some_and(|change| change < 0.02), "status")
         }),
         summed("tether_enough_steps", &["tether", FLAP], 0, |s| {
             when(!warns(s, "time.steps_per_cycle"), "caution")
