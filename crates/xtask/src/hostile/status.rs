@@ -153,7 +153,10 @@ fn statuses() -> Vec<Case> {
             when(s["status"] == "not_resolved" && warns(s, "time.steps_per_cycle"), "status")
         }),
         summed("tether_20_steps", &["tether", STAND, "--set", "time.steps_per_cycle=20"], 0, |s| {
-            when(s["status"] == "ok" && s["step_change"].as_f64().is_some_and(|change| change < 0.02), "status")
+            when(
+                s["status"] == "ok" && s["step_change"].as_f64().is_some_and(|change| change < 0.02),
+                "status",
+            )
         }),
         summed("tether_enough_steps", &["tether", FLAP], 0, |s| {
             when(!warns(s, "time.steps_per_cycle"), "caution")
