@@ -208,7 +208,8 @@ fn force() -> Vec<Case> {
             flown(place, &[])?;
             let before = place.state()?;
             place.run(&["fly", "glide.toml", "--out", "a"])?.exits(2)?.says(&["--out a", "--force"])?;
-            place.unchanged(&before)
+            place.unchanged(&before)?;
+            place.run(&["fly", "glide.toml"])?.exits(0)?.prints(&["run folder: runs/gl"]).map(drop)
         }),
         Case::new(1, "force_replaces", |place| {
             files(place)?;

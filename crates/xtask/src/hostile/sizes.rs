@@ -202,6 +202,15 @@ fn pipes() -> Vec<Case> {
         })
     };
     let mut all: Vec<Case> = makers.into_iter().flat_map(of).collect();
+    for (name, redirection) in [("full", "2>/dev/full"), ("closed", "2>&-")] {
+        all.push(Case::new(2, format!("stderr_{name}"), move |place| {
+            written(place)?;
+            let bad = place.call(&["fly", "glide.toml", "--set", "name=.."]).stderr(redirection);
+            bad.run()?.exits(2)?;
+            place.call(&["fly", "glide.toml", "--out", "a"]).stderr(redirection).run()?.exits(0)?;
+            place.call(&["sweep", "sweep.toml", "--out", "b"]).stderr(redirection).run()?.exits(0).map(drop)
+        }));
+    }
     all.push(help("full", Stdout::Full, &["--help"]));
     all.push(help("head", Stdout::Head, &["rig", "--help"]));
     all.push(help("full", Stdout::Full, &["--version"]));
