@@ -44,8 +44,8 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let case = TetherCase::load(&arguments.case, &options.overrides, &|path| tables.read(path))?;
     let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
     let run = simulate(&case.tether, &interrupt, options.quiet)?;
-    let coarse = case.tether.halved().map(|half| simulate(&half, &interrupt, true)).transpose()?;
-    let summary = case.summary(&run, coarse.as_ref());
+    let step_change = case.step_change(&run, |other| simulate(other, &interrupt, true))?;
+    let summary = case.summary(&run, step_change);
     folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
     tables.keep(&folder)?;
     folder.write("means.csv", &means(&run.means))?;
@@ -62,6 +62,10 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
         Ending::Fault(fault) => {
             let status = if fault.is_not_finite() { "not_finite" } else { "fault" };
             Err(Error::Failed { status: status.into(), reason: fault.to_string(), folder: shown.into() })
+        }
+        _ if summary.status == "not_resolved" => {
+            let reason = summary.warnings.last().cloned().unwrap_or_default();
+            Err(Error::Failed { status: summary.status, reason, folder: shown.into() })
         }
         _ => printed,
     }

@@ -140,7 +140,7 @@ fn gaps_stay_open_and_their_cycles_are_left_out() {
     assert!(fz.iter().enumerate().all(|(bin, value)| (value - truth(bin)).abs() < 8e-3));
     let bridged = rig(&folder, &[&run[..], &["--set", "process.input.bridge_samples=50"]].concat());
     assert!(bridged.status.success(), "{bridged:?}");
-    let summary = fs::read_to_string(folder.join("taken/processed/summary.json")).unwrap();
+    let summary = fs::read_to_string(folder.join("taken/processed-2/summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["runs"]["bench"]["cycles_left_out"], 0);
 }

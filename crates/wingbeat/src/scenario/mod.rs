@@ -4,6 +4,7 @@ mod build;
 mod chosen;
 mod document;
 mod doors;
+mod judge;
 mod mismatch;
 mod name;
 mod plan;

@@ -225,13 +225,24 @@ pub struct GoalSpec {
     pub roll_within_deg: f64,
     /// Largest root mean square of pitch minus reference, deg.
     pub pitch_within_deg: f64,
+    /// Largest difference of the altitude from that at the start, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub altitude_within_m: Option<f64>,
+    /// Least and largest mean speed over the ground, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_between_m_s: Option<[f64; 2]>,
+    /// Least clearance over the whole flight, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
 }
 
 impl GoalSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         require::not_negative("settle_s", self.settle_s)?;
         require::positive("roll_within_deg", self.roll_within_deg)?;
-        require::positive("pitch_within_deg", self.pitch_within_deg)
+        require::positive("pitch_within_deg", self.pitch_within_deg)?;
+        self.altitude_within_m.map_or(Ok(()), |within| require::positive("altitude_within_m", within))?;
+        self.speed_between_m_s.map_or(Ok(()), |speeds| require::range("speed_between_m_s", speeds))
     }
 }
 

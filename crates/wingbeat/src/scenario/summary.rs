@@ -1,5 +1,6 @@
 //! The numbers of a flight that are compared.
 
+use super::judge::Verdict;
 use super::spec::GoalSpec;
 use crate::guide::{Manoeuvre, Reference, angle_error};
 use crate::plant::{Channel, Fault};
@@ -17,7 +18,9 @@ pub struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// What the goal asked and was judged, by key; empty without a goal.
-    pub judged: Vec<String>,
+    pub judged: Vec<&'static str>,
+    /// What the goal asked and could not be judged, by key.
+    pub not_judged: Vec<&'static str>,
     /// Simulated time, s.
     pub duration_s: f64,
     /// Simulated over wall time.
@@ -231,6 +234,7 @@ impl Summary {
             status: FlightStatus::Ok,
             reason: None,
             judged: Vec::new(),
+            not_judged: Vec::new(),
             duration_s: flight.duration,
             real_time_factor: flight.duration / flight.wall.as_secs_f64(),
             distance_x_m: change("p_WB_x"),
@@ -292,30 +296,16 @@ impl Summary {
             Ending::Complete => {}
         }
         let Some(goal) = context.goal else { return (FlightStatus::Ok, None) };
-        if context.manoeuvre.is_none() {
-            let why = "the goal was not judged: without [manoeuvre] there is no reference to hold";
-            return (FlightStatus::NotJudged, Some(why.into()));
+        let verdict = Verdict::new(self, record, goal, context.manoeuvre.is_some());
+        (self.judged, self.not_judged) = (verdict.judged, verdict.not_judged);
+        if !verdict.missed.is_empty() {
+            return (FlightStatus::OffTarget, Some(verdict.missed.join("; ")));
         }
-        if self.roll_rms_error_deg.is_none() || self.pitch_rms_error_deg.is_none() {
-            let why = "the flight ended before the goal's settling time and was not judged";
-            return (FlightStatus::NotJudged, Some(why.into()));
-        }
-        self.judged = vec!["goal.roll_within_deg".into(), "goal.pitch_within_deg".into()];
-        let off = |name: &str, rms: Option<f64>, within: f64| {
-            let rms = rms.filter(|rms| !(*rms <= within))?;
-            Some(format!("rms error of {name} {rms:.2} deg, allowed is {within} deg"))
-        };
-        let missed: Vec<String> = [
-            off("roll", self.roll_rms_error_deg, goal.roll_within_deg),
-            off("pitch", self.pitch_rms_error_deg, goal.pitch_within_deg),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
-        if missed.is_empty() {
-            (FlightStatus::Ok, None)
-        } else {
-            (FlightStatus::OffTarget, Some(missed.join("; ")))
+        match verdict.why {
+            Some(why) => {
+                (FlightStatus::NotJudged, Some(format!("not judged: {}; {why}", self.not_judged.join(", "))))
+            }
+            None => (FlightStatus::Ok, None),
         }
     }
 }

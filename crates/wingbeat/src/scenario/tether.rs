@@ -101,9 +101,9 @@ impl TetherCase {
         Document::value("case", &spec)?.resolved()
     }
 
-    /// The numbers of a run, with warnings; `coarse` is the run with half the steps per cycle.
-    pub fn summary(&self, run: &TetherRun, coarse: Option<&TetherRun>) -> TetherSummary {
-        let step_change = coarse.map(|coarse| change(&run.means, &coarse.means));
+    /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps.
+    pub fn summary(&self, run: &TetherRun, step_change: Option<f64>) -> TetherSummary {
+        let resolved = step_change.is_none_or(|change| change <= UNRESOLVED);
         let law = self.tether.aero.law();
         let share = 100.0 * run.stall_fraction;
         let limit = self.tether.aero.stall_angle().to_degrees();
@@ -114,7 +114,8 @@ impl TetherCase {
         };
         TetherSummary {
             status: match run.ending {
-                Ending::Complete => "ok".into(),
+                Ending::Complete if resolved => "ok".into(),
+                Ending::Complete => "not_resolved".into(),
                 Ending::Stopped => "stopped".into(),
                 Ending::Fault(fault) if fault.is_not_finite() => format!("not_finite: {fault}"),
                 Ending::Fault(fault) => format!("failed: {fault}"),
@@ -137,7 +138,7 @@ impl TetherCase {
 /// The numbers of a tethered run.
 #[derive(Clone, Debug, Serialize)]
 pub struct TetherSummary {
-    /// `ok`, `stopped`, or what failed.
+    /// `ok`, `not_resolved` (the loads depend on the steps), `stopped`, or what failed.
     pub status: String,
     /// Name of the case.
     pub name: String,
@@ -147,8 +148,8 @@ pub struct TetherSummary {
     pub lift_law: &'static str,
     /// Share of strips past the stall angle over the last cycle.
     pub stall_fraction: f64,
-    /// Largest change of a mean force or moment over the last cycle when half the steps per cycle are taken, over
-    /// the range of the largest force or moment; NaN when that run fails.
+    /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
+    /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,
     /// What to beware of.
     pub warnings: Vec<String>,
@@ -156,20 +157,44 @@ pub struct TetherSummary {
     pub cycle: Vec<CycleMean>,
 }
 
-/// Change of the means with half the steps above which there is a caution. *Choice.*
+/// Change of the means with other steps above which there is a caution. *Choice.*
 const STEP_CHANGE: f64 = 0.02;
+/// Change above which a run is not resolved. *Choice.*
+const UNRESOLVED: f64 = 0.5;
 
 impl TetherCase {
+    /// How much the mean loads of `run` depend on its steps: their change against the run with half the steps per
+    /// cycle and, where that is large, against the one with twice as many, which tells whether this one or that
+    /// coarse one is at fault. None for a run that did not end. `simulate` makes the other runs.
+    ///
+    /// # Errors
+    /// Those of `simulate`.
+    pub fn step_change<E>(
+        &self,
+        run: &TetherRun,
+        mut simulate: impl FnMut(&Tether) -> Result<TetherRun, E>,
+    ) -> Result<Option<f64>, E> {
+        if !matches!(run.ending, Ending::Complete) {
+            return Ok(None);
+        }
+        let steps = self.tether.clock.steps_per_cycle;
+        let mut against = |steps| Ok(change(&run.means, &simulate(&self.tether.stepped(steps))?.means));
+        let coarse = against((steps / 2).max(2))?;
+        if coarse <= STEP_CHANGE || self.tether.stepped(2 * steps).check().is_err() {
+            return Ok(Some(coarse));
+        }
+        against(2 * steps).map(Some)
+    }
+
     /// The caution that the steps are too long.
     fn coarse(&self, change: f64) -> Option<String> {
         let steps = self.spec.time.steps_per_cycle;
-        (!(change <= STEP_CHANGE)).then(|| match change.is_finite() {
-            true => format!(
-                "with half of time.steps_per_cycle = {steps} the mean loads change by {:.1} % of their range: take \
-                 more steps per cycle",
-                100.0 * change
-            ),
-            false => format!("with half of time.steps_per_cycle = {steps} the run fails: take more steps per cycle"),
+        (!(change <= STEP_CHANGE)).then(|| {
+            let change = if change.is_finite() { 100.0 * change } else { f64::INFINITY };
+            format!(
+                "with other steps than time.steps_per_cycle = {steps} the mean loads change by {change:.3e} % of \
+                 their range: take more steps per cycle"
+            )
         })
     }
 }

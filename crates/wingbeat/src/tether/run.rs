@@ -11,7 +11,9 @@ use crate::simulate::{Held, Moment, Observed, Sizes, Stepper, System};
 use std::ops::ControlFlow;
 
 /// Most steps of one run.
-const MAX_STEPS: usize = 2_000_000;
+const MAX_STEPS: usize = 500_000;
+/// Most rows of strips of a run: about half a GB in memory.
+const MAX_STRIP_ROWS: usize = 2_000_000;
 
 /// Cycles and steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,14 +141,18 @@ impl Tether {
             let error = Error::invalid("time.cycles", self.clock.cycles, allowed);
             return Err(error.against(["time.steps_per_cycle"]));
         }
+        let rows = steps.saturating_mul(self.aero.strips());
+        if rows > MAX_STRIP_ROWS {
+            let allowed = format!("at most {MAX_STRIP_ROWS} rows of steps times strips; these make {rows}");
+            let error = Error::invalid("time.cycles", self.clock.cycles, allowed);
+            return Err(error.against(["time.steps_per_cycle"]));
+        }
         Ok(())
     }
 
-    /// The same with half the steps per cycle, where that many are enough to run: what changes is an estimate of the
-    /// error of the steps.
-    pub fn halved(&self) -> Option<Self> {
-        let steps_per_cycle = self.clock.steps_per_cycle / 2;
-        (steps_per_cycle > 1).then(|| Self { clock: Clock { steps_per_cycle, ..self.clock }, ..self.clone() })
+    /// The same with other steps per cycle.
+    pub fn stepped(&self, steps_per_cycle: usize) -> Self {
+        Self { clock: Clock { steps_per_cycle, ..self.clock }, ..self.clone() }
     }
 
     /// Sections of the wing at time `t`, in W.

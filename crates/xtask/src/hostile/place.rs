@@ -56,6 +56,8 @@ pub struct Call<'a> {
     folder: PathBuf,
     stdout: Stdout,
     signal: Option<(&'static str, Duration)>,
+    /// What the shell does to its error stream.
+    stderr: &'static str,
     /// Largest file that it may write, blocks of 512 bytes.
     blocks: u64,
 }
@@ -67,7 +69,7 @@ pub struct Ended {
     /// The signal that ended it.
     pub signal: Option<i32>,
     /// What it printed.
-    pub stdout: String,
+    stdout: String,
     /// What it said.
     pub stderr: String,
     /// Time from the signal sent to the end.
@@ -174,7 +176,15 @@ impl Place {
     pub fn call(&self, arguments: &[&str]) -> Call<'_> {
         let arguments = arguments.iter().map(|word| placed(word).into()).collect();
         let folder = self.folder.clone();
-        Call { place: self, arguments, folder, stdout: Stdout::Read, signal: None, blocks: DISK / 512 }
+        Call {
+            place: self,
+            arguments,
+            folder,
+            stdout: Stdout::Read,
+            signal: None,
+            stderr: "",
+            blocks: DISK / 512,
+        }
     }
 
     /// Calls the program in the folder and waits for its end.
@@ -202,6 +212,12 @@ impl Call<'_> {
         self
     }
 
+    /// With its error stream elsewhere, as the shell writes it: `2>/dev/full`, `2>&-`.
+    pub fn stderr(mut self, redirection: &'static str) -> Self {
+        self.stderr = redirection;
+        self
+    }
+
     /// Sends a signal (`INT`, `TERM`) so long after the start.
     pub fn signal(mut self, name: &'static str, after: Duration) -> Self {
         self.signal = Some((name, after));
@@ -218,8 +234,8 @@ impl Call<'_> {
     pub fn start(&self) -> Result<Running, String> {
         let closed = if self.stdout == Stdout::Closed { " >&-" } else { "" };
         let script = format!(
-            "trap '' XFSZ; ulimit -c 0; ulimit -v {MEMORY_KB}; ulimit -f {}; exec \"$@\"{closed}",
-            self.blocks
+            "trap '' XFSZ; ulimit -c 0; ulimit -v {MEMORY_KB}; ulimit -f {}; exec \"$@\"{closed} {}",
+            self.blocks, self.stderr
         );
         let mut command = Command::new("sh");
         command.args(["-c", &script, "sh"]).arg(&self.place.program).args(&self.arguments);

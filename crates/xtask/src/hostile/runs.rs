@@ -35,8 +35,6 @@ process = { phase = \"force\", steps = { tare = false, drift = false } }
 ";
 /// Its rest is left out.
 pub const NO_REST: [&str; 2] = ["--set", "rig.rest_s=0"];
-/// A short case of a tethered wing.
-pub const TETHER: [&str; 4] = ["tether", "{root}/cases/step.toml", "--set", "time.steps_per_cycle=100"];
 
 /// Names that are none, with what they are called.
 const NAMES: [(&str, &str); 20] = [
@@ -210,7 +208,8 @@ fn force() -> Vec<Case> {
             flown(place, &[])?;
             let before = place.state()?;
             place.run(&["fly", "glide.toml", "--out", "a"])?.exits(2)?.says(&["--out a", "--force"])?;
-            place.unchanged(&before)
+            place.unchanged(&before)?;
+            place.run(&["fly", "glide.toml"])?.exits(0)?.prints(&["run folder: runs/gl"]).map(drop)
         }),
         Case::new(1, "force_replaces", |place| {
             files(place)?;

@@ -202,6 +202,15 @@ fn pipes() -> Vec<Case> {
         })
     };
     let mut all: Vec<Case> = makers.into_iter().flat_map(of).collect();
+    for (name, redirection) in [("full", "2>/dev/full"), ("closed", "2>&-")] {
+        all.push(Case::new(2, format!("stderr_{name}"), move |place| {
+            written(place)?;
+            let bad = place.call(&["fly", "glide.toml", "--set", "name=.."]).stderr(redirection);
+            bad.run()?.exits(2)?;
+            place.call(&["fly", "glide.toml", "--out", "a"]).stderr(redirection).run()?.exits(0)?;
+            place.call(&["sweep", "sweep.toml", "--out", "b"]).stderr(redirection).run()?.exits(0).map(drop)
+        }));
+    }
     all.push(help("full", Stdout::Full, &["--help"]));
     all.push(help("head", Stdout::Head, &["rig", "--help"]));
     all.push(help("full", Stdout::Full, &["--version"]));
@@ -215,7 +224,7 @@ fn signals() -> Vec<Case> {
     let long: [(&str, u64, &[&str]); 9] = [
         ("fly", 700, &["fly", "glide.toml", "--set", "flight.duration_s=50"]),
         ("turn", 700, &["fly", "{root}/scenarios/banking_turn.toml", "--set", "flight.record_every_s=1.0"]),
-        ("tether", 700, &["tether", "{root}/cases/step.toml", "--set", "time.steps_per_cycle=2000000"]),
+        ("tether", 700, &["tether", "{root}/cases/step.toml", "--set", "time.steps_per_cycle=120000"]),
         ("plan", 1500, &["plan", "{root}/scenarios/roll_in.toml"]),
         ("gait", 1500, &["plan", "{root}/scenarios/least_power_gait.toml"]),
         ("sweep", 700, &["sweep", "sweep.toml", "--set", "runs=1000000"]),
