@@ -10,6 +10,7 @@ use wingbeat::simulate::{Column, Record};
 use crate::error::Error;
 
 /// Rows by the number of their flight, on disk as soon as they are known.
+#[derive(Debug)]
 pub struct Log {
     path: PathBuf,
     file: File,
