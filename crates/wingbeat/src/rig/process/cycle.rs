@@ -51,8 +51,7 @@ fn fundamental(time: &[f64], x: &[f64], near: f64) -> Result<(f64, f64), Error> 
     };
     let (Some(begin), Some(end)) = (time.first(), time.last()) else { return Err(nothing()) };
     let span = end - begin;
-    let whole = Windowed::of(time, x, 1);
-    let spread = whole.spread;
+    let spread = spread(x);
     let parts = |per_turn: f64| {
         let rate = time.len() as f64 / span.max(f64::MIN_POSITIVE);
         Windowed::of(time, x, (rate / (per_turn * near)) as usize)
@@ -92,29 +91,41 @@ struct Windowed {
     /// Weight, value, time of each.
     samples: Vec<(f64, f64, f64)>,
     weight: f64,
-    /// Mean square of the values.
-    spread: f64,
+}
+
+/// Hann's window at sample `k` of `n`, twice its usual height.
+fn hann(k: f64, n: usize) -> f64 {
+    1.0 - (TAU * k / n.max(1) as f64).cos()
+}
+
+/// Mean square of `x` about its mean under the window.
+fn spread(x: &[f64]) -> f64 {
+    let there = || x.iter().enumerate().filter(|(_, value)| value.is_finite());
+    let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
+        there().map(|(k, value)| hann(k as f64, x.len()) * of(*value)).sum()
+    };
+    let weight = sum(&|_| 1.0).max(f64::MIN_POSITIVE);
+    let mean = sum(&|value| value) / weight;
+    sum(&|value| (value - mean).powi(2)) / weight
 }
 
 impl Windowed {
     /// Of `count` samples together (0 counts as 1), those that are missing left out.
     fn of(time: &[f64], x: &[f64], count: usize) -> Self {
-        let turn = TAU / x.len().max(1) as f64;
         let count = count.max(1);
-        let together = |(k, (x, time)): (usize, (&[f64], &[f64]))| {
-            let middle = (k * count) as f64 + 0.5 * (x.len() as f64 - 1.0);
-            let there = || x.iter().zip(time).filter(|(value, _)| value.is_finite());
+        let together = |(k, (part, time)): (usize, (&[f64], &[f64]))| {
+            let middle = (k * count) as f64 + 0.5 * (part.len() as f64 - 1.0);
+            let there = || part.iter().zip(time).filter(|(value, _)| value.is_finite());
             let n = there().count() as f64;
             let sum = there().fold((0.0, 0.0), |(v, t), (value, time)| (v + value, t + time));
-            (n > 0.0).then(|| (n * (1.0 - (turn * middle).cos()), sum.0 / n, sum.1 / n))
+            (n > 0.0).then(|| (n * hann(middle, x.len()), sum.0 / n, sum.1 / n))
         };
         let mut samples: Vec<(f64, f64, f64)> =
             x.chunks(count).zip(time.chunks(count)).enumerate().filter_map(together).collect();
         let weight = samples.iter().map(|s| s.0).sum::<f64>().max(f64::MIN_POSITIVE);
         let mean = samples.iter().map(|s| s.0 * s.1).sum::<f64>() / weight;
         samples.iter_mut().for_each(|sample| sample.1 -= mean);
-        let spread = samples.iter().map(|s| s.0 * s.1 * s.1).sum::<f64>() / weight;
-        Self { samples, weight, spread }
+        Self { samples, weight }
     }
 
     /// Amplitudes of cosine and sine at `f`.

@@ -89,7 +89,10 @@ fn accounted(summary: &Value) -> Judged {
     let clock = &summary["by_clock"];
     let tail = count(clock, "tail_s") * count(clock, "stated_rate_hz");
     let expected = count(clock, "expected");
-    holds((booked + tail - expected).abs() <= 0.1 * expected + 700.0, format!("{booked} + {tail} of {expected}"))
+    holds(
+        (booked + tail - expected).abs() <= 0.1 * expected + 700.0,
+        format!("{booked} + {tail} of {expected}"),
+    )
 }
 
 /// The same, with more than none of `key`.
@@ -132,17 +135,31 @@ fn lying() -> Vec<Case> {
         restart("restart_far", &["--restart-after", "6000", "--restart-at", "2000000000"]),
         restart("restart_wraps", &["--restart-after", "6000", "--restart-at", "4294967295"]),
         recording("jump", &["--jump-after", "5000"], TWO, 0, &[], |s| none(s, "lost").and(some(s, "jumps"))),
-        recording("jump_with_drop", &["--jump-after", "5000", "--drop", "0.01"], TWO, 0, &[], |s| some(s, "jumps")),
+        recording("jump_with_drop", &["--jump-after", "5000", "--drop", "0.01"], TWO, 0, &[], |s| {
+            some(s, "jumps")
+        }),
         recording("pace_fifth", &["--pace", "0.2"], TWO, 3, &["clock:", "by the clock"], |s| none(s, "lost")),
-        recording("pace_fifth_short", &["--pace", "0.2"], &["--duration", "0.8"], 3, &["clock:"], |s| none(s, "lost")),
+        recording("pace_fifth_short", &["--pace", "0.2"], &["--duration", "0.8"], 3, &["clock:"], |s| {
+            none(s, "lost")
+        }),
         recording("pace_half", &["--pace", "0.5"], TWO, 3, &["7000 Hz"], |s| none(s, "lost")),
-        recording("pace_fifth_packs", &["--pace", "0.2"], &["--duration", "2", "--buffered"], 3, &["clock:"], |_| Ok(())),
+        recording(
+            "pace_fifth_packs",
+            &["--pace", "0.2"],
+            &["--duration", "2", "--buffered"],
+            3,
+            &["clock:"],
+            |_| Ok(()),
+        ),
     ]
 }
 
 fn silent() -> Vec<Case> {
     let tail = |s: &Value| holds(count(&s["by_clock"], "tail_s") > 0.5, &s["by_clock"]);
-    let nothing = |name: &str, faults: &'static [&'static str], options: &'static [&'static str], word: &'static str| {
+    let nothing = |name: &str,
+                   faults: &'static [&'static str],
+                   options: &'static [&'static str],
+                   word: &'static str| {
         let case = Case::new(5, name, move |place| {
             let emulated = Box::start(place, faults)?;
             emulated.record(place, options)?.exits(2)?.says(&[word])?;
@@ -153,12 +170,38 @@ fn silent() -> Vec<Case> {
     };
     vec![
         recording("dies", &["--die-after", "5000"], LONG, 3, &["stopped sending"], tail),
-        recording("dies_packs", &["--die-after", "5000"], &["--duration", "4", "--buffered"], 3, &["stopped sending"], tail),
+        recording(
+            "dies_packs",
+            &["--die-after", "5000"],
+            &["--duration", "4", "--buffered"],
+            3,
+            &["stopped sending"],
+            tail,
+        ),
         recording("dies_at_once", &["--die-after", "1"], TWO, 3, &["stopped sending"], tail),
-        recording("dies_fail_stop", &["--die-after", "5000"], &["--fail-stop"], 3, &["stopped sending"], |_| Ok(())),
-        recording("stalls_fail_stop", &["--stall-after", "5000"], &["--fail-stop"], 3, &["stopped sending"], |_| Ok(())),
+        recording(
+            "dies_fail_stop",
+            &["--die-after", "5000"],
+            &["--fail-stop"],
+            3,
+            &["stopped sending"],
+            |_| Ok(()),
+        ),
+        recording(
+            "stalls_fail_stop",
+            &["--stall-after", "5000"],
+            &["--fail-stop"],
+            3,
+            &["stopped sending"],
+            |_| Ok(()),
+        ),
         nothing("only_noise", &["--drop", "1", "--garbage", "1"], TWO, "none of which is a record"),
-        nothing("only_noise_fail_stop", &["--drop", "1", "--garbage", "1"], &["--fail-stop"], "none of which is a record"),
+        nothing(
+            "only_noise_fail_stop",
+            &["--drop", "1", "--garbage", "1"],
+            &["--fail-stop"],
+            "none of which is a record",
+        ),
         nothing("mute", &["--drop", "1"], TWO, "the box sent no record"),
         nothing("mute_fail_stop", &["--drop", "1"], &["--fail-stop"], "the box sent no record"),
         nothing("no_time", &[], &["--duration", "0"], "the box sent no record"),
@@ -178,7 +221,13 @@ fn arguments() -> Vec<Case> {
         emulate("offset_most", "--port-offset", "65535"),
         record("record_offset_wraps", "--port-offset", "16384"),
         record("frequency_zero", "--frequency", "0"),
-        record("frequency_negative", "--frequency=-1", "--quiet"),
+        refused(
+            5,
+            "frequency_negative",
+            &[],
+            &["rig", "record", "127.0.0.1", "--out", "taken", "--frequency=-1"],
+            &["--frequency -1"],
+        ),
         record("frequency_nan", "--frequency", "nan"),
         record("frequency_infinite", "--frequency", "inf"),
         record("duration_nan", "--duration", "nan"),
@@ -192,7 +241,16 @@ fn arguments() -> Vec<Case> {
             &["--saturation", "together"],
         ),
     ];
-    for key in ["--drop", "--duplicate", "--reorder", "--delay", "--garbage", "--saturation", "--warning", "--serious"] {
+    for key in [
+        "--drop",
+        "--duplicate",
+        "--reorder",
+        "--delay",
+        "--garbage",
+        "--saturation",
+        "--warning",
+        "--serious",
+    ] {
         let plain = key.trim_start_matches('-');
         all.push(emulate(&format!("{plain}_two"), key, "2"));
         all.push(emulate(&format!("{plain}_nan"), key, "nan"));

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::{Case, HEADER, holds, json, process, table};
+use super::{BENCH, Case, HEADER, holds, json, process, table};
 use crate::tools;
 
 /// The cases.
@@ -11,7 +11,12 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// A file of samples that is refused by its name and with each of `words`.
-fn refused(name: &str, text: impl Fn() -> String + Send + Sync + 'static, set: &[&str], words: &[&str]) -> Case {
+fn refused(
+    name: &str,
+    text: impl Fn() -> String + Send + Sync + 'static,
+    set: &[&str],
+    words: &[&str],
+) -> Case {
     let case = super::refused_file(name, "taken.csv", move || text().into_bytes(), set, words);
     Case { class: 5, ..case }
 }
@@ -74,12 +79,7 @@ fn columns() -> Vec<Case> {
             &["process.input.columns.Fx=fy_N"],
             &["column fy_N would be Fx and Fy", "process.input.columns.Fx"],
         ),
-        refused(
-            "one_for_time",
-            whole,
-            &["process.input.columns.t=fy_N"],
-            &["column fy_N would be Fy and t"],
-        ),
+        refused("one_for_time", whole, &["process.input.columns.t=fy_N"], &["column fy_N would be Fy and t"]),
         refused("no_such_column", whole, &["process.input.columns.Fx=up"], &["no column `up` for Fx"]),
         refused("no_such_channel", whole, &["process.input.columns.F=fx_N"], &["process.input.columns.F"]),
         refused("missing", headed("time_s,fx_N,fy_N,up_N,tx_Nm,ty_Nm,tz_Nm"), &[], &["no column for Fz"]),
@@ -130,18 +130,19 @@ fn units() -> Vec<Case> {
             &[],
             &["process.input.counts_per_newton=N"],
         ),
-        refused(
-            "counts_denormal",
-            headed("time_s,fx_counts,fy_counts,fz_counts,tx_Nm,ty_Nm,tz_Nm"),
-            &["process.input.counts_per_newton=1e-320"],
-            &[],
-        ),
+        key("counts_denormal", "process.input.counts_per_newton=1e-320"),
+        key("counts_zero", "process.input.counts_per_newton_metre=0"),
     ]
 }
 
 /// A table from which some rows are missing.
 fn holed() -> String {
-    let kept = whole().lines().enumerate().filter(|(k, _)| !(700..740).contains(k)).map(|(_, l)| format!("{l}\n")).collect();
+    let kept = whole()
+        .lines()
+        .enumerate()
+        .filter(|(k, _)| !(700..740).contains(k))
+        .map(|(_, l)| format!("{l}\n"))
+        .collect();
     kept
 }
 
@@ -149,27 +150,38 @@ fn holed() -> String {
 fn said(name: &str, text: fn() -> String, rate: &'static str, part: &'static str) -> Case {
     Case::new(5, name, move |place| {
         place.write("taken.csv", &text())?;
-        process(place, "taken.csv", &[rate])?.exits(0)?.prints(&["caution", rate.split('=').next().unwrap_or(""), part])?;
+        let key = rate.split('=').next().unwrap_or_default();
+        process(place, "taken.csv", &[rate, "process.phase=frequency"])?
+            .exits(0)?
+            .prints(&["caution", key, part])?;
         let summary = json(place, "taken-processed/summary.json")?;
         let cautions = &summary["runs"]["bench"]["import"]["cautions"];
         holds(cautions[0].as_str().is_some_and(|text| text.contains(part)), cautions)
     })
 }
 
+/// A setting that is refused by its key before any file is read.
+fn key(name: &str, set: &str) -> Case {
+    let arguments = ["rig", "process", "taken.csv", "--run", BENCH, "--set", set];
+    let key = set.split('=').next().unwrap_or_default();
+    super::super::case::refused(5, name, &[("taken.csv", "t,Fx\n0,0\n")], &arguments, &[key])
+}
+
 fn rates() -> Vec<Case> {
     vec![
         said("rate_over_holes", holed, "process.input.rate_hz=1000", "40 samples missing"),
         said("rate_twice", whole, "process.input.rate_hz=2000", "1000.000000 Hz"),
-        refused("rate_zero", whole, &["process.input.rate_hz=0"], &["rate_hz"]),
+        key("rate_zero", "process.input.rate_hz=0"),
+        key("rate_negative", "process.input.rate_hz=-7000"),
         refused("time_back", || whole() + "0.5,0,0,0,0,0,0\n", &[], &["time goes back at sample 2000"]),
-        refused("time_still", || format!("{HEADER}\n{}", "1,0,0,0,0,0,0\n".repeat(500)), &[], &["repeat the time"]),
-        refused("time_far", || whole() + "1e9,0,0,0,0,0,0\n", &[], &["samples are missing"]),
         refused(
-            "window_short",
-            whole,
-            &["process.window_s=[0.5,0.6]"],
-            &["process.window_s = 0.35 cycles"],
+            "time_still",
+            || format!("{HEADER}\n{}", "1,0,0,0,0,0,0\n".repeat(500)),
+            &[],
+            &["repeat the time"],
         ),
+        refused("time_far", || whole() + "1e9,0,0,0,0,0,0\n", &[], &["samples are missing"]),
+        refused("window_short", whole, &["process.window_s=[0.5,0.6]"], &["process.window_s = 0.35 cycles"]),
     ]
 }
 

@@ -16,8 +16,14 @@ const MINUTE: usize = 7000 * 60;
 pub fn cases() -> Vec<Case> {
     let mut all = vec![
         whole("ten_minutes_csv", "long.csv", || table(10 * MINUTE, RATE, ','), &[], 2099).alone(),
-        whole("ten_minutes_by_frequency", "long.csv", || table(10 * MINUTE, RATE, ','), &["process.phase=frequency"], 2100)
-            .alone(),
+        whole(
+            "ten_minutes_by_frequency",
+            "long.csv",
+            || table(10 * MINUTE, RATE, ','),
+            &["process.phase=frequency"],
+            2100,
+        )
+        .alone(),
         whole("ten_minutes_npy", "long.npy", || npy(10 * MINUTE), MATRIX, 2099).alone(),
         whole("ten_minutes_mat", "long.mat", || matlab4(10 * MINUTE), UNITS, 2099).alone(),
     ];

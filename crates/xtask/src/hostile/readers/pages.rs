@@ -22,7 +22,8 @@ fn serve(answer: impl Fn(&mut TcpStream) + Send + 'static) -> Result<String, Str
         if listener.local_addr().map_err(failed)?.port() < 16_000 {
             break listener;
         }
-        if let Some(listener) = (13_000..16_000).find_map(|port| TcpListener::bind(("127.0.0.1", port)).ok()) {
+        if let Some(listener) = (13_000..16_000).find_map(|port| TcpListener::bind(("127.0.0.1", port)).ok())
+        {
             break listener;
         }
     };
@@ -41,7 +42,11 @@ fn record<'a>(place: &'a Place, offset: &str) -> super::super::place::Call<'a> {
 }
 
 /// A page that is refused with each of `words`, and leaves nothing.
-fn page(name: &str, body: impl Fn() -> String + Send + Sync + Clone + 'static, words: &'static [&'static str]) -> Case {
+fn page(
+    name: &str,
+    body: impl Fn() -> String + Send + Sync + Clone + 'static,
+    words: &'static [&'static str],
+) -> Case {
     Case::new(5, name, move |place| {
         let body = body.clone();
         let offset = serve(move |stream| {
@@ -120,7 +125,11 @@ fn connections() -> Vec<Case> {
     let interrupted = |name: &str, signal: &'static str| {
         let case = Case::new(2, name, move |place| {
             let offset = serve(byte_by_byte)?;
-            record(place, &offset).signal(signal, Duration::from_millis(1500)).run()?.exits(130)?.in_time()?;
+            record(place, &offset)
+                .signal(signal, Duration::from_millis(1500))
+                .run()?
+                .exits(130)?
+                .in_time()?;
             place.holds("", &[])
         });
         case.long()
@@ -130,8 +139,16 @@ fn connections() -> Vec<Case> {
         connection("box_mute_page", |_| thread::sleep(Duration::from_secs(30)), &["within 5 s"]),
         connection("box_flood", flood, &["longer than 262144 bytes"]),
         connection("box_closes", |_| {}, &["cut short"]),
-        connection("box_no_page", |s| drop(s.write_all(b"HTTP/1.0 404 Not Found\r\n\r\n")), &["404 Not Found"]),
-        connection("box_cut_page", |s| drop(s.write_all(b"HTTP/1.0 200 OK\r\nContent-Length: 99\r\n\r\n<n")), &["2 of 99 bytes"]),
+        connection(
+            "box_no_page",
+            |s| drop(s.write_all(b"HTTP/1.0 404 Not Found\r\n\r\n")),
+            &["404 Not Found"],
+        ),
+        connection(
+            "box_cut_page",
+            |s| drop(s.write_all(b"HTTP/1.0 200 OK\r\nContent-Length: 99\r\n\r\n<n")),
+            &["2 of 99 bytes"],
+        ),
         interrupted("box_slow_interrupted", "INT"),
         interrupted("box_slow_terminated", "TERM"),
     ]
