@@ -1,6 +1,7 @@
 //! The banking turn flown with preset `full`: convergence with the step, the fastest slope of the lags, and what of
 //! its end hangs on the choices of the model.
 
+use crate::aero_full::{E1, F2, Preset, last_cycle};
 use crate::{Case, Error, Row};
 use std::ops::ControlFlow;
 use wingbeat::plant::{Linearisation, Plant};
@@ -9,6 +10,7 @@ use wingbeat::scenario::{Document, Run, Scenario};
 /// The comparisons.
 pub const CASES: &[Case] = &[
     Case { id: "aero.convergence.step", quick: false, run: steps },
+    Case { id: "aero.convergence.strips", quick: true, run: strips },
     Case { id: "aero.convergence.lag_slope", quick: false, run: lag_slope },
     Case { id: "aero.convergence.spread", quick: false, run: spread },
 ];
@@ -67,6 +69,25 @@ fn steps() -> Result<Vec<Row>, Error> {
             let order = (apart(coarse, middle) / moved).log2();
             rows.push(Row::order(&id("order"), SOURCE, order, 4.0, 0.5));
         }
+    }
+    Ok(rows)
+}
+
+/// Lift of large flapping with 8, 16 and 32 strips: what doubling them moves, and the order.
+fn strips() -> Result<Vec<Row>, Error> {
+    let mut rows = Vec::new();
+    for (name, flap) in [("F2", F2), ("E1", E1)] {
+        let lift = |strips: usize| -> Result<Vec<f64>, Error> {
+            let cycle = last_cycle(&flap.tether_of(Preset::Full, strips, 96)?)?;
+            Ok(cycle.iter().map(|loads| loads.wrench.force[2]).collect())
+        };
+        let [coarse, middle, fine] = [lift(8)?, lift(16)?, lift(32)?];
+        let rms = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let moved = rms(&middle, &fine) / rms(&fine, &vec![0.0; fine.len()]);
+        let order = (rms(&coarse, &middle) / rms(&middle, &fine)).log2();
+        let metric = format!("{name}: lift with 16 against 32 strips, rms over rms; observed order {order:.2}");
+        let id = format!("aero.convergence.strips.{name}");
+        rows.push(Row::shown(&id, "own doubled strips", &metric, moved, ""));
     }
     Ok(rows)
 }

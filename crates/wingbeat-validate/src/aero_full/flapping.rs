@@ -51,6 +51,11 @@ impl Flap {
 
     /// The tethered wing with the model of `preset`.
     pub fn tether(&self, preset: Preset, steps: usize) -> Result<Tether, Error> {
+        self.tether_of(preset, STRIPS, steps)
+    }
+
+    /// The same with another number of strips or nodes.
+    pub(crate) fn tether_of(&self, preset: Preset, strips: usize, steps: usize) -> Result<Tether, Error> {
         let harmonic = |mean: f64, cos: f64, sin: f64| Coordinate::Fourier {
             frequency_hz: FREQUENCY,
             mean: mean.to_radians(),
@@ -65,7 +70,7 @@ impl Flap {
             angles.push(("elbow".into(), harmonic(-0.5 * down, -0.5 * down, 0.0)));
         }
         let arcs: Vec<f64> = hinges.iter().map(|h| h.arc_m).filter(|arc| *arc > 0.0).collect();
-        let aero = preset.model(&self.wing()?, &arcs, 1.225, 0.02)?;
+        let aero = preset.model_of(strips, &self.wing()?, &arcs, 1.225, 0.02)?;
         let zero = Coordinate::Constant(0.0);
         let alpha = Self::incidence();
         Ok(Tether {

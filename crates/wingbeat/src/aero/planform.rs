@@ -210,6 +210,17 @@ impl Planform {
         halves * self.gaps.iter().fold(whole, |area, g| area - self.area_between(g.from_arc_m, g.to_arc_m))
     }
 
+    /// Integrals of the chord, m2, and of its square, m3, between two arc coordinates, `from` < `to`, m.
+    pub fn chord_integrals(&self, from: f64, to: f64) -> [f64; 2] {
+        let stations = self.arcs.iter().flat_map(|arc| self.coordinates(*arc));
+        let mut bounds: Vec<f64> = stations.filter(|s| *s > from && *s < to).chain([from, to]).collect();
+        bounds.sort_by(f64::total_cmp);
+        bounds.windows(2).fold([0.0; 2], |[area, square], s| {
+            let (length, a, b) = (s[1] - s[0], self.chord(s[0]), self.chord(s[1]));
+            [area + length * (a + b) / 2.0, square + length * (a * a + a * b + b * b) / 3.0]
+        })
+    }
+
     /// Area of one half between two arc lengths from the root, m2.
     fn area_between(&self, from: f64, to: f64) -> f64 {
         let between = self.arcs.iter().copied().filter(|s| *s > from && *s < to);

@@ -128,11 +128,13 @@ pub struct PaperAeroSpec {
     pub regularisation_m_s: f64,
     /// Smallest chord, m.
     pub chord_floor_m: f64,
+    /// Whether nodes stand for cells between the hinges, with means of the chord, instead of even angles.
+    pub cells: bool,
 }
 
 impl Default for PaperAeroSpec {
     fn default() -> Self {
-        Self { nodes: 12, regularisation_m_s: 0.1, chord_floor_m: 0.01 }
+        Self { nodes: 12, regularisation_m_s: 0.1, chord_floor_m: 0.01, cells: false }
     }
 }
 

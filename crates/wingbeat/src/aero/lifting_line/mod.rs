@@ -20,7 +20,7 @@ use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, Wren
 use crate::Error;
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
-use nodes::{Node, influence, node_angles};
+use nodes::{Cell, Node, cells, influence, influence_between, node_angles};
 use std::f64::consts::PI;
 
 /// Jones' two-term fit of Wagner's function (NACA Rep. 681, 1940): weights.
@@ -37,6 +37,8 @@ pub struct LiftingLine {
     nodes: Vec<Node>,
     /// Wash per circulation, D_ij, row-major, 1/m.
     influence: Vec<f64>,
+    /// Whether D vanishes between different nodes an even number apart.
+    alternating: bool,
     separation_scale: f64,
 }
 
@@ -46,11 +48,40 @@ impl LiftingLine {
     /// # Errors
     /// [`Error::Invalid`] when a setting is outside its range.
     pub fn new(planform: &Planform, settings: LiftingLineSettings) -> Result<Self, Error> {
-        if !planform.gaps().is_empty() {
-            let given = format!("{} gaps", planform.gaps().len());
-            return Err(Error::invalid("gaps", given, "none: one sine series spans the whole wing"));
-        }
+        Self::refuse_gaps(planform)?;
         Self::with_chords(planform.half_span(), |arc| planform.chord(arc), settings)
+    }
+
+    /// The lifting line of a planform with kinks and hinges: nodes stand for cells that end at the hinges, arcs of
+    /// the half wing, m, and hold the means of the chord.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is outside its range or there are too few nodes for the hinges.
+    pub fn hinged(
+        planform: &Planform,
+        hinge_arcs: &[f64],
+        settings: LiftingLineSettings,
+    ) -> Result<Self, Error> {
+        Self::refuse_gaps(planform)?;
+        settings.check()?;
+        let (arcs, cells, angles) = cells(planform, hinge_arcs, &settings)?;
+        Ok(Self {
+            arcs,
+            widths: cells.iter().map(|cell| cell.width).collect(),
+            nodes: cells.iter().map(|&cell| Node::new(cell, &settings)).collect(),
+            influence: influence_between(&angles, 2.0 * planform.half_span()),
+            alternating: false,
+            separation_scale: separation_scale(settings.stall_angle_rad),
+            settings,
+        })
+    }
+
+    fn refuse_gaps(planform: &Planform) -> Result<(), Error> {
+        if planform.gaps().is_empty() {
+            return Ok(());
+        }
+        let given = format!("{} gaps", planform.gaps().len());
+        Err(Error::invalid("gaps", given, "none: one sine series spans the whole wing"))
     }
 
     /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m).
@@ -71,11 +102,12 @@ impl LiftingLine {
             .iter()
             .zip(&arcs)
             .zip(&widths)
-            .map(|((&angle, &arc), &width)| Node::new(chord(arc), width, half_span, angle, &settings))
+            .map(|((&t, &arc), &width)| Cell::smooth(chord(arc), width, half_span, t, &settings))
+            .map(|cell| Node::new(cell, &settings))
             .collect();
         let influence = influence(&angles, 2.0 * half_span);
         let separation_scale = separation_scale(settings.stall_angle_rad);
-        Ok(Self { settings, arcs, widths, nodes, influence, separation_scale })
+        Ok(Self { settings, arcs, widths, nodes, influence, alternating: true, separation_scale })
     }
 
     /// What it was made of.
@@ -111,13 +143,16 @@ impl LiftingLine {
     }
 
     /// Wash (m/s, along the normal) that the trailing vorticity of the
-    /// circulation `gamma` induces at node `i`: -sum_j D_ij G_j. D vanishes
+    /// circulation `gamma` induces at node `i`: -sum_j D_ij G_j. D of even angles vanishes
     /// between different nodes an even number apart.
     ///
     /// Equation: aero.lifting_line.induced_wash
     #[inline]
     fn induced_wash<S: Scalar>(&self, i: usize, gamma: &[S]) -> S {
         let row = &self.influence[i * gamma.len()..(i + 1) * gamma.len()];
+        if !self.alternating {
+            return -row.iter().zip(gamma).fold(S::ZERO, |sum, (d, g)| sum + *g * *d);
+        }
         let mut sum = gamma[i] * row[i];
         for j in ((i + 1) % 2..gamma.len()).step_by(2) {
             sum += gamma[j] * row[j];

@@ -334,3 +334,55 @@ fn the_carried_air_of_a_pitching_plate_is_theodorsens() {
         assert!((-strip.added_mass.moment[1] / (node.mass * moment) - 1.0).abs() < 1e-12);
     }
 }
+
+#[test]
+fn nodes_between_hinges_know_every_sine_and_the_whole_wing() {
+    let rows = [[0.0, 0.02, -0.14], [0.07, 0.035, -0.15], [0.15, 0.08, -0.02], [0.2, 0.06, 0.04]];
+    let stations = rows.map(|[arc_m, leading_edge_m, trailing_edge_m]| crate::aero::PlanformStation {
+        arc_m,
+        leading_edge_m,
+        trailing_edge_m,
+    });
+    let planform = crate::aero::Planform::new(&stations).unwrap();
+    for nodes in [8, 12, 13, 16, 32] {
+        let line = LiftingLine::hinged(&planform, &[0.02, 0.07], settings(nodes)).unwrap();
+        for n in 1..=nodes {
+            let angles: Vec<f64> = line.arcs.iter().map(|arc| (arc / 0.2).acos()).collect();
+            let gamma: Vec<f64> = angles.iter().map(|t| (n as f64 * t).sin()).collect();
+            for (i, t) in angles.iter().enumerate() {
+                let exact = -(n as f64) * (n as f64 * t).sin() / (0.8 * t.sin());
+                let error = line.induced_wash(i, &gamma) - exact;
+                assert!(error.abs() < 1e-9 * n as f64 * nodes as f64, "{nodes}, {n}: {error}");
+            }
+        }
+        let drag: f64 = line.nodes.iter().map(|node| node.drag).sum();
+        assert!((drag / (0.5 * line.settings.density_kg_m3 * planform.area()) - 1.0).abs() < 1e-12);
+        for (a, b) in line.arcs.iter().zip(line.arcs.iter().rev()) {
+            assert!((a + b).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn nodes_between_hinges_converge_with_their_number() {
+    let station = |arc_m, trailing_edge_m| crate::aero::PlanformStation {
+        arc_m,
+        leading_edge_m: 0.1,
+        trailing_edge_m,
+    };
+    let wing = [station(0.0, -0.1), station(0.3, -0.2), station(0.5, -0.02)];
+    let planform = crate::aero::Planform::new(&wing).unwrap();
+    let lift = |nodes: usize| {
+        let line = LiftingLine::hinged(&planform, &[0.1, 0.25], settings(nodes)).unwrap();
+        let (airspeed, wash) = (vec![1.0; nodes], vec![0.1; nodes]);
+        let (mut x, mut dx, mut w) = (vec![0.0; 3 * nodes], vec![0.0; 3 * nodes], vec![0.0; nodes]);
+        for _ in 0..20000 {
+            line.rates_in_wash(&airspeed, &wash, &x, &mut dx, &mut w);
+            x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.005 * d);
+        }
+        x[..nodes].iter().zip(&line.widths).map(|(g, w)| g * w).sum::<f64>()
+    };
+    let [coarse, middle, fine] = [8, 16, 32].map(lift);
+    assert!((middle / fine - 1.0).abs() < 0.005, "{coarse} {middle} {fine}");
+    assert!((middle / fine - 1.0).abs() < (coarse / fine - 1.0).abs());
+}

@@ -12,7 +12,7 @@ use super::tables::Table;
 use crate::math::Vec3;
 
 /// Power of the squared distance at which the wash fades: sharp, so that wings that fold to half their
-/// distances lose little of their interplay (1e-2 at k = 0.3).
+/// distances lose little of their interplay (2 % at k = 0.3).
 const POWER: i32 = 4;
 
 /// Cores of the vortices that leave an edge, for every strip, lengths over the mean chord.
