@@ -1,5 +1,6 @@
 //! The numbers of a flight beside the paper's.
 
+use wingbeat::aero::LiftLaw;
 use wingbeat::scenario::{FlightStatus, PaperResults, Summary};
 
 /// A line: what, the paper's number, this run's, and its unit or a remark.
@@ -39,7 +40,7 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
     let controller = &summary.controller;
-    vec![
+    let mut rows = vec![
         ("status", None, name(summary.status).into(), ""),
         ("roll, mean", of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
         ("roll, rms error", None, settled(summary.roll_rms_error_deg), "deg"),
@@ -60,5 +61,14 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("update, median", None, number(1e-3 * controller.median_us), "ms"),
         ("update, 99.9 %", None, number(1e-3 * controller.p999_us), "ms"),
         ("real-time factor", None, number(summary.real_time_factor), ""),
-    ]
+    ];
+    if summary.lift_law == LiftLaw::Lev.name() {
+        let past = rows.iter().position(|row| row.0 == "strips past stall").map_or(rows.len(), |i| i + 1);
+        let shares = [
+            ("flow separated, mean", None, share(summary.separated_fraction), "%"),
+            ("suction lost, mean", None, share(summary.suction_lost_fraction), "%"),
+        ];
+        rows.splice(past..past, shares);
+    }
+    rows
 }

@@ -6,7 +6,9 @@ pub(crate) mod lattice;
 pub(crate) mod linear;
 mod mean;
 mod small;
+mod thrust;
 pub(crate) mod wings;
+mod yeo;
 
 pub use flapping::{
     Comparison, E1, F2, added_mass_lift, last_cycle, lattice_lift, oracle_series, reduced_frequency, small_flap_lift,
@@ -17,7 +19,7 @@ pub use small::{Point, SpanLoading, other_points, plunge_points, slope_points, s
 
 use crate::{Case, Error, Row};
 use wingbeat::aero::{
-    Aero, LagSet, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings,
+    Aero, CD0, CD90, CRITICAL_SUCTION, LagSet, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, STALL_ANGLE, StripModel, StripSettings,
 };
 
 /// The comparisons.
@@ -30,6 +32,11 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.full.trefftz", quick: true, run: mean::trefftz },
     Case { id: "aero.full.oracle", quick: true, run: flapping::oracle },
     Case { id: "aero.full.added_mass_mean", quick: true, run: || flapping::added_mass_mean(Preset::Full) },
+    Case { id: "aero.full.pitch_thrust", quick: false, run: || thrust::pitch_thrust(Preset::Full) },
+    Case { id: "aero.garrick", quick: false, run: || thrust::garrick_rows(Preset::Full) },
+    Case { id: "aero.garrick.paper", quick: false, run: || thrust::garrick_rows(Preset::Paper) },
+    Case { id: "aero.lev.scherer", quick: true, run: mean::scherer_lev },
+    Case { id: "aero.yeo", quick: true, run: yeo::yeo },
     Case { id: "aero.scherer", quick: true, run: || mean::scherer(Preset::Full) },
     Case { id: "aero.uvlm_small_flap", quick: true, run: || flapping::lattice(Preset::Full) },
     Case { id: "aero.five_lags.slope", quick: true, run: || small::slope(Preset::FiveLags) },
@@ -43,6 +50,7 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.paper.step", quick: true, run: || small::step(Preset::Paper) },
     Case { id: "aero.paper.other_wings", quick: true, run: || small::other_wings(Preset::Paper) },
     Case { id: "aero.paper.added_mass_mean", quick: true, run: || flapping::added_mass_mean(Preset::Paper) },
+    Case { id: "aero.paper.pitch_thrust", quick: false, run: || thrust::pitch_thrust(Preset::Paper) },
     Case { id: "aero.paper.scherer", quick: true, run: || mean::scherer(Preset::Paper) },
     Case { id: "aero.paper.uvlm_small_flap", quick: true, run: || flapping::lattice(Preset::Paper) },
 ];
@@ -56,6 +64,50 @@ pub enum Preset {
     FiveLags,
     /// The paper's lifting line.
     Paper,
+}
+
+/// A law with what it asks of the section.
+#[derive(Clone, Copy, Debug)]
+pub struct Section {
+    law: LiftLaw,
+    stall_angle_deg: f64,
+    critical_suction: f64,
+    drag: ProfileDrag,
+}
+
+impl Section {
+    /// Inviscid: law `linear` without drag.
+    pub const INVISCID: Self = Self {
+        law: LiftLaw::Linear,
+        stall_angle_deg: STALL_ANGLE.default,
+        critical_suction: CRITICAL_SUCTION.default,
+        drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
+    };
+    /// A thin plate under law `lev`, as the laws have it by default.
+    pub const PLATE: Self = Self {
+        law: LiftLaw::Lev,
+        drag: ProfileDrag { cd0: CD0.default, cd90: CD90.default },
+        ..Self::INVISCID
+    };
+
+    /// The same section under law `linear`.
+    pub const fn linear(self) -> Self {
+        Self { law: LiftLaw::Linear, ..self }
+    }
+    /// The same section under law `stall`.
+    pub const fn stall(self) -> Self {
+        Self { law: LiftLaw::Stall, ..self }
+    }
+
+    /// Under law `lev`, without skin friction, a section whose lift has fallen a tenth below its line at that incidence
+    /// (degrees) in static, plane flow. Its leading edge holds the suction that thin-airfoil theory gives there, A0c = sin;
+    /// nine tenths of the law's lift are attached there, 1/(1 + x^4/3) = 0.9 at x = 3^(-1/4) of the sine of its stall angle.
+    pub fn stalling_at(static_stall_deg: f64) -> Self {
+        let critical_suction = static_stall_deg.to_radians().sin();
+        let stall_angle_deg = (critical_suction * 3_f64.powf(0.25)).asin().to_degrees();
+        let drag = ProfileDrag { cd0: 0.0, cd90: CD90.default };
+        Self { stall_angle_deg, critical_suction, drag, ..Self::PLATE }
+    }
 }
 
 /// Strips or nodes in all comparisons.
@@ -99,10 +151,27 @@ impl Preset {
         density: f64,
         least: f64,
     ) -> Result<Aero, Error> {
-        let drag = ProfileDrag { cd0: 0.0, cd90: 0.0 };
+        self.model_with(Section::INVISCID, strips, wing, hinges, density, least)
+    }
+
+    /// The same with a law and its section.
+    fn model_with(
+        self,
+        section: Section,
+        strips: usize,
+        wing: &Planform,
+        hinges: &[f64],
+        density: f64,
+        least: f64,
+    ) -> Result<Aero, Error> {
+        let Section { law, stall_angle_deg, critical_suction, drag } = section;
+        let stall_angle_rad = stall_angle_deg.to_radians();
         if self == Self::Paper {
             let settings = LiftingLineSettings {
                 nodes: strips,
+                law,
+                stall_angle_rad,
+                critical_suction,
                 drag,
                 density_kg_m3: density,
                 regularisation_m_s: least,
@@ -114,6 +183,9 @@ impl Preset {
         let settings = StripSettings {
             strips,
             hinge_arcs_m: hinges.to_vec(),
+            law,
+            stall_angle_rad,
+            critical_suction,
             drag,
             density_kg_m3: density,
             regularisation_m_s: least,

@@ -142,3 +142,24 @@ fn a_disagreement_is_seen() {
         seen(&(ledger.to_owned() + ledger.lines().last().unwrap()), code, &holds)[0].contains("two rows")
     );
 }
+
+#[test]
+fn the_page_of_sections_lists_what_the_laws_declare() {
+    use wingbeat::aero::LiftLaw;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let page = fs::read_to_string(root.join("docs/sections.md")).unwrap();
+    let names = |names: Vec<String>| if names.is_empty() { "-".to_owned() } else { names.join(", ") };
+    let or_dash = |unit: &str| if unit.is_empty() { "-".to_owned() } else { unit.to_owned() };
+    for law in LiftLaw::ALL {
+        let about = law.about();
+        let asked = names(about.parameters.iter().map(|p| format!("`{}`", p.key)).collect());
+        let states = names(about.states.iter().map(|s| format!("`{}`", s.name)).collect());
+        let row = format!("| `{}` | {} | {asked} | {states} |", about.name, about.meaning);
+        assert!(page.contains(&row), "docs/sections.md lacks {row}");
+        for p in about.parameters {
+            let (unit, default) = (or_dash(p.unit), p.default);
+            let row = format!("| `{}` | {unit} | {default} | {} | {} |", p.key, p.meaning, p.source);
+            assert!(page.contains(&row), "docs/sections.md lacks {row}");
+        }
+    }
+}

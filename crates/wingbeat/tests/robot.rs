@@ -94,7 +94,7 @@ fn joint_power_is_the_rate_of_energy_in_vacuum() {
 #[test]
 fn rates_in_the_local_chart_have_exact_derivatives() {
     derivatives_are_exact(&robot("aerobat_paper", 1.225));
-    for law in [LiftLaw::Linear, LiftLaw::Stall] {
+    for law in LiftLaw::ALL {
         derivatives_are_exact(&robot_of_strips("aerobat_paper", law));
     }
 }

@@ -16,7 +16,8 @@ const DURATION: f64 = 0.25;
 const STEP: f64 = 4e-4;
 
 fn model(preset: Preset, outline: SurfaceOutline) -> Result<Aero, Error> {
-    let SurfaceOutline { planform, hinges, drag, .. } = outline;
+    let drag = outline.drag(LiftLaw::Stall);
+    let SurfaceOutline { planform, hinges, .. } = outline;
     if preset == Preset::Paper {
         let settings =
             LiftingLineSettings { density_kg_m3: DENSITY, law: LiftLaw::Stall, drag, ..Default::default() };

@@ -148,6 +148,10 @@ pub struct Loads<S: Scalar> {
     pub wash_of_others: [S; MAX_STRIPS],
     /// Circulation of each strip, m2/s; what it is worth says [`Circulation`].
     pub circulation: [S; MAX_STRIPS],
+    /// Share of each strip's flow that is separated.
+    pub separated: [S; MAX_STRIPS],
+    /// Share of the linear leading-edge suction of each strip that the edge does not hold.
+    pub suction_lost: [S; MAX_STRIPS],
     /// Point at 1/4 chord of each control section, in the frame of the sections, m.
     pub quarter_chord: [Vec3<S>; MAX_STRIPS],
     /// Number of strips.
@@ -164,6 +168,8 @@ impl<S: Scalar> Default for Loads<S> {
             wash: [S::ZERO; MAX_STRIPS],
             wash_of_others: [S::ZERO; MAX_STRIPS],
             circulation: [S::ZERO; MAX_STRIPS],
+            separated: [S::ZERO; MAX_STRIPS],
+            suction_lost: [S::ZERO; MAX_STRIPS],
             quarter_chord: [Vec3::ZERO; MAX_STRIPS],
             strips: 0,
         }

@@ -223,6 +223,19 @@ impl<S: Scalar> std::ops::Add for SectionForce<S> {
     }
 }
 
+/// Forward force that the rate of pitch `pitch` (rad/s, nose up) adds to the chord force of a strip
+/// that carries the air `mass` (kg): m q (w - 2 w_l).
+///
+/// The suction goes with the square of the wash at the leading edge's singularity, which is the lift wash
+/// w_l less b q/2: S = 2 pi rho b dy (w_l - b q/2)^2, and m = pi rho b^2 dy. Of it the turned lift holds
+/// 2 pi rho b dy w_l^2 and the carried air -m q (w - b q/2), w its wash at 3/4 chord; the rest is this.
+///
+/// Equation: aero.pitch_suction
+#[inline]
+pub(super) fn pitch_suction<G: Scalar, S: Over<G>>(mass: f64, pitch: G, wash: S, lift_wash: S) -> S {
+    (wash - lift_wash * 2.0) * (pitch * mass)
+}
+
 /// Share of leading-edge suction at the cosine x of the effective incidence:
 /// 1 in attached, 0 in reversed flow, (1 + tanh(4 artanh x)) / 2 between: a choice, smooth
 /// and rational.

@@ -6,8 +6,8 @@ use super::sections::{Carriers, Riding, Section};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::Error;
 use crate::aero::{
-    Aero, Coupling, MAX_SECTIONS, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, Sections, Span, Surfaces,
-    Wrench,
+    Aero, CD90, Coupling, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, SectionSpec,
+    Sections, Span, Surfaces, Wrench,
 };
 use crate::body::MAX_LINKS;
 use crate::math::{Over, Scalar, Vec3};
@@ -25,10 +25,22 @@ pub struct SurfaceOutline {
     pub planform: Planform,
     /// Arc lengths from the root at which it passes from link to link, m.
     pub hinges: Vec<f64>,
-    /// Profile drag.
-    pub drag: ProfileDrag,
+    /// Profile drag coefficient along the wind.
+    pub cd0: f64,
+    /// That of the plate broadside on, where given.
+    pub cd90: Option<f64>,
+    /// What it says of its section.
+    pub section: SectionSpec,
     /// Strips or nodes asked for.
     pub strips: Option<usize>,
+}
+
+impl SurfaceOutline {
+    /// Profile drag under `law`: one that separates needs a force broadside, by default that of a flat plate.
+    pub fn drag(&self, law: LiftLaw) -> ProfileDrag {
+        let plate = if law.separates() { CD90.default } else { 0.0 };
+        ProfileDrag { cd0: self.cd0, cd90: self.cd90.unwrap_or(plate) }
+    }
 }
 
 impl RobotSpec {
@@ -43,7 +55,9 @@ impl RobotSpec {
             Ok(SurfaceOutline {
                 planform: surface.outline().map_err(|e| e.within(&key))?,
                 hinges: surface.panels[1..].iter().map(|p| p.from_arc_m).collect(),
-                drag: ProfileDrag { cd0: surface.cd0, cd90: surface.cd90 },
+                cd0: surface.cd0,
+                cd90: surface.cd90,
+                section: surface.section,
                 strips: surface.strips,
                 name: surface.name,
                 key,
@@ -73,7 +87,8 @@ impl WingSpec {
             name: "wing".into(),
             span: Span::Symmetric,
             cd0: self.cd0,
-            cd90: self.cd90,
+            cd90: Some(self.cd90),
+            section: self.section,
             strips: None,
             planform_shift_m: self.planform_shift_m,
             planform: self.planform.clone(),

@@ -7,7 +7,9 @@ use super::name::RunName;
 use super::plan::PlanSpec;
 use super::spec::{AeroSpec, Preset, ScenarioSpec};
 use crate::Error;
-use crate::aero::{Aero, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
+use crate::aero::{
+    Aero, CRITICAL_SUCTION, LiftingLine, LiftingLineSettings, STALL_ANGLE, StripModel, StripSettings,
+};
 use crate::guide::Task;
 use crate::math::Vec3;
 use crate::require;
@@ -207,7 +209,8 @@ pub(super) fn robot(spec: &RobotSpec, aero: &AeroSpec, air: Air, phase: f64) -> 
 impl AeroSpec {
     /// Checks what this table says by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
-        require::inside("stall_angle_deg", self.stall_angle_deg, 0.0, 90.0)
+        STALL_ANGLE.check(self.stall_angle_deg)?;
+        CRITICAL_SUCTION.check(self.critical_suction)
     }
 
     /// The model of a surface. Settings of the model that another table gives have
@@ -244,10 +247,12 @@ impl AeroSpec {
             regularisation_m_s: self.paper.regularisation_m_s,
             chord_floor_m: self.paper.chord_floor_m,
             law: self.law,
-            stall_angle_rad: self.stall_angle_deg.to_radians(),
-            drag: outline.drag,
+            stall_angle_rad: outline.section.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
+            critical_suction: outline.section.critical_suction.unwrap_or(self.critical_suction),
+            drag: outline.drag(self.law),
             added_mass: self.added_mass,
             section_moment: self.section_moment,
+            pitch_suction: self.pitch_suction,
             density_kg_m3,
             ..LiftingLineSettings::default()
         }
@@ -264,10 +269,12 @@ impl AeroSpec {
             vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,
             law: self.law,
-            stall_angle_rad: self.stall_angle_deg.to_radians(),
-            drag: outline.drag,
+            stall_angle_rad: outline.section.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
+            critical_suction: outline.section.critical_suction.unwrap_or(self.critical_suction),
+            drag: outline.drag(self.law),
             added_mass: self.added_mass,
             section_moment: self.section_moment,
+            pitch_suction: self.pitch_suction,
             density_kg_m3,
         }
     }

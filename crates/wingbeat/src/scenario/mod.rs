@@ -279,17 +279,17 @@ impl Scenario {
             Ok(observe(sample))
         });
         let error = error.at_end(flight.duration);
-        let Recorded { record, strips, stall_fraction } = recorder.finish();
-        let summary = self.summarise(&record, &flight, schedule, (stall_fraction, error));
-        Ok(Run { record, strips, summary })
+        let recorded = recorder.finish();
+        let summary = self.summarise(&recorded, &flight, schedule, error);
+        Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 
     fn summarise(
         &self,
-        record: &Record,
+        recorded: &Recorded,
         flight: &Flight,
         schedule: &Schedule,
-        (stall_fraction, step_error_m): (f64, Option<f64>),
+        step_error_m: Option<f64>,
     ) -> Summary {
         let context = summary::Context {
             manoeuvre: self.manoeuvre(),
@@ -298,10 +298,12 @@ impl Scenario {
             clearances: self.robot.clearances(),
             preset: self.spec.aero.preset.name(),
             law: self.spec.aero.law.name(),
-            stall_fraction,
+            stall_fraction: recorded.stall_fraction,
+            separated_fraction: recorded.separated_fraction,
+            suction_lost_fraction: recorded.suction_lost_fraction,
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
         };
-        Summary::new(record, flight, &context)
+        Summary::new(&recorded.record, flight, &context)
     }
 }

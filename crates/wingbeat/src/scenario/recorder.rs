@@ -32,6 +32,9 @@ pub struct Recorded {
     pub strips: Option<Record>,
     /// Share of strips past the stall angle over all samples.
     pub stall_fraction: f64,
+    /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
+    pub separated_fraction: f64,
+    pub suction_lost_fraction: f64,
 }
 
 /// Samples of a flight as they become a [`Record`].
@@ -41,6 +44,8 @@ pub struct Recorder<'a> {
     record: Record,
     row: Vec<f64>,
     incidence: Vec<f64>,
+    /// Sums of separated and suction_lost over the same strips.
+    shares: [f64; 2],
     strips: Option<Strips>,
 }
 
@@ -78,6 +83,7 @@ impl<'a> Recorder<'a> {
             record: Record::new(columns, rows)?,
             row: Vec::with_capacity(width),
             incidence: Vec::new(),
+            shares: [0.0; 2],
             strips: samples_per_strips.map(strips),
         })
     }
@@ -110,6 +116,10 @@ impl<'a> Recorder<'a> {
         self.row = row;
         recorded?;
         self.incidence.extend(o.incidence());
+        let columns = [&o.strips.separated, &o.strips.suction_lost];
+        for (sum, column) in self.shares.iter_mut().zip(columns) {
+            *sum += column[..o.strips.strips].iter().sum::<f64>();
+        }
         if let Some(strips) = &mut self.strips {
             if strips.due == 0 {
                 let instant = [t, o.phase];
@@ -130,10 +140,14 @@ impl<'a> Recorder<'a> {
         let limits: Vec<f64> = limits.collect();
         let past =
             self.incidence.iter().zip(limits.iter().cycle()).filter(|(a, limit)| a.abs() > **limit).count();
+        let count = self.incidence.len().max(1) as f64;
+        let [separated_fraction, suction_lost_fraction] = self.shares.map(|sum| sum / count);
         Recorded {
+            separated_fraction,
+            suction_lost_fraction,
             record: self.record,
             strips: self.strips.map(|strips| strips.recorder.finish()),
-            stall_fraction: past as f64 / self.incidence.len().max(1) as f64,
+            stall_fraction: past as f64 / count,
         }
     }
 }

@@ -4,7 +4,7 @@ use super::chosen::{Chosen, Named};
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use crate::Error;
-use crate::aero::{LagSet, LiftLaw, StripSettings};
+use crate::aero::{CRITICAL_SUCTION, LagSet, LiftLaw, STALL_ANGLE, StripSettings};
 use crate::guide::{MpcSpec, Turn};
 use crate::require;
 use crate::robot::RobotSpec;
@@ -80,15 +80,23 @@ pub struct AeroSpec {
     pub preset: Preset,
     /// Lift law.
     pub law: LiftLaw,
-    /// Incidence beyond which a strip counts as stalled, deg.
+    /// Incidence beyond which a strip counts as stalled, and at which laws `stall` and `lev` have their largest
+    /// attached lift, deg; where a surface says none of its own.
     #[serde(default = "default_stall_angle")]
     pub stall_angle_deg: f64,
+    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction, for law `lev`; where a surface
+    /// says none of its own.
+    #[serde(default = "default_critical_suction")]
+    pub critical_suction: f64,
     /// Reaction of the accelerated air.
     #[serde(default = "yes")]
     pub added_mass: bool,
     /// Moment of pitching about the quarter chord.
     #[serde(default = "yes")]
     pub section_moment: bool,
+    /// Leading-edge suction that the sections' rate of pitch adds.
+    #[serde(default = "yes")]
+    pub pitch_suction: bool,
     /// Settings of preset `paper`.
     #[serde(default)]
     pub paper: PaperAeroSpec,
@@ -178,9 +186,12 @@ fn yes() -> bool {
     true
 }
 
-/// Flat, thin wings stall near 12 deg at Reynolds numbers of 1e4 (Mueller 1999).
 fn default_stall_angle() -> f64 {
-    12.0
+    STALL_ANGLE.default
+}
+
+fn default_critical_suction() -> f64 {
+    CRITICAL_SUCTION.default
 }
 
 /// State at t = 0; what is not given is 0.

@@ -66,6 +66,10 @@ pub struct Summary {
     pub lift_law: String,
     /// Share of strips beyond the stall angle, over all samples.
     pub stall_fraction: f64,
+    /// Mean separated share of the flow over strips and samples.
+    pub separated_fraction: f64,
+    /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
+    pub suction_lost_fraction: f64,
     /// Share of input samples within 1 % of their range of a limit.
     pub input_saturation_fraction: f64,
     /// Least of all clearances over the records of the whole flight, m; negative where parts pass through each
@@ -203,6 +207,8 @@ pub(super) struct Context<'a> {
     pub preset: &'a str,
     pub law: &'a str,
     pub stall_fraction: f64,
+    pub separated_fraction: f64,
+    pub suction_lost_fraction: f64,
     /// Time between updates of the controller, s.
     pub period_s: Option<f64>,
     /// Estimate of the error of the steps, m.
@@ -256,6 +262,8 @@ impl Summary {
             aero_preset: context.preset.into(),
             lift_law: context.law.into(),
             stall_fraction: context.stall_fraction,
+            separated_fraction: context.separated_fraction,
+            suction_lost_fraction: context.suction_lost_fraction,
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),

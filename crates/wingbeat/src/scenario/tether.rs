@@ -3,7 +3,7 @@
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{ConfigError, CoordinateSpec, Document};
 use crate::Error;
-use crate::aero::{LiftLaw, Planform, ProfileDrag};
+use crate::aero::{LiftLaw, Planform};
 use crate::math::Vec3;
 use crate::robot::SurfaceOutline;
 use crate::simulate::Ending;
@@ -109,8 +109,10 @@ impl TetherCase {
         let limit = self.tether.aero.stall_angle().to_degrees();
         let past = format!("{share:.1} % of the strips of the last cycle are past {limit:.0} deg");
         let warning = match law {
-            LiftLaw::Linear => format!("{past}, where law linear knows no stall"),
-            LiftLaw::Stall => format!("{past}: the result leans on law stall, +-50 % there"),
+            LiftLaw::Linear => Some(format!("{past}, where law linear knows no stall")),
+            LiftLaw::Stall => Some(format!("{past}: the result leans on law stall, +-50 % there")),
+            // What it was made for; the shares of suction lost and of separated flow say how far it goes.
+            LiftLaw::Lev => None,
         };
         TetherSummary {
             status: match run.ending {
@@ -125,8 +127,10 @@ impl TetherCase {
             lift_law: law.name(),
             stall_fraction: run.stall_fraction,
             step_change,
-            warnings: (run.stall_fraction > 0.0)
-                .then_some(warning)
+            separated_fraction: run.separated_fraction,
+            suction_lost_fraction: run.suction_lost_fraction,
+            warnings: warning
+                .filter(|_| run.stall_fraction > 0.0)
                 .into_iter()
                 .chain(step_change.and_then(|change| self.coarse(change)))
                 .collect(),
@@ -148,6 +152,10 @@ pub struct TetherSummary {
     pub lift_law: &'static str,
     /// Share of strips past the stall angle over the last cycle.
     pub stall_fraction: f64,
+    /// Mean separated share of the flow over the strips of the last cycle.
+    pub separated_fraction: f64,
+    /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
+    pub suction_lost_fraction: f64,
     /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
     /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,
@@ -228,7 +236,6 @@ impl TetherSpec {
             steps_per_cycle: self.time.steps_per_cycle,
         };
         let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
-        let drag = ProfileDrag { cd0: self.wing.cd0, cd90: self.wing.cd90 };
         let outer = self.wing.hinges.iter().enumerate().filter(|(_, hinge)| hinge.arc_m > 0.0);
         let (keys, arcs): (Vec<String>, Vec<f64>) =
             outer.map(|(i, hinge)| (format!("wing.hinges[{i}].arc_m"), hinge.arc_m)).unzip();
@@ -245,7 +252,9 @@ impl TetherSpec {
             key: "wing".into(),
             planform: planform.clone(),
             hinges: arcs,
-            drag,
+            cd0: self.wing.cd0,
+            cd90: self.wing.cd90,
+            section: self.wing.section,
             strips: None,
         };
         let aero = self.aero.build(&outline, self.wind.density_kg_m3, &names)?;

@@ -2,7 +2,7 @@
 
 use super::{AeroSpec, RunName};
 use crate::Error;
-use crate::aero::{Gap, PlanformStation};
+use crate::aero::{Gap, PlanformStation, SectionSpec};
 use crate::math::CubicSpline;
 use crate::require;
 use crate::simulate::Record;
@@ -47,9 +47,13 @@ pub struct TetheredWingSpec {
     /// Drag coefficient along the chord.
     #[serde(default)]
     pub cd0: f64,
-    /// Drag coefficient of the plate broadside on.
-    #[serde(default)]
-    pub cd90: f64,
+    /// Drag coefficient of the plate broadside on; where not given 0 under law `linear`, that of a flat plate under
+    /// laws that separate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cd90: Option<f64>,
+    /// What laws `stall` and `lev` need of its section, where it differs from the scenario's.
+    #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
+    pub section: SectionSpec,
     /// Hinges from body to tip; each turns what lies outboard of it.
     #[serde(default)]
     pub hinges: Vec<HingeSpec>,
@@ -200,6 +204,7 @@ impl TetherSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.run_name()?;
         require::positive("time.frequency_hz", self.time.frequency_hz)?;
+        self.wing.section.check().map_err(|e| e.within("wing.section"))?;
         for (i, hinge) in self.wing.hinges.iter().enumerate() {
             if let Some(k) = self.wing.hinges[..i].iter().position(|other| other.name == hinge.name) {
                 let (key, given) = (format!("wing.hinges[{i}].name"), format!("{:?}", hinge.name));

@@ -19,6 +19,7 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// | `width` | m | along the arc |
 /// | `quarter_chord_*` | m | point at 1/4 chord of the control section, from the origin of B, in B |
 /// | `surface` | - | number of the surface, in the robot's order |
+/// | `separated`, `suction_lost` | - | shares of flow and of linear leading-edge suction that the law takes away |
 #[derive(Clone, Debug)]
 pub struct StripRecorder {
     record: Record,
@@ -61,7 +62,7 @@ impl StripRecorder {
             row.extend(strip.parts().iter().flat_map(|part| (to_body * part.force).0));
             row.push(width);
             row.extend((to_body * (loads.quarter_chord[i] - origin)).0);
-            row.push(surface);
+            row.extend([surface, loads.separated[i], loads.suction_lost[i]]);
             self.record.append(row);
         }
     }
@@ -84,6 +85,6 @@ fn columns(circulation: Circulation, phase_unit: &str) -> Vec<Column> {
     }
     columns.push(Column::new("width", "m", ""));
     columns.extend(AXES.map(|a| Column::new(format!("quarter_chord_{a}"), "m", "B")));
-    columns.push(Column::new("surface", "", ""));
+    columns.extend(["surface", "separated", "suction_lost"].map(|name| Column::new(name, "", "")));
     columns
 }

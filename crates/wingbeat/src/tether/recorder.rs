@@ -35,6 +35,10 @@ pub struct TetherRun {
     pub means: Vec<CycleMean>,
     /// Share of strips past the stall angle over the last cycle.
     pub stall_fraction: f64,
+    /// Mean separated share of the flow over the strips of the last cycle.
+    pub separated_fraction: f64,
+    /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
+    pub suction_lost_fraction: f64,
 }
 
 /// Wind axes in W: along the wind, to the left, up.
@@ -128,11 +132,21 @@ impl Recorder {
         let cycle = rows.saturating_sub(tether.clock.steps_per_cycle + 1)..rows.saturating_sub(1);
         let means = self.loads.columns()[2..].iter().map(|c| mean(c, &c.values[cycle.clone()])).collect();
         let (strips, record) = (tether.aero.strips(), self.strips.finish());
-        let incidence = record.values("incidence").unwrap_or_default();
-        let last = &incidence[cycle.start * strips..cycle.end * strips];
-        let past = last.iter().filter(|a| a.abs() > tether.aero.stall_angle()).count();
-        let stall_fraction = past as f64 / last.len().max(1) as f64;
-        TetherRun { ending, loads: self.loads, strips: record, means, stall_fraction }
+        let mean_of = |name: &str, count: fn(f64, f64) -> f64| {
+            let values = record.values(name).unwrap_or_default();
+            let last = &values[cycle.start * strips..cycle.end * strips];
+            let limit = tether.aero.stall_angle();
+            last.iter().map(|value| count(*value, limit)).sum::<f64>() / last.len().max(1) as f64
+        };
+        TetherRun {
+            ending,
+            stall_fraction: mean_of("incidence", |a, limit| if a.abs() > limit { 1.0 } else { 0.0 }),
+            separated_fraction: mean_of("separated", |share, _| share),
+            suction_lost_fraction: mean_of("suction_lost", |share, _| share),
+            loads: self.loads,
+            strips: record,
+            means,
+        }
     }
 }
 

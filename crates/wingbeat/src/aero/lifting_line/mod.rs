@@ -14,9 +14,9 @@ mod tests;
 
 pub use settings::LiftingLineSettings;
 
-use super::law::separation_scale;
-use super::section::{Section, SectionForce, suction_share};
-use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, Wrench};
+use super::law::{Polar, lev};
+use super::section::{Section, SectionForce, pitch_suction, suction_share};
+use super::{Coupling, LiftLaw, Loads, Planform, SectionMotion, Sections, StripLoads, Wrench};
 use crate::Error;
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
@@ -39,7 +39,7 @@ pub struct LiftingLine {
     influence: Vec<f64>,
     /// Whether D vanishes between different nodes an even number apart.
     alternating: bool,
-    separation_scale: f64,
+    polar: Polar,
 }
 
 impl LiftingLine {
@@ -71,7 +71,7 @@ impl LiftingLine {
             nodes: cells.iter().map(|&cell| Node::new(cell, &settings)).collect(),
             influence: influence_between(&angles, 2.0 * planform.half_span()),
             alternating: false,
-            separation_scale: separation_scale(settings.stall_angle_rad),
+            polar: Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction),
             settings,
         })
     }
@@ -106,8 +106,8 @@ impl LiftingLine {
             .map(|cell| Node::new(cell, &settings))
             .collect();
         let influence = influence(&angles, 2.0 * half_span);
-        let separation_scale = separation_scale(settings.stall_angle_rad);
-        Ok(Self { settings, arcs, widths, nodes, influence, alternating: true, separation_scale })
+        let polar = Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction);
+        Ok(Self { settings, arcs, widths, nodes, influence, alternating: true, polar })
     }
 
     /// What it was made of.
@@ -128,14 +128,15 @@ impl LiftingLine {
     pub fn strips(&self) -> usize {
         self.nodes.len()
     }
-    /// Number of states, three per node.
+    /// Number of states: three per node, and those of the law.
     pub fn states(&self) -> usize {
-        3 * self.nodes.len()
+        (3 + self.settings.law.states().len()) * self.nodes.len()
     }
     /// Names and units of the states, in order.
     pub fn channels(&self) -> Vec<Channel> {
-        [("circulation", "m2/s"), ("lag1", "m/s"), ("lag2", "m/s")]
-            .iter()
+        let own = [("circulation", "m2/s"), ("lag1", "m/s"), ("lag2", "m/s")];
+        own.into_iter()
+            .chain(self.settings.law.states().iter().map(|state| (state.name, state.unit)))
             .flat_map(|(name, unit)| {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })
@@ -241,6 +242,8 @@ impl LiftingLine {
             loads.incidence[at] = flow.wash.atan2(section.uc);
             loads.wash[at] = flow.wash;
             loads.wash_of_others[at] = S::ZERO;
+            loads.separated[at] = S::ONE - flow.attached;
+            loads.suction_lost[at] = S::ONE - flow.edge.held;
             loads.circulation[at] = x[i];
             loads.quarter_chord[at] = sections.section(i).point(0.25);
             wrench += loads.strip[at].total();
@@ -299,10 +302,64 @@ impl LiftingLine {
         let effective = self.lag(i, speed, wash, x, dx);
         let inverse = (effective * effective + uc2).sqrt().recip();
         let sine = effective * inverse;
-        let attached = set.law.attached_share(sine * sine, self.separation_scale);
+        let attached = match set.law {
+            LiftLaw::Lev => S::ONE - x[4 * self.strips() + i],
+            LiftLaw::Linear | LiftLaw::Stall => self.polar.attached_share(sine * sine),
+        };
         dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
-        let suction = suction_share(inverse * uc) * attached;
-        Flow { w, wash, effective, speed, along: uc2.sqrt(), inverse, attached, suction }
+        let mut suction = suction_share(inverse * uc);
+        if set.law != LiftLaw::Lev {
+            suction = suction * attached;
+        }
+        let mass = if set.pitch_suction { self.nodes[i].mass } else { 0.0 };
+        let pitching = pitch_suction(mass, section.pitch_rate, S::from(w), effective) * attached;
+        let mut flow = Flow {
+            w,
+            wash,
+            effective,
+            speed,
+            along: uc2.sqrt(),
+            inverse,
+            attached,
+            suction,
+            pitching,
+            edge: lev::Edge { held: S::ONE, lost: S::ZERO },
+            vortex: S::ZERO,
+            carried: G::ZERO,
+        };
+        if set.law == LiftLaw::Lev {
+            self.advance_edge(i, section, &mut flow, x, dx);
+        }
+        flow
+    }
+
+    /// Law `lev` at node `i`: the linear suction over rho c dy / 2 is a0 (w_e - b q/2)^2.
+    ///
+    /// Equation: aero.lifting_line.edge_suction
+    #[inline]
+    fn advance_edge<G: Scalar, S: Over<G>>(
+        &self,
+        i: usize,
+        section: &Section<G>,
+        flow: &mut Flow<G, S>,
+        x: &[S],
+        dx: &mut [S],
+    ) {
+        let (node, set, m) = (&self.nodes[i], &self.settings, self.strips());
+        let turn = if set.pitch_suction { section.pitch_rate * (0.5 * node.half_chord) } else { G::ZERO };
+        let cosine = flow.inverse * section.uc;
+        let wash = flow.effective - turn;
+        let suction = wash.squared() * suction_share(cosine) * set.section_slope;
+        flow.edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
+        let [vortex, separated] = [3 * m + i, 4 * m + i];
+        let sine2 = (flow.effective * flow.inverse).squared();
+        let rate = flow.speed * node.inverse_chord;
+        [dx[vortex], dx[separated]] =
+            lev::rates(&self.polar, [x[vortex], x[separated]], flow.edge.lost, sine2, rate);
+        flow.vortex = x[vortex] * flow.attached * node.drag;
+        if set.pitch_suction && set.added_mass {
+            flow.carried = section.w_half * section.pitch_rate * node.mass;
+        }
     }
 
     /// Forces of one node by source.
@@ -387,6 +444,14 @@ struct Flow<G: Scalar, S: Over<G>> {
     attached: S,
     /// Share of leading-edge suction.
     suction: S,
+    /// Leading-edge suction that pitching adds, N.
+    pitching: S,
+    /// What the leading edge holds; all but for law `lev`.
+    edge: lev::Edge<S>,
+    /// Normal force of the vortex of law `lev`, N.
+    vortex: S,
+    /// Chord force of the carried air, part of the suction that law `lev` limits, N.
+    carried: G,
 }
 
 impl<G: Scalar, S: Over<G>> Flow<G, S> {
@@ -398,7 +463,7 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
     fn lift(&self, node: &Node) -> SectionForce<S> {
         let turned = self.effective * self.attached * node.lift * self.speed * self.inverse;
         let ahead = S::from(0.5 * node.half_chord);
-        SectionForce::in_plane(-(turned * self.suction * self.effective), turned * self.along, ahead)
+        self.at_edge(turned * self.effective, turned * self.along, ahead)
     }
 
     /// The same lift perpendicular to the wind of motion alone.
@@ -406,7 +471,17 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
     fn lift_without_turning(&self, node: &Node) -> SectionForce<S> {
         let lift = self.effective * self.attached * node.lift;
         let ahead = S::from(0.5 * node.half_chord);
-        SectionForce::in_plane(-(lift * self.suction * self.w), lift * self.along, ahead)
+        self.at_edge(lift * self.w, lift * self.along, ahead)
+    }
+
+    /// The linear suction `forward` and the `normal` force as the leading edge holds the one and its vortex adds to
+    /// the other.
+    #[inline]
+    fn at_edge(&self, forward: S, normal: S, ahead: S) -> SectionForce<S> {
+        let share = self.suction * self.edge.held;
+        let lost = (S::ONE - share * self.attached) * self.carried;
+        let forward = (forward + self.pitching) * share + lost;
+        SectionForce::in_plane(-forward, normal + self.vortex, ahead)
     }
 }
 

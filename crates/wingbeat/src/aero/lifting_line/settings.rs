@@ -1,7 +1,7 @@
 //! What the lifting line is made of.
 
 use crate::Error;
-use crate::aero::law::check_stall_angle;
+use crate::aero::law::{CD0, CD90, CRITICAL_SUCTION, STALL_ANGLE, check_section};
 use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
 use crate::require;
 use std::f64::consts::PI;
@@ -20,15 +20,19 @@ pub struct LiftingLineSettings {
     pub chord_floor_m: f64,
     /// Lift law.
     pub law: LiftLaw,
-    /// Incidence beyond which the wing counts as stalled, rad; law `stall`
-    /// has its largest attached lift there.
+    /// Incidence beyond which the wing counts as stalled, rad; laws `stall` and
+    /// `lev` have their largest attached lift there.
     pub stall_angle_rad: f64,
+    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction; law `lev`.
+    pub critical_suction: f64,
     /// Profile drag.
     pub drag: ProfileDrag,
     /// Reaction of the accelerated air.
     pub added_mass: bool,
     /// Moment of pitching about the quarter chord.
     pub section_moment: bool,
+    /// Leading-edge suction that the section's rate of pitch adds; the paper has none.
+    pub pitch_suction: bool,
     /// Air density, kg/m3.
     pub density_kg_m3: f64,
 }
@@ -41,10 +45,12 @@ impl Default for LiftingLineSettings {
             regularisation_m_s: 0.1,
             chord_floor_m: 0.01,
             law: LiftLaw::Linear,
-            stall_angle_rad: 12_f64.to_radians(),
-            drag: ProfileDrag { cd0: 0.05, cd90: 2.0 },
+            stall_angle_rad: STALL_ANGLE.default.to_radians(),
+            critical_suction: CRITICAL_SUCTION.default,
+            drag: ProfileDrag { cd0: CD0.default, cd90: CD90.default },
             added_mass: true,
             section_moment: true,
+            pitch_suction: true,
             density_kg_m3: 1.225,
         }
     }
@@ -60,7 +66,7 @@ impl LiftingLineSettings {
         ];
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
         self.drag.check()?;
-        check_stall_angle(self.stall_angle_rad)?;
+        check_section(self.stall_angle_rad, self.critical_suction)?;
         require::between("nodes", self.nodes, 3, MAX_STRIPS)
     }
 }

@@ -2,9 +2,9 @@
 
 use super::influence::{Column, sum};
 use super::motion::{Strips, Vectors};
-use super::response::Response;
+use super::response::{LeadingEdges, Response};
 use super::{Flow, StripModel};
-use crate::aero::section::{SectionForce, suction_share};
+use crate::aero::section::{SectionForce, pitch_suction, suction_share};
 use crate::aero::{Loads, StripLoads, Wrench};
 use crate::math::{Over, Scalar, Vec3};
 
@@ -97,6 +97,8 @@ impl StripModel {
                 loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
             }
             loads.wash[at] = response.wash[i];
+            loads.separated[at] = S::ONE - response.attached[i];
+            loads.suction_lost[at] = response.edges.as_ref().map_or(S::ZERO, |e| S::ONE - e.held[i]);
             loads.circulation[at] = response.circulation[i];
             loads.quarter_chord[at] = flow.strips.quarter.get(i).lifted();
         }
@@ -105,7 +107,7 @@ impl StripModel {
     /// Forces at 1/4 chord, N: as the wash of motion alone directs them, and as the wash of
     /// wake and lags turns them.
     /// F = rho dy g lw [V |uc|/Ve n - W s e_c], Ve = sqrt(uc^2 + W^2 + delta^2), with the attached
-    /// share of the lift, of which the suction s takes another share.
+    /// share of the lift, of which the suction s takes another share; so it does of what pitching adds.
     ///
     /// Equation: aero.strip.force
     fn circulatory<G: Scalar, S: Over<G>, const N: usize>(
@@ -114,19 +116,30 @@ impl StripModel {
         response: &Response<S, N>,
     ) -> [InPlane<S, N>; 2] {
         let (attached, delta2) = (&response.attached, self.floor * self.floor);
-        let mut lift = [S::ZERO; N];
+        let (mut lift, mut pitching) = ([S::ZERO; N], [S::ZERO; N]);
         for i in 0..N {
-            lift[i] = response.lift_wash[i] * attached[i] * self.tables.lift_scale[i];
+            let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
+            lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
+            if self.settings.pitch_suction {
+                pitching[i] = pitch_suction(self.tables.mass[i], strips.pitch[i], wash, lift_wash) * attached[i];
+            }
         }
         let directed = |wash: &Column<S, N>| {
-            let mut force = InPlane::ZERO;
+            let (mut force, mut shares) = (InPlane::ZERO, [S::ZERO; N]);
             for i in 0..N {
                 let along2 = strips.along[i].squared() + delta2;
                 let inverse = (wash[i].squared() + along2).sqrt().recip();
-                let suction = suction_share(inverse * strips.along[i]) * attached[i];
-                force.chordwise[i] = -(lift[i] * wash[i] * suction);
+                let mut suction = suction_share(inverse * strips.along[i]);
+                if response.edges.is_none() {
+                    suction = suction * attached[i];
+                }
+                force.chordwise[i] = -((lift[i] * wash[i] + pitching[i]) * suction);
                 force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse;
                 force.ahead[i] = S::from(0.25 * self.tables.chord[i]);
+                shares[i] = suction;
+            }
+            if let Some(edges) = &response.edges {
+                self.cap_suction(strips, response, edges, &shares, &mut force);
             }
             force
         };
@@ -137,6 +150,27 @@ impl StripModel {
         }
         let plain = directed(&of_motion);
         [plain, if self.settings.force_tilt { turned } else { plain }]
+    }
+
+    /// What law `lev` makes of the linear forces: the held share h of the suction stays, with it that share of the
+    /// carried air's own chord force P q, which is part of the suction, and the vortex pushes along the normal.
+    fn cap_suction<G: Scalar, S: Over<G>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        response: &Response<S, N>,
+        edges: &LeadingEdges<S, N>,
+        shares: &Column<S, N>,
+        force: &mut InPlane<S, N>,
+    ) {
+        for i in 0..N {
+            let (attached, held) = (response.attached[i], edges.held[i]);
+            force.chordwise[i] *= held;
+            force.normal[i] += edges.vortex[i] * attached * self.tables.drag_scale[i];
+            if self.settings.pitch_suction {
+                let carried = response.impulse[i] * strips.pitch[i];
+                force.chordwise[i] -= carried * (S::ONE - shares[i] * attached * held);
+            }
+        }
     }
 
     /// Profile drag of the sections in the wind of motion.

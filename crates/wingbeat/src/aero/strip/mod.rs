@@ -24,7 +24,7 @@ pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
 pub use settings::{LagSet, StripSettings};
 
 use crate::Error;
-use crate::aero::law::separation_scale;
+use crate::aero::law::Polar;
 use crate::aero::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
@@ -39,7 +39,7 @@ use tables::Tables;
 pub struct StripModel {
     settings: StripSettings,
     grid: Grid,
-    separation_scale: f64,
+    polar: Polar,
     lags: &'static Lags,
     /// Smoothing speed, m/s.
     floor: f64,
@@ -89,7 +89,7 @@ impl StripModel {
             tables: Tables::new(&grid, &settings, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
-            separation_scale: separation_scale(settings.stall_angle_rad),
+            polar: Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction),
             lags,
             grid,
             settings,
@@ -104,9 +104,13 @@ impl StripModel {
     pub fn strips(&self) -> usize {
         self.settings.strips
     }
-    /// Number of states: for each wash lag and then for each wake lag a block
-    /// of one value per strip, left tip to right tip.
+    /// Number of states: for each wash lag, then for each wake lag and for each state of the
+    /// law a block of one value per strip, left tip to right tip.
     pub fn states(&self) -> usize {
+        self.law_states() + self.settings.strips * self.settings.law.states().len()
+    }
+    /// Where the states of the law begin.
+    fn law_states(&self) -> usize {
         self.settings.strips * self.lags.states_per_strip()
     }
     /// Arc coordinates, m, of the sections wanted: the edges of the strips from left tip
@@ -118,7 +122,9 @@ impl StripModel {
     pub fn channels(&self) -> Vec<Channel> {
         let wash = (1..=self.lags.rate.len()).map(|k| (format!("wash_lag{k}"), "m/s"));
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
+        let law = self.settings.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
         wash.chain(wake)
+            .chain(law)
             .flat_map(|(name, unit)| {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })
@@ -141,7 +147,7 @@ impl StripModel {
     ///
     /// `sections` are the edges in the order of [`arcs`](Self::arcs), `wind` the
     /// velocity of the air in B, `x` the states (m/s for wash lags, m2/s for wake
-    /// lags), `dx` receives their rates. The accelerations of the sections leave out what the
+    /// lags, then those of the law), `dx` receives their rates. The accelerations of the sections leave out what the
     /// body's own acceleration adds: see [`Loads`].
     ///
     /// # Panics

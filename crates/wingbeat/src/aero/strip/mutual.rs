@@ -230,7 +230,7 @@ impl StripModel {
             *edge = self.vortex_line(&ChordLine::from(&sections.section(j)), wind);
         }
         let mut strips = Strips::<G, MAX_STRIPS>::ZERO;
-        if self.settings.law != LiftLaw::Linear {
+        if self.settings.law == LiftLaw::Stall {
             let mut edges = Edges::ZERO;
             edges.fill(sections, n);
             self.move_strips(&edges, wind, &mut strips);

@@ -5,6 +5,8 @@ use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
 use crate::aero::LiftLaw;
+use crate::aero::law::lev;
+use crate::aero::section::suction_share;
 use crate::math::{Dual, Over, Scalar};
 
 /// Linear sums over the lags of each strip.
@@ -40,9 +42,19 @@ pub(super) struct Response<S: Scalar, const N: usize> {
     pub lift_wash: Column<S, N>,
     /// Lift wash with the part that only turns the force, m/s.
     pub turning_wash: Column<S, N>,
+    /// What law `lev` says of the leading edges.
+    pub edges: Option<LeadingEdges<S, N>>,
     /// Normal impulse of the air on each strip, N s, and its rate, N.
     pub impulse: Column<S, N>,
     pub impulse_rate: Column<S, N>,
+}
+
+/// The leading edges under law `lev`.
+pub(super) struct LeadingEdges<S: Scalar, const N: usize> {
+    /// Share of the linear suction that they hold.
+    pub held: Column<S, N>,
+    /// Normal force of the vortex over `drag_scale`, m2/s2.
+    pub vortex: Column<S, N>,
 }
 
 impl StripModel {
@@ -98,16 +110,17 @@ impl StripModel {
         dx: &[S],
     ) -> LagSums<S, N> {
         let mut rates = self.lag_sums(&self.lagged(dx), attached);
-        if self.settings.law == LiftLaw::Linear {
-            return rates;
-        }
         let (n, strips) = (self.settings.strips, &flow.strips);
-        let attached_rate = std::array::from_fn(|i| {
-            let state =
-                |k: usize| Dual::<1, S> { re: x[k * n + i.min(n - 1)], eps: [dx[k * n + i.min(n - 1)]] };
-            let held = |speed: G| Dual::<1, S>::constant(S::from(speed));
-            self.attached(held(strips.along[i]), held(strips.wash[i]), state).eps[0]
-        });
+        let attached_rate = match self.settings.law {
+            LiftLaw::Linear => return rates,
+            LiftLaw::Stall => std::array::from_fn(|i| {
+                let state =
+                    |k: usize| Dual::<1, S> { re: x[k * n + i.min(n - 1)], eps: [dx[k * n + i.min(n - 1)]] };
+                let held = |speed: G| Dual::<1, S>::constant(S::from(speed));
+                self.attached(held(strips.along[i]), held(strips.wash[i]), state).eps[0]
+            }),
+            LiftLaw::Lev => self.law_column(dx, 1).map(|rate| -rate),
+        };
         let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
         for i in 0..N {
             rates.circulation[i] += more.circulation[i];
@@ -123,11 +136,24 @@ impl StripModel {
         strips: &Strips<G, N>,
         x: &[S],
     ) -> Column<S, N> {
-        if self.settings.law == LiftLaw::Linear {
-            return [S::ONE; N];
-        }
         let n = self.settings.strips;
-        std::array::from_fn(|i| self.attached(strips.along[i], strips.wash[i], |k| x[k * n + i.min(n - 1)]))
+        match self.settings.law {
+            LiftLaw::Linear => [S::ONE; N],
+            LiftLaw::Stall => std::array::from_fn(|i| {
+                self.attached(strips.along[i], strips.wash[i], |k| x[k * n + i.min(n - 1)])
+            }),
+            LiftLaw::Lev => self.law_column(x, 1).map(|separated| S::ONE - separated),
+        }
+    }
+
+    /// State `k` of the law on each strip, of `x` or its rates; zero beyond the last strip.
+    fn law_column<S: Scalar, const N: usize>(&self, x: &[S], k: usize) -> Column<S, N> {
+        let n = self.settings.strips;
+        let mut column = [S::ZERO; N];
+        for (value, state) in column.iter_mut().zip(&x[self.law_states() + k * n..][..n]) {
+            *value = *state;
+        }
+        column
     }
 
     /// Share of the lift that stays attached at the chordwise speed `along`, the wash of motion
@@ -142,7 +168,7 @@ impl StripModel {
         let lagged2 = weights.fold(S::ZERO, |sum, (k, weight)| sum + state(k).squared() * *weight);
         let wash2 = (lagged2 + wash.squared()) * 0.5;
         let sine2 = wash2 / (wash2 + (along.squared() + self.floor * self.floor));
-        self.settings.law.attached_share(sine2, self.separation_scale)
+        self.polar.attached_share(sine2)
     }
 
     /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
@@ -199,6 +225,9 @@ impl StripModel {
             }
         }
         let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
+        let turning_wash = self.turning_wash(flow, foreign, &sums, &lift_wash);
+        let edges = (self.settings.law == LiftLaw::Lev)
+            .then(|| self.advance_edges(&flow.strips, [&lift_wash, &turning_wash], x, dx));
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
@@ -210,7 +239,8 @@ impl StripModel {
             }
         }
         Response {
-            turning_wash: self.turning_wash(flow, foreign, &sums, &lift_wash),
+            turning_wash,
+            edges,
             circulation: sums.circulation,
             attached,
             wash,
@@ -246,6 +276,40 @@ impl StripModel {
             }
         }
         lift_wash
+    }
+
+    /// Rates of the states of law `lev`, and what the leading edges do. The linear suction over rho c dy / 2 is
+    /// 2 pi cos L [lw W - b q lw + (b q/2)^2], the wash at the edge lw - b q/2; in reversed flow there is none.
+    ///
+    /// Equation: aero.strip.edge_suction
+    fn advance_edges<G: Scalar, S: Over<G>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        [lift_wash, turning_wash]: [&Column<S, N>; 2],
+        x: &[S],
+        dx: &mut [S],
+    ) -> LeadingEdges<S, N> {
+        let (n, at, delta2) = (self.settings.strips, self.law_states(), self.floor * self.floor);
+        let mut edges = LeadingEdges { held: [S::ONE; N], vortex: self.law_column(x, 0) };
+        for i in 0..n {
+            let (along, speed, lw) = (strips.along[i], strips.speed[i], lift_wash[i]);
+            let turn = if self.settings.pitch_suction {
+                strips.pitch[i] * (0.25 * self.tables.chord[i])
+            } else {
+                G::ZERO
+            };
+            let wind2 = lw.squared() + (along.squared() + delta2);
+            let forward = suction_share(wind2.sqrt().recip() * along);
+            let square = lw * (turning_wash[i] - turn * 2.0) + turn.squared();
+            let suction = square * forward * self.tables.edge_slope[i];
+            let edge = lev::edge(&self.polar, suction, lw - turn, speed.squared(), self.floor);
+            edges.held[i] = edge.held;
+            let states = [edges.vortex[i], x[at + n + i]];
+            let rate = speed * (0.5 * self.tables.turnover[i]);
+            [dx[at + i], dx[at + n + i]] =
+                lev::rates(&self.polar, states, edge.lost, lw.squared() / wind2, rate);
+        }
+        edges
     }
 
     /// W = lw + (T - R)(2/3 Y + 1/3 Gamma): the wash that turns the force takes the trailing

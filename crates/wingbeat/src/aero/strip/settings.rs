@@ -3,7 +3,7 @@
 
 use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
 use crate::Error;
-use crate::aero::law::check_stall_angle;
+use crate::aero::law::{CD0, CD90, CRITICAL_SUCTION, STALL_ANGLE, check_section};
 use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
 use crate::require;
 use serde::{Deserialize, Serialize};
@@ -58,11 +58,15 @@ pub struct StripSettings {
     pub added_mass: bool,
     /// Moment of the pitching section beyond the added-mass force.
     pub section_moment: bool,
+    /// Leading-edge suction that the section's rate of pitch adds.
+    pub pitch_suction: bool,
     /// Lift law.
     pub law: LiftLaw,
-    /// Incidence beyond which the wing counts as stalled, rad; law `stall`
-    /// has its largest attached lift there.
+    /// Incidence beyond which the wing counts as stalled, rad; laws `stall` and
+    /// `lev` have their largest attached lift there.
     pub stall_angle_rad: f64,
+    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction; law `lev`.
+    pub critical_suction: f64,
     /// Profile drag.
     pub drag: ProfileDrag,
 }
@@ -81,9 +85,11 @@ impl Default for StripSettings {
             force_tilt: true,
             added_mass: true,
             section_moment: true,
+            pitch_suction: true,
             law: LiftLaw::Linear,
-            stall_angle_rad: 12_f64.to_radians(),
-            drag: ProfileDrag { cd0: 0.05, cd90: 2.0 },
+            stall_angle_rad: STALL_ANGLE.default.to_radians(),
+            critical_suction: CRITICAL_SUCTION.default,
+            drag: ProfileDrag { cd0: CD0.default, cd90: CD90.default },
         }
     }
 }
@@ -97,7 +103,7 @@ impl StripSettings {
             [("density_kg_m3", self.density_kg_m3), ("regularisation_m_s", self.regularisation_m_s)];
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
         self.drag.check()?;
-        check_stall_angle(self.stall_angle_rad)?;
+        check_section(self.stall_angle_rad, self.critical_suction)?;
         Ok(())
     }
 }

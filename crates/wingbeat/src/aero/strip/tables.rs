@@ -34,6 +34,8 @@ pub(super) struct Tables {
     pub lift_scale: Table,
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
     pub drag_scale: Table,
+    /// Leading-edge suction over wash squared and `drag_scale`: 2 pi cos(sweep).
+    pub edge_slope: Table,
     /// Share of the wing's area.
     pub share: Table,
     /// Added mass as part of an infinite wing, kg.
@@ -67,6 +69,7 @@ impl Tables {
             own_ring: repeated(&|i| 1.0 / (PI * chord[i] * cos[i]) + 2.0 / (PI * chord[i] * cos34[i])),
             lift_scale: scale(&|i| PI * chord[i] * cos[i]),
             drag_scale: scale(&|i| 0.5 * chord[i]),
+            edge_slope: carried(&|i| 2.0 * PI * cos[i]),
             share: std::array::from_fn(|i| {
                 if i > last || !grid.covered[i] { 0.0 } else { chord[i] * grid.width[i] / area }
             }),

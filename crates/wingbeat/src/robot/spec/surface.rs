@@ -1,7 +1,7 @@
 //! Lifting surfaces.
 
 use crate::Error;
-use crate::aero::{Gap, Planform, PlanformStation, Span};
+use crate::aero::{Gap, Planform, PlanformStation, SectionSpec, Span};
 use crate::require::{finite, not_negative};
 use serde::{Deserialize, Serialize};
 
@@ -18,9 +18,13 @@ pub struct SurfaceSpec {
     /// Profile drag coefficient along the wind at zero incidence.
     #[serde(default)]
     pub cd0: f64,
-    /// Additional drag coefficient broadside to the wind.
-    #[serde(default)]
-    pub cd90: f64,
+    /// Additional drag coefficient broadside to the wind; where not given 0 under law `linear`, that of a flat
+    /// plate under laws that separate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cd90: Option<f64>,
+    /// What laws `stall` and `lev` need of its section, where it differs from the scenario's.
+    #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
+    pub section: SectionSpec,
     /// Strips, or nodes of preset `paper`; those of the scenario where not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strips: Option<usize>,
@@ -68,7 +72,8 @@ impl SurfaceSpec {
 
     pub(super) fn check(&self) -> Result<(), Error> {
         not_negative("cd0", self.cd0)?;
-        not_negative("cd90", self.cd90)?;
+        self.cd90.map_or(Ok(()), |cd90| not_negative("cd90", cd90))?;
+        self.section.check().map_err(|e| e.within("section"))?;
         finite("planform_shift_m", &[self.planform_shift_m])?;
         if self.panels.is_empty() {
             return Err(Error::invalid("panels", "[]", "at least one panel"));

@@ -2,7 +2,7 @@
 
 use super::CapsuleSpec;
 use crate::Error;
-use crate::aero::{Gap, Planform, PlanformStation};
+use crate::aero::{Gap, Planform, PlanformStation, SectionSpec};
 use crate::require::{finite, not_negative, positive, principal_inertias};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +16,9 @@ pub struct WingSpec {
     pub cd0: f64,
     /// Additional drag coefficient broadside to the wind.
     pub cd90: f64,
+    /// What laws `stall` and `lev` need of its section, where it differs from the scenario's.
+    #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
+    pub section: SectionSpec,
     /// Shift of the planform along x against the hinge line, m.
     #[serde(default)]
     pub planform_shift_m: f64,
@@ -59,6 +62,7 @@ impl WingSpec {
         finite("planform_shift_m", &[self.planform_shift_m])?;
         not_negative("cd0", self.cd0)?;
         not_negative("cd90", self.cd90)?;
+        self.section.check().map_err(|e| e.within("section"))?;
         self.proximal.check().map_err(|e| e.within("proximal"))?;
         self.distal.check().map_err(|e| e.within("distal"))?;
         let span = self.shoulder_m[1] + self.proximal.length_m + self.distal.length_m;

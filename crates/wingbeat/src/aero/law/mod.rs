@@ -1,0 +1,246 @@
+//! Section laws: what becomes of lift and suction as the incidence grows, and the profile drag.
+//!
+//! A law is one file here and one arm of [`LiftLaw`]. Beside its physics the file declares as data what the law is,
+//! which parameters of the section it asks for and which states each strip carries for it; configurations, records
+//! and pages read it there.
+
+mod drag;
+pub(super) mod lev;
+mod linear;
+mod stall;
+
+pub use drag::ProfileDrag;
+
+use crate::Error;
+use crate::math::Scalar;
+use std::f64::consts::FRAC_PI_2;
+
+/// What becomes of the attached lift as the incidence grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LiftLaw {
+    /// Lift proportional to the wash at any incidence: the paper's law, which
+    /// knows no stall. Valid below the stall angle.
+    Linear,
+    /// Flat, thin wing at low Reynolds number (1e3 to 1e5): the attached lift
+    /// fades with the flow's separation and the normal force of a plate in
+    /// separated flow takes its place (Hoerner 1965, ch. 3; Dickinson, Lehmann
+    /// & Sane 1999). Quasi-steady: no dynamic-stall vortex is shed, so it errs
+    /// where the incidence crosses the stall angle faster than about a chord
+    /// of travel, and at thick or strongly cambered sections.
+    Stall,
+    /// The leading edge holds suction up to its critical parameter; what it loses
+    /// becomes the normal force of a leading-edge vortex, and separation lags behind
+    /// the effective incidence (Polhamus 1966; Goman & Khrabrov 1994; Ramesh et al.
+    /// 2014). Two states per strip.
+    Lev,
+}
+
+/// What a law is, as data.
+#[derive(Debug)]
+pub struct Law {
+    /// Name as written in configurations and results.
+    pub name: &'static str,
+    /// What it says, in one line.
+    pub meaning: &'static str,
+    /// What it asks of the section.
+    pub parameters: &'static [Parameter],
+    /// What each strip carries for it, in order.
+    pub states: &'static [StripState],
+}
+
+/// A number of the section that a law asks for.
+#[derive(Debug)]
+pub struct Parameter {
+    /// Key in configurations.
+    pub key: &'static str,
+    /// Unit; empty when dimensionless.
+    pub unit: &'static str,
+    /// Least value; not itself allowed where `high` is finite.
+    pub low: f64,
+    /// Bound above, not itself allowed.
+    pub high: f64,
+    /// Value where none is given: a thin, flat plate at Reynolds numbers of 1e3 to 1e5.
+    pub default: f64,
+    /// What it is.
+    pub meaning: &'static str,
+    /// Where the default comes from.
+    pub source: &'static str,
+}
+
+/// A state that a law adds to every strip.
+#[derive(Debug)]
+pub struct StripState {
+    /// Name; the number of the strip follows.
+    pub name: &'static str,
+    /// Unit; empty when dimensionless.
+    pub unit: &'static str,
+}
+
+/// Incidence at which the attached lift is largest.
+pub const STALL_ANGLE: Parameter = Parameter {
+    key: "stall_angle_deg",
+    unit: "deg",
+    low: 0.0,
+    high: 90.0,
+    default: 12.0,
+    meaning: "incidence at which the attached lift is largest",
+    source: "Mueller 1999, flat plates at 1e4",
+};
+
+/// Leading-edge suction parameter A0 beyond which the leading edge holds no more suction.
+pub const CRITICAL_SUCTION: Parameter = Parameter {
+    key: "critical_suction",
+    unit: "",
+    low: 0.0,
+    high: 1.0,
+    default: 0.11,
+    meaning: "leading-edge suction parameter A0 beyond which the leading edge holds no more suction",
+    source: "Ramesh et al. 2014, flat plate at 1e3 to 1e4",
+};
+
+/// Drag coefficient of skin friction.
+pub const CD0: Parameter = Parameter {
+    key: "cd0",
+    unit: "",
+    low: 0.0,
+    high: f64::INFINITY,
+    default: 0.05,
+    meaning: "drag coefficient along the wind at no incidence",
+    source: "laminar plate, both sides, 2.66/sqrt(Re) at 3e3",
+};
+
+/// Drag coefficient of the plate broadside on.
+pub const CD90: Parameter = Parameter {
+    key: "cd90",
+    unit: "",
+    low: 0.0,
+    high: f64::INFINITY,
+    default: 2.0,
+    meaning: "drag coefficient broadside on",
+    source: "Hoerner 1965, ch. 3, infinite plate 1.98",
+};
+
+impl Parameter {
+    /// Refuses `value` outside the range, under the parameter's key.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub fn check(&self, value: f64) -> Result<(), Error> {
+        match self.high.is_finite() {
+            true => crate::require::inside(self.key, value, self.low, self.high),
+            false => crate::require::not_negative(self.key, value),
+        }
+    }
+}
+
+impl LiftLaw {
+    /// All laws.
+    pub const ALL: [Self; 3] = [Self::Linear, Self::Stall, Self::Lev];
+
+    /// What the law is, as data.
+    pub const fn about(self) -> &'static Law {
+        match self {
+            Self::Linear => &linear::LAW,
+            Self::Stall => &stall::LAW,
+            Self::Lev => &lev::LAW,
+        }
+    }
+
+    /// Name as written in configurations and results.
+    pub fn name(self) -> &'static str {
+        self.about().name
+    }
+
+    /// What each strip carries for it.
+    pub fn states(self) -> &'static [StripState] {
+        self.about().states
+    }
+
+    /// True when the flow separates under it, so that it takes the force broadside from `cd90`.
+    pub fn separates(self) -> bool {
+        self != Self::Linear
+    }
+}
+
+/// What a surface says of its section; what it leaves out the scenario says for all surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SectionSpec {
+    /// Incidence at which the attached lift is largest, deg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stall_angle_deg: Option<f64>,
+    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub critical_suction: Option<f64>,
+}
+
+impl SectionSpec {
+    /// Refuses values outside the ranges that the laws declare.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub fn check(&self) -> Result<(), Error> {
+        let given = [(&STALL_ANGLE, self.stall_angle_deg), (&CRITICAL_SUCTION, self.critical_suction)];
+        given.iter().try_for_each(|(parameter, value)| value.map_or(Ok(()), |value| parameter.check(value)))
+    }
+
+    /// True when nothing is said.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A law with the constants of a section, ready for the inner loops.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polar {
+    law: LiftLaw,
+    /// Fourth power of 1/sine at which half of the lift stays attached.
+    separation: f64,
+    /// One over the largest suction coefficient, 1/(2 pi A0c^2).
+    inverse_limit: f64,
+}
+
+impl Polar {
+    pub fn new(law: LiftLaw, stall_angle_rad: f64, critical_suction: f64) -> Self {
+        let limit = std::f64::consts::TAU * critical_suction * critical_suction;
+        Self { law, separation: stall::scale(stall_angle_rad), inverse_limit: limit.recip() }
+    }
+
+    /// Share of the lift that stays attached, or would if the flow had time, from the squared sine of the
+    /// effective incidence.
+    #[inline]
+    pub fn attached_share<S: Scalar>(&self, sine_squared: S) -> S {
+        match self.law {
+            LiftLaw::Linear => S::ONE,
+            LiftLaw::Stall | LiftLaw::Lev => stall::attached_share(sine_squared, self.separation),
+        }
+    }
+}
+
+/// Refuses stall angles outside (0, pi/2), rad, and critical suction parameters outside their range.
+pub(super) fn check_section(stall_angle_rad: f64, critical_suction: f64) -> Result<(), Error> {
+    CRITICAL_SUCTION.check(critical_suction)?;
+    if stall_angle_rad > 0.0 && stall_angle_rad < FRAC_PI_2 {
+        return Ok(());
+    }
+    Err(Error::invalid("stall_angle_rad", stall_angle_rad, "between 0 and pi/2"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn laws_say_what_they_are() {
+        for law in LiftLaw::ALL {
+            let about = law.about();
+            assert_eq!(toml::Value::try_from(law).unwrap().as_str(), Some(about.name));
+            for p in about.parameters {
+                p.check(p.default).unwrap();
+                assert!(p.check(p.low - 1e-9).is_err() && p.check(f64::NAN).is_err(), "{}", p.key);
+                assert!(!p.meaning.is_empty() && !p.source.is_empty());
+            }
+        }
+    }
+}
