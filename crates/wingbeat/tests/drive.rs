@@ -119,9 +119,9 @@ fn build(text: &str, full: bool, density: f64) -> Result<Robot, wingbeat::Error>
         if full {
             let settings = StripSettings {
                 strips: outline.strips.unwrap_or(14),
-                hinge_arcs_m: outline.hinges,
+                hinge_arcs_m: outline.hinges.clone(),
                 density_kg_m3: density,
-                drag: outline.drag,
+                drag: outline.drag(LiftLaw::Linear),
                 ..StripSettings::default()
             };
             Aero::Strip(StripModel::new(&outline.planform, settings).unwrap())
@@ -129,7 +129,7 @@ fn build(text: &str, full: bool, density: f64) -> Result<Robot, wingbeat::Error>
             let settings = LiftingLineSettings {
                 density_kg_m3: density,
                 law: LiftLaw::Stall,
-                drag: outline.drag,
+                drag: outline.drag(LiftLaw::Stall),
                 ..LiftingLineSettings::default()
             };
             Aero::LiftingLine(LiftingLine::new(&outline.planform, settings).unwrap())
