@@ -19,7 +19,8 @@ pub use small::{Point, SpanLoading, other_points, plunge_points, slope_points, s
 
 use crate::{Case, Error, Row};
 use wingbeat::aero::{
-    Aero, CD0, CD90, CRITICAL_SUCTION, LagSet, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, STALL_ANGLE, StripModel, StripSettings,
+    Aero, CD0, CD90, CRITICAL_SUCTION, LagSet, LiftLaw, LiftingLine, LiftingLineSettings, Planform,
+    ProfileDrag, STALL_ANGLE, StripModel, StripSettings,
 };
 
 /// The comparisons.

@@ -84,7 +84,7 @@ mod tests {
         let limit = TAU * 0.04 * 9.0;
         let mut last = 0.0;
         for k in 0..400 {
-            let suction = 0.01 * f64::from(k);
+            let suction = 0.03 * f64::from(k);
             let Edge { held, lost } = edge(&polar, suction, -1.0, 9.0, 1e-9);
             assert!(held * suction >= last && held * suction <= limit);
             assert!((held * suction - lost - suction).abs() < 1e-12);
