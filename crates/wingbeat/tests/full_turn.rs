@@ -89,7 +89,7 @@ fn the_rates_of_a_mirror_image_are_the_mirror_image_of_the_rates() {
 
 #[test]
 fn a_symmetric_flight_stays_symmetric() {
-    let record = fly(&["flight.duration_s=1.0"]);
+    let record = fly(&["flight.duration_s=1.0", "manoeuvre.turn_start_s=2.0"]);
     let roll = record.values("roll").unwrap();
     let largest = roll.iter().fold(0.0_f64, |m, v| m.max(v.abs())).to_degrees();
     assert!(largest <= 1e-9, "{largest} deg");
