@@ -11,7 +11,8 @@ pub(crate) mod wings;
 mod yeo;
 
 pub use flapping::{
-    Comparison, E1, F2, added_mass_lift, last_cycle, lattice_lift, oracle_series, reduced_frequency, small_flap_lift,
+    Comparison, E1, F2, added_mass_lift, last_cycle, lattice_lift, oracle_series, reduced_frequency,
+    small_flap_lift,
 };
 pub use linear::Complex;
 pub use mean::{STATIC_DRAG, Thrust, induced_over_trefftz, scherer_points, scherer_thrust};

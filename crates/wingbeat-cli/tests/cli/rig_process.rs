@@ -196,7 +196,7 @@ fn bad_input_is_one_message_and_no_folder() {
             "process.window_s=[0.5, 0.6]",
             &["process.window_s = 0.35 cycles", "at least one whole cycle"],
         ),
-        ("saturated.parquet", "seed=1", &["unknown key seed"]),
+        ("saturated.parquet", "frequency=1", &["unknown key frequency"]),
         (
             "saturated.parquet",
             "process.bins=100",

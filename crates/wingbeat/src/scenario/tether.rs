@@ -207,21 +207,23 @@ impl TetherCase {
     }
 }
 
-/// The largest change of a mean, forces and moments each by the largest of their kind.
-fn change(fine: &[CycleMean], coarse: &[CycleMean]) -> f64 {
+/// The largest change of a mean between two runs, forces and moments each by the largest of their kind, in the run
+/// where that is smaller: the other may have grown without bound.
+fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
     let of = |kind: &str| {
-        let pairs = || fine.iter().zip(coarse).filter(|(row, _)| row.name.starts_with(kind));
-        let scale = pairs().map(|(row, _)| row.low.abs().max(row.high.abs())).fold(0.0, f64::max);
-        let worst = pairs().map(|(a, b)| (a.mean - b.mean).abs()).fold(0.0, |a: f64, b| {
-            if b >= a {
-                b
-            } else if b.is_nan() {
-                b
-            } else {
-                a
-            }
-        });
-        if scale > 0.0 { worst / scale } else { 0.0 }
+        let rows = |means: &[CycleMean]| -> Vec<CycleMean> {
+            means.iter().filter(|row| row.name.starts_with(kind)).cloned().collect()
+        };
+        let (one, other) = (rows(one), rows(other));
+        let largest =
+            |rows: &[CycleMean]| rows.iter().map(|r| r.low.abs().max(r.high.abs())).fold(0.0, f64::max);
+        let scale = largest(&one).min(largest(&other));
+        let apart: Vec<f64> = one.iter().zip(&other).map(|(a, b)| (a.mean - b.mean).abs()).collect();
+        match apart.iter().any(|apart| apart.is_nan()) {
+            true => f64::NAN,
+            false if scale > 0.0 => apart.into_iter().fold(0.0, f64::max) / scale,
+            false => 0.0,
+        }
     };
     let (force, moment) = (of("force_wind_"), of("moment_"));
     if force.is_nan() || moment.is_nan() { f64::NAN } else { force.max(moment) }
@@ -336,5 +338,27 @@ impl WindSpec {
         let (up, level) = self.incidence_deg.to_radians().sin_cos();
         let (side, ahead) = self.sideslip_deg.to_radians().sin_cos();
         Vec3::new(-level * ahead, -level * side, up) * self.speed_m_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_grew_without_bound_is_far_from_one_that_did_not() {
+        let row = |name: &str, mean: f64, high: f64| CycleMean {
+            name: name.into(),
+            unit: "N".into(),
+            mean,
+            low: 0.0,
+            high,
+        };
+        let good = [row("force_wind_lift", 1.0, 2.0), row("moment_y", 0.1, 0.2)];
+        let near = [row("force_wind_lift", 1.01, 2.0), row("moment_y", 0.1, 0.2)];
+        let wild = [row("force_wind_lift", 3e32, 3e33), row("moment_y", 0.1, 0.2)];
+        assert!((change(&good, &near) - 0.005).abs() < 1e-12);
+        assert!(change(&wild, &good) > 1e30 && change(&good, &wild) > 1e30);
+        assert!(change(&good, &[row("force_wind_lift", f64::NAN, 2.0), row("moment_y", 0.1, 0.2)]).is_nan());
     }
 }

@@ -9,6 +9,7 @@ use super::runs::{GLIDE, HOLD};
 const TURN: &str = "{root}/scenarios/banking_turn.toml";
 const STEP: &str = "{root}/cases/step.toml";
 const STAND: &str = "{root}/cases/aerobat_stand.toml";
+const FOLD: &str = "{root}/cases/flap_fold.toml";
 const FLAP: &str = "{root}/cases/flap_f1.toml";
 const BANK: &str = "{root}/rigs/runs/roll15_speed08.toml";
 
@@ -145,11 +146,9 @@ fn statuses() -> Vec<Case> {
             "step_too_coarse",
             &[
                 "fly",
-                "glide.toml",
+                "{root}/scenarios/motor_flapper.toml",
                 "--set",
-                "flight.step_s=1e-2",
-                "--set",
-                "flight.duration_s=5",
+                "flight.step_s=5e-3",
                 "--set",
                 "flight.record_every_s=1e-2",
             ],
@@ -169,6 +168,9 @@ fn statuses() -> Vec<Case> {
         })
         .long(),
         summed("tether_10_steps", &["tether", STAND, "--set", "time.steps_per_cycle=10"], 3, |s| {
+            when(s["status"] == "not_resolved" && warns(s, "time.steps_per_cycle"), "status")
+        }),
+        summed("tether_8_steps", &["tether", FOLD, "--set", "time.steps_per_cycle=8"], 3, |s| {
             when(s["status"] == "not_resolved" && warns(s, "time.steps_per_cycle"), "status")
         }),
         summed("tether_20_steps", &["tether", STAND, "--set", "time.steps_per_cycle=20"], 0, |s| {

@@ -54,7 +54,8 @@ pub fn largest(path: &str) -> f64 {
 pub fn text_of(path: &Path) -> io::Result<String> {
     let pipe = ["/dev/stdin", "/dev/fd", "/proc/self/fd"].iter().any(|pipes| path.starts_with(pipes));
     let data = std::fs::metadata(path)?;
-    if !data.is_file() && !(pipe && !data.is_dir()) {
+    let is_text = data.is_file() || (pipe && !data.is_dir());
+    if !is_text {
         return Err(io::Error::other("not a regular file"));
     }
     let mut bytes = Vec::new();
