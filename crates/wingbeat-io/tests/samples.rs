@@ -132,7 +132,7 @@ fn what_is_missing_is_named_with_what_to_do() {
         ("named.csv", "columns.F = \"up\"", &["process.input.columns.F", "Fx, Fy"]),
         ("named.csv", "rate_hz = -1.0", &["rate_hz = -1", "above 0"]),
         ("counts.mat", "units.force = \"counts\"\ncolumns.Fx = \"counts[0]\"", &["counts_per_newton"]),
-        ("make.py", "", &["line 2: 1 columns; the header has 3"]),
+        ("make.py", "", &["line 3: 1 columns; the header has 3"]),
     ] {
         let message = import(name, with).unwrap_err();
         assert!(message.contains(name), "{message}");

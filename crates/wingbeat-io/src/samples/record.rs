@@ -51,12 +51,16 @@ impl Table {
     /// A channel without column or unit, one with several, columns of different length, time that goes back.
     pub fn import(mut self, input: &InputSpec) -> Result<Imported, Error> {
         self.check_mapping(input)?;
-        let mut used = Vec::new();
-        for known in &SIX {
-            used.push((known, self.find(known, input)?.ok_or_else(|| self.no_column(known.name))?));
-        }
-        for known in &OTHERS {
-            used.extend(self.find(known, input)?.map(|column| (known, column)));
+        let (mut used, mut factors) = (Vec::new(), Vec::new());
+        for known in SIX.iter().chain(&OTHERS) {
+            let found = self.find(known, input)?;
+            if used.len() < SIX.len() && found.is_none() {
+                return Err(self.no_column(known.name));
+            }
+            if let Some(column) = found {
+                factors.push(self.to_si(&self.columns[column], known, input)?);
+                used.push((known, column));
+            }
         }
         let by_name: Vec<(&str, usize)> = used.iter().map(|(known, column)| (known.name, *column)).collect();
         self.check_used_once(&by_name)?;
@@ -65,8 +69,6 @@ impl Table {
         }
         let rows = self.columns[used[0].1].values.len();
         self.check_lengths(used.iter().map(|(_, column)| &self.columns[*column]), rows)?;
-        let factors = used.iter().map(|(known, column)| self.to_si(&self.columns[*column], known, input));
-        let factors = factors.collect::<Result<Vec<f64>, _>>()?;
         let (grid, cautions) = self.grid(input, rows)?;
         let columns = self.taken(&used, &factors, input, rows);
         on_grid(columns, &grid, input, Import { layout: self.layout.into(), cautions, ..Import::default() })
