@@ -302,7 +302,8 @@ mod tests {
 
     /// Status of a recording of `seconds` with so many records of 7 kHz, none of them booked as missing.
     fn status(seconds: f64, records: u64, rate: f64, tail: f64) -> Option<&'static str> {
-        let account = Account { received: records, ..Account::default() };
+        let mut account = Account::default();
+        account.received = records;
         let report = report(rate, tail);
         ByClock::of(&report, &account, Some(7000.0), seconds, true).verdict(&report).map(|(status, _)| status)
     }
