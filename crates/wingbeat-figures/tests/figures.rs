@@ -110,7 +110,14 @@ fn every_figure_names_its_axes_and_curves() {
     let expected: [(Figure, &[&str]); 4] = [
         (
             states(&record, None).unwrap(),
-            &["roll and pitch [°]", "heading [°]", "position [m]", "elbow angle [°]", "time [s]", "references"],
+            &[
+                "roll and pitch [°]",
+                "heading [°]",
+                "position [m]",
+                "elbow angle [°]",
+                "time [s]",
+                "references",
+            ],
         ),
         (commands(&record).unwrap(), &["shoulder [rad]", "elbow [rad]", "left, response"]),
         (forces(&record).unwrap(), &["upward force [N]", "added mass", "air, total", "cycles of 0.286 s"]),

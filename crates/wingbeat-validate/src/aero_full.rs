@@ -11,7 +11,8 @@ pub(crate) mod wings;
 mod yeo;
 
 pub use flapping::{
-    Comparison, E1, F2, added_mass_lift, last_cycle, lattice_lift, oracle_series, reduced_frequency, small_flap_lift,
+    Comparison, E1, F2, added_mass_lift, last_cycle, lattice_lift, oracle_series, reduced_frequency,
+    small_flap_lift,
 };
 pub use linear::Complex;
 pub use mean::{STATIC_DRAG, Thrust, induced_over_trefftz, scherer_points, scherer_thrust};
@@ -19,7 +20,8 @@ pub use small::{Point, SpanLoading, other_points, plunge_points, slope_points, s
 
 use crate::{Case, Error, Row};
 use wingbeat::aero::{
-    Aero, CD0, CD90, CRITICAL_SUCTION, LagSet, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, STALL_ANGLE, StripModel, StripSettings,
+    Aero, CD0, CD90, CRITICAL_SUCTION, LagSet, LiftLaw, LiftingLine, LiftingLineSettings, Planform,
+    ProfileDrag, STALL_ANGLE, StripModel, StripSettings,
 };
 
 /// The comparisons.

@@ -85,7 +85,8 @@ fn strips() -> Result<Vec<Row>, Error> {
         let rms = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
         let moved = rms(&middle, &fine) / rms(&fine, &vec![0.0; fine.len()]);
         let order = (rms(&coarse, &middle) / rms(&middle, &fine)).log2();
-        let metric = format!("{name}: lift with 16 against 32 strips, rms over rms; observed order {order:.2}");
+        let metric =
+            format!("{name}: lift with 16 against 32 strips, rms over rms; observed order {order:.2}");
         let id = format!("aero.convergence.strips.{name}");
         rows.push(Row::shown(&id, "own doubled strips", &metric, moved, ""));
     }

@@ -1,8 +1,8 @@
 //! Mean forces: induced drag against the Trefftz plane, and measured thrust.
 
-use super::{Preset, STRIPS, Section};
 use super::thrust::{Waving, mean_thrust};
 use super::wings::{self, Still, rectangle};
+use super::{Preset, STRIPS, Section};
 use crate::{Error, Row, reference_table};
 use std::f64::consts::PI;
 use wingbeat::aero::Loads;
@@ -185,9 +185,18 @@ pub fn scherer_lev() -> Result<Vec<Row>, Error> {
     }
     for stall in [12.0, 15.0, 17.5, 20.0, 90.0] {
         for a0c in [0.22, 0.24, 0.26, 0.28, 0.30] {
-            if std::env::var("GDBG").is_err() { continue; }
-            let points = points_of(Preset::Full, Section { stall_angle_deg: f64::min(stall, 89.9), critical_suction: a0c, ..section })?;
-            eprintln!("stall {stall} a0c {a0c}: {:.4} {:.4}", mean_error(&points, STATIC_DRAG), mean_error(&points, SCHERER_DRAG));
+            if std::env::var("GDBG").is_err() {
+                continue;
+            }
+            let points = points_of(
+                Preset::Full,
+                Section { stall_angle_deg: f64::min(stall, 89.9), critical_suction: a0c, ..section },
+            )?;
+            eprintln!(
+                "stall {stall} a0c {a0c}: {:.4} {:.4}",
+                mean_error(&points, STATIC_DRAG),
+                mean_error(&points, SCHERER_DRAG)
+            );
         }
     }
     for (name, preset) in [(".five_lags", Preset::FiveLags), (".paper", Preset::Paper)] {

@@ -119,14 +119,14 @@ fn garrick(k: f64, c_k: Complex, small: Small) -> (f64, f64) {
     let rate = (0.0, 2.0 * k);
     let (down, turn) = (times(rate, small.heave), times(rate, (small.pitch, 0.0)));
     // Wash at the chord fraction x: incidence, less the speed up, with the way of the pitching.
-    let wash = |x: f64| (small.pitch - down.0 + turn.0 * (x - small.axis), turn.1 * (x - small.axis) - down.1);
+    let wash =
+        |x: f64| (small.pitch - down.0 + turn.0 * (x - small.axis), turn.1 * (x - small.axis) - down.1);
     let circulatory = times(c_k, wash(0.75));
     let edge = (circulatory.0 - 0.25 * turn.0, circulatory.1 - 0.25 * turn.1);
     let carried = times(rate, wash(0.5)).0 * PI / 4.0;
     let suction = 0.5 * PI * (edge.0 * edge.0 + edge.1 * edge.1);
     (suction - 0.5 * small.pitch * (PI * circulatory.0 + carried), suction)
 }
-
 
 /// Reduced frequencies of the comparisons with Garrick.
 const FREQUENCIES: [f64; 6] = [0.1, 0.2, 0.3, 0.5, 0.8, 1.0];
@@ -147,7 +147,8 @@ fn jones(k: f64) -> Complex {
         let scale = psi * k / (k * k + eps * eps);
         (scale * k, scale * eps)
     };
-    let sum = JONES_WEIGHTS.iter().zip(&JONES_RATES).map(term).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+    let sum =
+        JONES_WEIGHTS.iter().zip(&JONES_RATES).map(term).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
     (1.0 - sum.0, -sum.1)
 }
 

@@ -148,8 +148,7 @@ fn strips(preset: Preset, section: Section, flapping: Flapping) -> Result<Vec<St
     let aero = preset.model_with(section, STRIPS, &planform, &[], DENSITY, 0.02)?;
     let zero = Coordinate::Constant(0.0);
     let flap = flap(flapping)?;
-    let hinge =
-        Hinge { kind: HingeKind::Flap, side: Side::Both, arc_m: 0.0, to_arc_m: None, ahead_m: 0.0 };
+    let hinge = Hinge { kind: HingeKind::Flap, side: Side::Both, arc_m: 0.0, to_arc_m: None, ahead_m: 0.0 };
     let (arcs, widths) = (aero.strip_arcs().to_vec(), aero.widths().to_vec());
     let tether = Tether {
         aero,
@@ -243,22 +242,62 @@ pub fn yeo() -> Result<Vec<Row>, Error> {
     let error = mean_free_error(&model, &measured);
     let gain_error = (gain(&model, &measured) - 1.0).abs();
     if std::env::var("GDBG").is_ok() {
-        for (name, section) in [("lev", Section::PLATE), ("lin", Section::PLATE.linear()), ("stall", Section::PLATE.stall()), ("a.09", Section { critical_suction: 0.09, ..Section::PLATE }), ("a.13", Section { critical_suction: 0.13, ..Section::PLATE }), ("st90", Section { stall_angle_deg: 89.0, ..Section::PLATE }), ("st9", Section { stall_angle_deg: 9.0, ..Section::PLATE })] {
-            for (m, flapping) in [("pub", Flapping::Published), ("m1", Flapping::Measured(1)), ("m2", Flapping::Measured(2)), ("m3", Flapping::Measured(3)), ("m4", Flapping::Measured(4))] {
+        for (name, section) in [
+            ("lev", Section::PLATE),
+            ("lin", Section::PLATE.linear()),
+            ("stall", Section::PLATE.stall()),
+            ("a.09", Section { critical_suction: 0.09, ..Section::PLATE }),
+            ("a.13", Section { critical_suction: 0.13, ..Section::PLATE }),
+            ("st90", Section { stall_angle_deg: 89.0, ..Section::PLATE }),
+            ("st9", Section { stall_angle_deg: 9.0, ..Section::PLATE }),
+        ] {
+            for (m, flapping) in [
+                ("pub", Flapping::Published),
+                ("m1", Flapping::Measured(1)),
+                ("m2", Flapping::Measured(2)),
+                ("m3", Flapping::Measured(3)),
+                ("m4", Flapping::Measured(4)),
+            ] {
                 let all = strips(Preset::Full, section, flapping)?;
                 let (a, b) = (sum_of(&all, |s| &s.model), sum_of(&all, |s| &s.measured));
                 let mean = |v: &Vec<f64>| v.iter().sum::<f64>() / v.len() as f64;
                 let g = gain(&a, &b);
                 let scaled: Vec<f64> = a.iter().map(|x| x * g).collect();
                 let raw = a.iter().zip(&b).map(|(x, y)| (x - y).abs()).sum::<f64>() / a.len() as f64;
-                eprintln!("{name} {m}: {:.5} gain {g:.3} after gain {:.5} raw {raw:.5} means {:.4} {:.4}", mean_free_error(&a, &b), mean_free_error(&scaled, &b), mean(&a), mean(&b));
-                if m == "pub" || m == "m4" { eprintln!("{:.3?}\n{:.3?}", a.iter().step_by(5).collect::<Vec<_>>(), b.iter().step_by(5).collect::<Vec<_>>()); }
+                eprintln!(
+                    "{name} {m}: {:.5} gain {g:.3} after gain {:.5} raw {raw:.5} means {:.4} {:.4}",
+                    mean_free_error(&a, &b),
+                    mean_free_error(&scaled, &b),
+                    mean(&a),
+                    mean(&b)
+                );
+                if m == "pub" || m == "m4" {
+                    eprintln!(
+                        "{:.3?}\n{:.3?}",
+                        a.iter().step_by(5).collect::<Vec<_>>(),
+                        b.iter().step_by(5).collect::<Vec<_>>()
+                    );
+                }
             }
         }
     }
     let mut rows = vec![
-        Row::judged("aero.yeo.lift", source, "mean |error| of lift at nine taps, without means", error, 0.006, "N"),
-        Row::judged("aero.yeo.gain", source, "|measured over modelled lift - 1|, without means", gain_error, 0.1, ""),
+        Row::judged(
+            "aero.yeo.lift",
+            source,
+            "mean |error| of lift at nine taps, without means",
+            error,
+            0.006,
+            "N",
+        ),
+        Row::judged(
+            "aero.yeo.gain",
+            source,
+            "|measured over modelled lift - 1|, without means",
+            gain_error,
+            0.1,
+            "",
+        ),
     ];
     for ((name, _), strip) in STRIPS_OF_TAPS.iter().zip(&own) {
         let metric = format!("the same at the {name} strip, gain {:.2}", gain(&strip.model, &strip.measured));
@@ -275,7 +314,16 @@ pub fn yeo() -> Result<Vec<Row>, Error> {
     }
     let other = strips(Preset::Full, Section::PLATE, Flapping::Measured(HARMONICS))?;
     let model = sum_of(&other, |s| &s.model);
-    let metric = format!("the same with the measured angle's {HARMONICS} harmonics, gain {:.2}", gain(&model, &measured));
-    rows.push(Row::shown("aero.yeo.measured_angle", source, &metric, mean_free_error(&model, &measured), "N"));
+    let metric = format!(
+        "the same with the measured angle's {HARMONICS} harmonics, gain {:.2}",
+        gain(&model, &measured)
+    );
+    rows.push(Row::shown(
+        "aero.yeo.measured_angle",
+        source,
+        &metric,
+        mean_free_error(&model, &measured),
+        "N",
+    ));
     Ok(rows)
 }

@@ -11,7 +11,9 @@ mod strip;
 mod surfaces;
 
 pub use crate::math::Wrench;
-pub use law::{CD0, CD90, CRITICAL_SUCTION, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE, SectionSpec, StripState};
+pub use law::{
+    CD0, CD90, CRITICAL_SUCTION, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE, SectionSpec, StripState,
+};
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
 pub use planform::{Gap, Planform, PlanformStation, Span};

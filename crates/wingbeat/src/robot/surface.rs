@@ -6,8 +6,8 @@ use super::sections::{Carriers, Riding, Section};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::Error;
 use crate::aero::{
-    Aero, CD90, Coupling, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, SectionSpec,
-    Sections, Span, Surfaces, Wrench,
+    Aero, CD90, Coupling, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, ProfileDrag, SectionMotion,
+    SectionSpec, Sections, Span, Surfaces, Wrench,
 };
 use crate::body::MAX_LINKS;
 use crate::math::{Over, Scalar, Vec3};

@@ -233,9 +233,11 @@ impl AeroSpec {
         line.check().map_err(paper)?;
         strips.check().map_err(full)?;
         match self.preset {
-            Preset::Paper if self.paper.cells => LiftingLine::hinged(&outline.planform, &outline.hinges, line)
-                .map(Aero::LiftingLine)
-                .map_err(paper),
+            Preset::Paper if self.paper.cells => {
+                LiftingLine::hinged(&outline.planform, &outline.hinges, line)
+                    .map(Aero::LiftingLine)
+                    .map_err(paper)
+            }
             Preset::Paper => LiftingLine::new(&outline.planform, line).map(Aero::LiftingLine).map_err(paper),
             Preset::Full => StripModel::new(&outline.planform, strips).map(Aero::Strip).map_err(full),
         }

@@ -298,7 +298,8 @@ fn idle_lanes_carry_nothing() {
         for law in LiftLaw::ALL {
             let model = model(StripSettings { law, hinge_arcs_m: vec![], ..settings(strips) });
             let sections = Wing::still(0.0, 0.0).sections(model.arcs(), &planform());
-            let (_, loads) = evaluate(&model, &sections, Vec3::new(-1.0, 0.0, 1.5), &vec![0.3; model.states()]);
+            let (_, loads) =
+                evaluate(&model, &sections, Vec3::new(-1.0, 0.0, 1.5), &vec![0.3; model.states()]);
             let sum = loads.by_source().total();
             assert!((sum.force - loads.wrench.force).norm() < 1e-13, "{law:?} {strips}");
             assert!(loads.wrench.force[1].abs() < 1e-13 && loads.wrench.moment[0].abs() < 1e-13);

@@ -90,7 +90,13 @@ pub(super) fn cells(
         let from = if i == last { -half } else { outer };
         let [area, square] = planform.chord_integrals(from, to);
         let width = half * angle(arc).sin() * (angle(outer) - angle(inner));
-        cells.push(Cell { edge: planform.chord(arc), chord: chord.max(set.chord_floor_m), width, area, square });
+        cells.push(Cell {
+            edge: planform.chord(arc),
+            chord: chord.max(set.chord_floor_m),
+            width,
+            area,
+            square,
+        });
         arcs.push(arc);
         angles.push(angle(arc));
     }

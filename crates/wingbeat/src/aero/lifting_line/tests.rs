@@ -365,11 +365,8 @@ fn nodes_between_hinges_know_every_sine_and_the_whole_wing() {
 
 #[test]
 fn nodes_between_hinges_converge_with_their_number() {
-    let station = |arc_m, trailing_edge_m| crate::aero::PlanformStation {
-        arc_m,
-        leading_edge_m: 0.1,
-        trailing_edge_m,
-    };
+    let station =
+        |arc_m, trailing_edge_m| crate::aero::PlanformStation { arc_m, leading_edge_m: 0.1, trailing_edge_m };
     let wing = [station(0.0, -0.1), station(0.3, -0.2), station(0.5, -0.02)];
     let planform = crate::aero::Planform::new(&wing).unwrap();
     let lift = |nodes: usize| {

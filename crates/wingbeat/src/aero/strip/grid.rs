@@ -120,7 +120,11 @@ fn pieces(planform: &Planform, strips: usize) -> Result<Vec<Piece>, Error> {
 
 /// Arc coordinates of the strip edges from the right tip to the left one, and the place of the
 /// control point in each strip.
-pub(in crate::aero) fn spacing(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Error> {
+pub(in crate::aero) fn spacing(
+    planform: &Planform,
+    strips: usize,
+    hinge_arcs: &[f64],
+) -> Result<(Vec<f64>, Vec<f64>), Error> {
     let pieces = pieces(planform, strips)?;
     let tip = planform.half_span();
     let mut hinges = Vec::new();

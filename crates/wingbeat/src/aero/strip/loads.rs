@@ -121,7 +121,8 @@ impl StripModel {
             let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
             lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
             if self.settings.pitch_suction {
-                pitching[i] = pitch_suction(self.tables.mass[i], strips.pitch[i], wash, lift_wash) * attached[i];
+                pitching[i] =
+                    pitch_suction(self.tables.mass[i], strips.pitch[i], wash, lift_wash) * attached[i];
             }
         }
         let directed = |wash: &Column<S, N>| {

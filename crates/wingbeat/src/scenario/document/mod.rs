@@ -22,9 +22,9 @@ use toml::de::DeValue;
 
 use crate::Error;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
-use source::{Origin, Sources};
 pub use limits::text_of;
 pub use source::Translate;
+use source::{Origin, Sources};
 
 /// A configuration: a file, a text or a value, what is put into it, and overrides.
 ///
