@@ -60,7 +60,7 @@ fn robot(text: &str, preset: Preset, density: f64) -> Robot {
                 nodes: outline.strips.unwrap_or(12),
                 density_kg_m3: density,
                 law: LiftLaw::Stall,
-                drag: outline.drag,
+                drag: outline.drag(LiftLaw::Stall),
                 ..LiftingLineSettings::default()
             };
             Aero::LiftingLine(LiftingLine::new(&outline.planform, settings).unwrap())
@@ -68,9 +68,9 @@ fn robot(text: &str, preset: Preset, density: f64) -> Robot {
         Preset::Full => {
             let settings = StripSettings {
                 strips: outline.strips.unwrap_or(14),
-                hinge_arcs_m: outline.hinges,
+                hinge_arcs_m: outline.hinges.clone(),
                 density_kg_m3: density,
-                drag: outline.drag,
+                drag: outline.drag(LiftLaw::Linear),
                 ..StripSettings::default()
             };
             Aero::Strip(StripModel::new(&outline.planform, settings).unwrap())
