@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use wingbeat::scenario::DocumentKind;
 
 /// Simulation, calibration and control of dynamic-morphing flapping flight.
 #[derive(Debug, Parser)]
@@ -26,6 +28,8 @@ pub enum Command {
     #[command(subcommand)]
     Rig(Rig),
     Validate(Validate),
+    New(New),
+    Schema(Schema),
 }
 
 /// Fly a scenario and write its run folder
@@ -315,4 +319,38 @@ pub struct RigEmulate {
 /// What may be added to the box's ports.
 fn offset() -> clap::builder::RangedI64ValueParser<u16> {
     clap::value_parser!(u16).range(..=i64::from(wingbeat_netft::LARGEST_OFFSET))
+}
+
+/// Write a commented document that runs as it is, to begin from
+///
+/// The documents that it names are written beside it as robot.toml, scenario.toml, rig.toml, arm.toml or run.toml,
+/// unless they are there already. Every key is in docs/reference.md.
+#[derive(Debug, Args)]
+pub struct New {
+    /// What to write
+    #[arg(value_parser = kind())]
+    pub kind: DocumentKind,
+    /// Where; without it KIND.toml in the present folder
+    #[arg(value_name = "PATH")]
+    pub path: Option<PathBuf>,
+    /// Replace the file at PATH; what is written beside it is never replaced
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Print the JSON Schema of a kind of document
+///
+/// An editor that knows TOML completes, explains and checks a document whose first line is `#:schema FILE`. The same
+/// schemas are in docs/schema.
+#[derive(Debug, Args)]
+pub struct Schema {
+    /// The kind
+    #[arg(value_parser = kind())]
+    pub kind: DocumentKind,
+}
+
+/// Kinds of documents by name.
+fn kind() -> impl TypedValueParser<Value = DocumentKind> {
+    let names = PossibleValuesParser::new(DocumentKind::ALL.map(DocumentKind::name));
+    names.try_map(|name| DocumentKind::named(&name).ok_or("no such kind"))
 }

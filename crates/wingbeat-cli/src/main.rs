@@ -5,6 +5,7 @@ mod error;
 mod fly;
 mod interrupt;
 mod manifest;
+mod new;
 mod outcome;
 mod plan;
 mod progress;
@@ -21,6 +22,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use wingbeat::scenario::DocumentKind;
+
 use args::{Arguments, Command};
 
 /// Keeps what a decoder of another library says when it fails on a damaged file from the user: it becomes an error.
@@ -33,6 +36,11 @@ fn silence_decoders() {
     }));
 }
 
+/// The JSON Schema of a kind of document as a file has it.
+fn schema_text(kind: DocumentKind) -> String {
+    format!("{:#}\n", kind.schema())
+}
+
 fn main() -> ExitCode {
     silence_decoders();
     let outcome = match Arguments::parse().command {
@@ -42,6 +50,8 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Validate(arguments) => validate::validate(&arguments),
+        Command::New(arguments) => new::new(&arguments),
+        Command::Schema(arguments) => say::say(&schema_text(arguments.kind)),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

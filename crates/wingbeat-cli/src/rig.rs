@@ -5,7 +5,7 @@ mod emulate;
 mod plan;
 mod process;
 mod record;
-mod recorded;
+pub mod recorded;
 mod runs;
 mod simulate;
 

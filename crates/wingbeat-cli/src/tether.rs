@@ -8,7 +8,7 @@ use wingbeat::scenario::{RunName, TetherCase, TetherSummary};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::{CycleMean, TetherRun};
 use wingbeat_figures::{cycle_loads, span_loading};
-use wingbeat_io::{read_csv, write_csv, write_parquet};
+use wingbeat_io::{read_csv, shortest, write_csv, write_parquet};
 
 use crate::args::Tether;
 use crate::error::Error;
@@ -139,7 +139,11 @@ fn draw(folder: &RunFolder, run: &TetherRun) -> Result<(), Error> {
 
 /// Means of every quantity as CSV.
 fn means(means: &[CycleMean]) -> String {
-    let rows = means.iter().map(|m| format!("{},{},{},{},{}\n", m.name, m.unit, m.mean, m.low, m.high));
+    let row = |m: &CycleMean| {
+        let [mean, low, high] = [m.mean, m.low, m.high].map(shortest);
+        format!("{},{},{mean},{low},{high}\n", m.name, m.unit)
+    };
+    let rows = means.iter().map(row);
     std::iter::once("quantity,unit,mean,least,most\n".into()).chain(rows).collect()
 }
 

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use wingbeat::scenario::RunName;
+use wingbeat_io::shortest;
 use wingbeat_validate::figures::PICTURES;
 use wingbeat_validate::{Case, Row, Selection};
 
@@ -134,9 +135,15 @@ fn csv(rows: &[Row]) -> String {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let mut text = String::from("id,source,metric,unit,value,limit,pass\n");
     for row in rows {
-        let limit = row.limit.map_or(String::new(), |limit| limit.to_string());
+        let limit = row.limit.map_or(String::new(), |limit| shortest(limit));
         let words = [&row.source, &row.metric].map(|words| quoted(words)).join(",");
-        text += &format!("{},{words},{},{},{limit},{}\n", row.id, quoted(row.unit), row.value, row.passes());
+        text += &format!(
+            "{},{words},{},{},{limit},{}\n",
+            row.id,
+            quoted(row.unit),
+            shortest(row.value),
+            row.passes()
+        );
     }
     text
 }

@@ -20,6 +20,8 @@ use crate::{Error, MOST_COLUMNS, MOST_NUMBERS, arrow_schema, decoded, regular};
 
 /// Key of the columns' units, frames and limits in the file's metadata, as JSON.
 const KEY: &str = "wingbeat";
+/// Key under which pandas (2.1 or later) finds what becomes `df.attrs`, as JSON.
+const PANDAS: &str = "PANDAS_ATTRS";
 
 /// Rows for which room is made at once.
 const PREPARED: usize = 1 << 16;
@@ -210,6 +212,7 @@ fn properties(record: &Record) -> WriterProperties {
     let pairs = vec![
         KeyValue::new(KEY.into(), serde_json::Value::Object(json).to_string()),
         KeyValue::new(arrow_schema::KEY.into(), arrow_schema::encoded(&described)),
+        KeyValue::new(PANDAS.into(), attributes(record)),
     ];
     WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
@@ -218,6 +221,17 @@ fn properties(record: &Record) -> WriterProperties {
         .set_created_by("wingbeat".into())
         .set_key_value_metadata(Some(pairs))
         .build()
+}
+
+/// Units and frames by column, of those that have one: `{"units": {"roll": "rad"}, "frames": {"roll": "WB"}}`.
+fn attributes(record: &Record) -> String {
+    let by_column = |text: fn(&Column) -> &String| {
+        let pairs = record.columns().iter().filter(|column| !text(column).is_empty());
+        let pairs = pairs.map(|column| (column.name.clone(), text(column).as_str().into()));
+        serde_json::Value::Object(pairs.collect())
+    };
+    let (units, frames) = (by_column(|column| &column.unit), by_column(|column| &column.frame));
+    serde_json::json!({ "units": units, "frames": frames }).to_string()
 }
 
 /// Unit, frame and limits, those that there are.

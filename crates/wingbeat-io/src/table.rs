@@ -1,4 +1,4 @@
-//! Records as CSV: a `#` line with the units, a header, one row per instant.
+//! Records as CSV: a header, one row per instant.
 
 use std::fs;
 use std::io::Read;
@@ -8,15 +8,14 @@ use wingbeat::simulate::{Column, Record};
 
 use crate::{Error, MOST_COLUMNS, regular};
 
-/// Writes `record` to `path`; numbers keep all their digits.
+/// Writes `record` to `path`, names in the first line, numbers as [`shortest`].
 pub fn write_csv(path: &Path, record: &Record) -> Result<(), Error> {
     let format = |error: csv::Error| Error::format(path, error);
-    let units: Vec<String> = record.columns().iter().map(unit).collect();
-    let mut text = format!("# units: {}\n", units.join(", ")).into_bytes();
+    let mut text = Vec::new();
     let mut writer = csv::Writer::from_writer(&mut text);
     writer.write_record(record.columns().iter().map(|column| &column.name)).map_err(format)?;
     for row in 0..record.rows() {
-        let cells = record.columns().iter().map(|column| column.values[row].to_string());
+        let cells = record.columns().iter().map(|column| shortest(column.values[row]));
         writer.write_record(cells).map_err(format)?;
     }
     writer.flush().map_err(|source| Error::file(path, source))?;
@@ -24,9 +23,10 @@ pub fn write_csv(path: &Path, record: &Record) -> Result<(), Error> {
     fs::write(path, text).map_err(|source| Error::file(path, source))
 }
 
-fn unit(column: &Column) -> String {
-    let unit = if column.unit.is_empty() { "1" } else { &column.unit };
-    if column.frame.is_empty() { unit.into() } else { format!("{unit} in {}", column.frame) }
+/// A number in the fewest letters that read back as the same number.
+pub fn shortest(value: f64) -> String {
+    let (plain, power) = (value.to_string(), format!("{value:e}"));
+    if power.len() < plain.len() { power } else { plain }
 }
 
 /// Largest file that is read, bytes.
@@ -83,4 +83,20 @@ pub fn unended(line: usize) -> String {
         "line {line}, the last, has no line break behind it: the file may be cut short; add the line break if it is \
          whole, else delete the line"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_read_back_the_same() {
+        assert_eq!(
+            [0.0, -0.25, 100.0, 1e4, 1e-7, 1.5e300].map(shortest),
+            ["0", "-0.25", "100", "1e4", "1e-7", "1.5e300"]
+        );
+        for value in [0.1 + 0.2, f64::MIN_POSITIVE, f64::MAX, -1.0 / 3.0, 5e-324] {
+            assert_eq!(shortest(value).parse::<f64>().unwrap().to_bits(), value.to_bits());
+        }
+    }
 }

@@ -112,3 +112,14 @@ fn files_that_fuzzing_found_are_refused() {
         assert!(read_parquet(&path).is_err(), "{}", path.display());
     }
 }
+
+#[test]
+fn units_and_frames_are_where_pandas_looks_for_attributes() {
+    let path = folder("pandas").join("record.parquet");
+    write_parquet(&path, &sample()).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let has = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
+    assert!(has("PANDAS_ATTRS"));
+    let units = r#""units":{"command_shoulder_left":"rad","p_WB_x":"m","t":"s"}"#;
+    assert!(has(&format!(r#"{{"frames":{{"p_WB_x":"W"}},{units}}}"#)));
+}

@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use crate::tools;
 
-/// Writes again what is generated: docs/cli.md, docs/validation.md, the tables and the picture of README.md.
+/// Writes again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables and the
+/// picture of README.md.
 pub fn write() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--package", "wingbeat-cli", "reference"]);

@@ -16,7 +16,8 @@ const HELP: &str = "\
 cargo xtask TASK
 
   test    format, lints, all tests, licences of dependencies, quick comparisons; what .ci/run calls
-  docs    write again what is generated: docs/cli.md, docs/validation.md, the tables and the picture of README.md
+  docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
+          and the picture of README.md
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box

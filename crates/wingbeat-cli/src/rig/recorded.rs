@@ -175,7 +175,8 @@ pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<Sum
     Ok(Summary::new(report, &account, by_clock, (begin, end), logs.len()))
 }
 
-fn columns() -> Vec<Column> {
+/// The columns of a recording.
+pub fn columns() -> Vec<Column> {
     let head = [
         ("t", "s"),
         ("t_kernel", "s"),

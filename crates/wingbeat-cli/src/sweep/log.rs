@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use wingbeat::simulate::{Column, Record};
+use wingbeat_io::shortest;
 
 use crate::error::Error;
 
@@ -56,7 +57,7 @@ impl Log {
 
     /// Adds a row. Numbers keep all their digits.
     pub fn append(&mut self, row: &[f64]) -> Result<(), Error> {
-        let cells: Vec<String> = row.iter().map(f64::to_string).collect();
+        let cells: Vec<String> = row.iter().copied().map(shortest).collect();
         self.line(&cells.join(","))?;
         self.rows.insert(row[0] as usize, row.to_vec());
         Ok(())

@@ -123,7 +123,7 @@ fn measures(summary: &Summary, hold: Hold) -> [f64; MEASURES.len()] {
 }
 
 /// Names and units of the columns.
-fn columns(sweep: &Sweep) -> Vec<(String, &'static str)> {
+pub fn columns(sweep: &Sweep) -> Vec<(String, &'static str)> {
     let draws = sweep.spec.draws.iter().map(|draw| (draw.key.clone(), ""));
     let measures = MEASURES.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
     std::iter::once(("run".to_owned(), "")).chain(draws).chain(measures).collect()

@@ -1,6 +1,7 @@
 //! The program as a user meets it: run folders, tables, messages, exit codes.
 
 mod fly;
+mod new;
 mod plan;
 #[cfg(unix)]
 mod record;

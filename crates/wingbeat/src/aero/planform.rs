@@ -5,6 +5,7 @@ use crate::math::interpolation::piecewise_linear;
 
 /// Leading and trailing edge at one spanwise position of the half wing.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlanformStation {
     /// Arc length from the plane of symmetry, m.
@@ -19,6 +20,7 @@ pub struct PlanformStation {
 /// short of it, as at a tip: narrower than a few hundredths of the pieces beside it, its
 /// width is not resolved.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Gap {
     /// Arc length from the plane of symmetry at which the gap begins, m.
@@ -29,6 +31,7 @@ pub struct Gap {
 
 /// What the outline of a half wing is laid out to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Span {
     /// Both halves, one the mirror image of the other.

@@ -9,6 +9,7 @@ pub const MAX_HARMONICS: usize = 64;
 
 /// One harmonic amplitude cos(k phase - phase_k).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Harmonic {
     /// Amplitude, rad.
@@ -20,6 +21,7 @@ pub struct Harmonic {
 
 /// An angle as mean and harmonics of the stroke phase, positive = wing up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FourierSeries {
     /// Mean, rad.

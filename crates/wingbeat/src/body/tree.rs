@@ -22,6 +22,7 @@ pub struct Base {
 
 /// How a link moves against its parent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
     /// Turns about the axis; the coordinate is an angle, rad.

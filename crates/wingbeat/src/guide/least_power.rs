@@ -33,6 +33,7 @@ const MILLI: f64 = 1e3;
 
 /// Goal and effort of a gait of least power.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LeastPowerSpec {
     /// Least mean upward force of the air, N; without it that of the robot's own gait.

@@ -18,6 +18,7 @@ const MAX_INTERVALS: usize = 100;
 
 /// Horizon and cost of the controller.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MpcSpec {
     /// Time between updates, s.
@@ -48,6 +49,7 @@ pub struct MpcSpec {
 
 /// Weights of the residuals; the cost holds their squares.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Weights {
     /// Roll error, per rad.

@@ -23,6 +23,7 @@ const GUESS_SAMPLES: usize = 200;
 
 /// Goal and effort of a roll-in.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RollInSpec {
     /// Start of the roll-in, s; the scenario is flown up to there.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// A level approach, then a turn at constant bank.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Turn {
     /// Start of the turn, s.
@@ -29,6 +30,7 @@ pub struct Turn {
 
 /// Attitude and angular rate at ascending times, linear in between.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Track {
     /// Times, s.

@@ -11,6 +11,7 @@ pub const CHANNELS: [(&str, &str); 6] =
 
 /// Calibrations of the Nano17 (ATI Industrial Automation, Nano17 data sheet).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Calibration {
     /// 12 N, 17 N along z, 120 N mm.
     #[serde(rename = "SI-12-0.12")]
@@ -47,6 +48,7 @@ impl Calibration {
 
 /// A load cell as written in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CellSpec {
     /// Which calibration.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Factors and shifts applied to the flown robot alone.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Mismatch {
     /// Factor on the air density.

@@ -13,6 +13,8 @@ mod rig;
 mod rig_process;
 mod rig_statement;
 mod rig_together;
+#[cfg(feature = "schema")]
+mod schema;
 mod spec;
 mod step_error;
 mod summary;
@@ -21,7 +23,7 @@ mod tether;
 mod tether_spec;
 
 pub use chosen::{Chosen, Named};
-pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, text_of};
+pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
 pub use doors::Doors;
 pub use mismatch::Mismatch;
 pub use name::RunName;
@@ -31,6 +33,8 @@ pub use plan::{
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
 pub use rig_process::{Processed, Weighed};
 pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, together};
+#[cfg(feature = "schema")]
+pub use schema::DocumentKind;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };

@@ -21,6 +21,7 @@ const INCLUDES: [&str; 3] = ["rig", "rig.robot", "rig.arm"];
 
 /// One run as written in a file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RigRunSpec {
     /// Name; the run folder is called after it.
@@ -29,6 +30,7 @@ pub struct RigRunSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// The rig; a run names its file.
+    #[cfg_attr(feature = "schema", schemars(schema_with = "crate::scenario::schema::file_or::<RigSpec>"))]
     pub rig: RigSpec,
     /// Another limit profile than the rig's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -52,14 +54,16 @@ pub struct RigRunSpec {
 
 /// A file that lists runs.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-struct RunList {
+pub(super) struct RunList {
     /// Run files, relative to the list.
     runs: Vec<PathBuf>,
 }
 
 /// Attitudes of the body held one after another, without motion between.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HoldSpec {
     /// Roll and pitch of the body, deg; FLU: negative pitch is nose up.
@@ -70,6 +74,7 @@ pub struct HoldSpec {
 
 /// How the samples become wrenches.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct ProcessSpec {
     /// Corrections.
@@ -95,6 +100,7 @@ pub struct ProcessSpec {
 
 /// What becomes of samples at the end of the cell's range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Saturated {
     /// The run is refused.
@@ -139,11 +145,14 @@ impl Default for ProcessSpec {
 
 /// The hardware.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RigSpec {
     /// The robot; a rig names its file.
+    #[cfg_attr(feature = "schema", schemars(schema_with = "crate::scenario::schema::file_or::<RobotSpec>"))]
     pub robot: RobotSpec,
     /// The arm; a rig names its file: TOML, or `FILE.urdf`, `FILE.urdf#TIP` where it has several ends.
+    #[cfg_attr(feature = "schema", schemars(schema_with = "crate::scenario::schema::file_or::<ArmConfig>"))]
     pub arm: ArmConfig,
     /// Limit profile of the arm.
     pub profile: String,
@@ -173,6 +182,7 @@ pub struct RigSpec {
 
 /// Cell and mount.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MountSpec {
     /// Sensing frame of the cell in the tool frame.
@@ -186,6 +196,7 @@ pub struct MountSpec {
 
 /// Space that the wings sweep: a fan about the body's x axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct EnvelopeSpec {
     /// Half span, m.

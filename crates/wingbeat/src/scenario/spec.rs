@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// A flight: robot, air, start, manoeuvre, controller.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioSpec {
     /// Name; the run folder is called after it.
@@ -21,6 +22,7 @@ pub struct ScenarioSpec {
     #[serde(default)]
     pub seed: u64,
     /// The robot; a scenario names its file.
+    #[cfg_attr(feature = "schema", schemars(schema_with = "crate::scenario::schema::file_or::<RobotSpec>"))]
     pub robot: RobotSpec,
     /// Air.
     pub air: AirSpec,
@@ -59,6 +61,7 @@ pub struct ScenarioSpec {
 
 /// Air.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AirSpec {
     /// Density, kg/m3.
@@ -73,6 +76,7 @@ pub struct AirSpec {
 
 /// Aerodynamic model.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AeroSpec {
     /// Which model.
@@ -107,6 +111,7 @@ pub struct AeroSpec {
 
 /// The aerodynamic presets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
     /// The paper's unsteady lifting line.
@@ -128,6 +133,7 @@ impl Preset {
 
 /// Settings of preset `paper`.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperAeroSpec {
     /// Interior nodes over the full span.
@@ -148,6 +154,7 @@ impl Default for PaperAeroSpec {
 
 /// Settings of preset `full`; each ingredient can be left out to show its effect.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct FullAeroSpec {
     /// Strips over both wings and body.
@@ -196,6 +203,7 @@ fn default_critical_suction() -> f64 {
 
 /// State at t = 0; what is not given is 0.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct StartSpec {
     /// Velocity v_WB_W, m/s.
@@ -212,6 +220,7 @@ pub struct StartSpec {
 
 /// Clock.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FlightSpec {
     /// Duration, s.
@@ -230,6 +239,7 @@ pub struct FlightSpec {
 
 /// What counts as held, from `settle_s` on.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GoalSpec {
     /// Start of the means, s; a flight that ends before is not judged.
@@ -261,6 +271,7 @@ impl GoalSpec {
 
 /// Published numbers.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PaperResults {
     /// Roll in the turn, deg.

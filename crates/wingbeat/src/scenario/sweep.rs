@@ -15,11 +15,16 @@ const MAX_SEED: u64 = i64::MAX as u64 - MAX_RUNS as u64;
 
 /// A sweep file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SweepSpec {
     /// Name; the run folder is called after it.
     pub name: String,
     /// Scenario file, relative to the sweep file; or a table, the scenario itself.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(schema_with = "crate::scenario::schema::file_or::<crate::scenario::ScenarioSpec>")
+    )]
     pub scenario: toml::Value,
     /// Number of flights.
     pub runs: usize,
@@ -34,6 +39,7 @@ pub struct SweepSpec {
 
 /// One key drawn evenly from [low, high].
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Draw {
     /// Key of the scenario, e.g. `mismatch.mass` or `mismatch.com_m[0]`.
@@ -46,6 +52,7 @@ pub struct Draw {
 
 /// Largest errors of a held flight, from the goal's settling time on.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Hold {
     /// Largest |roll - reference|, deg.

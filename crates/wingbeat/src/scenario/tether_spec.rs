@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// A wing in prescribed motion in a wind.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TetherSpec {
     /// Name; the run folder is called after it.
@@ -34,6 +35,7 @@ pub struct TetherSpec {
 
 /// Planform, profile drag and hinges.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TetheredWingSpec {
     /// Stations of the half wing from the plane of symmetry to the tip.
@@ -61,6 +63,7 @@ pub struct TetheredWingSpec {
 
 /// One hinge.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HingeSpec {
     /// Name, unique.
@@ -84,6 +87,7 @@ pub struct HingeSpec {
 
 /// Motion of the body.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct TetheredBodySpec {
     /// Forward, m.
@@ -100,6 +104,7 @@ pub struct TetheredBodySpec {
 
 /// A coordinate over time.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum CoordinateSpec {
     /// Always the same.
@@ -118,6 +123,7 @@ impl Default for CoordinateSpec {
 
 /// mean + sum_n cos[n] cos((n+1) phase) + sin[n] sin((n+1) phase).
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FourierSpec {
     /// Mean.
@@ -133,6 +139,7 @@ pub struct FourierSpec {
 
 /// Columns of a CSV file: `t` (s) and one with the coordinate.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TableSpec {
     /// The file, relative to the case file.
@@ -146,6 +153,7 @@ pub struct TableSpec {
 
 /// Wind.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WindSpec {
     /// Speed, m/s.
@@ -162,6 +170,7 @@ pub struct WindSpec {
 
 /// Cycles and steps.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ClockSpec {
     /// Cycles per second; of a motion that is not periodic, one over its duration.
@@ -175,6 +184,7 @@ pub struct ClockSpec {
 /// Scales of the coefficients; by default the wind's speed, the planform's area
 /// and its mean chord.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct ReferenceSpec {
     /// Speed, m/s.

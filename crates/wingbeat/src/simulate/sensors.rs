@@ -13,6 +13,7 @@ const MAX_DELAY: usize = 1000;
 /// Standard deviations of white noise per measurement, and the delay of the
 /// measurement chain. States not named here are known exactly.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSpec {
     /// Position, m.

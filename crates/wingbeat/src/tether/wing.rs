@@ -6,6 +6,7 @@ use crate::math::{Jet, Mat3, Scalar, Vec3};
 
 /// What a hinge turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum HingeKind {
     /// About the chordwise axis, tip up: shoulder.
@@ -20,6 +21,7 @@ pub enum HingeKind {
 
 /// Which half of the wing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// Both, as mirror images.

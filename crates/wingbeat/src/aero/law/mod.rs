@@ -17,6 +17,7 @@ use std::f64::consts::FRAC_PI_2;
 
 /// What becomes of the attached lift as the incidence grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LiftLaw {
     /// Lift proportional to the wash at any incidence: the paper's law, which
@@ -165,6 +166,7 @@ impl LiftLaw {
 
 /// What a surface says of its section; what it leaves out the scenario says for all surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SectionSpec {
     /// Incidence at which the attached lift is largest, deg.

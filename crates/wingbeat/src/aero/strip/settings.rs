@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// Which set of lags the model carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LagSet {
     /// Two wash lags, one wake lag: three states per strip.

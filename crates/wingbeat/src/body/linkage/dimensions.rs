@@ -11,6 +11,7 @@ const LONGEST: f64 = 1e3;
 /// Lengths, fixed pivots (y outboard, z up) and regulator ranges of one wing's
 /// linkage. The default is the published design of Aerobat's computational structure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct LinkageDimensions {
     /// Crank.

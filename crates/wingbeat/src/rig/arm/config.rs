@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// An arm as written in a TOML file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ArmConfig {
     /// Name.
@@ -28,6 +29,7 @@ pub struct ArmConfig {
 
 /// A placement in the frame before.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ToolConfig {
     /// Origin, m.
@@ -40,6 +42,7 @@ pub struct ToolConfig {
 
 /// One joint with the link that it carries.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct JointConfig {
     /// Name.
@@ -76,6 +79,7 @@ fn along_z() -> [f64; 3] {
 
 /// Mass and size of a link.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LinkConfig {
     /// Mass, kg.
@@ -94,6 +98,7 @@ pub struct LinkConfig {
 
 /// Limits of one profile, one number per joint; absent means not limited.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ProfileConfig {
     /// Name by which it is chosen and printed.

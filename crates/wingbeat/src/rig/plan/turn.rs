@@ -14,6 +14,7 @@ const MILLISECOND: f64 = 1e-3;
 
 /// A banking turn as written in a file; what is absent the planner chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TurnSpec {
     /// Speed along the path where it is measured, m/s.

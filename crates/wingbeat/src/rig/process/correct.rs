@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// Which corrections are made; each can be left out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Steps {
     /// Take the offset of the rest before the run away.

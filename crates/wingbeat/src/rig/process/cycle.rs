@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 
 /// Where the phase of the stroke comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum PhaseSource {
     /// The encoder's column.

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 /// How a measured file is to be read; what it says itself need not be given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct InputSpec {
     /// Names of columns or datasets that differ: `Fz = "force_up"`. Channels are t,
@@ -51,6 +52,7 @@ impl InputSpec {
 
 /// Units by quantity.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct UnitSpec {
     /// Of forces.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The room that a link takes: all points within a radius of a segment, in link axes from its joint.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CapsuleSpec {
     /// Begin of the segment, m.
@@ -19,6 +20,7 @@ pub struct CapsuleSpec {
 
 /// Two parts, each with a capsule, whose clearance is watched.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ClearanceSpec {
     /// `body` or links; the name of a mirrored pair stands for both of them.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// What turns the crank of the gait: without a motor it turns at the gait's frequency whatever the load.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DriveSpec {
     /// A motor that turns the cranks of all driven joints: angle and rate of the crank, which is the
@@ -18,6 +19,7 @@ pub struct DriveSpec {
 /// A direct-current motor behind a gearbox. Its torque-speed line is given by `stall_torque_n_m` and
 /// `no_load_speed_rad_s`, or by `torque_constant_n_m_a`, `resistance_ohm` and `supply_v`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MotorSpec {
     /// Torque of the shaft held still, N m.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// What turns the driven joints.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum GaitSpec {
     /// Joint coordinates as Fourier series of the phase.

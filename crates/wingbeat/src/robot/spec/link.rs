@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// On which side of the plane of symmetry a link lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LinkSide {
     /// A link of its own, as written.
@@ -21,6 +22,7 @@ pub enum LinkSide {
 /// joint coordinate zero and without `orientation_deg` are those of the body. Exactly one of
 /// `driven`, `elastic`, `free` or none of them (fixed).
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LinkSpec {
     /// Name, also that of its joint.
@@ -77,6 +79,7 @@ fn forward() -> [f64; 3] {
 /// Coordinate of a driven joint: mean + sum_n amplitude cos(n (phase - lag) - phase_n), rad or m, or an
 /// output of the linkage.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct DrivenSpec {
     /// Mean, rad (m for a sliding joint).
@@ -93,6 +96,7 @@ pub struct DrivenSpec {
 
 /// Angles that the linkage puts out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LinkageOutput {
     /// Humerus against the body.
@@ -103,6 +107,7 @@ pub enum LinkageOutput {
 
 /// Spring and damper of an elastic joint: effort = -stiffness (q - rest) - damping q'.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ElasticSpec {
     /// N m/rad, or N/m of a sliding joint.
@@ -124,6 +129,7 @@ pub struct ElasticSpec {
 /// Smooth stops: beyond low and high a further stiffness, the corner rounded off over a hundredth of
 /// the range.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct StopSpec {
     /// Lower stop, rad or m.

@@ -23,6 +23,7 @@ use serde::{Deserialize, Serialize};
 /// A robot: body, links with their joints, surfaces, gait, structure. `wing` stands for the links
 /// and the surface of a pair of two-panelled wings.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RobotSpec {
     /// Name.
@@ -54,6 +55,7 @@ pub struct RobotSpec {
 
 /// Central body; lengths from the body origin in FLU axes.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BodySpec {
     /// Mass, kg.

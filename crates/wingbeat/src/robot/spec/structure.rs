@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 /// by its frequency and damping; or `stiffness_per_s2` and `damping_per_s` couple them,
 /// y'' = K (P omega - y) - C y'; or `a` and `b` give all. P is the placement of the regulators.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct StructureSpec {
     /// Natural frequency of every element that gives none, Hz.
@@ -42,6 +43,7 @@ pub struct StructureSpec {
 
 /// One regulator: which elements it moves.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RegulatorSpec {
     /// Name of its channel.
@@ -61,6 +63,7 @@ pub struct RegulatorSpec {
 
 /// One structure element: what it displaces and how far.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ElementSpec {
     /// Name of its channel.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// A lifting surface: an outline by arc length, laid over links from the root to the tip.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceSpec {
     /// Name.
@@ -42,6 +43,7 @@ pub struct SurfaceSpec {
 
 /// A stretch of a surface that rides on one link.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PanelSpec {
     /// Name of its begin in the columns of a record; that of the link where not given.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The left wing of a pair: sweep, shoulder, elbow and twist joints, from body to tip.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WingSpec {
     /// Shoulder hinge from the body origin, m.
@@ -35,6 +36,7 @@ pub struct WingSpec {
 
 /// One wing link; lengths from its inner hinge, y along the span.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WingLinkSpec {
     /// Length along the span, m.

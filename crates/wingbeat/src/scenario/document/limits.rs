@@ -13,37 +13,48 @@ pub const DEEPEST: usize = 32;
 /// Largest magnitude of a number whose key names no unit: its powers are finite.
 const LARGEST: f64 = 1e12;
 
-/// Largest magnitudes by the end of the key, longer ends first. *Choices*, far beyond any robot, rig or wing tunnel,
+/// Units and largest magnitudes by the end of the key, longer ends first. *Choices*, far beyond any robot, rig or wing tunnel,
 /// such that powers and products of several stay finite and no picture or table grows without bound.
-const BY_UNIT: [(&str, f64); 20] = [
-    ("_kg_m2", 1e6),
-    ("_kg_m3", 1e5),
-    ("_rad_s", 1e6),
-    ("_rad_s2", 1e9),
-    ("_m_s2", 1e6),
-    ("_n_m", 1e6),
-    ("_per_s", 1e6),
-    ("_m_s", 1e4),
-    ("_deg_s", 1e6),
-    ("_deg", 3600.0),
-    ("_rad", 1e4),
-    ("_hz", 1e7),
-    ("_m2", 1e6),
-    ("_mm", 1e6),
-    ("_kg", 1e5),
-    ("_n", 1e6),
-    ("_v", 1e5),
-    ("_w", 1e8),
-    ("_s", 1e7),
-    ("_m", 1e4),
+const BY_UNIT: [(&str, &str, f64); 20] = [
+    ("_kg_m2", "kg m2", 1e6),
+    ("_kg_m3", "kg/m3", 1e5),
+    ("_rad_s", "rad/s", 1e6),
+    ("_rad_s2", "rad/s2", 1e9),
+    ("_m_s2", "m/s2", 1e6),
+    ("_n_m", "N m", 1e6),
+    ("_per_s", "1/s", 1e6),
+    ("_m_s", "m/s", 1e4),
+    ("_deg_s", "deg/s", 1e6),
+    ("_deg", "deg", 3600.0),
+    ("_rad", "rad", 1e4),
+    ("_hz", "Hz", 1e7),
+    ("_m2", "m2", 1e6),
+    ("_mm", "mm", 1e6),
+    ("_kg", "kg", 1e5),
+    ("_n", "N", 1e6),
+    ("_v", "V", 1e5),
+    ("_w", "W", 1e8),
+    ("_s", "s", 1e7),
+    ("_m", "m", 1e4),
 ];
 
-/// Largest magnitude of the number at `path`. The unit is that of the innermost key that names one:
+/// Unit and largest magnitude of the number at `path`. The unit is that of the innermost key that names one:
 /// `body.nose_up_deg.constant` is an angle.
-pub fn largest(path: &str) -> f64 {
+fn row(path: &str) -> Option<(&'static str, f64)> {
     let keys = path.split('.').rev().map(|key| key.split('[').next().unwrap_or_default());
-    let of = |key: &str| BY_UNIT.iter().find(|(end, _)| key.ends_with(end)).map(|(_, largest)| *largest);
-    keys.filter(|key| !key.is_empty()).find_map(of).unwrap_or(LARGEST)
+    let of =
+        |key: &str| BY_UNIT.iter().find(|(end, ..)| key.ends_with(end)).map(|(_, unit, most)| (*unit, *most));
+    keys.filter(|key| !key.is_empty()).find_map(of)
+}
+
+/// Largest magnitude that any document may give the number at `path`, `body.nose_up_deg.constant`.
+pub fn largest(path: &str) -> f64 {
+    row(path).map_or(LARGEST, |(_, largest)| largest)
+}
+
+/// Unit of the number at `path` by the ends of its keys; empty where none names one.
+pub fn unit(path: &str) -> &'static str {
+    row(path).map_or("", |(unit, _)| unit)
 }
 
 /// The text of a plain file of at most [`LARGEST_FILE`] bytes, or of a pipe of the shell; what else is not a regular file
@@ -78,6 +89,10 @@ mod tests {
         assert_eq!(largest("robot.body.inertia_kg_m2[1]"), 1e6);
         assert_eq!(largest("draws[0].low"), LARGEST);
         assert_eq!(largest("controller.weights.roll"), LARGEST);
+        assert_eq!(
+            (unit("wind.speed_m_s"), unit("body.nose_up_deg.constant"), unit("cd0")),
+            ("m/s", "deg", "")
+        );
     }
 
     #[test]

@@ -22,7 +22,7 @@ use toml::de::DeValue;
 
 use crate::Error;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
-pub use limits::text_of;
+pub use limits::{largest, text_of, unit};
 pub use source::Translate;
 use source::{Origin, Sources};
 

@@ -20,6 +20,7 @@ const CHECK_STEPS: usize = 50;
 
 /// What `wingbeat plan` is asked to plan.
 #[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PlanSpec {
     /// The quickest roll-in to a bank.

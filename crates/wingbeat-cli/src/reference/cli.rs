@@ -1,8 +1,5 @@
 //! docs/cli.md is what the command line says of itself.
 
-use std::fs;
-use std::path::Path;
-
 use clap::CommandFactory;
 
 use crate::args::Arguments;
@@ -32,11 +29,5 @@ fn section(title: &str, help: &str) -> String {
 
 #[test]
 fn the_reference_of_the_command_line_is_current() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/cli.md");
-    let text = markdown();
-    if std::env::var_os("WINGBEAT_WRITE_DOCS").is_some() {
-        fs::write(&path, &text).unwrap();
-    }
-    let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == text, "docs/cli.md is stale: run `cargo xtask docs`");
+    super::is_current("cli.md", &markdown());
 }

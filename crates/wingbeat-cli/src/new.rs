@@ -1,0 +1,134 @@
+//! `wingbeat new`: documents to begin from, made of those that ship.
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use wingbeat::scenario::{DocumentKind, RunName};
+
+use crate::args::New;
+use crate::error::Error;
+use crate::say;
+
+/// Writes a document and, where they are not there yet, those that it names.
+pub fn new(arguments: &New) -> Result<(), Error> {
+    let kind = arguments.kind;
+    let path = arguments.path.clone().unwrap_or_else(|| PathBuf::from(beside(kind)));
+    let file = name_of(&path)?;
+    let mut told = String::new();
+    let taken = fs::symlink_metadata(&path).is_ok();
+    if taken && !(arguments.force && path.is_file()) {
+        let allowed = if path.is_file() { "; --force replaces it" } else { "" };
+        return Err(Error::Input(format!("{}: is there already{allowed}", path.display())));
+    }
+    if let Some(clash) = named(kind).iter().map(|other| beside(*other)).find(|other| *other == file) {
+        return Err(Error::Input(format!(
+            "{}: another name: what the {} names is written as {clash}",
+            path.display(),
+            kind.name()
+        )));
+    }
+    for &other in named(kind) {
+        let companion = path.with_file_name(beside(other));
+        match create(&companion, &document(other, kind, file)) {
+            Ok(()) => told += &format!("{}: written\n", companion.display()),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                told += &format!("{}: was there already, kept\n", companion.display());
+            }
+            Err(source) => return Err(Error::file(&companion, source)),
+        }
+    }
+    let text = document(kind, kind, file);
+    let written = if taken { fs::write(&path, text) } else { create(&path, &text) };
+    written.map_err(|source| Error::file(&path, source))?;
+    told += &format!("{}: written\n{}\n", path.display(), next(kind, &path));
+    say::say(&told)
+}
+
+/// The file name of `path`, as the documents beside it give it.
+fn name_of(path: &Path) -> Result<&str, Error> {
+    let name = path.file_name().and_then(|name| name.to_str());
+    let good = name.filter(|name| RunName::new("PATH", name).is_ok() && name.ends_with(".toml"));
+    good.ok_or_else(|| {
+        Error::Input(format!(
+            "{}: allowed is a file name that ends with .toml and is good on every system",
+            path.display()
+        ))
+    })
+}
+
+fn create(path: &Path, text: &str) -> io::Result<()> {
+    OpenOptions::new().write(true).create_new(true).open(path)?.write_all(text.as_bytes())
+}
+
+/// What a document is called beside that which names it.
+fn beside(kind: DocumentKind) -> String {
+    format!("{}.toml", kind.name())
+}
+
+/// What must be there for a document to run.
+fn named(kind: DocumentKind) -> &'static [DocumentKind] {
+    use DocumentKind::{Arm, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
+    match kind {
+        Robot | Case | Arm => &[],
+        Scenario => &[Robot],
+        Sweep => &[Robot, Scenario],
+        Run => &[Robot, Arm, Rig],
+        Runs => &[Robot, Arm, Rig, Run],
+        Rig => &[Robot, Arm, Run],
+    }
+}
+
+/// The shipped text of a document for that which is asked for.
+fn shipped(kind: DocumentKind, asked: DocumentKind) -> &'static str {
+    use DocumentKind::{Arm, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
+    match (kind, asked) {
+        (Robot, Robot | Scenario | Sweep) => include_str!("../../../robots/aerobat_paper.toml"),
+        (Robot, _) => include_str!("../../../robots/aerobat_beta.toml"),
+        (Scenario, _) => include_str!("../../../scenarios/banking_turn.toml"),
+        (Case, _) => include_str!("../../../cases/flap_fold.toml"),
+        (Sweep, _) => include_str!("../../../sweeps/banking_turn_robustness.toml"),
+        (Rig, _) => include_str!("../../../rigs/aerobat_on_gen3.toml"),
+        (Arm, _) => include_str!("../../../rigs/arms/kinova_gen3_6dof.toml"),
+        (Run, _) => include_str!("../../../rigs/runs/roll15_speed08.toml"),
+        (Runs, _) => {
+            "# Runs on the rig, planned, simulated and processed together.\nruns = [\n    \"run.toml\",\n]\n"
+        }
+    }
+}
+
+/// The text of a document among those of `wingbeat new`, of which `main` is in the file `file` and called after it.
+fn document(kind: DocumentKind, main: DocumentKind, file: &str) -> String {
+    let stem = file.trim_end_matches(".toml");
+    let mut text = format!(
+        "# Every key, its unit and range: docs/reference.md. For an editor that completes and checks:\n\
+         # `wingbeat schema {0} > {0}.schema.json`, and `#:schema {0}.schema.json` as the first line here.\n\n",
+        kind.name()
+    );
+    for line in shipped(kind, main).lines().filter(|line| !line.starts_with("#:schema")) {
+        text += &match line.split_once(" = \"").map(|(key, _)| (key, DocumentKind::named(key))) {
+            Some(("name", _)) if kind == main && !text.contains("\nname = ") => format!("name = \"{stem}\""),
+            Some((_, Some(named))) if named == main => format!("{} = \"{file}\"", named.name()),
+            Some((_, Some(named))) => format!("{} = \"{}\"", named.name(), beside(named)),
+            _ => line.to_owned(),
+        };
+        text.push('\n');
+    }
+    text
+}
+
+/// What to do with a document.
+fn next(kind: DocumentKind, path: &Path) -> String {
+    use DocumentKind::{Arm, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
+    let shown = path.display();
+    let file = path.file_name().unwrap_or_default().display();
+    match kind {
+        Robot => format!("next: name it in a scenario, robot = \"{file}\" (wingbeat new scenario)"),
+        Arm => format!("next: name it in a rig, arm = \"{file}\" (wingbeat new rig)"),
+        Scenario => format!("next: wingbeat fly {shown}"),
+        Case => format!("next: wingbeat tether {shown}"),
+        Sweep => format!("next: wingbeat sweep {shown}"),
+        Run | Runs => format!("next: wingbeat rig plan {shown}"),
+        Rig => format!("next: wingbeat rig plan {}", path.with_file_name(beside(Run)).display()),
+    }
+}

@@ -1,0 +1,202 @@
+//! What the columns of the records mean.
+
+/// A column, or columns of one kind.
+pub struct Described {
+    /// Its name, with `<what>` where names and numbers of the run stand.
+    pub name: &'static str,
+    /// The records that have it.
+    pub records: &'static [&'static str],
+    /// Its unit; several where it hangs on the run.
+    pub units: &'static [&'static str],
+    /// Its frame.
+    pub frame: &'static str,
+    /// What it is, with sign and point of reference.
+    pub meaning: &'static str,
+}
+
+pub const FLIGHT: &str = "record.parquet of fly and of a planned roll-in";
+pub const GAIT: &str = "record.parquet of a planned gait";
+pub const STRIPS: &str = "strips.parquet";
+pub const LOADS: &str = "loads.csv of tether";
+pub const SWEEP: &str = "flights.csv and record.parquet of sweep";
+pub const RIG: &str = "record.parquet of rig simulate";
+pub const BOX: &str = "record.parquet of rig record";
+pub const AVERAGE: &str = "NAME.parquet of rig process";
+pub const ENVELOPE: &str = "envelope.parquet of rig process";
+
+/// The records with what a row of each is.
+pub const RECORDS: [(&str, &str); 9] = [
+    (FLIGHT, "One row per instant, `flight.record_every_s` apart."),
+    (
+        GAIT,
+        "One row per instant of one cycle on a stand, its first and last row the same instant of the stroke.",
+    ),
+    (
+        STRIPS,
+        "One row per strip and instant, of fly where `flight.record_strips_every_s` asks for it and of tether.",
+    ),
+    (
+        LOADS,
+        "One row per step. Sums count the half of the wing that `wing.side` names. means.csv has mean, least and \
+      most of each over the last cycle.",
+    ),
+    (SWEEP, "One row per flight."),
+    (RIG, "One row per sample of the cell."),
+    (BOX, "One row per sample of the box; what was booked as missing has no row."),
+    (AVERAGE, "One row per phase of the stroke, `process.bins` of them."),
+    (ENVELOPE, "One row per phase over several strokes, of all runs processed together."),
+];
+
+/// What the frames are.
+pub const FRAMES: &str = "\
+Units, frames and limits are also in the files: in the metadata of each column of a Parquet file, and of all in the
+file's own (`df.attrs[\"units\"][\"roll\"]` and `df.attrs[\"frames\"]` after `pandas.read_parquet`). CSV files begin
+with the names.
+
+| frame | axes |
+|---|---|
+| W | the world: z up, x where a heading of zero points, y to its left; origin where the flight begins |
+| B | the body: x forward, y left, z up; origin that of the robot's file |
+| WB | from the body to the world: R_WB turns what is resolved in B into W |
+| C | the sensing frame of the load cell, as mounted |
+| WT | from the tool of the arm to the world |
+| wind | along the wind, to its left, up across it |
+
+A moment about y is positive nose *down*, about x right wing down, about z nose to the left. `CM` alone is nose up.
+";
+
+const S: &[&str] = &["s"];
+const M: &[&str] = &["m"];
+const N: &[&str] = &["N"];
+const NM: &[&str] = &["N m"];
+const RAD: &[&str] = &["rad"];
+const DEG: &[&str] = &["deg"];
+const W: &[&str] = &["W"];
+const ONE: &[&str] = &[""];
+
+const fn column(
+    name: &'static str,
+    records: &'static [&'static str],
+    units: &'static [&'static str],
+    frame: &'static str,
+    meaning: &'static str,
+) -> Described {
+    Described { name, records, units, frame, meaning }
+}
+
+/// All columns, the more special before the more general.
+#[rustfmt::skip]
+pub const COLUMNS: &[Described] = &[
+    column("t", &[FLIGHT, GAIT, STRIPS, LOADS, RIG, ENVELOPE], S, "", "Time from the begin of the run."),
+    column("t", &[BOX], S, "", "Time of the sample by the box's count and rate, from the first sample."),
+    column("t_kernel", &[BOX], S, "", "Arrival of its datagram by the kernel's clock, from the first."),
+    column("t_host", &[BOX], S, "", "Arrival of its datagram by the program's clock, from the first."),
+    column("rdt_sequence", &[BOX], ONE, "", "The box's number of the record in the stream."),
+    column("ft_sequence", &[BOX], ONE, "", "The box's own count of its samples."),
+    column("status", &[BOX], ONE, "", "The box's status word; 0 is good."),
+    column("phase", &[FLIGHT, GAIT, RIG], RAD, "", "Phase of the gait: 2 pi a stroke, not wrapped."),
+    column("phase", &[STRIPS], &["rad", "cycles"], "", "Phase as the run counts it: of a flight in rad, of a case in cycles."),
+    column("phase", &[LOADS], &["cycles"], "", "Cycles from the begin."),
+    column("cycle", &[AVERAGE], ONE, "", "Phase of the stroke as a share of the cycle, 0 to 1."),
+    column("roll", &[FLIGHT], RAD, "WB", "Roll, positive right wing down; the last of yaw, pitch, roll."),
+    column("pitch", &[FLIGHT], RAD, "WB", "Pitch, positive nose down."),
+    column("yaw", &[FLIGHT], RAD, "WB", "Heading, positive nose to the left, seen from above."),
+    column("roll_reference", &[FLIGHT], RAD, "WB", "Roll that the manoeuvre asks."),
+    column("pitch_reference", &[FLIGHT], RAD, "WB", "Pitch that the manoeuvre asks."),
+    column("plan_<angle>_<n>", &[FLIGHT], RAD, "WB", "Angle that the newest plan of the controller ends with, at node n; signs as roll, pitch, yaw."),
+    column("solver_<measure>", &[FLIGHT], ONE, "", "Of the newest update of the controller: iterations, qp_changes (changes of the set of active limits), active_limits, stationarity, defect."),
+    column("torque_<joint>", &[FLIGHT, GAIT], &["N m", "N"], "", "Effort that the joint needs along its coordinate: what drive, spring or stop gives."),
+    column("joint_power", &[FLIGHT, GAIT], W, "", "Mechanical power into the driven joints: drive and regulators."),
+    column("drive_power", &[FLIGHT], W, "", "Part of it that turns the crank of the gait."),
+    column("drive_power", &[GAIT], W, "", "Power of the drive: what `plan.least_power.storage` does not store of a joint's negative power is lost."),
+    column("regulator_power", &[FLIGHT], W, "", "Part of the joints' power that displaces the structure."),
+    column("power_to_air", &[GAIT], W, "", "Power that surfaces and body give to the air."),
+    column("motor_torque", &[FLIGHT], NM, "", "Torque on the motor's shaft."),
+    column("motor_power", &[FLIGHT], W, "", "Mechanical power of the shaft."),
+    column("electrical_power", &[FLIGHT], W, "", "Power that the motor takes from its supply."),
+    column("force_up", &[GAIT], N, "W", "Force of the air upward, drag of the body included."),
+    column("force_forward", &[GAIT], N, "W", "Force of the air along the horizontal heading, drag included."),
+    column("trim_moment", &[GAIT], NM, "B", "Moment of the air about the centre of mass, positive nose *up*."),
+    column("own_<column>", &[GAIT], &["rad", "W", "N"], "", "The same of the robot's own gait, at the same share of the cycle."),
+    column("force_wind_<axis>", &[LOADS], N, "wind", "Force: drag along the wind, side to its left, lift up across it."),
+    column("moment_wind_<axis>", &[LOADS], NM, "wind", "Moment about the body's origin, about the axes of drag, side and lift."),
+    column("CL", &[LOADS], ONE, "", "Lift over dynamic pressure and area (`reference`)."),
+    column("CD", &[LOADS], ONE, "", "Drag, likewise."),
+    column("CY", &[LOADS], ONE, "", "Side force to the left, likewise."),
+    column("CM", &[LOADS], ONE, "", "Moment about the body's y axis through its origin, over `reference.chord_m` too, positive nose *up*."),
+    column("surge", &[LOADS], M, "W", "The body's motion forward."),
+    column("heave", &[LOADS], M, "W", "The body's motion upward."),
+    column("nose_up", &[LOADS], RAD, "W", "The body's pitch, positive nose *up*."),
+    column("roll", &[LOADS], RAD, "W", "The body's roll, positive right wing down."),
+    column("hinge_<hinge>", &[LOADS], RAD, "", "Angle of the hinge; `wing.hinges` says which way is positive."),
+    column("force_<source>_<axis>", &[FLIGHT, GAIT, LOADS], N, "B", "Force by source: circulatory, induced_drag, added_mass, profile_drag; of a robot also body_drag, gravity and inertia (minus the rate of momentum, with which all sum to zero)."),
+    column("moment_<source>_<axis>", &[FLIGHT, GAIT, LOADS], NM, "B", "Moment by source about the body's origin."),
+    column("force_<axis>", &[LOADS], N, "B", "Force of the air, sum over the sources."),
+    column("moment_<axis>", &[LOADS], NM, "B", "Moment of the air about the body's origin, sum over the sources."),
+    column("strip", &[STRIPS], ONE, "", "Number of the strip on its surface, from the left tip."),
+    column("surface", &[STRIPS], ONE, "", "Number of the surface, in the robot's order."),
+    column("arc", &[STRIPS], M, "", "Arc of the control section from the middle, left positive."),
+    column("width", &[STRIPS], M, "", "Width of the strip along the arc."),
+    column("circulation", &[STRIPS], &["m2/s"], "", "Bound circulation; positive lifts."),
+    column("circulation_lag_sum", &[STRIPS], &["m2/s"], "", "Sum of the lags that stands for the circulation with three lags; no bound circulation."),
+    column("wash", &[STRIPS], &["m/s"], "", "Wind along the section's normal at 3/4 chord, wash of the wake included."),
+    column("incidence", &[STRIPS], RAD, "", "Incidence of that wind, positive from below."),
+    column("quarter_chord_<axis>", &[STRIPS], M, "B", "Point at 1/4 chord of the control section from the body's origin."),
+    column("force_<source>_<axis>", &[STRIPS], N, "B", "Force on the strip by source: circulatory, induced_drag, added_mass, profile_drag."),
+    column("force_<axis>", &[STRIPS], N, "B", "Force on the strip, sum over the sources."),
+    column("com_<axis>", &[FLIGHT], M, "W", "Centre of mass of the whole robot."),
+    column("hinge_<end>_<axis>", &[FLIGHT], M, "W", "Point of the hinge line at the end of a panel."),
+    column("leading_<end>_<axis>", &[FLIGHT], M, "W", "Point of the leading edge there."),
+    column("trailing_<end>_<axis>", &[FLIGHT], M, "W", "Point of the trailing edge there."),
+    column("clearance_<parts>", &[FLIGHT, GAIT], M, "B", "Least distance of two parts; negative where they overlap."),
+    column("command_<regulator>", &[FLIGHT, GAIT], &["rad", "m"], "", "Command to the regulator; its limits are those of the column."),
+    column("p_WB_<axis>", &[FLIGHT], M, "W", "The body's origin."),
+    column("quat_<axis>", &[FLIGHT], ONE, "WB", "Attitude as a unit quaternion w, x, y, z of R_WB."),
+    column("v_WB_W_<axis>", &[FLIGHT], &["m/s"], "W", "Velocity of the body's origin, resolved in W."),
+    column("w_WB_B_<axis>", &[FLIGHT], &["rad/s"], "B", "Angular rate of the body, resolved in B."),
+    column("displacement_<element>", &[FLIGHT, GAIT], &["rad", "m"], "", "Displacement of a structure element about the gait."),
+    column("rate_<element>", &[FLIGHT, GAIT], &["rad/s", "m/s"], "", "Its rate."),
+    column("coordinate_rate_<joint>", &[FLIGHT, GAIT], &["rad/s", "m/s"], "", "Rate of an elastic or free joint."),
+    column("coordinate_<joint>", &[FLIGHT, GAIT], &["rad", "m"], "", "Coordinate of an elastic or free joint, a state."),
+    column("crank_angle", &[FLIGHT, GAIT], RAD, "", "Angle of the crank that the motor turns: the phase of the gait."),
+    column("crank_rate", &[FLIGHT, GAIT], &["rad/s"], "", "Its rate."),
+    column("<surface>_from_<surface>_lag<k>_<n>", &[FLIGHT, GAIT], &["m2/s"], "", "Delayed circulation of strip n of one surface on its way to another."),
+    column("incidence_<n>", &[FLIGHT], RAD, "", "Incidence of strip n of the first surface, counted from the left tip, wash included, positive from below."),
+    column("<surface>_incidence_<n>", &[FLIGHT], RAD, "", "The same of another surface."),
+    column("circulation_<n>", &[FLIGHT, GAIT], &["m2/s"], "", "State of preset `paper`: circulation at node n, from the left tip."),
+    column("<surface>_circulation_<n>", &[FLIGHT, GAIT], &["m2/s"], "", "The same of another surface."),
+    column("wash_lag<k>_<n>", &[FLIGHT, GAIT], &["m/s"], "", "State of preset `full`: lag k of the wash on strip n, from the left tip."),
+    column("<surface>_wash_lag<k>_<n>", &[FLIGHT, GAIT], &["m/s"], "", "The same of another surface."),
+    column("wake_lag<k>_<n>", &[FLIGHT, GAIT], &["m2/s"], "", "State of preset `full`: lag k of the wake of strip n."),
+    column("<surface>_wake_lag<k>_<n>", &[FLIGHT, GAIT], &["m2/s"], "", "The same of another surface."),
+    column("lag<k>_<n>", &[FLIGHT, GAIT], &["m/s"], "", "State of preset `paper`: lag k of the wash at node n."),
+    column("<surface>_lag<k>_<n>", &[FLIGHT, GAIT], &["m/s"], "", "The same of another surface."),
+    column("<joint>", &[FLIGHT, GAIT], &["rad", "m"], "", "Coordinate of the joint, by its name; of a wing: shoulder and elbow positive raise what lies outboard, in both wings alike."),
+    column("q<n>", &[RIG], RAD, "", "Position of joint n of the arm."),
+    column("dq<n>", &[RIG], &["rad/s"], "", "Its rate."),
+    column("ddq<n>", &[RIG], &["rad/s2"], "", "Its acceleration."),
+    column("quat_<axis>", &[RIG], ONE, "WT", "Attitude of the tool on a stand as a unit quaternion w, x, y, z; without an arm's motion."),
+    column("true_<channel>", &[RIG], &["N", "N m"], "C", "Wrench on the cell without its noise, drift, filter and resonance."),
+    column("air_<channel>", &[RIG], &["N", "N m"], "B", "Part of the air in it, about the body's origin."),
+    column("inertia_<channel>", &[RIG], &["N", "N m"], "B", "Part of the inertia of the robot in it, about the body's origin."),
+    column("counts_<channel>", &[BOX], ONE, "C", "Counts as the box sent them."),
+    column("low_<channel>", &[AVERAGE, ENVELOPE], &["N", "N m"], "B", "Least over the cycles, or over the averages of the runs; in C where `process.steps.body_frame` is off."),
+    column("high_<channel>", &[AVERAGE, ENVELOPE], &["N", "N m"], "B", "Most, likewise."),
+    column("truth_<channel>", &[AVERAGE], &["N", "N m"], "B", "Average of the wrench without noise, of a simulated run."),
+    column("mean_<channel>", &[ENVELOPE], &["N", "N m"], "B", "Average of the reference run, where it was measured."),
+    column("simulation_<channel>", &[ENVELOPE], &["N", "N m"], "B", "Average of the simulation of the reference run."),
+    column("<channel>", &[RIG, BOX], &["N", "N m"], "C", "Fx, Fy, Fz, Tx, Ty, Tz: what the robot and its mount put on the cell, about the cell's origin."),
+    column("<channel>", &[AVERAGE], &["N", "N m"], "B", "Fx, Fy, Fz, Tx, Ty, Tz averaged over the cycles, about the body's origin; in C where `process.steps.body_frame` is off."),
+    column("run", &[SWEEP], ONE, "", "Number of the flight, from 0; it flies with the sweep's seed plus this number."),
+    column("held", &[SWEEP], ONE, "", "1 where the flight was flown whole and both errors stayed within `hold`."),
+    column("completed", &[SWEEP], ONE, "", "1 where it was flown whole."),
+    column("roll_max_error", &[SWEEP], DEG, "", "Largest |roll - reference| from the settling time on."),
+    column("pitch_max_error", &[SWEEP], DEG, "", "Largest |pitch - reference| from the settling time on."),
+    column("roll_mean", &[SWEEP], DEG, "", "Mean roll from the settling time on, positive right wing down."),
+    column("pitch_mean", &[SWEEP], DEG, "", "Mean pitch from the settling time on, positive nose down."),
+    column("distance_x", &[SWEEP], M, "", "Way along W's x from begin to end."),
+    column("distance_y", &[SWEEP], M, "", "Way along W's y from begin to end, positive to the left."),
+    column("altitude_change", &[SWEEP], M, "", "Altitude at the end less that at the begin."),
+    column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
+    column("<key>", &[SWEEP], ONE, "", "What was drawn for a key of the scenario, in the unit that ends the key."),
+];

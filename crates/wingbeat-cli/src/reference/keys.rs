@@ -1,0 +1,234 @@
+//! Every key of every document, from its schema.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use wingbeat::scenario::{DocumentKind, largest, unit};
+
+use super::{root, shipped};
+
+/// One key.
+pub struct Key {
+    /// From the top of the document; `[]` stands for any number of a list.
+    pub path: String,
+    /// What it means, with the meanings of what can be chosen.
+    pub meaning: String,
+    /// Unit of its numbers.
+    pub unit: &'static str,
+    /// What stands there.
+    pub form: String,
+    /// Range of its numbers.
+    pub range: String,
+    /// What holds where it is not given.
+    pub default: String,
+}
+
+/// The keys of a kind of document.
+pub fn keys(kind: DocumentKind) -> Vec<Key> {
+    let schema = kind.schema();
+    let mut walk = Walk { root: &schema, keys: Vec::new() };
+    walk.table(&schema, "", None);
+    walk.keys
+}
+
+struct Walk<'a> {
+    root: &'a Value,
+    keys: Vec<Key>,
+}
+
+impl<'a> Walk<'a> {
+    /// What a reference stands for.
+    fn resolved(&self, schema: &'a Value) -> &'a Value {
+        if let Some(name) = schema["$ref"].as_str().and_then(|reference| reference.rsplit('/').next()) {
+            return self.resolved(&self.root["definitions"][name]);
+        }
+        match schema["allOf"].as_array().map(Vec::as_slice) {
+            Some([one]) => self.resolved(one),
+            _ => schema,
+        }
+    }
+
+    /// The keys of a table; `chosen` is the meaning of a table with one key, one of several to choose from.
+    fn table(&mut self, schema: &'a Value, path: &str, chosen: Option<&str>) {
+        let required: Vec<&str> =
+            schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        for (name, property) in schema["properties"].as_object().into_iter().flatten() {
+            let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+            let value = self.resolved(property);
+            let own = property["description"].as_str().or(value["description"].as_str());
+            let meaning = chosen.or(own).unwrap_or_default().to_owned() + &self.choices(value);
+            let form = self.form(value);
+            let (unit, range) = match form.contains("number") {
+                true => (unit(&path), range(value, &path)),
+                false => ("", String::new()),
+            };
+            let default = match (&property["default"], &value["default"]) {
+                _ if chosen.is_some() => "one of these".into(),
+                _ if required.contains(&name.as_str()) => "required".into(),
+                (Value::Null, Value::Null) => "none".into(),
+                (Value::Null, inner) => written(inner),
+                (outer, _) => written(outer),
+            };
+            self.keys.push(Key { path: path.clone(), meaning, unit, form, range, default });
+            self.below(value, &path);
+        }
+    }
+
+    /// The keys of the tables in a value.
+    fn below(&mut self, value: &'a Value, path: &str) {
+        if value["properties"].is_object() {
+            return self.table(value, path, None);
+        }
+        if value["items"].is_object() {
+            return self.below(self.resolved(&value["items"]), &format!("{path}[]"));
+        }
+        for choice in list(value, "oneOf") {
+            self.table(self.resolved(choice), path, choice["description"].as_str());
+        }
+        if !is_file(value)
+            && let Some(shipped) = list(value, "anyOf").first()
+        {
+            self.below(self.resolved(shipped), path);
+        }
+    }
+
+    /// What stands there, in words.
+    fn form(&self, value: &'a Value) -> String {
+        if is_file(value) {
+            return "file, or the table itself".into();
+        }
+        if let Some(shipped) = list(value, "anyOf").first() {
+            return self.form(self.resolved(shipped)) + ", or a table under a name of one's own";
+        }
+        let names = self.names(value);
+        if !names.is_empty() {
+            return names.iter().map(|name| format!("`\"{name}\"`")).collect::<Vec<_>>().join(" or ");
+        }
+        if !list(value, "oneOf").is_empty() {
+            return "table".into();
+        }
+        match value["type"].as_str() {
+            Some("string") => "text".into(),
+            Some("boolean") => "`true` or `false`".into(),
+            Some("integer") => "whole number".into(),
+            Some("number") => "number".into(),
+            Some("array") => {
+                let items = self.form(self.resolved(&value["items"]));
+                match (value["minItems"].as_u64(), value["maxItems"].as_u64()) {
+                    (Some(least), Some(most)) if least == most => format!("{least} of: {items}"),
+                    _ => format!("list of: {items}"),
+                }
+            }
+            _ if value["additionalProperties"].is_object() => {
+                format!("table of: {} by name", self.form(self.resolved(&value["additionalProperties"])))
+            }
+            _ => "table".into(),
+        }
+    }
+
+    /// The names of which one is chosen.
+    fn names(&self, value: &'a Value) -> Vec<&'a str> {
+        let chosen = list(value, "oneOf").iter().filter_map(|choice| {
+            choice["const"].as_str().or_else(|| choice["enum"].as_array()?.first()?.as_str())
+        });
+        let listed = list(value, "enum").iter().filter_map(Value::as_str);
+        chosen.chain(listed).chain(value["const"].as_str()).collect()
+    }
+
+    /// The meanings of the names of which one is chosen.
+    fn choices(&self, value: &'a Value) -> String {
+        let meaning = |choice: &Value| {
+            let name = choice["const"].as_str().or_else(|| choice["enum"].as_array()?.first()?.as_str())?;
+            Some(format!(" `{name}`: {}", choice["description"].as_str()?))
+        };
+        list(value, "oneOf").iter().filter_map(meaning).collect()
+    }
+}
+
+fn list<'a>(value: &'a Value, name: &str) -> &'a [Value] {
+    value[name].as_array().map_or(&[], Vec::as_slice)
+}
+
+/// Whether a file may be named there.
+fn is_file(value: &Value) -> bool {
+    list(value, "anyOf").first().is_some_and(|choice| choice["type"] == "string")
+}
+
+/// The range of the numbers of a key.
+fn range(value: &Value, path: &str) -> String {
+    let most = largest(path);
+    let most = if most < 1e5 { most.to_string() } else { format!("{most:e}") };
+    let numbers = if value["items"].is_object() { &value["items"] } else { value };
+    match (numbers["minimum"].as_f64(), path.ends_with("seed")) {
+        (Some(0.0), true) => "0 or more".into(),
+        (Some(0.0), false) => format!("0 to {most}"),
+        _ => format!("±{most}"),
+    }
+}
+
+/// A default as a document would give it.
+fn written(default: &Value) -> String {
+    match default {
+        Value::Object(_) => "by its keys".into(),
+        Value::Array(items) if items.is_empty() => "`[]`".into(),
+        other => format!("`{other}`"),
+    }
+}
+
+#[test]
+fn every_key_has_a_meaning_and_every_shipped_key_is_in_the_reference() {
+    for kind in DocumentKind::ALL {
+        let keys = keys(kind);
+        for key in &keys {
+            assert!(key.meaning.len() > 3, "{} {}: no doc comment", kind.name(), key.path);
+        }
+        let paths: BTreeSet<&str> = keys.iter().map(|key| key.path.as_str()).collect();
+        for document in shipped::all().iter().filter(|document| document.kind == kind) {
+            shipped::walk(&document.table, "", &mut |path, _| {
+                let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
+                let by_name = keys.iter().any(|key| key.path == parent && key.form.ends_with("by name"));
+                assert!(paths.contains(path) || by_name, "{}: {path} is no key", document.file);
+            });
+        }
+    }
+}
+
+#[test]
+fn every_field_of_every_spec_is_in_the_reference() {
+    let mut names = BTreeSet::new();
+    for kind in DocumentKind::ALL {
+        names.extend(
+            keys(kind)
+                .into_iter()
+                .flat_map(|key| key.path.split(['.', '[', ']']).map(str::to_owned).collect::<Vec<_>>()),
+        );
+    }
+    let mut fields = 0;
+    for_sources(&root().join("crates/wingbeat/src"), &mut |text| {
+        for spec in text.split("derive(schemars::JsonSchema)").skip(1) {
+            let body = spec.split("\n}").next().unwrap_or_default();
+            for line in body.lines().filter(|line| !line.trim_start().starts_with("//")) {
+                let field = line.trim().trim_start_matches("pub ").split_once(": ").map(|(name, _)| name);
+                let field = field.filter(|name| name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'));
+                if let Some(field) = field {
+                    fields += 1;
+                    assert!(names.contains(field), "{field} is in no table of docs/reference.md");
+                }
+            }
+        }
+    });
+    assert!(fields > 250, "{fields} fields found");
+}
+
+fn for_sources(folder: &Path, see: &mut impl FnMut(&str)) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            for_sources(&path, see);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            see(&fs::read_to_string(&path).unwrap());
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Every column of every record against what is said of it, by flying, tethering and rigging what ships, briefly.
+
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use wingbeat::aero::LoadSource;
+use wingbeat::rig::cell::CHANNELS;
+use wingbeat::scenario::{Evaluated, ProcessedRun, RigRun, Scenario, Sweep, TetherCase, together};
+use wingbeat::simulate::{Column, Record};
+
+use super::columns::{AVERAGE, BOX, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, RECORDS, RIG, STRIPS, SWEEP};
+use super::{root, shipped};
+
+/// What placeholders stand for; of others, any name.
+fn words(placeholder: &str) -> Option<Vec<&'static str>> {
+    Some(match placeholder {
+        "axis" => vec!["x", "y", "z", "w", "drag", "side", "lift"],
+        "angle" => vec!["roll", "pitch", "yaw"],
+        "channel" => CHANNELS.map(|(name, _)| name).into(),
+        "measure" => vec!["iterations", "qp_changes", "active_limits", "stationarity", "defect"],
+        "source" => LoadSource::ALL.map(LoadSource::name).into(),
+        _ => return None,
+    })
+}
+
+/// Whether a name is one of a pattern's.
+fn fits(pattern: &str, name: &str) -> bool {
+    let Some((literal, rest)) = pattern.split_once('<') else { return pattern == name };
+    let Some(name) = name.strip_prefix(literal) else { return false };
+    let Some((placeholder, rest)) = rest.split_once('>') else { return false };
+    if let Some(words) = words(placeholder) {
+        return words.iter().any(|word| name.strip_prefix(word).is_some_and(|name| fits(rest, name)));
+    }
+    let number = matches!(placeholder, "n" | "k");
+    let stands = |text: &str| !number || text.bytes().all(|byte| byte.is_ascii_digit());
+    (1..=name.len()).any(|end| name.is_char_boundary(end) && stands(&name[..end]) && fits(rest, &name[end..]))
+}
+
+/// The entries that were met, by their place in the list.
+#[derive(Default)]
+struct Met(BTreeSet<usize>);
+
+impl Met {
+    /// Every column is described, with its unit and frame; `alone` are the names that a joint or key may have.
+    fn see(&mut self, record: &str, columns: &[Column], alone: &[String]) {
+        for column in columns {
+            let fitting = |entry: &&(usize, &super::columns::Described)| {
+                let described = entry.1;
+                let general = matches!(described.name, "<joint>" | "<key>");
+                let named =
+                    if general { alone.contains(&column.name) } else { fits(described.name, &column.name) };
+                described.records.contains(&record) && named
+            };
+            let entries: Vec<_> = COLUMNS.iter().enumerate().collect();
+            let Some((index, described)) = entries.iter().find(fitting) else {
+                panic!("{}: nothing is said of the column {}", record, column.name);
+            };
+            let Column { name, unit, frame, .. } = column;
+            assert!(
+                described.units.contains(&unit.as_str()),
+                "{record}: {name} is in {unit:?}, not {}",
+                described.name
+            );
+            assert!(
+                frame == described.frame || described.name.starts_with("own_"),
+                "{record}: {name} is in {frame:?}"
+            );
+            self.0.insert(*index);
+        }
+    }
+
+    /// Every column that is said to be in `record`, if first there, was seen.
+    fn all_of(&self, record: &str) {
+        assert!(RECORDS.iter().any(|(known, _)| *known == record), "{record} is no record");
+        for (index, described) in COLUMNS.iter().enumerate() {
+            let unseen = described.records.first() == Some(&record) && !self.0.contains(&index);
+            assert!(!unseen, "{record} has no column {}", described.name);
+        }
+    }
+}
+
+#[test]
+fn columns_of_flights_and_strips_are_in_the_reference() {
+    let mut met = Met::default();
+    for document in shipped::all().iter().filter(|d| d.file.starts_with("scenarios/")) {
+        let path = root().join(&document.file);
+        let every = Scenario::load(&path, &[]).unwrap().spec.flight.record_every_s;
+        let brief = [
+            format!("flight.duration_s={:?}", 10.0 * every),
+            format!("flight.record_strips_every_s={every:?}"),
+        ];
+        let scenario = Scenario::load(&path, &brief).unwrap();
+        let joints: Vec<String> = scenario.robot().joint_names().map(|name| name.to_string()).collect();
+        let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
+        met.see(FLIGHT, run.record.columns(), &joints);
+        met.see(STRIPS, run.strips.unwrap().columns(), &[]);
+    }
+    met.all_of(FLIGHT);
+    met.all_of(STRIPS);
+}
+
+#[test]
+fn columns_of_gaits_are_in_the_reference() {
+    let mut met = Met::default();
+    let brief = [
+        "storage=1.0",
+        "up_n=0.08",
+        "frequency_hz=[3.5, 3.5]",
+        "pitch_deg=[-15.0, -15.0]",
+        "effort_w=0.3",
+        "intervals=24",
+        "meshes=1",
+        "tolerance=1e-2",
+    ];
+    let brief = brief.map(|key| format!("plan.least_power.{key}"));
+    let scenario = Scenario::load(&root().join("scenarios/least_power_gait.toml"), &brief).unwrap();
+    let joints: Vec<String> = scenario.robot().joint_names().map(|name| name.to_string()).collect();
+    let planned = scenario.plan(&mut |_| ControlFlow::Continue(())).unwrap();
+    met.see(GAIT, planned.record.expect("a gait is found").columns(), &joints);
+    met.all_of(GAIT);
+}
+
+#[test]
+fn columns_of_tethered_wings_are_in_the_reference() {
+    let mut met = Met::default();
+    for document in shipped::all().iter().filter(|d| d.file.starts_with("cases/")) {
+        let path = root().join(&document.file);
+        let brief = ["time.cycles=1".to_owned(), "time.steps_per_cycle=24".to_owned()];
+        let read = |path: &Path| wingbeat_io::read_csv(path).map_err(|error| error.to_string());
+        let run = TetherCase::load(&path, &brief, &read).unwrap().tether.run(|_| ControlFlow::Continue(()));
+        met.see(LOADS, run.loads.columns(), &[]);
+        met.see(STRIPS, run.strips.columns(), &[]);
+    }
+    met.all_of(LOADS);
+}
+
+#[test]
+fn columns_of_the_rig_are_in_the_reference() {
+    let mut met = Met::default();
+    let brief = ["rig.cell.rate_hz=1000.0", "rig.cell.filter_hz=400.0", "hold.each_s=2.0"].map(String::from);
+    for file in ["bench.toml", "roll15_speed08.toml"] {
+        let path = root().join("rigs/runs").join(file);
+        let load = || RigRun::load(&path, if file == "bench.toml" { &brief[..] } else { &brief[..2] }).unwrap();
+        let run = load();
+        let plan = run.spec.turn.map(|_| run.plan().unwrap().unwrap_or_else(|refusal| panic!("{refusal}")));
+        let carrier = run.carrier(plan.as_ref());
+        let record = run.simulate(&carrier, 0, |_| {}).unwrap().unwrap().record;
+        met.see(RIG, record.columns(), &[]);
+        let measured: Vec<Column> =
+            record.columns().iter().filter(|column| !column.name.starts_with("true_")).cloned().collect();
+        for record in [record, Record::new(measured, 0).unwrap()] {
+            let run = load();
+            let result =
+                run.evaluate(record, &carrier, run.window(plan.as_ref(), &carrier)).unwrap().unwrap();
+            let Evaluated::Averaged(processed) = &result else { panic!("{file} flaps") };
+            met.see(AVERAGE, processed.record(run.processed_frame()).unwrap().columns(), &[]);
+            let all = together(&[ProcessedRun { run, result }]).unwrap().unwrap();
+            met.see(ENVELOPE, all.envelope.columns(), &[]);
+        }
+    }
+    met.all_of(RIG);
+    met.all_of(AVERAGE);
+    met.all_of(ENVELOPE);
+}
+
+#[test]
+fn columns_of_sweeps_are_in_the_reference() {
+    let mut met = Met::default();
+    let sweep = Sweep::load(&root().join("sweeps/banking_turn_robustness.toml"), &[]).unwrap();
+    let columns = crate::sweep::columns(&sweep);
+    let columns: Vec<Column> = columns.into_iter().map(|(name, unit)| Column::new(name, unit, "")).collect();
+    let drawn: Vec<String> = sweep.spec.draws.iter().map(|draw| draw.key.clone()).collect();
+    met.see(SWEEP, &columns, &drawn);
+    met.all_of(SWEEP);
+}
+
+#[test]
+fn columns_of_recordings_are_in_the_reference() {
+    let mut met = Met::default();
+    met.see(BOX, &crate::rig::recorded::columns(), &[]);
+    met.all_of(BOX);
+}
+
+#[test]
+fn patterns_of_the_reference_fit_their_columns_alone() {
+    assert!(fits("force_<source>_<axis>", "force_body_drag_x") && !fits("force_<axis>", "force_body_drag_x"));
+    assert!(fits("lag<k>_<n>", "lag2_11") && !fits("lag<k>_<n>", "lag2_x") && !fits("lag<k>_<n>", "lag2_"));
+    assert!(
+        fits("<surface>_incidence_<n>", "tail_incidence_3") && !fits("incidence_<n>", "tail_incidence_3")
+    );
+}

@@ -1,0 +1,98 @@
+//! `wingbeat new` and `wingbeat schema` as a user meets them.
+
+use std::fs;
+use std::path::Path;
+
+use crate::{entries, scratch, wingbeat};
+
+/// Writes a document of a kind and gives what is printed.
+fn written(folder: &Path, arguments: &[&str]) -> String {
+    let output = wingbeat(folder, &[&["new"], arguments].concat());
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The command that is proposed next runs, with `more` behind it.
+fn runs(folder: &Path, told: &str, more: &[&str]) {
+    let next = told.lines().find_map(|line| line.strip_prefix("next: wingbeat ")).unwrap();
+    let arguments: Vec<&str> = next.split(' ').chain(more.iter().copied()).collect();
+    let output = wingbeat(folder, &arguments);
+    assert!(output.status.success(), "{next}: {output:?}");
+}
+
+#[test]
+fn a_new_scenario_flies_and_holds_its_goal() {
+    let folder = scratch("new-scenario");
+    let told = written(&folder, &["scenario", "mine.toml"]);
+    assert_eq!(entries(&folder), ["mine.toml", "robot.toml"]);
+    let text = fs::read_to_string(folder.join("mine.toml")).unwrap();
+    assert!(text.contains("name = \"mine\"\nrobot = \"robot.toml\"\n"), "{text}");
+    assert!(text.contains("# 200 Hz") && !text.contains("#:schema .."), "{text}");
+    runs(&folder, &told, &["--quiet"]);
+    assert!(folder.join("runs/mine/record.parquet").is_file());
+}
+
+#[test]
+fn a_new_robot_is_flown_by_a_new_scenario() {
+    let folder = scratch("new-robot");
+    written(&folder, &["robot"]);
+    let told = written(&folder, &["scenario"]);
+    assert!(told.contains("robot.toml: was there already, kept"), "{told}");
+    let short = ["--quiet", "--set", "flight.duration_s=0.1", "--set", "goal.settle_s=0.05", "--out", "a"];
+    runs(&folder, &told, &[&short[..], &["--set", "goal.roll_within_deg=90.0"]].concat());
+}
+
+#[test]
+fn new_cases_and_sweeps_run() {
+    let folder = scratch("new-case");
+    let told = written(&folder, &["case"]);
+    runs(&folder, &told, &["--quiet"]);
+    let told = written(&folder, &["sweep"]);
+    assert_eq!(entries(&folder), ["case.toml", "robot.toml", "runs", "scenario.toml", "sweep.toml"]);
+    runs(&folder, &told, &["--quiet", "--set", "runs=2"]);
+}
+
+#[test]
+fn new_rigs_runs_and_lists_are_planned() {
+    for kind in ["rig", "run", "runs"] {
+        let folder = scratch(&format!("new-{kind}"));
+        let told = written(&folder, &[kind, "own.toml"]);
+        assert!(folder.join("arm.toml").is_file() && folder.join("robot.toml").is_file(), "{told}");
+        runs(&folder, &told, &["--quiet", "--out", "a"]);
+    }
+    let folder = scratch("new-arm");
+    written(&folder, &["arm"]);
+    let told = written(&folder, &["rig"]);
+    runs(&folder, &told, &["--quiet", "--out", "a"]);
+}
+
+#[test]
+fn nothing_is_replaced_unasked() {
+    let folder = scratch("new-kept");
+    fs::write(folder.join("scenario.toml"), "mine").unwrap();
+    let refused = |arguments: &[&str], why: &str| {
+        let output = wingbeat(&folder, &[&["new"], arguments].concat());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(why), "{message}");
+    };
+    refused(&["scenario"], "scenario.toml: is there already; --force replaces it");
+    refused(&["scenario", "robot.toml"], "robot.toml: another name");
+    refused(&["scenario", "nowhere/a.toml"], "nowhere");
+    refused(&["scenario", ".."], "a file name that ends with .toml");
+    assert_eq!(entries(&folder), ["scenario.toml"]);
+    assert_eq!(fs::read_to_string(folder.join("scenario.toml")).unwrap(), "mine");
+    fs::write(folder.join("robot.toml"), "mine too").unwrap();
+    written(&folder, &["scenario", "--force"]);
+    assert!(fs::read_to_string(folder.join("scenario.toml")).unwrap().contains("[air]"));
+    assert_eq!(fs::read_to_string(folder.join("robot.toml")).unwrap(), "mine too");
+}
+
+#[test]
+fn a_schema_is_json_that_names_every_table() {
+    let output = wingbeat(&scratch("schema"), &["schema", "scenario"]);
+    assert!(output.status.success(), "{output:?}");
+    let schema: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let tables = schema["properties"].as_object().unwrap();
+    assert!(["air", "aero", "flight", "controller", "goal"].iter().all(|table| tables.contains_key(*table)));
+}

@@ -1,0 +1,205 @@
+//! JSON Schemas of the documents, from the specs that read them.
+
+use std::borrow::Cow;
+
+use schemars::generate::SchemaSettings;
+use schemars::transform::transform_subschemas;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde_json::{Value, json};
+
+use super::chosen::{Chosen, Named};
+use super::rig::RunList;
+use super::{RigRunSpec, RigSpec, ScenarioSpec, SweepSpec, TetherSpec, largest};
+use crate::rig::arm::ArmConfig;
+use crate::robot::RobotSpec;
+
+/// What a document can be of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DocumentKind {
+    /// A flight.
+    Scenario,
+    /// A robot.
+    Robot,
+    /// A wing in prescribed motion.
+    Case,
+    /// Many flights of a scenario.
+    Sweep,
+    /// A run on the rig.
+    Run,
+    /// A list of runs on the rig.
+    Runs,
+    /// The rig: robot, arm, load cell.
+    Rig,
+    /// The arm of a rig.
+    Arm,
+}
+
+impl DocumentKind {
+    /// All kinds.
+    pub const ALL: [Self; 8] =
+        [Self::Scenario, Self::Robot, Self::Case, Self::Sweep, Self::Run, Self::Runs, Self::Rig, Self::Arm];
+
+    /// The kind in one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scenario => "scenario",
+            Self::Robot => "robot",
+            Self::Case => "case",
+            Self::Sweep => "sweep",
+            Self::Run => "run",
+            Self::Runs => "runs",
+            Self::Rig => "rig",
+            Self::Arm => "arm",
+        }
+    }
+
+    /// The kind called `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// The JSON Schema (draft 7, which every editor knows) of such documents: keys, meanings, types, defaults,
+    /// and the largest magnitudes by unit. What hangs on several keys at once is checked when a document is read.
+    pub fn schema(self) -> Value {
+        let settings = SchemaSettings::draft07().with_transform(tidy);
+        let generator = settings.into_generator();
+        let mut schema = match self {
+            Self::Scenario => generator.into_root_schema_for::<ScenarioSpec>(),
+            Self::Robot => generator.into_root_schema_for::<RobotSpec>(),
+            Self::Case => generator.into_root_schema_for::<TetherSpec>(),
+            Self::Sweep => generator.into_root_schema_for::<SweepSpec>(),
+            Self::Run => generator.into_root_schema_for::<RigRunSpec>(),
+            Self::Runs => generator.into_root_schema_for::<RunList>(),
+            Self::Rig => generator.into_root_schema_for::<RigSpec>(),
+            Self::Arm => generator.into_root_schema_for::<ArmConfig>(),
+        };
+        schema.insert("title".into(), self.name().into());
+        schema.to_value()
+    }
+}
+
+/// The name of a file that holds a `T`, or the `T` itself.
+pub fn file_or<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    let table = generator.subschema_for::<T>();
+    json_schema!({ "anyOf": [{ "type": "string" }, table] })
+}
+
+impl JsonSchema for Named {
+    fn schema_name() -> Cow<'static, str> {
+        "Named".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "A table under the name of its kind, one of the program's own.",
+            "type": "object",
+            "minProperties": 1,
+            "maxProperties": 1,
+            "additionalProperties": { "type": "object" },
+        })
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for Chosen<T> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("Chosen{}", T::schema_name()).into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let (shipped, named) = (generator.subschema_for::<T>(), generator.subschema_for::<Named>());
+        json_schema!({ "anyOf": [shipped, named] })
+    }
+}
+
+/// TOML has no null; descriptions are plain text; numbers have the ranges of their units.
+fn tidy(schema: &mut Schema) {
+    transform_subschemas(&mut tidy, schema);
+    let Some(object) = schema.as_object_mut() else { return };
+    if let Some(Value::String(text)) = object.get_mut("description") {
+        *text = plain(text);
+    }
+    if object.get("default").is_some_and(Value::is_null) {
+        object.remove("default");
+    }
+    if let Some(Value::Array(types)) = object.get_mut("type") {
+        types.retain(|name| name != "null");
+        if let [one] = types.as_slice() {
+            let one = one.clone();
+            object.insert("type".into(), one);
+        }
+    }
+    if let Some(Value::Array(choices)) = object.get_mut("anyOf") {
+        choices.retain(|choice| *choice != json!({ "type": "null" }));
+        if choices.len() == 1 {
+            let one = object.remove("anyOf").unwrap_or_default();
+            object.insert("allOf".into(), one);
+        }
+    }
+    if let Some(Value::Object(properties)) = object.get_mut("properties") {
+        let bounded = properties.iter_mut().filter(|(key, _)| *key != "seed");
+        bounded.for_each(|(key, property)| limit(property, largest(key)));
+    }
+}
+
+/// Bounds the numbers of a property, alone or in lists.
+fn limit(schema: &mut Value, largest: f64) {
+    let Some(object) = schema.as_object_mut() else { return };
+    let (number, whole) = match object.get("type").and_then(Value::as_str) {
+        Some("number") => (true, false),
+        Some("integer") => (false, !object.contains_key("maximum")),
+        _ => (false, false),
+    };
+    if number {
+        object.insert("minimum".into(), (-largest).into());
+    }
+    if number || whole {
+        object.insert("maximum".into(), largest.into());
+    }
+    if let Some(items) = object.get_mut("items") {
+        limit(items, largest);
+    }
+}
+
+/// The text of a doc comment without its line ends and links.
+fn plain(text: &str) -> String {
+    let paragraphs: Vec<String> = text.split("\n\n").map(|paragraph| paragraph.replace('\n', " ")).collect();
+    let text = paragraphs.join("\n\n");
+    let mut parts = text.split("[`");
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let Some((name, rest)) = part.split_once("`]") else {
+            plain += "[`";
+            plain += part;
+            continue;
+        };
+        let rest =
+            rest.strip_prefix('(').and_then(|rest| rest.split_once(')')).map_or(rest, |(_, rest)| rest);
+        plain = plain + "`" + name + "`" + rest;
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_schema_says_keys_meanings_defaults_and_ranges() {
+        let schema = DocumentKind::Scenario.schema();
+        let air = &schema["definitions"]["AirSpec"];
+        assert_eq!(air["additionalProperties"], false);
+        assert_eq!(air["required"], json!(["density_kg_m3"]));
+        assert_eq!(air["properties"]["gust_m_s"]["default"], 0.0);
+        assert_eq!(air["properties"]["wind_m_s"]["items"]["maximum"], 1e4);
+        assert!(schema["properties"]["goal"]["description"].as_str().unwrap().starts_with("What counts"));
+        assert!(!schema.to_string().contains("null"), "TOML has no null");
+    }
+
+    #[test]
+    fn links_of_doc_comments_become_names() {
+        assert_eq!(
+            plain("one of [`Doors`](super::Doors),\nor [`X`]; `a[0]`"),
+            "one of `Doors`, or `X`; `a[0]`"
+        );
+    }
+}
