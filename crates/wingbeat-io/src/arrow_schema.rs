@@ -19,6 +19,7 @@ mod slot {
     pub const FIELD_METADATA: u16 = 16;
     pub const PRECISION: u16 = 4;
     pub const SCHEMA_FIELDS: u16 = 6;
+    pub const SCHEMA_METADATA: u16 = 8;
     pub const MESSAGE_VERSION: u16 = 4;
     pub const MESSAGE_HEADER: [u16; 2] = [6, 8];
 }
@@ -35,13 +36,18 @@ const VERSION_5: i16 = 4;
 /// An offset to a table whose fields were pushed one by one.
 struct Table;
 
-/// The columns, all of 64-bit floats without gaps, as an encapsulated IPC message in base 64.
-pub fn encoded(columns: &[Described]) -> String {
+/// The columns, all of 64-bit floats without gaps, and the metadata of all, as an encapsulated IPC message in base 64.
+pub fn encoded(columns: &[Described], all: &[(&str, &str)]) -> String {
     let mut builder = FlatBufferBuilder::new();
     let fields: Vec<_> = columns.iter().map(|column| field(&mut builder, column)).collect();
     let fields = vector(&mut builder, &fields);
+    let pairs: Vec<_> = all.iter().map(|(key, value)| key_value(&mut builder, key, value)).collect();
+    let pairs = (!pairs.is_empty()).then(|| vector(&mut builder, &pairs));
     let table = builder.start_table();
     builder.push_slot_always(slot::SCHEMA_FIELDS, fields);
+    if let Some(pairs) = pairs {
+        builder.push_slot_always(slot::SCHEMA_METADATA, pairs);
+    }
     let schema = builder.end_table(table);
     let table = builder.start_table();
     builder.push_slot(slot::MESSAGE_VERSION, VERSION_5, 0);
@@ -110,6 +116,6 @@ mod tests {
             ("p_WB_x", described(&[("unit", "m"), ("frame", "W")])),
             ("command_shoulder_left", described(&[("unit", "rad"), ("low", "-0.3"), ("high", "0.3")])),
         ];
-        assert_eq!(encoded(&columns), READ_BY_PYARROW);
+        assert_eq!(encoded(&columns, &[]), READ_BY_PYARROW);
     }
 }

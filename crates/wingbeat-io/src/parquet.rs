@@ -209,10 +209,11 @@ fn properties(record: &Record) -> WriterProperties {
             ((*name).to_owned(), serde_json::Value::Object(pairs.collect()))
         })
         .collect();
+    let attributes = attributes(record);
     let pairs = vec![
         KeyValue::new(KEY.into(), serde_json::Value::Object(json).to_string()),
-        KeyValue::new(arrow_schema::KEY.into(), arrow_schema::encoded(&described)),
-        KeyValue::new(PANDAS.into(), attributes(record)),
+        KeyValue::new(arrow_schema::KEY.into(), arrow_schema::encoded(&described, &[(PANDAS, &attributes)])),
+        KeyValue::new(PANDAS.into(), attributes),
     ];
     WriterProperties::builder()
         .set_compression(Compression::SNAPPY)

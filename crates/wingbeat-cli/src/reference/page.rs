@@ -39,17 +39,21 @@ fn document(kind: DocumentKind, text: &mut String) {
     let _ = writeln!(text, "\n## Keys of a {name}\n\n{meaning} [Schema](schema/{name}.json).");
     let (keys, examples) = (keys(kind), shipped::examples(kind));
     let below: BTreeSet<&str> = keys.iter().filter(|key| top(key) != key.path).map(top).collect();
-    let mut rows = |keys: Vec<&Key>| {
+    let mut rows = |heading: Option<&str>, keys: Vec<&Key>| {
+        if let Some(heading) = heading {
+            let _ = writeln!(text, "\n### {name}: `{heading}`");
+        }
         *text += "\n| key | meaning | unit | what stands there | range | default | example |\n|---|---|---|---|---|---|---|\n";
         for key in keys {
             let example = examples.get(&key.path).map_or(String::new(), |example| format!("`{example}`"));
-            let cells = [key.meaning.as_str(), key.unit, &key.form, &key.range, &key.default, &example].map(cell);
+            let cells =
+                [key.meaning.as_str(), key.unit, &key.form, &key.range, &key.default, &example].map(cell);
             let _ = writeln!(text, "| `{}` | {} |", key.path, cells.join(" | "));
         }
     };
-    rows(keys.iter().filter(|key| top(key) == key.path).collect());
+    rows(None, keys.iter().filter(|key| top(key) == key.path).collect());
     for table in below {
-        rows(keys.iter().filter(|key| top(key) == table && key.path != table).collect());
+        rows(Some(table), keys.iter().filter(|key| top(key) == table && key.path != table).collect());
     }
 }
 
@@ -70,7 +74,7 @@ fn columns(text: &mut String) {
             text,
             "\n## {record}\n\n{what}\n\n| column | unit | frame | meaning |\n|---|---|---|---|"
         );
-        for column in COLUMNS.iter().filter(|column| column.records.contains(record)) {
+        for column in COLUMNS.iter().filter(|column| column.records.contains(&record)) {
             let cells = [column.units.join(" or ").as_str(), column.frame, column.meaning].map(cell);
             let _ = writeln!(text, "| `{}` | {} |", column.name, cells.join(" | "));
         }

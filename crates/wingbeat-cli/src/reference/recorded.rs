@@ -80,21 +80,30 @@ impl Met {
     }
 }
 
+/// Flies a scenario for ten samples, each with its strips.
+fn fly(met: &mut Met, file: &str, key: Option<&str>) {
+    let path = root().join(file);
+    let every = Scenario::load(&path, &[]).unwrap().spec.flight.record_every_s;
+    let brief =
+        [format!("flight.duration_s={:?}", 10.0 * every), format!("flight.record_strips_every_s={every:?}")];
+    let keys: Vec<String> = brief.into_iter().chain(key.map(str::to_owned)).collect();
+    let scenario = Scenario::load(&path, &keys).unwrap();
+    let joints: Vec<String> = scenario.robot().joint_names().map(str::to_owned).collect();
+    let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
+    met.see(FLIGHT, run.record.columns(), &joints);
+    met.see(STRIPS, run.strips.unwrap().columns(), &[]);
+}
+
 #[test]
 fn columns_of_flights_and_strips_are_in_the_reference() {
     let mut met = Met::default();
     for document in shipped::all().iter().filter(|d| d.file.starts_with("scenarios/")) {
-        let path = root().join(&document.file);
-        let every = Scenario::load(&path, &[]).unwrap().spec.flight.record_every_s;
-        let brief = [
-            format!("flight.duration_s={:?}", 10.0 * every),
-            format!("flight.record_strips_every_s={every:?}"),
-        ];
-        let scenario = Scenario::load(&path, &brief).unwrap();
-        let joints: Vec<String> = scenario.robot().joint_names().map(|name| name.to_string()).collect();
-        let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
-        met.see(FLIGHT, run.record.columns(), &joints);
-        met.see(STRIPS, run.strips.unwrap().columns(), &[]);
+        // A roll-in begins within the flight.
+        let key = document.file.ends_with("/roll_in.toml").then_some("plan.roll_in.start_s=0.0");
+        fly(&mut met, &document.file, key);
+    }
+    for key in ["aero.law=lev", "aero.preset=paper"] {
+        fly(&mut met, "scenarios/four_wings.toml", Some(key));
     }
     met.all_of(FLIGHT);
     met.all_of(STRIPS);
@@ -115,7 +124,7 @@ fn columns_of_gaits_are_in_the_reference() {
     ];
     let brief = brief.map(|key| format!("plan.least_power.{key}"));
     let scenario = Scenario::load(&root().join("scenarios/least_power_gait.toml"), &brief).unwrap();
-    let joints: Vec<String> = scenario.robot().joint_names().map(|name| name.to_string()).collect();
+    let joints: Vec<String> = scenario.robot().joint_names().map(str::to_owned).collect();
     let planned = scenario.plan(&mut |_| ControlFlow::Continue(())).unwrap();
     met.see(GAIT, planned.record.expect("a gait is found").columns(), &joints);
     met.all_of(GAIT);
@@ -141,7 +150,8 @@ fn columns_of_the_rig_are_in_the_reference() {
     let brief = ["rig.cell.rate_hz=1000.0", "rig.cell.filter_hz=400.0", "hold.each_s=2.0"].map(String::from);
     for file in ["bench.toml", "roll15_speed08.toml"] {
         let path = root().join("rigs/runs").join(file);
-        let load = || RigRun::load(&path, if file == "bench.toml" { &brief[..] } else { &brief[..2] }).unwrap();
+        let load =
+            || RigRun::load(&path, if file == "bench.toml" { &brief[..] } else { &brief[..2] }).unwrap();
         let run = load();
         let plan = run.spec.turn.map(|_| run.plan().unwrap().unwrap_or_else(|refusal| panic!("{refusal}")));
         let carrier = run.carrier(plan.as_ref());
