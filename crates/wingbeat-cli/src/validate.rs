@@ -135,7 +135,7 @@ fn csv(rows: &[Row]) -> String {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let mut text = String::from("id,source,metric,unit,value,limit,pass\n");
     for row in rows {
-        let limit = row.limit.map_or(String::new(), |limit| shortest(limit));
+        let limit = row.limit.map_or(String::new(), shortest);
         let words = [&row.source, &row.metric].map(|words| quoted(words)).join(",");
         text += &format!(
             "{},{words},{},{},{limit},{}\n",

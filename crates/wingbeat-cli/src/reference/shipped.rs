@@ -28,7 +28,7 @@ pub struct Shipped {
 pub fn all() -> Vec<Shipped> {
     let folders =
         ["scenarios", "robots", "cases", "sweeps", "rigs", "rigs/arms", "rigs/runs", "rigs/identification"];
-    folders.into_iter().flat_map(|folder| in_folder(folder)).collect()
+    folders.into_iter().flat_map(in_folder).collect()
 }
 
 fn in_folder(folder: &str) -> Vec<Shipped> {
