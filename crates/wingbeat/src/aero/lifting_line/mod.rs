@@ -309,7 +309,7 @@ impl LiftingLine {
         dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
         let mut suction = suction_share(inverse * uc);
         if set.law != LiftLaw::Lev {
-            suction = suction * attached;
+            suction *= attached;
         }
         let mass = if set.pitch_suction { self.nodes[i].mass } else { 0.0 };
         let pitching = pitch_suction(mass, section.pitch_rate, S::from(w), effective) * attached;

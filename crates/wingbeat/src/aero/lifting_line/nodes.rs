@@ -66,6 +66,9 @@ impl Node {
     }
 }
 
+/// Arcs of the nodes, m, their cells and their angles.
+pub(super) type Cells = (Vec<f64>, Vec<Cell>, Vec<f64>);
+
 /// Nodes between hinges, from left tip to right tip: arcs, m, cells and angles cos^-1(arc / half span). Each cell
 /// lies on one side of every hinge, holds the means of its chord, and weighs the lift by sin(angle) times its
 /// part of the angle; the outermost cells reach to the tips.
@@ -75,7 +78,7 @@ pub(super) fn cells(
     planform: &Planform,
     hinge_arcs: &[f64],
     set: &LiftingLineSettings,
-) -> Result<(Vec<f64>, Vec<Cell>, Vec<f64>), Error> {
+) -> Result<Cells, Error> {
     let named = |e: Error| e.renamed(&[("strips", "nodes")]);
     let (edges, fraction) = spacing(planform, set.nodes, hinge_arcs).map_err(named)?;
     let (half, last) = (planform.half_span(), set.nodes - 1);

@@ -132,7 +132,7 @@ impl StripModel {
                 let inverse = (wash[i].squared() + along2).sqrt().recip();
                 let mut suction = suction_share(inverse * strips.along[i]);
                 if response.edges.is_none() {
-                    suction = suction * attached[i];
+                    suction *= attached[i];
                 }
                 force.chordwise[i] = -((lift[i] * wash[i] + pitching[i]) * suction);
                 force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse;

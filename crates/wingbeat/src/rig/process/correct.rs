@@ -219,10 +219,10 @@ impl Corrector<'_> {
     pub fn correct(&self, mut samples: Samples) -> Result<Result<Corrected, Fault>, Error> {
         let mut out = Corrected { rate: samples.rate(), ..Default::default() };
         let mut memory = Memory::default();
-        if self.steps.tare || self.steps.drift {
-            if let Err(fault) = self.tare(&samples, &mut memory, &mut out)? {
-                return Ok(Err(fault));
-            }
+        if (self.steps.tare || self.steps.drift)
+            && let Err(fault) = self.tare(&samples, &mut memory, &mut out)?
+        {
+            return Ok(Err(fault));
         }
         for row in 0..samples.time.len() {
             if !samples.is_whole(row) {

@@ -231,7 +231,13 @@ fn text() -> Vec<Case> {
         refused_file("csv_long_line", "line.csv", line, &[], &["line 5 is longer than 65536 bytes"]),
         refused_file("csv_zeros", "zeros.csv", || vec![0; 5000], &[], &["not a file of samples"]),
         refused_file("empty", "empty.csv", Vec::new, &[], &["the file is empty"]),
-        refused_file("noise", "noise.bin", || (0..9999_u32).map(|k| (k * k >> 3) as u8).collect(), &[], &[]),
+        refused_file(
+            "noise",
+            "noise.bin",
+            || (0..9999_u32).map(|k| ((k * k) >> 3) as u8).collect(),
+            &[],
+            &[],
+        ),
     ]
 }
 

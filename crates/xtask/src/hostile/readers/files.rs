@@ -137,13 +137,9 @@ fn units() -> Vec<Case> {
 
 /// A table from which some rows are missing.
 fn holed() -> String {
-    let kept = whole()
-        .lines()
-        .enumerate()
-        .filter(|(k, _)| !(700..740).contains(k))
-        .map(|(_, l)| format!("{l}\n"))
-        .collect();
-    kept
+    let whole = whole();
+    let kept = whole.lines().enumerate().filter(|(k, _)| !(700..740).contains(k));
+    kept.map(|(_, line)| format!("{line}\n")).collect()
 }
 
 /// A file that is processed although a key contradicts it, which is said.
