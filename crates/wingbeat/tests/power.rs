@@ -122,7 +122,7 @@ fn a_gait_of_least_power_holds_its_force_with_less_power() {
         "plan.least_power.pitch_deg=[-15.0, -15.0]",
         "plan.least_power.frequency_hz=[3.5, 3.5]",
         "plan.least_power.effort_w=0.3",
-        "plan.least_power.intervals=24",
+        "plan.least_power.intervals=40",
         "plan.least_power.meshes=1",
         "plan.least_power.tolerance=1e-2",
     ];

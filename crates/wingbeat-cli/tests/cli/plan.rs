@@ -32,7 +32,7 @@ fn summary(folder: &Path) -> Value {
 }
 
 #[test]
-#[ignore = "the tethered wing lifts 0.0807 N where the robot's replay lifts 0.0821 N: not explained"]
+#[ignore = "on finer meshes the tethered wing lifts 0.0798 N where the replay lifts 0.0802 N; allowed is 0.0002 N: not explained"]
 fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
     let folder = scratch("plan-gait");
     let output = plan(&folder, &[]);
