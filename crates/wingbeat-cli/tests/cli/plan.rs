@@ -32,7 +32,6 @@ fn summary(folder: &Path) -> Value {
 }
 
 #[test]
-#[ignore = "on finer meshes the tethered wing lifts 0.0798 N where the replay lifts 0.0802 N; allowed is 0.0002 N: not explained"]
 fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
     let folder = scratch("plan-gait");
     let output = plan(&folder, &[]);
@@ -68,8 +67,8 @@ fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
     let (up, forward) =
         (mean("force_wind_lift") - body * pitch.sin(), body * pitch.cos() - mean("force_wind_drag"));
     let replay = |name: &str| planned["replay"][name].as_f64().unwrap();
-    assert!((up - replay("up_n")).abs() < 2e-4, "{up} {}", replay("up_n"));
-    assert!((forward - replay("forward_n")).abs() < 2e-4, "{forward} {}", replay("forward_n"));
+    assert!((up - replay("up_n")).abs() < 5e-5, "{up} {}", replay("up_n"));
+    assert!((forward - replay("forward_n")).abs() < 5e-5, "{forward} {}", replay("forward_n"));
 }
 
 #[test]

@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-/// Cycles from rest after which a gait counts as periodic.
-const CYCLES: usize = 8;
+/// Cycles from rest after which a gait counts as periodic: the slowest lag of a slow wing decays by a third per cycle.
+pub(crate) const CYCLES: usize = 24;
 /// Runge-Kutta steps and samples per cycle of the guess.
 const STEPS: usize = 600;
 const SAMPLES: usize = 100;

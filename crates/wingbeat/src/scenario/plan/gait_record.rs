@@ -2,15 +2,13 @@
 
 use crate::Error;
 use crate::body::drive_power;
-use crate::guide::{Flapping, Means, Stand};
+use crate::guide::{CYCLES, Flapping, Means, Stand};
 use crate::plant::{Fault, Plant};
 use crate::robot::{CarriedLoads, MAX_ELEMENTS};
 use crate::scenario::recorder::{joint_columns, source_columns, source_values};
 use crate::simulate::{Column, Driver, Moment, Observed, Record, Sizes, Stepper, System};
 use std::ops::ControlFlow;
 
-/// Cycles from rest; the last one is recorded. The slowest lag of a slow wing decays by a third per cycle.
-const CYCLES: usize = 24;
 /// Runge-Kutta steps and samples per cycle.
 const STEPS: usize = 2000;
 const SAMPLES: usize = 400;
@@ -140,12 +138,14 @@ impl Driver<()> for Player<'_> {
     }
 }
 
-/// Means of a recorded cycle by the trapezoid rule, which is exact to rounding for what is smooth and periodic.
+/// Means of a recorded cycle by the trapezoid rule. Commands, and with them forces, may jump where the cycle closes:
+/// both ends count half.
 pub(super) fn means(record: &Record) -> Means {
-    let mean = |name: &str| {
-        let values = record.values(name).unwrap_or(&[]);
-        let inner = &values[..values.len().saturating_sub(1)];
-        inner.iter().sum::<f64>() / inner.len() as f64
+    let mean = |name: &str| match record.values(name).unwrap_or(&[]) {
+        [first, inner @ .., last] => {
+            (inner.iter().sum::<f64>() + 0.5 * (first + last)) / (inner.len() + 1) as f64
+        }
+        _ => f64::NAN,
     };
     Means {
         drive_power_w: mean("drive_power"),

@@ -3,7 +3,7 @@
 use super::gait_record::{Replay, beside, means};
 use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
-use crate::guide::{Flapping, LeastPower, LeastPowerSpec, Means, Stand};
+use crate::guide::{CYCLES, Flapping, LeastPower, LeastPowerSpec, Means, Stand};
 use crate::math::Vec3;
 use crate::ocp::{OptimalControl, Optimum, Progress};
 use crate::plant::{Fault, Plant};
@@ -21,8 +21,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::ops::ControlFlow;
 
-/// Cycles and steps per cycle of the tethered replay.
-const TETHER_CYCLES: usize = 8;
+/// Steps per cycle of the tethered replay.
 const TETHER_STEPS: usize = 800;
 /// Hinges of the left wing from body to tip: name, kind, true at the elbow.
 const HINGES: [(&str, HingeKind, bool); 4] = [
@@ -212,7 +211,7 @@ impl Scenario {
             aero: self.spec.aero.clone(),
             time: ClockSpec {
                 frequency_hz: flapping.frequency_hz,
-                cycles: TETHER_CYCLES,
+                cycles: CYCLES,
                 steps_per_cycle: TETHER_STEPS,
             },
             reference: ReferenceSpec::default(),
