@@ -2,6 +2,7 @@
 
 mod elastic;
 mod free;
+mod numbers;
 mod urdf;
 mod vacuum;
 
@@ -19,6 +20,7 @@ pub const CASES: &[Case] = &[
     Case { id: "body.pinocchio", quick: true, run: pinocchio },
     Case { id: "body.elastic_frequency", quick: true, run: elastic::rows },
     Case { id: "body.multibody_free", quick: true, run: free::rows },
+    Case { id: "body.parameter_derivatives", quick: true, run: numbers::rows },
 ];
 
 /// Angles of one revolution of the crank, degrees.

@@ -216,7 +216,7 @@ fn capsules_are_as_far_apart_as_a_search_finds() {
         let mut links = [LinkMotion::default(); 3];
         robot.tree().motions(&joints, Vec3::ZERO, Vec3::ZERO, &mut links);
         let capsule = |link: usize, to: [f64; 3], radius: f64| {
-            ([links[link].point(Vec3::ZERO), links[link].point(Vec3(to))], radius)
+            ([links[link].point(Vec3::<f64>::ZERO), links[link].point(Vec3(to))], radius)
         };
         let (left, right) = (capsule(0, [-0.03, 0.09, 0.01], 0.004), capsule(1, [-0.03, -0.09, 0.01], 0.004));
         let tail_room = capsule(2, [-0.07, 0.01, 0.03], 0.003);

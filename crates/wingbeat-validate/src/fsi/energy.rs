@@ -15,31 +15,31 @@ const DURATION: f64 = 0.25;
 /// Step, s.
 const STEP: f64 = 4e-4;
 
-fn model(preset: Preset, outline: SurfaceOutline) -> Result<Aero, Error> {
-    let drag = outline.drag(LiftLaw::Stall);
+fn model(preset: Preset, law: LiftLaw, outline: SurfaceOutline) -> Result<Aero, Error> {
+    let drag = outline.drag(law);
     let SurfaceOutline { planform, hinges, .. } = outline;
     if preset == Preset::Paper {
-        let settings =
-            LiftingLineSettings { density_kg_m3: DENSITY, law: LiftLaw::Stall, drag, ..Default::default() };
+        let settings = LiftingLineSettings { density_kg_m3: DENSITY, law, drag, ..Default::default() };
         return Ok(Aero::LiftingLine(LiftingLine::new(&planform, settings)?));
     }
-    let settings = StripSettings { density_kg_m3: DENSITY, hinge_arcs_m: hinges, drag, ..Default::default() };
+    let settings =
+        StripSettings { density_kg_m3: DENSITY, hinge_arcs_m: hinges, law, drag, ..Default::default() };
     Ok(Aero::Strip(StripModel::new(&planform, settings)?))
 }
 
 /// The flapper of `validation/fsi/flapper.toml` in a slight wind.
-fn flapper(preset: Preset) -> Result<Robot, Error> {
+pub(crate) fn flapper(preset: Preset, law: LiftLaw) -> Result<Robot, Error> {
     let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/fsi/flapper.toml"));
     let file = "fsi/flapper.toml";
     let spec: RobotSpec = toml::from_str(text).map_err(|e| Error::reference(file, e.to_string()))?;
-    let models = spec.outlines()?.into_iter().map(|outline| model(preset, outline));
+    let models = spec.outlines()?.into_iter().map(|outline| model(preset, law, outline));
     let air = Air { density: DENSITY, wind: Wind::steady(Vec3::new(0.1, -0.2, 0.05)) };
     Ok(Robot::new(&spec, models.collect::<Result<_, _>>()?, air, 0.3)?)
 }
 
 /// Work done on the robot less the growth of its energy, over the largest work on the way.
 fn imbalance(preset: Preset) -> Result<f64, Error> {
-    let robot = flapper(preset)?;
+    let robot = flapper(preset, LiftLaw::Stall)?;
     let (l, n) = (*robot.layout(), robot.states().len());
     let mut x = vec![0.0; n + 1];
     Quat::from_roll_pitch_yaw(0.2, -0.3, 0.4).store_wxyz(&mut x[l.attitude..]);

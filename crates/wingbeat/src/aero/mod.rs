@@ -4,6 +4,7 @@
 mod law;
 mod lifting_line;
 mod loads;
+mod numbers;
 mod planform;
 mod section;
 mod station;
@@ -12,16 +13,18 @@ mod surfaces;
 
 pub use crate::math::Wrench;
 pub use law::{
-    CD0, CD90, CRITICAL_SUCTION, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE, SectionSpec, StripState,
+    Attachment, CD0, CD90, CRITICAL_SUCTION, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE, SectionSpec,
+    StripState,
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
+pub use numbers::SurfaceNumbers;
 pub use planform::{Gap, Planform, PlanformStation, Span};
 pub use station::{SectionField, SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings};
 pub use surfaces::{Surface, Surfaces};
 
-use crate::math::{Over, Scalar, Vec3};
+use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
 use strip::{Others, Source, Wanted};
 
@@ -32,17 +35,53 @@ pub const MAX_SURFACES: usize = 8;
 /// Largest number of sections of all surfaces together: strips lie between sections.
 pub const MAX_SECTIONS: usize = MAX_STRIPS + MAX_SURFACES;
 
-/// The aerodynamic presets.
-#[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "one per robot, never moved in a loop")]
-pub enum Aero {
-    /// Preset `paper`: unsteady lifting line.
-    LiftingLine(LiftingLine),
-    /// Preset `full`: strip model with three-dimensional delayed wash.
-    Strip(StripModel),
+/// The aerodynamic models by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// The paper's unsteady lifting line.
+    Paper,
+    /// Strip model with three-dimensional delayed wash.
+    #[default]
+    Full,
 }
 
-impl Aero {
+impl Preset {
+    /// Name as written in configurations and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Full => "full",
+        }
+    }
+}
+
+/// The aerodynamic model of one surface.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "one per robot, never moved in a loop")]
+pub enum Aero<P: Scalar = f64> {
+    /// Preset `paper`: unsteady lifting line.
+    LiftingLine(LiftingLine<P>),
+    /// Preset `full`: strip model with three-dimensional delayed wash.
+    Strip(StripModel<P>),
+}
+
+impl<P: Scalar> Aero<P> {
+    /// The numbers that may carry derivatives, as the settings have them.
+    pub fn numbers(&self) -> SurfaceNumbers {
+        match self {
+            Self::LiftingLine(line) => line.settings().numbers(),
+            Self::Strip(model) => model.settings().numbers(),
+        }
+    }
+    /// The same model with other numbers than its settings say.
+    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Aero<Q> {
+        match self {
+            Self::LiftingLine(line) => Aero::LiftingLine(line.with(numbers)),
+            Self::Strip(model) => Aero::Strip(model.with(numbers)),
+        }
+    }
     /// Arc coordinates where [`SectionMotion`]s are wanted, m, left tip
     /// (positive) to right tip.
     pub fn arcs(&self) -> &[f64] {
@@ -111,7 +150,14 @@ impl Aero {
             _ => None,
         }
     }
-    /// Name of the lift law.
+    /// Which model it is.
+    pub fn preset(&self) -> Preset {
+        match self {
+            Self::LiftingLine(_) => Preset::Paper,
+            Self::Strip(_) => Preset::Full,
+        }
+    }
+    /// The lift law.
     pub fn law(&self) -> LiftLaw {
         match self {
             Self::LiftingLine(line) => line.settings().law,
@@ -127,7 +173,7 @@ impl Aero {
     }
     /// State rates and loads of the sections at [`arcs`](Self::arcs) in air
     /// that moves with `wind` (resolved in B). See [`Loads`] for the body acceleration.
-    pub fn evaluate<S: Scalar>(
+    pub fn evaluate<S: Scalar + Meets<P>>(
         &self,
         sections: &[SectionMotion<S>],
         wind: Vec3<S>,
@@ -140,7 +186,7 @@ impl Aero {
     }
     /// Loads and state rates among `others`, of which preset `paper` knows nothing. Writes the loads by
     /// strip behind the strips that `loads` holds; returns the sum, which the other fields of `loads` do not get.
-    fn append<S: Scalar>(
+    fn append<S: Scalar + Meets<P>>(
         &self,
         sections: &(impl Sections<S> + ?Sized),
         wind: Vec3<S>,
@@ -160,7 +206,7 @@ impl Aero {
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
     /// added-mass matrix. The states may carry more derivatives than the motion. `coupling` receives
     /// what the coordinates of `sections` take.
-    pub fn evaluate_sum<G: Scalar, S: Over<G>>(
+    pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
@@ -171,7 +217,7 @@ impl Aero {
         self.sum(sections, wind, x, dx, None, coupling)
     }
     /// The same among `others`, of which preset `paper` knows nothing.
-    fn sum<G: Scalar, S: Over<G>>(
+    fn sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,

@@ -2,7 +2,7 @@
 //! meets, and the air that it carries along.
 
 use super::{SectionMotion, Sections, Wrench};
-use crate::math::{Over, Scalar, Vec3};
+use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::MAX_DEGREES;
 
 /// Directions, winds and rates of one section, resolved in B.
@@ -75,7 +75,10 @@ impl<S: Scalar> Section<S> {
     ///
     /// Equation: aero.added_mass
     #[inline]
-    pub fn added_mass(&self, mass: f64) -> SectionForce<S> {
+    pub fn added_mass<P: Scalar>(&self, mass: P) -> SectionForce<S>
+    where
+        S: Meets<P>,
+    {
         let momentum = self.w_half * mass;
         let rate = self.acceleration - self.pitch_rate * self.uc + self.roll_rate * self.drift;
         SectionForce {
@@ -92,8 +95,11 @@ impl<S: Scalar> Section<S> {
     ///
     /// Equation: aero.section_moment
     #[inline]
-    pub fn section_moment(&self, mass: f64, half_chord: f64, speed: S) -> S {
-        speed * self.pitch_rate * (-0.5 * mass * half_chord)
+    pub fn section_moment<P: Scalar>(&self, mass: P, half_chord: f64, speed: S) -> S
+    where
+        S: Meets<P>,
+    {
+        speed * self.pitch_rate * (mass * (-0.5 * half_chord))
             - self.pitch_acceleration * (mass * half_chord * half_chord / 8.0)
     }
 
@@ -101,7 +107,10 @@ impl<S: Scalar> Section<S> {
     /// [acceleration; angular acceleration] of the body origin: `mass` along
     /// the normal at mid chord, `inertia` kg m2 about the section's axis.
     #[inline]
-    pub fn add_inertia(&self, mass: f64, inertia: f64, matrix: &mut [[S; 6]; 6]) {
+    pub fn add_inertia<P: Scalar>(&self, mass: P, inertia: P, matrix: &mut [[S; 6]; 6])
+    where
+        S: Meets<P>,
+    {
         let [n, m] = [self.normal, self.middle.cross(self.normal)];
         let g = [n[0], n[1], n[2], m[0], m[1], m[2]];
         for i in 0..6 {
@@ -121,14 +130,16 @@ impl<S: Scalar> Section<S> {
     /// Adds this strip's share of the rows and columns 6.. of the added-mass matrix, on the second
     /// rates of the coordinates of `sections`, with [`add_inertia`](Self::add_inertia)'s `mass` and
     /// `inertia`.
-    pub fn add_coupled_inertia(
+    pub fn add_coupled_inertia<P: Scalar>(
         &self,
-        mass: f64,
-        inertia: f64,
+        mass: P,
+        inertia: P,
         i: usize,
         sections: &(impl Sections<S> + ?Sized),
         matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
-    ) {
+    ) where
+        S: Meets<P>,
+    {
         let count = sections.coordinates();
         let motion = sections.section(i);
         let inverse_chord = (motion.te - motion.le).norm().recip();
@@ -232,7 +243,12 @@ impl<S: Scalar> std::ops::Add for SectionForce<S> {
 ///
 /// Equation: aero.pitch_suction
 #[inline]
-pub(super) fn pitch_suction<G: Scalar, S: Over<G>>(mass: f64, pitch: G, wash: S, lift_wash: S) -> S {
+pub(super) fn pitch_suction<P, G: Scalar + Meets<P>, S: Over<G>>(
+    mass: P,
+    pitch: G,
+    wash: S,
+    lift_wash: S,
+) -> S {
     (wash - lift_wash * 2.0) * (pitch * mass)
 }
 

@@ -5,7 +5,7 @@ use super::MAX_LINKS;
 use super::dynamics::BaseAcceleration;
 use super::motion::LinkMotion;
 use super::tree::Tree;
-use crate::math::{Over, Scalar, Vec3, Wrench};
+use crate::math::{Meets, Over, Scalar, Vec3, Wrench};
 use crate::plant::MAX_DEGREES;
 use arrayvec::ArrayVec;
 
@@ -42,10 +42,10 @@ impl<S: Scalar> Coordinates<S> {
     ///
     /// # Panics
     /// When a tree's joint is added more often than there are links.
-    pub fn add_joint(
+    pub fn add_joint<P: Scalar>(
         &mut self,
         coordinate: usize,
-        tree: &Tree,
+        tree: &Tree<P>,
         joint: usize,
         ratio: S,
         motions: &[LinkMotion<S>],
@@ -87,7 +87,7 @@ impl<S: Scalar> BaseAcceleration<S> {
     }
 }
 
-impl Tree {
+impl<P: Scalar> Tree<P> {
     /// Equation: body.coordinate_inertia
     ///
     /// Rows and columns 6.. of the mass matrix on [acceleration of the body origin; angular
@@ -97,7 +97,7 @@ impl Tree {
     ///
     /// `motions` comes from [`Tree::motions`] with no second rates of the coordinates; `g_b` is
     /// gravity in B.
-    pub fn coordinate_inertia<S: Scalar>(
+    pub fn coordinate_inertia<S: Scalar + Meets<P>>(
         &self,
         motions: &[LinkMotion<S>],
         g_b: Vec3<S>,

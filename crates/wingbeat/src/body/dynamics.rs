@@ -4,9 +4,9 @@ use super::MAX_LINKS;
 use super::inertia::{Inertia, Reaction, Symmetric};
 use super::motion::LinkMotion;
 use super::tree::{JointKind, Tree};
-use crate::math::{Jet, Mat3, Over, Scalar, Vec3, Wrench};
+use crate::math::{Jet, Mat3, Meets, Over, Scalar, Vec3, Wrench};
 
-impl Tree {
+impl<P: Scalar> Tree<P> {
     /// Equation: body.mass_matrix
     ///
     /// (M, bias) with M [a0; w_dot] + bias = external wrench about the body
@@ -14,7 +14,7 @@ impl Tree {
     /// the angular acceleration, both in B. The bias holds the reaction of the
     /// prescribed joint motion and every velocity term, not gravity.
     /// `motions` comes from [`Tree::motions`] with the same `w_b`.
-    pub fn inertia_and_bias<S: Scalar>(
+    pub fn inertia_and_bias<S: Scalar + Meets<P>>(
         &self,
         w_b: Vec3<S>,
         motions: &[LinkMotion<S>],
@@ -34,31 +34,32 @@ impl Tree {
 
     /// Weight of base and links: the wrench about the body origin for the
     /// gravitational acceleration `g_b` in B, m/s2.
-    pub fn gravity<S: Scalar>(&self, g_b: Vec3<S>, motions: &[LinkMotion<S>]) -> Wrench<S> {
+    pub fn gravity<S: Scalar + Meets<P>>(&self, g_b: Vec3<S>, motions: &[LinkMotion<S>]) -> Wrench<S> {
         Wrench { force: g_b.scaled(self.mass()), moment: self.first_moment(motions).cross(g_b) }
     }
 
     /// Total mass, kg.
-    pub fn mass(&self) -> f64 {
-        self.base.mass + self.nodes.iter().flat_map(|n| &n.inertia).map(|i| i.mass).sum::<f64>()
+    pub fn mass(&self) -> P {
+        let links = self.nodes.iter().flat_map(|n| &n.inertia);
+        self.base.mass + links.fold(P::ZERO, |sum, inertia| sum + inertia.mass)
     }
 
     /// Centre of mass of base and links from the body origin, in B, m.
-    pub fn center_of_mass<S: Scalar>(&self, motions: &[LinkMotion<S>]) -> Vec3<S> {
-        self.first_moment(motions).scaled(1.0 / self.mass())
+    pub fn center_of_mass<S: Scalar + Meets<P>>(&self, motions: &[LinkMotion<S>]) -> Vec3<S> {
+        self.first_moment(motions).scaled(self.mass().recip())
     }
 
     /// Sum of mass times position, kg m.
-    fn first_moment<S: Scalar>(&self, motions: &[LinkMotion<S>]) -> Vec3<S> {
-        let base = Vec3::constant(self.base.com * self.base.mass);
+    fn first_moment<S: Scalar + Meets<P>>(&self, motions: &[LinkMotion<S>]) -> Vec3<S> {
+        let base = (self.base.com * self.base.mass).met();
         self.massive(motions).fold(base, |sum, (i, m)| sum + m.point(i.com).scaled(i.mass))
     }
 
     /// The links with mass and their motion.
-    pub(super) fn massive<'a, S: Scalar>(
+    pub(super) fn massive<'a, S: Scalar + Meets<P>>(
         &'a self,
         motions: &'a [LinkMotion<S>],
-    ) -> impl Iterator<Item = (&'a Inertia, &'a LinkMotion<S>)> {
+    ) -> impl Iterator<Item = (&'a Inertia<P>, &'a LinkMotion<S>)> {
         self.nodes.iter().zip(motions).filter_map(|(node, motion)| Some((node.inertia.as_ref()?, motion)))
     }
 
@@ -69,7 +70,7 @@ impl Tree {
     ///
     /// `base` is the base's own acceleration, `g_b` gravity in B, `external[i]` the
     /// wrench on link i about the body origin, in B. One entry per link each.
-    pub fn joint_torques<S: Scalar>(
+    pub fn joint_torques<S: Scalar + Meets<P>>(
         &self,
         motions: &[LinkMotion<S>],
         base: BaseAcceleration<S>,
@@ -146,13 +147,19 @@ pub fn drive_power<S: Scalar>(torques: &[S], joints: &[Jet<S>], storage: f64, wi
 impl<S: Scalar> Reaction<S> {
     /// Wrench about the body origin with the base's acceleration included.
     #[inline]
-    fn full(&self, mass: f64, a0: Vec3<S>, w_dot: Vec3<S>) -> Wrench<S> {
+    fn full<P: Scalar>(&self, mass: P, a0: Vec3<S>, w_dot: Vec3<S>) -> Wrench<S>
+    where
+        S: Meets<P>,
+    {
         self.inertial(mass, &BaseAcceleration { origin: a0, angular: w_dot }) + self.bias
     }
 
     /// Wrench about the body origin that the field of acceleration `x` alone needs.
     #[inline]
-    pub(super) fn inertial(&self, mass: f64, x: &BaseAcceleration<S>) -> Wrench<S> {
+    pub(super) fn inertial<P: Scalar>(&self, mass: P, x: &BaseAcceleration<S>) -> Wrench<S>
+    where
+        S: Meets<P>,
+    {
         let first_moment = self.com.scaled(mass);
         Wrench {
             force: x.origin.scaled(mass) + x.angular.cross(first_moment),
@@ -163,7 +170,11 @@ impl<S: Scalar> Reaction<S> {
 
 /// M = [m 1, -[h]x; [h]x, I] for mass m, first moment h and inertia I about the origin.
 #[inline]
-fn mass_matrix<S: Scalar>(mass: f64, h: Vec3<S>, about_origin: &Symmetric<S>) -> [[S; 6]; 6] {
+fn mass_matrix<P: Scalar, S: Scalar + Meets<P>>(
+    mass: P,
+    h: Vec3<S>,
+    about_origin: &Symmetric<S>,
+) -> [[S; 6]; 6] {
     let (cross, about_origin) = (Mat3::skew(h), about_origin.full());
     let mut m = [[S::ZERO; 6]; 6];
     for i in 0..3 {

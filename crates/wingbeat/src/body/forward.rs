@@ -5,7 +5,7 @@ use super::inertia::{Reaction, Symmetric};
 use super::motion::LinkMotion;
 use super::tree::{Node, Tree};
 use crate::math::linear::solve_symmetric;
-use crate::math::{Mat3, Scalar, Vec3, Wrench};
+use crate::math::{Mat3, Meets, Scalar, Vec3, Wrench};
 
 /// Accelerations of the tree with free joints.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ struct Hinge<S: Scalar> {
     torque: S,
 }
 
-impl Tree {
+impl<P: Scalar> Tree<P> {
     /// Equation: body.articulated
     ///
     /// Accelerations of base and joints for the joint efforts `torques` (N m, or N along a slide) and
@@ -50,7 +50,7 @@ impl Tree {
     /// `motions` comes from [`Tree::motions`] with zero joint accelerations; `base_wrench`
     /// acts on the base, `external[i]` on link i; `N` is at least the number of links.
     /// None when a mass matrix is not positive definite (a massless tip).
-    pub fn forward_dynamics<const N: usize, S: Scalar>(
+    pub fn forward_dynamics<const N: usize, S: Scalar + Meets<P>>(
         &self,
         w_b: Vec3<S>,
         motions: &[LinkMotion<S>],
@@ -83,7 +83,7 @@ impl Tree {
     }
 
     /// Joint accelerations from the base outwards: q'' = (u - U . x_parent) / D.
-    fn outward<const N: usize, S: Scalar>(
+    fn outward<const N: usize, S: Scalar + Meets<P>>(
         &self,
         base: BaseAcceleration<S>,
         hinges: &[Hinge<S>; N],
@@ -111,7 +111,12 @@ impl<S: Scalar> Hinge<S> {
     };
 
     #[inline]
-    fn new(node: &Node, motion: &LinkMotion<S>, body: &Articulated<S>, torque: S) -> Option<Self> {
+    fn new<P: Scalar>(
+        node: &Node<P>,
+        motion: &LinkMotion<S>,
+        body: &Articulated<S>,
+        torque: S,
+    ) -> Option<Self> {
         let axis = node.field(motion);
         let reaction = body.apply(&axis);
         let effective = axis.power(&reaction);
@@ -133,7 +138,10 @@ impl<S: Scalar> Articulated<S> {
 
     /// Adds a rigid body with its weight.
     #[inline]
-    fn add_body(&mut self, mass: f64, reaction: &Reaction<S>, g_b: Vec3<S>) {
+    fn add_body<P: Scalar>(&mut self, mass: P, reaction: &Reaction<S>, g_b: Vec3<S>)
+    where
+        S: Meets<P>,
+    {
         let h = reaction.com.scaled(mass);
         for diagonal in &mut self.linear.0[..3] {
             *diagonal += S::from(mass);

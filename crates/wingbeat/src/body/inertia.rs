@@ -2,22 +2,33 @@
 
 use super::motion::LinkMotion;
 use crate::Error;
-use crate::math::{Mat3, Scalar, Vec3, Wrench};
+use crate::math::{Mat3, Meets, Scalar, Vec3, Wrench};
 use crate::require;
 
 /// Constant inertia of a rigid body, with its principal axes found once so that
 /// turning it into other axes takes two outer products.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Inertia {
-    pub(super) mass: f64,
+pub(super) struct Inertia<P: Scalar> {
+    pub(super) mass: P,
     /// Centre of mass in link axes, m.
-    pub(super) com: Vec3,
+    pub(super) com: Vec3<P>,
     /// Principal moments about the centre of mass, kg m2.
-    moments: Vec3,
+    pub(super) moments: Vec3<P>,
     /// Second and third principal axis in link axes.
     axes: [Vec3; 2],
     /// Inertia about the link origin in link axes, kg m2.
-    about_origin: Symmetric<f64>,
+    about_origin: Symmetric<P>,
+}
+
+/// Mass, centre of mass and moments of one rigid body, each of which may carry derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyNumbers<P: Scalar = f64> {
+    /// Mass, kg.
+    pub mass: P,
+    /// Centre of mass, in the body's own axes, m.
+    pub com: Vec3<P>,
+    /// Principal moments about the centre of mass, kg m2: of a diagonal inertia its entries.
+    pub moments: Vec3<P>,
 }
 
 /// A symmetric 3x3 matrix: xx, yy, zz, xy, xz, yz.
@@ -61,7 +72,7 @@ impl<S: Scalar> Symmetric<S> {
     }
 }
 
-impl Inertia {
+impl Inertia<f64> {
     /// Checks and stores; `inertia` is about the centre of mass, in link axes.
     ///
     /// # Errors
@@ -81,15 +92,30 @@ impl Inertia {
             let allowed = "positive semi-definite, each principal moment at most the sum of the others";
             return Err(Error::invalid("inertia_kg_m2", format!("{:?}", inertia.0), allowed));
         }
-        let axes = [axes.column(1), axes.column(2)];
-        let mut body = Self { mass, com, moments, axes, about_origin: Symmetric::default() };
-        body.about_origin = body.steiner(body.about_com(&Mat3::IDENTITY), &com);
-        Ok(body)
+        Ok(Self::about(mass, com, moments, [axes.column(1), axes.column(2)]))
     }
 
     /// True when neither mass nor inertia is there.
     pub(super) fn is_massless(&self) -> bool {
         self.mass == 0.0 && self.moments == Vec3::ZERO
+    }
+}
+
+impl<P: Scalar> Inertia<P> {
+    fn about(mass: P, com: Vec3<P>, moments: Vec3<P>, axes: [Vec3; 2]) -> Self {
+        let mut body = Self { mass, com, moments, axes, about_origin: Symmetric::default() };
+        body.about_origin = body.steiner(body.about_com(&Mat3::IDENTITY), &com);
+        body
+    }
+
+    /// The same axes with the numbers of `body`.
+    pub(super) fn with<Q: Scalar>(&self, body: &BodyNumbers<Q>) -> Inertia<Q> {
+        Inertia::about(body.mass, body.com, body.moments, self.axes)
+    }
+
+    /// Its numbers.
+    pub(super) fn numbers(&self) -> BodyNumbers<P> {
+        BodyNumbers { mass: self.mass, com: self.com, moments: self.moments }
     }
 
     /// Equation: body.inertia_turned
@@ -97,19 +123,19 @@ impl Inertia {
     /// Inertia about the centre of mass in body axes,
     /// I = I1 1 + (I2 - I1) u2 u2' + (I3 - I1) u3 u3', `r` = R_BL.
     #[inline]
-    pub(super) fn about_com<S: Scalar>(&self, r: &Mat3<S>) -> Symmetric<S> {
+    pub(super) fn about_com<S: Scalar + Meets<P>>(&self, r: &Mat3<S>) -> Symmetric<S> {
         let (first, zero) = (S::from(self.moments[0]), S::ZERO);
         let mut sum = Symmetric([first, first, first, zero, zero, zero]);
         for (axis, moment) in self.axes.iter().zip(&self.moments.0[1..]) {
             let u = r.mul_constant(*axis);
-            sum.add_product(&u.scaled(moment - self.moments[0]), &u);
+            sum.add_product(&u.scaled(*moment - self.moments[0]), &u);
         }
         sum
     }
 
     /// Parallel-axis theorem: I + m (c'c 1 - c c').
     #[inline]
-    fn steiner<S: Scalar>(&self, mut about_com: Symmetric<S>, c: &Vec3<S>) -> Symmetric<S> {
+    fn steiner<S: Scalar + Meets<P>>(&self, mut about_com: Symmetric<S>, c: &Vec3<S>) -> Symmetric<S> {
         about_com.add_product(&c.scaled(-self.mass), c);
         let square = c.norm_squared() * self.mass;
         for diagonal in &mut about_com.0[..3] {
@@ -156,13 +182,13 @@ pub(super) struct Reaction<S: Scalar> {
     pub(super) bias: Wrench<S>,
 }
 
-impl Inertia {
+impl<P: Scalar> Inertia<P> {
     /// Equation: body.newton_euler
     ///
     /// Newton-Euler about the body origin: F = m a_c,
     /// T = c x F + I w' + w x I w.
     #[inline]
-    pub(super) fn reaction<S: Scalar>(&self, motion: &LinkMotion<S>) -> Reaction<S> {
+    pub(super) fn reaction<S: Scalar + Meets<P>>(&self, motion: &LinkMotion<S>) -> Reaction<S> {
         let com = motion.point(self.com);
         let about_com = self.about_com(&motion.rotation);
         let force = motion.acceleration_at(com).scaled(self.mass);
@@ -173,8 +199,8 @@ impl Inertia {
 
     /// [`Inertia::reaction`] of the base, whose axes are B: F = m w x (w x c), T = w x I w.
     #[inline]
-    pub(super) fn reaction_of_base<S: Scalar>(&self, w_b: &Vec3<S>) -> Reaction<S> {
-        let com = Vec3::constant(self.com);
+    pub(super) fn reaction_of_base<S: Scalar + Meets<P>>(&self, w_b: &Vec3<S>) -> Reaction<S> {
+        let com = self.com.met();
         let about_origin = Symmetric(self.about_origin.0.map(S::from));
         let force = w_b.cross(w_b.cross(com)).scaled(self.mass);
         let moment = w_b.cross(about_origin.apply(w_b));

@@ -19,6 +19,7 @@ pub use coordinates::Coordinates;
 pub use dynamics::{BaseAcceleration, drive_power, joint_power};
 pub use forward::FreeAcceleration;
 pub use gait::{FourierSeries, Harmonic, MAX_HARMONICS};
+pub use inertia::BodyNumbers;
 pub use linkage::{Directions, Linkage, LinkageDimensions, LinkagePose, MARGIN_LIMIT, REGULATED};
 pub use momentum::Momentum;
 pub use motion::LinkMotion;

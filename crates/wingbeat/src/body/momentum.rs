@@ -2,7 +2,7 @@
 
 use super::motion::LinkMotion;
 use super::tree::Tree;
-use crate::math::{Scalar, Vec3};
+use crate::math::{Meets, Scalar, Vec3};
 
 /// Linear and angular momentum, resolved in B.
 #[derive(Clone, Copy, Debug)]
@@ -13,10 +13,10 @@ pub struct Momentum<S: Scalar = f64> {
     pub angular: Vec3<S>,
 }
 
-impl Tree {
+impl<P: Scalar> Tree<P> {
     /// Momentum with the angular part about the fixed point that lies at `about`
     /// from the body origin, in B (for the world origin: -R_WB' p_WB).
-    pub fn momentum<S: Scalar>(
+    pub fn momentum<S: Scalar + Meets<P>>(
         &self,
         v_b: Vec3<S>,
         w_b: Vec3<S>,
@@ -37,7 +37,12 @@ impl Tree {
     }
 
     /// Kinetic energy, J.
-    pub fn kinetic_energy<S: Scalar>(&self, v_b: Vec3<S>, w_b: Vec3<S>, motions: &[LinkMotion<S>]) -> S {
+    pub fn kinetic_energy<S: Scalar + Meets<P>>(
+        &self,
+        v_b: Vec3<S>,
+        w_b: Vec3<S>,
+        motions: &[LinkMotion<S>],
+    ) -> S {
         let base = LinkMotion::base(v_b, w_b);
         std::iter::once((&self.base, &base)).chain(self.massive(motions)).fold(S::ZERO, |sum, (i, m)| {
             let v = m.velocity_at(m.point(i.com));
@@ -48,7 +53,12 @@ impl Tree {
 
     /// Potential energy, J, above the point that lies at `datum` from the body
     /// origin, for gravity `g_b`; both in B.
-    pub fn potential_energy<S: Scalar>(&self, g_b: Vec3<S>, motions: &[LinkMotion<S>], datum: Vec3<S>) -> S {
+    pub fn potential_energy<S: Scalar + Meets<P>>(
+        &self,
+        g_b: Vec3<S>,
+        motions: &[LinkMotion<S>],
+        datum: Vec3<S>,
+    ) -> S {
         -(self.center_of_mass(motions) - datum).dot(g_b) * self.mass()
     }
 }

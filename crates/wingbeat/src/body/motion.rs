@@ -3,6 +3,7 @@
 use super::dynamics::BaseAcceleration;
 use super::tree::{JointKind, Node, Tree};
 use crate::math::{Jet, Mat3, Scalar, Vec3};
+use std::ops::Mul;
 
 /// Motion of one link. Everything is resolved in the body frame B; positions
 /// are from the body origin; rates are inertial (relative to W). SI units.
@@ -48,7 +49,10 @@ impl<S: Scalar> LinkMotion<S> {
 
     /// The point `r_L` fixed in the link, from the body origin.
     #[inline]
-    pub fn point(&self, r_l: Vec3<f64>) -> Vec3<S> {
+    pub fn point<P: Scalar>(&self, r_l: Vec3<P>) -> Vec3<S>
+    where
+        S: Mul<P, Output = S>,
+    {
         self.position + self.rotation.mul_constant(r_l)
     }
 
@@ -100,7 +104,7 @@ impl<S: Scalar> LinkMotion<S> {
 
     /// Moves `out`, carried by this link, as its joint does.
     #[inline]
-    fn articulate(&self, node: &Node, joint: &Jet<S>, out: &mut Self) {
+    fn articulate<P: Scalar>(&self, node: &Node<P>, joint: &Jet<S>, out: &mut Self) {
         let mounted;
         let frame = match &node.orientation {
             None => &self.rotation,
@@ -133,7 +137,7 @@ impl<S: Scalar> LinkMotion<S> {
     }
 }
 
-impl Tree {
+impl<P: Scalar> Tree<P> {
     /// Equation: body.kinematics
     ///
     /// Motion of every link from the joint angles with their rates and

@@ -1,6 +1,6 @@
 //! A direct-current motor that turns a crank through a gearbox.
 
-use crate::math::Scalar;
+use crate::math::{Meets, Scalar};
 
 /// Share of the stall torque over which the corner of the gearbox's friction is rounded off.
 const TORQUE_ROUNDING: f64 = 1e-3;
@@ -9,17 +9,17 @@ const SPEED_ROUNDING: f64 = 1e-3;
 
 /// A motor with a straight torque-speed line, its gearbox, and what turns with them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motor {
+pub struct Motor<P = f64> {
     /// Torque of the shaft held still at full supply, N m.
-    pub stall_torque: f64,
+    pub stall_torque: P,
     /// Speed of the free shaft at full supply, rad/s.
-    pub no_load_speed: f64,
+    pub no_load_speed: P,
     /// Turns of the shaft per turn of the crank.
-    pub gear_ratio: f64,
+    pub gear_ratio: P,
     /// Share of the power that passes the gearbox, in (0, 1], either way.
-    pub efficiency: f64,
+    pub efficiency: P,
     /// Inertia of rotor and crank about the crank's axis, kg m2.
-    pub inertia: f64,
+    pub inertia: P,
 }
 
 /// What a motor does at one instant.
@@ -41,13 +41,13 @@ pub struct MotorWork {
     pub energy: f64,
 }
 
-impl Motor {
+impl<P: Scalar> Motor<P> {
     /// Equation: body.motor_line
     ///
     /// Torque of the shaft, N m, at the crank's rate (rad/s) under the share `supply` of the supply
     /// voltage: tau = tau_s (s - w / w_0), w = N w_crank. By the constants of the motor tau = k_t I,
     /// V = R I + k_t w: tau_s = k_t V / R and w_0 = V / k_t.
-    pub fn shaft_torque<S: Scalar>(&self, crank_rate: S, supply: S) -> S {
+    pub fn shaft_torque<S: Scalar + Meets<P>>(&self, crank_rate: S, supply: S) -> S {
         (supply - crank_rate * (self.gear_ratio / self.no_load_speed)) * self.stall_torque
     }
 
@@ -57,17 +57,19 @@ impl Motor {
     /// 1 - eta of the power that enters it, from the motor or from the crank,
     /// N [tau - s ((1 - eta) p + (1/eta - 1) n)], s the sign of the rate, p and n the positive parts of s tau
     /// and -s tau, all smooth. The torque that accelerates the rotor passes without friction.
-    pub fn crank_torque<S: Scalar>(&self, crank_rate: S, supply: S) -> S {
+    pub fn crank_torque<S: Scalar + Meets<P>>(&self, crank_rate: S, supply: S) -> S {
         let torque = self.shaft_torque(crank_rate, supply);
-        let width = SPEED_ROUNDING * self.no_load_speed / self.gear_ratio;
+        let width = SPEED_ROUNDING * (self.no_load_speed / self.gear_ratio).value();
         let sign = crank_rate / crank_rate.smooth_abs(width);
         let along = torque * sign;
-        let rounding = TORQUE_ROUNDING * self.stall_torque;
-        let friction = along.smooth_positive(rounding) * (1.0 - self.efficiency)
+        let rounding = TORQUE_ROUNDING * self.stall_torque.value();
+        let friction = along.smooth_positive(rounding) * (-self.efficiency + 1.0)
             + (-along).smooth_positive(rounding) * (self.efficiency.recip() - 1.0);
         (torque - sign * friction) * self.gear_ratio
     }
+}
 
+impl Motor {
     /// All that it does at the crank's angle (rad) and rate (rad/s). The electrical power is
     /// V I = s tau w_0.
     pub fn work(&self, crank_angle: f64, crank_rate: f64, supply: f64) -> MotorWork {

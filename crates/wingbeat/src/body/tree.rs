@@ -2,7 +2,7 @@
 
 use super::MAX_LINKS;
 use super::dynamics::BaseAcceleration;
-use super::inertia::Inertia;
+use super::inertia::{BodyNumbers, Inertia};
 use super::joint::Axis;
 use super::motion::LinkMotion;
 use crate::Error;
@@ -68,7 +68,7 @@ pub struct Link {
 
 /// One link prepared for evaluation.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
+pub(super) struct Node<P: Scalar = f64> {
     pub(super) parent: Option<usize>,
     pub(super) origin: Vec3,
     /// None when it is the identity.
@@ -76,17 +76,17 @@ pub(super) struct Node {
     pub(super) kind: JointKind,
     pub(super) axis: Axis,
     /// None when massless.
-    pub(super) inertia: Option<Inertia>,
+    pub(super) inertia: Option<Inertia<P>>,
     /// The links that the joint carries, the own among them, as bits.
     pub(super) carried: u64,
 }
 
 /// A floating base and its links. Constant; every evaluation brings its own
-/// scratch and allocates nothing.
+/// scratch and allocates nothing. Masses and inertias are of type `P`, so that they may carry derivatives.
 #[derive(Clone, Debug)]
-pub struct Tree {
-    pub(super) base: Inertia,
-    pub(super) nodes: Vec<Node>,
+pub struct Tree<P: Scalar = f64> {
+    pub(super) base: Inertia<P>,
+    pub(super) nodes: Vec<Node<P>>,
     names: Vec<String>,
 }
 
@@ -121,6 +121,37 @@ impl Tree {
         }
         Ok(Self { base: stored, nodes, names: links.iter().map(|l| l.name.clone()).collect() })
     }
+}
+
+impl<P: Scalar> Tree<P> {
+    /// Numbers of the base, then of the links; of a link without mass they are zero.
+    pub fn numbers(&self) -> Vec<BodyNumbers<P>> {
+        let link = |node: &Node<P>| node.inertia.as_ref().map_or_else(BodyNumbers::default, Inertia::numbers);
+        std::iter::once(self.base.numbers()).chain(self.nodes.iter().map(link)).collect()
+    }
+
+    /// The same tree with the numbers of base and links in the order of [`numbers`](Self::numbers); what has no
+    /// mass keeps none.
+    ///
+    /// # Panics
+    /// When there are not as many.
+    pub fn with<Q: Scalar>(&self, numbers: &[BodyNumbers<Q>]) -> Tree<Q> {
+        assert_eq!(numbers.len(), 1 + self.nodes.len(), "numbers of the base and of every link");
+        let node = |(node, numbers): (&Node<P>, &BodyNumbers<Q>)| Node {
+            parent: node.parent,
+            origin: node.origin,
+            orientation: node.orientation,
+            kind: node.kind,
+            axis: node.axis,
+            inertia: node.inertia.as_ref().map(|inertia| inertia.with(numbers)),
+            carried: node.carried,
+        };
+        Tree {
+            base: self.base.with(&numbers[0]),
+            nodes: self.nodes.iter().zip(&numbers[1..]).map(node).collect(),
+            names: self.names.clone(),
+        }
+    }
 
     /// Number of links, the base not counted.
     pub fn links(&self) -> usize {
@@ -148,7 +179,7 @@ impl Tree {
     }
 }
 
-impl Node {
+impl<P: Scalar> Node<P> {
     /// The field of motion about the body origin that a unit rate of the joint gives the links it
     /// carries, in B.
     #[inline]
@@ -159,7 +190,9 @@ impl Node {
             JointKind::Prismatic => BaseAcceleration { origin: axis, angular: Vec3::ZERO },
         }
     }
+}
 
+impl Node {
     fn new(index: usize, link: &Link) -> Result<Self, Error> {
         if let Some(p) = link.parent.filter(|&p| p >= index) {
             return Err(Error::invalid(

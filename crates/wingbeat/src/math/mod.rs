@@ -17,7 +17,7 @@ mod wrench;
 
 pub use dual::Dual;
 pub use jet::Jet;
-pub use over::{Over, lift};
+pub use over::{Meets, Over, lift};
 pub use random::Random;
 pub use runge_kutta::{Dynamics, MIDPOINT, RK4, Steps, Tableau, Workspace};
 pub use scalar::Scalar;

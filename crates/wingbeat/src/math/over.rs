@@ -1,7 +1,21 @@
 //! Numbers with more derivatives beside numbers with fewer.
 
 use super::{Dual, Mat3, Scalar, Vec3};
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Mul, MulAssign, Sub};
+
+/// A scalar that takes the numbers `P` of a model as factors and terms without lifting them first: plain
+/// constants, or numbers that carry derivatives themselves, which then are of its own type.
+///
+/// Every [`Scalar`] meets `f64` and itself.
+pub trait Meets<P>:
+    From<P> + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self> + MulAssign<P>
+{
+}
+
+impl<S, P> Meets<P> for S where
+    S: From<P> + Add<P, Output = S> + Sub<P, Output = S> + Mul<P, Output = S> + MulAssign<P>
+{
+}
 
 /// A scalar that meets the scalar `G`, which carries no more derivatives, without lifting it.
 ///
@@ -42,6 +56,11 @@ impl<const N: usize> Over<f64> for Dual<N> {
 }
 
 impl<S: Scalar> Vec3<S> {
+    /// The same vector as a scalar that meets these numbers holds it.
+    #[inline]
+    pub fn met<T: Scalar + Meets<S>>(self) -> Vec3<T> {
+        Vec3(self.0.map(T::from))
+    }
     /// The same vector with more derivatives, all zero.
     #[inline]
     pub fn lifted<T: Over<S>>(self) -> Vec3<T> {

@@ -69,7 +69,10 @@ impl<S: Scalar> Vec3<S> {
     }
     /// Scaled by a constant; cheaper than by a [`Scalar`].
     #[inline]
-    pub fn scaled(self, k: f64) -> Self {
+    pub fn scaled<P: Copy>(self, k: P) -> Self
+    where
+        S: Mul<P, Output = S>,
+    {
         let [x, y, z] = self.0;
         Self([x * k, y * k, z * k])
     }
@@ -188,7 +191,10 @@ impl<S: Scalar> Mat3<S> {
     }
     /// Product with a constant vector; cheaper than with a [`Scalar`] one.
     #[inline]
-    pub fn mul_constant(&self, v: Vec3<f64>) -> Vec3<S> {
+    pub fn mul_constant<P: Scalar>(&self, v: Vec3<P>) -> Vec3<S>
+    where
+        S: Mul<P, Output = S>,
+    {
         let ([a, b, c], [x, y, z]) = (&self.0, v.0);
         let row = |r: &[S; 3]| r[0] * x + r[1] * y + r[2] * z;
         Vec3([row(a), row(b), row(c)])

@@ -7,7 +7,7 @@ use super::surface::External;
 use super::{Joints, Links, Robot};
 use crate::aero::{LoadSource, Loads, MAX_STRIPS, StripLoads};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
-use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
+use crate::math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
 use crate::plant::{Fault, MAX_COORDINATES};
 use arrayvec::ArrayVec;
 
@@ -76,7 +76,7 @@ impl<S: Scalar> CarriedLoads<S> {
     }
 }
 
-impl Robot {
+impl<P: Scalar> Robot<P> {
     /// Number of states of a carried robot: structure, then aerodynamics.
     pub fn carried_states(&self) -> usize {
         self.layout.len - self.layout.structure
@@ -94,7 +94,7 @@ impl Robot {
     /// The [`Fault`] that makes the model unusable there.
     ///
     /// Equation: robot.carried_wrench
-    pub fn carried<S: Scalar>(
+    pub fn carried<S: Scalar + Meets<P>>(
         &self,
         clock: &Jet<S>,
         body: &BodyMotion<S>,
@@ -156,7 +156,7 @@ impl Robot {
 
     /// Second rates of elastic joints and crank with the body's acceleration imposed; `moving` and
     /// `carriers` hold it. `wind` and `supply`: velocity of the air, the motor's share of its voltage.
-    fn second_rates<S: Scalar>(
+    fn second_rates<S: Scalar + Meets<P>>(
         &self,
         moving: &[LinkMotion<S>],
         carriers: &Carriers<S>,
@@ -181,7 +181,7 @@ impl Robot {
     }
 
     /// Gives elastic joints, what the crank turns, and the links the second rates found.
-    pub(super) fn let_go<S: Scalar>(
+    pub(super) fn let_go<S: Scalar + Meets<P>>(
         &self,
         joints: &mut Joints<S>,
         links: &mut Links<S>,
@@ -202,7 +202,7 @@ impl Robot {
     }
 
     /// Loads of all strips, `loads`, and of the links that bear them.
-    pub(super) fn air_loads<S: Scalar>(
+    pub(super) fn air_loads<S: Scalar + Meets<P>>(
         &self,
         carriers: &Carriers<S>,
         wind: Vec3<S>,
@@ -221,7 +221,7 @@ impl Robot {
     }
 
     /// Minus the rate of momentum of body and links about the body origin, in B.
-    pub(super) fn momentum_reaction<S: Scalar>(
+    pub(super) fn momentum_reaction<S: Scalar + Meets<P>>(
         &self,
         w: Vec3<S>,
         links: &[LinkMotion<S>],
@@ -242,7 +242,7 @@ impl Robot {
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
-    pub fn carried_energy<S: Scalar>(
+    pub fn carried_energy<S: Scalar + Meets<P>>(
         &self,
         clock: &Jet<S>,
         body: &BodyMotion<S>,
@@ -261,7 +261,9 @@ impl Robot {
         let potential = tree.potential_energy(self.gravity(body.attitude), &links, datum);
         Ok(tree.kinetic_energy(v, body.rate, &links) + potential)
     }
+}
 
+impl Robot {
     /// Momentum of body and links about the origin of W, resolved in B, with the
     /// body origin at `p_WB` (m) and the structure at rest.
     ///

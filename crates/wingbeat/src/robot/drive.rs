@@ -4,30 +4,32 @@ use super::joints::Displaced;
 use super::mechanism::Drive;
 use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::body::{Coordinates, LinkMotion, MAX_LINKS, Motor, MotorWork};
-use crate::math::{Jet, Scalar};
+use crate::math::{Jet, Meets, Scalar};
 use crate::plant::Fault;
 use arrayvec::ArrayVec;
 
 /// dq/dphase of every joint, the displacements of the structure held; empty at a constant rate.
 pub(super) type Ratios<S> = ArrayVec<S, MAX_LINKS>;
 
-impl Robot {
+impl<P: Scalar> Robot<P> {
     /// Coordinates that the dynamics decide: elastic and free joints, then the crank under a motor.
     pub(super) fn degrees(&self) -> usize {
         self.mechanism.coordinates.len() + usize::from(self.motor.is_some())
     }
 
     /// The motor that turns the crank, if the crank does not turn at a constant rate.
-    pub fn motor(&self) -> Option<&Motor> {
+    pub fn motor(&self) -> Option<&Motor<P>> {
         self.motor.as_ref()
     }
 
     /// Phase of the gait with its rate: the crank's under a motor, whose acceleration is left out.
     /// `structure` as for [`Robot::joints`].
     #[inline(always)]
-    pub(super) fn crank<S: Scalar>(&self, clock: &Jet<S>, structure: &[S]) -> Jet<S> {
+    pub(super) fn crank<S: Scalar + Meets<P>>(&self, clock: &Jet<S>, structure: &[S]) -> Jet<S> {
         if self.motor.is_none() {
-            return *clock * self.phase_rate + self.phase_start;
+            let Jet { x, d, dd } = *clock;
+            let (rate, start) = (self.phase_rate, self.phase_start);
+            return Jet::new(x * rate + start, d * rate, dd * rate);
         }
         let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
         Jet::new(states[count - 1], states[2 * count - 1], S::ZERO)
@@ -35,7 +37,7 @@ impl Robot {
 
     /// Coordinates of the driven joints at the phase `phase`, the structure displaced.
     #[inline(always)]
-    pub(super) fn driven<S: Scalar>(
+    pub(super) fn driven<S: Scalar + Meets<P>>(
         &self,
         phase: Jet<S>,
         displacements: &[Jet<S>],
@@ -57,7 +59,7 @@ impl Robot {
     /// Ratios dq_j/dphase of the joints to the crank, the displacements held: what one unit of the
     /// crank's rate turns or slides each joint, so that by virtual work the crank bears
     /// sum_j dq_j/dphase tau_j.
-    pub(super) fn ratios<S: Scalar>(
+    pub(super) fn ratios<S: Scalar + Meets<P>>(
         &self,
         phase: S,
         displacements: &[Jet<S>],
@@ -74,7 +76,7 @@ impl Robot {
     }
 
     /// Adds the crank to the coordinates, the last of them.
-    pub(super) fn add_crank<S: Scalar>(
+    pub(super) fn add_crank<S: Scalar + Meets<P>>(
         &self,
         links: &[LinkMotion<S>],
         ratios: &Ratios<S>,
@@ -87,7 +89,9 @@ impl Robot {
             }
         }
     }
+}
 
+impl Robot {
     /// Power that the efforts of the joints take from drive and regulators, W, by virtual work:
     /// a joint's rate is dq/dphase phase' by the drive and, the phase held, that of its displacements by
     /// the regulators.
@@ -116,7 +120,7 @@ impl Robot {
     }
 }
 
-impl Drive {
+impl<P: Scalar> Drive<P> {
     /// Whether the crank turns the joint.
     pub(super) fn cranked(&self) -> bool {
         matches!(self, Self::Series(..) | Self::Linkage(..))

@@ -7,7 +7,7 @@ use super::surface::External;
 use super::{Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
 use crate::math::linear::{solve_symmetric, solve_symmetric_leading};
-use crate::math::{GRAVITY, Jet, Mat3, Over, Quat, Scalar, Vec3, Wrench, lift};
+use crate::math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, lift};
 use crate::plant::{Channel, Fault, MAX_COORDINATES, MAX_DEGREES, Plant};
 use arrayvec::ArrayVec;
 
@@ -69,7 +69,7 @@ impl Plant for Robot {
         self.layout.aero
     }
     fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
-        self.evaluate(t, x, u, dx, &mut Evaluation::empty())
+        self.state_rates(t, x, u, dx)
     }
     fn rates_by_late<S: Over<f64>>(
         &self,
@@ -83,10 +83,24 @@ impl Plant for Robot {
     }
 }
 
-impl Robot {
+impl<P: Scalar> Robot<P> {
+    /// dx/dt at (t, x, u) into `dx`, as [`Plant::rates`], of a robot whose numbers may carry derivatives.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn state_rates<S: Scalar + Meets<P>>(
+        &self,
+        t: S,
+        x: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        self.evaluate(t, x, u, dx, &mut Evaluation::empty())
+    }
+
     /// Rates and all that led to them.
     #[inline(always)]
-    pub(super) fn evaluate<S: Scalar>(
+    pub(super) fn evaluate<S: Scalar + Meets<P>>(
         &self,
         t: S,
         x: &[S],
@@ -100,7 +114,7 @@ impl Robot {
 
     /// The same, given the states of body and structure and those of the air.
     #[inline(always)]
-    fn evaluate_parts<G: Scalar, S: Over<G>>(
+    fn evaluate_parts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         t: G,
         x: &[G],
@@ -168,14 +182,20 @@ impl Robot {
 
     /// Motion of the links with the joints at `joints`, the body moving with `v` and `w` in B.
     #[inline(always)]
-    pub(super) fn links<S: Scalar>(&self, joints: &Joints<S>, v: Vec3<S>, w: Vec3<S>, links: &mut Links<S>) {
+    pub(super) fn links<S: Scalar + Meets<P>>(
+        &self,
+        joints: &Joints<S>,
+        v: Vec3<S>,
+        w: Vec3<S>,
+        links: &mut Links<S>,
+    ) {
         links.extend(joints.iter().map(|_| LinkMotion::default()));
         self.mechanism.tree.motions(joints, v, w, links);
     }
 
     /// How elastic joints and a crank under a motor move the links.
     #[inline]
-    pub(super) fn coordinates<S: Scalar>(
+    pub(super) fn coordinates<S: Scalar + Meets<P>>(
         &self,
         links: &[LinkMotion<S>],
         ratios: &Ratios<S>,
@@ -192,7 +212,7 @@ impl Robot {
     /// Adds the efforts of springs, dampers and motor to the forces on the coordinates, and the inertia
     /// of the motor; `states` are the coordinates and their rates, `supply` the share of the voltage
     /// that the motor receives.
-    pub(super) fn add_efforts<G: Scalar, S: Over<G>>(
+    pub(super) fn add_efforts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         states: &[G],
         supply: G,
@@ -209,7 +229,7 @@ impl Robot {
     }
 
     /// Rates of the coordinates and their rates; `structure` as for [`Robot::joints`].
-    pub(super) fn store_coordinate_rates<G: Scalar, S: Over<G>>(
+    pub(super) fn store_coordinate_rates<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         structure: &[G],
         second_rates: &[S],
@@ -233,10 +253,10 @@ impl Robot {
 
     /// Drag of the body at its origin, F_i = -rho/2 A_i |v_i| v_i along each body
     /// axis; `v` is the velocity against the air, in B.
-    pub(super) fn body_drag<S: Scalar>(&self, v: Vec3<S>) -> Wrench<S> {
+    pub(super) fn body_drag<S: Scalar + Meets<P>>(&self, v: Vec3<S>) -> Wrench<S> {
         let mut drag = Wrench::ZERO;
         for i in 0..3 {
-            let scale = -0.5 * self.air.density * self.drag_area[i];
+            let scale = self.density * self.drag_area[i] * -0.5;
             drag.force[i] = v[i] * v[i].smooth_abs(DRAG_WIDTH) * scale;
         }
         drag
@@ -275,14 +295,18 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
 
     /// Adds the added mass of all surfaces and their forces on the coordinates of `carriers`; returns
     /// their wrench on the whole.
-    pub fn add_air(
+    pub fn add_air<P: Scalar>(
         &mut self,
-        robot: &Robot,
+        robot: &Robot<P>,
         carriers: &Carriers<G>,
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-    ) -> Wrench<S> {
+    ) -> Wrench<S>
+    where
+        G: Meets<P>,
+        S: Meets<P>,
+    {
         let links = robot.mechanism.tree.links();
         let mut external = External::<S>::new();
         external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));

@@ -6,7 +6,7 @@ use super::spec::{ElementSpec, GaitSpec, LinkageOutput, RobotSpec};
 use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::Error;
 use crate::body::REGULATED;
-use crate::math::{Jet, Over, Scalar};
+use crate::math::{Jet, Meets, Over, Scalar};
 use crate::plant::Fault;
 
 /// What a structure element displaces.
@@ -125,13 +125,13 @@ fn limits(spec: &ElementSpec, first: Displaced, mechanism: &Mechanism) -> Result
     }
 }
 
-impl Robot {
+impl<P: Scalar> Robot<P> {
     /// Joint coordinates with rates and accelerations on the time `clock`, of a gait that may run up
     /// or stand still; the second rates of elastic joints and of the crank under a motor, which the
     /// dynamics decide, are zero. `structure` holds the states of the elements, then those of elastic
     /// joints and crank; `dx` receives the rates of the elements' states, `joints` the coordinates,
     /// `ratios` the crank's ratios where a motor turns it.
-    pub(super) fn joints<G: Scalar, S: Over<G>>(
+    pub(super) fn joints<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         clock: &Jet<G>,
         structure: &[G],
@@ -153,7 +153,7 @@ impl Robot {
     }
 
     /// Joint coordinates with the elements and elastic joints of `structure` standing still.
-    pub(super) fn rest<G: Scalar>(
+    pub(super) fn rest<G: Scalar + Meets<P>>(
         &self,
         clock: &Jet<G>,
         structure: &[G],
@@ -170,7 +170,7 @@ impl Robot {
 
     /// Coordinates and rates of elastic joints.
     #[inline(always)]
-    fn decided<G: Scalar>(&self, structure: &[G], joints: &mut Joints<G>) {
+    fn decided<G: Scalar + Meets<P>>(&self, structure: &[G], joints: &mut Joints<G>) {
         let states = &structure[2 * self.elements.len()..];
         let count = self.degrees();
         for (i, &joint) in self.mechanism.coordinates.iter().enumerate() {
@@ -179,7 +179,7 @@ impl Robot {
     }
 
     /// Joint coordinates by the gait alone, its linkages with their lengths displaced.
-    pub(super) fn drive<G: Scalar>(
+    pub(super) fn drive<G: Scalar + Meets<P>>(
         &self,
         phase: Jet<G>,
         displacements: &[Jet<G>],
@@ -200,7 +200,7 @@ impl Robot {
                 *angles = [pose.humerus, pose.radius - pose.humerus];
             }
         }
-        let joint = |drive: &Drive| match drive {
+        let joint = |drive: &Drive<P>| match drive {
             Drive::Fixed | Drive::Held | Drive::Elastic(_) => Jet::ZERO,
             Drive::Series(series, lag) => series.angle(phase - *lag),
             Drive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],

@@ -1,17 +1,18 @@
 //! From what a robot file says of links and joints to the tree and what moves each joint.
 
+use super::numbers::SpringNumbers;
 use super::spec::{ElasticSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, RobotSpec, WingSpec};
 use crate::Error;
-use crate::body::{Base, FourierSeries, JointKind, Link, Linkage, Tree};
-use crate::math::{Mat3, Quat, Scalar, Vec3};
+use crate::body::{Base, BodyNumbers, FourierSeries, JointKind, Link, Linkage, Tree};
+use crate::math::{Mat3, Meets, Quat, Scalar, Vec3};
 use crate::plant::MAX_COORDINATES;
 
 /// Links, what moves their joints, and which is whose mirror image.
 #[derive(Clone, Debug)]
-pub(super) struct Mechanism {
-    pub tree: Tree,
+pub(super) struct Mechanism<P: Scalar = f64> {
+    pub tree: Tree<P>,
     /// What moves each joint.
-    pub drives: Vec<Drive>,
+    pub drives: Vec<Drive<P>>,
     /// For every link its mirror image; itself on the plane of symmetry.
     pub twins: Vec<usize>,
     /// Joints whose coordinates are states, in order.
@@ -22,7 +23,7 @@ pub(super) struct Mechanism {
 
 /// What moves a joint.
 #[derive(Clone, Debug)]
-pub(super) enum Drive {
+pub(super) enum Drive<P: Scalar = f64> {
     /// Nothing: it stays at zero.
     Fixed,
     /// Held at zero by the gait; structure elements may displace it.
@@ -32,15 +33,13 @@ pub(super) enum Drive {
     /// An output of the linkage of a wing (0 left, 1 right).
     Linkage(usize, LinkageOutput),
     /// Its spring: the coordinate is a state.
-    Elastic(Spring),
+    Elastic(Spring<P>),
 }
 
 /// Spring, damper and stops of a joint; all zero for a free one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spring {
-    stiffness: f64,
-    damping: f64,
-    rest: f64,
+pub(super) struct Spring<P: Scalar = f64> {
+    pub numbers: SpringNumbers<P>,
     /// Coordinate at the start.
     pub start: f64,
     /// Low, high, stiffness and width of the stops.
@@ -51,28 +50,19 @@ pub(super) struct Spring {
 const STOP_ROUNDING: f64 = 0.01;
 
 impl Spring {
-    const FREE: Self = Self { stiffness: 0.0, damping: 0.0, rest: 0.0, start: 0.0, stops: None };
+    const FREE: Self =
+        Self { numbers: SpringNumbers { stiffness: 0.0, damping: 0.0, rest: 0.0 }, start: 0.0, stops: None };
 
     fn new(spec: &ElasticSpec) -> Self {
         let stops = spec.stops.map(|s| [s.low, s.high, s.stiffness, STOP_ROUNDING * (s.high - s.low)]);
         let ElasticSpec { stiffness, damping, rest, start, .. } = *spec;
-        Self { stiffness, damping, rest, start: start.unwrap_or(rest), stops }
-    }
-
-    /// Effort on the joint at the coordinate `q` with the rate `d`:
-    /// -k (q - rest) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part.
-    ///
-    /// Equation: robot.joint_spring
-    pub fn effort<S: Scalar>(&self, q: S, d: S) -> S {
-        let linear = -((q - self.rest) * self.stiffness) - d * self.damping;
-        let Some([low, high, stiffness, width]) = self.stops else { return linear };
-        let beyond = (q - high).smooth_positive(width) - (-q + low).smooth_positive(width);
-        linear - beyond * stiffness
+        Self { numbers: SpringNumbers { stiffness, damping, rest }, start: start.unwrap_or(rest), stops }
     }
 
     /// Energy stored, J, from no deflection on.
     pub fn energy(&self, q: f64) -> f64 {
-        let linear = 0.5 * self.stiffness * (q - self.rest).powi(2);
+        let SpringNumbers { stiffness, rest, .. } = self.numbers;
+        let linear = 0.5 * stiffness * (q - rest).powi(2);
         let Some([low, high, stiffness, width]) = self.stops else { return linear };
         // Integral of the smooth positive part from zero overlap on.
         let integral = |x: f64| {
@@ -85,7 +75,21 @@ impl Spring {
 
     /// Power that the damper takes, W.
     pub fn dissipation(&self, d: f64) -> f64 {
-        self.damping * d * d
+        self.numbers.damping * d * d
+    }
+}
+
+impl<P: Scalar> Spring<P> {
+    /// Effort on the joint at the coordinate `q` with the rate `d`:
+    /// -k (q - rest) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part.
+    ///
+    /// Equation: robot.joint_spring
+    pub fn effort<S: Scalar + Meets<P>>(&self, q: S, d: S) -> S {
+        let SpringNumbers { stiffness, damping, rest } = self.numbers;
+        let linear = -((q - rest) * stiffness) - d * damping;
+        let Some([low, high, stiffness, width]) = self.stops else { return linear };
+        let beyond = (q - high).smooth_positive(width) - (-q + low).smooth_positive(width);
+        linear - beyond * stiffness
     }
 }
 
@@ -146,13 +150,37 @@ impl Mechanism {
             None => Err(Error::invalid(key, format!("{name:?}"), format!("{BODY} or a link: {}", names()))),
         }
     }
+}
 
+impl<P: Scalar> Mechanism<P> {
     /// Springs of the coordinates.
-    pub fn springs(&self) -> impl Iterator<Item = &Spring> {
+    pub fn springs(&self) -> impl Iterator<Item = &Spring<P>> {
         self.drives.iter().filter_map(|d| match d {
             Drive::Elastic(spring) => Some(spring),
             _ => None,
         })
+    }
+
+    /// The same mechanism with the numbers of body and links, and of the springs.
+    pub fn with<Q: Scalar>(&self, bodies: &[BodyNumbers<Q>], springs: &[SpringNumbers<Q>]) -> Mechanism<Q> {
+        let mut springs = springs.iter();
+        let drive = |drive: &Drive<P>| match drive {
+            Drive::Fixed => Drive::Fixed,
+            Drive::Held => Drive::Held,
+            Drive::Series(series, lag) => Drive::Series(series.clone(), *lag),
+            Drive::Linkage(wing, output) => Drive::Linkage(*wing, *output),
+            Drive::Elastic(spring) => {
+                let numbers = *springs.next().expect("numbers of every spring");
+                Drive::Elastic(Spring { numbers, start: spring.start, stops: spring.stops })
+            }
+        };
+        Mechanism {
+            tree: self.tree.with(bodies),
+            drives: self.drives.iter().map(drive).collect(),
+            twins: self.twins.clone(),
+            coordinates: self.coordinates.clone(),
+            linkage: self.linkage.clone(),
+        }
     }
 }
 

@@ -9,6 +9,7 @@ mod dynamics;
 mod joints;
 mod mechanism;
 mod mirror;
+mod numbers;
 mod observe;
 mod regulators;
 mod sections;
@@ -18,6 +19,7 @@ mod surface;
 pub use air::{Air, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
+pub use numbers::{Numbers, SpringNumbers};
 pub use observe::Observation;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
@@ -29,7 +31,7 @@ pub use surface::SurfaceOutline;
 use crate::Error;
 use crate::aero::{Aero, Surfaces};
 use crate::body::{LinkMotion, MAX_LINKS, Motor, Response, Tree};
-use crate::math::{Jet, Vec3};
+use crate::math::{Jet, Scalar, Vec3};
 use crate::plant::{Channel, MAX_COORDINATES, Role};
 use arrayvec::ArrayVec;
 use clearance::Clearances;
@@ -70,22 +72,25 @@ pub struct Layout {
 }
 
 /// A robot in air, as a [`Plant`](crate::plant::Plant). Inputs are the
-/// regulators omega of the structure elements.
+/// regulators omega of the structure elements. Its numbers are of type `P`, so that they may carry derivatives:
+/// [`Robot::varied`].
 #[derive(Clone, Debug)]
-pub struct Robot {
-    mechanism: Mechanism,
-    phase_rate: f64,
-    phase_start: f64,
-    motor: Option<Motor>,
+pub struct Robot<P: Scalar = f64> {
+    mechanism: Mechanism<P>,
+    phase_rate: P,
+    phase_start: P,
+    motor: Option<Motor<P>>,
     response: Response,
     /// How far each element is displaced at rest.
     strokes: Vec<[f64; 2]>,
     elements: Vec<Placed>,
-    covering: Covering,
+    covering: Covering<P>,
     clearances: Clearances,
     /// Links that carry surfaces.
     carriers: Vec<usize>,
-    drag_area: Vec3,
+    drag_area: Vec3<P>,
+    /// Of the air that the body's drag takes, kg/m3.
+    density: P,
     air: Air,
     layout: Layout,
     states: Vec<Channel>,
@@ -120,6 +125,7 @@ impl Robot {
             strokes: regulators::strokes(&spec.structure, &elements, &inputs),
             carriers,
             drag_area: Vec3(spec.body.drag_area_m2),
+            density: air.density,
             air,
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),

@@ -6,7 +6,7 @@ use super::surface::External;
 use super::{Links, Robot};
 use crate::aero::{LoadSource, Loads, StripLoads};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, joint_power};
-use crate::math::{Jet, Mat3, Scalar, Vec3, Wrench};
+use crate::math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
 use crate::plant::Fault;
 use arrayvec::ArrayVec;
 
@@ -138,10 +138,12 @@ impl Robot {
         };
         self.covering.laid.iter().map(|surface| surface.outline.iter().map(place).collect()).collect()
     }
+}
 
+impl<P: Scalar> Robot<P> {
     /// Efforts that the joints need: `links` without the base's own acceleration,
     /// which is `body`; `external` the loads of the air on them; `g` is gravity in B.
-    pub(super) fn joint_torques<S: Scalar>(
+    pub(super) fn joint_torques<S: Scalar + Meets<P>>(
         &self,
         links: &[LinkMotion<S>],
         body: BaseAcceleration<S>,

@@ -6,11 +6,11 @@ use super::sections::{Carriers, Riding, Section};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::Error;
 use crate::aero::{
-    Aero, CD90, Coupling, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, ProfileDrag, SectionMotion,
-    SectionSpec, Sections, Span, Surfaces, Wrench,
+    Aero, CD90, Coupling, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, Preset, ProfileDrag, SectionMotion,
+    SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
 };
 use crate::body::MAX_LINKS;
-use crate::math::{Over, Scalar, Vec3};
+use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::MAX_DEGREES;
 use arrayvec::ArrayVec;
 
@@ -31,6 +31,10 @@ pub struct SurfaceOutline {
     pub cd90: Option<f64>,
     /// What it says of its section.
     pub section: SectionSpec,
+    /// Aerodynamic model asked for.
+    pub preset: Option<Preset>,
+    /// Lift law asked for.
+    pub law: Option<LiftLaw>,
     /// Strips or nodes asked for.
     pub strips: Option<usize>,
 }
@@ -58,6 +62,8 @@ impl RobotSpec {
                 cd0: surface.cd0,
                 cd90: surface.cd90,
                 section: surface.section,
+                preset: surface.preset,
+                law: surface.law,
                 strips: surface.strips,
                 name: surface.name,
                 key,
@@ -89,6 +95,8 @@ impl WingSpec {
             cd0: self.cd0,
             cd90: Some(self.cd90),
             section: self.section,
+            preset: None,
+            law: None,
             strips: None,
             planform_shift_m: self.planform_shift_m,
             planform: self.planform.clone(),
@@ -240,8 +248,8 @@ pub(super) struct Laid {
 
 /// All surfaces of a robot with their aerodynamic models.
 #[derive(Clone, Debug)]
-pub(super) struct Covering {
-    pub aero: Surfaces,
+pub(super) struct Covering<P: Scalar = f64> {
+    pub aero: Surfaces<P>,
     pub laid: Vec<Laid>,
     sections: Vec<Section>,
     mounts: Vec<Mount>,
@@ -315,6 +323,18 @@ impl Covering {
         let named = outlines.into_iter().map(|outline| outline.name).zip(models);
         Ok(Self { aero: Surfaces::new(named)?, laid, sections, mounts })
     }
+}
+
+impl<P: Scalar> Covering<P> {
+    /// The same surfaces with other numbers.
+    pub fn with<Q: Scalar>(&self, numbers: &[SurfaceNumbers<Q>]) -> Covering<Q> {
+        Covering {
+            aero: self.aero.with(numbers),
+            laid: self.laid.clone(),
+            sections: self.sections.clone(),
+            mounts: self.mounts.clone(),
+        }
+    }
 
     /// The sections of all surfaces riding on `carriers`.
     pub fn riding<'a, S: Scalar>(&'a self, carriers: &'a Carriers<'a, S>) -> Riding<'a, S> {
@@ -324,7 +344,7 @@ impl Covering {
     /// Sum of the loads and the added mass, with the state rates in `dx`; the coordinates of `carriers`
     /// take their part in `coupled`.
     #[inline(always)]
-    pub fn sum<G: Scalar, S: Over<G>>(
+    pub fn sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         carriers: &Carriers<G>,
         wind: Vec3<G>,

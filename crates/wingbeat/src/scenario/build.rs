@@ -5,10 +5,10 @@ use super::doors::Choice;
 use super::mismatch::Mismatch;
 use super::name::RunName;
 use super::plan::PlanSpec;
-use super::spec::{AeroSpec, Preset, ScenarioSpec};
+use super::spec::{AeroSpec, ScenarioSpec};
 use crate::Error;
 use crate::aero::{
-    Aero, CRITICAL_SUCTION, LiftingLine, LiftingLineSettings, STALL_ANGLE, StripModel, StripSettings,
+    Aero, CRITICAL_SUCTION, LiftingLine, LiftingLineSettings, Preset, STALL_ANGLE, StripModel, StripSettings,
 };
 use crate::guide::Task;
 use crate::math::Vec3;
@@ -232,7 +232,7 @@ impl AeroSpec {
         // The preset that is not used has to have a meaning too.
         line.check().map_err(paper)?;
         strips.check().map_err(full)?;
-        match self.preset {
+        match outline.preset.unwrap_or(self.preset) {
             Preset::Paper if self.paper.cells => {
                 LiftingLine::hinged(&outline.planform, &outline.hinges, line)
                     .map(Aero::LiftingLine)
@@ -248,10 +248,10 @@ impl AeroSpec {
             nodes: outline.strips.unwrap_or(self.paper.nodes),
             regularisation_m_s: self.paper.regularisation_m_s,
             chord_floor_m: self.paper.chord_floor_m,
-            law: self.law,
+            law: outline.law.unwrap_or(self.law),
             stall_angle_rad: outline.section.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
             critical_suction: outline.section.critical_suction.unwrap_or(self.critical_suction),
-            drag: outline.drag(self.law),
+            drag: outline.drag(outline.law.unwrap_or(self.law)),
             added_mass: self.added_mass,
             section_moment: self.section_moment,
             pitch_suction: self.pitch_suction,
@@ -270,10 +270,10 @@ impl AeroSpec {
             doublet_wash: self.full.doublet_wash,
             vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,
-            law: self.law,
+            law: outline.law.unwrap_or(self.law),
             stall_angle_rad: outline.section.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
             critical_suction: outline.section.critical_suction.unwrap_or(self.critical_suction),
-            drag: outline.drag(self.law),
+            drag: outline.drag(outline.law.unwrap_or(self.law)),
             added_mass: self.added_mass,
             section_moment: self.section_moment,
             pitch_suction: self.pitch_suction,

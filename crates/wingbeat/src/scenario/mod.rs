@@ -36,7 +36,7 @@ pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, to
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;
 pub use spec::{
-    AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
+    AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
 pub use summary::{ControllerSummary, FlightStatus, Summary};
 pub use sweep::{Draw, Hold, Sweep, SweepSpec};
@@ -47,6 +47,7 @@ pub use tether_spec::{
 };
 
 use crate::Error;
+use crate::aero::Aero;
 use crate::guide::Manoeuvre;
 use crate::math::{Quat, Vec3};
 use crate::plant::Plant;
@@ -288,6 +289,16 @@ impl Scenario {
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 
+    /// A word for all surfaces: where they differ each after its surface's name, without any `plain`.
+    fn named(&self, plain: &str, word: impl Fn(&Aero) -> &'static str) -> String {
+        let words: Vec<(&str, &str)> = self.robot.surfaces().map(|(name, aero)| (name, word(aero))).collect();
+        match words.first() {
+            None => plain.into(),
+            Some((_, first)) if words.iter().all(|(_, word)| word == first) => (*first).into(),
+            _ => words.iter().map(|(name, word)| format!("{name} {word}")).collect::<Vec<_>>().join(", "),
+        }
+    }
+
     fn summarise(
         &self,
         recorded: &Recorded,
@@ -300,8 +311,9 @@ impl Scenario {
             goal: self.spec.goal.as_ref(),
             inputs: self.robot.inputs(),
             clearances: self.robot.clearances(),
-            preset: self.spec.aero.preset.name(),
-            law: self.spec.aero.law.name(),
+            preset: self.named(self.spec.aero.preset.name(), |aero| aero.preset().name()),
+            law: self.named(self.spec.aero.law.name(), |aero| aero.law().name()),
+            laws: self.robot.surfaces().map(|(_, aero)| aero.law()).collect(),
             stall_fraction: recorded.stall_fraction,
             separated_fraction: recorded.separated_fraction,
             suction_lost_fraction: recorded.suction_lost_fraction,

@@ -4,7 +4,7 @@ use super::chosen::{Chosen, Named};
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use crate::Error;
-use crate::aero::{CRITICAL_SUCTION, LagSet, LiftLaw, STALL_ANGLE, StripSettings};
+use crate::aero::{CRITICAL_SUCTION, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings};
 use crate::guide::{MpcSpec, Turn};
 use crate::require;
 use crate::robot::RobotSpec;
@@ -107,28 +107,6 @@ pub struct AeroSpec {
     /// Settings of preset `full`.
     #[serde(default)]
     pub full: FullAeroSpec,
-}
-
-/// The aerodynamic presets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    /// The paper's unsteady lifting line.
-    Paper,
-    /// Strip model with three-dimensional delayed wash.
-    #[default]
-    Full,
-}
-
-impl Preset {
-    /// Name as written in configurations and results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Paper => "paper",
-            Self::Full => "full",
-        }
-    }
 }
 
 /// Settings of preset `paper`.

@@ -2,6 +2,7 @@
 
 use super::judge::Verdict;
 use super::spec::GoalSpec;
+use crate::aero::LiftLaw;
 use crate::guide::{Manoeuvre, Reference, angle_error};
 use crate::plant::{Channel, Fault};
 use crate::simulate::{Ending, Flight, Record};
@@ -204,8 +205,10 @@ pub(super) struct Context<'a> {
     pub goal: Option<&'a GoalSpec>,
     pub inputs: &'a [Channel],
     pub clearances: &'a [Channel],
-    pub preset: &'a str,
-    pub law: &'a str,
+    pub preset: String,
+    pub law: String,
+    /// Of each surface.
+    pub laws: Vec<LiftLaw>,
     pub stall_fraction: f64,
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
@@ -259,8 +262,8 @@ impl Summary {
             motor_power_w: mean(settled.column("motor_power")),
             electrical_power_w: mean(settled.column("electrical_power")),
             crank_ripple: ripple(settled.column("crank_rate")),
-            aero_preset: context.preset.into(),
-            lift_law: context.law.into(),
+            aero_preset: context.preset.clone(),
+            lift_law: context.law.clone(),
             stall_fraction: context.stall_fraction,
             separated_fraction: context.separated_fraction,
             suction_lost_fraction: context.suction_lost_fraction,
@@ -395,15 +398,14 @@ fn warnings(context: &Context, crossing: Option<&Crossing>) -> Vec<String> {
              {error:.2} m; shorten flight.step_s"
         ));
     }
-    if context.law == "linear" && context.stall_fraction > 0.0 {
-        warnings.push(format!(
-            "{share:.0} % of strip samples are past the stall angle under lift law `linear`, which knows no stall"
-        ));
-    }
-    if context.law == "stall" && context.stall_fraction > 0.0 {
-        warnings.push(format!(
-            "{share:.0} % of strip samples lean on the quasi-steady law beyond stall, outside the range it is valid in"
-        ));
+    let beyond = |law: &&LiftLaw| law.about().beyond_stall.filter(|_| context.laws.contains(law));
+    for law in LiftLaw::ALL.iter().filter(|_| context.stall_fraction > 0.0) {
+        if let Some(what) = beyond(&law) {
+            let law = law.name();
+            warnings.push(format!(
+                "{share:.0} % of strip samples are past the stall angle under lift law `{law}`, {what}"
+            ));
+        }
     }
     warnings.extend(crossing.and_then(Crossing::warning));
     warnings

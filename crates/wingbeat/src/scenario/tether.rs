@@ -3,7 +3,7 @@
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{ConfigError, CoordinateSpec, Document};
 use crate::Error;
-use crate::aero::{LiftLaw, Planform};
+use crate::aero::Planform;
 use crate::math::Vec3;
 use crate::robot::SurfaceOutline;
 use crate::simulate::Ending;
@@ -108,12 +108,7 @@ impl TetherCase {
         let share = 100.0 * run.stall_fraction;
         let limit = self.tether.aero.stall_angle().to_degrees();
         let past = format!("{share:.1} % of the strips of the last cycle are past {limit:.0} deg");
-        let warning = match law {
-            LiftLaw::Linear => Some(format!("{past}, where law linear knows no stall")),
-            LiftLaw::Stall => Some(format!("{past}: the result leans on law stall, +-50 % there")),
-            // What it was made for; the shares of suction lost and of separated flow say how far it goes.
-            LiftLaw::Lev => None,
-        };
+        let warning = law.about().beyond_stall.map(|what| format!("{past} under law {}, {what}", law.name()));
         TetherSummary {
             status: match run.ending {
                 Ending::Complete if resolved => "ok".into(),
@@ -257,6 +252,8 @@ impl TetherSpec {
             cd0: self.wing.cd0,
             cd90: self.wing.cd90,
             section: self.wing.section,
+            preset: None,
+            law: None,
             strips: None,
         };
         let aero = self.aero.build(&outline, self.wind.density_kg_m3, &names)?;

@@ -2,17 +2,17 @@
 
 use super::LiftLaw;
 use crate::Error;
-use crate::math::{Over, Scalar};
+use crate::math::{Meets, Over, Scalar};
 use crate::require;
 
 /// Drag of skin and separation, cd0 + cd90 sin^2(incidence).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ProfileDrag {
+pub struct ProfileDrag<P = f64> {
     /// Drag coefficient along the chord.
-    pub cd0: f64,
+    pub cd0: P,
     /// Drag coefficient of the plate broadside on.
-    pub cd90: f64,
+    pub cd90: P,
 }
 
 /// Section drag by components and where it acts.
@@ -34,7 +34,9 @@ impl ProfileDrag {
         require::not_negative("drag.cd0", self.cd0)?;
         require::not_negative("drag.cd90", self.cd90)
     }
+}
 
+impl<P: Scalar> ProfileDrag<P> {
     /// Profile drag of a section that meets the wind (`uc`, `w`) at mid chord.
     ///
     /// Law `linear`: (cd0 + cd90 sin^2) along the wind, centre from 1/4 to 1/2
@@ -44,8 +46,8 @@ impl ProfileDrag {
     ///
     /// Equation: aero.profile_drag
     #[inline]
-    pub(in crate::aero) fn section<G: Scalar, S: Over<G>>(
-        self,
+    pub(in crate::aero) fn section<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
         law: LiftLaw,
         uc: G,
         w: G,
@@ -55,14 +57,14 @@ impl ProfileDrag {
         let speed = (uc * uc + w * w + delta2).sqrt();
         let inverse = speed.recip();
         let sine = w * inverse;
-        match law {
-            LiftLaw::Linear => {
+        match law.separates() {
+            false => {
                 let sine2 = sine * sine;
                 let along = speed * (sine2 * self.cd90 + self.cd0);
                 let (chordwise, normal) = (S::from(along * uc), S::from(along * w));
                 SectionDrag { chordwise, normal, centre: S::from(sine2 * 0.25 + 0.25) }
             }
-            LiftLaw::Stall | LiftLaw::Lev => {
+            true => {
                 let plate = (S::ONE - attached) * self.cd90 + self.cd0;
                 let centre = G::from(0.5)
                     - uc * inverse * 0.75 / (sine.smooth_abs(SINE_WIDTH) * std::f64::consts::PI + 4.0);

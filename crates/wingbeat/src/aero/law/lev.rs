@@ -7,14 +7,17 @@
 //! Valid for sections whose flow separates at the leading edge, up to 45 deg in ramps of some chords of travel. The
 //! vortex acts at 1/4 chord and sheds no circulation of its own into the wake: both a choice.
 
-use super::{CD0, CD90, CRITICAL_SUCTION, Law, Polar, STALL_ANGLE, StripState};
-use crate::math::{Over, Scalar};
+use super::{Attachment, CD0, CD90, CRITICAL_SUCTION, Law, Polar, STALL_ANGLE, StripState};
+use crate::math::{Meets, Over, Scalar};
 
 pub(super) const LAW: Law = Law {
     name: "lev",
     meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
     parameters: &[STALL_ANGLE, CRITICAL_SUCTION, CD0, CD90],
     states: &[StripState { name: "vortex", unit: "m2/s2" }, StripState { name: "separated", unit: "" }],
+    attachment: Attachment::Lagging(1),
+    edge_vortex: true,
+    beyond_stall: None,
 };
 
 /// Chords of travel in which the vortex takes over the lost suction: a choice within the 1 to 4 chords that a
@@ -39,8 +42,8 @@ pub(in crate::aero) struct Edge<S> {
 ///
 /// Equation: aero.lev.suction
 #[inline]
-pub(in crate::aero) fn edge<G: Scalar, S: Over<G>>(
-    polar: &Polar,
+pub(in crate::aero) fn edge<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
+    polar: &Polar<P>,
     suction: S,
     wash: S,
     speed2: G,
@@ -57,8 +60,8 @@ pub(in crate::aero) fn edge<G: Scalar, S: Over<G>>(
 ///
 /// Equation: aero.lev.lags
 #[inline]
-pub(in crate::aero) fn rates<G: Scalar, S: Over<G>>(
-    polar: &Polar,
+pub(in crate::aero) fn rates<P: Scalar, G: Scalar, S: Over<G> + Meets<P>>(
+    polar: &Polar<P>,
     [vortex, separated]: [S; 2],
     lost: S,
     sine_squared: S,
@@ -74,13 +77,26 @@ pub(in crate::aero) fn rates<G: Scalar, S: Over<G>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aero::LiftLaw;
+    use crate::aero::{LiftLaw, SurfaceNumbers};
     use crate::math::Dual;
     use std::f64::consts::TAU;
 
+    fn polar() -> Polar<f64> {
+        let (zero, angle) = (0.0, 0.2);
+        let numbers = SurfaceNumbers {
+            density: 1.0,
+            section_slope: TAU,
+            cd0: zero,
+            cd90: zero,
+            stall_angle: angle,
+            critical_suction: 0.2,
+        };
+        Polar::new(LiftLaw::Lev, &numbers)
+    }
+
     #[test]
     fn the_edge_holds_no_more_than_its_limit_and_loses_nothing_else() {
-        let polar = Polar::new(LiftLaw::Lev, 0.2, 0.2);
+        let polar = polar();
         let limit = TAU * 0.04 * 9.0;
         let mut last = 0.0;
         for k in 0..400 {
@@ -98,7 +114,7 @@ mod tests {
 
     #[test]
     fn states_follow_in_their_chords_of_travel() {
-        let polar = Polar::new(LiftLaw::Lev, 0.2, 0.2);
+        let polar = polar();
         let [vortex, separated] = rates(&polar, [0.0, 0.0], 2.0, 1.0, 5.0);
         let still = 1.0 - polar.attached_share(1.0);
         assert!((vortex - 10.0).abs() < 1e-12 && (separated - still * 5.0 / 8.0).abs() < 1e-12);

@@ -1,10 +1,13 @@
 //! Lift proportional to the wash at any incidence.
 
-use super::{CD0, CD90, Law};
+use super::{Attachment, CD0, CD90, Law};
 
 pub(super) const LAW: Law = Law {
     name: "linear",
     meaning: "lift proportional to the wash at any incidence; knows no stall",
     parameters: &[CD0, CD90],
     states: &[],
+    attachment: Attachment::Whole,
+    edge_vortex: false,
+    beyond_stall: Some("which knows no stall"),
 };

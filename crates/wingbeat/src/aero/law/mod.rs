@@ -12,7 +12,8 @@ mod stall;
 pub use drag::ProfileDrag;
 
 use crate::Error;
-use crate::math::Scalar;
+use crate::aero::SurfaceNumbers;
+use crate::math::{Meets, Scalar};
 use std::f64::consts::FRAC_PI_2;
 
 /// What becomes of the attached lift as the incidence grows.
@@ -48,6 +49,24 @@ pub struct Law {
     pub parameters: &'static [Parameter],
     /// What each strip carries for it, in order.
     pub states: &'static [StripState],
+    /// Which share of the lift stays attached.
+    pub attachment: Attachment,
+    /// True when the leading edge holds limited suction and sheds a vortex, whose normal force is the first of the
+    /// states, the second the separated share.
+    pub edge_vortex: bool,
+    /// What to say of strips past the stall angle; nothing of a law made for them.
+    pub beyond_stall: Option<&'static str>,
+}
+
+/// How a law tells the share of the lift that stays attached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Attachment {
+    /// All of it.
+    Whole,
+    /// By the incidence of the moment.
+    AtOnce,
+    /// One less this state of the strip.
+    Lagging(usize),
 }
 
 /// A number of the section that a law asks for.
@@ -160,7 +179,7 @@ impl LiftLaw {
 
     /// True when the flow separates under it, so that it takes the force broadside from `cd90`.
     pub fn separates(self) -> bool {
-        self != Self::Linear
+        self.about().attachment != Attachment::Whole
     }
 }
 
@@ -195,24 +214,30 @@ impl SectionSpec {
 
 /// A law with the constants of a section, ready for the inner loops.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Polar {
+pub(super) struct Polar<P> {
     law: LiftLaw,
     /// Fourth power of 1/sine at which half of the lift stays attached.
-    separation: f64,
+    separation: P,
     /// One over the largest suction coefficient, 1/(2 pi A0c^2).
-    inverse_limit: f64,
+    inverse_limit: P,
 }
 
-impl Polar {
-    pub fn new(law: LiftLaw, stall_angle_rad: f64, critical_suction: f64) -> Self {
-        let limit = std::f64::consts::TAU * critical_suction * critical_suction;
-        Self { law, separation: stall::scale(stall_angle_rad), inverse_limit: limit.recip() }
+impl<P: Scalar> Polar<P> {
+    pub fn new(law: LiftLaw, numbers: &SurfaceNumbers<P>) -> Self {
+        let limit = numbers.critical_suction * numbers.critical_suction * std::f64::consts::TAU;
+        Self { law, separation: stall::scale(numbers.stall_angle), inverse_limit: limit.recip() }
+    }
+
+    /// The same with its numbers turned by `f`.
+    #[inline]
+    pub fn map<Q>(&self, f: impl Fn(P) -> Q) -> Polar<Q> {
+        Polar { law: self.law, separation: f(self.separation), inverse_limit: f(self.inverse_limit) }
     }
 
     /// Share of the lift that stays attached, or would if the flow had time, from the squared sine of the
     /// effective incidence.
     #[inline]
-    pub fn attached_share<S: Scalar>(&self, sine_squared: S) -> S {
+    pub fn attached_share<S: Scalar + Meets<P>>(&self, sine_squared: S) -> S {
         match self.law {
             LiftLaw::Linear => S::ONE,
             LiftLaw::Stall | LiftLaw::Lev => stall::attached_share(sine_squared, self.separation),

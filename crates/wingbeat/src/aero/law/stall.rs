@@ -1,13 +1,16 @@
 //! Quasi-steady stall of a thin, flat wing.
 
-use super::{CD0, CD90, Law, STALL_ANGLE};
-use crate::math::Scalar;
+use super::{Attachment, CD0, CD90, Law, STALL_ANGLE};
+use crate::math::{Meets, Scalar};
 
 pub(super) const LAW: Law = Law {
     name: "stall",
     meaning: "attached lift fades at once with the incidence, the normal force of a plate takes its place",
     parameters: &[STALL_ANGLE, CD0, CD90],
     states: &[],
+    attachment: Attachment::AtOnce,
+    edge_vortex: false,
+    beyond_stall: Some("which is quasi-steady and only within +-50 % there"),
 };
 
 /// Share of the lift that stays attached, from the squared sine of the effective incidence; `scale` is the
@@ -15,12 +18,13 @@ pub(super) const LAW: Law = Law {
 ///
 /// Equation: aero.attached_share
 #[inline]
-pub(super) fn attached_share<S: Scalar>(sine_squared: S, scale: f64) -> S {
+pub(super) fn attached_share<P, S: Scalar + Meets<P>>(sine_squared: S, scale: P) -> S {
     (sine_squared * sine_squared * scale + 1.0).recip()
 }
 
 /// Scale of [`attached_share`] for which the attached lift is largest at the stall angle: x / (1 + x^4)
 /// peaks at x^4 = 1/3.
-pub(super) fn scale(stall_angle_rad: f64) -> f64 {
-    stall_angle_rad.sin().powi(-4) / 3.0
+pub(super) fn scale<P: Scalar>(stall_angle_rad: P) -> P {
+    let square = stall_angle_rad.sin().squared();
+    (square * square * 3.0).recip()
 }

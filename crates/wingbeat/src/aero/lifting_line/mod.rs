@@ -14,11 +14,13 @@ mod tests;
 
 pub use settings::LiftingLineSettings;
 
-use super::law::{Polar, lev};
+use super::law::{Attachment, Polar, lev};
 use super::section::{Section, SectionForce, pitch_suction, suction_share};
-use super::{Coupling, LiftLaw, Loads, Planform, SectionMotion, Sections, StripLoads, Wrench};
+use super::{
+    Coupling, Loads, Planform, ProfileDrag, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench,
+};
 use crate::Error;
-use crate::math::{Over, Scalar, Vec3};
+use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
 use nodes::{Cell, Node, cells, influence, influence_between, node_angles};
 use std::f64::consts::PI;
@@ -30,16 +32,19 @@ pub const JONES_RATES: [f64; 2] = [0.0455, 0.3];
 
 /// The unsteady lifting line; constant after construction.
 #[derive(Clone, Debug)]
-pub struct LiftingLine {
+pub struct LiftingLine<P: Scalar = f64> {
     settings: LiftingLineSettings,
     arcs: Vec<f64>,
     widths: Vec<f64>,
-    nodes: Vec<Node>,
+    cells: Vec<Cell>,
+    nodes: Vec<Node<P>>,
     /// Wash per circulation, D_ij, row-major, 1/m.
     influence: Vec<f64>,
     /// Whether D vanishes between different nodes an even number apart.
     alternating: bool,
-    polar: Polar,
+    polar: Polar<P>,
+    drag: ProfileDrag<P>,
+    section_slope: P,
 }
 
 impl LiftingLine {
@@ -65,15 +70,8 @@ impl LiftingLine {
         Self::refuse_gaps(planform)?;
         settings.check()?;
         let (arcs, cells, angles) = cells(planform, hinge_arcs, &settings)?;
-        Ok(Self {
-            arcs,
-            widths: cells.iter().map(|cell| cell.width).collect(),
-            nodes: cells.iter().map(|&cell| Node::new(cell, &settings)).collect(),
-            influence: influence_between(&angles, 2.0 * planform.half_span()),
-            alternating: false,
-            polar: Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction),
-            settings,
-        })
+        let influence = influence_between(&angles, 2.0 * planform.half_span());
+        Ok(Self::of_cells(arcs, cells, influence, settings))
     }
 
     fn refuse_gaps(planform: &Planform) -> Result<(), Error> {
@@ -98,16 +96,53 @@ impl LiftingLine {
         let arcs: Vec<f64> = angles.iter().map(|t| half_span * t.cos()).collect();
         let step = PI / (settings.nodes + 1) as f64;
         let widths: Vec<f64> = angles.iter().map(|t| half_span * t.sin() * step).collect();
-        let nodes = angles
+        let cells = angles
             .iter()
             .zip(&arcs)
             .zip(&widths)
             .map(|((&t, &arc), &width)| Cell::smooth(chord(arc), width, half_span, t, &settings))
-            .map(|cell| Node::new(cell, &settings))
             .collect();
         let influence = influence(&angles, 2.0 * half_span);
-        let polar = Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction);
-        Ok(Self { settings, arcs, widths, nodes, influence, alternating: true, polar })
+        Ok(Self { alternating: true, ..Self::of_cells(arcs, cells, influence, settings) })
+    }
+
+    fn of_cells(
+        arcs: Vec<f64>,
+        cells: Vec<Cell>,
+        influence: Vec<f64>,
+        settings: LiftingLineSettings,
+    ) -> Self {
+        let numbers = settings.numbers();
+        Self {
+            arcs,
+            widths: cells.iter().map(|cell| cell.width).collect(),
+            nodes: cells.iter().map(|cell| Node::new(cell, &numbers)).collect(),
+            cells,
+            influence,
+            alternating: false,
+            polar: Polar::new(settings.law, &numbers),
+            drag: settings.drag,
+            section_slope: numbers.section_slope,
+            settings,
+        }
+    }
+}
+
+impl<P: Scalar> LiftingLine<P> {
+    /// The same line with other numbers than the settings say.
+    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> LiftingLine<Q> {
+        LiftingLine {
+            nodes: self.cells.iter().map(|cell| Node::new(cell, numbers)).collect(),
+            polar: Polar::new(self.settings.law, numbers),
+            drag: ProfileDrag { cd0: numbers.cd0, cd90: numbers.cd90 },
+            section_slope: numbers.section_slope,
+            settings: self.settings,
+            arcs: self.arcs.clone(),
+            widths: self.widths.clone(),
+            cells: self.cells.clone(),
+            influence: self.influence.clone(),
+            alternating: self.alternating,
+        }
     }
 
     /// What it was made of.
@@ -149,7 +184,7 @@ impl LiftingLine {
     ///
     /// Equation: aero.lifting_line.induced_wash
     #[inline]
-    fn induced_wash<S: Scalar>(&self, i: usize, gamma: &[S]) -> S {
+    fn induced_wash<S: Scalar + Meets<P>>(&self, i: usize, gamma: &[S]) -> S {
         let row = &self.influence[i * gamma.len()..(i + 1) * gamma.len()];
         if !self.alternating {
             return -row.iter().zip(gamma).fold(S::ZERO, |sum, (d, g)| sum + *g * *d);
@@ -164,7 +199,7 @@ impl LiftingLine {
     /// State rates for airspeed (m/s) and wash of motion (m/s) given at each
     /// node, attached flow, without any regularisation. Writes the effective
     /// wash: the lift per span is rho U G + rho c G' = rho U a0 (c/2) w_eff.
-    pub fn rates_in_wash<S: Scalar>(
+    pub fn rates_in_wash<S: Scalar + Meets<P>>(
         &self,
         airspeed: &[S],
         wash: &[S],
@@ -186,7 +221,14 @@ impl LiftingLine {
     ///
     /// Equation: aero.lifting_line.lags
     #[inline]
-    fn lag<G: Scalar, S: Over<G>>(&self, i: usize, speed: G, w: S, x: &[S], dx: &mut [S]) -> S {
+    fn lag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        i: usize,
+        speed: G,
+        w: S,
+        x: &[S],
+        dx: &mut [S],
+    ) -> S {
         let (node, m) = (&self.nodes[i], self.strips());
         let mut effective = w * (1.0 - JONES_WEIGHTS[0] - JONES_WEIGHTS[1]);
         for k in 0..2 {
@@ -202,14 +244,20 @@ impl LiftingLine {
     ///
     /// Equation: aero.lifting_line.circulation
     #[inline]
-    fn circulation_rate<G: Scalar, S: Over<G>>(&self, i: usize, speed: G, effective_wash: S, gamma: S) -> S {
+    fn circulation_rate<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        i: usize,
+        speed: G,
+        effective_wash: S,
+        gamma: S,
+    ) -> S {
         let node = &self.nodes[i];
         (effective_wash * node.circulation - gamma) * (speed * node.inverse_chord)
     }
 
     /// State rates and loads. `sections` at [`arcs`](Self::arcs), `wind` is the
     /// velocity of the air resolved in B. See [`Loads`] for the body acceleration.
-    pub fn evaluate<S: Scalar>(
+    pub fn evaluate<S: Scalar + Meets<P>>(
         &self,
         sections: &[SectionMotion<S>],
         wind: Vec3<S>,
@@ -222,7 +270,7 @@ impl LiftingLine {
     }
 
     /// Writes the loads by node behind the strips that `loads` holds; returns the sum.
-    pub(super) fn append<S: Scalar>(
+    pub(super) fn append<S: Scalar + Meets<P>>(
         &self,
         sections: &(impl Sections<S> + ?Sized),
         wind: Vec3<S>,
@@ -256,7 +304,7 @@ impl LiftingLine {
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
     /// added-mass matrix. The states may carry more derivatives than the motion. `coupling` receives
     /// what the coordinates of `sections` take.
-    pub fn evaluate_sum<G: Scalar, S: Over<G>>(
+    pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
@@ -287,7 +335,7 @@ impl LiftingLine {
 
     /// State rates of node `i` and the flow that its forces follow from.
     #[inline]
-    fn flow<G: Scalar, S: Over<G>>(
+    fn flow<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
         section: &Section<G>,
@@ -302,16 +350,17 @@ impl LiftingLine {
         let effective = self.lag(i, speed, wash, x, dx);
         let inverse = (effective * effective + uc2).sqrt().recip();
         let sine = effective * inverse;
-        let attached = match set.law {
-            LiftLaw::Lev => S::ONE - x[4 * self.strips() + i],
-            LiftLaw::Linear | LiftLaw::Stall => self.polar.attached_share(sine * sine),
+        let law = set.law.about();
+        let attached = match law.attachment {
+            Attachment::Lagging(state) => S::ONE - x[(3 + state) * self.strips() + i],
+            Attachment::Whole | Attachment::AtOnce => self.polar.attached_share(sine * sine),
         };
         dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
         let mut suction = suction_share(inverse * uc);
-        if set.law != LiftLaw::Lev {
+        if !law.edge_vortex {
             suction *= attached;
         }
-        let mass = if set.pitch_suction { self.nodes[i].mass } else { 0.0 };
+        let mass = if set.pitch_suction { self.nodes[i].mass } else { P::ZERO };
         let pitching = pitch_suction(mass, section.pitch_rate, S::from(w), effective) * attached;
         let mut flow = Flow {
             w,
@@ -327,7 +376,7 @@ impl LiftingLine {
             vortex: S::ZERO,
             carried: G::ZERO,
         };
-        if set.law == LiftLaw::Lev {
+        if law.edge_vortex {
             self.advance_edge(i, section, &mut flow, x, dx);
         }
         flow
@@ -337,7 +386,7 @@ impl LiftingLine {
     ///
     /// Equation: aero.lifting_line.edge_suction
     #[inline]
-    fn advance_edge<G: Scalar, S: Over<G>>(
+    fn advance_edge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
         section: &Section<G>,
@@ -349,7 +398,7 @@ impl LiftingLine {
         let turn = if set.pitch_suction { section.pitch_rate * (0.5 * node.half_chord) } else { G::ZERO };
         let cosine = flow.inverse * section.uc;
         let wash = flow.effective - turn;
-        let suction = wash.squared() * suction_share(cosine) * set.section_slope;
+        let suction = wash.squared() * suction_share(cosine) * self.section_slope;
         flow.edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
         let [vortex, separated] = [3 * m + i, 4 * m + i];
         let sine2 = (flow.effective * flow.inverse).squared();
@@ -364,9 +413,9 @@ impl LiftingLine {
 
     /// Forces of one node by source.
     #[inline]
-    fn by_source<S: Scalar>(
+    fn by_source<S: Scalar + Meets<P>>(
         &self,
-        node: &Node,
+        node: &Node<P>,
         section: &Section<S>,
         flow: &Flow<S, S>,
         added_mass: &mut [[S; 6]; 6],
@@ -385,30 +434,30 @@ impl LiftingLine {
     }
 
     #[inline]
-    fn profile_drag<G: Scalar, S: Over<G>>(
+    fn profile_drag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        node: &Node,
+        node: &Node<P>,
         section: &Section<G>,
         flow: &Flow<G, S>,
     ) -> SectionForce<S> {
         let set = &self.settings;
         let delta2 = set.regularisation_m_s * set.regularisation_m_s;
-        let drag = set.drag.section(set.law, section.uc, section.w_half, flow.attached, delta2);
+        let drag = self.drag.section(set.law, section.uc, section.w_half, flow.attached, delta2);
         let ahead = (S::from(0.5) - drag.centre) * (2.0 * node.half_chord);
         SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
     }
 
     /// Force and couple of the carried air, its inertia added to the matrix.
     #[inline]
-    fn carried_air<G: Scalar, S: Over<G>>(
+    fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        node: &Node,
+        node: &Node<P>,
         section: &Section<G>,
         speed: G,
         matrix: &mut [[G; 6]; 6],
     ) -> SectionForce<S> {
         let (mass, inertia) = self.carried_masses(node);
-        let turned = if self.settings.section_moment { node.mass } else { 0.0 };
+        let turned = if self.settings.section_moment { node.mass } else { P::ZERO };
         let mut force = section.added_mass(mass);
         force.nose_up = section.section_moment(turned, node.half_chord, speed);
         section.add_inertia(mass, inertia, matrix);
@@ -418,10 +467,10 @@ impl LiftingLine {
     /// Mass (kg) of the air that a node carries along its normal, and inertia (kg m2) of the air that
     /// it turns.
     #[inline]
-    fn carried_masses(&self, node: &Node) -> (f64, f64) {
+    fn carried_masses(&self, node: &Node<P>) -> (P, P) {
         let set = &self.settings;
-        let mass = if set.added_mass { node.mass } else { 0.0 };
-        let turned = if set.section_moment { node.mass } else { 0.0 };
+        let mass = if set.added_mass { node.mass } else { P::ZERO };
+        let turned = if set.section_moment { node.mass } else { P::ZERO };
         (mass, turned * node.half_chord * node.half_chord / 8.0)
     }
 }
@@ -460,7 +509,10 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
     ///
     /// Equation: aero.lifting_line.force
     #[inline]
-    fn lift(&self, node: &Node) -> SectionForce<S> {
+    fn lift<P: Scalar>(&self, node: &Node<P>) -> SectionForce<S>
+    where
+        S: Meets<P>,
+    {
         let turned = self.effective * self.attached * node.lift * self.speed * self.inverse;
         let ahead = S::from(0.5 * node.half_chord);
         self.at_edge(turned * self.effective, turned * self.along, ahead)
@@ -468,7 +520,10 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
 
     /// The same lift perpendicular to the wind of motion alone.
     #[inline]
-    fn lift_without_turning(&self, node: &Node) -> SectionForce<S> {
+    fn lift_without_turning<P: Scalar>(&self, node: &Node<P>) -> SectionForce<S>
+    where
+        S: Meets<P>,
+    {
         let lift = self.effective * self.attached * node.lift;
         let ahead = S::from(0.5 * node.half_chord);
         self.at_edge(lift * self.w, lift * self.along, ahead)

@@ -2,28 +2,29 @@
 
 use super::{JONES_RATES, LiftingLineSettings};
 use crate::Error;
-use crate::aero::Planform;
 use crate::aero::strip::spacing;
+use crate::aero::{Planform, SurfaceNumbers};
+use crate::math::Scalar;
 use crate::math::linear::{lu_factor, lu_solve};
 use std::f64::consts::PI;
 
 /// Constants of one node.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct Node<P> {
     /// 1 / chord of the planform, 1/m; all else holds the floored chord.
     pub inverse_edge: f64,
     pub half_chord: f64,
     pub inverse_chord: f64,
     /// Circulation per wash, a0 c / 2, m.
-    pub circulation: f64,
+    pub circulation: P,
     /// Rates of the lags per airspeed, 1/m.
     pub lag_rates: [f64; 2],
     /// rho a0 (c/2) dy: lift per wash and airspeed, kg/m.
-    pub lift: f64,
+    pub lift: P,
     /// Added mass, kg.
-    pub mass: f64,
+    pub mass: P,
     /// rho c dy / 2, kg/m.
-    pub drag: f64,
+    pub drag: P,
 }
 
 /// What a node stands for.
@@ -49,19 +50,19 @@ impl Cell {
     }
 }
 
-impl Node {
+impl<P: Scalar> Node<P> {
     /// The node of a cell.
-    pub fn new(cell: Cell, set: &LiftingLineSettings) -> Self {
+    pub fn new(cell: &Cell, numbers: &SurfaceNumbers<P>) -> Self {
         let half_chord = 0.5 * cell.chord;
         Self {
             inverse_edge: 1.0 / cell.edge,
             half_chord,
             inverse_chord: 1.0 / cell.chord,
-            circulation: set.section_slope * half_chord,
+            circulation: numbers.section_slope * half_chord,
             lag_rates: JONES_RATES.map(|e| e / half_chord),
-            lift: set.density_kg_m3 * set.section_slope * half_chord * cell.width,
-            mass: set.density_kg_m3 * PI * 0.25 * cell.square,
-            drag: 0.5 * set.density_kg_m3 * cell.area,
+            lift: numbers.density * numbers.section_slope * half_chord * cell.width,
+            mass: numbers.density * PI * 0.25 * cell.square,
+            drag: numbers.density * 0.5 * cell.area,
         }
     }
 }

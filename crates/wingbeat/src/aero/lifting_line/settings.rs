@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::aero::law::{CD0, CD90, CRITICAL_SUCTION, STALL_ANGLE, check_section};
-use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
+use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag, SurfaceNumbers};
 use crate::require;
 use std::f64::consts::PI;
 
@@ -57,6 +57,18 @@ impl Default for LiftingLineSettings {
 }
 
 impl LiftingLineSettings {
+    /// The numbers that may carry derivatives, as set.
+    pub fn numbers(&self) -> SurfaceNumbers {
+        SurfaceNumbers {
+            density: self.density_kg_m3,
+            section_slope: self.section_slope,
+            cd0: self.drag.cd0,
+            cd90: self.drag.cd90,
+            stall_angle: self.stall_angle_rad,
+            critical_suction: self.critical_suction,
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
         let positive = [
             ("section_slope", self.section_slope),

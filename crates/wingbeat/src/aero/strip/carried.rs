@@ -3,7 +3,7 @@
 use super::influence::{Column, dot, multiply, multiply_transposed};
 use super::{Flow, StripModel};
 use crate::aero::Sections;
-use crate::math::Scalar;
+use crate::math::{Meets, Scalar};
 use crate::plant::{MAX_COORDINATES, MAX_DEGREES};
 use arrayvec::ArrayVec;
 
@@ -11,15 +11,15 @@ use arrayvec::ArrayVec;
 /// and angular acceleration of the body (6), the wash there, m/s, and its rate, m/s2.
 type Drive<S> = [S; 8];
 
-impl StripModel {
+impl<P: Scalar> StripModel<P> {
     /// What A0^-1 leaves of the motion, the impulse of the carried air and its inertia.
-    pub(super) fn carry_air<S: Scalar, const N: usize>(&self, flow: &mut Flow<S, N>) {
+    pub(super) fn carry_air<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
         let drives = self.drives(flow);
         let mut rate_left = [S::ZERO; N];
         for i in 0..N {
             let left = self.left_at(i, flow, &drives);
             (flow.half_left[i], rate_left[i]) = (left[6], left[7]);
-            let mass = if self.settings.added_mass { self.tables.mass[i] } else { 0.0 };
+            let mass = if self.settings.added_mass { self.tables.mass[i] } else { P::ZERO };
             for (row, drive) in flow.added_mass.iter_mut().zip(&drives[i]) {
                 let driven = *drive * mass;
                 for c in 0..6 {
@@ -33,7 +33,7 @@ impl StripModel {
         self.finish_added_mass(flow);
     }
 
-    fn drives<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>) -> [Drive<S>; N] {
+    fn drives<S: Scalar + Meets<P>, const N: usize>(&self, flow: &Flow<S, N>) -> [Drive<S>; N] {
         let strips = &flow.strips;
         let mut drives = [[S::ZERO; 8]; N];
         for i in 0..N {
@@ -46,7 +46,7 @@ impl StripModel {
 
     /// Row `i` of A0^-1 times the drives.
     #[inline(always)]
-    fn left_at<S: Scalar, const N: usize>(
+    fn left_at<S: Scalar + Meets<P>, const N: usize>(
         &self,
         i: usize,
         flow: &Flow<S, N>,
@@ -66,7 +66,11 @@ impl StripModel {
     /// Sets the first part and its rate.
     ///
     /// Equation: aero.strip.impulse
-    fn impulses_of_motion<S: Scalar, const N: usize>(&self, flow: &mut Flow<S, N>, rate_left: &Column<S, N>) {
+    fn impulses_of_motion<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &mut Flow<S, N>,
+        rate_left: &Column<S, N>,
+    ) {
         let by_half = self.reciprocal(flow, &flow.strips.wash_half);
         let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
         for i in 0..N {
@@ -78,7 +82,7 @@ impl StripModel {
 
     /// Adds the rows and columns 6.. of the added-mass matrix, on the second rates of the coordinates
     /// of `sections`: as the body's own, with J the normal velocity at 1/2 chord per unit rate.
-    pub(super) fn couple<S: Scalar, const N: usize>(
+    pub(super) fn couple<S: Scalar + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<S, N>,
         sections: &(impl Sections<S> + ?Sized),
@@ -117,7 +121,7 @@ impl StripModel {
     }
 
     /// Normal velocity at 1/2 chord and pitch rate of every strip per unit rate of a coordinate.
-    fn heave_and_pitch<S: Scalar, const N: usize>(
+    fn heave_and_pitch<S: Scalar + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<S, N>,
         sections: &(impl Sections<S> + ?Sized),
@@ -136,7 +140,7 @@ impl StripModel {
     }
 
     /// The symmetric part of rho dy ma A0^-1 times `v`; nothing without added mass.
-    fn symmetric_impulse<S: Scalar, const N: usize>(
+    fn symmetric_impulse<S: Scalar + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<S, N>,
         v: &Column<S, N>,
@@ -152,7 +156,11 @@ impl StripModel {
     }
 
     /// The transpose of rho dy ma A0^-1 times `v`.
-    fn reciprocal<S: Scalar, const N: usize>(&self, flow: &Flow<S, N>, v: &Column<S, N>) -> Column<S, N> {
+    fn reciprocal<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        v: &Column<S, N>,
+    ) -> Column<S, N> {
         let mut weighted = *v;
         for i in 0..N {
             weighted[i] *= self.tables.mass[i];
@@ -164,7 +172,7 @@ impl StripModel {
     /// sections; `flow` holds the first part before it is made symmetric.
     ///
     /// Equation: aero.strip.added_mass_matrix
-    fn finish_added_mass<S: Scalar, const N: usize>(&self, flow: &mut Flow<S, N>) {
+    fn finish_added_mass<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
         let mut matrix = flow.added_mass;
         if self.settings.section_moment {
             let across = &flow.strips.across.0;

@@ -6,7 +6,7 @@ use super::response::{LeadingEdges, Response};
 use super::{Flow, StripModel};
 use crate::aero::section::{SectionForce, pitch_suction, suction_share};
 use crate::aero::{Loads, StripLoads, Wrench};
-use crate::math::{Over, Scalar, Vec3};
+use crate::math::{Meets, Over, Scalar, Vec3};
 
 /// Forces in the planes of all sections, N, and how far ahead of mid chord they act, m.
 #[derive(Clone, Copy)]
@@ -42,9 +42,9 @@ impl<G: Scalar, const N: usize> Strips<G, N> {
     }
 }
 
-impl StripModel {
+impl<P: Scalar> StripModel<P> {
     /// Sum of the loads of all strips; `loads` receives them by strip and source, `by_strip` their sums.
-    pub(super) fn load_strips<G: Scalar, S: Over<G>, const N: usize>(
+    pub(super) fn load_strips<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         response: &Response<S, N>,
@@ -74,7 +74,7 @@ impl StripModel {
     }
 
     /// Writes the loads by strip and source.
-    fn break_down<G: Scalar, S: Over<G>, const N: usize>(
+    fn break_down<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         response: &Response<S, N>,
@@ -110,7 +110,7 @@ impl StripModel {
     /// share of the lift, of which the suction s takes another share; so it does of what pitching adds.
     ///
     /// Equation: aero.strip.force
-    fn circulatory<G: Scalar, S: Over<G>, const N: usize>(
+    fn circulatory<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
         response: &Response<S, N>,
@@ -155,7 +155,7 @@ impl StripModel {
 
     /// What law `lev` makes of the linear forces: the held share h of the suction stays, with it that share of the
     /// carried air's own chord force P q, which is part of the suction, and the vortex pushes along the normal.
-    fn cap_suction<G: Scalar, S: Over<G>, const N: usize>(
+    fn cap_suction<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
         response: &Response<S, N>,
@@ -175,12 +175,12 @@ impl StripModel {
     }
 
     /// Profile drag of the sections in the wind of motion.
-    fn profile_drag<G: Scalar, S: Over<G>, const N: usize>(
+    fn profile_drag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
         attached: &Column<S, N>,
     ) -> InPlane<S, N> {
-        let (law, drag, delta2) = (self.settings.law, self.settings.drag, self.floor * self.floor);
+        let (law, drag, delta2) = (self.settings.law, &self.drag, self.floor * self.floor);
         let mut force = InPlane::ZERO;
         for i in 0..N {
             let section = drag.section(law, strips.along[i], strips.wash_half[i], attached[i], delta2);
@@ -197,7 +197,7 @@ impl StripModel {
     ///
     /// Equation: aero.strip.carried_air
     #[inline(always)]
-    fn carried_air<G: Scalar, S: Over<G>, const N: usize>(
+    fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         i: usize,
         flow: &Flow<G, N>,
@@ -223,7 +223,11 @@ impl StripModel {
 
     /// Added mass that resists pitching of the section, kg.
     #[inline(always)]
-    pub(super) fn section_mass<S: Scalar, const N: usize>(&self, i: usize, flow: &Flow<S, N>) -> S {
+    pub(super) fn section_mass<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        flow: &Flow<S, N>,
+    ) -> S {
         flow.unit_left[i] * self.tables.mass[i]
     }
 }

@@ -25,8 +25,10 @@ pub use settings::{LagSet, StripSettings};
 
 use crate::Error;
 use crate::aero::law::Polar;
-use crate::aero::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
-use crate::math::{Over, Scalar, Vec3};
+use crate::aero::{
+    Coupling, Loads, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, Sections, SurfaceNumbers, Wrench,
+};
+use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
 use cores::Cores;
 use grid::Grid;
@@ -36,14 +38,15 @@ use tables::Tables;
 
 /// The strip model of a wing. Sections are the edges between strips.
 #[derive(Clone, Debug)]
-pub struct StripModel {
+pub struct StripModel<P: Scalar = f64> {
     settings: StripSettings,
     grid: Grid,
-    polar: Polar,
+    polar: Polar<P>,
+    drag: ProfileDrag<P>,
     lags: &'static Lags,
     /// Smoothing speed, m/s.
     floor: f64,
-    tables: Tables,
+    tables: Tables<P>,
     cores: Cores,
 }
 
@@ -85,15 +88,33 @@ impl StripModel {
         settings.check()?;
         let grid = Grid::new(planform, settings.strips, &settings.hinge_arcs_m)?;
         let lags = settings.lags.lags();
+        let numbers = settings.numbers();
         Ok(Self {
-            tables: Tables::new(&grid, &settings, lags),
+            tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
-            polar: Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction),
+            polar: Polar::new(settings.law, &numbers),
+            drag: settings.drag,
             lags,
             grid,
             settings,
         })
+    }
+}
+
+impl<P: Scalar> StripModel<P> {
+    /// The same strips with other numbers than the settings say.
+    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> StripModel<Q> {
+        StripModel {
+            tables: Tables::new(&self.grid, &self.settings, numbers, self.lags),
+            polar: Polar::new(self.settings.law, numbers),
+            drag: ProfileDrag { cd0: numbers.cd0, cd90: numbers.cd90 },
+            cores: self.cores.clone(),
+            floor: self.floor,
+            lags: self.lags,
+            grid: self.grid.clone(),
+            settings: self.settings.clone(),
+        }
     }
 
     /// The settings in use.
@@ -152,7 +173,7 @@ impl StripModel {
     ///
     /// # Panics
     /// When a slice is shorter than `arcs()` or `states()` ask for.
-    pub fn evaluate<S: Scalar>(
+    pub fn evaluate<S: Scalar + Meets<P>>(
         &self,
         sections: &[SectionMotion<S>],
         wind: Vec3<S>,
@@ -168,7 +189,7 @@ impl StripModel {
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
     /// added-mass matrix. The lags may carry more derivatives than the motion. `coupling` receives
     /// what the coordinates of `sections` take.
-    pub fn evaluate_sum<G: Scalar, S: Over<G>>(
+    pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
@@ -186,7 +207,7 @@ impl StripModel {
 
     /// Sum of the loads, and state rates, of the surface among others; writes the loads by strip behind the
     /// strips that `loads` holds. Chooses the width of the columns.
-    pub(super) fn evaluate_among<G: Scalar, S: Over<G>>(
+    pub(super) fn evaluate_among<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
@@ -205,7 +226,7 @@ impl StripModel {
     }
 
     /// The evaluation with columns of `N` lanes, of which `strips()` count.
-    fn evaluate_in<G: Scalar, S: Over<G>, const N: usize>(
+    fn evaluate_in<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
@@ -239,7 +260,12 @@ impl StripModel {
     ///
     /// Equation: aero.strip.remainder
     #[inline(always)]
-    fn flow<S: Scalar, const N: usize>(&self, edges: &Edges<S, N>, wind: Vec3<S>, flow: &mut Flow<S, N>) {
+    fn flow<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        edges: &Edges<S, N>,
+        wind: Vec3<S>,
+        flow: &mut Flow<S, N>,
+    ) {
         let (n, tables) = (self.settings.strips, &self.tables);
         self.move_strips(edges, wind, &mut flow.strips);
         let mut wakes = Wakes::ZERO;

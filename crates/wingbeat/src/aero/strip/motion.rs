@@ -3,7 +3,7 @@
 use super::StripModel;
 use super::influence::Column;
 use crate::aero::{SectionMotion, Sections};
-use crate::math::{Scalar, Vec3};
+use crate::math::{Meets, Scalar, Vec3};
 
 /// Speed over the general floor below which the wake has no direction of its own
 /// and leaves along the chord: a wing that reverses in still air turns its wake by and by.
@@ -301,10 +301,10 @@ impl<S: Scalar, const N: usize> Strips<S, N> {
     }
 }
 
-impl StripModel {
+impl<P: Scalar> StripModel<P> {
     /// Motion of all strips.
     #[inline(never)]
-    pub(super) fn move_strips<S: Scalar, const N: usize>(
+    pub(super) fn move_strips<S: Scalar + Meets<P>, const N: usize>(
         &self,
         edges: &Edges<S, N>,
         wind: Vec3<S>,
@@ -318,7 +318,7 @@ impl StripModel {
 
     /// Vortex lines of all edges.
     #[inline(never)]
-    pub(super) fn shed_wakes<S: Scalar, const N: usize>(
+    pub(super) fn shed_wakes<S: Scalar + Meets<P>, const N: usize>(
         &self,
         edges: &Edges<S, N>,
         wind: Vec3<S>,
@@ -336,7 +336,7 @@ impl StripModel {
 
     /// The vortex line of one edge.
     #[inline(always)]
-    pub(super) fn vortex_line<S: Scalar>(&self, line: &ChordLine<S>, wind: Vec3<S>) -> Edge<S> {
+    pub(super) fn vortex_line<S: Scalar + Meets<P>>(&self, line: &ChordLine<S>, wind: Vec3<S>) -> Edge<S> {
         Edge::new(line, wind, WAKE_FLOOR * self.floor)
     }
 }

@@ -15,8 +15,9 @@
 use super::StripModel;
 use super::influence::{Column, INVERSE_4PI, Line, NEAREST, cored, divide, segment};
 use super::motion::{ChordLine, Edge, Edges, Strips, Vectors};
-use crate::aero::{LiftLaw, Loads, MAX_SECTIONS, MAX_STRIPS, Sections};
-use crate::math::{Over, Scalar, Vec3};
+use crate::aero::law::Attachment;
+use crate::aero::{Loads, MAX_SECTIONS, MAX_STRIPS, Sections};
+use crate::math::{Meets, Over, Scalar, Vec3};
 
 /// Lags in the chain by which circulation travels from one surface to another.
 pub const ARRIVAL_LAGS: usize = 2;
@@ -203,7 +204,7 @@ impl<G: Scalar> Whole<G> {
     }
 }
 
-impl StripModel {
+impl<P: Scalar> StripModel<P> {
     /// What others need to know of the surface, given its place among them.
     pub(in crate::aero) fn source(&self, first_edge: usize, first_strip: usize) -> Source {
         Source {
@@ -217,7 +218,7 @@ impl StripModel {
     }
 
     /// Writes the surface's vortices among those of all.
-    pub(in crate::aero) fn shed<G: Scalar, S: Over<G>>(
+    pub(in crate::aero) fn shed<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
@@ -230,7 +231,7 @@ impl StripModel {
             *edge = self.vortex_line(&ChordLine::from(&sections.section(j)), wind);
         }
         let mut strips = Strips::<G, MAX_STRIPS>::ZERO;
-        if self.settings.law == LiftLaw::Stall {
+        if self.settings.law.about().attachment == Attachment::AtOnce {
             let mut edges = Edges::ZERO;
             edges.fill(sections, n);
             self.move_strips(&edges, wind, &mut strips);
@@ -245,7 +246,7 @@ impl StripModel {
     ///
     /// Equation: aero.strip.foreign_wash
     #[inline(never)]
-    pub(super) fn wash_of_others<G: Scalar, S: Over<G>, const N: usize>(
+    pub(super) fn wash_of_others<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
         others: Others<'_, G, S>,
@@ -278,7 +279,7 @@ impl StripModel {
     }
 
     /// Writes the wash of others behind the strips that `loads` holds.
-    pub(super) fn note_others<S: Scalar, const N: usize>(
+    pub(super) fn note_others<S: Scalar + Meets<P>, const N: usize>(
         &self,
         foreign: Option<&Foreign<S, N>>,
         loads: &mut Loads<S>,
@@ -291,7 +292,7 @@ impl StripModel {
     }
 
     /// Means over the surface's area, at 3/4 chord.
-    fn whole<G: Scalar, const N: usize>(&self, strips: &Strips<G, N>) -> Whole<G> {
+    fn whole<G: Scalar + Meets<P>, const N: usize>(&self, strips: &Strips<G, N>) -> Whole<G> {
         let (mut centre, mut air) = (Vec3::ZERO, Vec3::ZERO);
         for i in 0..N {
             let share = self.tables.share[i];

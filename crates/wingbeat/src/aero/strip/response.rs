@@ -4,10 +4,9 @@ use super::influence::{Column, multiply};
 use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
-use crate::aero::LiftLaw;
-use crate::aero::law::lev;
+use crate::aero::law::{Attachment, Polar, lev};
 use crate::aero::section::suction_share;
-use crate::math::{Dual, Over, Scalar};
+use crate::math::{Dual, Meets, Over, Scalar};
 
 /// Linear sums over the lags of each strip.
 #[derive(Clone, Copy)]
@@ -57,10 +56,10 @@ pub(super) struct LeadingEdges<S: Scalar, const N: usize> {
     pub vortex: Column<S, N>,
 }
 
-impl StripModel {
+impl<P: Scalar> StripModel<P> {
     /// Linear sums over the lags.
     #[inline(always)]
-    pub(super) fn lagged<S: Scalar, const N: usize>(&self, x: &[S]) -> Lagged<S, N> {
+    pub(super) fn lagged<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S]) -> Lagged<S, N> {
         let (n, lags) = (self.settings.strips, self.lags);
         let zero = [S::ZERO; N];
         let mut sums = Lagged { wash: zero, jump: zero, delayed: zero };
@@ -84,7 +83,7 @@ impl StripModel {
     /// where s is the share of the circulation that stays attached.
     ///
     /// Equation: aero.strip.lag_sums
-    pub(super) fn lag_sums<S: Scalar, const N: usize>(
+    pub(super) fn lag_sums<S: Scalar + Meets<P>, const N: usize>(
         &self,
         lagged: &Lagged<S, N>,
         attached: &Column<S, N>,
@@ -101,7 +100,7 @@ impl StripModel {
     }
 
     /// Rates of the sums, the speeds held.
-    fn lag_sum_rates<G: Scalar, S: Over<G>, const N: usize>(
+    fn lag_sum_rates<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         lagged: Lagged<S, N>,
@@ -111,15 +110,16 @@ impl StripModel {
     ) -> LagSums<S, N> {
         let mut rates = self.lag_sums(&self.lagged(dx), attached);
         let (n, strips) = (self.settings.strips, &flow.strips);
-        let attached_rate = match self.settings.law {
-            LiftLaw::Linear => return rates,
-            LiftLaw::Stall => std::array::from_fn(|i| {
+        let attached_rate = match self.settings.law.about().attachment {
+            Attachment::Whole => return rates,
+            Attachment::AtOnce => std::array::from_fn(|i| {
+                let polar = self.polar.map(|number| Dual::<1, S>::constant(S::from(number)));
                 let state =
                     |k: usize| Dual::<1, S> { re: x[k * n + i.min(n - 1)], eps: [dx[k * n + i.min(n - 1)]] };
                 let held = |speed: G| Dual::<1, S>::constant(S::from(speed));
-                self.attached(held(strips.along[i]), held(strips.wash[i]), state).eps[0]
+                self.attached(&polar, held(strips.along[i]), held(strips.wash[i]), state).eps[0]
             }),
-            LiftLaw::Lev => self.law_column(dx, 1).map(|rate| -rate),
+            Attachment::Lagging(state) => self.law_column(dx, state).map(|rate| -rate),
         };
         let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
         for i in 0..N {
@@ -131,23 +131,23 @@ impl StripModel {
     }
 
     /// Share of the lift of each strip that stays attached.
-    pub(super) fn attached_shares<G: Scalar, S: Over<G>, const N: usize>(
+    pub(super) fn attached_shares<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
         x: &[S],
     ) -> Column<S, N> {
         let n = self.settings.strips;
-        match self.settings.law {
-            LiftLaw::Linear => [S::ONE; N],
-            LiftLaw::Stall => std::array::from_fn(|i| {
-                self.attached(strips.along[i], strips.wash[i], |k| x[k * n + i.min(n - 1)])
+        match self.settings.law.about().attachment {
+            Attachment::Whole => [S::ONE; N],
+            Attachment::AtOnce => std::array::from_fn(|i| {
+                self.attached(&self.polar, strips.along[i], strips.wash[i], |k| x[k * n + i.min(n - 1)])
             }),
-            LiftLaw::Lev => self.law_column(x, 1).map(|separated| S::ONE - separated),
+            Attachment::Lagging(state) => self.law_column(x, state).map(|separated| S::ONE - separated),
         }
     }
 
     /// State `k` of the law on each strip, of `x` or its rates; zero beyond the last strip.
-    fn law_column<S: Scalar, const N: usize>(&self, x: &[S], k: usize) -> Column<S, N> {
+    fn law_column<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S], k: usize) -> Column<S, N> {
         let n = self.settings.strips;
         let mut column = [S::ZERO; N];
         for (value, state) in column.iter_mut().zip(&x[self.law_states() + k * n..][..n]) {
@@ -163,17 +163,23 @@ impl StripModel {
     ///
     /// Equation: aero.strip.attached_share
     #[inline]
-    fn attached<G: Scalar, S: Over<G>>(&self, along: G, wash: G, state: impl Fn(usize) -> S) -> S {
+    fn attached<Q: Scalar, G: Scalar, S: Over<G> + Meets<Q>>(
+        &self,
+        polar: &Polar<Q>,
+        along: G,
+        wash: G,
+        state: impl Fn(usize) -> S,
+    ) -> S {
         let weights = self.lags.circulation.iter().enumerate();
         let lagged2 = weights.fold(S::ZERO, |sum, (k, weight)| sum + state(k).squared() * *weight);
         let wash2 = (lagged2 + wash.squared()) * 0.5;
         let sine2 = wash2 / (wash2 + (along.squared() + self.floor * self.floor));
-        self.polar.attached_share(sine2)
+        polar.attached_share(sine2)
     }
 
     /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
     /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
-    fn held_left<G: Scalar, S: Over<G>, const N: usize>(
+    fn held_left<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         sums: &LagSums<S, N>,
@@ -201,7 +207,7 @@ impl StripModel {
     ///
     /// Equation: aero.strip.wash
     #[inline(always)]
-    pub(super) fn respond<G: Scalar, S: Over<G>, const N: usize>(
+    pub(super) fn respond<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         foreign: Option<&Foreign<S, N>>,
@@ -226,7 +232,11 @@ impl StripModel {
         }
         let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
         let turning_wash = self.turning_wash(flow, foreign, &sums, &lift_wash);
-        let edges = (self.settings.law == LiftLaw::Lev)
+        let edges = self
+            .settings
+            .law
+            .about()
+            .edge_vortex
             .then(|| self.advance_edges(&flow.strips, [&lift_wash, &turning_wash], x, dx));
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.added_mass {
@@ -251,7 +261,7 @@ impl StripModel {
     }
 
     /// Rates of the lags; returns the lift wash w/2 + sum psi_k l_k.
-    fn advance_lags<G: Scalar, S: Over<G>, const N: usize>(
+    fn advance_lags<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         wash: &Column<S, N>,
@@ -282,7 +292,7 @@ impl StripModel {
     /// 2 pi cos L [lw W - b q lw + (b q/2)^2], the wash at the edge lw - b q/2; in reversed flow there is none.
     ///
     /// Equation: aero.strip.edge_suction
-    fn advance_edges<G: Scalar, S: Over<G>, const N: usize>(
+    fn advance_edges<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
         [lift_wash, turning_wash]: [&Column<S, N>; 2],
@@ -317,7 +327,7 @@ impl StripModel {
     /// of 3/4 chord; so does what other surfaces wash there.
     ///
     /// Equation: aero.strip.turning_wash
-    fn turning_wash<G: Scalar, S: Over<G>, const N: usize>(
+    fn turning_wash<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         foreign: Option<&Foreign<S, N>>,

@@ -4,7 +4,7 @@
 use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
 use crate::Error;
 use crate::aero::law::{CD0, CD90, CRITICAL_SUCTION, STALL_ANGLE, check_section};
-use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
+use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag, SurfaceNumbers};
 use crate::require;
 use serde::{Deserialize, Serialize};
 
@@ -96,6 +96,18 @@ impl Default for StripSettings {
 }
 
 impl StripSettings {
+    /// The numbers that may carry derivatives, as set.
+    pub fn numbers(&self) -> SurfaceNumbers {
+        SurfaceNumbers {
+            density: self.density_kg_m3,
+            section_slope: std::f64::consts::TAU,
+            cd0: self.drag.cd0,
+            cd90: self.drag.cd90,
+            stall_angle: self.stall_angle_rad,
+            critical_suction: self.critical_suction,
+        }
+    }
+
     /// Refuses values without physical meaning.
     pub(crate) fn check(&self) -> Result<(), Error> {
         require::between("strips", self.strips, 1, MAX_STRIPS)?;

@@ -2,16 +2,17 @@
 
 use super::grid::Grid;
 use super::{Lags, StripSettings};
-use crate::aero::MAX_STRIPS;
-use std::f64::consts::PI;
+use crate::aero::{MAX_STRIPS, SurfaceNumbers};
+use crate::math::Scalar;
+use std::f64::consts::{PI, TAU};
 
 /// A constant per strip, left tip to right tip, padded.
-pub(super) type Table = [f64; MAX_STRIPS];
+pub(super) type Table<P = f64> = [P; MAX_STRIPS];
 
 /// Constants of the strips. Extra lanes repeat the last strip; what scales a force or a mass is
 /// zero there, so that sums may run over all lanes.
 #[derive(Clone, Debug)]
-pub(super) struct Tables {
+pub(super) struct Tables<P: Scalar> {
     /// One on the wing, zero in a gap.
     pub covered: Table,
     /// Place of the control section between the strip's edges, 0 to 1.
@@ -20,8 +21,8 @@ pub(super) struct Tables {
     pub chord: Table,
     /// One over the half chord, 1/m.
     pub turnover: Table,
-    /// Circulation over lift wash 2 pi b cos(sweep), m.
-    pub slope: Table,
+    /// Circulation over lift wash a0 b cos(sweep), m.
+    pub slope: Table<P>,
     /// Chord doublet over wash, pi b cos(sweep) / 1.5, m.
     pub doublet: Table,
     /// Its inverse, 1/m; zero in a gap.
@@ -30,31 +31,33 @@ pub(super) struct Tables {
     pub own_bound: Table,
     /// Own two-dimensional wash of bound vortex and trailing edge, 1/m.
     pub own_ring: Table,
-    /// Circulatory force over wash and speed, rho dy 2 pi b cos(sweep), kg/m.
-    pub lift_scale: Table,
+    /// Circulatory force over wash and speed, rho dy a0 b cos(sweep), kg/m.
+    pub lift_scale: Table<P>,
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
-    pub drag_scale: Table,
-    /// Leading-edge suction over wash squared and `drag_scale`: 2 pi cos(sweep).
-    pub edge_slope: Table,
+    pub drag_scale: Table<P>,
+    /// Leading-edge suction over wash squared and `drag_scale`: a0 cos(sweep).
+    pub edge_slope: Table<P>,
     /// Share of the wing's area.
     pub share: Table,
     /// Added mass as part of an infinite wing, kg.
-    pub mass: Table,
+    pub mass: Table<P>,
     /// One over the lengths over which the wake lags act, 1/m.
     pub inverse_wake_length: Vec<f64>,
 }
 
-impl Tables {
-    pub fn new(grid: &Grid, settings: &StripSettings, lags: &Lags) -> Self {
+impl<P: Scalar> Tables<P> {
+    pub fn new(grid: &Grid, settings: &StripSettings, numbers: &SurfaceNumbers<P>, lags: &Lags) -> Self {
         let last = settings.strips - 1;
         let (chord, cos, cos34) = (&grid.chord, &grid.cos_half, &grid.cos_three_quarter);
         let repeated = |f: &dyn Fn(usize) -> f64| -> Table { std::array::from_fn(|i| f(i.min(last))) };
         // What a gap carries is nothing: its neighbours then shed at its two borders.
         let carried = |f: &dyn Fn(usize) -> f64| repeated(&|i| if grid.covered[i] { f(i) } else { 0.0 });
-        let scale = |f: &dyn Fn(usize) -> f64| -> Table {
-            let value = carried(&|i| settings.density_kg_m3 * grid.width[i] * f(i));
-            std::array::from_fn(|i| if i > last { 0.0 } else { value[i] })
+        let scale = |f: &dyn Fn(usize) -> f64| -> Table<P> {
+            let value = carried(&|i| grid.width[i] * f(i));
+            std::array::from_fn(|i| if i > last { P::ZERO } else { numbers.density * value[i] })
         };
+        // Lift over that of a thin plate.
+        let lifting = numbers.section_slope * (1.0 / TAU);
         let area: f64 = (0..=last).filter(|i| grid.covered[*i]).map(|i| chord[i] * grid.width[i]).sum();
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Self {
@@ -62,14 +65,14 @@ impl Tables {
             fraction: repeated(&|i| grid.fraction[i]),
             chord: repeated(&|i| chord[i]),
             turnover: repeated(&|i| 2.0 / chord[i]),
-            slope: carried(&|i| PI * chord[i] * cos[i]),
+            slope: carried(&|i| PI * chord[i] * cos[i]).map(|slope| lifting * slope),
             doublet: carried(&|i| PI * chord[i] * cos[i] / 3.0),
             inverse_doublet: carried(&|i| 3.0 / (PI * chord[i] * cos[i])),
             own_bound: repeated(&|i| 1.0 / (PI * chord[i] * cos[i])),
             own_ring: repeated(&|i| 1.0 / (PI * chord[i] * cos[i]) + 2.0 / (PI * chord[i] * cos34[i])),
-            lift_scale: scale(&|i| PI * chord[i] * cos[i]),
+            lift_scale: scale(&|i| PI * chord[i] * cos[i]).map(|scale| lifting * scale),
             drag_scale: scale(&|i| 0.5 * chord[i]),
-            edge_slope: carried(&|i| 2.0 * PI * cos[i]),
+            edge_slope: carried(&|i| 2.0 * PI * cos[i]).map(|slope| lifting * slope),
             share: std::array::from_fn(|i| {
                 if i > last || !grid.covered[i] { 0.0 } else { chord[i] * grid.width[i] / area }
             }),

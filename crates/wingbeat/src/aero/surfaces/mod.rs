@@ -14,17 +14,20 @@
 //! one wing within two per cent.
 
 use super::strip::{ARRIVAL_LAGS, Others, Source, Vortices};
-use super::{Aero, Coupling, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections, Wrench};
+use super::{
+    Aero, Coupling, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections, SurfaceNumbers,
+    Wrench,
+};
 use crate::Error;
-use crate::math::{Over, Scalar, Vec3};
+use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
 use std::ops::Range;
 
 /// One surface and its place among the others.
 #[derive(Clone, Debug)]
-pub struct Surface {
+pub struct Surface<P: Scalar = f64> {
     name: String,
-    aero: Aero,
+    aero: Aero<P>,
     sections: Range<usize>,
     strips: Range<usize>,
     states: Range<usize>,
@@ -33,13 +36,13 @@ pub struct Surface {
     arrivals: Range<usize>,
 }
 
-impl Surface {
+impl<P: Scalar> Surface<P> {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
     }
     /// Its preset, law and strips.
-    pub fn aero(&self) -> &Aero {
+    pub fn aero(&self) -> &Aero<P> {
         &self.aero
     }
     /// Its sections among those of all surfaces.
@@ -58,8 +61,8 @@ impl Surface {
 
 /// Up to [`MAX_SURFACES`] surfaces with at most [`MAX_STRIPS`] strips together.
 #[derive(Clone, Debug)]
-pub struct Surfaces {
-    surfaces: Vec<Surface>,
+pub struct Surfaces<P: Scalar = f64> {
+    surfaces: Vec<Surface<P>>,
     arcs: Vec<f64>,
     strip_arcs: Vec<f64>,
 }
@@ -118,11 +121,6 @@ impl Surfaces {
         }
     }
 
-    /// Number of states of the surfaces themselves.
-    fn own_states(&self) -> usize {
-        self.surfaces.last().map_or(0, |surface| surface.states.end)
-    }
-
     fn add(&mut self, name: String, aero: Aero) {
         let after = |first: usize, count: usize| first..first + count;
         let states = self.own_states();
@@ -139,17 +137,46 @@ impl Surfaces {
         self.strip_arcs.extend_from_slice(surface.aero.strip_arcs());
         self.surfaces.push(surface);
     }
+}
+
+impl<P: Scalar> Surfaces<P> {
+    /// The same surfaces with other numbers than their settings say, one set for each.
+    ///
+    /// # Panics
+    /// When there are not as many.
+    pub fn with<Q: Scalar>(&self, numbers: &[SurfaceNumbers<Q>]) -> Surfaces<Q> {
+        assert_eq!(numbers.len(), self.surfaces.len(), "numbers of every surface");
+        let surface = |(surface, numbers): (&Surface<P>, &SurfaceNumbers<Q>)| Surface {
+            name: surface.name.clone(),
+            aero: surface.aero.with(numbers),
+            sections: surface.sections.clone(),
+            strips: surface.strips.clone(),
+            states: surface.states.clone(),
+            sources: surface.sources.clone(),
+            arrivals: surface.arrivals.clone(),
+        };
+        Surfaces {
+            surfaces: self.surfaces.iter().zip(numbers).map(surface).collect(),
+            arcs: self.arcs.clone(),
+            strip_arcs: self.strip_arcs.clone(),
+        }
+    }
+
+    /// Number of states of the surfaces themselves.
+    fn own_states(&self) -> usize {
+        self.surfaces.last().map_or(0, |surface| surface.states.end)
+    }
 
     /// The surfaces in order.
-    pub fn surfaces(&self) -> &[Surface] {
+    pub fn surfaces(&self) -> &[Surface<P>] {
         &self.surfaces
     }
     /// The surface with the given strip of all.
     ///
     /// # Panics
     /// When there is no such strip.
-    pub fn of_strip(&self, strip: usize) -> &Surface {
-        let owns = |surface: &&Surface| surface.strips.contains(&strip);
+    pub fn of_strip(&self, strip: usize) -> &Surface<P> {
+        let owns = |surface: &&Surface<P>| surface.strips.contains(&strip);
         self.surfaces.iter().find(owns).expect("a strip of one of the surfaces")
     }
     /// Arc coordinates where [`SectionMotion`]s are wanted, m: those of [`Aero::arcs`] for each surface in turn.
@@ -172,7 +199,7 @@ impl Surfaces {
     /// Names and units of the states, in order. Names of all surfaces but the first begin with the surface's;
     /// what travels is called `tail_from_wing_lag1_0`.
     pub fn channels(&self) -> Vec<Channel> {
-        let prefixed = |(k, surface): (usize, &Surface)| {
+        let prefixed = |(k, surface): (usize, &Surface<P>)| {
             let mut channels = surface.aero.channels();
             if k > 0 {
                 channels.iter_mut().for_each(|c| c.name = format!("{}_{}", surface.name, c.name));
@@ -183,7 +210,7 @@ impl Surfaces {
         own.chain(self.surfaces.iter().flat_map(|surface| self.arriving(surface))).collect()
     }
     /// Names and units of what travels to a surface.
-    fn arriving(&self, surface: &Surface) -> Vec<Channel> {
+    fn arriving(&self, surface: &Surface<P>) -> Vec<Channel> {
         let from = |source: &Source| {
             let name = format!("{}_from_{}_lag", surface.name, self.of_strip(source.first_strip).name);
             let strips = source.arrivals() / ARRIVAL_LAGS;
@@ -212,7 +239,7 @@ impl Surfaces {
 
     /// State rates and loads of the sections at [`arcs`](Self::arcs) in air that moves with `wind`
     /// (resolved in B). See [`Loads`] for the body acceleration.
-    pub fn evaluate<S: Scalar>(
+    pub fn evaluate<S: Scalar + Meets<P>>(
         &self,
         sections: &[SectionMotion<S>],
         wind: Vec3<S>,
@@ -236,7 +263,7 @@ impl Surfaces {
     }
 
     /// The vortices of the surfaces that others can see.
-    fn vortices<G: Scalar, S: Over<G>>(
+    fn vortices<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,
@@ -256,7 +283,7 @@ impl Surfaces {
     /// What `surface` sees; `arriving` are the rates behind those of the surfaces' own states.
     fn others<'a, G: Scalar, S: Scalar>(
         &self,
-        surface: &'a Surface,
+        surface: &'a Surface<P>,
         vortices: &'a Vortices<G, S>,
         x: &'a [S],
         arriving: &'a mut [S],
@@ -272,7 +299,7 @@ impl Surfaces {
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
     /// added-mass matrix. The states may carry more derivatives than the motion. `coupling` receives
     /// what the coordinates of `sections` take from all surfaces.
-    pub fn evaluate_sum<G: Scalar, S: Over<G>>(
+    pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         sections: &(impl Sections<G> + ?Sized),
         wind: Vec3<G>,

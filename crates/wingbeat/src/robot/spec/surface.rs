@@ -1,7 +1,7 @@
 //! Lifting surfaces.
 
 use crate::Error;
-use crate::aero::{Gap, Planform, PlanformStation, SectionSpec, Span};
+use crate::aero::{Gap, LiftLaw, Planform, PlanformStation, Preset, SectionSpec, Span};
 use crate::require::{finite, not_negative};
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,12 @@ pub struct SurfaceSpec {
     /// What laws `stall` and `lev` need of its section, where it differs from the scenario's.
     #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
     pub section: SectionSpec,
+    /// Aerodynamic model; that of the scenario where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preset: Option<Preset>,
+    /// Lift law; that of the scenario where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<LiftLaw>,
     /// Strips, or nodes of preset `paper`; those of the scenario where not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strips: Option<usize>,

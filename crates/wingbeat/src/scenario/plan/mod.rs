@@ -140,8 +140,8 @@ impl Scenario {
             iterations: optimum.passes.iter().map(|p| p.iterations).sum(),
             solve_s: optimum.time.as_secs_f64(),
             passes: optimum.passes.iter().map(pass).collect(),
-            aero_preset: self.spec.aero.preset.name().into(),
-            lift_law: self.spec.aero.law.name().into(),
+            aero_preset: self.named(self.spec.aero.preset.name(), |aero| aero.preset().name()),
+            lift_law: self.named(self.spec.aero.law.name(), |aero| aero.law().name()),
         }
     }
 }

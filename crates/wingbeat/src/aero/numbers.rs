@@ -1,0 +1,35 @@
+//! The numbers of a surface that may carry derivatives.
+
+use crate::math::Scalar;
+
+/// Numbers of a surface's section and of its air. Of type `f64` they are constants; as duals they tell how loads
+/// depend on them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceNumbers<P: Scalar = f64> {
+    /// Air density, kg/m3.
+    pub density: P,
+    /// Lift slope of the section, 1/rad.
+    pub section_slope: P,
+    /// Drag coefficient along the wind at no incidence.
+    pub cd0: P,
+    /// Drag coefficient broadside on.
+    pub cd90: P,
+    /// Incidence at which the attached lift is largest, rad.
+    pub stall_angle: P,
+    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction.
+    pub critical_suction: P,
+}
+
+impl<P: Scalar> SurfaceNumbers<P> {
+    /// All of them by name, as [`Robot::numbers`](crate::robot::Robot::numbers) calls them behind the surface's.
+    pub fn by_name(&mut self) -> [(&'static str, &mut P); 6] {
+        [
+            ("density_kg_m3", &mut self.density),
+            ("section_slope", &mut self.section_slope),
+            ("cd0", &mut self.cd0),
+            ("cd90", &mut self.cd90),
+            ("stall_angle_rad", &mut self.stall_angle),
+            ("critical_suction", &mut self.critical_suction),
+        ]
+    }
+}

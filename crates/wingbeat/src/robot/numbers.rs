@@ -1,0 +1,227 @@
+//! The physical numbers of a robot, which may carry derivatives.
+
+use super::Robot;
+use super::mechanism::SIDES;
+use crate::Error;
+use crate::aero::SurfaceNumbers;
+use crate::body::{BodyNumbers, Motor};
+use crate::math::{Dual, Scalar, Vec3};
+
+/// Spring and damper of a joint whose coordinate is a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpringNumbers<P: Scalar = f64> {
+    /// N m/rad, or N/m of a sliding joint.
+    pub stiffness: P,
+    /// N m s/rad, or N s/m.
+    pub damping: P,
+    /// Coordinate without effort, rad or m.
+    pub rest: P,
+}
+
+/// Numbers of a robot: masses, springs, sections, air, drive. As duals they tell how everything that the robot
+/// does depends on them: [`Robot::varied`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbers<P: Scalar = f64> {
+    /// Of the body, then of the links.
+    pub bodies: Vec<BodyNumbers<P>>,
+    /// Of the elastic and free joints, in the order of their coordinates.
+    pub springs: Vec<SpringNumbers<P>>,
+    /// Of the surfaces.
+    pub surfaces: Vec<SurfaceNumbers<P>>,
+    /// Drag area of the body along its axes, m2.
+    pub drag_area: Vec3<P>,
+    /// Density of the air that the body's drag takes, kg/m3; each surface has its own.
+    pub density: P,
+    /// Rate of the gait's phase, rad/s.
+    pub phase_rate: P,
+    /// Phase of the gait at t = 0, rad.
+    pub phase_start: P,
+    /// The motor, where one turns the crank.
+    pub motor: Option<Motor<P>>,
+}
+
+impl<P: Scalar> Numbers<P> {
+    /// All numbers zero, as many of them as `of` has.
+    fn like<Q: Scalar>(of: &Numbers<Q>) -> Self {
+        let zero = P::ZERO;
+        let surface = SurfaceNumbers {
+            density: zero,
+            section_slope: zero,
+            cd0: zero,
+            cd90: zero,
+            stall_angle: zero,
+            critical_suction: zero,
+        };
+        let motor = Motor {
+            stall_torque: zero,
+            no_load_speed: zero,
+            gear_ratio: zero,
+            efficiency: zero,
+            inertia: zero,
+        };
+        Self {
+            bodies: vec![BodyNumbers::default(); of.bodies.len()],
+            springs: vec![SpringNumbers::default(); of.springs.len()],
+            surfaces: vec![surface; of.surfaces.len()],
+            drag_area: Vec3::ZERO,
+            density: zero,
+            phase_rate: zero,
+            phase_start: zero,
+            motor: of.motor.as_ref().map(|_| motor),
+        }
+    }
+
+    /// All numbers with their names, those of links and surfaces by the names that `robot` gives them.
+    fn by_name<'a>(&'a mut self, robot: &Robot) -> Vec<(String, &'a mut P)> {
+        let mut all: Vec<(String, &mut P)> = Vec::new();
+        let (tree, joints) = (robot.tree(), &robot.mechanism.coordinates);
+        let names = std::iter::once("body".to_string())
+            .chain((0..tree.links()).map(|link| format!("links.{}", tree.name(link))));
+        for (name, body) in names.zip(&mut self.bodies) {
+            all.push((format!("{name}.mass_kg"), &mut body.mass));
+            all.extend(along(&name, "com_m", &mut body.com));
+            all.extend(along(&name, "inertia_kg_m2", &mut body.moments));
+        }
+        for (&joint, spring) in joints.iter().zip(&mut self.springs) {
+            let key = |key: &str| format!("links.{}.elastic.{key}", tree.name(joint));
+            all.push((key("stiffness"), &mut spring.stiffness));
+            all.push((key("damping"), &mut spring.damping));
+            all.push((key("rest"), &mut spring.rest));
+        }
+        for ((name, _), surface) in robot.surfaces().zip(&mut self.surfaces) {
+            for (key, value) in surface.by_name() {
+                let air = key == "density_kg_m3";
+                all.push((if air { format!("air.{key}") } else { format!("surfaces.{name}.{key}") }, value));
+            }
+        }
+        all.extend(along("body", "drag_area_m2", &mut self.drag_area));
+        all.push(("air.density_kg_m3".into(), &mut self.density));
+        all.push(("gait.phase_rate_rad_s".into(), &mut self.phase_rate));
+        all.push(("gait.phase_rad".into(), &mut self.phase_start));
+        if let Some(motor) = &mut self.motor {
+            all.push(("motor.stall_torque_n_m".into(), &mut motor.stall_torque));
+            all.push(("motor.no_load_speed_rad_s".into(), &mut motor.no_load_speed));
+            all.push(("motor.gear_ratio".into(), &mut motor.gear_ratio));
+            all.push(("motor.efficiency".into(), &mut motor.efficiency));
+            all.push(("motor.inertia_kg_m2".into(), &mut motor.inertia));
+        }
+        all
+    }
+}
+
+/// The components of a vector by name.
+fn along<'a, P: Scalar>(
+    of: &str,
+    key: &str,
+    vector: &'a mut Vec3<P>,
+) -> impl Iterator<Item = (String, &'a mut P)> {
+    let name = format!("{of}.{key}");
+    vector.0.iter_mut().enumerate().map(move |(i, value)| (format!("{name}[{i}]"), value))
+}
+
+/// What of the value at `key` the number called `name` takes: all of it where the key is its name or, without the
+/// side, that of its mirrored pair; less than nothing of a lateral place on the right.
+fn share(key: &str, name: &str) -> Option<f64> {
+    if key == name {
+        return Some(1.0);
+    }
+    let link = name.strip_prefix("links.")?.split('.').next()?;
+    let (side, pair) = SIDES.iter().enumerate().find_map(|(i, side)| Some((i, link.strip_suffix(side)?)))?;
+    if key != name.replacen(link, pair, 1) {
+        return None;
+    }
+    Some(if side == 1 && name.ends_with("com_m[1]") { -1.0 } else { 1.0 })
+}
+
+impl Robot {
+    /// The numbers that may carry derivatives.
+    pub fn numbers(&self) -> Numbers {
+        Numbers {
+            bodies: self.mechanism.tree.numbers(),
+            springs: self.mechanism.springs().map(|spring| spring.numbers).collect(),
+            surfaces: self.surfaces().map(|(_, aero)| aero.numbers()).collect(),
+            drag_area: self.drag_area,
+            density: self.density,
+            phase_rate: self.phase_rate,
+            phase_start: self.phase_start,
+            motor: self.motor,
+        }
+    }
+
+    /// Names and values of the numbers that may carry derivatives: `links.twist_left.mass_kg`,
+    /// `surfaces.wing.cd0`, `air.density_kg_m3`. Several numbers may share one name.
+    pub fn named_numbers(&self) -> Vec<(String, f64)> {
+        self.numbers().by_name(self).into_iter().map(|(name, value)| (name, *value)).collect()
+    }
+
+    /// The same robot with other numbers, which may carry derivatives. What has no mass keeps none.
+    ///
+    /// # Panics
+    /// When there are not as many as [`numbers`](Self::numbers) gives.
+    pub fn with<P: Scalar>(&self, numbers: &Numbers<P>) -> Robot<P> {
+        Robot {
+            mechanism: self.mechanism.with(&numbers.bodies, &numbers.springs),
+            phase_rate: numbers.phase_rate,
+            phase_start: numbers.phase_start,
+            motor: numbers.motor,
+            response: self.response.clone(),
+            strokes: self.strokes.clone(),
+            elements: self.elements.clone(),
+            covering: self.covering.with(&numbers.surfaces),
+            clearances: self.clearances.clone(),
+            carriers: self.carriers.clone(),
+            drag_area: numbers.drag_area,
+            density: numbers.density,
+            air: self.air.clone(),
+            layout: self.layout,
+            states: self.states.clone(),
+            inputs: self.inputs.clone(),
+        }
+    }
+
+    /// The robot with the numbers called `keys` as variables: what it computes carries the derivatives by them, in
+    /// their order. A key without the side of a mirrored pair stands for both links, which stay each other's image.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the names that there are when one is unknown.
+    pub fn varied<const N: usize>(&self, keys: [&str; N]) -> Result<Robot<Dual<N>>, Error> {
+        let mut values = self.numbers();
+        let mut numbers = Numbers::<Dual<N>>::like(&values);
+        let values = values.by_name(self);
+        check(keys, &values)?;
+        for ((name, value), (_, number)) in values.iter().zip(numbers.by_name(self)) {
+            *number = Dual::constant(**value);
+            for (variable, key) in number.eps.iter_mut().zip(keys) {
+                *variable = share(key, name).unwrap_or(0.0);
+            }
+        }
+        Ok(self.with(&numbers))
+    }
+
+    /// The robot with the numbers called by the keys at these values; keys as for [`varied`](Self::varied).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the names that there are when one is unknown. Values are not checked.
+    pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Self, Error> {
+        let mut numbers = self.numbers();
+        let mut named = numbers.by_name(self);
+        check(to.iter().map(|(key, _)| *key), &named)?;
+        for (name, number) in &mut named {
+            for (key, value) in to {
+                if let Some(share) = share(key, name) {
+                    **number = share * value;
+                }
+            }
+        }
+        drop(named);
+        Ok(self.with(&numbers))
+    }
+}
+
+/// Refuses keys that name nothing.
+fn check<'a>(keys: impl IntoIterator<Item = &'a str>, values: &[(String, &mut f64)]) -> Result<(), Error> {
+    let unknown = |key: &&str| !values.iter().any(|(name, _)| share(key, name).is_some());
+    let Some(unknown) = keys.into_iter().find(unknown) else { return Ok(()) };
+    let known: Vec<&str> = values.iter().map(|(name, _)| name.as_str()).collect();
+    Err(Error::invalid("numbers", format!("{unknown:?}"), format!("of {}", known.join(", "))))
+}
