@@ -7,13 +7,13 @@
 //! Valid for sections whose flow separates at the leading edge, up to 45 deg in ramps of some chords of travel. The
 //! vortex acts at 1/4 chord and sheds no circulation of its own into the wake: both a choice.
 
-use super::{CD0, CD90, CRITICAL_SUCTION, Law, Polar, STALL_ANGLE, StripState};
+use super::{CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Polar, STALL_ANGLE, StripState, ZERO_LIFT_ANGLE};
 use crate::math::{Over, Scalar};
 
 pub(super) const LAW: Law = Law {
     name: "lev",
     meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
-    parameters: &[STALL_ANGLE, CRITICAL_SUCTION, CD0, CD90],
+    parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: &[StripState { name: "vortex", unit: "m2/s2" }, StripState { name: "separated", unit: "" }],
 };
 
@@ -34,7 +34,7 @@ pub(in crate::aero) struct Edge<S> {
 }
 
 /// What the edge holds of `suction`, the linear one over rho c dy / 2 (m2/s2), at the square `speed2` of the
-/// airspeed: c_s (1 + r^4)^(-1/4), r = c_s/(2 pi A0c^2), so that it never exceeds 2 pi A0c^2; the rest
+/// airspeed: c_s (1 + r^4)^(-1/4), r = c_s/(a0 A0c^2), so that it never exceeds a0 A0c^2 (a0 the section's lift slope); the rest
 /// acts along the normal, to the side of `wash`, the wash at the edge (m/s), whose sign is rounded off at `floor` m/s.
 ///
 /// Equation: aero.lev.suction
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_edge_holds_no_more_than_its_limit_and_loses_nothing_else() {
-        let polar = Polar::new(LiftLaw::Lev, 0.2, 0.2);
+        let polar = Polar::new(LiftLaw::Lev, 0.2, 0.2, TAU);
         let limit = TAU * 0.04 * 9.0;
         let mut last = 0.0;
         for k in 0..400 {
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn states_follow_in_their_chords_of_travel() {
-        let polar = Polar::new(LiftLaw::Lev, 0.2, 0.2);
+        let polar = Polar::new(LiftLaw::Lev, 0.2, 0.2, TAU);
         let [vortex, separated] = rates(&polar, [0.0, 0.0], 2.0, 1.0, 5.0);
         let still = 1.0 - polar.attached_share(1.0);
         assert!((vortex - 10.0).abs() < 1e-12 && (separated - still * 5.0 / 8.0).abs() < 1e-12);

@@ -15,7 +15,7 @@ mod tests;
 pub use settings::LiftingLineSettings;
 
 use super::law::{Polar, lev};
-use super::section::{Section, SectionForce, pitch_suction, suction_share};
+use super::section::{Section, SectionForce, ZeroLift, pitch_suction, suction_share};
 use super::{Coupling, LiftLaw, Loads, Planform, SectionMotion, Sections, StripLoads, Wrench};
 use crate::Error;
 use crate::math::{Over, Scalar, Vec3};
@@ -39,6 +39,7 @@ pub struct LiftingLine {
     influence: Vec<f64>,
     /// Whether D vanishes between different nodes an even number apart.
     alternating: bool,
+    zero_lift: ZeroLift,
     polar: Polar,
 }
 
@@ -71,7 +72,8 @@ impl LiftingLine {
             nodes: cells.iter().map(|&cell| Node::new(cell, &settings)).collect(),
             influence: influence_between(&angles, 2.0 * planform.half_span()),
             alternating: false,
-            polar: Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction),
+            zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
+            polar: polar(&settings),
             settings,
         })
     }
@@ -106,8 +108,8 @@ impl LiftingLine {
             .map(|cell| Node::new(cell, &settings))
             .collect();
         let influence = influence(&angles, 2.0 * half_span);
-        let polar = Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction);
-        Ok(Self { settings, arcs, widths, nodes, influence, alternating: true, polar })
+        let (zero_lift, polar) = (ZeroLift::new(settings.zero_lift_angle_rad), polar(&settings));
+        Ok(Self { settings, arcs, widths, nodes, influence, alternating: true, zero_lift, polar })
     }
 
     /// What it was made of.
@@ -141,6 +143,11 @@ impl LiftingLine {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })
             .collect()
+    }
+
+    /// Lift slope of the section over that of a thin plate.
+    fn slope_share(&self) -> f64 {
+        self.settings.section_slope / (2.0 * PI)
     }
 
     /// Wash (m/s, along the normal) that the trailing vorticity of the
@@ -235,7 +242,7 @@ impl LiftingLine {
         let first = loads.strips;
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections.section(i), wind, node.inverse_edge);
+            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let flow = self.flow(i, &section, x, dx);
             let at = first + i;
             loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
@@ -268,7 +275,7 @@ impl LiftingLine {
         let mut added_mass = [[G::ZERO; 6]; 6];
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections.section(i), wind, node.inverse_edge);
+            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let flow = self.flow(i, &section, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow)
@@ -312,7 +319,8 @@ impl LiftingLine {
             suction *= attached;
         }
         let mass = if set.pitch_suction { self.nodes[i].mass } else { 0.0 };
-        let pitching = pitch_suction(mass, section.pitch_rate, S::from(w), effective) * attached;
+        let lift_wash = effective * self.slope_share();
+        let pitching = pitch_suction(mass, section.pitch_rate, S::from(w), lift_wash) * attached;
         let mut flow = Flow {
             w,
             wash,
@@ -483,6 +491,11 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
         let forward = (forward + self.pitching) * share + lost;
         SectionForce::in_plane(-forward, normal + self.vortex, ahead)
     }
+}
+
+/// The law with the constants of the section.
+fn polar(set: &LiftingLineSettings) -> Polar {
+    Polar::new(set.law, set.stall_angle_rad, set.critical_suction, set.section_slope)
 }
 
 /// Copies the upper triangle to the lower one.

@@ -7,6 +7,7 @@ use super::{Flow, StripModel};
 use crate::aero::section::{SectionForce, pitch_suction, suction_share};
 use crate::aero::{Loads, StripLoads, Wrench};
 use crate::math::{Over, Scalar, Vec3};
+use std::f64::consts::PI;
 
 /// Forces in the planes of all sections, N, and how far ahead of mid chord they act, m.
 #[derive(Clone, Copy)]
@@ -117,12 +118,13 @@ impl StripModel {
     ) -> [InPlane<S, N>; 2] {
         let (attached, delta2) = (&response.attached, self.floor * self.floor);
         let (mut lift, mut pitching) = ([S::ZERO; N], [S::ZERO; N]);
+        let slope_share = self.settings.section_slope / (2.0 * PI);
         for i in 0..N {
             let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
             lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
             if self.settings.pitch_suction {
-                pitching[i] =
-                    pitch_suction(self.tables.mass[i], strips.pitch[i], wash, lift_wash) * attached[i];
+                let (mass, lift_wash) = (self.tables.mass[i], lift_wash * slope_share);
+                pitching[i] = pitch_suction(mass, strips.pitch[i], wash, lift_wash) * attached[i];
             }
         }
         let directed = |wash: &Column<S, N>| {

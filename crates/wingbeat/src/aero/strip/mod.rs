@@ -25,6 +25,7 @@ pub use settings::{LagSet, StripSettings};
 
 use crate::Error;
 use crate::aero::law::Polar;
+use crate::aero::section::ZeroLift;
 use crate::aero::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, Wrench};
 use crate::math::{Over, Scalar, Vec3};
 use crate::plant::Channel;
@@ -39,6 +40,7 @@ use tables::Tables;
 pub struct StripModel {
     settings: StripSettings,
     grid: Grid,
+    zero_lift: ZeroLift,
     polar: Polar,
     lags: &'static Lags,
     /// Smoothing speed, m/s.
@@ -89,7 +91,13 @@ impl StripModel {
             tables: Tables::new(&grid, &settings, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
-            polar: Polar::new(settings.law, settings.stall_angle_rad, settings.critical_suction),
+            zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
+            polar: Polar::new(
+                settings.law,
+                settings.stall_angle_rad,
+                settings.critical_suction,
+                settings.section_slope,
+            ),
             lags,
             grid,
             settings,

@@ -20,8 +20,11 @@ pub(super) struct Tables {
     pub chord: Table,
     /// One over the half chord, 1/m.
     pub turnover: Table,
-    /// Circulation over lift wash 2 pi b cos(sweep), m.
+    /// Circulation over lift wash a0 b cos(sweep), m.
     pub slope: Table,
+    /// Potential jump over the wash that the lags leave on the chord, m: what the circulation has beyond the chord
+    /// doublet, so that the two are one in steady flow; 2 pi b cos(sweep) / 1.5 of a thin plate.
+    pub jump: Table,
     /// Chord doublet over wash, pi b cos(sweep) / 1.5, m.
     pub doublet: Table,
     /// Its inverse, 1/m; zero in a gap.
@@ -30,11 +33,11 @@ pub(super) struct Tables {
     pub own_bound: Table,
     /// Own two-dimensional wash of bound vortex and trailing edge, 1/m.
     pub own_ring: Table,
-    /// Circulatory force over wash and speed, rho dy 2 pi b cos(sweep), kg/m.
+    /// Circulatory force over wash and speed, rho dy a0 b cos(sweep), kg/m.
     pub lift_scale: Table,
     /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
     pub drag_scale: Table,
-    /// Leading-edge suction over wash squared and `drag_scale`: 2 pi cos(sweep).
+    /// Leading-edge suction over wash squared and `drag_scale`: a0 cos(sweep).
     pub edge_slope: Table,
     /// Share of the wing's area.
     pub share: Table,
@@ -56,20 +59,22 @@ impl Tables {
             std::array::from_fn(|i| if i > last { 0.0 } else { value[i] })
         };
         let area: f64 = (0..=last).filter(|i| grid.covered[*i]).map(|i| chord[i] * grid.width[i]).sum();
+        let half_slope = 0.5 * settings.section_slope;
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Self {
             covered: carried(&|_| 1.0),
             fraction: repeated(&|i| grid.fraction[i]),
             chord: repeated(&|i| chord[i]),
             turnover: repeated(&|i| 2.0 / chord[i]),
-            slope: carried(&|i| PI * chord[i] * cos[i]),
+            slope: carried(&|i| half_slope * chord[i] * cos[i]),
+            jump: carried(&|i| (half_slope - PI / 3.0) * chord[i] * cos[i]),
             doublet: carried(&|i| PI * chord[i] * cos[i] / 3.0),
             inverse_doublet: carried(&|i| 3.0 / (PI * chord[i] * cos[i])),
             own_bound: repeated(&|i| 1.0 / (PI * chord[i] * cos[i])),
             own_ring: repeated(&|i| 1.0 / (PI * chord[i] * cos[i]) + 2.0 / (PI * chord[i] * cos34[i])),
-            lift_scale: scale(&|i| PI * chord[i] * cos[i]),
+            lift_scale: scale(&|i| half_slope * chord[i] * cos[i]),
             drag_scale: scale(&|i| 0.5 * chord[i]),
-            edge_slope: carried(&|i| 2.0 * PI * cos[i]),
+            edge_slope: carried(&|i| settings.section_slope * cos[i]),
             share: std::array::from_fn(|i| {
                 if i > last || !grid.covered[i] { 0.0 } else { chord[i] * grid.width[i] / area }
             }),
