@@ -13,8 +13,8 @@ mod surfaces;
 
 pub use crate::math::Wrench;
 pub use law::{
-    Attachment, CD0, CD90, CRITICAL_SUCTION, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE, SectionSpec,
-    StripState,
+    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
+    SectionSpec, StripState, ZERO_LIFT_ANGLE,
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};

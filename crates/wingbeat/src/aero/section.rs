@@ -5,10 +5,33 @@ use super::{SectionMotion, Sections, Wrench};
 use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::MAX_DEGREES;
 
+/// The line along which the wind meets a section without lift, by its angle from the chord. A thin section lifts as the
+/// flat plate along this line (Glauert 1926, ch. 7).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ZeroLift {
+    cosine: f64,
+    sine: f64,
+}
+
+impl ZeroLift {
+    /// The line at the incidence `angle` of the chord, rad.
+    pub fn new(angle: f64) -> Self {
+        Self { cosine: angle.cos(), sine: angle.sin() }
+    }
+    /// Directions along the line and normal to it, from those of the chord; or their rates.
+    ///
+    /// Equation: aero.zero_lift
+    #[inline(always)]
+    pub fn turned<S: Scalar>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
+        let Self { cosine, sine } = self;
+        (chordwise.scaled(cosine) + normal.scaled(sine), normal.scaled(cosine) + chordwise.scaled(-sine))
+    }
+}
+
 /// Directions, winds and rates of one section, resolved in B.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section<S: Scalar> {
-    /// Unit vector from leading to trailing edge.
+    /// Unit vector along the zero-lift line towards the trailing edge.
     pub chordwise: Vec3<S>,
     /// Unit vector to the upper side, chordwise x across.
     pub normal: Vec3<S>,
@@ -16,7 +39,7 @@ pub(super) struct Section<S: Scalar> {
     pub across: Vec3<S>,
     /// Mid-chord point.
     pub middle: Vec3<S>,
-    /// Wind along the chord, m/s.
+    /// Wind along the zero-lift line, m/s.
     pub uc: S,
     /// Wind along the normal at 1/2 chord, m/s.
     pub w_half: S,
@@ -36,16 +59,18 @@ pub(super) struct Section<S: Scalar> {
 
 impl<S: Scalar> Section<S> {
     /// Geometry and kinematics of a section in the air velocity `wind`; the
-    /// chord line is rigid, 1/`inverse_chord` m long and perpendicular to the span.
+    /// chord line is rigid, 1/`inverse_chord` m long and perpendicular to the span, the section a flat plate along its
+    /// zero-lift line.
     ///
     /// The normal turns by n' = q e_c + p across with q = -v_te/le.n / c, p = -w.e_c.
     ///
     /// Equation: aero.section_kinematics
     #[inline]
-    pub fn new(motion: &SectionMotion<S>, wind: Vec3<S>, inverse_chord: f64) -> Self {
-        let chordwise = (motion.te - motion.le) * S::from(inverse_chord);
+    pub fn new(motion: &SectionMotion<S>, wind: Vec3<S>, inverse_chord: f64, zero_lift: ZeroLift) -> Self {
+        let chord = (motion.te - motion.le) * S::from(inverse_chord);
         let across = motion.span;
-        let normal = chordwise.cross(across);
+        let upward = chord.cross(across);
+        let (chordwise, normal) = zero_lift.turned(chord, upward);
         let velocity = motion.velocity(0.5) - wind;
         let velocity_change = motion.v_te - motion.v_le;
         let normal_change = velocity_change.dot(normal);
@@ -60,11 +85,11 @@ impl<S: Scalar> Section<S> {
             w_half,
             w_three_quarter: w_half - normal_change * 0.25,
             drift: velocity.dot(across),
-            pitch_rate: normal_change * -inverse_chord,
+            pitch_rate: velocity_change.dot(upward) * -inverse_chord,
             roll_rate,
             acceleration: motion.acceleration(0.5).dot(normal),
-            pitch_acceleration: ((motion.a_te - motion.a_le).dot(normal)
-                + roll_rate * velocity_change.dot(across))
+            pitch_acceleration: ((motion.a_te - motion.a_le).dot(upward)
+                - motion.w.dot(chord) * velocity_change.dot(across))
                 * -inverse_chord,
         }
     }
@@ -239,7 +264,8 @@ impl<S: Scalar> std::ops::Add for SectionForce<S> {
 ///
 /// The suction goes with the square of the wash at the leading edge's singularity, which is the lift wash
 /// w_l less b q/2: S = 2 pi rho b dy (w_l - b q/2)^2, and m = pi rho b^2 dy. Of it the turned lift holds
-/// 2 pi rho b dy w_l^2 and the carried air -m q (w - b q/2), w its wash at 3/4 chord; the rest is this.
+/// 2 pi rho b dy w_l^2 and the carried air -m q (w - b q/2), w its wash at 3/4 chord; the rest is this. A section
+/// of another lift slope a0 gives w_l times a0/2 pi.
 ///
 /// Equation: aero.pitch_suction
 #[inline]

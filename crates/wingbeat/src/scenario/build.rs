@@ -8,7 +8,8 @@ use super::plan::PlanSpec;
 use super::spec::{AeroSpec, ScenarioSpec};
 use crate::Error;
 use crate::aero::{
-    Aero, CRITICAL_SUCTION, LiftingLine, LiftingLineSettings, Preset, STALL_ANGLE, StripModel, StripSettings,
+    Aero, CRITICAL_SUCTION, LIFT_SLOPE, LiftingLine, LiftingLineSettings, Preset, STALL_ANGLE, StripModel,
+    StripSettings, ZERO_LIFT_ANGLE,
 };
 use crate::guide::Task;
 use crate::math::Vec3;
@@ -210,7 +211,9 @@ impl AeroSpec {
     /// Checks what this table says by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
         STALL_ANGLE.check(self.stall_angle_deg)?;
-        CRITICAL_SUCTION.check(self.critical_suction)
+        CRITICAL_SUCTION.check(self.critical_suction)?;
+        ZERO_LIFT_ANGLE.check(self.zero_lift_angle_deg)?;
+        LIFT_SLOPE.check(self.lift_slope_per_rad)
     }
 
     /// The model of a surface. Settings of the model that another table gives have
@@ -251,12 +254,15 @@ impl AeroSpec {
             law: outline.law.unwrap_or(self.law),
             stall_angle_rad: outline.section.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
             critical_suction: outline.section.critical_suction.unwrap_or(self.critical_suction),
+            zero_lift_angle_rad: (outline.section.zero_lift_angle_deg)
+                .unwrap_or(self.zero_lift_angle_deg)
+                .to_radians(),
+            section_slope: outline.section.lift_slope_per_rad.unwrap_or(self.lift_slope_per_rad),
             drag: outline.drag(outline.law.unwrap_or(self.law)),
             added_mass: self.added_mass,
             section_moment: self.section_moment,
             pitch_suction: self.pitch_suction,
             density_kg_m3,
-            ..LiftingLineSettings::default()
         }
     }
 
@@ -273,6 +279,10 @@ impl AeroSpec {
             law: outline.law.unwrap_or(self.law),
             stall_angle_rad: outline.section.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
             critical_suction: outline.section.critical_suction.unwrap_or(self.critical_suction),
+            zero_lift_angle_rad: (outline.section.zero_lift_angle_deg)
+                .unwrap_or(self.zero_lift_angle_deg)
+                .to_radians(),
+            section_slope: outline.section.lift_slope_per_rad.unwrap_or(self.lift_slope_per_rad),
             drag: outline.drag(outline.law.unwrap_or(self.law)),
             added_mass: self.added_mass,
             section_moment: self.section_moment,

@@ -4,7 +4,9 @@ use super::chosen::{Chosen, Named};
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use crate::Error;
-use crate::aero::{CRITICAL_SUCTION, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings};
+use crate::aero::{
+    CRITICAL_SUCTION, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings, ZERO_LIFT_ANGLE,
+};
 use crate::guide::{MpcSpec, Turn};
 use crate::require;
 use crate::robot::RobotSpec;
@@ -92,6 +94,13 @@ pub struct AeroSpec {
     /// says none of its own.
     #[serde(default = "default_critical_suction")]
     pub critical_suction: f64,
+    /// Incidence of the chord at which the section bears no lift, deg, negative with camber upward; where a surface says
+    /// none of its own.
+    #[serde(default = "default_zero_lift_angle")]
+    pub zero_lift_angle_deg: f64,
+    /// Lift slope of the section in plane flow, 1/rad; where a surface says none of its own.
+    #[serde(default = "default_lift_slope")]
+    pub lift_slope_per_rad: f64,
     /// Reaction of the accelerated air.
     #[serde(default = "yes")]
     pub added_mass: bool,
@@ -177,6 +186,14 @@ fn default_stall_angle() -> f64 {
 
 fn default_critical_suction() -> f64 {
     CRITICAL_SUCTION.default
+}
+
+fn default_zero_lift_angle() -> f64 {
+    ZERO_LIFT_ANGLE.default
+}
+
+fn default_lift_slope() -> f64 {
+    LIFT_SLOPE.default
 }
 
 /// State at t = 0; what is not given is 0.

@@ -1,5 +1,6 @@
 //! Limits, symmetries and smoothness of the strip model.
 
+mod sections;
 mod wing;
 
 use proptest::prelude::*;

@@ -7,13 +7,15 @@
 //! Valid for sections whose flow separates at the leading edge, up to 45 deg in ramps of some chords of travel. The
 //! vortex acts at 1/4 chord and sheds no circulation of its own into the wake: both a choice.
 
-use super::{Attachment, CD0, CD90, CRITICAL_SUCTION, Law, Polar, STALL_ANGLE, StripState};
+use super::{
+    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Polar, STALL_ANGLE, StripState, ZERO_LIFT_ANGLE,
+};
 use crate::math::{Meets, Over, Scalar};
 
 pub(super) const LAW: Law = Law {
     name: "lev",
     meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
-    parameters: &[STALL_ANGLE, CRITICAL_SUCTION, CD0, CD90],
+    parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: &[StripState { name: "vortex", unit: "m2/s2" }, StripState { name: "separated", unit: "" }],
     attachment: Attachment::Lagging(1),
     edge_vortex: true,
@@ -37,7 +39,7 @@ pub(in crate::aero) struct Edge<S> {
 }
 
 /// What the edge holds of `suction`, the linear one over rho c dy / 2 (m2/s2), at the square `speed2` of the
-/// airspeed: c_s (1 + r^4)^(-1/4), r = c_s/(2 pi A0c^2), so that it never exceeds 2 pi A0c^2; the rest
+/// airspeed: c_s (1 + r^4)^(-1/4), r = c_s/(a0 A0c^2), so that it never exceeds a0 A0c^2 (a0 the section's lift slope); the rest
 /// acts along the normal, to the side of `wash`, the wash at the edge (m/s), whose sign is rounded off at `floor` m/s.
 ///
 /// Equation: aero.lev.suction

@@ -1,11 +1,11 @@
 //! Lift proportional to the wash at any incidence.
 
-use super::{Attachment, CD0, CD90, Law};
+use super::{Attachment, CD0, CD90, LIFT_SLOPE, Law, ZERO_LIFT_ANGLE};
 
 pub(super) const LAW: Law = Law {
     name: "linear",
     meaning: "lift proportional to the wash at any incidence; knows no stall",
-    parameters: &[CD0, CD90],
+    parameters: &[ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: &[],
     attachment: Attachment::Whole,
     edge_vortex: false,

@@ -14,7 +14,7 @@ pub use drag::ProfileDrag;
 use crate::Error;
 use crate::aero::SurfaceNumbers;
 use crate::math::{Meets, Scalar};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// What becomes of the attached lift as the incidence grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -119,6 +119,28 @@ pub const CRITICAL_SUCTION: Parameter = Parameter {
     source: "Ramesh et al. 2014, flat plate at 1e3 to 1e4",
 };
 
+/// Incidence at which the section bears no lift.
+pub const ZERO_LIFT_ANGLE: Parameter = Parameter {
+    key: "zero_lift_angle_deg",
+    unit: "deg",
+    low: -30.0,
+    high: 30.0,
+    default: 0.0,
+    meaning: "incidence of the chord at which the section bears no lift; negative with camber upward",
+    source: "a section without camber",
+};
+
+/// Lift slope of the section in plane flow.
+pub const LIFT_SLOPE: Parameter = Parameter {
+    key: "lift_slope_per_rad",
+    unit: "1/rad",
+    low: 0.0,
+    high: 12.0,
+    default: 2.0 * PI,
+    meaning: "lift slope of the section in plane flow",
+    source: "thin section, 2 pi",
+};
+
 /// Drag coefficient of skin friction.
 pub const CD0: Parameter = Parameter {
     key: "cd0",
@@ -194,6 +216,12 @@ pub struct SectionSpec {
     /// Leading-edge suction parameter A0 beyond which the edge holds no more suction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_suction: Option<f64>,
+    /// Incidence of the chord at which the section bears no lift, deg; negative with camber upward.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zero_lift_angle_deg: Option<f64>,
+    /// Lift slope of the section in plane flow, 1/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lift_slope_per_rad: Option<f64>,
 }
 
 impl SectionSpec {
@@ -202,7 +230,12 @@ impl SectionSpec {
     /// # Errors
     /// [`Error::Invalid`].
     pub fn check(&self) -> Result<(), Error> {
-        let given = [(&STALL_ANGLE, self.stall_angle_deg), (&CRITICAL_SUCTION, self.critical_suction)];
+        let given = [
+            (&STALL_ANGLE, self.stall_angle_deg),
+            (&CRITICAL_SUCTION, self.critical_suction),
+            (&ZERO_LIFT_ANGLE, self.zero_lift_angle_deg),
+            (&LIFT_SLOPE, self.lift_slope_per_rad),
+        ];
         given.iter().try_for_each(|(parameter, value)| value.map_or(Ok(()), |value| parameter.check(value)))
     }
 
@@ -218,13 +251,13 @@ pub(super) struct Polar<P> {
     law: LiftLaw,
     /// Fourth power of 1/sine at which half of the lift stays attached.
     separation: P,
-    /// One over the largest suction coefficient, 1/(2 pi A0c^2).
+    /// One over the largest suction coefficient, 1/(a0 A0c^2).
     inverse_limit: P,
 }
 
 impl<P: Scalar> Polar<P> {
     pub fn new(law: LiftLaw, numbers: &SurfaceNumbers<P>) -> Self {
-        let limit = numbers.critical_suction * numbers.critical_suction * std::f64::consts::TAU;
+        let limit = numbers.section_slope * numbers.critical_suction * numbers.critical_suction;
         Self { law, separation: stall::scale(numbers.stall_angle), inverse_limit: limit.recip() }
     }
 
@@ -245,9 +278,17 @@ impl<P: Scalar> Polar<P> {
     }
 }
 
-/// Refuses stall angles outside (0, pi/2), rad, and critical suction parameters outside their range.
-pub(super) fn check_section(stall_angle_rad: f64, critical_suction: f64) -> Result<(), Error> {
+/// Refuses stall angles outside (0, pi/2), rad, and zero-lift angles (rad), lift slopes and critical suction
+/// parameters outside their range.
+pub(super) fn check_section(
+    stall_angle_rad: f64,
+    critical_suction: f64,
+    zero_lift_angle_rad: f64,
+    section_slope: f64,
+) -> Result<(), Error> {
     CRITICAL_SUCTION.check(critical_suction)?;
+    ZERO_LIFT_ANGLE.check(zero_lift_angle_rad.to_degrees())?;
+    LIFT_SLOPE.check(section_slope)?;
     if stall_angle_rad > 0.0 && stall_angle_rad < FRAC_PI_2 {
         return Ok(());
     }

@@ -1,12 +1,12 @@
 //! Quasi-steady stall of a thin, flat wing.
 
-use super::{Attachment, CD0, CD90, Law, STALL_ANGLE};
+use super::{Attachment, CD0, CD90, LIFT_SLOPE, Law, STALL_ANGLE, ZERO_LIFT_ANGLE};
 use crate::math::{Meets, Scalar};
 
 pub(super) const LAW: Law = Law {
     name: "stall",
     meaning: "attached lift fades at once with the incidence, the normal force of a plate takes its place",
-    parameters: &[STALL_ANGLE, CD0, CD90],
+    parameters: &[STALL_ANGLE, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: &[],
     attachment: Attachment::AtOnce,
     edge_vortex: false,

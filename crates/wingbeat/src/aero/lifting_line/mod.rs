@@ -15,7 +15,7 @@ mod tests;
 pub use settings::LiftingLineSettings;
 
 use super::law::{Attachment, Polar, lev};
-use super::section::{Section, SectionForce, pitch_suction, suction_share};
+use super::section::{Section, SectionForce, ZeroLift, pitch_suction, suction_share};
 use super::{
     Coupling, Loads, Planform, ProfileDrag, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench,
 };
@@ -42,6 +42,7 @@ pub struct LiftingLine<P: Scalar = f64> {
     influence: Vec<f64>,
     /// Whether D vanishes between different nodes an even number apart.
     alternating: bool,
+    zero_lift: ZeroLift,
     polar: Polar<P>,
     drag: ProfileDrag<P>,
     section_slope: P,
@@ -120,6 +121,7 @@ impl LiftingLine {
             cells,
             influence,
             alternating: false,
+            zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
             polar: Polar::new(settings.law, &numbers),
             drag: settings.drag,
             section_slope: numbers.section_slope,
@@ -142,6 +144,7 @@ impl<P: Scalar> LiftingLine<P> {
             cells: self.cells.clone(),
             influence: self.influence.clone(),
             alternating: self.alternating,
+            zero_lift: self.zero_lift,
         }
     }
 
@@ -176,6 +179,11 @@ impl<P: Scalar> LiftingLine<P> {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })
             .collect()
+    }
+
+    /// Lift slope of the section over that of a thin plate.
+    fn slope_share(&self) -> P {
+        self.section_slope / (2.0 * PI)
     }
 
     /// Wash (m/s, along the normal) that the trailing vorticity of the
@@ -283,7 +291,7 @@ impl<P: Scalar> LiftingLine<P> {
         let first = loads.strips;
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections.section(i), wind, node.inverse_edge);
+            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let flow = self.flow(i, &section, x, dx);
             let at = first + i;
             loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
@@ -316,7 +324,7 @@ impl<P: Scalar> LiftingLine<P> {
         let mut added_mass = [[G::ZERO; 6]; 6];
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections.section(i), wind, node.inverse_edge);
+            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let flow = self.flow(i, &section, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow)
@@ -361,7 +369,8 @@ impl<P: Scalar> LiftingLine<P> {
             suction *= attached;
         }
         let mass = if set.pitch_suction { self.nodes[i].mass } else { P::ZERO };
-        let pitching = pitch_suction(mass, section.pitch_rate, S::from(w), effective) * attached;
+        let lift_wash = effective * self.slope_share();
+        let pitching = pitch_suction(mass, section.pitch_rate, S::from(w), lift_wash) * attached;
         let mut flow = Flow {
             w,
             wash,

@@ -1,10 +1,11 @@
 //! What the lifting line is made of.
 
 use crate::Error;
-use crate::aero::law::{CD0, CD90, CRITICAL_SUCTION, STALL_ANGLE, check_section};
+use crate::aero::law::{
+    CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, STALL_ANGLE, ZERO_LIFT_ANGLE, check_section,
+};
 use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag, SurfaceNumbers};
 use crate::require;
-use std::f64::consts::PI;
 
 /// What the lifting line is made of.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -12,8 +13,10 @@ use std::f64::consts::PI;
 pub struct LiftingLineSettings {
     /// Interior nodes over the full span, 3 to 32.
     pub nodes: usize,
-    /// Lift slope of the section, 1/rad.
+    /// Lift slope of the section in plane flow, 1/rad.
     pub section_slope: f64,
+    /// Incidence of the chord at which the section bears no lift, rad.
+    pub zero_lift_angle_rad: f64,
     /// Airspeed below which the flow quantities are rounded off, m/s.
     pub regularisation_m_s: f64,
     /// Smallest chord, m.
@@ -41,7 +44,8 @@ impl Default for LiftingLineSettings {
     fn default() -> Self {
         Self {
             nodes: 12,
-            section_slope: 2.0 * PI,
+            section_slope: LIFT_SLOPE.default,
+            zero_lift_angle_rad: ZERO_LIFT_ANGLE.default.to_radians(),
             regularisation_m_s: 0.1,
             chord_floor_m: 0.01,
             law: LiftLaw::Linear,
@@ -71,14 +75,18 @@ impl LiftingLineSettings {
 
     pub(crate) fn check(&self) -> Result<(), Error> {
         let positive = [
-            ("section_slope", self.section_slope),
             ("regularisation_m_s", self.regularisation_m_s),
             ("chord_floor_m", self.chord_floor_m),
             ("density_kg_m3", self.density_kg_m3),
         ];
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
         self.drag.check()?;
-        check_section(self.stall_angle_rad, self.critical_suction)?;
+        check_section(
+            self.stall_angle_rad,
+            self.critical_suction,
+            self.zero_lift_angle_rad,
+            self.section_slope,
+        )?;
         require::between("nodes", self.nodes, 3, MAX_STRIPS)
     }
 }

@@ -117,12 +117,13 @@ impl<P: Scalar> StripModel<P> {
     ) -> [InPlane<S, N>; 2] {
         let (attached, delta2) = (&response.attached, self.floor * self.floor);
         let (mut lift, mut pitching) = ([S::ZERO; N], [S::ZERO; N]);
+        let slope_share = self.tables.slope_share;
         for i in 0..N {
             let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
             lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
             if self.settings.pitch_suction {
-                pitching[i] =
-                    pitch_suction(self.tables.mass[i], strips.pitch[i], wash, lift_wash) * attached[i];
+                let (mass, lift_wash) = (self.tables.mass[i], lift_wash * slope_share);
+                pitching[i] = pitch_suction(mass, strips.pitch[i], wash, lift_wash) * attached[i];
             }
         }
         let directed = |wash: &Column<S, N>| {

@@ -25,6 +25,7 @@ pub use settings::{LagSet, StripSettings};
 
 use crate::Error;
 use crate::aero::law::Polar;
+use crate::aero::section::ZeroLift;
 use crate::aero::{
     Coupling, Loads, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, Sections, SurfaceNumbers, Wrench,
 };
@@ -41,6 +42,7 @@ use tables::Tables;
 pub struct StripModel<P: Scalar = f64> {
     settings: StripSettings,
     grid: Grid,
+    zero_lift: ZeroLift,
     polar: Polar<P>,
     drag: ProfileDrag<P>,
     lags: &'static Lags,
@@ -93,6 +95,7 @@ impl StripModel {
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
+            zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
             polar: Polar::new(settings.law, &numbers),
             drag: settings.drag,
             lags,
@@ -107,6 +110,7 @@ impl<P: Scalar> StripModel<P> {
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> StripModel<Q> {
         StripModel {
             tables: Tables::new(&self.grid, &self.settings, numbers, self.lags),
+            zero_lift: self.zero_lift,
             polar: Polar::new(self.settings.law, numbers),
             drag: ProfileDrag { cd0: numbers.cd0, cd90: numbers.cd90 },
             cores: self.cores.clone(),

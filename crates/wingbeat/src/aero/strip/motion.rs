@@ -2,6 +2,7 @@
 
 use super::StripModel;
 use super::influence::Column;
+use crate::aero::section::ZeroLift;
 use crate::aero::{SectionMotion, Sections};
 use crate::math::{Meets, Scalar, Vec3};
 
@@ -188,7 +189,13 @@ impl<S: Scalar> Strip<S> {
     ///
     /// Equation: aero.strip.kinematics
     #[inline(always)]
-    fn new(a: &ChordLine<S>, b: &ChordLine<S>, fraction: f64, wind: Vec3<S>, floor: f64) -> Self {
+    fn new(
+        [a, b]: [&ChordLine<S>; 2],
+        fraction: f64,
+        wind: Vec3<S>,
+        floor: f64,
+        zero_lift: ZeroLift,
+    ) -> Self {
         let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
         let (le, v_le, a_le) = (mix(a.le, b.le), mix(a.v_le, b.v_le), mix(a.a_le, b.a_le));
         let chord = mix(a.te, b.te) - le;
@@ -198,14 +205,17 @@ impl<S: Scalar> Strip<S> {
         let line = (b.le - a.le) + (b.te - a.te);
         let line_rate = (b.v_le - a.v_le) + (b.v_te - a.v_te);
         let inverse_chord = chord.norm().recip();
-        let chordwise = chord * inverse_chord;
+        let forward = chord * inverse_chord;
         let area = chord.cross(line);
         let area_rate = chord_rate.cross(line) + chord.cross(line_rate);
         let inverse_area = area.norm().recip();
-        let normal = area * inverse_area;
+        let upward = area * inverse_area;
         let turning = area_rate * inverse_area;
-        let normal_rate = turning - normal * turning.dot(normal);
-        let across = normal.cross(chordwise);
+        let upward_rate = turning - upward * turning.dot(upward);
+        let across = upward.cross(forward);
+        let swinging = chord_rate * inverse_chord;
+        let (chordwise, normal) = zero_lift.turned(forward, upward);
+        let (_, normal_rate) = zero_lift.turned(swinging - forward * swinging.dot(forward), upward_rate);
 
         let air_half = wind - (v_le + chord_rate.scaled(0.5));
         let air = air_half - chord_rate.scaled(0.25);
@@ -224,8 +234,8 @@ impl<S: Scalar> Strip<S> {
             wash_half_rate: air_half.dot(normal_rate) - (a_le + chord_change.scaled(0.5)).dot(normal),
             along,
             speed: (wash * wash + along * along + floor * floor).sqrt(),
-            pitch: -chord_rate.dot(normal) * inverse_chord,
-            pitch_rate: -(chord_change.dot(normal) + chord_rate.dot(normal_rate)) * inverse_chord,
+            pitch: -chord_rate.dot(upward) * inverse_chord,
+            pitch_rate: -(chord_change.dot(upward) + chord_rate.dot(upward_rate)) * inverse_chord,
         }
     }
 }
@@ -239,7 +249,7 @@ pub(super) struct Strips<S: Scalar, const N: usize> {
     /// Unit normals towards the upper side, and their rates.
     pub normal: Vectors<S, N>,
     pub normal_rate: Vectors<S, N>,
-    /// Unit vectors from leading to trailing edge.
+    /// Unit vectors along the zero-lift lines towards the trailing edge.
     pub chordwise: Vectors<S, N>,
     /// Unit vectors across the sections: the axes of nose-up pitch.
     pub across: Vectors<S, N>,
@@ -312,7 +322,8 @@ impl<P: Scalar> StripModel<P> {
     ) {
         for i in 0..N {
             let (a, b) = (edges.left.get(i), edges.right.get(i));
-            out.set(i, &Strip::new(&a, &b, self.tables.fraction[i], wind, self.floor));
+            let fraction = self.tables.fraction[i];
+            out.set(i, &Strip::new([&a, &b], fraction, wind, self.floor, self.zero_lift));
         }
     }
 

@@ -79,7 +79,7 @@ impl<P: Scalar> StripModel<P> {
         sums
     }
 
-    /// Gamma = s g (sum gamma_k l_k), D = 2 s d (sum q_k l_k), Y = a0 Gamma + sum a_m y_m,
+    /// Gamma = s g (sum gamma_k l_k), D = s (g - d) (sum q_k l_k), Y = a0 Gamma + sum a_m y_m,
     /// where s is the share of the circulation that stays attached.
     ///
     /// Equation: aero.strip.lag_sums
@@ -91,7 +91,7 @@ impl<P: Scalar> StripModel<P> {
         let mut sums = LagSums { circulation: lagged.wash, jump: lagged.jump, delayed: lagged.delayed };
         for i in 0..N {
             sums.circulation[i] *= attached[i] * self.tables.slope[i];
-            sums.jump[i] *= attached[i] * (2.0 * self.tables.doublet[i]);
+            sums.jump[i] *= attached[i] * self.tables.jump[i];
             // What is left in a gap's lags has no wing to shed it.
             sums.delayed[i] *= self.tables.covered[i];
             sums.delayed[i] += sums.circulation[i] * self.lags.wake_at_once;
@@ -289,7 +289,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Rates of the states of law `lev`, and what the leading edges do. The linear suction over rho c dy / 2 is
-    /// 2 pi cos L [lw W - b q lw + (b q/2)^2], the wash at the edge lw - b q/2; in reversed flow there is none.
+    /// a0 cos L [lw W - b q lw + (b q/2)^2], the wash at the edge lw - b q/2; in reversed flow there is none.
     ///
     /// Equation: aero.strip.edge_suction
     fn advance_edges<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(

@@ -3,7 +3,9 @@
 
 use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
 use crate::Error;
-use crate::aero::law::{CD0, CD90, CRITICAL_SUCTION, STALL_ANGLE, check_section};
+use crate::aero::law::{
+    CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, STALL_ANGLE, ZERO_LIFT_ANGLE, check_section,
+};
 use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag, SurfaceNumbers};
 use crate::require;
 use serde::{Deserialize, Serialize};
@@ -68,6 +70,10 @@ pub struct StripSettings {
     pub stall_angle_rad: f64,
     /// Leading-edge suction parameter A0 beyond which the edge holds no more suction; law `lev`.
     pub critical_suction: f64,
+    /// Incidence of the chord at which the section bears no lift, rad.
+    pub zero_lift_angle_rad: f64,
+    /// Lift slope of the section in plane flow, 1/rad.
+    pub section_slope: f64,
     /// Profile drag.
     pub drag: ProfileDrag,
 }
@@ -90,6 +96,8 @@ impl Default for StripSettings {
             law: LiftLaw::Linear,
             stall_angle_rad: STALL_ANGLE.default.to_radians(),
             critical_suction: CRITICAL_SUCTION.default,
+            zero_lift_angle_rad: ZERO_LIFT_ANGLE.default.to_radians(),
+            section_slope: LIFT_SLOPE.default,
             drag: ProfileDrag { cd0: CD0.default, cd90: CD90.default },
         }
     }
@@ -100,7 +108,7 @@ impl StripSettings {
     pub fn numbers(&self) -> SurfaceNumbers {
         SurfaceNumbers {
             density: self.density_kg_m3,
-            section_slope: std::f64::consts::TAU,
+            section_slope: self.section_slope,
             cd0: self.drag.cd0,
             cd90: self.drag.cd90,
             stall_angle: self.stall_angle_rad,
@@ -116,7 +124,11 @@ impl StripSettings {
             [("density_kg_m3", self.density_kg_m3), ("regularisation_m_s", self.regularisation_m_s)];
         positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
         self.drag.check()?;
-        check_section(self.stall_angle_rad, self.critical_suction)?;
-        Ok(())
+        check_section(
+            self.stall_angle_rad,
+            self.critical_suction,
+            self.zero_lift_angle_rad,
+            self.section_slope,
+        )
     }
 }

@@ -4,7 +4,7 @@ use super::grid::Grid;
 use super::{Lags, StripSettings};
 use crate::aero::{MAX_STRIPS, SurfaceNumbers};
 use crate::math::Scalar;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// A constant per strip, left tip to right tip, padded.
 pub(super) type Table<P = f64> = [P; MAX_STRIPS];
@@ -21,8 +21,13 @@ pub(super) struct Tables<P: Scalar> {
     pub chord: Table,
     /// One over the half chord, 1/m.
     pub turnover: Table,
+    /// Lift slope of the section over that of a thin plate.
+    pub slope_share: P,
     /// Circulation over lift wash a0 b cos(sweep), m.
     pub slope: Table<P>,
+    /// Potential jump over the wash that the lags leave on the chord, m: what the circulation has beyond the chord
+    /// doublet, so that the two are one in steady flow; 2 pi b cos(sweep) / 1.5 of a thin plate.
+    pub jump: Table<P>,
     /// Chord doublet over wash, pi b cos(sweep) / 1.5, m.
     pub doublet: Table,
     /// Its inverse, 1/m; zero in a gap.
@@ -56,23 +61,24 @@ impl<P: Scalar> Tables<P> {
             let value = carried(&|i| grid.width[i] * f(i));
             std::array::from_fn(|i| if i > last { P::ZERO } else { numbers.density * value[i] })
         };
-        // Lift over that of a thin plate.
-        let lifting = numbers.section_slope * (1.0 / TAU);
         let area: f64 = (0..=last).filter(|i| grid.covered[*i]).map(|i| chord[i] * grid.width[i]).sum();
+        let half_slope = numbers.section_slope * 0.5;
         let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
         Self {
             covered: carried(&|_| 1.0),
             fraction: repeated(&|i| grid.fraction[i]),
             chord: repeated(&|i| chord[i]),
             turnover: repeated(&|i| 2.0 / chord[i]),
-            slope: carried(&|i| PI * chord[i] * cos[i]).map(|slope| lifting * slope),
+            slope_share: numbers.section_slope / (2.0 * PI),
+            slope: carried(&|i| chord[i] * cos[i]).map(|width| half_slope * width),
+            jump: carried(&|i| chord[i] * cos[i]).map(|width| (half_slope - PI / 3.0) * width),
             doublet: carried(&|i| PI * chord[i] * cos[i] / 3.0),
             inverse_doublet: carried(&|i| 3.0 / (PI * chord[i] * cos[i])),
             own_bound: repeated(&|i| 1.0 / (PI * chord[i] * cos[i])),
             own_ring: repeated(&|i| 1.0 / (PI * chord[i] * cos[i]) + 2.0 / (PI * chord[i] * cos34[i])),
-            lift_scale: scale(&|i| PI * chord[i] * cos[i]).map(|scale| lifting * scale),
+            lift_scale: scale(&|i| chord[i] * cos[i]).map(|scale| half_slope * scale),
             drag_scale: scale(&|i| 0.5 * chord[i]),
-            edge_slope: carried(&|i| 2.0 * PI * cos[i]).map(|slope| lifting * slope),
+            edge_slope: carried(&|i| cos[i]).map(|cosine| numbers.section_slope * cosine),
             share: std::array::from_fn(|i| {
                 if i > last || !grid.covered[i] { 0.0 } else { chord[i] * grid.width[i] / area }
             }),
