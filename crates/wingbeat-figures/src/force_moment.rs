@@ -56,7 +56,7 @@ pub fn force_moment(record: &Record) -> Result<Figure, Error> {
     let foot = format!("red: smallest to largest of all runs on the load cell; black: {black_is}");
     let (x, y) = (style::WIDTH / 2.0, scene.height - 10.0);
     scene.elements.push(style::words(x, y, foot, TextAnchor::Middle, false));
-    Ok(Figure { name: "force_moment", scene })
+    Ok(Figure::new("force_moment", scene))
 }
 
 fn drawn(t: &[f64], low: &[f64], high: &[f64], line: &[f64], title: &str, last: bool) -> (Vec<Plot>, Layout) {

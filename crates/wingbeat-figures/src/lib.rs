@@ -15,6 +15,7 @@ mod processing;
 mod robustness;
 mod scale;
 mod states;
+mod strokes;
 mod style;
 mod tether;
 mod write;

@@ -50,7 +50,7 @@ pub fn filtered(trace: &Record) -> Result<Figure, Error> {
         .map(|at| ReferenceLine::vertical(at).with_color(style::GUIDE).with_stroke_width(0.8))
         .collect();
     let x = if few { "t [s]; broken lines: begin of each cycle" } else { "t [s]" };
-    Ok(Figure { name: "filtered", scene: stacked_with(panels, x, HEIGHT, &marks) })
+    Ok(Figure::new("filtered", stacked_with(panels, x, HEIGHT, &marks)))
 }
 
 /// Each channel against the phase of the stroke: every sweep of `trace`, or what all of them cover where there are
@@ -64,7 +64,7 @@ pub fn cycles(trace: &Record, average: &Record) -> Result<Figure, Error> {
         curves.push(Curve::new("mean", phase, mean, 1).whole());
         panels.push(Panel::new(title(name, unit), curves));
     }
-    Ok(Figure { name: "cycles", scene: stacked(panels, "phase of the stroke, turns", HEIGHT) })
+    Ok(Figure::new("cycles", stacked(panels, "phase of the stroke, turns", HEIGHT)))
 }
 
 /// Every cycle by itself while they are few, else one curve up and down between the lowest and the highest of all.
