@@ -26,7 +26,7 @@ pub use force_moment::force_moment;
 pub use forces::forces;
 pub use gait::gait;
 pub use path::path;
-pub use processing::{cycles, filtered};
+pub use processing::{Cell, cycles, filtered};
 pub use robustness::robustness;
 pub use states::states;
 pub use tether::{cycle_loads, span_loading};

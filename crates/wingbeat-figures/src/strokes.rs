@@ -1,6 +1,9 @@
 //! Broken lines as strokes of their own: the backends of kuva disagree on a pattern of strokes and gaps.
 
+use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene};
+
+use crate::style;
 
 /// Shortest pattern, px: a shorter one is a whole line.
 const SHORTEST: f64 = 0.5;
@@ -27,8 +30,11 @@ fn one(element: Primitive) -> Primitive {
     }
 }
 
-fn path(points: &[Point], dashes: &str, stroke: kuva::render::color::Color, stroke_width: f64) -> Primitive {
-    let d = strokes(points, &lengths(dashes)).iter().map(|stroke| text(stroke)).collect();
+fn path(points: &[Point], dashes: &str, stroke: Color, stroke_width: f64) -> Primitive {
+    // A broad line keeps its gaps open.
+    let broad = (stroke_width / style::CURVE).max(1.0);
+    let pattern: Vec<f64> = lengths(dashes).iter().map(|length| broad * length).collect();
+    let d = strokes(points, &pattern).iter().map(|stroke| text(stroke)).collect();
     Primitive::Path(Box::new(PathData {
         d,
         fill: None,

@@ -54,7 +54,8 @@ pub struct ScenarioSpec {
     /// What counts as held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<GoalSpec>,
-    /// Published numbers to print beside the run's.
+    /// Published numbers of this very case, printed beside the run's. An override of anything but `name`, `paper` and what
+    /// is recorded makes it another case: then they are left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<PaperResults>,
 }
