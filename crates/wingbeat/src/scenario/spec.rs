@@ -6,6 +6,7 @@ use super::plan::PlanSpec;
 use crate::Error;
 use crate::aero::{CRITICAL_SUCTION, LagSet, LiftLaw, STALL_ANGLE, StripSettings};
 use crate::guide::{MpcSpec, Turn};
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::robot::RobotSpec;
 use crate::simulate::SensorSpec;
@@ -63,6 +64,7 @@ pub struct ScenarioSpec {
 /// Air.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct AirSpec {
     /// Density, kg/m3.
@@ -135,6 +137,7 @@ impl Preset {
 /// Settings of preset `paper`.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(crate::aero::LiftingLineSettings::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperAeroSpec {
     /// Interior nodes over the full span.
@@ -156,6 +159,7 @@ impl Default for PaperAeroSpec {
 /// Settings of preset `full`; each ingredient can be left out to show its effect.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(StripSettings::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct FullAeroSpec {
     /// Strips over both wings and body.
@@ -222,6 +226,7 @@ pub struct StartSpec {
 /// Clock.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct FlightSpec {
     /// Duration, s.
@@ -241,6 +246,7 @@ pub struct FlightSpec {
 /// What counts as held, from `settle_s` on.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct GoalSpec {
     /// Start of the means, s; a flight that ends before is not judged.
@@ -260,12 +266,23 @@ pub struct GoalSpec {
     pub clearance_m: Option<f64>,
 }
 
+ranges!(AirSpec { density_kg_m3: Range::POSITIVE, gust_m_s: Range::NOT_NEGATIVE });
+ranges!(FlightSpec {
+    duration_s: Range::POSITIVE,
+    step_s: Range::POSITIVE,
+    record_every_s: Range::POSITIVE,
+    record_strips_every_s: Range::POSITIVE,
+});
+ranges!(GoalSpec {
+    settle_s: Range::NOT_NEGATIVE,
+    roll_within_deg: Range::POSITIVE,
+    pitch_within_deg: Range::POSITIVE,
+    altitude_within_m: Range::POSITIVE,
+});
+
 impl GoalSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
-        require::not_negative("settle_s", self.settle_s)?;
-        require::positive("roll_within_deg", self.roll_within_deg)?;
-        require::positive("pitch_within_deg", self.pitch_within_deg)?;
-        self.altitude_within_m.map_or(Ok(()), |within| require::positive("altitude_within_m", within))?;
+        self.in_range()?;
         self.speed_between_m_s.map_or(Ok(()), |speeds| require::range("speed_between_m_s", speeds))
     }
 }

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::aero::law::{CD0, CD90, CRITICAL_SUCTION, STALL_ANGLE, check_section};
 use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
-use crate::require;
+use crate::range::{Range, ranges};
 use std::f64::consts::PI;
 
 /// What the lifting line is made of.
@@ -56,17 +56,18 @@ impl Default for LiftingLineSettings {
     }
 }
 
+ranges!(LiftingLineSettings {
+    nodes: Range::between(3.0, MAX_STRIPS as f64),
+    section_slope: Range::POSITIVE,
+    regularisation_m_s: Range::POSITIVE,
+    chord_floor_m: Range::POSITIVE,
+    density_kg_m3: Range::POSITIVE,
+});
+
 impl LiftingLineSettings {
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let positive = [
-            ("section_slope", self.section_slope),
-            ("regularisation_m_s", self.regularisation_m_s),
-            ("chord_floor_m", self.chord_floor_m),
-            ("density_kg_m3", self.density_kg_m3),
-        ];
-        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
+        self.in_range()?;
         self.drag.check()?;
-        check_section(self.stall_angle_rad, self.critical_suction)?;
-        require::between("nodes", self.nodes, 3, MAX_STRIPS)
+        check_section(self.stall_angle_rad, self.critical_suction)
     }
 }
