@@ -6,12 +6,13 @@ use wingbeat::scenario::{FlightStatus, PaperResults, Summary};
 /// A line: what, the paper's number, this run's, and its unit or a remark.
 type Line = (&'static str, Option<String>, String, &'static str);
 
-/// The table *paper / this run*, with the cautions below.
+/// The table *paper / this run*, with the cautions below; *this run* alone where nothing is published of the case.
 pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
-    let mut text = format!("{:<24}{:>9}  {:>9}\n", "", "paper", "this run");
+    let beside = |cell: &str| paper.map_or(String::new(), |_| format!("{cell:>9}  "));
+    let mut text = format!("{:<24}{}{:>9}\n", "", beside("paper"), "this run");
     for (name, published, value, unit) in lines(summary, paper) {
-        let published = published.unwrap_or("-".into());
-        text += format!("{name:<24}{published:>9}  {value:>9} {unit}").trim_end();
+        let published = beside(published.as_deref().unwrap_or("-"));
+        text += format!("{name:<24}{published}{value:>9} {unit}").trim_end();
         text.push('\n');
     }
     for warning in &summary.warnings {

@@ -153,7 +153,7 @@ pub fn grid(name: &'static str, charts: Vec<Chart>, columns: usize, height: f64)
         caption(&mut scene, chart, (x, y), (charts.len() > 1).then_some(i));
     }
     legend(&mut scene, &charts);
-    Figure { name, scene }
+    Figure::new(name, scene)
 }
 
 /// Letter, title and the quantity upwards, above the panel at `(x, y)`.
@@ -299,34 +299,26 @@ fn legend(scene: &mut Scene, charts: &[Chart]) {
 
 /// A short line or a mark as the series has them.
 fn sample(scene: &mut Scene, series: &Series, x: f64, y: f64) {
-    let stroke = Color::from(series.colour.as_str());
-    let line = |x1: f64, y1: f64, x2: f64, y2: f64, dashes: Option<&str>, width: f64| Primitive::Line {
-        x1,
-        y1,
-        x2,
-        y2,
-        stroke: stroke.clone(),
-        stroke_width: width,
-        stroke_dasharray: dashes.map(Into::into),
-    };
-    let middle = x + 0.5 * SAMPLE;
+    let colour = series.colour.as_str();
+    let line = |dashes: Option<&str>| style::sample((x, y), (x + SAMPLE, y), colour, style::CURVE, dashes);
+    let (left, right) = (x + 0.5 * SAMPLE - MARK, x + 0.5 * SAMPLE + MARK);
     match series.look {
-        Look::Line => scene.elements.push(line(x, y, x + SAMPLE, y, None, style::CURVE)),
-        Look::Dashed => scene.elements.push(line(x, y, x + SAMPLE, y, Some(DASHES), style::CURVE)),
-        Look::Dotted => scene.elements.push(line(x, y, x + SAMPLE, y, Some(DOTS), style::CURVE)),
+        Look::Line => scene.elements.push(line(None)),
+        Look::Dashed => scene.elements.push(line(Some(DASHES))),
+        Look::Dotted => scene.elements.push(line(Some(DOTS))),
         Look::Circles => scene.elements.push(Primitive::Circle {
-            cx: middle,
+            cx: x + 0.5 * SAMPLE,
             cy: y,
             r: MARK,
             fill: Color::from("#ffffff"),
             fill_opacity: None,
-            stroke: Some(stroke),
+            stroke: Some(Color::from(colour)),
             stroke_width: Some(style::FINE),
         }),
         Look::Crosses => {
-            let (a, b) = (MARK, -MARK);
-            scene.elements.push(line(middle + b, y + b, middle + a, y + a, None, style::FINE));
-            scene.elements.push(line(middle + b, y + a, middle + a, y + b, None, style::FINE));
+            for (from, to) in [(y - MARK, y + MARK), (y + MARK, y - MARK)] {
+                scene.elements.push(style::sample((left, from), (right, to), colour, style::FINE, None));
+            }
         }
     }
 }

@@ -28,7 +28,7 @@ pub fn commands(record: &Record) -> Result<Figure, Error> {
         let commanded = Curve::new(side, t, command.values.clone(), index);
         panel.curves.push(Curve { weight: style::FINE, ..commanded });
     }
-    Ok(Figure { name: "commands", scene: stacked(panels, "time [s]", 0.9 * style::PANEL) })
+    Ok(Figure::new("commands", stacked(panels, "time [s]", 0.9 * style::PANEL)))
 }
 
 /// The panel called `title` with the command's limits; a new one when there is none.

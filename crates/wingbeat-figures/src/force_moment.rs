@@ -8,6 +8,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::TextAnchor;
 use wingbeat::simulate::Record;
 
+use crate::processing::Cell;
 use crate::scale::Scale;
 use crate::write::Figure;
 use crate::{Error, needed, style};
@@ -28,12 +29,12 @@ const HEIGHT: f64 = 190.0;
 
 /// Six panels over the time of the record: the band between `low_<channel>` and
 /// `high_<channel>` of all runs in red, `simulation_<channel>` in black, in the body frame;
-/// `mean_<channel>`, what was measured in one run, where there is no simulation.
-pub fn force_moment(record: &Record) -> Result<Figure, Error> {
+/// `mean_<channel>`, the mean of one run, where there is no simulation.
+pub fn force_moment(record: &Record, cell: Cell) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     let simulated = record.columns().iter().any(|column| column.name.starts_with("simulation_"));
     let (black, black_is) =
-        if simulated { ("simulation_", "simulation") } else { ("mean_", "measured mean of one run") };
+        if simulated { ("simulation_", "simulation") } else { ("mean_", "mean of one run") };
     let (mut plots, mut layouts) = (Vec::new(), Vec::new());
     for (row, pair) in ROWS.iter().enumerate() {
         for (channel, title) in pair {
@@ -53,10 +54,10 @@ pub fn force_moment(record: &Record) -> Result<Figure, Error> {
         .with_figure_size(style::WIDTH, HEIGHT * ROWS.len() as f64 + 22.0 + 12.0)
         .render();
     scene.height += FOOT;
-    let foot = format!("red: smallest to largest of all runs on the load cell; black: {black_is}");
+    let foot = format!("red: smallest to largest of all runs on the {}; black: {black_is}", cell.name());
     let (x, y) = (style::WIDTH / 2.0, scene.height - 10.0);
     scene.elements.push(style::words(x, y, foot, TextAnchor::Middle, false));
-    Ok(Figure { name: "force_moment", scene })
+    Ok(Figure::new("force_moment", scene))
 }
 
 fn drawn(t: &[f64], low: &[f64], high: &[f64], line: &[f64], title: &str, last: bool) -> (Vec<Plot>, Layout) {

@@ -45,7 +45,7 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
     } else {
         "time [s]".into()
     };
-    Ok(Figure { name: "forces", scene: stacked(panels, &x_label, style::PANEL) })
+    Ok(Figure::new("forces", stacked(panels, &x_label, style::PANEL)))
 }
 
 /// Names of the sources, in the order of the record.

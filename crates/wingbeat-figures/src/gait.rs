@@ -33,7 +33,7 @@ pub fn gait(record: &Record) -> Result<Figure, Error> {
         Panel::new("forward force of the air [N]", cycle.with_means("force_forward", 4)?),
     ];
     let label = format!("share of the cycle of {period:.4} s");
-    Ok(Figure { name: "gait", scene: stacked(panels, &label, style::PANEL) })
+    Ok(Figure::new("gait", stacked(panels, &label, style::PANEL)))
 }
 
 struct Cycle<'a> {

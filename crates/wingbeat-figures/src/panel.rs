@@ -6,11 +6,10 @@ use kuva::plot::LinePlot;
 use kuva::plot::LineStyle;
 use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
 use kuva::plot::band::BandPlot;
-use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure as Grid;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, TextAnchor};
+use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use crate::scale::Scale;
 use crate::style;
@@ -26,6 +25,12 @@ const HEAD: f64 = 28.0;
 const GAP: f64 = 8.0;
 /// Room below the last panel, for the common axis, px.
 const FOOT: f64 = 46.0;
+/// Length of the sample of a curve in the legend, px: longer than any pattern of strokes.
+const SAMPLE: f64 = 34.0;
+/// Room before and after the sample, px.
+const BESIDE: f64 = 8.0;
+/// From name to name in the legend, px.
+const LINE: f64 = 17.0;
 /// Room around the figure, px.
 const PADDING: f64 = 6.0;
 
@@ -128,6 +133,13 @@ pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[Ref
     let across = Scale::new(left, right);
     let legend = legend_width(&panels);
     let titles: Vec<String> = panels.iter().map(|panel| upwards(panel).label(&panel.title)).collect();
+    let top = |row: usize| PADDING + height * row as f64;
+    let beside = style::WIDTH - PADDING - legend + BESIDE;
+    let legends: Vec<Vec<Primitive>> = panels
+        .iter()
+        .enumerate()
+        .map(|(row, panel)| named(&panel.curves, (beside, top(row) + HEAD + BESIDE)))
+        .collect();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels
         .into_iter()
         .enumerate()
@@ -147,8 +159,9 @@ pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[Ref
         .with_row_height(count - 1, last_row)
         .with_figure_size(style::WIDTH, height * (count as f64 - 1.0) + last_row + 2.0 * PADDING)
         .render();
+    scene.elements.extend(legends.into_iter().flatten());
     for (row, title) in titles.into_iter().enumerate() {
-        let y = PADDING + height * row as f64 + HEAD - 8.0;
+        let y = top(row) + HEAD - 8.0;
         scene.elements.push(style::words(
             PADDING + 8.0,
             y,
@@ -168,8 +181,6 @@ fn drawn(panel: Panel, across: Scale, legend: f64) -> (Vec<Plot>, Layout) {
         panel.bands.into_iter().map(band).chain(panel.curves.into_iter().map(plot)).collect();
     let mut layout = scale
         .upwards(across.right(style::axes(Layout::auto_from_plots(&plots))))
-        .with_legend_position(LegendPosition::OutsideRightTop)
-        .with_legend_box(false)
         .with_force_margins(LEFT, legend);
     if let Some((floor, ceiling)) = panel.limits {
         for (from, to) in [(low, floor), (ceiling, high)] {
@@ -202,7 +213,19 @@ fn plot(curve: Curve) -> Plot {
     if let Some(dashes) = curve.dashes {
         line = line.with_line_style(LineStyle::Custom(dashes.into()));
     }
-    if curve.name.is_empty() { line.into() } else { line.with_legend(curve.name).into() }
+    line.into()
+}
+
+/// A sample and the name of each curve that has one, from the middle of the first sample's left end `(x, y)` down.
+fn named(curves: &[Curve], (x, y): (f64, f64)) -> Vec<Primitive> {
+    let named = curves.iter().filter(|curve| !curve.name.is_empty()).enumerate();
+    let entry = |(row, curve): (usize, &Curve)| {
+        let y = y + LINE * row as f64;
+        let sample = style::sample((x, y), (x + SAMPLE, y), &curve.colour, curve.weight, curve.dashes);
+        let name = style::words(x + SAMPLE + BESIDE, y + 4.5, &curve.name, TextAnchor::Start, false);
+        [sample, name]
+    };
+    named.flat_map(entry).collect()
 }
 
 /// The ground between two curves.
@@ -231,7 +254,7 @@ fn upwards(panel: &Panel) -> Scale {
 /// Room to the right for the longest name.
 fn legend_width(panels: &[Panel]) -> f64 {
     let names = panels.iter().flat_map(|panel| &panel.curves).map(|curve| curve.name.chars().count());
-    58.0 + 7.4 * names.max().unwrap_or(0) as f64
+    SAMPLE + 3.0 * BESIDE + 7.4 * names.max().unwrap_or(0) as f64
 }
 
 #[cfg(test)]

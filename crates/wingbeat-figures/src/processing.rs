@@ -19,13 +19,44 @@ const FEWEST_SWEPT: usize = 400;
 /// Parts of a cycle, each with one stroke from the lowest to the highest of all cycles: one a pixel.
 const STROKES: usize = 700;
 
+/// What the samples of a figure are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cell {
+    /// A load cell.
+    Measured,
+    /// A simulated load cell.
+    Simulated,
+    /// Of some runs a load cell, of others a simulated one.
+    Both,
+}
+
+impl Cell {
+    /// That of runs of which `simulated` are simulated and `measured` are not.
+    pub fn of(simulated: usize, measured: usize) -> Self {
+        match (simulated, measured) {
+            (0, _) => Self::Measured,
+            (_, 0) => Self::Simulated,
+            _ => Self::Both,
+        }
+    }
+
+    /// What it is called in figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Measured => "load cell",
+            Self::Simulated => "simulated load cell",
+            Self::Both => "load cell, of some runs simulated",
+        }
+    }
+}
+
 /// Title of a channel.
 fn title(name: &str, unit: &str) -> String {
     format!("{name} [{unit}]")
 }
 
 /// Each channel before (`raw_<channel>`) and after the filter over `t`; a line where each cycle begins.
-pub fn filtered(trace: &Record) -> Result<Figure, Error> {
+pub fn filtered(trace: &Record, cell: Cell) -> Result<Figure, Error> {
     let (t, cycle) = (needed(trace, "t")?, needed(trace, "cycle")?);
     if t.len() < 2 {
         return Err(Error::Rows { rows: t.len(), needed: 2 });
@@ -49,13 +80,14 @@ pub fn filtered(trace: &Record) -> Result<Figure, Error> {
         .filter(|_| few)
         .map(|at| ReferenceLine::vertical(at).with_color(style::GUIDE).with_stroke_width(0.8))
         .collect();
-    let x = if few { "t [s]; broken lines: begin of each cycle" } else { "t [s]" };
-    Ok(Figure { name: "filtered", scene: stacked_with(panels, x, HEIGHT, &marks) })
+    let marked = if few { "; broken lines: begin of each cycle" } else { "" };
+    let x = format!("t [s] of the {}{marked}", cell.name());
+    Ok(Figure::new("filtered", stacked_with(panels, &x, HEIGHT, &marks)))
 }
 
 /// Each channel against the phase of the stroke: every sweep of `trace`, or what all of them cover where there are
 /// many, and the mean of `average`.
-pub fn cycles(trace: &Record, average: &Record) -> Result<Figure, Error> {
+pub fn cycles(trace: &Record, average: &Record, cell: Cell) -> Result<Figure, Error> {
     let (cycle, phase) = (needed(trace, "cycle")?, needed(average, "cycle")?);
     let mut panels = Vec::new();
     for (name, unit) in CHANNELS {
@@ -64,7 +96,8 @@ pub fn cycles(trace: &Record, average: &Record) -> Result<Figure, Error> {
         curves.push(Curve::new("mean", phase, mean, 1).whole());
         panels.push(Panel::new(title(name, unit), curves));
     }
-    Ok(Figure { name: "cycles", scene: stacked(panels, "phase of the stroke, turns", HEIGHT) })
+    let x = format!("phase of the stroke, turns; {}", cell.name());
+    Ok(Figure::new("cycles", stacked(panels, &x, HEIGHT)))
 }
 
 /// Every cycle by itself while they are few, else one curve up and down between the lowest and the highest of all.

@@ -44,7 +44,7 @@ pub fn robustness(record: &Record, limits: (f64, f64)) -> Result<Figure, Error> 
         .with_layouts(vec![layout])
         .with_figure_size(style::WIDTH, 0.6 * style::WIDTH)
         .render();
-    Ok(Figure { name: "robustness", scene })
+    Ok(Figure::new("robustness", scene))
 }
 
 fn layout(plots: &[Plot], flights: &[(f64, f64, bool)], limits: (f64, f64)) -> Layout {

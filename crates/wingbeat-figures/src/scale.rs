@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kuva::render::layout::{Layout, TickFormat};
 
 /// Ticks wanted on an axis.
-const TICKS: f64 = 5.0;
+const TICKS: f64 = 7.0;
 /// Share of the largest value below which a range is rounding.
 const FLAT: f64 = 1e-9;
 /// Units that take a prefix.

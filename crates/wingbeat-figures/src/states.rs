@@ -20,14 +20,16 @@ pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error>
     let within = |of: fn(&GoalSpec) -> f64| goal.map(|goal| (goal.settle_s, of(goal)));
     let asked = [within(|goal| goal.roll_within_deg), within(|goal| goal.pitch_within_deg)];
     let followed = [("roll", "roll (right wing down +)"), ("pitch", "pitch (nose up −)")];
+    let mut references = Vec::new();
     for (index, ((angle, name), goal)) in followed.into_iter().zip(asked).enumerate() {
         attitude.curves.push(Curve::new(name, t, scaled(record, angle, DEGREES)?, index));
         if let Ok(reference) = scaled(record, &format!("{angle}_reference"), DEGREES) {
             attitude.bands.extend(goal.and_then(|goal| band(t, &reference, goal)));
             let name = if index == 0 { "references" } else { "" };
-            attitude.curves.push(Curve::reference(name, t, reference));
+            references.push(Curve::reference(name, t, reference));
         }
     }
+    attitude.curves.extend(references);
     if !attitude.bands.is_empty() {
         attitude.title = "roll and pitch [°]; shaded: rms errors within the goal".into();
     }
@@ -51,7 +53,7 @@ pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error>
             panels.push(Panel::new(label, sides));
         }
     }
-    Ok(Figure { name: "states", scene: stacked(panels, "time [s]", style::PANEL) })
+    Ok(Figure::new("states", stacked(panels, "time [s]", style::PANEL)))
 }
 
 fn scaled(record: &Record, column: &str, factor: f64) -> Result<Vec<f64>, Error> {

@@ -90,6 +90,19 @@ pub fn thin(at: f64) -> ReferenceLine {
     ReferenceLine::horizontal(at).with_color(GUIDE).with_stroke_width(0.8).with_dasharray("")
 }
 
+/// A line on a figure from one point to another, px, with strokes and gaps where there are any.
+pub fn sample(
+    from: (f64, f64),
+    to: (f64, f64),
+    colour: &str,
+    weight: f64,
+    dashes: Option<&str>,
+) -> Primitive {
+    let ((x1, y1), (x2, y2)) = (from, to);
+    let (stroke, stroke_dasharray) = (Color::from(colour), dashes.map(Into::into));
+    Primitive::Line { x1, y1, x2, y2, stroke, stroke_width: weight, stroke_dasharray }
+}
+
 /// Words on a figure, px from its upper left corner.
 pub fn words(x: f64, y: f64, content: impl Into<String>, anchor: TextAnchor, bold: bool) -> Primitive {
     let color = Some(Color::from(INK));

@@ -29,7 +29,7 @@ pub fn cycle_loads(record: &Record) -> Result<Figure, Error> {
     ];
     panels.extend(cycle.motion()?);
     let x_label = format!("phase of the last cycle of {:.3} s", cycle.period);
-    Ok(Figure { name: "loads", scene: stacked(panels, &x_label, style::PANEL) })
+    Ok(Figure::new("loads", stacked(panels, &x_label, style::PANEL)))
 }
 
 /// The last cycle of a record of loads.
@@ -85,7 +85,7 @@ impl<'a> LastCycle<'a> {
             angles.push(self.curve(name, &format!("hinge_{name}"), DEGREES, index + 2)?);
         }
         let mut panels = Vec::new();
-        for (title, mut curves) in [("body [m]", body), ("angles [deg]", angles)] {
+        for (title, mut curves) in [("body [m]", body), ("angles [°]", angles)] {
             curves.retain(|curve| curve.y.iter().any(|y| *y != 0.0));
             if !curves.is_empty() {
                 panels.push(Panel::new(title, curves));
@@ -122,10 +122,7 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
     panels.push(at_phases("incidence", "incidence, wash included [°]", &|_| DEGREES)?);
     let width = needed(strips, "width")?;
     panels.push(at_phases("force_z", "upward force per span, body axes [N/m]", &|row| 1.0 / width[row])?);
-    Ok(Figure {
-        name: "span",
-        scene: stacked(panels, "arc from the middle, left wing positive [m]", style::PANEL),
-    })
+    Ok(Figure::new("span", stacked(panels, "arc from the middle, left wing positive [m]", style::PANEL)))
 }
 
 /// Rows from the last but one start of a cycle to the last one, both included.

@@ -8,7 +8,7 @@ use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::Scene;
 
-use crate::Error;
+use crate::{Error, strokes};
 
 /// Pixels of a PNG per pixel of the drawing: 300 per inch at a page's width.
 const PRINT: f32 = 2.5;
@@ -23,7 +23,13 @@ const PALETTE: usize = 256;
 pub struct Figure {
     /// Name of its files without extension.
     pub name: &'static str,
-    pub(crate) scene: Scene,
+    scene: Scene,
+}
+
+impl Figure {
+    pub(crate) fn new(name: &'static str, scene: Scene) -> Self {
+        Self { name, scene: strokes::cut(scene) }
+    }
 }
 
 /// Writes `<name>.svg` and `<name>.png`, for print, into `folder`.

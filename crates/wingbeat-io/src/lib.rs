@@ -4,6 +4,7 @@ mod arrow_schema;
 mod parquet;
 pub mod samples;
 mod table;
+mod thrift;
 pub mod trajectory;
 mod urdf;
 mod xml_depth;

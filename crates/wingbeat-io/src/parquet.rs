@@ -16,7 +16,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use wingbeat::simulate::{Column, Record};
 
-use crate::{Error, MOST_COLUMNS, MOST_NUMBERS, arrow_schema, decoded, regular};
+use crate::{Error, MOST_COLUMNS, MOST_NUMBERS, arrow_schema, decoded, regular, thrift};
 
 /// Key of the columns' units, frames and limits in the file's metadata, as JSON.
 const KEY: &str = "wingbeat";
@@ -121,11 +121,15 @@ fn append_group(writer: &mut SerializedFileWriter<File>, record: &Record) -> Res
     group.close().map(drop)
 }
 
-fn read(file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetError> {
+fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetError> {
     let size = file.metadata()?.len();
+    if !thrift::footer_ends(&mut file)? {
+        return Err(ParquetError::General("its footer holds more elements than bytes".into()));
+    }
+    let mut pages = file.try_clone()?;
     let reader = SerializedFileReader::new(file)?;
     for group in reader.metadata().row_groups() {
-        group.columns().iter().try_for_each(|chunk| check(chunk, size))?;
+        group.columns().iter().try_for_each(|chunk| check(chunk, size, &mut pages))?;
     }
     let metadata = reader.metadata().file_metadata();
     let described = metadata.key_value_metadata().into_iter().flatten().find(|pair| pair.key == KEY);
@@ -159,15 +163,20 @@ fn read(file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetError>
     Ok(Read { columns, names })
 }
 
-/// Refuses a column chunk that does not lie within a file of `size` bytes: the reader takes it for granted.
-fn check(chunk: &ColumnChunkMetaData, size: u64) -> Result<(), ParquetError> {
+/// Refuses a column chunk that does not lie within a file of `size` bytes, or with endless pages: the reader takes it
+/// for granted.
+fn check(chunk: &ColumnChunkMetaData, size: u64, file: &mut File) -> Result<(), ParquetError> {
     let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
     let end = start.checked_add(chunk.compressed_size()).and_then(|end| u64::try_from(end).ok());
     let lies_within = start >= 0 && chunk.compressed_size() >= 0 && end.is_some_and(|end| end <= size);
-    if lies_within && chunk.num_values() >= 0 && chunk.uncompressed_size() >= 0 {
-        return Ok(());
+    let broken = |what: &str| Err(ParquetError::General(format!("column {} {what}", chunk.column_path())));
+    if !lies_within || chunk.num_values() < 0 || chunk.uncompressed_size() < 0 {
+        return broken("does not lie within the file");
     }
-    Err(ParquetError::General(format!("column {} does not lie within the file", chunk.column_path())))
+    match thrift::pages_end(file, start.unsigned_abs(), chunk.compressed_size().unsigned_abs())? {
+        true => Ok(()),
+        false => broken("has a damaged page header"),
+    }
 }
 
 /// Appends `rows` numbers; with `gaps`, those that are not there as not-a-number.

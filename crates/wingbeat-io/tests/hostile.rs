@@ -191,6 +191,23 @@ fn a_parquet_file_of_constants_is_refused_before_it_is_read() {
 }
 
 #[test]
+fn a_parquet_footer_of_lists_without_an_end_is_refused() {
+    // An unknown field: a thousand lists of 2^31 - 1 truth values each, which take no bytes.
+    let mut footer = vec![0xf9, 0xf9, 0xe8, 0x07];
+    (0..1000).for_each(|_| footer.extend([0xf1, 255, 255, 255, 255, 7]));
+    footer.push(0);
+    let mut bytes = b"PAR1".to_vec();
+    bytes.extend(&footer);
+    bytes.extend((footer.len() as u32).to_le_bytes());
+    bytes.extend(b"PAR1");
+    assert!(refusal("endless.parquet", &bytes, "").contains("more elements than bytes"));
+    let began = Instant::now();
+    let message = read_parquet(&scratch("endless.parquet")).unwrap_err().to_string();
+    assert!(message.contains("more elements than bytes"), "{message}");
+    assert!(began.elapsed().as_secs_f64() < 5.0, "{:?}", began.elapsed());
+}
+
+#[test]
 fn what_has_no_end_is_not_read() {
     for path in ["/dev/zero", "/dev/full", "/proc", "/tmp"].map(Path::new).into_iter().filter(|p| p.exists())
     {

@@ -66,16 +66,17 @@ impl Error {
 /// Checks of numbers from a configuration, with the message of what is allowed.
 pub(crate) mod require {
     use super::Error;
+    use crate::range::Range;
     use std::fmt::Display;
 
     /// Finite and above 0.
     pub fn positive(key: &str, value: f64) -> Result<(), Error> {
-        check(key, value, value > 0.0 && value.is_finite(), || "a finite number above 0".into())
+        Range::POSITIVE.check(key, value)
     }
 
     /// Finite, 0 or more.
     pub fn not_negative(key: &str, value: f64) -> Result<(), Error> {
-        check(key, value, value >= 0.0 && value.is_finite(), || "a finite number, 0 or more".into())
+        Range::NOT_NEGATIVE.check(key, value)
     }
 
     /// From `low` to `high`, both allowed.
@@ -90,7 +91,7 @@ pub(crate) mod require {
 
     /// Above `low` and below `high`.
     pub fn inside(key: &str, value: f64, low: f64, high: f64) -> Result<(), Error> {
-        check(key, value, value > low && value < high, || format!("between {low} and {high}, neither itself"))
+        Range::inside(low, high).check(key, value)
     }
 
     /// `high` or less.

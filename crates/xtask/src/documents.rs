@@ -11,7 +11,7 @@ use crate::tools;
 /// picture of README.md.
 pub fn write() -> bool {
     let mut reference =
-        tools::cargo(&["test", "--release", "--quiet", "--package", "wingbeat-cli", "reference"]);
+        tools::cargo(&["test", "--release", "--quiet", "--workspace", "--bin", "wingbeat", "reference"]);
     reference.env("WINGBEAT_WRITE_DOCS", "1");
     tools::succeeds(reference) && banking_turns() && comparisons()
 }

@@ -64,11 +64,7 @@ fn targets() -> Vec<String> {
 
 /// Builds all targets with libFuzzer's coverage, without a sanitizer: those need the nightly compiler.
 fn build() -> bool {
-    let tool = tools::root().join("target/tools/bin/cargo-fuzz");
-    let install = ["install", "cargo-fuzz", "--locked", "--version", VERSION, "--root", "target/tools"];
-    if !tool.exists() && !tools::succeeds(tools::cargo(&install)) {
-        return false;
-    }
+    let Some(tool) = tools::installed("cargo-fuzz", VERSION, &[]) else { return false };
     let mut build = Command::new(tool);
     build.args(["build", "--sanitizer", "none", "--codegen-units", "16"]);
     build.args(["--fuzz-dir", "fuzz", "--target-dir", "target/fuzz"]).current_dir(tools::root());

@@ -1,9 +1,10 @@
-//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `hostile`, `soak`.
+//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `hostile`,
+//! `advisories`, `soak`.
 
+mod dependencies;
 mod documents;
 mod fuzz;
 mod hostile;
-mod licences;
 mod peers;
 mod report;
 mod soak;
@@ -15,7 +16,7 @@ use std::process::ExitCode;
 const HELP: &str = "\
 cargo xtask TASK
 
-  test    format, lints, all tests, licences of dependencies, quick comparisons; what .ci/run calls
+  test    format, lints, all tests, licences, bans and sources of dependencies, quick comparisons; what .ci/run calls
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
           and the picture of README.md
   bench   medians of the running times
@@ -24,6 +25,7 @@ cargo xtask TASK
   fuzz    [--seconds 600] [TARGET...] everything that reads what others wrote, each for so long
   hostile [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits of
           memory, time and disk
+  advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
   soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
 ";
 
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         }
         "fuzz" => fuzz::fuzz(&arguments[1..]),
         "hostile" => hostile::hostile(&arguments[1..]),
+        "advisories" => dependencies::advisories(&arguments[1..]),
         "soak" => soak::soak(&arguments[1..]),
         "peers" => peers::compare(arguments.get(1).map(String::as_str)),
         "" | "help" | "--help" | "-h" => {

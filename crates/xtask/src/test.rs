@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
 use crate::report::{Account, Tally};
-use crate::{documents, hostile, licences, soak, tools};
+use crate::{dependencies, documents, hostile, soak, tools};
 
 /// Length of the soak test; `cargo xtask soak` takes ten minutes.
 const SOAK_SECONDS: u64 = 10;
@@ -16,7 +16,7 @@ pub fn test() -> bool {
     account.step("tests", || counted(&["test", "--release", "--workspace", "--no-fail-fast"]));
     account.step("hostile", hostile::quick);
     account.step("soak", || Tally::one(soak::run(SOAK_SECONDS)));
-    account.step("licences", licences::check);
+    account.step("dependencies", dependencies::check);
     account.step("comparisons", comparisons);
     account.close()
 }

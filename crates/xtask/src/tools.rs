@@ -46,6 +46,20 @@ pub fn lines(mut command: Command, mut line: impl FnMut(&str)) -> bool {
     child.wait().is_ok_and(|status| status.success())
 }
 
+/// The program `name` of that version in target/tools, installed from the registry with `options` where it is not yet
+/// there; none when that fails.
+pub fn installed(name: &str, version: &str, options: &[&str]) -> Option<PathBuf> {
+    let folder = root().join("target/tools");
+    let listed = std::fs::read_to_string(folder.join(".crates.toml")).unwrap_or_default();
+    if !listed.contains(&format!("\"{name} {version} ")) {
+        let mut install =
+            cargo(&["install", name, "--locked", "--version", version, "--root", "target/tools"]);
+        install.args(options);
+        succeeds(install).then_some(())?;
+    }
+    Some(folder.join("bin").join(name))
+}
+
 /// The output of `command`; none when it fails.
 pub fn output(mut command: Command) -> Option<String> {
     let output = command.stderr(Stdio::inherit()).output().ok()?;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use wingbeat::scenario::{DocumentKind, largest, unit};
+use wingbeat::scenario::{DocumentKind, unit};
 
 use super::{root, shipped};
 
@@ -19,7 +19,9 @@ pub struct Key {
     pub unit: &'static str,
     /// What stands there.
     pub form: String,
-    /// Range of its numbers.
+    /// Ends of the range of its numbers.
+    pub ends: [Option<End>; 2],
+    /// That range in words.
     pub range: String,
     /// What holds where it is not given.
     pub default: String,
@@ -60,9 +62,9 @@ impl<'a> Walk<'a> {
             let own = property["description"].as_str().or(value["description"].as_str());
             let meaning = chosen.or(own).unwrap_or_default().to_owned() + &self.choices(value);
             let form = self.form(value);
-            let (unit, range) = match form.contains("number") {
-                true => (unit(&path), range(value, &path)),
-                false => ("", String::new()),
+            let (unit, ends) = match form.contains("number") {
+                true => (unit(&path), ends(value)),
+                false => ("", [None; 2]),
             };
             let default = match (&property["default"], &value["default"]) {
                 _ if chosen.is_some() => "one of these".into(),
@@ -71,7 +73,15 @@ impl<'a> Walk<'a> {
                 (Value::Null, inner) => written(inner),
                 (outer, _) => written(outer),
             };
-            self.keys.push(Key { path: path.clone(), meaning, unit, form, range, default });
+            self.keys.push(Key {
+                path: path.clone(),
+                meaning,
+                unit,
+                form,
+                ends,
+                range: range(ends),
+                default,
+            });
             self.below(value, &path);
         }
     }
@@ -156,15 +166,37 @@ fn is_file(value: &Value) -> bool {
     list(value, "anyOf").first().is_some_and(|choice| choice["type"] == "string")
 }
 
-/// The range of the numbers of a key.
-fn range(value: &Value, path: &str) -> String {
-    let most = largest(path);
-    let most = if most < 1e5 { most.to_string() } else { format!("{most:e}") };
+/// Where a range ends, and whether the end itself is in it.
+#[derive(Clone, Copy)]
+pub struct End {
+    pub at: f64,
+    pub closed: bool,
+}
+
+/// The ends of the range of a key's numbers, by their schema.
+fn ends(value: &Value) -> [Option<End>; 2] {
     let numbers = if value["items"].is_object() { &value["items"] } else { value };
-    match (numbers["minimum"].as_f64(), path.ends_with("seed")) {
-        (Some(0.0), true) => "0 or more".into(),
-        (Some(0.0), false) => format!("0 to {most}"),
-        _ => format!("±{most}"),
+    let end = |closed: &str, open: &str| {
+        let of = |name: &str, closed| Some(End { at: numbers[name].as_f64()?, closed });
+        of(open, false).or(of(closed, true))
+    };
+    [end("minimum", "exclusiveMinimum"), end("maximum", "exclusiveMaximum")]
+}
+
+/// The range in words.
+fn range([low, high]: [Option<End>; 2]) -> String {
+    let number = |at: f64| if at.abs() < 1e5 { at.to_string() } else { format!("{at:e}") };
+    match (low, high) {
+        (Some(low), Some(high)) if low.at == -high.at && low.closed && high.closed => {
+            format!("±{}", number(high.at))
+        }
+        (Some(low), Some(high)) => {
+            let above = if low.closed { "" } else { "above " };
+            let below = if high.closed { "" } else { "below " };
+            format!("{above}{} to {below}{}", number(low.at), number(high.at))
+        }
+        (Some(low), None) => format!("{} or more", number(low.at)),
+        _ => String::new(),
     }
 }
 

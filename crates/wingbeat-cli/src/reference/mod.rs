@@ -5,6 +5,7 @@ mod columns;
 mod keys;
 mod meets;
 mod page;
+mod ranges;
 mod recorded;
 mod shipped;
 

@@ -22,7 +22,7 @@ const POSE_EVERY: usize = 50;
 /// Plans every run and writes its trajectory in the arm's formats.
 pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
     let start = Instant::now();
-    let _interrupt = Interrupt::listen()?;
+    let interrupt = Interrupt::listen()?;
     let (options, file) = (&arguments.runs.run, &arguments.runs.file);
     let runs = runs::load(file, &options.overrides)?;
     let from: Option<Vec<f64>> =
@@ -54,6 +54,7 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
     if refusals.len() == runs.len() && written == 0 {
         return Err(Error::Input(refusals.join("\n")));
     }
+    interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     let printed = say::unless(options.quiet, || format!("{told}plans: {}\n", path.display()));
     match refusals.is_empty() {

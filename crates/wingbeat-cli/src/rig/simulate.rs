@@ -39,7 +39,7 @@ pub struct Summary {
 /// Plans and simulates every run into its own folder.
 pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     let start = Instant::now();
-    let _interrupt = Interrupt::listen()?;
+    let interrupt = Interrupt::listen()?;
     let options = &arguments.run;
     let runs = runs::load(&arguments.file, &options.all_overrides())?;
     let name = named_after(&arguments.file, options.out.as_deref())?;
@@ -60,7 +60,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
         folder.write_json(&format!("{name}/summary.json"), &summary)?;
         let saturated = summary.saturated;
         told += &format!(
-            "{name:20} {:8} {:6} samples, {saturated} saturated, {:.1} s\n",
+            "{name:20} {:8} {:6} samples of the simulated load cell, {saturated} saturated, {:.1} s\n",
             summary.status, summary.samples, summary.wall_s
         );
         refused += usize::from(summary.status == "refused");
@@ -72,6 +72,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     if refused == runs.len() {
         return Err(Error::Input(failed.join("\n")));
     }
+    interrupt.check()?;
     let path = folder
         .finish(&Manifest::new(runs.first().and_then(|run| run.spec.seed).unwrap_or(0), start.elapsed()))?;
     let printed = say::unless(options.quiet, || format!("{told}runs: {}\n", path.display()));

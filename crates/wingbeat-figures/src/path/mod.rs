@@ -34,7 +34,7 @@ pub fn path(record: &Record) -> Result<Figure, Error> {
     birds.iter().for_each(|bird| sheet.bird(&room, bird));
     sheet.ends(&track, t);
     sheet.note(&birds, room.enlargement);
-    Ok(Figure { name: "path", scene: sheet.scene })
+    Ok(Figure::new("path", sheet.scene))
 }
 
 /// The points `<name>_x`, `_y`, `_z` of every row.

@@ -182,12 +182,9 @@ impl Sheet {
             entries.extend([("left wing", style::colour(0)), ("right wing", style::colour(1))]);
         }
         for (name, colour) in entries {
-            let stroke = Color::from(colour);
-            let (x1, x2, y) = (x, x + 22.0, 16.0);
-            let line =
-                Primitive::Line { x1, y1: y, x2, y2: y, stroke, stroke_width: 2.0, stroke_dasharray: None };
-            self.scene.elements.push(line);
-            self.text((x2 + 6.0, y + 4.5), name.into(), TextAnchor::Start, style::LETTERS);
+            let x2 = x + 22.0;
+            self.scene.elements.push(style::sample((x, 16.0), (x2, 16.0), colour, 2.0, None));
+            self.text((x2 + 6.0, 20.5), name.into(), TextAnchor::Start, style::LETTERS);
             x = x2 + 26.0 + 7.6 * name.len() as f64;
         }
         if !birds.is_empty() {

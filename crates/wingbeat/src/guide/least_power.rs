@@ -11,6 +11,7 @@ use crate::ocp::{
     Ends, FREE, Instant, OptimalControl, Optimum, Progress, Refinement, Scheme, Setup, Trajectory, optimise,
 };
 use crate::plant::{Channel, Fault, Plant};
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::simulate::{Held, Moment, Sizes, Stepper, System};
 use serde::{Deserialize, Serialize};
@@ -34,6 +35,7 @@ const MILLI: f64 = 1e3;
 /// Goal and effort of a gait of least power.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct LeastPowerSpec {
     /// Least mean upward force of the air, N; without it that of the robot's own gait.
@@ -75,31 +77,36 @@ fn fourth() -> u8 {
     4
 }
 
+ranges!(LeastPowerSpec {
+    trim_within_n_m: Range::POSITIVE,
+    frequency_hz: Range::POSITIVE,
+    pitch_deg: Range::inside(-80.0, 80.0),
+    storage: Range::between(0.0, 1.0),
+    effort_w: Range::POSITIVE,
+    intervals: Range::between(1.0, MAX_INTERVALS as f64),
+    meshes: Range::between(1.0, MAX_MESHES as f64),
+    tolerance: Range::POSITIVE,
+    time_limit_s: Range::POSITIVE,
+});
+
 impl LeastPowerSpec {
     /// Checks ranges.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
-        require::positive("effort_w", self.effort_w)?;
-        require::positive("tolerance", self.tolerance)?;
-        require::positive("time_limit_s", self.time_limit_s)?;
+        self.in_range()?;
         require::finite("up_n", self.up_n.as_slice())?;
         require::finite("forward_n", self.forward_n.as_slice())?;
         require::finite("clearance_m", self.clearance_m.as_slice())?;
-        self.trim_within_n_m.iter().try_for_each(|&m| require::positive("trim_within_n_m", m))?;
-        require::all("frequency_hz", &self.frequency_hz, require::positive)?;
         require::range("frequency_hz", self.frequency_hz)?;
         if let Some(pitch) = self.pitch_deg {
-            require::all("pitch_deg", &pitch, |key, angle| require::inside(key, angle, -80.0, 80.0))?;
             require::range("pitch_deg", pitch)?;
         }
-        require::between("storage", self.storage, 0.0, 1.0)?;
         if ![4, 6].contains(&self.order) {
             return Err(Error::invalid("order", self.order, "4 or 6"));
         }
-        require::between("intervals", self.intervals, 1, MAX_INTERVALS)?;
-        require::between("meshes", self.meshes, 1, MAX_MESHES)
+        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@ use crate::Error;
 use crate::math::Scalar;
 use crate::ocp::realtime::{HorizonSolver, Plan, RealTime, Settings, Tracking};
 use crate::plant::{Channel, LocalChart, Plant, Role};
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::simulate::{Column, Controller, Estimator, Measurement, TrueState, Update};
 use serde::{Deserialize, Serialize};
@@ -19,6 +20,7 @@ const MAX_INTERVALS: usize = 100;
 /// Horizon and cost of the controller.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct MpcSpec {
     /// Time between updates, s.
@@ -50,6 +52,7 @@ pub struct MpcSpec {
 /// Weights of the residuals; the cost holds their squares.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct Weights {
     /// Roll error, per rad.
@@ -93,29 +96,32 @@ impl ControllerSpec for MpcSpec {
     }
 }
 
+ranges!(MpcSpec {
+    period_s: Range::POSITIVE,
+    intervals: Range::between(1.0, MAX_INTERVALS as f64),
+    interval_s: Range::POSITIVE,
+    iterations: Range::between(1.0, MAX_INTERVALS as f64),
+    deadline_s: Range::POSITIVE,
+});
+ranges!(Weights {
+    roll: Range::NOT_NEGATIVE,
+    pitch: Range::NOT_NEGATIVE,
+    rate: Range::NOT_NEGATIVE,
+    input: Range::POSITIVE,
+    input_change: Range::NOT_NEGATIVE,
+    clearance: Range::NOT_NEGATIVE,
+    terminal: Range::NOT_NEGATIVE,
+});
+
 impl MpcSpec {
     /// Checks ranges.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
-        let weights = &self.weights;
-        let positive =
-            [("period_s", self.period_s), ("interval_s", self.interval_s), ("weights.input", weights.input)];
-        let weights = [
-            ("weights.roll", weights.roll),
-            ("weights.pitch", weights.pitch),
-            ("weights.rate", weights.rate),
-            ("weights.input_change", weights.input_change),
-            ("weights.clearance", weights.clearance),
-            ("weights.terminal", weights.terminal),
-        ];
+        self.in_range()?;
+        self.weights.in_range().map_err(|e| e.within("weights"))?;
         require::finite("clearance_m", &[self.clearance_m])?;
-        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
-        weights.iter().try_for_each(|(key, value)| require::not_negative(key, *value))?;
-        self.deadline_s.map_or(Ok(()), |deadline| require::positive("deadline_s", deadline))?;
-        require::between("intervals", self.intervals, 1, MAX_INTERVALS)?;
-        require::between("iterations", self.iterations, 1, MAX_INTERVALS)?;
         for (name, rate) in &self.input_rate_per_s {
             require::positive(&format!("input_rate_per_s.{name}"), *rate)?;
         }

@@ -10,6 +10,7 @@ use crate::ocp::{
     Ends, Instant, Limits, OptimalControl, Optimum, Progress, Refinement, Setup, Trajectory, optimise,
 };
 use crate::plant::{Channel, Fault, LocalChart, Plant, Role};
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::simulate::{Held, Moment, Stepper};
 use serde::{Deserialize, Serialize};
@@ -24,6 +25,7 @@ const GUESS_SAMPLES: usize = 200;
 /// Goal and effort of a roll-in.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct RollInSpec {
     /// Start of the roll-in, s; the scenario is flown up to there.
@@ -58,28 +60,29 @@ pub struct RollInSpec {
     pub time_limit_s: f64,
 }
 
+ranges!(RollInSpec {
+    start_s: Range::NOT_NEGATIVE,
+    roll_deg: Range::inside(-80.0, 80.0),
+    pitch_deg: Range::inside(-80.0, 80.0),
+    pitch_within_deg: Range::POSITIVE,
+    rate_within_rad_s: Range::POSITIVE,
+    displacement_within: Range::POSITIVE,
+    longest_s: Range::POSITIVE,
+    effort: Range::POSITIVE,
+    intervals: Range::between(1.0, MAX_INTERVALS as f64),
+    meshes: Range::between(1.0, MAX_MESHES as f64),
+    tolerance: Range::POSITIVE,
+    time_limit_s: Range::POSITIVE,
+});
+
 impl RollInSpec {
     /// Checks ranges.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
-        let positive = [
-            ("longest_s", self.longest_s),
-            ("pitch_within_deg", self.pitch_within_deg),
-            ("rate_within_rad_s", self.rate_within_rad_s),
-            ("displacement_within", self.displacement_within),
-            ("effort", self.effort),
-            ("tolerance", self.tolerance),
-            ("time_limit_s", self.time_limit_s),
-        ];
-        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
-        require::not_negative("start_s", self.start_s)?;
-        require::finite("clearance_m", self.clearance_m.as_slice())?;
-        require::inside("roll_deg", self.roll_deg, -80.0, 80.0)?;
-        require::inside("pitch_deg", self.pitch_deg, -80.0, 80.0)?;
-        require::between("intervals", self.intervals, 1, MAX_INTERVALS)?;
-        require::between("meshes", self.meshes, 1, MAX_MESHES)
+        self.in_range()?;
+        require::finite("clearance_m", self.clearance_m.as_slice())
     }
 }
 

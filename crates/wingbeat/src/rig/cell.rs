@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::math::{Random, Vec3, Wrench};
-use crate::require;
+use crate::range::{Range, ranges};
 use serde::{Deserialize, Serialize};
 
 /// Names of the six channels, with units.
@@ -49,6 +49,7 @@ impl Calibration {
 /// A load cell as written in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct CellSpec {
     /// Which calibration.
@@ -72,6 +73,17 @@ pub struct CellSpec {
     pub filter_hz: f64,
 }
 
+/// Sampling rate of the box, Hz.
+const BOX_RATE_HZ: f64 = 7000.0;
+
+ranges!(CellSpec {
+    rate_hz: Range::over(0.0, BOX_RATE_HZ),
+    noise_steps: Range::NOT_NEGATIVE,
+    resonance_hz: Range::inside(0.0, 0.5 * BOX_RATE_HZ),
+    resonance_damping: Range::inside(0.0, 1.0),
+    filter_hz: Range::inside(0.0, 0.5 * BOX_RATE_HZ),
+});
+
 impl CellSpec {
     /// Checks the numbers.
     ///
@@ -81,16 +93,15 @@ impl CellSpec {
         let check = |key: &str, value: f64, good: bool, allowed: &str| {
             if good { Ok(()) } else { Err(Error::invalid(key, value, allowed).against(["rate_hz"])) }
         };
-        let divisor = 7000.0 / self.rate_hz;
+        let divisor = BOX_RATE_HZ / self.rate_hz;
         let whole = divisor >= 1.0 && (divisor - divisor.round()).abs() < 1e-9;
         check("rate_hz", self.rate_hz, whole, "7000 divided by a whole number")?;
-        require::not_negative("noise_steps", self.noise_steps)?;
         let nyquist = 0.5 * self.rate_hz;
         let below = |x: f64| x > 0.0 && x < nyquist;
         let allowed = format!("above 0 and below half the rate, {nyquist} Hz");
         check("resonance_hz", self.resonance_hz, below(self.resonance_hz), &allowed)?;
         check("filter_hz", self.filter_hz, below(self.filter_hz), &allowed)?;
-        require::inside("resonance_damping", self.resonance_damping, 0.0, 1.0)
+        self.in_range()
     }
 }
 

@@ -84,9 +84,9 @@ impl ScenarioSpec {
     fn check(&self) -> Result<(), Error> {
         self.run_name()?;
         self.robot.check().map_err(|e| e.within("robot"))?;
-        require::positive("air.density_kg_m3", self.air.density_kg_m3)?;
+        self.air.in_range().map_err(|e| e.within("air"))?;
+        self.flight.in_range().map_err(|e| e.within("flight"))?;
         require::finite("air.wind_m_s", &self.air.wind_m_s)?;
-        require::not_negative("air.gust_m_s", self.air.gust_m_s)?;
         require::finite("start.velocity_m_s", &self.start.velocity_m_s)?;
         self.aero.check().map_err(|e| e.within("aero"))?;
         if let Some(goal) = &self.goal {
@@ -149,7 +149,6 @@ impl ScenarioSpec {
     fn schedule(&self, choice: &Choice) -> Result<Schedule, Error> {
         let flight = &self.flight;
         let step = flight.step_s;
-        require::positive("flight.step_s", step)?;
         let whole = |key: &str, time: f64| {
             whole(key, time, step, "steps of").map_err(|e| e.against(["flight.step_s"]))
         };

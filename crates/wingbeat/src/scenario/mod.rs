@@ -62,6 +62,8 @@ use step_error::StepError;
 
 /// Keys of a scenario that name a file to be put in their place.
 const INCLUDES: [&str; 1] = ["robot"];
+/// What an override may change of a case of which numbers are published: it flies as before.
+const BESIDE_THE_CASE: [&str; 4] = ["name", "paper", "flight.record_every_s", "flight.record_strips_every_s"];
 
 /// A checked scenario, ready to fly.
 #[derive(Debug)]
@@ -132,8 +134,13 @@ impl Scenario {
     /// Those of [`new`](Self::new), and what those kinds refuse.
     pub fn open(document: Document, doors: &Doors) -> Result<Self, ConfigError> {
         let document = document.merged(&INCLUDES, &|_, _| None)?;
-        let spec: ScenarioSpec = document.parse()?;
-        let resolved = document.resolved()?;
+        let mut spec: ScenarioSpec = document.parse()?;
+        let mut resolved: toml::Table = document.parse()?;
+        if spec.paper.is_some() && !document.overridden_only_at(&BESIDE_THE_CASE) {
+            spec.paper = None;
+            resolved.remove("paper");
+        }
+        let resolved = resolved.to_string();
         let choice = doors.choose(&spec, &document)?;
         match spec.build(&choice) {
             Ok(Built { robot, model, schedule, samples_per_strips }) => {
@@ -321,5 +328,27 @@ impl Scenario {
             step_error_m,
         };
         Summary::new(&recorded.record, flight, &context)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn published_numbers_stand_only_beside_their_own_case() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
+        let published = |overrides: &[&str]| {
+            let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
+            let scenario = Scenario::load(&path, &overrides).unwrap();
+            assert_eq!(scenario.spec.paper.is_some(), scenario.resolved.contains("[paper]"));
+            scenario.spec.paper.is_some()
+        };
+        assert!(published(&[]));
+        assert!(published(&["name=again", "flight.record_every_s=2e-3", "paper.roll_deg=14.0"]));
+        assert!(published(&["aero.preset=paper"]));
+        assert!(!published(&["aero.preset=full"]));
+        assert!(!published(&["flight.duration_s=0.1"]));
+        assert!(!published(&["name=again", "robot.body.mass_kg=0.03"]));
     }
 }

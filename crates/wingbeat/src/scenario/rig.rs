@@ -4,6 +4,7 @@ use super::{AeroSpec, AirSpec, ConfigError, Document, RunName, Translate, build}
 use crate::Error;
 use crate::math::{Mat3, Vec3};
 use crate::plant::Fault;
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::rig::arm::{ArmConfig, LimitProfile, LinkConfig, Payload, SerialArm, ToolConfig};
 use crate::rig::carrier::{Carrier, Mount};
@@ -22,6 +23,7 @@ const INCLUDES: [&str; 3] = ["rig", "rig.robot", "rig.arm"];
 /// One run as written in a file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct RigRunSpec {
     /// Name; the run folder is called after it.
@@ -64,6 +66,7 @@ pub(super) struct RunList {
 /// Attitudes of the body held one after another, without motion between.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct HoldSpec {
     /// Roll and pitch of the body, deg; FLU: negative pitch is nose up.
@@ -75,6 +78,7 @@ pub struct HoldSpec {
 /// How the samples become wrenches.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct ProcessSpec {
     /// Corrections.
@@ -116,13 +120,30 @@ const LONGEST_S: f64 = 3600.0;
 /// Most samples of a run: 3 GB in memory.
 const MAX_SAMPLES: f64 = 4e6;
 /// Most phases of an average.
-const MAX_BINS: usize = 10_000;
+const MAX_BINS: f64 = 1e4;
+
+ranges!(HoldSpec { each_s: Range::POSITIVE });
+ranges!(ProcessSpec { bins: Range::between(2.0, MAX_BINS) });
+ranges!(RigSpec {
+    clearance_m: Range::NOT_NEGATIVE,
+    singularity_margin: Range::NOT_NEGATIVE,
+    rest_s: Range::between(0.0, LONGEST_S),
+    spin_up_s: Range::between(0.0, LONGEST_S),
+});
+ranges!(EnvelopeSpec {
+    half_span_m: Range::POSITIVE,
+    low_rad: Range::inside(-PI, PI),
+    high_rad: Range::inside(-PI, PI),
+    front_m: Range::NOT_NEGATIVE,
+    back_m: Range::NOT_NEGATIVE,
+});
+ranges!(RigRunSpec { frequency_hz: Range::NOT_NEGATIVE });
 
 impl ProcessSpec {
     /// Refuses values without meaning.
     fn check(&self) -> Result<(), Error> {
-        require::between("bins", self.bins, 2, MAX_BINS)?;
-        require::not_negative("steps.cutoff_multiple", self.steps.cutoff_multiple)?;
+        self.in_range()?;
+        self.steps.in_range().map_err(|e| e.within("steps"))?;
         self.input.check().map_err(|e| e.within("input"))?;
         self.window_s.map_or(Ok(()), |window| require::range("window_s", window))
     }
@@ -146,6 +167,7 @@ impl Default for ProcessSpec {
 /// The hardware.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct RigSpec {
     /// The robot; a rig names its file.
@@ -197,6 +219,7 @@ pub struct MountSpec {
 /// Space that the wings sweep: a fan about the body's x axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct EnvelopeSpec {
     /// Half span, m.
@@ -300,7 +323,7 @@ impl RigRun {
 
     fn build(spec: RigRunSpec, resolved: String, document: Document) -> Result<Self, Error> {
         RunName::new("name", &spec.name)?;
-        spec.frequency_hz.map_or(Ok(()), |f| require::not_negative("frequency_hz", f))?;
+        spec.in_range()?;
         spec.process.check().map_err(|e| e.within("process"))?;
         spec.hold.as_ref().map_or(Ok(()), HoldSpec::check).map_err(|e| e.within("hold"))?;
         spec.turn.as_ref().map_or(Ok(()), TurnSpec::check).map_err(|e| e.within("turn"))?;
@@ -468,18 +491,14 @@ fn seeded(document: Document, overrides: &[String], number: u64) -> Document {
 
 impl EnvelopeSpec {
     fn check(&self) -> Result<(), Error> {
-        require::positive("half_span_m", self.half_span_m)?;
-        require::inside("low_rad", self.low_rad, -PI, PI)?;
-        require::inside("high_rad", self.high_rad, -PI, PI)?;
-        require::at_most("low_rad", self.low_rad, self.high_rad).map_err(|e| e.against(["high_rad"]))?;
-        require::not_negative("front_m", self.front_m)?;
-        require::not_negative("back_m", self.back_m)
+        self.in_range()?;
+        require::at_most("low_rad", self.low_rad, self.high_rad).map_err(|e| e.against(["high_rad"]))
     }
 }
 
 impl HoldSpec {
     fn check(&self) -> Result<(), Error> {
-        require::positive("each_s", self.each_s)?;
+        self.in_range()?;
         if self.tilts_deg.is_empty() {
             return Err(Error::invalid("tilts_deg", "[]", "at least one attitude"));
         }
@@ -494,10 +513,8 @@ impl RigSpec {
         self.cell.check().map_err(|e| e.within("cell"))?;
         self.mount.link.body().check().map_err(|e| e.within("mount.link"))?;
         self.envelope.check().map_err(|e| e.within("envelope"))?;
-        require::not_negative("clearance_m", self.clearance_m)?;
-        require::not_negative("singularity_margin", self.singularity_margin)?;
-        require::between("rest_s", self.rest_s, 0.0, LONGEST_S)?;
-        require::between("spin_up_s", self.spin_up_s, 0.0, LONGEST_S)
+        self.air.in_range().map_err(|e| e.within("air"))?;
+        self.in_range()
     }
 }
 

@@ -52,6 +52,11 @@ pub struct Weighed {
 }
 
 impl Processed {
+    /// True for samples of a simulated load cell: only those come with the noise-free wrench.
+    pub fn is_simulated(&self) -> bool {
+        self.truth.is_some()
+    }
+
     /// Measured against truth, channel by channel.
     pub fn against_truth(&self) -> Option<[Comparison; 6]> {
         let truth = self.truth.as_ref()?;

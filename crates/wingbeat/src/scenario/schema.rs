@@ -59,7 +59,7 @@ impl DocumentKind {
     }
 
     /// The JSON Schema (draft 7, which every editor knows) of such documents: keys, meanings, types, defaults,
-    /// and the largest magnitudes by unit. What hangs on several keys at once is checked when a document is read.
+    /// and ranges: those of the specs, else the largest magnitudes by unit. What hangs on several keys at once is checked when a document is read.
     pub fn schema(self) -> Value {
         let settings = SchemaSettings::draft07().with_transform(tidy);
         let generator = settings.into_generator();
@@ -149,10 +149,10 @@ fn limit(schema: &mut Value, largest: f64) {
         Some("integer") => (false, !object.contains_key("maximum")),
         _ => (false, false),
     };
-    if number {
+    if number && !["minimum", "exclusiveMinimum"].iter().any(|end| object.contains_key(*end)) {
         object.insert("minimum".into(), (-largest).into());
     }
-    if number || whole {
+    if (number || whole) && !["maximum", "exclusiveMaximum"].iter().any(|end| object.contains_key(*end)) {
         object.insert("maximum".into(), largest.into());
     }
     if let Some(items) = object.get_mut("items") {

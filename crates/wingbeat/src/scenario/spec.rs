@@ -8,6 +8,7 @@ use crate::aero::{
     CRITICAL_SUCTION, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings, ZERO_LIFT_ANGLE,
 };
 use crate::guide::{MpcSpec, Turn};
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::robot::RobotSpec;
 use crate::simulate::SensorSpec;
@@ -56,7 +57,8 @@ pub struct ScenarioSpec {
     /// What counts as held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<GoalSpec>,
-    /// Published numbers to print beside the run's.
+    /// Published numbers of this very case, printed beside the run's. An override of anything but `name`, `paper` and what
+    /// is recorded makes it another case: then they are left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<PaperResults>,
 }
@@ -64,6 +66,7 @@ pub struct ScenarioSpec {
 /// Air.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct AirSpec {
     /// Density, kg/m3.
@@ -121,6 +124,7 @@ pub struct AeroSpec {
 /// Settings of preset `paper`.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(crate::aero::LiftingLineSettings::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperAeroSpec {
     /// Interior nodes over the full span.
@@ -142,6 +146,7 @@ impl Default for PaperAeroSpec {
 /// Settings of preset `full`; each ingredient can be left out to show its effect.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(StripSettings::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct FullAeroSpec {
     /// Strips over both wings and body.
@@ -216,6 +221,7 @@ pub struct StartSpec {
 /// Clock.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct FlightSpec {
     /// Duration, s.
@@ -235,6 +241,7 @@ pub struct FlightSpec {
 /// What counts as held, from `settle_s` on.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct GoalSpec {
     /// Start of the means, s; a flight that ends before is not judged.
@@ -254,12 +261,23 @@ pub struct GoalSpec {
     pub clearance_m: Option<f64>,
 }
 
+ranges!(AirSpec { density_kg_m3: Range::POSITIVE, gust_m_s: Range::NOT_NEGATIVE });
+ranges!(FlightSpec {
+    duration_s: Range::POSITIVE,
+    step_s: Range::POSITIVE,
+    record_every_s: Range::POSITIVE,
+    record_strips_every_s: Range::POSITIVE,
+});
+ranges!(GoalSpec {
+    settle_s: Range::NOT_NEGATIVE,
+    roll_within_deg: Range::POSITIVE,
+    pitch_within_deg: Range::POSITIVE,
+    altitude_within_m: Range::POSITIVE,
+});
+
 impl GoalSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
-        require::not_negative("settle_s", self.settle_s)?;
-        require::positive("roll_within_deg", self.roll_within_deg)?;
-        require::positive("pitch_within_deg", self.pitch_within_deg)?;
-        self.altitude_within_m.map_or(Ok(()), |within| require::positive("altitude_within_m", within))?;
+        self.in_range()?;
         self.speed_between_m_s.map_or(Ok(()), |speeds| require::range("speed_between_m_s", speeds))
     }
 }

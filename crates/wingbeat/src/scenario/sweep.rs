@@ -4,6 +4,7 @@ use super::document::{ConfigError, Document, Place, Problem, Wrong};
 use super::{RunName, Scenario, Summary};
 use crate::Error;
 use crate::math::Random;
+use crate::range::{Range, ranges};
 use crate::require;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -16,6 +17,7 @@ const MAX_SEED: u64 = i64::MAX as u64 - MAX_RUNS as u64;
 /// A sweep file.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct SweepSpec {
     /// Name; the run folder is called after it.
@@ -53,6 +55,7 @@ pub struct Draw {
 /// Largest errors of a held flight, from the goal's settling time on.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct Hold {
     /// Largest |roll - reference|, deg.
@@ -171,6 +174,9 @@ fn drawn(draw: &Draw, value: f64) -> String {
     format!("{}={value:?}", draw.key)
 }
 
+ranges!(SweepSpec { runs: Range::between(1.0, MAX_RUNS as f64) });
+ranges!(Hold { roll_within_deg: Range::POSITIVE, pitch_within_deg: Range::POSITIVE });
+
 impl SweepSpec {
     /// The checked name.
     ///
@@ -182,7 +188,7 @@ impl SweepSpec {
 
     fn check(&self) -> Result<(), Error> {
         self.run_name()?;
-        require::between("runs", self.runs, 1, MAX_RUNS)?;
+        self.in_range()?;
         require::at_most("seed", self.seed, MAX_SEED)?;
         self.hold.check().map_err(|e| e.within("hold"))?;
         let mut draws = self.draws.iter().enumerate();
@@ -200,8 +206,7 @@ impl Draw {
 
 impl Hold {
     fn check(self) -> Result<(), Error> {
-        require::positive("roll_within_deg", self.roll_within_deg)?;
-        require::positive("pitch_within_deg", self.pitch_within_deg)
+        self.in_range()
     }
 }
 

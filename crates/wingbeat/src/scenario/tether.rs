@@ -7,7 +7,7 @@ use crate::aero::Planform;
 use crate::math::Vec3;
 use crate::robot::SurfaceOutline;
 use crate::simulate::Ending;
-use crate::tether::{Clock, CycleMean, Hinge, Motion, Reference, Side, Tether, TetherRun, Wing};
+use crate::tether::{CycleMean, Hinge, Motion, Reference, Side, Tether, TetherRun, Wing};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -227,11 +227,7 @@ fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
 impl TetherSpec {
     fn build(&self, folder: Folder, read: ReadTable) -> Result<Tether, Error> {
         self.check()?;
-        let clock = Clock {
-            frequency_hz: self.time.frequency_hz,
-            cycles: self.time.cycles,
-            steps_per_cycle: self.time.steps_per_cycle,
-        };
+        let clock = self.time.clock();
         let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
         let outer = self.wing.hinges.iter().enumerate().filter(|(_, hinge)| hinge.arc_m > 0.0);
         let (keys, arcs): (Vec<String>, Vec<f64>) =

@@ -4,9 +4,9 @@ use super::{AeroSpec, RunName};
 use crate::Error;
 use crate::aero::{Gap, PlanformStation, SectionSpec};
 use crate::math::CubicSpline;
-use crate::require;
+use crate::range::{Range, ranges};
 use crate::simulate::Record;
-use crate::tether::{Coordinate, HingeKind, Side};
+use crate::tether::{Clock, Coordinate, HingeKind, Side};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -171,6 +171,7 @@ pub struct WindSpec {
 /// Cycles and steps.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Clock::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct ClockSpec {
     /// Cycles per second; of a motion that is not periodic, one over its duration.
@@ -185,6 +186,7 @@ pub struct ClockSpec {
 /// and its mean chord.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct ReferenceSpec {
     /// Speed, m/s.
@@ -201,6 +203,16 @@ pub struct ReferenceSpec {
 /// Reads the columns of a CSV file; the text says what is wrong with it.
 pub type ReadTable<'a> = &'a dyn Fn(&Path) -> Result<Record, String>;
 
+ranges!(ReferenceSpec { speed_m_s: Range::POSITIVE, area_m2: Range::POSITIVE, chord_m: Range::POSITIVE });
+
+impl ClockSpec {
+    /// Cycles and steps.
+    pub(super) fn clock(&self) -> Clock {
+        let Self { frequency_hz, cycles, steps_per_cycle } = *self;
+        Clock { frequency_hz, cycles, steps_per_cycle }
+    }
+}
+
 impl TetherSpec {
     /// The checked name.
     ///
@@ -213,7 +225,7 @@ impl TetherSpec {
     /// Checks what each table says by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
         self.run_name()?;
-        require::positive("time.frequency_hz", self.time.frequency_hz)?;
+        self.time.clock().in_range().map_err(|e| e.within("time"))?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
         for (i, hinge) in self.wing.hinges.iter().enumerate() {
             if let Some(k) = self.wing.hinges[..i].iter().position(|other| other.name == hinge.name) {
@@ -222,9 +234,7 @@ impl TetherSpec {
                 return Err(error.against([format!("wing.hinges[{k}].name")]));
             }
         }
-        let scales =
-            [("reference.area_m2", self.reference.area_m2), ("reference.chord_m", self.reference.chord_m)];
-        scales.iter().try_for_each(|(key, scale)| scale.map_or(Ok(()), |scale| require::positive(key, scale)))
+        self.reference.in_range().map_err(|e| e.within("reference"))
     }
 }
 

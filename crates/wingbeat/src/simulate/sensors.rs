@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::math::{Quat, Random, Vec3};
 use crate::plant::{Channel, Plant, Role};
-use crate::require;
+use crate::range::{Range, ranges};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -14,6 +14,7 @@ const MAX_DELAY: usize = 1000;
 /// measurement chain. States not named here are known exactly.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSpec {
     /// Position, m.
@@ -30,21 +31,22 @@ pub struct SensorSpec {
     pub delay_updates: usize,
 }
 
+ranges!(SensorSpec {
+    position_m: Range::NOT_NEGATIVE,
+    attitude_deg: Range::NOT_NEGATIVE,
+    velocity_m_s: Range::NOT_NEGATIVE,
+    rate_rad_s: Range::NOT_NEGATIVE,
+    displacement: Range::NOT_NEGATIVE,
+    delay_updates: Range::between(0.0, MAX_DELAY as f64),
+});
+
 impl SensorSpec {
     /// Checks ranges.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
-        let levels = [
-            ("position_m", self.position_m),
-            ("attitude_deg", self.attitude_deg),
-            ("velocity_m_s", self.velocity_m_s),
-            ("rate_rad_s", self.rate_rad_s),
-            ("displacement", self.displacement),
-        ];
-        levels.iter().try_for_each(|(key, value)| require::not_negative(key, *value))?;
-        require::at_most("delay_updates", self.delay_updates, MAX_DELAY)
+        self.in_range()
     }
 
     /// Standard deviation of a channel; the attitude turns as a whole.

@@ -6,6 +6,7 @@ use crate::Error;
 use crate::aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
 use crate::math::{Jet, Vec3};
 use crate::plant::Fault;
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::simulate::{Held, Moment, Observed, Sizes, Stepper, System};
 use std::ops::ControlFlow;
@@ -25,6 +26,8 @@ pub struct Clock {
     /// Steps per cycle.
     pub steps_per_cycle: usize,
 }
+
+ranges!(Clock { frequency_hz: Range::POSITIVE, cycles: Range::from(1.0), steps_per_cycle: Range::from(8.0) });
 
 impl Clock {
     /// Step, s.
@@ -120,20 +123,13 @@ impl Tether {
             return Err(Error::invalid("hinges", self.motion.hinges.len(), allowed));
         }
         Recorder::columns(self)?;
+        self.clock.in_range().map_err(|e| e.within("time"))?;
         let positive = [
-            ("time.frequency_hz", self.clock.frequency_hz),
             ("reference.speed_m_s", self.reference.speed_m_s),
             ("air.density_kg_m3", self.reference.density_kg_m3),
         ];
         for (key, value) in positive {
             require::positive(key, value)?;
-        }
-        for (key, value, least) in
-            [("time.cycles", self.clock.cycles, 1), ("time.steps_per_cycle", self.clock.steps_per_cycle, 8)]
-        {
-            if value < least {
-                return Err(Error::invalid(key, value, format!("{least} or more")));
-            }
         }
         let steps = self.clock.cycles.saturating_mul(self.clock.steps_per_cycle);
         if steps > MAX_STEPS {

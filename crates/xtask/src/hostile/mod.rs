@@ -81,7 +81,7 @@ impl Choice {
             }
         }
         if choice.program.as_os_str().is_empty() {
-            let build = ["build", "--release", "--quiet", "--package", "wingbeat-cli"];
+            let build = ["build", "--release", "--quiet"];
             choice.program = tools::root().join("target/release/wingbeat");
             tools::succeeds(tools::cargo(&build)).then_some(())?;
         }

@@ -229,7 +229,7 @@ fn signals() -> Vec<Case> {
         ("gait", 1500, &["plan", "{root}/scenarios/least_power_gait.toml"]),
         ("sweep", 700, &["sweep", "sweep.toml", "--set", "runs=1000000"]),
         ("simulate", 700, &["rig", "simulate", "{root}/rigs/seven_runs.toml"]),
-        ("rig_plan", 150, &["rig", "plan", "{root}/rigs/seven_runs.toml"]),
+        ("rig_plan", 100, &["rig", "plan", "{root}/rigs/seven_runs.toml"]),
         ("validate", 900, &["validate", "--only", "ocp"]),
     ];
     let of = |(command, after, words): (&str, u64, &'static [&'static str])| {

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use wingbeat::parallel;
 use wingbeat::scenario::{ProcessedRun, RunName, Together, subtract_still_air, together};
-use wingbeat_figures::Figure;
+use wingbeat_figures::{Cell, Figure};
 use wingbeat_io::samples::Import;
 use wingbeat_io::write_parquet;
 
@@ -32,7 +32,7 @@ struct Origin {
 /// Processes a file, a run folder, a recording, or a folder of run folders.
 pub fn process(arguments: &RigProcess) -> Result<(), Error> {
     let start = Instant::now();
-    let _interrupt = Interrupt::listen()?;
+    let interrupt = Interrupt::listen()?;
     let sources = source::find(&arguments.path, arguments.run.as_deref())?;
     let (parent, name) = results_beside(&arguments.path)?;
     let folder = RunFolder::create_in(arguments.out.as_deref(), &parent, &name, arguments.force)?;
@@ -48,8 +48,12 @@ pub fn process(arguments: &RigProcess) -> Result<(), Error> {
     folder.write_json("summary.json", &summary)?;
     if let Some(Together { envelope, .. }) = &together {
         write_parquet(&folder.file("envelope.parquet"), envelope)?;
-        draw(&folder.folder("figures")?, wingbeat_figures::force_moment(envelope))?;
+        let simulated = summary.simulated().len();
+        let all = runs.iter().filter(|run| run.averaged().is_some()).count();
+        let cell = Cell::of(simulated, all - simulated);
+        draw(&folder.folder("figures")?, wingbeat_figures::force_moment(envelope, cell))?;
     }
+    interrupt.check()?;
     let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
     say::unless(arguments.quiet, || format!("{}results: {}\n", summary.words(), path.display()))
 }
@@ -94,8 +98,9 @@ fn write(folder: &RunFolder, done: &ProcessedRun) -> Result<(), Error> {
     let cycles = processed.record(done.run.processed_frame())?;
     write_parquet(&folder.file(&format!("{name}.parquet")), &cycles)?;
     let figures = folder.folder(&format!("figures/{name}"))?;
-    draw(&figures, wingbeat_figures::filtered(&processed.trace))?;
-    draw(&figures, wingbeat_figures::cycles(&processed.trace, &cycles))
+    let cell = if processed.is_simulated() { Cell::Simulated } else { Cell::Measured };
+    draw(&figures, wingbeat_figures::filtered(&processed.trace, cell))?;
+    draw(&figures, wingbeat_figures::cycles(&processed.trace, &cycles, cell))
 }
 
 /// Writes a figure; one that cannot be drawn is said and left out.

@@ -18,6 +18,8 @@ pub struct Summary {
     status: &'static str,
     /// Steps made, as configured.
     steps: Steps,
+    /// Runs whose samples are of a simulated load cell.
+    simulated: Vec<String>,
     /// Run whose simulation is the black line; none where no run holds one.
     simulation: Option<String>,
     /// Middle of the envelope against the simulation, by channel.
@@ -58,6 +60,7 @@ impl Summary {
         Self {
             status: "ok",
             steps: reference.or(runs.first()).map_or(Steps::default(), |one| one.run.spec.process.steps),
+            simulated: averaged().filter(|(_, p)| p.is_simulated()).map(|(name, _)| name).collect(),
             simulation: together.filter(|t| t.simulated).map(|t| t.reference.clone()),
             envelope_against_simulation: together.map_or(BTreeMap::new(), |t| t.against_simulation.clone()),
             runs_against_truth: averaged()
@@ -86,9 +89,17 @@ impl RunNumbers {
 }
 
 impl Summary {
+    /// Runs whose samples are of a simulated load cell.
+    pub fn simulated(&self) -> &[String] {
+        &self.simulated
+    }
+
     /// The numbers as tables.
     pub fn words(&self) -> String {
         let mut text = String::new();
+        if !self.simulated.is_empty() {
+            text += &format!("of a simulated load cell: {}\n", self.simulated.join(", "));
+        }
         if !self.envelope_against_simulation.is_empty() {
             text += &self.against_simulation();
         }

@@ -5,7 +5,7 @@ use crate::aero::law::{
     CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, STALL_ANGLE, ZERO_LIFT_ANGLE, check_section,
 };
 use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag, SurfaceNumbers};
-use crate::require;
+use crate::range::{Range, ranges};
 
 /// What the lifting line is made of.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -60,6 +60,13 @@ impl Default for LiftingLineSettings {
     }
 }
 
+ranges!(LiftingLineSettings {
+    nodes: Range::between(3.0, MAX_STRIPS as f64),
+    regularisation_m_s: Range::POSITIVE,
+    chord_floor_m: Range::POSITIVE,
+    density_kg_m3: Range::POSITIVE,
+});
+
 impl LiftingLineSettings {
     /// The numbers that may carry derivatives, as set.
     pub fn numbers(&self) -> SurfaceNumbers {
@@ -74,19 +81,13 @@ impl LiftingLineSettings {
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let positive = [
-            ("regularisation_m_s", self.regularisation_m_s),
-            ("chord_floor_m", self.chord_floor_m),
-            ("density_kg_m3", self.density_kg_m3),
-        ];
-        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
+        self.in_range()?;
         self.drag.check()?;
         check_section(
             self.stall_angle_rad,
             self.critical_suction,
             self.zero_lift_angle_rad,
             self.section_slope,
-        )?;
-        require::between("nodes", self.nodes, 3, MAX_STRIPS)
+        )
     }
 }

@@ -7,7 +7,7 @@ use crate::aero::law::{
     CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, STALL_ANGLE, ZERO_LIFT_ANGLE, check_section,
 };
 use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag, SurfaceNumbers};
-use crate::require;
+use crate::range::{Range, ranges};
 use serde::{Deserialize, Serialize};
 
 /// Which set of lags the model carries.
@@ -103,6 +103,13 @@ impl Default for StripSettings {
     }
 }
 
+ranges!(StripSettings {
+    strips: Range::between(1.0, MAX_STRIPS as f64),
+    density_kg_m3: Range::POSITIVE,
+    regularisation_m_s: Range::POSITIVE,
+    vortex_core: Range::between(0.01, 0.5),
+});
+
 impl StripSettings {
     /// The numbers that may carry derivatives, as set.
     pub fn numbers(&self) -> SurfaceNumbers {
@@ -118,11 +125,7 @@ impl StripSettings {
 
     /// Refuses values without physical meaning.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        require::between("strips", self.strips, 1, MAX_STRIPS)?;
-        require::between("vortex_core", self.vortex_core, 0.01, 0.5)?;
-        let positive =
-            [("density_kg_m3", self.density_kg_m3), ("regularisation_m_s", self.regularisation_m_s)];
-        positive.iter().try_for_each(|(key, value)| require::positive(key, *value))?;
+        self.in_range()?;
         self.drag.check()?;
         check_section(
             self.stall_angle_rad,

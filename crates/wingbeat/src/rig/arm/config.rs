@@ -3,7 +3,7 @@
 use super::{Joint, JointKind, LimitProfile, LinkBody, SerialArm, ToolLimits};
 use crate::Error;
 use crate::math::{Mat3, Vec3};
-use crate::require;
+use crate::range::{Range, ranges};
 use crate::rig::Pose;
 use serde::{Deserialize, Serialize};
 
@@ -99,6 +99,7 @@ pub struct LinkConfig {
 /// Limits of one profile, one number per joint; absent means not limited.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct ProfileConfig {
     /// Name by which it is chosen and printed.
@@ -194,6 +195,15 @@ impl LinkConfig {
     }
 }
 
+ranges!(ProfileConfig {
+    velocity_rad_s: Range::POSITIVE,
+    acceleration_rad_s2: Range::POSITIVE,
+    jerk_rad_s3: Range::POSITIVE,
+    tool_speed_m_s: Range::POSITIVE,
+    tool_rate_rad_s: Range::POSITIVE,
+    tool_acceleration_m_s2: Range::POSITIVE,
+});
+
 impl ProfileConfig {
     fn check(&self, dof: usize) -> Result<(), Error> {
         let lists = [
@@ -206,14 +216,8 @@ impl ProfileConfig {
                 let given = format!("{} numbers", list.len());
                 return Err(Error::invalid(*key, given, format!("{dof} numbers, one per joint")));
             }
-            require::all(key, list, require::positive)?;
         }
-        let tool = [
-            ("tool_speed_m_s", self.tool_speed_m_s),
-            ("tool_rate_rad_s", self.tool_rate_rad_s),
-            ("tool_acceleration_m_s2", self.tool_acceleration_m_s2),
-        ];
-        tool.iter().try_for_each(|(key, limit)| limit.map_or(Ok(()), |limit| require::positive(key, limit)))
+        self.in_range()
     }
 
     fn build(&self, dof: usize) -> LimitProfile {

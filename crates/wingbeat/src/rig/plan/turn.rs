@@ -3,18 +3,22 @@
 
 use crate::Error;
 use crate::math::{Jet, Mat3, Scalar, Vec3};
-use crate::require::{between, positive};
+use crate::range::{Range, ranges};
+use crate::require::between;
 use crate::rig::Pose;
 use serde::{Deserialize, Serialize};
 
 /// Longest part of a turn, s: it passes in an arm's reach.
 const LONGEST_S: f64 = 60.0;
+/// Largest roll and pitch, deg.
+const STEEPEST_DEG: f64 = 60.0;
 /// Times are whole multiples of this, s.
 const MILLISECOND: f64 = 1e-3;
 
 /// A banking turn as written in a file; what is absent the planner chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct TurnSpec {
     /// Speed along the path where it is measured, m/s.
@@ -74,12 +78,25 @@ pub struct Turn {
     pub run_down: f64,
 }
 
+ranges!(TurnSpec {
+    speed_m_s: Range::POSITIVE,
+    roll_deg: Range::between(-STEEPEST_DEG, STEEPEST_DEG),
+    pitch_deg: Range::between(-STEEPEST_DEG, STEEPEST_DEG),
+    measured_s: Range::between(MILLISECOND, LONGEST_S),
+    radius_m: Range::POSITIVE,
+    run_up_s: Range::between(MILLISECOND, LONGEST_S),
+    straight_s: Range::between(-0.5 * LONGEST_S, LONGEST_S),
+    roll_in_s: Range::between(MILLISECOND, LONGEST_S),
+    run_down_s: Range::between(MILLISECOND, LONGEST_S),
+});
+
 impl TurnSpec {
     /// Checks the numbers that are given.
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the key.
     pub fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
         let run_up = self.straight_s.map_or(1.0, |straight| (-2.0 * straight).clamp(1.0, LONGEST_S));
         self.settle([1.0, run_up, 0.0, 1.0, 1.0]).map(drop)
     }
@@ -91,20 +108,37 @@ impl TurnSpec {
     /// # Errors
     /// [`Error::Invalid`] naming the key.
     pub fn settle(&self, choice: [f64; 5]) -> Result<Turn, Error> {
-        let whole_ms = |s: f64| (s * 1e3).round() * 1e-3;
-        let turn = Turn {
+        let ms = |given: Option<f64>, chosen: f64| Some((given.unwrap_or(chosen) * 1e3).round() * 1e-3);
+        let [radius, run_up, straight, roll_in, run_down] = choice;
+        let settled = Self {
+            radius_m: self.radius_m.or(Some(radius)),
+            run_up_s: ms(self.run_up_s, run_up),
+            straight_s: ms(self.straight_s, straight),
+            roll_in_s: ms(self.roll_in_s, roll_in),
+            measured_s: (self.measured_s * 1e3).round() * 1e-3,
+            run_down_s: ms(self.run_down_s, run_down),
+            ..*self
+        };
+        settled.in_range()?;
+        let turn = settled.turn(choice);
+        between("straight_s", turn.straight, -0.5 * turn.run_up, LONGEST_S)
+            .map_err(|e| e.against(["run_up_s"]))?;
+        Ok(turn)
+    }
+
+    /// The turn in SI units, with `choice` for what is not given.
+    fn turn(&self, [radius, run_up, straight, roll_in, run_down]: [f64; 5]) -> Turn {
+        Turn {
             speed: self.speed_m_s,
             roll: self.roll_deg.to_radians(),
             pitch: self.pitch_deg.to_radians(),
-            radius: self.radius_m.unwrap_or(choice[0]),
-            run_up: whole_ms(self.run_up_s.unwrap_or(choice[1])),
-            straight: whole_ms(self.straight_s.unwrap_or(choice[2])),
-            roll_in: whole_ms(self.roll_in_s.unwrap_or(choice[3])),
-            measured: whole_ms(self.measured_s),
-            run_down: whole_ms(self.run_down_s.unwrap_or(choice[4])),
-        };
-        turn.check()?;
-        Ok(turn)
+            radius: self.radius_m.unwrap_or(radius),
+            run_up: self.run_up_s.unwrap_or(run_up),
+            straight: self.straight_s.unwrap_or(straight),
+            roll_in: self.roll_in_s.unwrap_or(roll_in),
+            measured: self.measured_s,
+            run_down: self.run_down_s.unwrap_or(run_down),
+        }
     }
 
     /// What the file settles, in the order of the planner's search: centre x and y,
@@ -112,28 +146,6 @@ impl TurnSpec {
     pub(super) fn given(&self) -> [Option<f64>; 8] {
         let [x, y] = self.centre_m.map_or([None; 2], |c| c.map(Some));
         [x, y, self.height_m, self.radius_m, self.run_up_s, self.straight_s, self.roll_in_s, self.run_down_s]
-    }
-}
-
-impl Turn {
-    fn check(&self) -> Result<(), Error> {
-        let check = |key: &str, value: f64, good: bool, allowed: &str| {
-            if good { Ok(()) } else { Err(Error::invalid(key, value, allowed)) }
-        };
-        positive("speed_m_s", self.speed)?;
-        positive("radius_m", self.radius)?;
-        let times = [
-            ("run_up_s", self.run_up),
-            ("roll_in_s", self.roll_in),
-            ("measured_s", self.measured),
-            ("run_down_s", self.run_down),
-        ];
-        times.iter().try_for_each(|(key, time)| between(key, *time, MILLISECOND, LONGEST_S))?;
-        between("straight_s", self.straight, -0.5 * self.run_up, LONGEST_S)
-            .map_err(|e| e.against(["run_up_s"]))?;
-        let tilt = |key: &str, rad: f64| check(key, rad.to_degrees(), rad.abs() <= 1.05, "-60 to 60");
-        tilt("roll_deg", self.roll)?;
-        tilt("pitch_deg", self.pitch)
     }
 }
 

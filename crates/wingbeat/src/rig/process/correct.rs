@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::math::{GRAVITY, Jet, Quat, Vec3, Wrench};
 use crate::plant::{Fault, Plant};
+use crate::range::{Range, ranges};
 use crate::rig::arm::{MAX_JOINTS, SerialArm};
 use crate::rig::carrier::{Carrier, Mount, carried_frames};
 use crate::rig::cell::{CHANNELS, six, wrench};
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 /// Which corrections are made; each can be left out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct Steps {
     /// Take the offset of the rest before the run away.
@@ -31,6 +33,8 @@ pub struct Steps {
     /// Cut-off of the zero-phase filter in multiples of the flapping frequency; 0 leaves it out.
     pub cutoff_multiple: f64,
 }
+
+ranges!(Steps { cutoff_multiple: Range::NOT_NEGATIVE });
 
 impl Default for Steps {
     fn default() -> Self {

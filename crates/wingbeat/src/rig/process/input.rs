@@ -1,7 +1,7 @@
 //! Which columns of a measured file are which.
 
 use crate::Error;
-use crate::require;
+use crate::range::{Range, ranges};
 use crate::rig::netft::COUNTS_PER_UNIT;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 /// How a measured file is to be read; what it says itself need not be given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct InputSpec {
     /// Names of columns or datasets that differ: `Fz = "force_up"`. Channels are t,
@@ -31,22 +32,19 @@ pub struct InputSpec {
     pub bridge_samples: usize,
 }
 
+ranges!(InputSpec {
+    counts_per_newton: Range::between(COUNTS_PER_UNIT[0], COUNTS_PER_UNIT[1]),
+    counts_per_newton_metre: Range::between(COUNTS_PER_UNIT[0], COUNTS_PER_UNIT[1]),
+    rate_hz: Range::POSITIVE,
+});
+
 impl InputSpec {
     /// Checks the numbers.
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the key.
     pub fn check(&self) -> Result<(), Error> {
-        let [low, high] = COUNTS_PER_UNIT;
-        let counts = [
-            ("counts_per_newton", self.counts_per_newton),
-            ("counts_per_newton_metre", self.counts_per_newton_metre),
-        ];
-        let each = |(key, value): &(&str, Option<f64>)| {
-            value.map_or(Ok(()), |value| require::between(key, value, low, high))
-        };
-        counts.iter().try_for_each(each)?;
-        self.rate_hz.map_or(Ok(()), |rate| require::positive("rate_hz", rate))
+        self.in_range()
     }
 }
 

@@ -190,6 +190,17 @@ impl Document {
         Ok(self.parse::<toml::Table>()?.to_string())
     }
 
+    /// True when overrides change nothing of the merged document but what stands at `keys`.
+    pub fn overridden_only_at(&self, keys: &[&str]) -> bool {
+        let written = Self { sources: self.sources.as_written(), overrides: Vec::new() };
+        let besides = |document: &Self| {
+            let mut table = document.parse::<toml::Table>().ok()?;
+            keys.iter().for_each(|key| tree::remove(&mut table, &tree::steps(key)));
+            Some(table)
+        };
+        besides(self) == besides(&written)
+    }
+
     /// The files read: the first one and those it names.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.sources.files()

@@ -122,6 +122,12 @@ impl Sources {
         Ok(tree::taken(root, &self.root))
     }
 
+    /// The same without overrides.
+    pub fn as_written(&self) -> Self {
+        let written = |source: &&Source| !matches!(source.origin, Origin::Override);
+        Self { texts: self.texts.iter().filter(written).cloned().collect(), root: self.root.clone() }
+    }
+
     /// The same texts, of which only what lies at `steps` is looked at.
     pub fn part(&self, steps: &[String]) -> Self {
         let root = self.root.iter().chain(steps).cloned().collect();

@@ -103,6 +103,19 @@ pub fn assign<'i>(
     }
 }
 
+/// Takes what stands at `steps` out of the tables.
+pub fn remove(table: &mut toml::Table, steps: &[String]) {
+    match steps {
+        [] => {}
+        [key] => drop(table.remove(key)),
+        [key, rest @ ..] => {
+            if let Some(inner) = table.get_mut(key).and_then(toml::Value::as_table_mut) {
+                remove(inner, rest);
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

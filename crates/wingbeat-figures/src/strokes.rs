@@ -1,0 +1,135 @@
+//! Broken lines as strokes of their own: the backends of kuva disagree on a pattern of strokes and gaps.
+
+use kuva::render::color::Color;
+use kuva::render::render::{PathData, Primitive, Scene};
+
+use crate::style;
+
+/// Shortest pattern, px: a shorter one is a whole line.
+const SHORTEST: f64 = 0.5;
+/// Most strokes of a line, which is whole where it would take more.
+const MOST: f64 = 20_000.0;
+
+type Point = (f64, f64);
+
+/// Every broken line of the scene as one path of its strokes.
+pub fn cut(mut scene: Scene) -> Scene {
+    scene.elements = scene.elements.into_iter().map(one).collect();
+    scene
+}
+
+fn one(element: Primitive) -> Primitive {
+    match element {
+        Primitive::Line { x1, y1, x2, y2, stroke, stroke_width, stroke_dasharray: Some(dashes) } => {
+            path(&[(x1, y1), (x2, y2)], &dashes, stroke, stroke_width)
+        }
+        Primitive::PolyLine { points, stroke, stroke_width, stroke_dasharray: Some(dashes) } => {
+            path(&points, &dashes, stroke, stroke_width)
+        }
+        other => other,
+    }
+}
+
+fn path(points: &[Point], dashes: &str, stroke: Color, stroke_width: f64) -> Primitive {
+    // A broad line keeps its gaps open.
+    let broad = (stroke_width / style::CURVE).max(1.0);
+    let pattern: Vec<f64> = lengths(dashes).iter().map(|length| broad * length).collect();
+    let d = strokes(points, &pattern).iter().map(|stroke| text(stroke)).collect();
+    Primitive::Path(Box::new(PathData {
+        d,
+        fill: None,
+        stroke,
+        stroke_width,
+        opacity: None,
+        stroke_dasharray: None,
+    }))
+}
+
+/// Strokes and gaps of an SVG pattern, px; an odd number of them is taken twice.
+fn lengths(dashes: &str) -> Vec<f64> {
+    let once: Vec<f64> = dashes.split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
+    if once.len() % 2 == 1 { once.repeat(2) } else { once }
+}
+
+/// The strokes of a broken line through `points`; the pattern runs on from point to point.
+fn strokes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
+    let finite = |point: &Point| point.0.is_finite() && point.1.is_finite();
+    let points: Vec<Point> = points.iter().copied().filter(finite).collect();
+    let Some(first) = points.first() else { return Vec::new() };
+    let period: f64 = pattern.iter().sum();
+    let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+    if period < SHORTEST || length / period > MOST {
+        return vec![points];
+    }
+    let (mut all, mut stroke) = (Vec::new(), vec![*first]);
+    let (mut part, mut left) = (0, pattern[0]);
+    for pair in points.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (length, mut done) = (distance(from, to), 0.0);
+        while done + left < length {
+            done += left;
+            let share = done / length;
+            let turn = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+            stroke.push(turn);
+            if part % 2 == 0 {
+                all.push(std::mem::take(&mut stroke));
+            }
+            part = (part + 1) % pattern.len();
+            left = pattern[part];
+            stroke = vec![turn];
+        }
+        left -= length - done;
+        stroke.push(to);
+    }
+    if part % 2 == 0 {
+        all.push(stroke);
+    }
+    all
+}
+
+fn distance(a: Point, b: Point) -> f64 {
+    (b.0 - a.0).hypot(b.1 - a.1)
+}
+
+fn text(stroke: &[Point]) -> String {
+    let point = |(x, y): &Point| format!("{x:.2} {y:.2}");
+    format!("M{}", stroke.iter().map(point).collect::<Vec<_>>().join("L"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(stroke: &[Point]) -> f64 {
+        stroke.windows(2).map(|pair| distance(pair[0], pair[1])).sum()
+    }
+
+    #[test]
+    fn the_pattern_runs_on_over_short_pieces() {
+        let points: Vec<Point> = (0..=1000).map(|k| (0.1 * f64::from(k), 0.0)).collect();
+        let cut = strokes(&points, &lengths("10 3 2 3"));
+        assert_eq!(cut.len(), 12);
+        for (k, stroke) in cut[..10].iter().enumerate() {
+            let wanted = if k % 2 == 0 { (9.0 * k as f64, 10.0) } else { (9.0 * k as f64 + 4.0, 2.0) };
+            assert!((stroke[0].0 - wanted.0).abs() < 1e-9 && (length(stroke) - wanted.1).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn corners_and_long_pieces_keep_the_pattern() {
+        let cut = strokes(&[(0.0, 0.0), (10.0, 0.0), (10.0, 30.0)], &lengths("8 4"));
+        assert_eq!(cut.len(), 4);
+        assert_eq!(cut[1], [(10.0, 2.0), (10.0, 10.0)]);
+        assert_eq!(strokes(&[(0.0, 0.0), (9.0, 0.0)], &lengths("5")).len(), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_broken_is_whole() {
+        let points = [(0.0, 0.0), (5.0, 0.0)];
+        assert_eq!(strokes(&points, &lengths("0 0")), [points.to_vec()]);
+        assert_eq!(strokes(&points, &lengths("")), [points.to_vec()]);
+        assert!(strokes(&[(f64::NAN, 0.0)], &lengths("2 2")).is_empty());
+        let far = [(0.0, 0.0), (1e9, 0.0)];
+        assert_eq!(strokes(&far, &lengths("2 2")), [far.to_vec()]);
+    }
+}

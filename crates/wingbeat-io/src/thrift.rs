@@ -1,0 +1,195 @@
+//! Bounds on what a Parquet file asks of its decoder.
+//!
+//! Footer and page headers are structs of Thrift's compact protocol. The decoder passes over fields that it does not
+//! know; the truth values of a list there take no bytes, so that a few bytes may ask for any number of steps. Here the
+//! structs are passed over by the same rules and refused where they hold more elements than bytes.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+
+/// Most bytes of the header of a page. *Choice*: it holds sizes and the least and largest value.
+const LARGEST_HEADER: u64 = 16 << 10;
+/// Deepest nesting; the decoder stops at 64 below the fields it knows.
+const DEEPEST: usize = 96;
+/// Bytes of the footer's length and the mark behind it.
+const TAIL: u64 = 8;
+/// Field of a page header that holds the length of what follows, bytes.
+const COMPRESSED_SIZE: i64 = 3;
+
+/// Why a struct cannot be passed over.
+#[derive(Debug, PartialEq)]
+enum Stop {
+    /// More elements than bytes.
+    Endless,
+    /// The bytes end, or are no struct: the decoder says so.
+    Broken,
+}
+
+/// Whether the footer of `file` can be decoded in time that its length bounds.
+pub fn footer_ends(file: &mut File) -> io::Result<bool> {
+    let size = file.metadata()?.len();
+    let Some(tail) = size.checked_sub(TAIL) else { return Ok(true) };
+    let mut length = [0; 4];
+    file.seek(SeekFrom::Start(tail))?;
+    file.read_exact(&mut length)?;
+    let Some(start) = tail.checked_sub(u64::from(u32::from_le_bytes(length))) else { return Ok(true) };
+    let bytes = part(file, start, tail - start)?;
+    Ok(Walk::new(&bytes).header() != Err(Stop::Endless))
+}
+
+/// Whether the headers of the pages in `length` bytes of `file` from `start` on can be.
+pub fn pages_end(file: &mut File, start: u64, length: u64) -> io::Result<bool> {
+    let (mut at, end) = (start, start.saturating_add(length));
+    while at < end {
+        let bytes = part(file, at, LARGEST_HEADER.min(end - at))?;
+        let mut walk = Walk::new(&bytes);
+        match walk.header() {
+            Err(Stop::Endless) => return Ok(false),
+            Err(Stop::Broken) => return Ok(bytes.len() as u64 == end - at),
+            Ok(data) => at += (bytes.len() - walk.bytes.len()) as u64 + data,
+        }
+    }
+    Ok(true)
+}
+
+fn part(file: &mut File, start: u64, length: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.seek(SeekFrom::Start(start))?;
+    file.take(length).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// What is left to be passed over.
+struct Walk<'a> {
+    bytes: &'a [u8],
+    /// Elements of lists, sets and maps that may still come.
+    elements: u64,
+}
+
+impl<'a> Walk<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, elements: bytes.len() as u64 }
+    }
+
+    /// Passes over a struct; the number in its field [`COMPRESSED_SIZE`], 0 without one.
+    fn header(&mut self) -> Result<u64, Stop> {
+        let (mut field, mut size) = (0, 0);
+        loop {
+            let (delta, kind) = nibbles(self.byte()?);
+            field = if delta > 0 { field + i64::from(delta) } else { field };
+            match (kind, delta) {
+                (0, _) => return Ok(size),
+                (_, 0) => field = self.signed()?,
+                _ => {}
+            }
+            match (kind, field) {
+                (5, COMPRESSED_SIZE) => size = u64::try_from(self.signed()?).map_err(|_| Stop::Broken)?,
+                _ => self.skip(kind, DEEPEST)?,
+            }
+        }
+    }
+
+    fn skip(&mut self, kind: u8, depth: usize) -> Result<(), Stop> {
+        let depth = depth.checked_sub(1).ok_or(Stop::Broken)?;
+        match kind {
+            1 | 2 => Ok(()),
+            3 => self.byte().map(drop),
+            4..=6 => self.number().map(drop),
+            7 => self.pass(8),
+            8 => self.number().and_then(|length| self.pass(length)),
+            9 | 10 => {
+                let (short, element) = nibbles(self.byte()?);
+                let count = if short == 15 { self.number()? } else { u64::from(short) };
+                self.each(count, &[element], depth)
+            }
+            11 => {
+                let count = self.number()?;
+                let (key, value) = if count > 0 { nibbles(self.byte()?) } else { (0, 0) };
+                self.each(count, &[key, value], depth)
+            }
+            12 => loop {
+                let (delta, kind) = nibbles(self.byte()?);
+                if kind == 0 {
+                    return Ok(());
+                }
+                if delta == 0 {
+                    self.number()?;
+                }
+                self.skip(kind, depth)?;
+            },
+            13 => self.pass(16),
+            _ => Err(Stop::Broken),
+        }
+    }
+
+    /// Passes over `count` elements of `kinds` each.
+    fn each(&mut self, count: u64, kinds: &[u8], depth: usize) -> Result<(), Stop> {
+        self.elements = self.elements.checked_sub(count).ok_or(Stop::Endless)?;
+        (0..count).try_for_each(|_| kinds.iter().try_for_each(|kind| self.skip(*kind, depth)))
+    }
+
+    fn byte(&mut self) -> Result<u8, Stop> {
+        let (first, rest) = self.bytes.split_first().ok_or(Stop::Broken)?;
+        self.bytes = rest;
+        Ok(*first)
+    }
+
+    fn pass(&mut self, length: u64) -> Result<(), Stop> {
+        let length = usize::try_from(length).map_err(|_| Stop::Broken)?;
+        self.bytes = self.bytes.get(length..).ok_or(Stop::Broken)?;
+        Ok(())
+    }
+
+    /// Seven bits a byte, the lowest first.
+    fn number(&mut self) -> Result<u64, Stop> {
+        let mut number = 0;
+        for shift in (0..64).step_by(7) {
+            let byte = self.byte()?;
+            number |= u64::from(byte & 0x7f) << shift;
+            if byte < 0x80 {
+                return Ok(number);
+            }
+        }
+        Err(Stop::Broken)
+    }
+
+    /// A number whose lowest bit is its sign.
+    fn signed(&mut self) -> Result<i64, Stop> {
+        let number = self.number()?;
+        Ok((number >> 1) as i64 ^ -((number & 1) as i64))
+    }
+}
+
+fn nibbles(byte: u8) -> (u8, u8) {
+    (byte >> 4, byte & 15)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_header_says_how_long_its_page_is() {
+        // Fields 1 (i32, 0), 2 (i32, 100), 3 (i32, 300), 5 (struct with an i64), stop; then the page.
+        let bytes = [0x15, 0, 0x15, 200, 1, 0x15, 216, 4, 0x2c, 0x16, 2, 0, 0, 99];
+        let mut walk = Walk::new(&bytes);
+        assert_eq!((walk.header(), walk.bytes), (Ok(300), &[99][..]));
+    }
+
+    #[test]
+    fn lists_of_more_than_there_is_are_refused() {
+        // Field 1: a list of 2^31 - 1 truth values, of bytes, a map, a list of such lists.
+        assert_eq!(Walk::new(&[0x19, 0xf1, 255, 255, 255, 255, 7, 0]).header(), Err(Stop::Endless));
+        assert_eq!(Walk::new(&[0x19, 0xf3, 255, 255, 255, 255, 7, 0]).header(), Err(Stop::Endless));
+        assert_eq!(Walk::new(&[0x1b, 255, 255, 255, 255, 7, 0x11, 0]).header(), Err(Stop::Endless));
+        assert_eq!(Walk::new(&[0x19, 0x29, 0xa1, 0xa1, 0, 0, 0, 0]).header(), Err(Stop::Endless));
+        assert_eq!(Walk::new(&[0x19, 0x31, 0]).header(), Ok(0));
+    }
+
+    #[test]
+    fn what_is_broken_is_left_to_the_decoder() {
+        for bytes in [&[][..], &[0x15], &[0x18, 200, 1], &[0x1e], &[0x19, 0x1c], &[0x1c; 4096]] {
+            assert_eq!(Walk::new(bytes).header(), Err(Stop::Broken), "{bytes:?}");
+        }
+    }
+}
