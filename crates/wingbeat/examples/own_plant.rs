@@ -74,6 +74,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         input_rate_per_s: BTreeMap::new(),
         deadline_s: None,
         clearance_m: 0.0,
+        clearance_width_m: 1e-3,
         weights: Weights {
             roll: 1.0,
             pitch: 1.0,

@@ -45,6 +45,9 @@ pub struct MpcSpec {
     /// Clearance below which the soft limit `weights.clearance` counts, m.
     #[serde(default)]
     pub clearance_m: f64,
+    /// Width over which that limit is rounded off, m: within it the limit is felt already.
+    #[serde(default = "clearance_width")]
+    pub clearance_width_m: f64,
     /// Weights.
     pub weights: Weights,
 }
@@ -72,6 +75,11 @@ pub struct Weights {
     /// Factor on the state residuals of the last node: the terminal cost.
     #[serde(default = "one")]
     pub terminal: f64,
+}
+
+/// *Choice.*
+fn clearance_width() -> f64 {
+    1e-3
 }
 
 fn one() -> f64 {
@@ -102,6 +110,7 @@ ranges!(MpcSpec {
     interval_s: Range::POSITIVE,
     iterations: Range::between(1.0, MAX_INTERVALS as f64),
     deadline_s: Range::POSITIVE,
+    clearance_width_m: Range::POSITIVE,
 });
 ranges!(Weights {
     roll: Range::NOT_NEGATIVE,
@@ -147,8 +156,6 @@ impl MpcSpec {
 
 /// Most clearances of a plant that a controller may watch.
 const MAX_CLEARANCES: usize = 16;
-/// Shortfall of a clearance below which the soft limit is rounded off, m.
-const SHORTFALL_WIDTH: f64 = 1e-3;
 
 /// The paper's cost J = sum (z - z_ref)' C (z - z_ref), z = [roll, pitch, w],
 /// on the nodes after the first, with a small cost on the inputs at all nodes; and the soft limits of the clearances.
@@ -166,8 +173,9 @@ pub struct AttitudeTracking<'a, P: Plant> {
     rate_limits: Vec<f64>,
     /// Number of clearances with a soft limit.
     clearances: usize,
-    /// Their limit, m.
+    /// Their limit, and the width over which it is rounded off, m.
     clearance: f64,
+    clearance_width: f64,
     /// The last node.
     last: usize,
 }
@@ -192,6 +200,7 @@ impl<'a, P: Plant> AttitudeTracking<'a, P> {
             rate_limits: spec.rate_limits(inputs)?,
             clearances: soft_limits(plant, spec)?,
             clearance: spec.clearance_m,
+            clearance_width: spec.clearance_width_m,
             last: spec.intervals,
             chart,
         })
@@ -208,7 +217,7 @@ impl<'a, P: Plant> AttitudeTracking<'a, P> {
             return r.fill(S::ZERO);
         }
         for (r, c) in r.iter_mut().zip(clearances) {
-            *r = (-*c + self.clearance).smooth_positive(SHORTFALL_WIDTH) * self.weights.clearance;
+            *r = (-*c + self.clearance).smooth_positive(self.clearance_width) * self.weights.clearance;
         }
     }
 }
@@ -475,6 +484,7 @@ mod tests {
             input_rate_per_s: BTreeMap::new(),
             deadline_s: None,
             clearance_m: 0.015,
+            clearance_width_m: 1e-3,
             weights,
         }
     }

@@ -17,7 +17,7 @@ pub(super) const LAW: Law = Law {
     meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
     parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: &[StripState { name: "vortex", unit: "m2/s2" }, StripState { name: "separated", unit: "" }],
-    attachment: Attachment::Lagging(1),
+    attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
     edge_vortex: true,
     beyond_stall: None,
 };
@@ -57,23 +57,12 @@ pub(in crate::aero) fn edge<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
     Edge { held, lost: suction * (S::ONE - held) * side }
 }
 
-/// Rates of the states [vortex, separated] of a strip: v' = V (lost - v)/(tau_v c),
-/// s' = V (s_0 - s)/(tau_s c), s_0 the static share at the squared sine of the effective incidence.
+/// Rate of the vortex of a strip: v' = V (lost - v)/(tau_v c).
 ///
-/// Equation: aero.lev.lags
+/// Equation: aero.lev.vortex
 #[inline]
-pub(in crate::aero) fn rates<P: Scalar, G: Scalar, S: Over<G> + Meets<P>>(
-    polar: &Polar<P>,
-    [vortex, separated]: [S; 2],
-    lost: S,
-    sine_squared: S,
-    chords_per_second: G,
-) -> [S; 2] {
-    let still = S::ONE - polar.attached_share(sine_squared);
-    [
-        (lost - vortex) * (chords_per_second * (1.0 / VORTEX_CHORDS)),
-        (still - separated) * (chords_per_second * (1.0 / SEPARATION_CHORDS)),
-    ]
+pub(in crate::aero) fn vortex_rate<G: Scalar, S: Over<G>>(vortex: S, lost: S, chords_per_second: G) -> S {
+    (lost - vortex) * (chords_per_second * (1.0 / VORTEX_CHORDS))
 }
 
 #[cfg(test)]
@@ -117,9 +106,10 @@ mod tests {
     #[test]
     fn states_follow_in_their_chords_of_travel() {
         let polar = polar();
-        let [vortex, separated] = rates(&polar, [0.0, 0.0], 2.0, 1.0, 5.0);
         let still = 1.0 - polar.attached_share(1.0);
-        assert!((vortex - 10.0).abs() < 1e-12 && (separated - still * 5.0 / 8.0).abs() < 1e-12);
-        assert_eq!(rates(&polar, [2.0, still], 2.0, 1.0, 5.0), [0.0, 0.0]);
+        let separated = |now: f64| polar.separation_rate(now, 1.0, 5.0, SEPARATION_CHORDS);
+        assert!((vortex_rate(0.0, 2.0, 5.0) - 10.0).abs() < 1e-12);
+        assert!((separated(0.0) - still * 5.0 / 8.0).abs() < 1e-12);
+        assert_eq!((vortex_rate(2.0, 2.0, 5.0), separated(still)), (0.0, 0.0));
     }
 }

@@ -13,7 +13,7 @@ pub use drag::ProfileDrag;
 
 use crate::Error;
 use crate::aero::SurfaceNumbers;
-use crate::math::{Meets, Scalar};
+use crate::math::{Meets, Over, Scalar};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// What becomes of the attached lift as the incidence grows.
@@ -52,21 +52,27 @@ pub struct Law {
     /// Which share of the lift stays attached.
     pub attachment: Attachment,
     /// True when the leading edge holds limited suction and sheds a vortex, whose normal force is the first of the
-    /// states, the second the separated share.
+    /// states.
     pub edge_vortex: bool,
     /// What to say of strips past the stall angle; nothing of a law made for them.
     pub beyond_stall: Option<&'static str>,
 }
 
 /// How a law tells the share of the lift that stays attached.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attachment {
     /// All of it.
     Whole,
     /// By the incidence of the moment.
     AtOnce,
-    /// One less this state of the strip.
-    Lagging(usize),
+    /// One less a state of the strip, the separated share, which follows what [`AtOnce`](Self::AtOnce) would
+    /// separate.
+    Lagging {
+        /// Which of the law's states.
+        state: usize,
+        /// Chords of travel in which it follows.
+        chords: f64,
+    },
 }
 
 /// A number of the section that a law asks for.
@@ -265,6 +271,22 @@ impl<P: Scalar> Polar<P> {
     #[inline]
     pub fn map<Q>(&self, f: impl Fn(P) -> Q) -> Polar<Q> {
         Polar { law: self.law, separation: f(self.separation), inverse_limit: f(self.inverse_limit) }
+    }
+
+    /// Rate of the separated share, s' = V (s_0 - s)/(tau_s c), s_0 the static share at the squared sine of the
+    /// effective incidence and tau_s `chords`.
+    ///
+    /// Equation: aero.separation_lag
+    #[inline]
+    pub fn separation_rate<G: Scalar, S: Over<G> + Meets<P>>(
+        &self,
+        separated: S,
+        sine_squared: S,
+        chords_per_second: G,
+        chords: f64,
+    ) -> S {
+        let still = S::ONE - self.attached_share(sine_squared);
+        (still - separated) * (chords_per_second * chords.recip())
     }
 
     /// Share of the lift that stays attached, or would if the flow had time, from the squared sine of the

@@ -360,7 +360,7 @@ impl<P: Scalar> LiftingLine<P> {
         let sine = effective * inverse;
         let law = set.law.about();
         let attached = match law.attachment {
-            Attachment::Lagging(state) => S::ONE - x[(3 + state) * self.strips() + i],
+            Attachment::Lagging { state, .. } => S::ONE - x[(3 + state) * self.strips() + i],
             Attachment::Whole | Attachment::AtOnce => self.polar.attached_share(sine * sine),
         };
         dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
@@ -385,6 +385,11 @@ impl<P: Scalar> LiftingLine<P> {
             vortex: S::ZERO,
             carried: G::ZERO,
         };
+        if let Attachment::Lagging { state, chords } = law.attachment {
+            let at = (3 + state) * self.strips() + i;
+            let rate = speed * self.nodes[i].inverse_chord;
+            dx[at] = self.polar.separation_rate(x[at], sine * sine, rate, chords);
+        }
         if law.edge_vortex {
             self.advance_edge(i, section, &mut flow, x, dx);
         }
@@ -409,11 +414,8 @@ impl<P: Scalar> LiftingLine<P> {
         let wash = flow.effective - turn;
         let suction = wash.squared() * suction_share(cosine) * self.section_slope;
         flow.edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
-        let [vortex, separated] = [3 * m + i, 4 * m + i];
-        let sine2 = (flow.effective * flow.inverse).squared();
-        let rate = flow.speed * node.inverse_chord;
-        [dx[vortex], dx[separated]] =
-            lev::rates(&self.polar, [x[vortex], x[separated]], flow.edge.lost, sine2, rate);
+        let (vortex, rate) = (3 * m + i, flow.speed * node.inverse_chord);
+        dx[vortex] = lev::vortex_rate(x[vortex], flow.edge.lost, rate);
         flow.vortex = x[vortex] * flow.attached * node.drag;
         if set.pitch_suction && set.added_mass {
             flow.carried = section.w_half * section.pitch_rate * node.mass;

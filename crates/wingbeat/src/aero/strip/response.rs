@@ -119,7 +119,7 @@ impl<P: Scalar> StripModel<P> {
                 let held = |speed: G| Dual::<1, S>::constant(S::from(speed));
                 self.attached(&polar, held(strips.along[i]), held(strips.wash[i]), state).eps[0]
             }),
-            Attachment::Lagging(state) => self.law_column(dx, state).map(|rate| -rate),
+            Attachment::Lagging { state, .. } => self.law_column(dx, state).map(|rate| -rate),
         };
         let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
         for i in 0..N {
@@ -142,7 +142,9 @@ impl<P: Scalar> StripModel<P> {
             Attachment::AtOnce => std::array::from_fn(|i| {
                 self.attached(&self.polar, strips.along[i], strips.wash[i], |k| x[k * n + i.min(n - 1)])
             }),
-            Attachment::Lagging(state) => self.law_column(x, state).map(|separated| S::ONE - separated),
+            Attachment::Lagging { state, .. } => {
+                self.law_column(x, state).map(|separated| S::ONE - separated)
+            }
         }
     }
 
@@ -232,12 +234,12 @@ impl<P: Scalar> StripModel<P> {
         }
         let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
         let turning_wash = self.turning_wash(flow, foreign, &sums, &lift_wash);
-        let edges = self
-            .settings
-            .law
-            .about()
-            .edge_vortex
-            .then(|| self.advance_edges(&flow.strips, [&lift_wash, &turning_wash], x, dx));
+        let law = self.settings.law.about();
+        if let Attachment::Lagging { state, chords } = law.attachment {
+            self.advance_separation(&flow.strips, &lift_wash, (state, chords), x, dx);
+        }
+        let edges =
+            law.edge_vortex.then(|| self.advance_edges(&flow.strips, [&lift_wash, &turning_wash], x, dx));
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
@@ -288,7 +290,7 @@ impl<P: Scalar> StripModel<P> {
         lift_wash
     }
 
-    /// Rates of the states of law `lev`, and what the leading edges do. The linear suction over rho c dy / 2 is
+    /// Rates of the leading edges' vortices, and what the edges do. The linear suction over rho c dy / 2 is
     /// a0 cos L [lw W - b q lw + (b q/2)^2], the wash at the edge lw - b q/2; in reversed flow there is none.
     ///
     /// Equation: aero.strip.edge_suction
@@ -314,12 +316,30 @@ impl<P: Scalar> StripModel<P> {
             let suction = square * forward * self.tables.edge_slope[i];
             let edge = lev::edge(&self.polar, suction, lw - turn, speed.squared(), self.floor);
             edges.held[i] = edge.held;
-            let states = [edges.vortex[i], x[at + n + i]];
             let rate = speed * (0.5 * self.tables.turnover[i]);
-            [dx[at + i], dx[at + n + i]] =
-                lev::rates(&self.polar, states, edge.lost, lw.squared() / wind2, rate);
+            dx[at + i] = lev::vortex_rate(edges.vortex[i], edge.lost, rate);
         }
         edges
+    }
+
+    /// Rates of the separated shares, the `state` of the law that follows in so many `chords` of travel the incidence
+    /// of the lift wash.
+    fn advance_separation<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        lift_wash: &Column<S, N>,
+        (state, chords): (usize, f64),
+        x: &[S],
+        dx: &mut [S],
+    ) {
+        let (n, delta2) = (self.settings.strips, self.floor * self.floor);
+        let at = self.law_states() + state * n;
+        for i in 0..n {
+            let lw2 = lift_wash[i].squared();
+            let sine2 = lw2 / (lw2 + (strips.along[i].squared() + delta2));
+            let rate = strips.speed[i] * (0.5 * self.tables.turnover[i]);
+            dx[at + i] = self.polar.separation_rate(x[at + i], sine2, rate, chords);
+        }
     }
 
     /// W = lw + (T - R)(2/3 Y + 1/3 Gamma): the wash that turns the force takes the trailing
