@@ -7,6 +7,7 @@ mod glider;
 
 use flown::{Flown, fly, scenario, shipped};
 use std::f64::consts::FRAC_PI_2;
+use wingbeat::plant::Plant;
 
 /// Two pairs in antiphase: what one lifts the other lowers, so that the robot nods where pairs in phase heave.
 #[test]
@@ -260,4 +261,16 @@ fn an_elastic_twist_hinge_gives_way_under_the_air() {
         flown.assert_symmetric();
         flown.assert_momentum_balance(0.05, 0.45);
     }
+}
+
+/// A surface has its own model and law; what it does not say the scenario says.
+#[test]
+fn a_tail_flies_another_model_and_law_than_the_wing() {
+    let asked = ["flight.duration_s=0.2", "robot.surfaces[1].preset=paper", "robot.surfaces[1].law=lev"];
+    let flown = fly(shipped("glider", &asked.map(String::from)));
+    assert_eq!(flown.run.summary.aero_preset, "wing full, tail paper, fin full");
+    assert_eq!(flown.run.summary.lift_law, "wing linear, tail lev, fin linear");
+    let states: Vec<&str> = flown.scenario.robot().states().iter().map(|c| c.name.as_str()).collect();
+    assert!(states.contains(&"tail_vortex_0") && states.contains(&"tail_circulation_0"), "{states:?}");
+    assert!(states.contains(&"wash_lag1_0") && !states.contains(&"vortex_0"), "{states:?}");
 }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use wingbeat::aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings,
 };
-use wingbeat::math::{Quat, Vec3};
+use wingbeat::math::{Dual, Quat, Vec3};
 use wingbeat::plant::{Linearisation, LocalChart, Plant};
 use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
 use wingbeat::simulate::{Held, Moment, Observed, Stepper};
@@ -123,5 +123,44 @@ fn derivatives_are_exact(robot: &Robot) {
             let scale = 1.0 + exact.a[i * n + j].abs() + exact.f[i].abs() * 1e-3;
             assert!((exact.a[i * n + j] - difference).abs() < 2e-5 * scale, "row {i} column {j}");
         }
+    }
+}
+
+#[test]
+fn numbers_of_a_mirrored_pair_share_a_name() {
+    let robot = robot("aerobat_paper", 1.2);
+    let heavier = robot.adjusted(&[("links.twist.mass_kg", 0.005), ("links.twist.com_m[1]", 0.06)]).unwrap();
+    assert!((heavier.mass() - 0.022).abs() < 1e-12);
+    let value = |name: &str| heavier.named_numbers().into_iter().find(|(n, _)| n == name).unwrap().1;
+    assert_eq!((value("links.twist_left.com_m[1]"), value("links.twist_right.com_m[1]")), (0.06, -0.06));
+
+    // A symmetric state stays so; the mass of the whole grows by both.
+    let varied =
+        robot.varied(["links.twist.mass_kg", "links.twist_left.mass_kg", "surfaces.wing.cd0"]).unwrap();
+    let mass: Vec<f64> = varied
+        .numbers()
+        .bodies
+        .iter()
+        .fold(vec![0.0; 3], |sum, body| sum.iter().zip(body.mass.eps).map(|(s, e)| s + e).collect());
+    assert_eq!(mass, [2.0, 1.0, 0.0]);
+
+    let text = robot.varied(["links.hand.mass_kg"]).map(|_| ()).unwrap_err().to_string();
+    assert!(text.contains("links.hand.mass_kg") && text.contains("links.twist_left.mass_kg"), "{text}");
+}
+
+#[test]
+fn varied_numbers_leave_the_values_alone() {
+    for robot in [robot("aerobat_paper", 1.2), robot_of_strips("aerobat_paper", LiftLaw::Lev)] {
+        let varied = robot.varied(["surfaces.wing.critical_suction", "air.density_kg_m3"]).unwrap();
+        let x = flying(&robot, 0.3);
+        let (u, mut plain) = (vec![0.1; robot.inputs().len()], vec![0.0; x.len()]);
+        robot.rates(0.05, &x, &u, &mut plain).unwrap();
+        let lift = |values: &[f64]| values.iter().map(|v| Dual::<2>::constant(*v)).collect::<Vec<_>>();
+        let mut with = lift(&plain);
+        varied.state_rates(Dual::constant(0.05), &lift(&x), &lift(&u), &mut with).unwrap();
+        for (a, b) in with.iter().zip(&plain) {
+            assert!((a.re - b).abs() <= 1e-11 * (1.0 + b.abs()), "{} {b}", a.re);
+        }
+        assert!(with.iter().any(|d| d.eps[1] != 0.0));
     }
 }

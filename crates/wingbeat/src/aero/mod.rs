@@ -68,11 +68,11 @@ pub enum Aero<P: Scalar = f64> {
 }
 
 impl<P: Scalar> Aero<P> {
-    /// The numbers that may carry derivatives, as the settings have them.
-    pub fn numbers(&self) -> SurfaceNumbers {
+    /// The numbers that may carry derivatives.
+    pub fn numbers(&self) -> &SurfaceNumbers<P> {
         match self {
-            Self::LiftingLine(line) => line.settings().numbers(),
-            Self::Strip(model) => model.settings().numbers(),
+            Self::LiftingLine(line) => line.numbers(),
+            Self::Strip(model) => model.numbers(),
         }
     }
     /// The same model with other numbers than its settings say.

@@ -1,5 +1,6 @@
 //! The numbers of a surface that may carry derivatives.
 
+use super::ProfileDrag;
 use crate::math::Scalar;
 
 /// Numbers of a surface's section and of its air. Of type `f64` they are constants; as duals they tell how loads
@@ -21,6 +22,11 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
 }
 
 impl<P: Scalar> SurfaceNumbers<P> {
+    /// Profile drag.
+    pub fn drag(&self) -> ProfileDrag<P> {
+        ProfileDrag { cd0: self.cd0, cd90: self.cd90 }
+    }
+
     /// All of them by name, as [`Robot::numbers`](crate::robot::Robot::numbers) calls them behind the surface's.
     pub fn by_name(&mut self) -> [(&'static str, &mut P); 6] {
         [

@@ -133,13 +133,13 @@ fn share(key: &str, name: &str) -> Option<f64> {
     Some(if side == 1 && name.ends_with("com_m[1]") { -1.0 } else { 1.0 })
 }
 
-impl Robot {
+impl<P: Scalar> Robot<P> {
     /// The numbers that may carry derivatives.
-    pub fn numbers(&self) -> Numbers {
+    pub fn numbers(&self) -> Numbers<P> {
         Numbers {
             bodies: self.mechanism.tree.numbers(),
             springs: self.mechanism.springs().map(|spring| spring.numbers).collect(),
-            surfaces: self.surfaces().map(|(_, aero)| aero.numbers()).collect(),
+            surfaces: self.covering.aero.surfaces().iter().map(|s| *s.aero().numbers()).collect(),
             drag_area: self.drag_area,
             density: self.density,
             phase_rate: self.phase_rate,
@@ -147,7 +147,9 @@ impl Robot {
             motor: self.motor,
         }
     }
+}
 
+impl Robot {
     /// Names and values of the numbers that may carry derivatives: `links.twist_left.mass_kg`,
     /// `surfaces.wing.cd0`, `air.density_kg_m3`. Several numbers may share one name.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {

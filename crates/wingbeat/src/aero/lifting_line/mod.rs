@@ -16,9 +16,7 @@ pub use settings::LiftingLineSettings;
 
 use super::law::{Attachment, Polar, lev};
 use super::section::{Section, SectionForce, ZeroLift, pitch_suction, suction_share};
-use super::{
-    Coupling, Loads, Planform, ProfileDrag, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench,
-};
+use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench};
 use crate::Error;
 use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
@@ -44,8 +42,7 @@ pub struct LiftingLine<P: Scalar = f64> {
     alternating: bool,
     zero_lift: ZeroLift,
     polar: Polar<P>,
-    drag: ProfileDrag<P>,
-    section_slope: P,
+    numbers: SurfaceNumbers<P>,
 }
 
 impl LiftingLine {
@@ -123,8 +120,7 @@ impl LiftingLine {
             alternating: false,
             zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
             polar: Polar::new(settings.law, &numbers),
-            drag: settings.drag,
-            section_slope: numbers.section_slope,
+            numbers,
             settings,
         }
     }
@@ -136,8 +132,7 @@ impl<P: Scalar> LiftingLine<P> {
         LiftingLine {
             nodes: self.cells.iter().map(|cell| Node::new(cell, numbers)).collect(),
             polar: Polar::new(self.settings.law, numbers),
-            drag: ProfileDrag { cd0: numbers.cd0, cd90: numbers.cd90 },
-            section_slope: numbers.section_slope,
+            numbers: *numbers,
             settings: self.settings,
             arcs: self.arcs.clone(),
             widths: self.widths.clone(),
@@ -148,6 +143,10 @@ impl<P: Scalar> LiftingLine<P> {
         }
     }
 
+    /// The numbers in use.
+    pub fn numbers(&self) -> &SurfaceNumbers<P> {
+        &self.numbers
+    }
     /// What it was made of.
     pub fn settings(&self) -> &LiftingLineSettings {
         &self.settings
@@ -183,7 +182,7 @@ impl<P: Scalar> LiftingLine<P> {
 
     /// Lift slope of the section over that of a thin plate.
     fn slope_share(&self) -> P {
-        self.section_slope / (2.0 * PI)
+        self.numbers.section_slope / (2.0 * PI)
     }
 
     /// Wash (m/s, along the normal) that the trailing vorticity of the
@@ -412,7 +411,7 @@ impl<P: Scalar> LiftingLine<P> {
         let turn = if set.pitch_suction { section.pitch_rate * (0.5 * node.half_chord) } else { G::ZERO };
         let cosine = flow.inverse * section.uc;
         let wash = flow.effective - turn;
-        let suction = wash.squared() * suction_share(cosine) * self.section_slope;
+        let suction = wash.squared() * suction_share(cosine) * self.numbers.section_slope;
         flow.edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
         let (vortex, rate) = (3 * m + i, flow.speed * node.inverse_chord);
         dx[vortex] = lev::vortex_rate(x[vortex], flow.edge.lost, rate);
@@ -453,7 +452,7 @@ impl<P: Scalar> LiftingLine<P> {
     ) -> SectionForce<S> {
         let set = &self.settings;
         let delta2 = set.regularisation_m_s * set.regularisation_m_s;
-        let drag = self.drag.section(set.law, section.uc, section.w_half, flow.attached, delta2);
+        let drag = self.numbers.drag().section(set.law, section.uc, section.w_half, flow.attached, delta2);
         let ahead = (S::from(0.5) - drag.centre) * (2.0 * node.half_chord);
         SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
     }

@@ -181,7 +181,7 @@ impl<P: Scalar> StripModel<P> {
         strips: &Strips<G, N>,
         attached: &Column<S, N>,
     ) -> InPlane<S, N> {
-        let (law, drag, delta2) = (self.settings.law, &self.drag, self.floor * self.floor);
+        let (law, drag, delta2) = (self.settings.law, self.numbers.drag(), self.floor * self.floor);
         let mut force = InPlane::ZERO;
         for i in 0..N {
             let section = drag.section(law, strips.along[i], strips.wash_half[i], attached[i], delta2);

@@ -26,9 +26,7 @@ pub use settings::{LagSet, StripSettings};
 use crate::Error;
 use crate::aero::law::Polar;
 use crate::aero::section::ZeroLift;
-use crate::aero::{
-    Coupling, Loads, MAX_STRIPS, Planform, ProfileDrag, SectionMotion, Sections, SurfaceNumbers, Wrench,
-};
+use crate::aero::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, SurfaceNumbers, Wrench};
 use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
 use cores::Cores;
@@ -44,7 +42,7 @@ pub struct StripModel<P: Scalar = f64> {
     grid: Grid,
     zero_lift: ZeroLift,
     polar: Polar<P>,
-    drag: ProfileDrag<P>,
+    numbers: SurfaceNumbers<P>,
     lags: &'static Lags,
     /// Smoothing speed, m/s.
     floor: f64,
@@ -97,7 +95,7 @@ impl StripModel {
             floor: settings.regularisation_m_s,
             zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
             polar: Polar::new(settings.law, &numbers),
-            drag: settings.drag,
+            numbers,
             lags,
             grid,
             settings,
@@ -112,7 +110,7 @@ impl<P: Scalar> StripModel<P> {
             tables: Tables::new(&self.grid, &self.settings, numbers, self.lags),
             zero_lift: self.zero_lift,
             polar: Polar::new(self.settings.law, numbers),
-            drag: ProfileDrag { cd0: numbers.cd0, cd90: numbers.cd90 },
+            numbers: *numbers,
             cores: self.cores.clone(),
             floor: self.floor,
             lags: self.lags,
@@ -121,6 +119,10 @@ impl<P: Scalar> StripModel<P> {
         }
     }
 
+    /// The numbers in use.
+    pub fn numbers(&self) -> &SurfaceNumbers<P> {
+        &self.numbers
+    }
     /// The settings in use.
     pub fn settings(&self) -> &StripSettings {
         &self.settings
