@@ -515,8 +515,12 @@ impl RigSpec {
         self.envelope.check().map_err(|e| e.within("envelope"))?;
         self.air.check().map_err(|e| e.within("air"))?;
         if self.air.gust_m_s != 0.0 || !self.air.gusts.is_empty() {
-            let key = if self.air.gust_m_s != 0.0 { "air.gust_m_s" } else { "air.gusts" };
-            return Err(Error::invalid(key, "given", "nothing here: the air of the rig is steady"));
+            let several = format!("{} of them", self.air.gusts.len());
+            let (key, given) = match self.air.gust_m_s {
+                0.0 => ("air.gusts", several),
+                peak => ("air.gust_m_s", peak.to_string()),
+            };
+            return Err(Error::invalid(key, given, "none: the air of the rig is steady"));
         }
         self.in_range()
     }
