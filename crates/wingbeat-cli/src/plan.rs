@@ -89,6 +89,9 @@ fn table(summary: &PlanSummary) -> String {
         PlanSummary::RollIn(summary) => roll_in(summary),
         PlanSummary::LeastPower(summary) => least_power(summary),
     });
+    if solver.status == "ok" {
+        lines.push(("minimum", format!("{}: another guess may end lower", solver.minimum)));
+    }
     lines.push(("error between the nodes", format!("{:.1e}, relative", solver.interval_error)));
     lines.push(("intervals", format!("{} on mesh {}", solver.intervals, solver.meshes)));
     lines.push(("iterations", format!("{} in {:.1} s", solver.iterations, solver.solve_s)));
@@ -104,6 +107,7 @@ fn roll_in(summary: &RollInSummary) -> Lines {
         ("roll / pitch / yaw, plan", angles(summary.final_angles_deg)),
         ("roll / pitch / yaw, flown", angles(summary.flown_angles_deg)),
         ("least clearance, flown", clearance(summary.least_clearance_m)),
+        ("strips past stall, flown", summary.stall_fraction.map_or("-".into(), percent)),
         ("error re-simulated", worst(&summary.resimulation_error)),
     ]
 }
@@ -130,6 +134,10 @@ fn least_power(summary: &LeastPowerSummary) -> Lines {
         lines.push(("error re-simulated", worst(&summary.resimulation_error)));
     }
     lines
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
 }
 
 fn clearance(least_m: Option<f64>) -> String {

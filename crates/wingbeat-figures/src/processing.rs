@@ -1,5 +1,7 @@
 //! What processing made of a run: raw against filtered samples, and every cycle with their mean.
 
+use std::borrow::Cow;
+
 use kuva::plot::annotations::ReferenceLine;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
@@ -86,18 +88,30 @@ pub fn filtered(trace: &Record, cell: Cell) -> Result<Figure, Error> {
 }
 
 /// Each channel against the phase of the stroke: every sweep of `trace`, or what all of them cover where there are
-/// many, and the mean of `average`.
+/// many, and the mean of `average`; what `still_<channel>` says is taken away from both.
 pub fn cycles(trace: &Record, average: &Record, cell: Cell) -> Result<Figure, Error> {
     let (cycle, phase) = (needed(trace, "cycle")?, needed(average, "cycle")?);
     let mut panels = Vec::new();
     for (name, unit) in CHANNELS {
-        let mut curves = sweeps(cycle, needed(trace, name)?);
+        let still = average.values(&format!("still_{name}"));
+        let mut curves = sweeps(cycle, &less(needed(trace, name)?, cycle, still));
         let mean = needed(average, name)?.to_vec();
         curves.push(Curve::new("mean", phase, mean, 1).whole());
         panels.push(Panel::new(title(name, unit), curves));
     }
     let x = format!("phase of the stroke, turns; {}", cell.name());
     Ok(Figure::new("cycles", stacked(panels, &x, HEIGHT)))
+}
+
+/// `values` without the average in still air where that is taken away from the mean too.
+fn less<'a>(values: &'a [f64], cycle: &[f64], still: Option<&[f64]>) -> Cow<'a, [f64]> {
+    let Some(still) = still.filter(|still| !still.is_empty()) else { return values.into() };
+    let at = |cycle: f64| {
+        let place = (cycle - cycle.floor()) * still.len() as f64;
+        let (bin, share) = (place as usize, place.fract());
+        (1.0 - share) * still[bin % still.len()] + share * still[(bin + 1) % still.len()]
+    };
+    values.iter().zip(cycle).map(|(value, cycle)| value - at(*cycle)).collect()
 }
 
 /// Every cycle by itself while they are few, else one curve up and down between the lowest and the highest of all.
@@ -136,4 +150,16 @@ fn covered(cycle: &[f64], values: &[f64]) -> Curve {
         y.extend(if k % 2 == 0 { [low, high] } else { [high, low] });
     }
     Curve::new("all cycles, lowest to highest", &x, y, 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cycles_lose_what_their_mean_lost() {
+        let (values, cycle) = ([5.0, 5.0, 5.0, 5.0], [2.0, 2.125, 2.5, 2.875]);
+        assert_eq!(*less(&values, &cycle, Some(&[1.0, 2.0, 3.0, 4.0])), [4.0, 3.5, 2.0, 2.5]);
+        assert_eq!(*less(&values, &cycle, None), values);
+    }
 }

@@ -189,6 +189,7 @@ pub const COLUMNS: &[Described] = &[
     column("low_<channel>", &[AVERAGE, ENVELOPE], &["N", "N m"], "B", "Least over the cycles, or over the averages of the runs; in C where `process.steps.body_frame` is off."),
     column("high_<channel>", &[AVERAGE, ENVELOPE], &["N", "N m"], "B", "Most, likewise."),
     column("truth_<channel>", &[AVERAGE], &["N", "N m"], "B", "Average of the wrench without noise, of a simulated run."),
+    column("still_<channel>", &[AVERAGE], &["N", "N m"], "B", "Average in still air that was taken away from the others."),
     column("mean_<channel>", &[ENVELOPE], &["N", "N m"], "B", "Average of the reference run, where it was measured."),
     column("simulation_<channel>", &[ENVELOPE], &["N", "N m"], "B", "Average of the simulation of the reference run."),
     column("<channel>", &[RIG, BOX], &["N", "N m"], "C", "Fx, Fy, Fz, Tx, Ty, Tz: what the robot and its mount put on the cell, about the cell's origin."),

@@ -17,6 +17,33 @@ pub struct Air {
 pub struct Wind {
     mean: Vec3,
     waves: Vec<Wave>,
+    pulses: Vec<Pulse>,
+}
+
+/// One gust at a stated time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulse {
+    /// Begin, s.
+    pub start: f64,
+    /// From begin to end, s.
+    pub duration: f64,
+    /// Velocity in its middle, m/s in W.
+    pub velocity: Vec3,
+}
+
+impl Pulse {
+    /// Share of the velocity at the time `t`, and its rate, 1/s; none before and after.
+    ///
+    /// Equation: robot.pulse
+    fn share<S: Scalar>(&self, t: S) -> Option<(S, S)> {
+        let since = t - self.start;
+        if !(since.value() > 0.0 && since.value() < self.duration) {
+            return None;
+        }
+        let rate = TAU / self.duration;
+        let (s, c) = (since * rate).sin_cos();
+        Some(((-c + 1.0) * 0.5, s * (0.5 * rate)))
+    }
 }
 
 /// One sinusoid of a gust: v_i = amplitude_i sin(rate t + phase_i).
@@ -34,7 +61,7 @@ const GUST_FREQUENCIES: [f64; 6] = [0.2, 0.33, 0.54, 0.87, 1.4, 2.3];
 impl Wind {
     /// Wind that does not change, m/s in W.
     pub fn steady(mean: Vec3) -> Self {
-        Self { mean, waves: Vec::new() }
+        Self { mean, waves: Vec::new(), pulses: Vec::new() }
     }
 
     /// Mean wind with a gust: along each axis a sum of sinusoids with random
@@ -55,7 +82,14 @@ impl Wind {
                 phase: std::array::from_fn(|_| random.between(0.0, TAU)),
             })
             .collect();
-        Self { mean, waves }
+        Self { mean, waves, pulses: Vec::new() }
+    }
+
+    /// This wind with gusts at stated times.
+    #[must_use]
+    pub fn with(mut self, pulses: impl IntoIterator<Item = Pulse>) -> Self {
+        self.pulses.extend(pulses);
+        self
     }
 
     /// The wind without its gust, m/s in W.
@@ -72,6 +106,13 @@ impl Wind {
                 let (s, c) = (t * wave.rate + wave.phase[i]).sin_cos();
                 velocity[i] += s * wave.amplitude;
                 acceleration[i] += c * (wave.amplitude * wave.rate);
+            }
+        }
+        for pulse in &self.pulses {
+            let Some((share, rate)) = pulse.share(t) else { continue };
+            for i in 0..3 {
+                velocity[i] += share * pulse.velocity[i];
+                acceleration[i] += rate * pulse.velocity[i];
             }
         }
         (velocity, acceleration)
@@ -94,13 +135,27 @@ mod tests {
         assert_ne!(gust, Wind::gusty(Vec3::new(1.0, 0.0, 0.0), 0.3, 8));
     }
 
+    const PULSE: Pulse = Pulse { start: 0.5, duration: 0.4, velocity: Vec3([0.0, -0.3, 0.6]) };
+
     #[test]
     fn the_acceleration_is_the_derivative() {
-        let gust = Wind::gusty(Vec3::ZERO, 0.2, 1);
-        let (v, _) = gust.at(Dual::<1>::variable(0.7, 0));
-        let (_, a) = gust.at(0.7);
-        for i in 0..3 {
-            assert!((v[i].eps[0] - a[i]).abs() < 1e-12);
+        for wind in [Wind::gusty(Vec3::ZERO, 0.2, 1), Wind::steady(Vec3::ZERO).with([PULSE])] {
+            let (v, _) = wind.at(Dual::<1>::variable(0.62, 0));
+            let (_, a) = wind.at(0.62);
+            for i in 0..3 {
+                assert!((v[i].eps[0] - a[i]).abs() < 1e-12);
+            }
         }
+    }
+
+    #[test]
+    fn a_pulse_has_its_velocity_in_its_middle_and_none_outside() {
+        let mean = Vec3::new(1.0, 0.0, 0.0);
+        let wind = Wind::steady(mean).with([PULSE]);
+        let at = |t: f64| (wind.at(t).0 - mean).0;
+        assert_eq!((at(0.5), at(0.9), at(3.0)), ([0.0; 3], [0.0; 3], [0.0; 3]));
+        let [x, y, z] = at(0.7);
+        assert!(x == 0.0 && (y + 0.3).abs() < 1e-15 && (z - 0.6).abs() < 1e-15);
+        assert!((at(0.6)[2] - 0.3).abs() < 1e-15);
     }
 }

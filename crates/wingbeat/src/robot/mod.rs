@@ -16,7 +16,7 @@ mod sections;
 mod spec;
 mod surface;
 
-pub use air::{Air, Wind};
+pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
 pub use numbers::{Numbers, SpringNumbers};

@@ -5,7 +5,7 @@ use super::doors::Choice;
 use super::mismatch::Mismatch;
 use super::name::RunName;
 use super::plan::PlanSpec;
-use super::spec::{AeroSpec, ScenarioSpec};
+use super::spec::{AeroSpec, GustSpec, ScenarioSpec};
 use crate::Error;
 use crate::aero::{
     Aero, CRITICAL_SUCTION, LIFT_SLOPE, LiftingLine, LiftingLineSettings, Preset, STALL_ANGLE, StripModel,
@@ -14,7 +14,7 @@ use crate::aero::{
 use crate::guide::Task;
 use crate::math::Vec3;
 use crate::require;
-use crate::robot::{Air, Robot, RobotSpec, SurfaceOutline, Wind};
+use crate::robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind};
 use crate::simulate::{Controller, Schedule};
 
 /// Largest number of records of a flight: 1 GB in memory.
@@ -84,9 +84,8 @@ impl ScenarioSpec {
     fn check(&self) -> Result<(), Error> {
         self.run_name()?;
         self.robot.check().map_err(|e| e.within("robot"))?;
-        self.air.in_range().map_err(|e| e.within("air"))?;
+        self.air.check().map_err(|e| e.within("air"))?;
         self.flight.in_range().map_err(|e| e.within("flight"))?;
-        require::finite("air.wind_m_s", &self.air.wind_m_s)?;
         require::finite("start.velocity_m_s", &self.start.velocity_m_s)?;
         self.aero.check().map_err(|e| e.within("aero"))?;
         if let Some(goal) = &self.goal {
@@ -112,7 +111,13 @@ impl ScenarioSpec {
     fn flown_robot(&self) -> Result<Robot, Error> {
         let mismatch = self.mismatch.clone().unwrap_or_default();
         let density = self.air.density_kg_m3 * mismatch.density;
-        let wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed);
+        let pulse = |gust: &GustSpec| Pulse {
+            start: gust.start_s,
+            duration: gust.duration_s,
+            velocity: Vec3(gust.velocity_m_s),
+        };
+        let wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed)
+            .with(self.air.gusts.iter().map(pulse));
         self.robot_in(&mismatch.apply(&self.robot), Air { density, wind })
     }
 

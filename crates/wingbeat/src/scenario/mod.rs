@@ -36,7 +36,7 @@ pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, to
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;
 pub use spec::{
-    AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
+    AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
 pub use summary::{ControllerSummary, FlightStatus, Summary};
 pub use sweep::{Draw, Hold, Sweep, SweepSpec};

@@ -513,7 +513,15 @@ impl RigSpec {
         self.cell.check().map_err(|e| e.within("cell"))?;
         self.mount.link.body().check().map_err(|e| e.within("mount.link"))?;
         self.envelope.check().map_err(|e| e.within("envelope"))?;
-        self.air.in_range().map_err(|e| e.within("air"))?;
+        self.air.check().map_err(|e| e.within("air"))?;
+        if self.air.gust_m_s != 0.0 || !self.air.gusts.is_empty() {
+            let several = format!("{} of them", self.air.gusts.len());
+            let (key, given) = match self.air.gust_m_s {
+                0.0 => ("air.gusts", several),
+                peak => ("air.gust_m_s", peak.to_string()),
+            };
+            return Err(Error::invalid(key, given, "none: the air of the rig is steady"));
+        }
         self.in_range()
     }
 }

@@ -28,6 +28,8 @@ pub struct Processed {
     pub cycles: [CycleAverage; 6],
     /// Phase averages of the noise-free wrench of a simulated run.
     pub truth: Option<[CycleAverage; 6]>,
+    /// Phase averages in still air that were taken away from both.
+    pub still: Option<[CycleAverage; 6]>,
     /// Tare offsets in the cell frame.
     pub offset: [f64; 6],
     /// Drift per s in the cell frame.
@@ -71,6 +73,7 @@ impl Processed {
         if let (Some(truth), Some(common)) = (&mut self.truth, &still.truth) {
             truth.iter_mut().zip(common).for_each(|(cycle, common)| cycle.subtract(common));
         }
+        self.still = Some(still.cycles.clone());
         self.statement.push(format!("still air: the average of {name} taken away, phase by phase"));
     }
 
@@ -93,6 +96,9 @@ impl Processed {
             add("high_", &c.high);
             if let Some(truth) = &self.truth {
                 add("truth_", &truth[i].mean);
+            }
+            if let Some(still) = &self.still {
+                add("still_", &still[i].mean);
             }
         }
         Record::new(columns, 0)
@@ -155,6 +161,7 @@ impl RigRun {
             trace: self.trace(measured, phase, window)?,
             cycles,
             truth,
+            still: None,
             saturated: outside.saturated,
             serious: outside.serious,
         }))

@@ -77,6 +77,33 @@ pub struct AirSpec {
     /// Largest gust along each axis, m/s; the controller does not know of it.
     #[serde(default)]
     pub gust_m_s: f64,
+    /// Gusts at stated times, of which the controller does not know either.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gusts: Vec<GustSpec>,
+}
+
+/// A gust at a stated time: a velocity that swells and goes, (1 - cos) / 2 of its largest, the same everywhere.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
+#[serde(deny_unknown_fields)]
+pub struct GustSpec {
+    /// Begin, s.
+    pub start_s: f64,
+    /// From begin to end, s.
+    pub duration_s: f64,
+    /// Largest velocity, in the middle of that time, in W, m/s.
+    pub velocity_m_s: [f64; 3],
+}
+
+impl AirSpec {
+    /// Checks ranges.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        require::finite("wind_m_s", &self.wind_m_s)?;
+        let mut gusts = self.gusts.iter().enumerate();
+        gusts.try_for_each(|(i, gust)| gust.in_range().map_err(|e| e.within(&format!("gusts[{i}]"))))
+    }
 }
 
 /// Aerodynamic model.
@@ -262,6 +289,7 @@ pub struct GoalSpec {
 }
 
 ranges!(AirSpec { density_kg_m3: Range::POSITIVE, gust_m_s: Range::NOT_NEGATIVE });
+ranges!(GustSpec { start_s: Range::NOT_NEGATIVE, duration_s: Range::POSITIVE });
 ranges!(FlightSpec {
     duration_s: Range::POSITIVE,
     step_s: Range::POSITIVE,

@@ -68,6 +68,8 @@ pub struct SolverNumbers {
     pub status: &'static str,
     /// How the solver ended.
     pub solver: String,
+    /// `local`: the method descends from one guess, and from another it may end lower.
+    pub minimum: &'static str,
     /// Largest error of an interval between its nodes, relative.
     pub interval_error: f64,
     /// Intervals of the last mesh.
@@ -134,6 +136,7 @@ impl Scenario {
         SolverNumbers {
             status: if optimum.status.is_success() { "ok" } else { "failed" },
             solver: optimum.status.to_string(),
+            minimum: "local",
             interval_error: optimum.error,
             intervals: optimum.passes.last().map_or(0, |p| p.intervals),
             meshes: optimum.passes.len(),

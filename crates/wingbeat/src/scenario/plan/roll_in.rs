@@ -5,10 +5,10 @@ use crate::Error;
 use crate::guide::{Playback, RollIn, RollInSpec, Turn};
 use crate::ocp::{Interpolant, Optimum, Progress};
 use crate::plant::{Fault, Plant};
-use crate::scenario::recorder::Recorder;
+use crate::scenario::recorder::{Recorded, Recorder};
 use crate::scenario::summary::Crossing;
 use crate::scenario::{Chosen, Scenario, ScenarioSpec};
-use crate::simulate::{AtRest, Controller, Record, Sample, Schedule, Sensors, fly};
+use crate::simulate::{AtRest, Controller, Sample, Schedule, Sensors, fly};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -36,6 +36,8 @@ pub struct RollInSummary {
     pub flown_angles_deg: [f64; 3],
     /// Least of all clearances from `start_s` on as the robot flew it, m.
     pub least_clearance_m: Option<f64>,
+    /// Share of strips beyond the stall angle, over approach and roll-in as the robot flew them.
+    pub stall_fraction: Option<f64>,
 }
 
 impl Scenario {
@@ -88,7 +90,8 @@ impl Scenario {
         if let Some(end) = solution.points.x.last() {
             summary.final_angles_deg = problem.angles(end).map(f64::to_degrees);
         }
-        let (record, angles) = self.fly_plan(&solution, again)?;
+        let (Recorded { record, stall_fraction, .. }, angles) = self.fly_plan(&solution, again)?;
+        summary.stall_fraction = Some(stall_fraction);
         summary.flown_angles_deg = angles.map(f64::to_degrees);
         let planned = Crossing::since(&record, self.model.clearances(), spec.start_s);
         summary.least_clearance_m = planned.map(|c| c.least_m);
@@ -102,7 +105,7 @@ impl Scenario {
         &self,
         solution: &Interpolant,
         approach: C,
-    ) -> Result<(Record, [f64; 3]), Error> {
+    ) -> Result<(Recorded, [f64; 3]), Error> {
         let points = &solution.points;
         let (first, last) = (points.t[0], points.t[points.t.len() - 1]);
         // The approach must be the one that was planned from: the same steps.
@@ -125,7 +128,7 @@ impl Scenario {
             Ok(ControlFlow::Continue(()))
         });
         let attitude = crate::math::Quat::from_wxyz(&x[self.model.layout().attitude..]);
-        Ok((recorder.finish().record, attitude.matrix().roll_pitch_yaw().0))
+        Ok((recorder.finish(), attitude.matrix().roll_pitch_yaw().0))
     }
 
     /// This scenario with the plan as the reference of its controller.
@@ -160,6 +163,7 @@ impl Scenario {
             final_angles_deg: [f64::NAN; 3],
             flown_angles_deg: [f64::NAN; 3],
             least_clearance_m: None,
+            stall_fraction: None,
         }
     }
 }
