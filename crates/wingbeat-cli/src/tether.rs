@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use wingbeat::scenario::{RunName, TetherCase, TetherSummary};
 use wingbeat::simulate::{Ending, Record};
-use wingbeat::tether::{CycleMean, TetherRun};
+use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
 use wingbeat_figures::{cycle_loads, span_loading};
 use wingbeat_io::{read_csv, shortest, write_csv, write_parquet};
 
@@ -21,14 +21,17 @@ use crate::say;
 /// Ticks of the progress bar.
 const TICKS: f64 = 1000.0;
 
-/// Columns of the printed table of means.
-const PRINTED: [&str; 10] = [
+/// Columns of the printed table of means, beside those of the hinges.
+const PRINTED: [&str; 13] = [
     "force_wind_lift",
     "force_wind_drag",
     "force_wind_side",
     "moment_x",
     "moment_y",
     "moment_z",
+    "thrust",
+    "power",
+    "power_body",
     "CL",
     "CD",
     "CY",
@@ -147,15 +150,26 @@ fn means(means: &[CycleMean]) -> String {
     std::iter::once("quantity,unit,mean,least,most\n".into()).chain(rows).collect()
 }
 
+/// Whether a column has a row of the printed table: body rows where the body moves, hinges by side.
+fn is_printed(name: &str) -> bool {
+    PRINTED.contains(&name) || ["torque_", "power_"].iter().any(|kind| name.starts_with(kind))
+}
+
 /// The table of means over the last cycle, with the cautions below.
 fn table(summary: &TetherSummary) -> String {
     let TetherSummary { name, preset, lift_law, .. } = summary;
     let mut text = format!("{name}: preset {preset}, law {lift_law}; last cycle, from rest\n\n");
-    text += &format!("{:<18}{:>11}{:>11}{:>11}\n", "", "mean", "least", "most");
-    for row in summary.cycle.iter().filter(|row| PRINTED.contains(&row.name.as_str())) {
-        let CycleMean { name, unit, mean, low, high } = row;
-        text += format!("{name:<18}{mean:>11.5}{low:>11.5}{high:>11.5}  {unit}").trim_end();
+    text += &format!("{:<22}{:>11}{:>11}{:>11}\n", "", "mean", "least", "most");
+    for row in summary.cycle.iter().filter(|row| is_printed(&row.name)) {
+        let CycleMean { name, unit, mean, low, high, .. } = row;
+        text += format!("{name:<22}{mean:>11.5}{low:>11.5}{high:>11.5}  {unit}").trim_end();
         text.push('\n');
+    }
+    if let Some(efficiency) = summary.propulsive_efficiency {
+        text += &format!("\npropulsive efficiency, mean thrust x wind speed / mean power: {efficiency:.4}\n");
+    }
+    if let Some(Periodicity { change, quantity }) = &summary.periodicity {
+        text += &format!("last two cycles: {:.2e} % apart ({quantity})\n", 100.0 * change);
     }
     for warning in &summary.warnings {
         text += &format!("\nnote: {warning}\n");

@@ -104,6 +104,103 @@ fn a_periodic_table_moves_like_its_function() {
     assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-3 * largest));
 }
 
+/// A body that moves in every way, and hinges of every kind on one side or both.
+const ALL_MOVE: [&str; 8] = [
+    "body.surge_m={fourier={sin=[0.02]}}",
+    "body.heave_m={fourier={cos=[0.03]}}",
+    "body.nose_up_deg={fourier={mean=5,sin=[6]}}",
+    "body.roll_deg={fourier={sin=[0,7]}}",
+    "body.pitch_axis_ahead_m=0.02",
+    "wing.hinges[0].side=left",
+    "time.cycles=2",
+    "time.steps_per_cycle=128",
+];
+
+/// Further hinges of the case `flap_fold`.
+const MORE_HINGES: &str = "wing.hinges=[\
+    {name=\"sweep\",kind=\"sweep\",arc_m=0.0,angle_deg={fourier={sin=[12]}}},\
+    {name=\"shoulder\",kind=\"flap\",arc_m=0.0,angle_deg={fourier={sin=[30]}}},\
+    {name=\"grow\",kind=\"twist\",arc_m=0.02,to_arc_m=0.25,ahead_m=0.01,angle_deg={fourier={cos=[15]}}},\
+    {name=\"elbow\",kind=\"fold\",arc_m=0.1125,angle_deg={fourier={mean=-25,cos=[-25]}}},\
+    {name=\"tip\",kind=\"twist\",side=\"right\",arc_m=0.2,angle_deg={fourier={sin=[20]}}}]";
+
+/// Largest magnitude of a column.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
+
+#[test]
+fn power_is_that_of_body_and_hinges() {
+    for preset in PRESETS {
+        for (side, middle) in [("both", "odd"), ("both", "even"), ("left", "even")] {
+            let strips = if middle == "odd" { 13 } else { 12 };
+            let mut overrides = vec![MORE_HINGES.to_owned()];
+            overrides.extend(ALL_MOVE.map(str::to_owned));
+            overrides.push(format!("wing.side={side}"));
+            overrides.push(format!("aero.preset={preset}"));
+            overrides.push(format!(
+                "aero.{}={strips}",
+                if preset == "paper" { "paper.nodes" } else { "full.strips" }
+            ));
+            let run = run("flap_fold", &overrides.iter().map(String::as_str).collect::<Vec<_>>());
+            let columns = run.loads.columns().iter();
+            let parts: Vec<&[f64]> =
+                columns.filter(|c| c.name.starts_with("power_")).map(|c| c.values.as_slice()).collect();
+            assert_eq!(parts.len(), if side == "both" { 9 } else { 5 });
+            let total = run.loads.values("power").unwrap();
+            let apart = |i: usize| (total[i] - parts.iter().map(|part| part[i]).sum::<f64>()).abs();
+            let worst = (0..total.len()).map(apart).fold(0.0, f64::max) / largest(total);
+            assert!(worst < 1e-10 && largest(total) > 0.01, "{preset} {side} {strips}: {worst:e}");
+        }
+    }
+}
+
+/// Torques about a shoulder in the middle are moments about the body's x axis, which the strips' forces at their
+/// points give without the wing's kinematics; power is minus force times velocity where nothing turns.
+#[test]
+fn torques_and_powers_are_those_of_the_forces() {
+    let flapping = run("flap_f2", &["wing.side=left"]);
+    let (torque, moment) = ("torque_shoulder_left", "moment_x");
+    let (torque, moment) = (flapping.loads.values(torque).unwrap(), flapping.loads.values(moment).unwrap());
+    let worst = torque.iter().zip(moment).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(worst < 1e-12 * largest(moment), "{worst:e}");
+
+    let heaving = run("plunge", &[]);
+    let column = |name: &str| heaving.loads.values(name).unwrap();
+    let rate = std::f64::consts::TAU * 0.15915494309189535;
+    let (power, force, t) = (column("power"), column("force_z"), column("t"));
+    for i in 0..power.len() {
+        let expected = 0.05 * rate * (rate * t[i]).sin() * force[i];
+        assert!((power[i] - expected).abs() < 1e-10 * largest(power), "{} {expected}", power[i]);
+    }
+    let strips = |name: &str| heaving.strips.values(name).unwrap();
+    let sum: f64 = strips("power").iter().rev().take(16).sum();
+    assert!((sum - power[power.len() - 1]).abs() < 1e-12 * largest(power));
+    assert!(strips("chord").iter().all(|chord| (chord - 1.0).abs() < 1e-12));
+    assert!((largest(strips("velocity_z")) - 0.05 * rate).abs() < 1e-4 * rate);
+}
+
+#[test]
+fn the_efficiency_of_a_plunging_wing_is_that_of_its_means() {
+    let heaving = run("plunge", &["time.cycles=8"]);
+    let efficiency = heaving.efficiency.unwrap();
+    assert!((efficiency - mean(&heaving, "thrust") / mean(&heaving, "power")).abs() < 1e-14);
+    // Energy is left in the wake: Garrick's plunging wing of infinite span reaches .63 at k = .5.
+    assert!((0.2..0.8).contains(&efficiency), "{efficiency}");
+    assert_eq!(run("step", &[]).efficiency, None);
+}
+
+#[test]
+fn the_last_cycle_is_compared_with_the_one_before() {
+    let short = run("flap_f2", &["time.cycles=2"]).periodicity.unwrap().change;
+    let long = run("flap_f2", &["time.cycles=8"]).periodicity.unwrap().change;
+    assert!(short > 1e-3 && long < 0.1 * short, "{short} {long}");
+    assert_eq!(run("step", &[]).periodicity, None);
+    let case = case("flap_f2", &["time.cycles=8"]);
+    let run = case.tether.run(|_| ControlFlow::Continue(()));
+    assert_eq!(case.summary(&run, None).status, "ok");
+}
+
 #[test]
 fn bad_cases_are_refused_with_their_place() {
     let refuse = |text: &str| {

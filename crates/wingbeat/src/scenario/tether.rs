@@ -7,7 +7,7 @@ use crate::aero::{LiftLaw, Planform};
 use crate::math::Vec3;
 use crate::robot::SurfaceOutline;
 use crate::simulate::Ending;
-use crate::tether::{Clock, CycleMean, Hinge, Motion, Reference, Side, Tether, TetherRun, Wing};
+use crate::tether::{Clock, CycleMean, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -114,10 +114,12 @@ impl TetherCase {
             // What it was made for; the shares of suction lost and of separated flow say how far it goes.
             LiftLaw::Lev => None,
         };
+        let unrepeated = run.periodicity.as_ref().and_then(unrepeated);
         TetherSummary {
             status: match run.ending {
-                Ending::Complete if resolved => "ok".into(),
-                Ending::Complete => "not_resolved".into(),
+                Ending::Complete if !resolved => "not_resolved".into(),
+                Ending::Complete if unrepeated.is_some() => "not_periodic".into(),
+                Ending::Complete => "ok".into(),
                 Ending::Stopped => "stopped".into(),
                 Ending::Fault(fault) if fault.is_not_finite() => format!("not_finite: {fault}"),
                 Ending::Fault(fault) => format!("failed: {fault}"),
@@ -129,9 +131,15 @@ impl TetherCase {
             step_change,
             separated_fraction: run.separated_fraction,
             suction_lost_fraction: run.suction_lost_fraction,
+            mean_lift_n: run.mean("force_wind_lift"),
+            mean_thrust_n: run.mean("thrust"),
+            mean_power_w: run.mean("power"),
+            propulsive_efficiency: run.efficiency,
+            periodicity: run.periodicity.clone(),
             warnings: warning
                 .filter(|_| run.stall_fraction > 0.0)
                 .into_iter()
+                .chain(unrepeated)
                 .chain(step_change.and_then(|change| self.coarse(change)))
                 .collect(),
             cycle: run.means.clone(),
@@ -142,7 +150,8 @@ impl TetherCase {
 /// The numbers of a tethered run.
 #[derive(Clone, Debug, Serialize)]
 pub struct TetherSummary {
-    /// `ok`, `not_resolved` (the loads depend on the steps), `stopped`, or what failed.
+    /// `ok`, `not_periodic` (the last cycle differs from the one before), `not_resolved` (the loads depend on the
+    /// steps), `stopped`, or what failed.
     pub status: String,
     /// Name of the case.
     pub name: String,
@@ -159,10 +168,35 @@ pub struct TetherSummary {
     /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
     /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,
+    /// Mean lift over the last cycle, N.
+    pub mean_lift_n: Option<f64>,
+    /// Mean force against the wind over the last cycle, N.
+    pub mean_thrust_n: Option<f64>,
+    /// Mean power that the motion gives to the air over the last cycle, W.
+    pub mean_power_w: Option<f64>,
+    /// Mean thrust times wind speed over mean power; negative where the wing drags.
+    pub propulsive_efficiency: Option<f64>,
+    /// How far the last cycle is from the one before; none of a single cycle.
+    pub periodicity: Option<Periodicity>,
     /// What to beware of.
     pub warnings: Vec<String>,
     /// Means and ranges over the last cycle.
     pub cycle: Vec<CycleMean>,
+}
+
+/// Change of a mean or half a range from cycle to cycle above which a run is not periodic. *Choice.*
+const UNREPEATED: f64 = 0.01;
+
+/// The caution that the last cycle is not like the one before.
+fn unrepeated(periodicity: &Periodicity) -> Option<String> {
+    let Periodicity { change, quantity } = periodicity;
+    (!(*change <= UNREPEATED)).then(|| {
+        let percent = 100.0 * change;
+        format!(
+            "the last cycle is not like the one before: {quantity} changes by {percent:.2} % of the largest of its \
+             kind: take more cycles, unless the motion does not repeat"
+        )
+    })
 }
 
 /// Change of the means with other steps above which there is a caution. *Choice.*
@@ -353,6 +387,8 @@ mod tests {
             mean,
             low: 0.0,
             high,
+            mean_change: None,
+            amplitude_change: None,
         };
         let good = [row("force_wind_lift", 1.0, 2.0), row("moment_y", 0.1, 0.2)];
         let near = [row("force_wind_lift", 1.01, 2.0), row("moment_y", 0.1, 0.2)];

@@ -2,11 +2,14 @@
 //! follow given functions of time; loads come out.
 
 mod coordinate;
+mod cycle;
+mod power;
 mod recorder;
 mod run;
 mod wing;
 
 pub use coordinate::Coordinate;
-pub use recorder::{CycleMean, TetherRun};
+pub use cycle::{CycleMean, Periodicity};
+pub use recorder::TetherRun;
 pub use run::{Clock, Motion, Reference, Tether};
 pub use wing::{Hinge, HingeKind, Side, TetheredBody, Wing};
