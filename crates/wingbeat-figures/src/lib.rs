@@ -2,6 +2,7 @@
 //!
 //! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
+mod bench;
 pub mod chart;
 mod commands;
 mod cycle;
@@ -19,6 +20,7 @@ mod style;
 mod tether;
 mod write;
 
+pub use bench::{comparison, convergence};
 pub use commands::commands;
 pub use error::Error;
 pub use force_moment::force_moment;

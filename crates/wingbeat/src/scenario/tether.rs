@@ -1,7 +1,7 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::{ConfigError, CoordinateSpec, Document};
+use super::{ConfigError, CoordinateSpec, Document, Smoothed};
 use crate::Error;
 use crate::aero::{LiftLaw, Planform};
 use crate::math::Vec3;
@@ -23,7 +23,9 @@ pub struct TetherCase {
     pub resolved: String,
     /// The wing in its wind.
     pub tether: Tether,
-    document: Document,
+    /// What fits of harmonics left of the tables.
+    pub smoothed: Vec<Smoothed>,
+    pub(super) document: Document,
 }
 
 impl TetherCase {
@@ -73,8 +75,8 @@ impl TetherCase {
         let spec: TetherSpec = document.parse()?;
         let resolved = document.resolved()?;
         let built = spec.build(&|key| document.folder(key), read);
-        let tether = built.map_err(|error| document.explain(&error))?;
-        Ok(Self { spec, resolved, tether, document })
+        let (tether, smoothed) = built.map_err(|error| document.explain(&error))?;
+        Ok(Self { spec, resolved, tether, smoothed, document })
     }
 
     /// The case as TOML, each table under the name that `name` gives for its file, beside the case.
@@ -136,6 +138,7 @@ impl TetherCase {
             mean_power_w: run.mean("power"),
             propulsive_efficiency: run.efficiency,
             periodicity: run.periodicity.clone(),
+            smoothed: self.smoothed.clone(),
             warnings: warning
                 .filter(|_| run.stall_fraction > 0.0)
                 .into_iter()
@@ -178,6 +181,8 @@ pub struct TetherSummary {
     pub propulsive_efficiency: Option<f64>,
     /// How far the last cycle is from the one before; none of a single cycle.
     pub periodicity: Option<Periodicity>,
+    /// What fits of harmonics left of the tables.
+    pub smoothed: Vec<Smoothed>,
     /// What to beware of.
     pub warnings: Vec<String>,
     /// Means and ranges over the last cycle.
@@ -200,7 +205,7 @@ fn unrepeated(periodicity: &Periodicity) -> Option<String> {
 }
 
 /// Change of the means with other steps above which there is a caution. *Choice.*
-const STEP_CHANGE: f64 = 0.02;
+pub(super) const STEP_CHANGE: f64 = 0.02;
 /// Change above which a run is not resolved. *Choice.*
 const UNRESOLVED: f64 = 0.5;
 
@@ -264,8 +269,9 @@ fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
 }
 
 impl TetherSpec {
-    fn build(&self, folder: Folder, read: ReadTable) -> Result<Tether, Error> {
+    fn build(&self, folder: Folder, read: ReadTable) -> Result<(Tether, Vec<Smoothed>), Error> {
         self.check()?;
+        let (motion, smoothed) = self.motion(folder, read)?;
         let clock = Clock {
             frequency_hz: self.time.frequency_hz,
             cycles: self.time.cycles,
@@ -307,7 +313,7 @@ impl TetherSpec {
                     .unwrap_or(area / (2.0 * halves * planform.covered_half_span())),
             },
             wing,
-            motion: self.motion(folder, read)?,
+            motion,
             aero,
             wind: self.wind.velocity(),
             side: self.wing.side,
@@ -316,29 +322,29 @@ impl TetherSpec {
         let speed = if self.reference.speed_m_s.is_some() { "reference.speed_m_s" } else { "wind.speed_m_s" };
         let names = [("air", "wind"), ("reference.speed_m_s", speed), ("hinges", "wing.hinges")];
         tether.check().map_err(|e| e.renamed(&names))?;
-        Ok(tether)
+        Ok((tether, smoothed))
     }
 
-    fn motion(&self, folder: Folder, read: ReadTable) -> Result<Motion, Error> {
+    fn motion(&self, folder: Folder, read: ReadTable) -> Result<(Motion, Vec<Smoothed>), Error> {
         let frequency = self.time.frequency_hz;
         let degree = 1.0_f64.to_radians();
         let body = &self.body;
-        let build = |spec: &super::CoordinateSpec, key: &str, factor| {
+        let mut smoothed = Vec::new();
+        let mut build = |spec: &super::CoordinateSpec, key: &str, factor| {
             let folder = || folder(&format!("{key}.table.file"));
-            spec.build(frequency, factor, &folder, read).map_err(|e| e.within(key))
+            let (coordinate, left) = spec.build(frequency, &folder, read).map_err(|e| e.within(key))?;
+            smoothed.extend(left.map(|left| Smoothed { key: key.into(), ..left }));
+            Ok(coordinate.scaled(factor))
         };
+        let surge = build(&body.surge_m, "body.surge_m", 1.0)?;
+        let heave = build(&body.heave_m, "body.heave_m", 1.0)?;
+        let nose_up = build(&body.nose_up_deg, "body.nose_up_deg", degree)?;
+        let roll = build(&body.roll_deg, "body.roll_deg", degree)?;
         let hinge = |(i, h): (usize, &super::HingeSpec)| {
-            let key = format!("wing.hinges[{i}].angle_deg");
-            Ok((h.name.clone(), build(&h.angle_deg, &key, degree)?))
+            Ok((h.name.clone(), build(&h.angle_deg, &format!("wing.hinges[{i}].angle_deg"), degree)?))
         };
-        Ok(Motion {
-            surge: build(&body.surge_m, "body.surge_m", 1.0)?,
-            heave: build(&body.heave_m, "body.heave_m", 1.0)?,
-            nose_up: build(&body.nose_up_deg, "body.nose_up_deg", degree)?,
-            roll: build(&body.roll_deg, "body.roll_deg", degree)?,
-            axis_ahead_m: body.pitch_axis_ahead_m,
-            hinges: self.wing.hinges.iter().enumerate().map(hinge).collect::<Result<_, Error>>()?,
-        })
+        let hinges = self.wing.hinges.iter().enumerate().map(hinge).collect::<Result<_, Error>>()?;
+        Ok((Motion { surge, heave, nose_up, roll, axis_ahead_m: body.pitch_axis_ahead_m, hinges }, smoothed))
     }
 }
 

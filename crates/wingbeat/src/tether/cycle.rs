@@ -23,13 +23,17 @@ pub struct CycleMean {
 }
 
 impl CycleMean {
+    /// Of a cycle whose end is in `values`: half of it and half of the begin count for the mean, so that it is of
+    /// second order in the steps where the cycle does not close.
     fn of(column: &Column, values: &[f64]) -> Self {
+        let ends = [values.first(), values.last()].into_iter().flatten().sum::<f64>() * 0.5;
+        let steps = (values.len().max(2) - 1) as f64;
         let (low, high) =
             values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
         Self {
             name: column.name.clone(),
             unit: column.unit.clone(),
-            mean: values.iter().sum::<f64>() / values.len().max(1) as f64,
+            mean: (values.iter().sum::<f64>() - ends) / steps,
             low,
             high,
             mean_change: None,
@@ -93,8 +97,9 @@ pub(super) fn rows_of_cycle(rows: usize, steps: usize, back: usize) -> Option<Ra
 /// Means of the columns over the last cycle, or over the rows there are, with their change from the one before.
 pub(super) fn means(record: &Record, steps: usize) -> Vec<CycleMean> {
     let rows = record.rows();
-    let last = rows_of_cycle(rows, steps, 0).unwrap_or(0..rows.saturating_sub(1));
-    let before = rows_of_cycle(rows, steps, 1);
+    let closed = |cycle: Range<usize>| cycle.start..cycle.end + 1;
+    let last = rows_of_cycle(rows, steps, 0).map_or(0..rows, closed);
+    let before = rows_of_cycle(rows, steps, 1).map(closed);
     let of = |column: &Column| {
         let mean = CycleMean::of(column, &column.values[last.clone()]);
         match &before {
@@ -114,14 +119,15 @@ mod tests {
         let columns = [("t", "s"), ("phase", "cycles"), ("lift", "N"), ("thrust", "N"), ("surge", "m")];
         let columns = columns.map(|(name, unit)| Column::new(name, unit, "")).to_vec();
         let mut record = Record::new(columns, 9).unwrap();
-        let lift = [9.0, 0.0, 0.0, 0.0, 2.0, 0.0, -2.0, 0.0, 2.1, 0.1, -1.9, 0.1, 7.0];
+        let lift = [9.0, 0.0, 0.0, 0.0, 2.0, 0.0, -2.0, 0.0, 2.0, 0.1, -1.9, 0.1, 2.1];
         for (i, lift) in lift.into_iter().enumerate() {
             record.append(&[i as f64, 0.0, lift, 0.01, i as f64]);
         }
         let rows = means(&record, 4);
         assert_eq!((rows[0].low, rows[0].high, rows[1].mean_change), (-1.9, 2.1, Some(0.0)));
         let found = Periodicity::of(&rows).unwrap();
-        assert!((found.change - 0.1 / 2.1).abs() < 1e-15 && found.quantity == "lift", "{found:?}");
+        assert!((rows[0].mean - 0.0875).abs() < 1e-15, "{}", rows[0].mean);
+        assert!((found.change - 0.0875 / 2.1).abs() < 1e-15 && found.quantity == "lift", "{found:?}");
         assert_eq!(Periodicity::of(&means(&record, 12)), None);
     }
 }

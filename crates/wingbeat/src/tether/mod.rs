@@ -1,6 +1,7 @@
 //! A wing in prescribed motion in a wind, without a robot: hinges and body
 //! follow given functions of time; loads come out.
 
+mod comparison;
 mod coordinate;
 mod cycle;
 mod power;
@@ -8,6 +9,7 @@ mod recorder;
 mod run;
 mod wing;
 
+pub use comparison::{CycleFit, PHASES, cycle_of, fit};
 pub use coordinate::Coordinate;
 pub use cycle::{CycleMean, Periodicity};
 pub use recorder::TetherRun;

@@ -14,6 +14,8 @@ use crate::simulate::{AXES, Column, Ending, Record, StripRecorder};
 pub struct TetherRun {
     /// How it ended.
     pub ending: Ending,
+    /// Steps of a cycle.
+    pub steps_per_cycle: usize,
     /// Loads by time: body axes (B, about its origin), wind axes, coefficients, sources, motion, power and torques.
     pub loads: Record,
     /// Strips by time, one row per strip and instant.
@@ -37,6 +39,12 @@ impl TetherRun {
     /// Mean of a column of `loads` over the last cycle.
     pub fn mean(&self, name: &str) -> Option<f64> {
         self.means.iter().find(|row| row.name == name).map(|row| row.mean)
+    }
+
+    /// The last cycle of a column of `loads`, its end left out; none where the run ended before a cycle.
+    pub fn last_cycle(&self, name: &str) -> Option<&[f64]> {
+        let rows = cycle::rows_of_cycle(self.loads.rows(), self.steps_per_cycle, 0)?;
+        Some(&self.loads.values(name)?[rows])
     }
 }
 
@@ -145,6 +153,7 @@ impl Recorder {
         };
         TetherRun {
             ending,
+            steps_per_cycle: steps,
             periodicity: Periodicity::of(&means),
             efficiency: efficiency(&means, tether.wind.norm()),
             stall_fraction: mean_of("incidence", |a, limit| if a.abs() > limit { 1.0 } else { 0.0 }),

@@ -1,14 +1,17 @@
 //! `wingbeat tether`.
 
-use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+mod compare;
+mod converge;
+mod tables;
+
 use std::time::Instant;
 
-use wingbeat::scenario::{RunName, TetherCase, TetherSummary};
-use wingbeat::simulate::{Ending, Record};
+use serde::Serialize;
+use wingbeat::scenario::{Compared, Comparison, Convergence, Smoothed, TetherCase, TetherSummary};
+use wingbeat::simulate::Ending;
 use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
-use wingbeat_figures::{cycle_loads, span_loading};
-use wingbeat_io::{read_csv, shortest, write_csv, write_parquet};
+use wingbeat_figures::{comparison, convergence, cycle_loads, span_loading};
+use wingbeat_io::{shortest, write_csv, write_parquet};
 
 use crate::args::Tether;
 use crate::error::Error;
@@ -17,6 +20,8 @@ use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
+use compare::Measured;
+use tables::Tables;
 
 /// Ticks of the progress bar.
 const TICKS: f64 = 1000.0;
@@ -45,70 +50,100 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let tables = Tables::default();
     let case = TetherCase::load(&arguments.case, &options.overrides, &|path| tables.read(path))?;
+    let measured = arguments.compare.as_deref().map(|path| Measured::open(path, &case)).transpose()?;
     let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
     let run = simulate(&case.tether, &interrupt, options.quiet)?;
     let step_change = case.step_change(&run, |other| simulate(other, &interrupt, true))?;
-    let summary = case.summary(&run, step_change);
+    let found = Found {
+        summary: case.summary(&run, step_change),
+        convergence: match arguments.converge {
+            true => Some(converge::converge(&case, &tables, &interrupt, options.quiet)?),
+            false => None,
+        },
+        comparison: match &measured {
+            Some(measured) if run.ending == Ending::Complete => Some(measured.compare(&case, &run)?),
+            _ => None,
+        },
+        run,
+    };
     folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
     tables.keep(&folder)?;
-    folder.write("means.csv", &means(&run.means))?;
-    folder.write_json("summary.json", &summary)?;
-    write_csv(&folder.file("loads.csv"), &run.loads)?;
-    write_parquet(&folder.file("strips.parquet"), &run.strips)?;
-    draw(&folder, &run)?;
+    found.write(&folder)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     let printed =
-        say::unless(options.quiet, || format!("{}\nrun folder: {}\n", table(&summary), shown.display()));
-    match run.ending {
+        say::unless(options.quiet, || format!("{}\nrun folder: {}\n", found.text(), shown.display()));
+    match found.run.ending {
         Ending::Fault(fault) => {
             let status = if fault.is_not_finite() { "not_finite" } else { "fault" };
             Err(Error::Failed { status: status.into(), reason: fault.to_string(), folder: shown.into() })
         }
-        _ if summary.status == "not_resolved" => {
-            let reason = summary.warnings.last().cloned().unwrap_or_default();
-            Err(Error::Failed { status: summary.status, reason, folder: shown.into() })
+        _ if found.summary.status == "not_resolved" => {
+            let (status, reason) =
+                (found.summary.status, found.summary.warnings.last().cloned().unwrap_or_default());
+            Err(Error::Failed { status, reason, folder: shown.into() })
         }
         _ => printed,
     }
 }
 
-/// The tables of a case, each read once and kept beside it, so that it runs again from its folder.
-#[derive(Default)]
-struct Tables(RefCell<Vec<(PathBuf, Record)>>);
+/// What a run gave, and what it was held against.
+struct Found {
+    run: TetherRun,
+    summary: TetherSummary,
+    convergence: Option<Convergence>,
+    comparison: Option<Comparison>,
+}
 
-impl Tables {
-    fn read(&self, path: &Path) -> Result<Record, String> {
-        let mut tables = self.0.borrow_mut();
-        if let Some((_, record)) = tables.iter().find(|(known, _)| known == path) {
-            return Ok(record.clone());
+/// `summary.json`.
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    own: &'a TetherSummary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    converge: Option<&'a Convergence>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compare: Option<&'a [Compared]>,
+}
+
+impl Found {
+    fn write(&self, folder: &RunFolder) -> Result<(), Error> {
+        folder.write("means.csv", &means(&self.run.means))?;
+        let compare = self.comparison.as_ref().map(|comparison| comparison.channels.as_slice());
+        let summary = Summary { own: &self.summary, converge: self.convergence.as_ref(), compare };
+        folder.write_json("summary.json", &summary)?;
+        write_csv(&folder.file("loads.csv"), &self.run.loads)?;
+        write_parquet(&folder.file("strips.parquet"), &self.run.strips)?;
+        if let Some(table) = &self.convergence {
+            folder.write("converge.csv", &converge::csv(table))?;
         }
-        let record = read_csv(path).map_err(|error| error.to_string())?;
-        tables.push((path.into(), record.clone()));
-        Ok(record)
+        if let Some(comparison) = &self.comparison {
+            write_csv(&folder.file("compare.csv"), &comparison.cycle)?;
+        }
+        self.draw(folder)
     }
 
-    /// The name under which the table of a file is kept.
-    fn name(&self, path: &Path) -> String {
-        let tables = self.0.borrow();
-        let own = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        let alone = tables.iter().filter(|(known, _)| own(known) == own(path)).count() == 1;
-        let free = alone && !["loads.csv", "means.csv", "case.toml"].contains(&own(path).as_str());
-        let name = path.file_name().and_then(|name| name.to_str());
-        match name.filter(|name| free && RunName::new("file", name).is_ok()) {
-            Some(name) => name.into(),
-            None => {
-                format!("table-{}.csv", 1 + tables.iter().position(|(known, _)| known == path).unwrap_or(0))
+    /// Draws what can be drawn; what cannot is said and left out.
+    fn draw(&self, folder: &RunFolder) -> Result<(), Error> {
+        let figures = folder.folder("figures")?;
+        let mut drawn = vec![cycle_loads(&self.run.loads), span_loading(&self.run.strips)];
+        drawn.extend(self.convergence.as_ref().map(|table| Ok(convergence(table))));
+        drawn.extend(self.comparison.as_ref().map(comparison));
+        for drawn in drawn {
+            let outcome = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure));
+            if let Err(error) = outcome {
+                say::note(&format!("a figure is left out: {error}"));
             }
         }
+        Ok(())
     }
 
-    fn keep(&self, folder: &RunFolder) -> Result<(), Error> {
-        for (path, record) in self.0.borrow().iter() {
-            write_csv(&folder.file(&self.name(path)), record)?;
-        }
-        Ok(())
+    fn text(&self) -> String {
+        let mut text = table(&self.summary);
+        text.extend(self.convergence.as_ref().map(converge::text));
+        text.extend(self.comparison.as_ref().map(compare::text));
+        text
     }
 }
 
@@ -126,18 +161,6 @@ fn simulate(
     progress.finish_and_clear();
     interrupt.check()?;
     Ok(run)
-}
-
-/// Draws what can be drawn; what cannot is said and left out.
-fn draw(folder: &RunFolder, run: &TetherRun) -> Result<(), Error> {
-    let figures = folder.folder("figures")?;
-    for drawn in [cycle_loads(&run.loads), span_loading(&run.strips)] {
-        let outcome = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure));
-        if let Err(error) = outcome {
-            say::note(&format!("a figure is left out: {error}"));
-        }
-    }
-    Ok(())
 }
 
 /// Means of every quantity as CSV.
@@ -170,6 +193,11 @@ fn table(summary: &TetherSummary) -> String {
     }
     if let Some(Periodicity { change, quantity }) = &summary.periodicity {
         text += &format!("last two cycles: {:.2e} % apart ({quantity})\n", 100.0 * change);
+    }
+    for Smoothed { key, harmonics, samples, residual_rms, residual_largest } in &summary.smoothed {
+        text += &format!(
+            "{key}: {harmonics} harmonics of {samples} samples leave {residual_rms:.4} rms, {residual_largest:.4} at most\n"
+        );
     }
     for warning in &summary.warnings {
         text += &format!("\nnote: {warning}\n");
