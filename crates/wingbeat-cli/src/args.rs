@@ -48,13 +48,14 @@ pub struct Fly {
     pub run: Run,
 }
 
-/// Fly a scenario many times with keys drawn at random, on all cores
+/// Run a scenario or a case many times with keys drawn at random or from a grid, on all cores
 ///
-/// The folder holds sweep.toml (as resolved), flights.csv and record.parquet (one row per flight), summary.json,
-/// manifest.json and a figure. An interrupted sweep goes on when the same command is given again.
+/// The folder holds sweep.toml (as resolved), flights.csv (of a case runs.csv) and record.parquet (one row per run),
+/// summary.json, manifest.json and a figure; of a case also its tables. An interrupted sweep goes on when the same
+/// command is given again.
 #[derive(Debug, Args)]
 pub struct Sweep {
-    /// The sweep: scenario, draws, what counts as held
+    /// The sweep: scenario and what counts as held, or case; draws
     #[arg(value_name = "SWEEP.toml")]
     pub sweep: PathBuf,
     #[command(flatten)]

@@ -19,13 +19,14 @@ pub const GAIT: &str = "record.parquet of a planned gait";
 pub const STRIPS: &str = "strips.parquet";
 pub const LOADS: &str = "loads.csv of tether";
 pub const SWEEP: &str = "flights.csv and record.parquet of sweep";
+pub const RUNS: &str = "runs.csv and record.parquet of a sweep of a case";
 pub const RIG: &str = "record.parquet of rig simulate";
 pub const BOX: &str = "record.parquet of rig record";
 pub const AVERAGE: &str = "NAME.parquet of rig process";
 pub const ENVELOPE: &str = "envelope.parquet of rig process";
 
 /// The records with what a row of each is.
-pub const RECORDS: [(&str, &str); 9] = [
+pub const RECORDS: [(&str, &str); 10] = [
     (FLIGHT, "One row per instant, `flight.record_every_s` apart."),
     (
         GAIT,
@@ -41,6 +42,7 @@ pub const RECORDS: [(&str, &str); 9] = [
       most of each over the last cycle.",
     ),
     (SWEEP, "One row per flight."),
+    (RUNS, "One row per run."),
     (RIG, "One row per sample of the cell."),
     (BOX, "One row per sample of the box; what was booked as missing has no row."),
     (AVERAGE, "One row per phase of the stroke, `process.bins` of them."),
@@ -201,6 +203,16 @@ pub const COLUMNS: &[Described] = &[
     column("simulation_<channel>", &[ENVELOPE], &["N", "N m"], "B", "Average of the simulation of the reference run."),
     column("<channel>", &[RIG, BOX], &["N", "N m"], "C", "Fx, Fy, Fz, Tx, Ty, Tz: what the robot and its mount put on the cell, about the cell's origin."),
     column("<channel>", &[AVERAGE], &["N", "N m"], "B", "Fx, Fy, Fz, Tx, Ty, Tz averaged over the cycles, about the body's origin; in C where `process.steps.body_frame` is off."),
+    column("run", &[RUNS], ONE, "", "Number of the run, from 0; of a grid the last draw varies fastest."),
+    column("completed", &[RUNS], ONE, "", "1 where the run ended without a fault; else nothing else is said of it."),
+    column("mean_lift", &[RUNS], N, "", "Mean of `force_wind_lift` over the last cycle."),
+    column("mean_thrust", &[RUNS], N, "", "Mean of `thrust`."),
+    column("peak_lift", &[RUNS], N, "", "Most of `force_wind_lift`."),
+    column("mean_power", &[RUNS], W, "", "Mean of `power`."),
+    column("peak_power", &[RUNS], W, "", "Most of `power`."),
+    column("propulsive_efficiency", &[RUNS], ONE, "", "Mean thrust times wind speed over mean power; negative where the wing drags."),
+    column("stall_fraction", &[RUNS], ONE, "", "Share of strips past the stall angle."),
+    column("periodicity", &[RUNS], ONE, "", "How far the last cycle is from the one before, as in the summary of `tether`."),
     column("run", &[SWEEP], ONE, "", "Number of the flight, from 0; it flies with the sweep's seed plus this number."),
     column("held", &[SWEEP], ONE, "", "1 where the flight was flown whole and both errors stayed within `hold`."),
     column("completed", &[SWEEP], ONE, "", "1 where it was flown whole."),
@@ -212,5 +224,5 @@ pub const COLUMNS: &[Described] = &[
     column("distance_y", &[SWEEP], M, "", "Way along W's y from begin to end, positive to the left."),
     column("altitude_change", &[SWEEP], M, "", "Altitude at the end less that at the begin."),
     column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
-    column("<key>", &[SWEEP], ONE, "", "What was drawn for a key of the scenario, in the unit that ends the key."),
+    column("<key>", &[SWEEP, RUNS], ONE, "", "What was drawn for a key of the scenario or case, in the unit that ends the key."),
 ];

@@ -9,7 +9,9 @@ use wingbeat::rig::cell::CHANNELS;
 use wingbeat::scenario::{Evaluated, ProcessedRun, RigRun, Scenario, Sweep, TetherCase, together};
 use wingbeat::simulate::{Column, Record};
 
-use super::columns::{AVERAGE, BOX, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, RECORDS, RIG, STRIPS, SWEEP};
+use super::columns::{
+    AVERAGE, BOX, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, RECORDS, RIG, RUNS, STRIPS, SWEEP,
+};
 use super::{root, shipped};
 
 /// What placeholders stand for; of others, any name.
@@ -181,12 +183,16 @@ fn columns_of_the_rig_are_in_the_reference() {
 #[test]
 fn columns_of_sweeps_are_in_the_reference() {
     let mut met = Met::default();
-    let sweep = Sweep::load(&root().join("sweeps/banking_turn_robustness.toml"), &[]).unwrap();
-    let columns = crate::sweep::columns(&sweep);
-    let columns: Vec<Column> = columns.into_iter().map(|(name, unit)| Column::new(name, unit, "")).collect();
-    let drawn: Vec<String> = sweep.spec.draws.iter().map(|draw| draw.key.clone()).collect();
-    met.see(SWEEP, &columns, &drawn);
-    met.all_of(SWEEP);
+    for (file, record) in [("banking_turn_robustness", SWEEP), ("flap_map", RUNS)] {
+        let path = root().join("sweeps").join(file).with_extension("toml");
+        let sweep = Sweep::load(&path, &[], &|path| Err(format!("{}: no table", path.display()))).unwrap();
+        let columns = crate::sweep::columns(&sweep);
+        let columns: Vec<Column> =
+            columns.into_iter().map(|(name, unit)| Column::new(name, unit, "")).collect();
+        let drawn: Vec<String> = sweep.spec.draws.iter().map(|draw| draw.key.clone()).collect();
+        met.see(record, &columns, &drawn);
+        met.all_of(record);
+    }
 }
 
 #[test]

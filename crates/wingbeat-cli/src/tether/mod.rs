@@ -21,7 +21,7 @@ use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
 use compare::Measured;
-use tables::Tables;
+pub use tables::Tables;
 
 /// Ticks of the progress bar.
 const TICKS: f64 = 1000.0;

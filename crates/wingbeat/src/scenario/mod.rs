@@ -43,7 +43,7 @@ pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, PaperAeroSpec, PaperResults, Preset, ScenarioSpec, StartSpec,
 };
 pub use summary::{ControllerSummary, FlightStatus, Summary};
-pub use sweep::{Draw, Hold, Sweep, SweepSpec};
+pub use sweep::{Draw, Hold, Sampling, Sweep, SweepOf, SweepSpec};
 pub use tether::{TetherCase, TetherSummary};
 pub use tether_compare::{CompareSpec, Compared, Comparison};
 pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
