@@ -11,7 +11,7 @@ fuzz_target!(|bytes: &[u8]| {
         Scenario::load(&path, &[]).err(),
         RigRun::load(&path, &[]).err(),
         TetherCase::load(&path, &[], &read).err(),
-        Sweep::load(&path, &[]).err(),
+        Sweep::load(&path, &[], &read).err(),
     ];
     for message in messages.into_iter().flatten() {
         assert!(!message.to_string().is_empty());

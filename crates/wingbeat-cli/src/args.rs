@@ -48,13 +48,14 @@ pub struct Fly {
     pub run: Run,
 }
 
-/// Fly a scenario many times with keys drawn at random, on all cores
+/// Run a scenario or a case many times with keys drawn at random or from a grid, on all cores
 ///
-/// The folder holds sweep.toml (as resolved), flights.csv and record.parquet (one row per flight), summary.json,
-/// manifest.json and a figure. An interrupted sweep goes on when the same command is given again.
+/// The folder holds sweep.toml (as resolved), flights.csv (of a case runs.csv) and record.parquet (one row per run),
+/// summary.json, manifest.json and a figure; of a case also its tables. An interrupted sweep goes on when the same
+/// command is given again.
 #[derive(Debug, Args)]
 pub struct Sweep {
-    /// The sweep: scenario, draws, what counts as held
+    /// The sweep: scenario and what counts as held, or case; draws
     #[arg(value_name = "SWEEP.toml")]
     pub sweep: PathBuf,
     #[command(flatten)]
@@ -64,12 +65,20 @@ pub struct Sweep {
 /// Move a wing as prescribed in a wind and write its loads
 ///
 /// The folder holds case.toml (as resolved), loads.csv, strips.parquet, means.csv, summary.json, manifest.json and
-/// figures. It appears when the run is whole.
+/// figures; with --converge also converge.csv, with --compare compare.csv. It appears when the run is whole. What the
+/// numbers mean: docs/tether.md.
 #[derive(Debug, Args)]
 pub struct Tether {
     /// The case
     #[arg(value_name = "CASE.toml")]
     pub case: PathBuf,
+    /// Also run it with three numbers of strips and three of steps, on all cores, and say whether its numbers converge
+    #[arg(long)]
+    pub converge: bool,
+    /// Also compare the last cycle with a measured one: columns t (s) or phase (cycles) and channels, see
+    /// `--set compare.channels.force_z=Fz`, `--set compare.by=phase` and `--set compare.frequency_hz=3.4`
+    #[arg(long, value_name = "MEASURED.csv")]
+    pub compare: Option<PathBuf>,
     #[command(flatten)]
     pub run: Run,
 }

@@ -2,6 +2,7 @@
 //!
 //! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
+mod bench;
 pub mod chart;
 mod commands;
 mod cycle;
@@ -9,6 +10,7 @@ mod error;
 mod force_moment;
 mod forces;
 mod gait;
+mod map;
 mod panel;
 mod path;
 mod processing;
@@ -20,11 +22,13 @@ mod style;
 mod tether;
 mod write;
 
+pub use bench::{comparison, convergence};
 pub use commands::commands;
 pub use error::Error;
 pub use force_moment::force_moment;
 pub use forces::forces;
 pub use gait::gait;
+pub use map::map;
 pub use path::path;
 pub use processing::{Cell, cycles, filtered};
 pub use robustness::robustness;

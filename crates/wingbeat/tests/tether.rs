@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use wingbeat::scenario::TetherCase;
+use wingbeat::scenario::{Convergence, ConvergenceRun, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::TetherRun;
 
@@ -102,6 +102,254 @@ fn a_periodic_table_moves_like_its_function() {
     let (a, b) = (splined.loads.values("force_z").unwrap(), exact.loads.values("force_z").unwrap());
     let largest = b.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-3 * largest));
+}
+
+/// A body that moves in every way, and hinges of every kind on one side or both.
+const ALL_MOVE: [&str; 8] = [
+    "body.surge_m={fourier={sin=[0.02]}}",
+    "body.heave_m={fourier={cos=[0.03]}}",
+    "body.nose_up_deg={fourier={mean=5,sin=[6]}}",
+    "body.roll_deg={fourier={sin=[0,7]}}",
+    "body.pitch_axis_ahead_m=0.02",
+    "wing.hinges[0].side=left",
+    "time.cycles=2",
+    "time.steps_per_cycle=128",
+];
+
+/// Further hinges of the case `flap_fold`.
+const MORE_HINGES: &str = "wing.hinges=[\
+    {name=\"sweep\",kind=\"sweep\",arc_m=0.0,angle_deg={fourier={sin=[12]}}},\
+    {name=\"shoulder\",kind=\"flap\",arc_m=0.0,angle_deg={fourier={sin=[30]}}},\
+    {name=\"grow\",kind=\"twist\",arc_m=0.02,to_arc_m=0.25,ahead_m=0.01,angle_deg={fourier={cos=[15]}}},\
+    {name=\"elbow\",kind=\"fold\",arc_m=0.1125,angle_deg={fourier={mean=-25,cos=[-25]}}},\
+    {name=\"tip\",kind=\"twist\",side=\"right\",arc_m=0.2,angle_deg={fourier={sin=[20]}}}]";
+
+/// Largest magnitude of a column.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
+
+#[test]
+fn power_is_that_of_body_and_hinges() {
+    for preset in PRESETS {
+        for (side, middle) in [("both", "odd"), ("both", "even"), ("left", "even")] {
+            let strips = if middle == "odd" { 13 } else { 12 };
+            let mut overrides = vec![MORE_HINGES.to_owned()];
+            overrides.extend(ALL_MOVE.map(str::to_owned));
+            overrides.push(format!("wing.side={side}"));
+            overrides.push(format!("aero.preset={preset}"));
+            overrides.push(format!(
+                "aero.{}={strips}",
+                if preset == "paper" { "paper.nodes" } else { "full.strips" }
+            ));
+            let run = run("flap_fold", &overrides.iter().map(String::as_str).collect::<Vec<_>>());
+            let columns = run.loads.columns().iter();
+            let parts: Vec<&[f64]> =
+                columns.filter(|c| c.name.starts_with("power_")).map(|c| c.values.as_slice()).collect();
+            assert_eq!(parts.len(), if side == "both" { 9 } else { 5 });
+            let total = run.loads.values("power").unwrap();
+            let apart = |i: usize| (total[i] - parts.iter().map(|part| part[i]).sum::<f64>()).abs();
+            let worst = (0..total.len()).map(apart).fold(0.0, f64::max) / largest(total);
+            assert!(worst < 1e-10 && largest(total) > 0.01, "{preset} {side} {strips}: {worst:e}");
+        }
+    }
+}
+
+/// Torques about a shoulder in the middle are moments about the body's x axis, which the strips' forces at their
+/// points give without the wing's kinematics; power is minus force times velocity where nothing turns.
+#[test]
+fn torques_and_powers_are_those_of_the_forces() {
+    let flapping = run("flap_f2", &["wing.side=left"]);
+    let (torque, moment) = ("torque_shoulder_left", "moment_x");
+    let (torque, moment) = (flapping.loads.values(torque).unwrap(), flapping.loads.values(moment).unwrap());
+    let worst = torque.iter().zip(moment).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(worst < 1e-12 * largest(moment), "{worst:e}");
+
+    let heaving = run("plunge", &[]);
+    let column = |name: &str| heaving.loads.values(name).unwrap();
+    let rate = std::f64::consts::TAU * 0.15915494309189535;
+    let (power, force, t) = (column("power"), column("force_z"), column("t"));
+    for i in 0..power.len() {
+        let expected = 0.05 * rate * (rate * t[i]).sin() * force[i];
+        assert!((power[i] - expected).abs() < 1e-10 * largest(power), "{} {expected}", power[i]);
+    }
+    let strips = |name: &str| heaving.strips.values(name).unwrap();
+    let sum: f64 = strips("power").iter().rev().take(16).sum();
+    assert!((sum - power[power.len() - 1]).abs() < 1e-12 * largest(power));
+    assert!(strips("chord").iter().all(|chord| (chord - 1.0).abs() < 1e-12));
+    assert!((largest(strips("velocity_z")) - 0.05 * rate).abs() < 1e-4 * rate);
+}
+
+#[test]
+fn the_efficiency_of_a_plunging_wing_is_that_of_its_means() {
+    let heaving = run("plunge", &["time.cycles=8"]);
+    let efficiency = heaving.efficiency.unwrap();
+    assert!((efficiency - mean(&heaving, "thrust") / mean(&heaving, "power")).abs() < 1e-14);
+    // Energy is left in the wake: Garrick's plunging wing of infinite span reaches .63 at k = .5.
+    assert!((0.2..0.8).contains(&efficiency), "{efficiency}");
+    assert_eq!(run("step", &[]).efficiency, None);
+}
+
+#[test]
+fn the_last_cycle_is_compared_with_the_one_before() {
+    let short = run("flap_f2", &["time.cycles=2"]).periodicity.unwrap().change;
+    let long = run("flap_f2", &["time.cycles=8"]).periodicity.unwrap().change;
+    assert!(short > 1e-3 && long < 0.1 * short, "{short} {long}");
+    assert_eq!(run("step", &[]).periodicity, None);
+    let case = case("flap_f2", &["time.cycles=8"]);
+    let run = case.tether.run(|_| ControlFlow::Continue(()));
+    assert_eq!(case.summary(&run, None).status, "ok");
+}
+
+/// A record of the column `name` over `when` at the given points.
+fn table(when: &str, name: &str, points: impl Iterator<Item = (f64, f64)>) -> Record {
+    let columns = [when, name].map(|name| wingbeat::simulate::Column::new(name, "", "")).to_vec();
+    let mut table = Record::new(columns, 0).unwrap();
+    points.for_each(|(t, y)| table.append(&[t, y]));
+    table
+}
+
+/// The case `flap_f2` with its shoulder from a table; `keys` are further keys of the table.
+fn tabled(record: &Record, keys: &str, more: &[&str]) -> Result<TetherCase, String> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+    let read = |_: &std::path::Path| Ok(record.clone());
+    let key = format!("wing.hinges[0].angle_deg={{table={{file=\"x.csv\",column=\"shoulder\",{keys}}}}}");
+    let mut overrides = vec![key];
+    overrides.extend(more.iter().map(|text| (*text).to_owned()));
+    TetherCase::load(&path, &overrides, &read).map_err(|error| error.to_string())
+}
+
+fn peak_lift(case: &TetherCase) -> f64 {
+    let run = case.tether.run(|_| ControlFlow::Continue(()));
+    run.means.iter().find(|m| m.name == "force_wind_lift").unwrap().high
+}
+
+#[test]
+fn noise_on_a_table_is_smoothed_away() {
+    let mut random = wingbeat::math::Random::new(5);
+    let mut noisy = |rows: u32| {
+        let point = |i: u32| {
+            let t = f64::from(i) / 500.0;
+            (t, 35.0 * (std::f64::consts::TAU * 3.5 * t).sin() + 0.15 * random.normal())
+        };
+        table("t", "shoulder", (0..rows).map(point))
+    };
+    let exact = peak_lift(&case("flap_f2", &[]));
+    let (one, many) = (noisy(142), noisy(1000));
+    let rough = peak_lift(&tabled(&one, "periodic=true", &[]).unwrap());
+    assert!(rough > 2.0 * exact, "{rough} {exact}");
+    for record in [one, many] {
+        let case = tabled(&record, "harmonics=3", &[]).unwrap();
+        let smooth = peak_lift(&case);
+        assert!((smooth / exact - 1.0).abs() < 0.05, "{smooth} {exact}");
+        let left = &case.smoothed[0];
+        assert_eq!((left.key.as_str(), left.samples), ("wing.hinges[0].angle_deg", record.rows()));
+        assert!((left.residual_rms / 0.15 - 1.0).abs() < 0.15 && left.residual_largest > 0.3, "{left:?}");
+    }
+}
+
+#[test]
+fn a_table_by_phase_or_at_another_frequency_is_the_same_motion() {
+    let angle = |phase: f64| 35.0 * (std::f64::consts::TAU * phase).sin();
+    let phases = || (0..=64).map(|i| f64::from(i) / 64.0);
+    let expected = peak_lift(&case("flap_f2", &["time.frequency_hz=4.0"]));
+    for (record, keys) in [
+        (table("phase", "shoulder", phases().map(|p| (p, angle(p)))), "by=\"phase\""),
+        (table("phase", "shoulder", phases().map(|p| (p, angle(p) / 7.0))), "by=\"phase\",scale=7.0"),
+        (table("t", "shoulder", phases().map(|p| (p / 2.5, angle(p)))), "periodic=true,frequency_hz=2.5"),
+        (table("t", "shoulder", phases().map(|p| (p / 2.5, angle(p)))), "harmonics=1,frequency_hz=2.5"),
+    ] {
+        let lift = peak_lift(&tabled(&record, keys, &["time.frequency_hz=4.0"]).unwrap());
+        assert!((lift / expected - 1.0).abs() < 2e-3, "{keys}: {lift} {expected}");
+    }
+    let record = table("phase", "shoulder", phases().map(|p| (p, angle(p))));
+    for (keys, part) in [
+        ("periodic=true", "file = t: allowed is one of phase, shoulder"),
+        ("by=\"phase\",frequency_hz=2.0", "a phase has no frequency"),
+        ("by=\"phase\",harmonics=60", "do not determine so many"),
+        ("harmonics=0", "1 to 64"),
+        ("frequency_hz=2.0", "only of a table that repeats"),
+    ] {
+        let message = tabled(&record, keys, &[]).unwrap_err();
+        assert!(message.contains(part), "{keys}: {message}");
+    }
+}
+
+#[test]
+fn strips_and_steps_converge_with_their_orders() {
+    let own = case("flap_f2", &["time.steps_per_cycle=96", "time.cycles=4"]);
+    let levels = own.levels();
+    assert_eq!((levels.strips, levels.steps_per_cycle), ([8, 16, 32], [48, 96, 192]));
+    let none = |_: &std::path::Path| Err::<Record, String>("no table".into());
+    let one = |(strips, steps): (usize, usize)| {
+        let run = own.refined(strips, steps, &none).unwrap().tether.run(|_| ControlFlow::Continue(()));
+        ConvergenceRun::of(strips, steps, &run)
+    };
+    let table = Convergence::new(levels, levels.cells().into_iter().map(one).collect());
+    assert_eq!(table.cells.len(), 9);
+    let (plain, again) = (table.cells[4], own.tether.run(|_| ControlFlow::Continue(())));
+    assert_eq!(
+        (plain.strips, plain.steps_per_cycle, plain.mean_lift_n),
+        (16, 96, mean(&again, "force_wind_lift"))
+    );
+    for quantity in &table.quantities {
+        let (strips, steps) = (quantity.order_strips.unwrap(), quantity.order_steps.unwrap());
+        assert!((1.0..3.0).contains(&strips) && (3.0..5.0).contains(&steps), "{quantity:?}");
+    }
+    assert!(table.spread > 1e-4 && table.spread < 0.1, "{table:?}");
+    assert_eq!(table.status == "converged", table.spread <= 0.02, "{}", table.verdict);
+}
+
+#[test]
+fn measured_loads_are_compared_with_computed_ones() {
+    let own = case(
+        "flap_f2",
+        &["compare.channels={force_wind_lift=\"Fz\",power=\"P\"}", "compare.frequency_hz=2.0"],
+    );
+    let run = own.tether.run(|_| ControlFlow::Continue(()));
+    let cycle = |name: &str, phase: f64| {
+        let values = run.last_cycle(name).unwrap();
+        values[(phase.rem_euclid(1.0) * values.len() as f64).round() as usize % values.len()]
+    };
+    let columns = ["t", "Fz", "P"].map(|name| wingbeat::simulate::Column::new(name, "", "")).to_vec();
+    let mut measured = Record::new(columns, 0).unwrap();
+    for i in 0..=480 {
+        let phase = f64::from(i) / 192.0;
+        let lift = 1e3 * cycle("force_wind_lift", phase - 24.0 / 192.0) + 7.0;
+        measured.append(&[phase / 2.0, lift, 0.9 * cycle("power", phase)]);
+    }
+    let channels = own.channels(&measured).unwrap();
+    let compared = own.compare(&run, &measured, &channels).unwrap();
+    let [lift, power] = &compared.channels[..] else { panic!("two channels") };
+    assert_eq!((lift.measured.as_str(), lift.cycles), ("Fz", 2));
+    assert!(
+        (lift.fit.lag_cycles - 0.125).abs() < 1e-3 && (lift.lag_s.unwrap() - 0.0625).abs() < 1e-3,
+        "{lift:?}"
+    );
+    assert!((lift.fit.gain / 1e3 - 1.0).abs() < 1e-3 && (lift.fit.offset - 7.0).abs() < 0.5, "{lift:?}");
+    assert!(lift.fit.rms < 2e-3 * lift.fit.range, "{lift:?}");
+    assert!(power.fit.lag_cycles.abs() < 1e-3 && (power.fit.gain - 0.9).abs() < 1e-3, "{power:?}");
+    assert_eq!((compared.cycle.rows(), compared.cycle.columns().len()), (360, 11));
+
+    let refuse = |text: &str, record: &Record| {
+        let own = case("flap_f2", &[text]);
+        let channels = own.channels(record).map_err(|error| error.to_string());
+        channels
+            .and_then(|channels| own.compare(&run, record, &channels).map(drop).map_err(|e| e.to_string()))
+    };
+    let bad = |columns: &str, points: &[(f64, f64)]| table(columns, "power", points.iter().copied());
+    for (text, record, part) in [
+        ("compare.channels={lift=\"Fz\"}", &measured, "under a column of the loads"),
+        ("compare.channels={force_z=\"Fx\"}", &measured, "a column of the file: Fz, P"),
+        ("compare.by=time", &measured, "no column of one name"),
+        ("compare.by=phase", &bad("t", &[(0.0, 1.0)]), "one called phase"),
+        ("compare.by=time", &bad("t", &[(0.0, 1.0), (0.0, 2.0)]), "row 2 of the data, column t = 0"),
+        ("compare.by=time", &bad("t", &[(0.0, 1.0), (0.01, 2.0)]), "at least one whole cycle"),
+        ("compare.by=phase", &bad("phase", &[(0.0, 1.0), (0.5, 1.0), (1.0, 1.0)]), "power = a range of 0"),
+    ] {
+        let message = refuse(text, record).unwrap_err();
+        assert!(message.contains(part), "{text}: {message}");
+    }
 }
 
 #[test]

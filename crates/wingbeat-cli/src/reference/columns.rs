@@ -19,13 +19,14 @@ pub const GAIT: &str = "record.parquet of a planned gait";
 pub const STRIPS: &str = "strips.parquet";
 pub const LOADS: &str = "loads.csv of tether";
 pub const SWEEP: &str = "flights.csv and record.parquet of sweep";
+pub const RUNS: &str = "runs.csv and record.parquet of a sweep of a case";
 pub const RIG: &str = "record.parquet of rig simulate";
 pub const BOX: &str = "record.parquet of rig record";
 pub const AVERAGE: &str = "NAME.parquet of rig process";
 pub const ENVELOPE: &str = "envelope.parquet of rig process";
 
 /// The records with what a row of each is.
-pub const RECORDS: [(&str, &str); 9] = [
+pub const RECORDS: [(&str, &str); 10] = [
     (FLIGHT, "One row per instant, `flight.record_every_s` apart."),
     (
         GAIT,
@@ -41,6 +42,7 @@ pub const RECORDS: [(&str, &str); 9] = [
       most of each over the last cycle.",
     ),
     (SWEEP, "One row per flight."),
+    (RUNS, "One row per run."),
     (RIG, "One row per sample of the cell."),
     (BOX, "One row per sample of the box; what was booked as missing has no row."),
     (AVERAGE, "One row per phase of the stroke, `process.bins` of them."),
@@ -129,6 +131,11 @@ pub const COLUMNS: &[Described] = &[
     column("nose_up", &[LOADS], RAD, "W", "The body's pitch, positive nose *up*."),
     column("roll", &[LOADS], RAD, "W", "The body's roll, positive right wing down."),
     column("hinge_<hinge>", &[LOADS], RAD, "", "Angle of the hinge; `wing.hinges` says which way is positive."),
+    column("thrust", &[LOADS], N, "wind", "Force against the wind: minus the drag."),
+    column("power", &[LOADS], W, "", "Power that the motion gives to the air, sum over the strips: minus force times velocity, less moment times rate, relative to still ground. What moves forward pays for its drag; the wind's own power is not in it."),
+    column("power_body", &[LOADS], W, "", "Part of it that the motion of the body gives; with those of the hinges it sums to `power`."),
+    column("torque_<hinge>_<side>", &[LOADS], NM, "", "Torque of the air about the hinge's axis on what lies outboard of it on that side, positive where it turns the hinge its positive way; the drive gives minus this, and inertia. About a twist that grows, the share of each strip."),
+    column("power_<hinge>_<side>", &[LOADS], W, "", "Minus that torque times the hinge's rate: what the hinge gives to the air."),
     column("force_<source>_<axis>", &[FLIGHT, GAIT, LOADS], N, "B", "Force by source: circulatory, induced_drag, added_mass, profile_drag; of a robot also body_drag, gravity and inertia (minus the rate of momentum, with which all sum to zero)."),
     column("moment_<source>_<axis>", &[FLIGHT, GAIT, LOADS], NM, "B", "Moment by source about the body's origin."),
     column("force_<axis>", &[LOADS], N, "B", "Force of the air, sum over the sources."),
@@ -143,6 +150,9 @@ pub const COLUMNS: &[Described] = &[
     column("circulation_lag_sum", &[STRIPS], &["m2/s"], "", "Sum of the lags that stands for the circulation with three lags; no bound circulation."),
     column("wash", &[STRIPS], &["m/s"], "", "Wind along the section's normal at 3/4 chord, wash of the wake included."),
     column("incidence", &[STRIPS], RAD, "", "Incidence of that wind, positive from below."),
+    column("chord", &[STRIPS], M, "", "Chord of the control section; of tether."),
+    column("velocity_<axis>", &[STRIPS], &["m/s"], "B", "Velocity of the point at 1/4 chord relative to still ground; of tether."),
+    column("power", &[STRIPS], W, "", "Power that the strip gives to the air; of tether."),
     column("quarter_chord_<axis>", &[STRIPS], M, "B", "Point at 1/4 chord of the control section from the body's origin."),
     column("force_<source>_<axis>", &[STRIPS], N, "B", "Force on the strip by source: circulatory, induced_drag, added_mass, profile_drag."),
     column("force_<axis>", &[STRIPS], N, "B", "Force on the strip, sum over the sources."),
@@ -194,6 +204,16 @@ pub const COLUMNS: &[Described] = &[
     column("simulation_<channel>", &[ENVELOPE], &["N", "N m"], "B", "Average of the simulation of the reference run."),
     column("<channel>", &[RIG, BOX], &["N", "N m"], "C", "Fx, Fy, Fz, Tx, Ty, Tz: what the robot and its mount put on the cell, about the cell's origin."),
     column("<channel>", &[AVERAGE], &["N", "N m"], "B", "Fx, Fy, Fz, Tx, Ty, Tz averaged over the cycles, about the body's origin; in C where `process.steps.body_frame` is off."),
+    column("run", &[RUNS], ONE, "", "Number of the run, from 0; of a grid the last draw varies fastest."),
+    column("completed", &[RUNS], ONE, "", "1 where the run ended without a fault; else nothing else is said of it."),
+    column("mean_lift", &[RUNS], N, "", "Mean of `force_wind_lift` over the last cycle."),
+    column("mean_thrust", &[RUNS], N, "", "Mean of `thrust`."),
+    column("peak_lift", &[RUNS], N, "", "Most of `force_wind_lift`."),
+    column("mean_power", &[RUNS], W, "", "Mean of `power`."),
+    column("peak_power", &[RUNS], W, "", "Most of `power`."),
+    column("propulsive_efficiency", &[RUNS], ONE, "", "Mean thrust times wind speed over mean power; negative where the wing drags."),
+    column("stall_fraction", &[RUNS], ONE, "", "Share of strips past the stall angle."),
+    column("periodicity", &[RUNS], ONE, "", "How far the last cycle is from the one before, as in the summary of `tether`."),
     column("run", &[SWEEP], ONE, "", "Number of the flight, from 0; it flies with the sweep's seed plus this number."),
     column("held", &[SWEEP], ONE, "", "1 where the flight was flown whole and both errors stayed within `hold`."),
     column("completed", &[SWEEP], ONE, "", "1 where it was flown whole."),
@@ -205,5 +225,5 @@ pub const COLUMNS: &[Described] = &[
     column("distance_y", &[SWEEP], M, "", "Way along W's y from begin to end, positive to the left."),
     column("altitude_change", &[SWEEP], M, "", "Altitude at the end less that at the begin."),
     column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
-    column("<key>", &[SWEEP], ONE, "", "What was drawn for a key of the scenario, in the unit that ends the key."),
+    column("<key>", &[SWEEP, RUNS], ONE, "", "What was drawn for a key of the scenario or case, in the unit that ends the key."),
 ];

@@ -80,3 +80,54 @@ fn a_bad_sweep_is_one_message() {
     assert!(message.starts_with("error: small.toml:3: runs = 0: allowed is 1 to 1000000"), "{message}");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
 }
+
+#[test]
+fn a_case_is_swept_over_a_grid_with_its_table() {
+    let folder = scratch("sweep-case");
+    let row = |i: u32| {
+        let phase = f64::from(i) / 40.0;
+        format!("{phase},{}\n", (std::f64::consts::TAU * phase).sin())
+    };
+    fs::write(folder.join("s.csv"), (0..=40).map(row).fold("phase,a\n".to_owned(), |a, b| a + &b)).unwrap();
+    let text = fs::read_to_string(root().join("cases/flap_f2.toml")).unwrap();
+    let table = "table = { file = \"s.csv\", column = \"a\", by = \"phase\", scale = 35.0 }";
+    let text = text.replace("fourier = { sin = [35.0] }", table).replace("= 192", "= 32");
+    fs::write(folder.join("flap.toml"), text).unwrap();
+    let draws = "[[draws]]\nkey = \"time.frequency_hz\"\nlow = 2.0\nhigh = 4.0\npoints = 3\n\
+         [[draws]]\nkey = \"wing.hinges[0].angle_deg.table.scale\"\nlow = 10.0\nhigh = 30.0\npoints = 2\n";
+    let head = "name = \"small\"\ncase = \"flap.toml\"\nsampling = \"grid\"\n";
+    fs::write(folder.join("small.toml"), format!("{head}{draws}")).unwrap();
+    let output = sweep(&folder, "a");
+    assert!(output.status.success(), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("6 of 6 runs completed"));
+    let run = folder.join("a");
+    for name in ["sweep.toml", "s.csv", "record.parquet", "figures/map.png"] {
+        assert!(run.join(name).is_file(), "{name}");
+    }
+    let rows = fs::read_to_string(run.join("runs.csv")).unwrap();
+    let rows: Vec<Vec<f64>> =
+        rows.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!((rows.len(), rows[3][1], rows[3][2]), (6, 3.0, 30.0));
+    // More frequency or more amplitude takes more power.
+    assert!(rows[5][7] > rows[3][7] && rows[5][7] > rows[4][7], "{rows:?}");
+
+    fs::write(folder.join("small.toml"), fs::read_to_string(run.join("sweep.toml")).unwrap()).unwrap();
+    let again = sweep(&folder, "again");
+    assert!(again.status.success(), "{again:?}");
+    let of = |out: &str| fs::read_to_string(folder.join(out).join("runs.csv")).unwrap();
+    assert_eq!(of("a"), of("again"));
+
+    for (text, part) in [
+        (format!("{head}runs = 3\n{draws}"), "none of a grid"),
+        (format!("{head}{}", draws.replace("points = 2\n", "")), "the number of values of a grid"),
+        (format!("{head}{}", draws.replace("high = 4.0", "high = 2e9")), "draws[0].high"),
+        (format!("{head}scenario = \"x.toml\"\n{draws}"), "x.toml"),
+        (head.replace("grid", "random") + &draws.replace("points", "# points"), "runs = 0"),
+    ] {
+        fs::write(folder.join("small.toml"), text).unwrap();
+        let output = sweep(&folder, "bad");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(part), "{part}: {message}");
+    }
+}

@@ -61,6 +61,101 @@ fn a_coordinate_may_be_a_table() {
     assert!(!folder.join("b").exists());
 }
 
+/// `flap_f2` in few steps.
+const BRIEF: [&str; 4] = ["--set", "time.steps_per_cycle=48", "--set", "time.cycles=2"];
+
+fn summary(run: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(run.join("summary.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_case_says_whether_it_converges() {
+    let folder = scratch("tether-converge");
+    let output = tether(
+        &folder,
+        &cases().join("flap_f2.toml"),
+        &[&BRIEF[..], &["--converge", "--out", "a", "--set", "aero.full.strips=8"]].concat(),
+    );
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains("order, strips") && text.contains("spread"), "{text}");
+    let run = folder.join("a");
+    let table = fs::read_to_string(run.join("converge.csv")).unwrap();
+    assert!(
+        table.starts_with("strips,steps_per_cycle,mean_lift_n,") && table.lines().count() == 10,
+        "{table}"
+    );
+    let converge = &summary(&run)["converge"];
+    assert_eq!(converge["strips"], serde_json::json!([4, 8, 16]));
+    assert_eq!(converge["cells"].as_array().unwrap().len(), 9);
+    let limit = converge["spread"].as_f64().unwrap() <= 0.02;
+    assert_eq!(converge["status"], if limit { "converged" } else { "not_converged" });
+    assert!(run.join("figures/converge.svg").is_file());
+}
+
+#[test]
+fn a_case_is_compared_with_a_measured_file() {
+    let folder = scratch("tether-compare");
+    let case = cases().join("flap_f2.toml");
+    let own = tether(&folder, &case, &[&BRIEF[..], &["--out", "own", "--quiet"]].concat());
+    assert!(own.status.success(), "{own:?}");
+    // The run's own lift, later by an eighth of the last cycle, in gram-force.
+    let loads = fs::read_to_string(folder.join("own/loads.csv")).unwrap();
+    let mut lines = loads.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let at = lines.next().unwrap().iter().position(|name| *name == "force_wind_lift").unwrap();
+    let lift: Vec<f64> = lines.skip(48).map(|row| row[at].parse().unwrap()).collect();
+    let row = |i: usize| format!("{},{}\n", i as f64 / 48.0, 100.0 * lift[(i + 42) % 48] - 3.0);
+    fs::write(folder.join("m.csv"), (0..=48).map(row).fold("phase,Fz\n".to_owned(), |a, b| a + &b)).unwrap();
+    let keys = ["--set", "compare.by=phase", "--set", "compare.channels.force_wind_lift=Fz"];
+    let with = |file, more: &[&str]| {
+        tether(&folder, &case, &[&BRIEF[..], &keys[..], &["--compare", file], more].concat())
+    };
+    let output = with("m.csv", &["--out", "a"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains("least-squares fit"), "{text}");
+    let found = &summary(&folder.join("a"))["compare"][0];
+    let of = |key: &str| found[key].as_f64().unwrap();
+    assert!((of("lag_cycles") - 0.125).abs() < 1e-3 && (of("gain") - 100.0).abs() < 0.5, "{found}");
+    assert!((of("offset") + 3.0).abs() < 0.05 && of("rms") < 5e-3 * of("range"), "{found}");
+    assert_eq!(found["lag_s"], serde_json::Value::Null);
+    assert!(folder.join("a/compare.csv").is_file() && folder.join("a/figures/compare.png").is_file());
+    for (text, part) in [
+        ("phase,Fz\n0,1\n0.5,x\n", "m.csv: line 3, column Fz: `x`"),
+        ("phase,Fz\n0,1\n0.5\n", "line: 3"),
+        ("phase,Fy\n0,1\n1,2\n", "compare.channels.force_wind_lift"),
+        ("t,Fz\n0,1\n1,2\n", "m.csv: columns = t, Fz: allowed is one called phase"),
+        ("phase,Fz\n0,1\n0.5,2\n0.4,3\n", "m.csv: row 3 of the data, column phase = 0.4"),
+        ("phase,Fz\n0,1\n0.1,2\n", "at least one whole cycle"),
+    ] {
+        fs::write(folder.join("m.csv"), text).unwrap();
+        let output = with("m.csv", &["--out", "b"]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{text:?}: {message}");
+        assert!(message.contains(part), "{text:?}: {message}");
+        assert!(!folder.join("b").exists());
+    }
+}
+
+#[test]
+fn a_smoothed_table_says_what_it_left() {
+    let folder = scratch("tether-smooth");
+    let row = |i: u32| {
+        let phase = f64::from(i) / 100.0;
+        let noise = 0.3 * f64::from(i * 7919 % 11 % 3) - 0.3;
+        format!("{phase},{}\n", 35.0 * (std::f64::consts::TAU * phase).sin() + noise)
+    };
+    fs::write(folder.join("s.csv"), (0..300).map(row).fold("phase,a\n".to_owned(), |a, b| a + &b)).unwrap();
+    let text = fs::read_to_string(cases().join("flap_f2.toml")).unwrap();
+    let table = "table = { file = \"s.csv\", column = \"a\", by = \"phase\", harmonics = 2 }";
+    fs::write(folder.join("case.toml"), text.replace("fourier = { sin = [35.0] }", table)).unwrap();
+    let output = tether(&folder, Path::new("case.toml"), &[&BRIEF[..], &["--out", "a"]].concat());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains("2 harmonics of 300 samples leave"), "{text}");
+    let left = &summary(&folder.join("a"))["smoothed"][0];
+    assert_eq!(left["key"], "wing.hinges[0].angle_deg");
+    assert!((0.1..0.4).contains(&left["residual_rms"].as_f64().unwrap()), "{left}");
+    assert!(folder.join("a/s.csv").is_file());
+}
+
 #[test]
 fn bad_input_is_one_message_and_no_folder() {
     let folder = scratch("tether-bad");

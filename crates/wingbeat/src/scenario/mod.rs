@@ -6,6 +6,7 @@ mod document;
 mod doors;
 mod judge;
 mod mismatch;
+mod motion_table;
 mod name;
 mod plan;
 mod recorder;
@@ -20,12 +21,15 @@ mod step_error;
 mod summary;
 mod sweep;
 mod tether;
+mod tether_compare;
+mod tether_converge;
 mod tether_spec;
 
 pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
 pub use doors::Doors;
 pub use mismatch::Mismatch;
+pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use name::RunName;
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
@@ -39,10 +43,12 @@ pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
 pub use summary::{ControllerSummary, FlightStatus, Summary};
-pub use sweep::{Draw, Hold, Sweep, SweepSpec};
+pub use sweep::{Draw, Hold, Sampling, Sweep, SweepOf, SweepSpec};
 pub use tether::{TetherCase, TetherSummary};
+pub use tether_compare::{CompareSpec, Compared, Comparison};
+pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
 pub use tether_spec::{
-    ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TableSpec, TetherSpec,
+    ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,
     TetheredBodySpec, TetheredWingSpec, WindSpec,
 };
 

@@ -123,7 +123,7 @@ impl<'a> Recorder<'a> {
         if let Some(strips) = &mut self.strips {
             if strips.due == 0 {
                 let instant = [t, o.phase];
-                strips.recorder.append(instant, &o.strips, Mat3::IDENTITY, Vec3::ZERO);
+                strips.recorder.append(instant, &o.strips, &[], Mat3::IDENTITY, Vec3::ZERO);
                 strips.due = strips.every;
             }
             strips.due -= 1;

@@ -1,7 +1,7 @@
-//! Many flights of one scenario with keys drawn at random.
+//! Many runs of one scenario or case with keys drawn at random or from a grid.
 
 use super::document::{ConfigError, Document, Place, Problem, Wrong};
-use super::{RunName, Scenario, Summary};
+use super::{ReadTable, RunName, Scenario, Summary, TetherCase};
 use crate::Error;
 use crate::math::Random;
 use crate::range::{Range, ranges};
@@ -9,9 +9,9 @@ use crate::require;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Most flights of a sweep.
+/// Most runs of a sweep.
 const MAX_RUNS: usize = 1_000_000;
-/// Largest seed of the first flight: TOML's whole numbers end beyond the last one's.
+/// Largest seed of the first run: TOML's whole numbers end beyond the last one's.
 const MAX_SEED: u64 = i64::MAX as u64 - MAX_RUNS as u64;
 
 /// A sweep file.
@@ -23,37 +23,69 @@ pub struct SweepSpec {
     /// Name; the run folder is called after it.
     pub name: String,
     /// Scenario file, relative to the sweep file; or a table, the scenario itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(
         feature = "schema",
         schemars(schema_with = "crate::scenario::schema::file_or::<crate::scenario::ScenarioSpec>")
     )]
-    pub scenario: toml::Value,
-    /// Number of flights.
-    pub runs: usize,
+    pub scenario: Option<toml::Value>,
+    /// Case file of `wingbeat tether`, relative to the sweep file, or a table, the case itself; in place of `scenario`
+    /// and `hold`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(schema_with = "crate::scenario::schema::file_or::<crate::scenario::TetherSpec>")
+    )]
+    pub case: Option<toml::Value>,
+    /// How values are drawn.
+    #[serde(default)]
+    pub sampling: Sampling,
+    /// Number of runs; of a grid the product of its points, and not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub runs: Option<usize>,
     /// Seed of the draws; flight `i` flies with the seed `seed + i`.
     #[serde(default)]
     pub seed: u64,
-    /// Keys of the scenario and the ranges they are drawn from, evenly.
+    /// Keys of the scenario or case and the ranges they are drawn from.
     pub draws: Vec<Draw>,
-    /// What counts as held.
-    pub hold: Hold,
+    /// What counts as held; of flights.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold: Option<Hold>,
 }
 
-/// One key drawn evenly from [low, high].
+/// How the values of a sweep are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Sampling {
+    /// Each evenly from its range, by itself.
+    #[default]
+    Random,
+    /// As many equal parts of each range as runs, each used once, in an order of its own (McKay, Beckman & Conover
+    /// 1979).
+    LatinHypercube,
+    /// All combinations of `points` values from each range, ends included.
+    Grid,
+}
+
+/// One key drawn from [low, high].
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Draw {
-    /// Key of the scenario, e.g. `mismatch.mass` or `mismatch.com_m[0]`.
+    /// Key of the scenario or case, e.g. `mismatch.mass`, `mismatch.com_m[0]` or `time.frequency_hz`.
     pub key: String,
     /// Lower end.
     pub low: f64,
     /// Upper end.
     pub high: f64,
+    /// Number of values of a grid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<usize>,
 }
 
 /// Largest errors of a held flight, from the goal's settling time on.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
@@ -78,22 +110,44 @@ impl Hold {
 pub struct Sweep {
     /// What the file said.
     pub spec: SweepSpec,
-    /// The sweep as TOML, scenario and robot inside; flies the same flights.
+    /// What is run.
+    pub of: SweepOf,
+    /// The sweep as TOML, what is run inside; makes the same runs.
     pub resolved: String,
     document: Document,
-    scenario: Document,
+    inner: Document,
+    /// Part of its range by draw and run, of a Latin hypercube.
+    parts: Vec<Vec<usize>>,
+}
+
+/// What a sweep runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SweepOf {
+    /// Flights of a scenario.
+    Flights(Hold),
+    /// Runs of a tethered wing.
+    Cases,
+}
+
+impl SweepOf {
+    fn key(self) -> &'static str {
+        match self {
+            Self::Flights(_) => "scenario",
+            Self::Cases => "case",
+        }
+    }
 }
 
 impl Sweep {
-    /// Reads and checks a sweep file and its scenario.
+    /// Reads and checks a sweep file and its scenario or case; `read` reads the tables of a case.
     ///
     /// # Errors
     /// One message with file, line, key, the value given and what is allowed.
-    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
-        Self::new(Document::file(path)?.overridden(overrides))
+    pub fn load(path: &Path, overrides: &[String], read: ReadTable) -> Result<Self, ConfigError> {
+        Self::new(Document::file(path)?.overridden(overrides), read)
     }
 
-    /// Checks a sweep from files or memory. Its key `scenario` names a file, or holds the scenario.
+    /// Checks a sweep from files or memory. Its key `scenario` or `case` names a file, or holds what is run.
     ///
     /// ```no_run
     /// use std::path::Path;
@@ -106,31 +160,59 @@ impl Sweep {
     /// hold = { roll_within_deg = 5.0, pitch_within_deg = 10.0 }
     /// "#;
     /// let scenario = Document::file(Path::new("scenarios/banking_turn.toml"))?;
-    /// let sweep = Sweep::new(Document::text("gusts", text)?.put("scenario", scenario)?)?;
+    /// let no_tables = &|_: &Path| Err("no tables here".to_owned());
+    /// let sweep = Sweep::new(Document::text("gusts", text)?.put("scenario", scenario)?, no_tables)?;
     /// assert_eq!(sweep.values(3).len(), 1);
     /// # Ok::<(), wingbeat::scenario::ConfigError>(())
     /// ```
     ///
     /// # Errors
     /// Messages with the place, the key, the value given and what is allowed.
-    pub fn new(document: Document) -> Result<Self, ConfigError> {
-        // Scenario and robot are read here, once: all flights are of the same, and the sweep holds them.
-        let document = document.merged(&["scenario", "scenario.robot"], &|_, _| None)?;
+    pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
+        // What is run is read here, once: all runs are of the same, and the sweep holds it.
+        let document = document.merged(&["scenario", "scenario.robot", "case"], &|_, _| None)?;
         let spec: SweepSpec = document.parse()?;
         let resolved = document.resolved()?;
-        spec.check().map_err(|error| document.explain(&error))?;
-        let scenario = document.part("scenario")?;
-        let sweep = Self { spec, resolved, document, scenario };
-        sweep.check_draws()?;
+        let of = spec.check().map_err(|error| document.explain(&error))?;
+        let inner = document.part(of.key())?;
+        let parts = spec.parts();
+        let sweep = Self { spec, of, resolved, document, inner, parts };
+        sweep.check_draws(read)?;
         Ok(sweep)
     }
 
-    /// The values drawn for flight `run`, in the order of the draws: a stream of
-    /// its own for every flight, so that order and interruption do not matter.
+    /// Number of runs.
+    pub fn runs(&self) -> usize {
+        self.spec.count()
+    }
+
+    /// The values drawn for run `run`, in the order of the draws: random numbers are from
+    /// a stream of its own for every run, so that order and interruption do not matter. Of a grid the last draw varies
+    /// fastest.
     pub fn values(&self, run: usize) -> Vec<f64> {
         let mut random = Random::stream(self.spec.seed, run as u64);
-        let draw = |d: &Draw| random.between(d.low, d.high);
-        self.spec.draws.iter().map(draw).collect()
+        let (mut left, mut grid) = (self.runs(), run);
+        let mut value = |(k, draw): (usize, &Draw)| match self.spec.sampling {
+            Sampling::Random => random.between(draw.low, draw.high),
+            Sampling::LatinHypercube => {
+                let part = (self.parts[k][run] as f64 + random.unit()) / self.runs() as f64;
+                draw.low + (draw.high - draw.low) * part
+            }
+            Sampling::Grid => {
+                let points = draw.points.unwrap_or(1);
+                left /= points;
+                let place = grid / left;
+                grid %= left;
+                draw.low + (draw.high - draw.low) * place as f64 / (points - 1).max(1) as f64
+            }
+        };
+        self.spec.draws.iter().enumerate().map(&mut value).collect()
+    }
+
+    /// What run `run` runs, with its values.
+    fn drawn(&self, run: usize) -> Document {
+        let draws = self.spec.draws.iter().zip(self.values(run));
+        draws.fold(self.inner.clone(), |document, (d, v)| document.set(drawn(d, v)))
     }
 
     /// The scenario of flight `run`.
@@ -138,20 +220,43 @@ impl Sweep {
     /// # Errors
     /// A drawn key that the scenario does not know, or refuses.
     pub fn scenario(&self, run: usize) -> Result<Scenario, ConfigError> {
-        let draws = self.spec.draws.iter().zip(self.values(run));
-        let document = draws.fold(self.scenario.clone(), |document, (d, v)| document.set(drawn(d, v)));
         let seed = self.spec.seed + run as u64;
-        Scenario::new(document.set(format!("seed={seed}")))
+        Scenario::new(self.drawn(run).set(format!("seed={seed}")))
     }
 
-    /// Flies flight `run` of the scenario with both ends of every draw, one at a time.
-    fn check_draws(&self) -> Result<(), ConfigError> {
-        Scenario::new(self.scenario.clone())?;
+    /// The case of run `run`.
+    ///
+    /// # Errors
+    /// A drawn key that the case does not know, or refuses.
+    pub fn case(&self, run: usize, read: ReadTable) -> Result<TetherCase, ConfigError> {
+        TetherCase::new(self.drawn(run), read)
+    }
+
+    /// The sweep as TOML, each table of its case under the name that `name` gives for its file, beside the sweep.
+    ///
+    /// # Errors
+    /// A sweep that TOML cannot hold.
+    pub fn kept(&self, read: ReadTable, name: impl Fn(&Path) -> String) -> Result<String, ConfigError> {
+        if self.of != SweepOf::Cases {
+            return Ok(self.resolved.clone());
+        }
+        let case = TetherCase::new(self.inner.clone(), read)?.kept(name)?;
+        let spec = SweepSpec { case: None, ..self.spec.clone() };
+        Document::value("sweep", &spec)?.put("case", Document::text("case", &case)?)?.resolved()
+    }
+
+    /// Builds what is run, and then with both ends of every draw, one at a time.
+    fn check_draws(&self, read: ReadTable) -> Result<(), ConfigError> {
+        let built = |document: Document| match self.of {
+            SweepOf::Flights(_) => Scenario::new(document).map(drop),
+            SweepOf::Cases => TetherCase::new(document, read).map(drop),
+        };
+        built(self.inner.clone())?;
         for (i, draw) in self.spec.draws.iter().enumerate() {
             for (end, value) in [("low", draw.low), ("high", draw.high)] {
                 let given = drawn(draw, value);
-                let built = Scenario::new(self.scenario.clone().set(given.as_str()));
-                built.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), end))?;
+                let outcome = built(self.inner.clone().set(given.as_str()));
+                outcome.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), end))?;
             }
         }
         Ok(())
@@ -165,7 +270,8 @@ impl Sweep {
         let end = if matches!(wrong.problem, Problem::Value(_)) { end } else { "key" };
         let key = format!("{draw}.{end}");
         let value = self.document.written(&key).map_or(String::new(), |(value, _)| value);
-        self.document.explain(&Error::invalid(key, value, format!("what the scenario allows ({error})")))
+        let allowed = format!("what the {} allows ({error})", self.of.key());
+        self.document.explain(&Error::invalid(key, value, allowed))
     }
 }
 
@@ -186,21 +292,71 @@ impl SweepSpec {
         RunName::new("name", &self.name)
     }
 
-    fn check(&self) -> Result<(), Error> {
+    /// Number of runs; 0 where the file does not say.
+    fn count(&self) -> usize {
+        match self.sampling {
+            Sampling::Grid => {
+                let points = self.draws.iter().map(|draw| draw.points.unwrap_or(1));
+                points.fold(1, usize::saturating_mul)
+            }
+            Sampling::Random | Sampling::LatinHypercube => self.runs.unwrap_or(0),
+        }
+    }
+
+    /// For every draw of a Latin hypercube an order of the parts of its range, from a stream that no run has.
+    fn parts(&self) -> Vec<Vec<usize>> {
+        if self.sampling != Sampling::LatinHypercube {
+            return Vec::new();
+        }
+        let order = |k: usize| {
+            let mut random = Random::stream(self.seed, u64::MAX - k as u64);
+            let mut parts: Vec<usize> = (0..self.count()).collect();
+            for i in (1..parts.len()).rev() {
+                parts.swap(i, (random.unit() * (i + 1) as f64) as usize);
+            }
+            parts
+        };
+        (0..self.draws.len()).map(order).collect()
+    }
+
+    fn check(&self) -> Result<SweepOf, Error> {
         self.run_name()?;
         self.in_range()?;
         require::at_most("seed", self.seed, MAX_SEED)?;
-        self.hold.check().map_err(|e| e.within("hold"))?;
-        let mut draws = self.draws.iter().enumerate();
-        draws.try_for_each(|(i, draw)| draw.check().map_err(|e| e.within(&format!("draws[{i}]"))))
+        let grid = self.sampling == Sampling::Grid;
+        for (i, draw) in self.draws.iter().enumerate() {
+            draw.check(grid).map_err(|e| e.within(&format!("draws[{i}]")))?;
+        }
+        if grid && let Some(runs) = self.runs {
+            let allowed = "none of a grid: draws[].points make its runs";
+            return Err(Error::invalid("runs", runs, allowed).against(["sampling"]));
+        }
+        require::between(if grid { "draws" } else { "runs" }, self.count(), 1, MAX_RUNS)?;
+        match (&self.scenario, &self.case, self.hold) {
+            (Some(_), None, Some(hold)) => {
+                hold.check().map_err(|e| e.within("hold"))?;
+                Ok(SweepOf::Flights(hold))
+            }
+            (None, Some(_), None) => Ok(SweepOf::Cases),
+            (Some(_), None, None) => Err(Error::invalid("hold", "none", "what counts as held, of flights")),
+            (_, Some(_), Some(_)) => Err(Error::invalid("hold", "given", "none of a case: nothing is held")),
+            _ => Err(Error::invalid("scenario", "none, or one beside a case", "one of scenario and case")),
+        }
     }
 }
 
 impl Draw {
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self, grid: bool) -> Result<(), Error> {
         require::finite("low", &[self.low])?;
         require::finite("high", &[self.high])?;
-        require::at_most("low", self.low, self.high).map_err(|e| e.against(["high"]))
+        require::at_most("low", self.low, self.high).map_err(|e| e.against(["high"]))?;
+        match self.points {
+            Some(points) if grid => require::between("points", points, 1, MAX_RUNS),
+            Some(points) => Err(Error::invalid("points", points, "none: they are of sampling = \"grid\"")
+                .against(["sampling"])),
+            None if grid => Err(Error::invalid("points", "none", "the number of values of a grid")),
+            None => Ok(()),
+        }
     }
 }
 
@@ -216,7 +372,44 @@ mod tests {
 
     fn sweep() -> Sweep {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sweeps/banking_turn_robustness.toml");
-        Sweep::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
+        Sweep::load(&path, &[], NO_TABLES).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    const NO_TABLES: ReadTable = &|_: &Path| Err(String::new());
+
+    fn of_case(more: &str) -> Sweep {
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+        let text = format!(
+            "name = \"map\"\n{more}\n[[draws]]\nkey = \"time.frequency_hz\"\nlow = 2.0\nhigh = 4.0\n[[draws]]\n\
+             key = \"wing.hinges[0].angle_deg.fourier.sin[0]\"\nlow = 10.0\nhigh = 40.0\n"
+        );
+        let document = Document::text("map", &text).unwrap();
+        Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES).unwrap()
+    }
+
+    #[test]
+    fn a_grid_has_every_combination_and_a_hypercube_every_part_once() {
+        let points = "sampling = \"grid\"\ndraws = [\
+             { key = \"time.frequency_hz\", low = 2.0, high = 4.0, points = 3 },\
+             { key = \"wind.speed_m_s\", low = 1.0, high = 2.0, points = 2 }]";
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+        let document = Document::text("map", &format!("name = \"map\"\n{points}\n")).unwrap();
+        let document = document.put("case", Document::file(&case).unwrap()).unwrap();
+        let grid = Sweep::new(document, NO_TABLES).unwrap();
+        let values: Vec<Vec<f64>> = (0..grid.runs()).map(|run| grid.values(run)).collect();
+        assert_eq!(values, [[2.0, 1.0], [2.0, 2.0], [3.0, 1.0], [3.0, 2.0], [4.0, 1.0], [4.0, 2.0]]);
+        assert_eq!(grid.case(3, NO_TABLES).unwrap().spec.wind.speed_m_s, 2.0);
+
+        let cube = of_case("runs = 20\nsampling = \"latin_hypercube\"\nseed = 3");
+        for k in 0..2 {
+            let Draw { low, high, .. } = cube.spec.draws[k];
+            let part = |run: usize| ((cube.values(run)[k] - low) / (high - low) * 20.0) as usize;
+            let mut parts: Vec<usize> = (0..20).map(part).collect();
+            parts.sort_unstable();
+            assert_eq!(parts, (0..20).collect::<Vec<_>>());
+        }
+        let orders: Vec<bool> = (0..20).map(|run| cube.parts[0][run] == cube.parts[1][run]).collect();
+        assert!(orders.iter().filter(|same| **same).count() < 10);
     }
 
     #[test]

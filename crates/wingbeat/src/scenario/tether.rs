@@ -1,13 +1,13 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::{ConfigError, CoordinateSpec, Document};
+use super::{ConfigError, CoordinateSpec, Document, Smoothed};
 use crate::Error;
 use crate::aero::Planform;
 use crate::math::Vec3;
 use crate::robot::SurfaceOutline;
 use crate::simulate::Ending;
-use crate::tether::{CycleMean, Hinge, Motion, Reference, Side, Tether, TetherRun, Wing};
+use crate::tether::{CycleMean, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,9 @@ pub struct TetherCase {
     pub resolved: String,
     /// The wing in its wind.
     pub tether: Tether,
-    document: Document,
+    /// What fits of harmonics left of the tables.
+    pub smoothed: Vec<Smoothed>,
+    pub(super) document: Document,
 }
 
 impl TetherCase {
@@ -73,8 +75,8 @@ impl TetherCase {
         let spec: TetherSpec = document.parse()?;
         let resolved = document.resolved()?;
         let built = spec.build(&|key| document.folder(key), read);
-        let tether = built.map_err(|error| document.explain(&error))?;
-        Ok(Self { spec, resolved, tether, document })
+        let (tether, smoothed) = built.map_err(|error| document.explain(&error))?;
+        Ok(Self { spec, resolved, tether, smoothed, document })
     }
 
     /// The case as TOML, each table under the name that `name` gives for its file, beside the case.
@@ -109,10 +111,12 @@ impl TetherCase {
         let limit = self.tether.aero.stall_angle().to_degrees();
         let past = format!("{share:.1} % of the strips of the last cycle are past {limit:.0} deg");
         let warning = law.about().beyond_stall.map(|what| format!("{past} under law {}, {what}", law.name()));
+        let unrepeated = run.periodicity.as_ref().and_then(unrepeated);
         TetherSummary {
             status: match run.ending {
-                Ending::Complete if resolved => "ok".into(),
-                Ending::Complete => "not_resolved".into(),
+                Ending::Complete if !resolved => "not_resolved".into(),
+                Ending::Complete if unrepeated.is_some() => "not_periodic".into(),
+                Ending::Complete => "ok".into(),
                 Ending::Stopped => "stopped".into(),
                 Ending::Fault(fault) if fault.is_not_finite() => format!("not_finite: {fault}"),
                 Ending::Fault(fault) => format!("failed: {fault}"),
@@ -124,9 +128,16 @@ impl TetherCase {
             step_change,
             separated_fraction: run.separated_fraction,
             suction_lost_fraction: run.suction_lost_fraction,
+            mean_lift_n: run.mean("force_wind_lift"),
+            mean_thrust_n: run.mean("thrust"),
+            mean_power_w: run.mean("power"),
+            propulsive_efficiency: run.efficiency,
+            periodicity: run.periodicity.clone(),
+            smoothed: self.smoothed.clone(),
             warnings: warning
                 .filter(|_| run.stall_fraction > 0.0)
                 .into_iter()
+                .chain(unrepeated)
                 .chain(step_change.and_then(|change| self.coarse(change)))
                 .collect(),
             cycle: run.means.clone(),
@@ -137,7 +148,8 @@ impl TetherCase {
 /// The numbers of a tethered run.
 #[derive(Clone, Debug, Serialize)]
 pub struct TetherSummary {
-    /// `ok`, `not_resolved` (the loads depend on the steps), `stopped`, or what failed.
+    /// `ok`, `not_periodic` (the last cycle differs from the one before), `not_resolved` (the loads depend on the
+    /// steps), `stopped`, or what failed.
     pub status: String,
     /// Name of the case.
     pub name: String,
@@ -154,14 +166,41 @@ pub struct TetherSummary {
     /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
     /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,
+    /// Mean lift over the last cycle, N.
+    pub mean_lift_n: Option<f64>,
+    /// Mean force against the wind over the last cycle, N.
+    pub mean_thrust_n: Option<f64>,
+    /// Mean power that the motion gives to the air over the last cycle, W.
+    pub mean_power_w: Option<f64>,
+    /// Mean thrust times wind speed over mean power; negative where the wing drags.
+    pub propulsive_efficiency: Option<f64>,
+    /// How far the last cycle is from the one before; none of a single cycle.
+    pub periodicity: Option<Periodicity>,
+    /// What fits of harmonics left of the tables.
+    pub smoothed: Vec<Smoothed>,
     /// What to beware of.
     pub warnings: Vec<String>,
     /// Means and ranges over the last cycle.
     pub cycle: Vec<CycleMean>,
 }
 
+/// Change of a mean or half a range from cycle to cycle above which a run is not periodic. *Choice.*
+const UNREPEATED: f64 = 0.01;
+
+/// The caution that the last cycle is not like the one before.
+fn unrepeated(periodicity: &Periodicity) -> Option<String> {
+    let Periodicity { change, quantity } = periodicity;
+    (!(*change <= UNREPEATED)).then(|| {
+        let percent = 100.0 * change;
+        format!(
+            "the last cycle is not like the one before: {quantity} changes by {percent:.2} % of the largest of its \
+             kind: take more cycles, unless the motion does not repeat"
+        )
+    })
+}
+
 /// Change of the means with other steps above which there is a caution. *Choice.*
-const STEP_CHANGE: f64 = 0.02;
+pub(super) const STEP_CHANGE: f64 = 0.02;
 /// Change above which a run is not resolved. *Choice.*
 const UNRESOLVED: f64 = 0.5;
 
@@ -225,8 +264,9 @@ fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
 }
 
 impl TetherSpec {
-    fn build(&self, folder: Folder, read: ReadTable) -> Result<Tether, Error> {
+    fn build(&self, folder: Folder, read: ReadTable) -> Result<(Tether, Vec<Smoothed>), Error> {
         self.check()?;
+        let (motion, smoothed) = self.motion(folder, read)?;
         let clock = self.time.clock();
         let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
         let outer = self.wing.hinges.iter().enumerate().filter(|(_, hinge)| hinge.arc_m > 0.0);
@@ -266,7 +306,7 @@ impl TetherSpec {
                     .unwrap_or(area / (2.0 * halves * planform.covered_half_span())),
             },
             wing,
-            motion: self.motion(folder, read)?,
+            motion,
             aero,
             wind: self.wind.velocity(),
             side: self.wing.side,
@@ -275,29 +315,29 @@ impl TetherSpec {
         let speed = if self.reference.speed_m_s.is_some() { "reference.speed_m_s" } else { "wind.speed_m_s" };
         let names = [("air", "wind"), ("reference.speed_m_s", speed), ("hinges", "wing.hinges")];
         tether.check().map_err(|e| e.renamed(&names))?;
-        Ok(tether)
+        Ok((tether, smoothed))
     }
 
-    fn motion(&self, folder: Folder, read: ReadTable) -> Result<Motion, Error> {
+    fn motion(&self, folder: Folder, read: ReadTable) -> Result<(Motion, Vec<Smoothed>), Error> {
         let frequency = self.time.frequency_hz;
         let degree = 1.0_f64.to_radians();
         let body = &self.body;
-        let build = |spec: &super::CoordinateSpec, key: &str, factor| {
+        let mut smoothed = Vec::new();
+        let mut build = |spec: &super::CoordinateSpec, key: &str, factor| {
             let folder = || folder(&format!("{key}.table.file"));
-            spec.build(frequency, factor, &folder, read).map_err(|e| e.within(key))
+            let (coordinate, left) = spec.build(frequency, &folder, read).map_err(|e| e.within(key))?;
+            smoothed.extend(left.map(|left| Smoothed { key: key.into(), ..left }));
+            Ok(coordinate.scaled(factor))
         };
+        let surge = build(&body.surge_m, "body.surge_m", 1.0)?;
+        let heave = build(&body.heave_m, "body.heave_m", 1.0)?;
+        let nose_up = build(&body.nose_up_deg, "body.nose_up_deg", degree)?;
+        let roll = build(&body.roll_deg, "body.roll_deg", degree)?;
         let hinge = |(i, h): (usize, &super::HingeSpec)| {
-            let key = format!("wing.hinges[{i}].angle_deg");
-            Ok((h.name.clone(), build(&h.angle_deg, &key, degree)?))
+            Ok((h.name.clone(), build(&h.angle_deg, &format!("wing.hinges[{i}].angle_deg"), degree)?))
         };
-        Ok(Motion {
-            surge: build(&body.surge_m, "body.surge_m", 1.0)?,
-            heave: build(&body.heave_m, "body.heave_m", 1.0)?,
-            nose_up: build(&body.nose_up_deg, "body.nose_up_deg", degree)?,
-            roll: build(&body.roll_deg, "body.roll_deg", degree)?,
-            axis_ahead_m: body.pitch_axis_ahead_m,
-            hinges: self.wing.hinges.iter().enumerate().map(hinge).collect::<Result<_, Error>>()?,
-        })
+        let hinges = self.wing.hinges.iter().enumerate().map(hinge).collect::<Result<_, Error>>()?;
+        Ok((Motion { surge, heave, nose_up, roll, axis_ahead_m: body.pitch_axis_ahead_m, hinges }, smoothed))
     }
 }
 
@@ -346,6 +386,8 @@ mod tests {
             mean,
             low: 0.0,
             high,
+            mean_change: None,
+            amplitude_change: None,
         };
         let good = [row("force_wind_lift", 1.0, 2.0), row("moment_y", 0.1, 0.2)];
         let near = [row("force_wind_lift", 1.01, 2.0), row("moment_y", 0.1, 0.2)];

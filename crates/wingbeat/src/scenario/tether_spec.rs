@@ -1,14 +1,14 @@
 //! What a case file of a tethered wing says.
 
-use super::{AeroSpec, RunName};
+use super::motion_table::TableSpec;
+use super::{AeroSpec, CompareSpec, RunName};
 use crate::Error;
 use crate::aero::{Gap, PlanformStation, SectionSpec};
-use crate::math::CubicSpline;
 use crate::range::{Range, ranges};
 use crate::simulate::Record;
-use crate::tether::{Clock, Coordinate, HingeKind, Side};
+use crate::tether::{Clock, HingeKind, Side};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A wing in prescribed motion in a wind.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -31,6 +31,9 @@ pub struct TetherSpec {
     /// Scales of the coefficients.
     #[serde(default)]
     pub reference: ReferenceSpec,
+    /// How a measured file is read that the loads are compared with.
+    #[serde(default, skip_serializing_if = "CompareSpec::is_empty")]
+    pub compare: CompareSpec,
 }
 
 /// Planform, profile drag and hinges.
@@ -137,20 +140,6 @@ pub struct FourierSpec {
     pub sin: Vec<f64>,
 }
 
-/// Columns of a CSV file: `t` (s) and one with the coordinate.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct TableSpec {
-    /// The file, relative to the case file.
-    pub file: PathBuf,
-    /// Name of the coordinate's column.
-    pub column: String,
-    /// Whether it repeats with the case's frequency; else it goes straight on beyond its ends.
-    #[serde(default)]
-    pub periodic: bool,
-}
-
 /// Wind.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -227,6 +216,7 @@ impl TetherSpec {
         self.run_name()?;
         self.time.clock().in_range().map_err(|e| e.within("time"))?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
+        self.compare.check().map_err(|e| e.within("compare"))?;
         for (i, hinge) in self.wing.hinges.iter().enumerate() {
             if let Some(k) = self.wing.hinges[..i].iter().position(|other| other.name == hinge.name) {
                 let (key, given) = (format!("wing.hinges[{i}].name"), format!("{:?}", hinge.name));
@@ -235,53 +225,5 @@ impl TetherSpec {
             }
         }
         self.reference.in_range().map_err(|e| e.within("reference"))
-    }
-}
-
-impl CoordinateSpec {
-    /// The coordinate times `factor`; tables are sought in `folder`.
-    pub(super) fn build(
-        &self,
-        frequency_hz: f64,
-        factor: f64,
-        folder: &dyn Fn() -> PathBuf,
-        read: ReadTable,
-    ) -> Result<Coordinate, Error> {
-        let coordinate = match self {
-            Self::Constant(value) => Coordinate::Constant(*value),
-            Self::Fourier(f) => {
-                Coordinate::Fourier { frequency_hz, mean: f.mean, cos: f.cos.clone(), sin: f.sin.clone() }
-            }
-            Self::Table(table) => {
-                let spline = table.spline(frequency_hz, &folder(), read).map_err(|e| e.within("table"))?;
-                Coordinate::Table(spline)
-            }
-        };
-        Ok(coordinate.scaled(factor))
-    }
-}
-
-impl TableSpec {
-    fn spline(&self, frequency_hz: f64, folder: &Path, read: ReadTable) -> Result<CubicSpline, Error> {
-        let path = folder.join(&self.file);
-        let record = read(&path).map_err(|what| Error::invalid("file", path.display(), what))?;
-        let column = |name: &str, key| {
-            let names: Vec<_> = record.columns().iter().map(|c| c.name.as_str()).collect();
-            record
-                .values(name)
-                .ok_or_else(|| Error::invalid(key, name, format!("one of {}", names.join(", "))))
-        };
-        let (mut t, mut y) = (column("t", "file")?, column(&self.column, "column")?);
-        let refused = |error: Error| Error::invalid("file", path.display(), error.to_string());
-        if !self.periodic {
-            return CubicSpline::natural(t, y).map_err(refused);
-        }
-        let period = 1.0 / frequency_hz;
-        if let [first, .., last] = t
-            && (last - first - period).abs() < 1e-6 * period
-        {
-            (t, y) = (&t[..t.len() - 1], &y[..y.len() - 1]);
-        }
-        CubicSpline::periodic(t, y, period).map_err(refused)
     }
 }

@@ -14,5 +14,5 @@ pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
 pub use record::{Column, Record};
 pub use sensors::{Measurement, SensorSpec, Sensors};
 pub use stepper::{Saved, Stepper};
-pub use strips::{AXES, StripRecorder};
+pub use strips::{AXES, StripMotion, StripRecorder};
 pub use system::{Driver, Ending, Held, Moment, Observed, Sizes, System};

@@ -1,7 +1,7 @@
 //! Loads of a wing's strips over time, as a record.
 
 use super::record::{Column, Record};
-use crate::aero::{Aero, Circulation, LoadSource, Loads};
+use crate::aero::{Aero, Circulation, LoadSource, Loads, SectionMotion};
 use crate::math::{Mat3, Vec3};
 
 /// Axes of a vector, as they end the names of its columns.
@@ -20,12 +20,32 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// | `quarter_chord_*` | m | point at 1/4 chord of the control section, from the origin of B, in B |
 /// | `surface` | - | number of the surface, in the robot's order |
 /// | `separated`, `suction_lost` | - | shares of flow and of linear leading-edge suction that the law takes away |
+/// | `chord`, `velocity_*`, `power` | m, m/s, W | of a recorder of [`moving`](Self::moving) strips: see [`StripMotion`] |
 #[derive(Clone, Debug)]
 pub struct StripRecorder {
     record: Record,
     /// Surface, number on it, arc and width (m) of each strip.
     strips: Vec<[f64; 4]>,
     row: Vec<f64>,
+}
+
+/// How a strip moves, and what that costs.
+#[derive(Clone, Copy, Debug)]
+pub struct StripMotion {
+    /// Chord of the control section, m.
+    pub chord: f64,
+    /// Velocity relative to still ground of its point at 1/4 chord, m/s, in the frame of the loads.
+    pub velocity: Vec3,
+    /// Power that the strip gives to the air, W.
+    pub power: f64,
+}
+
+impl StripMotion {
+    /// Of a control section, with the power of its strip.
+    pub fn of(section: &SectionMotion<f64>, power: f64) -> Self {
+        let velocity = section.v_le * 0.75 + section.v_te * 0.25;
+        Self { chord: (section.le - section.te).norm(), velocity, power }
+    }
 }
 
 impl StripRecorder {
@@ -41,6 +61,10 @@ impl StripRecorder {
         // A sum of lags is no bound circulation beside one that is.
         let of_lags = surfaces.iter().find(|aero| aero.circulation() == Circulation::LagSum);
         let columns = columns(of_lags.map_or(Circulation::Bound, |aero| aero.circulation()), phase_unit);
+        Self::with(columns, strips, instants)
+    }
+
+    fn with(columns: Vec<Column>, strips: Vec<[f64; 4]>, instants: usize) -> Self {
         Self {
             row: Vec::with_capacity(columns.len()),
             // Refused are only two columns of one name.
@@ -49,9 +73,27 @@ impl StripRecorder {
         }
     }
 
+    /// The same, still empty, with columns of how the strips move and room for `instants`.
+    #[must_use]
+    pub fn moving(self, instants: usize) -> Self {
+        let mut columns = self.record.into_columns();
+        columns.push(Column::new("chord", "m", ""));
+        columns.extend(AXES.map(|a| Column::new(format!("velocity_{a}"), "m/s", "B")));
+        columns.push(Column::new("power", "W", ""));
+        Self::with(columns, self.strips, instants)
+    }
+
     /// Appends the strips of all surfaces at an instant: `loads` are in a frame in which
-    /// B has its origin at `origin` (m), and which `to_body` turns into B.
-    pub fn append(&mut self, [t, phase]: [f64; 2], loads: &Loads<f64>, to_body: Mat3, origin: Vec3) {
+    /// B has its origin at `origin` (m), and which `to_body` turns into B. `motion` has an entry per strip where the
+    /// strips are [`moving`](Self::moving), else none.
+    pub fn append(
+        &mut self,
+        [t, phase]: [f64; 2],
+        loads: &Loads<f64>,
+        motion: &[StripMotion],
+        to_body: Mat3,
+        origin: Vec3,
+    ) {
         for (i, (strip, place)) in loads.strip[..loads.strips].iter().zip(&self.strips).enumerate() {
             let [surface, number, arc, width] = *place;
             let row = &mut self.row;
@@ -63,6 +105,11 @@ impl StripRecorder {
             row.push(width);
             row.extend((to_body * (loads.quarter_chord[i] - origin)).0);
             row.extend([surface, loads.separated[i], loads.suction_lost[i]]);
+            if let Some(StripMotion { chord, velocity, power }) = motion.get(i) {
+                row.push(*chord);
+                row.extend((to_body * *velocity).0);
+                row.push(*power);
+            }
             self.record.append(row);
         }
     }

@@ -1,6 +1,11 @@
 //! One coordinate as a function of time.
 
+use crate::math::linear::{lu_factor, lu_solve};
 use crate::math::{CubicSpline, Jet, Scalar};
+
+/// Pivot of the normal equations, over the number of samples, below which they do not determine a harmonic; samples
+/// that lie evenly have 1/2. *Choice.*
+const UNDETERMINED: f64 = 1e-6;
 
 /// A coordinate with its rate and acceleration at any time.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +49,36 @@ impl Coordinate {
         }
     }
 
+    /// The harmonics up to `count` of `frequency_hz` nearest to the samples `y` at the times `t` (s), by least squares;
+    /// none where the samples do not determine them.
+    ///
+    /// Equation: tether.harmonics
+    pub fn fitted(frequency_hz: f64, t: &[f64], y: &[f64], count: usize) -> Option<Self> {
+        let size = 2 * count + 1;
+        let (mut normal, mut right) = (vec![0.0; size * size], vec![0.0; size]);
+        let mut basis = vec![1.0; size];
+        for (t, y) in t.iter().zip(y) {
+            let phase = std::f64::consts::TAU * (frequency_hz * t).fract();
+            for n in 1..=count {
+                (basis[count + n], basis[n]) = (n as f64 * phase).sin_cos();
+            }
+            for i in 0..size {
+                right[i] += basis[i] * y;
+                for j in 0..size {
+                    normal[i * size + j] += basis[i] * basis[j];
+                }
+            }
+        }
+        let mut pivots = vec![0; size];
+        let known = lu_factor(&mut normal, size, &mut pivots)
+            && (0..size).all(|i| normal[i * size + i].abs() > UNDETERMINED * y.len() as f64);
+        known.then(|| {
+            lu_solve(&normal, size, &pivots, &mut right, 1);
+            let (cos, sin) = (right[1..=count].to_vec(), right[count + 1..].to_vec());
+            Self::Fourier { frequency_hz, mean: right[0], cos, sin }
+        })
+    }
+
     /// The coordinate in another unit.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
@@ -61,6 +96,19 @@ impl Coordinate {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn harmonics_are_found_in_uneven_samples_of_several_cycles() {
+        let exact =
+            Coordinate::Fourier { frequency_hz: 3.5, mean: 0.1, cos: vec![0.3, -0.2], sin: vec![0.0, 0.4] };
+        let t: Vec<f64> = (0..90).map(|i| 0.011 * f64::from(i) + 0.003 * f64::from(i % 4)).collect();
+        let y: Vec<f64> = t.iter().map(|t| exact.at(*t).x).collect();
+        let found = Coordinate::fitted(3.5, &t, &y, 4).unwrap();
+        assert!(t.iter().all(|t| (found.at(t + 0.07).dd - exact.at(t + 0.07).dd).abs() < 1e-8));
+        // A quarter of the cycle alone tells four harmonics from one another as little as one sample.
+        assert_eq!(Coordinate::fitted(0.25, &t, &y, 4), None);
+        assert_eq!(Coordinate::fitted(3.5, &t[..1], &y[..1], 1), None);
+    }
 
     #[test]
     fn rates_are_the_derivatives() {

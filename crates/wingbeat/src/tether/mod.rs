@@ -1,12 +1,17 @@
 //! A wing in prescribed motion in a wind, without a robot: hinges and body
 //! follow given functions of time; loads come out.
 
+mod comparison;
 mod coordinate;
+mod cycle;
+mod power;
 mod recorder;
 mod run;
 mod wing;
 
+pub use comparison::{CycleFit, PHASES, cycle_of, fit};
 pub use coordinate::Coordinate;
-pub use recorder::{CycleMean, TetherRun};
+pub use cycle::{CycleMean, Periodicity};
+pub use recorder::TetherRun;
 pub use run::{Clock, Motion, Reference, Tether};
 pub use wing::{Hinge, HingeKind, Side, TetheredBody, Wing};

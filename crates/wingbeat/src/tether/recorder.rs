@@ -1,5 +1,7 @@
 //! Loads of a tethered wing over time, as records.
 
+use super::cycle::{self, CycleMean, Periodicity};
+use super::power::Powers;
 use super::{Side, Tether};
 use crate::Error;
 use crate::aero::{LoadSource, Loads};
@@ -7,38 +9,43 @@ use crate::math::{Mat3, Vec3, Wrench};
 use crate::plant::Fault;
 use crate::simulate::{AXES, Column, Ending, Record, StripRecorder};
 
-/// Mean and range of one quantity over the last cycle.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct CycleMean {
-    /// Name of its column.
-    pub name: String,
-    /// SI unit.
-    pub unit: String,
-    /// Mean.
-    pub mean: f64,
-    /// Smallest value.
-    pub low: f64,
-    /// Largest value.
-    pub high: f64,
-}
-
 /// What a tethered run gives.
 #[derive(Clone, Debug)]
 pub struct TetherRun {
     /// How it ended.
     pub ending: Ending,
-    /// Loads by time: body axes (B, about its origin), wind axes, coefficients, sources.
+    /// Steps of a cycle.
+    pub steps_per_cycle: usize,
+    /// Loads by time: body axes (B, about its origin), wind axes, coefficients, sources, motion, power and torques.
     pub loads: Record,
     /// Strips by time, one row per strip and instant.
     pub strips: Record,
     /// Means over the last cycle of every column of `loads` but time and phase.
     pub means: Vec<CycleMean>,
+    /// Propulsive efficiency: mean thrust times wind speed over mean power, both of the last cycle; negative where
+    /// the wing drags. None without wind, and where the motion takes no power.
+    pub efficiency: Option<f64>,
+    /// How far the last cycle is from the one before; none of a single cycle.
+    pub periodicity: Option<Periodicity>,
     /// Share of strips past the stall angle over the last cycle.
     pub stall_fraction: f64,
     /// Mean separated share of the flow over the strips of the last cycle.
     pub separated_fraction: f64,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
     pub suction_lost_fraction: f64,
+}
+
+impl TetherRun {
+    /// Mean of a column of `loads` over the last cycle.
+    pub fn mean(&self, name: &str) -> Option<f64> {
+        self.means.iter().find(|row| row.name == name).map(|row| row.mean)
+    }
+
+    /// The last cycle of a column of `loads`, its end left out; none where the run ended before a cycle.
+    pub fn last_cycle(&self, name: &str) -> Option<&[f64]> {
+        let rows = cycle::rows_of_cycle(self.loads.rows(), self.steps_per_cycle, 0)?;
+        Some(&self.loads.values(name)?[rows])
+    }
 }
 
 /// Wind axes in W: along the wind, to the left, up.
@@ -66,6 +73,7 @@ pub(super) struct Recorder {
     strips: StripRecorder,
     axes: WindAxes,
     weights: Vec<f64>,
+    powers: Powers,
 }
 
 impl Recorder {
@@ -79,9 +87,10 @@ impl Recorder {
         };
         Self {
             loads: Record::new(load_columns(tether), rows).unwrap_or_default(),
-            strips: StripRecorder::new(std::iter::once(&tether.aero), "cycles", rows),
+            strips: StripRecorder::new(std::iter::once(&tether.aero), "cycles", 0).moving(rows),
             axes: WindAxes::new(tether.wind),
             weights: tether.aero.strip_arcs().iter().map(weight).collect(),
+            powers: Powers::new(tether),
         }
     }
 
@@ -111,8 +120,11 @@ impl Recorder {
         parts.iter().for_each(|part| push(&mut row, &in_body(part)));
         row.extend([body.surge, body.heave, body.nose_up, body.roll].map(|j| j.x));
         row.extend(tether.motion.angles(t).iter().map(|j| j.x));
+        self.powers.update(tether, t, loads, &self.weights);
+        row.extend([-force[0], self.powers.total, self.powers.body]);
+        row.extend(self.powers.hinges.iter().flatten());
         self.loads.append_finite(&row)?;
-        self.strips.append([t, phase], loads, back, origin);
+        self.strips.append([t, phase], loads, &self.powers.strips, back, origin);
         Ok(())
     }
 
@@ -129,8 +141,9 @@ impl Recorder {
 
     pub fn finish(self, tether: &Tether, ending: Ending) -> TetherRun {
         let rows = self.loads.rows();
-        let cycle = rows.saturating_sub(tether.clock.steps_per_cycle + 1)..rows.saturating_sub(1);
-        let means = self.loads.columns()[2..].iter().map(|c| mean(c, &c.values[cycle.clone()])).collect();
+        let steps = tether.clock.steps_per_cycle;
+        let cycle = cycle::rows_of_cycle(rows, steps, 0).unwrap_or(0..rows.saturating_sub(1));
+        let means = cycle::means(&self.loads, steps);
         let (strips, record) = (tether.aero.strips(), self.strips.finish());
         let mean_of = |name: &str, count: fn(f64, f64) -> f64| {
             let values = record.values(name).unwrap_or_default();
@@ -140,6 +153,9 @@ impl Recorder {
         };
         TetherRun {
             ending,
+            steps_per_cycle: steps,
+            periodicity: Periodicity::of(&means),
+            efficiency: efficiency(&means, tether.wind.norm()),
             stall_fraction: mean_of("incidence", |a, limit| if a.abs() > limit { 1.0 } else { 0.0 }),
             separated_fraction: mean_of("separated", |share, _| share),
             suction_lost_fraction: mean_of("suction_lost", |share, _| share),
@@ -148,6 +164,15 @@ impl Recorder {
             means,
         }
     }
+}
+
+/// Mean thrust times wind speed over mean power.
+///
+/// Equation: tether.efficiency
+fn efficiency(means: &[CycleMean], wind: f64) -> Option<f64> {
+    let mean = |name: &str| means.iter().find(|row| row.name == name).map(|row| row.mean);
+    let (thrust, power) = (mean("thrust")?, mean("power")?);
+    (power > 0.0 && wind > 0.0).then(|| thrust * wind / power)
 }
 
 fn push(row: &mut Vec<f64>, w: &Wrench<f64>) {
@@ -159,18 +184,6 @@ fn coefficients(tether: &Tether, [drag, side, lift]: [f64; 3], moment: Vec3) -> 
     let r = &tether.reference;
     let scale = 0.5 * r.density_kg_m3 * r.speed_m_s * r.speed_m_s * r.area_m2;
     [lift / scale, drag / scale, side / scale, -moment[1] / (scale * r.chord_m)]
-}
-
-fn mean(column: &Column, values: &[f64]) -> CycleMean {
-    let (low, high) =
-        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    CycleMean {
-        name: column.name.clone(),
-        unit: column.unit.clone(),
-        mean: values.iter().sum::<f64>() / values.len().max(1) as f64,
-        low,
-        high,
-    }
 }
 
 fn load_columns(tether: &Tether) -> Vec<Column> {
@@ -191,5 +204,7 @@ fn load_columns(tether: &Tether) -> Vec<Column> {
     }
     columns
         .extend(tether.motion.hinges.iter().map(|(name, _)| Column::new(format!("hinge_{name}"), "rad", "")));
+    columns.push(Column::new("thrust", "N", "wind"));
+    columns.extend(Powers::new(tether).columns(&tether.motion));
     columns
 }

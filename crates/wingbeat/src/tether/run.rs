@@ -8,7 +8,7 @@ use crate::math::{Jet, Vec3};
 use crate::plant::Fault;
 use crate::range::{Range, ranges};
 use crate::require;
-use crate::simulate::{Held, Moment, Observed, Sizes, Stepper, System};
+use crate::simulate::{Held, Moment, Observed, Record, Sizes, Stepper, System};
 use std::ops::ControlFlow;
 
 /// Most steps of one run.
@@ -144,6 +144,14 @@ impl Tether {
             return Err(error.against(["time.steps_per_cycle"]));
         }
         Ok(())
+    }
+
+    /// The columns of the loads, without rows.
+    ///
+    /// # Errors
+    /// Two hinges of one name.
+    pub fn columns(&self) -> Result<Record, Error> {
+        Recorder::columns(self)
     }
 
     /// The same with other steps per cycle.

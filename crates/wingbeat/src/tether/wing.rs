@@ -103,6 +103,15 @@ pub struct Frame<S: Scalar> {
     pub origin: Vec3<Jet<S>>,
 }
 
+impl<S: Scalar> Frame<S> {
+    /// The same at rest.
+    #[must_use]
+    pub fn still(&self) -> Self {
+        let still = |j: Jet<S>| Jet::new(j.x, S::ZERO, S::ZERO);
+        Self { turn: Mat3(self.turn.0.map(|row| row.map(still))), origin: Vec3(self.origin.0.map(still)) }
+    }
+}
+
 /// A planform with hinges.
 #[derive(Clone, Debug)]
 pub struct Wing {

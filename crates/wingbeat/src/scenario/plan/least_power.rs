@@ -8,12 +8,12 @@ use crate::math::Vec3;
 use crate::ocp::{OptimalControl, Optimum, Progress};
 use crate::plant::{Fault, Plant};
 use crate::robot::WingSpec;
-use crate::scenario::Scenario;
 use crate::scenario::summary::Crossing;
 use crate::scenario::tether_spec::{
-    ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TableSpec, TetherSpec, TetheredBodySpec,
-    TetheredWingSpec, WindSpec,
+    ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TetherSpec, TetheredBodySpec, TetheredWingSpec,
+    WindSpec,
 };
+use crate::scenario::{CompareSpec, Scenario, TableSpec};
 use crate::simulate::Record;
 use crate::tether::{HingeKind, Side};
 use serde::Serialize;
@@ -175,7 +175,7 @@ impl Scenario {
             station.trailing_edge_m += wing.planform_shift_m;
         }
         let root = wing.shoulder_m[1];
-        let table = |name: &str| TableSpec { file: "joints.csv".into(), column: name.into(), periodic: true };
+        let table = |name: &str| TableSpec::repeating("joints.csv".into(), name);
         let hinge = |(name, kind, outer): (&str, HingeKind, bool)| HingeSpec {
             name: name.into(),
             kind,
@@ -215,6 +215,7 @@ impl Scenario {
                 steps_per_cycle: TETHER_STEPS,
             },
             reference: ReferenceSpec::default(),
+            compare: CompareSpec::default(),
         }
     }
 }

@@ -1,0 +1,77 @@
+//! `wingbeat tether CASE --converge`.
+
+use wingbeat::parallel;
+use wingbeat::scenario::{Convergence, ConvergenceRun, QUANTITIES, TetherCase};
+use wingbeat_io::shortest;
+
+use super::tables::Tables;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::progress;
+
+/// Runs the case with every combination of strips and steps, on all cores.
+pub fn converge(
+    case: &TetherCase,
+    tables: &Tables,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Result<Convergence, Error> {
+    let levels = case.levels();
+    let refined = |(strips, steps)| {
+        let finer = case.refined(strips, steps, &|path| tables.read(path))?;
+        Ok((strips, steps, finer))
+    };
+    let cells = levels.cells().into_iter().map(refined).collect::<Result<Vec<_>, Error>>()?;
+    let bar = progress::bar(Some(cells.len() as u64), "converging {bar:30} {pos} of {len} runs", quiet);
+    let mut runs = vec![None; cells.len()];
+    // The longest first, so that no core waits for the last one.
+    let order: Vec<usize> = (0..cells.len()).rev().collect();
+    parallel::each(
+        &order,
+        |_, &cell| {
+            let (strips, steps, case) = &cells[cell];
+            let run = case.tether.run(|_| interrupt.flow());
+            ConvergenceRun::of(*strips, *steps, &run)
+        },
+        |index, run| {
+            runs[order[index]] = Some(run);
+            bar.inc(1);
+            interrupt.flow()
+        },
+    );
+    bar.finish_and_clear();
+    interrupt.check()?;
+    Ok(Convergence::new(levels, runs.into_iter().flatten().collect()))
+}
+
+/// The runs as CSV.
+pub fn csv(table: &Convergence) -> String {
+    let row = |run: &ConvergenceRun| {
+        let values = run.values().map(shortest).join(",");
+        format!("{},{},{values}\n", run.strips, run.steps_per_cycle)
+    };
+    let header = format!("strips,steps_per_cycle,{}\n", QUANTITIES.join(","));
+    std::iter::once(header).chain(table.cells.iter().map(row)).collect()
+}
+
+/// The runs, orders and verdict in words.
+pub fn text(table: &Convergence) -> String {
+    let mut text = format!("\n{:>7}{:>8}", "strips", "steps");
+    QUANTITIES.iter().for_each(|name| text += &format!("{name:>15}"));
+    text.push('\n');
+    for run in &table.cells {
+        text += &format!("{:>7}{:>8}", run.strips, run.steps_per_cycle);
+        run.values().iter().for_each(|value| text += &format!("{value:>15.6}"));
+        text.push('\n');
+    }
+    let order = |order: Option<f64>| order.map_or("-".into(), |order| format!("{order:.2}"));
+    let mut row = |name: &str, cell: &dyn Fn(usize) -> String| {
+        text += &format!("{name:<15}");
+        (0..QUANTITIES.len()).for_each(|k| text += &format!("{:>15}", cell(k)));
+        text.push('\n');
+    };
+    row("order, strips", &|k| order(table.quantities[k].order_strips));
+    row("order, steps", &|k| order(table.quantities[k].order_steps));
+    row("spread [%]", &|k| format!("{:.2}", 100.0 * table.quantities[k].spread));
+    text + &format!("\n{}: {}\n", table.status.replace('_', " "), table.verdict)
+}

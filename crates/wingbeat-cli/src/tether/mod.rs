@@ -1,0 +1,206 @@
+//! `wingbeat tether`.
+
+mod compare;
+mod converge;
+mod tables;
+
+use std::time::Instant;
+
+use serde::Serialize;
+use wingbeat::scenario::{Compared, Comparison, Convergence, Smoothed, TetherCase, TetherSummary};
+use wingbeat::simulate::Ending;
+use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
+use wingbeat_figures::{comparison, convergence, cycle_loads, span_loading};
+use wingbeat_io::{shortest, write_csv, write_parquet};
+
+use crate::args::Tether;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::manifest::Manifest;
+use crate::progress;
+use crate::run_folder::RunFolder;
+use crate::say;
+use compare::Measured;
+pub use tables::Tables;
+
+/// Ticks of the progress bar.
+const TICKS: f64 = 1000.0;
+
+/// Columns of the printed table of means, beside those of the hinges.
+const PRINTED: [&str; 13] = [
+    "force_wind_lift",
+    "force_wind_drag",
+    "force_wind_side",
+    "moment_x",
+    "moment_y",
+    "moment_z",
+    "thrust",
+    "power",
+    "power_body",
+    "CL",
+    "CD",
+    "CY",
+    "CM",
+];
+
+/// Runs the case and writes its run folder.
+pub fn tether(arguments: &Tether) -> Result<(), Error> {
+    let start = Instant::now();
+    let options = &arguments.run;
+    let interrupt = Interrupt::listen()?;
+    let tables = Tables::default();
+    let case = TetherCase::load(&arguments.case, &options.overrides, &|path| tables.read(path))?;
+    let measured = arguments.compare.as_deref().map(|path| Measured::open(path, &case)).transpose()?;
+    let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
+    let run = simulate(&case.tether, &interrupt, options.quiet)?;
+    let step_change = case.step_change(&run, |other| simulate(other, &interrupt, true))?;
+    let found = Found {
+        summary: case.summary(&run, step_change),
+        convergence: match arguments.converge {
+            true => Some(converge::converge(&case, &tables, &interrupt, options.quiet)?),
+            false => None,
+        },
+        comparison: match &measured {
+            Some(measured) if run.ending == Ending::Complete => Some(measured.compare(&case, &run)?),
+            _ => None,
+        },
+        run,
+    };
+    folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
+    tables.keep(&folder)?;
+    found.write(&folder)?;
+    interrupt.check()?;
+    let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
+    let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
+    let printed =
+        say::unless(options.quiet, || format!("{}\nrun folder: {}\n", found.text(), shown.display()));
+    match found.run.ending {
+        Ending::Fault(fault) => {
+            let status = if fault.is_not_finite() { "not_finite" } else { "fault" };
+            Err(Error::Failed { status: status.into(), reason: fault.to_string(), folder: shown.into() })
+        }
+        _ if found.summary.status == "not_resolved" => {
+            let (status, reason) =
+                (found.summary.status, found.summary.warnings.last().cloned().unwrap_or_default());
+            Err(Error::Failed { status, reason, folder: shown.into() })
+        }
+        _ => printed,
+    }
+}
+
+/// What a run gave, and what it was held against.
+struct Found {
+    run: TetherRun,
+    summary: TetherSummary,
+    convergence: Option<Convergence>,
+    comparison: Option<Comparison>,
+}
+
+/// `summary.json`.
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    own: &'a TetherSummary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    converge: Option<&'a Convergence>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compare: Option<&'a [Compared]>,
+}
+
+impl Found {
+    fn write(&self, folder: &RunFolder) -> Result<(), Error> {
+        folder.write("means.csv", &means(&self.run.means))?;
+        let compare = self.comparison.as_ref().map(|comparison| comparison.channels.as_slice());
+        let summary = Summary { own: &self.summary, converge: self.convergence.as_ref(), compare };
+        folder.write_json("summary.json", &summary)?;
+        write_csv(&folder.file("loads.csv"), &self.run.loads)?;
+        write_parquet(&folder.file("strips.parquet"), &self.run.strips)?;
+        if let Some(table) = &self.convergence {
+            folder.write("converge.csv", &converge::csv(table))?;
+        }
+        if let Some(comparison) = &self.comparison {
+            write_csv(&folder.file("compare.csv"), &comparison.cycle)?;
+        }
+        self.draw(folder)
+    }
+
+    /// Draws what can be drawn; what cannot is said and left out.
+    fn draw(&self, folder: &RunFolder) -> Result<(), Error> {
+        let figures = folder.folder("figures")?;
+        let mut drawn = vec![cycle_loads(&self.run.loads), span_loading(&self.run.strips)];
+        drawn.extend(self.convergence.as_ref().map(|table| Ok(convergence(table))));
+        drawn.extend(self.comparison.as_ref().map(comparison));
+        for drawn in drawn {
+            let outcome = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure));
+            if let Err(error) = outcome {
+                say::note(&format!("a figure is left out: {error}"));
+            }
+        }
+        Ok(())
+    }
+
+    fn text(&self) -> String {
+        let mut text = table(&self.summary);
+        text.extend(self.convergence.as_ref().map(converge::text));
+        text.extend(self.comparison.as_ref().map(compare::text));
+        text
+    }
+}
+
+fn simulate(
+    tether: &wingbeat::tether::Tether,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Result<TetherRun, Error> {
+    let template = "moving {bar:30} {percent:>3} %  ({eta} left)";
+    let progress = progress::bar(Some(TICKS as u64), template, quiet);
+    let run = tether.run(|share| {
+        progress.set_position((TICKS * share) as u64);
+        interrupt.flow()
+    });
+    progress.finish_and_clear();
+    interrupt.check()?;
+    Ok(run)
+}
+
+/// Means of every quantity as CSV.
+fn means(means: &[CycleMean]) -> String {
+    let row = |m: &CycleMean| {
+        let [mean, low, high] = [m.mean, m.low, m.high].map(shortest);
+        format!("{},{},{mean},{low},{high}\n", m.name, m.unit)
+    };
+    let rows = means.iter().map(row);
+    std::iter::once("quantity,unit,mean,least,most\n".into()).chain(rows).collect()
+}
+
+/// Whether a column has a row of the printed table: body rows where the body moves, hinges by side.
+fn is_printed(name: &str) -> bool {
+    PRINTED.contains(&name) || ["torque_", "power_"].iter().any(|kind| name.starts_with(kind))
+}
+
+/// The table of means over the last cycle, with the cautions below.
+fn table(summary: &TetherSummary) -> String {
+    let TetherSummary { name, preset, lift_law, .. } = summary;
+    let mut text = format!("{name}: preset {preset}, law {lift_law}; last cycle, from rest\n\n");
+    text += &format!("{:<22}{:>11}{:>11}{:>11}\n", "", "mean", "least", "most");
+    for row in summary.cycle.iter().filter(|row| is_printed(&row.name)) {
+        let CycleMean { name, unit, mean, low, high, .. } = row;
+        text += format!("{name:<22}{mean:>11.5}{low:>11.5}{high:>11.5}  {unit}").trim_end();
+        text.push('\n');
+    }
+    if let Some(efficiency) = summary.propulsive_efficiency {
+        text += &format!("\npropulsive efficiency, mean thrust x wind speed / mean power: {efficiency:.4}\n");
+    }
+    if let Some(Periodicity { change, quantity }) = &summary.periodicity {
+        text += &format!("last two cycles: {:.2e} % apart ({quantity})\n", 100.0 * change);
+    }
+    for Smoothed { key, harmonics, samples, residual_rms, residual_largest } in &summary.smoothed {
+        text += &format!(
+            "{key}: {harmonics} harmonics of {samples} samples leave {residual_rms:.4} rms, {residual_largest:.4} at most\n"
+        );
+    }
+    for warning in &summary.warnings {
+        text += &format!("\nnote: {warning}\n");
+    }
+    text
+}

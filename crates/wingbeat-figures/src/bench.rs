@@ -1,0 +1,61 @@
+//! How a tethered wing's numbers converge, and how they compare with measured ones.
+
+use wingbeat::scenario::{Comparison, Convergence, ConvergenceRun, QUANTITIES};
+
+use crate::chart::{Axis, Chart, Look, Series, grid};
+use crate::panel::{Curve, Panel, stacked};
+use crate::write::Figure;
+use crate::{Error, needed, style};
+
+/// Height of a panel of the table of strips and steps, px.
+const HEIGHT: f64 = 210.0;
+
+/// Each quantity over the strips, a curve per number of steps.
+pub fn convergence(table: &Convergence) -> Figure {
+    let looks = [Look::Dotted, Look::Dashed, Look::Line];
+    let panel = |k: usize| {
+        let of_steps = |(i, steps): (usize, usize)| {
+            let runs = table.cells.iter().filter(|run| run.steps_per_cycle == steps);
+            let point = |run: &ConvergenceRun| (run.strips as f64, run.values()[k]);
+            let points = runs.map(point).filter(|point| point.1.is_finite()).collect();
+            Series::new(format!("{steps} steps per cycle"), points, looks[i], i)
+        };
+        Chart {
+            title: String::new(),
+            x: Axis::new("strips"),
+            y: Axis::new(title(QUANTITIES[k])),
+            series: table.levels.steps_per_cycle.into_iter().enumerate().map(of_steps).collect(),
+            passes: None,
+        }
+    };
+    grid("converge", (0..QUANTITIES.len()).map(panel).collect(), 2, HEIGHT)
+}
+
+/// A key that ends with its unit, as words with the unit in brackets.
+pub(crate) fn title(key: &str) -> String {
+    let (name, unit) = key.rsplit_once('_').unwrap_or((key, ""));
+    format!("{} [{}]", name.replace('_', " "), unit.to_uppercase())
+}
+
+/// Measured cycle, mean with the range of its cycles, over the computed one, as it is and fitted.
+pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
+    let phase = needed(&comparison.cycle, "phase")?;
+    let mut panels = Vec::new();
+    for channel in &comparison.channels {
+        let column = |kind: &str| needed(&comparison.cycle, &format!("{kind}_{}", channel.computed));
+        let (low, high) = (column("low")?, column("high")?);
+        let band = (0..phase.len()).map(|i| (phase[i], low[i], high[i])).collect();
+        let fitted = Curve::new("fitted", phase, column("fitted")?.to_vec(), 0).whole();
+        let curves = vec![
+            Curve::total("measured", phase, column("measured")?.to_vec()),
+            Curve { dashes: Some("6 4"), ..Curve::new("computed", phase, column("computed")?.to_vec(), 1) },
+            Curve { weight: style::CURVE, ..fitted },
+        ];
+        let title = format!(
+            "{} as {}: lag {:.3} cycles, gain {:.4}",
+            channel.measured, channel.computed, channel.fit.lag_cycles, channel.fit.gain
+        );
+        panels.push(Panel { bands: vec![band], ..Panel::new(title, curves) });
+    }
+    Ok(Figure { name: "compare", scene: stacked(panels, "phase [cycles]", style::PANEL) })
+}

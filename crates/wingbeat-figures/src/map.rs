@@ -1,0 +1,215 @@
+//! Measures of a sweep over the values that were drawn: cells of a grid, or points.
+
+use kuva::plot::colormap::ColorMap;
+use kuva::plot::scatter::ScatterPlot;
+use kuva::render::color::Color;
+use kuva::render::figure::Figure as Grid;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, Scene, TextAnchor};
+use wingbeat::simulate::Record;
+
+use crate::chart::{Axis, Chart, Look, Series, grid};
+use crate::scale::Scale;
+use crate::write::Figure;
+use crate::{Error, needed, style};
+
+/// Width and height of a panel, px.
+const PANEL: (f64, f64) = (424.0, 270.0);
+/// Room to the left of a panel, to the right with the bar of colours, above and below, px.
+const ROOM: [f64; 4] = [56.0, 78.0, 28.0, 42.0];
+/// Room around the figure, px.
+const PADDING: f64 = 6.0;
+/// Most letters of the name of an axis.
+const LONGEST: usize = 30;
+/// Radius of a point, px.
+const POINT: f64 = 5.0;
+/// Shades of the bar of colours.
+const SHADES: usize = 60;
+
+/// `measures` over the drawn values of `keys`: colours over the first two, cells where they are a whole grid and
+/// points otherwise; marks over the only one.
+pub fn map(record: &Record, keys: &[&str], measures: &[&str], whole: bool) -> Result<Figure, Error> {
+    let &[x, y, ..] = keys else { return over_one(record, keys, measures) };
+    let (x, y) = (Drawn::of(record, x)?, Drawn::of(record, y)?);
+    let cells = whole && keys.len() == 2 && x.places.len() > 1 && y.places.len() > 1;
+    let maps = measures.iter().map(|name| Measured::of(record, name)).collect::<Result<Vec<_>, _>>()?;
+    let layout = || frame(&x, &y);
+    let (plots, layouts): (Vec<_>, Vec<_>) =
+        maps.iter().map(|measured| (measured.points(&x, &y, cells), layout())).unzip();
+    let rows = maps.len().div_ceil(2);
+    let size = (2.0 * PANEL.0 + 2.0 * PADDING, rows as f64 * PANEL.1 + 2.0 * PADDING);
+    let mut scene = Grid::new(rows, 2)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_spacing(0.0)
+        .with_padding(PADDING)
+        .with_figure_size(size.0, size.1)
+        .render();
+    for (i, measured) in maps.iter().enumerate() {
+        let corner = (PADDING + PANEL.0 * (i % 2) as f64, PADDING + PANEL.1 * (i / 2) as f64);
+        if cells {
+            measured.fill(&mut scene, corner, &x, &y);
+        }
+        measured.bar(&mut scene, corner, i);
+    }
+    Ok(Figure { name: "map", scene })
+}
+
+fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure, Error> {
+    let key = keys.first().ok_or(Error::Rows { rows: 0, needed: 1 })?;
+    let x = needed(record, key)?;
+    let panel = |name: &&str| -> Result<Chart, Error> {
+        let y = needed(record, name)?;
+        let mut points: Vec<(f64, f64)> =
+            x.iter().copied().zip(y.iter().copied()).filter(|point| point.1.is_finite()).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let unit = record.column(name).map_or("", |column| column.unit.as_str());
+        Ok(Chart {
+            title: String::new(),
+            x: Axis::new(*key),
+            y: Axis::new(labelled(name, unit)),
+            series: vec![Series::new("", points, Look::Circles, 0)],
+            passes: None,
+        })
+    };
+    Ok(grid("map", measures.iter().map(panel).collect::<Result<_, _>>()?, 2, 210.0))
+}
+
+fn labelled(name: &str, unit: &str) -> String {
+    let name = name.replace('_', " ");
+    if unit.is_empty() { name } else { format!("{name} [{unit}]") }
+}
+
+/// Values drawn for one key.
+struct Drawn<'a> {
+    key: &'a str,
+    values: &'a [f64],
+    /// Those that are different, ascending.
+    places: Vec<f64>,
+    scale: Scale,
+}
+
+impl<'a> Drawn<'a> {
+    fn of(record: &'a Record, key: &'a str) -> Result<Self, Error> {
+        let values = needed(record, key)?;
+        let mut places = values.to_vec();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let (low, high) = style::span(values.iter().copied());
+        // Half a cell of a grid lies beyond its ends.
+        let margin = 0.5 * (high - low) / (places.len().max(2) - 1) as f64;
+        let margin = margin.max(0.04 * (high - low));
+        Ok(Self { key, values, places, scale: Scale::new(low - margin, high + margin) })
+    }
+
+    /// The key, or its end where it is long.
+    fn name(&self) -> String {
+        let ends = self.key.match_indices('.').map(|(at, _)| at + 1);
+        let end = std::iter::once(0).chain(ends).find(|from| self.key.len() - from <= LONGEST);
+        match end {
+            Some(0) => self.key.into(),
+            Some(from) => format!("… {}", &self.key[from..]),
+            None => self.key.into(),
+        }
+    }
+
+    /// The share of the axis at `value`.
+    fn share(&self, value: f64) -> f64 {
+        (value - self.scale.low) / (self.scale.high - self.scale.low)
+    }
+
+    /// The ends of the cell at the place of a value: half way to its neighbours.
+    fn cell(&self, value: f64) -> (f64, f64) {
+        let at = self.places.partition_point(|place| *place < value);
+        let half = |a: usize, b: usize| 0.5 * (self.places[a] + self.places[b]);
+        let low = if at > 0 { half(at - 1, at) } else { self.scale.low };
+        let high = if at + 1 < self.places.len() { half(at, at + 1) } else { self.scale.high };
+        (self.share(low), self.share(high))
+    }
+}
+
+fn frame(x: &Drawn, y: &Drawn) -> Layout {
+    let plots: Vec<Plot> = Vec::new();
+    let layout = style::axes(Layout::auto_from_plots(&plots)).with_force_margins(ROOM[0], ROOM[1]);
+    let layout = y.scale.upwards(x.scale.right(layout.with_force_margins_y(ROOM[2], ROOM[3])));
+    layout.with_x_label(x.scale.label(&x.name())).with_y_label(y.scale.label(&y.name()))
+}
+
+/// A measure with its range.
+struct Measured<'a> {
+    values: &'a [f64],
+    label: String,
+    scale: Scale,
+}
+
+impl<'a> Measured<'a> {
+    fn of(record: &'a Record, name: &str) -> Result<Self, Error> {
+        let values = needed(record, name)?;
+        let unit = record.column(name).map_or("", |column| column.unit.as_str());
+        let (low, high) = style::span(values.iter().copied());
+        Ok(Self { values, label: labelled(name, unit), scale: Scale::new(low, high) })
+    }
+
+    fn colour(&self, value: f64) -> String {
+        let share = (value - self.scale.low) / (self.scale.high - self.scale.low);
+        ColorMap::Viridis.map(share.clamp(0.0, 1.0))
+    }
+
+    /// The runs as points; unseen where `hidden`.
+    fn points(&self, x: &Drawn, y: &Drawn, hidden: bool) -> Vec<Plot> {
+        let there = || (0..self.values.len()).filter(|run| self.values[*run].is_finite());
+        let points: Vec<(f64, f64)> = there().map(|run| (x.values[run], y.values[run])).collect();
+        let colours: Vec<String> = there().map(|run| self.colour(self.values[run])).collect();
+        let size = if hidden { 0.01 } else { POINT };
+        vec![ScatterPlot::new().with_data(points).with_colors(colours).with_size(size).into()]
+    }
+
+    /// A cell for every run; those that failed stay white.
+    fn fill(&self, scene: &mut Scene, (left, top): (f64, f64), x: &Drawn, y: &Drawn) {
+        let (wide, high) = (PANEL.0 - ROOM[0] - ROOM[1], PANEL.1 - ROOM[2] - ROOM[3]);
+        for run in (0..self.values.len()).filter(|run| self.values[*run].is_finite()) {
+            let ((from, to), (low, up)) = (x.cell(x.values[run]), y.cell(y.values[run]));
+            let corner = (left + ROOM[0] + wide * from, top + ROOM[2] + high * (1.0 - up));
+            let size = (wide * (to - from), high * (up - low));
+            scene.elements.push(rectangle(corner, size, &self.colour(self.values[run])));
+        }
+    }
+
+    /// The title and the bar of colours with its numbers.
+    fn bar(&self, scene: &mut Scene, (left, top): (f64, f64), index: usize) {
+        let letter = char::from(b'a' + index as u8);
+        let above = top + ROOM[2] - 8.0;
+        scene.elements.push(style::words(left + ROOM[0], above, letter, TextAnchor::Start, true));
+        let label = self.scale.label(&self.label);
+        scene.elements.push(style::words(left + ROOM[0] + 16.0, above, label, TextAnchor::Start, false));
+        let (x, high) = (left + PANEL.0 - ROOM[1] + 12.0, PANEL.1 - ROOM[2] - ROOM[3]);
+        let (low, range) = (self.scale.low, self.scale.high - self.scale.low);
+        for k in 0..SHADES {
+            let share = (k as f64 + 0.5) / SHADES as f64;
+            let y = top + ROOM[2] + high * (1.0 - (k + 1) as f64 / SHADES as f64);
+            let colour = self.colour(low + range * share);
+            scene.elements.push(rectangle((x, y), (14.0, high / SHADES as f64 + 0.3), &colour));
+        }
+        let first = (low / self.scale.step).ceil();
+        let ticks = (0..20).map(|k| (first + f64::from(k)) * self.scale.step);
+        for tick in ticks.take_while(|tick| *tick <= low + range * (1.0 + 1e-9)) {
+            let y = top + ROOM[2] + high * (1.0 - (tick - low) / range);
+            let number = self.scale.number(tick);
+            scene.elements.push(style::words(x + 18.0, y + 4.0, number, TextAnchor::Start, false));
+        }
+    }
+}
+
+fn rectangle((x, y): (f64, f64), (width, height): (f64, f64), colour: &str) -> Primitive {
+    Primitive::Rect {
+        x,
+        y,
+        width,
+        height,
+        fill: Color::from(colour),
+        stroke: None,
+        stroke_width: None,
+        opacity: None,
+    }
+}

@@ -1,0 +1,133 @@
+//! Means over the last cycle, and whether it repeats the one before.
+
+use crate::simulate::{Column, Record};
+use std::ops::Range;
+
+/// Mean and range of one quantity over the last cycle.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct CycleMean {
+    /// Name of its column.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Mean.
+    pub mean: f64,
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// Mean less that of the cycle before; none where there is no cycle before.
+    pub mean_change: Option<f64>,
+    /// Half the range less that of the cycle before; none where there is no cycle before.
+    pub amplitude_change: Option<f64>,
+}
+
+impl CycleMean {
+    /// Of a cycle whose end is in `values`: half of it and half of the begin count for the mean, so that it is of
+    /// second order in the steps where the cycle does not close.
+    fn of(column: &Column, values: &[f64]) -> Self {
+        let ends = [values.first(), values.last()].into_iter().flatten().sum::<f64>() * 0.5;
+        let steps = (values.len().max(2) - 1) as f64;
+        let (low, high) =
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+        Self {
+            name: column.name.clone(),
+            unit: column.unit.clone(),
+            mean: (values.iter().sum::<f64>() - ends) / steps,
+            low,
+            high,
+            mean_change: None,
+            amplitude_change: None,
+        }
+    }
+
+    /// Half the range.
+    pub fn amplitude(&self) -> f64 {
+        0.5 * (self.high - self.low)
+    }
+
+    /// The largest magnitude.
+    pub fn largest(&self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+
+    fn after(self, before: &Self) -> Self {
+        let (mean, amplitude) = (self.mean - before.mean, self.amplitude() - before.amplitude());
+        Self { mean_change: Some(mean), amplitude_change: Some(amplitude), ..self }
+    }
+}
+
+/// How far the last cycle is from the one before.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Periodicity {
+    /// Largest change of a mean or of half a range of the forces, moments, torques and powers from the last cycle but
+    /// one to the last, each over the largest magnitude of any of its unit in the last.
+    pub change: f64,
+    /// The column with that change.
+    pub quantity: String,
+}
+
+/// Units of what must repeat for a run to be periodic.
+const LOADS: [&str; 3] = ["N", "N m", "W"];
+
+impl Periodicity {
+    /// Of the rows of the last cycle; none where there is no cycle before or no load at all.
+    pub(super) fn of(rows: &[CycleMean]) -> Option<Self> {
+        let of_unit = |unit: &'static str| rows.iter().filter(move |row| row.unit == unit);
+        let mut worst: Option<Self> = None;
+        for unit in LOADS {
+            let scale = of_unit(unit).map(CycleMean::largest).fold(0.0, f64::max);
+            for row in of_unit(unit).filter(|_| scale > 0.0) {
+                let change = row.mean_change?.abs().max(row.amplitude_change?.abs()) / scale;
+                if worst.as_ref().is_none_or(|worst| !(change <= worst.change)) {
+                    worst = Some(Self { change, quantity: row.name.clone() });
+                }
+            }
+        }
+        worst
+    }
+}
+
+/// Rows of the cycle `back` cycles before the end of `rows` rows, its end left out; none where the run is shorter.
+pub(super) fn rows_of_cycle(rows: usize, steps: usize, back: usize) -> Option<Range<usize>> {
+    let end = rows.checked_sub(1 + back * steps)?;
+    (end >= steps).then(|| end - steps..end)
+}
+
+/// Means of the columns over the last cycle, or over the rows there are, with their change from the one before.
+pub(super) fn means(record: &Record, steps: usize) -> Vec<CycleMean> {
+    let rows = record.rows();
+    let closed = |cycle: Range<usize>| cycle.start..cycle.end + 1;
+    let last = rows_of_cycle(rows, steps, 0).map_or(0..rows, closed);
+    let before = rows_of_cycle(rows, steps, 1).map(closed);
+    let of = |column: &Column| {
+        let mean = CycleMean::of(column, &column.values[last.clone()]);
+        match &before {
+            Some(before) => mean.after(&CycleMean::of(column, &column.values[before.clone()])),
+            None => mean,
+        }
+    };
+    record.columns()[2..].iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_cycle_is_compared_with_the_one_before() {
+        let columns = [("t", "s"), ("phase", "cycles"), ("lift", "N"), ("thrust", "N"), ("surge", "m")];
+        let columns = columns.map(|(name, unit)| Column::new(name, unit, "")).to_vec();
+        let mut record = Record::new(columns, 9).unwrap();
+        let lift = [9.0, 0.0, 0.0, 0.0, 2.0, 0.0, -2.0, 0.0, 2.0, 0.1, -1.9, 0.1, 2.1];
+        for (i, lift) in lift.into_iter().enumerate() {
+            record.append(&[i as f64, 0.0, lift, 0.01, i as f64]);
+        }
+        let rows = means(&record, 4);
+        assert_eq!((rows[0].low, rows[0].high, rows[1].mean_change), (-1.9, 2.1, Some(0.0)));
+        let found = Periodicity::of(&rows).unwrap();
+        assert!((rows[0].mean - 0.0875).abs() < 1e-15, "{}", rows[0].mean);
+        assert!((found.change - 0.0875 / 2.1).abs() < 1e-15 && found.quantity == "lift", "{found:?}");
+        assert_eq!(Periodicity::of(&means(&record, 12)), None);
+    }
+}
