@@ -18,7 +18,7 @@ pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSetti
 pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
 pub use planform::{Gap, Planform, PlanformStation, Span};
 pub use station::{SectionField, SectionMotion, Sections};
-pub use strip::{LagSet, Lags, StripModel, StripSettings};
+pub use strip::{LagSet, Lags, StripModel, StripSettings, spacing as lan_spacing};
 pub use surfaces::{Surface, Surfaces};
 
 use crate::math::{Over, Scalar, Vec3};
