@@ -21,7 +21,7 @@ pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
 pub use numbers::SurfaceNumbers;
 pub use planform::{Gap, Planform, PlanformStation, Span};
 pub use station::{SectionField, SectionMotion, Sections};
-pub use strip::{LagSet, Lags, StripModel, StripSettings};
+pub use strip::{LagSet, Lags, StripModel, StripSettings, spacing as lan_spacing};
 pub use surfaces::{Surface, Surfaces};
 
 use crate::math::{Meets, Over, Scalar, Vec3};

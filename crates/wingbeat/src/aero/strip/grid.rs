@@ -120,7 +120,10 @@ fn pieces(planform: &Planform, strips: usize) -> Result<Vec<Piece>, Error> {
 
 /// Arc coordinates of the strip edges from the right tip to the left one, and the place of the
 /// control point in each strip.
-pub(in crate::aero) fn spacing(
+///
+/// # Errors
+/// [`Error::Invalid`] when a hinge lies beyond the tip or the strips are too few for hinges and gaps.
+pub fn spacing(
     planform: &Planform,
     strips: usize,
     hinge_arcs: &[f64],

@@ -19,7 +19,7 @@ mod settings;
 mod tables;
 
 pub use constants::Lags;
-pub(super) use grid::spacing;
+pub use grid::spacing;
 pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
 pub use settings::{LagSet, StripSettings};
 

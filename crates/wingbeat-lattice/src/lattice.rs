@@ -1,0 +1,226 @@
+//! The lattice stepped in time.
+
+use crate::Error;
+use crate::influence::{Influence, Sources};
+use crate::loads::{Air, Loads};
+use crate::mesh::Mesh;
+use crate::motion::Scene;
+use crate::settings::{Settings, WakeMotion};
+use crate::wake::Wake;
+use wingbeat::math::Vec3;
+use wingbeat::math::linear::{lu_factor, lu_solve};
+
+/// Surfaces with their wakes, stepped from rest.
+pub struct Lattice {
+    scene: Scene,
+    settings: Settings,
+    meshes: Vec<Mesh>,
+    wakes: Vec<Wake>,
+    influence: Influence,
+    /// Circulations of the rings now and at the two instants before, by surface and panel, m2/s.
+    rings: [Vec<f64>; 3],
+    /// Instants solved.
+    solved: usize,
+}
+
+impl Lattice {
+    /// A lattice at rest in still air that meets its wind and motion at t = 0.
+    ///
+    /// # Errors
+    /// Settings that are not allowed.
+    pub fn new(scene: Scene, settings: Settings) -> Result<Self, Error> {
+        settings.check()?;
+        let wake_core = settings.core.radius_m;
+        let bound_core = if settings.emulates() { wake_core } else { 0.0 };
+        let meshes: Vec<Mesh> =
+            scene.surfaces.iter().map(|surface| Mesh::new(surface, bound_core, wake_core)).collect();
+        let panels = meshes.iter().map(Mesh::panels).sum();
+        let influence = Influence::new(scene.symmetric, settings.emulates());
+        let wakes = meshes.iter().map(|_| Wake::default()).collect();
+        let rings = std::array::from_fn(|_| vec![0.0; panels]);
+        Ok(Self { scene, settings, meshes, wakes, influence, rings, solved: 0 })
+    }
+
+    /// Solves the next instant, returns its loads and carries the wake on to the one after it.
+    ///
+    /// # Errors
+    /// Circulations that are not determined, or numbers that are not finite.
+    pub fn step(&mut self) -> Result<Loads, Error> {
+        let t = self.solved as f64 * self.settings.step_s;
+        self.move_on(t)?;
+        let points = self.places();
+        let mut air = self.influence.velocities(&points, &self.sources(false, true));
+        air.iter_mut().for_each(|v| *v += self.scene.wind);
+        self.solve(t, &air)?;
+        let own = self.influence.velocities(&points, &self.sources(true, false));
+        air.iter_mut().zip(own).for_each(|(v, own)| *v += own);
+        let rates = self.rates();
+        let air = Air { velocities: &air, rates: &rates, density: self.scene.density_kg_m3 };
+        let loads = Loads::new(t, &self.meshes, &self.rings[0], &air, &self.scene, self.settings.emulates());
+        if !loads.is_finite() {
+            return Err(Error::NotFinite { time: t, what: "load" });
+        }
+        self.solved += 1;
+        Ok(loads)
+    }
+
+    /// Brings surfaces and wakes to the instant `t` s.
+    fn move_on(&mut self, t: f64) -> Result<(), Error> {
+        let (wind, step) = (self.scene.wind, self.settings.step_s);
+        if self.solved > 0 {
+            self.carry_wakes(t)?;
+            self.rings.rotate_right(1);
+        }
+        let mut first = 0;
+        let chased = self.settings.emulates();
+        for ((surface, mesh), wake) in self.scene.surfaces.iter().zip(&mut self.meshes).zip(&mut self.wakes) {
+            mesh.update(surface, t, wind, step, chased);
+            let (panels, strips) = (mesh.panels(), mesh.strips);
+            let last = &self.rings[1][first + panels - strips..first + panels];
+            if self.solved > 0 {
+                mesh.shed.copy_from_slice(last);
+            }
+            wake.join(&mesh.trailing.points, (self.solved > 0).then_some(last));
+            let rows = self.settings.longest_age_s / step;
+            wake.truncate(rows.min(1e9) as usize, self.settings.longest_distance_m);
+            wake.set_segments(&self.settings.core, step);
+            first += panels;
+        }
+        let finite = |mesh: &Mesh| mesh.controls.iter().all(|c| (c.normal + c.at + c.velocity).is_finite());
+        match self.meshes.iter().all(finite) {
+            true => Ok(()),
+            false => Err(Error::Singular { time: t }),
+        }
+    }
+
+    /// Carries the wakes on from the instant before `t` s.
+    fn carry_wakes(&mut self, t: f64) -> Result<(), Error> {
+        let step = self.settings.step_s;
+        let points: Vec<Vec3> = self.wakes.iter().flat_map(|wake| wake.grid.points.iter().copied()).collect();
+        let mut velocities = match self.settings.wake {
+            WakeMotion::Prescribed => vec![Vec3::ZERO; points.len()],
+            WakeMotion::Free => self.influence.velocities(&points, &self.sources(true, true)),
+        };
+        velocities.iter_mut().for_each(|v| *v += self.scene.wind);
+        if !velocities.iter().all(|v| v.is_finite()) {
+            return Err(Error::NotFinite { time: t, what: "velocity of the wake" });
+        }
+        let first_order = self.settings.emulates() || self.settings.wake == WakeMotion::Prescribed;
+        for wake in &mut self.wakes {
+            let rest = velocities.split_off(wake.grid.points.len());
+            wake.carry(std::mem::replace(&mut velocities, rest), step, first_order);
+        }
+        Ok(())
+    }
+
+    /// What induces velocities: bound rings with the ends of the last ones, wakes.
+    fn sources(&self, bound: bool, wake: bool) -> Sources<'_> {
+        let meshes = self.meshes.iter().filter(|_| bound);
+        let wakes = self.wakes.iter().filter(|_| wake).map(|wake| &wake.grid);
+        Sources {
+            bound: meshes.clone().map(|mesh| &mesh.bound).collect(),
+            cored: meshes.map(|mesh| &mesh.trailing).chain(wakes).collect(),
+        }
+    }
+
+    /// Where velocities are wanted: of every surface its control points, bound vortices and legs, with other conventions also the
+    /// ends of the last rings.
+    fn places(&self) -> Vec<Vec3> {
+        let ends = self.settings.emulates();
+        let of = |mesh: &Mesh| {
+            let mut places: Vec<Vec3> = mesh.controls.iter().map(|c| c.at).collect();
+            places.extend(mesh.fronts.iter().chain(&mesh.legs).map(|e| e.at));
+            places.extend(mesh.ends().filter(|_| ends).map(|e| e.at));
+            places
+        };
+        self.meshes.iter().flat_map(of).collect()
+    }
+
+    /// Circulations that keep the flow tangent to every panel: sum_j a_ij G_j = -(air - panel) . n, the air without the rings.
+    ///
+    /// Equation: lattice.tangency
+    fn solve(&mut self, t: f64, air: &[Vec3]) -> Result<(), Error> {
+        let mut matrix = self.influence.coefficients(&self.meshes);
+        let n = self.rings[0].len();
+        let (mut right, mut first) = (Vec::with_capacity(n), 0);
+        for mesh in &self.meshes {
+            let controls = mesh.controls.iter().zip(&air[first..]);
+            right.extend(controls.map(|(c, air)| -(*air - c.velocity).dot(c.normal)));
+            first += mesh.panels() + mesh.fronts.len() + mesh.legs.len();
+            first += if self.settings.emulates() { mesh.strips } else { 0 };
+        }
+        let mut pivots = vec![0; n];
+        if !lu_factor(&mut matrix, n, &mut pivots) {
+            return Err(Error::Singular { time: t });
+        }
+        lu_solve(&matrix, n, &pivots, &mut right, 1);
+        if !right.iter().all(|ring| ring.is_finite()) {
+            return Err(Error::Singular { time: t });
+        }
+        let mut rest = &right[..];
+        for mesh in &mut self.meshes {
+            let (own, others) = rest.split_at(mesh.panels());
+            mesh.set_circulations(own);
+            rest = others;
+        }
+        self.rings[0] = right;
+        Ok(())
+    }
+
+    /// Rates of the rings' circulations by backward differences of second order, m2/s2. The first instant, when all starts at
+    /// once, has none.
+    ///
+    /// Equation: lattice.rates
+    fn rates(&self) -> Vec<f64> {
+        let [now, one, two] = &self.rings;
+        let per_step = self.settings.step_s.recip();
+        let emulated = self.settings.emulates();
+        let rate = |i: usize| match self.solved {
+            0 if !emulated => 0.0,
+            2.. if !emulated => (1.5 * now[i] - 2.0 * one[i] + 0.5 * two[i]) * per_step,
+            0 => now[i] * per_step,
+            _ => (now[i] - one[i]) * per_step,
+        };
+        (0..now.len()).map(rate).collect()
+    }
+
+    /// The surfaces as they lay at the last instant solved.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
+    }
+    /// Their wakes.
+    pub fn wakes(&self) -> &[Wake] {
+        &self.wakes
+    }
+    /// What is stepped.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+    /// Circulations of the rings, by surface and panel, m2/s.
+    pub fn rings(&self) -> &[f64] {
+        &self.rings[0]
+    }
+    /// Velocities of the air at `points`, m/s.
+    pub fn velocities(&self, points: &[Vec3]) -> Vec<Vec3> {
+        let mut air = self.influence.velocities(points, &self.sources(true, true));
+        air.iter_mut().for_each(|v| *v += self.scene.wind);
+        air
+    }
+
+    /// Largest circulation around a strip and its wake, over the largest ring: a vortex sheet that began at rest has none, as long
+    /// as nothing of the wake is left out.
+    ///
+    /// Equation: lattice.kelvin
+    pub fn circulation_error(&self) -> f64 {
+        let largest = self.rings[0].iter().fold(0.0_f64, |most, ring| most.max(ring.abs()));
+        let mut worst: f64 = 0.0;
+        for (mesh, wake) in self.meshes.iter().zip(&self.wakes) {
+            for j in 0..mesh.strips {
+                let of = |across: &[f64]| across.iter().skip(j).step_by(mesh.strips).sum::<f64>();
+                let sum = of(&mesh.bound.across) + of(&mesh.trailing.across) + of(&wake.grid.across);
+                worst = worst.max(sum.abs());
+            }
+        }
+        if largest > 0.0 { worst / largest } else { 0.0 }
+    }
+}

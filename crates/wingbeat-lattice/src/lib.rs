@@ -1,0 +1,40 @@
+//! An unsteady vortex-ring lattice of moving, folding wings with prescribed and free wakes: the independent truth of attached flow.
+//!
+//! Panels carry rings of vortices whose front stands at 1/4 of a panel; the flow is tangent at 3/4. The circulation of the rings
+//! at the trailing edge goes into the wake every step (Kutta). Vortices of the wake have cores; bound ones have none.
+//!
+//! ```
+//! use wingbeat::scenario::{Document, TetherCase};
+//! use wingbeat_lattice::{Lattice, Panels, Scene, Settings, Spacing};
+//!
+//! let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/flap_f1.toml");
+//! let no_tables = &|_: &std::path::Path| Err("no tables here".to_owned());
+//! let case = TetherCase::new(Document::file(path.as_ref())?, no_tables)?;
+//! let panels = Panels { chordwise: 4, spanwise: 12, spacing: Spacing::Lan };
+//! let scene = Scene::new(&(&case.tether).into(), panels, true)?;
+//! let mut lattice = Lattice::new(scene, Settings::new(0.01, 0.002))?;
+//! let lift: Vec<f64> = (0..10).map(|_| Ok(lattice.step()?.joukowski.force[2])).collect::<Result<_, wingbeat_lattice::Error>>()?;
+//! assert!(lattice.circulation_error() < 1e-12 && lift.iter().all(|lift| lift.is_finite()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod error;
+mod influence;
+mod kernel;
+mod lattice;
+mod layout;
+mod loads;
+mod mesh;
+mod motion;
+mod settings;
+mod wake;
+
+pub use error::{Error, LayoutError};
+pub use kernel::{Grid, cored_segment, segment};
+pub use lattice::Lattice;
+pub use layout::{Layout, Spacing};
+pub use loads::{Loads, PanelLoads};
+pub use mesh::{Control, Element, Mesh};
+pub use motion::{Flapping, Panels, Scene, Sections, Surface};
+pub use settings::{Conventions, Core, Settings, WakeMotion};
+pub use wake::Wake;

@@ -1,0 +1,248 @@
+//! Forces on the panels, by Joukowski and by Bernoulli.
+
+use crate::influence::mirrored;
+use crate::mesh::{Element, Mesh};
+use crate::motion::Scene;
+use wingbeat::math::{Vec3, Wrench};
+
+/// What the loads need of the air.
+pub struct Air<'a> {
+    /// Velocities at the control points, bound vortices and legs of every surface, and with other conventions at the ends of the
+    /// last rings, m/s.
+    pub velocities: &'a [Vec3],
+    /// Rates of the rings' circulations, by surface and panel, m2/s2.
+    pub rates: &'a [f64],
+    /// Density, kg/m3.
+    pub density: f64,
+}
+
+/// Forces on the panels of a surface, N, resolved in W.
+#[derive(Clone, Debug, Default)]
+pub struct PanelLoads {
+    /// By Joukowski, with the suction of the leading edge, by panel.
+    pub joukowski: Vec<Vec3>,
+    /// By Bernoulli, along the panels' normals, by panel.
+    pub bernoulli: Vec<Vec3>,
+    /// Suction of the leading edge that Bernoulli lacks, by strip.
+    pub suction: Vec<Vec3>,
+}
+
+/// Loads of an instant, resolved in W, about W's origin, the mirror image of a half included.
+#[derive(Clone, Debug, Default)]
+pub struct Loads {
+    /// Time, s.
+    pub time: f64,
+    /// By surface.
+    pub panels: Vec<PanelLoads>,
+    /// Sum by Joukowski.
+    pub joukowski: Wrench<f64>,
+    /// Sum by Bernoulli with the suction of the leading edge.
+    pub bernoulli: Wrench<f64>,
+    /// Share of the suction in that.
+    pub suction: Wrench<f64>,
+}
+
+/// A surface with what acts on it.
+struct Loaded<'a> {
+    mesh: &'a Mesh,
+    rings: &'a [f64],
+    rates: &'a [f64],
+    /// Velocities of the air relative to the wing at control points, bound vortices, legs, and the ends of the last rings.
+    controls: Vec<Vec3>,
+    fronts: Vec<Vec3>,
+    legs: Vec<Vec3>,
+    ends: Vec<Vec3>,
+    density: f64,
+    emulates: bool,
+    /// Whether the last legs lie between the wing and its mirror image, whose legs undo them.
+    undone: bool,
+}
+
+impl Loads {
+    /// The loads of all surfaces with the circulations `rings`.
+    pub(crate) fn new(
+        time: f64,
+        meshes: &[Mesh],
+        mut rings: &[f64],
+        air: &Air<'_>,
+        scene: &Scene,
+        emulates: bool,
+    ) -> Self {
+        let mut loads = Self { time, ..Self::default() };
+        let (mut velocities, mut rates) = (air.velocities, air.rates);
+        let mut sums = [Wrench::ZERO; 3];
+        for mesh in meshes {
+            let (own_rings, own_rates) = (take(&mut rings, mesh.panels()), take(&mut rates, mesh.panels()));
+            let relative = |at: &[Vec3], own: &mut dyn Iterator<Item = Vec3>| -> Vec<Vec3> {
+                at.iter().zip(own).map(|(air, own)| *air - own).collect()
+            };
+            let mut next = |count: usize| take(&mut velocities, count);
+            let loaded = Loaded {
+                mesh,
+                rings: own_rings,
+                rates: own_rates,
+                controls: relative(next(mesh.panels()), &mut mesh.controls.iter().map(|c| c.velocity)),
+                fronts: relative(next(mesh.fronts.len()), &mut mesh.fronts.iter().map(|e| e.velocity)),
+                legs: relative(next(mesh.legs.len()), &mut mesh.legs.iter().map(|e| e.velocity)),
+                ends: if emulates {
+                    relative(next(mesh.strips), &mut mesh.ends().map(|e| e.velocity))
+                } else {
+                    Vec::new()
+                },
+                density: air.density,
+                emulates,
+                undone: scene.symmetric && mesh.reaches_middle(),
+            };
+            loads.panels.push(loaded.panels(&mut sums));
+        }
+        if scene.symmetric {
+            sums = sums.map(with_image);
+        }
+        [loads.joukowski, loads.bernoulli, loads.suction] = sums;
+        loads
+    }
+
+    /// Whether every force is finite.
+    pub fn is_finite(&self) -> bool {
+        [self.joukowski, self.bernoulli].iter().all(|w| w.force.is_finite() && w.moment.is_finite())
+    }
+}
+
+/// The first `count` of a slice, which keeps the rest.
+fn take<'a, T>(slice: &mut &'a [T], count: usize) -> &'a [T] {
+    let (own, rest) = slice.split_at(count);
+    *slice = rest;
+    own
+}
+
+/// A wrench with that of its mirror image at the plane y = 0, whose moments about x and z turn the other way.
+fn with_image(w: Wrench<f64>) -> Wrench<f64> {
+    Wrench { force: w.force + mirrored(w.force), moment: w.moment - mirrored(w.moment) }
+}
+
+impl Loaded<'_> {
+    fn ring(&self, i: usize, j: usize) -> f64 {
+        self.rings[i * self.mesh.strips + j]
+    }
+
+    /// Circulation of the bound vortex of a panel.
+    fn front(&self, i: usize, j: usize) -> f64 {
+        self.ring(i, j) - if i > 0 { self.ring(i - 1, j) } else { 0.0 }
+    }
+
+    /// Circulation of the leg `j` of the ring row `i`, from front to rear.
+    fn leg(&self, i: usize, j: usize) -> f64 {
+        let n = self.mesh.strips;
+        if self.undone && j == n {
+            return 0.0;
+        }
+        let left = if j > 0 { self.ring(i, j - 1) } else { 0.0 };
+        left - if j < n { self.ring(i, j) } else { 0.0 }
+    }
+
+    /// Share of a leg's force that the panel on one side of it bears.
+    fn share(&self, j: usize) -> f64 {
+        if j == 0 || j == self.mesh.strips { 1.0 } else { 0.5 }
+    }
+
+    /// Adds the forces to `sums`: Joukowski, Bernoulli with suction, suction.
+    fn panels(&self, sums: &mut [Wrench<f64>; 3]) -> PanelLoads {
+        let (m, n) = (self.mesh.chordwise, self.mesh.strips);
+        let mut panels = PanelLoads::default();
+        for i in 0..m {
+            for j in 0..n {
+                let joukowski = self.joukowski(i, j);
+                let bernoulli = self.bernoulli(i, j);
+                panels.joukowski.push(joukowski.force);
+                panels.bernoulli.push(bernoulli.force);
+                sums[0] += joukowski;
+                sums[1] += bernoulli;
+            }
+        }
+        for j in 0..n {
+            let suction = self.suction(j);
+            panels.suction.push(suction.force);
+            sums[1] += suction;
+            sums[2] += suction;
+        }
+        panels
+    }
+
+    /// Force of the air of the relative velocity `v` on a vortex: rho Gamma v x l.
+    fn on_vortex(&self, element: &Element, v: Vec3, circulation: f64) -> Wrench<f64> {
+        Wrench::at(element.at, v.cross(element.along) * (self.density * circulation))
+    }
+
+    /// Force of the growing jump of potential, rho A d(phi)/dt n at the middle of the panel. The jump on a panel is that of the ring
+    /// before it up to its bound vortex, and of its own ring behind.
+    ///
+    /// Equation: lattice.unsteady_force
+    fn growth(&self, i: usize, j: usize) -> Wrench<f64> {
+        let n = self.mesh.strips;
+        let before = if i > 0 { self.rates[(i - 1) * n + j] } else { 0.0 };
+        let own = self.rates[i * n + j];
+        let rate = if self.emulates { own } else { 0.75 * own + 0.25 * before };
+        let control = &self.mesh.controls[i * n + j];
+        let corners = [(i, j), (i, j + 1), (i + 1, j), (i + 1, j + 1)].map(|(i, j)| self.mesh.corner(i, j));
+        let middle = corners.into_iter().fold(Vec3::ZERO, |sum, corner| sum + corner * 0.25);
+        Wrench::at(middle, control.normal * (self.density * rate * control.area))
+    }
+
+    /// Force on a panel by Joukowski: on its bound vortex, on its share of the legs beside it, and of the growth of its rings.
+    ///
+    /// Equation: lattice.joukowski
+    fn joukowski(&self, i: usize, j: usize) -> Wrench<f64> {
+        let n = self.mesh.strips;
+        let at = i * n + j;
+        let mut sum = self.on_vortex(&self.mesh.fronts[at], self.fronts[at], self.front(i, j));
+        for side in [j, j + 1] {
+            let leg = i * (n + 1) + side;
+            let circulation = self.share(side) * self.leg(i, side);
+            sum += self.on_vortex(&self.mesh.legs[leg], self.legs[leg], circulation);
+        }
+        if self.emulates && i + 1 == self.mesh.chordwise {
+            let change = self.mesh.trailing.across[j] + self.mesh.shed[j];
+            if let Some(end) = self.mesh.ends().nth(j) {
+                sum += self.on_vortex(&end, self.ends[j], change);
+            }
+        }
+        sum + self.growth(i, j)
+    }
+
+    /// Force on a panel by Bernoulli: rho [(v x g).n + d(phi)/dt] A n, g A the sum of circulation times length of the vortices on
+    /// it and v the relative velocity at its control point; the jump of pressure acts along the normal.
+    ///
+    /// Equation: lattice.bernoulli
+    fn bernoulli(&self, i: usize, j: usize) -> Wrench<f64> {
+        let n = self.mesh.strips;
+        let at = i * n + j;
+        let (control, v) = (&self.mesh.controls[at], self.controls[at]);
+        let along = |circulation: f64, length: Vec3, place: Vec3| {
+            let normal = v.cross(length).dot(control.normal);
+            Wrench::at(place, control.normal * (self.density * circulation * normal))
+        };
+        let front = &self.mesh.fronts[at];
+        let mut sum = along(self.front(i, j), front.along, front.at);
+        for side in [j, j + 1] {
+            let [from, to] = [i, i + 1].map(|i| self.mesh.corner(i, side));
+            let before = if i > 0 { self.leg(i - 1, side) } else { 0.0 };
+            let circulation = 0.75 * self.leg(i, side) + 0.25 * before;
+            sum += along(self.share(side) * circulation, to - from, (from + to) * 0.5);
+        }
+        sum + self.growth(i, j)
+    }
+
+    /// Suction of the leading edge of strip `j`, in its plane and square to the edge: vorticity that grows as C/sqrt(x) towards an
+    /// edge pulls by pi rho C^2/4 per length (Garrick 1936); on evenly spaced vortices the first one carries C sqrt(pi dx), so that
+    /// the pull is rho Gamma^2/(4 dx), dx the panel's length square to the edge.
+    ///
+    /// Equation: lattice.suction
+    fn suction(&self, j: usize) -> Wrench<f64> {
+        let [left, right] = [j, j + 1].map(|j| self.mesh.edges[j].le);
+        let edge = right - left;
+        let control = &self.mesh.controls[j];
+        let forward = control.normal.cross(edge);
+        let pull = self.density * self.ring(0, j).powi(2) * edge.norm_squared() / (4.0 * control.area);
+        Wrench::at((left + right) * 0.5, forward * (pull / forward.norm()))
+    }
+}

@@ -1,0 +1,251 @@
+//! Panels and vortex rings of a surface at one instant.
+
+use crate::kernel::Grid;
+use crate::motion::Surface;
+use wingbeat::aero::SectionMotion;
+use wingbeat::math::Vec3;
+
+/// Place of a panel's bound vortex along its chord.
+const VORTEX: f64 = 0.25;
+/// Place of a panel's control point along its chord.
+const CONTROL: f64 = 0.75;
+/// Share of a step's way behind the trailing edge at which the last rings end: as their bound vortices stand at 1/4 of a panel,
+/// the first vortex of the wake stands at 1/4 of its own.
+const BEHIND: f64 = 0.25;
+
+/// A vortex or a leg of one: where a force acts on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Element {
+    /// Its middle, m.
+    pub at: Vec3,
+    /// Velocity of its middle, m/s.
+    pub velocity: Vec3,
+    /// From its begin to its end, m.
+    pub along: Vec3,
+}
+
+/// A control point.
+#[derive(Clone, Copy, Debug)]
+pub struct Control {
+    /// Place, m.
+    pub at: Vec3,
+    /// Velocity, m/s.
+    pub velocity: Vec3,
+    /// Unit normal of its panel, up.
+    pub normal: Vec3,
+    /// Area of its panel, m2.
+    pub area: f64,
+}
+
+/// How a surface lies at an instant. Panels are numbered by row from the leading edge, in a row from left to right.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Panels along the chord.
+    pub chordwise: usize,
+    /// Strips.
+    pub strips: usize,
+    /// The strips' edges.
+    pub edges: Vec<SectionMotion<f64>>,
+    /// Vortex rings: a row of vertices per row of panels, the trailing edge, where the last rings bend, and their ends. With a
+    /// peer's conventions the last rings are flat.
+    pub bound: Grid,
+    /// The ends of the last rings, where the wake begins.
+    pub trailing: Grid,
+    /// Control points.
+    pub controls: Vec<Control>,
+    /// Bound vortices, from left to right, by panel.
+    pub fronts: Vec<Element>,
+    /// Legs of the rings on the wing, from front to rear, by row, one more than strips in each.
+    pub legs: Vec<Element>,
+    /// Circulations that the last rings had a step ago, m2/s.
+    pub shed: Vec<f64>,
+    fractions: Vec<f64>,
+    arcs: Vec<f64>,
+    mean_chord: f64,
+    core: f64,
+    wake_core: f64,
+}
+
+/// What the point at the chord fraction `x` of a section is and does.
+fn at(section: &SectionMotion<f64>, x: f64) -> (Vec3, Vec3) {
+    let mix = |a: Vec3, b: Vec3| a + (b - a) * x;
+    (mix(section.le, section.te), mix(section.v_le, section.v_te))
+}
+
+impl Mesh {
+    /// The mesh of `surface`; bound vortices have cores of the radius `core` m, 0 for none, the wake begins with `wake_core` m.
+    pub fn new(surface: &Surface, core: f64, wake_core: f64) -> Self {
+        let layout = &surface.layout;
+        Self {
+            chordwise: layout.chordwise,
+            strips: layout.strips(),
+            fractions: layout.fractions.clone(),
+            arcs: layout.arcs.clone(),
+            shed: vec![0.0; layout.strips()],
+            core,
+            wake_core,
+            ..Self::default()
+        }
+    }
+
+    /// Moves the mesh to where `surface` is at `t` s, in the wind `wind` m/s, `step` s before the next instant. With `chased`
+    /// velocities are those that led from the edges before to these.
+    pub fn update(&mut self, surface: &Surface, t: f64, wind: Vec3, step: f64, chased: bool) {
+        let before = chased.then(|| std::mem::take(&mut self.edges));
+        surface.sections.sections(t, &self.arcs, &mut self.edges);
+        if let Some(before) = before {
+            for (j, edge) in self.edges.iter_mut().enumerate() {
+                let from = before.get(j).map_or((edge.le, edge.te), |before| (before.le, before.te));
+                (edge.v_le, edge.v_te) =
+                    ((edge.le - from.0) * step.recip(), (edge.te - from.1) * step.recip());
+            }
+        }
+        let chords: f64 = self.edges.iter().map(|edge| (edge.te - edge.le).norm()).sum();
+        self.mean_chord = chords / self.edges.len() as f64;
+        self.place_rings(wind, step);
+        self.place_controls();
+        self.place_elements();
+        if chased {
+            self.reach_ends();
+        }
+    }
+
+    /// Whether the last edge lies in the plane of symmetry.
+    pub(crate) fn reaches_middle(&self) -> bool {
+        self.arcs.last() == Some(&0.0)
+    }
+
+    /// Mean chord, m.
+    pub fn mean_chord(&self) -> f64 {
+        self.mean_chord
+    }
+
+    /// Number of panels.
+    pub fn panels(&self) -> usize {
+        self.chordwise * self.strips
+    }
+
+    /// The corner between row `i` and strip `j` of panels, m.
+    pub fn corner(&self, i: usize, j: usize) -> Vec3 {
+        at(&self.edges[j], i as f64 / self.chordwise as f64).0
+    }
+
+    fn place_rings(&mut self, wind: Vec3, step: f64) {
+        let (m, edges) = (self.chordwise as f64, &self.edges);
+        let row = |i: usize| edges.iter().map(move |edge| at(edge, (i as f64 + VORTEX) / m).0);
+        let ends = || edges.iter().map(|edge| edge.te + (wind - edge.v_te) * (BEHIND * step));
+        let (bound, trailing) = (&mut self.bound, &mut self.trailing);
+        for grid in [&mut *bound, &mut *trailing] {
+            grid.columns = edges.len();
+            grid.points.clear();
+        }
+        bound.points.extend((0..self.chordwise).flat_map(row));
+        if self.core == 0.0 {
+            bound.points.extend(edges.iter().map(|edge| edge.te));
+        }
+        bound.points.extend(ends());
+        trailing.points.extend(ends());
+        let square = self.core * self.core;
+        bound.soften(|_, _| square, |_, _| square);
+        trailing.soften(|_, _| self.wake_core * self.wake_core, |_, _| 0.0);
+    }
+
+    fn place_controls(&mut self) {
+        let m = self.chordwise as f64;
+        self.controls.clear();
+        for i in 0..self.chordwise {
+            for (j, fraction) in self.fractions.iter().enumerate() {
+                let [left, right] = [j, j + 1].map(|j| at(&self.edges[j], (i as f64 + CONTROL) / m));
+                let forward = self.corner(i + 1, j) - self.corner(i, j + 1);
+                let back = self.corner(i + 1, j + 1) - self.corner(i, j);
+                let twice = forward.cross(back);
+                self.controls.push(Control {
+                    at: left.0 + (right.0 - left.0) * *fraction,
+                    velocity: left.1 + (right.1 - left.1) * *fraction,
+                    normal: twice.unit(),
+                    area: 0.5 * twice.norm(),
+                });
+            }
+        }
+    }
+
+    fn place_elements(&mut self) {
+        let m = self.chordwise as f64;
+        let element = |a: (Vec3, Vec3), b: (Vec3, Vec3)| Element {
+            at: (a.0 + b.0) * 0.5,
+            velocity: (a.1 + b.1) * 0.5,
+            along: b.0 - a.0,
+        };
+        let edges = &self.edges;
+        self.fronts.clear();
+        self.legs.clear();
+        for i in 0..self.chordwise {
+            let x = (i as f64 + VORTEX) / m;
+            let end = (x + 1.0 / m).min(1.0);
+            self.fronts.extend(edges.windows(2).map(|pair| element(at(&pair[0], x), at(&pair[1], x))));
+            self.legs.extend(edges.iter().map(|edge| element(at(edge, x), at(edge, end))));
+        }
+    }
+
+    /// Lets the last legs reach to the ends of their rings, with what is behind the trailing edge.
+    fn reach_ends(&mut self) {
+        let row = self.legs.len() - self.trailing.points.len();
+        for (j, end) in self.trailing.points.iter().enumerate() {
+            let (leg, from) = (&mut self.legs[row + j], self.bound.points[row + j]);
+            (leg.at, leg.along) = ((from + *end) * 0.5, *end - from);
+        }
+    }
+
+    /// The ends of the last rings, from left to right, as they move with the trailing edge.
+    pub fn ends(&self) -> impl Iterator<Item = Element> {
+        let pairs = self.trailing.points.windows(2).zip(self.edges.windows(2));
+        pairs.map(|(ends, edges)| Element {
+            at: (ends[0] + ends[1]) * 0.5,
+            velocity: (edges[0].v_te + edges[1].v_te) * 0.5,
+            along: ends[1] - ends[0],
+        })
+    }
+
+    /// Puts the circulations of the rings, by panel, m2/s, on the segments: on the bound grid without the ends of the last rings,
+    /// and on these.
+    ///
+    /// Equation: lattice.rings
+    pub fn set_circulations(&mut self, rings: &[f64]) {
+        let (m, n) = (self.chordwise, self.strips);
+        let ring = |i: usize, j: usize| rings[i * n + j];
+        let (bound, trailing) = (&mut self.bound, &mut self.trailing);
+        bound.across.clear();
+        bound.along.clear();
+        for i in 0..m {
+            bound.across.extend((0..n).map(|j| ring(i, j) - if i > 0 { ring(i - 1, j) } else { 0.0 }));
+        }
+        let rows = bound.rows();
+        bound.across.resize(rows * n, 0.0);
+        for i in (0..rows - 1).map(|row| row.min(m - 1)) {
+            bound.along.extend((0..=n).map(|j| {
+                let [left, right] = [j.checked_sub(1), (j < n).then_some(j)];
+                left.map_or(0.0, |j| ring(i, j)) - right.map_or(0.0, |j| ring(i, j))
+            }));
+        }
+        trailing.along.clear();
+        trailing.across.clear();
+        trailing.across.extend((0..n).map(|j| -ring(m - 1, j)));
+    }
+}
+
+impl Grid {
+    /// Sets the cores from the squared radii (m2) of the segments across and along, by row and column.
+    pub fn soften(&mut self, across: impl Fn(usize, usize) -> f64, along: impl Fn(usize, usize) -> f64) {
+        let n = self.columns;
+        self.core_across.clear();
+        self.core_along.clear();
+        for (r, row) in self.points.chunks_exact(n).enumerate() {
+            let pairs = row.windows(2).enumerate();
+            self.core_across.extend(pairs.map(|(j, pair)| across(r, j) * (pair[1] - pair[0]).norm_squared()));
+            if let Some(next) = self.points.get((r + 1) * n..(r + 2) * n) {
+                let pairs = row.iter().zip(next).enumerate();
+                self.core_along.extend(pairs.map(|(j, (a, b))| along(r, j) * (*b - *a).norm_squared()));
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Wings that move as prescribed.
+
+use crate::Error;
+use crate::layout::{Layout, Spacing};
+use std::sync::Arc;
+use wingbeat::aero::SectionMotion;
+use wingbeat::math::Vec3;
+use wingbeat::tether::{Coordinate, Motion, Side, Tether, Wing};
+
+/// Where the sections of a wing are at any time, in W.
+pub trait Sections: Send + Sync {
+    /// Puts the motion of the sections at the arc coordinates `arcs` (m, left positive) at `t` s in place of what `out` holds.
+    fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>);
+}
+
+/// A hinged wing in prescribed motion.
+#[derive(Clone, Debug)]
+struct Tethered {
+    wing: Wing,
+    motion: Motion,
+}
+
+impl Sections for Tethered {
+    fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
+        let (body, angles) = (self.motion.body(t).frame(), self.motion.angles(t));
+        out.clear();
+        out.extend(arcs.iter().map(|arc| self.wing.section(*arc, &body, &angles)));
+    }
+}
+
+/// A piece of wing with its panels.
+#[derive(Clone)]
+pub struct Surface {
+    /// Its panels.
+    pub layout: Layout,
+    /// Its motion.
+    pub sections: Arc<dyn Sections>,
+}
+
+/// Surfaces in a wind.
+#[derive(Clone)]
+pub struct Scene {
+    /// The pieces of wing.
+    pub surfaces: Vec<Surface>,
+    /// Velocity of the air in W, m/s.
+    pub wind: Vec3,
+    /// Density of the air, kg/m3.
+    pub density_kg_m3: f64,
+    /// True when the surfaces are the left half of what the plane y = 0 mirrors.
+    pub symmetric: bool,
+}
+
+/// How fine panels are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Panels {
+    /// Along the chord.
+    pub chordwise: usize,
+    /// Strips along the whole span.
+    pub spanwise: usize,
+    /// How strips lie.
+    pub spacing: Spacing,
+}
+
+/// A hinged wing in prescribed motion in a wind.
+#[derive(Clone, Debug)]
+pub struct Flapping {
+    /// Its geometry.
+    pub wing: Wing,
+    /// Its motion, an angle for each hinge.
+    pub motion: Motion,
+    /// Velocity of the air in W, m/s.
+    pub wind: Vec3,
+    /// Density of the air, kg/m3.
+    pub density_kg_m3: f64,
+}
+
+impl From<&Tether> for Flapping {
+    fn from(tether: &Tether) -> Self {
+        Self {
+            wing: tether.wing.clone(),
+            motion: tether.motion.clone(),
+            wind: tether.wind,
+            density_kg_m3: tether.reference.density_kg_m3,
+        }
+    }
+}
+
+impl Scene {
+    /// The wing whole, or its left half when wind and motion are symmetric and `halved` allows it.
+    ///
+    /// # Errors
+    /// Panels that cannot be laid out.
+    pub fn new(flapping: &Flapping, panels: Panels, halved: bool) -> Result<Self, Error> {
+        let Flapping { wing, motion, wind, density_kg_m3 } = flapping;
+        let symmetric = halved && panels.spanwise % 2 == 0 && flapping.is_symmetric();
+        let hinges = wing.hinges().iter().flat_map(|h| std::iter::once(h.arc_m).chain(h.to_arc_m));
+        let inner = |arc: &f64| *arc < wing.planform().half_span();
+        let mut arcs: Vec<f64> = hinges.filter(inner).chain(symmetric.then_some(0.0)).collect();
+        arcs.sort_by(f64::total_cmp);
+        arcs.dedup();
+        let Panels { chordwise, spanwise, spacing } = panels;
+        let whole = Layout::of(wing.planform(), &arcs, chordwise, spanwise, spacing)?;
+        let left: Vec<Layout> = whole.iter().filter_map(Layout::left_half).collect();
+        let strips = |layouts: &[Layout]| layouts.iter().map(Layout::strips).sum::<usize>();
+        let symmetric = symmetric && 2 * strips(&left) == strips(&whole);
+        let sections: Arc<dyn Sections> = Arc::new(Tethered { wing: wing.clone(), motion: motion.clone() });
+        let surface = |layout| Surface { layout, sections: sections.clone() };
+        let layouts = if symmetric { left } else { whole };
+        let surfaces = layouts.into_iter().map(surface).collect();
+        Ok(Self { surfaces, wind: *wind, density_kg_m3: *density_kg_m3, symmetric })
+    }
+}
+
+impl Flapping {
+    /// Whether left and right move alike in a wind without side.
+    fn is_symmetric(&self) -> bool {
+        let level = matches!(self.motion.roll, Coordinate::Constant(roll) if roll == 0.0);
+        level && self.wing.hinges().iter().all(|hinge| hinge.side == Side::Both) && self.wind[1] == 0.0
+    }
+}

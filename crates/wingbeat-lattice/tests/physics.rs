@@ -1,0 +1,144 @@
+//! What must hold whatever the panels: slopes, conservation, symmetry, and runs that are finite or refused.
+
+use std::f64::consts::PI;
+use wingbeat::aero::{Planform, PlanformStation};
+use wingbeat::math::Vec3;
+use wingbeat::tether::{Coordinate, Hinge, HingeKind, Motion, Side, Wing};
+use wingbeat_lattice::{Error, Flapping, Lattice, Loads, Panels, Scene, Settings, Spacing, WakeMotion};
+
+const ALPHA: f64 = 1e-3;
+
+/// A rectangle of unit chord and the span `span` in a wind of 1 m/s; it flaps by `flap` and folds by `fold`, rad.
+fn wing(span: f64, flap: f64, fold: f64) -> Flapping {
+    let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
+    let planform = Planform::new(&[station(0.0), station(0.5 * span)]).unwrap();
+    let hinge = |kind, arc_m| Hinge { kind, side: Side::Both, arc_m, to_arc_m: None, ahead_m: 0.0 };
+    let hinges = vec![hinge(HingeKind::Flap, 0.0), hinge(HingeKind::Fold, 0.2 * span)];
+    let wave = |mean, sin| Coordinate::Fourier { frequency_hz: 0.2, mean, cos: vec![], sin: vec![sin] };
+    let still = || Coordinate::Constant(0.0);
+    let motion = Motion {
+        surge: still(),
+        heave: still(),
+        nose_up: still(),
+        roll: still(),
+        axis_ahead_m: 0.0,
+        hinges: vec![("shoulder".into(), wave(0.0, flap)), ("elbow".into(), wave(-0.5 * fold, 0.5 * fold))],
+    };
+    let wind = Vec3::new(-ALPHA.cos(), 0.0, ALPHA.sin());
+    Flapping { wing: Wing::new(planform, hinges).unwrap(), motion, wind, density_kg_m3: 1.0 }
+}
+
+fn run(
+    wing: &Flapping,
+    panels: Panels,
+    settings: Settings,
+    steps: usize,
+    halved: bool,
+) -> (Lattice, Vec<Loads>) {
+    let mut lattice = Lattice::new(Scene::new(wing, panels, halved).unwrap(), settings).unwrap();
+    let loads = (0..steps).map(|_| lattice.step().unwrap()).collect();
+    (lattice, loads)
+}
+
+fn panels(chordwise: usize, spanwise: usize) -> Panels {
+    Panels { chordwise, spanwise, spacing: Spacing::Lan }
+}
+
+#[test]
+fn rectangles_have_the_slope_of_the_lifting_surface() {
+    // validation/lifting_surface/steady.csv; a step of 10 000 chords makes horseshoes of the last rings.
+    for (span, slope) in [(1.0, 1.460183), (4.0, 3.612014), (20.0, 5.433517)] {
+        let (_, loads) = run(&wing(span, 0.0, 0.0), panels(6, 24), Settings::new(1e4, 1e-3), 2, true);
+        let found = loads[1].joukowski.force[2] / (0.5 * span * ALPHA);
+        assert!((found / slope - 1.0).abs() < 2e-3, "{span}: {found} {slope}");
+    }
+}
+
+#[test]
+fn a_long_wing_starts_as_wagner_says() {
+    let long = wing(1e4, 0.0, 0.0);
+    let one = Panels { chordwise: 16, spanwise: 4, spacing: Spacing::Uniform };
+    let (_, loads) = run(&long, one, Settings::new(1.0 / 16.0, 1e-3), 161, true);
+    for (s, wagner) in [(2.0, 0.66929), (5.0, 0.788203), (20.0, 0.936649)] {
+        let lift = loads[(0.5 * s * 16.0) as usize].joukowski.force[2] / (0.5e4 * ALPHA);
+        assert!((lift / (2.0 * PI * wagner) - 1.0).abs() < 0.012, "{s}: {lift}");
+    }
+}
+
+#[test]
+fn both_ways_to_the_force_agree() {
+    let (_, loads) = run(&wing(6.0, 0.05, 0.0), panels(8, 16), Settings::new(0.125, 1e-3), 80, true);
+    let (mut apart, mut size) = ([0.0; 2], [0.0; 2]);
+    for loads in &loads[40..] {
+        for (i, axis) in [0, 2].into_iter().enumerate() {
+            let (a, b) = (loads.joukowski.force[axis], loads.bernoulli.force[axis]);
+            apart[i] += (a - b).powi(2);
+            size[i] += a * a;
+        }
+    }
+    let errors: Vec<f64> = (0..2).map(|i| (apart[i] / size[i]).sqrt()).collect();
+    assert!(errors[1] < 0.02 && errors[0] < 0.12, "forward, up: {errors:?}");
+    assert!(loads[79].suction.force[0] > 0.0);
+}
+
+#[test]
+fn circulation_is_kept_and_halves_make_the_whole() {
+    for wake in [WakeMotion::Prescribed, WakeMotion::Free] {
+        let settings = Settings { wake, ..Settings::new(0.1, 0.05) };
+        let flapping = wing(4.0, 0.5, 0.8);
+        let (half, halves) = run(&flapping, panels(3, 12), settings, 25, true);
+        let (whole, wholes) = run(&flapping, panels(3, 12), settings, 25, false);
+        assert!(half.scene().symmetric && !whole.scene().symmetric);
+        assert!(half.circulation_error() < 1e-12 && whole.circulation_error() < 1e-12);
+        for (a, b) in halves.iter().zip(&wholes) {
+            let size = b.joukowski.force.norm();
+            assert!((a.joukowski.force - b.joukowski.force).norm() < 1e-10 * size);
+            assert!((a.joukowski.moment - b.joukowski.moment).norm() < 1e-10 * size);
+            assert!((a.bernoulli.force - b.bernoulli.force).norm() < 1e-10 * size);
+            assert!(b.joukowski.force[1].abs() < 1e-10 * size);
+        }
+    }
+}
+
+#[test]
+fn the_steady_wake_of_a_free_lattice_leaves_a_flat_wing_its_lift() {
+    let flat = wing(4.0, 0.0, 0.0);
+    let lift = |wake| {
+        let settings = Settings { wake, ..Settings::new(0.25, 0.02) };
+        let (_, loads) = run(&flat, panels(4, 8), settings, 60, true);
+        loads[59].joukowski.force[2]
+    };
+    let (prescribed, free) = (lift(WakeMotion::Prescribed), lift(WakeMotion::Free));
+    assert!((free / prescribed - 1.0).abs() < 1e-3, "{free} {prescribed}");
+}
+
+#[test]
+fn wakes_end_at_their_age_or_distance() {
+    let flat = wing(4.0, 0.0, 0.0);
+    let settings = Settings { longest_age_s: 2.0, ..Settings::new(0.25, 0.02) };
+    assert_eq!(run(&flat, panels(2, 4), settings, 20, true).0.wakes()[0].rows(), 8);
+    let settings = Settings { longest_distance_m: 3.0, ..Settings::new(0.25, 0.02) };
+    let rows = run(&flat, panels(2, 4), settings, 40, true).0.wakes()[0].rows();
+    assert!((11..=12).contains(&rows), "{rows}");
+}
+
+#[test]
+fn odd_runs_are_finite_or_refused() {
+    let settings = Settings { wake: WakeMotion::Free, ..Settings::new(0.05, 0.05) };
+    let one = Panels { chordwise: 1, spanwise: 4, spacing: Spacing::Uniform };
+    // No wind: the wing beats its own wake.
+    let still = Flapping { wind: Vec3::ZERO, ..wing(4.0, 0.8, 1.0) };
+    run(&still, one, settings, 120, true);
+    // One panel on each piece.
+    run(&wing(4.0, 0.3, 0.5), one, settings, 30, false);
+    // A wind that blows the wake back through the wing.
+    let behind = Flapping { wind: Vec3::new(1.0, 0.0, 0.1), ..wing(4.0, 0.2, 0.2) };
+    run(&behind, panels(3, 8), settings, 40, true);
+    let refused = Lattice::new(Scene::new(&still, one, true).unwrap(), Settings { step_s: 0.0, ..settings });
+    assert_eq!(refused.err().unwrap().to_string(), "step_s = 0: allowed is above 0");
+    // The same wing twice: its circulations are not determined.
+    let mut twice = Scene::new(&still, panels(2, 4), false).unwrap();
+    twice.surfaces.push(twice.surfaces[0].clone());
+    let touching = Lattice::new(twice, settings).unwrap().step();
+    assert!(matches!(touching, Err(Error::Singular { .. })), "{touching:?}");
+}
