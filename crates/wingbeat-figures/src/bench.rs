@@ -57,5 +57,5 @@ pub fn comparison(comparison: &Comparison) -> Result<Figure, Error> {
         );
         panels.push(Panel { bands: vec![band], ..Panel::new(title, curves) });
     }
-    Ok(Figure { name: "compare", scene: stacked(panels, "phase [cycles]", style::PANEL) })
+    Ok(Figure::new("compare", stacked(panels, "phase [cycles]", style::PANEL)))
 }

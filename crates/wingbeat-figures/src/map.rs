@@ -53,7 +53,7 @@ pub fn map(record: &Record, keys: &[&str], measures: &[&str], whole: bool) -> Re
         }
         measured.bar(&mut scene, corner, i);
     }
-    Ok(Figure { name: "map", scene })
+    Ok(Figure::new("map", scene))
 }
 
 fn over_one(record: &Record, keys: &[&str], measures: &[&str]) -> Result<Figure, Error> {
