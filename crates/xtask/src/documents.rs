@@ -13,7 +13,7 @@ pub fn write() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--bin", "wingbeat", "reference"]);
     reference.env("WINGBEAT_WRITE_DOCS", "1");
-    tools::succeeds(reference) && banking_turns() && comparisons()
+    tools::succeeds(reference) && banking_turns() && six_flights() && comparisons()
 }
 
 /// Flies the banking turn with both aerodynamic presets and puts tables and
@@ -38,6 +38,62 @@ fn banking_turn(mark: &str, preset: &str, picture: bool) -> bool {
             .and_then(|()| fs::copy(run.join("figures/path.png"), images.join("banking_turn.png")))
             .is_ok();
     copied && put(mark, &format!("```text\n{table}\n```"))
+}
+
+/// Flies the banking turn with both presets under every lift law, and puts what becomes of it into the README.
+fn six_flights() -> bool {
+    let run = tools::root().join("target/six_flights");
+    let mut text = String::from(
+        "| preset | law | status | roll, mean / rms error, deg | pitch, mean / rms error, deg | altitude, m | inputs at a limit | clearance, mm | separated | suction lost |\n\
+         |---|---|---|---:|---:|---:|---:|---:|---:|---:|",
+    );
+    for (preset, law) in ["paper", "full"].iter().flat_map(|p| ["linear", "stall", "lev"].map(|law| (p, law)))
+    {
+        let _ = fs::remove_dir_all(&run);
+        let mut command = tools::cargo(&[
+            "run",
+            "--release",
+            "--quiet",
+            "--",
+            "fly",
+            "scenarios/banking_turn.toml",
+            "--quiet",
+        ]);
+        command.arg("--set").arg(format!("aero.preset={preset}")).arg("--set").arg(format!("aero.law={law}"));
+        // A turn that misses its goal ends with another code than 0, and is told all the same.
+        command.arg("--out").arg(&run);
+        let _ = tools::output(command);
+        let summary = fs::read_to_string(run.join("summary.json")).ok();
+        let Some(summary) = summary.and_then(|text| serde_json::from_str::<Value>(&text).ok()) else {
+            return false;
+        };
+        text += &flight_row(preset, law, &summary);
+    }
+    put("six flights", &text)
+}
+
+/// What a flight came to, as a row.
+fn flight_row(preset: &str, law: &str, summary: &Value) -> String {
+    let number = |key: &str| summary[key].as_f64().unwrap_or(f64::NAN);
+    let pair = |angle: &str| {
+        format!(
+            "{:.1} / {:.1}",
+            number(&format!("{angle}_mean_deg")),
+            number(&format!("{angle}_rms_error_deg"))
+        )
+    };
+    let percent = |key: &str| format!("{:.0} %", 100.0 * number(key));
+    format!(
+        "\n| `{preset}` | `{law}` | {} | {} | {} | {:.1} | {} | {:.0} | {} | {} |",
+        summary["status"].as_str().unwrap_or("-"),
+        pair("roll"),
+        pair("pitch"),
+        number("altitude_change_m"),
+        percent("input_saturation_fraction"),
+        1e3 * number("least_clearance_m"),
+        percent("separated_fraction"),
+        percent("suction_lost_fraction"),
+    )
 }
 
 /// The table without its running times, which belong to the machine.
