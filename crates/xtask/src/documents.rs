@@ -172,7 +172,10 @@ mod tests {
 
     #[test]
     fn running_times_stay_out() {
-        assert_eq!(untimed("roll 15 deg\nupdates past their period 9\nupdate, median 1 ms\nreal-time factor 3"), "roll 15 deg");
+        assert_eq!(
+            untimed("roll 15 deg\nupdates past their period 9\nupdate, median 1 ms\nreal-time factor 3"),
+            "roll 15 deg"
+        );
     }
 
     #[test]
