@@ -171,6 +171,9 @@ fn columns_of_the_rig_are_in_the_reference() {
                 run.evaluate(record, &carrier, run.window(plan.as_ref(), &carrier)).unwrap().unwrap();
             let Evaluated::Averaged(processed) = &result else { panic!("{file} flaps") };
             met.see(AVERAGE, processed.record(run.processed_frame()).unwrap().columns(), &[]);
+            let mut less = processed.clone();
+            less.subtract("still air", processed);
+            met.see(AVERAGE, less.record(run.processed_frame()).unwrap().columns(), &[]);
             let all = together(&[ProcessedRun { run, result }]).unwrap().unwrap();
             met.see(ENVELOPE, all.envelope.columns(), &[]);
         }
