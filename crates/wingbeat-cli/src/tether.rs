@@ -73,10 +73,11 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
 
 /// The tables of a case, each read once and kept beside it, so that it runs again from its folder.
 #[derive(Default)]
-struct Tables(RefCell<Vec<(PathBuf, Record)>>);
+pub struct Tables(RefCell<Vec<(PathBuf, Record)>>);
 
 impl Tables {
-    fn read(&self, path: &Path) -> Result<Record, String> {
+    /// The table of a file.
+    pub fn read(&self, path: &Path) -> Result<Record, String> {
         let mut tables = self.0.borrow_mut();
         if let Some((_, record)) = tables.iter().find(|(known, _)| known == path) {
             return Ok(record.clone());
@@ -87,7 +88,7 @@ impl Tables {
     }
 
     /// The name under which the table of a file is kept.
-    fn name(&self, path: &Path) -> String {
+    pub fn name(&self, path: &Path) -> String {
         let tables = self.0.borrow();
         let own = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
         let alone = tables.iter().filter(|(known, _)| own(known) == own(path)).count() == 1;
@@ -101,7 +102,8 @@ impl Tables {
         }
     }
 
-    fn keep(&self, folder: &RunFolder) -> Result<(), Error> {
+    /// Writes the tables into the run folder.
+    pub fn keep(&self, folder: &RunFolder) -> Result<(), Error> {
         for (path, record) in self.0.borrow().iter() {
             write_csv(&folder.file(&self.name(path)), record)?;
         }

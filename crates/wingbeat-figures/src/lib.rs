@@ -17,6 +17,7 @@ mod scale;
 mod states;
 mod style;
 mod tether;
+mod wake;
 mod write;
 
 pub use commands::commands;
@@ -29,6 +30,7 @@ pub use processing::{cycles, filtered};
 pub use robustness::robustness;
 pub use states::states;
 pub use tether::{cycle_loads, span_loading};
+pub use wake::{Cut, Sheet as WakeSheet, frontal_planes, wake};
 pub use write::{Figure, write, write_for_screen};
 
 use wingbeat::scenario::GoalSpec;
