@@ -12,15 +12,15 @@ use crate::say;
 const BEHIND: f64 = 0.5;
 /// Radius of the spots that stand for vortices, chords. *Choice.*
 const SPREAD: f64 = 0.1;
-/// The instant at which the whole wake is drawn: the middle of the downstroke.
+/// The phase at which the whole wake is drawn: the middle of the downstroke.
 const DRAWN: usize = 1;
 
 /// Draws what can be drawn; what cannot is said and left out.
 pub fn draw(folder: &RunFolder, watch: &Watch) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
     let mut shots: Vec<&Shot> = watch.shots.iter().collect();
-    let drawn = shots.get(DRAWN.min(shots.len().saturating_sub(1))).map(|shot| wake(&sheet(shot)));
-    shots.sort_by(|a, b| order(a).cmp(&order(b)));
+    shots.sort_by_key(|shot| order(shot));
+    let drawn = shots.get(DRAWN).or(shots.first()).map(|shot| wake(&sheet(shot)));
     let cuts: Vec<Cut> = shots.iter().map(|shot| cut(shot, watch)).collect();
     let planes = (!cuts.is_empty()).then(|| frontal_planes(&cuts, SPREAD * watch.chord));
     for figure in drawn.into_iter().chain(planes) {
