@@ -24,6 +24,7 @@ pub enum Command {
     Fly(Fly),
     Sweep(Sweep),
     Tether(Tether),
+    Wake(Wake),
     Plan(Plan),
     #[command(subcommand)]
     Rig(Rig),
@@ -79,6 +80,35 @@ pub struct Tether {
     /// `--set compare.channels.force_z=Fz`, `--set compare.by=phase` and `--set compare.frequency_hz=3.4`
     #[arg(long, value_name = "MEASURED.csv")]
     pub compare: Option<PathBuf>,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Step the vortex lattice of a wing in prescribed motion and draw its wake
+///
+/// The folder holds case.toml (as resolved), record.parquet (loads by Joukowski and by Bernoulli), summary.json, manifest.json,
+/// a VTK file of wing and wake at begin and middle of down- and upstroke of the last cycle, and figures: the wake, and the
+/// vorticity in a frontal plane at these phases. Attached flow is assumed. More in docs/wake.md.
+#[derive(Debug, Args)]
+pub struct Wake {
+    /// The case, as `tether` takes it
+    #[arg(value_name = "CASE.toml")]
+    pub case: PathBuf,
+    /// Panels along the chord
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    pub chordwise: usize,
+    /// Panels along the span
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    pub spanwise: usize,
+    /// Steps per cycle; without it as many as make the wind's way in a step a panel's chord, 24 to 400
+    #[arg(long, value_name = "N")]
+    pub steps: Option<usize>,
+    /// Let the wind alone carry the wake
+    #[arg(long)]
+    pub prescribed: bool,
+    /// Radius of the cores of the wake's vortices, mean chords
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05)]
+    pub core: f64,
     #[command(flatten)]
     pub run: Run,
 }

@@ -17,6 +17,7 @@ mod say;
 mod sweep;
 mod tether;
 mod validate;
+mod wake;
 
 use std::process::ExitCode;
 
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         Command::Fly(arguments) => fly::fly(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Tether(arguments) => tether::tether(&arguments),
+        Command::Wake(arguments) => wake::wake(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Validate(arguments) => validate::validate(&arguments),

@@ -26,6 +26,7 @@ mod layout;
 mod loads;
 mod mesh;
 mod motion;
+mod picture;
 mod settings;
 mod wake;
 
@@ -36,5 +37,6 @@ pub use layout::{Layout, Spacing};
 pub use loads::{Loads, PanelLoads};
 pub use mesh::{Control, Element, Mesh};
 pub use motion::{Flapping, Panels, Scene, Sections, Surface};
+pub use picture::{Picture, Quad};
 pub use settings::{Conventions, Core, Settings, WakeMotion};
 pub use wake::Wake;

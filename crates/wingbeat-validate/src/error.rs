@@ -9,6 +9,9 @@ pub enum Error {
     /// The model could not be evaluated.
     #[error(transparent)]
     Model(#[from] wingbeat::plant::Fault),
+    /// The vortex lattice could not be built or stepped.
+    #[error(transparent)]
+    Lattice(#[from] wingbeat_lattice::Error),
     /// A reference table does not hold what the case needs.
     #[error("validation/{file}: {what}")]
     Reference {

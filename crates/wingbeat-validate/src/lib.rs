@@ -18,6 +18,7 @@ pub mod body;
 pub mod figures;
 pub mod flapbody;
 pub mod fsi;
+pub mod lattice;
 pub mod math;
 pub mod ocp;
 pub mod ocp_problems;
@@ -38,6 +39,7 @@ pub fn cases() -> Vec<&'static Case> {
         aero_surfaces::CASES,
         aero_symmetry::CASES,
         aero_turn::CASES,
+        lattice::CASES,
         body::CASES,
         fsi::CASES,
         ocp::CASES,

@@ -10,6 +10,7 @@ mod rig_process;
 mod sweep;
 mod tether;
 mod validate;
+mod wake;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! The path through space with the robot drawn at intervals.
 
 mod bird;
-mod projection;
+pub(crate) mod projection;
 mod room;
 mod sheet;
 

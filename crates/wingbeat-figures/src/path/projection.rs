@@ -15,6 +15,13 @@ impl View {
         Self { right: [-sin_a, cos_a, 0.0], down: [sin_e * cos_a, sin_e * sin_a, -cos_e] }
     }
 
+    /// How near a point is to the eye: along right x down, which points away from it, backwards.
+    pub fn nearness(&self, point: [f64; 3]) -> f64 {
+        let ([a, b, c], [x, y, z]) = (self.right, self.down);
+        let away = [b * z - c * y, c * x - a * z, a * y - b * x];
+        -away.iter().zip(point).map(|(a, p)| a * p).sum::<f64>()
+    }
+
     /// Paper coordinates (right, down) of a point.
     pub fn project(&self, point: [f64; 3]) -> (f64, f64) {
         let dot = |axis: [f64; 3]| axis.iter().zip(point).map(|(a, p)| a * p).sum();

@@ -1,0 +1,63 @@
+//! `wingbeat wake` as a user meets it: run folder, figures, numbers, refusals.
+
+use std::fs;
+
+use crate::{entries, root, scratch, wingbeat};
+
+fn case(name: &str) -> String {
+    root().join("cases").join(name).display().to_string()
+}
+
+#[test]
+fn a_case_leaves_its_wake() {
+    let folder = scratch("wake-whole");
+    let small = ["--chordwise", "2", "--spanwise", "8", "--steps", "16", "--set", "time.cycles=2"];
+    let output = wingbeat(&folder, &[&["wake", &case("flap_f2.toml"), "--out", "a"], &small[..]].concat());
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("attached flow is assumed") && text.contains("run folder: a"), "{text}");
+    let names = [
+        "case.toml",
+        "downstroke_begins.vtk",
+        "figures",
+        "manifest.json",
+        "middle_of_downstroke.vtk",
+        "middle_of_upstroke.vtk",
+        "record.parquet",
+        "summary.json",
+        "upstroke_begins.vtk",
+    ];
+    assert_eq!(entries(&folder.join("a")), names);
+    let figures = ["frontal_planes.png", "frontal_planes.svg", "wake.png", "wake.svg"];
+    assert_eq!(entries(&folder.join("a/figures")), figures);
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("a/summary.json")).unwrap()).unwrap();
+    let number = |key: &str| summary.pointer(key).and_then(serde_json::Value::as_f64).unwrap();
+    assert!(number("/circulation_error") < 1e-12 && number("/symmetry_error") < 1e-6);
+    let ratios = [number("/down_over_up/left"), number("/down_over_up/right")];
+    assert!((ratios[0] / ratios[1] - 1.0).abs() < 1e-6 && ratios[0] > 1.0, "{ratios:?}");
+}
+
+#[test]
+fn a_wing_that_does_not_stroke_is_drawn_at_its_end() {
+    let folder = scratch("wake-step");
+    let small = ["--chordwise", "2", "--spanwise", "6", "--steps", "40", "--prescribed", "--quiet"];
+    let output = wingbeat(&folder, &[&["wake", &case("step.toml"), "--out", "a"], &small[..]].concat());
+    assert!(output.status.success() && output.stdout.is_empty(), "{output:?}");
+    assert!(entries(&folder.join("a")).contains(&"end_of_the_run.vtk".to_owned()));
+}
+
+#[test]
+fn what_cannot_be_stepped_is_refused() {
+    let folder = scratch("wake-refused");
+    for (more, says) in [
+        (["--chordwise", "0"], "chordwise = 0: allowed is 1 or more"),
+        (["--core", "0"], "core.radius_m = 0: allowed is above 0"),
+        (["--steps", "100000"], "allowed are at most 200000"),
+        (["--spanwise", "1"], "strips = 1"),
+    ] {
+        let output = wingbeat(&folder, &[&["wake", &case("flap_fold.toml")], &more[..]].concat());
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && text.contains(says), "{text}");
+    }
+}

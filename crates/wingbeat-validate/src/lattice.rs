@@ -1,0 +1,23 @@
+//! The vortex lattice: small motions against the linear lifting surface and exact solutions, large ones against a peer.
+
+mod convergence;
+mod flapping;
+mod small;
+mod wings;
+
+use crate::Case;
+
+/// The comparisons.
+pub const CASES: &[Case] = &[
+    Case { id: "lattice.slope", quick: true, run: small::slope },
+    Case { id: "lattice.step", quick: false, run: small::step },
+    Case { id: "lattice.plunge", quick: false, run: small::plunge },
+    Case { id: "lattice.pitch_thrust", quick: false, run: small::pitch_thrust },
+    Case { id: "lattice.wagner", quick: true, run: small::wagner },
+    Case { id: "lattice.theodorsen", quick: false, run: small::theodorsen },
+    Case { id: "lattice.kelvin", quick: true, run: flapping::kelvin },
+    Case { id: "lattice.force_methods_agree", quick: false, run: flapping::force_methods_agree },
+    Case { id: "lattice.f1", quick: false, run: flapping::f1 },
+    Case { id: "lattice.f2", quick: false, run: flapping::f2 },
+    Case { id: "lattice.convergence", quick: false, run: convergence::convergence },
+];
