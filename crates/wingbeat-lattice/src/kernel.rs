@@ -5,7 +5,7 @@ use wingbeat::math::Vec3;
 use wingbeat::parallel;
 
 /// 1/(4 pi).
-const QUARTER_PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
+const INVERSE_4PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
 /// Points of one block of lanes.
 pub const LANES: usize = 4;
 /// Squared sine of the angle between the ways from a point to the ends of a segment below which it lies on the segment's line.
@@ -27,7 +27,7 @@ pub fn segment(p: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     if across.norm_squared() <= ON_LINE * (product * product) {
         return Vec3::ZERO;
     }
-    across * (QUARTER_PI * (x + y) / (product * (product + r1.dot(r2))))
+    across * (INVERSE_4PI * (x + y) / (product * (product + r1.dot(r2))))
 }
 
 /// The same of a vortex with a core: |r1 x r2|^2, which falls as the square of the distance, grows by `core` = (l rc)^2, l the
@@ -43,7 +43,7 @@ pub fn cored_segment(p: Vec3, a: Vec3, b: Vec3, core: f64) -> Vec3 {
     if square <= ON_LINE * (product * product) {
         return Vec3::ZERO;
     }
-    across * (QUARTER_PI * (x + y) * (product - r1.dot(r2)) / (product * (square + core)))
+    across * (INVERSE_4PI * (x + y) * (product - r1.dot(r2)) / (product * (square + core)))
 }
 
 /// Points at which velocities are wanted, in lanes; those that fill up the last block repeat the last point.
@@ -200,10 +200,10 @@ fn induced<const CORE: bool>(grid: &Grid, p: &[f64x4; 3], seen: &mut Vec<Seen>) 
             }
         }
     }
-    sum.map(|v| v * f64x4::splat(QUARTER_PI))
+    sum.map(|v| v * f64x4::splat(INVERSE_4PI))
 }
 
-/// Adds 4 pi times the part along `normal` of what every segment of `grid` induces at four points per unit circulation:
+/// Adds the part along `normal` of what every segment of `grid` induces at four points per unit circulation:
 /// `across` and `along` as in [`Grid`].
 pub fn unit_washes<const CORE: bool>(
     grid: &Grid,
@@ -215,7 +215,7 @@ pub fn unit_washes<const CORE: bool>(
 ) {
     let part = |v: [f64x4; 3]| {
         let dot = v[0].mul_add(normal[0], v[1].mul_add(normal[1], v[2] * normal[2]));
-        dot * f64x4::splat(QUARTER_PI)
+        dot * f64x4::splat(INVERSE_4PI)
     };
     let n = grid.columns;
     seen.clear();

@@ -166,10 +166,7 @@ impl<P: Scalar> Aero<P> {
     }
     /// Incidence beyond which a strip counts as stalled, rad.
     pub fn stall_angle(&self) -> f64 {
-        match self {
-            Self::LiftingLine(line) => line.settings().stall_angle_rad,
-            Self::Strip(model) => model.settings().stall_angle_rad,
-        }
+        self.numbers().stall_angle.value()
     }
     /// State rates and loads of the sections at [`arcs`](Self::arcs) in air
     /// that moves with `wind` (resolved in B). See [`Loads`] for the body acceleration.

@@ -26,6 +26,11 @@ impl ZeroLift {
         let Self { cosine, sine } = self;
         (chordwise.scaled(cosine) + normal.scaled(sine), normal.scaled(cosine) + chordwise.scaled(-sine))
     }
+    /// Normal of the chord from the directions along the line and normal to it.
+    #[inline(always)]
+    pub fn upward<S: Scalar>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> Vec3<S> {
+        normal.scaled(self.cosine) + chordwise.scaled(self.sine)
+    }
 }
 
 /// Directions, winds and rates of one section, resolved in B.
@@ -161,6 +166,7 @@ impl<S: Scalar> Section<S> {
         inertia: P,
         i: usize,
         sections: &(impl Sections<S> + ?Sized),
+        zero_lift: ZeroLift,
         matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
     ) where
         S: Meets<P>,
@@ -168,12 +174,13 @@ impl<S: Scalar> Section<S> {
         let count = sections.coordinates();
         let motion = sections.section(i);
         let inverse_chord = (motion.te - motion.le).norm().recip();
+        let normals = [self.normal, zero_lift.upward(self.chordwise, self.normal)];
         let (mut heave, mut pitch) = ([S::ZERO; MAX_DEGREES], [S::ZERO; MAX_DEGREES]);
         self.normal.store(&mut heave);
         self.middle.cross(self.normal).store(&mut heave[3..]);
         self.across.store(&mut pitch[3..]);
         for c in 0..count {
-            (heave[6 + c], pitch[6 + c]) = sections.field(i, c).heave_and_pitch(self.normal, inverse_chord);
+            (heave[6 + c], pitch[6 + c]) = sections.field(i, c).heave_and_pitch(normals, inverse_chord);
         }
         for r in 6..6 + count {
             let (heaving, pitching) = (heave[r] * mass, pitch[r] * inertia);
@@ -260,22 +267,23 @@ impl<S: Scalar> std::ops::Add for SectionForce<S> {
 }
 
 /// Forward force that the rate of pitch `pitch` (rad/s, nose up) adds to the chord force of a strip
-/// that carries the air `mass` (kg): m q (w - 2 w_l).
+/// that carries the air `mass` (kg), its lift slope being `slope_share` = s of that of a thin plate:
+/// m q (w - 2 s w_l) - (1 - s) m b q^2/2.
 ///
 /// The suction goes with the square of the wash at the leading edge's singularity, which is the lift wash
-/// w_l less b q/2: S = 2 pi rho b dy (w_l - b q/2)^2, and m = pi rho b^2 dy. Of it the turned lift holds
-/// 2 pi rho b dy w_l^2 and the carried air -m q (w - b q/2), w its wash at 3/4 chord; the rest is this. A section
-/// of another lift slope a0 gives w_l times a0/2 pi.
+/// w_l less b q/2: S = s 2 pi rho b dy (w_l - b q/2)^2, and m = pi rho b^2 dy. Of it the turned lift holds
+/// s 2 pi rho b dy w_l^2 and the carried air -m q (w - b q/2), w its wash at 3/4 chord; the rest is this.
 ///
 /// Equation: aero.pitch_suction
 #[inline]
-pub(super) fn pitch_suction<P, G: Scalar + Meets<P>, S: Over<G>>(
-    mass: P,
+pub(super) fn pitch_suction<P: Scalar, G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+    (mass, slope_share, half_chord): (P, P, f64),
     pitch: G,
     wash: S,
     lift_wash: S,
 ) -> S {
-    (wash - lift_wash * 2.0) * (pitch * mass)
+    let linear = wash - lift_wash * (slope_share * 2.0);
+    (linear - pitch * ((-slope_share + 1.0) * (0.5 * half_chord))) * (pitch * mass)
 }
 
 /// Share of leading-edge suction at the cosine x of the effective incidence:

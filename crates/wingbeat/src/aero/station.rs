@@ -58,11 +58,12 @@ impl<S: Scalar> SectionField<S> {
     pub fn mixed(&self, other: &Self, x: f64) -> Self {
         Self { le: along(self.le, other.le, x), te: along(self.te, other.te, x) }
     }
-    /// Velocity of mid chord along `normal`, and rate of nose-up pitch of a chord 1/`inverse_chord` m long.
+    /// Velocity of mid chord along `normal`, and rate of nose-up pitch of a chord 1/`inverse_chord` m long, whose own
+    /// normal is `upward`.
     #[inline]
-    pub fn heave_and_pitch(&self, normal: Vec3<S>, inverse_chord: S) -> (S, S) {
+    pub fn heave_and_pitch(&self, [normal, upward]: [Vec3<S>; 2], inverse_chord: S) -> (S, S) {
         let heave = (self.le + self.te).dot(normal) * 0.5;
-        (heave, -((self.te - self.le).dot(normal) * inverse_chord))
+        (heave, -((self.te - self.le).dot(upward) * inverse_chord))
     }
 }
 

@@ -91,7 +91,7 @@ pub struct Robot<P: Scalar = f64> {
     drag_area: Vec3<P>,
     /// Of the air that the body's drag takes, kg/m3.
     density: P,
-    air: Air,
+    wind: Wind,
     layout: Layout,
     states: Vec<Channel>,
     inputs: Vec<Channel>,
@@ -126,7 +126,7 @@ impl Robot {
             carriers,
             drag_area: Vec3(spec.body.drag_area_m2),
             density: air.density,
-            air,
+            wind: air.wind,
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),
             inputs,
@@ -176,7 +176,7 @@ impl Robot {
     }
     /// Velocity of the air without its gust, m/s in W.
     pub fn mean_wind(&self) -> Vec3 {
-        self.air.wind.mean()
+        self.wind.mean()
     }
     /// Flapping frequency of the gait, Hz; a motor starts with it.
     pub fn frequency_hz(&self) -> f64 {

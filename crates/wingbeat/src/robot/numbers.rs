@@ -174,7 +174,7 @@ impl Robot {
             carriers: self.carriers.clone(),
             drag_area: numbers.drag_area,
             density: numbers.density,
-            air: self.air.clone(),
+            wind: self.wind.clone(),
             layout: self.layout,
             states: self.states.clone(),
             inputs: self.inputs.clone(),

@@ -326,7 +326,7 @@ impl Scenario {
             clearances: self.robot.clearances(),
             preset: self.named(self.spec.aero.preset.name(), |aero| aero.preset().name()),
             law: self.named(self.spec.aero.law.name(), |aero| aero.law().name()),
-            laws: self.robot.surfaces().map(|(_, aero)| aero.law()).collect(),
+            stalled: recorded.stalled.clone(),
             stall_fraction: recorded.stall_fraction,
             separated_fraction: recorded.separated_fraction,
             suction_lost_fraction: recorded.suction_lost_fraction,

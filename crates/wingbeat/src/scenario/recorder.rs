@@ -1,7 +1,7 @@
 //! From an observed robot to the columns of a record.
 
 use crate::Error;
-use crate::aero::LoadSource;
+use crate::aero::{LiftLaw, LoadSource};
 use crate::guide::Manoeuvre;
 use crate::math::{Mat3, Vec3, Wrench};
 use crate::plant::{Fault, Plant};
@@ -32,6 +32,8 @@ pub struct Recorded {
     pub strips: Option<Record>,
     /// Share of strips past the stall angle over all samples.
     pub stall_fraction: f64,
+    /// Laws under which strips were past the stall angle, with their shares of all samples.
+    pub stalled: Vec<(LiftLaw, f64)>,
     /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
@@ -133,21 +135,26 @@ impl<'a> Recorder<'a> {
 
     /// What was recorded.
     pub fn finish(self) -> Recorded {
-        let limits = self
-            .robot
-            .surfaces()
-            .flat_map(|(_, aero)| std::iter::repeat_n(aero.stall_angle(), aero.strips()));
-        let limits: Vec<f64> = limits.collect();
-        let past =
-            self.incidence.iter().zip(limits.iter().cycle()).filter(|(a, limit)| a.abs() > **limit).count();
+        let surfaces = self.robot.surfaces();
+        let limits: Vec<(LiftLaw, f64)> = surfaces
+            .flat_map(|(_, aero)| std::iter::repeat_n((aero.law(), aero.stall_angle()), aero.strips()))
+            .collect();
         let count = self.incidence.len().max(1) as f64;
+        let past = |law: LiftLaw| {
+            let samples = self.incidence.iter().zip(limits.iter().cycle());
+            samples.filter(|(a, (of, limit))| *of == law && a.abs() > *limit).count() as f64 / count
+        };
+        let stalled = LiftLaw::ALL.map(|law| (law, past(law)));
+        let stall_fraction = stalled.iter().map(|(_, share)| share).sum();
+        let stalled = stalled.into_iter().filter(|(_, share)| *share > 0.0).collect();
         let [separated_fraction, suction_lost_fraction] = self.shares.map(|sum| sum / count);
         Recorded {
             separated_fraction,
             suction_lost_fraction,
             record: self.record,
             strips: self.strips.map(|strips| strips.recorder.finish()),
-            stall_fraction: past as f64 / count,
+            stall_fraction,
+            stalled,
         }
     }
 }

@@ -207,8 +207,8 @@ pub(super) struct Context<'a> {
     pub clearances: &'a [Channel],
     pub preset: String,
     pub law: String,
-    /// Of each surface.
-    pub laws: Vec<LiftLaw>,
+    /// Laws under which strips were past the stall angle, with their shares of all samples.
+    pub stalled: Vec<(LiftLaw, f64)>,
     pub stall_fraction: f64,
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
@@ -390,7 +390,6 @@ impl Crossing {
 const STEP_ERROR: f64 = 0.01;
 
 fn warnings(context: &Context, crossing: Option<&Crossing>) -> Vec<String> {
-    let share = 100.0 * context.stall_fraction;
     let mut warnings = Vec::new();
     if let Some(error) = context.step_error_m.filter(|error| !(*error <= STEP_ERROR)) {
         warnings.push(format!(
@@ -398,10 +397,9 @@ fn warnings(context: &Context, crossing: Option<&Crossing>) -> Vec<String> {
              {error:.2} m; shorten flight.step_s"
         ));
     }
-    let beyond = |law: &&LiftLaw| law.about().beyond_stall.filter(|_| context.laws.contains(law));
-    for law in LiftLaw::ALL.iter().filter(|_| context.stall_fraction > 0.0) {
-        if let Some(what) = beyond(&law) {
-            let law = law.name();
+    for (law, share) in &context.stalled {
+        if let Some(what) = law.about().beyond_stall {
+            let (law, share) = (law.name(), 100.0 * share);
             warnings.push(format!(
                 "{share:.0} % of strip samples are past the stall angle under lift law `{law}`, {what}"
             ));

@@ -140,7 +140,8 @@ pub const ZERO_LIFT_ANGLE: Parameter = Parameter {
 pub const LIFT_SLOPE: Parameter = Parameter {
     key: "lift_slope_per_rad",
     unit: "1/rad",
-    low: 0.0,
+    // Below, the strip model's lags would hold less circulation than the chord's own doublet.
+    low: 2.0 * PI / 3.0,
     high: 12.0,
     default: 2.0 * PI,
     meaning: "lift slope of the section in plane flow",
@@ -293,9 +294,11 @@ impl<P: Scalar> Polar<P> {
     /// effective incidence.
     #[inline]
     pub fn attached_share<S: Scalar + Meets<P>>(&self, sine_squared: S) -> S {
-        match self.law {
-            LiftLaw::Linear => S::ONE,
-            LiftLaw::Stall | LiftLaw::Lev => stall::attached_share(sine_squared, self.separation),
+        match self.law.about().attachment {
+            Attachment::Whole => S::ONE,
+            Attachment::AtOnce | Attachment::Lagging { .. } => {
+                stall::attached_share(sine_squared, self.separation)
+            }
         }
     }
 }

@@ -332,7 +332,7 @@ impl<P: Scalar> LiftingLine<P> {
             wrench += load;
             if let Some(coupling) = &mut coupling {
                 let (mass, inertia) = self.carried_masses(node);
-                section.add_coupled_inertia(mass, inertia, i, sections, coupling.mass);
+                section.add_coupled_inertia(mass, inertia, i, sections, self.zero_lift, coupling.mass);
                 coupling.strips[i] = load;
             }
         }
@@ -368,8 +368,8 @@ impl<P: Scalar> LiftingLine<P> {
             suction *= attached;
         }
         let mass = if set.pitch_suction { self.nodes[i].mass } else { P::ZERO };
-        let lift_wash = effective * self.slope_share();
-        let pitching = pitch_suction(mass, section.pitch_rate, S::from(w), lift_wash) * attached;
+        let pitching_section = (mass, self.slope_share(), self.nodes[i].half_chord);
+        let pitching = pitch_suction(pitching_section, section.pitch_rate, S::from(w), effective) * attached;
         let mut flow = Flow {
             w,
             wash,

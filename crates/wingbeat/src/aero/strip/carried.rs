@@ -132,8 +132,10 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..self.settings.strips {
             let right = sections.field(i + 1, coordinate);
             let inverse_chord = ((strips.half.get(i) - strips.quarter.get(i)).norm() * 4.0).recip();
+            let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
+            let normals = [normal, self.zero_lift.upward(chordwise, normal)];
             let field = left.mixed(&right, self.tables.fraction[i]);
-            (heave[i], pitch[i]) = field.heave_and_pitch(strips.normal.get(i), inverse_chord);
+            (heave[i], pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
             left = right;
         }
         (heave, pitch)
