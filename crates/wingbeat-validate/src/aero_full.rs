@@ -2,6 +2,7 @@
 //! lifting line, which are shown without a limit.
 
 mod flapping;
+mod impulse;
 pub(crate) mod lattice;
 pub(crate) mod linear;
 mod mean;
@@ -34,8 +35,10 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.full.trefftz", quick: true, run: mean::trefftz },
     Case { id: "aero.full.oracle", quick: true, run: flapping::oracle },
     Case { id: "aero.full.added_mass_mean", quick: true, run: || flapping::added_mass_mean(Preset::Full) },
+    Case { id: "aero.full.added_mass_lift", quick: true, run: impulse::added_mass_lift },
     Case { id: "aero.full.pitch_thrust", quick: false, run: || thrust::pitch_thrust(Preset::Full) },
     Case { id: "aero.garrick", quick: false, run: || thrust::garrick_rows(Preset::Full) },
+    Case { id: "aero.garrick.five_lags", quick: false, run: || thrust::garrick_rows(Preset::FiveLags) },
     Case { id: "aero.garrick.paper", quick: false, run: || thrust::garrick_rows(Preset::Paper) },
     Case { id: "aero.lev.scherer", quick: true, run: mean::scherer_lev },
     Case { id: "aero.yeo", quick: true, run: yeo::yeo },

@@ -278,6 +278,7 @@ impl AeroSpec {
             lags: self.full.lags,
             wake_wash: self.full.wake_wash,
             doublet_wash: self.full.doublet_wash,
+            folding_rates: self.full.folding_rates,
             vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,
             law: outline.law.unwrap_or(self.law),

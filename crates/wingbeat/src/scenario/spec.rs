@@ -186,6 +186,8 @@ pub struct FullAeroSpec {
     pub wake_wash: bool,
     /// Three-dimensional wash of the potential jump on the chord.
     pub doublet_wash: bool,
+    /// Rates of that wash as the wing folds, in the force of the carried air.
+    pub folding_rates: bool,
     /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
     /// two pass on the flat wing: 0.01 to 0.5.
     pub vortex_core: f64,
@@ -202,6 +204,7 @@ impl Default for FullAeroSpec {
             lags: set.lags,
             wake_wash: set.wake_wash,
             doublet_wash: set.doublet_wash,
+            folding_rates: set.folding_rates,
             vortex_core: set.vortex_core,
             force_tilt: set.force_tilt,
         }

@@ -61,9 +61,8 @@ impl<P: Scalar> StripModel<P> {
         left
     }
 
-    /// P = B w12 + rho dy ma A0^-1 [K (D - Y) + R Y], with B the
-    /// symmetric part of rho dy ma A0^-1 (reciprocity); the rates of K and R are left out.
-    /// Sets the first part and its rate.
+    /// P = B w12 + rho dy ma A0^-1 [K (D - Y) + R Y], with B the symmetric part of rho dy ma A0^-1 (reciprocity).
+    /// Sets the first part and its rate, with (A0^-1)' = A0^-1 K' diag(d) A0^-1; the rate of R is left out.
     ///
     /// Equation: aero.strip.impulse
     fn impulses_of_motion<S: Scalar + Meets<P>, const N: usize>(
@@ -71,12 +70,20 @@ impl<P: Scalar> StripModel<P> {
         flow: &mut Flow<S, N>,
         rate_left: &Column<S, N>,
     ) {
+        let n = self.settings.strips;
         let by_half = self.reciprocal(flow, &flow.strips.wash_half);
         let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
         for i in 0..N {
             let mass = self.tables.mass[i];
             flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
             flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
+        }
+        if self.folds {
+            let left = multiply(&flow.relief, &self.folded(flow, &flow.half_left), n);
+            let by_folding = multiply_transposed(&flow.relief, &self.folded_transposed(flow, &by_half), n);
+            for i in 0..N {
+                flow.impulse_rate[i] += (left[i] * self.tables.mass[i] + by_folding[i]) * 0.5;
+            }
         }
     }
 

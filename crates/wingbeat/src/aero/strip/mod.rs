@@ -9,6 +9,7 @@
 mod carried;
 mod constants;
 mod cores;
+mod folding;
 mod grid;
 mod influence;
 mod loads;
@@ -48,6 +49,8 @@ pub struct StripModel<P: Scalar = f64> {
     floor: f64,
     tables: Tables<P>,
     cores: Cores,
+    /// Whether strips move to one another so that the rates of their doublets count.
+    folds: bool,
 }
 
 /// What the strips know of the air at one instant, whatever the lags hold.
@@ -59,6 +62,8 @@ struct Flow<S: Scalar, const N: usize> {
     far: Matrix<S, N>,
     /// Inverse of A0 = 1 - doublet diag(d): the wash which motion leaves on the chord.
     relief: Matrix<S, N>,
+    /// Rate of the wash of the chord doublets, K', 1/(m s); zero where the wing does not fold.
+    doublet_rate: Matrix<S, N>,
     /// What is left of the wash at 1/2 chord, m/s.
     half_left: Column<S, N>,
     /// Normal speed left by a unit normal speed of the whole wing.
@@ -93,6 +98,10 @@ impl StripModel {
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
+            folds: settings.folding_rates
+                && settings.added_mass
+                && settings.doublet_wash
+                && !settings.hinge_arcs_m.is_empty(),
             zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
             polar: Polar::new(settings.law, &numbers),
             numbers,
@@ -113,6 +122,7 @@ impl<P: Scalar> StripModel<P> {
             numbers: *numbers,
             cores: self.cores.clone(),
             floor: self.floor,
+            folds: self.folds,
             lags: self.lags,
             grid: self.grid.clone(),
             settings: self.settings.clone(),
@@ -295,6 +305,9 @@ impl<P: Scalar> StripModel<P> {
             doublet[j] = doublet[j] + 1.0;
         }
         invert(&mut flow.relief, n);
+        if self.folds {
+            self.fold(edges, flow);
+        }
         flow.unit_left = multiply(&flow.relief, &[S::ONE; N], n);
         self.carry_air(flow);
     }
@@ -309,6 +322,7 @@ impl<S: Scalar, const N: usize> Flow<S, N> {
             remainder: matrix,
             far: matrix,
             relief: matrix,
+            doublet_rate: matrix,
             half_left: zero,
             unit_left: zero,
             impulse: zero,

@@ -179,12 +179,13 @@ impl<P: Scalar> StripModel<P> {
         polar.attached_share(sine2)
     }
 
-    /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
+    /// A0^-1 [K (D - Y) + R Y + v]: what is left on the chord of the wash of what the lags hold, and of `more`.
     /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
     fn held_left<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         sums: &LagSums<S, N>,
+        more: Option<&Column<S, N>>,
     ) -> Column<S, N> {
         let n = self.settings.strips;
         let mut open = [S::ZERO; N];
@@ -195,11 +196,30 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..N {
             held[i] += open[i];
         }
+        if let Some(more) = more {
+            for i in 0..N {
+                held[i] += more[i];
+            }
+        }
         let mut left = multiply(&flow.relief, &held, n);
         for i in 0..N {
             left[i] -= open[i];
         }
         left
+    }
+
+    /// K' (diag(d) w + D - Y): the rate of the wash of the chord doublets by folding, w the wash `held_left`.
+    fn folded_wash<G: Scalar, S: Over<G>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        sums: &LagSums<S, N>,
+        held_left: &Column<S, N>,
+    ) -> Column<S, N> {
+        let mut jump = [S::ZERO; N];
+        for i in 0..N {
+            jump[i] = held_left[i] * self.tables.doublet[i] + (sums.jump[i] - sums.delayed[i]);
+        }
+        multiply(&flow.doublet_rate, &jump, self.settings.strips)
     }
 
     /// Washes, state rates and impulses.
@@ -219,7 +239,7 @@ impl<P: Scalar> StripModel<P> {
         let lagged = self.lagged(x);
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&lagged, &attached);
-        let held_left = self.held_left(flow, &sums);
+        let held_left = self.held_left(flow, &sums, None);
         let mut wash = [S::ZERO; N];
         for i in 0..N {
             let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
@@ -243,7 +263,8 @@ impl<P: Scalar> StripModel<P> {
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
-            let held_rate_left = self.held_left(flow, &rates);
+            let folded = self.folds.then(|| self.folded_wash(flow, &sums, &held_left));
+            let held_rate_left = self.held_left(flow, &rates, folded.as_ref());
             for i in 0..N {
                 let mass = self.tables.mass[i];
                 impulse[i] = held_left[i] * mass + flow.impulse[i];

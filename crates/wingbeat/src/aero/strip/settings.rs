@@ -52,6 +52,8 @@ pub struct StripSettings {
     pub wake_wash: bool,
     /// Three-dimensional wash of the potential jump on the chord.
     pub doublet_wash: bool,
+    /// Rates of that wash as the wing folds, in the force of the carried air.
+    pub folding_rates: bool,
     /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
     /// two pass on the flat wing: 0.01 to 0.5.
     pub vortex_core: f64,
@@ -88,6 +90,7 @@ impl Default for StripSettings {
             lags: LagSet::Three,
             wake_wash: true,
             doublet_wash: true,
+            folding_rates: false,
             vortex_core: 0.3,
             force_tilt: true,
             added_mass: true,
