@@ -92,7 +92,7 @@ impl Scene {
     /// Panels that cannot be laid out.
     pub fn new(flapping: &Flapping, panels: Panels, halved: bool) -> Result<Self, Error> {
         let Flapping { wing, motion, wind, density_kg_m3 } = flapping;
-        let symmetric = halved && panels.spanwise % 2 == 0 && flapping.is_symmetric();
+        let symmetric = halved && panels.spanwise.is_multiple_of(2) && flapping.is_symmetric();
         let hinges = wing.hinges().iter().flat_map(|h| std::iter::once(h.arc_m).chain(h.to_arc_m));
         let inner = |arc: &f64| *arc < wing.planform().half_span();
         let mut arcs: Vec<f64> = hinges.filter(inner).chain(symmetric.then_some(0.0)).collect();
