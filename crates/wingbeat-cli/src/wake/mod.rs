@@ -138,5 +138,8 @@ fn table(summary: &Summary) -> String {
         text += format!("{name:<22}{value:>12}  {unit}").trim_end();
         text.push('\n');
     }
-    text + "\nnote: attached flow is assumed everywhere\n"
+    for warning in &summary.warnings {
+        text += &format!("\nnote: {warning}\n");
+    }
+    text
 }

@@ -10,6 +10,9 @@ use wingbeat_lattice::{Lattice, Loads, Picture};
 use super::stroke::{NAMES, Stroke};
 use crate::args::Wake;
 
+/// Difference of left and right, over the largest ring, above which there is a caution. *Choice.*
+const DRIFTED: f64 = 0.01;
+
 /// The wind's axes in W: direction of flight, left, up.
 #[derive(Clone, Copy, Debug)]
 pub struct Axes {
@@ -84,6 +87,7 @@ pub struct Summary {
     pub symmetry_error: Option<f64>,
     pub down_over_up: DownOverUp,
     pub phases: Vec<(String, f64)>,
+    pub warnings: Vec<String>,
 }
 
 fn columns() -> Vec<Column> {
@@ -214,6 +218,15 @@ impl Watch {
             self.stroke.steps.and(mean(0).zip(mean(1))).map(|(down, up)| down / up)
         };
         let Axes { flight, up, .. } = self.axes;
+        let symmetry_error = (self.symmetric && self.largest > 0.0).then(|| self.asymmetry / self.largest);
+        let drifted = symmetry_error.filter(|error| *error > DRIFTED).map(|error| {
+            format!(
+                "left and right of a symmetric motion drifted apart by {:.1} % of the largest ring: the free wake is \
+                 not resolved where it meets the wing or itself; try --prescribed, a larger --core or more --steps",
+                100.0 * error
+            )
+        });
+        let attached = "attached flow is assumed everywhere".to_owned();
         Summary {
             status: if self.failed.is_some() { "failed".into() } else { "ok".into() },
             name: case.spec.name.clone(),
@@ -226,9 +239,10 @@ impl Watch {
             mean_drag_n: self.mean("joukowski", -flight),
             mean_drag_bernoulli_n: self.mean("bernoulli", -flight),
             circulation_error: self.circulation_error,
-            symmetry_error: (self.symmetric && self.largest > 0.0).then(|| self.asymmetry / self.largest),
+            symmetry_error,
             down_over_up: DownOverUp { left: ratio(0), right: ratio(1) },
             phases: self.shots.iter().map(|shot| (shot.name.clone(), shot.phase)).collect(),
+            warnings: std::iter::once(attached).chain(drifted).collect(),
         }
     }
 }
