@@ -32,11 +32,12 @@ pub fn advisories(arguments: &[String]) -> bool {
         eprintln!("error: {option} {path}: allowed is --db PATH with a folder `crates` in it");
         return false;
     }
-    cloned(Path::new(path))
-        && MANIFESTS.iter().all(|manifest| {
-            tools::succeeds(tools::cargo(&["fetch", "--locked", "--manifest-path", manifest]))
-                && deny(manifest, "--offline", &["advisories"])
-        })
+    let clean = |manifest: &&str| {
+        println!("{manifest}");
+        tools::succeeds(tools::cargo(&["fetch", "--locked", "--manifest-path", manifest]))
+            && deny(manifest, "--offline", &["advisories"])
+    };
+    cloned(Path::new(path)) && MANIFESTS.iter().filter(|manifest| !clean(manifest)).count() == 0
 }
 
 /// Clones the database at `path` to where it is sought.

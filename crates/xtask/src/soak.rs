@@ -40,7 +40,7 @@ pub fn soak(arguments: &[String]) -> bool {
 
 /// Records for so many seconds.
 pub fn run(seconds: u64) -> bool {
-    if !tools::succeeds(tools::cargo(&["build", "--release", "--quiet", "--package", "wingbeat-cli"])) {
+    if !tools::succeeds(tools::cargo(&["build", "--release", "--quiet"])) {
         return false;
     }
     let out = tools::root().join("target/soak");
