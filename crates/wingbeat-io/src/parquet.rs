@@ -126,11 +126,8 @@ fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetEr
     if !thrift::footer_ends(&mut file)? {
         return Err(ParquetError::General("its footer holds more elements than bytes".into()));
     }
-    let mut pages = file.try_clone()?;
+    let pages = file.try_clone()?;
     let reader = SerializedFileReader::new(file)?;
-    for group in reader.metadata().row_groups() {
-        group.columns().iter().try_for_each(|chunk| check(chunk, size, &mut pages))?;
-    }
     let metadata = reader.metadata().file_metadata();
     let described = metadata.key_value_metadata().into_iter().flatten().find(|pair| pair.key == KEY);
     let described =
@@ -150,6 +147,8 @@ fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetEr
             "{claimed} rows of {count} columns of use; read are at most {MOST_NUMBERS} numbers"
         )));
     }
+    let chunks = reader.metadata().row_groups().iter();
+    check_all(chunks.flat_map(|group| indices.iter().filter_map(|i| group.columns().get(*i))), size, pages)?;
     let mut columns: Vec<Column> =
         indices.iter().map(|index| column(&names[*index], described.get(&names[*index]))).collect();
     for group in 0..reader.num_row_groups() {
@@ -163,6 +162,21 @@ fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetEr
     Ok(Read { columns, names })
 }
 
+/// Refuses column chunks that are damaged, or together longer than the file.
+fn check_all<'a>(
+    chunks: impl Iterator<Item = &'a ColumnChunkMetaData>,
+    size: u64,
+    mut file: File,
+) -> Result<(), ParquetError> {
+    let mut left = size;
+    for chunk in chunks {
+        let shared = || ParquetError::General(format!("column {} lies upon others", chunk.column_path()));
+        check(chunk, size, &mut file)?;
+        left = left.checked_sub(chunk.compressed_size().unsigned_abs()).ok_or_else(shared)?;
+    }
+    Ok(())
+}
+
 /// Refuses a column chunk that does not lie within a file of `size` bytes, or with endless pages: the reader takes it
 /// for granted.
 fn check(chunk: &ColumnChunkMetaData, size: u64, file: &mut File) -> Result<(), ParquetError> {
@@ -173,7 +187,9 @@ fn check(chunk: &ColumnChunkMetaData, size: u64, file: &mut File) -> Result<(), 
     if !lies_within || chunk.num_values() < 0 || chunk.uncompressed_size() < 0 {
         return broken("does not lie within the file");
     }
-    match thrift::pages_end(file, start.unsigned_abs(), chunk.compressed_size().unsigned_abs())? {
+    let (start, length) = (start.unsigned_abs(), chunk.compressed_size().unsigned_abs());
+    // A page of each value, a dictionary, and one that is empty.
+    match thrift::pages_end(file, start, length, chunk.num_values().unsigned_abs().saturating_add(2))? {
         true => Ok(()),
         false => broken("has a damaged page header"),
     }

@@ -8,12 +8,14 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 
 /// Most bytes of the header of a page. *Choice*: it holds sizes and the least and largest value.
-const LARGEST_HEADER: u64 = 16 << 10;
+const LARGEST_HEADER: u64 = 1 << 20;
+/// Bytes read first where a header begins. *Choice.*
+const FIRST_PART: u64 = 16 << 10;
 /// Deepest nesting; the decoder stops at 64 below the fields it knows.
 const DEEPEST: usize = 96;
 /// Bytes of the footer's length and the mark behind it.
 const TAIL: u64 = 8;
-/// Field of a page header that holds the length of what follows, bytes.
+/// Field of a page header that holds the length of what follows, bytes; type and uncompressed size come before it.
 const COMPRESSED_SIZE: i64 = 3;
 
 /// Why a struct cannot be passed over.
@@ -21,7 +23,9 @@ const COMPRESSED_SIZE: i64 = 3;
 enum Stop {
     /// More elements than bytes.
     Endless,
-    /// The bytes end, or are no struct: the decoder says so.
+    /// The bytes end before the struct.
+    Cut,
+    /// The bytes are no struct of this kind.
     Broken,
 }
 
@@ -37,16 +41,31 @@ pub fn footer_ends(file: &mut File) -> io::Result<bool> {
     Ok(Walk::new(&bytes).header() != Err(Stop::Endless))
 }
 
-/// Whether the headers of the pages in `length` bytes of `file` from `start` on can be.
-pub fn pages_end(file: &mut File, start: u64, length: u64) -> io::Result<bool> {
+/// Whether the headers of the pages in `length` bytes of `file` from `start` on can be, and are no more than `most`.
+pub fn pages_end(file: &mut File, start: u64, length: u64, most: u64) -> io::Result<bool> {
     let (mut at, end) = (start, start.saturating_add(length));
+    let (mut bytes, mut from, mut pages) = (Vec::new(), start, 0);
+    let mut window = FIRST_PART;
     while at < end {
-        let bytes = part(file, at, LARGEST_HEADER.min(end - at))?;
-        let mut walk = Walk::new(&bytes);
+        let rest = usize::try_from(at - from).ok().and_then(|used| bytes.get(used..)).unwrap_or_default();
+        let mut walk = Walk::new(rest);
         match walk.header() {
-            Err(Stop::Endless) => return Ok(false),
-            Err(Stop::Broken) => return Ok(bytes.len() as u64 == end - at),
-            Ok(data) => at += (bytes.len() - walk.bytes.len()) as u64 + data,
+            Ok(data) => {
+                at = at.saturating_add((rest.len() - walk.bytes.len()) as u64).saturating_add(data);
+                (pages, window) = (pages + 1, FIRST_PART);
+                if pages > most {
+                    return Ok(false);
+                }
+            }
+            Err(Stop::Broken) => return Ok(false),
+            Err(stop) if rest.len() as u64 == end - at => return Ok(stop == Stop::Cut),
+            Err(_) => {
+                if window > LARGEST_HEADER {
+                    return Ok(false);
+                }
+                fill(&mut bytes, file, at, window.min(end - at))?;
+                (from, window) = (at, 2 * window);
+            }
         }
     }
     Ok(true)
@@ -54,9 +73,15 @@ pub fn pages_end(file: &mut File, start: u64, length: u64) -> io::Result<bool> {
 
 fn part(file: &mut File, start: u64, length: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    file.seek(SeekFrom::Start(start))?;
-    file.take(length).read_to_end(&mut bytes)?;
+    fill(&mut bytes, file, start, length)?;
     Ok(bytes)
+}
+
+/// Puts the part in place of what `bytes` holds.
+fn fill(bytes: &mut Vec<u8>, file: &mut File, start: u64, length: u64) -> io::Result<()> {
+    bytes.clear();
+    file.seek(SeekFrom::Start(start))?;
+    file.take(length).read_to_end(bytes).map(drop)
 }
 
 /// What is left to be passed over.
@@ -71,19 +96,23 @@ impl<'a> Walk<'a> {
         Self { bytes, elements: bytes.len() as u64 }
     }
 
-    /// Passes over a struct; the number in its field [`COMPRESSED_SIZE`], 0 without one.
+    /// Passes over a page header; the number in its field [`COMPRESSED_SIZE`]. A struct without it, type or
+    /// uncompressed size is broken.
     fn header(&mut self) -> Result<u64, Stop> {
-        let (mut field, mut size) = (0, 0);
+        let (mut field, mut numbers) = (0, [None; COMPRESSED_SIZE as usize]);
         loop {
             let (delta, kind) = nibbles(self.byte()?);
-            field = if delta > 0 { field + i64::from(delta) } else { field };
+            field = if delta > 0 { i64::saturating_add(field, i64::from(delta)) } else { field };
             match (kind, delta) {
-                (0, _) => return Ok(size),
+                (0, _) => {
+                    let size = numbers.iter().try_fold(0, |_, number| *number).ok_or(Stop::Broken)?;
+                    return u64::try_from(size).map_err(|_| Stop::Broken);
+                }
                 (_, 0) => field = self.signed()?,
                 _ => {}
             }
             match (kind, field) {
-                (5, COMPRESSED_SIZE) => size = u64::try_from(self.signed()?).map_err(|_| Stop::Broken)?,
+                (5, 1..=COMPRESSED_SIZE) => numbers[field as usize - 1] = Some(self.signed()?),
                 _ => self.skip(kind, DEEPEST)?,
             }
         }
@@ -129,14 +158,14 @@ impl<'a> Walk<'a> {
     }
 
     fn byte(&mut self) -> Result<u8, Stop> {
-        let (first, rest) = self.bytes.split_first().ok_or(Stop::Broken)?;
+        let (first, rest) = self.bytes.split_first().ok_or(Stop::Cut)?;
         self.bytes = rest;
         Ok(*first)
     }
 
     fn pass(&mut self, length: u64) -> Result<(), Stop> {
         let length = usize::try_from(length).map_err(|_| Stop::Broken)?;
-        self.bytes = self.bytes.get(length..).ok_or(Stop::Broken)?;
+        self.bytes = self.bytes.get(length..).ok_or(Stop::Cut)?;
         Ok(())
     }
 
@@ -183,12 +212,17 @@ mod tests {
         assert_eq!(Walk::new(&[0x19, 0xf3, 255, 255, 255, 255, 7, 0]).header(), Err(Stop::Endless));
         assert_eq!(Walk::new(&[0x1b, 255, 255, 255, 255, 7, 0x11, 0]).header(), Err(Stop::Endless));
         assert_eq!(Walk::new(&[0x19, 0x29, 0xa1, 0xa1, 0, 0, 0, 0]).header(), Err(Stop::Endless));
-        assert_eq!(Walk::new(&[0x19, 0x31, 0]).header(), Ok(0));
+        let page = [0x15, 0, 0x15, 0, 0x15, 8, 0x19, 0x31, 0];
+        assert_eq!(Walk::new(&page).header(), Ok(4));
     }
 
     #[test]
-    fn what_is_broken_is_left_to_the_decoder() {
-        for bytes in [&[][..], &[0x15], &[0x18, 200, 1], &[0x1e], &[0x19, 0x1c], &[0x1c; 4096]] {
+    fn what_is_cut_or_broken_is_told_apart() {
+        for bytes in [&[][..], &[0x15], &[0x18, 200, 1], &[0x19, 0x1c]] {
+            assert_eq!(Walk::new(bytes).header(), Err(Stop::Cut), "{bytes:?}");
+        }
+        // The last two: no field, no compressed size.
+        for bytes in [&[0x1e][..], &[0x1c; 4096], &[0], &[0x15, 0, 0x15, 0, 0]] {
             assert_eq!(Walk::new(bytes).header(), Err(Stop::Broken), "{bytes:?}");
         }
     }

@@ -372,3 +372,60 @@ fn links_nested_behind_a_false_end_are_counted() {
     let entities = "<!DOCTYPE r [<!ENTITY a \"aaaa\">]><robot name='&a;'/>";
     assert!(parse_urdf(entities, None).unwrap_err().contains("DOCTYPE"));
 }
+
+/// A Parquet file of one column of so many numbers, its pages as they are in memory; its chunk ends where its footer begins.
+fn plain_parquet(name: &str, rows: usize) -> (PathBuf, Vec<u8>, usize) {
+    use parquet::data_type::DoubleType;
+    let schema = parquet::schema::parser::parse_message_type("message m { required double Fx; }").unwrap();
+    let path = scratch(name);
+    let properties = parquet::file::properties::WriterProperties::builder()
+        .set_dictionary_enabled(false)
+        .set_offset_index_disabled(true)
+        .set_statistics_enabled(parquet::file::properties::EnabledStatistics::Chunk)
+        .build();
+    let file = fs::File::create(&path).unwrap();
+    let mut writer =
+        parquet::file::writer::SerializedFileWriter::new(file, schema.into(), properties.into()).unwrap();
+    let values: Vec<f64> = (0..rows).map(|k| (k as f64).sin()).collect();
+    let mut group = writer.next_row_group().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<DoubleType>().write_batch(&values, None, None).unwrap();
+    column.close().unwrap();
+    group.close().unwrap();
+    writer.close().unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let tail = bytes.len() - 8;
+    let footer = u32::from_le_bytes(bytes[tail..tail + 4].try_into().unwrap()) as usize;
+    (path, bytes, tail - footer)
+}
+
+#[test]
+fn a_parquet_chunk_of_headers_without_an_end_is_refused() {
+    let (path, mut bytes, footer) = plain_parquet("zeros.parquet", 1 << 19);
+    assert_eq!(read_parquet(&path).unwrap().rows(), 1 << 19);
+    assert!(footer > 4_000_000, "{footer}");
+    // An empty struct; then a page header without a page.
+    for header in [&[0][..], &[0x15, 0, 0x15, 0, 0x15, 0, 0]] {
+        bytes[4..footer].iter_mut().zip(header.iter().cycle()).for_each(|(byte, of)| *byte = *of);
+        let began = Instant::now();
+        assert!(refusal("zeros.parquet", &bytes, "").contains("damaged page header"));
+        assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
+    }
+}
+
+#[test]
+fn parquet_chunks_that_share_their_bytes_are_refused() {
+    use parquet::file::metadata::{ParquetMetaDataBuilder, ParquetMetaDataWriter};
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    let (path, bytes, footer) = plain_parquet("shared.parquet", 5000);
+    let metadata = SerializedFileReader::new(fs::File::open(&path).unwrap()).unwrap().metadata().clone();
+    let groups = vec![metadata.row_group(0).clone(); 1000];
+    let metadata = ParquetMetaDataBuilder::new_from_metadata(metadata).set_row_groups(groups).build();
+    let mut shared = bytes[..footer].to_vec();
+    let mut written = Vec::new();
+    ParquetMetaDataWriter::new(&mut written, &metadata).finish().unwrap();
+    shared.extend(written);
+    let began = Instant::now();
+    assert!(refusal("shared.parquet", &shared, "").contains("lies upon others"));
+    assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
+}
