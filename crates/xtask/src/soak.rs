@@ -33,16 +33,13 @@ struct Memory {
 /// Records for `--seconds N` and prints the account; true when nothing was lost silently and memory stayed flat.
 pub fn soak(arguments: &[String]) -> bool {
     match tools::seconds(arguments, SECONDS) {
-        Some((seconds, rest)) if rest.is_empty() => run(seconds),
+        Some((seconds, rest)) if rest.is_empty() => tools::built() && run(seconds),
         _ => false,
     }
 }
 
-/// Records for so many seconds.
+/// Records for so many seconds with the program that was built.
 pub fn run(seconds: u64) -> bool {
-    if !tools::succeeds(tools::cargo(&["build", "--release", "--quiet"])) {
-        return false;
-    }
     let out = tools::root().join("target/soak");
     let _ = fs::remove_dir_all(&out);
     let Some((mut box_, pages)) = emulator() else { return false };
@@ -60,7 +57,7 @@ pub fn run(seconds: u64) -> bool {
 }
 
 fn wingbeat(arguments: &[&str]) -> Command {
-    let mut command = Command::new(tools::root().join("target/release/wingbeat"));
+    let mut command = Command::new(tools::program());
     command.args(["rig"]).args(arguments).stdin(Stdio::null());
     command
 }

@@ -1,5 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
+use std::process::Command;
+
 use crate::report::{Account, Tally};
 use crate::{dependencies, documents, hostile, soak, tools};
 
@@ -13,6 +15,7 @@ pub fn test() -> bool {
     account.step("lints", || {
         one(&["clippy", "--release", "--workspace", "--all-targets", "--", "--deny", "warnings"])
     });
+    // What follows runs the program that the tests have built: built alone it would take other features.
     account.step("tests", || counted(&["test", "--release", "--workspace", "--no-fail-fast"]));
     account.step("hostile", hostile::quick);
     account.step("soak", || Tally::one(soak::run(SOAK_SECONDS)));
@@ -25,8 +28,9 @@ pub fn test() -> bool {
 fn comparisons() -> Tally {
     let file = tools::root().join("target/quick.json");
     let path = file.to_string_lossy();
-    let mut tally =
-        counted(&["run", "--release", "--quiet", "--", "validate", "--quick", "--quiet", "--json", &path]);
+    let mut command = Command::new(tools::program());
+    command.args(["validate", "--quick", "--quiet", "--json", &path]).current_dir(tools::root());
+    let mut tally = tallied(command);
     let stale = documents::rows_of(&file).map(|rows| documents::stale(&rows)).unwrap_or_default();
     for what in &stale {
         println!("docs/validation.md is stale, run `cargo xtask docs`: {what}");
@@ -39,10 +43,15 @@ fn one(arguments: &[&str]) -> Tally {
     Tally::one(tools::succeeds(tools::cargo(arguments)))
 }
 
-/// The checks that the command's output counts; a failure that it does not count is one.
+/// The checks that the output of cargo counts.
 fn counted(arguments: &[&str]) -> Tally {
+    tallied(tools::cargo(arguments))
+}
+
+/// The checks that the command's output counts; a failure that it does not count is one.
+fn tallied(command: Command) -> Tally {
     let mut tally = Tally::default();
-    let success = tools::lines(tools::cargo(arguments), |line| tally.add(line));
+    let success = tools::lines(command, |line| tally.add(line));
     if !success && tally.failed == 0 {
         tally.failed = 1;
     }

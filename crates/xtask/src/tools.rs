@@ -9,6 +9,16 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap_or(Path::new(".")).into()
 }
 
+/// The program that was built.
+pub fn program() -> PathBuf {
+    root().join("target/release/wingbeat")
+}
+
+/// Builds the program; true when that succeeds.
+pub fn built() -> bool {
+    succeeds(cargo(&["build", "--release", "--quiet"]))
+}
+
 /// `cargo` with `arguments`, at the root.
 pub fn cargo(arguments: &[&str]) -> Command {
     let program = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());

@@ -59,9 +59,9 @@ pub fn hostile(arguments: &[String]) -> bool {
     tally.failed == 0 && tally.passed > 0
 }
 
-/// Runs the short cases.
+/// Runs the short cases against the program that was built.
 pub fn quick() -> Tally {
-    Choice::of(&["--quick".into()]).map_or(Tally::one(false), |choice| choice.run())
+    Choice { program: tools::program(), quick: true, class: None, names: Vec::new() }.run()
 }
 
 impl Choice {
@@ -81,9 +81,8 @@ impl Choice {
             }
         }
         if choice.program.as_os_str().is_empty() {
-            let build = ["build", "--release", "--quiet"];
-            choice.program = tools::root().join("target/release/wingbeat");
-            tools::succeeds(tools::cargo(&build)).then_some(())?;
+            choice.program = tools::program();
+            tools::built().then_some(())?;
         }
         Some(choice)
     }
