@@ -16,6 +16,14 @@ pub enum Error {
         /// Rows needed.
         needed: usize,
     },
+    /// The record has too many rows to draw.
+    #[error("the record has {rows} rows; the figure takes at most {most}")]
+    Many {
+        /// Rows there are.
+        rows: usize,
+        /// Most that are drawn.
+        most: usize,
+    },
     /// The picture could not be made.
     #[error("{0}")]
     Picture(String),

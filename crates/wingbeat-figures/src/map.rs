@@ -26,10 +26,15 @@ const LONGEST: usize = 30;
 const POINT: f64 = 5.0;
 /// Shades of the bar of colours.
 const SHADES: usize = 60;
+/// Most runs that are drawn: more are less than a dot each. *Choice.*
+const MOST_RUNS: usize = 20_000;
 
 /// `measures` over the drawn values of `keys`: colours over the first two, cells where they are a whole grid and
 /// points otherwise; marks over the only one.
 pub fn map(record: &Record, keys: &[&str], measures: &[&str], whole: bool) -> Result<Figure, Error> {
+    if record.rows() > MOST_RUNS {
+        return Err(Error::Many { rows: record.rows(), most: MOST_RUNS });
+    }
     let &[x, y, ..] = keys else { return over_one(record, keys, measures) };
     let (x, y) = (Drawn::of(record, x)?, Drawn::of(record, y)?);
     let cells = whole && keys.len() == 2 && x.places.len() > 1 && y.places.len() > 1;

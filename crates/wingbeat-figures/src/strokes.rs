@@ -1,4 +1,5 @@
-//! Broken lines as strokes of their own: the backends of kuva disagree on a pattern of strokes and gaps.
+//! Broken lines as strokes of their own: the backends of kuva disagree on a pattern of strokes and gaps. Lines end at points that
+//! are not finite.
 
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene};
@@ -26,6 +27,11 @@ fn one(element: Primitive) -> Primitive {
         Primitive::PolyLine { points, stroke, stroke_width, stroke_dasharray: Some(dashes) } => {
             path(&points, &dashes, stroke, stroke_width)
         }
+        Primitive::PolyLine { points, stroke, stroke_width, stroke_dasharray: None }
+            if !points.iter().all(is_finite) =>
+        {
+            path(&points, "", stroke, stroke_width)
+        }
         other => other,
     }
 }
@@ -51,15 +57,22 @@ fn lengths(dashes: &str) -> Vec<f64> {
     if once.len() % 2 == 1 { once.repeat(2) } else { once }
 }
 
-/// The strokes of a broken line through `points`; the pattern runs on from point to point.
+fn is_finite(point: &Point) -> bool {
+    point.0.is_finite() && point.1.is_finite()
+}
+
+/// The strokes of a broken line through `points`, which points that are not finite part.
 fn strokes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
-    let finite = |point: &Point| point.0.is_finite() && point.1.is_finite();
-    let points: Vec<Point> = points.iter().copied().filter(finite).collect();
+    points.split(|point| !is_finite(point)).flat_map(|piece| strokes_of_piece(piece, pattern)).collect()
+}
+
+/// Those of a piece; the pattern runs on from point to point.
+fn strokes_of_piece(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     let Some(first) = points.first() else { return Vec::new() };
     let period: f64 = pattern.iter().sum();
     let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
     if period < SHORTEST || length / period > MOST {
-        return vec![points];
+        return vec![points.to_vec()];
     }
     let (mut all, mut stroke) = (Vec::new(), vec![*first]);
     let (mut part, mut left) = (0, pattern[0]);
@@ -121,6 +134,14 @@ mod tests {
         assert_eq!(cut.len(), 4);
         assert_eq!(cut[1], [(10.0, 2.0), (10.0, 10.0)]);
         assert_eq!(strokes(&[(0.0, 0.0), (9.0, 0.0)], &lengths("5")).len(), 1);
+    }
+
+    #[test]
+    fn points_that_are_not_finite_part_a_line() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (2.0, f64::NAN), (3.0, 0.0), (4.0, 0.0)];
+        let pieces = [vec![(0.0, 0.0), (1.0, 0.0)], vec![(3.0, 0.0), (4.0, 0.0)]];
+        assert_eq!(strokes(&points, &lengths("")), pieces);
+        assert_eq!(strokes(&points, &lengths("8 4")), pieces);
     }
 
     #[test]

@@ -13,6 +13,12 @@ pub enum Error {
         /// What is allowed.
         allowed: String,
     },
+    /// A half of a wing, beside which the lattice has no mirror.
+    #[error("wing.side = {side}: allowed is both, whose lattice is whole")]
+    Half {
+        /// The half.
+        side: &'static str,
+    },
     /// Panels cannot be laid out on the wing.
     #[error(transparent)]
     Layout(#[from] LayoutError),

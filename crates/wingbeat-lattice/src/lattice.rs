@@ -23,13 +23,38 @@ pub struct Lattice {
     solved: usize,
 }
 
+/// Most panels: their matrix has the square of it. *Choice.*
+const MOST_PANELS: usize = 4000;
+
+/// Refuses what cannot be stepped.
+fn check(scene: &Scene) -> Result<(), Error> {
+    let refused = |key, value, allowed: String| Err(Error::Setting { key, value, allowed });
+    if let Some(value) = (0..3).map(|axis| scene.wind[axis]).find(|speed| !speed.is_finite()) {
+        return refused("wind", value, "finite".into());
+    }
+    let mut panels: usize = 0;
+    for layout in scene.surfaces.iter().map(|surface| &surface.layout) {
+        if layout.arcs.len() != layout.strips() + 1 {
+            let allowed = format!("{}, one more than strips", layout.strips() + 1);
+            return refused("layout.arcs", layout.arcs.len() as f64, allowed);
+        }
+        panels = panels.saturating_add(layout.chordwise.saturating_mul(layout.strips()));
+    }
+    match panels {
+        0..=MOST_PANELS => Ok(()),
+        _ => refused("panels", panels as f64, format!("at most {MOST_PANELS}")),
+    }
+}
+
 impl Lattice {
     /// A lattice at rest in still air that meets its wind and motion at t = 0.
     ///
     /// # Errors
-    /// Settings that are not allowed.
+    /// Settings that are not allowed, a wind that is not finite, panels whose edges are not one more than strips, or more than
+    /// 4000 of them.
     pub fn new(scene: Scene, settings: Settings) -> Result<Self, Error> {
         settings.check()?;
+        check(&scene)?;
         let wake_core = settings.core.radius_m;
         let bound_core = if settings.emulates() { wake_core } else { 0.0 };
         let meshes: Vec<Mesh> =
@@ -81,7 +106,8 @@ impl Lattice {
                 mesh.shed.copy_from_slice(last);
             }
             wake.join(&mesh.trailing.points, (self.solved > 0).then_some(last));
-            let rows = self.settings.longest_age_s / step;
+            // A whole number of steps may come out just below it.
+            let rows = self.settings.longest_age_s / step + 1e-9;
             wake.truncate(rows.min(1e9) as usize, self.settings.longest_distance_m);
             wake.set_segments(&self.settings.core, step);
             first += panels;

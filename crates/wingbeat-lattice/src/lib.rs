@@ -5,13 +5,13 @@
 //!
 //! ```
 //! use wingbeat::scenario::{Document, TetherCase};
-//! use wingbeat_lattice::{Lattice, Panels, Scene, Settings, Spacing};
+//! use wingbeat_lattice::{Flapping, Lattice, Panels, Scene, Settings, Spacing};
 //!
 //! let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/flap_f1.toml");
 //! let no_tables = &|_: &std::path::Path| Err("no tables here".to_owned());
 //! let case = TetherCase::new(Document::file(path.as_ref())?, no_tables)?;
 //! let panels = Panels { chordwise: 4, spanwise: 12, spacing: Spacing::Lan };
-//! let scene = Scene::new(&(&case.tether).into(), panels, true)?;
+//! let scene = Scene::new(&Flapping::try_from(&case.tether)?, panels, true)?;
 //! let mut lattice = Lattice::new(scene, Settings::new(0.01, 0.002))?;
 //! let lift: Vec<f64> = (0..10).map(|_| Ok(lattice.step()?.joukowski.force[2])).collect::<Result<_, wingbeat_lattice::Error>>()?;
 //! assert!(lattice.circulation_error() < 1e-12 && lift.iter().all(|lift| lift.is_finite()));

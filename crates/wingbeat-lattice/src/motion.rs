@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::layout::{Layout, Spacing};
 use std::sync::Arc;
-use wingbeat::aero::SectionMotion;
+use wingbeat::aero::{Aero, SectionMotion};
 use wingbeat::math::Vec3;
 use wingbeat::tether::{Coordinate, Motion, Side, Tether, Wing};
 
@@ -74,14 +74,34 @@ pub struct Flapping {
     pub density_kg_m3: f64,
 }
 
-impl From<&Tether> for Flapping {
-    fn from(tether: &Tether) -> Self {
-        Self {
+impl TryFrom<&Tether> for Flapping {
+    type Error = Error;
+
+    /// The wing, motion and wind of a case.
+    ///
+    /// # Errors
+    /// A half of a wing; sections that lift at no incidence.
+    fn try_from(tether: &Tether) -> Result<Self, Error> {
+        let half = |side| Err(Error::Half { side });
+        match tether.side {
+            Side::Both => {}
+            Side::Left => return half("left"),
+            Side::Right => return half("right"),
+        }
+        let zero_lift = match &tether.aero {
+            Aero::LiftingLine(line) => line.settings().zero_lift_angle_rad,
+            Aero::Strip(model) => model.settings().zero_lift_angle_rad,
+        };
+        if zero_lift != 0.0 {
+            let (key, value) = ("zero_lift_angle_deg", zero_lift.to_degrees());
+            return Err(Error::Setting { key, value, allowed: "0: the panels are flat".into() });
+        }
+        Ok(Self {
             wing: tether.wing.clone(),
             motion: tether.motion.clone(),
             wind: tether.wind,
             density_kg_m3: tether.reference.density_kg_m3,
-        }
+        })
     }
 }
 

@@ -142,3 +142,32 @@ fn odd_runs_are_finite_or_refused() {
     let touching = Lattice::new(twice, settings).unwrap().step();
     assert!(matches!(touching, Err(Error::Singular { .. })), "{touching:?}");
 }
+
+#[test]
+fn scenes_that_cannot_be_stepped_are_refused() {
+    let scene = || Scene::new(&wing(4.0, 0.0, 0.0), panels(2, 8), false).unwrap();
+    let message = |scene: Scene| Lattice::new(scene, Settings::new(0.1, 1e-3)).err().unwrap().to_string();
+    let windy = Scene { wind: Vec3::new(-1.0, f64::NAN, 0.0), ..scene() };
+    assert!(message(windy).contains("wind = NaN: allowed is finite"));
+    let mut cut = scene();
+    cut.surfaces[0].layout.arcs.pop();
+    assert!(message(cut).contains("one more than strips"));
+    let mut fine = scene();
+    fine.surfaces[0].layout.chordwise = usize::MAX;
+    assert!(message(fine).contains("allowed is at most 4000"));
+}
+
+#[test]
+fn half_wings_and_cambered_ones_are_refused() {
+    use wingbeat::scenario::{Document, TetherCase};
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/flap_f1.toml");
+    let taken = |set: &str| {
+        let document = Document::file(path.as_ref()).unwrap().set(set);
+        let case = TetherCase::new(document, &|_| Err("no tables here".to_owned())).unwrap();
+        Flapping::try_from(&case.tether).map_err(|error| error.to_string())
+    };
+    assert!(taken("wing.side=both").is_ok());
+    assert!(taken("wing.side=left").unwrap_err().contains("wing.side = left: allowed is both"));
+    let message = taken("wing.section.zero_lift_angle_deg=-3.0").unwrap_err();
+    assert!(message.contains("zero_lift_angle_deg = -3"), "{message}");
+}

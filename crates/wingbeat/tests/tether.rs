@@ -276,9 +276,20 @@ fn a_table_by_phase_or_at_another_frequency_is_the_same_motion() {
 }
 
 #[test]
+fn few_strips_or_steps_are_not_halved() {
+    for (set, part) in [
+        ("aero.full.strips=5", "aero.full.strips = 5: allowed is 6 or more"),
+        ("time.steps_per_cycle=15", "time.steps_per_cycle = 15: allowed is 16 or more"),
+    ] {
+        let message = case("flap_f2", &[set]).levels().unwrap_err().to_string();
+        assert!(message.contains(part), "{message}");
+    }
+}
+
+#[test]
 fn strips_and_steps_converge_with_their_orders() {
     let own = case("flap_f2", &["time.steps_per_cycle=96", "time.cycles=4"]);
-    let levels = own.levels();
+    let levels = own.levels().unwrap();
     assert_eq!((levels.strips, levels.steps_per_cycle), ([8, 16, 32], [48, 96, 192]));
     let none = |_: &std::path::Path| Err::<Record, String>("no table".into());
     let one = |(strips, steps): (usize, usize)| {

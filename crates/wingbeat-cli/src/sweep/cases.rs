@@ -53,8 +53,8 @@ fn measures(run: &TetherRun) -> [f64; MEASURES.len()] {
         mean("power"),
         peak("power"),
         run.efficiency.filter(|_| completed).unwrap_or(f64::NAN),
-        run.stall_fraction,
-        run.periodicity.as_ref().map_or(f64::NAN, |periodicity| periodicity.change),
+        if completed { run.stall_fraction } else { f64::NAN },
+        run.periodicity.as_ref().filter(|_| completed).map_or(f64::NAN, |periodicity| periodicity.change),
     ]
 }
 

@@ -16,7 +16,7 @@ pub fn converge(
     interrupt: &Interrupt,
     quiet: bool,
 ) -> Result<Convergence, Error> {
-    let levels = case.levels();
+    let levels = case.levels()?;
     let refined = |(strips, steps)| {
         let finer = case.refined(strips, steps, &|path| tables.read(path))?;
         Ok((strips, steps, finer))

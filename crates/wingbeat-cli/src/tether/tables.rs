@@ -10,8 +10,10 @@ use wingbeat_io::{read_csv, write_csv};
 use crate::error::Error;
 use crate::run_folder::RunFolder;
 
-/// Names that a run folder has for other files.
-const TAKEN: [&str; 6] = ["loads.csv", "means.csv", "case.toml", "converge.csv", "compare.csv", "runs.csv"];
+/// Tables of its own that a run folder has.
+const TAKEN: [&str; 5] = ["loads.csv", "means.csv", "converge.csv", "compare.csv", "runs.csv"];
+/// How names begin that are given to tables without one of their own.
+const NUMBERED: &str = "table-";
 
 /// The tables of a case, each read once and kept beside it, so that it runs again from its folder.
 #[derive(Default)]
@@ -33,17 +35,21 @@ impl Tables {
         Ok(record)
     }
 
-    /// The name under which the table of a file is kept.
+    /// The name under which the table of a file is kept: its own, where that is of a table and free.
     pub fn name(&self, path: &Path) -> String {
         let tables = self.all();
         let own = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
         let alone = tables.iter().filter(|(known, _)| own(known) == own(path)).count() == 1;
-        let free = alone && !TAKEN.contains(&own(path).as_str());
+        let of_table = own(path).ends_with(".csv") && !own(path).starts_with(NUMBERED);
+        let free = alone && of_table && !TAKEN.contains(&own(path).as_str());
         let name = path.file_name().and_then(|name| name.to_str());
         match name.filter(|name| free && RunName::new("file", name).is_ok()) {
             Some(name) => name.into(),
             None => {
-                format!("table-{}.csv", 1 + tables.iter().position(|(known, _)| known == path).unwrap_or(0))
+                format!(
+                    "{NUMBERED}{}.csv",
+                    1 + tables.iter().position(|(known, _)| known == path).unwrap_or(0)
+                )
             }
         }
     }

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use wingbeat::scenario::TetherCase;
 use wingbeat_io::write_parquet;
-use wingbeat_lattice::{Core, Lattice, Panels, Scene, Settings, Spacing, WakeMotion};
+use wingbeat_lattice::{Core, Flapping, Lattice, Panels, Scene, Settings, Spacing, WakeMotion};
 
 use crate::args::Wake;
 use crate::error::Error;
@@ -94,7 +94,7 @@ fn step(
     quiet: bool,
 ) -> Result<Watch, Error> {
     let refused = |error: wingbeat_lattice::Error| Error::Input(error.to_string());
-    let flapping = (&case.tether).into();
+    let flapping = Flapping::try_from(&case.tether).map_err(refused)?;
     let symmetric = Scene::new(&flapping, panels, true).map_err(refused)?.symmetric;
     let scene = Scene::new(&flapping, panels, false).map_err(refused)?;
     let mut lattice = Lattice::new(scene, settings).map_err(refused)?;

@@ -3,6 +3,7 @@
 use super::{CoordinateSpec, ReadTable};
 use crate::Error;
 use crate::math::CubicSpline;
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::simulate::Record;
 use crate::tether::Coordinate;
@@ -11,10 +12,13 @@ use std::path::{Path, PathBuf};
 
 /// Most harmonics of a smoothed table. *Choice.*
 const MOST_HARMONICS: usize = 64;
+/// Most samples times harmonics of a smoothed table: a fit of them takes about a second. *Choice.*
+const MOST_FITTED: usize = 10_000_000;
 
 /// Columns of a CSV file: `t` (s) or `phase` (cycles), and one with the coordinate.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct TableSpec {
     /// The file, relative to the case file.
@@ -102,6 +106,8 @@ impl CoordinateSpec {
     }
 }
 
+ranges!(TableSpec { frequency_hz: Range::POSITIVE, harmonics: Range::between(1.0, MOST_HARMONICS as f64) });
+
 impl TableSpec {
     /// A table by time of one cycle at the case's frequency.
     pub fn repeating(file: PathBuf, column: &str) -> Self {
@@ -111,11 +117,8 @@ impl TableSpec {
 
     fn check(&self) -> Result<(), Error> {
         require::finite("scale", &[self.scale])?;
-        if let Some(count) = self.harmonics {
-            require::between("harmonics", count, 1, MOST_HARMONICS)?;
-        }
+        self.in_range()?;
         let Some(frequency) = self.frequency_hz else { return Ok(()) };
-        require::positive("frequency_hz", frequency)?;
         if self.by == TableBy::Phase {
             let error =
                 Error::invalid("frequency_hz", frequency, "none: a phase has no frequency of its own");
@@ -153,6 +156,10 @@ impl TableSpec {
         let t: Vec<f64> = column(&record, self.by.column(), "file")?.iter().map(|t| t * pace).collect();
         let y: Vec<f64> = column(&record, &self.column, "column")?.iter().map(|y| y * self.scale).collect();
         if let Some(count) = self.harmonics {
+            if t.len().saturating_mul(count) > MOST_FITTED {
+                let allowed = format!("at most {MOST_FITTED} over the {} samples of the table", t.len());
+                return Err(Error::invalid("harmonics", count, allowed).against(["file"]));
+            }
             let (coordinate, left) = smoothed(frequency_hz, &t, &y, count).ok_or_else(|| {
                 let allowed = format!("fewer: the {} samples of the table do not determine so many", t.len());
                 Error::invalid("harmonics", count, allowed).against(["file"])

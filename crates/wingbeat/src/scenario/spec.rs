@@ -102,7 +102,10 @@ impl AirSpec {
         self.in_range()?;
         require::finite("wind_m_s", &self.wind_m_s)?;
         let mut gusts = self.gusts.iter().enumerate();
-        gusts.try_for_each(|(i, gust)| gust.in_range().map_err(|e| e.within(&format!("gusts[{i}]"))))
+        let one = |gust: &GustSpec| {
+            gust.in_range().and_then(|()| require::finite("velocity_m_s", &gust.velocity_m_s))
+        };
+        gusts.try_for_each(|(i, gust)| one(gust).map_err(|e| e.within(&format!("gusts[{i}]"))))
     }
 }
 

@@ -71,6 +71,7 @@ pub enum Sampling {
 /// One key drawn from [low, high].
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct Draw {
     /// Key of the scenario or case, e.g. `mismatch.mass`, `mismatch.com_m[0]` or `time.frequency_hz`.
@@ -203,7 +204,7 @@ impl Sweep {
                 left /= points;
                 let place = grid / left;
                 grid %= left;
-                draw.low + (draw.high - draw.low) * place as f64 / (points - 1).max(1) as f64
+                draw.at(place)
             }
         };
         self.spec.draws.iter().enumerate().map(&mut value).collect()
@@ -245,7 +246,7 @@ impl Sweep {
         Document::value("sweep", &spec)?.put("case", Document::text("case", &case)?)?.resolved()
     }
 
-    /// Builds what is run, and then with both ends of every draw, one at a time.
+    /// Builds what is run, and then with both ends of every draw and a value between, one at a time.
     fn check_draws(&self, read: ReadTable) -> Result<(), ConfigError> {
         let built = |document: Document| match self.of {
             SweepOf::Flights(_) => Scenario::new(document).map(drop),
@@ -253,7 +254,7 @@ impl Sweep {
         };
         built(self.inner.clone())?;
         for (i, draw) in self.spec.draws.iter().enumerate() {
-            for (end, value) in [("low", draw.low), ("high", draw.high)] {
+            for (end, value) in [("low", draw.low), ("high", draw.high), ("high", draw.between())] {
                 let given = drawn(draw, value);
                 let outcome = built(self.inner.clone().set(given.as_str()));
                 outcome.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), end))?;
@@ -275,12 +276,19 @@ impl Sweep {
     }
 }
 
-/// The override of one draw.
+/// Below this whole numbers are floats without a gap.
+const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// The override of one draw: without a fraction a whole number, which keys of either kind take.
 fn drawn(draw: &Draw, value: f64) -> String {
-    format!("{}={value:?}", draw.key)
+    match value.fract() == 0.0 && value.abs() < LARGEST_WHOLE {
+        true => format!("{}={value}", draw.key),
+        false => format!("{}={value:?}", draw.key),
+    }
 }
 
 ranges!(SweepSpec { runs: Range::between(1.0, MAX_RUNS as f64) });
+ranges!(Draw { points: Range::between(1.0, MAX_RUNS as f64) });
 ranges!(Hold { roll_within_deg: Range::POSITIVE, pitch_within_deg: Range::POSITIVE });
 
 impl SweepSpec {
@@ -346,16 +354,33 @@ impl SweepSpec {
 }
 
 impl Draw {
+    /// The value at a place of a grid; the last is the upper end itself.
+    fn at(&self, place: usize) -> f64 {
+        let steps = (self.points.unwrap_or(1) - 1).max(1);
+        match place {
+            last if last == steps => self.high,
+            _ => self.low + (self.high - self.low) * place as f64 / steps as f64,
+        }
+    }
+
+    /// A value between the ends: of a grid its second, which is whole where all are.
+    fn between(&self) -> f64 {
+        let inner = self.low + (self.high - self.low) / std::f64::consts::E;
+        self.points.map_or(inner, |_| self.at(1))
+    }
+
     fn check(&self, grid: bool) -> Result<(), Error> {
         require::finite("low", &[self.low])?;
         require::finite("high", &[self.high])?;
         require::at_most("low", self.low, self.high).map_err(|e| e.against(["high"]))?;
+        self.in_range()?;
         match self.points {
-            Some(points) if grid => require::between("points", points, 1, MAX_RUNS),
-            Some(points) => Err(Error::invalid("points", points, "none: they are of sampling = \"grid\"")
-                .against(["sampling"])),
+            Some(points) if !grid => {
+                Err(Error::invalid("points", points, "none: they are of sampling = \"grid\"")
+                    .against(["sampling"]))
+            }
             None if grid => Err(Error::invalid("points", "none", "the number of values of a grid")),
-            None => Ok(()),
+            _ => Ok(()),
         }
     }
 }
@@ -399,6 +424,8 @@ mod tests {
         let values: Vec<Vec<f64>> = (0..grid.runs()).map(|run| grid.values(run)).collect();
         assert_eq!(values, [[2.0, 1.0], [2.0, 2.0], [3.0, 1.0], [3.0, 2.0], [4.0, 1.0], [4.0, 2.0]]);
         assert_eq!(grid.case(3, NO_TABLES).unwrap().spec.wind.speed_m_s, 2.0);
+        let tenths = Draw { key: String::new(), low: 0.1, high: 0.7, points: Some(8) };
+        assert_eq!((tenths.at(0), tenths.at(7)), (0.1, 0.7));
 
         let cube = of_case("runs = 20\nsampling = \"latin_hypercube\"\nseed = 3");
         for k in 0..2 {
@@ -410,6 +437,23 @@ mod tests {
         }
         let orders: Vec<bool> = (0..20).map(|run| cube.parts[0][run] == cube.parts[1][run]).collect();
         assert!(orders.iter().filter(|same| **same).count() < 10);
+    }
+
+    #[test]
+    fn whole_numbers_are_drawn_from_a_grid_of_them() {
+        let drawn = |sampling: &str| {
+            let key = "key = \"time.steps_per_cycle\", low = 32.0, high = 96";
+            let text = format!("name = \"steps\"\n{}", sampling.replace("KEY", key));
+            let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+            let document = Document::text("steps", &text).unwrap();
+            Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES)
+        };
+        let grid = drawn("sampling = \"grid\"\ndraws = [{ KEY, points = 3 }]").unwrap();
+        assert_eq!(grid.case(1, NO_TABLES).unwrap().spec.time.steps_per_cycle, 64);
+        for other in ["sampling = \"grid\"\ndraws = [{ KEY, points = 4 }]", "runs = 3\ndraws = [{ KEY }]"] {
+            let message = drawn(other).unwrap_err().to_string();
+            assert!(message.contains("time.steps_per_cycle"), "{message}");
+        }
     }
 
     #[test]

@@ -2,15 +2,16 @@
 
 use super::{ConfigError, TableBy, TetherCase};
 use crate::Error;
-use crate::require;
+use crate::range::{Range, ranges};
 use crate::simulate::{Column, Record};
-use crate::tether::{CycleFit, PHASES, TetherRun, cycle_of, fit};
+use crate::tether::{CycleFit, PHASES, TetherRun, cycle_of, fit, smooth};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How a measured file is read.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct CompareSpec {
     /// Which column says when.
@@ -22,6 +23,8 @@ pub struct CompareSpec {
     /// columns of one name.
     pub channels: BTreeMap<String, String>,
 }
+
+ranges!(CompareSpec { frequency_hz: Range::POSITIVE });
 
 impl CompareSpec {
     pub(super) fn is_empty(&self) -> bool {
@@ -35,7 +38,7 @@ impl CompareSpec {
                 Error::invalid("frequency_hz", frequency, "none: a phase has no frequency of its own");
             return Err(error.against(["by"]));
         }
-        require::positive("frequency_hz", frequency)
+        self.in_range()
     }
 }
 
@@ -161,14 +164,15 @@ impl TetherCase {
             let computed = run.last_cycle(ours).unwrap_or_default();
             let named = [("measured", theirs), ("computed", ours)];
             let fit = fit(&cycle.mean, computed).map_err(|e| e.renamed(&named))?;
-            let drawn = |lag: f64| even.iter().map(move |phase| periodic(computed, phase - lag));
-            let fitted = drawn(fit.lag_cycles).map(|c| fit.offset + fit.gain * c).collect();
+            let curve = smooth(computed)?;
+            let drawn = |lag: f64| even.iter().map(|phase| curve.at(phase - lag).x).collect::<Vec<_>>();
+            let fitted = drawn(fit.lag_cycles).iter().map(|c| fit.offset + fit.gain * c).collect();
             let unit = run.loads.column(ours).map_or("", |column| column.unit.as_str());
             for (kind, unit, values) in [
                 ("measured", "", cycle.mean),
                 ("low", "", cycle.low),
                 ("high", "", cycle.high),
-                ("computed", unit, drawn(0.0).collect()),
+                ("computed", unit, drawn(0.0)),
                 ("fitted", "", fitted),
             ] {
                 columns.push(Column { values, ..Column::new(format!("{kind}_{ours}"), unit, "") });
@@ -180,11 +184,4 @@ impl TetherCase {
         }
         Ok(Comparison { channels: compared, cycle: Record::new(columns, PHASES)? })
     }
-}
-
-/// A cycle of equal steps at any phase, straight between its samples.
-fn periodic(values: &[f64], phase: f64) -> f64 {
-    let at = phase.rem_euclid(1.0) * values.len() as f64;
-    let from = (at as usize).min(values.len() - 1);
-    crate::math::interpolation::lerp(values[from], values[(from + 1) % values.len()], at - from as f64)
 }

@@ -2,6 +2,7 @@
 
 use super::tether::STEP_CHANGE;
 use super::{ConfigError, ReadTable, TetherCase};
+use crate::Error;
 use crate::aero::{MAX_STRIPS, Preset};
 use crate::simulate::Ending;
 use crate::tether::{CycleMean, TetherRun};
@@ -109,17 +110,31 @@ pub struct Convergence {
 
 impl TetherCase {
     /// Half, once and twice the case's strips and steps; a quarter, half and once where twice is not allowed.
-    pub fn levels(&self) -> Levels {
-        let aero = &self.spec.aero;
-        let strips = match aero.preset {
-            Preset::Full => aero.full.strips,
-            Preset::Paper => aero.paper.nodes,
-        };
+    ///
+    /// # Errors
+    /// Fewer strips or steps than can be halved.
+    pub fn levels(&self) -> Result<Levels, ConfigError> {
+        let (key, strips) = self.strips();
         let steps = self.spec.time.steps_per_cycle;
+        for (key, given, least) in [(key, strips, LEAST.0), ("time.steps_per_cycle", steps, LEAST.1)] {
+            if given < 2 * least {
+                let allowed = format!("{} or more where convergence is asked for", 2 * least);
+                return Err(self.document.explain(&Error::invalid(key, given, allowed)));
+            }
+        }
         let finer = self.tether.stepped(2 * steps).check().is_ok();
-        Levels {
+        Ok(Levels {
             strips: ladder(strips, 2 * strips <= MAX_STRIPS, LEAST.0),
             steps_per_cycle: ladder(steps, finer, LEAST.1),
+        })
+    }
+
+    /// The key of the number of strips, or of nodes, and what it is.
+    fn strips(&self) -> (&'static str, usize) {
+        let aero = &self.spec.aero;
+        match aero.preset {
+            Preset::Full => ("aero.full.strips", aero.full.strips),
+            Preset::Paper => ("aero.paper.nodes", aero.paper.nodes),
         }
     }
 
@@ -128,10 +143,7 @@ impl TetherCase {
     /// # Errors
     /// What the case refuses with them.
     pub fn refined(&self, strips: usize, steps: usize, read: ReadTable) -> Result<Self, ConfigError> {
-        let key = match self.spec.aero.preset {
-            Preset::Full => "aero.full.strips",
-            Preset::Paper => "aero.paper.nodes",
-        };
+        let (key, _) = self.strips();
         let document = self.document.clone().set(format!("{key}={strips}"));
         Self::new(document.set(format!("time.steps_per_cycle={steps}")), read)
     }

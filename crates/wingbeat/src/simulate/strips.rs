@@ -49,8 +49,8 @@ impl StripMotion {
 }
 
 impl StripRecorder {
-    /// An empty record of the strips of all surfaces, whose models are of one kind, with room for
-    /// `instants`; `phase_unit` is that of the column `phase`.
+    /// An empty record of the strips of all surfaces, whose models may be of different kinds, with room for `instants`;
+    /// where one of them has a sum of lags, the column of the circulation is called after that; `phase_unit` is that of the column `phase`.
     pub fn new<'a>(surfaces: impl Iterator<Item = &'a Aero>, phase_unit: &str, instants: usize) -> Self {
         let surfaces: Vec<&Aero> = surfaces.collect();
         let of = |(surface, aero): (usize, &&'a Aero)| {

@@ -67,6 +67,15 @@ pub fn fit(measured: &[f64], computed: &[f64]) -> Result<CycleFit, Error> {
     Ok(curve.at(best))
 }
 
+/// The curve of a cycle, equally spaced from phase 0, at any phase (cycles).
+///
+/// # Errors
+/// Too few samples, or such that are not finite.
+pub fn smooth(cycle: &[f64]) -> Result<CubicSpline, Error> {
+    let phase: Vec<f64> = (0..cycle.len()).map(|i| i as f64 / cycle.len() as f64).collect();
+    CubicSpline::periodic(&phase, cycle, 1.0)
+}
+
 /// A measured cycle and a computed one at any phase.
 struct Curve<'a> {
     measured: &'a [f64],
@@ -82,9 +91,8 @@ impl<'a> Curve<'a> {
                 return Err(Error::invalid(which, format!("a range of {range}"), "a curve that varies"));
             }
         }
-        let phase: Vec<f64> = (0..computed.len()).map(|i| i as f64 / computed.len() as f64).collect();
         let mean = measured.iter().sum::<f64>() / measured.len() as f64;
-        Ok(Self { measured, mean, computed: CubicSpline::periodic(&phase, computed, 1.0)? })
+        Ok(Self { measured, mean, computed: smooth(computed)? })
     }
 
     fn computed(&self, lag: f64) -> impl Iterator<Item = f64> {
@@ -165,5 +173,16 @@ mod tests {
         let apart = |i: usize| (cycle.mean[i] - shape(i as f64 / PHASES as f64)).abs();
         assert!((0..PHASES).all(|i| apart(i) < 3e-3));
         assert!(cycle_of(&phase[..80], &values[..80]).is_err());
+    }
+
+    #[test]
+    fn cycles_without_samples_are_not_averaged() {
+        let message = cycle_of(&[0.0, 5e11, 1e12], &[1.0, 2.0, 1.0]).unwrap_err().to_string();
+        assert!(message.contains("1000000000000 cycles of 3 samples"), "{message}");
+        // Three cycles of eight samples, the middle one left out.
+        let phase: Vec<f64> =
+            (0..=24).filter(|i| !(8..=16).contains(i)).map(|i| f64::from(i) / 8.0).collect();
+        let cycle = cycle_of(&phase, &vec![1.0; phase.len()]).unwrap();
+        assert_eq!((cycle.cycles, cycle.left_out), (2, 1));
     }
 }

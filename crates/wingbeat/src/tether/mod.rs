@@ -9,7 +9,7 @@ mod recorder;
 mod run;
 mod wing;
 
-pub use comparison::{CycleFit, PHASES, cycle_of, fit};
+pub use comparison::{CycleFit, PHASES, cycle_of, fit, smooth};
 pub use coordinate::Coordinate;
 pub use cycle::{CycleMean, Periodicity};
 pub use recorder::TetherRun;

@@ -176,6 +176,10 @@ pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAvera
         let given = format!("{:.2} cycles", (last - first) / TAU);
         return Err(Error::invalid("process.window_s", given, "at least one whole cycle"));
     }
+    if cycles > phase.len() {
+        let given = format!("{cycles} cycles of {} samples", phase.len());
+        return Err(Error::invalid("process.window_s", given, "at least one sample per cycle"));
+    }
     let whole: Vec<usize> =
         (0..cycles).filter(|cycle| is_whole(phase, x, first + TAU * *cycle as f64)).collect();
     if whole.is_empty() {
@@ -204,11 +208,12 @@ pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAvera
     Ok(average)
 }
 
-/// True when no sample is missing in the cycle that begins at `phase[..] = begin`.
+/// True when the cycle that begins at `phase[..] = begin` has samples and none of them is missing.
 fn is_whole(phase: &[f64], x: &[f64], begin: f64) -> bool {
-    let from = phase.partition_point(|p| *p < begin).saturating_sub(1);
-    let to = (phase.partition_point(|p| *p <= begin + TAU) + 1).min(x.len());
-    x[from..to].iter().all(|value| value.is_finite())
+    let from = phase.partition_point(|p| *p < begin);
+    let to = phase.partition_point(|p| *p <= begin + TAU);
+    let near = from.saturating_sub(1)..(to + 1).min(x.len());
+    from < to && x[near].iter().all(|value| value.is_finite())
 }
 
 /// `x` at the phase `p`.
