@@ -12,7 +12,7 @@ use wingbeat::body::{LinkMotion, Tree};
 use wingbeat::math::{GRAVITY, Jet, Quat, Vec3, Wrench};
 use wingbeat::plant::Plant;
 use wingbeat::scenario::{Scenario, TetherCase};
-use wingbeat_lattice::{Lattice, Panels, Scene, Settings, Spacing, WakeMotion};
+use wingbeat_lattice::{Flapping, Lattice, Panels, Scene, Settings, Spacing, WakeMotion};
 use wingbeat_validate::{Error, body, reference_table};
 
 /// States evaluated in one batch, all different.
@@ -121,7 +121,8 @@ fn lattice(name: &str, wake: WakeMotion) {
     let panels = Panels { chordwise: 4, spanwise: 20, spacing: Spacing::Uniform };
     let settings = Settings { wake, ..Settings::new(1.0 / (frequency * f64::from(steps)), 0.03 * chord) };
     let time = median(5, || {
-        let stepped = Scene::new(&(&case.tether).into(), panels, true).and_then(|scene| {
+        let flapping = Flapping::try_from(&case.tether).unwrap_or_else(|error| panic!("{error}"));
+        let stepped = Scene::new(&flapping, panels, true).and_then(|scene| {
             let mut lattice = Lattice::new(scene, settings)?;
             (0..cycles * steps).map(|_| lattice.step()).collect::<Result<Vec<_>, _>>()
         });
