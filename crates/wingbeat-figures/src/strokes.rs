@@ -119,9 +119,9 @@ mod tests {
 
     #[test]
     fn the_pattern_runs_on_over_short_pieces() {
-        let points: Vec<Point> = (0..=1000).map(|k| (0.1 * f64::from(k), 0.0)).collect();
+        let points: Vec<Point> = (0..=990).map(|k| (0.1 * f64::from(k), 0.0)).collect();
         let cut = strokes(&points, &lengths("10 3 2 3"));
-        assert_eq!(cut.len(), 12);
+        assert_eq!(cut.len(), 11);
         for (k, stroke) in cut[..10].iter().enumerate() {
             let wanted = if k % 2 == 0 { (9.0 * k as f64, 10.0) } else { (9.0 * k as f64 + 4.0, 2.0) };
             assert!((stroke[0].0 - wanted.0).abs() < 1e-9 && (length(stroke) - wanted.1).abs() < 1e-9);

@@ -16,7 +16,7 @@ fn assert_passing(only: &str, rows_expected: usize) {
 #[test]
 fn linkage_and_bodies_agree() {
     assert_passing("linkage", 1);
-    assert_passing("body", 6);
+    assert_passing("body", 7);
     assert_passing("fsi", 10);
 }
 
