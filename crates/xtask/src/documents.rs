@@ -13,7 +13,9 @@ pub fn write() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--bin", "wingbeat", "reference"]);
     reference.env("WINGBEAT_WRITE_DOCS", "1");
-    tools::succeeds(reference) && banking_turns() && six_flights() && comparisons()
+    // The tests build the program too, with the features that they take.
+    let build = tools::cargo(&["test", "--release", "--quiet", "--workspace", "--no-run"]);
+    tools::succeeds(build) && tools::succeeds(reference) && banking_turns() && six_flights() && comparisons()
 }
 
 /// Flies the banking turn with both aerodynamic presets and puts tables and
@@ -27,8 +29,7 @@ fn banking_turn(mark: &str, preset: &str, picture: bool) -> bool {
     let root = tools::root();
     let run = root.join("target/banking_turn");
     let _ = fs::remove_dir_all(&run);
-    let mut command =
-        tools::cargo(&["run", "--release", "--quiet", "--", "fly", "scenarios/banking_turn.toml"]);
+    let mut command = tools::wingbeat(&["fly", "scenarios/banking_turn.toml"]);
     command.arg("--set").arg(format!("aero.preset={preset}")).arg("--out").arg(&run);
     let Some(output) = tools::output(command) else { return false };
     let table = untimed(output.split("\nrun folder").next().unwrap_or("").trim_end());
@@ -40,57 +41,64 @@ fn banking_turn(mark: &str, preset: &str, picture: bool) -> bool {
     copied && put(mark, &format!("```text\n{table}\n```"))
 }
 
+/// Starting phases of the flights under other laws, rad: what these move is not a result.
+const PHASES: [&str; 3] = ["0.0", "1e-9", "-1e-9"];
+
 /// Flies the banking turn with both presets under every lift law, and puts what becomes of it into the README.
 fn six_flights() -> bool {
-    let run = tools::root().join("target/six_flights");
     let mut text = String::from(
         "| preset | law | status | roll, mean / rms error, deg | pitch, mean / rms error, deg | altitude, m | inputs at a limit | clearance, mm | separated | suction lost |\n\
          |---|---|---|---:|---:|---:|---:|---:|---:|---:|",
     );
     for (preset, law) in ["paper", "full"].iter().flat_map(|p| ["linear", "stall", "lev"].map(|law| (p, law)))
     {
-        let _ = fs::remove_dir_all(&run);
-        let mut command = tools::cargo(&[
-            "run",
-            "--release",
-            "--quiet",
-            "--",
-            "fly",
-            "scenarios/banking_turn.toml",
-            "--quiet",
-        ]);
-        command.arg("--set").arg(format!("aero.preset={preset}")).arg("--set").arg(format!("aero.law={law}"));
-        // A turn that misses its goal ends with another code than 0, and is told all the same.
-        command.arg("--out").arg(&run);
-        let _ = tools::output(command);
-        let summary = fs::read_to_string(run.join("summary.json")).ok();
-        let Some(summary) = summary.and_then(|text| serde_json::from_str::<Value>(&text).ok()) else {
+        let flights: Vec<Value> = PHASES.iter().filter_map(|phase| flight(preset, law, phase)).collect();
+        if flights.len() < PHASES.len() {
             return false;
-        };
-        text += &flight_row(preset, law, &summary);
+        }
+        text += &flight_row(preset, law, &flights);
     }
     put("six flights", &text)
 }
 
-/// What a flight came to, as a row.
-fn flight_row(preset: &str, law: &str, summary: &Value) -> String {
-    let number = |key: &str| summary[key].as_f64().unwrap_or(f64::NAN);
-    let pair = |angle: &str| {
-        format!(
-            "{:.1} / {:.1}",
-            number(&format!("{angle}_mean_deg")),
-            number(&format!("{angle}_rms_error_deg"))
-        )
+/// The summary of a flight.
+fn flight(preset: &str, law: &str, phase: &str) -> Option<Value> {
+    let run = tools::root().join("target/six_flights");
+    let _ = fs::remove_dir_all(&run);
+    let mut command = tools::wingbeat(&["fly", "scenarios/banking_turn.toml", "--quiet"]);
+    for (key, value) in [("aero.preset", preset), ("aero.law", law), ("start.phase_rad", phase)] {
+        command.arg("--set").arg(format!("{key}={value}"));
+    }
+    command.arg("--out").arg(&run);
+    // A turn that misses its goal ends with another code than 0, and is told all the same.
+    let _ = tools::output(command);
+    serde_json::from_str(&fs::read_to_string(run.join("summary.json")).ok()?).ok()
+}
+
+/// What flights came to, as a row; from the least to the most where they differ.
+fn flight_row(preset: &str, law: &str, flights: &[Value]) -> String {
+    let range = |key: &str, scale: f64, digits: usize| {
+        let values = || flights.iter().map(|flight| scale * flight[key].as_f64().unwrap_or(f64::NAN));
+        let ends = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
+        let [low, high] = ends.map(|end| format!("{end:.digits$}"));
+        if low == high { low } else { format!("{low} to {high}") }
     };
-    let percent = |key: &str| format!("{:.0} %", 100.0 * number(key));
+    let pair = |angle: &str| {
+        let part = |what: &str| range(&format!("{angle}_{what}_deg"), 1.0, 1);
+        format!("{} / {}", part("mean"), part("rms_error"))
+    };
+    let mut statuses: Vec<&str> = flights.iter().filter_map(|flight| flight["status"].as_str()).collect();
+    statuses.sort_unstable();
+    statuses.dedup();
+    let percent = |key: &str| format!("{} %", range(key, 100.0, 0));
     format!(
-        "\n| `{preset}` | `{law}` | {} | {} | {} | {:.1} | {} | {:.0} | {} | {} |",
-        summary["status"].as_str().unwrap_or("-"),
+        "\n| `{preset}` | `{law}` | {} | {} | {} | {} | {} | {} | {} | {} |",
+        statuses.join(", "),
         pair("roll"),
         pair("pitch"),
-        number("altitude_change_m"),
+        range("altitude_change_m", 1.0, 1),
         percent("input_saturation_fraction"),
-        1e3 * number("least_clearance_m"),
+        range("least_clearance_m", 1e3, 0),
         percent("separated_fraction"),
         percent("suction_lost_fraction"),
     )
@@ -106,7 +114,7 @@ fn untimed(table: &str) -> String {
 /// Runs every comparison, puts the table into the README, and the page with its figures into docs.
 fn comparisons() -> bool {
     let run = tools::root().join("target/validation");
-    let mut command = tools::cargo(&["run", "--release", "--quiet", "--", "validate", "--force", "--out"]);
+    let mut command = tools::wingbeat(&["validate", "--force", "--out"]);
     let _ = fs::create_dir_all(tools::root().join("target"));
     command.arg(&run);
     tools::succeeds(command);

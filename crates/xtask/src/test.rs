@@ -28,9 +28,7 @@ pub fn test() -> bool {
 fn comparisons() -> Tally {
     let file = tools::root().join("target/quick.json");
     let path = file.to_string_lossy();
-    let mut command = Command::new(tools::program());
-    command.args(["validate", "--quick", "--quiet", "--json", &path]).current_dir(tools::root());
-    let mut tally = tallied(command);
+    let mut tally = tallied(tools::wingbeat(&["validate", "--quick", "--quiet", "--json", &path]));
     let stale = documents::rows_of(&file).map(|rows| documents::stale(&rows)).unwrap_or_default();
     for what in &stale {
         println!("docs/validation.md is stale, run `cargo xtask docs`: {what}");

@@ -14,6 +14,13 @@ pub fn program() -> PathBuf {
     root().join("target/release/wingbeat")
 }
 
+/// The program that was built with `arguments`, at the root.
+pub fn wingbeat(arguments: &[&str]) -> Command {
+    let mut command = Command::new(program());
+    command.args(arguments).current_dir(root());
+    command
+}
+
 /// Builds the program; true when that succeeds.
 pub fn built() -> bool {
     succeeds(cargo(&["build", "--release", "--quiet"]))
