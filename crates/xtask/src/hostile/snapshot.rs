@@ -225,6 +225,16 @@ fn log(place: &Place, change: impl Fn(&str) -> String) -> Judged {
     place.write(".a.partial/flights.log", &change(&text))
 }
 
+/// The log with another value in one field of its first row: rows stand in the order in which flights ended.
+fn with_field(text: &str, field: usize, value: &str) -> String {
+    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
+    let mut fields: Vec<&str> = first.split(',').collect();
+    if let Some(changed) = fields.get_mut(field) {
+        *changed = value;
+    }
+    format!("{}\n{rest}", fields.join(","))
+}
+
 fn sweeps() -> Vec<Case> {
     const SAME: &[&str] = &["sweep", "sweep.toml", "--set", "runs=100000"];
     const LOG: &[&str] = &["flights.log"];
@@ -268,19 +278,9 @@ fn sweeps() -> Vec<Case> {
             SAME,
             &["--out a"],
         ),
-        spoiled(
-            "foreign_row",
-            |p| log(p, |text| text.replacen("\n0,", "\n0,9", 1).replacen("0,0", "0,9.0", 1)),
-            SAME,
-            LOG,
-        ),
-        spoiled(
-            "row_beyond",
-            |p| log(p, |text| format!("{}{}", text.replacen("0,", "100000,", 1), "")),
-            SAME,
-            LOG,
-        ),
-        spoiled("row_of_half", |p| log(p, |text| text.replacen("0,", "0.5,", 1)), SAME, LOG),
+        spoiled("foreign_row", |p| log(p, |text| with_field(text, 1, "9.0")), SAME, LOG),
+        spoiled("row_beyond", |p| log(p, |text| with_field(text, 0, "100000")), SAME, LOG),
+        spoiled("row_of_half", |p| log(p, |text| with_field(text, 0, "0.5")), SAME, LOG),
         spoiled(
             "row_twice",
             |p| log(p, |text| format!("{text}{}\n", text.lines().next().unwrap_or_default())),
