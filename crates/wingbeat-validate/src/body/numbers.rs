@@ -69,29 +69,39 @@ fn value(robot: &Robot, name: &str) -> Result<f64, Error> {
     named.map(|(_, value)| value).ok_or_else(|| Error::NoAnswer(format!("no number {name}")))
 }
 
+/// Numbers varied together: few, as all that an evaluation holds on the stack grows with them.
+const TOGETHER: usize = 2;
+
 /// Largest difference of a derivative from the central one over all that is computed, over the largest of that number.
 fn error(preset: Preset) -> Result<f64, Error> {
     let robot = flapper(preset, LiftLaw::Lev)?;
-    let varied = robot.varied(NUMBERS)?;
     let mut worst = 0.0_f64;
-    for t in TIMES {
-        let exact: Vec<Dual<COUNT>> = outcome(&varied, &robot, t)?;
-        for (k, name) in NUMBERS.iter().enumerate() {
-            let value = value(&robot, name)?;
-            let moved = |share: f64| -> Result<Vec<f64>, Error> {
-                Ok(outcome(&robot.adjusted(&[(name, value * (1.0 + share))])?, &robot, t)?)
-            };
-            let (high, low) = (moved(SHARE)?, moved(-SHARE)?);
-            let near = high.iter().zip(&low).map(|(h, l)| (h - l) / (2.0 * SHARE * value));
-            let pairs: Vec<(f64, f64)> = exact.iter().map(|e| e.eps[k]).zip(near).collect();
-            let scale = pairs.iter().fold(0.0, |m: f64, (e, _)| m.max(e.abs()));
-            if scale == 0.0 {
-                return Err(Error::NoAnswer(format!("nothing depends on {name}")));
+    for pair in NUMBERS.chunks_exact(TOGETHER) {
+        let varied = robot.varied::<TOGETHER>([pair[0], pair[1]])?;
+        for t in TIMES {
+            let exact: Vec<Dual<TOGETHER>> = outcome(&varied, &robot, t)?;
+            for (k, name) in pair.iter().enumerate() {
+                worst = worst.max(difference(&robot, name, t, exact.iter().map(|e| e.eps[k]))?);
             }
-            worst = pairs.iter().fold(worst, |m, (e, d)| m.max((e - d).abs() / scale));
         }
     }
     Ok(worst)
+}
+
+/// Largest difference of the `exact` derivatives by the number `name` from the central ones, over the largest of them.
+fn difference(robot: &Robot, name: &str, t: f64, exact: impl Iterator<Item = f64>) -> Result<f64, Error> {
+    let value = value(robot, name)?;
+    let moved = |share: f64| -> Result<Vec<f64>, Error> {
+        Ok(outcome(&robot.adjusted(&[(name, value * (1.0 + share))])?, robot, t)?)
+    };
+    let (high, low) = (moved(SHARE)?, moved(-SHARE)?);
+    let near = high.iter().zip(&low).map(|(h, l)| (h - l) / (2.0 * SHARE * value));
+    let pairs: Vec<(f64, f64)> = exact.zip(near).collect();
+    let scale = pairs.iter().fold(0.0, |m: f64, (e, _)| m.max(e.abs()));
+    if scale == 0.0 {
+        return Err(Error::NoAnswer(format!("nothing depends on {name}")));
+    }
+    Ok(pairs.iter().fold(0.0, |m: f64, (e, d)| m.max((e - d).abs() / scale)))
 }
 
 /// The row.

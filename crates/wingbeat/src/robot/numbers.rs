@@ -183,6 +183,8 @@ impl Robot {
 
     /// The robot with the numbers called `keys` as variables: what it computes carries the derivatives by them, in
     /// their order. A key without the side of a mirrored pair stands for both links, which stay each other's image.
+    /// Take many numbers a few at a time: an evaluation holds 1 + N numbers for every one of its own on the stack,
+    /// and 14 at once outgrow a thread's 2 MiB.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the names that there are when one is unknown.
