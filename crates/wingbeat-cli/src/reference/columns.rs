@@ -119,6 +119,7 @@ pub const COLUMNS: &[Described] = &[
     column("force_up", &[GAIT], N, "W", "Force of the air upward, drag of the body included."),
     column("force_forward", &[GAIT], N, "W", "Force of the air along the horizontal heading, drag included."),
     column("trim_moment", &[GAIT], NM, "B", "Moment of the air about the centre of mass, positive nose *up*."),
+    column("stalled_share", &[GAIT], ONE, "", "Share of the strips whose incidence is past their stall angle."),
     column("own_<column>", &[GAIT], &["rad", "W", "N"], "", "The same of the robot's own gait, at the same share of the cycle."),
     column("force_wind_<axis>", &[LOADS], N, "wind", "Force: drag along the wind, side to its left, lift up across it."),
     column("moment_wind_<axis>", &[LOADS], NM, "wind", "Moment about the body's origin, about the axes of drag, side and lift."),

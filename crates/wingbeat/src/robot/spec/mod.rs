@@ -17,7 +17,8 @@ pub use surface::{PanelSpec, SurfaceSpec};
 pub use wing::{WingLinkSpec, WingSpec};
 
 use crate::Error;
-use crate::require::{all, finite, not_negative, positive, principal_inertias};
+use crate::range::{Range, ranges};
+use crate::require::{finite, principal_inertias};
 use serde::{Deserialize, Serialize};
 
 /// A robot: body, links with their joints, surfaces, gait, structure. `wing` stands for the links
@@ -56,6 +57,7 @@ pub struct RobotSpec {
 /// Central body; lengths from the body origin in FLU axes.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct BodySpec {
     /// Mass, kg.
@@ -73,12 +75,17 @@ pub struct BodySpec {
     pub capsule: Option<CapsuleSpec>,
 }
 
+ranges!(BodySpec {
+    mass_kg: Range::POSITIVE,
+    inertia_kg_m2: Range::NOT_NEGATIVE,
+    drag_area_m2: Range::NOT_NEGATIVE,
+});
+
 impl BodySpec {
     fn check(&self) -> Result<(), Error> {
-        positive("mass_kg", self.mass_kg)?;
+        self.in_range()?;
         finite("com_m", &self.com_m)?;
         self.capsule.iter().try_for_each(CapsuleSpec::check)?;
-        all("drag_area_m2", &self.drag_area_m2, not_negative)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
     }
 }
