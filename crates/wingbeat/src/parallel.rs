@@ -54,6 +54,30 @@ pub fn each<T: Sync, R: Send>(
     });
 }
 
+/// `work` on every item, each core a run of neighbours; on at most `most` cores where that is not 0.
+///
+/// ```
+/// let mut numbers = [1, 2, 3];
+/// wingbeat::parallel::chunks(&mut numbers, 0, |n| *n *= 2);
+/// assert_eq!(numbers, [2, 4, 6]);
+/// ```
+pub fn chunks<T: Send>(items: &mut [T], most: usize, work: impl Fn(&mut T) + Sync) {
+    let cores = thread::available_parallelism().map_or(1, usize::from).min(items.len());
+    let cores = if most == 0 { cores } else { cores.min(most) };
+    if cores <= 1 {
+        return items.iter_mut().for_each(work);
+    }
+    let work = &work;
+    thread::scope(|scope| {
+        let mut parts = items.chunks_mut(items.len().div_ceil(cores));
+        let own = parts.next();
+        for part in parts {
+            scope.spawn(move || part.iter_mut().for_each(work));
+        }
+        own.into_iter().flatten().for_each(work);
+    });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

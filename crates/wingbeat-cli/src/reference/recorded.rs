@@ -189,9 +189,7 @@ fn columns_of_sweeps_are_in_the_reference() {
     for (file, record) in [("banking_turn_robustness", SWEEP), ("flap_map", RUNS)] {
         let path = root().join("sweeps").join(file).with_extension("toml");
         let sweep = Sweep::load(&path, &[], &|path| Err(format!("{}: no table", path.display()))).unwrap();
-        let columns = crate::sweep::columns(&sweep);
-        let columns: Vec<Column> =
-            columns.into_iter().map(|(name, unit)| Column::new(name, unit, "")).collect();
+        let columns = sweep.columns();
         let drawn: Vec<String> = sweep.spec.draws.iter().map(|draw| draw.key.clone()).collect();
         met.see(record, &columns, &drawn);
         met.all_of(record);

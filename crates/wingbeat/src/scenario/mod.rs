@@ -12,6 +12,7 @@ mod plan;
 mod recorder;
 mod rig;
 mod rig_process;
+mod rig_simulated;
 mod rig_statement;
 mod rig_together;
 #[cfg(feature = "schema")]
@@ -20,6 +21,7 @@ mod spec;
 mod step_error;
 mod summary;
 mod sweep;
+mod sweep_row;
 mod tether;
 mod tether_compare;
 mod tether_converge;
@@ -36,6 +38,7 @@ pub use plan::{
 };
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
 pub use rig_process::{Processed, Weighed};
+pub use rig_simulated::SimulatedRun;
 pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, together};
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;

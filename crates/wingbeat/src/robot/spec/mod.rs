@@ -92,7 +92,10 @@ impl BodySpec {
 
 impl RobotSpec {
     /// Checks what the types alone do not: ranges, names, clashes.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
         self.body.check().map_err(|e| e.within("body"))?;
         if let Some(wing) = &self.wing {
             wing.check().map_err(|e| e.within("wing"))?;
