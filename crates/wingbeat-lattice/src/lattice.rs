@@ -57,8 +57,15 @@ impl Lattice {
         check(&scene)?;
         let wake_core = settings.core.radius_m;
         let bound_core = if settings.emulates() { wake_core } else { 0.0 };
-        let meshes: Vec<Mesh> =
+        let mut meshes: Vec<Mesh> =
             scene.surfaces.iter().map(|surface| Mesh::new(surface, bound_core, wake_core)).collect();
+        for (mesh, surface) in meshes.iter_mut().zip(&scene.surfaces) {
+            mesh.update(surface, 0.0, scene.wind, settings.step_s, false);
+            if wake_core > mesh.mean_chord() {
+                let allowed = format!("above 0 and at most {:.6} m, the mean chord", mesh.mean_chord());
+                return Err(Error::Setting { key: "core.radius_m", value: wake_core, allowed });
+            }
+        }
         let panels = meshes.iter().map(Mesh::panels).sum();
         let influence = Influence::new(scene.symmetric, settings.emulates());
         let wakes = meshes.iter().map(|_| Wake::default()).collect();

@@ -15,14 +15,9 @@ fn wing(span: f64, flap: f64, fold: f64) -> Flapping {
     let hinge = |kind, arc_m| Hinge { kind, side: Side::Both, arc_m, to_arc_m: None, ahead_m: 0.0 };
     let hinges = vec![hinge(HingeKind::Flap, 0.0), hinge(HingeKind::Fold, 0.2 * span)];
     let wave = |mean, sin| Coordinate::Fourier { frequency_hz: 0.2, mean, cos: vec![], sin: vec![sin] };
-    let still = || Coordinate::Constant(0.0);
     let motion = Motion {
-        surge: still(),
-        heave: still(),
-        nose_up: still(),
-        roll: still(),
-        axis_ahead_m: 0.0,
         hinges: vec![("shoulder".into(), wave(0.0, flap)), ("elbow".into(), wave(-0.5 * fold, 0.5 * fold))],
+        ..Motion::at_rest()
     };
     let wind = Vec3::new(-ALPHA.cos(), 0.0, ALPHA.sin());
     Flapping { wing: Wing::new(planform, hinges).unwrap(), motion, wind, density_kg_m3: 1.0 }
