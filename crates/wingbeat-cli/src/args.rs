@@ -84,16 +84,26 @@ pub struct Tether {
     pub run: Run,
 }
 
-/// Step the vortex lattice of a wing in prescribed motion and draw its wake
+/// Step the vortex lattice of a wing in prescribed motion, or along a flight, and draw its wake
 ///
-/// The folder holds case.toml (as resolved), record.parquet (loads by Joukowski and by Bernoulli), summary.json, manifest.json,
-/// a VTK file of wing and wake at begin and middle of down- and upstroke of the last cycle, and figures: the wake, and the
-/// vorticity in a frontal plane at these phases. Attached flow is assumed. More in docs/wake.md.
+/// The folder holds case.toml or scenario.toml (as resolved), record.parquet (loads by Joukowski and by Bernoulli), summary.json,
+/// manifest.json, a VTK file of wing and wake at begin and middle of down- and upstroke of the last cycle, and figures: the wake,
+/// and the vorticity in a frontal plane at these phases. Of a flight with a turn there are two stretches, the last cycles before
+/// the turn and the last of the flight. Attached flow is assumed. More in docs/wake.md.
 #[derive(Debug, Args)]
 pub struct Wake {
-    /// The case, as `tether` takes it
-    #[arg(value_name = "CASE.toml")]
+    /// The case, as `tether` takes it, or the run folder of `fly`
+    #[arg(value_name = "CASE.toml|RUN")]
     pub case: PathBuf,
+    /// Of a flight, the times at which the stretches end, s
+    #[arg(long, value_name = "S,S", value_delimiter = ',')]
+    pub at: Vec<f64>,
+    /// Of a flight, cycles of a stretch, from rest; without it 3
+    #[arg(long, value_name = "N")]
+    pub cycles: Option<usize>,
+    /// Of a flight, shed the circulations of the model that flew (preset paper, or full with five lags), not those of the lattice
+    #[arg(long)]
+    pub model: bool,
     /// Panels along the chord
     #[arg(long, value_name = "N", default_value_t = 6)]
     pub chordwise: usize,

@@ -35,7 +35,7 @@ pub use processing::{Cell, cycles, filtered};
 pub use robustness::robustness;
 pub use states::states;
 pub use tether::{cycle_loads, span_loading};
-pub use wake::{Cut, Sheet as WakeSheet, frontal_planes, wake};
+pub use wake::{Cut, Sheet as WakeSheet, frontal_planes, half_circulations, wake};
 pub use write::{Figure, write, write_for_screen};
 
 use wingbeat::scenario::GoalSpec;

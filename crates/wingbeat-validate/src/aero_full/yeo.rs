@@ -147,21 +147,13 @@ struct Strip {
 fn strips(preset: Preset, section: Section, flapping: Flapping) -> Result<Vec<Strip>, Error> {
     let planform = planform()?;
     let aero = preset.model_with(section, STRIPS, &planform, &[], DENSITY, 0.02)?;
-    let zero = Coordinate::Constant(0.0);
     let flap = flap(flapping)?;
     let hinge = Hinge { kind: HingeKind::Flap, side: Side::Both, arc_m: 0.0, to_arc_m: None, ahead_m: 0.0 };
     let (arcs, widths) = (aero.strip_arcs().to_vec(), aero.widths().to_vec());
     let tether = Tether {
         aero,
         wing: Wing::new(planform.clone(), vec![hinge])?,
-        motion: Motion {
-            surge: zero.clone(),
-            heave: zero.clone(),
-            nose_up: zero.clone(),
-            roll: zero,
-            axis_ahead_m: 0.0,
-            hinges: vec![("root".into(), flap.clone())],
-        },
+        motion: Motion { hinges: vec![("root".into(), flap.clone())], ..Motion::at_rest() },
         wind: Vec3::new(-SPEED, 0.0, 0.0),
         side: Side::Both,
         reference: Reference {

@@ -3,6 +3,7 @@
 
 mod air;
 mod carried;
+mod chord_lines;
 mod clearance;
 mod drive;
 mod dynamics;
