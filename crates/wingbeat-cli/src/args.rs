@@ -26,6 +26,7 @@ pub enum Command {
     Tether(Tether),
     Wake(Wake),
     Plan(Plan),
+    Calibrate(Calibrate),
     #[command(subcommand)]
     Rig(Rig),
     Validate(Validate),
@@ -84,16 +85,26 @@ pub struct Tether {
     pub run: Run,
 }
 
-/// Step the vortex lattice of a wing in prescribed motion and draw its wake
+/// Step the vortex lattice of a wing in prescribed motion, or along a flight, and draw its wake
 ///
-/// The folder holds case.toml (as resolved), record.parquet (loads by Joukowski and by Bernoulli), summary.json, manifest.json,
-/// a VTK file of wing and wake at begin and middle of down- and upstroke of the last cycle, and figures: the wake, and the
-/// vorticity in a frontal plane at these phases. Attached flow is assumed. More in docs/wake.md.
+/// The folder holds case.toml or scenario.toml (as resolved), record.parquet (loads by Joukowski and by Bernoulli), summary.json,
+/// manifest.json, a VTK file of wing and wake at begin and middle of down- and upstroke of the last cycle, and figures: the wake,
+/// and the vorticity in a frontal plane at these phases. Of a flight with a turn there are two stretches, the last cycles before
+/// the turn and the last of the flight. Attached flow is assumed. More in docs/wake.md.
 #[derive(Debug, Args)]
 pub struct Wake {
-    /// The case, as `tether` takes it
-    #[arg(value_name = "CASE.toml")]
+    /// The case, as `tether` takes it, or the run folder of `fly`
+    #[arg(value_name = "CASE.toml|RUN")]
     pub case: PathBuf,
+    /// Of a flight, the times at which the stretches end, s
+    #[arg(long, value_name = "S,S", value_delimiter = ',')]
+    pub at: Vec<f64>,
+    /// Of a flight, cycles of a stretch, from rest; without it 3
+    #[arg(long, value_name = "N")]
+    pub cycles: Option<usize>,
+    /// Of a flight, shed the circulations of the model that flew (preset paper, or full with five lags), not those of the lattice
+    #[arg(long)]
+    pub model: bool,
     /// Panels along the chord
     #[arg(long, value_name = "N", default_value_t = 6)]
     pub chordwise: usize,
@@ -124,6 +135,25 @@ pub struct Plan {
     /// The scenario
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Fit numbers of robot and rig to runs on the load cell, with what is known of them
+///
+/// Prints first which run and channel informs which number, and refuses what the runs cannot tell. The folder holds
+/// calibration.toml (as resolved), numbers.toml (the result, for `--set robot.numbers=FILE` of `fly`, `--set
+/// rig.robot.numbers=FILE` of `rig`), report.md, summary.json, information.csv, record.parquet (measured and predicted cycles
+/// with their bands), manifest.json and figures. An interrupted calibration goes on when the same command is given again.
+/// What the numbers mean: docs/calibration.md.
+#[derive(Debug, Args)]
+pub struct Calibrate {
+    /// The calibration
+    #[arg(value_name = "CALIBRATION.toml")]
+    pub calibration: PathBuf,
+    /// Only print what the runs tell of the numbers
+    #[arg(long)]
+    pub information: bool,
     #[command(flatten)]
     pub run: Run,
 }
@@ -169,6 +199,9 @@ pub struct Validate {
     /// Only comparisons that take seconds
     #[arg(long)]
     pub quick: bool,
+    /// Also fits and Monte Carlo, which take minutes each
+    #[arg(long, conflicts_with = "quick")]
+    pub long: bool,
     /// Write a folder of the results
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

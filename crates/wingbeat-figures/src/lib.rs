@@ -3,6 +3,7 @@
 //! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
 mod bench;
+pub mod calibration;
 pub mod chart;
 mod commands;
 mod cycle;
@@ -35,7 +36,7 @@ pub use processing::{Cell, cycles, filtered};
 pub use robustness::robustness;
 pub use states::states;
 pub use tether::{cycle_loads, span_loading};
-pub use wake::{Cut, Sheet as WakeSheet, frontal_planes, wake};
+pub use wake::{Cut, Sheet as WakeSheet, frontal_planes, half_circulations, wake};
 pub use write::{Figure, write, write_for_screen};
 
 use wingbeat::scenario::GoalSpec;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kuva::plot::annotations::ReferenceLine;
 use kuva::render::color::Color;
 use kuva::render::layout::{Layout, TickFormat};
-use kuva::render::render::{Primitive, TextAnchor};
+use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 use kuva::render::theme::Theme;
 
 /// Width of a figure over the full width of a page, px at 120 px per inch.
@@ -101,6 +101,26 @@ pub fn sample(
     let ((x1, y1), (x2, y2)) = (from, to);
     let (stroke, stroke_dasharray) = (Color::from(colour), dashes.map(Into::into));
     Primitive::Line { x1, y1, x2, y2, stroke, stroke_width: weight, stroke_dasharray }
+}
+
+/// An empty drawing of a width and height, px.
+pub fn scene(width: f64, height: f64) -> Scene {
+    let mut scene = Scene::new(width, height);
+    scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".into());
+    scene
+}
+
+/// An area without an outline, its corners in px.
+pub fn area(corners: &[(f64, f64)], colour: &str, opacity: f64) -> Primitive {
+    let corner = |(x, y): &(f64, f64)| format!("{x:.2},{y:.2}");
+    Primitive::Path(Box::new(PathData {
+        d: format!("M{}Z", corners.iter().map(corner).collect::<Vec<_>>().join("L")),
+        fill: Some(Color::from(colour)),
+        stroke: Color::None,
+        stroke_width: 0.0,
+        opacity: Some(opacity),
+        stroke_dasharray: None,
+    }))
 }
 
 /// Words on a figure, px from its upper left corner.

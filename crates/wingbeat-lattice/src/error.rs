@@ -22,6 +22,9 @@ pub enum Error {
     /// Panels cannot be laid out on the wing.
     #[error(transparent)]
     Layout(#[from] LayoutError),
+    /// A record that tells no motion.
+    #[error(transparent)]
+    Record(#[from] RecordError),
     /// Panels that lie on one another, or one without area: the strengths are not determined.
     #[error(
         "at t = {time} s the panels do not determine their circulations: surfaces touch or a panel has no area"
@@ -49,4 +52,42 @@ impl From<wingbeat::Error> for Error {
     fn from(error: wingbeat::Error) -> Self {
         Self::Layout(LayoutError(error.to_string()))
     }
+}
+
+/// Why a record tells no motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RecordError {
+    /// A column is missing.
+    #[error("the record has no column {name}: needed are t, the states and the inputs of the robot")]
+    Column {
+        /// Its name.
+        name: String,
+    },
+    /// There are no times, or they do not ascend.
+    #[error("the record's column t does not ascend")]
+    Times,
+    /// A stretch that was not recorded.
+    #[error("{from_s} s to {to_s} s: allowed are times within {first} s to {last} s, which the record holds")]
+    Outside {
+        /// Begin of the stretch, s.
+        from_s: f64,
+        /// Its end, s.
+        to_s: f64,
+        /// First time of the record, s.
+        first: f64,
+        /// Its last, s.
+        last: f64,
+    },
+    /// A state in which the robot cannot be.
+    #[error("the record does not fit the robot: {0}")]
+    Fault(String),
+    /// A model without a bound circulation.
+    #[error(
+        "the model of surface {surface:?} has a sum of wash lags and no bound circulation: allowed are preset paper and preset \
+         full with five lags"
+    )]
+    LagSum {
+        /// Its surface.
+        surface: String,
+    },
 }

@@ -1,7 +1,11 @@
 //! What rings and wakes induce, mirror images included.
 
-use crate::kernel::{Grid, LANES, Points, Seen, add_velocities, unit_washes};
-use crate::mesh::Mesh;
+use crate::kernel::{
+    Crossing, Grid, LANES, Place, Points, Seen, Segment, add_rounded, add_velocities, own, rounded,
+    unit_washes,
+};
+use crate::mesh::{Control, Mesh};
+use crate::tree::Tree;
 use wide::f64x4;
 use wingbeat::math::Vec3;
 use wingbeat::parallel;
@@ -20,10 +24,24 @@ pub struct Influence {
     symmetric: bool,
     /// Whether bound vortices have cores.
     cored: bool,
+    /// How bound vortices are rounded off where parts of a wing cross.
+    crossing: Option<Crossing>,
+    /// Segments of a wake from which it is summed by multipoles.
+    fast_from: usize,
 }
 
 /// Panels from which the coefficients are shared among the cores. *Choice.*
 const SHARED: usize = 200;
+
+/// A control point, the normal there, and where it lies.
+type Aimed = (Vec3, Vec3, Place);
+
+/// Four control points, or their mirror images.
+struct SeenFrom {
+    at: [f64x4; 3],
+    normal: [f64x4; 3],
+    places: [Place; LANES],
+}
 
 /// The mirror image at the plane y = 0.
 pub fn mirrored(v: Vec3) -> Vec3 {
@@ -32,28 +50,49 @@ pub fn mirrored(v: Vec3) -> Vec3 {
 }
 
 impl Influence {
-    /// With the mirror image of all sources where `symmetric`; with cores on bound vortices where `cored`.
-    pub fn new(symmetric: bool, cored: bool) -> Self {
-        Self { symmetric, cored }
+    /// With the mirror image of all sources where `symmetric`; with cores on bound vortices where `cored`, or where parts of a wing
+    /// cross as `crossing` says; wakes of `fast_from` segments and more by multipoles.
+    pub fn new(symmetric: bool, cored: bool, crossing: Option<Crossing>, fast_from: usize) -> Self {
+        Self { symmetric, cored, crossing, fast_from }
     }
 
-    /// Induced velocities at `points`, m/s. What the mirror image of the sources induces at p is the mirror image of what they
-    /// induce at the mirror image of p.
-    pub fn velocities(&self, points: &[Vec3], sources: &Sources<'_>) -> Vec<Vec3> {
+    /// Induced velocities at `points`, which lie at `places`, m/s. What the mirror image of the sources induces at p is the mirror
+    /// image of what they induce at the mirror image of p.
+    pub fn velocities(&self, points: &[Vec3], places: &[Place], sources: &Sources<'_>) -> Vec<Vec3> {
         let count = points.len();
-        let images = if self.symmetric { points } else { &[] };
-        let all: Vec<Vec3> = points.iter().copied().chain(images.iter().map(|p| mirrored(*p))).collect();
+        let images = if self.symmetric { count } else { 0 };
+        let image = points[..images].iter().map(|p| mirrored(*p));
+        let all: Vec<Vec3> = points.iter().copied().chain(image).collect();
         let mut lanes = Points::default();
         lanes.set(all.iter().copied());
         let mut velocities = vec![Vec3::ZERO; all.len()];
-        for grid in &sources.bound {
-            match self.cored {
-                true => add_velocities::<true>(grid, &lanes, &mut velocities),
-                false => add_velocities::<false>(grid, &lanes, &mut velocities),
+        match &self.crossing {
+            Some(crossing) => {
+                let image = |place: &Place| match *place {
+                    Place::On(surface, arc) => Place::On(surface, -arc),
+                    Place::Wake => Place::Wake,
+                };
+                let places: Vec<Place> =
+                    places.iter().copied().chain(places[..images].iter().map(image)).collect();
+                for (surface, grid) in sources.bound.iter().enumerate() {
+                    add_rounded(grid, surface, crossing, &lanes, &places, &mut velocities);
+                }
+            }
+            None => {
+                for grid in &sources.bound {
+                    match self.cored {
+                        true => add_velocities::<true>(grid, &lanes, &mut velocities),
+                        false => add_velocities::<false>(grid, &lanes, &mut velocities),
+                    }
+                }
             }
         }
         for grid in &sources.cored {
-            add_velocities::<true>(grid, &lanes, &mut velocities);
+            // A single row has no cells to be halved.
+            match grid.rows() > 1 && grid.segments() >= self.fast_from {
+                true => Tree::new(grid).add_velocities(&all, &mut velocities),
+                false => add_velocities::<true>(grid, &lanes, &mut velocities),
+            }
         }
         let image = velocities.split_off(count);
         velocities.iter_mut().zip(image).for_each(|(v, image)| *v += mirrored(image));
@@ -62,10 +101,13 @@ impl Influence {
 
     /// What rings of unit circulation induce along the normals at the control points, row by row, 1/m.
     pub fn coefficients(&self, meshes: &[Mesh]) -> Vec<f64> {
-        let controls: Vec<(Vec3, Vec3)> =
-            meshes.iter().flat_map(|mesh| mesh.controls.iter().map(|c| (c.at, c.normal))).collect();
-        let blocks: Vec<&[(Vec3, Vec3)]> = controls.chunks(LANES).collect();
-        let rows = |block: &[(Vec3, Vec3)]| self.block(block, meshes);
+        let of = |(surface, mesh): (usize, &Mesh)| {
+            let place = move |c: &Control| Place::On(surface, c.arc);
+            mesh.controls.iter().map(move |c| (c.at, c.normal, place(c))).collect::<Vec<Aimed>>()
+        };
+        let controls: Vec<Aimed> = meshes.iter().enumerate().flat_map(of).collect();
+        let blocks: Vec<&[Aimed]> = controls.chunks(LANES).collect();
+        let rows = |block: &[Aimed]| self.block(block, meshes);
         if controls.len() < SHARED {
             return blocks.iter().flat_map(|block| rows(block)).collect();
         }
@@ -73,38 +115,66 @@ impl Influence {
     }
 
     /// The rows of up to four control points.
-    fn block(&self, controls: &[(Vec3, Vec3)], meshes: &[Mesh]) -> Vec<f64> {
-        let lanes = |of: fn(&(Vec3, Vec3)) -> Vec3, image: bool| -> [f64x4; 3] {
+    fn block(&self, controls: &[Aimed], meshes: &[Mesh]) -> Vec<f64> {
+        let last = controls.len() - 1;
+        let lanes = |of: fn(&Aimed) -> Vec3, image: bool| -> [f64x4; 3] {
             let vectors: [Vec3; LANES] = std::array::from_fn(|lane| {
-                let v = of(&controls[lane.min(controls.len() - 1)]);
+                let v = of(&controls[lane.min(last)]);
                 if image { mirrored(v) } else { v }
             });
             std::array::from_fn(|k| f64x4::from(vectors.map(|v| v[k])))
         };
         let images = if self.symmetric { &[false, true][..] } else { &[false] };
-        let seen_from: Vec<_> = images.iter().map(|i| (lanes(|c| c.0, *i), lanes(|c| c.1, *i))).collect();
-        let columns: Vec<f64x4> = meshes.iter().flat_map(|mesh| self.rings(mesh, &seen_from)).collect();
+        let seen_from: Vec<SeenFrom> = images
+            .iter()
+            .map(|image| SeenFrom {
+                at: lanes(|c| c.0, *image),
+                normal: lanes(|c| c.1, *image),
+                places: std::array::from_fn(|lane| match controls[lane.min(last)].2 {
+                    Place::On(surface, arc) if *image => Place::On(surface, -arc),
+                    place => place,
+                }),
+            })
+            .collect();
+        let columns: Vec<f64x4> = meshes.iter().enumerate().flat_map(|m| self.rings(m, &seen_from)).collect();
         let columns: Vec<[f64; LANES]> = columns.iter().map(|column| column.to_array()).collect();
         (0..controls.len()).flat_map(|lane| columns.iter().map(move |column| column[lane])).collect()
     }
 
     /// What the unit rings of a surface induce along the normals at four points: front and right less rear and left.
-    fn rings(&self, mesh: &Mesh, seen_from: &[([f64x4; 3], [f64x4; 3])]) -> Vec<f64x4> {
+    fn rings(&self, (surface, mesh): (usize, &Mesh), seen_from: &[SeenFrom]) -> Vec<f64x4> {
         let (m, n) = (mesh.chordwise, mesh.strips);
         let rows = mesh.bound.rows();
         let mut across = vec![f64x4::ZERO; rows * n];
         let mut along = vec![f64x4::ZERO; (rows - 1) * (n + 1)];
         let mut seen: Vec<Seen> = Vec::with_capacity(n + 1);
-        for (p, normal) in seen_from {
-            match self.cored {
-                true => unit_washes::<true>(&mesh.bound, p, normal, &mut across, &mut along, &mut seen),
-                false => unit_washes::<false>(&mesh.bound, p, normal, &mut across, &mut along, &mut seen),
+        let bound = &mesh.bound;
+        for SeenFrom { at, normal, places } in seen_from {
+            let sums = [&mut across[..], &mut along[..]];
+            match (&self.crossing, self.cored) {
+                (Some(crossing), _) => {
+                    let [along, across] = crossing.squares(*places, surface, &bound.arcs);
+                    unit_washes(bound, at, normal, sums, &mut seen, |segment, a, b| match segment {
+                        Segment::Along(at, j) => rounded(a, b, along[j] * f64x4::splat(bound.core_along[at])),
+                        Segment::Across(at, j) => {
+                            rounded(a, b, across[j] * f64x4::splat(bound.core_across[at]))
+                        }
+                    });
+                }
+                (None, true) => {
+                    unit_washes(bound, at, normal, sums, &mut seen, |s, a, b| own::<true>(bound, s, a, b));
+                }
+                (None, false) => {
+                    unit_washes(bound, at, normal, sums, &mut seen, |s, a, b| own::<false>(bound, s, a, b));
+                }
             }
         }
         // The ends of the last rings are vortices of the wake.
         let mut ends = vec![f64x4::ZERO; n];
-        for (p, normal) in seen_from {
-            unit_washes::<true>(&mesh.trailing, p, normal, &mut ends, &mut [], &mut seen);
+        let trailing = &mesh.trailing;
+        for SeenFrom { at, normal, .. } in seen_from {
+            let sums = [&mut ends[..], &mut []];
+            unit_washes(trailing, at, normal, sums, &mut seen, |s, a, b| own::<true>(trailing, s, a, b));
         }
         let sides = |row: usize, j: usize| along[row * (n + 1) + j + 1] - along[row * (n + 1) + j];
         let ring = |i: usize, j: usize| {

@@ -5,11 +5,13 @@ use wingbeat::math::Vec3;
 use wingbeat::parallel;
 
 /// 1/(4 pi).
-const INVERSE_4PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
+pub const INVERSE_4PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
 /// Points of one block of lanes.
 pub const LANES: usize = 4;
 /// Squared sine of the angle between the ways from a point to the ends of a segment below which it lies on the segment's line.
 const ON_LINE: f64 = 1e-24;
+/// Added to denominators: far below any of them, so that the product of two is no zero either, nor infinite its inverse.
+const NEVER_ZERO: f64 = 1e-120;
 /// Pairs of segments and points from which work is shared among the cores. *Choice.*
 const SHARED: usize = 2_000_000;
 /// Blocks that one core takes at a time. *Choice.*
@@ -101,6 +103,8 @@ pub struct Grid {
     pub core_across: Vec<f64>,
     /// The same of the segments along, m4.
     pub core_along: Vec<f64>,
+    /// Arc coordinates of the columns, m, of bound grids.
+    pub arcs: Vec<f64>,
 }
 
 impl Grid {
@@ -125,116 +129,312 @@ pub fn see(p: &[f64x4; 3], point: Vec3) -> Seen {
     (r, r[0].mul_add(r[0], r[1].mul_add(r[1], r[2] * r[2])).sqrt())
 }
 
-/// Velocity at four points per 4 pi of circulation of the segment between two vertices.
+/// r1 x r2.
 #[inline(always)]
-pub fn between<const CORE: bool>((r1, x): &Seen, (r2, y): &Seen, core: f64) -> [f64x4; 3] {
-    let across = [
+fn crossed(r1: &[f64x4; 3], r2: &[f64x4; 3]) -> [f64x4; 3] {
+    [
         r1[1].mul_sub(r2[2], r1[2] * r2[1]),
         r1[2].mul_sub(r2[0], r1[0] * r2[2]),
         r1[0].mul_sub(r2[1], r1[1] * r2[0]),
-    ];
-    let dot = r1[0].mul_add(r2[0], r1[1].mul_add(r2[1], r1[2] * r2[2]));
+    ]
+}
+
+/// r1 . r2.
+#[inline(always)]
+fn dot(r1: &[f64x4; 3], r2: &[f64x4; 3]) -> f64x4 {
+    r1[0].mul_add(r2[0], r1[1].mul_add(r2[1], r1[2] * r2[2]))
+}
+
+/// Velocity at four points per 4 pi of circulation of the segment between two vertices, without a core.
+#[inline(always)]
+fn bare((r1, x): &Seen, (r2, y): &Seen) -> [f64x4; 3] {
+    let (across, dot) = (crossed(r1, r2), dot(r1, r2));
     let square = across[0].mul_add(across[0], across[1].mul_add(across[1], across[2] * across[2]));
     let (product, sum) = (*x * *y, *x + *y);
-    let factor = if CORE {
-        sum * (product - dot) / (product * (square + f64x4::splat(core)))
-    } else {
-        sum / (product * (product + dot))
-    };
+    let factor = sum / (product * (product + dot));
     // All ones off the line: zero on it, whatever the quotient is there.
     let off = square.simd_gt(product * product * f64x4::splat(ON_LINE));
     let factor = off & factor;
     across.map(|c| c * factor)
 }
 
+/// With a core: r1 x r2, and numerator and denominator of what it is to be multiplied with. As
+/// |r1 x r2|^2 = (r1 r2 - r1.r2)(r1 r2 + r1.r2), the factor is (r1 + r2) e / (r1 r2 (e (r1 r2 + r1.r2) + core)), e = r1 r2 - r1.r2,
+/// in which the rounding of e falls out as the core does. The denominator is never zero.
+#[inline(always)]
+fn cored((r1, x): &Seen, (r2, y): &Seen, core: f64x4) -> ([f64x4; 3], f64x4, f64x4) {
+    let (across, dot) = (crossed(r1, r2), dot(r1, r2));
+    let product = *x * *y;
+    let excess = (product - dot).max(f64x4::ZERO);
+    let square = excess.mul_add(product + dot, core);
+    (across, (*x + *y) * excess, product.mul_add(square, f64x4::splat(NEVER_ZERO)))
+}
+
+/// Velocity at four points per 4 pi of circulation of the segment between two vertices, with the squared core times squared length.
+#[inline(always)]
+pub fn between<const CORE: bool>(a: &Seen, b: &Seen, core: f64x4) -> [f64x4; 3] {
+    if !CORE {
+        return bare(a, b);
+    }
+    let (across, numerator, denominator) = cored(a, b, core);
+    let factor = numerator / denominator;
+    across.map(|c| c * factor)
+}
+
+/// Part of a grid: its vertices from the first to the last row and column. Segments on its last row and column are another part's,
+/// unless the grid ends there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// First and last row.
+    pub rows: [usize; 2],
+    /// First and last column.
+    pub columns: [usize; 2],
+}
+
+impl Grid {
+    /// All of the grid.
+    pub fn whole(&self) -> Window {
+        Window { rows: [0, self.rows().saturating_sub(1)], columns: [0, self.columns.saturating_sub(1)] }
+    }
+
+    /// Circulations of the segments across in the row `r` of a part and along at its column `j`; zero where they are another part's.
+    #[inline(always)]
+    fn strength_across(&self, window: &Window, r: usize, at: usize) -> f64 {
+        if r == window.rows[1] && r + 1 < self.rows() { 0.0 } else { self.across[at] }
+    }
+    #[inline(always)]
+    fn strength_along(&self, window: &Window, j: usize, at: usize) -> f64 {
+        if j == window.columns[1] && j + 1 < self.columns { 0.0 } else { self.along[at] }
+    }
+}
+
 /// Adds to `velocities` what `grid` induces at `points`, m/s, on all cores where there is much to do.
 pub fn add_velocities<const CORE: bool>(grid: &Grid, points: &Points, velocities: &mut [Vec3]) {
-    let blocks = points.blocks();
+    let (blocks, window) = (points.blocks(), grid.whole());
+    let one = |block: &[f64x4; 3], seen: &mut Vec<Seen>| {
+        let mut sum = [f64x4::ZERO; 3];
+        add_induced::<CORE>(grid, &window, block, seen, &mut sum);
+        sum.map(|v| v * f64x4::splat(INVERSE_4PI))
+    };
     if points.len() * grid.segments() < SHARED {
         let mut seen = Vec::with_capacity(grid.columns);
         for (block, out) in blocks.iter().zip(velocities.chunks_mut(LANES)) {
-            add_block(out, induced::<CORE>(grid, block, &mut seen));
+            add_block(out, one(block, &mut seen));
         }
         return;
     }
     let chunks: Vec<_> = blocks.chunks(BLOCKS).collect();
     let answers = parallel::map(&chunks, |_, chunk| {
         let mut seen = Vec::with_capacity(grid.columns);
-        chunk.iter().map(|block| induced::<CORE>(grid, block, &mut seen)).collect::<Vec<_>>()
+        chunk.iter().map(|block| one(block, &mut seen)).collect::<Vec<_>>()
     });
     for (out, answer) in velocities.chunks_mut(LANES).zip(answers.into_iter().flatten()) {
         add_block(out, answer);
     }
 }
 
-fn add_block(out: &mut [Vec3], velocity: [f64x4; 3]) {
+/// Adds velocities at four points to those of up to four.
+pub fn add_block(out: &mut [Vec3], velocity: [f64x4; 3]) {
     let lanes = velocity.map(|v| v.to_array());
     for (lane, v) in out.iter_mut().enumerate() {
         *v += Vec3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
     }
 }
 
-/// Velocity at four points; `seen` is room for a row of vertices.
-fn induced<const CORE: bool>(grid: &Grid, p: &[f64x4; 3], seen: &mut Vec<Seen>) -> [f64x4; 3] {
-    let mut sum = [f64x4::ZERO; 3];
-    let mut add = |unit: [f64x4; 3], circulation: f64| {
-        let circulation = f64x4::splat(circulation);
-        (0..3).for_each(|k| sum[k] = unit[k].mul_add(circulation, sum[k]));
-    };
+/// Adds the velocity times 4 pi at four points that a part of a grid induces; `seen` is room for a row of vertices.
+pub fn add_induced<const CORE: bool>(
+    grid: &Grid,
+    window: &Window,
+    p: &[f64x4; 3],
+    seen: &mut Vec<Seen>,
+    sum: &mut [f64x4; 3],
+) {
+    let n = grid.columns;
+    let [first_row, last_row] = window.rows;
+    let [first, last] = window.columns;
+    seen.clear();
+    for r in first_row..=last_row {
+        for j in first..=last {
+            let now = see(p, grid.points[r * n + j]);
+            let along = (r > first_row).then(|| (r - 1) * n + j);
+            let across = (j > first).then(|| r * (n - 1) + j - 1);
+            let place = j - first;
+            if CORE && let (Some(along), Some(across)) = (along, across) {
+                let strengths =
+                    (grid.strength_along(window, j, along), grid.strength_across(window, r, across));
+                let splat = f64x4::splat;
+                let (c, a, b) = cored(&seen[place], &now, splat(grid.core_along[along]));
+                let (d, e, f) = cored(&seen[place - 1], &now, splat(grid.core_across[across]));
+                // Two quotients for one division.
+                let inverse = f64x4::ONE / (b * f);
+                let one = a * splat(strengths.0) * (f * inverse);
+                let two = e * splat(strengths.1) * (b * inverse);
+                (0..3).for_each(|k| sum[k] = c[k].mul_add(one, d[k].mul_add(two, sum[k])));
+            } else {
+                let mut add = |from: &Seen, core: f64, strength: f64| {
+                    let unit = between::<CORE>(from, &now, f64x4::splat(core));
+                    (0..3).for_each(|k| sum[k] = unit[k].mul_add(f64x4::splat(strength), sum[k]));
+                };
+                if let Some(at) = along {
+                    add(&seen[place], grid.core_along[at], grid.strength_along(window, j, at));
+                }
+                if let Some(at) = across {
+                    add(&seen[place - 1], grid.core_across[at], grid.strength_across(window, r, at));
+                }
+            }
+            match seen.get_mut(place) {
+                Some(before) => *before = now,
+                None => seen.push(now),
+            }
+        }
+    }
+}
+
+/// Where a point lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// On the surface of this number at an arc coordinate, m.
+    On(usize, f64),
+    /// In the wake.
+    Wake,
+}
+
+/// How bound vortices are rounded off where parts of a wing pass through each other: by a share of the distance along the arc beyond
+/// the first `near` m, so that a wing's neighbouring strips feel nothing of it; on the wake as the wake's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Core over the distance along the arc.
+    pub share: f64,
+    /// Distance along the arc up to which there is none, m.
+    pub near: f64,
+    /// Core in the wake, m.
+    pub wake: f64,
+}
+
+impl Crossing {
+    /// Squared core at `place` of the vortex at the arc coordinate `arc` of the surface number `surface`, m2.
+    ///
+    /// Equation: lattice.crossing
+    pub fn square(&self, place: Place, surface: usize, arc: f64) -> f64 {
+        let radius = match place {
+            Place::On(own, at) if own == surface => self.share * ((at - arc).abs() - self.near).max(0.0),
+            Place::On(..) => 0.0,
+            Place::Wake => self.wake,
+        };
+        radius * radius
+    }
+
+    /// The squared cores at four points of the vortices along at the columns `arcs`, and of those across between them.
+    pub fn squares(&self, places: [Place; LANES], surface: usize, arcs: &[f64]) -> [Vec<f64x4>; 2] {
+        let at = |arc: f64| f64x4::from(places.map(|place| self.square(place, surface, arc)));
+        let middles = arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        [arcs.iter().map(|arc| at(*arc)).collect(), middles.map(at).collect()]
+    }
+}
+
+/// Velocity at four points per 4 pi of circulation of the segment between two vertices, with the squared core times squared length,
+/// which may be zero; nothing on the segment's line.
+#[inline(always)]
+pub fn rounded(a: &Seen, b: &Seen, core: f64x4) -> [f64x4; 3] {
+    let (across, numerator, denominator) = cored(a, b, core);
+    let square = across[0].mul_add(across[0], across[1].mul_add(across[1], across[2] * across[2]));
+    let product = a.1 * b.1;
+    let off = square.simd_gt(product * product * f64x4::splat(ON_LINE));
+    let factor = off & (numerator / denominator);
+    across.map(|c| c * factor)
+}
+
+/// A segment of a grid: its number among those across or along, and its column.
+#[derive(Clone, Copy, Debug)]
+pub enum Segment {
+    Across(usize, usize),
+    Along(usize, usize),
+}
+
+/// Every segment of a grid, with its two vertices as seen from four points; `seen` is room for a row of vertices.
+#[inline(always)]
+pub fn each_segment(
+    grid: &Grid,
+    p: &[f64x4; 3],
+    seen: &mut Vec<Seen>,
+    mut with: impl FnMut(Segment, &Seen, &Seen),
+) {
     let n = grid.columns;
     seen.clear();
     for (r, row) in grid.points.chunks_exact(n).enumerate() {
-        let across = r * (n - 1);
         for (j, point) in row.iter().enumerate() {
             let now = see(p, *point);
             if r > 0 {
-                let at = (r - 1) * n + j;
-                add(between::<CORE>(&seen[j], &now, grid.core_along[at]), grid.along[at]);
+                with(Segment::Along((r - 1) * n + j, j), &seen[j], &now);
                 seen[j] = now;
             } else {
                 seen.push(now);
             }
             if j > 0 {
-                let at = across + j - 1;
-                add(between::<CORE>(&seen[j - 1], &now, grid.core_across[at]), grid.across[at]);
+                with(Segment::Across(r * (n - 1) + j - 1, j - 1), &seen[j - 1], &now);
             }
         }
     }
-    sum.map(|v| v * f64x4::splat(INVERSE_4PI))
+}
+
+/// Adds to `velocities` what the bound `grid` of the surface number `surface` induces at `points`, which lie at `places`, m/s. Its
+/// cores are the squared lengths of its segments.
+pub fn add_rounded(
+    grid: &Grid,
+    surface: usize,
+    crossing: &Crossing,
+    points: &Points,
+    places: &[Place],
+    velocities: &mut [Vec3],
+) {
+    let mut seen = Vec::with_capacity(grid.columns);
+    let blocks = points.blocks().iter().zip(places.chunks(LANES));
+    for ((block, places), out) in blocks.zip(velocities.chunks_mut(LANES)) {
+        let lanes = std::array::from_fn(|lane| places[lane.min(places.len() - 1)]);
+        let [along, across] = crossing.squares(lanes, surface, &grid.arcs);
+        let mut sum = [f64x4::ZERO; 3];
+        each_segment(grid, block, &mut seen, |segment, a, b| {
+            let (core, strength) = match segment {
+                Segment::Along(at, j) => (along[j] * f64x4::splat(grid.core_along[at]), grid.along[at]),
+                Segment::Across(at, j) => (across[j] * f64x4::splat(grid.core_across[at]), grid.across[at]),
+            };
+            let unit = rounded(a, b, core);
+            (0..3).for_each(|k| sum[k] = unit[k].mul_add(f64x4::splat(strength), sum[k]));
+        });
+        add_block(out, sum.map(|v| v * f64x4::splat(INVERSE_4PI)));
+    }
 }
 
 /// Adds the part along `normal` of what every segment of `grid` induces at four points per unit circulation:
-/// `across` and `along` as in [`Grid`].
-pub fn unit_washes<const CORE: bool>(
+/// `across` and `along` as in [`Grid`]; `unit` is what a segment between two vertices induces per 4 pi.
+#[inline(always)]
+pub fn unit_washes(
     grid: &Grid,
     p: &[f64x4; 3],
     normal: &[f64x4; 3],
-    across: &mut [f64x4],
-    along: &mut [f64x4],
+    [across, along]: [&mut [f64x4]; 2],
     seen: &mut Vec<Seen>,
+    unit: impl Fn(Segment, &Seen, &Seen) -> [f64x4; 3],
 ) {
-    let part = |v: [f64x4; 3]| {
+    each_segment(grid, p, seen, |segment, a, b| {
+        let v = unit(segment, a, b);
         let dot = v[0].mul_add(normal[0], v[1].mul_add(normal[1], v[2] * normal[2]));
-        dot * f64x4::splat(INVERSE_4PI)
-    };
-    let n = grid.columns;
-    seen.clear();
-    for (r, row) in grid.points.chunks_exact(n).enumerate() {
-        for (j, point) in row.iter().enumerate() {
-            let now = see(p, *point);
-            if r > 0 {
-                let at = (r - 1) * n + j;
-                along[at] += part(between::<CORE>(&seen[j], &now, grid.core_along[at]));
-                seen[j] = now;
-            } else {
-                seen.push(now);
-            }
-            if j > 0 {
-                let at = r * (n - 1) + j - 1;
-                across[at] += part(between::<CORE>(&seen[j - 1], &now, grid.core_across[at]));
-            }
+        let part = dot * f64x4::splat(INVERSE_4PI);
+        match segment {
+            Segment::Across(at, _) => across[at] += part,
+            Segment::Along(at, _) => along[at] += part,
         }
-    }
+    });
+}
+
+/// What a segment induces per 4 pi with the grid's own cores.
+#[inline(always)]
+pub fn own<const CORE: bool>(grid: &Grid, segment: Segment, a: &Seen, b: &Seen) -> [f64x4; 3] {
+    let core = match segment {
+        Segment::Across(at, _) => grid.core_across[at],
+        Segment::Along(at, _) => grid.core_along[at],
+    };
+    between::<CORE>(a, b, f64x4::splat(core))
 }
 
 #[cfg(test)]
@@ -255,6 +455,7 @@ mod tests {
             along: (0..along).map(|_| random.normal()).collect(),
             core_across: vec![soft; across],
             core_along: vec![soft; along],
+            arcs: Vec::new(),
         }
     }
 

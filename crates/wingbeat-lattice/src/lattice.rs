@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::influence::{Influence, Sources};
+use crate::kernel::{Crossing, Place};
 use crate::loads::{Air, Loads};
 use crate::mesh::Mesh;
 use crate::motion::Scene;
@@ -57,10 +58,21 @@ impl Lattice {
         check(&scene)?;
         let wake_core = settings.core.radius_m;
         let bound_core = if settings.emulates() { wake_core } else { 0.0 };
-        let meshes: Vec<Mesh> =
-            scene.surfaces.iter().map(|surface| Mesh::new(surface, bound_core, wake_core)).collect();
+        let crosses = settings.crossing > 0.0;
+        let mesh = |surface| Mesh::new(surface, bound_core, wake_core, crosses);
+        let mut meshes: Vec<Mesh> = scene.surfaces.iter().map(mesh).collect();
+        for (mesh, surface) in meshes.iter_mut().zip(&scene.surfaces) {
+            mesh.update(surface, 0.0, scene.wind, settings.step_s, false);
+            if wake_core > mesh.mean_chord() {
+                let allowed = format!("above 0 and at most {:.6} m, the mean chord", mesh.mean_chord());
+                return Err(Error::Setting { key: "core.radius_m", value: wake_core, allowed });
+            }
+        }
         let panels = meshes.iter().map(Mesh::panels).sum();
-        let influence = Influence::new(scene.symmetric, settings.emulates());
+        let near = meshes.first().map_or(0.0, Mesh::mean_chord);
+        let crossing = Crossing { share: settings.crossing, near, wake: wake_core };
+        let (crossing, fast_from) = (crosses.then_some(crossing), settings.fast_from);
+        let influence = Influence::new(scene.symmetric, settings.emulates(), crossing, fast_from);
         let wakes = meshes.iter().map(|_| Wake::default()).collect();
         let rings = std::array::from_fn(|_| vec![0.0; panels]);
         Ok(Self { scene, settings, meshes, wakes, influence, rings, solved: 0 })
@@ -73,11 +85,11 @@ impl Lattice {
     pub fn step(&mut self) -> Result<Loads, Error> {
         let t = self.solved as f64 * self.settings.step_s;
         self.move_on(t)?;
-        let points = self.places();
-        let mut air = self.influence.velocities(&points, &self.sources(false, true));
+        let (points, places) = self.places();
+        let mut air = self.influence.velocities(&points, &places, &self.sources(false, true));
         air.iter_mut().for_each(|v| *v += self.scene.wind);
         self.solve(t, &air)?;
-        let own = self.influence.velocities(&points, &self.sources(true, false));
+        let own = self.influence.velocities(&points, &places, &self.sources(true, false));
         air.iter_mut().zip(own).for_each(|(v, own)| *v += own);
         let rates = self.rates();
         let air = Air { velocities: &air, rates: &rates, density: self.scene.density_kg_m3 };
@@ -87,6 +99,38 @@ impl Lattice {
         }
         self.solved += 1;
         Ok(loads)
+    }
+
+    /// The next instant with the circulations `rings` of another model, by surface and panel (m2/s), in place of those that keep the
+    /// flow tangent: they are shed and carried as those are.
+    ///
+    /// # Errors
+    /// As many circulations as there are panels are needed; numbers that are not finite.
+    pub fn step_with(&mut self, rings: &[f64]) -> Result<(), Error> {
+        let t = self.solved as f64 * self.settings.step_s;
+        let panels = self.rings[0].len();
+        if rings.len() != panels {
+            let allowed = format!("{panels}, the number of panels");
+            return Err(Error::Setting { key: "rings", value: rings.len() as f64, allowed });
+        }
+        if !rings.iter().all(|ring| ring.is_finite()) {
+            return Err(Error::NotFinite { time: t, what: "circulation" });
+        }
+        self.move_on(t)?;
+        self.put(rings.to_vec());
+        self.solved += 1;
+        Ok(())
+    }
+
+    /// Puts the circulations on the rings of the surfaces.
+    fn put(&mut self, rings: Vec<f64>) {
+        let mut rest = &rings[..];
+        for mesh in &mut self.meshes {
+            let (own, others) = rest.split_at(mesh.panels());
+            mesh.set_circulations(own);
+            rest = others;
+        }
+        self.rings[0] = rings;
     }
 
     /// Brings surfaces and wakes to the instant `t` s.
@@ -125,7 +169,10 @@ impl Lattice {
         let points: Vec<Vec3> = self.wakes.iter().flat_map(|wake| wake.grid.points.iter().copied()).collect();
         let mut velocities = match self.settings.wake {
             WakeMotion::Prescribed => vec![Vec3::ZERO; points.len()],
-            WakeMotion::Free => self.influence.velocities(&points, &self.sources(true, true)),
+            WakeMotion::Free => {
+                let places = vec![Place::Wake; points.len()];
+                self.influence.velocities(&points, &places, &self.sources(true, true))
+            }
         };
         velocities.iter_mut().for_each(|v| *v += self.scene.wind);
         if !velocities.iter().all(|v| v.is_finite()) {
@@ -150,8 +197,8 @@ impl Lattice {
     }
 
     /// Where velocities are wanted: of every surface its control points, bound vortices and legs, with other conventions also the
-    /// ends of the last rings.
-    fn places(&self) -> Vec<Vec3> {
+    /// ends of the last rings. Beside the points stands where they lie.
+    fn places(&self) -> (Vec<Vec3>, Vec<Place>) {
         let ends = self.settings.emulates();
         let of = |mesh: &Mesh| {
             let mut places: Vec<Vec3> = mesh.controls.iter().map(|c| c.at).collect();
@@ -159,7 +206,12 @@ impl Lattice {
             places.extend(mesh.ends().filter(|_| ends).map(|e| e.at));
             places
         };
-        self.meshes.iter().flat_map(of).collect()
+        let points = self.meshes.iter().flat_map(of).collect();
+        let of = |(surface, mesh): (usize, &Mesh)| {
+            let on: Vec<Place> = mesh.places().map(|arc| Place::On(surface, arc)).collect();
+            on.into_iter().chain(mesh.ends().filter(|_| ends).map(|_| Place::Wake)).collect::<Vec<_>>()
+        };
+        (points, self.meshes.iter().enumerate().flat_map(of).collect())
     }
 
     /// Circulations that keep the flow tangent to every panel: sum_j a_ij G_j = -(air - panel) . n, the air without the rings.
@@ -183,13 +235,7 @@ impl Lattice {
         if !right.iter().all(|ring| ring.is_finite()) {
             return Err(Error::Singular { time: t });
         }
-        let mut rest = &right[..];
-        for mesh in &mut self.meshes {
-            let (own, others) = rest.split_at(mesh.panels());
-            mesh.set_circulations(own);
-            rest = others;
-        }
-        self.rings[0] = right;
+        self.put(right);
         Ok(())
     }
 
@@ -228,7 +274,8 @@ impl Lattice {
     }
     /// Velocities of the air at `points`, m/s.
     pub fn velocities(&self, points: &[Vec3]) -> Vec<Vec3> {
-        let mut air = self.influence.velocities(points, &self.sources(true, true));
+        let places = vec![Place::Wake; points.len()];
+        let mut air = self.influence.velocities(points, &places, &self.sources(true, true));
         air.iter_mut().for_each(|v| *v += self.scene.wind);
         air
     }

@@ -19,6 +19,7 @@
 //! ```
 
 mod error;
+mod flown;
 mod influence;
 mod kernel;
 mod lattice;
@@ -26,11 +27,14 @@ mod layout;
 mod loads;
 mod mesh;
 mod motion;
+mod multipole;
 mod picture;
 mod settings;
+mod tree;
 mod wake;
 
-pub use error::{Error, LayoutError};
+pub use error::{Error, LayoutError, RecordError};
+pub use flown::Flight;
 pub use kernel::{Grid, cored_segment, segment};
 pub use lattice::Lattice;
 pub use layout::{Layout, Spacing};

@@ -35,6 +35,8 @@ pub struct Control {
     pub normal: Vec3,
     /// Area of its panel, m2.
     pub area: f64,
+    /// Arc coordinate, m.
+    pub arc: f64,
 }
 
 /// How a surface lies at an instant. Panels are numbered by row from the leading edge, in a row from left to right.
@@ -64,6 +66,7 @@ pub struct Mesh {
     mean_chord: f64,
     core: f64,
     wake_core: f64,
+    crossing: bool,
 }
 
 /// What the point at the chord fraction `x` of a section is and does.
@@ -73,8 +76,9 @@ fn at(section: &SectionMotion<f64>, x: f64) -> (Vec3, Vec3) {
 }
 
 impl Mesh {
-    /// The mesh of `surface`; bound vortices have cores of the radius `core` m, 0 for none, the wake begins with `wake_core` m.
-    pub fn new(surface: &Surface, core: f64, wake_core: f64) -> Self {
+    /// The mesh of `surface`; bound vortices have cores of the radius `core` m, 0 for none, the wake begins with `wake_core` m. Where
+    /// parts of the wing are `crossing`, the cores of bound vortices depend on where they are felt.
+    pub fn new(surface: &Surface, core: f64, wake_core: f64, crossing: bool) -> Self {
         let layout = &surface.layout;
         Self {
             chordwise: layout.chordwise,
@@ -84,6 +88,7 @@ impl Mesh {
             shed: vec![0.0; layout.strips()],
             core,
             wake_core,
+            crossing,
             ..Self::default()
         }
     }
@@ -120,6 +125,15 @@ impl Mesh {
         self.mean_chord
     }
 
+    /// Where [`controls`](Self::controls), [`fronts`](Self::fronts) and [`legs`](Self::legs) lie along the arc, m, one after another.
+    pub(crate) fn places(&self) -> impl Iterator<Item = f64> {
+        let middles = self.arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        let rows = 0..self.chordwise;
+        let fronts = rows.clone().flat_map(move |_| middles.clone());
+        let legs = rows.flat_map(|_| self.arcs.iter().copied());
+        self.controls.iter().map(|c| c.arc).chain(fronts).chain(legs)
+    }
+
     /// Number of panels.
     pub fn panels(&self) -> usize {
         self.chordwise * self.strips
@@ -145,7 +159,8 @@ impl Mesh {
         }
         bound.points.extend(ends());
         trailing.points.extend(ends());
-        let square = self.core * self.core;
+        let square = if self.crossing { 1.0 } else { self.core * self.core };
+        bound.arcs.clone_from(&self.arcs);
         bound.soften(|_, _| square, |_, _| square);
         trailing.soften(|_, _| self.wake_core * self.wake_core, |_, _| 0.0);
     }
@@ -164,6 +179,7 @@ impl Mesh {
                     velocity: left.1 + (right.1 - left.1) * *fraction,
                     normal: twice.unit(),
                     area: 0.5 * twice.norm(),
+                    arc: self.arcs[j] + (self.arcs[j + 1] - self.arcs[j]) * *fraction,
                 });
             }
         }

@@ -74,6 +74,21 @@ pub struct Flapping {
     pub density_kg_m3: f64,
 }
 
+/// Refuses sections that lift at no incidence.
+pub(crate) fn require_flat(aero: &Aero) -> Result<(), Error> {
+    let zero_lift = match aero {
+        Aero::LiftingLine(line) => line.settings().zero_lift_angle_rad,
+        Aero::Strip(model) => model.settings().zero_lift_angle_rad,
+    };
+    match zero_lift {
+        0.0 => Ok(()),
+        _ => {
+            let (key, value) = ("zero_lift_angle_deg", zero_lift.to_degrees());
+            Err(Error::Setting { key, value, allowed: "0: the panels are flat".into() })
+        }
+    }
+}
+
 impl TryFrom<&Tether> for Flapping {
     type Error = Error;
 
@@ -88,14 +103,7 @@ impl TryFrom<&Tether> for Flapping {
             Side::Left => return half("left"),
             Side::Right => return half("right"),
         }
-        let zero_lift = match &tether.aero {
-            Aero::LiftingLine(line) => line.settings().zero_lift_angle_rad,
-            Aero::Strip(model) => model.settings().zero_lift_angle_rad,
-        };
-        if zero_lift != 0.0 {
-            let (key, value) = ("zero_lift_angle_deg", zero_lift.to_degrees());
-            return Err(Error::Setting { key, value, allowed: "0: the panels are flat".into() });
-        }
+        require_flat(&tether.aero)?;
         Ok(Self {
             wing: tether.wing.clone(),
             motion: tether.motion.clone(),

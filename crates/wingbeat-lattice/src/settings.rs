@@ -62,6 +62,11 @@ pub struct Settings {
     pub longest_distance_m: f64,
     /// Whose conventions are followed.
     pub conventions: Conventions,
+    /// Where parts of a wing pass through each other: radius of the cores that bound vortices have there, over the distance along the
+    /// arc beyond a mean chord; 0 for none.
+    pub crossing: f64,
+    /// Segments of a wake from which its velocities are summed by multipoles.
+    pub fast_from: usize,
 }
 
 impl Settings {
@@ -74,6 +79,8 @@ impl Settings {
             longest_age_s: f64::INFINITY,
             longest_distance_m: f64::INFINITY,
             conventions: Conventions::Own,
+            crossing: 0.0,
+            fast_from: usize::MAX,
         }
     }
 
@@ -102,9 +109,11 @@ impl Settings {
                 return Err(Error::Setting { key, value, allowed: "above 0".into() });
             }
         }
-        for (key, value) in
-            [("core.viscosity_m2_s", self.core.viscosity_m2_s), ("core.squire", self.core.squire)]
-        {
+        for (key, value) in [
+            ("core.viscosity_m2_s", self.core.viscosity_m2_s),
+            ("core.squire", self.core.squire),
+            ("crossing", self.crossing),
+        ] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Error::Setting { key, value, allowed: "0 or more".into() });
             }

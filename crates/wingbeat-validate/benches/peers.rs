@@ -12,7 +12,6 @@ use wingbeat::body::{LinkMotion, Tree};
 use wingbeat::math::{GRAVITY, Jet, Quat, Vec3, Wrench};
 use wingbeat::plant::Plant;
 use wingbeat::scenario::{Scenario, TetherCase};
-use wingbeat_lattice::{Flapping, Lattice, Panels, Scene, Settings, Spacing, WakeMotion};
 use wingbeat_validate::{Error, body, reference_table};
 
 /// States evaluated in one batch, all different.
@@ -112,25 +111,6 @@ fn flap(preset: &str, key: &str, strips: usize) {
     row(&format!("flap_f2_{preset}"), time / simulated);
 }
 
-/// The vortex lattice of case F2 on the panels and steps of PteraSoftware's, from rest, per simulated second.
-fn lattice(name: &str, wake: WakeMotion) {
-    let (steps, cycles, frequency, chord) = (48, 3, 3.5, 0.08);
-    let none = |file: &Path| Err(format!("{} is not read here", file.display()));
-    let case = TetherCase::load(&root().join("cases/flap_f2.toml"), &[], &none)
-        .unwrap_or_else(|error| panic!("{error}"));
-    let panels = Panels { chordwise: 4, spanwise: 20, spacing: Spacing::Uniform };
-    let settings = Settings { wake, ..Settings::new(1.0 / (frequency * f64::from(steps)), 0.03 * chord) };
-    let time = median(5, || {
-        let flapping = Flapping::try_from(&case.tether).unwrap_or_else(|error| panic!("{error}"));
-        let stepped = Scene::new(&flapping, panels, true).and_then(|scene| {
-            let mut lattice = Lattice::new(scene, settings)?;
-            (0..cycles * steps).map(|_| lattice.step()).collect::<Result<Vec<_>, _>>()
-        });
-        black_box(stepped.unwrap_or_else(|error| panic!("{error}")));
-    });
-    row(name, time * frequency / f64::from(cycles));
-}
-
 fn main() -> Result<(), Error> {
     tree()?;
     // Eight would leave a hinge between two edges of the strips.
@@ -140,7 +120,5 @@ fn main() -> Result<(), Error> {
     }
     flap("paper", "nodes", 16);
     flap("full", "strips", 16);
-    lattice("lattice_prescribed", WakeMotion::Prescribed);
-    lattice("lattice_free", WakeMotion::Free);
     Ok(())
 }

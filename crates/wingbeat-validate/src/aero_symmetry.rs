@@ -60,18 +60,11 @@ fn tether(
         angles.reverse();
     }
     let arcs: Vec<f64> = hinges.iter().map(|h| h.arc_m).filter(|arc| *arc > 0.0).collect();
-    let (zero, wing) = (Coordinate::Constant(0.0), outline()?);
+    let wing = outline()?;
     Ok(Tether {
         aero: preset.model_of(strips, &wing, &arcs, 1.225, 0.05)?,
         wing: Wing::new(wing, hinges)?,
-        motion: Motion {
-            surge: zero.clone(),
-            heave: zero.clone(),
-            nose_up: Coordinate::Constant(0.1),
-            roll: zero,
-            axis_ahead_m: 0.0,
-            hinges: angles,
-        },
+        motion: Motion { nose_up: Coordinate::Constant(0.1), hinges: angles, ..Motion::at_rest() },
         wind: Vec3::new(-SPEED, 0.0, 0.2),
         side: Side::Both,
         reference: Reference { density_kg_m3: 1.225, speed_m_s: SPEED, area_m2: 0.05, chord_m: 0.12 },

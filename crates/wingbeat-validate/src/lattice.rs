@@ -2,7 +2,9 @@
 
 mod convergence;
 mod flapping;
+mod flight;
 mod small;
+mod wake;
 mod wings;
 
 use crate::Case;
@@ -19,5 +21,8 @@ pub const CASES: &[Case] = &[
     Case { id: "lattice.force_methods_agree", quick: false, run: flapping::force_methods_agree },
     Case { id: "lattice.f1", quick: false, run: flapping::f1 },
     Case { id: "lattice.f2", quick: false, run: flapping::f2 },
+    Case { id: "lattice.free_flight", quick: false, run: flight::free_flight },
+    Case { id: "wake.plane_circulation", quick: false, run: wake::plane_circulation },
+    Case { id: "wake.symmetry", quick: false, run: wake::symmetry },
     Case { id: "lattice.convergence", quick: false, run: convergence::convergence },
 ];

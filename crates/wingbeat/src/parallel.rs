@@ -5,6 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
+/// Stack of a thread: an evaluation that carries derivatives holds several MB.
+const STACK: usize = 16 << 20;
+
 /// `work` on every item, on all cores; the answers in the order of the items.
 ///
 /// ```
@@ -34,7 +37,7 @@ pub fn each<T: Sync, R: Send>(
     thread::scope(|scope| {
         for _ in 0..cores {
             let sender = sender.clone();
-            scope.spawn(move || {
+            let run = move || {
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(item) = items.get(index) else { return };
@@ -42,7 +45,8 @@ pub fn each<T: Sync, R: Send>(
                         return;
                     }
                 }
-            });
+            };
+            thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).expect("a thread");
         }
         drop(sender);
         for (index, answer) in answers {

@@ -1,6 +1,7 @@
 //! Running times beside those of other programs, measured in the same run.
 
 mod control;
+mod lattice;
 mod netft;
 
 use std::collections::HashMap;
@@ -16,7 +17,7 @@ const ROUNDS: usize = 3;
 type Times = HashMap<String, f64>;
 
 /// Rows of the table: what, our name of it, the other program, its name of what it is compared with.
-const ROWS: [(&str, &str, &str, &str); 11] = [
+const ROWS: [(&str, &str, &str, &str); 14] = [
     ("forward dynamics, 10-dof tree", "forward_dynamics", "Pinocchio 4.1.0", "forward_dynamics"),
     ("plant of Aerobat, paper, 9 strips", "plant_paper_9", "Pinocchio 4.1.0", "forward_dynamics"),
     ("plant of Aerobat, full, 9 strips", "plant_full_9", "Pinocchio 4.1.0", "forward_dynamics"),
@@ -24,18 +25,11 @@ const ROWS: [(&str, &str, &str, &str); 11] = [
     ("plant of Aerobat, full, 16 strips", "plant_full_16", "Pinocchio 4.1.0", "forward_dynamics"),
     ("flapping wing F2, paper, per simulated second", "flap_f2_paper", "PteraSoftware 5.1.0", "flap_f2"),
     ("flapping wing F2, full, per simulated second", "flap_f2_full", "PteraSoftware 5.1.0", "flap_f2"),
-    (
-        "vortex lattice of F2, prescribed wake, per simulated second",
-        "lattice_prescribed",
-        "PteraSoftware 5.1.0",
-        "flap_f2",
-    ),
-    (
-        "vortex lattice of F2, free wake, per simulated second",
-        "lattice_free",
-        "PteraSoftware 5.1.0",
-        "flap_f2_free",
-    ),
+    ("vortex lattice of F2, prescribed wake", "lattice_prescribed", "PteraSoftware 5.1.0", "flap_f2"),
+    ("the same, both halves computed", "lattice_prescribed_whole", "PteraSoftware 5.1.0", "flap_f2"),
+    ("vortex lattice of F2, free wake", "lattice_free", "PteraSoftware 5.1.0", "flap_f2_free"),
+    ("the same by multipoles", "lattice_free_fast", "PteraSoftware 5.1.0", "flap_f2_free"),
+    ("the same, both halves computed, directly", "lattice_free_whole", "PteraSoftware 5.1.0", "flap_f2_free"),
     ("FLAPBODY-14 B, 100 intervals", "flapbody14_b", "CasADi 3.8.2 + IPOPT", "flapbody14_b"),
     (
         "the same",
@@ -49,8 +43,9 @@ const ROWS: [(&str, &str, &str, &str); 11] = [
 type Comparison = fn(&Path) -> bool;
 
 /// The comparisons by name.
-const COMPARISONS: [(&str, Comparison); 4] = [
+const COMPARISONS: [(&str, Comparison); 5] = [
     ("mechanics", mechanics),
+    ("lattice", lattice::compare),
     ("control", control::compare),
     ("offline", offline),
     ("netft", netft::compare),

@@ -10,7 +10,7 @@ use wingbeat::scenario::{Evaluated, ProcessedRun, RigRun, Scenario, Sweep, Tethe
 use wingbeat::simulate::{Column, Record};
 
 use super::columns::{
-    AVERAGE, BOX, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, RECORDS, RIG, RUNS, STRIPS, SWEEP,
+    AVERAGE, BOX, CALIBRATED, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, RECORDS, RIG, RUNS, STRIPS, SWEEP,
 };
 use super::{root, shipped};
 
@@ -194,6 +194,13 @@ fn columns_of_sweeps_are_in_the_reference() {
         met.see(record, &columns, &drawn);
         met.all_of(record);
     }
+}
+
+#[test]
+fn columns_of_calibrations_are_in_the_reference() {
+    let mut met = Met::default();
+    met.see(CALIBRATED, &crate::calibrate::columns(), &[]);
+    met.all_of(CALIBRATED);
 }
 
 #[test]

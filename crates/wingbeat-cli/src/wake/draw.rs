@@ -3,6 +3,7 @@
 use wingbeat::math::Vec3;
 use wingbeat_figures::{Cut, WakeSheet, frontal_planes, wake};
 
+use super::stroke::NAMES;
 use super::watch::{Shot, Watch};
 use crate::error::Error;
 use crate::run_folder::RunFolder;
@@ -16,13 +17,27 @@ const SPREAD: f64 = 0.1;
 const DRAWN: usize = 1;
 
 /// Draws what can be drawn; what cannot is said and left out.
-pub fn draw(folder: &RunFolder, watch: &Watch) -> Result<(), Error> {
+pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
-    let mut shots: Vec<&Shot> = watch.shots.iter().collect();
-    shots.sort_by_key(|shot| order(shot));
-    let drawn = shots.get(DRAWN).or(shots.first()).map(|shot| wake(&sheet(shot)));
-    let cuts: Vec<Cut> = shots.iter().map(|shot| cut(shot, watch)).collect();
-    let planes = (!cuts.is_empty()).then(|| frontal_planes(&cuts, SPREAD * watch.chord));
+    let shots: Vec<Vec<&Shot>> = watches.iter().map(in_order).collect();
+    let whole = watches.iter().zip(&shots);
+    let sheets: Vec<WakeSheet> = whole
+        .clone()
+        .filter_map(|(watch, shots)| shots.get(DRAWN).or(shots.first()).map(|shot| sheet(shot, watch)))
+        .collect();
+    // Phase by phase, the courses beside each other.
+    let phases = shots.iter().map(Vec::len).max().unwrap_or(0);
+    let cuts = (0..phases).flat_map(|phase| {
+        whole.clone().filter_map(move |(watch, shots)| shots.get(phase).map(|shot| cut(shot, watch)))
+    });
+    let cuts: Vec<Cut> = cuts.collect();
+    let chord = watches.first().map_or(1.0, |watch| watch.course.chord);
+    let notes: Vec<String> = match watches {
+        [only] => vec![only.course.note()],
+        _ => watches.iter().map(|watch| format!("{}: {}", watch.course.title, watch.course.note())).collect(),
+    };
+    let drawn = (!sheets.is_empty()).then(|| wake(&sheets));
+    let planes = (!cuts.is_empty()).then(|| frontal_planes(&cuts, &notes, SPREAD * chord));
     for figure in drawn.into_iter().chain(planes) {
         let outcome = figure.and_then(|figure| wingbeat_figures::write(&figures, &figure));
         if let Err(error) = outcome {
@@ -32,29 +47,43 @@ pub fn draw(folder: &RunFolder, watch: &Watch) -> Result<(), Error> {
     Ok(())
 }
 
-/// Place of a phase among the four.
-fn order(shot: &Shot) -> usize {
-    super::stroke::NAMES.iter().position(|name| *name == shot.name).unwrap_or(0)
+/// The shots in the order of the phases.
+fn in_order<'a>(watch: &'a Watch<'_>) -> Vec<&'a Shot> {
+    let mut shots: Vec<&Shot> = watch.shots.iter().collect();
+    shots.sort_by_key(|shot| NAMES.iter().position(|name| *name == shot.name).unwrap_or(0));
+    shots
 }
 
-fn sheet(shot: &Shot) -> WakeSheet {
-    let corners = |quad: &wingbeat_lattice::Quad| quad.corners.map(|corner| corner.0);
+/// Wing and wake from the body's origin, along flight, left and up.
+fn sheet(shot: &Shot, watch: &Watch<'_>) -> WakeSheet {
+    let course = watch.course;
+    let at = |p: Vec3| course.axes.of(p - shot.origin).0;
+    let corners = |quad: &wingbeat_lattice::Quad| quad.corners.map(at);
+    let begin = course.flown.as_ref().map_or(0.0, |flown| flown.from_s);
     WakeSheet {
-        title: format!("wing and wake, {}, t = {:.3} s; attached flow assumed", shot.name, shot.picture.time),
+        title: format!("{}, {}, t = {:.3} s", course.title, shot.name, begin + shot.picture.time),
+        note: course.note(),
         wing: shot.picture.wing.iter().map(corners).collect(),
         wake: shot.picture.wake.iter().map(|quad| (corners(quad), quad.circulation)).collect(),
     }
 }
 
-/// What crosses the plane across the wind behind the wing.
-fn cut(shot: &Shot, watch: &Watch) -> Cut {
-    let axes = watch.axes;
+/// What crosses the plane across the flight behind the wing.
+fn cut(shot: &Shot, watch: &Watch<'_>) -> Cut {
+    let (course, axes) = (watch.course, watch.course.axes);
     let rearmost = shot.edges.iter().flatten().map(|p| p.dot(axes.flight)).fold(f64::INFINITY, f64::min);
-    let origin = axes.flight * (rearmost - BEHIND * watch.chord);
-    let in_plane = |p: Vec3| [p.dot(axes.left), p.dot(axes.up)];
-    let crossings = shot.picture.crossings(origin, axes.flight);
+    let plane = axes.flight * (rearmost - BEHIND * course.chord);
+    let in_plane = |p: Vec3| {
+        let place = axes.of(p - shot.origin);
+        [place[1], place[2]]
+    };
+    let crossings = shot.picture.crossings(plane, axes.flight);
+    let title = match course.name.as_str() {
+        "" => format!("{}, phase {:.2}", shot.name, shot.phase),
+        _ => format!("{}: {}", course.title, shot.name),
+    };
     Cut {
-        title: format!("{}, phase {:.2}", shot.name, shot.phase),
+        title,
         vortices: crossings.into_iter().map(|(place, circulation)| (in_plane(place), circulation)).collect(),
         outline: shot.edges.iter().map(|edge| edge.iter().map(|p| in_plane(*p)).collect()).collect(),
     }

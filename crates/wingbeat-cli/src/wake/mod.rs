@@ -1,14 +1,18 @@
 //! `wingbeat wake`.
 
+mod case;
+mod course;
 mod draw;
+mod flown;
 mod stroke;
+mod summary;
 mod watch;
 
 use std::time::Instant;
 
 use wingbeat::scenario::TetherCase;
 use wingbeat_io::write_parquet;
-use wingbeat_lattice::{Core, Flapping, Lattice, Panels, Scene, Settings, Spacing, WakeMotion};
+use wingbeat_lattice::{Core, Lattice, Panels, Settings, Spacing, WakeMotion};
 
 use crate::args::Wake;
 use crate::error::Error;
@@ -18,96 +22,179 @@ use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
 use crate::tether::Tables;
-use stroke::Stroke;
-use watch::{Summary, Watch};
+use course::Course;
+use flown::FlownRun;
+use summary::Summary;
+use watch::Watch;
 
 /// Most rings of a wake: minutes of work.
 const MOST_RINGS: usize = 200_000;
+/// Segments of a wake from which it is summed by multipoles.
+const FAST_FROM: usize = 20_000;
+/// Core of bound vortices where wings pass through each other, over the distance along the arc. *Choice.*
+const CROSSING: f64 = 0.2;
 /// Fewest and most steps of a cycle that are chosen.
 const STEPS: (f64, f64) = (24.0, 400.0);
-/// Steps of a cycle without wind.
-const STILL: f64 = 48.0;
 
-/// Steps the lattice of a case and writes its run folder.
+/// Where the motion comes from.
+enum Source {
+    Case(Box<TetherCase>, Tables),
+    Flight(Box<FlownRun>),
+}
+
+/// Steps the lattice of a case or along a flight and writes its run folder.
 pub fn wake(arguments: &Wake) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let tables = Tables::default();
-    let case = TetherCase::load(&arguments.case, &options.overrides, &|path| tables.read(path))?;
-    let (settings, panels, steps) = settings(arguments, &case)?;
-    let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
-    let watch = step(&case, settings, panels, steps, &interrupt, options.quiet)?;
-    let summary = watch.summary(&case, arguments);
-    folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
-    tables.keep(&folder)?;
-    folder.write_json("summary.json", &summary)?;
-    write_parquet(&folder.file("record.parquet"), &watch.record)?;
-    for shot in &watch.shots {
-        folder.write(&format!("{}.vtk", shot.name.replace(' ', "_")), &shot.picture.vtk())?;
+    let source = Source::open(arguments)?;
+    let courses = source.courses(arguments, &interrupt)?;
+    check_size(arguments, &courses)?;
+    let folder = RunFolder::create(options.out.as_deref(), &source.run_name()?, options.force)?;
+    let mut watches = Vec::new();
+    for course in &courses {
+        watches.push(step(course, settings(arguments, course), &interrupt, options.quiet)?);
     }
-    draw::draw(&folder, &watch)?;
+    let summary = Summary::new(source.name(), arguments, &watches);
+    source.keep(&folder)?;
+    folder.write_json("summary.json", &summary)?;
+    for watch in &watches {
+        write_parquet(&folder.file(&format!("{}record.parquet", watch.prefix())), &watch.record)?;
+        for shot in &watch.shots {
+            let name = format!("{}{}.vtk", watch.prefix(), shot.name.replace(' ', "_"));
+            folder.write(&name, &shot.picture.vtk())?;
+        }
+    }
+    draw::draw(&folder, &watches)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
-    match &watch.failed {
-        Some(reason) => {
-            Err(Error::Failed { status: summary.status, reason: reason.clone(), folder: shown.into() })
-        }
+    match watches.iter().find_map(|watch| watch.failed.clone()) {
+        Some(reason) => Err(Error::Failed { status: summary.status, reason, folder: shown.into() }),
         None => {
-            say::unless(options.quiet, || format!("{}\nrun folder: {}\n", table(&summary), shown.display()))
+            say::unless(options.quiet, || format!("{}\nrun folder: {}\n", summary.table(), shown.display()))
         }
     }
 }
 
-/// Settings, panels and steps per cycle that the command line asks for.
-fn settings(arguments: &Wake, case: &TetherCase) -> Result<(Settings, Panels, usize), Error> {
-    let tether = &case.tether;
-    let (clock, chord) = (tether.clock, tether.reference.chord_m);
-    let way = chord / arguments.chordwise as f64;
-    let fitting = tether.wind.norm() / (clock.frequency_hz * way);
-    let fitting = if fitting > 0.0 { fitting.round().clamp(STEPS.0, STEPS.1) } else { STILL };
-    let steps = arguments.steps.unwrap_or(fitting as usize);
-    let rings = clock.cycles.saturating_mul(steps).saturating_mul(arguments.spanwise);
-    if rings > MOST_RINGS {
-        let text = format!(
-            "cycles times steps times spanwise panels are {rings} rings of the wake: allowed are at most {MOST_RINGS}"
-        );
-        return Err(Error::Input(text));
+impl Source {
+    /// A run folder of a flight, or else a case.
+    fn open(arguments: &Wake) -> Result<Self, Error> {
+        let path = &arguments.case;
+        if path.is_dir() && path.join("scenario.toml").is_file() {
+            if !arguments.run.overrides.is_empty() {
+                let text = format!("--set: {} has been flown; allowed is a case", path.display());
+                return Err(Error::Input(text));
+            }
+            return Ok(Self::Flight(Box::new(FlownRun::open(path)?)));
+        }
+        let only_flights = [
+            ("--at", !arguments.at.is_empty()),
+            ("--cycles", arguments.cycles.is_some()),
+            ("--model", arguments.model),
+        ];
+        if let Some((name, _)) = only_flights.iter().find(|(_, given)| *given) {
+            let text = format!("{name}: allowed for the run folder of a flight, not for a case");
+            return Err(Error::Input(text));
+        }
+        // The run folder of a tether holds its case.
+        let inside = path.join("case.toml");
+        let path = if path.is_dir() && inside.is_file() { &inside } else { path };
+        let tables = Tables::default();
+        let case = TetherCase::load(path, &arguments.run.overrides, &|path| tables.read(path))?;
+        Ok(Self::Case(Box::new(case), tables))
     }
-    let step_s = 1.0 / (clock.frequency_hz * steps as f64);
-    let core = Core { radius_m: arguments.core * chord, viscosity_m2_s: 0.0, squire: 0.0 };
-    let wake = if arguments.prescribed { WakeMotion::Prescribed } else { WakeMotion::Free };
-    let settings = Settings { wake, core, ..Settings::new(step_s, core.radius_m) };
-    let panels =
-        Panels { chordwise: arguments.chordwise, spanwise: arguments.spanwise, spacing: Spacing::Lan };
-    Ok((settings, panels, steps))
+
+    fn courses(&self, arguments: &Wake, interrupt: &Interrupt) -> Result<Vec<Course>, Error> {
+        if arguments.steps == Some(0) {
+            return Err(Error::Input("--steps 0: allowed is 1 or more".into()));
+        }
+        match self {
+            Self::Case(case, _) => Ok(vec![case::course(arguments, case, interrupt)?]),
+            Self::Flight(run) => run.courses(arguments),
+        }
+    }
+
+    fn name(&self) -> &str {
+        match self {
+            Self::Case(case, _) => &case.spec.name,
+            Self::Flight(run) => &run.scenario().spec.name,
+        }
+    }
+
+    fn run_name(&self) -> Result<wingbeat::scenario::RunName, Error> {
+        Ok(match self {
+            Self::Case(case, _) => case.spec.run_name()?,
+            Self::Flight(run) => run.scenario().spec.run_name()?,
+        })
+    }
+
+    /// Writes what the motion came from.
+    fn keep(&self, folder: &RunFolder) -> Result<(), Error> {
+        match self {
+            Self::Case(case, tables) => {
+                folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
+                tables.keep(folder)
+            }
+            Self::Flight(run) => folder.write("scenario.toml", &run.scenario().resolved),
+        }
+    }
 }
 
-/// Steps all cycles; a lattice that fails ends the run with what there is.
-fn step(
-    case: &TetherCase,
+/// What the lattice refuses.
+fn refused(error: wingbeat_lattice::Error) -> Error {
+    Error::Input(error.to_string())
+}
+
+/// Panels that the command line asks for.
+fn panels(arguments: &Wake) -> Panels {
+    Panels { chordwise: arguments.chordwise, spanwise: arguments.spanwise, spacing: Spacing::Lan }
+}
+
+/// Steps of a cycle in which the way is `way` m so that the way of each is a panel's chord.
+fn fitting(way: f64, chord: f64, chordwise: usize) -> usize {
+    (way * chordwise as f64 / chord).round().clamp(STEPS.0, STEPS.1) as usize
+}
+
+/// Refuses wakes of too many rings.
+fn check_size(arguments: &Wake, courses: &[Course]) -> Result<(), Error> {
+    for clock in courses.iter().map(|course| course.clock) {
+        let rings = clock.cycles.saturating_mul(clock.steps).saturating_mul(arguments.spanwise);
+        if rings > MOST_RINGS {
+            let text = format!(
+                "cycles times steps times spanwise panels are {rings} rings of the wake: allowed are at most {MOST_RINGS}"
+            );
+            return Err(Error::Input(text));
+        }
+    }
+    Ok(())
+}
+
+/// What the command line asks of the lattice.
+fn settings(arguments: &Wake, course: &Course) -> Settings {
+    let core = Core { radius_m: arguments.core * course.chord, viscosity_m2_s: 0.0, squire: 0.0 };
+    let wake = if arguments.prescribed { WakeMotion::Prescribed } else { WakeMotion::Free };
+    let crossing = if course.crosses { CROSSING } else { 0.0 };
+    let own = Settings::new(course.clock.step_s(), core.radius_m);
+    Settings { wake, core, crossing, fast_from: FAST_FROM, ..own }
+}
+
+/// Steps a course; a lattice that fails ends it with what there is.
+fn step<'a>(
+    course: &'a Course,
     settings: Settings,
-    panels: Panels,
-    steps: usize,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<Watch, Error> {
-    let refused = |error: wingbeat_lattice::Error| Error::Input(error.to_string());
-    let flapping = Flapping::try_from(&case.tether).map_err(refused)?;
-    let symmetric = Scene::new(&flapping, panels, true).map_err(refused)?.symmetric;
-    let scene = Scene::new(&flapping, panels, false).map_err(refused)?;
-    let mut lattice = Lattice::new(scene, settings).map_err(refused)?;
-    let total = case.tether.clock.cycles * steps;
-    let mut watch = Watch::new(&case.tether, Stroke::of(&case.tether, steps), steps, symmetric);
-    let bar = progress::bar(Some(total as u64), "stepping {bar:30} {percent:>3} %  ({eta} left)", quiet);
+) -> Result<Watch<'a>, Error> {
+    let mut lattice = Lattice::new(course.scene.clone(), settings).map_err(refused)?;
+    let total = course.clock.total();
+    let mut watch = Watch::new(course);
+    let template = format!("{} {{bar:30}} {{percent:>3}} %  ({{eta}} left)", course.title);
+    let bar = progress::bar(Some(total as u64), &template, quiet);
     for k in 0..total {
-        match lattice.step() {
-            Ok(loads) => watch.see(k, &lattice, &loads),
-            Err(error) => {
-                watch.failed = Some(error.to_string());
-                break;
-            }
+        if let Err(error) = advance(course, &mut lattice, &mut watch, k) {
+            watch.failed = Some(error.to_string());
+            break;
         }
         bar.set_position(k as u64);
         interrupt.check()?;
@@ -117,29 +204,24 @@ fn step(
     Ok(watch)
 }
 
-/// What is printed.
-fn table(summary: &Summary) -> String {
-    let mut text = format!(
-        "{}: vortex lattice, {} wake, {} x {} panels, {} steps per cycle; last cycle, from rest\n\n",
-        summary.name, summary.wake, summary.panels[0], summary.panels[1], summary.steps_per_cycle
-    );
-    let rows = [
-        ("mean lift", summary.mean_lift_n, "N, by Joukowski"),
-        ("", summary.mean_lift_bernoulli_n, "N, by Bernoulli with leading-edge suction"),
-        ("mean drag", summary.mean_drag_n, "N, by Joukowski"),
-        ("", summary.mean_drag_bernoulli_n, "N, by Bernoulli with leading-edge suction"),
-        ("circulation error", Some(summary.circulation_error), ""),
-        ("symmetry error", summary.symmetry_error, ""),
-        ("down over up, left", summary.down_over_up.left, "mean bound circulation"),
-        ("down over up, right", summary.down_over_up.right, "mean bound circulation"),
-    ];
-    for (name, value, unit) in rows {
-        let value = value.map_or("-".into(), |value| format!("{value:.4e}"));
-        text += format!("{name:<22}{value:>12}  {unit}").trim_end();
-        text.push('\n');
+/// One step, with the circulations of the model that flew where these are wanted.
+fn advance(
+    course: &Course,
+    lattice: &mut Lattice,
+    watch: &mut Watch<'_>,
+    k: usize,
+) -> Result<(), wingbeat_lattice::Error> {
+    let t = k as f64 * course.clock.step_s();
+    match course.flown.as_ref().filter(|flown| flown.by_model) {
+        None => {
+            let loads = lattice.step()?;
+            watch.see(k, lattice, Some(&loads));
+        }
+        Some(flown) => {
+            let rings = flown.flight.circulations(flown.from_s + t, &flown.layouts)?;
+            lattice.step_with(&rings.unwrap_or_default())?;
+            watch.see(k, lattice, None);
+        }
     }
-    for warning in &summary.warnings {
-        text += &format!("\nnote: {warning}\n");
-    }
-    text
+    Ok(())
 }

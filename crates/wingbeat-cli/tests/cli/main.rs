@@ -11,6 +11,7 @@ mod sweep;
 mod tether;
 mod validate;
 mod wake;
+mod wake_flight;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -53,6 +53,7 @@ fn what_cannot_be_stepped_is_refused() {
     for (more, says) in [
         (["--chordwise", "0"], "chordwise = 0: allowed is 1 or more"),
         (["--core", "0"], "core.radius_m = 0: allowed is above 0"),
+        (["--core", "1e300"], "allowed is above 0 and at most 0.08"),
         (["--steps", "100000"], "allowed are at most 200000"),
         (["--spanwise", "1"], "strips = 1"),
     ] {

@@ -1,7 +1,7 @@
 //! The drawing: world coordinates to lines and letters on paper.
 
 use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
+use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::Point;
 use super::bird::{Bird, INTERVAL};
@@ -37,8 +37,7 @@ impl Sheet {
         let ((left, right), (top, bottom)) = (bounds(|p| p.0), bounds(|p| p.1));
         let scale = (style::WIDTH - 2.0 * Self::MARGINS.0) / (right - left);
         let height = scale * (bottom - top) + 2.0 * Self::MARGINS.1;
-        let mut scene = Scene::new(style::WIDTH, height);
-        scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".into());
+        let scene = style::scene(style::WIDTH, height);
         Self { scene, view, scale, origin: (Self::MARGINS.0 - scale * left, Self::MARGINS.1 - scale * top) }
     }
 
@@ -58,19 +57,8 @@ impl Sheet {
     }
 
     fn area(&mut self, points: &[Point], colour: &str, opacity: f64) {
-        let corner = |point: &Point| {
-            let (x, y) = self.at(*point);
-            format!("{x:.2},{y:.2}")
-        };
-        let d = format!("M{}Z", points.iter().map(corner).collect::<Vec<_>>().join("L"));
-        self.scene.elements.push(Primitive::Path(Box::new(PathData {
-            d,
-            fill: Some(Color::from(colour)),
-            stroke: Color::None,
-            stroke_width: 0.0,
-            opacity: Some(opacity),
-            stroke_dasharray: None,
-        })));
+        let corners: Vec<(f64, f64)> = points.iter().map(|point| self.at(*point)).collect();
+        self.scene.elements.push(style::area(&corners, colour, opacity));
     }
 
     fn text(&mut self, (x, y): (f64, f64), content: String, anchor: TextAnchor, size: u32) {

@@ -4,7 +4,7 @@ mod colour;
 mod paper;
 mod planes;
 
-pub use planes::{Cut, frontal_planes};
+pub use planes::{Cut, frontal_planes, half_circulations};
 
 use kuva::render::render::TextAnchor;
 
@@ -29,35 +29,61 @@ const FOOT: f64 = 70.0;
 pub struct Sheet {
     /// What is shown, a line above the picture.
     pub title: String,
+    /// What must be known of it, a line below that.
+    pub note: String,
     /// Panels of the wings.
     pub wing: Vec<[Point; 4]>,
     /// Rings of the wakes with their circulation, m2/s.
     pub wake: Vec<([Point; 4], f64)>,
 }
 
-/// The wing and its wake seen from the side and above, rings coloured by circulation.
+/// Room for title and note above a picture, px.
+const HEAD: f64 = 40.0;
+
+impl Sheet {
+    /// Corners of all that is drawn, as seen in `view`: ranges to the right and down.
+    fn seen(&self, view: &View) -> [(f64, f64); 2] {
+        let corners = self.wake.iter().map(|(corners, _)| corners).chain(&self.wing).flatten();
+        let seen: Vec<(f64, f64)> = corners.map(|point| view.project(*point)).collect();
+        [style::span(seen.iter().map(|p| p.0)), style::span(seen.iter().map(|p| p.1))]
+    }
+}
+
+/// Wings and wakes seen from the side and above, one below the other on one scale of length, rings coloured by circulation on one
+/// scale of colour.
 ///
 /// # Errors
-/// A sheet without a wake.
-pub fn wake(sheet: &Sheet) -> Result<Figure, Error> {
-    if sheet.wake.is_empty() {
+/// No sheet, or one without a wake.
+pub fn wake(sheets: &[Sheet]) -> Result<Figure, Error> {
+    if sheets.is_empty() || sheets.iter().any(|sheet| sheet.wake.is_empty()) {
         return Err(Error::Rows { rows: 0, needed: 1 });
     }
     let view = View::new(VIEW.0, VIEW.1);
-    let scale = Diverging::of(sheet.wake.iter().map(|(_, circulation)| *circulation));
-    let all = sheet.wake.iter().map(|(corners, _)| corners).chain(&sheet.wing).flatten();
-    let seen: Vec<(f64, f64)> = all.map(|point| view.project(*point)).collect();
-    let (left, right) = style::span(seen.iter().map(|p| p.0));
-    let (top, bottom) = style::span(seen.iter().map(|p| p.1));
-    let size = (style::WIDTH - 2.0 * MARGIN) / (right - left).max(1e-9);
-    let height = size * (bottom - top) + 2.0 * MARGIN + FOOT;
-    let mut paper = Paper::new(style::WIDTH, height);
-    let at = |point: &Point| {
-        let (x, y) = view.project(*point);
-        (MARGIN + size * (x - left), MARGIN + 16.0 + size * (y - top))
-    };
-    paper.text((MARGIN, 22.0), &sheet.title, TextAnchor::Start);
-    // What lies further away is drawn first.
+    let rings = sheets.iter().flat_map(|sheet| sheet.wake.iter().map(|(_, circulation)| *circulation));
+    let scale = Diverging::of(rings);
+    let seen: Vec<[(f64, f64); 2]> = sheets.iter().map(|sheet| sheet.seen(&view)).collect();
+    let widest = seen.iter().fold(0.0_f64, |most, [across, _]| most.max(across.1 - across.0));
+    let size = (style::WIDTH - 2.0 * MARGIN) / widest.max(1e-9);
+    let heights: Vec<f64> = seen.iter().map(|[_, down]| size * (down.1 - down.0) + HEAD + MARGIN).collect();
+    let total = heights.iter().sum::<f64>() + FOOT;
+    let mut paper = Paper::new(style::WIDTH, total);
+    let mut top = 0.0;
+    for ((sheet, [across, down]), height) in sheets.iter().zip(&seen).zip(&heights) {
+        let at = |point: &Point| {
+            let (x, y) = view.project(*point);
+            (MARGIN + size * (x - across.0), top + HEAD + size * (y - down.0))
+        };
+        paper.text((MARGIN, top + 22.0), &sheet.title, TextAnchor::Start);
+        paper.text((MARGIN, top + 38.0), &sheet.note, TextAnchor::Start);
+        draw(&mut paper, sheet, &view, &scale, at);
+        top += height;
+    }
+    paper.scale(&scale, (MARGIN, total - 52.0), "circulation of the rings [m2/s]");
+    Ok(Figure::new("wake", paper.scene))
+}
+
+/// Draws what lies further away first.
+fn draw(paper: &mut Paper, sheet: &Sheet, view: &View, scale: &Diverging, at: impl Fn(&Point) -> (f64, f64)) {
     let depth = |corners: &[Point; 4]| corners.iter().map(|corner| view.nearness(*corner)).sum::<f64>();
     let wake = sheet.wake.iter().map(|(corners, value)| (corners, scale.colour(*value), 0.9));
     let wing = sheet.wing.iter().map(|corners| (corners, "#4a4a4a".to_owned(), 1.0));
@@ -66,6 +92,4 @@ pub fn wake(sheet: &Sheet) -> Result<Figure, Error> {
     for (corners, colour, opacity) in quads {
         paper.area(&corners.map(|corner| at(&corner)), &colour, opacity);
     }
-    paper.scale(&scale, (MARGIN, height - 52.0), "circulation of the rings [m2/s]");
-    Ok(Figure::new("wake", paper.scene))
 }

@@ -1,7 +1,7 @@
 //! Areas, lines, letters and colour scales on paper, px from the upper left corner.
 
 use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
+use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::colour::Diverging;
 use crate::scale::Scale;
@@ -19,22 +19,11 @@ pub struct Paper {
 
 impl Paper {
     pub fn new(width: f64, height: f64) -> Self {
-        let mut scene = Scene::new(width, height);
-        scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".into());
-        Self { scene }
+        Self { scene: style::scene(width, height) }
     }
 
     pub fn area(&mut self, corners: &[(f64, f64)], colour: &str, opacity: f64) {
-        let corner = |(x, y): &(f64, f64)| format!("{x:.2},{y:.2}");
-        let d = format!("M{}Z", corners.iter().map(corner).collect::<Vec<_>>().join("L"));
-        self.scene.elements.push(Primitive::Path(Box::new(PathData {
-            d,
-            fill: Some(Color::from(colour)),
-            stroke: Color::None,
-            stroke_width: 0.0,
-            opacity: Some(opacity),
-            stroke_dasharray: None,
-        })));
+        self.scene.elements.push(style::area(corners, colour, opacity));
     }
 
     pub fn line(&mut self, points: Vec<(f64, f64)>, colour: &str, weight: f64) {

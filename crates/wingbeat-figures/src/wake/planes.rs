@@ -10,10 +10,14 @@ use crate::{Error, style};
 
 /// Cells of the field across the widest picture.
 const CELLS: usize = 96;
+/// Room around vortices, radii of their spots.
+const SPOTS: f64 = 3.0;
 /// Share of the largest vorticity below which nothing is drawn.
 const FAINT: f64 = 0.01;
 /// Room around a picture, px.
 const MARGIN: (f64, f64) = (54.0, 40.0);
+/// Room above them for a note, px.
+const NOTE: f64 = 20.0;
 /// Room below the pictures for the scale, px.
 const FOOT: f64 = 60.0;
 
@@ -28,23 +32,16 @@ pub struct Cut {
     pub outline: Vec<Vec<[f64; 2]>>,
 }
 
-/// The pictures side by side, two in a row, on one scale. Every vortex is drawn as a round spot of the radius `spread` m (Gaussian)
+/// The pictures side by side, two in a row, on one scale, with `notes` above, a line each. Every vortex is drawn as a round spot of the radius `spread` m (Gaussian)
 /// that holds its circulation.
 ///
 /// # Errors
 /// No vortex crosses a plane.
-pub fn frontal_planes(cuts: &[Cut], spread: f64) -> Result<Figure, Error> {
+pub fn frontal_planes(cuts: &[Cut], notes: &[String], spread: f64) -> Result<Figure, Error> {
     if cuts.iter().all(|cut| cut.vortices.is_empty()) {
         return Err(Error::Rows { rows: 0, needed: 1 });
     }
-    let points = || {
-        let vortices = cuts.iter().flat_map(|cut| cut.vortices.iter().map(|vortex| vortex.0));
-        vortices.chain(cuts.iter().flat_map(|cut| cut.outline.iter().flatten().copied()))
-    };
-    let [across, up] = [0, 1].map(|axis| {
-        let (low, high) = style::span(points().map(|point| point[axis]));
-        (low - 2.0 * spread, high + 2.0 * spread)
-    });
+    let [across, up] = ranges(cuts, spread);
     let width = 0.5 * style::WIDTH - 1.5 * MARGIN.0;
     let size = width / (across.1 - across.0);
     let height = size * (up.1 - up.0);
@@ -54,12 +51,16 @@ pub fn frontal_planes(cuts: &[Cut], spread: f64) -> Result<Figure, Error> {
         cuts.iter().map(|cut| field(cut, [across.0, up.1], cell, rows, spread)).collect();
     let scale = Diverging::of(fields.iter().flatten().copied());
     let lines = cuts.len().div_ceil(2) as f64;
-    let total = lines * (height + MARGIN.1 + 30.0) + FOOT + 20.0;
+    let head = NOTE * notes.len() as f64;
+    let total = lines * (height + MARGIN.1 + 30.0) + FOOT + 20.0 + head;
     let mut paper = Paper::new(style::WIDTH, total);
+    for (k, note) in notes.iter().enumerate() {
+        paper.text((MARGIN.0, NOTE * (k + 1) as f64), note, TextAnchor::Start);
+    }
     for (k, (cut, field)) in cuts.iter().zip(&fields).enumerate() {
         let origin = (
             MARGIN.0 + (k % 2) as f64 * (width + MARGIN.0),
-            MARGIN.1 + (k / 2) as f64 * (height + MARGIN.1 + 30.0),
+            head + MARGIN.1 + (k / 2) as f64 * (height + MARGIN.1 + 30.0),
         );
         let at = |y: f64, z: f64| (origin.0 + size * (across.1 - y), origin.1 + size * (up.1 - z));
         for (index, value) in field.iter().enumerate().filter(|(_, v)| v.abs() > FAINT * scale.most) {
@@ -75,6 +76,35 @@ pub fn frontal_planes(cuts: &[Cut], spread: f64) -> Result<Figure, Error> {
     }
     paper.scale(&scale, (MARGIN.0, total - FOOT + 8.0), "vorticity about the direction of flight [1/s]");
     Ok(Figure::new("frontal_planes", paper.scene))
+}
+
+/// Ranges of y and z that hold vortices and outlines with their spots, m.
+fn ranges(cuts: &[Cut], spread: f64) -> [(f64, f64); 2] {
+    let points = || {
+        let vortices = cuts.iter().flat_map(|cut| cut.vortices.iter().map(|vortex| vortex.0));
+        vortices.chain(cuts.iter().flat_map(|cut| cut.outline.iter().flatten().copied()))
+    };
+    [0, 1].map(|axis| {
+        let (low, high) = style::span(points().map(|point| point[axis]));
+        (low - SPOTS * spread, high + SPOTS * spread)
+    })
+}
+
+/// Circulation of the vorticity that [`frontal_planes`] draws of `cut` alone, in the left and the right half of the plane, m2/s.
+pub fn half_circulations(cut: &Cut, spread: f64) -> [f64; 2] {
+    let [across, up] = ranges(std::slice::from_ref(cut), spread);
+    let cell = (across.1 - across.0) / CELLS as f64;
+    let rows = ((up.1 - up.0) / cell).ceil() as usize;
+    let field = field(cut, [across.0, up.1], cell, rows, spread);
+    let mut halves = [0.0; 2];
+    for (index, value) in field.iter().enumerate() {
+        // A cell on the middle belongs to both halves by its parts.
+        let low = across.0 + (index % CELLS) as f64 * cell;
+        let left = ((low + cell) / cell).clamp(0.0, 1.0);
+        halves[0] += value * cell * cell * left;
+        halves[1] += value * cell * cell * (1.0 - left);
+    }
+    halves
 }
 
 /// Vorticity at the cells, by row from above and column from low y: sum of Gamma exp(-r^2/(2 s^2))/(2 pi s^2).
@@ -138,16 +168,21 @@ mod tests {
         let field = field(&cut, [-0.6, 0.6], cell, CELLS, spread);
         let sum: f64 = field.iter().sum::<f64>() * cell * cell;
         assert!((sum - 0.2).abs() < 1e-9, "{sum}");
-        assert_eq!(frontal_planes(&[cut], spread).unwrap().name, "frontal_planes");
-        assert!(frontal_planes(&[Cut::default()], spread).is_err());
+        assert_eq!(frontal_planes(&[cut], &[], spread).unwrap().name, "frontal_planes");
+        assert!(frontal_planes(&[Cut::default()], &[], spread).is_err());
     }
 
     #[test]
     fn a_wake_needs_rings() {
-        assert!(super::super::wake(&super::super::Sheet::default()).is_err());
+        assert!(super::super::wake(&[]).is_err());
+        assert!(super::super::wake(&[super::super::Sheet::default()]).is_err());
         let square = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
-        let sheet =
-            super::super::Sheet { wake: vec![(square, 0.2)], wing: vec![square], title: "one".into() };
-        assert_eq!(super::super::wake(&sheet).unwrap().name, "wake");
+        let sheet = super::super::Sheet {
+            wake: vec![(square, 0.2)],
+            wing: vec![square],
+            title: "one".into(),
+            note: String::new(),
+        };
+        assert_eq!(super::super::wake(&[sheet.clone(), sheet]).unwrap().name, "wake");
     }
 }

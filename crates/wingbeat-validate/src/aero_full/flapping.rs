@@ -71,18 +71,10 @@ impl Flap {
         }
         let arcs: Vec<f64> = hinges.iter().map(|h| h.arc_m).filter(|arc| *arc > 0.0).collect();
         let aero = preset.model_of(strips, &self.wing()?, &arcs, 1.225, 0.02)?;
-        let zero = Coordinate::Constant(0.0);
         let alpha = Self::incidence();
         Ok(Tether {
             wing: Wing::new(self.wing()?, hinges)?,
-            motion: Motion {
-                surge: zero.clone(),
-                heave: zero.clone(),
-                nose_up: zero.clone(),
-                roll: zero,
-                axis_ahead_m: 0.0,
-                hinges: angles,
-            },
+            motion: Motion { hinges: angles, ..Motion::at_rest() },
             aero,
             wind: Vec3::new(-alpha.cos(), 0.0, alpha.sin()) * SPEED,
             side: Side::Both,

@@ -34,16 +34,13 @@ impl Waving {
             cos: vec![amplitude * phase.cos()],
             sin: vec![-amplitude * phase.sin()],
         };
-        let zero = Coordinate::Constant(0.0);
         Ok(Tether {
             aero,
             motion: Motion {
-                surge: zero.clone(),
                 heave: wave(self.heave),
                 nose_up: wave(self.pitch),
-                roll: zero,
                 axis_ahead_m: -self.axis,
-                hinges: Vec::new(),
+                ..Motion::at_rest()
             },
             wind: Vec3::new(-self.speed, 0.0, 0.0),
             side: Side::Both,

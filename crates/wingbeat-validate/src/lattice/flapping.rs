@@ -6,9 +6,9 @@ use wingbeat::math::Vec3;
 use wingbeat_lattice::{Conventions, Flapping, Lattice, Loads, Panels, Scene, Settings, Spacing, WakeMotion};
 
 /// Chord of the flapping wings, m.
-const CHORD: f64 = 0.08;
+pub const CHORD: f64 = 0.08;
 /// Steps of a cycle, cycles, frequency (Hz) of the tables.
-const STEPS: usize = 48;
+pub const STEPS: usize = 48;
 const CYCLES: usize = 3;
 const FREQUENCY: f64 = 3.5;
 /// Kinematic viscosity of the tables, m2/s.
@@ -32,6 +32,23 @@ pub fn run(
     let mut lattice = Lattice::new(Scene::new(wing, panels, true)?, Settings { wake, ..settings })?;
     let loads = (0..CYCLES * steps_per_cycle).map(|_| lattice.step()).collect::<Result<_, _>>()?;
     Ok((loads, lattice))
+}
+
+/// Steps the whole wing `steps` times with Lan's strips, shows the lattice after each and returns it.
+pub fn whole(
+    wing: &Flapping,
+    steps: usize,
+    wake: WakeMotion,
+    mut show: impl FnMut(&Lattice),
+) -> Result<Lattice, Error> {
+    let panels = Panels { chordwise: 4, spanwise: 20, spacing: Spacing::Lan };
+    let own = Settings::new(1.0 / (FREQUENCY * STEPS as f64), CORE * CHORD);
+    let mut lattice = Lattice::new(Scene::new(wing, panels, false)?, Settings { wake, ..own })?;
+    for _ in 0..steps {
+        lattice.step()?;
+        show(&lattice);
+    }
+    Ok(lattice)
 }
 
 /// Panels of the tables.

@@ -73,8 +73,7 @@ pub fn step() -> Result<Vec<Row>, Error> {
             worst = worst.max((extrapolated(coarse, fine) / row.2 - 1.0).abs());
         }
     }
-    let metric =
-        "AR 4 to 20, extrapolated from 4 and 8 x 16 panels: worst error of lift from one semichord on";
+    let metric = "AR 4 to 20, extrapolated from 4 and 8 x 16 panels: worst error of lift from one semichord on; limit a choice";
     Ok(vec![Row::judged("lattice.step", SURFACE, metric, worst, 0.02, "")])
 }
 

@@ -16,25 +16,12 @@ const LONGEST: f64 = 40.0;
 /// Size of small motions, rad.
 pub const SMALL: f64 = 1e-3;
 
-/// A coordinate that stays where it is.
-pub fn still() -> Coordinate {
-    Coordinate::Constant(0.0)
-}
-
 /// A rectangle of the aspect ratio `aspect` with its leading edge at x = 0, at rest in a wind of 1 m/s from ahead.
 pub fn rectangle(aspect: f64) -> Result<Flapping, Error> {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -CHORD };
     let planform = Planform::new(&[station(0.0), station(0.5 * aspect * CHORD)])?;
-    let motion = Motion {
-        surge: still(),
-        heave: still(),
-        nose_up: still(),
-        roll: still(),
-        axis_ahead_m: 0.0,
-        hinges: Vec::new(),
-    };
     let wing = Wing::new(planform, Vec::new())?;
-    Ok(Flapping { wing, motion, wind: Vec3::new(-1.0, 0.0, 0.0), density_kg_m3: 1.0 })
+    Ok(Flapping { wing, motion: Motion::at_rest(), wind: Vec3::new(-1.0, 0.0, 0.0), density_kg_m3: 1.0 })
 }
 
 /// A wave of the reduced frequency `k`.
@@ -89,14 +76,7 @@ pub fn flapper(half_span: f64, amplitude_deg: f64, fold: Option<(f64, f64)>) -> 
         hinges.push(hinge(HingeKind::Fold, place * half_span));
         angles.push(("elbow".into(), angle(-0.5 * down, -0.5 * down, 0.0)));
     }
-    let motion = Motion {
-        surge: still(),
-        heave: still(),
-        nose_up: still(),
-        roll: still(),
-        axis_ahead_m: 0.0,
-        hinges: angles,
-    };
+    let motion = Motion { hinges: angles, ..Motion::at_rest() };
     let wind = Vec3::new(-incidence.cos(), 0.0, incidence.sin()) * speed;
     Ok(Flapping { wing: Wing::new(planform, hinges)?, motion, wind, density_kg_m3: 1.225 })
 }

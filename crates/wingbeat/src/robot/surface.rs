@@ -130,7 +130,7 @@ impl Panel {
 
 /// Geometry of a surface on its links.
 #[derive(Clone, Debug)]
-struct Placement {
+pub(super) struct Placement {
     planform: Planform,
     shift: f64,
     /// Panels of the left and right half, from the root on.
@@ -158,7 +158,7 @@ impl Placement {
     }
 
     /// The section at the arc coordinate `s`, m. A section on a hinge belongs to the inner link.
-    fn section(&self, s: f64, carriers: &[usize]) -> Section {
+    pub fn section(&self, s: f64, carriers: &[usize]) -> Section {
         let (leading, trailing) = self.planform.edges(s);
         let (arc, left) = (self.planform.from_root(s), self.planform.on_left(s));
         let panels = &self.panels[usize::from(!left)];
@@ -244,6 +244,8 @@ pub(super) struct Laid {
     pub symmetric: bool,
     /// Sections at the ends of the panels with their names, from left to right.
     pub outline: Vec<(String, Section)>,
+    /// Its geometry.
+    pub placement: Placement,
 }
 
 /// All surfaces of a robot with their aerodynamic models.
@@ -316,6 +318,7 @@ impl Covering {
                     .into_iter()
                     .map(|(s, name)| (name, at(&s)))
                     .collect(),
+                placement,
             };
             placed.check_names(&laid).map_err(|e| e.within(&outline.key))?;
             laid.push(placed);

@@ -205,7 +205,8 @@ pub(super) fn robot(spec: &RobotSpec, aero: &AeroSpec, air: Air, phase: f64) -> 
         aero.build(outline, air.density, &names)
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
-    Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))
+    let robot = Robot::new(spec, models, air, phase);
+    robot.and_then(|robot| robot.adjusted(&spec.own_numbers())).map_err(|e| e.within("robot"))
 }
 
 impl AeroSpec {

@@ -1,6 +1,7 @@
 //! TOML to checked objects: the only place where strings become things.
 
 mod build;
+mod calibration;
 mod chosen;
 mod document;
 mod doors;
@@ -27,6 +28,7 @@ mod tether_compare;
 mod tether_converge;
 mod tether_spec;
 
+pub use calibration::{CalibratedRunSpec, CalibrationSpec, ParameterSpec, StructureOfModel, TruthSpec};
 pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
 pub use doors::Doors;
@@ -70,7 +72,7 @@ use std::path::Path;
 use step_error::StepError;
 
 /// Keys of a scenario that name a file to be put in their place.
-const INCLUDES: [&str; 1] = ["robot"];
+const INCLUDES: [&str; 2] = ["robot", "robot.numbers"];
 /// What an override may change of a case of which numbers are published: it flies as before.
 const BESIDE_THE_CASE: [&str; 4] = ["name", "paper", "flight.record_every_s", "flight.record_strips_every_s"];
 

@@ -62,6 +62,13 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// At rest at the origin, without hinges.
+    pub fn at_rest() -> Self {
+        let still = || Coordinate::Constant(0.0);
+        let hinges = Vec::new();
+        Self { surge: still(), heave: still(), nose_up: still(), roll: still(), axis_ahead_m: 0.0, hinges }
+    }
+
     /// The body at time `t`.
     pub fn body(&self, t: f64) -> TetheredBody<f64> {
         TetheredBody {

@@ -20,6 +20,7 @@ use crate::Error;
 use crate::range::{Range, ranges};
 use crate::require::{finite, principal_inertias};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A robot: body, links with their joints, surfaces, gait, structure. `wing` stands for the links
 /// and the surface of a pair of two-panelled wings.
@@ -52,6 +53,11 @@ pub struct RobotSpec {
     /// Response of the structure to its regulators.
     #[serde(default)]
     pub structure: StructureSpec,
+    /// Numbers by name, `"surfaces.wing.cd0" = 0.03`, in place of those that follow from the other keys; or a file of such
+    /// numbers, as `wingbeat calibrate` writes it. Numbers of the rig (`mount.`, `crank.`) count on the rig alone.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "file_or_numbers"))]
+    pub numbers: BTreeMap<String, f64>,
 }
 
 /// Central body; lengths from the body origin in FLU axes.
@@ -90,6 +96,31 @@ impl BodySpec {
     }
 }
 
+/// The name of a file of numbers, or the numbers.
+#[cfg(feature = "schema")]
+fn file_or_numbers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let numbers = serde_json::json!({ "type": "object", "additionalProperties": { "type": "number" } });
+    schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers] })
+}
+
+/// Whether a number is one of the rig that carries the robot.
+pub(crate) fn is_of_rig(name: &str) -> bool {
+    ["mount.", "crank."].iter().any(|of| name.starts_with(of))
+}
+
+/// Refuses a number out of its bounds, and the frequency, which is the gait's.
+fn check_number(name: &str, value: f64) -> Result<(), Error> {
+    let given = || format!("{name:?} = {value}");
+    if name == "gait.phase_rate_rad_s" {
+        return Err(Error::invalid("numbers", given(), "the frequency where the gait has it"));
+    }
+    let [low, high] = super::bounds(name);
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::invalid("numbers", given(), format!("{low} to {high}")))
+}
+
 impl RobotSpec {
     /// Checks what the types alone do not: ranges, names, clashes.
     ///
@@ -108,7 +139,14 @@ impl RobotSpec {
         }
         self.gait.check(self.wing.is_some()).map_err(|e| e.within("gait"))?;
         self.drive.build().map_err(|e| e.within("drive"))?;
-        self.structure.check().map_err(|e| e.within("structure"))
+        self.structure.check().map_err(|e| e.within("structure"))?;
+        self.numbers.iter().try_for_each(|(name, value)| check_number(name, *value))
+    }
+
+    /// The numbers given by name that are the robot's own.
+    pub(crate) fn own_numbers(&self) -> Vec<(&str, f64)> {
+        let own = self.numbers.iter().filter(|(name, _)| !is_of_rig(name));
+        own.map(|(name, value)| (name.as_str(), *value)).collect()
     }
 
     /// Multiplies the masses and the inertias of body and links.
@@ -120,6 +158,12 @@ impl RobotSpec {
         for (m, i) in wing.chain(links).chain([body]) {
             *m *= mass;
             i.iter_mut().for_each(|i| *i *= inertia);
+        }
+        for (name, number) in &mut self.numbers {
+            let scale = if name.ends_with("mass_kg") { mass } else { inertia };
+            if name.ends_with("mass_kg") || name.contains("inertia_kg_m2") {
+                *number *= scale;
+            }
         }
     }
 

@@ -1,0 +1,249 @@
+//! The courses of a recorded flight: stretches of it, from rest.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use wingbeat::aero::Span;
+use wingbeat::math::Vec3;
+use wingbeat::math::interpolation::piecewise_linear;
+use wingbeat::plant::Plant;
+use wingbeat::robot::SurfaceOutline;
+use wingbeat::scenario::{Chosen, Scenario};
+use wingbeat::simulate::Record;
+use wingbeat_io::read_parquet_columns;
+use wingbeat_lattice::{Flight, Panels, Scene};
+
+use super::course::{Axes, Clock, Course, Flown};
+use super::stroke::Stroke;
+use super::{fitting, panels, refused};
+use crate::args::Wake;
+use crate::error::Error;
+
+/// Cycles without `--cycles`.
+const CYCLES: usize = 3;
+/// Way of a stretch without flapping, mean chords a cycle. *Choice.*
+const WAY: f64 = 10.0;
+/// Swing of a joint from which it strokes, rad.
+const SWINGS: f64 = 1e-3;
+
+/// A run folder of a flight.
+pub struct FlownRun {
+    scenario: Scenario,
+    record: Record,
+    outlines: Vec<SurfaceOutline>,
+}
+
+/// A stretch that is looked at.
+struct Stretch {
+    name: String,
+    title: String,
+    to_s: f64,
+}
+
+impl FlownRun {
+    /// Reads scenario and record of the run folder `folder`.
+    pub fn open(folder: &Path) -> Result<Self, Error> {
+        let scenario = Scenario::load(&folder.join("scenario.toml"), &[])?;
+        let robot = scenario.robot();
+        let channels = robot.states().iter().chain(robot.inputs()).map(|channel| channel.name.as_str());
+        let clearances = robot.clearances().iter().map(|channel| channel.name.as_str());
+        let names = ["t", "phase"].into_iter().chain(robot.joint_names()).chain(clearances);
+        // A state of a joint may be the joint's own column.
+        let mut once: Vec<&str> = names.chain(channels).collect();
+        once.sort_unstable();
+        once.dedup();
+        let record = read_parquet_columns(&folder.join("record.parquet"), &once)?;
+        let outlines = scenario.spec.robot.outlines()?;
+        Ok(Self { scenario, record, outlines })
+    }
+
+    /// Name of the scenario that was flown.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    fn column(&self, name: &str) -> &[f64] {
+        self.record.values(name).unwrap_or_default()
+    }
+
+    /// First and last time of the record, s.
+    fn ends(&self) -> (f64, f64) {
+        let t = self.column("t");
+        (t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(0.0))
+    }
+
+    /// Whether the gait runs.
+    fn flaps(&self) -> bool {
+        self.column("phase").windows(2).all(|pair| pair[0] < pair[1])
+    }
+
+    /// Time at which `cycles` end at `to_s` begin.
+    fn begin(&self, to_s: f64, cycles: usize) -> f64 {
+        let (t, phase) = (self.column("t"), self.column("phase"));
+        if !self.flaps() {
+            let way = WAY * self.chord() * cycles as f64;
+            return to_s - way / self.speed(to_s).max(1e-3);
+        }
+        let at = piecewise_linear(t, phase, to_s) - std::f64::consts::TAU * cycles as f64;
+        if at < phase[0] { f64::NEG_INFINITY } else { piecewise_linear(phase, t, at) }
+    }
+
+    /// Mean chord of the first surface, m.
+    fn chord(&self) -> f64 {
+        self.outlines.first().map_or(1.0, |outline| {
+            let planform = &outline.planform;
+            planform.area() / (2.0 * planform.half_span())
+        })
+    }
+
+    /// Speed through the air at `t` s.
+    fn speed(&self, t: f64) -> f64 {
+        let velocity = ["x", "y", "z"]
+            .map(|axis| piecewise_linear(self.column("t"), self.column(&format!("v_WB_W_{axis}")), t));
+        (Vec3(velocity) - self.scenario.robot().mean_wind()).norm()
+    }
+
+    /// The stretches asked for, or that before the turn and the last of the flight, or that alone.
+    fn stretches(&self, arguments: &Wake, cycles: usize) -> Vec<Stretch> {
+        let at =
+            |to_s: f64| Stretch { name: format!("until_{to_s}_s"), title: format!("until {to_s} s"), to_s };
+        if !arguments.at.is_empty() {
+            return arguments.at.iter().map(|to_s| at(*to_s)).collect();
+        }
+        let (first, last) = self.ends();
+        let turn = self.scenario.spec.manoeuvre.as_ref().and_then(Chosen::shipped);
+        let starts = turn.filter(|turn| turn.roll_deg != 0.0).map(|turn| turn.turn_start_s);
+        match starts.filter(|start| *start < last && self.begin(*start, cycles) >= first) {
+            Some(start) => vec![
+                Stretch { name: "level".into(), title: "before the turn".into(), to_s: start },
+                Stretch { name: "banked".into(), title: "in the turn".into(), to_s: last },
+            ],
+            None => vec![Stretch { title: "end of the flight".into(), ..at(last) }],
+        }
+    }
+
+    /// The courses through the stretches that the command line asks for.
+    pub fn courses(&self, arguments: &Wake) -> Result<Vec<Course>, Error> {
+        let cycles = arguments.cycles.unwrap_or(CYCLES);
+        if cycles == 0 {
+            return Err(Error::Input("--cycles 0: allowed is 1 or more".into()));
+        }
+        self.stretches(arguments, cycles).iter().map(|s| self.course(arguments, s, cycles)).collect()
+    }
+
+    fn course(&self, arguments: &Wake, stretch: &Stretch, cycles: usize) -> Result<Course, Error> {
+        let (first, last) = self.ends();
+        let from_s = self.begin(stretch.to_s, cycles);
+        if from_s < first || stretch.to_s > last {
+            let text = format!(
+                "{cycles} cycles until {} s: the record holds {first} to {last} s; ask for fewer with --cycles or another end with --at",
+                stretch.to_s
+            );
+            return Err(Error::Input(text));
+        }
+        let robot = self.scenario.robot();
+        let flight = Flight::new(robot, &self.record, from_s, stretch.to_s).map_err(refused)?;
+        let flight = Arc::new(flight);
+        let frequency_hz = cycles as f64 / (stretch.to_s - from_s);
+        let panels = match arguments.model {
+            true => Panels { chordwise: 1, ..panels(arguments) },
+            false => panels(arguments),
+        };
+        let density = self.scenario.spec.air.density_kg_m3;
+        let (scene, layouts) =
+            Scene::flown(&flight, &self.outlines, from_s, density, panels).map_err(refused)?;
+        if arguments.model {
+            flight.circulations(from_s, &layouts).map_err(refused)?;
+        }
+        let chord = self.chord();
+        let way = fastest(&scene, cycles as f64 / frequency_hz) / frequency_hz;
+        let steps = arguments.steps.unwrap_or_else(|| fitting(way, chord, arguments.chordwise));
+        let clock = Clock { frequency_hz, cycles, steps };
+        let begin = stretch.to_s - 1.0 / frequency_hz;
+        let through = (flight.body(stretch.to_s).0 - flight.body(begin).0) * frequency_hz - scene.wind;
+        let groups =
+            (0..self.outlines.len()).filter(|k| self.outlines[*k].planform.span() == Span::Symmetric);
+        let of = |k: usize| {
+            let first = layouts.iter().take_while(|(number, _)| *number < k).count();
+            first..first + layouts.iter().filter(|(number, _)| *number == k).count()
+        };
+        let mut course = Course {
+            name: stretch.name.clone(),
+            title: stretch.title.clone(),
+            stroke: self.stroke(&clock, begin),
+            axes: Axes::new(through),
+            chord,
+            groups: groups.map(of).collect(),
+            symmetric: false,
+            past_stall: self.past_stall(&flight, begin, &clock),
+            crosses: self.crosses(from_s, stretch.to_s),
+            flown: Some(Flown { flight, from_s, layouts, by_model: arguments.model }),
+            scene,
+            clock,
+        };
+        course.symmetric = course.is_symmetric();
+        Ok(course)
+    }
+
+    /// Whether a clearance is negative between two times.
+    fn crosses(&self, from_s: f64, to_s: f64) -> bool {
+        let t = self.column("t");
+        let within = |name: &str| {
+            let rows = t.iter().zip(self.column(name)).filter(|(t, _)| **t >= from_s && **t <= to_s);
+            rows.fold(f64::INFINITY, |least, (_, clearance)| least.min(*clearance))
+        };
+        self.scenario.robot().clearances().iter().any(|channel| within(&channel.name) < 0.0)
+    }
+
+    /// The joint that swings most in the cycle from `begin` on, mean of left and right.
+    fn stroke(&self, clock: &Clock, begin: f64) -> Stroke {
+        let t = self.column("t");
+        let cycle = |share: f64| begin + share / clock.frequency_hz;
+        let at = |name: &str, share: f64| piecewise_linear(t, self.column(name), cycle(share));
+        let swing = |name: &str| {
+            let values = (0..48).map(|k| at(name, f64::from(k) / 48.0));
+            let (low, high) =
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            high - low
+        };
+        let robot = self.scenario.robot();
+        let most = robot.joint_names().max_by(|a, b| swing(a).total_cmp(&swing(b)));
+        let first = most.filter(|name| self.flaps() && swing(name) > SWINGS);
+        let Some(left) = first else { return Stroke::new(clock, |_| 0.0) };
+        let right = left.replace("left", "right");
+        let pair =
+            [left, right.as_str()].map(|name| if self.record.values(name).is_some() { name } else { left });
+        Stroke::new(clock, |share| pair.iter().map(|name| at(name, share)).sum())
+    }
+
+    /// Share of strips and instants of the last cycle past the stall angle of their section, by the model that flew.
+    fn past_stall(&self, flight: &Flight, begin: f64, clock: &Clock) -> f64 {
+        let surfaces = self.scenario.robot().surfaces();
+        let limits: Vec<f64> =
+            surfaces.flat_map(|(_, aero)| std::iter::repeat_n(aero.stall_angle(), aero.strips())).collect();
+        let (mut past, mut all) = (0, 0);
+        for k in 0..clock.steps {
+            let seen = flight.observe(begin + k as f64 * clock.step_s());
+            for (angle, limit) in
+                seen.iter().flat_map(|seen| seen.incidence().zip(&limits).collect::<Vec<_>>())
+            {
+                past += usize::from(angle.abs() > *limit);
+                all += 1;
+            }
+        }
+        f64::from(past as u32) / f64::from(all.max(1))
+    }
+}
+
+/// Rms speed of the trailing edges through the air over `duration` s, m/s.
+fn fastest(scene: &Scene, duration: f64) -> f64 {
+    let (mut sum, mut count, mut edges) = (0.0, 0.0, Vec::new());
+    for k in 0..64 {
+        for surface in &scene.surfaces {
+            surface.sections.sections(duration * f64::from(k) / 64.0, &surface.layout.arcs, &mut edges);
+            sum += edges.iter().map(|edge| (edge.v_te - scene.wind).norm_squared()).sum::<f64>();
+            count += edges.len() as f64;
+        }
+    }
+    (sum / f64::max(count, 1.0)).sqrt()
+}

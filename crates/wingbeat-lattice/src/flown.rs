@@ -1,0 +1,181 @@
+//! Surfaces of a robot in the motion of a recorded flight.
+
+use crate::layout::Layout;
+use crate::motion::{Panels, Scene, Sections, Surface, require_flat};
+use crate::{Error, RecordError};
+use std::sync::Arc;
+use wingbeat::aero::{Circulation, SectionMotion};
+use wingbeat::math::Vec3;
+use wingbeat::math::interpolation::{hermite, piecewise_linear};
+use wingbeat::plant::Plant;
+use wingbeat::robot::{Observation, Robot, SurfaceOutline};
+use wingbeat::simulate::Record;
+
+/// A stretch of a recorded flight. Between two rows the states are the cubic through both with the rates that the robot has there.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    robot: Robot,
+    times: Vec<f64>,
+    states: Vec<Vec<f64>>,
+    rates: Vec<Vec<f64>>,
+    inputs: Vec<Vec<f64>>,
+}
+
+impl Flight {
+    /// The flight of `robot` in `record` from `from_s` to `to_s`.
+    ///
+    /// # Errors
+    /// A record without the robot's states and inputs, times that do not ascend, a stretch that lies outside of it, or states in
+    /// which the robot cannot be.
+    pub fn new(robot: &Robot, record: &Record, from_s: f64, to_s: f64) -> Result<Self, Error> {
+        let column = |name: &str| record.values(name).ok_or(RecordError::Column { name: name.into() });
+        let t = column("t")?;
+        if !t.windows(2).all(|pair| pair[0] < pair[1]) {
+            return Err(RecordError::Times.into());
+        }
+        let [Some(first), Some(last)] = [t.first(), t.last()] else {
+            return Err(RecordError::Times.into());
+        };
+        // Rounding of a time must not put it outside.
+        let same = 1e-9 * (last - first);
+        if !(from_s >= first - same && to_s <= last + same && from_s < to_s) {
+            return Err(RecordError::Outside { from_s, to_s, first: *first, last: *last }.into());
+        }
+        let all = |channels: &[wingbeat::plant::Channel]| -> Result<Vec<&[f64]>, RecordError> {
+            channels.iter().map(|channel| column(&channel.name)).collect()
+        };
+        let (states, inputs) = (all(robot.states())?, all(robot.inputs())?);
+        let begin = t.partition_point(|t| *t <= from_s + same).saturating_sub(1);
+        let end = (t.partition_point(|t| *t < to_s - same) + 1).min(t.len());
+        let row = |columns: &[&[f64]], i: usize| columns.iter().map(|column| column[i]).collect::<Vec<f64>>();
+        let mut flight = Self {
+            robot: robot.clone(),
+            times: t[begin..end].to_vec(),
+            states: (begin..end).map(|i| row(&states, i)).collect(),
+            rates: Vec::with_capacity(end - begin),
+            inputs: (begin..end).map(|i| row(&inputs, i)).collect(),
+        };
+        for ((t, x), u) in flight.times.iter().zip(&flight.states).zip(&flight.inputs) {
+            let mut dx = vec![0.0; x.len()];
+            robot.rates(*t, x, u, &mut dx).map_err(|fault| RecordError::Fault(fault.to_string()))?;
+            flight.rates.push(dx);
+        }
+        Ok(flight)
+    }
+
+    /// The row before `t`.
+    fn row(&self, t: f64) -> usize {
+        let last = self.times.len().saturating_sub(2);
+        self.times.partition_point(|time| *time <= t).saturating_sub(1).min(last)
+    }
+
+    /// The states at `t` s.
+    pub fn state(&self, t: f64) -> Vec<f64> {
+        let i = self.row(t);
+        let Some(h) = self.times.get(i + 1).map(|next| next - self.times[i]) else {
+            return self.states[i].clone();
+        };
+        let at = |k: usize| {
+            let of = |rows: &[Vec<f64>]| [rows[i][k], rows[i + 1][k]];
+            hermite(t - self.times[i], h, of(&self.states), of(&self.rates)).0
+        };
+        (0..self.states[i].len()).map(at).collect()
+    }
+
+    /// Place of the body's origin, m, and its velocity, m/s, in W at `t` s.
+    pub fn body(&self, t: f64) -> (Vec3, Vec3) {
+        let (x, layout) = (self.state(t), self.robot.layout());
+        (Vec3::from_slice(&x[layout.position..]), Vec3::from_slice(&x[layout.velocity..]))
+    }
+
+    /// All there is to see of the robot at `t` s, its loads by the model that flew; none where it cannot be.
+    pub fn observe(&self, t: f64) -> Option<Observation> {
+        self.robot.observe(t, &self.state(t), &self.inputs[self.row(t)]).ok()
+    }
+
+    /// Bound circulations (m2/s) of the model that flew at `t` s, on the strips of the surfaces `layouts`; none where it cannot be.
+    ///
+    /// # Errors
+    /// A model whose circulation is a sum of lags.
+    pub fn circulations(&self, t: f64, layouts: &[(usize, Layout)]) -> Result<Option<Vec<f64>>, Error> {
+        if let Some((name, _)) = self.robot.surfaces().find(|(_, a)| a.circulation() == Circulation::LagSum) {
+            return Err(RecordError::LagSum { surface: name.into() }.into());
+        }
+        let Some(seen) = self.observe(t) else { return Ok(None) };
+        let (mut first, mut tables) = (0, Vec::new());
+        for (_, aero) in self.robot.surfaces() {
+            let places = aero.strip_arcs().iter().enumerate();
+            // Nothing is bound at the tips.
+            let tip = aero.arcs().iter().fold(0.0_f64, |tip, arc| tip.max(arc.abs()));
+            let strips = places.map(|(i, arc)| (*arc, seen.strips.circulation[first + i]));
+            let mut table: Vec<(f64, f64)> = [(-tip, 0.0), (tip, 0.0)].into_iter().chain(strips).collect();
+            table.sort_by(|a, b| a.0.total_cmp(&b.0));
+            tables.push(table.into_iter().unzip::<f64, f64, Vec<f64>, Vec<f64>>());
+            first += aero.strips();
+        }
+        let on = |(surface, layout): &(usize, Layout)| {
+            let (arcs, values) = &tables[*surface];
+            let middles = layout.arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+            middles.map(|arc| piecewise_linear(arcs, values, arc)).collect::<Vec<f64>>()
+        };
+        Ok(Some(layouts.iter().flat_map(on).collect()))
+    }
+}
+
+/// A surface of the robot in flight; its clock begins at `from_s`.
+struct Flown {
+    flight: Arc<Flight>,
+    surface: usize,
+    from_s: f64,
+}
+
+impl Sections for Flown {
+    fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
+        let t = t + self.from_s;
+        if self.flight.robot.chord_lines(t, &self.flight.state(t), self.surface, arcs, out).is_err() {
+            // Found by the lattice as a panel that is not finite.
+            let nowhere = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
+            out.clear();
+            out.resize(arcs.len(), SectionMotion { le: nowhere, te: nowhere, ..SectionMotion::default() });
+        }
+    }
+}
+
+impl Scene {
+    /// The surfaces `outlines` of the robot of `flight` from `from_s` on, in the mean wind. The first surface has the strips that
+    /// `panels` says, the others as many by their span. Beside the scene stand the number of the outline and the layout of each piece.
+    ///
+    /// # Errors
+    /// Sections that lift at no incidence, panels that cannot be laid out.
+    pub fn flown(
+        flight: &Arc<Flight>,
+        outlines: &[SurfaceOutline],
+        from_s: f64,
+        density_kg_m3: f64,
+        panels: Panels,
+    ) -> Result<(Self, Vec<(usize, Layout)>), Error> {
+        let mut layouts = Vec::new();
+        let first = outlines.first().map_or(1.0, |outline| outline.planform.half_span());
+        for (number, (outline, (_, aero))) in outlines.iter().zip(flight.robot.surfaces()).enumerate() {
+            require_flat(aero)?;
+            let share = outline.planform.half_span() / first;
+            // A strip at least for every piece between hinges and ends.
+            let hinges = outline.hinges.iter().filter(|arc| **arc > 0.0);
+            let least = 2 * (hinges.count() + outline.planform.gaps().len()) + 2;
+            let strips = match number {
+                0 => panels.spanwise,
+                _ => ((panels.spanwise as f64 * share).round() as usize).max(least),
+            };
+            let Panels { chordwise, spacing, .. } = panels;
+            let pieces = Layout::of(&outline.planform, &outline.hinges, chordwise, strips, spacing)?;
+            layouts.extend(pieces.into_iter().map(|piece| (number, piece)));
+        }
+        let surface = |(number, layout): &(usize, Layout)| Surface {
+            layout: layout.clone(),
+            sections: Arc::new(Flown { flight: flight.clone(), surface: *number, from_s }),
+        };
+        let surfaces = layouts.iter().map(surface).collect();
+        let wind = flight.robot.mean_wind();
+        Ok((Self { surfaces, wind, density_kg_m3, symmetric: false }, layouts))
+    }
+}

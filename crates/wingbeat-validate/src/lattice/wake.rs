@@ -1,0 +1,95 @@
+//! The wake as it is drawn: circulation through frontal planes, and the mirror image.
+
+use super::flapping::{CHORD, STEPS, whole};
+use super::wings::flapper;
+use crate::{Error, Row};
+use wingbeat::math::Vec3;
+use wingbeat_figures::{Cut, half_circulations};
+use wingbeat_lattice::{Lattice, Picture, WakeMotion};
+
+/// Distance of the plane behind the rearmost trailing edge, and radius of the spots drawn for vortices, chords: those of the figures.
+const BEHIND: f64 = 0.5;
+const SPREAD: f64 = 0.1;
+/// Points of each side of the way around a half of the plane.
+const POINTS: usize = 2000;
+/// The way around lies so far outside of the wing, half spans.
+const OUTSIDE: f64 = 4.0;
+
+/// Circulation of the velocity around the half y > 0 of the plane at `x`, about the direction of flight.
+fn around(lattice: &Lattice, x: f64, half_span: f64) -> f64 {
+    let far = OUTSIDE * half_span;
+    let corners = [[0.0, -far], [far, -far], [far, far], [0.0, far], [0.0, -far]];
+    let mut sum = 0.0;
+    for pair in corners.windows(2) {
+        let [from, to] = [pair[0], pair[1]].map(|[y, z]| Vec3::new(x, y, z));
+        let step = (to - from) * (POINTS as f64).recip();
+        let points: Vec<Vec3> = (0..POINTS).map(|k| from + step * (k as f64 + 0.5)).collect();
+        sum += lattice.velocities(&points).iter().map(|v| v.dot(step)).sum::<f64>();
+    }
+    sum
+}
+
+/// Circulation through the left half of a frontal plane: drawn, around it, and of the vortices through it.
+pub fn plane_circulation() -> Result<Vec<Row>, Error> {
+    let half_span = 0.2;
+    let wing = flapper(half_span, 35.0, None)?;
+    let lattice = whole(&wing, STEPS + STEPS / 2, WakeMotion::Free, |_| ())?;
+    let edges = lattice.meshes().iter().flat_map(|mesh| &mesh.edges);
+    let rearmost = edges.map(|edge| edge.te[0]).fold(f64::INFINITY, f64::min);
+    let x = rearmost - BEHIND * CHORD;
+    let picture = Picture::new(&lattice, 0.0);
+    let crossings = picture.crossings(Vec3::new(x, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
+    let vortices: Vec<_> = crossings.iter().map(|(place, g)| ([place[1], place[2]], *g)).collect();
+    let through: f64 = vortices.iter().filter(|(place, _)| place[0] > 0.0).map(|(_, g)| g).sum();
+    let cut = Cut { vortices, ..Cut::default() };
+    let [drawn, _] = half_circulations(&cut, SPREAD * CHORD);
+    let stokes = around(&lattice, x, half_span);
+    let error = |value: f64| (value / through - 1.0).abs();
+    let metric = "F2, free wake, a cycle and a half: vorticity drawn in the left half of the plane, over the vortices through it";
+    Ok(vec![
+        Row::judged("wake.plane_circulation.drawn", "Stokes", metric, error(drawn), 0.01, ""),
+        Row::judged(
+            "wake.plane_circulation.velocity",
+            "Stokes",
+            "the same of the velocity around that half",
+            error(stokes),
+            0.01,
+            "",
+        ),
+    ])
+}
+
+/// Largest difference between a ring and its mirror image over the largest ring, over all instants.
+fn mirror_error(wake: WakeMotion, cycles: usize) -> Result<f64, Error> {
+    let wing = flapper(0.2, 35.0, None)?;
+    let (mut apart, mut largest): (f64, f64) = (0.0, 0.0);
+    whole(&wing, cycles * STEPS, wake, |lattice| {
+        let n = lattice.meshes()[0].strips;
+        let rings = lattice.rings();
+        for (at, ring) in rings.iter().enumerate() {
+            largest = largest.max(ring.abs());
+            apart = apart.max((ring - rings[at / n * n + n - 1 - at % n]).abs());
+        }
+    })?;
+    Ok(apart / largest)
+}
+
+/// A wing that flaps alike on both sides, computed whole.
+pub fn symmetry() -> Result<Vec<Row>, Error> {
+    let row = |id: &str, metric: &str, value| Row::judged(id, "mirror image", metric, value, 1e-10, "");
+    Ok(vec![
+        row(
+            "wake.symmetry.prescribed",
+            "F2 whole, prescribed wake, 3 cycles: largest difference of a ring from its mirror image over the largest ring",
+            mirror_error(WakeMotion::Prescribed, 3)?,
+        ),
+        row("wake.symmetry.free", "the same with a free wake, 1 cycle", mirror_error(WakeMotion::Free, 1)?),
+        Row::shown(
+            "wake.symmetry.free_3",
+            "mirror image",
+            "the same, 3 cycles: the wake is unstable and lets rounding grow",
+            mirror_error(WakeMotion::Free, 3)?,
+            "",
+        ),
+    ])
+}
