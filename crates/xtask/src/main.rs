@@ -29,8 +29,8 @@ cargo xtask TASK
   hostile [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits of
           memory, time and disk
   advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
-  python  measure | policies [STEPS [SEED...]]: what the Python package costs; policies trained by Stable-Baselines3 beside
-          the predictive controller (installs PyTorch, some GB, into target/tools/policies)
+  python  test | measure | policies [STEPS [SEED...]]: the tests of the Python package; what it costs; policies trained by
+          Stable-Baselines3 beside the predictive controller (installs PyTorch, some GB, into target/tools/policies)
   soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
 ";
 
@@ -47,7 +47,7 @@ fn main() -> ExitCode {
         "hostile" => hostile::hostile(&arguments[1..]),
         "advisories" => dependencies::advisories(&arguments[1..]),
         "soak" => soak::soak(&arguments[1..]),
-        "python" => python::heavy(&arguments[1..]),
+        "python" => python::task(&arguments[1..]),
         "peers" => peers::compare(arguments.get(1).map(String::as_str)),
         "" | "help" | "--help" | "-h" => {
             print!("{HELP}");

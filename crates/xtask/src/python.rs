@@ -39,17 +39,20 @@ pub fn check() -> Tally {
     tally
 }
 
-/// What may be asked of the package beyond its tests.
-const HEAVY: &str = "measure, or policies [STEPS [SEED...]]";
+/// What may be asked of the package.
+const TASKS: &str = "test, measure, or policies [STEPS [SEED...]]";
 
-/// Measures the package, or puts policies that were trained beside the predictive controller.
-pub fn heavy(arguments: &[String]) -> bool {
-    let build = ["test", "--release", "--workspace", "--no-run", "--test", "library"];
+/// Tests or measures the package, or puts policies that were trained beside the predictive controller.
+pub fn task(arguments: &[String]) -> bool {
+    let build = ["test", "--release", "--workspace", "--no-run", "--test", "library", "--bin", "wingbeat"];
     let (script, requirements) = match arguments.first().map(String::as_str) {
+        Some("test") => {
+            return tools::succeeds(tools::cargo(&build)) && check().failed == 0;
+        }
         Some("measure") => ("measure.py", None),
         Some("policies") => ("ppo.py", Some("heavy/requirements.txt")),
         other => {
-            eprintln!("error: no {}: there are {HEAVY}", other.unwrap_or("task"));
+            eprintln!("error: no {}: there are {TASKS}", other.unwrap_or("task"));
             return false;
         }
     };
