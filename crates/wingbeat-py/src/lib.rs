@@ -34,7 +34,7 @@ mod module {
     #[pymodule_export]
     use super::plan::plan;
     #[pymodule_export]
-    use super::rig::rig_simulate;
+    use super::rig::{rig_process, rig_simulate};
     #[pymodule_export]
     use super::stepper::{Saved, Stepper};
     #[pymodule_export]

@@ -33,15 +33,16 @@ def chosen(record: Record, names: str | Sequence[str] | None) -> list[Column]:
 
 
 def columns(record: Record, names: str | Sequence[str] | None, against: str) -> Figure:
-    """One panel per unit; angles in degrees."""
+    """One panel per unit, commands apart; angles in degrees."""
     drawn = chosen(record, names)
-    units = list(dict.fromkeys(column.unit for column in drawn))
+    panel_of = {column.name: (column.unit, column.name.startswith("command_")) for column in drawn}
+    kinds = list(dict.fromkeys(panel_of.values()))
     unit_of = {column.name: column.unit for column in record.columns}
-    figure = Figure(figsize=(8.0, 1.0 + 2.2 * len(units)), layout="constrained")
-    panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, unit in zip(panels, units, strict=True):
-        scale, shown = (np.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
-        own = [column for column in drawn if column.unit == unit]
+    figure = Figure(figsize=(9.0, 0.8 + 2.4 * len(kinds)), layout="constrained")
+    panels = figure.subplots(len(kinds), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, kind in zip(panels, kinds, strict=True):
+        scale, shown = (np.degrees(1.0), "deg") if kind[0] == "rad" else (1.0, kind[0])
+        own = [column for column in drawn if panel_of[column.name] == kind]
         for number, column in enumerate(own):
             style = {"color": f"C{number % 10}", "linestyle": DASHES[number // 10 % len(DASHES)]}
             panel.plot(record[against], scale * record[column.name], label=column.name, linewidth=1.2, **style)
@@ -49,6 +50,6 @@ def columns(record: Record, names: str | Sequence[str] | None, against: str) -> 
             panel.axhline(scale * limit, color="0.6", linewidth=0.8, linestyle=(0, (4, 3)))
         panel.set_ylabel(f"[{shown}]" if shown else "[-]")
         panel.grid(alpha=0.3)
-        panel.legend(fontsize="small", ncols=2, loc="center left", bbox_to_anchor=(1.0, 0.5))
+        panel.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
     panels[-1].set_xlabel(f"{against} [{unit_of[against] or '-'}]")
     return figure

@@ -78,6 +78,8 @@ class Moved:
     """Loads and motion of the strips."""
     summary: dict[str, Any]
     """What the program writes as ``summary.json``."""
+    cycle: Record | None = None
+    """Measured, computed and fitted cycle, where there is a measured file."""
 
     @property
     def status(self) -> str:
@@ -102,6 +104,23 @@ class Bench:
     def status(self) -> str:
         """``ok``, ``refused`` or ``fault``."""
         return str(self.summary["status"])
+
+    @property
+    def window_s(self) -> tuple[float, float]:
+        """Begin and end of what is to be averaged, s."""
+        begin, end = self.summary["window_s"]
+        return begin, end
+
+
+@dataclass(frozen=True)
+class Processed:
+    """Samples of the bench, processed."""
+
+    name: str
+    record: Record | None
+    """Phase averages of the six channels; none of static tilts."""
+    summary: dict[str, Any]
+    """Window, cycles and what was done; of static tilts mass, centre and offsets with their deviations."""
 
 
 def scenario_of(source: Scenario | Source, overrides: Overrides | None) -> Scenario:
@@ -140,10 +159,23 @@ def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Pla
     return Plan(None if record is None else Record(record), json.loads(summary), dict(files))
 
 
-def tether(case: Source, overrides: Overrides | None = None) -> Moved:
-    """Moves the wing of a case in its wind."""
-    record, strips, summary = _wingbeat.tether(document(case, overrides, "case"))
-    return Moved(Record(record), Strips(Record(strips)), json.loads(summary))
+def tether(
+    case: Source,
+    overrides: Overrides | None = None,
+    *,
+    compare: str | PathLike[str] | None = None,
+    converge: bool = False,
+) -> Moved:
+    """Moves the wing of a case in its wind.
+
+    ``compare`` is a measured CSV file that the last cycle is held against, as ``[compare]`` says; with ``converge`` the case is
+    run with coarser and finer strips and steps too. Both stand in ``summary``.
+    """
+    made = document(case, overrides, "case")
+    file = None if compare is None else fspath(compare)
+    record, strips, cycle, summary = _wingbeat.tether(made, file, converge)
+    compared = None if cycle is None else Record(cycle)
+    return Moved(Record(record), Strips(Record(strips)), json.loads(summary), compared)
 
 
 def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[Bench]:
@@ -154,3 +186,19 @@ def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[B
         Bench(name, None if record is None else Record(record), json.loads(summary))
         for name, record, summary in runs
     ]
+
+
+def process(
+    samples: str | PathLike[str],
+    run: str | PathLike[str],
+    overrides: Overrides | None = None,
+    *,
+    window_s: tuple[float, float] | None = None,
+) -> Processed:
+    """Processes a file of samples, in any format that the program reads, as the run of a file.
+
+    ``window_s`` is what is averaged where a simulation says it (``Bench.window_s``).
+    """
+    texts = _wingbeat.overrides(dict(overrides or {}))
+    name, record, summary = _wingbeat.rig_process(fspath(samples), fspath(run), texts, window_s)
+    return Processed(name, None if record is None else Record(record), json.loads(summary))

@@ -23,6 +23,7 @@ __all__ = [
     "overrides",
     "plan",
     "read_parquet",
+    "rig_process",
     "rig_simulate",
     "tether",
     "write_parquet",
@@ -135,7 +136,15 @@ def fly(
     observe: Callable[[float, _Array, _Array], object] | None = None,
 ) -> tuple[list[_Column], list[_Column] | None, str]: ...
 def plan(scenario: Scenario) -> tuple[list[_Column] | None, str, list[tuple[str, str]]]: ...
-def tether(document: Document) -> tuple[list[_Column], list[_Column], str]: ...
+def tether(
+    document: Document, compare: str | PathLike[str] | None = None, converge: bool = False
+) -> tuple[list[_Column], list[_Column], list[_Column] | None, str]: ...
+def rig_process(
+    samples: str | PathLike[str],
+    run: str | PathLike[str],
+    overrides: Sequence[str],
+    window_s: tuple[float, float] | None,
+) -> tuple[str, list[_Column] | None, str]: ...
 def rig_simulate(
     path: str | PathLike[str], overrides: Sequence[str]
 ) -> list[tuple[str, list[_Column] | None, str]]: ...

@@ -51,7 +51,10 @@ def test_rewards_are_the_sum_of_their_terms():
     terms = info["reward_terms"]
     assert reward == sum(terms.values())
     assert terms["flown"] == 1.0
-    assert terms["input"] == pytest.approx(-8 * (0.005 * 0.5) ** 2)
+    limits = np.array([(column.low, column.high) for column in environment.unwrapped.action])
+    half, middle = 0.5 * (limits[:, 1] - limits[:, 0]), limits.mean(axis=1)
+    # As the predictive controller weighs inputs: over half of their ranges.
+    assert terms["input"] == pytest.approx(-np.sum((0.005 * (middle + 0.5 * half) / half) ** 2))
 
 
 def test_an_episode_ends_in_either_way():

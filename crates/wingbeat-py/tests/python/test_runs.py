@@ -99,6 +99,37 @@ def test_a_run_of_the_bench_is_the_programs(program, tmp_path):
     assert bench.summary == {key: summary[key] for key in bench.summary}
 
 
+def test_processed_samples_are_the_programs(program, tmp_path):
+    run, sets = ROOT / "rigs/runs/bench.toml", {"hold.each_s": 4.0}
+    [bench] = wingbeat.rig(run, sets)
+    bench.record.write(tmp_path / "samples.parquet")
+    out = ("--quiet", "--out", tmp_path / "out")
+    done = program("rig", "process", tmp_path / "samples.parquet", "--run", run, *out, *sets_of(sets))
+    assert done.returncode == 0, done.stderr
+    processed = wingbeat.process(tmp_path / "samples.parquet", run, sets)
+    processed.record.write(tmp_path / "record.parquet")
+    assert (tmp_path / "record.parquet").read_bytes() == (tmp_path / "out/bench.parquet").read_bytes()
+    summary = json.loads((tmp_path / "out/summary.json").read_text())["runs"]["bench"]
+    assert processed.summary["statement"] == summary["statement"]
+    assert processed.summary["window_s"] == summary["window_s"]
+
+
+def test_a_case_is_compared_and_refined_as_the_program_does(program, tmp_path):
+    case, sets = ROOT / "cases/plunge.toml", {"time.steps_per_cycle": 48, "aero.full.strips": 12}
+    cycle = wingbeat.tether(case, sets)
+    rows = slice(-49, None)
+    t, lift = cycle.record["t"][rows], cycle.record["force_wind_lift"][rows]
+    measured = "t,force_wind_lift\n" + "".join(f"{a!r},{1.1 * b!r}\n" for a, b in zip(t.tolist(), lift.tolist()))
+    (tmp_path / "measured.csv").write_text(measured)
+    more = ("--quiet", "--out", tmp_path / "run", "--converge", "--compare", tmp_path / "measured.csv")
+    done = program("tether", case, *more, *sets_of(sets))
+    assert (tmp_path / "run/summary.json").exists(), done.stderr
+    moved = wingbeat.tether(case, sets, compare=tmp_path / "measured.csv", converge=True)
+    assert moved.summary == json.loads((tmp_path / "run/summary.json").read_text())
+    assert moved.summary["compare"][0]["fit"]["gain"] == pytest.approx(1.1, abs=1e-3)
+    assert list(moved.cycle)[0] == "phase"
+
+
 @pytest.mark.parametrize(
     ("key", "value"),
     [
@@ -166,7 +197,7 @@ def test_strips_are_an_array_of_time_strip_and_component(turn):
 def test_figures_need_no_display(turn, tmp_path):
     flight = wingbeat.fly(turn, SHORT)
     figure = flight.plot()
-    assert [panel.get_ylabel() for panel in figure.axes] == ["[deg]", "[m]"]
+    assert [panel.get_ylabel() for panel in figure.axes] == ["[deg]", "[m]", "[deg]"]
     figure.savefig(tmp_path / "flight.png")
     assert (tmp_path / "flight.png").stat().st_size > 10_000
     with pytest.raises(ValueError, match="allowed are t, phase"):

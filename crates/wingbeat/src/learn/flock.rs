@@ -224,7 +224,6 @@ impl Member {
         }
         let channels = self.robot.system().inputs();
         for ((input, action), channel) in self.inputs.iter_mut().zip(&self.action).zip(channels) {
-            // Scaled as the cost of the predictive controller scales inputs, about the middle of the range.
             *input = 0.5 * (channel.low + channel.high) + 0.5 * (channel.high - channel.low) * action;
         }
         self.robot.set_inputs(&self.inputs);

@@ -31,6 +31,8 @@ pub struct BankingTurn {
     duration_s: f64,
     layout: Layout,
     channels: Vec<Channel>,
+    /// Middle of each input's range over half of it.
+    middles: Vec<f64>,
 }
 
 impl BankingTurn {
@@ -53,6 +55,7 @@ impl BankingTurn {
             duration_s: scenario.spec.flight.duration_s,
             layout: *scenario.robot().layout(),
             channels: channels(scenario.robot()),
+            middles: scenario.robot().inputs().iter().map(|c| (c.low + c.high) / (c.high - c.low)).collect(),
         })
     }
 
@@ -136,7 +139,8 @@ impl Task for BankingTurn {
         terms[1] = square(self.weights.roll, angle_error(roll, asked.roll));
         terms[2] = square(self.weights.pitch, angle_error(pitch, asked.pitch));
         terms[3] = errors.0.iter().map(|error| square(self.weights.rate, *error)).sum();
-        terms[4] = view.action.iter().map(|input| square(self.weights.input, *input)).sum();
+        let inputs = view.action.iter().zip(&self.middles);
+        terms[4] = inputs.map(|(action, middle)| square(self.weights.input, action + middle)).sum();
     }
 
     fn failed(&self, view: &View) -> bool {

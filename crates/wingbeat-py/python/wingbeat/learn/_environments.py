@@ -106,7 +106,7 @@ class _Flock:
 class Environment(gym.Env[Array, Array]):
     """One robot under a task.
 
-    Actions in [-1, 1] are the inputs over half of their ranges, held for 5 ms. An episode is terminated when the task
+    Actions in [-1, 1] are the inputs from their lower to their upper limits, held for 5 ms. An episode is terminated when the task
     has failed, and truncated at the end of the scenario's duration. ``info["reward_terms"]`` holds the terms of the reward.
     ``spread`` says how much the start varies: 0 is the scenario's own.
     """
