@@ -26,6 +26,7 @@ pub enum Command {
     Tether(Tether),
     Wake(Wake),
     Plan(Plan),
+    Calibrate(Calibrate),
     #[command(subcommand)]
     Rig(Rig),
     Validate(Validate),
@@ -138,6 +139,25 @@ pub struct Plan {
     pub run: Run,
 }
 
+/// Fit numbers of robot and rig to runs on the load cell, with what is known of them
+///
+/// Prints first which run and channel informs which number, and refuses what the runs cannot tell. The folder holds
+/// calibration.toml (as resolved), numbers.toml (the result, for `--set robot.numbers=FILE` of `fly`, `--set
+/// rig.robot.numbers=FILE` of `rig`), report.md, summary.json, information.csv, record.parquet (measured and predicted cycles
+/// with their bands), manifest.json and figures. An interrupted calibration goes on when the same command is given again.
+/// What the numbers mean: docs/calibration.md.
+#[derive(Debug, Args)]
+pub struct Calibrate {
+    /// The calibration
+    #[arg(value_name = "CALIBRATION.toml")]
+    pub calibration: PathBuf,
+    /// Only print what the runs tell of the numbers
+    #[arg(long)]
+    pub information: bool,
+    #[command(flatten)]
+    pub run: Run,
+}
+
 /// What all commands that make a run folder take.
 #[derive(Debug, Args)]
 pub struct Run {
@@ -179,6 +199,9 @@ pub struct Validate {
     /// Only comparisons that take seconds
     #[arg(long)]
     pub quick: bool,
+    /// Also fits and Monte Carlo, which take minutes each
+    #[arg(long, conflicts_with = "quick")]
+    pub long: bool,
     /// Write a folder of the results
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -1,6 +1,7 @@
 //! The program `wingbeat`: a thin face over the library.
 
 mod args;
+mod calibrate;
 mod error;
 mod fly;
 mod interrupt;
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         Command::Tether(arguments) => tether::tether(&arguments),
         Command::Wake(arguments) => wake::wake(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
+        Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::New(arguments) => new::new(&arguments),

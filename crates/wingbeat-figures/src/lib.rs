@@ -3,6 +3,7 @@
 //! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
 mod bench;
+pub mod calibration;
 pub mod chart;
 mod commands;
 mod cycle;

@@ -15,6 +15,7 @@ pub mod aero_surfaces;
 pub mod aero_symmetry;
 pub mod aero_turn;
 pub mod body;
+pub mod calibrate;
 pub mod figures;
 pub mod flapbody;
 pub mod fsi;
@@ -48,8 +49,14 @@ pub fn cases() -> Vec<&'static Case> {
         ocp_problems::classics::CASES,
         ocp_problems::flapbody::CASES,
         rig::CASES,
+        calibrate::CASES,
     ]
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// The cases that take minutes each: fits and Monte Carlo.
+pub fn long_cases() -> Vec<&'static Case> {
+    calibrate::LONG.iter().collect()
 }

@@ -49,5 +49,7 @@ pub mod tether;
 
 pub mod scenario;
 
+pub mod learn;
+
 pub use error::Error;
 pub(crate) use error::require;

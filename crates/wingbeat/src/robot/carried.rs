@@ -54,6 +54,8 @@ pub struct CarriedLoads<S: Scalar = f64> {
     pub air_power: S,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3<S>,
+    /// Share of the strips past their stall angle.
+    pub stalled: f64,
 }
 
 impl<S: Scalar> CarriedLoads<S> {
@@ -144,9 +146,19 @@ impl<P: Scalar> Robot<P> {
             inertia: self.momentum_reaction(body.rate, &links, imposed),
             torques: self.joint_torques(&links, imposed, &external, gravity),
             air_power: air_power(&base, &links, &external) + body_drag.force.dot(v),
+            stalled: self.stalled(&loads),
             center_of_mass: self.mechanism.tree.center_of_mass(&links),
             joints,
         })
+    }
+
+    /// Share of the strips whose incidence is past their stall angle.
+    fn stalled<S: Scalar>(&self, loads: &Loads<S>) -> f64 {
+        let surfaces = self.covering.aero.surfaces().iter().map(|surface| surface.aero());
+        let limits = surfaces.flat_map(|aero| std::iter::repeat_n(aero.stall_angle(), aero.strips()));
+        let strips = loads.incidence[..loads.strips].iter().zip(limits);
+        strips.filter(|(incidence, limit)| incidence.value().abs() > *limit).count() as f64
+            / loads.strips.max(1) as f64
     }
 
     /// Number of states of the structure: elements, elastic joints, crank.

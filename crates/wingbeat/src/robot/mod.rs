@@ -20,8 +20,9 @@ mod surface;
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
-pub use numbers::{Numbers, SpringNumbers};
+pub use numbers::{Numbers, SpringNumbers, TOGETHER, bounds};
 pub use observe::Observation;
+pub(crate) use spec::is_of_rig;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,

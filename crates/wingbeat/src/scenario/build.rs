@@ -7,10 +7,7 @@ use super::name::RunName;
 use super::plan::PlanSpec;
 use super::spec::{AeroSpec, GustSpec, ScenarioSpec};
 use crate::Error;
-use crate::aero::{
-    Aero, CRITICAL_SUCTION, LIFT_SLOPE, LiftingLine, LiftingLineSettings, Preset, STALL_ANGLE, StripModel,
-    StripSettings, ZERO_LIFT_ANGLE,
-};
+use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Preset, StripModel, StripSettings};
 use crate::guide::Task;
 use crate::math::Vec3;
 use crate::require;
@@ -208,16 +205,14 @@ pub(super) fn robot(spec: &RobotSpec, aero: &AeroSpec, air: Air, phase: f64) -> 
         aero.build(outline, air.density, &names)
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
-    Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))
+    let robot = Robot::new(spec, models, air, phase);
+    robot.and_then(|robot| robot.adjusted(&spec.own_numbers())).map_err(|e| e.within("robot"))
 }
 
 impl AeroSpec {
     /// Checks what this table says by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
-        STALL_ANGLE.check(self.stall_angle_deg)?;
-        CRITICAL_SUCTION.check(self.critical_suction)?;
-        ZERO_LIFT_ANGLE.check(self.zero_lift_angle_deg)?;
-        LIFT_SLOPE.check(self.lift_slope_per_rad)
+        self.in_range()
     }
 
     /// The model of a surface. Settings of the model that another table gives have

@@ -1,6 +1,7 @@
 //! TOML to checked objects: the only place where strings become things.
 
 mod build;
+mod calibration;
 mod chosen;
 mod document;
 mod doors;
@@ -12,6 +13,7 @@ mod plan;
 mod recorder;
 mod rig;
 mod rig_process;
+mod rig_simulated;
 mod rig_statement;
 mod rig_together;
 #[cfg(feature = "schema")]
@@ -20,11 +22,13 @@ mod spec;
 mod step_error;
 mod summary;
 mod sweep;
+mod sweep_row;
 mod tether;
 mod tether_compare;
 mod tether_converge;
 mod tether_spec;
 
+pub use calibration::{CalibratedRunSpec, CalibrationSpec, ParameterSpec, StructureOfModel, TruthSpec};
 pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
 pub use doors::Doors;
@@ -36,6 +40,7 @@ pub use plan::{
 };
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
 pub use rig_process::{Processed, Weighed};
+pub use rig_simulated::SimulatedRun;
 pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, together};
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;
@@ -67,7 +72,7 @@ use std::path::Path;
 use step_error::StepError;
 
 /// Keys of a scenario that name a file to be put in their place.
-const INCLUDES: [&str; 1] = ["robot"];
+const INCLUDES: [&str; 2] = ["robot", "robot.numbers"];
 /// What an override may change of a case of which numbers are published: it flies as before.
 const BESIDE_THE_CASE: [&str; 4] = ["name", "paper", "flight.record_every_s", "flight.record_strips_every_s"];
 

@@ -112,6 +112,7 @@ impl AirSpec {
 /// Aerodynamic model.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct AeroSpec {
     /// Which model.
@@ -154,7 +155,7 @@ pub struct AeroSpec {
 /// Settings of preset `paper`.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(crate::aero::LiftingLineSettings::RANGES)))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put_known(crate::aero::LiftingLineSettings::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperAeroSpec {
     /// Interior nodes over the full span.
@@ -176,7 +177,7 @@ impl Default for PaperAeroSpec {
 /// Settings of preset `full`; each ingredient can be left out to show its effect.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(StripSettings::RANGES)))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put_known(StripSettings::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct FullAeroSpec {
     /// Strips over both wings and body.
@@ -294,6 +295,12 @@ pub struct GoalSpec {
     pub clearance_m: Option<f64>,
 }
 
+ranges!(AeroSpec {
+    stall_angle_deg: STALL_ANGLE.range,
+    critical_suction: CRITICAL_SUCTION.range,
+    zero_lift_angle_deg: ZERO_LIFT_ANGLE.range,
+    lift_slope_per_rad: LIFT_SLOPE.range,
+});
 ranges!(AirSpec { density_kg_m3: Range::POSITIVE, gust_m_s: Range::NOT_NEGATIVE });
 ranges!(GustSpec { start_s: Range::NOT_NEGATIVE, duration_s: Range::POSITIVE });
 ranges!(FlightSpec {

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::body::{Coupled, Element, Response};
-use crate::require::{not_negative, positive};
+use crate::range::{Range, ranges};
 use crate::robot::MAX_ELEMENTS;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 /// y'' = K (P omega - y) - C y'; or `a` and `b` give all. P is the placement of the regulators.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct StructureSpec {
     /// Natural frequency of every element that gives none, Hz.
@@ -64,6 +65,7 @@ pub struct RegulatorSpec {
 /// One structure element: what it displaces and how far.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct ElementSpec {
     /// Name of its channel.
@@ -85,6 +87,9 @@ pub struct ElementSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
 }
+
+ranges!(StructureSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });
+ranges!(ElementSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });
 
 impl StructureSpec {
     /// Multiplies the natural frequencies, the damping ratios kept. Of full matrices nothing is changed.
@@ -146,8 +151,9 @@ impl StructureSpec {
 
     /// That the response is given in one way alone.
     fn check_ways(&self) -> Result<(), Error> {
-        self.frequency_hz.map_or(Ok(()), |f| positive("frequency_hz", f))?;
-        self.damping.map_or(Ok(()), |d| not_negative("damping", d))?;
+        self.in_range()?;
+        let within = |i: usize| move |e: Error| e.within(&format!("elements[{i}]"));
+        self.elements.iter().enumerate().try_for_each(|(i, e)| e.in_range().map_err(within(i)))?;
         let pair = |[one, other]: [(&'static str, bool); 2]| match (one.1, other.1) {
             (true, false) => {
                 Err(Error::invalid(other.0, "missing", format!("both {} and {}", one.0, other.0)))
