@@ -26,6 +26,7 @@ pub enum Command {
     Tether(Tether),
     Wake(Wake),
     Plan(Plan),
+    Trim(Trim),
     #[command(subcommand)]
     Rig(Rig),
     Validate(Validate),
@@ -121,6 +122,20 @@ pub struct Wake {
 /// the motion of the wing, for `tether`.
 #[derive(Debug, Args)]
 pub struct Plan {
+    /// The scenario
+    #[arg(value_name = "SCENARIO.toml")]
+    pub scenario: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Find the periodic flight that a scenario's [trim] asks for, and how it holds
+///
+/// The folder holds summary.json (frequency, power, stall shares, Floquet multipliers, or why there is no orbit),
+/// record.parquet (one cycle), multipliers.parquet, family.parquet where [trim.family] asks for orbits along a parameter,
+/// figures, and orbit.toml: the scenario on its orbit, for `fly`. What the numbers mean: docs/trim.md.
+#[derive(Debug, Args)]
+pub struct Trim {
     /// The scenario
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,

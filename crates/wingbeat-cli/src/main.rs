@@ -16,6 +16,7 @@ mod run_folder;
 mod say;
 mod sweep;
 mod tether;
+mod trim;
 mod validate;
 mod wake;
 
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         Command::Tether(arguments) => tether::tether(&arguments),
         Command::Wake(arguments) => wake::wake(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
+        Command::Trim(arguments) => trim::trim(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::New(arguments) => new::new(&arguments),

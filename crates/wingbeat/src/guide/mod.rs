@@ -19,7 +19,7 @@ pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, angle_error};
 pub use mpc::{AttitudeTracking, Mpc, MpcSpec, Weights};
-pub use playback::Playback;
+pub use playback::{HeldCommands, Playback};
 pub use roll_in::{RollIn, RollInSpec};
 pub use stand::{Flapping, Stand};
 pub use turn::{Track, Turn};
