@@ -8,7 +8,10 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 /// Directions carried by one flow.
-const LANES: usize = 12;
+pub(super) const LANES: usize = 12;
+
+/// Steps of a cycle are a multiple of this number, so that it has as many equal parts.
+pub(crate) const PARTS: usize = 20;
 
 /// What may be chosen beside the state.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +20,38 @@ pub enum Free {
     Frequency,
     /// Held commands: numbers of inputs with their shares.
     Inputs(Direction),
+}
+
+/// Name of the frequency among what is free.
+const FREQUENCY: &str = "frequency";
+/// What the names of commands begin with.
+const COMMAND: &str = "command_";
+
+impl Free {
+    /// What `name` frees: `frequency`; a regulator; of a pair without its side both, alike in straight flight and each
+    /// by itself in a turn. `None` where there is no such name.
+    pub fn named(robot: &Robot, name: &str, turning: bool) -> Option<Vec<Self>> {
+        if name == FREQUENCY {
+            return Some(vec![Self::Frequency]);
+        }
+        let find = |name: String| robot.inputs().iter().position(|input| input.name == name);
+        if let Some(input) = find(format!("{COMMAND}{name}")) {
+            return Some(vec![Self::Inputs(vec![(input, 1.0)])]);
+        }
+        let [left, right] = ["left", "right"].map(|side| find(format!("{COMMAND}{name}_{side}")));
+        let (left, right) = (left?, right?);
+        Some(if turning {
+            vec![Self::Inputs(vec![(left, 1.0)]), Self::Inputs(vec![(right, 1.0)])]
+        } else {
+            vec![Self::Inputs(vec![(left, 1.0), (right, 1.0)])]
+        })
+    }
+
+    /// The names there are.
+    pub fn names(robot: &Robot) -> Vec<String> {
+        let inputs = robot.inputs().iter().map(|c| c.name.trim_start_matches(COMMAND).to_string());
+        std::iter::once(FREQUENCY.to_string()).chain(inputs).collect()
+    }
 }
 
 /// Where a cycle begins and what is held over it.
@@ -52,11 +87,11 @@ pub struct Cycle<'a> {
     rest: Vec<f64>,
 }
 
-struct Flow<'a, S: Scalar, F> {
-    robot: &'a Robot,
-    pace: S,
-    u: &'a [S],
-    each: F,
+pub(super) struct Flow<'a, S: Scalar, F> {
+    pub robot: &'a Robot,
+    pub pace: S,
+    pub u: &'a [S],
+    pub each: F,
 }
 
 impl<S: Scalar, F: FnMut(usize, S, &[S]) -> Result<(), Fault>> Dynamics<S, Fault> for Flow<'_, S, F> {
@@ -86,7 +121,7 @@ impl<'a> Cycle<'a> {
         if !(frequency > 0.0) {
             return Err(crate::Error::invalid("gait.frequency_hz", frequency, "a frequency above 0"));
         }
-        let steps = (1.0 / (frequency * step)).round().max(16.0) as usize;
+        let steps = (1.0 / (frequency * step * PARTS as f64)).ceil() as usize * PARTS;
         Ok(Self { robot, section, steps, rest: robot.rest_gains() })
     }
 

@@ -9,6 +9,7 @@
 mod course;
 mod cycle;
 mod failure;
+mod linear;
 mod measure;
 mod modes;
 mod newton;
@@ -16,8 +17,10 @@ mod recoil;
 mod section;
 
 pub use course::Course;
+pub(crate) use cycle::PARTS;
 pub use cycle::{Cycle, End, Free, Point};
 pub use failure::Failure;
+pub use linear::{Deviations, Interval, intervals};
 pub use measure::{Measures, StripAreas, measure};
 pub use modes::{Mode, Modes, Sector, floquet};
 pub use newton::{Found, Orbit, search, search_from};

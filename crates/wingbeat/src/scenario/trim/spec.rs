@@ -2,15 +2,9 @@
 
 use crate::Error;
 use crate::orbit::{Course, Free};
-use crate::plant::Plant;
 use crate::range::{Range, ranges};
 use crate::robot::Robot;
 use serde::{Deserialize, Serialize};
-
-/// Name of the frequency among what is free.
-const FREQUENCY: &str = "frequency";
-/// What the names of commands begin with.
-const COMMAND: &str = "command_";
 
 /// The periodic flight that `wingbeat trim` looks for, beginning from the scenario's start and the robot's gait.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -96,11 +90,10 @@ impl TrimSpec {
             if self.free[..i].contains(name) {
                 return Err(Error::invalid(key, format!("{name:?}"), "each name once"));
             }
-            all.extend(one(robot, name, turning).ok_or_else(|| {
-                let inputs = robot.inputs().iter().map(|c| c.name.strip_prefix(COMMAND).unwrap_or(&c.name));
-                let names = inputs.collect::<Vec<_>>().join(", ");
-                Error::invalid(key, format!("{name:?}"), format!("{FREQUENCY}, or of the regulators {names}"))
-            })?);
+            all.extend(
+                Free::named(robot, name, turning)
+                    .ok_or_else(|| Error::invalid(key, format!("{name:?}"), Free::names(robot).join(", ")))?,
+            );
         }
         let needed = if turning { 3 } else { 2 };
         if all.len() < needed || (!turning && all.len() != needed) {
@@ -115,20 +108,4 @@ impl TrimSpec {
     pub(super) fn straight(&self) -> Self {
         Self { bank_deg: 0.0, free: self.free.iter().take(2).cloned().collect(), ..self.clone() }
     }
-}
-
-fn one(robot: &Robot, name: &str, turning: bool) -> Option<Vec<Free>> {
-    if name == FREQUENCY {
-        return Some(vec![Free::Frequency]);
-    }
-    let find = |name: String| robot.inputs().iter().position(|input| input.name == name);
-    if let Some(input) = find(format!("{COMMAND}{name}")) {
-        return Some(vec![Free::Inputs(vec![(input, 1.0)])]);
-    }
-    let [left, right] = ["left", "right"].map(|side| find(format!("{COMMAND}{name}_{side}")));
-    let (left, right) = (left?, right?);
-    Some(match turning {
-        true => vec![Free::Inputs(vec![(left, 1.0)]), Free::Inputs(vec![(right, 1.0)])],
-        false => vec![Free::Inputs(vec![(left, 1.0), (right, 1.0)])],
-    })
 }
