@@ -27,6 +27,7 @@ pub enum Command {
     Wake(Wake),
     Plan(Plan),
     Calibrate(Calibrate),
+    Trim(Trim),
     #[command(subcommand)]
     Rig(Rig),
     Validate(Validate),
@@ -154,6 +155,20 @@ pub struct Calibrate {
     /// Only print what the runs tell of the numbers
     #[arg(long)]
     pub information: bool,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Find the periodic flight that a scenario's [trim] asks for, and how it holds
+///
+/// The folder holds summary.json (frequency, power, stall shares, Floquet multipliers, or why there is no orbit),
+/// record.parquet (one cycle), multipliers.parquet, family.parquet where [trim.family] asks for orbits along a parameter,
+/// figures, and orbit.toml: the scenario on its orbit, for `fly`. What the numbers mean: docs/trim.md.
+#[derive(Debug, Args)]
+pub struct Trim {
+    /// The scenario
+    #[arg(value_name = "SCENARIO.toml")]
+    pub scenario: PathBuf,
     #[command(flatten)]
     pub run: Run,
 }

@@ -17,6 +17,7 @@ mod run_folder;
 mod say;
 mod sweep;
 mod tether;
+mod trim;
 mod validate;
 mod wake;
 
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         Command::Wake(arguments) => wake::wake(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
+        Command::Trim(arguments) => trim::trim(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::New(arguments) => new::new(&arguments),

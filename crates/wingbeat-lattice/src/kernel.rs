@@ -8,8 +8,9 @@ use wingbeat::parallel;
 pub const INVERSE_4PI: f64 = 0.25 * std::f64::consts::FRAC_1_PI;
 /// Points of one block of lanes.
 pub const LANES: usize = 4;
-/// Squared sine of the angle between the ways from a point to the ends of a segment below which it lies on the segment's line.
-const ON_LINE: f64 = 1e-24;
+/// Squared sine of the angle between the ways from a point to the ends of a segment below which it lies on the segment's line: legs of
+/// millimetres whose places are rounded metres from the origin are that far off.
+const ON_LINE: f64 = 1e-18;
 /// Added to denominators: far below any of them, so that the product of two is no zero either, nor infinite its inverse.
 const NEVER_ZERO: f64 = 1e-120;
 /// Pairs of segments and points from which work is shared among the cores. *Choice.*
@@ -196,16 +197,6 @@ impl Grid {
     pub fn whole(&self) -> Window {
         Window { rows: [0, self.rows().saturating_sub(1)], columns: [0, self.columns.saturating_sub(1)] }
     }
-
-    /// Circulations of the segments across in the row `r` of a part and along at its column `j`; zero where they are another part's.
-    #[inline(always)]
-    fn strength_across(&self, window: &Window, r: usize, at: usize) -> f64 {
-        if r == window.rows[1] && r + 1 < self.rows() { 0.0 } else { self.across[at] }
-    }
-    #[inline(always)]
-    fn strength_along(&self, window: &Window, j: usize, at: usize) -> f64 {
-        if j == window.columns[1] && j + 1 < self.columns { 0.0 } else { self.along[at] }
-    }
 }
 
 /// Adds to `velocities` what `grid` induces at `points`, m/s, on all cores where there is much to do.
@@ -252,40 +243,55 @@ pub fn add_induced<const CORE: bool>(
     let n = grid.columns;
     let [first_row, last_row] = window.rows;
     let [first, last] = window.columns;
+    // What lies on the far edges of a part is another's.
+    let last_along = if last + 1 < n { 0.0 } else { 1.0 };
+    let splat = f64x4::splat;
+    let add = |a: &Seen, b: &Seen, core: f64, strength: f64, sum: &mut [f64x4; 3]| {
+        let unit = between::<CORE>(a, b, splat(core));
+        (0..3).for_each(|k| sum[k] = unit[k].mul_add(splat(strength), sum[k]));
+    };
     seen.clear();
     for r in first_row..=last_row {
-        for j in first..=last {
-            let now = see(p, grid.points[r * n + j]);
-            let along = (r > first_row).then(|| (r - 1) * n + j);
-            let across = (j > first).then(|| r * (n - 1) + j - 1);
-            let place = j - first;
-            if CORE && let (Some(along), Some(across)) = (along, across) {
-                let strengths =
-                    (grid.strength_along(window, j, along), grid.strength_across(window, r, across));
-                let splat = f64x4::splat;
-                let (c, a, b) = cored(&seen[place], &now, splat(grid.core_along[along]));
-                let (d, e, f) = cored(&seen[place - 1], &now, splat(grid.core_across[across]));
+        let points = &grid.points[r * n + first..=r * n + last];
+        let here = r * (n - 1) + first..r * (n - 1) + last;
+        let (across, core_across) = (&grid.across[here.clone()], &grid.core_across[here]);
+        let own = if r == last_row && r + 1 < grid.rows() { 0.0 } else { 1.0 };
+        let mut left = see(p, points[0]);
+        if r == first_row {
+            seen.push(left);
+            for ((point, strength), core) in points[1..].iter().zip(across).zip(core_across) {
+                let now = see(p, *point);
+                add(&left, &now, *core, own * strength, sum);
+                seen.push(now);
+                left = now;
+            }
+            continue;
+        }
+        let above = (r - 1) * n + first..=(r - 1) * n + last;
+        let (along, core_along) = (&grid.along[above.clone()], &grid.core_along[above]);
+        let edge = if points.len() == 1 { last_along } else { 1.0 };
+        add(&seen[0], &left, core_along[0], edge * along[0], sum);
+        seen[0] = left;
+        let cells = points.len() - 1;
+        let rest = points[1..].iter().zip(&mut seen[1..]).zip(across.iter().zip(core_across));
+        let rest = rest.zip(along[1..].iter().zip(&core_along[1..])).enumerate();
+        for (cell, (((point, before), (across, core_across)), (along, core_along))) in rest {
+            let now = see(p, *point);
+            let along = if cell + 1 == cells { last_along * along } else { *along };
+            if CORE {
+                let (c, a, b) = cored(before, &now, splat(*core_along));
+                let (d, e, f) = cored(&left, &now, splat(*core_across));
                 // Two quotients for one division.
                 let inverse = f64x4::ONE / (b * f);
-                let one = a * splat(strengths.0) * (f * inverse);
-                let two = e * splat(strengths.1) * (b * inverse);
+                let one = a * splat(along) * (f * inverse);
+                let two = e * splat(own * across) * (b * inverse);
                 (0..3).for_each(|k| sum[k] = c[k].mul_add(one, d[k].mul_add(two, sum[k])));
             } else {
-                let mut add = |from: &Seen, core: f64, strength: f64| {
-                    let unit = between::<CORE>(from, &now, f64x4::splat(core));
-                    (0..3).for_each(|k| sum[k] = unit[k].mul_add(f64x4::splat(strength), sum[k]));
-                };
-                if let Some(at) = along {
-                    add(&seen[place], grid.core_along[at], grid.strength_along(window, j, at));
-                }
-                if let Some(at) = across {
-                    add(&seen[place - 1], grid.core_across[at], grid.strength_across(window, r, at));
-                }
+                add(before, &now, *core_along, along, sum);
+                add(&left, &now, *core_across, own * across, sum);
             }
-            match seen.get_mut(place) {
-                Some(before) => *before = now,
-                None => seen.push(now),
-            }
+            *before = now;
+            left = now;
         }
     }
 }

@@ -4,10 +4,11 @@
 //! M_k = sum Gamma l (y - c)^k, becomes sum_m a_m C_m/(4 pi), C_m = -sum_i m_i e_i x M_(m - e_i). As 1/r is harmonic, the a_m whose
 //! last exponent is above 1 are sums of the others.
 
+use std::sync::LazyLock;
 use wide::f64x4;
 use wingbeat::math::Vec3;
 
-/// Degree of the last a_m.
+/// Degree of the last a_m; [`velocity`] calls each.
 pub const DEGREE: usize = 6;
 /// Degree of the last moment.
 const LAST: usize = DEGREE - 1;
@@ -37,16 +38,21 @@ pub type Coefficients = [[f64; 3]; TERMS];
 /// Powers (y - c)^k of all moments.
 fn powers(y: Vec3) -> [f64; MOMENTS] {
     let mut values = [1.0; MOMENTS];
-    for ([i, j, l], at) in exponents(LAST).zip(0..).skip(1) {
-        let (axis, below) = match (i, j) {
-            (1.., _) => (0, place(i - 1, j, l)),
-            (0, 1..) => (1, place(i, j - 1, l)),
-            _ => (2, place(i, j, l - 1)),
-        };
-        values[at] = values[below] * y[axis];
+    for ((axis, below), at) in LOWER.iter().zip(1..) {
+        values[at] = values[*below] * y[*axis];
     }
     values
 }
+
+/// Of every power but the first the axis along which it is one higher than another, and the place of that one.
+static LOWER: LazyLock<Vec<(usize, usize)>> = LazyLock::new(|| {
+    let lower = |[i, j, l]: [usize; 3]| match (i, j) {
+        (1.., _) => (0, place(i - 1, j, l)),
+        (0, 1..) => (1, place(i, j - 1, l)),
+        _ => (2, place(i, j, l - 1)),
+    };
+    exponents(LAST).skip(1).map(lower).collect()
+});
 
 /// Adds the straight vortex from `a` to `b`, seen from the centre, of the circulation `strength`: two points of Gauss hold its
 /// moments up to the third exactly.
@@ -61,13 +67,17 @@ pub fn add_segment(moments: &mut Moments, a: Vec3, b: Vec3, strength: f64) {
 }
 
 /// How moments about one centre become those about another.
+#[derive(Debug)]
 pub struct Shift {
     /// Place of the moment that grows, place of the moment that is moved, place of the power, binomial coefficients.
     terms: Vec<(usize, usize, usize, f64)>,
 }
 
-impl Default for Shift {
-    fn default() -> Self {
+/// The one there is.
+pub static SHIFT: LazyLock<Shift> = LazyLock::new(Shift::new);
+
+impl Shift {
+    fn new() -> Self {
         let choose = |n: usize, k: usize| (0..k).fold(1.0, |c, i| c * (n - i) as f64 / (i + 1) as f64);
         let mut terms = Vec::new();
         for k in exponents(LAST) {
@@ -80,9 +90,7 @@ impl Default for Shift {
         }
         Self { terms }
     }
-}
 
-impl Shift {
     /// Adds moments about a centre that lies `off` from that of `sum`.
     pub fn add(&self, sum: &mut Moments, moments: &Moments, off: Vec3) {
         let powers = powers(off);
@@ -127,27 +135,29 @@ pub fn coefficients(moments: &Moments) -> Coefficients {
     kept
 }
 
+/// Terms of a degree, with the last exponent 0 and 1, by the second exponent.
+type Terms = [[f64x4; DEGREE + 1]; 2];
+
 /// Velocity per 4 pi at four points that lie `d` from the centre:
 /// n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) - (n - 1) sum_i a_(k - 2 e_i), n the degree of k.
 ///
 /// Equation: lattice.multipole_terms
-#[inline]
+#[inline(always)]
 pub fn velocity(coefficients: &Coefficients, d: &[f64x4; 3]) -> [f64x4; 3] {
     let inverse = f64x4::ONE / d[0].mul_add(d[0], d[1].mul_add(d[1], d[2] * d[2]));
     let u = d.map(|d| d * inverse);
     let mut sum = [f64x4::ZERO; 3];
-    // Terms of the last two degrees, with the last exponent 0 and 1, by the second exponent.
-    let mut one = [[f64x4::ZERO; DEGREE + 1]; 2];
-    let mut two = [[f64x4::ZERO; DEGREE + 1]; 2];
-    one[0][0] = inverse.sqrt();
-    let mut next = 0;
-    for n in 1..=DEGREE {
-        let share = (n as f64).recip();
+    let none = [[f64x4::ZERO; DEGREE + 1]; 2];
+    let mut zeroth = none;
+    zeroth[0][0] = inverse.sqrt();
+    let mut add = |one: &Terms, two: &Terms, degree: usize| -> Terms {
+        // Called with every degree as a constant, so that its loops are unrolled.
+        let share = (degree as f64).recip();
         let (first, second) = (f64x4::splat(2.0 - share), inverse * f64x4::splat(1.0 - share));
-        let mut now = [[f64x4::ZERO; DEGREE + 1]; 2];
+        let mut now = none;
         for l in 0..2 {
-            for j in 0..=n - l {
-                let i = n - l - j;
+            for j in 0..=degree - l {
+                let i = degree - l - j;
                 let (mut near, mut far) = (f64x4::ZERO, f64x4::ZERO);
                 if i > 0 {
                     near = u[0] * one[l][j];
@@ -166,13 +176,18 @@ pub fn velocity(coefficients: &Coefficients, d: &[f64x4; 3]) -> [f64x4; 3] {
                 }
                 let term = first.mul_sub(near, second * far);
                 now[l][j] = term;
-                let c = &coefficients[next];
+                let c = &coefficients[degree * degree - 1 + l * (degree + 1) + j];
                 (0..3).for_each(|k| sum[k] = term.mul_add(f64x4::splat(c[k]), sum[k]));
-                next += 1;
             }
         }
-        (two, one) = (one, now);
-    }
+        now
+    };
+    let first = add(&zeroth, &none, 1);
+    let second = add(&first, &zeroth, 2);
+    let third = add(&second, &first, 3);
+    let fourth = add(&third, &second, 4);
+    let fifth = add(&fourth, &third, 5);
+    add(&fifth, &fourth, 6);
     sum
 }
 
@@ -203,7 +218,7 @@ mod tests {
         let off = Vec3::new(0.03, -0.05, 0.04);
         let (mut own, mut moved) = ([Vec3::ZERO; MOMENTS], [Vec3::ZERO; MOMENTS]);
         vortices.iter().for_each(|(a, b)| add_segment(&mut own, *a, *b, 0.7));
-        Shift::default().add(&mut moved, &own, off);
+        SHIFT.add(&mut moved, &own, off);
         let at = [
             Vec3::new(1.0, 0.3, -0.4),
             Vec3::new(-0.2, 0.9, 0.5),

@@ -23,7 +23,7 @@ pub struct Picture {
     pub wing: Vec<Quad>,
     /// Rings of the wakes.
     pub wake: Vec<Quad>,
-    /// Vortices of the wakes along the flow, from older to younger end, with their circulation, m2/s.
+    /// Vortices of the wakes, along the flow from older to younger end and across it from left to right, with their circulation, m2/s.
     pub filaments: Vec<([Vec3; 2], f64)>,
 }
 
@@ -47,8 +47,15 @@ impl Picture {
                 let corners = [k, k + 1, k + n + 1, k + n].map(|k| points[k]);
                 picture.wake.push(Quad { corners, circulation: *circulation });
             }
-            let filament = |(k, circulation): (usize, &f64)| ([points[k], points[k + n]], *circulation);
-            picture.filaments.extend(wake.grid.along.iter().enumerate().map(filament));
+            let along = |(k, circulation): (usize, &f64)| ([points[k], points[k + n]], *circulation);
+            picture.filaments.extend(wake.grid.along.iter().enumerate().map(along));
+            // The last row holds the ends of the bound rings too.
+            let across = |(at, circulation): (usize, &f64)| {
+                let (row, j) = (at / (n - 1), at % (n - 1));
+                let bound = if row == wake.rows() { mesh.trailing.across[j] } else { 0.0 };
+                ([points[row * n + j], points[row * n + j + 1]], circulation + bound)
+            };
+            picture.filaments.extend(wake.grid.across.iter().enumerate().map(across));
         }
         if lattice.scene().symmetric {
             picture.mirror();

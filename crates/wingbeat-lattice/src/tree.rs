@@ -1,7 +1,7 @@
 //! Velocities of large wakes: patches of a grid, halved by turns, the far ones as multipoles.
 
 use crate::kernel::{Grid, INVERSE_4PI, LANES, Points, Window, add_block, add_induced};
-use crate::multipole::{Coefficients, MOMENTS, Moments, Shift, add_segment, coefficients, velocity};
+use crate::multipole::{Coefficients, MOMENTS, Moments, SHIFT, add_segment, coefficients, velocity};
 use wide::f64x4;
 use wingbeat::math::Vec3;
 use wingbeat::parallel;
@@ -10,6 +10,8 @@ use wingbeat::parallel;
 const LEAF: usize = 64;
 /// Points that are served together. *Choice.*
 const GROUP: usize = 32;
+/// Points from which work is shared among the cores. *Choice.*
+const SHARED: usize = 4000;
 /// Radius of a patch over its distance from the nearest point below which it is far. *Choice*, for the error.
 const FAR: f64 = 0.55;
 /// Radii of its largest core within which a patch is not far: moments know no cores. *Choice.*
@@ -40,7 +42,6 @@ impl<'a> Tree<'a> {
         let mut tree = Self { grid, patches: Vec::new(), coefficients: Vec::new() };
         tree.halve(grid.whole());
         let mut moments: Vec<Moments> = vec![[Vec3::ZERO; MOMENTS]; tree.patches.len()];
-        let shift = Shift::default();
         // Halves stand behind what they are halves of.
         for at in (0..tree.patches.len()).rev() {
             match tree.patches[at].halves {
@@ -49,7 +50,7 @@ impl<'a> Tree<'a> {
                     for half in halves {
                         let off = tree.patches[half].centre - tree.patches[at].centre;
                         let own = moments[half];
-                        shift.add(&mut moments[at], &own, off);
+                        SHIFT.add(&mut moments[at], &own, off);
                         tree.patches[at].core = tree.patches[at].core.max(tree.patches[half].core);
                     }
                 }
@@ -129,6 +130,13 @@ impl<'a> Tree<'a> {
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         let mut groups = Vec::new();
         group(points, &mut order, &mut groups);
+        if points.len() < SHARED {
+            for group in &groups {
+                let found = self.serve(points, group);
+                group.iter().zip(found).for_each(|(at, v)| velocities[*at as usize] += v);
+            }
+            return;
+        }
         let answers = parallel::map(&groups, |_, group| self.serve(points, group));
         for (group, answer) in groups.iter().zip(answers) {
             group.iter().zip(answer).for_each(|(at, v)| velocities[*at as usize] += v);

@@ -23,6 +23,7 @@ pub mod lattice;
 pub mod math;
 pub mod ocp;
 pub mod ocp_problems;
+pub mod orbit;
 pub mod rig;
 
 pub use case::{Case, Row, Selection, run, select};
@@ -43,6 +44,7 @@ pub fn cases() -> Vec<&'static Case> {
         lattice::CASES,
         body::CASES,
         fsi::CASES,
+        orbit::CASES,
         ocp::CASES,
         ocp_problems::hock_schittkowski::CASES,
         ocp_problems::trajectories::CASES,

@@ -41,6 +41,8 @@ pub mod ocp;
 
 pub mod simulate;
 
+pub mod orbit;
+
 pub mod guide;
 
 pub mod rig;

@@ -105,16 +105,23 @@ impl Course {
         self.flown.as_ref().map_or(Vec3::ZERO, |flown| flown.flight.body(flown.from_s + t).0)
     }
 
+    /// What is assumed of the flow.
+    pub fn assumed(&self) -> String {
+        let attached = "attached flow is assumed";
+        match self.past_stall > 0.0 {
+            true => format!("{attached}, {:.0} % of the strips are past stall", 100.0 * self.past_stall),
+            false => attached.into(),
+        }
+    }
+
+    /// What is said of wings that pass through each other.
+    pub fn crossing(&self) -> Option<&'static str> {
+        self.crosses.then_some("the wings cross, bound vortices are rounded off there")
+    }
+
     /// What must be known to read a figure.
     pub fn note(&self) -> String {
-        let mut note = String::from("attached flow is assumed");
-        if self.past_stall > 0.0 {
-            note += &format!(", {:.0} % of the strips are past stall", 100.0 * self.past_stall);
-        }
-        if self.crosses {
-            note += "; the wings pass through each other, bound vortices rounded off there";
-        }
-        note
+        std::iter::once(self.assumed()).chain(self.crossing().map(Into::into)).collect::<Vec<_>>().join("; ")
     }
 
     /// Whether the wings move as their mirror images at the plane of flight and up.

@@ -32,10 +32,12 @@ pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
     });
     let cuts: Vec<Cut> = cuts.collect();
     let chord = watches.first().map_or(1.0, |watch| watch.course.chord);
-    let notes: Vec<String> = match watches {
-        [only] => vec![only.course.note()],
-        _ => watches.iter().map(|watch| format!("{}: {}", watch.course.title, watch.course.note())).collect(),
+    let told = |watch: &Watch<'_>| format!("{}: {}", watch.course.title, watch.course.assumed());
+    let mut notes: Vec<String> = match watches {
+        [only] => vec![only.course.assumed()],
+        _ => watches.iter().map(told).collect(),
     };
+    notes.extend(watches.iter().find_map(|watch| watch.course.crossing()).map(Into::into));
     let drawn = (!sheets.is_empty()).then(|| wake(&sheets));
     let planes = (!cuts.is_empty()).then(|| frontal_planes(&cuts, &notes, SPREAD * chord));
     for figure in drawn.into_iter().chain(planes) {

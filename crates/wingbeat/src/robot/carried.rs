@@ -177,7 +177,7 @@ impl<P: Scalar> Robot<P> {
         x: &[S],
         dx: &mut [S],
     ) -> Option<[S; MAX_COORDINATES]> {
-        let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
+        let structure = self.structure_states();
         let mut system = System::<S, S>::new();
         self.mechanism.tree.coordinate_inertia(
             moving,
@@ -186,7 +186,7 @@ impl<P: Scalar> Robot<P> {
             &mut system.mass,
             &mut system.forces,
         );
-        self.add_efforts(&x[elements..structure], supply, &mut system);
+        self.add_efforts(&x[..structure], supply, &mut system);
         system.add_air(self, carriers, wind, &x[structure..], &mut dx[structure..]);
         let degrees = system.solve(None, carriers.coordinates.count())?;
         Some(std::array::from_fn(|c| degrees[6 + c]))

@@ -5,11 +5,12 @@ use super::doors::Choice;
 use super::mismatch::Mismatch;
 use super::name::RunName;
 use super::plan::PlanSpec;
-use super::spec::{AeroSpec, GustSpec, ScenarioSpec};
+use super::spec::{AeroSpec, GustSpec, ScenarioSpec, StartSpec};
 use crate::Error;
 use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Preset, StripModel, StripSettings};
 use crate::guide::Task;
 use crate::math::Vec3;
+use crate::plant::Plant;
 use crate::require;
 use crate::robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind};
 use crate::simulate::{Controller, Schedule};
@@ -51,6 +52,7 @@ impl ScenarioSpec {
             Error::invalid("mismatch", "given", allowed)
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
+        self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
         self.controller(choice, &model)?;
@@ -93,6 +95,10 @@ impl ScenarioSpec {
         }
         if let Some(mismatch) = &self.mismatch {
             mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
+        }
+        require::finite("start.rate_rad_s", &self.start.rate_rad_s)?;
+        if let Some(trim) = &self.trim {
+            trim.check().map_err(|e| e.within("trim"))?;
         }
         if let Some(plan) = &self.plan {
             plan.check().map_err(|e| e.within("plan"))?;
@@ -173,6 +179,28 @@ impl ScenarioSpec {
             return Err(error.against(["flight.duration_s", "flight.step_s"]));
         }
         Ok(schedule)
+    }
+}
+
+impl StartSpec {
+    /// That the states and commands by name are there, finite and within their limits.
+    fn check(&self, robot: &Robot) -> Result<(), Error> {
+        let first = robot.layout().joints;
+        let states = &robot.states()[first..];
+        for (table, given, channels) in
+            [("states", &self.states, states), ("commands", &self.commands, robot.inputs())]
+        {
+            for (name, value) in given {
+                let key = format!("{table}.{name}");
+                let Some(channel) = channels.iter().find(|channel| channel.name == *name) else {
+                    let names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).collect();
+                    return Err(Error::invalid(key, value, format!("of {}", names.join(", "))));
+                };
+                require::finite(&key, &[*value])?;
+                require::between(&key, *value, channel.low, channel.high)?;
+            }
+        }
+        Ok(())
     }
 }
 

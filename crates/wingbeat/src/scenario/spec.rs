@@ -3,6 +3,7 @@
 use super::chosen::{Chosen, Named};
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
+use super::trim::TrimSpec;
 use crate::Error;
 use crate::aero::{
     CRITICAL_SUCTION, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings, ZERO_LIFT_ANGLE,
@@ -13,6 +14,7 @@ use crate::require;
 use crate::robot::RobotSpec;
 use crate::simulate::SensorSpec;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A flight: robot, air, start, manoeuvre, controller.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -39,6 +41,9 @@ pub struct ScenarioSpec {
     /// What to fly; needed by a predictive controller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub manoeuvre: Option<Chosen<Turn>>,
+    /// The periodic flight that `wingbeat trim` looks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trim: Option<TrimSpec>,
     /// What `wingbeat plan` plans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanSpec>,
@@ -250,6 +255,21 @@ pub struct StartSpec {
     pub yaw_deg: f64,
     /// Phase of the gait, rad.
     pub phase_rad: f64,
+    /// Angular rate w_WB_B, rad/s.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub rate_rad_s: [f64; 3],
+    /// States of elastic joints and of the air by the names of their columns, in the unit of the column; what is not
+    /// given starts at rest.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub states: BTreeMap<String, f64>,
+    /// Commands in force from the start by the names of their columns: the structure starts displaced by them, and without
+    /// a controller they are held.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub commands: BTreeMap<String, f64>,
+}
+
+fn is_zero(vector: &[f64; 3]) -> bool {
+    *vector == [0.0; 3]
 }
 
 /// Clock.

@@ -4,6 +4,7 @@ use crate::Error;
 use crate::body::{Coupled, Element, Response};
 use crate::range::{Range, ranges};
 use crate::robot::MAX_ELEMENTS;
+use crate::robot::joints::CRANK;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -70,9 +71,14 @@ pub struct RegulatorSpec {
 pub struct ElementSpec {
     /// Name of its channel.
     pub name: String,
-    /// Driven joints (rad, m), by name, or link lengths of the linkage (`l3b_left` and the like, m)
-    /// that it displaces about the gait, alike.
+    /// What it displaces about the gait, all alike: driven joints (rad, m) by name; elastic joints, the rest of
+    /// whose spring it displaces; link lengths of the linkage (`l3b_left` and the like, m); or `crank` alone, which
+    /// turns at the gait's rate and that of the element, whose command is a rate (rad/s): y'' = 2 pi f (omega - y').
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moves: Vec<String>,
+    /// Joints driven by series, by name, whose harmonics it scales by 1 + y, in place of `moves`; their means stay.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scales: Vec<String>,
     /// Lower limit of the regulator, rad or m; link lengths take theirs from the
     /// ranges of the linkage.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -90,6 +96,13 @@ pub struct ElementSpec {
 
 ranges!(StructureSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });
 ranges!(ElementSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });
+
+impl ElementSpec {
+    /// Whether it changes the rate of the crank.
+    pub(in crate::robot) fn turns_crank(&self) -> bool {
+        self.moves == [CRANK]
+    }
+}
 
 impl StructureSpec {
     /// Multiplies the natural frequencies, the damping ratios kept. Of full matrices nothing is changed.
@@ -113,9 +126,21 @@ impl StructureSpec {
             return Err(Error::invalid("regulators", regulators, allowed));
         }
         for (i, e) in self.elements.iter().enumerate() {
-            if e.moves.is_empty() {
-                let allowed = "at least one joint or link length";
+            if e.moves.is_empty() && e.scales.is_empty() {
+                let allowed = "at least one joint or link length, or `scales`";
                 return Err(Error::invalid(format!("elements[{i}].moves"), "[]", allowed));
+            }
+            if !(e.moves.is_empty() || e.scales.is_empty()) {
+                let allowed = "nothing beside `moves`";
+                return Err(Error::invalid(
+                    format!("elements[{i}].scales"),
+                    format!("{:?}", e.scales),
+                    allowed,
+                ));
+            }
+            if let (true, Some(damping)) = (e.turns_crank(), e.damping) {
+                let allowed = "nothing: the crank's rate follows its command";
+                return Err(Error::invalid(format!("elements[{i}].damping"), damping, allowed));
             }
         }
         unused("elements", self.elements.iter().map(|e| e.name.as_str()))?;
@@ -237,6 +262,10 @@ impl StructureSpec {
         };
         let element = |(i, e): (usize, &ElementSpec)| {
             let (frequency_key, frequency) = number(i, "frequency_hz", e.frequency_hz, self.frequency_hz)?;
+            if e.turns_crank() {
+                return Element::of_rate(frequency)
+                    .map_err(|e| e.renamed(&[("frequency_hz", frequency_key)]));
+            }
             let (damping_key, damping) = number(i, "damping", e.damping, self.damping)?;
             let keys = [("frequency_hz", frequency_key), ("damping", damping_key)];
             Element::new(frequency, damping).map_err(|e| e.renamed(&keys))
@@ -244,13 +273,7 @@ impl StructureSpec {
         let elements: Vec<Element> =
             self.elements.iter().enumerate().map(element).collect::<Result<_, _>>()?;
         let Some(placement) = self.placement() else { return Ok(Response::Uncoupled(elements)) };
-        let diagonal = |of: fn(&Element) -> f64| {
-            let mut matrix = identity(elements.len());
-            matrix.iter_mut().zip(&elements).enumerate().for_each(|(i, (row, e))| row[i] = of(e));
-            matrix
-        };
-        let (stiffness, damping) = (diagonal(|e| e.stiffness), diagonal(|e| e.damping));
-        Coupled::placed(&stiffness, &damping, &placement).map(Response::Coupled)
+        Ok(Response::Coupled(Coupled::of_elements(&elements, &placement)))
     }
 }
 
