@@ -42,7 +42,7 @@ pub use plan::{
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
 pub use rig_process::{Processed, Weighed};
 pub use rig_simulated::SimulatedRun;
-pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, together};
+pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;
 pub use spec::{

@@ -25,6 +25,9 @@ pub enum Evaluated {
     Weighed(Box<Weighed>),
 }
 
+/// What processing a run gave, with begin and end (s) of what was averaged.
+pub type Windowed = (Evaluated, (f64, f64));
+
 /// A run and what processing it gave.
 #[derive(Debug)]
 pub struct ProcessedRun {
@@ -78,7 +81,7 @@ impl RigRun {
         &self,
         record: Record,
         measured: Option<(f64, f64)>,
-    ) -> Result<Result<(Evaluated, (f64, f64)), String>, Error> {
+    ) -> Result<Result<Windowed, String>, Error> {
         let plan = match (&self.spec.turn, measured) {
             (Some(_), None) => match self.plan()? {
                 Ok(plan) => Some(plan),
