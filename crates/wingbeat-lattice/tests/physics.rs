@@ -6,7 +6,8 @@ use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
 use wingbeat::math::Vec3;
 use wingbeat::tether::{Coordinate, Hinge, HingeKind, Motion, Side, Wing};
 use wingbeat_lattice::{
-    Error, Flapping, Lattice, Layout, Loads, Panels, Scene, Sections, Settings, Spacing, Surface, WakeMotion,
+    Error, Flapping, Lattice, Layout, Loads, Panels, Picture, Scene, Sections, Settings, Spacing, Surface,
+    WakeMotion,
 };
 
 const ALPHA: f64 = 1e-3;
@@ -196,6 +197,26 @@ fn plates_that_touch_are_finite_or_refused() {
     // Edge on edge they are one plate.
     let two = plates([plate(0.0, 0.5, 0.0, right), plate(0.0, -0.5, 0.0, right)], 4).unwrap();
     assert!((two[19].joukowski.force[1]).abs() < 1e-9 && two[19].joukowski.force[2] > 0.1);
+}
+
+#[test]
+fn the_velocity_around_a_half_plane_is_that_of_the_vortices_through_it() {
+    // A core takes of a vortex that passes near the way around; thin ones take nothing.
+    let settings = Settings::new(0.1, 1e-3);
+    let (lattice, _) = run(&wing(4.0, 0.5, 0.0), panels(4, 16), settings, 75, false);
+    let edges = lattice.meshes().iter().flat_map(|mesh| &mesh.edges);
+    let x = edges.map(|edge| edge.te[0]).fold(f64::INFINITY, f64::min) - 0.5;
+    let crossings = Picture::new(&lattice, 0.0).crossings(Vec3::new(x, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
+    let through: f64 = crossings.iter().filter(|(place, _)| place[1] > 0.0).map(|(_, g)| g).sum();
+    let corners = [[0.0, -8.0], [8.0, -8.0], [8.0, 8.0], [0.0, 8.0], [0.0, -8.0]];
+    let mut around = 0.0;
+    for pair in corners.windows(2) {
+        let [from, to] = [pair[0], pair[1]].map(|[y, z]| Vec3::new(x, y, z));
+        let step = (to - from) * 5e-4;
+        let points: Vec<Vec3> = (0..2000).map(|k| from + step * (f64::from(k) + 0.5)).collect();
+        around += lattice.velocities(&points).iter().map(|v| v.dot(step)).sum::<f64>();
+    }
+    assert!((around / through - 1.0).abs() < 0.01, "{around} {through}");
 }
 
 #[test]

@@ -14,7 +14,7 @@ const FREQUENCY: f64 = 3.5;
 /// Kinematic viscosity of the tables, m2/s.
 const VISCOSITY: f64 = 1.506e-5;
 /// Core of the wake of our own, chords.
-const CORE: f64 = 0.02;
+pub const CORE: f64 = 0.02;
 
 /// A run and the lattice at its end.
 pub fn run(
@@ -34,15 +34,16 @@ pub fn run(
     Ok((loads, lattice))
 }
 
-/// Steps the whole wing `steps` times with Lan's strips, shows the lattice after each and returns it.
+/// Steps the whole wing `steps` times with Lan's strips and cores of `core` chords, shows the lattice after each and returns it.
 pub fn whole(
     wing: &Flapping,
     steps: usize,
     wake: WakeMotion,
+    core: f64,
     mut show: impl FnMut(&Lattice),
 ) -> Result<Lattice, Error> {
     let panels = Panels { chordwise: 4, spanwise: 20, spacing: Spacing::Lan };
-    let own = Settings::new(1.0 / (FREQUENCY * STEPS as f64), CORE * CHORD);
+    let own = Settings::new(1.0 / (FREQUENCY * STEPS as f64), core * CHORD);
     let mut lattice = Lattice::new(Scene::new(wing, panels, false)?, Settings { wake, ..own })?;
     for _ in 0..steps {
         lattice.step()?;
