@@ -183,7 +183,8 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
 
 #[test]
 fn intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit() {
-    let scenario = scenario("cruise_20g", &["trim.free=['stroke', 'twist']", "robot.gait.fourier.frequency_hz=5.8478"]);
+    let scenario =
+        scenario("cruise_20g", &["trim.free=['stroke', 'twist']", "robot.gait.fourier.frequency_hz=5.8478"]);
     let cycle = scenario.cycle().unwrap();
     let found = scenario.find_orbit(&cycle, &mut |_, _| ControlFlow::Continue(())).unwrap().unwrap();
     let point = &found.orbit.point;
