@@ -177,6 +177,8 @@ pub const COLUMNS: &[Described] = &[
     column("w_WB_B_<axis>", &[FLIGHT], &["rad/s"], "B", "Angular rate of the body, resolved in B."),
     column("displacement_<element>", &[FLIGHT, GAIT], &["rad", "m", ""], "", "Displacement of a structure element about the gait, a share where it scales a series."),
     column("rate_<element>", &[FLIGHT, GAIT], &["rad/s", "m/s", "1/s"], "", "Its rate."),
+    column("orbit_share", &[FLIGHT], ONE, "", "Share of the roll-in done, under `[controller.orbit]`."),
+    column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, under `[controller.orbit]`."),
     column("coordinate_rate_<joint>", &[FLIGHT, GAIT], &["rad/s", "m/s"], "", "Rate of an elastic or free joint."),
     column("coordinate_<joint>", &[FLIGHT, GAIT], &["rad", "m"], "", "Coordinate of an elastic or free joint, a state."),
     column("crank_angle", &[FLIGHT, GAIT], RAD, "", "Angle of the crank that the motor turns: the phase of the gait."),

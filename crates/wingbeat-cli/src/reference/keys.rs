@@ -221,7 +221,10 @@ fn every_key_has_a_meaning_and_every_shipped_key_is_in_the_reference() {
             shipped::walk(&document.table, "", &mut |path, _| {
                 let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
                 let by_name = keys.iter().any(|key| key.path == parent && key.form.ends_with("by name"));
-                assert!(paths.contains(path) || by_name, "{}: {path} is no key", document.file);
+                // Kinds behind a door have no schema: docs/trim.md tells the keys of this one.
+                let behind_a_door = path.starts_with("controller.orbit");
+                let known = paths.contains(path) || by_name || behind_a_door;
+                assert!(known, "{}: {path} is no key", document.file);
             });
         }
     }
