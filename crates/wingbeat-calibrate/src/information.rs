@@ -113,9 +113,9 @@ fn product(group: &[(usize, f64)], problem: &Problem) -> String {
     let (a, b) = (&problem.parameters[*a].name, &problem.parameters[*b].name);
     let ratio = -x / y;
     if (ratio - 1.0).abs() < 0.02 {
-        format!("the ratio {a} / {b}")
-    } else if (ratio + 1.0).abs() < 0.02 {
         format!("the product {a} x {b}")
+    } else if (ratio + 1.0).abs() < 0.02 {
+        format!("the ratio {a} / {b}")
     } else {
         format!("{a}^{:.2} x {b}^{:.2}", -y / x.hypot(*y), x / x.hypot(*y))
     }

@@ -148,13 +148,13 @@ impl<'a> Problem<'a> {
     }
 
     /// Square by channel and harmonic of which the discrepancy is a part: that of the harmonic's amplitude and a share of
-    /// the whole cycle's. Lift that is wrong, or tilts, is wrong forwards too, and rolling moment so is yawing moment: of six
-    /// channels Fx and Fz have one scale, and Tx and Tz another.
+    /// the whole cycle's. Of six channels each force is held against the whole force and each moment against the whole
+    /// moment: loads that are wrong in size or direction are wrong in proportion to them.
     pub fn amplitudes(&self, cycle: &[f64], layout: Layout) -> Vec<Vec<f64>> {
         let of = |channel: usize| {
             let group: &[usize] = match (layout.channels, channel) {
-                (6, 0 | 2) => &[0, 2],
-                (6, 3 | 5) => &[3, 5],
+                (6, 0..3) => &[0, 1, 2],
+                (6, _) => &[3, 4, 5],
                 _ => &[channel],
             };
             let own: f64 = group.iter().map(|channel| layout.mean_square(cycle, *channel)).sum();

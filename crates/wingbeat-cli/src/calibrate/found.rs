@@ -280,6 +280,20 @@ impl Found {
         (0..layout.channels).map(|channel| channel_name(layout, channel)).collect()
     }
 
+    /// Power of the residuals of the fitted runs over that of the noise in their means, by channel: 1 where nothing but
+    /// noise is left.
+    pub fn residual_over_noise(&self) -> Vec<f64> {
+        let channel = |channel: usize| {
+            let (mut left, mut noise) = (0.0, 0.0);
+            for run in self.fitted() {
+                left += rms(&run.observed, &run.after.cycle)[channel].powi(2);
+                noise += run.noise.iter().map(|by_channel| by_channel[channel]).sum::<f64>();
+            }
+            left / noise.max(f64::MIN_POSITIVE)
+        };
+        (0..self.channels().len()).map(channel).collect()
+    }
+
     /// The label of parameter `k`.
     pub fn label(&self, k: usize) -> Label {
         self.profiles[k].label
@@ -331,6 +345,7 @@ impl Found {
             band_half_width: widths,
             chi_squared: self.chi_squared,
             discrepancy,
+            residual_over_noise: names.iter().cloned().zip(self.residual_over_noise()).collect(),
             correlations: self.correlations.clone(),
             singular_values: self.singular.0.clone(),
             starts: self.starts.clone(),
@@ -426,6 +441,7 @@ pub struct Summary {
     band_half_width: BTreeMap<String, f64>,
     chi_squared: f64,
     discrepancy: BTreeMap<String, f64>,
+    residual_over_noise: BTreeMap<String, f64>,
     correlations: Vec<Vec<f64>>,
     singular_values: Vec<f64>,
     starts: Vec<Option<Fit>>,

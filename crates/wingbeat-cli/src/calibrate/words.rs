@@ -95,6 +95,12 @@ pub fn report(found: &Found) -> String {
             shares.join(", ")
         );
     }
+    let over = found.channels().into_iter().zip(found.residual_over_noise());
+    let over: Vec<String> = over.map(|(channel, ratio)| format!("{channel} {ratio:.2}")).collect();
+    text += &format!(
+        "power of the residuals over that of the noise, 1 where only noise is left: {}\n",
+        over.join(", ")
+    );
     let costs: Vec<String> = found
         .starts
         .iter()

@@ -94,13 +94,5 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         0.0,
         "",
     ));
-    rows.push(Row::judged(
-        "calibrate.degenerate.correlation",
-        "own truth, seven runs",
-        "how far that correlation is from one that is hard: 0.9 - |correlation|",
-        0.9 - correlation.abs(),
-        0.0,
-        "",
-    ));
     Ok(rows)
 }

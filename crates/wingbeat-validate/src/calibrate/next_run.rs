@@ -19,7 +19,7 @@ fn candidate(random: &mut Random) -> String {
         random.between(-25.0, 5.0),
     );
     format!(
-        "{{ name = \"NAME\", run = \"../rigs/identification/faster_wind.toml\", set = [\"frequency_hz={frequency:.3}\", \
+        "{{ name = \"NAME\", run = \"RIGS/identification/faster_wind.toml\", set = [\"frequency_hz={frequency:.3}\", \
          \"wind_m_s=[{:.4}, {:.4}, 0.0]\", \"hold.tilts_deg=[[{roll:.2}, {pitch:.2}]]\", \"hold.each_s=3.0\"] }}",
         -speed * side.cos(),
         speed * side.sin()
@@ -35,9 +35,9 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let mut random = Random::stream(23, 0);
     let candidates: Vec<String> =
         (0..RANDOM).map(|k| candidate(&mut random).replace("NAME", &format!("c{k}"))).collect();
-    let base =
-        "{ run = \"../rigs/runs/roll10_speed08.toml\" }, { run = \"../rigs/runs/roll15_speed08.toml\" }";
-    let list = format!("runs=[{base}, {}]", candidates.join(", "));
+    let base = "{ run = \"RIGS/runs/roll10_speed08.toml\" }, { run = \"RIGS/runs/roll15_speed08.toml\" }";
+    let rigs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../rigs");
+    let list = format!("runs=[{base}, {}]", candidates.join(", ")).replace("RIGS", rigs);
     let calibration = shipped(
         "seven_runs.toml",
         &[

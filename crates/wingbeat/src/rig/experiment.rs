@@ -114,14 +114,9 @@ impl Experiment<'_> {
         dx: &mut [S],
     ) -> Result<(FrameMotion, CarriedLoads<S>), Fault> {
         let cell = FrameMotion::from_jets(&(self.carrier.tool(t) * Pose::constant(&mount.cell)));
-        let clock = numbers.rippled(self.clock(t), self.gait());
+        let clock = numbers.rippled(self.clock(t), std::f64::consts::TAU * self.robot.frequency_hz());
         let loads = robot.carried(&clock, &mount.body_motion(&cell), x, u, dx)?;
         Ok((cell, loads))
-    }
-
-    /// Rate of the gait, rad/s, and its phase at t = 0.
-    fn gait(&self) -> [f64; 2] {
-        [std::f64::consts::TAU * self.robot.frequency_hz(), self.robot.phase(0.0)]
     }
 
     /// The same of the robot and rig as they are.

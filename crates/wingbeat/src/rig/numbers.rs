@@ -102,15 +102,16 @@ impl<P: Scalar> RigNumbers<P> {
         }
     }
 
-    /// The gait's clock with the ripple of the crank; `rate` is that of the gait, rad/s, `start` its phase at 0.
+    /// The gait's clock with the ripple of the crank over the phase that an encoder shows, zero at the begin; `rate` is that
+    /// of the gait, rad/s.
     ///
     /// Equation: rig.crank_ripple
-    pub fn rippled(&self, clock: Jet, [rate, start]: [f64; 2]) -> Jet<P> {
+    pub fn rippled(&self, clock: Jet, rate: f64) -> Jet<P> {
         let lifted = Jet::new(P::from(clock.x), P::from(clock.d), P::from(clock.dd));
         if rate == 0.0 {
             return lifted;
         }
-        let (sin, cos) = (clock * rate + start).sin_cos();
+        let (sin, cos) = (clock * rate).sin_cos();
         let ahead = |wave: Jet, share: P| Jet::new(share * wave.x, share * wave.d, share * wave.dd);
         lifted + ahead(cos / rate, self.ripple[0]) + ahead(sin / rate, self.ripple[1])
     }
@@ -132,12 +133,11 @@ mod tests {
         let mut numbers = RigNumbers::of(&mount);
         numbers.set("crank.ripple_rad[0]", 0.02).unwrap();
         numbers.set("crank.ripple_rad[1]", -0.01).unwrap();
-        let gait = [22.0, 0.3];
         let phase = |t: f64| {
-            let clock: Jet = numbers.rippled(Jet::new(t, 1.0, 0.0), gait);
-            (clock.x * gait[0] + gait[1], clock.d * gait[0])
+            let clock: Jet = numbers.rippled(Jet::new(t, 1.0, 0.0), 22.0);
+            (22.0 * clock.x, 22.0 * clock.d)
         };
-        let even: f64 = 22.0 * 0.07 + 0.3;
+        let even: f64 = 22.0 * 0.07;
         let expected = even + 0.02 * even.cos() - 0.01 * even.sin();
         assert!((phase(0.07).0 - expected).abs() < 1e-14);
         let slope = (phase(0.07 + 1e-6).0 - phase(0.07 - 1e-6).0) / 2e-6;
