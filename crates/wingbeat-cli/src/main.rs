@@ -14,6 +14,7 @@ mod reference;
 mod rig;
 mod run_folder;
 mod say;
+mod show;
 mod sweep;
 mod tether;
 mod validate;
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Command::Wake(arguments) => wake::wake(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Rig(command) => rig::rig(&command),
+        Command::Show(arguments) => show::show(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::New(arguments) => new::new(&arguments),
         Command::Schema(arguments) => say::say(&schema_text(arguments.kind)),

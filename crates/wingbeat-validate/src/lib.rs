@@ -22,6 +22,8 @@ pub mod lattice;
 pub mod math;
 pub mod ocp;
 pub mod ocp_problems;
+pub mod paper;
+pub mod paper_nlp;
 pub mod rig;
 
 pub use case::{Case, Row, Selection, run, select};
@@ -35,6 +37,8 @@ pub fn cases() -> Vec<&'static Case> {
     [
         math::CASES,
         aero_paper::CASES,
+        paper::CASES,
+        paper_nlp::CASES,
         aero_full::CASES,
         aero_surfaces::CASES,
         aero_symmetry::CASES,

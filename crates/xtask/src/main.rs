@@ -1,10 +1,11 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `hostile`,
-//! `advisories`, `soak`.
+//! `advisories`, `soak`, `paper`.
 
 mod dependencies;
 mod documents;
 mod fuzz;
 mod hostile;
+mod paper;
 mod peers;
 mod report;
 mod soak;
@@ -26,6 +27,7 @@ cargo xtask TASK
   hostile [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits of
           memory, time and disk
   advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
+  paper   every command of docs/paper.md, into target/paper: each ends with the exit code that the page says
   soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
 ";
 
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         "hostile" => hostile::hostile(&arguments[1..]),
         "advisories" => dependencies::advisories(&arguments[1..]),
         "soak" => soak::soak(&arguments[1..]),
+        "paper" => paper::run(),
         "peers" => peers::compare(arguments.get(1).map(String::as_str)),
         "" | "help" | "--help" | "-h" => {
             print!("{HELP}");

@@ -13,6 +13,7 @@ mod numbers;
 mod observe;
 mod regulators;
 mod sections;
+mod skeleton;
 mod spec;
 mod surface;
 
@@ -21,6 +22,7 @@ pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
 pub use numbers::{Numbers, SpringNumbers};
 pub use observe::Observation;
+pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,

@@ -138,15 +138,20 @@ impl Driver<()> for Player<'_> {
     }
 }
 
-/// Means of a recorded cycle by the trapezoid rule. Commands, and with them forces, may jump where the cycle closes:
-/// both ends count half.
-pub(super) fn means(record: &Record) -> Means {
-    let mean = |name: &str| match record.values(name).unwrap_or(&[]) {
+/// Mean of a column over a recorded cycle by the trapezoid rule. Commands, and with them forces, may jump where the
+/// cycle closes: both ends count half.
+pub(super) fn cycle_mean(record: &Record, name: &str) -> f64 {
+    match record.values(name).unwrap_or(&[]) {
         [first, inner @ .., last] => {
             (inner.iter().sum::<f64>() + 0.5 * (first + last)) / (inner.len() + 1) as f64
         }
         _ => f64::NAN,
-    };
+    }
+}
+
+/// Means of a recorded cycle.
+pub(super) fn means(record: &Record) -> Means {
+    let mean = |name: &str| cycle_mean(record, name);
     Means {
         drive_power_w: mean("drive_power"),
         up_n: mean("force_up"),
