@@ -98,9 +98,9 @@ pub trait Scalar:
         let (mut power, mut base, mut left) = (Self::ONE, self, n.unsigned_abs());
         while left > 0 {
             if left % 2 == 1 {
-                power = power * base;
+                power *= base;
             }
-            base = base * base;
+            base *= base;
             left /= 2;
         }
         if n < 0 { power.recip() } else { power }
