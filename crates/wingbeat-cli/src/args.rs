@@ -30,6 +30,7 @@ pub enum Command {
     Trim(Trim),
     #[command(subcommand)]
     Rig(Rig),
+    Show(Show),
     Validate(Validate),
     New(New),
     Schema(Schema),
@@ -169,6 +170,25 @@ pub struct Trim {
     /// The scenario
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Draw a robot, a rig or a run of the rig from its file, with frames, links, hinges, outlines, mount and arm
+///
+/// The folder holds figures/show.svg and .png, and manifest.json. FILE is a robot, a scenario (its robot at the start), a
+/// rig, or a run (its arm in the middle of the steady turn).
+#[derive(Debug, Args)]
+pub struct Show {
+    /// Robot, scenario, rig or run
+    #[arg(value_name = "FILE.toml")]
+    pub file: PathBuf,
+    /// Phase of the gait, rad, of a robot or scenario; without it that of the start
+    #[arg(long, value_name = "RAD", allow_hyphen_values = true)]
+    pub phase: Option<f64>,
+    /// Joint positions of the arm, deg; without them those of the run's plan, else all zero
+    #[arg(long, value_name = "J1,J2,...", value_delimiter = ',', allow_hyphen_values = true)]
+    pub joints_deg: Option<Vec<f64>>,
     #[command(flatten)]
     pub run: Run,
 }

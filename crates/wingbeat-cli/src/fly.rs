@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use indicatif::ProgressBar;
-use wingbeat::scenario::{FlightStatus, GoalSpec, Run, Scenario};
+use wingbeat::scenario::{FlightStatus, Run, Scenario};
 use wingbeat::simulate::Record;
-use wingbeat_figures::{Draw, FLIGHT};
+use wingbeat_figures::{Asked, Draw, FLIGHT};
 use wingbeat_io::write_parquet;
 
 use crate::args::Fly;
@@ -34,7 +34,8 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     if let Some(strips) = &run.strips {
         write_parquet(&folder.file("strips.parquet"), strips)?;
     }
-    draw(&folder, &run.record, scenario.spec.goal.as_ref(), &FLIGHT, &interrupt)?;
+    let asked = Asked { goal: scenario.spec.goal.as_ref(), paper: scenario.spec.paper.as_ref() };
+    draw(&folder, &run.record, asked, &FLIGHT, &interrupt)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
@@ -73,14 +74,14 @@ fn progress(duration: f64, quiet: bool) -> ProgressBar {
 pub fn draw(
     folder: &RunFolder,
     record: &Record,
-    goal: Option<&GoalSpec>,
+    asked: Asked,
     draws: &[Draw],
     interrupt: &Interrupt,
 ) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
     for draw in draws {
         interrupt.check()?;
-        let drawn = draw(record, goal).and_then(|figure| wingbeat_figures::write(&figures, &figure));
+        let drawn = draw(record, asked).and_then(|figure| wingbeat_figures::write(&figures, &figure));
         if let Err(error) = drawn {
             say::note(&format!("a figure is left out: {error}"));
         }

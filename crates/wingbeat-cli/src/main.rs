@@ -15,6 +15,7 @@ mod reference;
 mod rig;
 mod run_folder;
 mod say;
+mod show;
 mod sweep;
 mod tether;
 mod trim;
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
         Command::Trim(arguments) => trim::trim(&arguments),
         Command::Rig(command) => rig::rig(&command),
+        Command::Show(arguments) => show::show(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::New(arguments) => new::new(&arguments),
         Command::Schema(arguments) => say::say(&schema_text(arguments.kind)),

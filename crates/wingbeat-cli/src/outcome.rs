@@ -36,6 +36,7 @@ pub fn name(status: FlightStatus) -> &'static str {
 fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let number = |value: f64| format!("{value:.2}");
     let settled = |value: Option<f64>| value.map_or("-".into(), number);
+    let watts = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
     let share = |value: f64| format!("{:.1}", 100.0 * value);
     let of = |take: fn(&PaperResults) -> f64| paper.map(take).map(number);
     let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
@@ -55,6 +56,8 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("strips past stall", None, share(summary.stall_fraction), "%"),
         ("least clearance", None, summary.least_clearance_m.map_or("-".into(), |c| number(1e3 * c)), "mm"),
         ("clearance below zero", None, summary.crossing_fraction.map_or("-".into(), share), "% of the time"),
+        ("power of the drive", None, watts(summary.drive_power_w), "W, on the joints"),
+        ("power of the regulators", None, watts(summary.regulator_power_w), "W, on the joints"),
         ("inputs at a limit", None, share(summary.input_saturation_fraction), "%"),
         ("controller updates", None, controller.updates.to_string(), ""),
         ("controller failures", None, controller.failures.to_string(), ""),

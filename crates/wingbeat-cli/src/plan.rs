@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget};
 use wingbeat::ocp::Progress;
 use wingbeat::ocp::interior_point::Iteration;
 use wingbeat::scenario::{GaitNumbers, LeastPowerSummary, PlanSummary, RollInSummary, Scenario};
-use wingbeat_figures::{Draw, FLIGHT, GAIT};
+use wingbeat_figures::{Asked, Draw, FLIGHT, GAIT};
 use wingbeat_io::write_parquet;
 
 use crate::args::Plan;
@@ -48,7 +48,7 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     folder.write_json("summary.json", &planned.summary)?;
     if let Some(record) = &planned.record {
         write_parquet(&folder.file("record.parquet"), record)?;
-        draw(&folder, record, None, figures(&planned.summary), &interrupt)?;
+        draw(&folder, record, Asked::default(), figures(&planned.summary), &interrupt)?;
     }
     for (name, text) in &planned.files {
         folder.write(name, text)?;
@@ -102,14 +102,16 @@ type Lines = Vec<(&'static str, String)>;
 
 fn roll_in(summary: &RollInSummary) -> Lines {
     let angles = |a: [f64; 3]| format!("{:.2} / {:.2} / {:.2} deg", a[0], a[1], a[2]);
-    vec![
+    let mut lines = vec![
         ("duration", format!("{:.4} s from {:.3} s on", summary.duration_s, summary.start_s)),
         ("roll / pitch / yaw, plan", angles(summary.final_angles_deg)),
         ("roll / pitch / yaw, flown", angles(summary.flown_angles_deg)),
         ("least clearance, flown", clearance(summary.least_clearance_m)),
         ("strips past stall, flown", summary.stall_fraction.map_or("-".into(), percent)),
         ("error re-simulated", worst(&summary.resimulation_error)),
-    ]
+    ];
+    lines.extend(summary.starts.iter().map(|words| ("starts", words.clone())));
+    lines
 }
 
 fn least_power(summary: &LeastPowerSummary) -> Lines {
@@ -130,7 +132,20 @@ fn least_power(summary: &LeastPowerSummary) -> Lines {
     if let (Some(plan), Some(means)) = (&summary.plan, &summary.replay) {
         let replay = GaitNumbers { means: *means, ..*plan };
         lines.push(("plan", gait(plan)));
+        let unrounded = summary.plan_unrounded_power_w.map_or("-".into(), |power| format!("{power:.4} W"));
+        lines.push(("plan, unrounded power", unrounded));
         lines.push(("replayed from rest", gait(&replay)));
+        let drag = summary.replay_up_by_source_n.get("profile_drag").copied().unwrap_or(f64::NAN);
+        let share = format!("{drag:.4} N of {:.4} N, by the choice of cd90", means.up_n);
+        lines.push(("lift from profile drag", share));
+        if let Some(other) = summary.replay_other {
+            let m = other.means;
+            let text = format!(
+                "{:.4} W, up {:.4} N, forward {:.4} N under preset {}",
+                m.drive_power_w, m.up_n, m.forward_n, other.preset
+            );
+            lines.push(("the same commands", text));
+        }
         lines.push(("least clearance, replayed", clearance(summary.least_clearance_m)));
         lines.extend(summary.stall_fraction.map(|share| ("strips past stall, replayed", percent(share))));
         lines.push(("error re-simulated", worst(&summary.resimulation_error)));

@@ -53,7 +53,7 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     ];
     for (record, figure) in &draws {
         if let Some(record) = record {
-            draw(&folder, record, None, &[*figure], &interrupt)?;
+            draw(&folder, record, wingbeat_figures::Asked::default(), &[*figure], &interrupt)?;
         }
     }
     for (name, text) in &trimmed.files {

@@ -7,10 +7,12 @@ pub mod calibration;
 pub mod chart;
 mod commands;
 mod cycle;
+mod end_points;
 mod error;
 mod force_moment;
 mod forces;
 mod gait;
+mod joints;
 mod map;
 mod orbit;
 mod panel;
@@ -18,6 +20,7 @@ mod path;
 mod processing;
 mod robustness;
 mod scale;
+mod show;
 mod states;
 mod strokes;
 mod style;
@@ -27,29 +30,45 @@ mod write;
 
 pub use bench::{comparison, convergence};
 pub use commands::commands;
+pub use end_points::{EndPoints, end_points};
 pub use error::Error;
 pub use force_moment::force_moment;
 pub use forces::forces;
 pub use gait::gait;
+pub use joints::joint_histories;
 pub use map::map;
 pub use orbit::{family, multipliers, orbit};
 pub use path::path;
 pub use processing::{Cell, cycles, filtered};
 pub use robustness::robustness;
+pub use show::Drawing;
 pub use states::states;
 pub use tether::{cycle_loads, span_loading};
 pub use wake::{Cut, Sheet as WakeSheet, frontal_planes, half_circulations, wake};
 pub use write::{Figure, write, write_for_screen};
 
-use wingbeat::scenario::GoalSpec;
+use wingbeat::scenario::{GoalSpec, PaperResults};
 use wingbeat::simulate::Record;
 
-/// What draws a figure of a record, with what counts as held where that is said.
-pub type Draw = fn(&Record, Option<&GoalSpec>) -> Result<Figure, Error>;
+/// What a scenario asks and what is published of it, where it says.
+#[derive(Clone, Copy, Default)]
+pub struct Asked<'a> {
+    /// What counts as held.
+    pub goal: Option<&'a GoalSpec>,
+    /// Published numbers.
+    pub paper: Option<&'a PaperResults>,
+}
+
+/// What draws a figure of a record.
+pub type Draw = fn(&Record, Asked) -> Result<Figure, Error>;
 
 /// The figures of a flight.
-pub const FLIGHT: [Draw; 4] =
-    [states, |record, _| path(record), |record, _| commands(record), |record, _| forces(record)];
+pub const FLIGHT: [Draw; 4] = [
+    |record, asked| states(record, asked.goal),
+    |record, asked| path(record, asked.paper),
+    |record, _| commands(record),
+    |record, _| forces(record),
+];
 
 /// The figures of a planned gait.
 pub const GAIT: [Draw; 3] =

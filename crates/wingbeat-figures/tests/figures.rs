@@ -121,7 +121,7 @@ fn every_figure_names_its_axes_and_curves() {
         ),
         (commands(&record).unwrap(), &["shoulder [rad]", "elbow [rad]", "left, response"]),
         (forces(&record).unwrap(), &["upward force [N]", "added mass", "air, total", "cycles of 0.286 s"]),
-        (path(&record).unwrap(), &["x [m]", "y [m]", "z [m]", "left wing", "every 0.25 s"]),
+        (path(&record, None).unwrap(), &["x [m]", "y [m]", "z [m]", "left wing", "every 0.25 s"]),
     ];
     for (figure, words) in expected {
         let svg = written(&folder, &figure);
@@ -139,7 +139,7 @@ fn a_missing_column_is_named() {
         (states(&record, None), "roll"),
         (commands(&record), "command_<element>"),
         (forces(&record), "force_<source>_x"),
-        (path(&record), "p_WB_x"),
+        (path(&record, None), "p_WB_x"),
     ] {
         assert!(matches!(outcome, Err(Error::Column(column)) if column == name));
     }
@@ -149,7 +149,7 @@ fn a_missing_column_is_named() {
 fn a_record_of_one_row_is_refused_or_drawn_but_never_a_panic() {
     let mut record = Record::new(columns(), 1).unwrap();
     record.append(&row(0.0));
-    assert!(path(&record).is_err());
+    assert!(path(&record, None).is_err());
     assert!(forces(&record).is_err());
     let _ = (states(&record, None), commands(&record));
 }

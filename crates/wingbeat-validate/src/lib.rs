@@ -24,6 +24,8 @@ pub mod math;
 pub mod ocp;
 pub mod ocp_problems;
 pub mod orbit;
+pub mod paper;
+pub mod paper_nlp;
 pub mod rig;
 
 pub use case::{Case, Row, Selection, run, select};
@@ -37,6 +39,8 @@ pub fn cases() -> Vec<&'static Case> {
     [
         math::CASES,
         aero_paper::CASES,
+        paper::CASES,
+        paper_nlp::CASES,
         aero_full::CASES,
         aero_surfaces::CASES,
         aero_symmetry::CASES,

@@ -1,10 +1,11 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `hostile`,
-//! `advisories`, `python`, `soak`.
+//! `advisories`, `python`, `soak`, `paper`.
 
 mod dependencies;
 mod documents;
 mod fuzz;
 mod hostile;
+mod paper;
 mod peers;
 mod python;
 mod report;
@@ -31,6 +32,7 @@ cargo xtask TASK
   advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
   python  test | measure | policies [STEPS [SEED...]]: the tests of the Python package; what it costs; policies trained by
           Stable-Baselines3 beside the predictive controller (installs PyTorch, some GB, into target/tools/policies)
+  paper   every command of docs/paper.md, into target/paper: each ends with the exit code that the page says
   soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
 ";
 
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
         "advisories" => dependencies::advisories(&arguments[1..]),
         "soak" => soak::soak(&arguments[1..]),
         "python" => python::task(&arguments[1..]),
+        "paper" => paper::run(),
         "peers" => peers::compare(arguments.get(1).map(String::as_str)),
         "" | "help" | "--help" | "-h" => {
             print!("{HELP}");

@@ -103,3 +103,80 @@ fn shipped_documents_name_their_schema_in_the_reference_folder() {
         assert_eq!(document.text.lines().next(), Some(line.as_str()), "{}", document.file);
     }
 }
+
+/// Words of docs/sources.md that a number's comment may have.
+fn sources() -> Vec<String> {
+    let page = fs::read_to_string(root().join("docs/sources.md")).unwrap();
+    let word = |line: &str| line.strip_prefix("| `")?.split('`').next().map(str::to_owned);
+    page.lines().filter_map(word).collect()
+}
+
+/// Places of numbers without a source, by line: by its comment, that of its table's header, or the file's.
+fn unsourced(text: &str, sources: &[String]) -> Vec<usize> {
+    let sourced = |comment: &str| sources.iter().any(|word| comment.contains(word.as_str()));
+    let top = text.lines().take_while(|line| line.starts_with('#'));
+    let whole = top.filter_map(|line| line.strip_prefix("# Sources:")).any(sourced);
+    let (mut table, mut covered) = (String::new(), false);
+    let mut found = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        let (code, comment) = split(line);
+        if code.starts_with('[') && code.trim_end().ends_with(']') && !code.contains(['=', ',']) {
+            // A list of tables goes on under the comment of its first.
+            covered = sourced(comment) || (code.trim() == table && covered);
+            table = code.trim().to_owned();
+        } else if has_number(code) && !sourced(comment) && !covered && !whole {
+            found.push(i + 1);
+        }
+    }
+    found
+}
+
+/// A line of TOML and its comment.
+fn split(line: &str) -> (&str, &str) {
+    let mut quoted = false;
+    for (i, c) in line.char_indices() {
+        match c {
+            '"' => quoted = !quoted,
+            '#' if !quoted => return (&line[..i], &line[i..]),
+            _ => {}
+        }
+    }
+    (line, "")
+}
+
+/// Whether the value of a line holds a number: a digit outside of words and keys.
+fn has_number(code: &str) -> bool {
+    let (mut quoted, mut before) = (false, ' ');
+    for c in code.chars() {
+        if c == '"' {
+            quoted = !quoted;
+        }
+        let begins = c.is_ascii_digit() && !(before.is_alphanumeric() || before == '_');
+        if begins && !quoted {
+            return true;
+        }
+        before = c;
+    }
+    false
+}
+
+#[test]
+fn every_number_of_robots_scenarios_and_rigs_has_a_source() {
+    let (sources, mut bare) = (sources(), Vec::new());
+    assert!(sources.iter().any(|word| word == "choice") && sources.len() > 5);
+    let kept = ["robots/", "scenarios/", "rigs/"];
+    for document in all().iter().filter(|d| kept.iter().any(|folder| d.file.starts_with(folder))) {
+        bare.extend(
+            unsourced(&document.text, &sources).iter().map(|line| format!("{}:{line}", document.file)),
+        );
+    }
+    assert!(bare.is_empty(), "numbers without a word of docs/sources.md: {}", bare.join(", "));
+}
+
+#[test]
+fn a_number_is_sourced_by_line_table_or_file() {
+    let sources = ["choice".to_owned()];
+    let text = "a_2 = \"no 1\"\n[t]\nb = 1\n[u] # choice\nc = 2\n[[v]] # choice\nd = 3\n[[v]]\ne = 4\n[w]\nf = [\n  5,\n]\ng = 6 # choice\n";
+    assert_eq!(unsourced(text, &sources), [3, 12]);
+    assert!(unsourced(&format!("# Sources: choice\n{text}"), &sources).is_empty());
+}

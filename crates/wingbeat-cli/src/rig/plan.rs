@@ -8,7 +8,7 @@ use wingbeat::rig::plan::Plan;
 use wingbeat::scenario::RigRun;
 use wingbeat_io::trajectory::{kinova_json, kortex_csv, ros_yaml};
 
-use super::runs;
+use super::{pictures, runs};
 use crate::args::RigPlan;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
@@ -40,6 +40,7 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
         let text = match plan? {
             Ok(plan) => {
                 write(&folder, run, &plan)?;
+                pictures::draw(&folder, run, &plan)?;
                 written += 1;
                 let approach = approach(&folder, run, &plan, from.as_deref())?;
                 let approach = approach.unwrap_or_else(|why| refused("way from the present pose: ", why));

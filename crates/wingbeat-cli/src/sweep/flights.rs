@@ -5,6 +5,8 @@ use wingbeat::scenario::Hold;
 use wingbeat::simulate::Record;
 use wingbeat_figures::Figure;
 
+use crate::sweep::end_points::{self, Group};
+
 /// The errors of the flights and what counts as held.
 pub fn drawn(record: &Record, hold: Hold) -> Result<Figure, wingbeat_figures::Error> {
     wingbeat_figures::robustness(record, (hold.roll_within_deg, hold.pitch_within_deg))
@@ -24,10 +26,12 @@ pub struct Outcome {
     pitch_max_error_deg: [f64; 3],
     roll_within_deg: f64,
     pitch_within_deg: f64,
+    /// Where they end, by what words were drawn for them.
+    end_points: Vec<Group>,
 }
 
 impl Outcome {
-    pub fn new(record: &Record, hold: Hold) -> Self {
+    pub fn new(record: &Record, hold: Hold, end_points: Vec<Group>) -> Self {
         let values = |name: &str| record.values(name).unwrap_or_default();
         let held = values("held").iter().filter(|held| **held == 1.0).count();
         let flights = record.rows();
@@ -43,6 +47,7 @@ impl Outcome {
             pitch_max_error_deg: quantiles(values("pitch_max_error")),
             roll_within_deg: hold.roll_within_deg,
             pitch_within_deg: hold.pitch_within_deg,
+            end_points,
         }
     }
 
@@ -67,7 +72,7 @@ impl Outcome {
         ] {
             text += &format!("{name:<24}{median:>9.2}{most:>9.2}{worst:>9.2}{limit:>9.2} deg\n");
         }
-        text
+        text + "\n" + &end_points::text(&self.end_points)
     }
 }
 

@@ -1,6 +1,7 @@
 //! `wingbeat sweep`.
 
 mod cases;
+mod end_points;
 mod flights;
 mod log;
 
@@ -106,7 +107,7 @@ fn progress(noun: &str, runs: usize, done: usize, quiet: bool) -> ProgressBar {
 fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<String, Error> {
     match sweep.of {
         SweepOf::Flights(hold) => {
-            let outcome = flights::Outcome::new(record, hold);
+            let outcome = flights::Outcome::new(record, hold, end_points::table(record, sweep));
             folder.write_json("summary.json", &outcome).map(|()| outcome.table())
         }
         SweepOf::Cases => {
@@ -119,11 +120,13 @@ fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<String,
 fn draw(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
     let drawn = match sweep.of {
-        SweepOf::Flights(hold) => flights::drawn(record, hold),
-        SweepOf::Cases => cases::drawn(record, sweep),
+        SweepOf::Flights(hold) => vec![flights::drawn(record, hold), end_points::drawn(record, sweep)],
+        SweepOf::Cases => vec![cases::drawn(record, sweep)],
     };
-    if let Err(error) = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)) {
-        say::note(&format!("the figure is left out: {error}"));
+    for drawn in drawn {
+        if let Err(error) = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)) {
+            say::note(&format!("a figure is left out: {error}"));
+        }
     }
     Ok(())
 }

@@ -95,7 +95,12 @@ fn edited(folder: &Path, file: &str, from: &str, to: &str) {
 /// Mistakes in a file: the file, what is replaced by what, and the message.
 const MISTAKES: [[&str; 4]; 5] = [
     ["robots/aerobat_paper.toml", "mass_kg = 0.010", "mass_kg = -0.010", "robot.body.mass_kg = -0.010"],
-    ["robots/aerobat_paper.toml", "mass_kg = 0.010\n", "", "robot.body.mass_kg is missing"],
+    [
+        "robots/aerobat_paper.toml",
+        "mass_kg = 0.010           # lab code\n",
+        "",
+        "robot.body.mass_kg is missing",
+    ],
     ["scenarios/banking_turn.toml", "step_s = 1e-4", "step_s = 0.0", "flight.step_s = 0.0"],
     [
         "scenarios/banking_turn.toml",

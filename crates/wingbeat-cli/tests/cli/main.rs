@@ -2,6 +2,7 @@
 
 mod fly;
 mod new;
+mod paper;
 mod plan;
 #[cfg(unix)]
 mod record;

@@ -5,6 +5,7 @@ pub(crate) mod projection;
 mod room;
 mod sheet;
 
+use wingbeat::scenario::PaperResults;
 use wingbeat::simulate::Record;
 
 use crate::write::Figure;
@@ -18,21 +19,29 @@ type Point = [f64; 3];
 
 /// The path `p_WB_x`, `p_WB_y`, `p_WB_z` (world frame) above its shadow on the ground. Where the record has the
 /// wings' points `<line>_<side>_<joint>_x/y/z` (world frame; leading, trailing; left, right; shoulder, elbow, tip),
-/// the wings are drawn every quarter second.
-pub fn path(record: &Record) -> Result<Figure, Error> {
+/// the wings are drawn every quarter second. Where `paper` says where the flight ends, that place is marked at the height of
+/// the own end.
+pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     let track = points(record, "p_WB")?;
     if track.len() < 2 {
         return Err(Error::Rows { rows: track.len(), needed: 2 });
     }
     let birds = birds(record, t, &track);
-    let room = Room::around(&track, &birds);
+    // The turn of a positive roll is to the right, towards negative y.
+    let published = paper.map(|paper| {
+        let end = track[track.len() - 1];
+        [track[0][0] + paper.distance_x_m, track[0][1] - paper.roll_deg.signum() * paper.distance_y_m, end[2]]
+    });
+    let seen: Vec<Point> = track.iter().copied().chain(published).collect();
+    let room = Room::around(&seen, &birds);
     let mut sheet = Sheet::new(&room);
     sheet.ground(&room);
     sheet.shadow(&room, &track);
     sheet.track(&track);
     birds.iter().for_each(|bird| sheet.bird(&room, bird));
     sheet.ends(&track, t);
+    published.into_iter().for_each(|point| sheet.published(&room, point));
     sheet.note(&birds, room.enlargement);
     Ok(Figure::new("path", sheet.scene))
 }

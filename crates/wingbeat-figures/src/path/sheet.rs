@@ -162,6 +162,22 @@ impl Sheet {
         }
     }
 
+    /// The end point that is published, above its place on the ground.
+    pub fn published(&mut self, room: &Room, point: Point) {
+        let colour = style::colour(3);
+        self.line(&[point, [point[0], point[1], room.low[2]]], colour, 0.8);
+        for place in [point, [point[0], point[1], room.low[2]]] {
+            let (x, y) = self.at(place);
+            for (dx, dy) in [(5.0, 5.0), (5.0, -5.0)] {
+                let stroke = style::sample((x - dx, y - dy), (x + dx, y + dy), colour, 2.2, None);
+                self.scene.elements.push(stroke);
+            }
+        }
+        let (x, y) = self.at(point);
+        let text = "the paper's end, its height not given".into();
+        self.text((x - 8.0, y - 8.0), text, TextAnchor::End, style::TICKS);
+    }
+
     /// What the colours and the size of the robot mean.
     pub fn note(&mut self, birds: &[Bird], enlargement: f64) {
         let mut x = Self::MARGINS.0;

@@ -40,8 +40,11 @@ pub const MAX_SECTIONS: usize = MAX_STRIPS + MAX_SURFACES;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
-    /// The paper's unsteady lifting line.
+    /// The paper's unsteady lifting line with nodal circulation, the local airspeed, added mass, section moment,
+    /// suction of pitching and profile drag.
     Paper,
+    /// The paper's equations (1) to (4) alone, as printed; law `linear`.
+    AsPrinted,
     /// Strip model with three-dimensional delayed wash.
     #[default]
     Full,
@@ -52,6 +55,7 @@ impl Preset {
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
+            Self::AsPrinted => "as_printed",
             Self::Full => "full",
         }
     }
@@ -61,7 +65,7 @@ impl Preset {
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one per robot, never moved in a loop")]
 pub enum Aero<P: Scalar = f64> {
-    /// Preset `paper`: unsteady lifting line.
+    /// Presets `paper` and `as_printed`: unsteady lifting line.
     LiftingLine(LiftingLine<P>),
     /// Preset `full`: strip model with three-dimensional delayed wash.
     Strip(StripModel<P>),
@@ -93,7 +97,7 @@ impl<P: Scalar> Aero<P> {
     /// Arc coordinates of the strips' middles, m.
     pub fn strip_arcs(&self) -> &[f64] {
         match self {
-            Self::LiftingLine(line) => line.arcs(),
+            Self::LiftingLine(line) => line.node_arcs(),
             Self::Strip(model) => model.strip_arcs(),
         }
     }
@@ -153,6 +157,7 @@ impl<P: Scalar> Aero<P> {
     /// Which model it is.
     pub fn preset(&self) -> Preset {
         match self {
+            Self::LiftingLine(line) if line.settings().as_printed => Preset::AsPrinted,
             Self::LiftingLine(_) => Preset::Paper,
             Self::Strip(_) => Preset::Full,
         }

@@ -173,6 +173,11 @@ impl<P: Scalar> Tree<P> {
         self.nodes[link].kind
     }
 
+    /// Axis of the joint of a link that moves as `motion`, in B.
+    pub fn axis(&self, link: usize, motion: &LinkMotion) -> Vec3 {
+        self.nodes[link].axis.direction(&motion.rotation)
+    }
+
     /// Parent of a link; None for the base.
     pub fn parent(&self, link: usize) -> Option<usize> {
         self.nodes[link].parent

@@ -8,7 +8,8 @@ use crate::body::drive_power;
 use crate::math::Scalar;
 use crate::ocp::interior_point::Options;
 use crate::ocp::{
-    Ends, FREE, Instant, OptimalControl, Optimum, Progress, Refinement, Scheme, Setup, Trajectory, optimise,
+    Ends, FREE, Instant, Interpolant, OptimalControl, Optimum, Progress, Refinement, Scheme, Setup,
+    Trajectory, optimise,
 };
 use crate::plant::{Channel, Fault, Plant};
 use crate::range::{Range, ranges};
@@ -195,6 +196,25 @@ impl<'a> LeastPower<'a> {
         let last = trajectory.x.len() - 1;
         let [drive_power_w, up, forward, trim] = self.sums(&trajectory.x[last]);
         Means { drive_power_w, up_n: up / MILLI, forward_n: forward / MILLI, trim_n_m: trim / MILLI }
+    }
+
+    /// Mean drive power of a plan without the rounded corner of its losses, W, by the trapezoid rule.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a state of the plan that the model refuses.
+    pub fn unrounded_power(&self, plan: &Interpolant) -> Result<f64, Fault> {
+        let n = self.stand.mirror().states.len();
+        let (flapping, mut dx) = (self.flapping(&plan.points), vec![0.0; n]);
+        let period = 1.0 / flapping.frequency_hz;
+        let mut sum = 0.0;
+        for k in 0..=STEPS {
+            let t = plan.points.t[0] + period * k as f64 / STEPS as f64;
+            let (x, u) = plan.at(t);
+            let loads = self.stand.evaluate(t, &flapping, &x[..n], &u, &mut dx)?;
+            let weight = if k == 0 || k == STEPS { 0.5 } else { 1.0 };
+            sum += weight * drive_power(&loads.torques, &loads.joints, self.spec.storage, 0.0);
+        }
+        Ok(sum / STEPS as f64)
     }
 
     /// Plans the gait; `observer` sees every iteration and mesh.

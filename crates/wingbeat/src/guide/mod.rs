@@ -22,6 +22,6 @@ pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, angle_error};
 pub use mpc::{AttitudeTracking, Mpc, MpcSpec, Weights};
 pub use playback::{HeldCommands, Playback};
-pub use roll_in::{RollIn, RollInSpec};
+pub use roll_in::{RollIn, RollInSpec, TrackingCost};
 pub use stand::{Flapping, Stand};
 pub use turn::{Track, Turn};

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::math::Scalar;
 use crate::ocp::interior_point::Options;
 use crate::ocp::{
-    Ends, Instant, Limits, OptimalControl, Optimum, Progress, Refinement, Setup, Trajectory, optimise,
+    Ends, Instant, Limits, OptimalControl, Progress, Refinement, Setup, Starts, Trajectory, optimise_from,
 };
 use crate::plant::{Channel, Fault, LocalChart, Plant, Role};
 use crate::range::{Range, ranges};
@@ -50,6 +50,17 @@ pub struct RollInSpec {
     pub longest_s: f64,
     /// Cost of an input at its limit, seconds per second.
     pub effort: f64,
+    /// The cost J = sum (z - z_ref)' C (z - z_ref) of attitude and rates along the way, beside those of time and effort;
+    /// without it none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tracking: Option<TrackingCost>,
+    /// Whether displacements keep to their strokes all the way, g_i >= 0.
+    #[serde(default)]
+    pub within_strokes: bool,
+    /// Guesses tried: flights at rest of different durations. The lowest solution is kept, and the plan says whether the
+    /// minima differ.
+    #[serde(default = "one_start")]
+    pub starts: usize,
     /// Intervals of the first mesh.
     pub intervals: usize,
     /// Most meshes.
@@ -60,6 +71,28 @@ pub struct RollInSpec {
     pub time_limit_s: f64,
 }
 
+/// The diagonal of C over z = [roll, pitch, angular rate about x, y, z], per second of the way.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
+#[serde(deny_unknown_fields)]
+pub struct TrackingCost {
+    /// Cost of roll minus that of the end, s per rad^2 and second.
+    pub roll: f64,
+    /// Cost of pitch minus that of the end, s per rad^2 and second.
+    pub pitch: f64,
+    /// Cost of the angular rate about each body axis, s per (rad/s)^2 and second.
+    pub rate: [f64; 3],
+}
+
+fn one_start() -> usize {
+    1
+}
+
+/// Most guesses.
+const MAX_STARTS: usize = 20;
+
+ranges!(TrackingCost { roll: Range::NOT_NEGATIVE, pitch: Range::NOT_NEGATIVE, rate: Range::NOT_NEGATIVE });
 ranges!(RollInSpec {
     start_s: Range::NOT_NEGATIVE,
     roll_deg: Range::inside(-80.0, 80.0),
@@ -69,6 +102,7 @@ ranges!(RollInSpec {
     displacement_within: Range::POSITIVE,
     longest_s: Range::POSITIVE,
     effort: Range::POSITIVE,
+    starts: Range::between(1.0, MAX_STARTS as f64),
     intervals: Range::between(1.0, MAX_INTERVALS as f64),
     meshes: Range::between(1.0, MAX_MESHES as f64),
     tolerance: Range::POSITIVE,
@@ -82,29 +116,37 @@ impl RollInSpec {
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
         self.in_range()?;
+        self.tracking.map_or(Ok(()), |cost| cost.in_range()).map_err(|e| e.within("tracking"))?;
         require::finite("clearance_m", self.clearance_m.as_slice())
     }
 }
 
-/// The minimum-time roll-in of any plant with an attitude and an angular
-/// rate among its states: min t_f + effort integral |u|^2.
+/// The roll-in of any plant with an attitude and an angular rate among its states: min t_f + integral of effort |u|^2 +
+/// (z - z_ref)' C (z - z_ref), the paper's problem: boundary conditions r_i at both ends, stroke inequalities g_i, free t_f.
+///
+/// Equation: guide.roll_in
 pub struct RollIn<'a, P: Plant> {
     chart: LocalChart<'a, P>,
     spec: RollInSpec,
     start: Vec<f64>,
     rate: usize,
     half_ranges: Vec<f64>,
+    /// How far each structure element may be displaced.
+    strokes: Vec<[f64; 2]>,
     /// Structure elements at rest at the end: state and its size then.
     settled: Vec<(usize, f64)>,
 }
 
 impl<'a, P: Plant> RollIn<'a, P> {
-    /// The roll-in of `plant` from its state `x` at `spec.start_s`.
+    /// The roll-in of `plant`, whose structure elements have `strokes`, from its state `x` at `spec.start_s`.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a setting is out of range or the plant has no
     /// attitude or angular rate.
-    pub fn new(plant: &'a P, x: &[f64], spec: &RollInSpec) -> Result<Self, Error> {
+    ///
+    /// # Panics
+    /// When there is not a stroke for each element.
+    pub fn new(plant: &'a P, x: &[f64], strokes: &[[f64; 2]], spec: &RollInSpec) -> Result<Self, Error> {
         spec.check()?;
         let mut chart = LocalChart::new(plant);
         chart.center_at(x);
@@ -114,14 +156,12 @@ impl<'a, P: Plant> RollIn<'a, P> {
         let mut start = vec![0.0; chart.states().len()];
         chart.localise(x, &mut start);
         let elements = chart.states().iter().filter(|c| matches!(c.role, Role::Displacement(_))).count();
-        if elements > 0 && elements != plant.inputs().len() {
-            let (given, allowed) = (plant.inputs().len(), format!("one for each of {elements} elements"));
-            return Err(Error::invalid("robot.structure.regulators", given, allowed));
-        }
+        assert_eq!(strokes.len(), elements, "a stroke for each element");
         limited_clearances(plant, spec.clearance_m)?;
         let half_ranges: Vec<f64> = plant.inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
         Ok(Self {
-            settled: settled(chart.states(), &half_ranges, spec),
+            settled: settled(chart.states(), strokes, spec),
+            strokes: strokes.to_vec(),
             rate: rate.ok_or_else(|| missing("no angular rate"))?,
             half_ranges,
             spec: spec.clone(),
@@ -134,7 +174,7 @@ impl<'a, P: Plant> RollIn<'a, P> {
     ///
     /// # Errors
     /// The [`Fault`] of the flight with resting regulators that is the guess.
-    pub fn plan(&self, observer: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Optimum, Fault> {
+    pub fn plan(&self, observer: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Starts, Fault> {
         let time = Duration::try_from_secs_f64(self.spec.time_limit_s).unwrap_or(Duration::MAX);
         let refinement = Refinement {
             intervals: self.spec.intervals,
@@ -151,12 +191,15 @@ impl<'a, P: Plant> RollIn<'a, P> {
             },
             ..Refinement::default()
         };
-        Ok(optimise(self, &self.guess()?, &refinement, observer))
+        // The first guess lasts a third of the longest duration, the others other parts of it.
+        let share = |k: usize| if k == 0 { 1.0 / 3.0 } else { k as f64 / self.spec.starts as f64 };
+        let guesses: Result<Vec<Trajectory>, Fault> =
+            (0..self.spec.starts).map(|k| self.guess(share(k) * self.spec.longest_s)).collect();
+        Ok(optimise_from(self, &guesses?, &refinement, observer))
     }
 
-    /// Flight with resting regulators over a third of the longest duration.
-    fn guess(&self) -> Result<Trajectory, Fault> {
-        let duration = self.spec.longest_s / 3.0;
+    /// Flight with resting regulators.
+    fn guess(&self, duration: f64) -> Result<Trajectory, Fault> {
         let steps = ((duration * GUESS_RATE).ceil() as usize).max(1);
         let every = (steps / GUESS_SAMPLES).max(1);
         let mut out = Trajectory::default();
@@ -200,6 +243,13 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
             Setup::new(self.chart.states().to_vec(), self.chart.inputs().to_vec(), [soonest, latest]);
         setup.times[0] = [spec.start_s; 2];
         setup.start = start;
+        if spec.within_strokes {
+            for channel in &mut setup.states {
+                if let Role::Displacement(element) = channel.role {
+                    [channel.low, channel.high] = self.strokes[element];
+                }
+            }
+        }
         let end = |name: &str, unit, frame, size: f64| {
             Channel::limited(format!("final {name}"), unit, frame, -size, size)
         };
@@ -222,7 +272,15 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
 
     fn running_cost<S: Scalar>(&self, at: Instant<S>) -> S {
         let share = |(u, half): (&S, &f64)| (*u * (1.0 / half)).squared();
-        at.u.iter().zip(&self.half_ranges).map(share).fold(S::ZERO, |sum, s| sum + s) * self.spec.effort
+        let effort = at.u.iter().zip(&self.half_ranges).map(share).fold(S::ZERO, |sum, s| sum + s);
+        let Some(cost) = &self.spec.tracking else { return effort * self.spec.effort };
+        let angles = self.chart.rotation_matrix(at.x).roll_pitch_yaw();
+        let roll = angle_error(angles[0], self.spec.roll_deg.to_radians());
+        let pitch = angle_error(angles[1], self.spec.pitch_deg.to_radians());
+        let attitude = roll.squared() * cost.roll + pitch.squared() * cost.pitch;
+        let rates = &at.x[self.rate..self.rate + 3];
+        let rates = rates.iter().zip(cost.rate).fold(S::ZERO, |sum, (w, c)| sum + w.squared() * c);
+        effort * self.spec.effort + attitude + rates
     }
 
     fn constrain_path<S: Scalar>(&self, at: Instant<S>, values: &mut [S]) {
@@ -265,9 +323,12 @@ pub(super) fn clearance_path(clearances: &[Channel], least: Option<f64>) -> Vec<
 
 /// The structure elements' displacements and rates among the states, and how
 /// large they may be at the end.
-fn settled(states: &[Channel], half_ranges: &[f64], spec: &RollInSpec) -> Vec<(usize, f64)> {
+fn settled(states: &[Channel], strokes: &[[f64; 2]], spec: &RollInSpec) -> Vec<(usize, f64)> {
     let size = |(i, channel): (usize, &Channel)| match channel.role {
-        Role::Displacement(element) => Some((i, spec.displacement_within * half_ranges.get(element)?)),
+        Role::Displacement(element) => {
+            let [low, high] = strokes.get(element)?;
+            Some((i, spec.displacement_within * 0.5 * (high - low)))
+        }
         Role::DisplacementRate(_) => Some((i, spec.rate_within_rad_s)),
         _ => None,
     };
@@ -333,6 +394,9 @@ mod tests {
             clearance_m,
             longest_s: 4.0,
             effort: 1e-4,
+            tracking: None,
+            within_strokes: false,
+            starts: 1,
             intervals: 20,
             meshes: 4,
             tolerance: 1e-5,
@@ -344,8 +408,8 @@ mod tests {
     fn a_path_that_keeps_its_clearance_takes_longer() {
         let (top, x) = (top(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let spec = bank(Some(0.7));
-        let problem = RollIn::new(&top, &x, &spec).unwrap();
-        let optimum = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap();
+        let problem = RollIn::new(&top, &x, &[], &spec).unwrap();
+        let optimum = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap().best;
         assert!(optimum.status.is_success(), "{}", optimum.status);
         let points = optimum.solution.unwrap().points;
         // Full torque up to 0.3 rad/s, on at that rate, full counter-torque.
@@ -356,16 +420,37 @@ mod tests {
         let fastest = points.x.iter().map(|x| x[problem.rate]).fold(0.0, f64::max);
         assert!((fastest - 0.3).abs() < 0.01, "{fastest}");
         let bare = Top { clearances: Vec::new(), ..top };
-        let error = RollIn::new(&bare, &x, &spec).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = RollIn::new(&bare, &x, &[], &spec).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.starts_with("clearance_m = 0.7"), "{error}");
+    }
+
+    #[test]
+    fn a_cost_of_attitude_and_rates_adds_no_more_than_it_costs_on_the_quickest_way() {
+        let (top, x) = (top(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let cost = TrackingCost { roll: 1.0, pitch: 1.0, rate: [0.5, 0.5, 0.5] };
+        let spec = RollInSpec { tracking: Some(cost), starts: 3, ..bank(None) };
+        let problem = RollIn::new(&top, &x, &[], &spec).unwrap();
+        let starts = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!((starts.minima(), starts.objectives.len()), (1, 3), "{}", starts.words());
+        let points = starts.best.solution.unwrap().points;
+        let duration = points.t[points.t.len() - 1] - spec.start_s;
+        // No way is quicker than that of full torque and full counter-torque.
+        assert!(duration > 2.0 * 15_f64.to_radians().sqrt() - 2e-3, "{duration}");
+        let quick = RollIn::new(&top, &x, &[], &bank(None)).unwrap();
+        let quick = quick.plan(&mut |_| ControlFlow::Continue(())).unwrap().best.objective;
+        // On it, T = 2 sqrt(a) long, the cost is a^2 T 23/60 of roll and .5 a T/3 of the rate: a bound from above, to the
+        // thousandth of the objective that the meshes are refined to.
+        let (a, objective) = (15_f64.to_radians(), starts.best.objective);
+        let on_it = 2.0 * a.sqrt() * (a * a * 23.0 / 60.0 + 0.5 * a / 3.0);
+        assert!(objective > quick && objective < quick + on_it + 2e-3, "{objective} {quick} {on_it}");
     }
 
     #[test]
     fn a_free_body_takes_the_time_of_full_torque_and_full_counter_torque() {
         let (top, spec) = (top(), bank(None));
         let x = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let problem = RollIn::new(&top, &x, &spec).unwrap();
-        let optimum = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap();
+        let problem = RollIn::new(&top, &x, &[], &spec).unwrap();
+        let optimum = problem.plan(&mut |_| ControlFlow::Continue(())).unwrap().best;
         assert!(optimum.status.is_success(), "{}", optimum.status);
         let points = optimum.solution.unwrap().points;
         let duration = points.t[points.t.len() - 1] - spec.start_s;

@@ -87,6 +87,24 @@ pub trait Scalar:
     fn squared(self) -> Self {
         self * self
     }
+    /// |self|; the derivative follows the branch of the value, and is that of `self` at zero.
+    #[inline]
+    fn abs(self) -> Self {
+        if self.value() < 0.0 { -self } else { self }
+    }
+    /// Whole power, by squaring.
+    #[inline]
+    fn powi(self, n: i32) -> Self {
+        let (mut power, mut base, mut left) = (Self::ONE, self, n.unsigned_abs());
+        while left > 0 {
+            if left % 2 == 1 {
+                power *= base;
+            }
+            base *= base;
+            left /= 2;
+        }
+        if n < 0 { power.recip() } else { power }
+    }
     /// Smooth |x|: sqrt(x^2 + width^2).
     #[inline]
     fn smooth_abs(self, width: f64) -> Self {
@@ -158,5 +176,23 @@ impl Scalar for f64 {
     #[inline]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Scalar;
+    use crate::math::Dual;
+
+    #[test]
+    fn powers_and_magnitudes_carry_their_derivatives() {
+        for n in [-3, 0, 1, 2, 5] {
+            let power = Scalar::powi(Dual::<1>::variable(-1.3, 0), n);
+            let (value, slope) = ((-1.3_f64).powi(n), f64::from(n) * (-1.3_f64).powi(n - 1));
+            assert!((power.re - value).abs() < 1e-14 * value.abs(), "{n}");
+            assert!((power.eps[0] - slope).abs() < 1e-13 * slope.abs().max(1.0), "{n}");
+        }
+        let magnitude = Scalar::abs(Dual::<1>::variable(-2.0, 0));
+        assert_eq!((magnitude.re, magnitude.eps[0]), (2.0, -1.0));
     }
 }

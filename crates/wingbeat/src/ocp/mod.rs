@@ -13,6 +13,7 @@ pub mod nlp;
 mod problem;
 pub mod realtime;
 mod scheme;
+mod starts;
 mod trajectory;
 mod transcription;
 
@@ -21,5 +22,6 @@ pub use interpolant::Interpolant;
 pub use mesh::{Optimum, Pass, Progress, Refinement, optimise};
 pub use problem::{Ends, FREE, Instant, Limits, OptimalControl, Setup};
 pub use scheme::{InputShape, Scheme};
+pub use starts::{Starts, optimise_from};
 pub use trajectory::Trajectory;
 pub use transcription::{Interval, Midpoint, Transcription};

@@ -14,6 +14,7 @@ mod numbers;
 mod observe;
 mod regulators;
 mod sections;
+mod skeleton;
 mod spec;
 mod surface;
 
@@ -22,6 +23,7 @@ pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
 pub use numbers::{Numbers, SpringNumbers, TOGETHER, bounds};
 pub use observe::Observation;
+pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub(crate) use spec::is_of_rig;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,

@@ -188,6 +188,17 @@ impl Placement {
         })
     }
 
+    /// Arc coordinates of stations, ends of gaps and hinges from left to right, m.
+    fn stations(&self) -> Vec<f64> {
+        let hinges = self.panels[0].iter().skip(1).map(|panel| panel.from_arc);
+        let gaps = self.planform.gaps().iter().flat_map(|gap| [gap.from_arc_m, gap.to_arc_m]);
+        let arcs = self.planform.station_arcs().iter().copied().chain(hinges).chain(gaps);
+        let mut all: Vec<f64> = arcs.flat_map(|arc| self.planform.coordinates(arc)).collect();
+        all.sort_by(|a, b| b.total_cmp(a));
+        all.dedup();
+        all
+    }
+
     /// Ends of the panels from left to right: arc coordinate and name.
     fn ends(&self, panels: &[PanelSpec]) -> Vec<(f64, String)> {
         let named = |s: f64, name: &str| match (self.planform.span(), s >= 0.0) {
@@ -246,6 +257,10 @@ pub(super) struct Laid {
     pub outline: Vec<(String, Section)>,
     /// Its geometry.
     pub placement: Placement,
+    /// Sections at the stations of the outline, from left to right.
+    pub ribs: Vec<Section>,
+    /// Whether there is surface between one of them and the next.
+    pub covered: Vec<bool>,
 }
 
 /// All surfaces of a robot with their aerodynamic models.
@@ -310,6 +325,7 @@ impl Covering {
                 let apart = sections[edges[0]].link != sections[edges[1]].link;
                 Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
             }));
+            let stations = placement.stations();
             let placed = Laid {
                 name: surface.name.clone(),
                 symmetric: surface.span == Span::Symmetric,
@@ -318,6 +334,8 @@ impl Covering {
                     .into_iter()
                     .map(|(s, name)| (name, at(&s)))
                     .collect(),
+                ribs: stations.iter().map(at).collect(),
+                covered: stations.windows(2).map(|s| outline.planform.covers(0.5 * (s[0] + s[1]))).collect(),
                 placement,
             };
             placed.check_names(&laid).map_err(|e| e.within(&outline.key))?;

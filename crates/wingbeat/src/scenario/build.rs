@@ -7,7 +7,7 @@ use super::name::RunName;
 use super::plan::PlanSpec;
 use super::spec::{AeroSpec, GustSpec, ScenarioSpec, StartSpec};
 use crate::Error;
-use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Preset, StripModel, StripSettings};
+use crate::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, StripModel, StripSettings};
 use crate::guide::Task;
 use crate::math::Vec3;
 use crate::plant::Plant;
@@ -263,6 +263,10 @@ impl AeroSpec {
         line.check().map_err(paper)?;
         strips.check().map_err(full)?;
         match outline.preset.unwrap_or(self.preset) {
+            Preset::AsPrinted => {
+                self.printed_law(outline)?;
+                LiftingLine::new(&outline.planform, line.printed()).map(Aero::LiftingLine).map_err(paper)
+            }
             Preset::Paper if self.paper.cells => {
                 LiftingLine::hinged(&outline.planform, &outline.hinges, line)
                     .map(Aero::LiftingLine)
@@ -271,6 +275,16 @@ impl AeroSpec {
             Preset::Paper => LiftingLine::new(&outline.planform, line).map(Aero::LiftingLine).map_err(paper),
             Preset::Full => StripModel::new(&outline.planform, strips).map(Aero::Strip).map_err(full),
         }
+    }
+
+    /// Preset `as_printed` knows the law `linear` only.
+    fn printed_law(&self, outline: &SurfaceOutline) -> Result<(), Error> {
+        let law = outline.law.unwrap_or(self.law);
+        if law == LiftLaw::Linear {
+            return Ok(());
+        }
+        let key = outline.law.map_or("aero.law".into(), |_| format!("robot.{}.law", outline.key));
+        Err(Error::invalid(key, format!("\"{}\"", law.name()), "\"linear\" under preset `as_printed`"))
     }
 
     fn lifting_line(&self, outline: &SurfaceOutline, density_kg_m3: f64) -> LiftingLineSettings {
@@ -289,6 +303,7 @@ impl AeroSpec {
             added_mass: self.added_mass,
             section_moment: self.section_moment,
             pitch_suction: self.pitch_suction,
+            as_printed: false,
             density_kg_m3,
         }
     }

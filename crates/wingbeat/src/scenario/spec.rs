@@ -140,7 +140,7 @@ pub struct AeroSpec {
     /// Lift slope of the section in plane flow, 1/rad; where a surface says none of its own.
     #[serde(default = "default_lift_slope")]
     pub lift_slope_per_rad: f64,
-    /// Reaction of the accelerated air.
+    /// Reaction of the accelerated air. Preset `as_printed` has none, nor any of the next two.
     #[serde(default = "yes")]
     pub added_mass: bool,
     /// Moment of pitching about the quarter chord.
@@ -149,7 +149,7 @@ pub struct AeroSpec {
     /// Leading-edge suction that the sections' rate of pitch adds.
     #[serde(default = "yes")]
     pub pitch_suction: bool,
-    /// Settings of preset `paper`.
+    /// Settings of presets `paper` and `as_printed`.
     #[serde(default)]
     pub paper: PaperAeroSpec,
     /// Settings of preset `full`.
@@ -169,7 +169,8 @@ pub struct PaperAeroSpec {
     pub regularisation_m_s: f64,
     /// Smallest chord, m.
     pub chord_floor_m: f64,
-    /// Whether nodes stand for cells between the hinges, with means of the chord, instead of even angles.
+    /// Whether nodes stand for cells between the hinges, with means of the chord, instead of even angles;
+    /// not under `as_printed`.
     pub cells: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Many runs of one scenario or case with keys drawn at random or from a grid.
 
 use super::document::{ConfigError, Document, Place, Problem, Wrong};
-use super::{ReadTable, RunName, Scenario, Summary, TetherCase};
+use super::{PaperResults, ReadTable, RunName, Scenario, Summary, TetherCase};
 use crate::Error;
 use crate::math::Random;
 use crate::range::{Range, ranges};
@@ -68,7 +68,7 @@ pub enum Sampling {
     Grid,
 }
 
-/// One key drawn from [low, high].
+/// One key drawn from [low, high], or from a list of values.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
@@ -77,12 +77,33 @@ pub struct Draw {
     /// Key of the scenario or case, e.g. `mismatch.mass`, `mismatch.com_m[0]` or `time.frequency_hz`.
     pub key: String,
     /// Lower end.
-    pub low: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low: Option<f64>,
     /// Upper end.
-    pub high: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub high: Option<f64>,
     /// Number of values of a grid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub points: Option<usize>,
+    /// Values in place of a range: numbers, words or truth values, each as likely as the others. What is recorded of
+    /// words is their place in the list, from 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Listed>"))]
+    pub values: Vec<toml::Value>,
+}
+
+/// A value of a list, for the schema.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Listed {
+    /// A number.
+    Number(f64),
+    /// A word.
+    Word(String),
+    /// A truth value.
+    Truth(bool),
 }
 
 /// Largest errors of a held flight, from the goal's settling time on.
@@ -183,6 +204,11 @@ impl Sweep {
         Ok(sweep)
     }
 
+    /// What is published of the scenario of its flights.
+    pub fn paper(&self) -> Option<PaperResults> {
+        self.inner.parse::<super::ScenarioSpec>().ok()?.paper
+    }
+
     /// Number of runs.
     pub fn runs(&self) -> usize {
         self.spec.count()
@@ -195,13 +221,12 @@ impl Sweep {
         let mut random = Random::stream(self.spec.seed, run as u64);
         let (mut left, mut grid) = (self.runs(), run);
         let mut value = |(k, draw): (usize, &Draw)| match self.spec.sampling {
-            Sampling::Random => random.between(draw.low, draw.high),
+            Sampling::Random => draw.share(random.unit()),
             Sampling::LatinHypercube => {
-                let part = (self.parts[k][run] as f64 + random.unit()) / self.runs() as f64;
-                draw.low + (draw.high - draw.low) * part
+                draw.share((self.parts[k][run] as f64 + random.unit()) / self.runs() as f64)
             }
             Sampling::Grid => {
-                let points = draw.points.unwrap_or(1);
+                let points = draw.count();
                 left /= points;
                 let place = grid / left;
                 grid %= left;
@@ -255,7 +280,7 @@ impl Sweep {
         };
         built(self.inner.clone())?;
         for (i, draw) in self.spec.draws.iter().enumerate() {
-            for (end, value) in [("low", draw.low), ("high", draw.high), ("high", draw.between())] {
+            for (end, value) in draw.tried() {
                 let given = drawn(draw, value);
                 let outcome = built(self.inner.clone().set(given.as_str()));
                 outcome.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), end))?;
@@ -282,6 +307,9 @@ const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// The override of one draw: without a fraction a whole number, which keys of either kind take.
 fn drawn(draw: &Draw, value: f64) -> String {
+    if let Some(word) = draw.word(value) {
+        return format!("{}={word}", draw.key);
+    }
     match value.fract() == 0.0 && value.abs() < LARGEST_WHOLE {
         true => format!("{}={value}", draw.key),
         false => format!("{}={value:?}", draw.key),
@@ -305,7 +333,7 @@ impl SweepSpec {
     fn count(&self) -> usize {
         match self.sampling {
             Sampling::Grid => {
-                let points = self.draws.iter().map(|draw| draw.points.unwrap_or(1));
+                let points = self.draws.iter().map(Draw::count);
                 points.fold(1, usize::saturating_mul)
             }
             Sampling::Random | Sampling::LatinHypercube => self.runs.unwrap_or(0),
@@ -355,26 +383,62 @@ impl SweepSpec {
 }
 
 impl Draw {
-    /// The value at a place of a grid; the last is the upper end itself.
-    fn at(&self, place: usize) -> f64 {
-        let steps = (self.points.unwrap_or(1) - 1).max(1);
-        match place {
-            last if last == steps => self.high,
-            _ => self.low + (self.high - self.low) * place as f64 / steps as f64,
+    /// The ends of its range; both 0 of a list.
+    fn ends(&self) -> [f64; 2] {
+        [self.low, self.high].map(Option::unwrap_or_default)
+    }
+
+    /// Number of values of a grid.
+    fn count(&self) -> usize {
+        if self.values.is_empty() { self.points.unwrap_or(1) } else { self.values.len() }
+    }
+
+    /// The value at the share `part` of the range, in [0, 1).
+    fn share(&self, part: f64) -> f64 {
+        let [low, high] = self.ends();
+        match self.values.len() {
+            0 => low + (high - low) * part,
+            count => self.at(((part * count as f64) as usize).min(count - 1)),
         }
     }
 
-    /// A value between the ends: of a grid its second, which is whole where all are.
-    fn between(&self) -> f64 {
-        let inner = self.low + (self.high - self.low) / std::f64::consts::E;
-        self.points.map_or(inner, |_| self.at(1))
+    /// The value at a place of a grid; the last is the upper end itself.
+    fn at(&self, place: usize) -> f64 {
+        if let Some(value) = self.values.get(place) {
+            return number(value).unwrap_or(place as f64);
+        }
+        let ([low, high], steps) = (self.ends(), (self.count() - 1).max(1));
+        if place == steps { high } else { low + (high - low) * place as f64 / steps as f64 }
+    }
+
+    /// What is tried before any run, with the key that it stands for: both ends and a value between, of a grid its
+    /// second, which is whole where all are; or all of a list.
+    fn tried(&self) -> Vec<(&'static str, f64)> {
+        if !self.values.is_empty() {
+            return (0..self.values.len()).map(|place| ("values", self.at(place))).collect();
+        }
+        let [low, high] = self.ends();
+        let inner = low + (high - low) / std::f64::consts::E;
+        vec![("low", low), ("high", high), ("high", self.points.map_or(inner, |_| self.at(1)))]
+    }
+
+    /// The word of a list that the recorded `value` stands for; none of numbers.
+    pub fn word(&self, value: f64) -> Option<&toml::Value> {
+        self.values.get(value as usize).filter(|word| number(word).is_none())
     }
 
     fn check(&self, grid: bool) -> Result<(), Error> {
-        require::finite("low", &[self.low])?;
-        require::finite("high", &[self.high])?;
-        require::at_most("low", self.low, self.high).map_err(|e| e.against(["high"]))?;
         self.in_range()?;
+        if !self.values.is_empty() {
+            return self.check_list();
+        }
+        let [low, high] = [("low", self.low), ("high", self.high)].map(|(key, end)| {
+            end.ok_or_else(|| Error::invalid(key, "none", "an end of the range, or values"))
+        });
+        let (low, high) = (low?, high?);
+        require::finite("low", &[low])?;
+        require::finite("high", &[high])?;
+        require::at_most("low", low, high).map_err(|e| e.against(["high"]))?;
         match self.points {
             Some(points) if !grid => {
                 Err(Error::invalid("points", points, "none: they are of sampling = \"grid\"")
@@ -383,6 +447,32 @@ impl Draw {
             None if grid => Err(Error::invalid("points", "none", "the number of values of a grid")),
             _ => Ok(()),
         }
+    }
+
+    fn check_list(&self) -> Result<(), Error> {
+        for (key, given) in
+            [("low", self.low), ("high", self.high), ("points", self.points.map(|n| n as f64))]
+        {
+            if let Some(given) = given {
+                return Err(Error::invalid(key, given, "none beside values").against(["values"]));
+            }
+        }
+        let kinds = self.values.iter().filter(|value| number(value).is_some()).count();
+        let known = |value: &toml::Value| value.is_str() || value.is_bool() || number(value).is_some();
+        if self.values.iter().all(known) && (kinds == 0 || kinds == self.values.len()) {
+            return Ok(());
+        }
+        let given = toml::Value::Array(self.values.clone());
+        Err(Error::invalid("values", given, "numbers alone, or words and truth values"))
+    }
+}
+
+/// A finite number of a list.
+fn number(value: &toml::Value) -> Option<f64> {
+    match value {
+        toml::Value::Integer(whole) => Some(*whole as f64),
+        toml::Value::Float(number) if number.is_finite() => Some(*number),
+        _ => None,
     }
 }
 
@@ -425,12 +515,13 @@ mod tests {
         let values: Vec<Vec<f64>> = (0..grid.runs()).map(|run| grid.values(run)).collect();
         assert_eq!(values, [[2.0, 1.0], [2.0, 2.0], [3.0, 1.0], [3.0, 2.0], [4.0, 1.0], [4.0, 2.0]]);
         assert_eq!(grid.case(3, NO_TABLES).unwrap().spec.wind.speed_m_s, 2.0);
-        let tenths = Draw { key: String::new(), low: 0.1, high: 0.7, points: Some(8) };
+        let [low, high] = [0.1, 0.7].map(Some);
+        let tenths = Draw { key: String::new(), low, high, points: Some(8), values: Vec::new() };
         assert_eq!((tenths.at(0), tenths.at(7)), (0.1, 0.7));
 
         let cube = of_case("runs = 20\nsampling = \"latin_hypercube\"\nseed = 3");
         for k in 0..2 {
-            let Draw { low, high, .. } = cube.spec.draws[k];
+            let [low, high] = cube.spec.draws[k].ends();
             let part = |run: usize| ((cube.values(run)[k] - low) / (high - low) * 20.0) as usize;
             let mut parts: Vec<usize> = (0..20).map(part).collect();
             parts.sort_unstable();
@@ -458,12 +549,40 @@ mod tests {
     }
 
     #[test]
+    fn lists_are_drawn_by_their_values() {
+        let drawn = |draws: &str| {
+            let text = format!("name = \"laws\"\nruns = 12\nsampling = \"latin_hypercube\"\n{draws}");
+            let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+            let document = Document::text("laws", &text).unwrap();
+            Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES)
+        };
+        let laws = "draws = [{ key = \"aero.law\", values = [\"linear\", \"stall\", \"lev\"] }, \
+                    { key = \"aero.full.strips\", values = [12, 16] }]";
+        let sweep = drawn(laws).unwrap();
+        let count = |k: usize, v: f64| (0..12).filter(|&run| sweep.values(run)[k] == v).count();
+        assert_eq!([0.0, 1.0, 2.0].map(|law| count(0, law)), [4, 4, 4]);
+        assert_eq!([12.0, 16.0].map(|strips| count(1, strips)), [6, 6]);
+        let stalling = (0..12).find(|&run| sweep.values(run)[0] == 1.0).unwrap();
+        assert_eq!(sweep.case(stalling, NO_TABLES).unwrap().spec.aero.law.name(), "stall");
+        for (bad, key) in [
+            ("draws = [{ key = \"aero.law\", values = [\"linear\", \"still\"] }]", "key"),
+            ("draws = [{ key = \"aero.law\", values = [\"linear\", 1.0] }]", "values"),
+            ("draws = [{ key = \"aero.law\", values = [\"linear\"], low = 1.0 }]", "low"),
+            ("draws = [{ key = \"wind.speed_m_s\", low = 1.0 }]", "high"),
+        ] {
+            let message = drawn(bad).unwrap_err().to_string();
+            assert!(message.contains(&format!("draws[0].{key}")), "{message}");
+        }
+    }
+
+    #[test]
     fn draws_lie_in_their_ranges_and_belong_to_their_flight() {
         let sweep = sweep();
         let later = sweep.values(41);
         for run in 0..50 {
             for (draw, value) in sweep.spec.draws.iter().zip(sweep.values(run)) {
-                assert!((draw.low..=draw.high).contains(&value), "{} = {value}", draw.key);
+                let [low, high] = draw.ends();
+                assert!((low..=high).contains(&value), "{} = {value}", draw.key);
             }
         }
         assert_eq!(sweep.values(41), later);

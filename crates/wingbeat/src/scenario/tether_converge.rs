@@ -136,7 +136,7 @@ impl TetherCase {
         let aero = &self.spec.aero;
         match aero.preset {
             Preset::Full => ("aero.full.strips", aero.full.strips),
-            Preset::Paper => ("aero.paper.nodes", aero.paper.nodes),
+            Preset::Paper | Preset::AsPrinted => ("aero.paper.nodes", aero.paper.nodes),
         }
     }
 

@@ -6,8 +6,12 @@
 //! to right tip. The paper's Fourier coefficients a_n follow from G by a sine
 //! transform; unlike them G needs no division by the airspeed and loses no
 //! term when the airspeed changes.
+//!
+//! Preset `as_printed` keeps the paper's equations (1) to (4) as they stand: the first state of a node is
+//! g = sum a_n sin(n theta), the series at the node, and G = a0 c0 U g / 2 with one airspeed U for the wing.
 
 mod nodes;
+mod printed;
 mod settings;
 #[cfg(test)]
 mod tests;
@@ -32,7 +36,10 @@ pub const JONES_RATES: [f64; 2] = [0.0455, 0.3];
 #[derive(Clone, Debug)]
 pub struct LiftingLine<P: Scalar = f64> {
     settings: LiftingLineSettings,
+    /// Arcs of the sections: of the nodes, then of what else is looked at.
     arcs: Vec<f64>,
+    /// Chord in the middle, m.
+    root_chord: f64,
     widths: Vec<f64>,
     cells: Vec<Cell>,
     nodes: Vec<Node<P>>,
@@ -69,7 +76,8 @@ impl LiftingLine {
         settings.check()?;
         let (arcs, cells, angles) = cells(planform, hinge_arcs, &settings)?;
         let influence = influence_between(&angles, 2.0 * planform.half_span());
-        Ok(Self::of_cells(arcs, cells, influence, settings))
+        let root_chord = planform.chord(0.0).max(settings.chord_floor_m);
+        Ok(Self { root_chord, ..Self::of_cells(arcs, cells, influence, settings) })
     }
 
     fn refuse_gaps(planform: &Planform) -> Result<(), Error> {
@@ -91,7 +99,7 @@ impl LiftingLine {
     ) -> Result<Self, Error> {
         settings.check()?;
         let angles = node_angles(settings.nodes);
-        let arcs: Vec<f64> = angles.iter().map(|t| half_span * t.cos()).collect();
+        let mut arcs: Vec<f64> = angles.iter().map(|t| half_span * t.cos()).collect();
         let step = PI / (settings.nodes + 1) as f64;
         let widths: Vec<f64> = angles.iter().map(|t| half_span * t.sin() * step).collect();
         let cells = angles
@@ -101,7 +109,11 @@ impl LiftingLine {
             .map(|((&t, &arc), &width)| Cell::smooth(chord(arc), width, half_span, t, &settings))
             .collect();
         let influence = influence(&angles, 2.0 * half_span);
-        Ok(Self { alternating: true, ..Self::of_cells(arcs, cells, influence, settings) })
+        if settings.as_printed {
+            arcs.push(0.0);
+        }
+        let root_chord = chord(0.0).max(settings.chord_floor_m);
+        Ok(Self { alternating: true, root_chord, ..Self::of_cells(arcs, cells, influence, settings) })
     }
 
     fn of_cells(
@@ -118,6 +130,7 @@ impl LiftingLine {
             cells,
             influence,
             alternating: false,
+            root_chord: settings.chord_floor_m,
             zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
             polar: Polar::new(settings.law, &numbers),
             numbers,
@@ -135,6 +148,7 @@ impl<P: Scalar> LiftingLine<P> {
             numbers: *numbers,
             settings: self.settings,
             arcs: self.arcs.clone(),
+            root_chord: self.root_chord,
             widths: self.widths.clone(),
             cells: self.cells.clone(),
             influence: self.influence.clone(),
@@ -151,10 +165,14 @@ impl<P: Scalar> LiftingLine<P> {
     pub fn settings(&self) -> &LiftingLineSettings {
         &self.settings
     }
-    /// Arc coordinates of the nodes, m, left (positive) to right: where
-    /// [`SectionMotion`]s are wanted.
+    /// Where [`SectionMotion`]s are wanted: arc coordinates of the nodes, m, left (positive) to right; of preset
+    /// `as_printed` also the middle of the wing, behind them.
     pub fn arcs(&self) -> &[f64] {
         &self.arcs
+    }
+    /// Arc coordinates of the nodes, m.
+    pub fn node_arcs(&self) -> &[f64] {
+        &self.arcs[..self.nodes.len()]
     }
     /// Quadrature weights of the nodes for quantities that vanish at the tips
     /// like the circulation, m.
@@ -171,7 +189,8 @@ impl<P: Scalar> LiftingLine<P> {
     }
     /// Names and units of the states, in order.
     pub fn channels(&self) -> Vec<Channel> {
-        let own = [("circulation", "m2/s"), ("lag1", "m/s"), ("lag2", "m/s")];
+        let first = if self.settings.as_printed { ("series", "") } else { ("circulation", "m2/s") };
+        let own = [first, ("lag1", "m/s"), ("lag2", "m/s")];
         own.into_iter()
             .chain(self.settings.law.states().iter().map(|state| (state.name, state.unit)))
             .flat_map(|(name, unit)| {
@@ -206,6 +225,7 @@ impl<P: Scalar> LiftingLine<P> {
     /// State rates for airspeed (m/s) and wash of motion (m/s) given at each
     /// node, attached flow, without any regularisation. Writes the effective
     /// wash: the lift per span is rho U G + rho c G' = rho U a0 (c/2) w_eff.
+    /// Preset `as_printed` knows one airspeed: that of every node.
     pub fn rates_in_wash<S: Scalar + Meets<P>>(
         &self,
         airspeed: &[S],
@@ -216,7 +236,7 @@ impl<P: Scalar> LiftingLine<P> {
     ) {
         let m = self.strips();
         for i in 0..m {
-            let w = wash[i] + self.induced_wash(i, &x[..m]);
+            let w = wash[i] + self.wake_wash(i, airspeed[i], &x[..m]);
             effective_wash[i] = self.lag(i, airspeed[i], w, x, dx);
             dx[i] = self.circulation_rate(i, airspeed[i], effective_wash[i], x[i]);
         }
@@ -259,6 +279,9 @@ impl<P: Scalar> LiftingLine<P> {
         gamma: S,
     ) -> S {
         let node = &self.nodes[i];
+        if self.settings.as_printed {
+            return self.printed_rate(i, speed, effective_wash, gamma);
+        }
         (effective_wash * node.circulation - gamma) * (speed * node.inverse_chord)
     }
 
@@ -288,10 +311,11 @@ impl<P: Scalar> LiftingLine<P> {
         let mut wrench = Wrench::ZERO;
         let mut added_mass = [[S::ZERO; 6]; 6];
         let first = loads.strips;
+        let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let flow = self.flow(i, &section, x, dx);
+            let flow = self.flow(i, &section, stream, x, dx);
             let at = first + i;
             loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
             loads.incidence[at] = flow.wash.atan2(section.uc);
@@ -299,7 +323,7 @@ impl<P: Scalar> LiftingLine<P> {
             loads.wash_of_others[at] = S::ZERO;
             loads.separated[at] = S::ONE - flow.attached;
             loads.suction_lost[at] = S::ONE - flow.edge.held;
-            loads.circulation[at] = x[i];
+            loads.circulation[at] = self.circulation(stream, x[i]);
             loads.quarter_chord[at] = sections.section(i).point(0.25);
             wrench += loads.strip[at].total();
         }
@@ -321,10 +345,11 @@ impl<P: Scalar> LiftingLine<P> {
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let mut wrench = Wrench::ZERO;
         let mut added_mass = [[G::ZERO; 6]; 6];
+        let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let flow = self.flow(i, &section, x, dx);
+            let flow = self.flow(i, &section, stream, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow)
                 + self.carried_air(node, &section, flow.speed, &mut added_mass);
@@ -340,20 +365,22 @@ impl<P: Scalar> LiftingLine<P> {
         (wrench, added_mass)
     }
 
-    /// State rates of node `i` and the flow that its forces follow from.
+    /// State rates of node `i` and the flow that its forces follow from; `stream` is the one airspeed where there is one.
     #[inline]
     fn flow<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
         section: &Section<G>,
+        stream: Option<G>,
         x: &[S],
         dx: &mut [S],
     ) -> Flow<G, S> {
         let set = &self.settings;
         let (uc, w) = (section.uc, section.w_three_quarter);
         let uc2 = uc * uc + set.regularisation_m_s * set.regularisation_m_s;
-        let speed = (uc2 + w * w).sqrt();
-        let wash = self.induced_wash(i, &x[..self.strips()]) + w;
+        let local = (uc2 + w * w).sqrt();
+        let speed = stream.unwrap_or(local);
+        let wash = self.wake_wash(i, speed, &x[..self.strips()]) + w;
         let effective = self.lag(i, speed, wash, x, dx);
         let inverse = (effective * effective + uc2).sqrt().recip();
         let sine = effective * inverse;
@@ -374,6 +401,7 @@ impl<P: Scalar> LiftingLine<P> {
             w,
             wash,
             effective,
+            turning: effective,
             speed,
             along: uc2.sqrt(),
             inverse,
@@ -384,6 +412,10 @@ impl<P: Scalar> LiftingLine<P> {
             vortex: S::ZERO,
             carried: G::ZERO,
         };
+        if stream.is_some() {
+            // Normal to the wind of motion, reversed flow and suction being unknown to the equations.
+            (flow.turning, flow.inverse, flow.suction) = (S::from(w), S::from(local.recip()), S::ONE);
+        }
         if let Attachment::Lagging { state, chords } = law.attachment {
             let at = (3 + state) * self.strips() + i;
             let rate = speed * self.nodes[i].inverse_chord;
@@ -430,8 +462,11 @@ impl<P: Scalar> LiftingLine<P> {
         flow: &Flow<S, S>,
         added_mass: &mut [[S; 6]; 6],
     ) -> StripLoads<S> {
-        let circulatory = section.wrench(flow.lift_without_turning(node));
         let lift = section.wrench(flow.lift(node));
+        let circulatory = match self.settings.as_printed {
+            true => lift,
+            false => section.wrench(flow.lift_without_turning(node)),
+        };
         StripLoads {
             circulatory,
             induced_drag: Wrench {
@@ -493,6 +528,8 @@ struct Flow<G: Scalar, S: Over<G>> {
     wash: S,
     /// Effective wash, lags included, m/s.
     effective: S,
+    /// The wash by which the lift is turned, m/s.
+    turning: S,
     /// Smooth airspeed of motion, m/s.
     speed: G,
     /// Smooth |uc|, m/s.
@@ -525,7 +562,7 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
     {
         let turned = self.effective * self.attached * node.lift * self.speed * self.inverse;
         let ahead = S::from(0.5 * node.half_chord);
-        self.at_edge(turned * self.effective, turned * self.along, ahead)
+        self.at_edge(turned * self.turning, turned * self.along, ahead)
     }
 
     /// The same lift perpendicular to the wind of motion alone.

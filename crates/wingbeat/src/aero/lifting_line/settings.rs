@@ -36,6 +36,9 @@ pub struct LiftingLineSettings {
     pub section_moment: bool,
     /// Leading-edge suction that the section's rate of pitch adds; the paper has none.
     pub pitch_suction: bool,
+    /// The paper's equations (1) to (4) as printed: one airspeed for the whole wing, coefficients whose rates lack that of
+    /// the airspeed, lift normal to the wind of motion, and no other force.
+    pub as_printed: bool,
     /// Air density, kg/m3.
     pub density_kg_m3: f64,
 }
@@ -55,6 +58,7 @@ impl Default for LiftingLineSettings {
             added_mass: true,
             section_moment: true,
             pitch_suction: true,
+            as_printed: false,
             density_kg_m3: 1.225,
         }
     }
@@ -68,6 +72,19 @@ ranges!(LiftingLineSettings {
 });
 
 impl LiftingLineSettings {
+    /// These settings with the terms that the printed equations hold, and no others.
+    pub fn printed(self) -> Self {
+        Self {
+            as_printed: true,
+            law: LiftLaw::Linear,
+            drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
+            added_mass: false,
+            section_moment: false,
+            pitch_suction: false,
+            ..self
+        }
+    }
+
     /// The numbers that may carry derivatives, as set.
     pub fn numbers(&self) -> SurfaceNumbers {
         SurfaceNumbers {

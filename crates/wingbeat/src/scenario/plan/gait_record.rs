@@ -143,9 +143,9 @@ impl Driver<()> for Player<'_> {
     }
 }
 
-/// Mean of a column over a recorded cycle by the trapezoid rule. Commands, and with them forces, may jump where the cycle closes:
-/// both ends count half.
-fn mean(record: &Record, name: &str) -> f64 {
+/// Mean of a column over a recorded cycle by the trapezoid rule. Commands, and with them forces, may jump where the
+/// cycle closes: both ends count half.
+pub(super) fn cycle_mean(record: &Record, name: &str) -> f64 {
     match record.values(name).unwrap_or(&[]) {
         [first, inner @ .., last] => {
             (inner.iter().sum::<f64>() + 0.5 * (first + last)) / (inner.len() + 1) as f64
@@ -156,12 +156,12 @@ fn mean(record: &Record, name: &str) -> f64 {
 
 /// Mean share of the strips past stall.
 pub(super) fn stalled(record: &Record) -> f64 {
-    mean(record, STALLED)
+    cycle_mean(record, STALLED)
 }
 
 /// Means of a recorded cycle.
 pub(super) fn means(record: &Record) -> Means {
-    let mean = |name: &str| mean(record, name);
+    let mean = |name: &str| cycle_mean(record, name);
     Means {
         drive_power_w: mean("drive_power"),
         up_n: mean("force_up"),

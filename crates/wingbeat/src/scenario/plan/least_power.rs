@@ -1,8 +1,9 @@
 //! The gait of least power, planned and replayed on the stand.
 
-use super::gait_record::{Replay, beside, means, stalled};
+use super::gait_record::{Replay, beside, cycle_mean, means, stalled};
 use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
+use crate::aero::{LoadSource, Preset};
 use crate::guide::{CYCLES, Flapping, LeastPower, LeastPowerSpec, Means, Stand};
 use crate::math::Vec3;
 use crate::ocp::{OptimalControl, Optimum, Progress};
@@ -61,6 +62,12 @@ pub struct LeastPowerSummary {
     pub weight_n: f64,
     /// The plan.
     pub plan: Option<GaitNumbers>,
+    /// Mean drive power of the plan with the sharp corner of its losses, W: the solver rounds it off.
+    pub plan_unrounded_power_w: Option<f64>,
+    /// Upward force of the replay by source, N, cycle means; drag of the body beside.
+    pub replay_up_by_source_n: BTreeMap<String, f64>,
+    /// The same replay under preset `full`, or `paper` where the plan is of `full`.
+    pub replay_other: Option<OtherReplay>,
     /// The plan's inputs simulated from rest with both wings until periodic.
     pub replay: Option<Means>,
     /// Least of all clearances over the last cycle of that replay, m.
@@ -77,6 +84,16 @@ pub struct LeastPowerSummary {
     pub own: GaitNumbers,
     /// Largest distance of a re-simulation over one cycle from the plan: each state by name, in its unit.
     pub resimulation_error: BTreeMap<String, f64>,
+}
+
+/// A replay under another aerodynamic model than that of the plan.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct OtherReplay {
+    /// Its preset.
+    pub preset: &'static str,
+    /// Means over the cycle.
+    #[serde(flatten)]
+    pub means: Means,
 }
 
 impl Scenario {
@@ -106,13 +123,17 @@ impl Scenario {
         let flapping = problem.flapping(&solution.points);
         summary.plan = Some(numbers(&flapping, problem.means(&solution.points)));
         let channels = problem.setup().states.into_iter().map(|c| c.name);
+        summary.plan_unrounded_power_w = Some(problem.unrounded_power(&solution).map_err(broken)?);
         let errors = solution.resimulate(&problem, CHECK_STEPS).map_err(broken)?;
         summary.resimulation_error = channels.zip(errors).collect();
         let replay = |flapping, commands: &dyn Fn(f64, &mut [f64])| {
             let replay = Replay { stand: problem.stand(), flapping, commands, storage: spec.storage };
             replay.record().map_err(broken)?
         };
-        let (record, closure) = replay(flapping, &|t, u| u.copy_from_slice(&solution.at(t).1))?;
+        let commands = |t: f64, u: &mut [f64]| u.copy_from_slice(&solution.at(t).1);
+        let (record, closure) = replay(flapping, &commands)?;
+        summary.replay_up_by_source_n = upward(&record, flapping.pitch);
+        summary.replay_other = self.replay_other(flapping, &commands, spec.storage);
         let (own_record, _) = replay(own, &|_, u| u.fill(0.0))?;
         summary.replay = Some(means(&record));
         summary.replay_closure = closure;
@@ -123,6 +144,22 @@ impl Scenario {
         let files = self.replay_case(&flapping, &record)?;
         let record = Some(beside(&record, &own_record)?);
         Ok(Planned { record, summary: PlanSummary::LeastPower(Box::new(summary)), files })
+    }
+
+    /// The commands on the same robot under the other preset; none where that cannot be built or evaluated.
+    fn replay_other(
+        &self,
+        flapping: Flapping,
+        commands: &dyn Fn(f64, &mut [f64]),
+        storage: f64,
+    ) -> Option<OtherReplay> {
+        let preset = if self.spec.aero.preset == Preset::Full { Preset::Paper } else { Preset::Full };
+        let document = self.document.clone().set(format!("aero.preset=\"{}\"", preset.name()));
+        let other = Scenario::new(document).ok()?;
+        let start = &self.spec.start;
+        let stand = Stand::new(&other.model, Vec3(start.velocity_m_s), start.yaw_deg.to_radians()).ok()?;
+        let (record, _) = Replay { stand: &stand, flapping, commands, storage }.record().ok()?.ok()?;
+        Some(OtherReplay { preset: preset.name(), means: means(&record) })
     }
 
     fn least_power_summary(
@@ -141,6 +178,9 @@ impl Scenario {
             asked_forward_n,
             weight_n: self.model.mass() * crate::math::GRAVITY,
             plan: None,
+            plan_unrounded_power_w: None,
+            replay_up_by_source_n: BTreeMap::new(),
+            replay_other: None,
             replay: None,
             least_clearance_m: None,
             own_least_clearance_m: None,
@@ -226,6 +266,17 @@ impl Scenario {
             compare: CompareSpec::default(),
         }
     }
+}
+
+/// Mean upward force of each source over a recorded cycle, N, the body pitched by `pitch`.
+fn upward(record: &Record, pitch: f64) -> BTreeMap<String, f64> {
+    let (sine, cosine) = pitch.sin_cos();
+    let up = |source: LoadSource| {
+        let of = |axis: &str| cycle_mean(record, &format!("force_{}_{axis}", source.name()));
+        (source.name().to_owned(), cosine * of("z") - sine * of("x"))
+    };
+    let air = LoadSource::ALL.into_iter().filter(|source| !["gravity", "inertia"].contains(&source.name()));
+    air.map(up).collect()
 }
 
 fn numbers(flapping: &Flapping, means: Means) -> GaitNumbers {

@@ -26,8 +26,11 @@ pub struct RollInSummary {
     pub start_s: f64,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
-    /// Duration plus the cost of effort, s.
+    /// Duration plus the costs of effort and tracking, s.
     pub objective_s: f64,
+    /// What several starts came to: whether their minima differ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub starts: Option<String>,
     /// Largest distance of a re-simulation from the plan: each state by name, in its unit.
     pub resimulation_error: BTreeMap<String, f64>,
     /// Planned roll, pitch and yaw at the end, deg.
@@ -73,9 +76,13 @@ impl Scenario {
         let flight = fly(model, &mut sensors, &mut approach, &schedule, &mut x, go_on);
         flight.ending.check().map_err(broken)?;
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
-        let problem = RollIn::new(&self.model, &x, &spec).map_err(|e| e.within("plan.roll_in"))?;
-        let optimum = problem.plan(observe).map_err(broken)?;
+        let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec)
+            .map_err(|e| e.within("plan.roll_in"))?;
+        let starts = problem.plan(observe).map_err(broken)?;
+        let several = (spec.starts > 1).then(|| starts.words());
+        let optimum = starts.best;
         let mut summary = self.roll_in_summary(&spec, &optimum);
+        summary.starts = several;
         let Some(solution) = optimum.solution.filter(|_| optimum.status.is_success()) else {
             return Ok(Planned {
                 record: None,
@@ -162,6 +169,7 @@ impl Scenario {
             start_s: spec.start_s,
             duration_s: end.map_or(f64::NAN, |t| t - spec.start_s),
             objective_s: optimum.objective - spec.start_s,
+            starts: None,
             resimulation_error: BTreeMap::new(),
             final_angles_deg: [f64::NAN; 3],
             flown_angles_deg: [f64::NAN; 3],

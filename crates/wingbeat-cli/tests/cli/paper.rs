@@ -1,0 +1,80 @@
+//! docs/paper.md: its quick commands end as it says, and every command in its tables is in one of its lists.
+
+use std::fs;
+
+use crate::{entries, root, scratch, wingbeat};
+
+/// The page.
+fn page() -> String {
+    fs::read_to_string(root().join("docs/paper.md")).unwrap()
+}
+
+/// The commands of the lists, quick ones first: arguments and exit code.
+fn lists(page: &str) -> Vec<Vec<(String, i32)>> {
+    let blocks = page.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    let command = |line: &str| {
+        let (text, code) = line.split_once('#').unwrap_or((line, "0"));
+        (text.trim().to_owned(), code.trim().parse().unwrap())
+    };
+    blocks.map(|block| block.lines().map(command).collect()).collect()
+}
+
+#[test]
+fn every_command_of_the_tables_is_in_a_list() {
+    let page = page();
+    let listed: Vec<String> = lists(&page).concat().into_iter().map(|(command, _)| command).collect();
+    let tables = page.lines().filter(|line| line.starts_with('|'));
+    let named =
+        tables.flat_map(|line| line.split('`').skip(1).step_by(2)).filter(|c| c.starts_with("wingbeat "));
+    let missing: Vec<&str> = named.filter(|command| !listed.iter().any(|known| known == command)).collect();
+    assert!(missing.is_empty(), "in no list of docs/paper.md: {missing:?}");
+    assert!(listed.len() > 15);
+}
+
+#[test]
+fn the_quick_commands_end_as_the_page_says() {
+    let page = page();
+    for (i, (command, code)) in lists(&page)[0].iter().enumerate() {
+        let folder = scratch(&format!("paper-{i}"));
+        let place = |word: &str| match word.ends_with(".toml") {
+            true => root().join(word).to_string_lossy().into_owned(),
+            false => word.to_owned(),
+        };
+        let mut words: Vec<String> = command.split_whitespace().skip(1).map(place).collect();
+        words.extend(["--out", "a", "--quiet"].map(str::to_owned));
+        let arguments: Vec<&str> = words.iter().map(String::as_str).collect();
+        let output = wingbeat(&folder, &arguments);
+        assert_eq!(output.status.code(), Some(*code), "{command}: {output:?}");
+        assert_eq!(entries(&folder).is_empty(), *code == 2, "{command}");
+    }
+}
+
+#[test]
+fn show_draws_each_kind_of_file_and_refuses_the_others() {
+    for (name, file, more) in [
+        ("robot", "robots/four_wings.toml", &["--phase", "1.5"][..]),
+        ("scenario", "scenarios/glider.toml", &[]),
+        ("rig", "rigs/aerobat_on_gen3.toml", &["--joints-deg", "0,20,-100,0,-60,0"]),
+    ] {
+        let folder = scratch(&format!("show-{name}"));
+        let file = root().join(file);
+        let arguments = [&["show", file.to_str().unwrap(), "--out", "a", "--quiet"], more].concat();
+        let output = wingbeat(&folder, &arguments);
+        assert!(output.status.success(), "{name}: {output:?}");
+        assert_eq!(entries(&folder.join("a/figures")), ["show.png", "show.svg"], "{name}");
+    }
+    let folder = scratch("show-refused");
+    for (file, more, said) in [
+        ("rigs/seven_runs.toml", &[][..], "a list of runs"),
+        ("rigs/aerobat_on_gen3.toml", &["--joints-deg", "1,2"], "6 finite numbers"),
+        ("robots/aerobat_paper.toml", &["--phase", "nan"], "start.phase_rad"),
+        ("sweeps/flap_map.toml", &[], "key"),
+    ] {
+        let file = root().join(file);
+        let arguments = [&["show", file.to_str().unwrap(), "--out", "a"], more].concat();
+        let output = wingbeat(&folder, &arguments);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(said) && entries(&folder).is_empty(), "{text}");
+    }
+}

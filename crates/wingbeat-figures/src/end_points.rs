@@ -1,0 +1,71 @@
+//! Where the flights of a sweep end.
+
+use kuva::plot::legend::LegendPosition;
+use kuva::plot::scatter::{MarkerShape, ScatterPlot};
+use kuva::render::figure::Figure as Grid;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use wingbeat::simulate::Record;
+
+use crate::write::Figure;
+use crate::{Error, needed, style};
+
+/// Flights by group, and what is published.
+pub struct EndPoints<'a> {
+    /// Name and rows of each group.
+    pub groups: &'a [(String, Vec<usize>)],
+    /// Published end point, m; y to the left.
+    pub published: Option<(f64, f64)>,
+}
+
+/// Every flight that was flown to the end by its end point, seen from above with x to the right and y up; those that did
+/// not hold their attitude are hollow.
+///
+/// Needs `distance_x`, `distance_y`, `held` and `completed` (1 or 0).
+pub fn end_points(record: &Record, what: &EndPoints) -> Result<Figure, Error> {
+    let (x, y) = (needed(record, "distance_x")?, needed(record, "distance_y")?);
+    let (held, completed) = (needed(record, "held")?, needed(record, "completed")?);
+    let mut plots: Vec<Plot> = Vec::new();
+    let mut all = vec![(0.0, 0.0)];
+    for (index, (name, rows)) in what.groups.iter().enumerate() {
+        let flown = |wanted: bool| -> Vec<(f64, f64)> {
+            let rows = rows.iter().filter(|&&row| completed[row] == 1.0 && (held[row] == 1.0) == wanted);
+            rows.map(|&row| (x[row], y[row])).filter(|p| p.0.is_finite() && p.1.is_finite()).collect()
+        };
+        let (kept, lost) = (flown(true), flown(false));
+        all.extend(kept.iter().chain(&lost));
+        let cloud = |points: Vec<(f64, f64)>, colour: &str, shape| {
+            ScatterPlot::new().with_data(points).with_color(colour).with_size(3.2).with_marker(shape)
+        };
+        let legend = format!("{name}: {} of {} held", kept.len(), rows.len());
+        if !lost.is_empty() {
+            plots.push(cloud(lost, &style::tint(index), MarkerShape::Cross).into());
+        }
+        plots.push(cloud(kept, style::colour(index), MarkerShape::Circle).with_legend(legend).into());
+    }
+    if let Some(point) = what.published {
+        all.push(point);
+        let star = ScatterPlot::new().with_data(vec![point]).with_color(style::INK).with_size(8.0);
+        plots.push(star.with_marker(MarkerShape::Diamond).with_legend("the paper's end point").into());
+    }
+    if all.len() < 2 {
+        return Err(Error::Rows { rows: 0, needed: 1 });
+    }
+    let ((left, right), (low, high)) =
+        (style::span(all.iter().map(|p| p.0)), style::span(all.iter().map(|p| p.1)));
+    let layout = style::axes(Layout::auto_from_plots(&plots))
+        .with_x_axis_min(left - 0.5)
+        .with_x_axis_max(right + 0.5)
+        .with_y_axis_min(low - 0.5)
+        .with_y_axis_max(high + 0.5)
+        .with_x_label("x at the end [m]; crosses did not hold their attitude")
+        .with_y_label("y at the end [m], left is positive")
+        .with_legend_position(LegendPosition::OutsideRightTop)
+        .with_legend_box(false);
+    let scene = Grid::new(1, 1)
+        .with_plots(vec![plots])
+        .with_layouts(vec![layout])
+        .with_figure_size(style::WIDTH, 0.68 * style::WIDTH)
+        .render();
+    Ok(Figure::new("end_points", scene))
+}
