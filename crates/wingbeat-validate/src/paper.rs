@@ -64,7 +64,7 @@ impl Printed {
     /// Rates of the states in the stream `speed`; writes the lift per span and density by node: U^2 c c_l / 2.
     fn rates(&self, t: f64, speed: f64, x: &[f64], dx: &mut [f64], lift: &mut [f64]) {
         let root = chord(0.0);
-        let mut right = vec![0.0; NODES];
+        let mut right = [0.0; NODES];
         for i in 0..NODES {
             let (c, half) = (self.chords[i], 0.5 * self.chords[i]);
             // (2)
