@@ -79,8 +79,8 @@ struct Failed<'a> {
 }
 
 /// All that is to be told; nothing where only the information was asked for.
-fn found<'a>(
-    calibration: &'a Calibration,
+fn found(
+    calibration: &Calibration,
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,

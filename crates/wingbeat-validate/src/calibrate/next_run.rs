@@ -20,7 +20,7 @@ fn candidate(random: &mut Random) -> String {
     );
     format!(
         "{{ name = \"NAME\", run = \"RIGS/identification/faster_wind.toml\", set = [\"frequency_hz={frequency:.3}\", \
-         \"wind_m_s=[{:.4}, {:.4}, 0.0]\", \"hold.tilts_deg=[[{roll:.2}, {pitch:.2}]]\", \"hold.each_s=3.0\"] }}",
+         \"wind_m_s=[{:.4}, {:.4}, 0.0]\", \"hold.tilts_deg=[[{roll:.2}, {pitch:.2}]]\", \"hold.each_s=3.0\", \"rig.cell.calibration=SI-25-0.25\"] }}",
         -speed * side.cos(),
         speed * side.sin()
     )

@@ -17,8 +17,10 @@ const LAYOUT: Layout = Layout { channels: 3, harmonics: 6 };
 const NOISE: f64 = 0.02;
 /// Step of a central difference, in parts of a number.
 const STEP: f64 = 1e-3;
+/// Where a number stands among those of a surface.
+type Place = fn(&mut SurfaceNumbers) -> &mut f64;
 /// What is fitted, with its place among the numbers of a surface.
-const NUMBERS: [(&str, fn(&mut SurfaceNumbers) -> &mut f64); 4] = [
+const NUMBERS: [(&str, Place); 4] = [
     ("section_slope", |numbers| &mut numbers.section_slope),
     ("added_mass_scale", |numbers| &mut numbers.added_mass_scale),
     ("critical_suction", |numbers| &mut numbers.critical_suction),

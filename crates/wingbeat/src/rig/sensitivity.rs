@@ -66,15 +66,12 @@ impl Experiment<'_> {
 }
 
 /// What `see` makes of every instant of `system`, which begins in the state `x`.
-fn looked_at<T, R>(
+fn looked_at<T: Observed + System<Memory = ()>, R>(
     system: &T,
     x: &[f64],
     instants: &Instants,
     see: impl Fn(&T::Observation) -> R,
-) -> Result<Vec<R>, Fault>
-where
-    T: Observed + System<Memory = ()>,
-{
+) -> Result<Vec<R>, Fault> {
     let mut rows = Vec::with_capacity(instants.steps + 1);
     let mut watch = Held(|_: usize, at: Moment| {
         rows.push(see(&system.observed(at)?));
