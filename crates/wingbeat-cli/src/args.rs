@@ -26,6 +26,8 @@ pub enum Command {
     Tether(Tether),
     Wake(Wake),
     Plan(Plan),
+    Calibrate(Calibrate),
+    Trim(Trim),
     #[command(subcommand)]
     Rig(Rig),
     Validate(Validate),
@@ -138,6 +140,39 @@ pub struct Plan {
     pub run: Run,
 }
 
+/// Fit numbers of robot and rig to runs on the load cell, with what is known of them
+///
+/// Prints first which run and channel informs which number, and refuses what the runs cannot tell. The folder holds
+/// calibration.toml (as resolved), numbers.toml (the result, for `--set robot.numbers=FILE` of `fly`, `--set
+/// rig.robot.numbers=FILE` of `rig`), report.md, summary.json, information.csv, record.parquet (measured and predicted cycles
+/// with their bands), manifest.json and figures. An interrupted calibration goes on when the same command is given again.
+/// What the numbers mean: docs/calibration.md.
+#[derive(Debug, Args)]
+pub struct Calibrate {
+    /// The calibration
+    #[arg(value_name = "CALIBRATION.toml")]
+    pub calibration: PathBuf,
+    /// Only print what the runs tell of the numbers
+    #[arg(long)]
+    pub information: bool,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+/// Find the periodic flight that a scenario's [trim] asks for, and how it holds
+///
+/// The folder holds summary.json (frequency, power, stall shares, Floquet multipliers, or why there is no orbit),
+/// record.parquet (one cycle), multipliers.parquet, family.parquet where [trim.family] asks for orbits along a parameter,
+/// figures, and orbit.toml: the scenario on its orbit, for `fly`. What the numbers mean: docs/trim.md.
+#[derive(Debug, Args)]
+pub struct Trim {
+    /// The scenario
+    #[arg(value_name = "SCENARIO.toml")]
+    pub scenario: PathBuf,
+    #[command(flatten)]
+    pub run: Run,
+}
+
 /// What all commands that make a run folder take.
 #[derive(Debug, Args)]
 pub struct Run {
@@ -179,6 +214,9 @@ pub struct Validate {
     /// Only comparisons that take seconds
     #[arg(long)]
     pub quick: bool,
+    /// Also fits and Monte Carlo, which take minutes each
+    #[arg(long, conflicts_with = "quick")]
+    pub long: bool,
     /// Write a folder of the results
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -19,6 +19,9 @@ pub enum Error {
     /// A value that the library refuses.
     #[error(transparent)]
     Refused(#[from] wingbeat::Error),
+    /// A calibration that cannot be made.
+    #[error(transparent)]
+    Calibration(#[from] wingbeat_calibrate::Failure),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     File {
@@ -69,6 +72,7 @@ impl Error {
             Self::Input(_)
             | Self::Config(_)
             | Self::Refused(_)
+            | Self::Calibration(_)
             | Self::File { .. }
             | Self::Record(_)
             | Self::Output(_) => 2,

@@ -1,6 +1,7 @@
 //! The program `wingbeat`: a thin face over the library.
 
 mod args;
+mod calibrate;
 mod error;
 mod fly;
 mod interrupt;
@@ -16,6 +17,7 @@ mod run_folder;
 mod say;
 mod sweep;
 mod tether;
+mod trim;
 mod validate;
 mod wake;
 
@@ -50,6 +52,8 @@ fn main() -> ExitCode {
         Command::Tether(arguments) => tether::tether(&arguments),
         Command::Wake(arguments) => wake::wake(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
+        Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
+        Command::Trim(arguments) => trim::trim(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::New(arguments) => new::new(&arguments),

@@ -68,7 +68,7 @@ fn beside(kind: DocumentKind) -> String {
 
 /// What must be there for a document to run.
 fn named(kind: DocumentKind) -> &'static [DocumentKind] {
-    use DocumentKind::{Arm, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
+    use DocumentKind::{Arm, Calibration, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
     match kind {
         Robot | Case | Arm => &[],
         Scenario => &[Robot],
@@ -76,12 +76,13 @@ fn named(kind: DocumentKind) -> &'static [DocumentKind] {
         Run => &[Robot, Arm, Rig],
         Runs => &[Robot, Arm, Rig, Run],
         Rig => &[Robot, Arm, Run],
+        Calibration => &[Robot, Arm, Rig, Run],
     }
 }
 
 /// The shipped text of a document for that which is asked for.
 fn shipped(kind: DocumentKind, asked: DocumentKind) -> &'static str {
-    use DocumentKind::{Arm, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
+    use DocumentKind::{Arm, Calibration, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
     match (kind, asked) {
         (Robot, Robot | Scenario | Sweep) => include_str!("../../../robots/aerobat_paper.toml"),
         (Robot, _) => include_str!("../../../robots/aerobat_beta.toml"),
@@ -91,6 +92,7 @@ fn shipped(kind: DocumentKind, asked: DocumentKind) -> &'static str {
         (Rig, _) => include_str!("../../../rigs/aerobat_on_gen3.toml"),
         (Arm, _) => include_str!("../../../rigs/arms/kinova_gen3_6dof.toml"),
         (Run, _) => include_str!("../../../rigs/runs/roll15_speed08.toml"),
+        (Calibration, _) => include_str!("../../../calibrations/two_runs.toml"),
         (Runs, _) => {
             "# Runs on the rig, planned, simulated and processed together.\nruns = [\n    \"run.toml\",\n]\n"
         }
@@ -119,7 +121,7 @@ fn document(kind: DocumentKind, main: DocumentKind, file: &str) -> String {
 
 /// What to do with a document.
 fn next(kind: DocumentKind, path: &Path) -> String {
-    use DocumentKind::{Arm, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
+    use DocumentKind::{Arm, Calibration, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
     let shown = path.display();
     let file = path.file_name().unwrap_or_default().display();
     match kind {
@@ -129,6 +131,7 @@ fn next(kind: DocumentKind, path: &Path) -> String {
         Case => format!("next: wingbeat tether {shown}"),
         Sweep => format!("next: wingbeat sweep {shown}"),
         Run | Runs => format!("next: wingbeat rig plan {shown}"),
+        Calibration => format!("next: wingbeat calibrate {shown}"),
         Rig => format!("next: wingbeat rig plan {}", path.with_file_name(beside(Run)).display()),
     }
 }

@@ -125,12 +125,14 @@ fn least_power(summary: &LeastPowerSummary) -> Lines {
         summary.asked_up_n, summary.asked_forward_n, summary.weight_n
     );
     let mut lines = vec![("asked", asked), ("own gait", gait(&summary.own))];
-    lines.push(("least clearance, own gait", clearance(summary.own_least_clearance_m)));
+    lines.extend(summary.own_least_clearance_m.map(|m| ("least clearance, own gait", clearance(Some(m)))));
+    lines.extend(summary.own_stall_fraction.map(|share| ("strips past stall, own gait", percent(share))));
     if let (Some(plan), Some(means)) = (&summary.plan, &summary.replay) {
         let replay = GaitNumbers { means: *means, ..*plan };
         lines.push(("plan", gait(plan)));
         lines.push(("replayed from rest", gait(&replay)));
         lines.push(("least clearance, replayed", clearance(summary.least_clearance_m)));
+        lines.extend(summary.stall_fraction.map(|share| ("strips past stall, replayed", percent(share))));
         lines.push(("error re-simulated", worst(&summary.resimulation_error)));
     }
     lines

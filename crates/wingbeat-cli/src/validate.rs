@@ -30,7 +30,10 @@ struct Summary {
 /// Runs the wanted comparisons, prints their table and writes their folder when one is asked for.
 pub fn validate(arguments: &Validate) -> Result<(), Error> {
     let selection = Selection { only: arguments.only.clone(), quick: arguments.quick };
-    let all = wingbeat_validate::cases();
+    let mut all = wingbeat_validate::cases();
+    if arguments.long {
+        all.extend(wingbeat_validate::long_cases());
+    }
     let cases = wingbeat_validate::select(&all, &selection);
     let start = Instant::now();
     let interrupt = Interrupt::listen()?;

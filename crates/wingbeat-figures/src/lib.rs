@@ -3,6 +3,7 @@
 //! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
 mod bench;
+pub mod calibration;
 pub mod chart;
 mod commands;
 mod cycle;
@@ -11,6 +12,7 @@ mod force_moment;
 mod forces;
 mod gait;
 mod map;
+mod orbit;
 mod panel;
 mod path;
 mod processing;
@@ -30,6 +32,7 @@ pub use force_moment::force_moment;
 pub use forces::forces;
 pub use gait::gait;
 pub use map::map;
+pub use orbit::{family, multipliers, orbit};
 pub use path::path;
 pub use processing::{Cell, cycles, filtered};
 pub use robustness::robustness;

@@ -8,6 +8,8 @@ use kuva::render::layout::{Layout, TickFormat};
 const TICKS: f64 = 7.0;
 /// Share of the largest value below which a range is rounding.
 const FLAT: f64 = 1e-9;
+/// Magnitude below which all of a range is rounding about zero, in SI units or degrees. *Choice.*
+const ROUNDING: f64 = 1e-12;
 /// Units that take a prefix.
 const PREFIXED: [&str; 20] = [
     "m", "s", "g", "N", "W", "J", "V", "A", "Hz", "Pa", "rad", "N m", "N/m", "N m/m", "N s", "m/s", "m/s2",
@@ -34,8 +36,7 @@ pub struct Scale {
 impl Scale {
     /// Of the range itself.
     pub fn new(low: f64, high: f64) -> Self {
-        let (low, high) =
-            if high - low > FLAT * low.abs().max(high.abs()) { (low, high) } else { around(low, high) };
+        let (low, high) = if flat(low, high) { around(low, high) } else { (low, high) };
         let raw = (high - low) / TICKS;
         let ten = 10_f64.powf(raw.log10().floor());
         let nice =
@@ -50,8 +51,7 @@ impl Scale {
 
     /// With `share` of the range free at both ends.
     pub fn padded(low: f64, high: f64, share: f64) -> Self {
-        let flat = !(high - low > FLAT * low.abs().max(high.abs()));
-        let margin = if flat { 0.0 } else { share * (high - low) };
+        let margin = if flat(low, high) { 0.0 } else { share * (high - low) };
         Self::new(low - margin, high + margin)
     }
 
@@ -95,9 +95,16 @@ impl Scale {
     }
 }
 
+/// True for values that differ by no more than rounding.
+fn flat(low: f64, high: f64) -> bool {
+    let largest = low.abs().max(high.abs());
+    largest < ROUNDING || !(high - low > FLAT * largest)
+}
+
 /// A range about values that are all alike.
 fn around(low: f64, high: f64) -> (f64, f64) {
     let middle = 0.5 * (low + high);
+    let middle = if middle.abs() < ROUNDING { 0.0 } else { middle };
     let half = if middle == 0.0 { 1.0 } else { 0.1 * middle.abs() };
     (middle - half, middle + half)
 }
@@ -145,6 +152,8 @@ mod tests {
     fn values_that_are_all_alike_have_a_range() {
         let zero = Scale::padded(0.0, 0.0, 0.07);
         assert_eq!((zero.low, zero.high), (-1.0, 1.0));
+        let rounding = Scale::padded(-4e-18, 3e-18, 0.07);
+        assert_eq!((rounding.low, rounding.high), (-1.0, 1.0));
         let five = Scale::padded(5.0, 5.0, 0.07);
         assert!(five.low < 5.0 && five.high > 5.0);
     }

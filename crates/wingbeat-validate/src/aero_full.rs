@@ -9,7 +9,7 @@ mod mean;
 mod small;
 mod thrust;
 pub(crate) mod wings;
-mod yeo;
+pub(crate) mod yeo;
 
 pub use flapping::{
     Comparison, E1, F2, added_mass_lift, last_cycle, lattice_lift, oracle_series, reduced_frequency,

@@ -15,6 +15,7 @@ pub mod aero_surfaces;
 pub mod aero_symmetry;
 pub mod aero_turn;
 pub mod body;
+pub mod calibrate;
 pub mod figures;
 pub mod flapbody;
 pub mod fsi;
@@ -22,6 +23,7 @@ pub mod lattice;
 pub mod math;
 pub mod ocp;
 pub mod ocp_problems;
+pub mod orbit;
 pub mod rig;
 
 pub use case::{Case, Row, Selection, run, select};
@@ -42,14 +44,21 @@ pub fn cases() -> Vec<&'static Case> {
         lattice::CASES,
         body::CASES,
         fsi::CASES,
+        orbit::CASES,
         ocp::CASES,
         ocp_problems::hock_schittkowski::CASES,
         ocp_problems::trajectories::CASES,
         ocp_problems::classics::CASES,
         ocp_problems::flapbody::CASES,
         rig::CASES,
+        calibrate::CASES,
     ]
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// The cases that take minutes each: fits and Monte Carlo.
+pub fn long_cases() -> Vec<&'static Case> {
+    calibrate::LONG.iter().collect()
 }

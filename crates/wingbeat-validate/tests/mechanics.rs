@@ -21,6 +21,11 @@ fn linkage_and_bodies_agree() {
 }
 
 #[test]
+fn periodic_flights_close_and_hold_as_their_multipliers_say() {
+    assert_passing("trim", 9);
+}
+
+#[test]
 fn numbers_and_integration_agree() {
     assert_passing("math", 2);
 }

@@ -89,11 +89,6 @@ pub(crate) mod require {
         check(key, value, value >= low && value <= high, || format!("{low} to {high}"))
     }
 
-    /// Above `low` and below `high`.
-    pub fn inside(key: &str, value: f64, low: f64, high: f64) -> Result<(), Error> {
-        Range::inside(low, high).check(key, value)
-    }
-
     /// `high` or less.
     pub fn at_most<T: PartialOrd + Display + Copy>(key: &str, value: T, high: T) -> Result<(), Error> {
         check(key, value, value <= high, || format!("at most {high}"))

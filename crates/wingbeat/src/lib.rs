@@ -41,6 +41,8 @@ pub mod ocp;
 
 pub mod simulate;
 
+pub mod orbit;
+
 pub mod guide;
 
 pub mod rig;
@@ -48,6 +50,8 @@ pub mod rig;
 pub mod tether;
 
 pub mod scenario;
+
+pub mod learn;
 
 pub use error::Error;
 pub(crate) use error::require;

@@ -5,6 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
+/// Stack of a thread: an evaluation that carries derivatives holds several MB.
+const STACK: usize = 16 << 20;
+
 /// `work` on every item, on all cores; the answers in the order of the items.
 ///
 /// ```
@@ -34,7 +37,7 @@ pub fn each<T: Sync, R: Send>(
     thread::scope(|scope| {
         for _ in 0..cores {
             let sender = sender.clone();
-            scope.spawn(move || {
+            let run = move || {
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(item) = items.get(index) else { return };
@@ -42,7 +45,8 @@ pub fn each<T: Sync, R: Send>(
                         return;
                     }
                 }
-            });
+            };
+            thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).expect("a thread");
         }
         drop(sender);
         for (index, answer) in answers {
@@ -51,6 +55,30 @@ pub fn each<T: Sync, R: Send>(
                 return;
             }
         }
+    });
+}
+
+/// `work` on every item, each core a run of neighbours; on at most `most` cores where that is not 0.
+///
+/// ```
+/// let mut numbers = [1, 2, 3];
+/// wingbeat::parallel::chunks(&mut numbers, 0, |n| *n *= 2);
+/// assert_eq!(numbers, [2, 4, 6]);
+/// ```
+pub fn chunks<T: Send>(items: &mut [T], most: usize, work: impl Fn(&mut T) + Sync) {
+    let cores = thread::available_parallelism().map_or(1, usize::from).min(items.len());
+    let cores = if most == 0 { cores } else { cores.min(most) };
+    if cores <= 1 {
+        return items.iter_mut().for_each(work);
+    }
+    let work = &work;
+    thread::scope(|scope| {
+        let mut parts = items.chunks_mut(items.len().div_ceil(cores));
+        let own = parts.next();
+        for part in parts {
+            scope.spawn(move || part.iter_mut().for_each(work));
+        }
+        own.into_iter().flatten().for_each(work);
     });
 }
 

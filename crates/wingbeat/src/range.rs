@@ -1,5 +1,6 @@
 //! Ranges of the numbers of specs: declared once by key, checked with the spec, and written into its schema.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use crate::Error;
@@ -107,6 +108,12 @@ impl<T: Numbers, const N: usize> Numbers for [T; N] {
     }
 }
 
+impl<T: Numbers> Numbers for BTreeMap<String, T> {
+    fn check(&self, key: &str, range: &Range) -> Result<(), Error> {
+        self.iter().try_for_each(|(name, one)| one.check(&format!("{key}.{name}"), range))
+    }
+}
+
 /// Declares the ranges of the fields of a spec: `RANGES`, by key, for its schema, and `in_range`, which refuses
 /// what lies outside under the name of the field.
 macro_rules! ranges {
@@ -129,24 +136,43 @@ macro_rules! ranges {
 }
 pub(crate) use ranges;
 
-/// Writes `ranges` into the schema of a spec.
+/// Writes `ranges` into the schema of their spec.
+///
+/// # Panics
+/// When one of them is of no key of the spec.
 #[cfg(feature = "schema")]
 pub fn put(ranges: &'static [(&'static str, Range)]) -> impl FnMut(&mut schemars::Schema) {
     move |schema| {
         for (key, range) in ranges {
-            let property = schema.pointer_mut(&format!("/properties/{key}"));
-            property.into_iter().for_each(|property| range.bound(property));
+            assert!(range.put(key, schema), "{key} has a range and is no key");
+        }
+    }
+}
+
+/// Writes into the schema of a spec those of `ranges`, declared with the settings that it makes, which are of its keys.
+#[cfg(feature = "schema")]
+pub fn put_known(ranges: &'static [(&'static str, Range)]) -> impl FnMut(&mut schemars::Schema) {
+    move |schema| {
+        for (key, range) in ranges {
+            range.put(key, schema);
         }
     }
 }
 
 #[cfg(feature = "schema")]
 impl Range {
-    /// Bounds a number's schema, or that of the numbers of a list.
+    /// Bounds the property `key` of a table's schema; false when there is none.
+    fn put(&self, key: &str, schema: &mut schemars::Schema) -> bool {
+        schema.pointer_mut(&format!("/properties/{key}")).map(|property| self.bound(property)).is_some()
+    }
+
+    /// Bounds a number's schema, or that of the numbers of a list or of a table under names of one's own.
     fn bound(&self, schema: &mut serde_json::Value) {
         let Some(object) = schema.as_object_mut() else { return };
-        if let Some(items) = object.get_mut("items") {
-            return self.bound(items);
+        for inner in ["items", "additionalProperties"] {
+            if let Some(numbers) = object.get_mut(inner) {
+                return self.bound(numbers);
+            }
         }
         let [low, high] = [("minimum", "exclusiveMinimum"), ("maximum", "exclusiveMaximum")];
         for ((closed, open), end, out) in [(low, self.low, self.open[0]), (high, self.high, self.open[1])] {

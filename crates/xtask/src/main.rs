@@ -1,11 +1,12 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `hostile`,
-//! `advisories`, `soak`.
+//! `advisories`, `python`, `soak`.
 
 mod dependencies;
 mod documents;
 mod fuzz;
 mod hostile;
 mod peers;
+mod python;
 mod report;
 mod soak;
 mod test;
@@ -16,7 +17,8 @@ use std::process::ExitCode;
 const HELP: &str = "\
 cargo xtask TASK
 
-  test    format, lints, all tests, licences, bans and sources of dependencies, quick comparisons; what .ci/run calls
+  test    format, lints, all tests, the Python package, licences, bans and sources of dependencies, quick comparisons; what
+          .ci/run calls
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
           and the picture of README.md
   bench   medians of the running times
@@ -27,6 +29,8 @@ cargo xtask TASK
   hostile [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits of
           memory, time and disk
   advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
+  python  measure | policies [STEPS [SEED...]]: what the Python package costs; policies trained by Stable-Baselines3 beside
+          the predictive controller (installs PyTorch, some GB, into target/tools/policies)
   soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
 ";
 
@@ -43,6 +47,7 @@ fn main() -> ExitCode {
         "hostile" => hostile::hostile(&arguments[1..]),
         "advisories" => dependencies::advisories(&arguments[1..]),
         "soak" => soak::soak(&arguments[1..]),
+        "python" => python::heavy(&arguments[1..]),
         "peers" => peers::compare(arguments.get(1).map(String::as_str)),
         "" | "help" | "--help" | "-h" => {
             print!("{HELP}");

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::report::{Account, Tally};
-use crate::{dependencies, documents, hostile, soak, tools};
+use crate::{dependencies, documents, hostile, python, soak, tools};
 
 /// Length of the soak test; `cargo xtask soak` takes ten minutes.
 const SOAK_SECONDS: u64 = 10;
@@ -17,6 +17,8 @@ pub fn test() -> bool {
     });
     // What follows runs the program that the tests have built: built alone it would take other features.
     account.step("tests", || counted(&["test", "--release", "--workspace", "--no-fail-fast"]));
+    // So does this: the extension is packed as it lies there.
+    account.step("python", python::check);
     account.step("hostile", hostile::quick);
     account.step("soak", || Tally::one(soak::run(SOAK_SECONDS)));
     account.step("dependencies", dependencies::check);

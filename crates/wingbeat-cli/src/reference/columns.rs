@@ -24,9 +24,10 @@ pub const RIG: &str = "record.parquet of rig simulate";
 pub const BOX: &str = "record.parquet of rig record";
 pub const AVERAGE: &str = "NAME.parquet of rig process";
 pub const ENVELOPE: &str = "envelope.parquet of rig process";
+pub const CALIBRATED: &str = "record.parquet of calibrate";
 
 /// The records with what a row of each is.
-pub const RECORDS: [(&str, &str); 10] = [
+pub const RECORDS: [(&str, &str); 11] = [
     (FLIGHT, "One row per instant, `flight.record_every_s` apart."),
     (
         GAIT,
@@ -47,6 +48,7 @@ pub const RECORDS: [(&str, &str); 10] = [
     (BOX, "One row per sample of the box; what was booked as missing has no row."),
     (AVERAGE, "One row per phase of the stroke, `process.bins` of them."),
     (ENVELOPE, "One row per phase over several strokes, of all runs processed together."),
+    (CALIBRATED, "One row per run and phase of the stroke, 200 of them."),
 ];
 
 /// What the frames are.
@@ -99,7 +101,13 @@ pub const COLUMNS: &[Described] = &[
     column("phase", &[FLIGHT, GAIT, RIG], RAD, "", "Phase of the gait: 2 pi a stroke, not wrapped."),
     column("phase", &[STRIPS], &["rad", "cycles"], "", "Phase as the run counts it: of a flight in rad, of a case in cycles."),
     column("phase", &[LOADS], &["cycles"], "", "Cycles from the begin."),
-    column("cycle", &[AVERAGE], ONE, "", "Phase of the stroke as a share of the cycle, 0 to 1."),
+    column("run", &[CALIBRATED], ONE, "", "Number of the run in the calibration, from 0."),
+    column("measured_<channel>", &[CALIBRATED], &["N", "N m"], "B", "Mean of the measured cycles by their harmonics, tared."),
+    column("before_<channel>", &[CALIBRATED], &["N", "N m"], "B", "The model with the values that the fit began with, as the cell would show it."),
+    column("after_<channel>", &[CALIBRATED], &["N", "N m"], "B", "The model as fitted."),
+    column("low_<channel>", &[CALIBRATED], &["N", "N m"], "B", "Low end of the band that is to hold 95 % of the measured cycles."),
+    column("high_<channel>", &[CALIBRATED], &["N", "N m"], "B", "High end of that band."),
+    column("cycle", &[AVERAGE, CALIBRATED], ONE, "", "Phase of the stroke as a share of the cycle, 0 to 1."),
     column("roll", &[FLIGHT], RAD, "WB", "Roll, positive right wing down; the last of yaw, pitch, roll."),
     column("pitch", &[FLIGHT], RAD, "WB", "Pitch, positive nose down."),
     column("yaw", &[FLIGHT], RAD, "WB", "Heading, positive nose to the left, seen from above."),
@@ -119,6 +127,7 @@ pub const COLUMNS: &[Described] = &[
     column("force_up", &[GAIT], N, "W", "Force of the air upward, drag of the body included."),
     column("force_forward", &[GAIT], N, "W", "Force of the air along the horizontal heading, drag included."),
     column("trim_moment", &[GAIT], NM, "B", "Moment of the air about the centre of mass, positive nose *up*."),
+    column("stalled_share", &[GAIT], ONE, "", "Share of the strips whose incidence is past their stall angle."),
     column("own_<column>", &[GAIT], &["rad", "W", "N"], "", "The same of the robot's own gait, at the same share of the cycle."),
     column("force_wind_<axis>", &[LOADS], N, "wind", "Force: drag along the wind, side to its left, lift up across it."),
     column("moment_wind_<axis>", &[LOADS], NM, "wind", "Moment about the body's origin, about the axes of drag, side and lift."),
@@ -161,13 +170,13 @@ pub const COLUMNS: &[Described] = &[
     column("leading_<end>_<axis>", &[FLIGHT], M, "W", "Point of the leading edge there."),
     column("trailing_<end>_<axis>", &[FLIGHT], M, "W", "Point of the trailing edge there."),
     column("clearance_<parts>", &[FLIGHT, GAIT], M, "B", "Least distance of two parts; negative where they overlap."),
-    column("command_<regulator>", &[FLIGHT, GAIT], &["rad", "m"], "", "Command to the regulator; its limits are those of the column."),
+    column("command_<regulator>", &[FLIGHT, GAIT], &["rad", "m", "rad/s", ""], "", "Command to the regulator, a share where it scales a series, a rate where it paces the crank; its limits are those of the column."),
     column("p_WB_<axis>", &[FLIGHT], M, "W", "The body's origin."),
     column("quat_<axis>", &[FLIGHT], ONE, "WB", "Attitude as a unit quaternion w, x, y, z of R_WB."),
     column("v_WB_W_<axis>", &[FLIGHT], &["m/s"], "W", "Velocity of the body's origin, resolved in W."),
     column("w_WB_B_<axis>", &[FLIGHT], &["rad/s"], "B", "Angular rate of the body, resolved in B."),
-    column("displacement_<element>", &[FLIGHT, GAIT], &["rad", "m"], "", "Displacement of a structure element about the gait."),
-    column("rate_<element>", &[FLIGHT, GAIT], &["rad/s", "m/s"], "", "Its rate."),
+    column("displacement_<element>", &[FLIGHT, GAIT], &["rad", "m", ""], "", "Displacement of a structure element about the gait, a share where it scales a series."),
+    column("rate_<element>", &[FLIGHT, GAIT], &["rad/s", "m/s", "1/s"], "", "Its rate."),
     column("coordinate_rate_<joint>", &[FLIGHT, GAIT], &["rad/s", "m/s"], "", "Rate of an elastic or free joint."),
     column("coordinate_<joint>", &[FLIGHT, GAIT], &["rad", "m"], "", "Coordinate of an elastic or free joint, a state."),
     column("crank_angle", &[FLIGHT, GAIT], RAD, "", "Angle of the crank that the motor turns: the phase of the gait."),

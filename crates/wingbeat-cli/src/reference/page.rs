@@ -75,7 +75,10 @@ fn columns(text: &mut String) {
             "\n## {record}\n\n{what}\n\n| column | unit | frame | meaning |\n|---|---|---|---|"
         );
         for column in COLUMNS.iter().filter(|column| column.records.contains(&record)) {
-            let cells = [column.units.join(" or ").as_str(), column.frame, column.meaning].map(cell);
+            let several = column.units.len() > 1;
+            let named = |unit: &&'static str| if several && unit.is_empty() { "none" } else { *unit };
+            let units: Vec<&str> = column.units.iter().map(named).collect();
+            let cells = [units.join(" or ").as_str(), column.frame, column.meaning].map(cell);
             let _ = writeln!(text, "| `{}` | {} |", column.name, cells.join(" | "));
         }
     }

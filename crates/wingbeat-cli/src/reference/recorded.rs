@@ -10,7 +10,7 @@ use wingbeat::scenario::{Evaluated, ProcessedRun, RigRun, Scenario, Sweep, Tethe
 use wingbeat::simulate::{Column, Record};
 
 use super::columns::{
-    AVERAGE, BOX, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, RECORDS, RIG, RUNS, STRIPS, SWEEP,
+    AVERAGE, BOX, CALIBRATED, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, RECORDS, RIG, RUNS, STRIPS, SWEEP,
 };
 use super::{root, shipped};
 
@@ -189,13 +189,18 @@ fn columns_of_sweeps_are_in_the_reference() {
     for (file, record) in [("banking_turn_robustness", SWEEP), ("flap_map", RUNS)] {
         let path = root().join("sweeps").join(file).with_extension("toml");
         let sweep = Sweep::load(&path, &[], &|path| Err(format!("{}: no table", path.display()))).unwrap();
-        let columns = crate::sweep::columns(&sweep);
-        let columns: Vec<Column> =
-            columns.into_iter().map(|(name, unit)| Column::new(name, unit, "")).collect();
+        let columns = sweep.columns();
         let drawn: Vec<String> = sweep.spec.draws.iter().map(|draw| draw.key.clone()).collect();
         met.see(record, &columns, &drawn);
         met.all_of(record);
     }
+}
+
+#[test]
+fn columns_of_calibrations_are_in_the_reference() {
+    let mut met = Met::default();
+    met.see(CALIBRATED, &crate::calibrate::columns(), &[]);
+    met.all_of(CALIBRATED);
 }
 
 #[test]

@@ -26,8 +26,17 @@ pub struct Shipped {
 
 /// All shipped documents, in the order of their files.
 pub fn all() -> Vec<Shipped> {
-    let folders =
-        ["scenarios", "robots", "cases", "sweeps", "rigs", "rigs/arms", "rigs/runs", "rigs/identification"];
+    let folders = [
+        "scenarios",
+        "robots",
+        "cases",
+        "sweeps",
+        "rigs",
+        "rigs/arms",
+        "rigs/runs",
+        "rigs/identification",
+        "calibrations",
+    ];
     folders.into_iter().flat_map(in_folder).collect()
 }
 
@@ -47,6 +56,7 @@ fn in_folder(folder: &str) -> Vec<Shipped> {
             "rigs/arms" => DocumentKind::Arm,
             "rigs" if table.contains_key("runs") => DocumentKind::Runs,
             "rigs" => DocumentKind::Rig,
+            "calibrations" => DocumentKind::Calibration,
             _ => DocumentKind::Run,
         };
         let file = format!("{folder}/{}", path.file_name().unwrap().to_str().unwrap());

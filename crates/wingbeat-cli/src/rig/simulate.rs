@@ -7,6 +7,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Deserialize, Serialize};
 use wingbeat::parallel;
 use wingbeat::scenario::RigRun;
+use wingbeat::simulate::Record;
 use wingbeat_io::write_parquet;
 
 use super::runs;
@@ -90,43 +91,24 @@ fn bar(name: &str) -> ProgressBar {
 
 fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Summary, Error> {
     let start = Instant::now();
-    let mut summary = Summary {
-        status: "ok".into(),
-        reason: None,
-        frequency_hz: run.frequency(),
-        window_s: (0.0, 0.0),
-        samples: 0,
-        saturated: 0,
-        wall_s: 0.0,
-    };
     let file = folder.join("scenario.toml");
     std::fs::write(&file, &run.resolved).map_err(|source| Error::file(&file, source))?;
     bar.set_message("planning");
-    let plan = match run.spec.turn {
-        None => None,
-        Some(_) => match run.plan().map_err(|error| run.explain(&error))? {
-            Ok(plan) => Some(plan),
-            Err(refusal) => {
-                summary.status = "refused".into();
-                summary.reason = Some(format!("limit profile {}: {refusal}", run.profile.name));
-                return Ok(summary);
-            }
-        },
-    };
-    bar.set_message("simulating");
-    let carrier = run.carrier(plan.as_ref());
-    summary.window_s = run.window(plan.as_ref(), &carrier);
-    let outcome = run.simulate(&carrier, seed, |share| bar.set_position((1000.0 * share) as u64));
-    match outcome.map_err(|error| run.explain(&error))? {
-        Ok(outcome) => {
-            write_parquet(&folder.join("record.parquet"), &outcome.record)?;
-            (summary.samples, summary.saturated) = (outcome.record.rows(), outcome.saturated);
-        }
-        Err(fault) => {
-            summary.status = "fault".into();
-            summary.reason = Some(fault.to_string());
-        }
+    let simulated = run.simulated(seed, |share| {
+        bar.set_message("simulating");
+        bar.set_position((1000.0 * share) as u64);
+    });
+    let simulated = simulated.map_err(|error| run.explain(&error))?;
+    if let Some(record) = &simulated.record {
+        write_parquet(&folder.join("record.parquet"), record)?;
     }
-    summary.wall_s = start.elapsed().as_secs_f64();
-    Ok(summary)
+    Ok(Summary {
+        status: simulated.status.into(),
+        reason: simulated.reason,
+        frequency_hz: run.frequency(),
+        window_s: simulated.window_s,
+        samples: simulated.record.as_ref().map_or(0, Record::rows),
+        saturated: simulated.saturated,
+        wall_s: start.elapsed().as_secs_f64(),
+    })
 }

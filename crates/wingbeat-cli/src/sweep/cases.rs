@@ -1,62 +1,12 @@
-//! Runs of a tethered wing in a sweep: what is kept of each, and what they say together.
-
-use std::ops::ControlFlow;
+//! Runs of a tethered wing in a sweep: what they say together.
 
 use serde::Serialize;
-use wingbeat::scenario::{Sampling, Sweep};
-use wingbeat::simulate::{Ending, Record};
-use wingbeat::tether::TetherRun;
+use wingbeat::scenario::{Sampling, Sweep, SweepOf};
+use wingbeat::simulate::Record;
 use wingbeat_figures::Figure;
-
-use crate::error::Error;
-use crate::interrupt::Interrupt;
-use crate::tether::Tables;
-
-/// Columns of a run beside its number and its draws, with their units.
-pub const MEASURES: [(&str, &str); 9] = [
-    ("completed", ""),
-    ("mean_lift", "N"),
-    ("mean_thrust", "N"),
-    ("peak_lift", "N"),
-    ("mean_power", "W"),
-    ("peak_power", "W"),
-    ("propulsive_efficiency", ""),
-    ("stall_fraction", ""),
-    ("periodicity", ""),
-];
 
 /// Those that the map shows.
 const MAPPED: [&str; 4] = ["mean_lift", "mean_thrust", "mean_power", "propulsive_efficiency"];
-
-/// The measures of a run; none when it was interrupted.
-pub fn tether(
-    sweep: &Sweep,
-    run: usize,
-    tables: &Tables,
-    interrupt: &Interrupt,
-) -> Result<Option<Vec<f64>>, Error> {
-    let case = sweep.case(run, &|path| tables.read(path))?;
-    let moved = case.tether.run(|_| interrupt.flow());
-    Ok((interrupt.flow() == ControlFlow::Continue(())).then(|| measures(&moved).into()))
-}
-
-fn measures(run: &TetherRun) -> [f64; MEASURES.len()] {
-    let completed = run.ending == Ending::Complete;
-    let row = |name: &str| run.means.iter().find(|row| row.name == name && completed);
-    let mean = |name: &str| row(name).map_or(f64::NAN, |row| row.mean);
-    let peak = |name: &str| row(name).map_or(f64::NAN, |row| row.high);
-    [
-        f64::from(u8::from(completed)),
-        mean("force_wind_lift"),
-        mean("thrust"),
-        peak("force_wind_lift"),
-        mean("power"),
-        peak("power"),
-        run.efficiency.filter(|_| completed).unwrap_or(f64::NAN),
-        if completed { run.stall_fraction } else { f64::NAN },
-        run.periodicity.as_ref().filter(|_| completed).map_or(f64::NAN, |periodicity| periodicity.change),
-    ]
-}
 
 /// Maps over the first two draws.
 pub fn drawn(record: &Record, sweep: &Sweep) -> Result<Figure, wingbeat_figures::Error> {
@@ -99,7 +49,7 @@ impl Outcome {
             status: if completed == record.rows() { "ok" } else { "incomplete" },
             runs: record.rows(),
             completed,
-            measures: MEASURES[1..].iter().copied().map(range).collect(),
+            measures: SweepOf::Cases.measures()[1..].iter().copied().map(range).collect(),
         }
     }
 

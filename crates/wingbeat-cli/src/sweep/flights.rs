@@ -1,51 +1,9 @@
-//! Flights of a sweep: what is kept of each, and what they say together.
-
-use std::ops::ControlFlow;
+//! Flights of a sweep: what they say together.
 
 use serde::Serialize;
-use wingbeat::scenario::{Hold, Summary, Sweep};
+use wingbeat::scenario::Hold;
 use wingbeat::simulate::Record;
 use wingbeat_figures::Figure;
-
-use crate::error::Error;
-use crate::interrupt::Interrupt;
-
-/// Columns of a flight beside its number and its draws, with their units.
-pub const MEASURES: [(&str, &str); 10] = [
-    ("held", ""),
-    ("completed", ""),
-    ("roll_max_error", "deg"),
-    ("pitch_max_error", "deg"),
-    ("roll_mean", "deg"),
-    ("pitch_mean", "deg"),
-    ("distance_x", "m"),
-    ("distance_y", "m"),
-    ("altitude_change", "m"),
-    ("controller_failures", ""),
-];
-
-/// The measures of a flight; none when it was interrupted.
-pub fn fly(sweep: &Sweep, run: usize, hold: Hold, interrupt: &Interrupt) -> Result<Option<Vec<f64>>, Error> {
-    let scenario = sweep.scenario(run)?;
-    let flown = scenario.fly(|_| interrupt.flow()).map_err(|error| scenario.explain(&error))?;
-    Ok((interrupt.flow() == ControlFlow::Continue(())).then(|| measures(&flown.summary, hold).into()))
-}
-
-fn measures(summary: &Summary, hold: Hold) -> [f64; MEASURES.len()] {
-    let of = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    [
-        f64::from(u8::from(hold.met(summary))),
-        f64::from(u8::from(summary.completed())),
-        of(summary.roll_max_error_deg),
-        of(summary.pitch_max_error_deg),
-        of(summary.roll_mean_deg),
-        of(summary.pitch_mean_deg),
-        summary.distance_x_m,
-        summary.distance_y_m,
-        summary.altitude_change_m,
-        summary.controller.failures as f64,
-    ]
-}
 
 /// The errors of the flights and what counts as held.
 pub fn drawn(record: &Record, hold: Hold) -> Result<Figure, wingbeat_figures::Error> {

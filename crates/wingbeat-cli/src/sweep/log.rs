@@ -64,8 +64,7 @@ impl Log {
     }
 
     /// The rows in the order of their flights.
-    pub fn record(&self, columns: &[(String, &str)]) -> Result<Record, Error> {
-        let columns = columns.iter().map(|(name, unit)| Column::new(name, *unit, "")).collect();
+    pub fn record(&self, columns: Vec<Column>) -> Result<Record, Error> {
         let mut record = Record::new(columns, self.len())?;
         self.rows.values().for_each(|row| record.append(row));
         Ok(record)
@@ -106,7 +105,7 @@ mod tests {
         drop(log);
         assert!(Log::open(&path, |row| row[0] < 3.0).unwrap_err().to_string().contains(":1:"));
         let log = Log::open(&path, two).unwrap();
-        let record = log.record(&[("run".into(), ""), ("x".into(), "m")]).unwrap();
+        let record = log.record(vec![Column::new("run", "", ""), Column::new("x", "m", "")]).unwrap();
         assert_eq!(record.values("run"), Some([1.0, 2.0, 3.0].as_slice()));
         assert_eq!(record.values("x").unwrap()[2].to_bits(), (0.1_f64 + 0.2).to_bits());
         log.remove().unwrap();

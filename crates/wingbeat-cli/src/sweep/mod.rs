@@ -35,10 +35,10 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     let name = &sweep.spec.run_name()?;
     let folder = RunFolder::resume(options.out.as_deref(), name, options.force, ("sweep.toml", &kept))?;
     tables.keep(&folder)?;
-    let mut log = Log::open(&folder.file(&format!("{}.log", noun(&sweep))), |row| is_of(&sweep, row))?;
+    let mut log = Log::open(&folder.file(&format!("{}.log", noun(&sweep))), |row| sweep.has_row(row))?;
     let work = Work { sweep: &sweep, tables: &tables, interrupt: &interrupt };
     work.all(&mut log, options.quiet)?;
-    let record = log.record(&columns(&sweep))?;
+    let record = log.record(sweep.columns())?;
     log.remove()?;
     write_csv(&folder.file(&format!("{}.csv", noun(&sweep))), &record)?;
     write_parquet(&folder.file("record.parquet"), &record)?;
@@ -55,24 +55,6 @@ fn noun(sweep: &Sweep) -> &'static str {
         SweepOf::Flights(_) => "flights",
         SweepOf::Cases => "runs",
     }
-}
-
-/// Columns beside the number of a run and its draws, with their units.
-fn measures(sweep: &Sweep) -> &'static [(&'static str, &'static str)] {
-    match sweep.of {
-        SweepOf::Flights(_) => &flights::MEASURES,
-        SweepOf::Cases => &cases::MEASURES,
-    }
-}
-
-/// Whether `row` is that of a run of the sweep: its number and its draws.
-fn is_of(sweep: &Sweep, row: &[f64]) -> bool {
-    let draws = sweep.spec.draws.len();
-    let run = row.first().copied().unwrap_or(f64::NAN);
-    row.len() == 1 + draws + measures(sweep).len()
-        && run.fract() == 0.0
-        && (0.0..sweep.runs() as f64).contains(&run)
-        && sweep.values(run as usize) == row[1..=draws]
 }
 
 /// What the cores share.
@@ -111,20 +93,8 @@ impl Work<'_> {
 
     /// The row of a run; none when it was interrupted.
     fn one(&self, run: usize) -> Result<Option<Vec<f64>>, Error> {
-        let measures = match self.sweep.of {
-            SweepOf::Flights(hold) => flights::fly(self.sweep, run, hold, self.interrupt)?,
-            SweepOf::Cases => cases::tether(self.sweep, run, self.tables, self.interrupt)?,
-        };
-        let row = |measures| [vec![run as f64], self.sweep.values(run), measures].concat();
-        Ok(measures.map(row))
+        Ok(self.sweep.row(run, &|path| self.tables.read(path), || self.interrupt.flow())?)
     }
-}
-
-/// Names and units of the columns.
-pub fn columns(sweep: &Sweep) -> Vec<(String, &'static str)> {
-    let draws = sweep.spec.draws.iter().map(|draw| (draw.key.clone(), ""));
-    let measures = measures(sweep).iter().map(|(name, unit)| ((*name).to_owned(), *unit));
-    std::iter::once(("run".to_owned(), "")).chain(draws).chain(measures).collect()
 }
 
 fn progress(noun: &str, runs: usize, done: usize, quiet: bool) -> ProgressBar {

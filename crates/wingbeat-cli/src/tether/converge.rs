@@ -1,6 +1,5 @@
 //! `wingbeat tether CASE --converge`.
 
-use wingbeat::parallel;
 use wingbeat::scenario::{Convergence, ConvergenceRun, QUANTITIES, TetherCase};
 use wingbeat_io::shortest;
 
@@ -16,32 +15,13 @@ pub fn converge(
     interrupt: &Interrupt,
     quiet: bool,
 ) -> Result<Convergence, Error> {
-    let levels = case.levels()?;
-    let refined = |(strips, steps)| {
-        let finer = case.refined(strips, steps, &|path| tables.read(path))?;
-        Ok((strips, steps, finer))
-    };
-    let cells = levels.cells().into_iter().map(refined).collect::<Result<Vec<_>, Error>>()?;
-    let bar = progress::bar(Some(cells.len() as u64), "converging {bar:30} {pos} of {len} runs", quiet);
-    let mut runs = vec![None; cells.len()];
-    // The longest first, so that no core waits for the last one.
-    let order: Vec<usize> = (0..cells.len()).rev().collect();
-    parallel::each(
-        &order,
-        |_, &cell| {
-            let (strips, steps, case) = &cells[cell];
-            let run = case.tether.run(|_| interrupt.flow());
-            ConvergenceRun::of(*strips, *steps, &run)
-        },
-        |index, run| {
-            runs[order[index]] = Some(run);
-            bar.inc(1);
-            interrupt.flow()
-        },
-    );
+    let count = case.levels()?.cells().len() as u64;
+    let bar = progress::bar(Some(count), "converging {bar:30} {pos} of {len} runs", quiet);
+    let table =
+        case.converge(&|path| tables.read(path), &|| interrupt.flow(), |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
     interrupt.check()?;
-    Ok(Convergence::new(levels, runs.into_iter().flatten().collect()))
+    table.ok_or(Error::Interrupted)
 }
 
 /// The runs as CSV.

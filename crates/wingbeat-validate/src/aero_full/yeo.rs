@@ -4,7 +4,7 @@ use super::flapping::last_cycle;
 use super::{Preset, STRIPS, Section};
 use crate::{Error, Row, Table, reference_table};
 use std::f64::consts::PI;
-use wingbeat::aero::{Loads, Planform, PlanformStation};
+use wingbeat::aero::{Aero, Loads, Planform, PlanformStation, SurfaceNumbers};
 use wingbeat::math::Vec3;
 use wingbeat::tether::{Clock, Coordinate, Hinge, HingeKind, Motion, Reference, Side, Tether, Wing};
 
@@ -145,8 +145,29 @@ struct Strip {
 }
 
 fn strips(preset: Preset, section: Section, flapping: Flapping) -> Result<Vec<Strip>, Error> {
+    strips_of(preset, section, flapping, |aero| aero)
+}
+
+/// Lift at the taps of each strip over the cycle, N: of the strip model under law `lev` with its numbers as `change` makes
+/// them, and measured.
+pub fn lifts(change: impl Fn(&mut SurfaceNumbers)) -> Result<Vec<[Vec<f64>; 2]>, Error> {
+    let changed = |aero: Aero| {
+        let mut numbers = *aero.numbers();
+        change(&mut numbers);
+        aero.with(&numbers)
+    };
+    let strips = strips_of(Preset::Full, Section::PLATE, Flapping::Measured(HARMONICS), changed)?;
+    Ok(strips.into_iter().map(|strip| [strip.model, strip.measured]).collect())
+}
+
+fn strips_of(
+    preset: Preset,
+    section: Section,
+    flapping: Flapping,
+    change: impl Fn(Aero) -> Aero,
+) -> Result<Vec<Strip>, Error> {
     let planform = planform()?;
-    let aero = preset.model_with(section, STRIPS, &planform, &[], DENSITY, 0.02)?;
+    let aero = change(preset.model_with(section, STRIPS, &planform, &[], DENSITY, 0.02)?);
     let flap = flap(flapping)?;
     let hinge = Hinge { kind: HingeKind::Flap, side: Side::Both, arc_m: 0.0, to_arc_m: None, ahead_m: 0.0 };
     let (arcs, widths) = (aero.strip_arcs().to_vec(), aero.widths().to_vec());
@@ -229,8 +250,8 @@ fn sum_of(strips: &[Strip], of: fn(&Strip) -> &Vec<f64>) -> Vec<f64> {
 /// Lift at the taps under law `lev` with the section of a thin plate; under the other laws for comparison.
 pub fn yeo() -> Result<Vec<Row>, Error> {
     let source = "Yeo, Atkins & Shyy 2011, measured";
-    let strips_of = |section| strips(Preset::Full, section, Flapping::Measured(HARMONICS));
-    let own = strips_of(Section::PLATE)?;
+    let of_section = |section| strips(Preset::Full, section, Flapping::Measured(HARMONICS));
+    let own = of_section(Section::PLATE)?;
     let (model, measured) = (sum_of(&own, |s| &s.model), sum_of(&own, |s| &s.measured));
     let error = mean_free_error(&model, &measured);
     let gain_error = (gain(&model, &measured) - 1.0).abs();
@@ -259,7 +280,7 @@ pub fn yeo() -> Result<Vec<Row>, Error> {
     }
     let others = [("linear", Section::PLATE.linear()), ("stall", Section::PLATE.stall())];
     for (name, section) in others {
-        let other = strips_of(section)?;
+        let other = of_section(section)?;
         let model = sum_of(&other, |s| &s.model);
         let metric = format!("the same under law {name}, gain {:.2}", gain(&model, &measured));
         let error = mean_free_error(&model, &measured);

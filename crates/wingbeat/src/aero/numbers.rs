@@ -19,6 +19,8 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
     pub stall_angle: P,
     /// Leading-edge suction parameter A0 beyond which the edge holds no more suction.
     pub critical_suction: P,
+    /// The air that the sections carry, in parts of what potential flow says: 1 unless it is fitted.
+    pub added_mass_scale: P,
 }
 
 impl<P: Scalar> SurfaceNumbers<P> {
@@ -28,7 +30,7 @@ impl<P: Scalar> SurfaceNumbers<P> {
     }
 
     /// All of them by name, as [`Robot::numbers`](crate::robot::Robot::numbers) calls them behind the surface's.
-    pub fn by_name(&mut self) -> [(&'static str, &mut P); 6] {
+    pub fn by_name(&mut self) -> [(&'static str, &mut P); 7] {
         [
             ("density_kg_m3", &mut self.density),
             ("section_slope", &mut self.section_slope),
@@ -36,6 +38,7 @@ impl<P: Scalar> SurfaceNumbers<P> {
             ("cd90", &mut self.cd90),
             ("stall_angle_rad", &mut self.stall_angle),
             ("critical_suction", &mut self.critical_suction),
+            ("added_mass_scale", &mut self.added_mass_scale),
         ]
     }
 }

@@ -134,9 +134,12 @@ impl Linkage {
         let loop3 = Loop::close(3, gap, d.l6_m, arm7)?;
         let (e9, e6) = (loop3.bar, loop3.body);
 
+        let (humerus, radius) = (e5.angle_about(self.middle[0]), e6.angle_about(self.middle[1]));
+        let (sin, cos) = d.turned_deg.to_radians().sin_cos();
+        let [e2, e3, e5, e6, e8, e9] = [e2, e3, e5, e6, e8, e9].map(|e| e.turned([cos, sin]));
         Ok(LinkagePose {
-            humerus: e5.angle_about(self.middle[0]),
-            radius: e6.angle_about(self.middle[1]),
+            humerus: humerus + d.turned_deg.to_radians(),
+            radius: radius + d.turned_deg.to_radians(),
             directions: Directions { e2, e3, e5, e6, e8, e9 },
             margins: [loop1.margin, loop2.margin, loop3.margin],
         })

@@ -1,6 +1,7 @@
 //! Structure response: how the commanded displacements become actual ones.
 
 use crate::Error;
+use crate::math::linear::{lu_factor, lu_solve};
 use crate::math::{Jet, Over, Scalar};
 use crate::require;
 use std::f64::consts::TAU;
@@ -9,7 +10,7 @@ use std::f64::consts::TAU;
 /// The state is [y; y'], 2n numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Response {
-    /// Independent elements, y'' = k (omega - y) - c y': each follows its own command.
+    /// Independent elements, y'' = k (omega - y) - c y' + r omega: each follows its own command.
     Uncoupled(Vec<Element>),
     /// Full matrices.
     Coupled(Coupled),
@@ -22,6 +23,8 @@ pub struct Element {
     pub stiffness: f64,
     /// c = 2 zeta 2 pi f, 1/s.
     pub damping: f64,
+    /// r: what the acceleration gains per unit of a command to the rate, 1/s; 0 where the command is to y.
+    pub rate_gain: f64,
 }
 
 /// The lower half [K C] of A and B_2 of B, by rows: y'' = K y + C y' + B_2 omega.
@@ -42,7 +45,19 @@ impl Element {
         require::positive("frequency_hz", frequency_hz)?;
         require::not_negative("damping", damping_ratio)?;
         let w = TAU * frequency_hz;
-        Ok(Self { stiffness: w * w, damping: 2.0 * damping_ratio * w })
+        Ok(Self { stiffness: w * w, damping: 2.0 * damping_ratio * w, rate_gain: 0.0 })
+    }
+
+    /// An element whose rate follows its command, y'' = c (omega - y') with c = 2 pi f, f in Hz.
+    ///
+    /// Equation: body.rate_response
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the frequency is not above zero.
+    pub fn of_rate(frequency_hz: f64) -> Result<Self, Error> {
+        require::positive("frequency_hz", frequency_hz)?;
+        let w = TAU * frequency_hz;
+        Ok(Self { stiffness: 0.0, damping: w, rate_gain: w })
     }
 }
 
@@ -50,7 +65,7 @@ impl Default for Element {
     /// 12 Hz, damping ratio 0.8.
     fn default() -> Self {
         let w = TAU * 12.0;
-        Self { stiffness: w * w, damping: 1.6 * w }
+        Self { stiffness: w * w, damping: 1.6 * w, rate_gain: 0.0 }
     }
 }
 
@@ -85,6 +100,21 @@ impl Coupled {
             }
         }
         Ok(Self { elements, commands, state: a[elements..].concat(), command: b[elements..].concat() })
+    }
+
+    /// Independent elements of which regulators move several, by the placement P (n x m) of their commands.
+    pub fn of_elements(elements: &[Element], placement: &[Vec<f64>]) -> Self {
+        let n = elements.len();
+        let mut state = vec![0.0; 2 * n * n];
+        for (i, e) in elements.iter().enumerate() {
+            state[i * 2 * n + i] = -e.stiffness;
+            state[i * 2 * n + n + i] = -e.damping;
+        }
+        let row = |(e, row): (&Element, &Vec<f64>)| {
+            row.iter().map(|p| (e.stiffness + e.rate_gain) * p).collect::<Vec<_>>()
+        };
+        let command = elements.iter().zip(placement).flat_map(row).collect();
+        Self { elements: n, commands: placement.first().map_or(0, Vec::len), state, command }
     }
 
     /// Equation: body.structure_parts
@@ -154,10 +184,30 @@ impl Response {
     /// What the acceleration of element `i` gains per unit of the command `j`: an entry of the lower rows of B.
     pub fn command_gain(&self, i: usize, j: usize) -> f64 {
         match self {
-            Self::Uncoupled(e) if j == i => e[i].stiffness,
+            Self::Uncoupled(e) if j == i => e[i].stiffness + e[i].rate_gain,
             Self::Uncoupled(_) => 0.0,
             Self::Coupled(c) => c.command[i * c.commands + j],
         }
+    }
+
+    /// Displacements at rest per unit of the held commands, n rows of m: y = K^-1 B_2 omega. Zero for elements that no
+    /// stiffness brings to rest, and for all where K is singular beyond them.
+    pub fn rest(&self) -> Vec<f64> {
+        let (n, m) = (self.elements(), self.commands());
+        let mut stiffness: Vec<f64> = (0..n * n).map(|k| -self.state_gain(k / n, k % n)).collect();
+        let mut gains: Vec<f64> = (0..n * m).map(|k| self.command_gain(k / m, k % m)).collect();
+        for (i, row) in stiffness.chunks_exact_mut(n.max(1)).enumerate() {
+            if row.iter().all(|k| *k == 0.0) {
+                row[i] = 1.0;
+                gains[i * m..(i + 1) * m].fill(0.0);
+            }
+        }
+        let mut pivots = vec![0; n];
+        if !lu_factor(&mut stiffness, n, &mut pivots) {
+            return vec![0.0; n * m];
+        }
+        lu_solve(&stiffness, n, &pivots, &mut gains, m);
+        gains
     }
 
     /// Equation: body.structure_response
@@ -168,6 +218,9 @@ impl Response {
         let n = self.elements();
         for (i, y) in out.iter_mut().enumerate().take(n) {
             let acceleration = match self {
+                Self::Uncoupled(e) if e[i].rate_gain != 0.0 => {
+                    command[i] * e[i].rate_gain - state[i] * e[i].stiffness - state[n + i] * e[i].damping
+                }
                 Self::Uncoupled(e) => (command[i] - state[i]) * e[i].stiffness - state[n + i] * e[i].damping,
                 Self::Coupled(c) => {
                     let (width, m) = (2 * n, c.commands);

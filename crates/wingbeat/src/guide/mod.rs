@@ -1,6 +1,7 @@
 //! Guidance: what to fly, the predictive controller that flies it, and
 //! manoeuvres planned offline.
 
+mod about_orbit;
 mod controllers;
 mod least_power;
 mod manoeuvre;
@@ -14,12 +15,13 @@ mod turn;
 const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
+pub use about_orbit::{AboutOrbitSpec, OrbitWeights};
 pub use controllers::{ControllerSpec, RobotSolver, SolverSpec, Task};
 pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, angle_error};
 pub use mpc::{AttitudeTracking, Mpc, MpcSpec, Weights};
-pub use playback::Playback;
+pub use playback::{HeldCommands, Playback};
 pub use roll_in::{RollIn, RollInSpec};
 pub use stand::{Flapping, Stand};
 pub use turn::{Track, Turn};

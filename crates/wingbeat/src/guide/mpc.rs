@@ -111,6 +111,7 @@ ranges!(MpcSpec {
     iterations: Range::between(1.0, MAX_INTERVALS as f64),
     deadline_s: Range::POSITIVE,
     clearance_width_m: Range::POSITIVE,
+    input_rate_per_s: Range::POSITIVE,
 });
 ranges!(Weights {
     roll: Range::NOT_NEGATIVE,
@@ -131,9 +132,6 @@ impl MpcSpec {
         self.in_range()?;
         self.weights.in_range().map_err(|e| e.within("weights"))?;
         require::finite("clearance_m", &[self.clearance_m])?;
-        for (name, rate) in &self.input_rate_per_s {
-            require::positive(&format!("input_rate_per_s.{name}"), *rate)?;
-        }
         if !self.input_rate_per_s.is_empty() && !self.continuous_input {
             let allowed = "true where input_rate_per_s is given: an input that jumps has no finite rate";
             return Err(Error::invalid("continuous_input", false, allowed));

@@ -3,6 +3,19 @@
 use crate::math::interpolation::lerp;
 use crate::simulate::{Column, Controller, Measurement, Update};
 
+/// The controller that holds its commands.
+#[derive(Clone, Debug)]
+pub struct HeldCommands(pub Vec<f64>);
+
+impl Controller for HeldCommands {
+    fn update(&mut self, _: f64, _: &Measurement) -> Update {
+        Update::Fresh
+    }
+    fn input(&self, _: f64, u: &mut [f64]) {
+        u.copy_from_slice(&self.0);
+    }
+}
+
 /// Flies `approach` up to the plan's first time, then the planned inputs,
 /// linear between their times; after the last one the regulators hold.
 pub struct Playback<C> {

@@ -4,11 +4,13 @@ use super::manoeuvre::{Manoeuvre, Reference};
 use crate::Error;
 use crate::math::Vec3;
 use crate::math::interpolation::piecewise_linear;
+use crate::range::{Range, ranges};
 use serde::{Deserialize, Serialize};
 
 /// A level approach, then a turn at constant bank.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct Turn {
     /// Start of the turn, s.
@@ -27,6 +29,12 @@ pub struct Turn {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub track: Option<Track>,
 }
+
+ranges!(Turn {
+    turn_start_s: Range::NOT_NEGATIVE,
+    roll_deg: Range::between(-180.0, 180.0),
+    pitch_deg: Range::between(-90.0, 90.0),
+});
 
 /// Attitude and angular rate at ascending times, linear in between.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
@@ -86,6 +94,7 @@ impl Track {
 
 impl Manoeuvre for Turn {
     fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
         self.track.as_ref().map_or(Ok(()), |track| track.check().map_err(|e| e.within("track")))
     }
 

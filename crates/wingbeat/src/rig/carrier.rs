@@ -3,48 +3,61 @@
 
 use super::arm::{MAX_JOINTS, SerialArm};
 use super::{FrameMotion, Pose, Trajectory};
-use crate::math::{GRAVITY, Jet, Mat3, Vec3, Wrench};
+use crate::math::{GRAVITY, Jet, Mat3, Scalar, Vec3, Wrench};
 use crate::robot::BodyMotion;
 
-/// The cell and what sits on its far side, rigidly.
+/// The cell and what sits on its far side, rigidly. Its numbers may carry derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mount {
+pub struct Mount<P: Scalar = f64> {
     /// Sensing frame C of the cell in the tool frame, X_TC.
     pub cell: Pose,
     /// Robot body in the cell frame, X_CB.
-    pub body: Pose,
+    pub body: Pose<P>,
     /// Mass between sensing element and robot, kg.
-    pub mass: f64,
+    pub mass: P,
     /// Its centre in C, m.
-    pub com: Vec3,
+    pub com: Vec3<P>,
     /// Its inertia about that centre, in C axes, kg m2.
     pub inertia: Mat3,
 }
 
-impl Mount {
+impl<S: Scalar> Mount<S> {
     /// Wrench that the mount itself puts on the cell while it moves as `cell`,
     /// about the cell's origin, in C: weight and inertia.
     ///
     /// Equation: rig.mount_wrench
-    pub fn wrench(&self, cell: &FrameMotion) -> Wrench<f64> {
-        let a = cell.point_acceleration(self.com) + Vec3([0.0, 0.0, GRAVITY]);
+    pub fn wrench(&self, cell: &FrameMotion) -> Wrench<S> {
+        let a = cell.point_acceleration(self.com) + Vec3::constant(Vec3([0.0, 0.0, GRAVITY]));
         let r = cell.pose.rotation;
-        let force = r.transpose_mul(a) * -self.mass;
+        let force = Mat3::<S>::constant(r).transpose_mul(a) * -self.mass;
         let spin = r.transpose_mul(cell.spin_rate(self.inertia));
-        Wrench { force, moment: self.com.cross(force) - spin }
+        Wrench { force, moment: self.com.cross(force) - Vec3::constant(spin) }
     }
 
     /// A wrench about the body origin in B as a wrench about the cell's origin in C.
-    pub fn to_cell(&self, body: &Wrench<f64>) -> Wrench<f64> {
+    pub fn to_cell(&self, body: &Wrench<S>) -> Wrench<S> {
         let force = self.body.rotation * body.force;
         Wrench { force, moment: self.body.rotation * body.moment + self.body.origin.cross(force) }
     }
 
     /// A wrench about the cell's origin in C as a wrench about the body origin in B.
-    pub fn to_body(&self, cell: &Wrench<f64>) -> Wrench<f64> {
+    pub fn to_body(&self, cell: &Wrench<S>) -> Wrench<S> {
         let about_body = cell.moment - self.body.origin.cross(cell.force);
-        let turn = |v: Vec3| self.body.rotation.transpose_mul(v);
+        let turn = |v: Vec3<S>| self.body.rotation.transpose_mul(v);
         Wrench { force: turn(cell.force), moment: turn(about_body) }
+    }
+
+    /// Motion of the body while the sensing frame moves as `cell`.
+    pub fn body_motion(&self, cell: &FrameMotion) -> BodyMotion<S> {
+        let attitude = Mat3::<S>::constant(cell.pose.rotation) * self.body.rotation;
+        let turned = |v: Vec3| attitude.transpose_mul(Vec3::constant(v));
+        BodyMotion {
+            attitude,
+            velocity: cell.point_velocity(self.body.origin),
+            rate: turned(cell.rate),
+            acceleration: cell.point_acceleration(self.body.origin),
+            angular_acceleration: turned(cell.angular_acceleration),
+        }
     }
 }
 

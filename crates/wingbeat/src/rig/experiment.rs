@@ -1,12 +1,13 @@
 //! One run on the rig: the carried robot, the cell, and the record of both.
 
-use super::FrameMotion;
-use super::carrier::{Carrier, Mount, carried_frames};
+use super::carrier::{Carrier, Mount};
 use super::cell::{CHANNELS, CellSpec, LoadCell, six};
+use super::numbers::RigNumbers;
+use super::{FrameMotion, Pose};
 use crate::Error;
-use crate::math::{Jet, Mat3, Quat, Wrench};
+use crate::math::{Jet, Mat3, Quat, Scalar, Wrench};
 use crate::plant::{Fault, Plant};
-use crate::robot::{BodyMotion, CarriedLoads, Robot};
+use crate::robot::{CarriedLoads, Robot};
 use crate::simulate::{Column, Ending, Held, Moment, Observed, Record, Sizes, Stepper, System};
 use std::ops::ControlFlow;
 
@@ -17,8 +18,10 @@ pub struct Experiment<'a> {
     pub robot: &'a Robot,
     /// What carries it.
     pub carrier: &'a Carrier,
-    /// Cell and mount.
+    /// Cell and mount as drawn.
     pub mount: &'a Mount,
+    /// Mount and crank as they are.
+    pub numbers: RigNumbers,
     /// Properties of the cell.
     pub cell: &'a CellSpec,
     /// Seed of the noise.
@@ -102,11 +105,30 @@ impl Experiment<'_> {
         Jet::new(time, s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / self.spin_up)
     }
 
-    /// Loads of the robot on its mount, and the motion of the cell.
-    fn carried(&self, at: Moment, dx: &mut [f64]) -> Result<(FrameMotion, CarriedLoads), Fault> {
-        let (cell, body) = carried_frames(&self.carrier.tool(at.t), self.mount);
-        let loads = self.robot.carried(&self.clock(at.t), &BodyMotion::from(&body), at.x, at.u, dx)?;
+    /// Loads of `robot` on `mount` at `t`, and the motion of the cell; what both carry derivatives of.
+    pub(super) fn carried<S: Scalar>(
+        &self,
+        robot: &Robot<S>,
+        (mount, numbers): (&Mount<S>, &RigNumbers<S>),
+        (t, x, u): (f64, &[S], &[S]),
+        dx: &mut [S],
+    ) -> Result<(FrameMotion, CarriedLoads<S>), Fault> {
+        let cell = FrameMotion::from_jets(&(self.carrier.tool(t) * Pose::constant(&mount.cell)));
+        let clock = numbers.rippled(self.clock(t), self.gait());
+        let loads = robot.carried(&clock, &mount.body_motion(&cell), x, u, dx)?;
         Ok((cell, loads))
+    }
+
+    /// Rate of the gait, rad/s, and its phase at t = 0.
+    fn gait(&self) -> [f64; 2] {
+        [std::f64::consts::TAU * self.robot.frequency_hz(), self.robot.phase(0.0)]
+    }
+
+    /// The same of the robot and rig as they are.
+    fn carried_now(&self, at: Moment, dx: &mut [f64]) -> Result<(FrameMotion, Mount, CarriedLoads), Fault> {
+        let mount = self.numbers.mount(self.mount);
+        let (cell, loads) = self.carried(self.robot, (&mount, &self.numbers), (at.t, at.x, at.u), dx)?;
+        Ok((cell, mount, loads))
     }
 
     fn columns(&self) -> Vec<Column> {
@@ -159,7 +181,7 @@ impl System for Experiment<'_> {
         Sizes { states: self.robot.carried_states(), inputs: self.robot.inputs().len() }
     }
     fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
-        self.carried(at, dx).map(|_| ())
+        self.carried_now(at, dx).map(|_| ())
     }
 }
 
@@ -167,8 +189,8 @@ impl Observed for Experiment<'_> {
     type Observation = CellLoads;
 
     fn observed(&self, at: Moment) -> Result<CellLoads, Fault> {
-        let (cell, loads) = self.carried(at, &mut vec![0.0; at.x.len()])?;
-        let wrench = self.mount.to_cell(&loads.total()) + self.mount.wrench(&cell);
+        let (cell, mount, loads) = self.carried_now(at, &mut vec![0.0; at.x.len()])?;
+        let wrench = mount.to_cell(&loads.total()) + mount.wrench(&cell);
         Ok(CellLoads { wrench, air: loads.air.total() + loads.body_drag, inertia: loads.inertia })
     }
 }

@@ -6,13 +6,17 @@ pub mod cell;
 mod experiment;
 mod motion;
 pub mod netft;
+mod numbers;
 pub mod plan;
 mod pose;
 pub mod process;
+mod sensitivity;
 mod trajectory;
 pub mod unit;
 
 pub use experiment::{Experiment, Outcome};
 pub use motion::FrameMotion;
+pub use numbers::RigNumbers;
 pub use pose::{Pose, rotation_vector};
+pub use sensitivity::{Instants, Wrenches};
 pub use trajectory::Trajectory;

@@ -1,7 +1,7 @@
 //! The motion of a frame carried by the arm.
 
 use super::Pose;
-use crate::math::{Jet, Mat3, Vec3};
+use crate::math::{Jet, Mat3, Scalar, Vec3};
 
 /// Placement, velocity and acceleration of a frame B in the base frame W.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,9 +39,16 @@ impl FrameMotion {
     }
 
     /// Acceleration of the point `p_B` fixed in the frame, m/s2.
-    pub fn point_acceleration(&self, p: Vec3) -> Vec3 {
-        let lever = self.pose.rotation * p;
-        self.acceleration + self.angular_acceleration.cross(lever) + self.rate.cross(self.rate.cross(lever))
+    pub fn point_acceleration<S: Scalar>(&self, p: Vec3<S>) -> Vec3<S> {
+        let [rate, turning] = [self.rate, self.angular_acceleration].map(Vec3::<S>::constant);
+        let lever = Mat3::<S>::constant(self.pose.rotation) * p;
+        Vec3::constant(self.acceleration) + turning.cross(lever) + rate.cross(rate.cross(lever))
+    }
+
+    /// Velocity of the point `p_B` fixed in the frame, m/s.
+    pub fn point_velocity<S: Scalar>(&self, p: Vec3<S>) -> Vec3<S> {
+        let lever = Mat3::<S>::constant(self.pose.rotation) * p;
+        Vec3::constant(self.velocity) + Vec3::<S>::constant(self.rate).cross(lever)
     }
 
     /// Rate of angular momentum about its own centre of mass of a rigid body

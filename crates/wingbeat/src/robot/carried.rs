@@ -54,6 +54,8 @@ pub struct CarriedLoads<S: Scalar = f64> {
     pub air_power: S,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3<S>,
+    /// Share of the strips past their stall angle.
+    pub stalled: f64,
 }
 
 impl<S: Scalar> CarriedLoads<S> {
@@ -144,9 +146,19 @@ impl<P: Scalar> Robot<P> {
             inertia: self.momentum_reaction(body.rate, &links, imposed),
             torques: self.joint_torques(&links, imposed, &external, gravity),
             air_power: air_power(&base, &links, &external) + body_drag.force.dot(v),
+            stalled: self.stalled(&loads),
             center_of_mass: self.mechanism.tree.center_of_mass(&links),
             joints,
         })
+    }
+
+    /// Share of the strips whose incidence is past their stall angle.
+    fn stalled<S: Scalar>(&self, loads: &Loads<S>) -> f64 {
+        let surfaces = self.covering.aero.surfaces().iter().map(|surface| surface.aero());
+        let limits = surfaces.flat_map(|aero| std::iter::repeat_n(aero.stall_angle(), aero.strips()));
+        let strips = loads.incidence[..loads.strips].iter().zip(limits);
+        strips.filter(|(incidence, limit)| incidence.value().abs() > *limit).count() as f64
+            / loads.strips.max(1) as f64
     }
 
     /// Number of states of the structure: elements, elastic joints, crank.
@@ -165,7 +177,7 @@ impl<P: Scalar> Robot<P> {
         x: &[S],
         dx: &mut [S],
     ) -> Option<[S; MAX_COORDINATES]> {
-        let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
+        let structure = self.structure_states();
         let mut system = System::<S, S>::new();
         self.mechanism.tree.coordinate_inertia(
             moving,
@@ -174,7 +186,7 @@ impl<P: Scalar> Robot<P> {
             &mut system.mass,
             &mut system.forces,
         );
-        self.add_efforts(&x[elements..structure], supply, &mut system);
+        self.add_efforts(&x[..structure], supply, &mut system);
         system.add_air(self, carriers, wind, &x[structure..], &mut dx[structure..]);
         let degrees = system.solve(None, carriers.coordinates.count())?;
         Some(std::array::from_fn(|c| degrees[6 + c]))

@@ -1,7 +1,7 @@
 //! The crank of the gait under its drive, and what drive and regulators give to the joints.
 
 use super::joints::Displaced;
-use super::mechanism::Drive;
+use super::mechanism::{Drive, Spring};
 use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::body::{Coordinates, LinkMotion, MAX_LINKS, Motor, MotorWork};
 use crate::math::{Jet, Meets, Scalar};
@@ -35,7 +35,27 @@ impl<P: Scalar> Robot<P> {
         Jet::new(states[count - 1], states[2 * count - 1], S::ZERO)
     }
 
-    /// Coordinates of the driven joints at the phase `phase`, the structure displaced.
+    /// Phase of the gait as far as elements displace the crank.
+    #[inline(always)]
+    pub(super) fn phase_of<S: Scalar + Meets<P>>(
+        &self,
+        clock: &Jet<S>,
+        structure: &[S],
+        displacements: &[Jet<S>],
+    ) -> Jet<S> {
+        let mut phase = self.crank(clock, structure);
+        for (element, displacement) in self.elements.iter().zip(displacements) {
+            if element.moves.contains(&Displaced::Crank) {
+                phase += *displacement;
+            }
+        }
+        phase
+    }
+
+    /// Coordinates of the driven joints at the phase `phase`, the structure displaced: a joint of mean m and
+    /// series q(phase) is at m + (1 + s) (q - m) + y.
+    ///
+    /// Equation: robot.scaled_series
     #[inline(always)]
     pub(super) fn driven<S: Scalar + Meets<P>>(
         &self,
@@ -44,6 +64,15 @@ impl<P: Scalar> Robot<P> {
         joints: &mut Joints<S>,
     ) -> Result<(), Fault> {
         self.drive(phase, displacements, joints)?;
+        for (element, displacement) in self.elements.iter().zip(displacements) {
+            for moved in &element.moves {
+                let Displaced::Scale(joint) = *moved else { continue };
+                if let Drive::Series(series, _) = &self.mechanism.drives[joint] {
+                    let swing = joints[joint] - series.mean_rad;
+                    joints[joint] += swing * *displacement;
+                }
+            }
+        }
         for (element, displacement) in self.elements.iter().zip(displacements) {
             for moved in &element.moves {
                 if let Displaced::Joint(joint) = *moved {
@@ -75,6 +104,22 @@ impl<P: Scalar> Robot<P> {
         Ok(())
     }
 
+    /// How far elements displace the rest of the spring of the coordinate `c`: a displacement, of any type.
+    #[inline]
+    pub(super) fn rest_displaced<T: Copy + Default + std::ops::AddAssign>(
+        &self,
+        c: usize,
+        displacements: &[T],
+    ) -> T {
+        let mut sum = T::default();
+        for (element, y) in self.elements.iter().zip(displacements) {
+            if element.moves.contains(&Displaced::Rest(self.mechanism.coordinates[c])) {
+                sum += *y;
+            }
+        }
+        sum
+    }
+
     /// Adds the crank to the coordinates, the last of them.
     pub(super) fn add_crank<S: Scalar + Meets<P>>(
         &self,
@@ -101,17 +146,25 @@ impl Robot {
         &self,
         phase: Jet,
         structure: &[f64],
-        u: &[f64],
+        displacements: &[Jet; MAX_ELEMENTS],
         torques: &[f64],
     ) -> Result<[f64; 2], Fault> {
-        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
-        self.response.displacements(structure, u, &mut displacements);
         let (mut ratios, mut displaced) = (Ratios::new(), Joints::new());
-        self.ratios(phase.x, &displacements, &mut ratios)?;
-        self.driven(Jet::new(phase.x, 0.0, 0.0), &displacements, &mut displaced)?;
+        self.ratios(phase.x, displacements, &mut ratios)?;
+        self.driven(Jet::new(phase.x, 0.0, 0.0), displacements, &mut displaced)?;
         let drive: f64 = torques.iter().zip(&ratios).map(|(torque, ratio)| torque * ratio).sum();
-        let regulators = torques.iter().zip(&displaced).map(|(torque, q)| torque * q.d).sum();
-        Ok([drive * phase.d, regulators])
+        let regulators: f64 = torques.iter().zip(&displaced).map(|(torque, q)| torque * q.d).sum();
+        Ok([drive * phase.d, regulators + self.rest_power(structure, displacements)])
+    }
+
+    /// Power that moves the rests of the springs, W: -k (q - rest) rest' of each.
+    pub(super) fn rest_power(&self, structure: &[f64], displacements: &[Jet; MAX_ELEMENTS]) -> f64 {
+        let states = &structure[2 * self.elements.len()..];
+        let moved = |(c, spring): (usize, &Spring)| {
+            let Jet { x, d, .. } = self.rest_displaced(c, displacements);
+            -(states[c] - spring.numbers.rest - x) * spring.numbers.stiffness * d
+        };
+        self.mechanism.springs().enumerate().map(moved).sum()
     }
 
     /// What the motor does, the crank at `phase`, at full supply.

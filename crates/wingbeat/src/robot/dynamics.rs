@@ -79,7 +79,8 @@ impl Plant for Robot {
         u: &[f64],
         dx: &mut [S],
     ) -> Result<(), Fault> {
-        self.evaluate_parts(t, early, late, u, dx, &mut Evaluation::empty())
+        let clock = Jet::new(t, 1.0, 0.0);
+        self.evaluate_parts(t, &clock, early, late, u, dx, &mut Evaluation::empty())
     }
 }
 
@@ -95,7 +96,7 @@ impl<P: Scalar> Robot<P> {
         u: &[S],
         dx: &mut [S],
     ) -> Result<(), Fault> {
-        self.evaluate(t, x, u, dx, &mut Evaluation::empty())
+        self.rates_by_clock(t, &Jet::new(t, S::ONE, S::ZERO), x, u, dx)
     }
 
     /// Rates and all that led to them.
@@ -109,14 +110,33 @@ impl<P: Scalar> Robot<P> {
         out: &mut Evaluation<S>,
     ) -> Result<(), Fault> {
         let (early, air) = x.split_at(self.layout.aero);
-        self.evaluate_parts(t, early, air, u, dx, out)
+        self.evaluate_parts(t, &Jet::new(t, S::ONE, S::ZERO), early, air, u, dx, out)
+    }
+
+    /// Rates at the time `t` of a robot whose gait is at the time `clock`: its crank may run faster or slower than
+    /// by the gait's frequency, and may carry derivatives by its pace.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn rates_by_clock<S: Scalar + Meets<P>>(
+        &self,
+        t: S,
+        clock: &Jet<S>,
+        x: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        let (early, air) = x.split_at(self.layout.aero);
+        self.evaluate_parts(t, clock, early, air, u, dx, &mut Evaluation::empty())
     }
 
     /// The same, given the states of body and structure and those of the air.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "time, state and inputs in their parts")]
     fn evaluate_parts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         t: G,
+        clock: &Jet<G>,
         x: &[G],
         air: &[S],
         u: &[G],
@@ -130,10 +150,9 @@ impl<P: Scalar> Robot<P> {
         let w = Vec3::from_slice(&x[l.rate..]);
         let v = attitude.transpose_mul(v_w);
 
-        let clock = Jet::new(t, G::ONE, G::ZERO);
         let structure = &x[l.structure..];
         let Evaluation { joints, links, base, coordinates, ratios, second_rates, .. } = out;
-        self.joints(&clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
+        self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
         self.links(joints, v, w, links);
         *base = LinkMotion::base(v, w);
         self.coordinates(links, ratios, coordinates);
@@ -156,8 +175,7 @@ impl<P: Scalar> Robot<P> {
         } else {
             let mut system = System::new();
             tree.coordinate_inertia(links, g_b, coordinates, &mut system.mass, &mut system.forces);
-            let springs = &structure[l.joints - l.structure..];
-            self.add_efforts(springs, G::ONE, &mut system);
+            self.add_efforts(structure, G::ONE, &mut system);
             let mut net = system.add_air(self, &carriers, wind, air, &mut dx[l.aero..]);
             add(&mut system.mass, &mass);
             net += body.lifted();
@@ -210,17 +228,18 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// Adds the efforts of springs, dampers and motor to the forces on the coordinates, and the inertia
-    /// of the motor; `states` are the coordinates and their rates, `supply` the share of the voltage
-    /// that the motor receives.
+    /// of the motor; `structure` as for [`Robot::joints`], `supply` the share of the voltage that the motor
+    /// receives.
     pub(super) fn add_efforts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        states: &[G],
+        structure: &[G],
         supply: G,
         system: &mut System<G, S>,
     ) {
-        let count = self.degrees();
+        let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
         for (c, spring) in self.mechanism.springs().enumerate() {
-            system.forces[c] += spring.effort(states[c], states[count + c]);
+            let moved = self.rest_displaced(c, structure);
+            system.forces[c] += spring.effort(states[c], states[count + c], moved);
         }
         if let Some(motor) = &self.motor {
             system.forces[count - 1] += motor.crank_torque(states[2 * count - 1], supply);

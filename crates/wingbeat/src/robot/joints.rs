@@ -9,18 +9,43 @@ use crate::body::REGULATED;
 use crate::math::{Jet, Meets, Over, Scalar};
 use crate::plant::Fault;
 
+/// Name of the crank among what an element may move.
+pub(super) const CRANK: &str = "crank";
+
 /// What a structure element displaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Displaced {
     /// A driven joint.
     Joint(usize),
+    /// The series of a driven joint about its mean: the share by which its harmonics grow.
+    Scale(usize),
+    /// The rest of the spring of an elastic joint.
+    Rest(usize),
+    /// The crank: the phase of the gait beyond that at a constant rate.
+    Crank,
     /// A length of the linkage of a wing (0 left, 1 right), by its place in [`REGULATED`].
     Length(usize, usize),
 }
 
 impl Displaced {
-    /// The joint or length called `name`.
+    /// The joint whose series is scaled.
+    fn scaled(name: &str, mechanism: &Mechanism) -> Result<Self, Error> {
+        let series = |i: &usize| matches!(mechanism.drives[*i], Drive::Series(..));
+        let tree = &mechanism.tree;
+        tree.find(name).filter(series).map(Self::Scale).ok_or_else(|| {
+            let names: Vec<&str> = (0..tree.links()).filter(series).map(|i| tree.name(i)).collect();
+            Error::invalid("scales", format!("{name:?}"), format!("of {}", names.join(", ")))
+        })
+    }
+
+    /// The joint, length or crank called `name`.
     fn find(name: &str, mechanism: &Mechanism) -> Result<Self, Error> {
+        if name == CRANK
+            && mechanism.tree.find(CRANK).is_none()
+            && mechanism.drives.iter().any(Drive::cranked)
+        {
+            return Ok(Self::Crank);
+        }
         let lengths = || {
             let of = |(wing, side)| {
                 REGULATED.iter().enumerate().map(move |(i, l)| (wing, i, format!("{l}{side}")))
@@ -28,16 +53,19 @@ impl Displaced {
             super::mechanism::SIDES.into_iter().enumerate().flat_map(of)
         };
         let tree = &mechanism.tree;
-        let driven = |i: &usize| !matches!(mechanism.drives[*i], Drive::Elastic(_) | Drive::Fixed);
-        if let Some(joint) = tree.find(name).filter(driven) {
-            return Ok(Self::Joint(joint));
+        let movable = |i: &usize| !matches!(mechanism.drives[*i], Drive::Fixed);
+        if let Some(joint) = tree.find(name).filter(movable) {
+            return Ok(match &mechanism.drives[joint] {
+                Drive::Elastic(_) => Self::Rest(joint),
+                _ => Self::Joint(joint),
+            });
         }
         let length = lengths().find(|(.., length)| mechanism.linkage.is_some() && length == name);
         if let Some((wing, i, _)) = length {
             return Ok(Self::Length(wing, i));
         }
         let mut names: Vec<String> =
-            (0..tree.links()).filter(driven).map(|i| tree.name(i).to_string()).collect();
+            (0..tree.links()).filter(movable).map(|i| tree.name(i).to_string()).collect();
         if mechanism.linkage.is_some() {
             names.extend(lengths().map(|(.., name)| name));
         }
@@ -48,24 +76,32 @@ impl Displaced {
     pub fn mirrored(self, mechanism: &Mechanism) -> Self {
         match self {
             Self::Joint(joint) => Self::Joint(mechanism.twins[joint]),
+            Self::Scale(joint) => Self::Scale(mechanism.twins[joint]),
+            Self::Rest(joint) => Self::Rest(mechanism.twins[joint]),
+            Self::Crank => Self::Crank,
             Self::Length(wing, i) => Self::Length(1 - wing, i),
         }
     }
 
-    /// Units of the displacement and its rate.
-    fn units(self, mechanism: &Mechanism) -> [&'static str; 2] {
+    /// Units of the displacement, its rate and the command.
+    fn units(self, mechanism: &Mechanism) -> [&'static str; 3] {
         match self {
-            Self::Joint(joint) => {
+            Self::Joint(joint) | Self::Rest(joint) => {
                 let [unit, rate, _] = mechanism.tree.kind(joint).units();
-                [unit, rate]
+                [unit, rate, unit]
             }
-            Self::Length(..) => ["m", "m/s"],
+            Self::Scale(_) => ["", "1/s", ""],
+            Self::Crank => ["rad", "rad/s", "rad/s"],
+            Self::Length(..) => ["m", "m/s", "m"],
         }
     }
 
     fn alike(self, other: Self, mechanism: &Mechanism) -> bool {
         match (self, other) {
-            (Self::Joint(a), Self::Joint(b)) => mechanism.tree.kind(a) == mechanism.tree.kind(b),
+            (Self::Joint(a), Self::Joint(b)) | (Self::Rest(a), Self::Rest(b)) => {
+                mechanism.tree.kind(a) == mechanism.tree.kind(b)
+            }
+            (Self::Scale(_), Self::Scale(_)) | (Self::Crank, Self::Crank) => true,
             (Self::Length(_, a), Self::Length(_, b)) => a == b,
             _ => false,
         }
@@ -77,8 +113,8 @@ impl Displaced {
 pub(super) struct Placed {
     pub name: String,
     pub moves: Vec<Displaced>,
-    /// Units of the displacement and its rate.
-    pub units: [&'static str; 2],
+    /// Units of the displacement, its rate and the command.
+    pub units: [&'static str; 3],
     /// Its own limits: given, or of a link length.
     pub limits: Option<[f64; 2]>,
 }
@@ -94,12 +130,14 @@ impl Placed {
 
     fn new(spec: &ElementSpec, mechanism: &Mechanism) -> Result<Self, Error> {
         let moves = spec.moves.iter().map(|name| Displaced::find(name, mechanism));
-        let moves: Vec<Displaced> = moves.collect::<Result<_, _>>()?;
+        let scales = spec.scales.iter().map(|name| Displaced::scaled(name, mechanism));
+        let moves: Vec<Displaced> = moves.chain(scales).collect::<Result<_, _>>()?;
         let Some(&first) = moves.first() else {
             return Err(Error::invalid("moves", "[]", "at least one joint or link length"));
         };
         if !moves.iter().all(|m| m.alike(first, mechanism)) {
-            let allowed = "either joints that all turn or all slide, or one kind of link length";
+            let allowed =
+                "either joints that all turn or all slide, or springs of such, or one kind of link length";
             return Err(Error::invalid("moves", format!("{:?}", spec.moves), allowed));
         }
         let limits = limits(spec, first, mechanism)?;
@@ -143,7 +181,7 @@ impl<P: Scalar> Robot<P> {
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         self.response.rates(&displacements, dx);
-        let phase = self.crank(clock, structure);
+        let phase = self.phase_of(clock, structure, &displacements);
         self.driven(phase, &displacements, joints)?;
         if self.motor.is_some() {
             self.ratios(phase.x, &displacements, ratios)?;
@@ -163,7 +201,7 @@ impl<P: Scalar> Robot<P> {
         for (displacement, y) in displacements.iter_mut().zip(&structure[..self.elements.len()]) {
             displacement.x = *y;
         }
-        self.driven(self.crank(clock, structure), &displacements, joints)?;
+        self.driven(self.phase_of(clock, structure, &displacements), &displacements, joints)?;
         self.decided(structure, joints);
         Ok(())
     }

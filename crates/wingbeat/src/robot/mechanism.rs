@@ -59,10 +59,10 @@ impl Spring {
         Self { numbers: SpringNumbers { stiffness, damping, rest }, start: start.unwrap_or(rest), stops }
     }
 
-    /// Energy stored, J, from no deflection on.
-    pub fn energy(&self, q: f64) -> f64 {
+    /// Energy stored, J, from no deflection on, the rest displaced by `moved`.
+    pub fn energy(&self, q: f64, moved: f64) -> f64 {
         let SpringNumbers { stiffness, rest, .. } = self.numbers;
-        let linear = 0.5 * stiffness * (q - rest).powi(2);
+        let linear = 0.5 * stiffness * (q - rest - moved).powi(2);
         let Some([low, high, stiffness, width]) = self.stops else { return linear };
         // Integral of the smooth positive part from zero overlap on.
         let integral = |x: f64| {
@@ -80,13 +80,13 @@ impl Spring {
 }
 
 impl<P: Scalar> Spring<P> {
-    /// Effort on the joint at the coordinate `q` with the rate `d`:
-    /// -k (q - rest) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part.
+    /// Effort on the joint at the coordinate `q` with the rate `d`, the rest displaced by y:
+    /// -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part.
     ///
     /// Equation: robot.joint_spring
-    pub fn effort<S: Scalar + Meets<P>>(&self, q: S, d: S) -> S {
+    pub fn effort<S: Scalar + Meets<P>>(&self, q: S, d: S, moved: S) -> S {
         let SpringNumbers { stiffness, damping, rest } = self.numbers;
-        let linear = -((q - rest) * stiffness) - d * damping;
+        let linear = -((q - rest - moved) * stiffness) - d * damping;
         let Some([low, high, stiffness, width]) = self.stops else { return linear };
         let beyond = (q - high).smooth_positive(width) - (-q + low).smooth_positive(width);
         linear - beyond * stiffness

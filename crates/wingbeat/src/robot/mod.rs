@@ -20,8 +20,9 @@ mod surface;
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
-pub use numbers::{Numbers, SpringNumbers};
+pub use numbers::{Numbers, SpringNumbers, TOGETHER, bounds};
 pub use observe::Observation;
+pub(crate) use spec::is_of_rig;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,
@@ -36,7 +37,7 @@ use crate::math::{Jet, Scalar, Vec3};
 use crate::plant::{Channel, MAX_COORDINATES, Role};
 use arrayvec::ArrayVec;
 use clearance::Clearances;
-use joints::Placed;
+use joints::{CRANK, Displaced, Placed};
 use mechanism::Mechanism;
 use surface::Covering;
 
@@ -114,6 +115,11 @@ impl Robot {
         let carriers = carriers(spec, &mechanism)?;
         let covering = Covering::new(spec, &mechanism, &carriers, aero)?;
         let motor = motor(spec, &mechanism)?;
+        if let (Some(_), Some(i)) = (motor, elements.iter().position(|e| e.moves.contains(&Displaced::Crank)))
+        {
+            let allowed = "joints: a motor turns the crank";
+            return Err(Error::invalid(format!("structure.elements[{i}].moves"), CRANK, allowed));
+        }
         let air_states = covering.aero.states();
         let layout = Layout::new(elements.len(), mechanism.coordinates.len(), motor.is_some(), air_states);
         let response = spec.structure.build().map_err(|e| e.within("structure"))?;
@@ -178,6 +184,20 @@ impl Robot {
     /// Velocity of the air without its gust, m/s in W.
     pub fn mean_wind(&self) -> Vec3 {
         self.wind.mean()
+    }
+    /// The same robot, its gait's frequency times `pace`.
+    #[must_use]
+    pub fn paced(&self, pace: f64) -> Self {
+        Self { phase_rate: self.phase_rate * pace, ..self.clone() }
+    }
+    /// Displacements of the elements at rest per unit of the held commands, a row for each element; none of what
+    /// follows its command with its rate.
+    pub fn rest_gains(&self) -> Vec<f64> {
+        self.response.rest()
+    }
+    /// Whether the coordinate of the joint `joint` is a state.
+    pub fn is_elastic(&self, joint: usize) -> bool {
+        self.mechanism.coordinates.contains(&joint)
     }
     /// Flapping frequency of the gait, Hz; a motor starts with it.
     pub fn frequency_hz(&self) -> f64 {

@@ -18,6 +18,10 @@ pub struct SpringNumbers<P: Scalar = f64> {
     pub rest: P,
 }
 
+/// Numbers of a robot that are varied together: their derivatives fill one register of the processor. An evaluation under
+/// law `lev` then takes 2 to 3 MB of stack; [`parallel`](crate::parallel) gives its threads more.
+pub const TOGETHER: usize = 4;
+
 /// Numbers of a robot: masses, springs, sections, air, drive. As duals they tell how everything that the robot
 /// does depends on them: [`Robot::varied`].
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +55,7 @@ impl<P: Scalar> Numbers<P> {
             cd90: zero,
             stall_angle: zero,
             critical_suction: zero,
+            added_mass_scale: zero,
         };
         let motor = Motor {
             stall_torque: zero,
@@ -183,23 +188,46 @@ impl Robot {
 
     /// The robot with the numbers called `keys` as variables: what it computes carries the derivatives by them, in
     /// their order. A key without the side of a mirrored pair stands for both links, which stay each other's image.
-    /// Take many numbers a few at a time: an evaluation holds 1 + N numbers for every one of its own on the stack,
-    /// and 14 at once outgrow a thread's 2 MiB.
+    /// Take many numbers a few at a time, as [`in_batches`](Self::in_batches) does: an evaluation holds 1 + N numbers
+    /// for every one of its own on the stack, and 14 at once outgrow a thread's 2 MiB.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the names that there are when one is unknown.
     pub fn varied<const N: usize>(&self, keys: [&str; N]) -> Result<Robot<Dual<N>>, Error> {
+        self.varied_by(keys.map(Some))
+    }
+
+    /// The same where a variable without a key moves nothing of the robot.
+    fn varied_by<const N: usize>(&self, keys: [Option<&str>; N]) -> Result<Robot<Dual<N>>, Error> {
         let mut values = self.numbers();
         let mut numbers = Numbers::<Dual<N>>::like(&values);
         let values = values.by_name(self);
-        check(keys, &values)?;
+        check(keys.into_iter().flatten(), &values)?;
         for ((name, value), (_, number)) in values.iter().zip(numbers.by_name(self)) {
             *number = Dual::constant(**value);
             for (variable, key) in number.eps.iter_mut().zip(keys) {
-                *variable = share(key, name).unwrap_or(0.0);
+                *variable = key.and_then(|key| share(key, name)).unwrap_or(0.0);
             }
         }
         Ok(self.with(&numbers))
+    }
+
+    /// `work` on the robot with [`TOGETHER`] of the `keys` as variables after another, for as many as there are; keys that
+    /// `foreign` knows are no numbers of the robot, and leave it as it is. `work` gets the robot and the keys of its variables.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the names that there are when one is unknown.
+    pub fn in_batches<R>(
+        &self,
+        keys: &[&str],
+        foreign: impl Fn(&str) -> bool,
+        mut work: impl FnMut(Robot<Dual<TOGETHER>>, &[&str]) -> R,
+    ) -> Result<Vec<R>, Error> {
+        let batch = |keys: &[&str]| -> Result<R, Error> {
+            let variables = std::array::from_fn(|k| keys.get(k).copied().filter(|key| !foreign(key)));
+            Ok(work(self.varied_by(variables)?, keys))
+        };
+        keys.chunks(TOGETHER).map(batch).collect()
     }
 
     /// The robot with the numbers called by the keys at these values; keys as for [`varied`](Self::varied).
@@ -220,6 +248,33 @@ impl Robot {
         drop(named);
         Ok(self.with(&numbers))
     }
+}
+
+/// Lowest and highest value that a number may be given, by the end of its name. *Choices*, wide of any robot: they keep a fit
+/// from numbers without meaning.
+const BOUNDS: [(&str, [f64; 2]); 14] = [
+    ("mass_kg", [0.0, 1e3]),
+    ("density_kg_m3", [1e-3, 1e4]),
+    ("section_slope", [0.1, 20.0]),
+    ("cd0", [0.0, 2.0]),
+    ("cd90", [0.0, 10.0]),
+    ("stall_angle_rad", [0.01, 1.5]),
+    ("critical_suction", [1e-3, 3.0]),
+    ("added_mass_scale", [0.0, 10.0]),
+    ("stiffness", [0.0, 1e6]),
+    ("damping", [0.0, 1e6]),
+    ("efficiency", [1e-3, 1.0]),
+    ("shift_m[", [-0.1, 0.1]),
+    ("turn_rad[", [-0.5, 0.5]),
+    ("ripple_rad[", [-0.3, 0.3]),
+];
+
+/// Lowest and highest value that the number called `name` may be given.
+pub fn bounds(name: &str) -> [f64; 2] {
+    let ends = |end: &str| if end.ends_with('[') { name.contains(end) } else { name.ends_with(end) };
+    let inertia = name.contains("inertia_kg_m2") || name.contains("drag_area_m2");
+    let given = BOUNDS.iter().find(|(end, _)| ends(end)).map(|(_, bounds)| *bounds);
+    given.unwrap_or(if inertia { [0.0, 1e6] } else { [-1e6, 1e6] })
 }
 
 /// Refuses keys that name nothing.

@@ -3,7 +3,7 @@
 use super::dynamics::Evaluation;
 use super::sections::{Carriers, Section};
 use super::surface::External;
-use super::{Links, Robot};
+use super::{Links, MAX_ELEMENTS, Robot};
 use crate::aero::{LoadSource, Loads, StripLoads};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, joint_power};
 use crate::math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
@@ -95,12 +95,17 @@ impl Robot {
         let torques = self.joint_torques(&links, body, &external, g);
         let tree = &self.mechanism.tree;
         let springs = || {
-            let springs = self.mechanism.springs().zip(&self.mechanism.coordinates);
-            springs.map(|(spring, &joint)| (spring, joints[joint]))
+            let springs = self.mechanism.springs().zip(&self.mechanism.coordinates).enumerate();
+            springs.map(|(c, (spring, &joint))| {
+                (spring, joints[joint], self.rest_displaced(c, &x[self.layout.structure..]))
+            })
         };
-        let phase = self.crank(&Jet::new(t, 1.0, 0.0), &x[self.layout.structure..]);
-        let [drive_power, regulator_power] =
-            self.power_split(phase, &x[self.layout.structure..], u, &torques)?;
+        let structure = &x[self.layout.structure..];
+        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
+        self.response.displacements(structure, u, &mut displacements);
+        let phase = self.phase_of(&Jet::new(t, 1.0, 0.0), structure, &displacements);
+        let [drive_power, regulator_power] = self.power_split(phase, structure, &displacements, &torques)?;
+        let rest_power = self.rest_power(structure, &displacements);
         let datum = -e.attitude.transpose_mul(Vec3::from_slice(&x[self.layout.position..]));
         Ok(Observation {
             attitude: e.attitude,
@@ -108,14 +113,14 @@ impl Robot {
             drive_power,
             regulator_power,
             motor: self.motor_work(phase),
-            power: joint_power(&torques, &joints)
-                - springs().map(|(spring, q)| spring.effort(q.x, q.d) * q.d).sum::<f64>(),
+            power: joint_power(&torques, &joints) + rest_power
+                - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
             energy: tree.kinetic_energy(e.base.velocity, e.base.rate, &links)
                 + tree.potential_energy(g, &links, datum)
-                + springs().map(|(spring, joint)| spring.energy(joint.x)).sum::<f64>(),
+                + springs().map(|(spring, joint, y)| spring.energy(joint.x, y)).sum::<f64>(),
             air_power: super::carried::air_power(&base, &links, &external)
                 + body_drag.force.dot(e.base.velocity),
-            dissipation: springs().map(|(spring, joint)| spring.dissipation(joint.d)).sum(),
+            dissipation: springs().map(|(spring, joint, _)| spring.dissipation(joint.d)).sum(),
             inertia: self.momentum_reaction(e.base.rate, &links, body),
             joints: joints.iter().map(|j| j.x).collect(),
             torques: torques.to_vec(),

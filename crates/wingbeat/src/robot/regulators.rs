@@ -26,7 +26,7 @@ pub(super) fn channels(spec: &StructureSpec, elements: &[Placed]) -> Result<Vec<
         let own = |(i, e): (usize, &Placed)| {
             let limits = e.limits.map_or_else(|| range(None, None), Ok);
             let limits = limits.map_err(|error| error.within(&format!("elements[{i}]")))?;
-            Ok(channel(&e.name, e.units[0], limits, i))
+            Ok(channel(&e.name, e.units[2], limits, i))
         };
         return elements.iter().enumerate().map(own).collect();
     }
@@ -38,7 +38,7 @@ pub(super) fn channels(spec: &StructureSpec, elements: &[Placed]) -> Result<Vec<
             .collect();
         let limits = limits(r, &moved).map_err(|e| e.within(&format!("regulators[{i}]")))?;
         let first = elements.iter().find(|e| moved.iter().any(|(m, _)| m.name == e.name));
-        Ok(channel(&r.name, first.map_or("", |e| e.units[0]), limits, i))
+        Ok(channel(&r.name, first.map_or("", |e| e.units[2]), limits, i))
     };
     spec.regulators.iter().enumerate().map(placed).collect()
 }

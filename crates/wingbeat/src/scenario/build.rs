@@ -5,14 +5,12 @@ use super::doors::Choice;
 use super::mismatch::Mismatch;
 use super::name::RunName;
 use super::plan::PlanSpec;
-use super::spec::{AeroSpec, GustSpec, ScenarioSpec};
+use super::spec::{AeroSpec, GustSpec, ScenarioSpec, StartSpec};
 use crate::Error;
-use crate::aero::{
-    Aero, CRITICAL_SUCTION, LIFT_SLOPE, LiftingLine, LiftingLineSettings, Preset, STALL_ANGLE, StripModel,
-    StripSettings, ZERO_LIFT_ANGLE,
-};
+use crate::aero::{Aero, LiftingLine, LiftingLineSettings, Preset, StripModel, StripSettings};
 use crate::guide::Task;
 use crate::math::Vec3;
+use crate::plant::Plant;
 use crate::require;
 use crate::robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind};
 use crate::simulate::{Controller, Schedule};
@@ -54,6 +52,7 @@ impl ScenarioSpec {
             Error::invalid("mismatch", "given", allowed)
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
+        self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
         self.controller(choice, &model)?;
@@ -96,6 +95,10 @@ impl ScenarioSpec {
         }
         if let Some(mismatch) = &self.mismatch {
             mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
+        }
+        require::finite("start.rate_rad_s", &self.start.rate_rad_s)?;
+        if let Some(trim) = &self.trim {
+            trim.check().map_err(|e| e.within("trim"))?;
         }
         if let Some(plan) = &self.plan {
             plan.check().map_err(|e| e.within("plan"))?;
@@ -179,6 +182,28 @@ impl ScenarioSpec {
     }
 }
 
+impl StartSpec {
+    /// That the states and commands by name are there, finite and within their limits.
+    fn check(&self, robot: &Robot) -> Result<(), Error> {
+        let first = robot.layout().joints;
+        let states = &robot.states()[first..];
+        for (table, given, channels) in
+            [("states", &self.states, states), ("commands", &self.commands, robot.inputs())]
+        {
+            for (name, value) in given {
+                let key = format!("{table}.{name}");
+                let Some(channel) = channels.iter().find(|channel| channel.name == *name) else {
+                    let names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).collect();
+                    return Err(Error::invalid(key, value, format!("of {}", names.join(", "))));
+                };
+                require::finite(&key, &[*value])?;
+                require::between(&key, *value, channel.low, channel.high)?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// How many times `unit` (s) goes into `time`, if it does; `units` names it.
 pub(super) fn whole(key: &str, time: f64, unit: f64, units: &str) -> Result<usize, Error> {
     let count = (time / unit).round();
@@ -208,16 +233,14 @@ pub(super) fn robot(spec: &RobotSpec, aero: &AeroSpec, air: Air, phase: f64) -> 
         aero.build(outline, air.density, &names)
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
-    Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))
+    let robot = Robot::new(spec, models, air, phase);
+    robot.and_then(|robot| robot.adjusted(&spec.own_numbers())).map_err(|e| e.within("robot"))
 }
 
 impl AeroSpec {
     /// Checks what this table says by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
-        STALL_ANGLE.check(self.stall_angle_deg)?;
-        CRITICAL_SUCTION.check(self.critical_suction)?;
-        ZERO_LIFT_ANGLE.check(self.zero_lift_angle_deg)?;
-        LIFT_SLOPE.check(self.lift_slope_per_rad)
+        self.in_range()
     }
 
     /// The model of a surface. Settings of the model that another table gives have

@@ -4,7 +4,7 @@ use super::chosen::{Chosen, Named, keys_of};
 use super::document::{ConfigError, Document};
 use super::spec::ScenarioSpec;
 use crate::Error;
-use crate::guide::{ControllerSpec, Manoeuvre, MpcSpec, SolverSpec, Turn};
+use crate::guide::{AboutOrbitSpec, ControllerSpec, Manoeuvre, MpcSpec, SolverSpec, Turn};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -62,9 +62,10 @@ pub(super) struct Choice {
 }
 
 impl Doors {
-    /// The kinds that ship under a name of their own: none so far. One line here makes a kind part of the program.
+    /// The kinds that ship under a name of their own: the controller `[controller.orbit]`, [`AboutOrbitSpec`]. One line
+    /// here makes a kind part of the program.
     pub fn shipped() -> Self {
-        Self::default()
+        Self::default().controller::<AboutOrbitSpec>("orbit")
     }
 
     /// These doors and the manoeuvre `[manoeuvre.NAME]`.

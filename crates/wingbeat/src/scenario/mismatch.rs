@@ -1,6 +1,7 @@
 //! How the robot that flies differs from the one its controller knows.
 
 use crate::Error;
+use crate::range::{Range, ranges};
 use crate::require;
 use crate::robot::RobotSpec;
 use serde::{Deserialize, Serialize};
@@ -8,6 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Factors and shifts applied to the flown robot alone.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct Mismatch {
     /// Factor on the air density.
@@ -43,6 +45,14 @@ impl Default for Mismatch {
     }
 }
 
+ranges!(Mismatch {
+    density: Range::POSITIVE,
+    mass: Range::POSITIVE,
+    inertia: Range::POSITIVE,
+    gait_amplitude: Range::POSITIVE,
+    regulator_bandwidth: Range::POSITIVE,
+});
+
 impl Mismatch {
     /// Its keys.
     pub(super) const KEYS: [&str; 8] = [
@@ -65,17 +75,10 @@ impl Mismatch {
             let allowed = "1 where the structure is given by its matrices";
             return Err(Error::invalid("regulator_bandwidth", self.regulator_bandwidth, allowed));
         }
-        let factors = [
-            ("density", self.density),
-            ("mass", self.mass),
-            ("inertia", self.inertia),
-            ("gait_amplitude", self.gait_amplitude),
-            ("regulator_bandwidth", self.regulator_bandwidth),
-        ];
         require::finite("com_x_m", &[self.com_x_m])?;
         require::finite("com_y_m", &[self.com_y_m])?;
         require::finite("com_z_m", &[self.com_z_m])?;
-        factors.iter().try_for_each(|(key, factor)| require::positive(key, *factor))
+        self.in_range()
     }
 
     /// The robot as it really is.

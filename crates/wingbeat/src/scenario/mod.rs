@@ -1,6 +1,7 @@
 //! TOML to checked objects: the only place where strings become things.
 
 mod build;
+mod calibration;
 mod chosen;
 mod document;
 mod doors;
@@ -12,6 +13,7 @@ mod plan;
 mod recorder;
 mod rig;
 mod rig_process;
+mod rig_simulated;
 mod rig_statement;
 mod rig_together;
 #[cfg(feature = "schema")]
@@ -20,11 +22,14 @@ mod spec;
 mod step_error;
 mod summary;
 mod sweep;
+mod sweep_row;
 mod tether;
 mod tether_compare;
 mod tether_converge;
 mod tether_spec;
+mod trim;
 
+pub use calibration::{CalibratedRunSpec, CalibrationSpec, ParameterSpec, StructureOfModel, TruthSpec};
 pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
 pub use doors::Doors;
@@ -36,6 +41,7 @@ pub use plan::{
 };
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
 pub use rig_process::{Processed, Weighed};
+pub use rig_simulated::SimulatedRun;
 pub use rig_together::{Evaluated, ProcessedRun, Together, subtract_still_air, together};
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;
@@ -51,14 +57,15 @@ pub use tether_spec::{
     ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,
     TetheredBodySpec, TetheredWingSpec, WindSpec,
 };
+pub use trim::{Along, FamilySpec, Multiplier, TrimProgress, TrimSpec, TrimSummary, Trimmed};
 
 use crate::Error;
 use crate::aero::Aero;
-use crate::guide::Manoeuvre;
+use crate::guide::{HeldCommands, Manoeuvre};
 use crate::math::{Quat, Vec3};
-use crate::plant::Plant;
+use crate::plant::{Channel, Plant};
 use crate::robot::Robot;
-use crate::simulate::{AtRest, Controller, Flight, Record, Sample, Schedule, Sensors, fly};
+use crate::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly};
 use build::{Built, whole};
 use doors::Choice;
 use recorder::{Recorded, Recorder};
@@ -67,7 +74,7 @@ use std::path::Path;
 use step_error::StepError;
 
 /// Keys of a scenario that name a file to be put in their place.
-const INCLUDES: [&str; 1] = ["robot"];
+const INCLUDES: [&str; 2] = ["robot", "robot.numbers"];
 /// What an override may change of a case of which numbers are published: it flies as before.
 const BESIDE_THE_CASE: [&str; 4] = ["name", "paper", "flight.record_every_s", "flight.record_strips_every_s"];
 
@@ -171,7 +178,14 @@ impl Scenario {
         &self.model
     }
 
-    /// State at t = 0: at the origin, structure at rest, still wake.
+    /// Commands that the start holds.
+    fn held_commands(&self) -> Vec<f64> {
+        let given = |channel: &Channel| self.spec.start.commands.get(&channel.name).copied();
+        self.robot.inputs().iter().map(|channel| given(channel).unwrap_or(0.0)).collect()
+    }
+
+    /// State at t = 0: at the origin, structure at rest under the commands that the start holds, still wake but for what
+    /// the start says.
     pub fn start(&self) -> Vec<f64> {
         let (start, layout) = (&self.spec.start, self.robot.layout());
         let mut x = vec![0.0; layout.len];
@@ -180,6 +194,16 @@ impl Scenario {
         Vec3(start.velocity_m_s).store(&mut x[layout.velocity..]);
         let coordinates = self.robot.start_coordinates();
         x[layout.joints..][..coordinates.len()].copy_from_slice(&coordinates);
+        Vec3(start.rate_rad_s).store(&mut x[layout.rate..]);
+        let held = self.held_commands();
+        let gains = self.robot.rest_gains();
+        for (y, gains) in x[layout.structure..].iter_mut().zip(gains.chunks_exact(held.len().max(1))) {
+            *y = gains.iter().zip(&held).map(|(gain, held)| gain * held).sum();
+        }
+        let states = self.robot.states().iter().zip(&mut x).skip(layout.joints);
+        for (channel, x) in states {
+            *x = start.states.get(&channel.name).copied().unwrap_or(*x);
+        }
         x
     }
 
@@ -203,7 +227,10 @@ impl Scenario {
     pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
         match self.controller()? {
             Some(mut controller) => self.fly_under(&mut controller, self.sensors(), &self.schedule, observe),
-            None => self.fly_under(&mut AtRest, self.sensors(), &self.schedule, observe),
+            None => {
+                let mut held = HeldCommands(self.held_commands());
+                self.fly_under(&mut held, self.sensors(), &self.schedule, observe)
+            }
         }
     }
 

@@ -11,14 +11,14 @@ use crate::rig::carrier::{Carrier, Mount};
 use crate::rig::cell::CellSpec;
 use crate::rig::plan::{Approach, Envelope, Margins, Plan, Refusal, TurnSpec, Workspace};
 use crate::rig::process::{InputSpec, PhaseSource, Steps};
-use crate::rig::{Experiment, Outcome, Pose};
+use crate::rig::{Experiment, Outcome, Pose, RigNumbers};
 use crate::robot::{Air, Robot, RobotSpec, Wind};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Keys of a run that name a file to be put in their place, outer ones first.
-const INCLUDES: [&str; 3] = ["rig", "rig.robot", "rig.arm"];
+const INCLUDES: [&str; 4] = ["rig", "rig.robot", "rig.robot.numbers", "rig.arm"];
 
 /// One run as written in a file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -250,8 +250,12 @@ pub struct RigRun {
     pub arm: SerialArm,
     /// Its limits.
     pub profile: LimitProfile,
-    /// Cell and mount.
+    /// Cell and mount as they are.
     pub mount: Mount,
+    /// Cell and mount as drawn.
+    drawn: Mount,
+    /// How the rig differs from that.
+    numbers: RigNumbers,
 }
 
 impl RigRun {
@@ -338,18 +342,23 @@ impl RigRun {
             None => (&spec.rig.profile, "rig.profile"),
         };
         let body = spec.rig.mount.link.body();
-        let mount = Mount {
+        let drawn = Mount {
             cell: spec.rig.mount.cell.pose(),
             body: spec.rig.mount.body.pose(),
             mass: body.mass,
             com: body.com,
             inertia: body.inertia,
         };
+        let given = RigNumbers::of(&drawn).given(&spec.rig.robot.numbers);
+        let numbers = given.map_err(|e| e.within("rig.robot"))?;
+        let mount = numbers.mount(&drawn);
         Ok(Self {
             robot: spec.robot()?,
             arm: spec.rig.arm.build().map_err(|e| e.within("rig.arm"))?,
             profile: spec.rig.arm.profile(profile).map_err(|e| e.renamed(&[("profile", key)]))?,
             mount,
+            drawn,
+            numbers,
             resolved,
             document,
             spec,
@@ -359,6 +368,11 @@ impl RigRun {
     /// Flapping frequency, Hz.
     pub fn frequency(&self) -> f64 {
         self.spec.frequency_hz.unwrap_or_else(|| self.spec.rig.robot.gait.frequency_hz())
+    }
+
+    /// Cell and mount as the rig's file draws them, without the numbers that say how they are.
+    pub fn mount_as_drawn(&self) -> Mount {
+        self.drawn
     }
 
     /// Body in the tool frame, X_TB.
@@ -459,18 +473,48 @@ impl RigRun {
         seed: u64,
         progress: impl FnMut(f64),
     ) -> Result<Result<Outcome, Fault>, Error> {
-        let experiment = Experiment {
-            robot: &self.robot,
+        self.experiment(&self.robot, self.numbers, carrier, seed).simulate(progress)
+    }
+
+    /// The run with `robot` and rig as these numbers say, ready to be simulated.
+    pub fn experiment<'a>(
+        &'a self,
+        robot: &'a Robot,
+        numbers: RigNumbers,
+        carrier: &'a Carrier,
+        seed: u64,
+    ) -> Experiment<'a> {
+        Experiment {
+            robot,
             carrier,
-            mount: &self.mount,
+            mount: &self.drawn,
+            numbers,
             cell: &self.spec.rig.cell,
             seed,
             rest: self.spec.rig.rest_s,
             duration: self.duration(carrier),
             flapping: self.frequency() > 0.0,
             spin_up: self.spec.rig.spin_up_s,
-        };
-        experiment.simulate(progress)
+        }
+    }
+
+    /// Names and values of the numbers of robot and rig that a fit can find.
+    pub fn named_numbers(&self) -> Vec<(String, f64)> {
+        let mut named = self.robot.named_numbers();
+        named.extend(self.numbers.named());
+        named
+    }
+
+    /// Robot and rig with other numbers; names as for [`Robot::adjusted`].
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<(Robot, RigNumbers), Error> {
+        let (rig, robot): (Vec<_>, Vec<_>) =
+            to.iter().copied().partition(|(name, _)| RigNumbers::names_one(name));
+        let mut numbers = self.numbers;
+        rig.iter().try_for_each(|(name, value)| numbers.set(name, *value))?;
+        Ok((self.robot.adjusted(&robot)?, numbers))
     }
 }
 

@@ -67,6 +67,33 @@ impl RigRun {
     }
 }
 
+impl RigRun {
+    /// Evaluates the samples of the run with what carried the robot: the turn is planned anew, unless `measured` says
+    /// which part of it a simulation measured (begin and end, s). What was averaged is told too; the text says why a
+    /// turn cannot be planned, or the samples not be evaluated.
+    ///
+    /// # Errors
+    /// Those of [`plan`](Self::plan) and [`evaluate`](Self::evaluate).
+    pub fn evaluated(
+        &self,
+        record: Record,
+        measured: Option<(f64, f64)>,
+    ) -> Result<Result<(Evaluated, (f64, f64)), String>, Error> {
+        let plan = match (&self.spec.turn, measured) {
+            (Some(_), None) => match self.plan()? {
+                Ok(plan) => Some(plan),
+                Err(refusal) => return Ok(Err(format!("limit profile {}: {refusal}", self.profile.name))),
+            },
+            _ => None,
+        };
+        let carrier = self.carrier(plan.as_ref());
+        let window = self.spec.process.window_s.map(|[begin, end]| (begin, end));
+        let window = window.or(measured).unwrap_or_else(|| self.window(plan.as_ref(), &carrier));
+        let evaluated = self.evaluate(record, &carrier, window)?;
+        Ok(evaluated.map(|evaluated| (evaluated, window)).map_err(|fault| fault.to_string()))
+    }
+}
+
 impl ProcessedRun {
     /// Name of the run.
     pub fn name(&self) -> &str {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::chosen::{Chosen, Named};
 use super::rig::RunList;
-use super::{RigRunSpec, RigSpec, ScenarioSpec, SweepSpec, TetherSpec, largest};
+use super::{CalibrationSpec, RigRunSpec, RigSpec, ScenarioSpec, SweepSpec, TetherSpec, largest};
 use crate::rig::arm::ArmConfig;
 use crate::robot::RobotSpec;
 
@@ -32,12 +32,23 @@ pub enum DocumentKind {
     Rig,
     /// The arm of a rig.
     Arm,
+    /// A fit to runs on the rig.
+    Calibration,
 }
 
 impl DocumentKind {
     /// All kinds.
-    pub const ALL: [Self; 8] =
-        [Self::Scenario, Self::Robot, Self::Case, Self::Sweep, Self::Run, Self::Runs, Self::Rig, Self::Arm];
+    pub const ALL: [Self; 9] = [
+        Self::Scenario,
+        Self::Robot,
+        Self::Case,
+        Self::Sweep,
+        Self::Run,
+        Self::Runs,
+        Self::Rig,
+        Self::Arm,
+        Self::Calibration,
+    ];
 
     /// The kind in one word.
     pub fn name(self) -> &'static str {
@@ -50,6 +61,7 @@ impl DocumentKind {
             Self::Runs => "runs",
             Self::Rig => "rig",
             Self::Arm => "arm",
+            Self::Calibration => "calibration",
         }
     }
 
@@ -72,6 +84,7 @@ impl DocumentKind {
             Self::Runs => generator.into_root_schema_for::<RunList>(),
             Self::Rig => generator.into_root_schema_for::<RigSpec>(),
             Self::Arm => generator.into_root_schema_for::<ArmConfig>(),
+            Self::Calibration => generator.into_root_schema_for::<CalibrationSpec>(),
         };
         schema.insert("title".into(), self.name().into());
         schema.to_value()

@@ -3,6 +3,7 @@
 use super::chosen::{Chosen, Named};
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
+use super::trim::TrimSpec;
 use crate::Error;
 use crate::aero::{
     CRITICAL_SUCTION, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings, ZERO_LIFT_ANGLE,
@@ -13,6 +14,7 @@ use crate::require;
 use crate::robot::RobotSpec;
 use crate::simulate::SensorSpec;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A flight: robot, air, start, manoeuvre, controller.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -39,6 +41,9 @@ pub struct ScenarioSpec {
     /// What to fly; needed by a predictive controller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub manoeuvre: Option<Chosen<Turn>>,
+    /// The periodic flight that `wingbeat trim` looks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trim: Option<TrimSpec>,
     /// What `wingbeat plan` plans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanSpec>,
@@ -112,6 +117,7 @@ impl AirSpec {
 /// Aerodynamic model.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct AeroSpec {
     /// Which model.
@@ -154,7 +160,7 @@ pub struct AeroSpec {
 /// Settings of preset `paper`.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(crate::aero::LiftingLineSettings::RANGES)))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put_known(crate::aero::LiftingLineSettings::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperAeroSpec {
     /// Interior nodes over the full span.
@@ -176,7 +182,7 @@ impl Default for PaperAeroSpec {
 /// Settings of preset `full`; each ingredient can be left out to show its effect.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(StripSettings::RANGES)))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put_known(StripSettings::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct FullAeroSpec {
     /// Strips over both wings and body.
@@ -249,6 +255,21 @@ pub struct StartSpec {
     pub yaw_deg: f64,
     /// Phase of the gait, rad.
     pub phase_rad: f64,
+    /// Angular rate w_WB_B, rad/s.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub rate_rad_s: [f64; 3],
+    /// States of elastic joints and of the air by the names of their columns, in the unit of the column; what is not
+    /// given starts at rest.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub states: BTreeMap<String, f64>,
+    /// Commands in force from the start by the names of their columns: the structure starts displaced by them, and without
+    /// a controller they are held.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub commands: BTreeMap<String, f64>,
+}
+
+fn is_zero(vector: &[f64; 3]) -> bool {
+    *vector == [0.0; 3]
 }
 
 /// Clock.
@@ -294,6 +315,12 @@ pub struct GoalSpec {
     pub clearance_m: Option<f64>,
 }
 
+ranges!(AeroSpec {
+    stall_angle_deg: STALL_ANGLE.range,
+    critical_suction: CRITICAL_SUCTION.range,
+    zero_lift_angle_deg: ZERO_LIFT_ANGLE.range,
+    lift_slope_per_rad: LIFT_SLOPE.range,
+});
 ranges!(AirSpec { density_kg_m3: Range::POSITIVE, gust_m_s: Range::NOT_NEGATIVE });
 ranges!(GustSpec { start_s: Range::NOT_NEGATIVE, duration_s: Range::POSITIVE });
 ranges!(FlightSpec {

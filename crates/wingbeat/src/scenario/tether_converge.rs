@@ -4,9 +4,11 @@ use super::tether::STEP_CHANGE;
 use super::{ConfigError, ReadTable, TetherCase};
 use crate::Error;
 use crate::aero::{MAX_STRIPS, Preset};
+use crate::parallel;
 use crate::simulate::Ending;
 use crate::tether::{CycleMean, TetherRun};
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// Levels of strips and of steps.
 const LEVELS: usize = 3;
@@ -136,6 +138,42 @@ impl TetherCase {
             Preset::Full => ("aero.full.strips", aero.full.strips),
             Preset::Paper => ("aero.paper.nodes", aero.paper.nodes),
         }
+    }
+
+    /// Runs the case with every combination of strips and steps, on all cores; `done` is told of each run. `watch` may
+    /// end the work: then there is no table.
+    ///
+    /// # Errors
+    /// Those of [`levels`](Self::levels) and [`refined`](Self::refined).
+    pub fn converge(
+        &self,
+        read: ReadTable,
+        watch: &(dyn Fn() -> ControlFlow<()> + Sync),
+        mut done: impl FnMut(usize),
+    ) -> Result<Option<Convergence>, ConfigError> {
+        let levels = self.levels()?;
+        let refined = |(strips, steps)| Ok((strips, steps, self.refined(strips, steps, read)?));
+        let cells = levels.cells().into_iter().map(refined).collect::<Result<Vec<_>, ConfigError>>()?;
+        let mut runs = vec![None; cells.len()];
+        // The longest first, so that no core waits for the last one.
+        let order: Vec<usize> = (0..cells.len()).rev().collect();
+        let mut count = 0;
+        parallel::each(
+            &order,
+            |_, &cell| {
+                let (strips, steps, case) = &cells[cell];
+                ConvergenceRun::of(*strips, *steps, &case.tether.run(|_| watch()))
+            },
+            |index, run| {
+                runs[order[index]] = Some(run);
+                count += 1;
+                done(count);
+                watch()
+            },
+        );
+        let runs: Vec<ConvergenceRun> = runs.into_iter().flatten().collect();
+        let whole = watch().is_continue() && runs.len() == cells.len();
+        Ok(whole.then(|| Convergence::new(levels, runs)))
     }
 
     /// The same case with other strips and steps per cycle.

@@ -160,7 +160,7 @@ pub struct WindSpec {
 /// Cycles and steps.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Clock::RANGES)))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put_known(Clock::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct ClockSpec {
     /// Cycles per second; of a motion that is not periodic, one over its duration.

@@ -6,6 +6,8 @@
 //! A case that cannot be run has failed.
 
 mod case;
+mod learn;
+mod pictures;
 mod place;
 mod readers;
 mod runs;
@@ -25,13 +27,15 @@ pub use case::Case;
 use place::Place;
 
 /// What a class asks for.
-const CLASSES: [(u8, &str); 6] = [
+const CLASSES: [(u8, &str); 8] = [
     (1, "a run destroys nothing it did not make"),
     (2, "no panic, no abort, no endless wait"),
     (3, "status is honest"),
     (4, "a run is a snapshot"),
     (5, "every sample is in a count"),
     (6, "large real files"),
+    (7, "pictures and tables tell the truth"),
+    (8, "a stranger can learn every input and output"),
 ];
 
 /// What is to be run.
@@ -46,10 +50,18 @@ struct Choice {
 
 /// All cases.
 fn cases() -> Vec<Case> {
-    [runs::cases(), sizes::cases(), status::cases(), snapshot::cases(), readers::cases()]
-        .into_iter()
-        .flatten()
-        .collect()
+    [
+        runs::cases(),
+        sizes::cases(),
+        status::cases(),
+        snapshot::cases(),
+        readers::cases(),
+        pictures::cases(),
+        learn::cases(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// Runs the cases that `arguments` choose; true when all pass.

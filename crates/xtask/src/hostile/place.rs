@@ -69,7 +69,7 @@ pub struct Ended {
     /// The signal that ended it.
     pub signal: Option<i32>,
     /// What it printed.
-    stdout: String,
+    pub stdout: String,
     /// What it said.
     pub stderr: String,
     /// Time from the signal sent to the end.

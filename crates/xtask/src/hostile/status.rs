@@ -11,10 +11,11 @@ const STEP: &str = "{root}/cases/step.toml";
 const STAND: &str = "{root}/cases/aerobat_stand.toml";
 const FOLD: &str = "{root}/cases/flap_fold.toml";
 const FLAP: &str = "{root}/cases/flap_f1.toml";
+const GAIT: &str = "{root}/scenarios/least_power_gait.toml";
 const BANK: &str = "{root}/rigs/runs/roll15_speed08.toml";
 
 /// Numbers out of their range: what they are called, the words of the command, the override.
-const RANGES: [(&str, &[&str], &str); 28] = [
+const RANGES: [(&str, &[&str], &str); 35] = [
     ("clearance", &["rig", "plan", BANK], "rig.clearance_m=-1"),
     ("clearance_simulated", &["rig", "simulate", BANK], "rig.clearance_m=-1e-9"),
     ("singularity", &["rig", "plan", BANK], "rig.singularity_margin=-1"),
@@ -41,6 +42,13 @@ const RANGES: [(&str, &[&str], &str); 28] = [
     ("density", &["fly", "glide.toml"], "air.density_kg_m3=0"),
     ("stall_angle", &["fly", "glide.toml"], "aero.stall_angle_deg=-5"),
     ("gust", &["fly", "glide.toml"], "air.gust_m_s=-1"),
+    ("slope", &["fly", "glide.toml"], "aero.lift_slope_per_rad=2"),
+    ("zero_lift", &["fly", "glide.toml"], "aero.zero_lift_angle_deg=31"),
+    ("suction", &["fly", "glide.toml"], "aero.critical_suction=1"),
+    ("body_mass", &["fly", TURN], "robot.body.mass_kg=0"),
+    ("inertia", &["fly", TURN], "robot.body.inertia_kg_m2[1]=-1e-9"),
+    ("regulator_frequency", &["fly", TURN], "robot.structure.frequency_hz=0"),
+    ("mismatch", &["fly", TURN], "mismatch.mass=0"),
     ("steps", &["tether", STEP], "time.steps_per_cycle=2"),
     ("frequency_zero", &["tether", STEP], "time.frequency_hz=0"),
 ];
@@ -102,6 +110,19 @@ fn goal(place: &Place, more: &str) -> Judged {
 
 fn statuses() -> Vec<Case> {
     vec![
+        summed(
+            "coarse_mesh_is_said",
+            &["plan", GAIT, "--set", "plan.least_power.intervals=4", "--set", "plan.least_power.meshes=1"],
+            3,
+            |s| when(s["solver"].as_str().is_some_and(|text| text.starts_with("mesh too coarse")), "solver"),
+        ),
+        refused(
+            3,
+            "key_beside_a_choice",
+            &[],
+            &["plan", GAIT, "--set", "plan.intervals=3"],
+            &["--set plan.intervals=3", "unknown key plan.intervals", "roll_in, least_power"],
+        ),
         summed("short_flight_is_not_judged", &["fly", TURN, "--set", "flight.duration_s=0.1"], 0, |s| {
             when(s["status"] == "not_judged" && s["judged"].as_array().is_some_and(Vec::is_empty), "status")
         }),

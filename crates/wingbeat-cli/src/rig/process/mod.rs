@@ -75,19 +75,8 @@ fn one(source: &Source, overrides: &[String]) -> Result<(ProcessedRun, Origin), 
     let imported = wingbeat_io::samples::read_samples(&file, input)?.import(input)?;
     let named = |what: String| Error::Input(format!("{}: {what}", file.display()));
     let refused = |error: wingbeat::Error| named(run.explain(&error).to_string());
-    let plan = match (&run.spec.turn, &source.window) {
-        (Some(_), None) => Some(
-            run.plan()
-                .map_err(refused)?
-                .map_err(|refusal| named(format!("limit profile {}: {refusal}", run.profile.name)))?,
-        ),
-        _ => None,
-    };
-    let carrier = run.carrier(plan.as_ref());
-    let window = run.spec.process.window_s.map(|[begin, end]| (begin, end));
-    let window = window.or(source.window).unwrap_or_else(|| run.window(plan.as_ref(), &carrier));
-    let result = run.evaluate(imported.record, &carrier, window).map_err(refused)?;
-    let result = result.map_err(|fault| named(fault.to_string()))?;
+    let evaluated = run.evaluated(imported.record, source.window).map_err(refused)?;
+    let (result, window) = evaluated.map_err(named)?;
     Ok((ProcessedRun { run, result }, Origin { file, import: imported.import, window }))
 }
 

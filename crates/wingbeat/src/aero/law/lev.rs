@@ -81,6 +81,7 @@ mod tests {
             cd90: zero,
             stall_angle: angle,
             critical_suction: 0.2,
+            added_mass_scale: 1.0,
         };
         Polar::new(LiftLaw::Lev, &numbers)
     }

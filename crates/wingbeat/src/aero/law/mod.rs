@@ -14,6 +14,7 @@ pub use drag::ProfileDrag;
 use crate::Error;
 use crate::aero::SurfaceNumbers;
 use crate::math::{Meets, Over, Scalar};
+use crate::range::{Range, ranges};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// What becomes of the attached lift as the incidence grows.
@@ -82,10 +83,8 @@ pub struct Parameter {
     pub key: &'static str,
     /// Unit; empty when dimensionless.
     pub unit: &'static str,
-    /// Least value; not itself allowed where `high` is finite.
-    pub low: f64,
-    /// Bound above, not itself allowed.
-    pub high: f64,
+    /// What it may be.
+    pub range: Range,
     /// Value where none is given: a thin, flat plate at Reynolds numbers of 1e3 to 1e5.
     pub default: f64,
     /// What it is.
@@ -107,8 +106,7 @@ pub struct StripState {
 pub const STALL_ANGLE: Parameter = Parameter {
     key: "stall_angle_deg",
     unit: "deg",
-    low: 0.0,
-    high: 90.0,
+    range: Range::inside(0.0, 90.0),
     default: 12.0,
     meaning: "incidence at which the attached lift is largest",
     source: "Mueller 1999, flat plates at 1e4",
@@ -118,8 +116,7 @@ pub const STALL_ANGLE: Parameter = Parameter {
 pub const CRITICAL_SUCTION: Parameter = Parameter {
     key: "critical_suction",
     unit: "",
-    low: 0.0,
-    high: 1.0,
+    range: Range::inside(0.0, 1.0),
     default: 0.11,
     meaning: "leading-edge suction parameter A0 beyond which the leading edge holds no more suction",
     source: "Ramesh et al. 2014, flat plate at 1e3 to 1e4",
@@ -129,8 +126,7 @@ pub const CRITICAL_SUCTION: Parameter = Parameter {
 pub const ZERO_LIFT_ANGLE: Parameter = Parameter {
     key: "zero_lift_angle_deg",
     unit: "deg",
-    low: -30.0,
-    high: 30.0,
+    range: Range::inside(-30.0, 30.0),
     default: 0.0,
     meaning: "incidence of the chord at which the section bears no lift; negative with camber upward",
     source: "a section without camber",
@@ -140,9 +136,8 @@ pub const ZERO_LIFT_ANGLE: Parameter = Parameter {
 pub const LIFT_SLOPE: Parameter = Parameter {
     key: "lift_slope_per_rad",
     unit: "1/rad",
-    // Below, the strip model's lags would hold less circulation than the chord's own doublet.
-    low: 2.0 * PI / 3.0,
-    high: 12.0,
+    // Below 2 pi/3 the strip model's lags would hold less circulation than the chord's own doublet.
+    range: Range::between(2.1, 12.0),
     default: 2.0 * PI,
     meaning: "lift slope of the section in plane flow",
     source: "thin section, 2 pi",
@@ -152,8 +147,7 @@ pub const LIFT_SLOPE: Parameter = Parameter {
 pub const CD0: Parameter = Parameter {
     key: "cd0",
     unit: "",
-    low: 0.0,
-    high: f64::INFINITY,
+    range: Range::NOT_NEGATIVE,
     default: 0.05,
     meaning: "drag coefficient along the wind at no incidence",
     source: "laminar plate, both sides, 2.66/sqrt(Re) at 3e3",
@@ -163,8 +157,7 @@ pub const CD0: Parameter = Parameter {
 pub const CD90: Parameter = Parameter {
     key: "cd90",
     unit: "",
-    low: 0.0,
-    high: f64::INFINITY,
+    range: Range::NOT_NEGATIVE,
     default: 2.0,
     meaning: "drag coefficient broadside on",
     source: "Hoerner 1965, ch. 3, infinite plate 1.98",
@@ -176,10 +169,7 @@ impl Parameter {
     /// # Errors
     /// [`Error::Invalid`].
     pub fn check(&self, value: f64) -> Result<(), Error> {
-        match self.high.is_finite() {
-            true => crate::require::inside(self.key, value, self.low, self.high),
-            false => crate::require::not_negative(self.key, value),
-        }
+        self.range.check(self.key, value)
     }
 }
 
@@ -212,9 +202,17 @@ impl LiftLaw {
     }
 }
 
+ranges!(SectionSpec {
+    stall_angle_deg: STALL_ANGLE.range,
+    critical_suction: CRITICAL_SUCTION.range,
+    zero_lift_angle_deg: ZERO_LIFT_ANGLE.range,
+    lift_slope_per_rad: LIFT_SLOPE.range,
+});
+
 /// What a surface says of its section; what it leaves out the scenario says for all surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct SectionSpec {
     /// Incidence at which the attached lift is largest, deg.
@@ -237,13 +235,7 @@ impl SectionSpec {
     /// # Errors
     /// [`Error::Invalid`].
     pub fn check(&self) -> Result<(), Error> {
-        let given = [
-            (&STALL_ANGLE, self.stall_angle_deg),
-            (&CRITICAL_SUCTION, self.critical_suction),
-            (&ZERO_LIFT_ANGLE, self.zero_lift_angle_deg),
-            (&LIFT_SLOPE, self.lift_slope_per_rad),
-        ];
-        given.iter().try_for_each(|(parameter, value)| value.map_or(Ok(()), |value| parameter.check(value)))
+        self.in_range()
     }
 
     /// True when nothing is said.
@@ -331,7 +323,7 @@ mod tests {
             assert_eq!(toml::Value::try_from(law).unwrap().as_str(), Some(about.name));
             for p in about.parameters {
                 p.check(p.default).unwrap();
-                assert!(p.check(p.low - 1e-9).is_err() && p.check(f64::NAN).is_err(), "{}", p.key);
+                assert!(p.check(-100.0).is_err() && p.check(f64::NAN).is_err(), "{}", p.key);
                 assert!(!p.meaning.is_empty() && !p.source.is_empty());
             }
         }

@@ -61,7 +61,7 @@ impl<P: Scalar> Node<P> {
             circulation: numbers.section_slope * half_chord,
             lag_rates: JONES_RATES.map(|e| e / half_chord),
             lift: numbers.density * numbers.section_slope * half_chord * cell.width,
-            mass: numbers.density * PI * 0.25 * cell.square,
+            mass: numbers.density * PI * 0.25 * cell.square * numbers.added_mass_scale,
             drag: numbers.density * 0.5 * cell.area,
         }
     }

@@ -77,6 +77,7 @@ impl LiftingLineSettings {
             cd90: self.drag.cd90,
             stall_angle: self.stall_angle_rad,
             critical_suction: self.critical_suction,
+            added_mass_scale: 1.0,
         }
     }
 

@@ -82,7 +82,8 @@ impl<P: Scalar> Tables<P> {
             share: std::array::from_fn(|i| {
                 if i > last || !grid.covered[i] { 0.0 } else { chord[i] * grid.width[i] / area }
             }),
-            mass: scale(&|i| PI * chord[i] * chord[i] * cos[i] / 4.0),
+            mass: scale(&|i| PI * chord[i] * chord[i] * cos[i] / 4.0)
+                .map(|mass| mass * numbers.added_mass_scale),
             inverse_wake_length: lags.wake_delay.iter().map(|t| 1.0 / (t * delay_scale)).collect(),
         }
     }

@@ -54,6 +54,8 @@ pub struct LinkageDimensions {
     pub p5_m: [f64; 2],
     /// Pivot of the bell crank.
     pub p8_m: [f64; 2],
+    /// Turn of the whole mechanism about the shoulder, positive raises the wing; the crank's angle turns with it.
+    pub turned_deg: f64,
     /// Smallest and largest `l3b_m` as multiples of the nominal one.
     pub l3b_range: [f64; 2],
     /// The same of `l5a_m`.
@@ -88,6 +90,7 @@ impl Default for LinkageDimensions {
             p1_m: [-10e-3, -9.8e-3],
             p5_m: [22e-3 * cos20, 22e-3 * sin20],
             p8_m: [22e-3 * sin25, 22e-3 * cos25],
+            turned_deg: 0.0,
             l3b_range: [0.876, 3.0],
             l5a_range: [0.876, 1.648],
             l5b_range: [0.876, 1.166],
@@ -141,6 +144,7 @@ impl LinkageDimensions {
             ("l7a_m", self.l7a_m),
         ];
         positive.iter().try_for_each(|(key, length)| require::positive(key, *length))?;
+        require::between("turned_deg", self.turned_deg, -180.0, 180.0)?;
         let ranges =
             [("l3b_range", self.l3b_range), ("l5a_range", self.l5a_range), ("l5b_range", self.l5b_range)];
         for (key, [low, high]) in ranges {

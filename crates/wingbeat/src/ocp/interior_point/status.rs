@@ -26,6 +26,11 @@ pub enum Status {
         /// What happened, in words.
         cause: String,
     },
+    /// The finest mesh allowed is too coarse for the tolerance asked.
+    CoarseMesh {
+        /// Largest error between its nodes, relative.
+        error: f64,
+    },
     /// The objective falls without end.
     Unbounded,
     /// The observer asked for an end.
@@ -50,6 +55,11 @@ impl fmt::Display for Status {
             Self::IterationLimit => write!(f, "iteration limit"),
             Self::TimeLimit => write!(f, "time limit"),
             Self::NumericalTrouble { cause } => write!(f, "numerical trouble: {cause}"),
+            Self::CoarseMesh { error } => write!(
+                f,
+                "mesh too coarse: the finest mesh allowed leaves a relative error of {error:.1e} between its nodes; \
+                 allow more meshes or intervals, or a larger tolerance"
+            ),
             Self::Unbounded => write!(f, "unbounded objective"),
             Self::Stopped => write!(f, "stopped on request"),
         }

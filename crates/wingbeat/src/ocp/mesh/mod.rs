@@ -170,7 +170,8 @@ impl<P: OptimalControl> Run<'_, P> {
             let full = mesh.len() > self.refinement.most_intervals + 1 || mesh.len() == solved.mesh.len();
             if full || self.passes.len() >= self.refinement.meshes {
                 let accurate = solved.error <= NEARLY * self.refinement.tolerance;
-                status = if accurate { Status::Acceptable } else { mesh_limit(solved.error) };
+                status =
+                    if accurate { Status::Acceptable } else { Status::CoarseMesh { error: solved.error } };
                 break;
             }
             let start = resample(solved, &mesh);
@@ -254,12 +255,6 @@ impl<P: OptimalControl> Run<'_, P> {
         let status = if stopped { Status::Stopped } else { status };
         (status, Some(Solved { mesh, objective, errors, error, interpolant }))
     }
-}
-
-/// The end of a refinement that may not divide any more.
-fn mesh_limit(error: f64) -> Status {
-    let cause = format!("the finest mesh allowed leaves an error of {error:.1e} between its nodes");
-    Status::NumericalTrouble { cause }
 }
 
 /// The solution sampled at the points that a refined mesh will have.

@@ -1,12 +1,14 @@
 //! Parts that must not meet.
 
 use crate::Error;
-use crate::require::{finite, positive};
+use crate::range::{Range, ranges};
+use crate::require::finite;
 use serde::{Deserialize, Serialize};
 
 /// The room that a link takes: all points within a radius of a segment, in link axes from its joint.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct CapsuleSpec {
     /// Begin of the segment, m.
@@ -27,10 +29,12 @@ pub struct ClearanceSpec {
     pub between: [String; 2],
 }
 
+ranges!(CapsuleSpec { radius_m: Range::POSITIVE });
+
 impl CapsuleSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
         finite("capsule.from_m", &self.from_m)?;
         finite("capsule.to_m", &self.to_m)?;
-        positive("capsule.radius_m", self.radius_m)
+        self.in_range().map_err(|e| e.within("capsule"))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::body::Motor;
-use crate::require::{not_negative, positive};
+use crate::range::{Range, ranges};
 use serde::{Deserialize, Serialize};
 
 /// What turns the crank of the gait: without a motor it turns at the gait's frequency whatever the load.
@@ -20,6 +20,7 @@ pub struct DriveSpec {
 /// `no_load_speed_rad_s`, or by `torque_constant_n_m_a`, `resistance_ohm` and `supply_v`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct MotorSpec {
     /// Torque of the shaft held still, N m.
@@ -53,6 +54,18 @@ fn lossless() -> f64 {
     1.0
 }
 
+ranges!(MotorSpec {
+    stall_torque_n_m: Range::POSITIVE,
+    no_load_speed_rad_s: Range::POSITIVE,
+    torque_constant_n_m_a: Range::POSITIVE,
+    resistance_ohm: Range::POSITIVE,
+    supply_v: Range::POSITIVE,
+    gear_ratio: Range::POSITIVE,
+    efficiency: Range::over(0.0, 1.0),
+    rotor_inertia_kg_m2: Range::POSITIVE,
+    crank_inertia_kg_m2: Range::NOT_NEGATIVE,
+});
+
 impl DriveSpec {
     /// Whether the crank turns at a constant rate.
     pub fn is_constant(&self) -> bool {
@@ -67,13 +80,8 @@ impl DriveSpec {
 
 impl MotorSpec {
     fn build(&self) -> Result<Motor, Error> {
+        self.in_range()?;
         let (stall_torque, no_load_speed) = self.line()?;
-        positive("gear_ratio", self.gear_ratio)?;
-        positive("rotor_inertia_kg_m2", self.rotor_inertia_kg_m2)?;
-        not_negative("crank_inertia_kg_m2", self.crank_inertia_kg_m2)?;
-        if !(self.efficiency > 0.0 && self.efficiency <= 1.0) {
-            return Err(Error::invalid("efficiency", self.efficiency, "above 0 and at most 1"));
-        }
         let inertia = self.rotor_inertia_kg_m2 * self.gear_ratio.powi(2) + self.crank_inertia_kg_m2;
         let (gear_ratio, efficiency) = (self.gear_ratio, self.efficiency);
         Ok(Motor { stall_torque, no_load_speed, gear_ratio, efficiency, inertia })
@@ -94,8 +102,7 @@ impl MotorSpec {
             return Err(Error::invalid(*key, value, allowed));
         }
         let given = |(key, value): (&str, Option<f64>)| {
-            let value = value.ok_or_else(|| Error::invalid(key, "missing", "a finite number above 0"))?;
-            positive(key, value).map(|()| value)
+            value.ok_or_else(|| Error::invalid(key, "missing", "a finite number above 0"))
         };
         if by_constants {
             let [kt, ohm, volt] = [given(constants[0])?, given(constants[1])?, given(constants[2])?];

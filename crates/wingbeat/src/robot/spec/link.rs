@@ -3,7 +3,8 @@
 use super::{CapsuleSpec, GaitSpec};
 use crate::Error;
 use crate::body::{FourierSeries, Harmonic, JointKind};
-use crate::require::{finite, not_negative, positive, principal_inertias};
+use crate::range::{Range, ranges};
+use crate::require::{finite, principal_inertias};
 use serde::{Deserialize, Serialize};
 
 /// On which side of the plane of symmetry a link lies.
@@ -23,6 +24,7 @@ pub enum LinkSide {
 /// `driven`, `elastic`, `free` or none of them (fixed).
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct LinkSpec {
     /// Name, also that of its joint.
@@ -108,6 +110,7 @@ pub enum LinkageOutput {
 /// Spring and damper of an elastic joint: effort = -stiffness (q - rest) - damping q'.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct ElasticSpec {
     /// N m/rad, or N/m of a sliding joint.
@@ -130,6 +133,7 @@ pub struct ElasticSpec {
 /// the range.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct StopSpec {
     /// Lower stop, rad or m.
@@ -153,6 +157,10 @@ pub enum JointSpec<'a> {
     Free,
 }
 
+ranges!(LinkSpec { mass_kg: Range::NOT_NEGATIVE, inertia_kg_m2: Range::NOT_NEGATIVE });
+ranges!(ElasticSpec { stiffness: Range::NOT_NEGATIVE, damping: Range::NOT_NEGATIVE });
+ranges!(StopSpec { stiffness: Range::POSITIVE });
+
 impl LinkSpec {
     /// How the joint moves.
     pub fn moved(&self) -> JointSpec<'_> {
@@ -173,7 +181,7 @@ impl LinkSpec {
             let error = Error::invalid("axis", format!("{:?}", self.axis), "a direction");
             return Err(error.against([0, 1, 2].map(|i| format!("axis[{i}]"))));
         }
-        not_negative("mass_kg", self.mass_kg)?;
+        self.in_range()?;
         finite("com_m", &self.com_m)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)?;
         self.capsule.iter().try_for_each(CapsuleSpec::check)?;
@@ -214,14 +222,13 @@ impl DrivenSpec {
 
 impl ElasticSpec {
     fn check(&self) -> Result<(), Error> {
-        not_negative("stiffness", self.stiffness)?;
-        not_negative("damping", self.damping)?;
+        self.in_range()?;
         finite("rest", &[self.rest])?;
         finite("start", &[self.start.unwrap_or(0.0)])?;
         let Some(stops) = &self.stops else { return Ok(()) };
+        stops.in_range().map_err(|e| e.within("stops"))?;
         finite("stops.low", &[stops.low])?;
         finite("stops.high", &[stops.high])?;
-        positive("stops.stiffness", stops.stiffness)?;
         if stops.low < stops.high {
             return Ok(());
         }

@@ -17,8 +17,10 @@ pub use surface::{PanelSpec, SurfaceSpec};
 pub use wing::{WingLinkSpec, WingSpec};
 
 use crate::Error;
-use crate::require::{all, finite, not_negative, positive, principal_inertias};
+use crate::range::{Range, ranges};
+use crate::require::{finite, principal_inertias};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A robot: body, links with their joints, surfaces, gait, structure. `wing` stands for the links
 /// and the surface of a pair of two-panelled wings.
@@ -51,11 +53,17 @@ pub struct RobotSpec {
     /// Response of the structure to its regulators.
     #[serde(default)]
     pub structure: StructureSpec,
+    /// Numbers by name, `"surfaces.wing.cd0" = 0.03`, in place of those that follow from the other keys; or a file of such
+    /// numbers, as `wingbeat calibrate` writes it. Numbers of the rig (`mount.`, `crank.`) count on the rig alone.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "file_or_numbers"))]
+    pub numbers: BTreeMap<String, f64>,
 }
 
 /// Central body; lengths from the body origin in FLU axes.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct BodySpec {
     /// Mass, kg.
@@ -73,19 +81,52 @@ pub struct BodySpec {
     pub capsule: Option<CapsuleSpec>,
 }
 
+ranges!(BodySpec {
+    mass_kg: Range::POSITIVE,
+    inertia_kg_m2: Range::NOT_NEGATIVE,
+    drag_area_m2: Range::NOT_NEGATIVE,
+});
+
 impl BodySpec {
     fn check(&self) -> Result<(), Error> {
-        positive("mass_kg", self.mass_kg)?;
+        self.in_range()?;
         finite("com_m", &self.com_m)?;
         self.capsule.iter().try_for_each(CapsuleSpec::check)?;
-        all("drag_area_m2", &self.drag_area_m2, not_negative)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
     }
 }
 
+/// The name of a file of numbers, or the numbers.
+#[cfg(feature = "schema")]
+fn file_or_numbers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let numbers = serde_json::json!({ "type": "object", "additionalProperties": { "type": "number" } });
+    schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers] })
+}
+
+/// Whether a number is one of the rig that carries the robot.
+pub(crate) fn is_of_rig(name: &str) -> bool {
+    ["mount.", "crank."].iter().any(|of| name.starts_with(of))
+}
+
+/// Refuses a number out of its bounds, and the frequency, which is the gait's.
+fn check_number(name: &str, value: f64) -> Result<(), Error> {
+    let given = || format!("{name:?} = {value}");
+    if name == "gait.phase_rate_rad_s" {
+        return Err(Error::invalid("numbers", given(), "the frequency where the gait has it"));
+    }
+    let [low, high] = super::bounds(name);
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::invalid("numbers", given(), format!("{low} to {high}")))
+}
+
 impl RobotSpec {
     /// Checks what the types alone do not: ranges, names, clashes.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
         self.body.check().map_err(|e| e.within("body"))?;
         if let Some(wing) = &self.wing {
             wing.check().map_err(|e| e.within("wing"))?;
@@ -98,7 +139,14 @@ impl RobotSpec {
         }
         self.gait.check(self.wing.is_some()).map_err(|e| e.within("gait"))?;
         self.drive.build().map_err(|e| e.within("drive"))?;
-        self.structure.check().map_err(|e| e.within("structure"))
+        self.structure.check().map_err(|e| e.within("structure"))?;
+        self.numbers.iter().try_for_each(|(name, value)| check_number(name, *value))
+    }
+
+    /// The numbers given by name that are the robot's own.
+    pub(crate) fn own_numbers(&self) -> Vec<(&str, f64)> {
+        let own = self.numbers.iter().filter(|(name, _)| !is_of_rig(name));
+        own.map(|(name, value)| (name.as_str(), *value)).collect()
     }
 
     /// Multiplies the masses and the inertias of body and links.
@@ -110,6 +158,12 @@ impl RobotSpec {
         for (m, i) in wing.chain(links).chain([body]) {
             *m *= mass;
             i.iter_mut().for_each(|i| *i *= inertia);
+        }
+        for (name, number) in &mut self.numbers {
+            let scale = if name.ends_with("mass_kg") { mass } else { inertia };
+            if name.ends_with("mass_kg") || name.contains("inertia_kg_m2") {
+                *number *= scale;
+            }
         }
     }
 

@@ -2,8 +2,9 @@
 
 use crate::Error;
 use crate::body::{Coupled, Element, Response};
-use crate::require::{not_negative, positive};
+use crate::range::{Range, ranges};
 use crate::robot::MAX_ELEMENTS;
+use crate::robot::joints::CRANK;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -14,6 +15,7 @@ use std::collections::BTreeMap;
 /// y'' = K (P omega - y) - C y'; or `a` and `b` give all. P is the placement of the regulators.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct StructureSpec {
     /// Natural frequency of every element that gives none, Hz.
@@ -64,13 +66,19 @@ pub struct RegulatorSpec {
 /// One structure element: what it displaces and how far.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct ElementSpec {
     /// Name of its channel.
     pub name: String,
-    /// Driven joints (rad, m), by name, or link lengths of the linkage (`l3b_left` and the like, m)
-    /// that it displaces about the gait, alike.
+    /// What it displaces about the gait, all alike: driven joints (rad, m) by name; elastic joints, the rest of
+    /// whose spring it displaces; link lengths of the linkage (`l3b_left` and the like, m); or `crank` alone, which
+    /// turns at the gait's rate and that of the element, whose command is a rate (rad/s): y'' = 2 pi f (omega - y').
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moves: Vec<String>,
+    /// Joints driven by series, by name, whose harmonics it scales by 1 + y, in place of `moves`; their means stay.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scales: Vec<String>,
     /// Lower limit of the regulator, rad or m; link lengths take theirs from the
     /// ranges of the linkage.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -84,6 +92,16 @@ pub struct ElementSpec {
     /// Damping ratio in place of the structure's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
+}
+
+ranges!(StructureSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });
+ranges!(ElementSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });
+
+impl ElementSpec {
+    /// Whether it changes the rate of the crank.
+    pub(in crate::robot) fn turns_crank(&self) -> bool {
+        self.moves == [CRANK]
+    }
 }
 
 impl StructureSpec {
@@ -108,9 +126,21 @@ impl StructureSpec {
             return Err(Error::invalid("regulators", regulators, allowed));
         }
         for (i, e) in self.elements.iter().enumerate() {
-            if e.moves.is_empty() {
-                let allowed = "at least one joint or link length";
+            if e.moves.is_empty() && e.scales.is_empty() {
+                let allowed = "at least one joint or link length, or `scales`";
                 return Err(Error::invalid(format!("elements[{i}].moves"), "[]", allowed));
+            }
+            if !(e.moves.is_empty() || e.scales.is_empty()) {
+                let allowed = "nothing beside `moves`";
+                return Err(Error::invalid(
+                    format!("elements[{i}].scales"),
+                    format!("{:?}", e.scales),
+                    allowed,
+                ));
+            }
+            if let (true, Some(damping)) = (e.turns_crank(), e.damping) {
+                let allowed = "nothing: the crank's rate follows its command";
+                return Err(Error::invalid(format!("elements[{i}].damping"), damping, allowed));
             }
         }
         unused("elements", self.elements.iter().map(|e| e.name.as_str()))?;
@@ -146,8 +176,9 @@ impl StructureSpec {
 
     /// That the response is given in one way alone.
     fn check_ways(&self) -> Result<(), Error> {
-        self.frequency_hz.map_or(Ok(()), |f| positive("frequency_hz", f))?;
-        self.damping.map_or(Ok(()), |d| not_negative("damping", d))?;
+        self.in_range()?;
+        let within = |i: usize| move |e: Error| e.within(&format!("elements[{i}]"));
+        self.elements.iter().enumerate().try_for_each(|(i, e)| e.in_range().map_err(within(i)))?;
         let pair = |[one, other]: [(&'static str, bool); 2]| match (one.1, other.1) {
             (true, false) => {
                 Err(Error::invalid(other.0, "missing", format!("both {} and {}", one.0, other.0)))
@@ -231,6 +262,10 @@ impl StructureSpec {
         };
         let element = |(i, e): (usize, &ElementSpec)| {
             let (frequency_key, frequency) = number(i, "frequency_hz", e.frequency_hz, self.frequency_hz)?;
+            if e.turns_crank() {
+                return Element::of_rate(frequency)
+                    .map_err(|e| e.renamed(&[("frequency_hz", frequency_key)]));
+            }
             let (damping_key, damping) = number(i, "damping", e.damping, self.damping)?;
             let keys = [("frequency_hz", frequency_key), ("damping", damping_key)];
             Element::new(frequency, damping).map_err(|e| e.renamed(&keys))
@@ -238,13 +273,7 @@ impl StructureSpec {
         let elements: Vec<Element> =
             self.elements.iter().enumerate().map(element).collect::<Result<_, _>>()?;
         let Some(placement) = self.placement() else { return Ok(Response::Uncoupled(elements)) };
-        let diagonal = |of: fn(&Element) -> f64| {
-            let mut matrix = identity(elements.len());
-            matrix.iter_mut().zip(&elements).enumerate().for_each(|(i, (row, e))| row[i] = of(e));
-            matrix
-        };
-        let (stiffness, damping) = (diagonal(|e| e.stiffness), diagonal(|e| e.damping));
-        Coupled::placed(&stiffness, &damping, &placement).map(Response::Coupled)
+        Ok(Response::Coupled(Coupled::of_elements(&elements, &placement)))
     }
 }
 

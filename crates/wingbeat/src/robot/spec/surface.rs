@@ -1,13 +1,15 @@
 //! Lifting surfaces.
 
 use crate::Error;
-use crate::aero::{Gap, LiftLaw, Planform, PlanformStation, Preset, SectionSpec, Span};
-use crate::require::{finite, not_negative};
+use crate::aero::{CD0, CD90, Gap, LiftLaw, Planform, PlanformStation, Preset, SectionSpec, Span};
+use crate::range::ranges;
+use crate::require::finite;
 use serde::{Deserialize, Serialize};
 
 /// A lifting surface: an outline by arc length, laid over links from the root to the tip.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceSpec {
     /// Name.
@@ -72,6 +74,8 @@ fn left() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
 
+ranges!(SurfaceSpec { cd0: CD0.range, cd90: CD90.range });
+
 impl SurfaceSpec {
     /// The outline.
     pub fn outline(&self) -> Result<Planform, Error> {
@@ -79,8 +83,7 @@ impl SurfaceSpec {
     }
 
     pub(super) fn check(&self) -> Result<(), Error> {
-        not_negative("cd0", self.cd0)?;
-        self.cd90.map_or(Ok(()), |cd90| not_negative("cd90", cd90))?;
+        self.in_range()?;
         self.section.check().map_err(|e| e.within("section"))?;
         finite("planform_shift_m", &[self.planform_shift_m])?;
         if self.panels.is_empty() {

@@ -2,13 +2,15 @@
 
 use super::CapsuleSpec;
 use crate::Error;
-use crate::aero::{Gap, Planform, PlanformStation, SectionSpec};
-use crate::require::{finite, not_negative, positive, principal_inertias};
+use crate::aero::{CD0, CD90, Gap, Planform, PlanformStation, SectionSpec};
+use crate::range::{Range, ranges};
+use crate::require::{finite, positive, principal_inertias};
 use serde::{Deserialize, Serialize};
 
 /// The left wing of a pair: sweep, shoulder, elbow and twist joints, from body to tip.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct WingSpec {
     /// Shoulder hinge from the body origin, m.
@@ -37,6 +39,7 @@ pub struct WingSpec {
 /// One wing link; lengths from its inner hinge, y along the span.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct WingLinkSpec {
     /// Length along the span, m.
@@ -52,6 +55,13 @@ pub struct WingLinkSpec {
     pub capsule: Option<CapsuleSpec>,
 }
 
+ranges!(WingSpec { cd0: CD0.range, cd90: CD90.range });
+ranges!(WingLinkSpec {
+    length_m: Range::POSITIVE,
+    mass_kg: Range::POSITIVE,
+    inertia_kg_m2: Range::NOT_NEGATIVE,
+});
+
 impl WingSpec {
     /// The planform with its gaps.
     pub fn outline(&self) -> Result<Planform, Error> {
@@ -62,8 +72,7 @@ impl WingSpec {
         finite("shoulder_m", &self.shoulder_m)?;
         positive("shoulder_m[1]", self.shoulder_m[1])?;
         finite("planform_shift_m", &[self.planform_shift_m])?;
-        not_negative("cd0", self.cd0)?;
-        not_negative("cd90", self.cd90)?;
+        self.in_range()?;
         self.section.check().map_err(|e| e.within("section"))?;
         self.proximal.check().map_err(|e| e.within("proximal"))?;
         self.distal.check().map_err(|e| e.within("distal"))?;
@@ -82,8 +91,7 @@ impl WingSpec {
 
 impl WingLinkSpec {
     pub(super) fn check(&self) -> Result<(), Error> {
-        positive("length_m", self.length_m)?;
-        positive("mass_kg", self.mass_kg)?;
+        self.in_range()?;
         finite("com_m", &self.com_m)?;
         self.capsule.iter().try_for_each(CapsuleSpec::check)?;
         principal_inertias("inertia_kg_m2", self.inertia_kg_m2)

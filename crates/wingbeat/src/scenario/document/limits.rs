@@ -15,7 +15,7 @@ const LARGEST: f64 = 1e12;
 
 /// Units and largest magnitudes by the end of the key, longer ends first. *Choices*, far beyond any robot, rig or wing tunnel,
 /// such that powers and products of several stay finite and no picture or table grows without bound.
-const BY_UNIT: [(&str, &str, f64); 20] = [
+const BY_UNIT: [(&str, &str, f64); 21] = [
     ("_kg_m2", "kg m2", 1e6),
     ("_kg_m3", "kg/m3", 1e5),
     ("_rad_s", "rad/s", 1e6),
@@ -23,6 +23,7 @@ const BY_UNIT: [(&str, &str, f64); 20] = [
     ("_m_s2", "m/s2", 1e6),
     ("_n_m", "N m", 1e6),
     ("_per_s", "1/s", 1e6),
+    ("_per_rad", "1/rad", 1e4),
     ("_m_s", "m/s", 1e4),
     ("_deg_s", "deg/s", 1e6),
     ("_deg", "deg", 3600.0),

@@ -282,18 +282,26 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         }
         self.located(|reader| match reader.node.get_ref() {
             DeValue::String(text) => visitor.visit_enum(Choice { reader, name: text, inside: None }),
-            DeValue::Table(table) if table.len() == 1 => match table.iter().next() {
-                Some((key, value)) => {
-                    visitor.visit_enum(Choice { reader, name: key.get_ref(), inside: Some(value) })
+            DeValue::Table(table) => {
+                let ignored = |key: &str| reader.mended.ignored.contains(&dotted(&reader.path, key));
+                let mut kept = table.iter().filter(|(key, _)| !ignored(key.get_ref()));
+                match (kept.next(), kept.next()) {
+                    (Some((key, value)), None) => {
+                        visitor.visit_enum(Choice { reader, name: key.get_ref(), inside: Some(value) })
+                    }
+                    _ => Err(Complaint::new(not_one_of(table.keys().map(|key| key.get_ref()), variants))),
                 }
-                None => Err(Complaint::new(Fault::Name(names(variants)))),
-            },
-            DeValue::Table(_) => {
-                Err(Complaint::new(Fault::Value(format!("one of {}, alone", variants.join(", ")))))
             }
             _ => Err(Complaint::new(Fault::Value(format!("one of {}", variants.join(", "))))),
         })
     }
+}
+
+/// What is wrong with a table that should hold one of `variants` alone and has these `keys`.
+fn not_one_of<K: AsRef<str>>(mut keys: impl Iterator<Item = K>, variants: &[&str]) -> Fault {
+    let unknown = keys.find(|key| !variants.contains(&key.as_ref()));
+    let known = unknown.map(|key| Fault::Unknown(key.as_ref().into(), names(variants)));
+    known.unwrap_or_else(|| Fault::Value(format!("one of {}, alone", variants.join(", "))))
 }
 
 /// The items of a list.

@@ -25,6 +25,9 @@ const BESIDE: [&str; 9] = [
     "force_forward",
 ];
 
+/// Column of the share of the strips past stall.
+const STALLED: &str = "stalled_share";
+
 /// A gait on a stand with its commands.
 pub(super) struct Replay<'a> {
     pub stand: &'a Stand<'a>,
@@ -69,6 +72,7 @@ impl Replay<'_> {
         columns.extend(["joint_power", "drive_power", "power_to_air"].map(|n| Column::new(n, "W", "")));
         columns.extend(["force_up", "force_forward"].map(|n| Column::new(n, "N", "W")));
         columns.push(Column::new("trim_moment", "N m", "B"));
+        columns.push(Column::new(STALLED, "", ""));
         columns.extend(source_columns());
         columns.extend(robot.clearances().iter().map(Column::from));
         columns.extend(robot.inputs().iter().map(Column::from));
@@ -85,6 +89,7 @@ impl Replay<'_> {
         row.extend(&o.torques);
         row.extend([o.joint_power(), drive_power(&o.torques, &o.joints, self.storage, 0.0), -o.air_power]);
         row.extend(self.stand.lift_thrust_trim(&o, self.flapping.pitch));
+        row.push(o.stalled);
         row.extend(source_values(&o.parts()));
         row.extend(robot.least_clearances(clock, x)?);
         row.extend(u);
@@ -138,15 +143,25 @@ impl Driver<()> for Player<'_> {
     }
 }
 
-/// Means of a recorded cycle by the trapezoid rule. Commands, and with them forces, may jump where the cycle closes:
+/// Mean of a column over a recorded cycle by the trapezoid rule. Commands, and with them forces, may jump where the cycle closes:
 /// both ends count half.
-pub(super) fn means(record: &Record) -> Means {
-    let mean = |name: &str| match record.values(name).unwrap_or(&[]) {
+fn mean(record: &Record, name: &str) -> f64 {
+    match record.values(name).unwrap_or(&[]) {
         [first, inner @ .., last] => {
             (inner.iter().sum::<f64>() + 0.5 * (first + last)) / (inner.len() + 1) as f64
         }
         _ => f64::NAN,
-    };
+    }
+}
+
+/// Mean share of the strips past stall.
+pub(super) fn stalled(record: &Record) -> f64 {
+    mean(record, STALLED)
+}
+
+/// Means of a recorded cycle.
+pub(super) fn means(record: &Record) -> Means {
+    let mean = |name: &str| mean(record, name);
     Means {
         drive_power_w: mean("drive_power"),
         up_n: mean("force_up"),

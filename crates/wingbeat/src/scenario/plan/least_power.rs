@@ -1,6 +1,6 @@
 //! The gait of least power, planned and replayed on the stand.
 
-use super::gait_record::{Replay, beside, means};
+use super::gait_record::{Replay, beside, means, stalled};
 use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
 use crate::guide::{CYCLES, Flapping, LeastPower, LeastPowerSpec, Means, Stand};
@@ -67,6 +67,10 @@ pub struct LeastPowerSummary {
     pub least_clearance_m: Option<f64>,
     /// The same of the robot's own gait, regulators at rest.
     pub own_least_clearance_m: Option<f64>,
+    /// Mean share of the strips past stall over the last cycle of that replay.
+    pub stall_fraction: Option<f64>,
+    /// The same of the robot's own gait.
+    pub own_stall_fraction: Option<f64>,
     /// Largest difference of a state over the last cycle of that replay.
     pub replay_closure: f64,
     /// The robot's own gait, regulators at rest.
@@ -112,6 +116,8 @@ impl Scenario {
         let (own_record, _) = replay(own, &|_, u| u.fill(0.0))?;
         summary.replay = Some(means(&record));
         summary.replay_closure = closure;
+        (summary.stall_fraction, summary.own_stall_fraction) =
+            (Some(stalled(&record)), Some(stalled(&own_record)));
         let least = |record| Crossing::new(record, self.model.clearances()).map(|c| c.least_m);
         (summary.least_clearance_m, summary.own_least_clearance_m) = (least(&record), least(&own_record));
         let files = self.replay_case(&flapping, &record)?;
@@ -138,6 +144,8 @@ impl Scenario {
             replay: None,
             least_clearance_m: None,
             own_least_clearance_m: None,
+            stall_fraction: None,
+            own_stall_fraction: None,
             replay_closure: f64::NAN,
             own: numbers(own, problem.own_means()),
             resimulation_error: BTreeMap::new(),

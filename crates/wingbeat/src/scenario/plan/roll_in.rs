@@ -2,13 +2,13 @@
 
 use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
-use crate::guide::{Playback, RollIn, RollInSpec, Turn};
+use crate::guide::{HeldCommands, Playback, RollIn, RollInSpec, Turn};
 use crate::ocp::{Interpolant, Optimum, Progress};
 use crate::plant::{Fault, Plant};
 use crate::scenario::recorder::{Recorded, Recorder};
 use crate::scenario::summary::Crossing;
 use crate::scenario::{Chosen, Scenario, ScenarioSpec};
-use crate::simulate::{AtRest, Controller, Sample, Schedule, Sensors, fly};
+use crate::simulate::{Controller, Sample, Schedule, Sensors, fly};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -49,7 +49,10 @@ impl Scenario {
     ) -> Result<Planned, Error> {
         match (self.controller()?, self.controller()?) {
             (Some(approach), Some(again)) => self.roll_in(spec, approach, again, observe),
-            _ => self.roll_in(spec, AtRest, AtRest, observe),
+            _ => {
+                let held = || HeldCommands(self.held_commands());
+                self.roll_in(spec, held(), held(), observe)
+            }
         }
     }
 

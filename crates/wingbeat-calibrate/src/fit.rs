@@ -1,0 +1,245 @@
+//! Levenberg-Marquardt with priors and bounds, in stages, from several starts.
+
+use crate::problem::{Problem, Whitened};
+use crate::{Error, Parameter};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// Most steps of a fit.
+const STEPS: usize = 40;
+/// A step that lowers the cost by less than this share ends the fit.
+const ENOUGH: f64 = 1e-7;
+/// Largest damping that is tried.
+const MOST_DAMPING: f64 = 1e8;
+
+/// How a fit ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ended {
+    /// No step lowers the cost.
+    Converged,
+    /// The steps are used up.
+    Steps,
+}
+
+/// A fit under way, for who watches.
+#[derive(Clone, Debug)]
+pub struct Progress<'a> {
+    /// Which start, from 0.
+    pub start: usize,
+    /// Which stage, from 1.
+    pub stage: usize,
+    /// Steps taken.
+    pub step: usize,
+    /// Sum of squares.
+    pub cost: f64,
+    /// Values.
+    pub values: &'a [f64],
+}
+
+/// Who watches; may stop the fit.
+pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
+
+/// Where a fit ended.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Fit {
+    /// Values of all parameters.
+    pub values: Vec<f64>,
+    /// Sum of squares there.
+    pub cost: f64,
+    /// How it ended.
+    pub ended: Ended,
+    /// Steps taken.
+    pub steps: usize,
+}
+
+/// Keeps fits that are done, so that who was interrupted need not make them again.
+pub trait Keep {
+    /// The fit from start `number`, if it is done.
+    fn kept(&self, number: usize) -> Option<Fit>;
+    /// Keeps it.
+    fn keep(&mut self, number: usize, fit: &Fit);
+}
+
+/// Keeps nothing.
+impl Keep for () {
+    fn kept(&self, _: usize) -> Option<Fit> {
+        None
+    }
+    fn keep(&mut self, _: usize, _: &Fit) {}
+}
+
+/// Residuals and Jacobian of several runs, in deviations, at some values.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// The runs.
+    pub of: Vec<usize>,
+    /// Model less measurement.
+    pub residuals: Whitened,
+    /// Derivatives.
+    pub jacobians: Vec<DMatrix<f64>>,
+}
+
+impl Linear {
+    /// Of the runs `of` at `values`.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn at(problem: &Problem, of: &[usize], values: &[f64]) -> Result<Self, Error> {
+        let residuals = problem.residuals(of, &problem.predictions(of, values)?);
+        let plain = problem.jacobians(of, values)?;
+        let jacobians = of.iter().zip(&plain).map(|(run, j)| problem.whiten_columns(*run, j)).collect();
+        Ok(Self { of: of.to_vec(), residuals, jacobians })
+    }
+
+    /// J'J and J'r with the priors, without the runs of `leave`.
+    pub fn normal(
+        &self,
+        parameters: &[Parameter],
+        values: &[f64],
+        leave: &[usize],
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let n = parameters.len();
+        let (mut square, mut gradient) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        for ((run, j), r) in self.of.iter().zip(&self.jacobians).zip(&self.residuals) {
+            if !leave.contains(run) {
+                square += j.transpose() * j;
+                gradient += j.transpose() * r;
+            }
+        }
+        for (k, (parameter, value)) in parameters.iter().zip(values).enumerate() {
+            if let Some([mean, deviation]) = parameter.prior {
+                square[(k, k)] += deviation.powi(-2);
+                gradient[k] += (value - mean) / deviation.powi(2);
+            }
+        }
+        (square, gradient)
+    }
+}
+
+/// The step -(A + damping diag A)^-1 g of the parameters in `free`, cut to the bounds: those that would leave theirs
+/// stay there, and the others are solved again.
+pub fn step(
+    (square, gradient): &(DMatrix<f64>, DVector<f64>),
+    damping: f64,
+    parameters: &[Parameter],
+    values: &[f64],
+    free: &[usize],
+) -> Vec<f64> {
+    let mut free = free.to_vec();
+    let mut next = values.to_vec();
+    loop {
+        let n = free.len();
+        if n == 0 {
+            return next;
+        }
+        let a = DMatrix::from_fn(n, n, |i, j| {
+            let own = square[(free[i], free[j])];
+            if i == j { own * (1.0 + damping) + f64::MIN_POSITIVE } else { own }
+        });
+        // Bound parameters have moved already: what they changed of the gradient counts.
+        let g = DVector::from_fn(n, |i, _| {
+            let moved: f64 = (0..parameters.len())
+                .filter(|k| !free.contains(k))
+                .map(|k| square[(free[i], k)] * (next[k] - values[k]))
+                .sum();
+            gradient[free[i]] + moved
+        });
+        let Some(solved) = scaled_solve(&a, &g) else { return next };
+        let wanted = |i: usize| values[free[i]] - solved[i];
+        let inside = |i: &usize| {
+            let Parameter { low, high, .. } = parameters[free[*i]];
+            (low..=high).contains(&wanted(*i))
+        };
+        let (within, beyond): (Vec<usize>, Vec<usize>) = (0..n).partition(inside);
+        if beyond.is_empty() {
+            within.iter().for_each(|i| next[free[*i]] = wanted(*i));
+            return next;
+        }
+        for i in beyond {
+            let Parameter { low, high, .. } = parameters[free[i]];
+            next[free[i]] = wanted(i).clamp(low, high);
+        }
+        free = within.into_iter().map(|i| free[i]).collect();
+    }
+}
+
+/// A^-1 g of a positive semidefinite matrix, scaled to a unit diagonal; small singular values count as none.
+pub fn scaled_solve(a: &DMatrix<f64>, g: &DVector<f64>) -> Option<DVector<f64>> {
+    let scale = DVector::from_fn(a.nrows(), |i, _| a[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip());
+    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * scale[i] * scale[j]);
+    let eigen = scaled.symmetric_eigen();
+    let rotated = eigen.eigenvectors.transpose() * g.component_mul(&scale);
+    let solved = DVector::from_fn(a.nrows(), |i, _| {
+        let value = eigen.eigenvalues[i];
+        if value > 1e-13 { rotated[i] / value } else { 0.0 }
+    });
+    let back = (eigen.eigenvectors * solved).component_mul(&scale);
+    back.iter().all(|x| x.is_finite()).then_some(back)
+}
+
+/// Fits from `start`, first the parameters of stage 1, then those of stages 1 and 2, and so on.
+///
+/// # Errors
+/// A model without an answer at the start; [`Error::Stopped`].
+pub fn fit(problem: &Problem, start: &[f64], number: usize, watch: &mut Watch) -> Result<Fit, Error> {
+    let parameters = problem.parameters;
+    let mut stages: Vec<usize> = parameters.iter().map(|parameter| parameter.stage).collect();
+    stages.sort_unstable();
+    stages.dedup();
+    let mut values = start.to_vec();
+    let mut ended = None;
+    for stage in stages {
+        let free: Vec<usize> = (0..parameters.len()).filter(|k| parameters[*k].stage <= stage).collect();
+        let fit = fit_free(problem, &values, &free, (number, stage), watch)?;
+        values.clone_from(&fit.values);
+        ended = Some(fit);
+    }
+    ended.ok_or_else(|| Error::Uninformed("parameters: none is fitted".into()))
+}
+
+fn fit_free(
+    problem: &Problem,
+    start: &[f64],
+    free: &[usize],
+    (number, stage): (usize, usize),
+    watch: &mut Watch,
+) -> Result<Fit, Error> {
+    let of = problem.fitted();
+    let mut values = start.to_vec();
+    let mut now = Linear::at(problem, &of, &values)?;
+    let mut cost = problem.cost(&now.residuals, &values);
+    let mut damping = 1e-3;
+    for taken in 0..STEPS {
+        let progress = Progress { start: number, stage, step: taken, cost, values: &values };
+        if watch(&progress).is_break() {
+            return Err(Error::Stopped);
+        }
+        let normal = now.normal(problem.parameters, &values, &[]);
+        let better = loop {
+            let next = step(&normal, damping, problem.parameters, &values, free);
+            // Where the model has no answer the step was too long.
+            let tried = problem.predictions(&of, &next).ok().map(|predictions| {
+                let residuals = problem.residuals(&of, &predictions);
+                problem.cost(&residuals, &next)
+            });
+            match tried.filter(|tried| *tried < cost) {
+                Some(tried) => break Some((next, tried)),
+                None if damping > MOST_DAMPING => break None,
+                None => damping *= 8.0,
+            }
+        };
+        let Some((next, lower)) = better else {
+            return Ok(Fit { values, cost, ended: Ended::Converged, steps: taken });
+        };
+        let gained = (cost - lower) / cost.max(f64::MIN_POSITIVE);
+        (values, cost) = (next, lower);
+        damping = (damping * 0.1).max(1e-9);
+        if gained < ENOUGH {
+            return Ok(Fit { values, cost, ended: Ended::Converged, steps: taken + 1 });
+        }
+        now = Linear::at(problem, &of, &values)?;
+    }
+    Ok(Fit { values, cost, ended: Ended::Steps, steps: STEPS })
+}

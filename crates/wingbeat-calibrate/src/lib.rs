@@ -1,0 +1,34 @@
+//! Numbers of robot and rig from runs on the load cell, with what is known of them.
+//!
+//! A [`Model`] predicts the cycles of runs and their derivatives by the [`Parameter`]s; [`Observed`] holds what was measured.
+//! [`solve`] fits them by Levenberg-Marquardt, weighed by the scatter of the cycles and by what the model cannot say;
+//! [`Solved`] tells standard errors, profiles, bands and the error in runs left out. [`RigModel`] is the model of runs on the
+//! rig; [`Information`] says before any fit what the runs can tell.
+
+mod calibration;
+mod checks;
+pub mod design;
+mod error;
+mod fit;
+mod harmonics;
+mod information;
+pub mod measured;
+mod observed;
+mod problem;
+mod rig;
+mod solve;
+mod truth;
+mod uncertainty;
+
+pub use calibration::{Calibration, Failure, Structure};
+pub use checks::checked;
+pub use error::Error;
+pub use fit::{Ended, Fit, Keep, Linear, Progress, Watch};
+pub use harmonics::{Layout, project};
+pub use information::{CLOSE, Information, channel_name};
+pub use observed::{Observed, scatter};
+pub use problem::{Model, Parameter, Problem, Whitened};
+pub use rig::{RigModel, RigTarget, respond};
+pub use solve::{PHASES, Plan, Predicted, Solved, Start, phase_of, rms, solve, solve_problem, starts};
+pub use truth::{Clean, clean};
+pub use uncertainty::{Covariances, Label, NORMAL_95, Profile, correlations};

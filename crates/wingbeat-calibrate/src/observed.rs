@@ -1,0 +1,108 @@
+//! What was measured in a run: its cycles, their mean and their scatter.
+
+use crate::Layout;
+use nalgebra::DMatrix;
+
+/// Distance beyond which a cycle counts less, in deviations (Huber 1964: 95 % efficient on normal noise).
+const HUBER: f64 = 1.345;
+/// Rounds of weighing.
+const ROUNDS: usize = 8;
+
+/// The cycles of a run.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    /// Name of the run.
+    pub name: String,
+    /// How the numbers lie.
+    pub layout: Layout,
+    /// Numbers of each cycle.
+    pub cycles: Vec<Vec<f64>>,
+    /// Weight of each cycle, 1 for an ordinary one.
+    pub weights: Vec<f64>,
+    /// Weighted mean of the cycles.
+    pub mean: Vec<f64>,
+    /// Covariance of the channels from sample to sample at one phase.
+    pub sample_noise: DMatrix<f64>,
+    /// Samples per cycle.
+    pub samples_per_cycle: f64,
+    /// Cycles left out because samples are missing or saturated.
+    pub left_out: usize,
+    /// Frequency that was measured, Hz.
+    pub frequency_hz: f64,
+    /// True for a run that is only predicted.
+    pub held_out: bool,
+}
+
+impl Observed {
+    /// Weighs the cycles, `robust` or all alike, and takes their mean.
+    pub fn weigh(&mut self, robust: bool) {
+        self.weights = vec![1.0; self.cycles.len()];
+        self.mean = self.weighted_mean();
+        if !robust || self.cycles.len() < 5 {
+            return;
+        }
+        for _ in 0..ROUNDS {
+            let distances: Vec<f64> = self.cycles.iter().map(|cycle| self.distance(cycle)).collect();
+            let mut sorted = distances.clone();
+            sorted.sort_by(f64::total_cmp);
+            // Half of the cycles of normal noise lie below the median distance: it is the scale.
+            let usual = sorted[sorted.len() / 2].max(f64::MIN_POSITIVE);
+            let weight = |d: &f64| (HUBER * usual / d.max(f64::MIN_POSITIVE)).min(1.0);
+            self.weights = distances.iter().map(weight).collect();
+            self.mean = self.weighted_mean();
+        }
+    }
+
+    fn weighted_mean(&self) -> Vec<f64> {
+        let total: f64 = self.weights.iter().sum();
+        let mut mean = vec![0.0; self.layout.len()];
+        for (cycle, weight) in self.cycles.iter().zip(&self.weights) {
+            mean.iter_mut().zip(cycle).for_each(|(m, x)| *m += weight / total * x);
+        }
+        mean
+    }
+
+    /// Root mean square over the cycle of what `cycle` differs from the mean, each channel in parts of its own.
+    fn distance(&self, cycle: &[f64]) -> f64 {
+        let apart: Vec<f64> = cycle.iter().zip(&self.mean).map(|(x, m)| x - m).collect();
+        let of = |channel: usize| {
+            let own = self.layout.mean_square(&self.mean, channel).max(f64::MIN_POSITIVE);
+            self.layout.mean_square(&apart, channel) / own
+        };
+        (0..self.layout.channels).map(of).sum::<f64>().sqrt()
+    }
+
+    /// Number of cycles that would scatter the mean as the weighted ones do.
+    pub fn effective(&self) -> f64 {
+        let (sum, squares) =
+            self.weights.iter().fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+        if squares > 0.0 { sum * sum / squares } else { 0.0 }
+    }
+}
+
+/// Covariance of the channels by harmonic from cycle to cycle, cosines and sines alike, of runs of one layout; of each
+/// with its degrees of freedom summed.
+pub fn scatter(runs: &[&Observed]) -> Option<Vec<DMatrix<f64>>> {
+    let layout = runs.first()?.layout;
+    let freedom: f64 = runs.iter().map(|run| run.cycles.len() as f64 - 1.0).sum();
+    if freedom < layout.channels as f64 {
+        return None;
+    }
+    let mut of = vec![DMatrix::zeros(layout.channels, layout.channels); layout.harmonics + 1];
+    for run in runs {
+        for (cycle, weight) in run.cycles.iter().zip(&run.weights) {
+            let apart: Vec<f64> = cycle.iter().zip(&run.mean).map(|(x, m)| x - m).collect();
+            for part in 0..layout.width() {
+                let harmonic = Layout::harmonic(part);
+                let count = if part == 0 { freedom } else { 2.0 * freedom };
+                for a in 0..layout.channels {
+                    for b in 0..layout.channels {
+                        of[harmonic][(a, b)] +=
+                            weight * apart[layout.at(a, part)] * apart[layout.at(b, part)] / count;
+                    }
+                }
+            }
+        }
+    }
+    Some(of)
+}

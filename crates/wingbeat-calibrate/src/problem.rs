@@ -1,0 +1,242 @@
+//! What is fitted to what, and how its differences weigh.
+
+use crate::{Error, Layout, Observed, observed::scatter};
+use nalgebra::{DMatrix, DVector};
+use wingbeat::parallel;
+
+/// What predicts the cycles of runs.
+pub trait Model: Sync {
+    /// Numbers of the cycle of run `run` with the parameters at `values`.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Error>;
+
+    /// Their derivatives by each parameter.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Error>;
+}
+
+/// A number to be fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Where the fit begins.
+    pub start: f64,
+    /// Lowest value.
+    pub low: f64,
+    /// Highest value.
+    pub high: f64,
+    /// Mean and standard deviation of what is known beforehand.
+    pub prior: Option<[f64; 2]>,
+    /// Stage in which it joins.
+    pub stage: usize,
+}
+
+impl Parameter {
+    /// Its size: that of its start, or of its prior, or of its range.
+    pub fn scale(&self) -> f64 {
+        let prior = self.prior.map_or(0.0, |[_, deviation]| deviation);
+        let range = 0.1 * (self.high - self.low);
+        match self.start.abs() {
+            start if start > 1e-12 => start,
+            _ if prior > 0.0 => prior,
+            _ => range.min(1.0),
+        }
+    }
+}
+
+/// Differences of the runs' means from the model, in deviations, one vector per run.
+pub type Whitened = Vec<DVector<f64>>;
+
+/// Runs, parameters, and the covariance of what is left.
+pub struct Problem<'a> {
+    /// The model.
+    pub model: &'a dyn Model,
+    /// All runs; those held out do not weigh.
+    pub runs: &'a [Observed],
+    /// What is fitted.
+    pub parameters: &'a [Parameter],
+    /// Lower Cholesky factors of the covariance of each run's mean, by harmonic.
+    factors: Vec<Vec<DMatrix<f64>>>,
+    /// Covariance from cycle to cycle by harmonic, of each run.
+    pub noise: Vec<Vec<DMatrix<f64>>>,
+    /// What the model cannot say, in parts of the amplitude of each channel and harmonic.
+    pub discrepancy: Vec<f64>,
+}
+
+/// Share of a cycle's amplitude that every harmonic counts at least, where the discrepancy is in parts of it. *Choice.*
+const LEAST_AMPLITUDE: f64 = 0.1;
+
+impl<'a> Problem<'a> {
+    /// A problem whose noise is the scatter of the cycles, pooled over the runs of one layout.
+    ///
+    /// # Errors
+    /// Too few cycles to tell their scatter.
+    pub fn new(
+        model: &'a dyn Model,
+        runs: &'a [Observed],
+        parameters: &'a [Parameter],
+    ) -> Result<Self, Error> {
+        let noise = runs.iter().map(|run| {
+            let alike: Vec<&Observed> = runs.iter().filter(|other| other.layout == run.layout).collect();
+            scatter(&alike).ok_or_else(|| {
+                let given: usize = alike.iter().map(|run| run.cycles.len()).sum();
+                let needed = alike.len() + run.layout.channels;
+                Error::data(
+                    &run.name,
+                    format!(
+                        "{given} cycles in {} runs: at least {needed} are needed to tell their scatter; add passes",
+                        alike.len()
+                    ),
+                )
+            })
+        });
+        let noise = noise.collect::<Result<Vec<_>, _>>()?;
+        Self::with_noise(model, runs, parameters, noise)
+    }
+
+    /// A problem of which the covariance from cycle to cycle is known, by run and harmonic.
+    ///
+    /// # Errors
+    /// A covariance that is not positive definite.
+    pub fn with_noise(
+        model: &'a dyn Model,
+        runs: &'a [Observed],
+        parameters: &'a [Parameter],
+        noise: Vec<Vec<DMatrix<f64>>>,
+    ) -> Result<Self, Error> {
+        let channels = runs.first().map_or(0, |run| run.layout.channels);
+        let mut problem =
+            Self { model, runs, parameters, factors: Vec::new(), noise, discrepancy: vec![0.0; channels] };
+        problem.weigh(vec![0.0; channels])?;
+        Ok(problem)
+    }
+
+    /// Sets the discrepancy, in parts of the amplitude, by channel.
+    ///
+    /// # Errors
+    /// A covariance that is not positive definite.
+    pub fn weigh(&mut self, discrepancy: Vec<f64>) -> Result<(), Error> {
+        self.discrepancy = discrepancy;
+        let factors = (0..self.runs.len()).map(|run| self.factors_of(run)).collect::<Result<_, _>>()?;
+        self.factors = factors;
+        Ok(())
+    }
+
+    fn factors_of(&self, run: usize) -> Result<Vec<DMatrix<f64>>, Error> {
+        let observed = &self.runs[run];
+        let count = observed.effective().max(1.0);
+        let squares = self.amplitudes(&observed.mean, observed.layout);
+        (0..=observed.layout.harmonics)
+            .map(|k| {
+                let mut covariance = &self.noise[run][k] / count;
+                for channel in 0..observed.layout.channels {
+                    let of = self.discrepancy.get(channel).copied().unwrap_or(0.0);
+                    // A floor far below any cell's resolution keeps silent channels regular.
+                    covariance[(channel, channel)] += of * of * squares[channel][k] + 1e-24;
+                }
+                let factor = covariance.cholesky().ok_or_else(|| {
+                    Error::data(&observed.name, format!("channels that repeat each other in harmonic {k}"))
+                })?;
+                Ok(factor.l())
+            })
+            .collect()
+    }
+
+    /// Square by channel and harmonic of which the discrepancy is a part: that of the harmonic's amplitude and a share of
+    /// the whole cycle's. Lift that is wrong, or tilts, is wrong forwards too, and rolling moment so is yawing moment: of six
+    /// channels Fx and Fz have one scale, and Tx and Tz another.
+    pub fn amplitudes(&self, cycle: &[f64], layout: Layout) -> Vec<Vec<f64>> {
+        let of = |channel: usize| {
+            let group: &[usize] = match (layout.channels, channel) {
+                (6, 0 | 2) => &[0, 2],
+                (6, 3 | 5) => &[3, 5],
+                _ => &[channel],
+            };
+            let own: f64 = group.iter().map(|channel| layout.mean_square(cycle, *channel)).sum();
+            let square = |k: usize| {
+                let amplitude = |channel: &usize| {
+                    if k == 0 {
+                        return cycle[layout.at(*channel, 0)].powi(2);
+                    }
+                    let (cosine, sine) = (layout.at(*channel, 2 * k - 1), layout.at(*channel, 2 * k));
+                    0.5 * (cycle[cosine].powi(2) + cycle[sine].powi(2))
+                };
+                group.iter().map(amplitude).sum::<f64>() + LEAST_AMPLITUDE * LEAST_AMPLITUDE * own
+            };
+            (0..=layout.harmonics).map(square).collect()
+        };
+        (0..layout.channels).map(of).collect()
+    }
+
+    /// Runs that are fitted.
+    pub fn fitted(&self) -> Vec<usize> {
+        (0..self.runs.len()).filter(|run| !self.runs[*run].held_out).collect()
+    }
+
+    /// What the model says of the runs `of`.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn predictions(&self, of: &[usize], values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        parallel::map(of, |_, run| self.model.predict(*run, values)).into_iter().collect()
+    }
+
+    /// Derivatives of what the model says of the runs `of` by the parameters: one column each.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn jacobians(&self, of: &[usize], values: &[f64]) -> Result<Vec<DMatrix<f64>>, Error> {
+        let one = |run: &usize| {
+            let slopes = self.model.slopes(*run, values)?;
+            let rows = self.runs[*run].layout.len();
+            Ok(DMatrix::from_fn(rows, slopes.len(), |i, j| slopes[j][i]))
+        };
+        parallel::map(of, |_, run| one(run)).into_iter().collect()
+    }
+
+    /// `cycle`, numbers of run `run`, in deviations.
+    pub fn whiten(&self, run: usize, cycle: &[f64]) -> DVector<f64> {
+        let layout = self.runs[run].layout;
+        let mut white = DVector::zeros(layout.len());
+        for part in 0..layout.width() {
+            let factor = &self.factors[run][Layout::harmonic(part)];
+            let own = DVector::from_fn(layout.channels, |channel, _| cycle[layout.at(channel, part)]);
+            let solved = factor.solve_lower_triangular(&own).unwrap_or(own);
+            for channel in 0..layout.channels {
+                white[layout.at(channel, part)] = solved[channel];
+            }
+        }
+        white
+    }
+
+    /// The columns of a Jacobian in deviations.
+    pub fn whiten_columns(&self, run: usize, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+        let columns: Vec<DVector<f64>> =
+            jacobian.column_iter().map(|column| self.whiten(run, column.as_slice())).collect();
+        DMatrix::from_columns(&columns)
+    }
+
+    /// Model less measurement of the runs `of`, in deviations.
+    pub fn residuals(&self, of: &[usize], predictions: &[Vec<f64>]) -> Whitened {
+        let one = |(run, predicted): (&usize, &Vec<f64>)| {
+            let apart: Vec<f64> =
+                predicted.iter().zip(&self.runs[*run].mean).map(|(model, mean)| model - mean).collect();
+            self.whiten(*run, &apart)
+        };
+        of.iter().zip(predictions).map(one).collect()
+    }
+
+    /// Sum of squares of the residuals and of the priors' differences.
+    pub fn cost(&self, residuals: &Whitened, values: &[f64]) -> f64 {
+        let prior = |(parameter, value): (&Parameter, &f64)| {
+            parameter.prior.map_or(0.0, |[mean, deviation]| ((value - mean) / deviation).powi(2))
+        };
+        let priors: f64 = self.parameters.iter().zip(values).map(prior).sum();
+        residuals.iter().map(DVector::norm_squared).sum::<f64>() + priors
+    }
+}

@@ -1,0 +1,259 @@
+//! Runs on the rig as a model of cycles.
+
+use crate::{Error, Layout, Model, project};
+use std::f64::consts::TAU;
+use wingbeat::math::Vec3;
+use wingbeat::plant::Fault;
+use wingbeat::rig::carrier::{Carrier, Mount};
+use wingbeat::rig::cell::{CellSpec, six, wrench};
+use wingbeat::rig::{Instants, Wrenches};
+use wingbeat::scenario::RigRun;
+
+/// Share of the rest at its begin that the tare leaves out, as the processing of runs does.
+pub const SETTLING: f64 = 0.125;
+/// Most cycles that are simulated: of a longer window the first so many stand for all.
+const MOST_CYCLES: usize = 24;
+
+/// A run on the rig with what carries it.
+pub struct RigTarget {
+    /// The run.
+    pub run: RigRun,
+    /// What the report calls it.
+    pub name: String,
+    carrier: Carrier,
+    window: (f64, f64),
+    instants: Instants,
+    harmonics: usize,
+    cycles: usize,
+    steps_per_cycle: usize,
+    drawn: Mount,
+}
+
+impl RigTarget {
+    /// Plans the motion of `run` and lays the instants of its simulation.
+    ///
+    /// # Errors
+    /// A run that cannot be planned, does not flap, or has no whole cycle.
+    pub fn new(run: RigRun, name: &str, harmonics: usize, steps_per_cycle: usize) -> Result<Self, Error> {
+        let plan = match run.spec.turn {
+            None => None,
+            Some(_) => {
+                let planned = run.plan()?;
+                Some(planned.map_err(|refusal| Error::data(name, format!("cannot be planned: {refusal}")))?)
+            }
+        };
+        let carrier = run.carrier(plan.as_ref());
+        let window = run.spec.process.window_s.map(|[begin, end]| (begin, end));
+        let window = window.unwrap_or_else(|| run.window(plan.as_ref(), &carrier));
+        let frequency = run.frequency();
+        if !(frequency > 0.0) {
+            return Err(Error::data(name, "frequency_hz = 0: a run whose wings flap is needed"));
+        }
+        let cycles = ((window.1 - window.0) * frequency + 1e-6).floor() as usize;
+        if cycles == 0 {
+            let given = (window.1 - window.0) * frequency;
+            return Err(Error::data(
+                name,
+                format!("{given:.2} cycles in its window: at least one is needed"),
+            ));
+        }
+        let cycles = cycles.min(MOST_CYCLES);
+        let step = 1.0 / (frequency * steps_per_cycle as f64);
+        // In a wind the tare holds what the air does to the wings at rest: it is simulated from where the record begins.
+        let rest = if in_wind(&run) { run.spec.rig.rest_s } else { 2.0 * step };
+        let before = ((window.0 + rest) / step).ceil();
+        let instants = Instants {
+            begin: window.0 - before * step,
+            step,
+            steps: before as usize + cycles * steps_per_cycle + 1,
+        };
+        let drawn = run.mount_as_drawn();
+        Ok(Self {
+            name: name.into(),
+            carrier,
+            window,
+            instants,
+            harmonics,
+            cycles,
+            steps_per_cycle,
+            drawn,
+            run,
+        })
+    }
+
+    /// What carries the robot.
+    pub fn carrier(&self) -> &Carrier {
+        &self.carrier
+    }
+    /// Begin and end of what is averaged, s.
+    pub fn window(&self) -> (f64, f64) {
+        self.window
+    }
+    /// Cycles in its window, as far as they are simulated.
+    pub fn cycles(&self) -> usize {
+        self.cycles
+    }
+    /// How its numbers lie.
+    pub fn layout(&self) -> Layout {
+        Layout { channels: 6, harmonics: self.harmonics }
+    }
+    /// Whether the rest before the run is taken away.
+    pub fn tared(&self) -> bool {
+        self.run.spec.process.steps.tare
+    }
+
+    /// A wrench on the cell in C as that of the body about its origin in B, the mount as drawn.
+    pub fn in_body(&self, of: [f64; 6]) -> [f64; 6] {
+        six(&self.drawn.to_body(&wrench(of)))
+    }
+
+    /// Numbers of a cycle in B as those of the wrench on the cell in C.
+    pub fn in_cell(&self, cycle: &[f64]) -> Vec<f64> {
+        let layout = self.layout();
+        let mut turned = vec![0.0; cycle.len()];
+        for part in 0..layout.width() {
+            let own = std::array::from_fn(|channel| cycle[layout.at(channel, part)]);
+            let cell = six(&self.drawn.to_cell(&wrench(own)));
+            (0..6).for_each(|channel| turned[layout.at(channel, part)] = cell[channel]);
+        }
+        turned
+    }
+
+    /// The mean cycle of wrenches on the cell, tared, in B, as the cell shows it.
+    fn cycle(&self, rows: &Wrenches) -> Vec<f64> {
+        let Instants { begin, step, .. } = self.instants;
+        let time = |k: usize| begin + k as f64 * step;
+        let from = -self.run.spec.rig.rest_s * (1.0 - SETTLING);
+        let rest: Vec<usize> = (0..rows.len()).filter(|k| (from..-1e-9).contains(&time(*k))).collect();
+        let mut offset = [0.0; 6];
+        if self.tared() {
+            for k in &rest {
+                (0..6).for_each(|i| offset[i] += rows[*k][i] / rest.len() as f64);
+            }
+        }
+        let first = rows.len() - 2 - self.cycles * self.steps_per_cycle;
+        // One row beside each end of the window closes its cycles.
+        let from = first.saturating_sub(1);
+        let phase: Vec<f64> = (from..rows.len()).map(|k| self.phase(time(k))).collect();
+        let mut channels: [Vec<f64>; 6] = Default::default();
+        for row in &rows[from..] {
+            let body = self.in_body(std::array::from_fn(|i| row[i] - offset[i]));
+            channels.iter_mut().zip(body).for_each(|(channel, x)| channel.push(x));
+        }
+        let begin = self.phase(time(first));
+        let mut mean = vec![0.0; self.layout().len()];
+        for cycle in 0..self.cycles {
+            let one = project(&phase, &channels, begin + TAU * cycle as f64, self.harmonics);
+            let one = one.unwrap_or_else(|| vec![f64::NAN; mean.len()]);
+            mean.iter_mut().zip(one).for_each(|(m, x)| *m += x / self.cycles as f64);
+        }
+        respond(&self.run.spec.rig.cell, self.run.frequency(), self.layout(), &mut mean);
+        mean
+    }
+
+    /// Phase that an even crank has at `t`, rad.
+    fn phase(&self, t: f64) -> f64 {
+        let spin_up = self.run.spec.rig.spin_up_s;
+        TAU * self.run.frequency() * (t - 0.5 * spin_up)
+    }
+
+    fn named(&self, fault: Fault) -> Error {
+        Error::Model { run: self.name.clone(), fault }
+    }
+
+    /// Numbers of the run's cycle with these numbers of robot and rig.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn predict(&self, to: &[(&str, f64)]) -> Result<Vec<f64>, Error> {
+        let (robot, numbers) = self.run.adjusted(to)?;
+        let experiment = self.run.experiment(&robot, numbers, &self.carrier, 0);
+        let rows = experiment.wrenches(&self.instants).map_err(|fault| self.named(fault))?;
+        Ok(self.cycle(&rows))
+    }
+
+    /// Derivatives of [`predict`](Self::predict) by the first `count` of the numbers.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn slopes(&self, to: &[(&str, f64)], count: usize) -> Result<Vec<Vec<f64>>, Error> {
+        let (robot, numbers) = self.run.adjusted(to)?;
+        let experiment = self.run.experiment(&robot, numbers, &self.carrier, 0);
+        let keys: Vec<&str> = to[..count].iter().map(|(key, _)| *key).collect();
+        let rows = experiment.differentiated(&self.instants, &keys)?.map_err(|fault| self.named(fault))?;
+        Ok(rows.iter().map(|rows| self.cycle(rows)).collect())
+    }
+}
+
+/// Whether the robot at rest stands in a wind.
+fn in_wind(run: &RigRun) -> bool {
+    run.robot.mean_wind() != Vec3::ZERO
+}
+
+/// What the cell makes of the harmonics of a load: its resonance and the box's filter, each a linear system.
+///
+/// Equation: calibrate.cell_response
+pub fn respond(cell: &CellSpec, frequency: f64, layout: Layout, cycle: &mut [f64]) {
+    let step = 1.0 / cell.rate_hz;
+    for k in 1..=layout.harmonics {
+        let w = TAU * frequency * k as f64;
+        let ratio = k as f64 * frequency / cell.resonance_hz;
+        // 1 / (1 - r^2 + 2 i z r), and the filter's keep/(1 - keep e^-iwT) of samples.
+        let resonance = inverse([1.0 - ratio * ratio, 2.0 * cell.resonance_damping * ratio]);
+        let keep = (-TAU * cell.filter_hz * step).exp();
+        let (sin, cos) = (w * step).sin_cos();
+        let filter = inverse([(1.0 - keep * cos) / (1.0 - keep), keep * sin / (1.0 - keep)]);
+        // The load is held over a step, which delays it by half of one; its sample is taken at the end of the step.
+        let hold = [(0.5 * w * step).cos(), (0.5 * w * step).sin()];
+        let response = times(times(resonance, filter), hold);
+        for channel in 0..layout.channels {
+            let (i, j) = (layout.at(channel, 2 * k - 1), layout.at(channel, 2 * k));
+            // c cos + s sin is the real part of (c - i s) e^{i phase}.
+            let [re, im] = times([cycle[i], -cycle[j]], response);
+            (cycle[i], cycle[j]) = (re, -im);
+        }
+    }
+}
+
+fn times(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
+}
+
+fn inverse(a: [f64; 2]) -> [f64; 2] {
+    let square = a[0] * a[0] + a[1] * a[1];
+    [a[0] / square, -a[1] / square]
+}
+
+/// Runs on the rig as a model of a fit: the values are those of the numbers called `names`, then what is `held`.
+pub struct RigModel {
+    /// The runs.
+    pub targets: Vec<RigTarget>,
+    /// Names of what is fitted.
+    pub names: Vec<String>,
+    /// Names and values of what is held.
+    pub held: Vec<(String, f64)>,
+}
+
+impl RigModel {
+    /// Names and values of all numbers, those that are fitted first.
+    pub fn numbers<'a>(&'a self, values: &[f64]) -> Vec<(&'a str, f64)> {
+        let fitted = self.names.iter().map(String::as_str).zip(values.iter().copied());
+        let held = self.held.iter().map(|(name, value)| (name.as_str(), *value));
+        fitted.chain(held).collect()
+    }
+}
+
+impl Model for RigModel {
+    fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Error> {
+        self.targets[run].predict(&self.numbers(values))
+    }
+
+    fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        self.targets[run].slopes(&self.numbers(values), self.names.len())
+    }
+}
+
+/// A wrench of forces and moments.
+pub fn of_six(x: [f64; 6]) -> wingbeat::math::Wrench<f64> {
+    wrench(x)
+}

@@ -1,0 +1,336 @@
+//! A calibration from runs to what is known.
+
+use crate::fit::{Fit, Keep, Linear, Watch, fit, step};
+use crate::problem::Problem;
+use crate::uncertainty::{Covariances, NORMAL_95, Profile, covariances, inverse, profiles};
+use crate::{Error, Layout, Model, Observed, Parameter};
+use nalgebra::DMatrix;
+use wingbeat::math::Random;
+
+/// Rounds in which what the model cannot say is estimated and the fit is made again. *Choice.*
+const ROUNDS: usize = 3;
+/// Deviations of chi squared over its freedom beyond which the model is called wrong. *Choice.*
+const WRONG: f64 = 4.0;
+/// Phases at which cycles are drawn and bands are held against measurements.
+pub const PHASES: usize = 200;
+
+/// What to do.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Number of starts.
+    pub starts: usize,
+    /// Share by which starts differ.
+    pub spread: f64,
+    /// Seed of the starts.
+    pub seed: u64,
+    /// Whether to estimate what the model cannot say.
+    pub discrepancy: bool,
+}
+
+/// A start and where it led.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Values it began with.
+    pub from: Vec<f64>,
+    /// Where it ended; none where the model had no answer.
+    pub fit: Option<Fit>,
+}
+
+/// What a calibration found.
+pub struct Solved<'a> {
+    /// Runs, parameters and weights.
+    pub problem: Problem<'a>,
+    /// Values.
+    pub values: Vec<f64>,
+    /// The starts.
+    pub starts: Vec<Start>,
+    /// Sum of squares over freedom with the noise of the cycles alone.
+    pub chi_squared: f64,
+    /// Residuals and Jacobian at the values, of the fitted runs.
+    pub at: Linear,
+    /// Covariances.
+    pub covariances: Covariances,
+}
+
+/// The starts of a fit: that of the parameters, then others drawn evenly within `spread` of it.
+pub fn starts(parameters: &[Parameter], plan: &Plan) -> Vec<Vec<f64>> {
+    let mut random = Random::stream(plan.seed, u64::from(u32::MAX));
+    let first: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
+    let other = |_| {
+        let drawn = |parameter: &Parameter| {
+            let by = random.between(-plan.spread, plan.spread);
+            (parameter.start + by * parameter.scale()).clamp(parameter.low, parameter.high)
+        };
+        parameters.iter().map(drawn).collect()
+    };
+    let others: Vec<Vec<f64>> = (1..plan.starts).map(other).collect();
+    std::iter::once(first).chain(others).collect()
+}
+
+/// Fits the parameters to the runs that are not held out.
+///
+/// # Errors
+/// A model without an answer at every start; [`Error::Stopped`].
+pub fn solve<'a>(
+    model: &'a dyn Model,
+    runs: &'a [Observed],
+    parameters: &'a [Parameter],
+    plan: &Plan,
+    keep: &mut dyn Keep,
+    watch: &mut Watch,
+) -> Result<Solved<'a>, Error> {
+    let problem = Problem::new(model, runs, parameters)?;
+    solve_problem(problem, plan, keep, watch)
+}
+
+/// The same of a problem whose noise is known.
+///
+/// # Errors
+/// Those of [`solve`].
+pub fn solve_problem<'a>(
+    mut problem: Problem<'a>,
+    plan: &Plan,
+    keep: &mut dyn Keep,
+    watch: &mut Watch,
+) -> Result<Solved<'a>, Error> {
+    let parameters = problem.parameters;
+    let mut made = Vec::new();
+    let mut best: Option<Fit> = None;
+    let mut last = None;
+    for (number, from) in starts(parameters, plan).into_iter().enumerate() {
+        let made_before = keep.kept(number).filter(|kept| kept.values.len() == from.len());
+        let found = match made_before.map_or_else(|| fit(&problem, &from, number, watch), Ok) {
+            Ok(found) => {
+                keep.keep(number, &found);
+                Some(found)
+            }
+            Err(Error::Stopped) => return Err(Error::Stopped),
+            Err(error) => {
+                last = Some(error);
+                None
+            }
+        };
+        if let Some(found) = &found
+            && best.as_ref().is_none_or(|best| found.cost < best.cost)
+        {
+            best = Some(found.clone());
+        }
+        made.push(Start { from, fit: found });
+    }
+    let Some(best) = best else {
+        return Err(last.unwrap_or_else(|| Error::Uninformed("no start".into())));
+    };
+    let mut values = best.values;
+    let of = problem.fitted();
+    let freedom = freedom(&problem, &of);
+    let mut at = Linear::at(&problem, &of, &values)?;
+    let chi_squared = problem.cost(&at.residuals, &values) / freedom;
+    if plan.discrepancy && chi_squared > 1.0 + WRONG * (2.0 / freedom).sqrt() {
+        for _ in 0..ROUNDS {
+            let discrepancy = unsaid(&problem, &values)?;
+            problem.weigh(discrepancy)?;
+            values = fit(&problem, &values, made.len(), watch)?.values;
+        }
+        at = Linear::at(&problem, &of, &values)?;
+    }
+    let covariances = covariances(&problem, &at, &values);
+    Ok(Solved { problem, values, starts: made, chi_squared, at, covariances })
+}
+
+/// Numbers measured less parameters fitted.
+fn freedom(problem: &Problem, of: &[usize]) -> f64 {
+    let numbers: usize = of.iter().map(|run| problem.runs[*run].layout.len()).sum();
+    (numbers as f64 - problem.parameters.len() as f64).max(1.0)
+}
+
+/// What the model does not say, in parts of the amplitude of each channel: the mean square of the residuals beyond the
+/// noise over that of the amplitudes, for the parameters corrected as if all runs had one and the same error.
+///
+/// Equation: calibrate.discrepancy
+fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
+    let of = problem.fitted();
+    let predictions = problem.predictions(&of, values)?;
+    let layout = problem.runs[of[0]].layout;
+    let numbers = layout.len() as f64;
+    let correction = numbers / (numbers - problem.parameters.len() as f64).max(1.0);
+    let channel = |channel: usize| {
+        let (mut beyond, mut size) = (0.0, 0.0);
+        for (run, predicted) in of.iter().zip(&predictions) {
+            let observed = &problem.runs[*run];
+            let squares = problem.amplitudes(&observed.mean, layout);
+            for part in 0..layout.width() {
+                let (i, k) = (layout.at(channel, part), Layout::harmonic(part));
+                let noise = problem.noise[*run][k][(channel, channel)] / observed.effective();
+                beyond += Layout::share(part) * ((predicted[i] - observed.mean[i]).powi(2) - noise);
+                size += Layout::share(part) * squares[channel][k];
+            }
+        }
+        (correction * beyond.max(0.0) / size.max(f64::MIN_POSITIVE)).sqrt()
+    };
+    Ok((0..layout.channels).map(channel).collect())
+}
+
+impl Solved<'_> {
+    /// Standard errors with cycles as clusters.
+    pub fn errors(&self) -> Vec<f64> {
+        (0..self.values.len()).map(|k| self.covariances.clustered[(k, k)].max(0.0).sqrt()).collect()
+    }
+
+    /// Standard errors as if all samples were independent.
+    pub fn white_errors(&self) -> Vec<f64> {
+        (0..self.values.len()).map(|k| self.covariances.white[(k, k)].max(0.0).sqrt()).collect()
+    }
+
+    /// The profiles of all parameters.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn profiles(&self) -> Result<Vec<Profile>, Error> {
+        profiles(&self.problem, &self.at, &self.values, &self.errors())
+    }
+
+    /// The values without run `run`: two Gauss-Newton steps from the fit, on its Jacobian and the model's own residuals.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn without(&self, run: usize) -> Result<Vec<f64>, Error> {
+        let free: Vec<usize> = (0..self.values.len()).collect();
+        let parameters = self.problem.parameters;
+        let normal = self.at.normal(parameters, &self.values, &[run]);
+        let once = step(&normal, 0.0, parameters, &self.values, &free);
+        let predictions = self.problem.predictions(&self.at.of, &once)?;
+        let residuals = self.problem.residuals(&self.at.of, &predictions);
+        let moved = Linear { residuals, ..self.at.clone() };
+        let normal = moved.normal(parameters, &once, &[run]);
+        Ok(step(&normal, 0.0, parameters, &once, &free))
+    }
+
+    /// Rms by channel of every fitted run that is left out, predicted from the others.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn left_out(&self) -> Result<Vec<(usize, Vec<f64>)>, Error> {
+        if self.at.of.len() < 2 {
+            return Ok(Vec::new());
+        }
+        let one = |run: &usize| {
+            let values = self.without(*run)?;
+            let predicted = self.problem.model.predict(*run, &values)?;
+            Ok((*run, rms(&self.problem.runs[*run], &predicted)))
+        };
+        self.at.of.iter().map(one).collect()
+    }
+
+    /// The run `run` as predicted, with the deviations of a band.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn predicted(&self, run: usize) -> Result<Predicted, Error> {
+        let cycle = self.problem.model.predict(run, &self.values)?;
+        let jacobian = self.problem.jacobians(&[run], &self.values)?.swap_remove(0);
+        let layout = self.problem.runs[run].layout;
+        let squares = self.problem.amplitudes(&cycle, layout);
+        let of = |covariance: &DMatrix<f64>, channel: usize, phase: f64| {
+            let wave = waves(layout, phase);
+            let by = nalgebra::DVector::from_fn(jacobian.ncols(), |k, _| {
+                (0..layout.width()).map(|part| wave[part] * jacobian[(layout.at(channel, part), k)]).sum()
+            });
+            (by.transpose() * covariance * &by)[(0, 0)].max(0.0)
+        };
+        let noise = |channel: usize, phase: f64| -> f64 {
+            let wave = waves(layout, phase);
+            let one = |part: usize| {
+                let k = Layout::harmonic(part);
+                wave[part].powi(2) * self.problem.noise[run][k][(channel, channel)]
+            };
+            (0..layout.width()).map(one).sum()
+        };
+        let (mut deviations, mut white) = (Vec::new(), Vec::new());
+        for channel in 0..layout.channels {
+            let share = self.problem.discrepancy.get(channel).copied().unwrap_or(0.0);
+            let unsaid: f64 = share * share * squares[channel].iter().sum::<f64>();
+            let phases = (0..PHASES).map(phase_of);
+            let deviation =
+                |p: f64| (of(&self.covariances.clustered, channel, p) + noise(channel, p) + unsaid).sqrt();
+            deviations.push(phases.clone().map(deviation).collect());
+            let samples = &self.problem.runs[run].sample_noise;
+            let count = self.problem.runs[run].samples_per_cycle / layout.width() as f64;
+            let plain =
+                if samples.nrows() == layout.channels { samples[(channel, channel)] / count } else { 0.0 };
+            white.push(phases.map(|p| (of(&self.covariances.white, channel, p) + plain).sqrt()).collect());
+        }
+        Ok(Predicted { layout, cycle, deviations, white })
+    }
+
+    /// Correlations of the estimates.
+    pub fn correlations(&self) -> DMatrix<f64> {
+        crate::uncertainty::correlations(&self.covariances.clustered)
+    }
+
+    /// Covariance of the estimates from noise alone: the inverse of the information.
+    pub fn information_covariance(&self) -> DMatrix<f64> {
+        inverse(&self.at.normal(self.problem.parameters, &self.values, &[]).0)
+    }
+}
+
+/// Phase number `k` of those of a cycle, rad.
+pub fn phase_of(k: usize) -> f64 {
+    std::f64::consts::TAU * k as f64 / PHASES as f64
+}
+
+/// 1, cos, sin, cos 2, ... of a phase.
+fn waves(layout: Layout, phase: f64) -> Vec<f64> {
+    let wave = |part: usize| {
+        let turned = Layout::harmonic(part) as f64 * phase;
+        match part {
+            0 => 1.0,
+            part if part % 2 == 1 => turned.cos(),
+            _ => turned.sin(),
+        }
+    };
+    (0..layout.width()).map(wave).collect()
+}
+
+/// Root mean square over the cycle of what is predicted less what was measured, by channel.
+pub fn rms(observed: &Observed, predicted: &[f64]) -> Vec<f64> {
+    let apart: Vec<f64> = predicted.iter().zip(&observed.mean).map(|(model, mean)| model - mean).collect();
+    (0..observed.layout.channels).map(|channel| observed.layout.mean_square(&apart, channel).sqrt()).collect()
+}
+
+/// A predicted cycle with its band.
+#[derive(Clone, Debug)]
+pub struct Predicted {
+    /// How its numbers lie.
+    pub layout: Layout,
+    /// Numbers.
+    pub cycle: Vec<f64>,
+    /// Standard deviation by channel and phase of one measured cycle: estimates, noise, what the model cannot say.
+    pub deviations: Vec<Vec<f64>>,
+    /// The same from independent samples alone.
+    pub white: Vec<Vec<f64>>,
+}
+
+impl Predicted {
+    /// Share of the measured cycles' values within 95 % of `deviations`, by channel.
+    pub fn coverage(&self, observed: &Observed, deviations: &[Vec<f64>]) -> Vec<f64> {
+        let channel = |channel: usize| {
+            let inside = |cycle: &Vec<f64>| {
+                let within = |k: &usize| {
+                    let measured = self.layout.value(cycle, channel, phase_of(*k));
+                    let predicted = self.layout.value(&self.cycle, channel, phase_of(*k));
+                    (measured - predicted).abs() <= NORMAL_95 * deviations[channel][*k]
+                };
+                (0..PHASES).filter(within).count()
+            };
+            let inside: usize = observed.cycles.iter().map(inside).sum();
+            inside as f64 / (PHASES * observed.cycles.len()) as f64
+        };
+        (0..self.layout.channels).map(channel).collect()
+    }
+
+    /// Mean half width of the 95 % band, by channel.
+    pub fn half_widths(&self) -> Vec<f64> {
+        let mean = |of: &Vec<f64>| NORMAL_95 * of.iter().sum::<f64>() / of.len() as f64;
+        self.deviations.iter().map(mean).collect()
+    }
+}

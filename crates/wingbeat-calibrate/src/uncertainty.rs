@@ -1,0 +1,285 @@
+//! How well a fit knows its parameters.
+
+use crate::fit::{Linear, scaled_solve, step};
+use crate::problem::Problem;
+use crate::{Error, Layout, Parameter};
+use nalgebra::{DMatrix, DVector};
+use wingbeat::parallel;
+
+/// Two-sided 95 % of the normal distribution.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// 95 % of chi squared with one degree of freedom.
+const CHI_95: f64 = 3.841_458_820_694_124;
+/// Points of a profile on each side.
+const SIDE: usize = 3;
+/// Steps of the other parameters at every point of a profile.
+const INNER: usize = 2;
+
+/// Covariances of the estimates.
+#[derive(Clone, Debug)]
+pub struct Covariances {
+    /// Cycles as clusters (sandwich), with what the model cannot say and what priors leave open.
+    pub clustered: DMatrix<f64>,
+    /// As if every sample were independent of the one before.
+    pub white: DMatrix<f64>,
+    /// Singular values of the Jacobian with every parameter in parts of its size, largest first.
+    pub singular_values: Vec<f64>,
+    /// Directions of the parameters, in parts of their sizes, of those singular values.
+    pub directions: Vec<Vec<f64>>,
+}
+
+/// Inverse of a positive semidefinite matrix by eigenvalues of its form with a unit diagonal; directions that it does not
+/// know stay out.
+pub fn inverse(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = a.nrows();
+    let columns: Vec<DVector<f64>> = (0..n)
+        .map(|k| {
+            let unit = DVector::from_fn(n, |i, _| f64::from(u8::from(i == k)));
+            scaled_solve(a, &unit).unwrap_or_else(|| DVector::zeros(n))
+        })
+        .collect();
+    DMatrix::from_columns(&columns)
+}
+
+/// Covariances of the estimates at the linearisation `at`: B^-1 (sum over cycles of g g') B^-1 with B = J'C^-1 J + prior,
+/// g = J'C^-1 (cycle - mean)/n sqrt(n/(n - 1)). What the model cannot say counts as common to all runs.
+///
+/// Equation: calibrate.cluster_covariance
+pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariances {
+    let parameters = problem.parameters;
+    let n = parameters.len();
+    let (square, _) = at.normal(parameters, values, &[]);
+    let bread = inverse(&square);
+    let (mut clustered, mut white) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+    for ((run, j), _) in at.of.iter().zip(&at.jacobians).zip(&at.residuals) {
+        let observed = &problem.runs[*run];
+        let layout = observed.layout;
+        let total: f64 = observed.weights.iter().sum();
+        let count = observed.cycles.len() as f64;
+        let correction = (count / (count - 1.0).max(1.0)).sqrt();
+        for (cycle, weight) in observed.cycles.iter().zip(&observed.weights) {
+            let apart: Vec<f64> = cycle.iter().zip(&observed.mean).map(|(x, m)| x - m).collect();
+            let g = j.transpose() * problem.whiten(*run, &apart) * (weight / total * correction);
+            clustered += &g * g.transpose();
+        }
+        // Independent samples: variance s/N of a mean, 2 s/N of a harmonic, over all cycles.
+        if let Some(factor) = observed.sample_noise.clone().cholesky() {
+            let samples = observed.samples_per_cycle * count;
+            for part in 0..layout.width() {
+                let variance = Layout::share(part).recip() / samples;
+                for column in factor.l().column_iter() {
+                    let mut unit = vec![0.0; layout.len()];
+                    (0..layout.channels).for_each(|c| unit[layout.at(c, part)] = column[c] * variance.sqrt());
+                    let g = j.transpose() * problem.whiten(*run, &unit);
+                    white += &g * g.transpose();
+                }
+            }
+        }
+    }
+    let priors = DMatrix::from_fn(n, n, |i, k| match (i == k, parameters[i].prior) {
+        (true, Some([_, deviation])) => deviation.powi(-2),
+        _ => 0.0,
+    });
+    let meat = &clustered + priors + unsaid(problem, at, n);
+    let scaled: Vec<DMatrix<f64>> = at.jacobians.iter().map(|j| scaled_by_size(j, parameters)).collect();
+    let (singular_values, directions) = singular(&scaled, n);
+    Covariances {
+        clustered: &bread * meat * &bread,
+        white: &bread * white * &bread,
+        singular_values,
+        directions,
+    }
+}
+
+/// What the discrepancy does to the gradient, the same error in all runs: per channel and part one vector summed over runs.
+fn unsaid(problem: &Problem, at: &Linear, n: usize) -> DMatrix<f64> {
+    let mut sum = DMatrix::zeros(n, n);
+    let Some(first) = at.of.first() else { return sum };
+    let layout = problem.runs[*first].layout;
+    for channel in 0..layout.channels {
+        let share = problem.discrepancy.get(channel).copied().unwrap_or(0.0);
+        if share == 0.0 {
+            continue;
+        }
+        for part in 0..layout.width() {
+            let mut g = DVector::zeros(n);
+            for (run, j) in at.of.iter().zip(&at.jacobians) {
+                let observed = &problem.runs[*run];
+                if observed.layout != layout {
+                    continue;
+                }
+                let squares = problem.amplitudes(&observed.mean, layout);
+                let mut unit = vec![0.0; layout.len()];
+                unit[layout.at(channel, part)] = share * squares[channel][Layout::harmonic(part)].sqrt();
+                g += j.transpose() * problem.whiten(*run, &unit);
+            }
+            sum += &g * g.transpose();
+        }
+    }
+    sum
+}
+
+fn scaled_by_size(jacobian: &DMatrix<f64>, parameters: &[Parameter]) -> DMatrix<f64> {
+    DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, k| jacobian[(i, k)] * parameters[k].scale())
+}
+
+/// Singular values, largest first, with their right vectors, of matrices one above another.
+fn singular(blocks: &[DMatrix<f64>], n: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let square = blocks.iter().fold(DMatrix::zeros(n, n), |sum, block| sum + block.transpose() * block);
+    let eigen = square.symmetric_eigen();
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let values = order.iter().map(|k| eigen.eigenvalues[*k].max(0.0).sqrt()).collect();
+    let directions = order.iter().map(|k| eigen.eigenvectors.column(*k).iter().copied().collect()).collect();
+    (values, directions)
+}
+
+/// Correlations of a covariance.
+pub fn correlations(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
+        let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+        if scale > 0.0 { covariance[(i, j)] / scale } else { f64::from(u8::from(i == j)) }
+    })
+}
+
+/// What a profile says of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Label {
+    /// The cost rises beyond its 95 % on both sides.
+    Identified,
+    /// It does on one side only.
+    OneSided,
+    /// It does on neither.
+    Flat,
+}
+
+impl Label {
+    /// The label in words.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Identified => "identified",
+            Self::OneSided => "one-sided",
+            Self::Flat => "flat",
+        }
+    }
+}
+
+/// The cost along one parameter, the others fitted again.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// Values of the parameter, ascending.
+    pub values: Vec<f64>,
+    /// Cost above the least, in the scale in which 3.84 is its 95 %.
+    pub cost: Vec<f64>,
+    /// What it says.
+    pub label: Label,
+    /// Ends of the 95 % interval where the cost passes 3.84; none where it does not.
+    pub interval: [Option<f64>; 2],
+}
+
+/// Profiles of all parameters about `values`. The others take Gauss-Newton steps on the Jacobian at the fit and the model's
+/// own residuals. `errors` are the standard errors; the cost is measured in the scale that makes its curvature theirs.
+///
+/// # Errors
+/// A model without an answer at the fit.
+pub fn profiles(
+    problem: &Problem,
+    at: &Linear,
+    values: &[f64],
+    errors: &[f64],
+) -> Result<Vec<Profile>, Error> {
+    let points: Vec<(usize, f64)> =
+        (0..values.len()).flat_map(|k| abscissae(problem, values, errors, k).map(move |x| (k, x))).collect();
+    let least = problem.cost(&at.residuals, values);
+    let normal = at.normal(problem.parameters, values, &[]);
+    let costs = parallel::map(&points, |_, (k, x)| along(problem, at, &normal, values, (*k, *x)));
+    let mut profiles = Vec::new();
+    for (k, parameter) in problem.parameters.iter().enumerate() {
+        let plain = inverse(&normal.0)[(k, k)].sqrt();
+        // The curvature of the cost is 1/plain^2; that of the clustered covariance 1/error^2.
+        let scale = if errors[k] > 0.0 { (plain / errors[k]).powi(2).min(1.0) } else { 1.0 };
+        let own = points.iter().zip(&costs).filter(|((of, _), _)| *of == k);
+        let mut curve: Vec<(f64, f64)> =
+            own.filter_map(|((_, x), cost)| cost.map(|cost| (*x, scale * (cost - least).max(0.0)))).collect();
+        curve.push((values[k], 0.0));
+        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        profiles.push(profile(parameter, values[k], curve));
+    }
+    Ok(profiles)
+}
+
+fn profile(parameter: &Parameter, value: f64, curve: Vec<(f64, f64)>) -> Profile {
+    let crossing = |side: f64| {
+        let mut outwards: Vec<(f64, f64)> =
+            curve.iter().copied().filter(|(x, _)| side * (x - value) >= 0.0).collect();
+        outwards.sort_by(|a, b| (side * a.0).total_cmp(&(side * b.0)));
+        // The square root of the cost is nearly straight.
+        outwards.windows(2).find(|pair| pair[0].1 <= CHI_95 && pair[1].1 > CHI_95).map(|pair| {
+            let (a, b, c) = (pair[0].1.sqrt(), pair[1].1.sqrt(), CHI_95.sqrt());
+            pair[0].0 + (pair[1].0 - pair[0].0) * (c - a) / (b - a)
+        })
+    };
+    let interval = [crossing(-1.0), crossing(1.0)];
+    let at_bound = value <= parameter.low || value >= parameter.high;
+    let label = match (interval[0].is_some(), interval[1].is_some()) {
+        (true, true) => Label::Identified,
+        (false, false) => Label::Flat,
+        _ => Label::OneSided,
+    };
+    let label = if at_bound && label == Label::Identified { Label::OneSided } else { label };
+    let (values, cost) = curve.into_iter().unzip();
+    Profile { values, cost, label, interval }
+}
+
+/// Values at which the profile of parameter `k` is taken: to 3 standard errors on both sides, within the bounds.
+fn abscissae(
+    problem: &Problem,
+    values: &[f64],
+    errors: &[f64],
+    k: usize,
+) -> impl Iterator<Item = f64> + use<> {
+    let parameter = &problem.parameters[k];
+    let (low, high, value) = (parameter.low, parameter.high, values[k]);
+    // What is hardly known is looked at over all of its size.
+    let widest = 3.0 * parameter.scale().abs();
+    let error = if errors[k].is_finite() { errors[k].clamp(0.0, widest) } else { widest };
+    let side = move |sign: f64| {
+        (1..=SIDE).map(move |i| (value + sign * error * 3.0 * i as f64 / SIDE as f64).clamp(low, high))
+    };
+    let mut all: Vec<f64> = side(-1.0).chain(side(1.0)).filter(|x| *x != value).collect();
+    all.dedup();
+    all.into_iter()
+}
+
+/// The cost with parameter `k` at `x`; none where the model has no answer.
+fn along(
+    problem: &Problem,
+    at: &Linear,
+    (square, gradient): &(DMatrix<f64>, DVector<f64>),
+    values: &[f64],
+    (k, x): (usize, f64),
+) -> Option<f64> {
+    let free: Vec<usize> = (0..values.len()).filter(|i| *i != k).collect();
+    let mut now = values.to_vec();
+    now[k] = x;
+    // The gradient at the moved value by the linear model, then by the residuals themselves.
+    let mut g = gradient.clone() + square.column(k) * (x - values[k]);
+    let mut least = f64::INFINITY;
+    for _ in 0..INNER {
+        let next = step(&(square.clone(), g.clone()), 0.0, problem.parameters, &now, &free);
+        let predictions: Result<Vec<_>, _> =
+            at.of.iter().map(|run| problem.model.predict(*run, &next)).collect();
+        let residuals = problem.residuals(&at.of, &predictions.ok()?);
+        let cost = problem.cost(&residuals, &next);
+        if !(cost < least) {
+            break;
+        }
+        least = cost;
+        g = Linear { of: at.of.clone(), residuals, jacobians: at.jacobians.clone() }
+            .normal(problem.parameters, &next, &[])
+            .1;
+        now = next;
+    }
+    least.is_finite().then_some(least)
+}

@@ -1,0 +1,149 @@
+//! Runs on the rig: what is refused of samples, what a fit finds.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use wingbeat::rig::cell::{CellSpec, LoadCell};
+use wingbeat::scenario::Document;
+use wingbeat_calibrate::measured::{Pass, observed};
+use wingbeat_calibrate::{
+    Calibration, Layout, Observed, Progress, RigTarget, Structure, checked, clean, respond, solve,
+};
+
+fn shipped(name: &str, overrides: &[&str]) -> Calibration {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../calibrations").join(name);
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
+    Calibration::new(Document::file(&path).unwrap().overridden(&overrides)).unwrap()
+}
+
+/// The truth of `two_runs.toml` is the model itself.
+const ITSELF: &str = "truth.set=[\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]";
+
+/// Runs, and the first one's passes.
+fn first() -> (Calibration, Structure, Vec<Pass>) {
+    let calibration = shipped("two_runs.toml", &[ITSELF, "truth.passes=3"]);
+    let structure = calibration.structure(&[], &|_, _| None).unwrap();
+    let truth = calibration.truth(&|_, _| None).unwrap();
+    let made = clean(&truth[0]).unwrap();
+    let spec = calibration.spec.truth.as_ref().unwrap();
+    let passes = (0..3).map(|pass| made.pass(&truth[0], spec, 1, pass).unwrap()).collect();
+    (calibration, structure, passes)
+}
+
+fn see(target: &RigTarget, passes: &[Pass]) -> Result<Observed, String> {
+    observed(target, passes, false, true).map_err(|error| error.to_string())
+}
+
+#[test]
+fn the_cell_answers_harmonics_as_it_does_samples() {
+    let calibration = shipped("two_runs.toml", &[]);
+    let structure = calibration.structure(&[], &|_, _| None).unwrap();
+    let mut cell: CellSpec = structure.model.targets[0].run.spec.rig.cell.clone();
+    (cell.noise_steps, cell.bias, cell.drift_per_s) = (0.0, [0.0; 6], [0.0; 6]);
+    let (frequency, harmonic) = (3.5, 9);
+    let layout = Layout { channels: 6, harmonics: harmonic };
+    let mut cycle = vec![0.0; layout.len()];
+    cycle[layout.at(2, 2 * harmonic - 1)] = 5.0;
+    let wave = |cycle: &[f64], t: f64| layout.value(cycle, 2, std::f64::consts::TAU * frequency * t);
+    let load = |t: f64| {
+        let mut six = [0.0; 6];
+        six[2] = wave(&cycle, t);
+        wingbeat::rig::cell::wrench(six)
+    };
+    let step = 1.0 / cell.rate_hz;
+    let mut real = LoadCell::new(&cell, &load(0.0), 0).unwrap();
+    let shown: Vec<f64> = (0..7000).map(|k| real.sample(&load(f64::from(k) * step)).values[2]).collect();
+    let mut expected = cycle.clone();
+    respond(&cell, frequency, layout, &mut expected);
+    let resolution = cell.calibration.resolution()[2];
+    for k in 5000..7000 {
+        let apart = shown[k] - wave(&expected, k as f64 * step);
+        assert!(apart.abs() < 0.6 * resolution, "{k}: {apart}");
+    }
+}
+
+#[test]
+fn samples_that_cannot_be_the_runs_are_refused_with_what_would_be_right() {
+    let (_, structure, passes) = first();
+    let target = &structure.model.targets[0];
+    assert_eq!(see(target, &passes).unwrap().cycles.len(), 9);
+    let with = |change: &dyn Fn(&mut Pass)| {
+        let mut changed = passes.clone();
+        change(&mut changed[1]);
+        see(target, &changed)
+    };
+    let twice = with(&|pass| *pass = passes[0].clone()).unwrap_err();
+    assert!(twice.contains("the very samples of"), "{twice}");
+    let slower = with(&|pass| pass.phase.iter_mut().for_each(|phase| *phase *= 0.97)).unwrap_err();
+    assert!(slower.contains("frequency_hz=3.39"), "{slower}");
+    // A gap of NaN rows costs its cycle.
+    let gap = |pass: &mut Pass| {
+        let at = pass.time.partition_point(|t| *t < 1.3);
+        pass.channels[2][at..at + 40].fill(f64::NAN);
+    };
+    let holed = with(&gap).unwrap();
+    assert_eq!((holed.cycles.len(), holed.left_out), (8, 1));
+    let nothing = with(&|pass| pass.channels[0].fill(f64::NAN)).unwrap_err();
+    assert!(nothing.contains("rest"), "{nothing}");
+    let full = with(&|pass| {
+        let from = pass.time.partition_point(|t| *t < 0.0);
+        pass.channels[2][from..].fill(17.0);
+    });
+    assert!(full.unwrap_err().contains("end of the cell's range"));
+    let no_encoder = with(&|pass| pass.phase.clear()).unwrap_err();
+    assert!(no_encoder.contains("process.phase"), "{no_encoder}");
+    let short = with(&|pass| {
+        let to = pass.time.partition_point(|t| *t < 0.5);
+        pass.time.truncate(to);
+        pass.phase.truncate(to);
+        pass.channels.iter_mut().for_each(|channel| channel.truncate(to));
+    });
+    assert!(short.unwrap_err().contains("process.input.start_s"));
+}
+
+#[test]
+fn swapped_axes_and_shifted_phases_are_found_and_proposed() {
+    let (_, structure, passes) = first();
+    let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
+    let target = &structure.model.targets[0];
+    let told = |change: &dyn Fn(&mut Pass)| {
+        let mut changed = passes.clone();
+        changed.iter_mut().for_each(change);
+        let runs = [observed(target, &changed, false, true).unwrap()];
+        checked(&structure, &runs, &values).map_err(|error| error.to_string())
+    };
+    assert_eq!(told(&|_| {}), Ok(Vec::new()));
+    let swapped = told(&|pass| pass.channels.swap(0, 2)).unwrap_err();
+    assert!(
+        swapped.contains("Fx is Fz of the file") && swapped.contains("Fz is Fx of the file"),
+        "{swapped}"
+    );
+    let flipped = told(&|pass| pass.channels[2].iter_mut().for_each(|x| *x = -*x)).unwrap_err();
+    assert!(flipped.contains("Fz is -Fz of the file") && !flipped.contains("Fx is"), "{flipped}");
+    let late = told(&|pass| pass.phase.iter_mut().for_each(|phase| *phase += 0.2)).unwrap_err();
+    assert!(late.contains("11.5 deg behind") && late.contains("gait.phase_rad"), "{late}");
+}
+
+#[test]
+fn a_fit_of_the_right_model_finds_the_truth() {
+    let calibration = shipped("two_runs.toml", &[ITSELF, "starts=1"]);
+    let mut structure = calibration.structure(&[], &|_, _| None).unwrap();
+    let none = |path: &Path, _: &wingbeat::scenario::RigRun| {
+        Err(wingbeat_calibrate::Error::data(path.display().to_string(), "no file"))
+    };
+    let runs = calibration.observed(&structure, &|_, _| None, &none).unwrap();
+    let truth: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
+    structure.parameters.iter_mut().for_each(|parameter| parameter.start *= 1.15);
+    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let plan = calibration.plan();
+    let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
+    for (k, truth) in truth.iter().enumerate() {
+        let (value, error) = (solved.values[k], solved.errors()[k]);
+        let name = &structure.parameters[k].name;
+        assert!((value - truth).abs() < 4.0 * error, "{name}: {value} +- {error}, truth {truth}");
+        assert!(error < 0.1 * truth.abs(), "{name}: {error}");
+    }
+    let predicted = solved.predicted(1).unwrap();
+    for (channel, share) in predicted.coverage(&runs[1], &predicted.deviations).iter().enumerate() {
+        assert!(*share > 0.8, "channel {channel}: {share}");
+    }
+}

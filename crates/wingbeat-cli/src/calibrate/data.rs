@@ -1,0 +1,79 @@
+//! Files of samples, and what tells one from another.
+
+use std::fs;
+use std::path::Path;
+
+use serde::Serialize;
+use wingbeat::scenario::RigRun;
+use wingbeat_calibrate::Calibration;
+use wingbeat_calibrate::measured::Pass;
+
+use crate::error::Error;
+
+/// A file of samples.
+#[derive(Clone, Debug, Serialize)]
+pub struct DataFile {
+    /// Path as given.
+    pub file: String,
+    /// FNV-1a of its bytes, 64 bits, hexadecimal.
+    pub fnv1a64: String,
+}
+
+/// The files of samples of a calibration.
+pub struct Files(pub Vec<DataFile>);
+
+impl Files {
+    /// Those that the calibration names.
+    pub fn of(calibration: &Calibration) -> Result<Self, Error> {
+        let mut files: Vec<DataFile> = Vec::new();
+        for (run, spec) in calibration.spec.runs.iter().enumerate() {
+            for (k, given) in spec.data.iter().enumerate() {
+                let path = calibration.data(run, k);
+                let bytes = fs::read(&path).map_err(|source| Error::file(&path, source))?;
+                let file = given.display().to_string();
+                let fnv1a64 = format!("{:016x}", fnv1a64(&bytes));
+                if let Some(other) = files.iter().find(|other| other.fnv1a64 == fnv1a64) {
+                    let what =
+                        format!("{file}: holds the very bytes of {}: one pass counts once", other.file);
+                    return Err(Error::Input(what));
+                }
+                files.push(DataFile { file, fnv1a64 });
+            }
+        }
+        Ok(Self(files))
+    }
+
+    /// What a run to be resumed must have in common.
+    pub fn identity(&self, resolved: &str) -> String {
+        let lines = self.0.iter().map(|file| format!("# data {} fnv1a64 {}\n", file.file, file.fnv1a64));
+        format!("{resolved}{}", lines.collect::<String>())
+    }
+}
+
+/// Fowler, Noll and Vo's hash 1a.
+fn fnv1a64(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+/// The samples of a file, read as `run` says.
+pub fn read(path: &Path, run: &RigRun) -> Result<Pass, wingbeat_calibrate::Error> {
+    let name = path.display().to_string();
+    let wrong = |error: wingbeat_io::Error| wingbeat_calibrate::Error::data(&name, error.to_string());
+    let input = &run.spec.process.input;
+    let table = wingbeat_io::samples::read_samples(path, input).map_err(wrong)?;
+    Pass::of(&name, table.import(input).map_err(wrong)?.record)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_are_those_of_the_reference() {
+        // Noll's test vectors.
+        assert_eq!(fnv1a64(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv1a64(b"foobar"), 0x8594_4171_f739_67e8);
+    }
+}

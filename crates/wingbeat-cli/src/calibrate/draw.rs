@@ -1,0 +1,99 @@
+//! The figures of a calibration.
+
+use wingbeat::rig::cell::CHANNELS;
+use wingbeat_calibrate::Layout;
+use wingbeat_figures::calibration::{
+    Overlay, ProfileCurve, Spectrum, correlations, information, overlay, profiles, residual_spectra,
+};
+use wingbeat_figures::{Error as Undrawn, write as write_figure};
+
+use super::found::{Found, FoundRun};
+use crate::error::Error;
+use crate::run_folder::RunFolder;
+use crate::say;
+
+/// Draws what can be drawn; what cannot is said and left out.
+pub fn draw(folder: &RunFolder, found: &Found) -> Result<(), Error> {
+    let figures = folder.folder("figures")?;
+    let told = |outcome: Result<(), Undrawn>| {
+        if let Err(error) = outcome {
+            say::note(&format!("a figure is left out: {error}"));
+        }
+    };
+    let names: Vec<String> = found.parameters.iter().map(|parameter| parameter.name.clone()).collect();
+    told(write_figure(&figures, &correlations(&names, found.correlations.clone())));
+    told(write_figure(&figures, &profiles(profile_curves(found))));
+    told(write_figure(&figures, &residual_spectra(spectra(found))));
+    let told_by = &found.information;
+    let channels = found.channels();
+    let rows =
+        told_by.runs.iter().flat_map(|run| channels.iter().map(move |channel| format!("{run} {channel}")));
+    told(write_figure(&figures, &information(rows.collect(), names, told_by.alone.clone())));
+    for run in &found.runs {
+        let own = folder.folder(&format!("figures/{}", run.observed.name))?;
+        told(write_figure(&own, &overlay(overlays(run))));
+    }
+    Ok(())
+}
+
+/// Channel with its unit.
+fn title(channel: usize) -> String {
+    let (name, unit) = CHANNELS[channel];
+    format!("{name} [{unit}]")
+}
+
+fn overlays(run: &FoundRun) -> Vec<Overlay> {
+    let curves = run.curves();
+    let channel = |channel: usize| {
+        let of = |which: usize| curves.iter().map(|at| at[channel][which]).collect::<Vec<f64>>();
+        Overlay {
+            title: title(channel),
+            measured: of(0),
+            before: of(1),
+            after: of(2),
+            band: of(3).into_iter().zip(of(4)).collect(),
+        }
+    };
+    (0..run.observed.layout.channels).map(channel).collect()
+}
+
+fn profile_curves(found: &Found) -> Vec<ProfileCurve> {
+    let curve = |k: usize| {
+        let profile = &found.profiles[k];
+        ProfileCurve {
+            title: format!("{}, {}", found.parameters[k].name, profile.label.word()),
+            points: profile.values.iter().copied().zip(profile.cost.iter().copied()).collect(),
+            fit: (found.values[k], found.errors[k]),
+        }
+    };
+    (0..found.parameters.len()).map(curve).collect()
+}
+
+fn spectra(found: &Found) -> Vec<Spectrum> {
+    let runs: Vec<&FoundRun> = found.fitted().collect();
+    let layout: Layout = runs[0].observed.layout;
+    let channel = |channel: usize| {
+        let rms = |of: &dyn Fn(&FoundRun, usize) -> f64| -> Vec<f64> {
+            let one = |k: usize| {
+                let squares: f64 = runs.iter().map(|run| of(run, k)).sum();
+                (squares / runs.len() as f64).sqrt()
+            };
+            (0..=layout.harmonics).map(one).collect()
+        };
+        let apart = |run: &FoundRun, cycle: &[f64], k: usize| -> f64 {
+            let parts = if k == 0 { 0..1 } else { 2 * k - 1..2 * k + 1 };
+            let one = |part: usize| {
+                let at = layout.at(channel, part);
+                (cycle[at] - run.observed.mean[at]).powi(2)
+            };
+            parts.map(one).sum()
+        };
+        Spectrum {
+            title: title(channel),
+            before: rms(&|run, k| apart(run, &run.before, k)),
+            after: rms(&|run, k| apart(run, &run.after.cycle, k)),
+            noise: rms(&|run, k| if k == 0 { 1.0 } else { 2.0 } * run.noise[k][channel]),
+        }
+    };
+    (0..layout.channels).map(channel).collect()
+}

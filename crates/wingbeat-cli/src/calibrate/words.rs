@@ -1,0 +1,202 @@
+//! What a calibration found, in words.
+
+use wingbeat_calibrate::{Information, Parameter, rms};
+
+use super::data::Files;
+use super::found::Found;
+
+/// The information table: what the runs tell of the parameters before they are fitted.
+pub fn information(of: &Information, parameters: &[Parameter]) -> String {
+    let name = |k: usize| parameters[k].name.as_str();
+    let mut text = format!(
+        "information at the start: standard error in parts of the size, from all runs and from the best run and channel\n\n\
+         {:<34}{:>12}{:>12}  {}\n",
+        "", "all", "best alone", "run, channel"
+    );
+    for (k, together) in of.together.iter().enumerate() {
+        let best = of.alone.iter().enumerate().min_by(|a, b| a.1[k].total_cmp(&b.1[k]));
+        let (row, alone) = best.map_or((0, f64::INFINITY), |(row, errors)| (row, errors[k]));
+        let (run, channel) = (&of.runs[row / of.channels], row % of.channels);
+        let channel = wingbeat::rig::cell::CHANNELS.get(channel).map_or("", |(name, _)| *name);
+        text += &format!("{:<34}{together:>12.2e}{alone:>12.2e}  {run}, {channel}\n", name(k));
+    }
+    for (j, i, correlation) in &of.close {
+        text += &format!("close: {} and {}, correlation {correlation:.3}\n", name(*j), name(*i));
+    }
+    for group in &of.inseparable {
+        let names: Vec<&str> = group.iter().map(|(k, _)| name(*k)).collect();
+        text += &format!("not told apart: {}\n", names.join(", "));
+    }
+    text += &match &of.suffice {
+        Some(runs) if runs.len() < of.runs.len() => {
+            format!("{} of the {} runs tell every parameter to within its size\n", runs.len(), of.runs.len())
+        }
+        Some(_) => {
+            format!("all {} runs are needed to tell every parameter to within its size\n", of.runs.len())
+        }
+        None => "the runs do not tell every parameter to within its size\n".into(),
+    };
+    text
+}
+
+/// The same as CSV: run, channel, then a column per parameter.
+pub fn information_csv(found: &Found) -> String {
+    let of = &found.information;
+    let names: Vec<&str> = found.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let mut text = format!("run,channel,{}\n", names.join(","));
+    for (row, errors) in of.alone.iter().enumerate() {
+        let channel = &found.channels()[row % of.channels];
+        let numbers: Vec<String> = errors.iter().map(|error| wingbeat_io::shortest(*error)).collect();
+        text += &format!("{},{channel},{}\n", of.runs[row / of.channels], numbers.join(","));
+    }
+    text
+}
+
+/// The report.
+pub fn report(found: &Found) -> String {
+    let mut text = format!("calibration {}: {}\n\n", found.name, found.model.join(", "));
+    text += &format!(
+        "{:<34}{:>13}{:>13}{:>13}{:>13}  {}\n",
+        "", "start", "value", "std. error", "(white)", "profile"
+    );
+    for (k, parameter) in found.parameters.iter().enumerate() {
+        text += &format!(
+            "{:<34}{:>13.6}{:>13.6}{:>13.2e}{:>13.2e}  {}{}\n",
+            parameter.name,
+            parameter.start,
+            found.values[k],
+            found.errors[k],
+            found.white_errors[k],
+            found.label(k).word(),
+            if found.values[k] <= parameter.low || found.values[k] >= parameter.high {
+                ", at its bound"
+            } else {
+                ""
+            }
+        );
+    }
+    for (name, value) in &found.held {
+        text += &format!("{name:<34}{value:>13.6}         held\n");
+    }
+    text += &format!(
+        "\nstandard errors: cycles as clusters, with what the model cannot say and priors; (white): as if every sample were \
+         independent\nchi squared over freedom with the noise of the cycles alone: {:.3}\n",
+        found.chi_squared
+    );
+    if found.discrepancy.iter().any(|share| *share > 0.0) {
+        let shares: Vec<String> = found
+            .channels()
+            .iter()
+            .zip(&found.discrepancy)
+            .map(|(channel, share)| format!("{channel} {:.1} %", 100.0 * share))
+            .collect();
+        text += &format!(
+            "the model is wrong beyond the noise: what it cannot say, in parts of each channel's amplitude: {}\n",
+            shares.join(", ")
+        );
+    }
+    let costs: Vec<String> = found
+        .starts
+        .iter()
+        .map(|fit| fit.as_ref().map_or("no answer".into(), |fit| format!("{:.6e}", fit.cost)))
+        .collect();
+    text += &format!("cost from each start: {}\n\n", costs.join(", "));
+    text += &runs(found);
+    text += &structures(found);
+    if let Some(best) = found.next.first() {
+        text += &format!(
+            "\nnext run: {} lowers the standard error of {} from {:.2e} to {:.2e}\n",
+            best.name, best.parameter, best.error_now, best.error_then
+        );
+        for other in &found.next[1..] {
+            text += &format!("          {} to {:.2e}\n", other.name, other.error_then);
+        }
+    }
+    for caution in &found.cautions {
+        text += &format!("\nnote: {caution}\n");
+    }
+    text
+}
+
+/// Rms by run and channel, before and after, with the coverage of the band.
+fn runs(found: &Found) -> String {
+    let channels = found.channels();
+    let mut text = format!("{:<34}", "rms before -> after");
+    channels.iter().for_each(|channel| text += &format!("{channel:>20}"));
+    text.push('\n');
+    for run in &found.runs {
+        let (before, after) = (rms(&run.observed, &run.before), rms(&run.observed, &run.after.cycle));
+        let held = if run.observed.held_out { " (held out)" } else { "" };
+        text += &format!("{:<34}", format!("{}{held}", run.observed.name));
+        for (before, after) in before.iter().zip(&after) {
+            text += &format!("{:>20}", format!("{before:.5} -> {after:.5}"));
+        }
+        text.push('\n');
+        let covered = run.after.coverage(&run.observed, &run.after.deviations);
+        let white = run.after.coverage(&run.observed, &run.after.white);
+        text += &format!("{:<34}", "  in the 95 % band (white)");
+        for (covered, white) in covered.iter().zip(&white) {
+            text += &format!("{:>20}", format!("{:.1} % ({:.1} %)", 100.0 * covered, 100.0 * white));
+        }
+        text.push('\n');
+    }
+    for (run, rms) in &found.left_out {
+        text += &format!("{:<34}", format!("{} left out", found.runs[*run].observed.name));
+        rms.iter().for_each(|rms| text += &format!("{rms:>20.5}"));
+        text.push('\n');
+    }
+    text
+}
+
+fn structures(found: &Found) -> String {
+    if found.rivals.len() < 2 {
+        return String::new();
+    }
+    let mut text = format!(
+        "\n{:<34}{:>14}{:>14}{:>14}\n",
+        "structure, best first", "left out", "held out", "chi squared"
+    );
+    for rival in &found.rivals {
+        let held = rival.held_out_share.map_or("-".into(), |share| format!("{:.2} %", 100.0 * share));
+        text += &format!(
+            "{:<34}{:>14}{:>14}{:>14.3}\n",
+            rival.name,
+            format!("{:.2} %", 100.0 * rival.left_out_share),
+            held,
+            rival.chi_squared
+        );
+    }
+    text += "(rms error in parts of the measured rms, mean of the channels)\n";
+    text
+}
+
+/// The numbers as a file that `robot.numbers` names.
+pub fn numbers(found: &Found, files: &Files) -> String {
+    let mut text = format!(
+        "# Numbers of robot and rig, calibrated: wingbeat {} ({}), calibration {}.\n\
+         # Of the model {}. In a scenario: --set robot.numbers=FILE; on the rig: --set rig.robot.numbers=FILE.\n",
+        env!("CARGO_PKG_VERSION"),
+        env!("WINGBEAT_COMMIT"),
+        found.name,
+        if found.model.is_empty() { "as the runs give it".into() } else { found.model.join(", ") },
+    );
+    for file in &files.0 {
+        text += &format!("# data {} fnv1a64 {}\n", file.file, file.fnv1a64);
+    }
+    if files.0.is_empty() {
+        text += "# data simulated by the calibration's own truth\n";
+    }
+    for (k, parameter) in found.parameters.iter().enumerate() {
+        text += &format!(
+            "{:?} = {:?} # standard error {:.3e}, {}\n",
+            parameter.name,
+            found.values[k],
+            found.errors[k],
+            found.label(k).word()
+        );
+    }
+    for (name, value) in &found.held {
+        text += &format!("{name:?} = {value:?} # held\n");
+    }
+    text
+}

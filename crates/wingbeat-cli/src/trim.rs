@@ -1,0 +1,139 @@
+//! `wingbeat trim`.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget};
+use wingbeat::scenario::{Scenario, TrimSummary};
+use wingbeat::simulate::Record;
+use wingbeat_figures::{Draw, family, multipliers, orbit};
+use wingbeat_io::write_parquet;
+
+use crate::args::Trim;
+use crate::error::Error;
+use crate::fly::draw;
+use crate::interrupt::Interrupt;
+use crate::manifest::Manifest;
+use crate::run_folder::RunFolder;
+use crate::say;
+
+/// Finds the scenario's periodic flight and writes its run folder.
+pub fn trim(arguments: &Trim) -> Result<(), Error> {
+    let start = Instant::now();
+    let options = &arguments.run;
+    let interrupt = Interrupt::listen()?;
+    let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
+    let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
+    let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(None, target);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let trimmed = scenario.trim(&mut |at| {
+        let orbit = at.orbits + 1;
+        bar.set_message(format!("orbit {orbit}, iteration {}: residual {:.1e}", at.iteration, at.residual));
+        interrupt.flow()
+    });
+    let trimmed = trimmed.map_err(|error| scenario.explain(&error))?;
+    bar.finish_and_clear();
+    interrupt.check()?;
+    folder.write("scenario.toml", &scenario.resolved)?;
+    folder.write_json("summary.json", &trimmed.summary)?;
+    let tables = [
+        ("record.parquet", &trimmed.record),
+        ("multipliers.parquet", &trimmed.multipliers),
+        ("family.parquet", &trimmed.family),
+    ];
+    for (name, record) in tables {
+        if let Some(record) = record {
+            write_parquet(&folder.file(name), record)?;
+        }
+    }
+    let draws: [(&Option<Record>, Draw); 3] = [
+        (&trimmed.record, |record, _| orbit(record)),
+        (&trimmed.multipliers, |record, _| multipliers(record)),
+        (&trimmed.family, |record, _| family(record)),
+    ];
+    for (record, figure) in &draws {
+        if let Some(record) = record {
+            draw(&folder, record, None, &[*figure], &interrupt)?;
+        }
+    }
+    for (name, text) in &trimmed.files {
+        folder.write(name, text)?;
+    }
+    interrupt.check()?;
+    let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
+    let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
+    let printed = say::unless(options.quiet, || {
+        format!("{}\nrun folder: {}\n", table(&trimmed.summary), shown.display())
+    });
+    match &trimmed.summary.reason {
+        None => printed,
+        Some(reason) => {
+            let status = trimmed.summary.status.into();
+            Err(Error::Failed { status, reason: reason.clone(), folder: shown.into() })
+        }
+    }
+}
+
+fn table(summary: &TrimSummary) -> String {
+    let number = |value: Option<f64>, digits: usize| value.map_or("-".into(), |v| format!("{v:.digits$}"));
+    let share = |value: Option<f64>| value.map_or("-".into(), |v| format!("{:.1} %", 100.0 * v));
+    let course = format!(
+        "{:.3} m/s, climb {:.3} m/s, bank {:.1} deg",
+        summary.speed_m_s, summary.climb_m_s, summary.bank_deg
+    );
+    let power = format!(
+        "{} W/kg of {} W; joint by joint {}, net {}",
+        number(summary.power_w_kg, 1),
+        number(summary.power_w, 3),
+        number(summary.separate_power_w_kg, 1),
+        number(summary.net_power_w_kg, 1)
+    );
+    let stalled = format!("{} / {}", share(summary.stall_fraction_12), share(summary.stall_fraction_20));
+    let commands: Vec<String> = (summary.commands.iter().filter(|(_, value)| **value != 0.0))
+        .map(|(name, value)| format!("{} {value:.4}", name.trim_start_matches("command_")))
+        .collect();
+    let lines = [
+        ("status", summary.status.to_string()),
+        ("course", course),
+        ("frequency", format!("{} Hz", number(summary.frequency_hz, 4))),
+        ("power", power),
+        (
+            "power of twist / regulators",
+            format!("{} / {} W", number(summary.twist_power_w, 4), number(summary.regulator_power_w, 4)),
+        ),
+        ("lift over weight", number(summary.lift_over_weight, 6)),
+        ("Strouhal number", number(summary.strouhal, 3)),
+        ("U2 c beyond 12 / 20 deg", stalled),
+        ("least clearance", format!("{} mm", number(summary.least_clearance_m.map(|c| 1e3 * c), 2))),
+        (
+            "roll / pitch, mean",
+            format!("{} / {} deg", number(summary.roll_mean_deg, 2), number(summary.pitch_mean_deg, 2)),
+        ),
+        ("heave", format!("{} mm", number(summary.heave_m.map(|h| 1e3 * h), 1))),
+        ("commands", if commands.is_empty() { "at rest".into() } else { commands.join(", ") }),
+        ("largest multiplier", number(summary.largest_multiplier, 5)),
+        (
+            "residual",
+            summary.residual.map_or("-".into(), |r| {
+                format!("{r:.1e} after {} iterations", summary.iterations.unwrap_or(0))
+            }),
+        ),
+        ("search", format!("{:.2} s, {} steps a cycle", summary.search_s, summary.steps)),
+        ("lift law", summary.lift_law.clone()),
+    ];
+    let mut text: String = lines.iter().map(|(name, value)| format!("{name:<28}{value}\n")).collect();
+    for mode in summary.multipliers.iter().take(8) {
+        text += &format!(
+            "{:<28}{:>8.5}  {:+.2} 1/s  {:.2} Hz  {} {}\n",
+            "multiplier", mode.size, mode.growth_per_s, mode.frequency_hz, mode.sector, mode.label
+        );
+    }
+    if let Some(orbits) = summary.family_orbits {
+        let ended = summary.family_ended.as_deref().unwrap_or("to its end");
+        text += &format!("{:<28}{orbits} orbits: {ended}\n", "family");
+    }
+    for reason in &summary.outside {
+        text += &format!("\nnote: {reason}\n");
+    }
+    text
+}

@@ -1,0 +1,186 @@
+//! A periodic flight: wing and incidence over the cycle, multipliers in the unit circle, orbits along a parameter.
+
+use std::f64::consts::TAU;
+
+use wingbeat::simulate::Record;
+
+use crate::chart::{Axis, Chart, Look, Series, grid};
+use crate::panel::{Curve, Panel, stacked};
+use crate::write::Figure;
+use crate::{Error, needed, style};
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Joints of the left wing, from body to tip.
+const JOINTS: [&str; 4] = ["sweep", "shoulder", "elbow", "twist"];
+/// Points of the unit circle.
+const CIRCLE: usize = 181;
+/// Height of a panel of a family, px.
+const HEIGHT: f64 = 210.0;
+
+/// Joint angles, incidence of the left wing's strips, attitude, power and clearance over the cycle.
+///
+/// Needs `t`, `pitch`, `joint_power`, `incidence_0`; draws joints of the left wing and clearances where they are there.
+pub fn orbit(record: &Record) -> Result<Figure, Error> {
+    let t = needed(record, "t")?;
+    if t.len() < 2 {
+        return Err(Error::Rows { rows: t.len(), needed: 2 });
+    }
+    let period = t[t.len() - 1] - t[0];
+    let x: Vec<f64> = t.iter().map(|now| (now - t[0]) / period).collect();
+    let scaled = |values: &[f64], factor: f64| values.iter().map(|v| factor * v).collect::<Vec<f64>>();
+    let curve =
+        |name: String, values: &[f64], factor: f64, i: usize| Curve::new(name, &x, scaled(values, factor), i);
+    let joints = JOINTS.iter().enumerate().filter_map(|(i, joint)| {
+        let values = record
+            .values(&format!("{joint}_left"))
+            .or_else(|| record.values(&format!("coordinate_{joint}_left")))?;
+        Some(curve((*joint).into(), values, DEGREES, i))
+    });
+    let strips = (0..).map_while(|i| record.values(&format!("incidence_{i}"))).collect::<Vec<_>>();
+    needed(record, "incidence_0")?;
+    let left = strips.iter().take(strips.len().div_ceil(2)).enumerate();
+    let incidences =
+        left.map(|(i, values)| curve(format!("strip {} from the left tip", i + 1), values, DEGREES, i));
+    let clearances =
+        record.columns().iter().filter(|column| column.name.starts_with("clearance_")).enumerate();
+    let clear: Vec<Curve> = clearances
+        .map(|(i, column)| {
+            curve(column.name.trim_start_matches("clearance_").replace('_', " "), &column.values, 1e3, i)
+        })
+        .collect();
+    let mut panels = vec![
+        Panel::new("joint angles [°], up, forward, nose up", joints.collect()),
+        Panel::new("incidence [°]", incidences.collect()),
+        Panel::new(
+            "pitch [°], negative is nose up",
+            vec![curve("pitch".into(), needed(record, "pitch")?, DEGREES, 0)],
+        ),
+        Panel::new(
+            "joint power [W]",
+            vec![curve("all driven joints".into(), needed(record, "joint_power")?, 1.0, 1)],
+        ),
+    ];
+    if !clear.is_empty() {
+        panels.push(Panel::new("clearance [mm]", clear));
+    }
+    let label = format!("share of the cycle of {period:.4} s");
+    Ok(Figure::new("orbit", stacked(panels, &label, style::PANEL)))
+}
+
+/// Floquet multipliers in the unit circle: longitudinal ones as circles, lateral ones as crosses.
+///
+/// Needs `multiplier_re`, `multiplier_im`, `lateral`.
+pub fn multipliers(record: &Record) -> Result<Figure, Error> {
+    let (re, im) = (needed(record, "multiplier_re")?, needed(record, "multiplier_im")?);
+    let lateral = needed(record, "lateral")?;
+    let of = |side: f64| {
+        let points = re.iter().zip(im).zip(lateral).filter(|(_, l)| **l == side);
+        points.map(|((re, im), _)| (*re, *im)).collect::<Vec<_>>()
+    };
+    let circle =
+        (0..CIRCLE).map(|i| (TAU * i as f64 / (CIRCLE - 1) as f64).sin_cos()).map(|(s, c)| (c, s)).collect();
+    let largest = re.iter().zip(im).map(|(re, im)| re.hypot(*im)).fold(1.0, f64::max);
+    let reach = 1.1 * largest;
+    let series = vec![
+        Series { colour: style::INK.into(), ..Series::new("unit circle", circle, Look::Line, 0) },
+        Series::new("longitudinal", of(0.0), Look::Circles, 0),
+        Series::new("lateral", of(1.0), Look::Crosses, 1),
+    ];
+    let chart = Chart {
+        title: String::new(),
+        x: Axis::new("real part").over(-reach, reach),
+        y: Axis::new("imaginary part").over(-reach, reach),
+        series,
+        passes: None,
+    };
+    Ok(grid("multipliers", vec![chart], 1, style::WIDTH))
+}
+
+/// Power, frequency, stall shares, multiplier and held commands over the parameter of a family.
+///
+/// Needs `speed_m_s`, `climb_m_s`, `bank_deg`, `power_w_kg`, `frequency_hz`, `stall_fraction_12`, `stall_fraction_20`,
+/// `largest_multiplier`.
+pub fn family(record: &Record) -> Result<Figure, Error> {
+    let parameters = [("speed_m_s", "speed [m/s]"), ("climb_m_s", "climb [m/s]"), ("bank_deg", "bank [°]")];
+    let mut along = (needed(record, "speed_m_s")?, "speed [m/s]");
+    for (name, label) in parameters {
+        let values = needed(record, name)?;
+        if values.iter().any(|v| (v - values[0]).abs() > 1e-12) {
+            along = (values, label);
+        }
+    }
+    let points = |name: &str| -> Result<Vec<(f64, f64)>, Error> {
+        Ok(along.0.iter().copied().zip(needed(record, name)?.iter().copied()).collect())
+    };
+    let chart = |label: &str, series: Vec<Series>| Chart {
+        title: String::new(),
+        x: Axis::new(along.1),
+        y: Axis::new(label),
+        series,
+        passes: None,
+    };
+    let one = |name: &str, label: &str| -> Result<Chart, Error> {
+        Ok(chart(label, vec![Series::new("", points(name)?, Look::Line, 0)]))
+    };
+    let mut charts = vec![one("power_w_kg", "power [W/kg]")?, one("frequency_hz", "frequency [Hz]")?];
+    charts.push(chart(
+        "share of U²c beyond an incidence",
+        vec![
+            Series::new("beyond 12°", points("stall_fraction_12")?, Look::Line, 0),
+            Series::new("beyond 20°", points("stall_fraction_20")?, Look::Dashed, 1),
+        ],
+    ));
+    charts.push(one("largest_multiplier", "largest multiplier but the heading's")?);
+    let commands = record
+        .columns()
+        .iter()
+        .filter(|column| column.name.starts_with("command_") && column.values.iter().any(|v| v.abs() > 1e-9));
+    let commands: Vec<Series> = commands
+        .enumerate()
+        .map(|(i, column)| {
+            let name = column.name.trim_start_matches("command_").replace('_', " ");
+            let points = along.0.iter().copied().zip(column.values.iter().copied()).collect();
+            Series::new(name, points, if i % 2 == 0 { Look::Line } else { Look::Dashed }, i)
+        })
+        .collect();
+    if !commands.is_empty() {
+        charts.push(chart("held commands", commands));
+    }
+    Ok(grid("family", charts, 2, HEIGHT))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wingbeat::simulate::Column;
+
+    fn record(names: &[&str]) -> Record {
+        let column = |(i, name): (usize, &&str)| {
+            let values = (0..3).map(|k| (k + i) as f64).collect();
+            Column { values, ..Column::new(*name, "", "") }
+        };
+        Record::new(names.iter().enumerate().map(column).collect(), 0).unwrap()
+    }
+
+    #[test]
+    fn the_figures_are_drawn_from_what_they_need_and_refuse_less() {
+        let cycle = ["t", "pitch", "joint_power", "incidence_0", "shoulder_left", "clearance_wing"];
+        assert_eq!(orbit(&record(&cycle)).unwrap().name, "orbit");
+        assert!(matches!(orbit(&record(&cycle[..3])), Err(Error::Column(_))));
+        let modes = ["multiplier_re", "multiplier_im", "lateral"];
+        assert_eq!(multipliers(&record(&modes)).unwrap().name, "multipliers");
+        let orbits = [
+            "climb_m_s",
+            "speed_m_s",
+            "bank_deg",
+            "power_w_kg",
+            "frequency_hz",
+            "stall_fraction_12",
+            "stall_fraction_20",
+            "largest_multiplier",
+            "command_twist_left",
+        ];
+        assert_eq!(family(&record(&orbits)).unwrap().name, "family");
+        assert!(matches!(family(&record(&modes)), Err(Error::Column(_))));
+    }
+}

@@ -1,0 +1,147 @@
+"""Robots and scenarios: from files, texts and dictionaries."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from wingbeat import _wingbeat
+from wingbeat._record import Column
+
+Source: TypeAlias = "str | PathLike[str] | Mapping[str, Any]"
+Overrides: TypeAlias = Mapping[str, Any]
+
+
+def shipped(name: str) -> Path:
+    """A file that comes with the package: ``shipped("scenarios/banking_turn.toml")``.
+
+    There are folders ``robots``, ``scenarios``, ``cases``, ``rigs`` and ``sweeps``.
+    """
+    home = Path(__file__).parent
+    path = home / name
+    if not path.exists():
+        folder = path.parent if path.parent.is_dir() else home
+        known = sorted(entry.name for entry in folder.iterdir() if entry.suffix == ".toml" or entry.is_dir())
+        raise ValueError(f"{name}: allowed are {', '.join(known)}")
+    return path
+
+
+def document(source: Source, overrides: Overrides | None, name: str) -> _wingbeat.Document:
+    """A document of a file or a dictionary, with overrides; errors call a dictionary ``name``."""
+    if isinstance(source, Mapping):
+        made = _wingbeat.Document.value(name, dict(source))
+    else:
+        made = _wingbeat.Document.file(fspath(source))
+    return made.overridden(dict(overrides)) if overrides else made
+
+
+class Robot:
+    """A robot: a TOML file, or a dictionary of the same keys.
+
+    ``overrides`` are paths of keys, ``{"body.mass_kg": 0.012}``, or dictionaries in dictionaries.
+    """
+
+    def __init__(self, source: Source, overrides: Overrides | None = None) -> None:
+        self._take(document(source, overrides, "robot"))
+
+    @classmethod
+    def from_text(cls, toml: str, overrides: Overrides | None = None) -> Robot:
+        """A robot from TOML."""
+        robot = cls.__new__(cls)
+        made = _wingbeat.Document.text("robot", toml)
+        robot._take(made.overridden(dict(overrides)) if overrides else made)
+        return robot
+
+    def _take(self, made: _wingbeat.Document) -> None:
+        self._name = made.robot()
+        self._document = made
+
+    @property
+    def name(self) -> str:
+        """Name of the robot."""
+        return self._name
+
+    @property
+    def toml(self) -> str:
+        """The robot with its overrides as TOML."""
+        return self._document.resolved()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The robot with its overrides as a dictionary."""
+        return tomllib.loads(self.toml)
+
+    def __repr__(self) -> str:
+        return f"Robot({self.name!r})"
+
+
+class Scenario:
+    """A checked scenario: a TOML file, or a dictionary of the same keys; ``robot`` takes the place of its own.
+
+    >>> glide = Scenario(shipped("scenarios/glide.toml"), {"air": {"wind_m_s": [-1.0, 0.0, 0.0]}})
+
+    Bad input raises ``ValueError`` with the text that the program prints.
+    """
+
+    def __init__(
+        self, source: Source, overrides: Overrides | None = None, *, robot: Robot | None = None
+    ) -> None:
+        self._take(document(source, overrides, "scenario"), robot)
+
+    @classmethod
+    def from_text(
+        cls, toml: str, overrides: Overrides | None = None, *, robot: Robot | None = None
+    ) -> Scenario:
+        """A scenario from TOML; files that it names are sought from the working folder."""
+        scenario = cls.__new__(cls)
+        made = _wingbeat.Document.text("scenario", toml)
+        scenario._take(made.overridden(dict(overrides)) if overrides else made, robot)
+        return scenario
+
+    def _take(self, made: _wingbeat.Document, robot: Robot | None) -> None:
+        if robot is not None:
+            made = made.put("robot", robot._document)
+        self._native = _wingbeat.Scenario(made)
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return self._native.name
+
+    @property
+    def toml(self) -> str:
+        """The merged configuration as TOML: robot and overrides are in it."""
+        return self._native.resolved
+
+    def to_dict(self) -> dict[str, Any]:
+        """The merged configuration as a dictionary."""
+        return tomllib.loads(self.toml)
+
+    @property
+    def states(self) -> list[Column]:
+        """The states in order, with units, frames and limits."""
+        return [Column(*channel) for channel in self._native.states]
+
+    @property
+    def inputs(self) -> list[Column]:
+        """The inputs in order, with units and limits."""
+        return [Column(*channel) for channel in self._native.inputs]
+
+    @property
+    def start(self) -> list[float]:
+        """The state at t = 0."""
+        return self._native.start
+
+    @property
+    def mass_kg(self) -> float:
+        """Mass of the robot that flies, kg."""
+        return self._native.mass_kg
+
+    def reference(self, t: float) -> tuple[float, float, list[float]] | None:
+        """Roll and pitch (rad) and angular rate (rad/s, body axes) that the manoeuvre asks at ``t``."""
+        return self._native.reference(t)
+
+    def __repr__(self) -> str:
+        return f"Scenario({self.name!r})"

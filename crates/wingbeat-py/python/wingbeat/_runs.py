@@ -1,0 +1,204 @@
+"""Flights, plans, wings in prescribed motion, and the bench."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+from numpy.typing import ArrayLike
+
+from wingbeat import _wingbeat
+from wingbeat._documents import Overrides, Scenario, Source, document
+from wingbeat._record import Array, Record, Strips
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Observer: TypeAlias = Callable[[float, Array, Array], object]
+
+
+class Controller(Protocol):
+    """What steers a flight from Python."""
+
+    def update(self, t: float, measurement: _wingbeat.Measurement, /) -> ArrayLike | None:
+        """The inputs that hold from the time ``t`` (s) until the next update, in the order of ``Scenario.inputs``.
+
+        ``None`` leaves those in force and is counted as a failure.
+        """
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A flown scenario."""
+
+    record: Record
+    """Time histories."""
+    strips: Strips | None
+    """Loads of the strips, where ``flight.record_strips_every_s`` asks for them."""
+    summary: dict[str, Any]
+    """What the program writes as ``summary.json``."""
+
+    @property
+    def status(self) -> str:
+        """``ok``, ``off_target``, ``not_judged``, ``not_finite``, ``fault`` or ``stopped``."""
+        return str(self.summary["status"])
+
+    def plot(self, names: str | Sequence[str] | None = None) -> Figure:
+        """See :meth:`Record.plot`."""
+        return self.record.plot(names)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A plan made offline."""
+
+    record: Record | None
+    """The plan as simulated under its inputs; none when nothing was found."""
+    summary: dict[str, Any]
+    """What the program writes as ``summary.json``."""
+    files: dict[str, str] = field(repr=False)
+    """Scenarios and cases that follow the plan, by name, as TOML."""
+
+    @property
+    def status(self) -> str:
+        """``ok`` or ``failed``."""
+        return str(self.summary["status"])
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A wing that was moved in a wind."""
+
+    record: Record
+    """Loads by source and motion."""
+    strips: Strips
+    """Loads and motion of the strips."""
+    summary: dict[str, Any]
+    """What the program writes as ``summary.json``."""
+    cycle: Record | None = None
+    """Measured, computed and fitted cycle, where there is a measured file."""
+
+    @property
+    def status(self) -> str:
+        """``ok``, ``not_periodic``, ``not_resolved`` or what failed."""
+        return str(self.summary["status"])
+
+    def plot(self, names: str | Sequence[str] | None = None) -> Figure:
+        """See :meth:`Record.plot`."""
+        return self.record.plot(names)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A simulated run of the bench."""
+
+    name: str
+    record: Record | None
+    """Samples of the load cell; none of a run that was refused or failed."""
+    summary: dict[str, Any]
+
+    @property
+    def status(self) -> str:
+        """``ok``, ``refused`` or ``fault``."""
+        return str(self.summary["status"])
+
+    @property
+    def window_s(self) -> tuple[float, float]:
+        """Begin and end of what is to be averaged, s."""
+        begin, end = self.summary["window_s"]
+        return begin, end
+
+
+@dataclass(frozen=True)
+class Processed:
+    """Samples of the bench, processed."""
+
+    name: str
+    record: Record | None
+    """Phase averages of the six channels; none of static tilts."""
+    summary: dict[str, Any]
+    """Window, cycles and what was done; of static tilts mass, centre and offsets with their deviations."""
+
+
+def scenario_of(source: Scenario | Source, overrides: Overrides | None) -> Scenario:
+    """A scenario, or one of a file or a dictionary."""
+    if not isinstance(source, Scenario):
+        return Scenario(source, overrides)
+    if overrides:
+        raise ValueError("overrides: allowed with a file or a dictionary; a Scenario is checked already")
+    return source
+
+
+def fly(
+    scenario: Scenario | Source,
+    overrides: Overrides | None = None,
+    *,
+    controller: Controller | Callable[[float, _wingbeat.Measurement], ArrayLike | None] | None = None,
+    period_s: float = 0.005,
+    sees: Sequence[str] | None = None,
+    observe: Observer | None = None,
+) -> Flight:
+    """Flies a scenario under its own controller, or under one of Python's.
+
+    ``controller`` is updated every ``period_s`` (whole steps of the scenario) with a measurement of all states, or of
+    those that ``sees`` names or that begin so: ``sees=["quat", "w_WB_B"]`` is an inertial unit. ``observe(t, x, u)``
+    is shown every recorded sample; a true answer ends the flight.
+    """
+    native = scenario_of(scenario, overrides)._native
+    names = None if sees is None else list(sees)
+    record, strips, summary = _wingbeat.fly(native, controller, period_s, names, observe)
+    return Flight(Record(record), None if strips is None else Strips(Record(strips)), json.loads(summary))
+
+
+def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Plan:
+    """Plans what the scenario's ``[plan]`` says."""
+    record, summary, files = _wingbeat.plan(scenario_of(scenario, overrides)._native)
+    return Plan(None if record is None else Record(record), json.loads(summary), dict(files))
+
+
+def tether(
+    case: Source,
+    overrides: Overrides | None = None,
+    *,
+    compare: str | PathLike[str] | None = None,
+    converge: bool = False,
+) -> Moved:
+    """Moves the wing of a case in its wind.
+
+    ``compare`` is a measured CSV file that the last cycle is held against, as ``[compare]`` says; with ``converge`` the case is
+    run with coarser and finer strips and steps too. Both stand in ``summary``.
+    """
+    made = document(case, overrides, "case")
+    file = None if compare is None else fspath(compare)
+    record, strips, cycle, summary = _wingbeat.tether(made, file, converge)
+    compared = None if cycle is None else Record(cycle)
+    return Moved(Record(record), Strips(Record(strips)), json.loads(summary), compared)
+
+
+def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[Bench]:
+    """Plans and simulates a run of the bench, or all that a file lists."""
+    texts = _wingbeat.overrides(dict(overrides or {}))
+    runs = _wingbeat.rig_simulate(fspath(path), texts)
+    return [
+        Bench(name, None if record is None else Record(record), json.loads(summary))
+        for name, record, summary in runs
+    ]
+
+
+def process(
+    samples: str | PathLike[str],
+    run: str | PathLike[str],
+    overrides: Overrides | None = None,
+    *,
+    window_s: tuple[float, float] | None = None,
+) -> Processed:
+    """Processes a file of samples, in any format that the program reads, as the run of a file.
+
+    ``window_s`` is what is averaged where a simulation says it (``Bench.window_s``).
+    """
+    texts = _wingbeat.overrides(dict(overrides or {}))
+    name, record, summary = _wingbeat.rig_process(fspath(samples), fspath(run), texts, window_s)
+    return Processed(name, None if record is None else Record(record), json.loads(summary))

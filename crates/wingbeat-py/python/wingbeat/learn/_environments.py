@@ -1,0 +1,246 @@
+"""Tasks, and the environments that they make."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, TypeAlias
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from wingbeat import _wingbeat
+from wingbeat._documents import Overrides, Scenario, Source, shipped
+from wingbeat._record import Column
+from wingbeat._runs import Flight, scenario_of
+
+Array: TypeAlias = NDArray[np.float64]
+
+# Time between two actions, s.
+PERIOD_S = 0.005
+
+
+class Task:
+    """What is to be learned, and what it is flown with where nothing else is given."""
+
+    id: ClassVar[str]
+    """As Gymnasium calls it."""
+    name: ClassVar[str]
+    """As the library calls it."""
+    scenario: ClassVar[str]
+    """The scenario that ships; its duration is that of an episode."""
+
+
+class BankingTurn(Task):
+    """A level second, then a turn at constant bank: roll, pitch and angular rate are rewarded."""
+
+    id = "wingbeat/BankingTurn-v0"
+    name = "banking_turn"
+    scenario = "scenarios/banking_turn.toml"
+
+
+TASKS: tuple[type[Task], ...] = (BankingTurn,)
+
+
+def register() -> None:
+    """Makes the environments known to Gymnasium."""
+    for task in TASKS:
+        if task.id not in gym.registry:
+            gym.register(
+                task.id,
+                entry_point="wingbeat.learn:Environment",
+                vector_entry_point="wingbeat.learn:VectorEnvironment",
+                kwargs={"task": task},
+            )
+
+
+class _Flock:
+    """Robots under a task with their spaces, behind both kinds of environments."""
+
+    def __init__(
+        self,
+        task: type[Task],
+        scenario: Scenario | Source | None,
+        overrides: Overrides | None,
+        count: int,
+        threads: int,
+        spread: float,
+    ) -> None:
+        chosen = scenario_of(shipped(task.scenario) if scenario is None else scenario, overrides)
+        self.native = _wingbeat.Flock(chosen._native, task.name, count, threads)
+        self.spread = spread
+        self.states = chosen.states
+        self.terms = self.native.terms
+        self.observation = [Column(*channel) for channel in self.native.observation]
+        self.action = [Column(*channel) for channel in self.native.action]
+        low = np.array([column.low for column in self.observation])
+        high = np.array([column.high for column in self.observation])
+        self.observations = gym.spaces.Box(low, high, dtype=np.float64)
+        self.actions = gym.spaces.Box(-1.0, 1.0, (len(self.action),), dtype=np.float64)
+
+    def judged(self, flight: Flight) -> dict[str, Array]:
+        """The terms of the reward of a flight at the ends of the steps of an episode."""
+        record = flight.record
+        every = round(PERIOD_S / (record["t"][1] - record["t"][0]))
+        rows = slice(every, None, every)
+        middle = np.array([0.5 * (c.low + c.high) for c in self.action])
+        half = np.array([0.5 * (c.high - c.low) for c in self.action])
+        states = record.to_numpy([column.name for column in self.states])[rows]
+        # The action in force at the end of a step is the one that was held over it.
+        inputs = record.to_numpy([column.name for column in self.action])[: -every : every]
+        terms = [
+            self.native.judge(t, state, (given - middle) / half)
+            for t, state, given in zip(record["t"][rows], states, inputs, strict=True)
+        ]
+        return dict(zip(self.terms, np.array(terms).T, strict=True))
+
+    def spread_of(self, options: dict[str, Any] | None) -> float:
+        """How much the start varies: the option ``spread``, or what was given at first."""
+        unknown = set(options or {}) - {"spread"}
+        if unknown:
+            raise ValueError(f"options: {', '.join(sorted(unknown))}: allowed is spread")
+        return float((options or {}).get("spread", self.spread))
+
+
+class Environment(gym.Env[Array, Array]):
+    """One robot under a task.
+
+    Actions in [-1, 1] are the inputs from their lower to their upper limits, held for 5 ms. An episode is terminated when the task
+    has failed, and truncated at the end of the scenario's duration. ``info["reward_terms"]`` holds the terms of the reward.
+    ``spread`` says how much the start varies: 0 is the scenario's own.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}  # noqa: RUF012
+
+    def __init__(
+        self,
+        task: type[Task],
+        scenario: Scenario | Source | None = None,
+        overrides: Overrides | None = None,
+        *,
+        spread: float = 1.0,
+        render_mode: str | None = None,
+    ) -> None:
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f"render_mode = {render_mode!r}: allowed is None, 'rgb_array'")
+        self._flock = _Flock(task, scenario, overrides, 1, 1, spread)
+        self._begun: tuple[int, float] | None = None
+        self.render_mode = render_mode
+        self.observation_space = self._flock.observations
+        self.action_space = self._flock.actions
+
+    @property
+    def observation(self) -> list[Column]:
+        """What an observation holds: names, units, frames and limits, in order."""
+        return self._flock.observation
+
+    @property
+    def action(self) -> list[Column]:
+        """What an action moves: names, units and limits of the inputs, in order."""
+        return self._flock.action
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Starts an episode: from a seed, or the next one of the last seed."""
+        super().reset(seed=seed)
+        spread = self._flock.spread_of(options)
+        if seed is None and self._begun is not None and self._begun[1] == spread:
+            return self._flock.native.again()[0], {}
+        chosen = int(self.np_random.integers(2**63)) if seed is None else seed
+        self._begun = (chosen, spread)
+        return self._flock.native.reset([chosen], spread)[0], {}
+
+    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Holds an action for 5 ms."""
+        if self._begun is None:
+            raise gym.error.ResetNeeded("reset the environment before the first step")
+        actions = np.asarray(action, dtype=np.float64).reshape(1, -1)
+        seen, reward, terms, terminated, truncated = self._flock.native.step(actions)
+        info = {"reward_terms": dict(zip(self._flock.terms, terms[0].tolist(), strict=True))}
+        return seen[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), info
+
+    def judge(self, flight: Flight) -> dict[str, Array]:
+        """The terms of the reward that a flight of the same robot earns at each step, under any controller."""
+        return self._flock.judged(flight)
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the robot from behind and from its side."""
+        if self.render_mode is None:
+            return None
+        from wingbeat.learn._picture import picture
+
+        return picture(*self._flock.native.look(0))
+
+
+class VectorEnvironment(VectorEnv[Array, Array, Array]):
+    """Robots side by side under a task, stepped by the library on ``threads`` cores (0: all).
+
+    Robot ``i`` of ``reset(seed=s)`` is the single environment of the seed ``s + i``, to the bit. Where an episode is over
+    the next step begins another one.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012
+        "render_modes": ["rgb_array"],
+        "render_fps": 20,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        task: type[Task],
+        scenario: Scenario | Source | None = None,
+        overrides: Overrides | None = None,
+        spread: float = 1.0,
+        threads: int = 0,
+        render_mode: str | None = None,
+    ) -> None:
+        super().__init__()
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f"render_mode = {render_mode!r}: allowed is None, 'rgb_array'")
+        self._flock = _Flock(task, scenario, overrides, num_envs, threads, spread)
+        self._begun: float | None = None
+        self.num_envs = num_envs
+        self.render_mode = render_mode
+        self.single_observation_space = self._flock.observations
+        self.single_action_space = self._flock.actions
+        self.observation_space = batch_space(self._flock.observations, num_envs)
+        self.action_space = batch_space(self._flock.actions, num_envs)
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Starts all episodes: from ``seed``, ``seed + 1``, ..., or the next ones of the last seeds."""
+        spread = self._flock.spread_of(options)
+        if isinstance(seed, int):
+            super().reset(seed=seed)
+            seeds = [seed + number for number in range(self.num_envs)]
+        elif seed is None and self._begun == spread:
+            return self._flock.native.again(), {}
+        else:
+            given = seed if seed is not None else [None] * self.num_envs
+            seeds = [int(self.np_random.integers(2**63)) if one is None else one for one in given]
+        self._begun = spread
+        return self._flock.native.reset(seeds, spread), {}
+
+    def step(  # type: ignore[override]  # ends of episodes are no numbers
+        self, actions: Array
+    ) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """Holds an action of each robot for 5 ms."""
+        if self._begun is None:
+            raise gym.error.ResetNeeded("reset the environments before the first step")
+        rows = np.asarray(actions, dtype=np.float64)
+        seen, rewards, terms, terminated, truncated = self._flock.native.step(rows)
+        named = {name: terms[:, place] for place, name in enumerate(self._flock.terms)}
+        return seen, rewards, terminated, truncated, {"reward_terms": named}
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Pictures of all robots."""
+        if self.render_mode is None:
+            return None
+        from wingbeat.learn._picture import picture
+
+        return tuple(picture(*self._flock.native.look(number)) for number in range(self.num_envs))

@@ -1,0 +1,176 @@
+//! Controllers and observers that are written in Python.
+
+use crate::wait::Stop;
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
+use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex, PoisonError};
+use wingbeat::plant::Channel;
+use wingbeat::simulate::{Controller, Sample, Update};
+
+/// What a controller is told: channels of the state as measured.
+#[pyclass(frozen, module = "wingbeat._wingbeat")]
+pub struct Measurement {
+    /// Time at which it was taken, s.
+    #[pyo3(get)]
+    taken: f64,
+    /// One number per channel.
+    #[pyo3(get)]
+    values: Py<PyArray1<f64>>,
+    places: Py<PyDict>,
+}
+
+#[pymethods]
+impl Measurement {
+    /// Names of the channels, in order.
+    #[getter]
+    fn names(&self, py: Python) -> PyResult<Vec<String>> {
+        self.places.bind(py).keys().extract()
+    }
+
+    /// The number of a channel.
+    fn __getitem__(&self, py: Python, name: &str) -> PyResult<f64> {
+        let place = self.places.bind(py).get_item(name)?;
+        let place: usize = place.ok_or_else(|| PyKeyError::new_err(name.to_owned()))?.extract()?;
+        self.values.bind(py).get_owned(place).ok_or_else(|| PyKeyError::new_err(name.to_owned()))
+    }
+}
+
+/// The exception that ends a flight, and the flag that ends it.
+#[derive(Clone)]
+pub struct Raised {
+    stop: Stop,
+    first: Arc<Mutex<Option<PyErr>>>,
+}
+
+impl Raised {
+    /// None yet.
+    pub fn new(stop: Stop) -> Self {
+        Self { stop, first: Arc::default() }
+    }
+
+    /// Keeps the first exception and ends the work.
+    fn raise(&self, error: PyErr) {
+        self.stop.set();
+        self.first.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+
+    /// The exception, if there was one.
+    ///
+    /// # Errors
+    /// It.
+    pub fn check(&self) -> PyResult<()> {
+        self.first.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
+    }
+}
+
+/// A Python object that steers: `update(t, measurement)` answers the inputs that hold until the next update.
+pub struct Own {
+    update: Py<PyAny>,
+    places: Option<Py<PyDict>>,
+    inputs: Vec<String>,
+    held: Vec<f64>,
+    raised: Raised,
+}
+
+impl Own {
+    /// Of an object with the method `update`, or something to be called itself.
+    pub fn new(object: &Bound<PyAny>, inputs: &[Channel], raised: Raised) -> PyResult<Self> {
+        let update = match object.getattr("update") {
+            Ok(update) => update,
+            Err(_) if object.is_callable() => object.clone(),
+            Err(_) => return Err(PyTypeError::new_err("a controller has a method update(t, measurement)")),
+        };
+        let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
+        let held = inputs.iter().map(|input| input.clamp(0.0)).collect();
+        Ok(Self { update: update.unbind(), places: None, inputs: names, held, raised })
+    }
+
+    fn asked(&mut self, py: Python, t: f64, measured: &wingbeat::simulate::Measurement) -> PyResult<Update> {
+        let places = match &self.places {
+            Some(places) => places.clone_ref(py),
+            None => {
+                let places = PyDict::new(py);
+                for (place, channel) in measured.channels().iter().enumerate() {
+                    places.set_item(&channel.name, place)?;
+                }
+                self.places.insert(places.unbind()).clone_ref(py)
+            }
+        };
+        let values = PyArray1::from_slice(py, measured.values()).unbind();
+        let told = Measurement { taken: measured.taken(), values, places };
+        let answer = self.update.bind(py).call1((t, told))?;
+        if answer.is_none() {
+            return Ok(Update::Kept);
+        }
+        let wanted = self.inputs.len();
+        let taken = match answer.extract::<PyReadonlyArray1<f64>>() {
+            Ok(array) => array.as_array().to_vec(),
+            Err(_) => answer.extract::<Vec<f64>>()?,
+        };
+        if taken.len() != wanted {
+            let (given, names) = (taken.len(), self.inputs.join(", "));
+            return Err(PyValueError::new_err(format!(
+                "the controller answers {given} inputs: allowed are {wanted}, {names}"
+            )));
+        }
+        if let Some(place) = taken.iter().position(|input| !input.is_finite()) {
+            let (name, value) = (&self.inputs[place], taken[place]);
+            return Err(PyValueError::new_err(format!(
+                "the controller answers {name} = {value} at t = {t:.4} s: allowed is a finite number"
+            )));
+        }
+        self.held = taken;
+        Ok(Update::Fresh)
+    }
+}
+
+impl Controller for Own {
+    fn update(&mut self, t: f64, measurement: &wingbeat::simulate::Measurement) -> Update {
+        if self.raised.stop.flow().is_break() {
+            return Update::Kept;
+        }
+        let outcome = Python::attach(|py| self.asked(py, t, measurement));
+        outcome.unwrap_or_else(|error| {
+            self.raised.raise(error);
+            Update::Kept
+        })
+    }
+
+    fn input(&self, _: f64, u: &mut [f64]) {
+        u.copy_from_slice(&self.held);
+    }
+}
+
+/// A Python function that sees every sample, `observe(t, x, u)`; a true answer ends the flight.
+pub struct Watch {
+    observe: Option<Py<PyAny>>,
+    raised: Raised,
+}
+
+impl Watch {
+    /// Of a function, if there is one.
+    pub fn new(observe: Option<Py<PyAny>>, raised: Raised) -> Self {
+        Self { observe, raised }
+    }
+
+    /// Shows a sample.
+    pub fn see(&self, sample: &Sample) -> ControlFlow<()> {
+        self.raised.stop.flow()?;
+        let Some(observe) = &self.observe else { return ControlFlow::Continue(()) };
+        let ends = Python::attach(|py| {
+            let [x, u] = [sample.x, sample.u].map(|values| PyArray1::from_slice(py, values));
+            observe.bind(py).call1((sample.t, x, u))?.is_truthy()
+        });
+        match ends {
+            Ok(false) => ControlFlow::Continue(()),
+            Ok(true) => ControlFlow::Break(()),
+            Err(error) => {
+                self.raised.raise(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}

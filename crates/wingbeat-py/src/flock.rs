@@ -1,0 +1,152 @@
+//! Robots side by side, to be learned with.
+
+use crate::flight::{Described, Scenario, described};
+use crate::refused;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use std::sync::Arc;
+use wingbeat::Error;
+use wingbeat::learn::{BankingTurn, Task, View};
+use wingbeat::plant::Plant;
+
+/// Observations, rewards, terms of the rewards, terminated, truncated.
+type Stepped<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray1<bool>>,
+);
+
+/// Corners (m, in W) of the panels of a surface, left to right: hinge line, leading and trailing edge.
+type Outline = Vec<[[f64; 3]; 3]>;
+
+/// Robots of one scenario under one task.
+#[pyclass(module = "wingbeat._wingbeat")]
+pub struct Flock(wingbeat::learn::Flock);
+
+#[pymethods]
+impl Flock {
+    #[new]
+    #[pyo3(signature = (scenario, task, count=1, threads=0))]
+    fn new(scenario: &Scenario, task: &str, count: usize, threads: usize) -> PyResult<Self> {
+        let explained = |error: Error| refused(scenario.0.explain(&error));
+        let task: Arc<dyn Task> = match task {
+            "banking_turn" => Arc::new(BankingTurn::of(&scenario.0).map_err(explained)?),
+            unknown => return Err(refused(Error::invalid("task", unknown, "banking_turn"))),
+        };
+        wingbeat::learn::Flock::new(&scenario.0, task, count, threads).map(Self).map_err(refused)
+    }
+
+    /// What an observation holds: name, unit, frame, lower and upper limit.
+    #[getter]
+    fn observation(&self) -> Vec<Described> {
+        self.0.task().observation().iter().map(described).collect()
+    }
+
+    /// What an action moves: name, unit, frame, lower and upper limit.
+    #[getter]
+    fn action(&self) -> Vec<Described> {
+        self.0.member(0).0.system().inputs().iter().map(described).collect()
+    }
+
+    /// Names of the terms of the reward.
+    #[getter]
+    fn terms(&self) -> Vec<&'static str> {
+        self.0.task().terms().to_vec()
+    }
+
+    /// Starts all anew, each from its seed; the observations.
+    fn reset<'py>(
+        &mut self,
+        py: Python<'py>,
+        seeds: Vec<u64>,
+        spread: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        if seeds.len() != self.0.count() {
+            let given = format!("{} seeds", seeds.len());
+            return Err(refused(Error::invalid(
+                "seeds",
+                given,
+                format!("one of each of {}", self.0.count()),
+            )));
+        }
+        if !(spread.is_finite() && spread >= 0.0) {
+            return Err(refused(Error::invalid("spread", spread, "a finite number, 0 or more")));
+        }
+        let observations = self.0.reset(&seeds, spread);
+        self.table(py, observations)
+    }
+
+    /// Starts all on their next episodes; the observations.
+    fn again<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let observations = self.0.again();
+        self.table(py, observations)
+    }
+
+    /// A step of all robots under actions in [-1, 1], a row each.
+    fn step<'py>(&mut self, py: Python<'py>, actions: PyReadonlyArray2<f64>) -> PyResult<Stepped<'py>> {
+        let actions: Vec<f64> = actions.as_array().iter().copied().collect();
+        let batch = py.detach(|| self.0.step(&actions)).map_err(refused)?;
+        let terms = batch.terms.into_pyarray(py).reshape([self.0.count(), self.0.task().terms().len()])?;
+        Ok((
+            self.table(py, batch.observations)?,
+            batch.rewards.into_pyarray(py),
+            terms,
+            batch.terminated.into_pyarray(py),
+            batch.truncated.into_pyarray(py),
+        ))
+    }
+
+    /// The terms of the reward of the time `t` (s), a state and the action in force, whoever flew there.
+    fn judge(
+        &self,
+        t: f64,
+        state: PyReadonlyArray1<f64>,
+        action: PyReadonlyArray1<f64>,
+    ) -> PyResult<Vec<f64>> {
+        let robot = self.0.member(0).0.system();
+        let (x, action) = (state.as_array().to_vec(), action.as_array().to_vec());
+        for (key, given, wanted) in
+            [("state", x.len(), robot.states().len()), ("action", action.len(), self.0.actions())]
+        {
+            if given != wanted {
+                return Err(refused(Error::invalid(
+                    key,
+                    format!("{given} numbers"),
+                    format!("{wanted} numbers"),
+                )));
+            }
+        }
+        let mut terms = vec![0.0; self.0.task().terms().len()];
+        self.0.task().reward(&View { t, phase: robot.phase(t), x: &x, action: &action }, &mut terms);
+        Ok(terms)
+    }
+
+    /// Time (s), state and outlines of the surfaces of a robot.
+    fn look<'py>(
+        &self,
+        py: Python<'py>,
+        number: usize,
+    ) -> PyResult<(f64, Bound<'py, PyArray1<f64>>, Vec<Outline>)> {
+        if number >= self.0.count() {
+            return Err(refused(Error::invalid("number", number, format!("below {}", self.0.count()))));
+        }
+        let (stepper, t) = self.0.member(number);
+        let seen = stepper.observe().map_err(|fault| PyRuntimeError::new_err(fault.to_string()))?;
+        let place = wingbeat::math::Vec3::from_slice(&stepper.state()[stepper.system().layout().position..]);
+        let in_world = |point: wingbeat::math::Vec3| (place + seen.attitude * point).0;
+        let outlines = seen.outlines.iter();
+        let outlines =
+            outlines.map(|outline| outline.iter().map(|points| points.map(in_world)).collect()).collect();
+        Ok((t, PyArray1::from_slice(py, stepper.state()), outlines))
+    }
+}
+
+impl Flock {
+    /// Numbers of all robots, a row each.
+    fn table<'py>(&self, py: Python<'py>, values: Vec<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        values.into_pyarray(py).reshape([self.0.count(), self.0.observations()])
+    }
+}

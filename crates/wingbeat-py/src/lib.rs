@@ -1,0 +1,46 @@
+//! The Python extension `wingbeat._wingbeat`: a thin face over the library, below the package in `python/wingbeat`.
+
+mod controller;
+mod document;
+mod flight;
+mod flock;
+mod plan;
+mod rig;
+mod stepper;
+mod sweep;
+mod table;
+mod tether;
+mod wait;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::fmt::Display;
+
+/// What the program would say of bad input, as a `ValueError`.
+fn refused(error: impl Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+#[pymodule(name = "_wingbeat")]
+mod module {
+    #[pymodule_export]
+    use super::controller::Measurement;
+    #[pymodule_export]
+    use super::document::{Document, overrides};
+    #[pymodule_export]
+    use super::flight::{Scenario, fly};
+    #[pymodule_export]
+    use super::flock::Flock;
+    #[pymodule_export]
+    use super::plan::plan;
+    #[pymodule_export]
+    use super::rig::{rig_process, rig_simulate};
+    #[pymodule_export]
+    use super::stepper::{Saved, Stepper};
+    #[pymodule_export]
+    use super::sweep::Sweep;
+    #[pymodule_export]
+    use super::table::{read_parquet, write_parquet};
+    #[pymodule_export]
+    use super::tether::tether;
+}

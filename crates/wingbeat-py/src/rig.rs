@@ -1,0 +1,84 @@
+//! Runs of the bench.
+
+use crate::table::{Named, columns};
+use crate::{refused, wait};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use wingbeat::parallel;
+use wingbeat::scenario::{Document as Text, Evaluated, RigRun};
+
+/// What became of a run, by name: record where there is one, and the numbers as JSON.
+type Simulated<'py> = (String, Option<Vec<Named<'py>>>, String);
+
+/// Plans and simulates the run of a file, or those that it lists; `overrides` are `key=value`.
+#[pyfunction]
+pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Vec<Simulated<'_>>> {
+    let runs = RigRun::load_all(&path, &overrides, &wingbeat_io::urdf_as_toml).map_err(refused)?;
+    let done = wait::work(py, move |_| {
+        let simulated = parallel::map(&runs, |_, run| {
+            run.simulated(run.spec.seed.unwrap_or(0), |_| {}).map_err(|error| run.explain(&error))
+        });
+        let named = runs.iter().map(|run| (run.spec.name.clone(), run.frequency()));
+        named.zip(simulated).collect::<Vec<_>>()
+    })?;
+    done.into_iter()
+        .map(|((name, frequency_hz), simulated)| {
+            let simulated = simulated.map_err(refused)?;
+            let summary = serde_json::json!({
+                "status": simulated.status,
+                "reason": simulated.reason,
+                "frequency_hz": frequency_hz,
+                "window_s": simulated.window_s,
+                "samples": simulated.record.as_ref().map_or(0, wingbeat::simulate::Record::rows),
+                "saturated": simulated.saturated,
+            });
+            Ok((name, simulated.record.map(|record| columns(py, record)), summary.to_string()))
+        })
+        .collect()
+}
+
+/// Name, phase averages (none of static tilts), and the numbers as JSON.
+type Averaged<'py> = (String, Option<Vec<Named<'py>>>, String);
+
+/// Processes a file of samples as the run of a file; `window_s` is what a simulation measured.
+#[pyfunction]
+pub fn rig_process(
+    py: Python<'_>,
+    samples: PathBuf,
+    run: PathBuf,
+    overrides: Vec<String>,
+    window_s: Option<(f64, f64)>,
+) -> PyResult<Averaged<'_>> {
+    let text = Text::file(&run).map_err(refused)?.overridden(&overrides);
+    let run = RigRun::new(text, &wingbeat_io::urdf_as_toml).map_err(refused)?;
+    let done = wait::work(py, move |_| -> Result<_, String> {
+        let named = |what: String| format!("{}: {what}", samples.display());
+        let input = &run.spec.process.input;
+        let read = wingbeat_io::samples::read_samples(&samples, input).and_then(|read| read.import(input));
+        let record = read.map_err(|error| error.to_string())?.record;
+        let evaluated =
+            run.evaluated(record, window_s).map_err(|error| named(run.explain(&error).to_string()))?;
+        let (evaluated, window_s) = evaluated.map_err(named)?;
+        let name = run.spec.name.clone();
+        match evaluated {
+            Evaluated::Averaged(done) => {
+                let record = done.record(run.processed_frame()).map_err(|error| error.to_string())?;
+                let json = serde_json::json!({
+                    "window_s": window_s,
+                    "cycles": done.cycles[0].cycles,
+                    "cycles_left_out": done.cycles[0].left_out,
+                    "saturated": done.saturated,
+                    "serious": done.serious,
+                    "simulated": done.is_simulated(),
+                    "statement": done.statement,
+                });
+                Ok((name, Some(record), json))
+            }
+            Evaluated::Weighed(done) => {
+                Ok((name, None, serde_json::to_value(done).map_err(|error| error.to_string())?))
+            }
+        }
+    })?;
+    let (name, record, json) = done.map_err(refused)?;
+    Ok((name, record.map(|record| columns(py, record)), json.to_string()))
+}

@@ -1,0 +1,46 @@
+//! Records as columns of NumPy, which take over the numbers without a copy.
+
+use crate::refused;
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use wingbeat::simulate::{Column, Record};
+
+/// Name, unit, frame, lower and upper limit, numbers.
+pub type Named<'py> = (String, String, String, f64, f64, Bound<'py, PyArray1<f64>>);
+
+/// The columns of a record; their numbers cannot be written to.
+pub fn columns(py: Python<'_>, record: Record) -> Vec<Named<'_>> {
+    let column = |column: Column| {
+        let Column { name, unit, frame, low, high, values } = column;
+        let values = values.into_pyarray(py);
+        let values = values.readwrite().make_nonwriteable();
+        (name, unit, frame, low, high, values.as_any().clone().cast_into().expect("an array"))
+    };
+    record.into_columns().into_iter().map(column).collect()
+}
+
+/// Writes columns as the program writes its records: the same bytes.
+#[pyfunction]
+pub fn write_parquet(
+    path: PathBuf,
+    columns: Vec<(String, String, String, f64, f64, PyReadonlyArray1<f64>)>,
+) -> PyResult<()> {
+    let column = |(name, unit, frame, low, high, values): (
+        String,
+        String,
+        String,
+        f64,
+        f64,
+        PyReadonlyArray1<f64>,
+    )| { Column { name, unit, frame, low, high, values: values.as_array().to_vec() } };
+    let record = Record::new(columns.into_iter().map(column).collect(), 0).map_err(refused)?;
+    wingbeat_io::write_parquet(&path, &record).map_err(refused)
+}
+
+/// Reads the columns of a record.
+#[pyfunction]
+pub fn read_parquet(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Named<'_>>> {
+    let record = py.detach(|| wingbeat_io::read_parquet(&path)).map_err(refused)?;
+    Ok(columns(py, record))
+}

@@ -1,0 +1,78 @@
+//! Wings in prescribed motion.
+
+use crate::document::Document;
+use crate::table::{Named, columns};
+use crate::{refused, wait};
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+use wingbeat::scenario::{Comparison, Convergence, TetherCase};
+use wingbeat::simulate::{Ending, Record};
+use wingbeat::tether::TetherRun;
+
+/// Loads, strips, the compared cycle where there is one, and the summary as JSON.
+type Moved<'py> = (Vec<Named<'py>>, Vec<Named<'py>>, Option<Vec<Named<'py>>>, String);
+
+/// The table in a file; the text says what is wrong with it.
+pub fn read(path: &Path) -> Result<Record, String> {
+    wingbeat_io::read_csv(path).map_err(|error| error.to_string())
+}
+
+/// A measured file whose channels and times fit the case.
+struct Measured {
+    path: PathBuf,
+    record: Record,
+    channels: Vec<(String, String)>,
+}
+
+impl Measured {
+    fn open(path: PathBuf, case: &TetherCase) -> PyResult<Self> {
+        let record = wingbeat_io::read_csv(&path).map_err(refused)?;
+        let channels = case.channels(&record).map_err(refused)?;
+        case.measured_phase(&record).map_err(|error| refused(format!("{}: {error}", path.display())))?;
+        Ok(Self { path, record, channels })
+    }
+
+    fn compare(&self, case: &TetherCase, run: &TetherRun) -> Result<Comparison, String> {
+        let compared = case.compare(run, &self.record, &self.channels);
+        compared.map_err(|error| format!("{}: {error}", self.path.display()))
+    }
+}
+
+/// Moves the wing of a case, and again with other steps, to say how much these matter.
+#[pyfunction]
+#[pyo3(signature = (document, compare=None, converge=false))]
+pub fn tether<'py>(
+    py: Python<'py>,
+    document: &Document,
+    compare: Option<PathBuf>,
+    converge: bool,
+) -> PyResult<Moved<'py>> {
+    let case = TetherCase::new(document.0.clone(), &read).map_err(refused)?;
+    let measured = compare.map(|path| Measured::open(path, &case)).transpose()?;
+    let done = wait::work(py, move |stop| {
+        let run = case.tether.run(|_| stop.flow());
+        let again = |other: &wingbeat::tether::Tether| Ok::<_, String>(other.run(|_| stop.flow()));
+        let step_change = case.step_change(&run, again)?;
+        let summary = case.summary(&run, step_change);
+        let mut json = serde_json::to_value(&summary).map_err(|error| error.to_string())?;
+        let mut put = |key: &str, value: serde_json::Result<serde_json::Value>| {
+            json[key] = value.map_err(|error| error.to_string())?;
+            Ok::<_, String>(())
+        };
+        if converge {
+            let table: Option<Convergence> =
+                case.converge(&read, &|| stop.flow(), |_| {}).map_err(|error| error.to_string())?;
+            put("converge", serde_json::to_value(table))?;
+        }
+        let mut cycle = None;
+        if let Some(measured) = measured.filter(|_| run.ending == Ending::Complete) {
+            let Comparison { channels, cycle: compared } = measured.compare(&case, &run)?;
+            put("compare", serde_json::to_value(channels))?;
+            cycle = Some(compared);
+        }
+        Ok::<_, String>((run, cycle, json))
+    })?;
+    let (run, cycle, json) = done.map_err(refused)?;
+    let cycle = cycle.map(|cycle| columns(py, cycle));
+    Ok((columns(py, run.loads), columns(py, run.strips), cycle, json.to_string()))
+}

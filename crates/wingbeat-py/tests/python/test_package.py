@@ -1,0 +1,63 @@
+"""The package as it is installed: types, time of import, what comes with it."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+import wingbeat
+
+EXAMPLES = ROOT / "crates/wingbeat-py/examples"
+
+
+def mypy(*arguments):
+    """Runs a tool of mypy's in the configuration of the package."""
+    return subprocess.run(
+        [sys.executable, "-m", *arguments], cwd=ROOT / "crates/wingbeat-py", capture_output=True, text=True
+    )
+
+
+def test_the_stub_is_that_of_the_extension():
+    done = mypy("mypy.stubtest", "wingbeat._wingbeat", "--mypy-config-file", "pyproject.toml")
+    assert done.returncode == 0, done.stdout
+
+
+def test_package_and_examples_are_typed():
+    done = mypy("mypy", "--strict", "--config-file", "pyproject.toml", "-p", "wingbeat")
+    assert done.returncode == 0, done.stdout
+    files = [str(path) for path in sorted(EXAMPLES.glob("*.py"))]
+    done = mypy("mypy", "--strict", "--config-file", "pyproject.toml", *files)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize("example", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
+def test_examples_run(example, tmp_path):
+    done = subprocess.run([sys.executable, example], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_importing_is_quick():
+    code = "import time; t, c = time.perf_counter(), time.process_time(); import wingbeat; "
+    code += "print(time.perf_counter() - t, time.process_time() - c)"
+    runs = [subprocess.check_output([sys.executable, "-c", code], text=True).split() for _ in range(5)]
+    wall, processor = (min(map(float, times)) for times in zip(*runs, strict=True))
+    print(f"import: {wall:.3f} s, {processor:.3f} s of the processor")
+    # The processor's time: that of the clock grows with what else runs.
+    assert processor < 0.3
+
+
+def test_heavy_packages_are_not_imported_unasked():
+    code = "import sys, wingbeat; print([m for m in ('pandas', 'matplotlib', 'gymnasium', 'dask') if m in sys.modules])"
+    assert subprocess.check_output([sys.executable, "-c", code], text=True) == "[]\n"
+
+
+def test_all_files_come_with_the_package():
+    home = Path(wingbeat.__file__).parent
+    for folder in ("robots", "scenarios", "cases", "rigs", "sweeps"):
+        own = {path.relative_to(ROOT) for path in (ROOT / folder).rglob("*.toml")}
+        assert own == {path.relative_to(home) for path in (home / folder).rglob("*.toml")}
+    assert tomllib.loads(wingbeat.shipped("robots/glider.toml").read_text())
+    assert (home / "py.typed").exists()

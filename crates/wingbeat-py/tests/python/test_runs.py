@@ -1,0 +1,204 @@
+"""The package runs what the program runs, to the byte."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import ROOT, SHORT
+
+import wingbeat
+
+
+def test_a_flight_is_the_programs_flight(program, tmp_path):
+    sets = {"flight.duration_s": 0.3, "flight.record_strips_every_s": 0.01, "aero.preset": "full"}
+    out = ("--quiet", "--out", tmp_path / "run")
+    done = program("fly", "scenarios/banking_turn.toml", *out, *sets_of(sets))
+    assert done.returncode in (0, 3), done.stderr
+    flight = wingbeat.fly(ROOT / "scenarios/banking_turn.toml", sets)
+    flight.record.write(tmp_path / "record.parquet")
+    flight.strips.record.write(tmp_path / "strips.parquet")
+    for name in ("record.parquet", "strips.parquet"):
+        assert (tmp_path / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
+    summary = json.loads((tmp_path / "run/summary.json").read_text())
+    timed = {"real_time_factor", "controller"}
+    assert {k: v for k, v in flight.summary.items() if k not in timed} == {
+        k: v for k, v in summary.items() if k not in timed
+    }
+    scenario = wingbeat.Scenario(ROOT / "scenarios/banking_turn.toml", sets)
+    assert scenario.toml == (tmp_path / "run/scenario.toml").read_text()
+
+
+def test_a_file_a_text_and_a_dictionary_fly_alike(turn):
+    file = wingbeat.Scenario(turn, SHORT)
+    text = wingbeat.Scenario.from_text(file.toml)
+    table = wingbeat.Scenario(file.to_dict())
+    records = [wingbeat.fly(scenario).record for scenario in (file, text, table)]
+    for other in records[1:]:
+        assert list(other) == list(records[0])
+        assert all(np.array_equal(other[name], records[0][name]) for name in other)
+
+
+def test_a_robot_takes_the_place_of_another(turn):
+    heavy = wingbeat.Robot(wingbeat.shipped("robots/aerobat_paper.toml"), {"body": {"mass_kg": 0.02}})
+    scenario = wingbeat.Scenario(turn, robot=heavy)
+    assert scenario.mass_kg == pytest.approx(0.03)
+    assert scenario.to_dict()["robot"] == heavy.to_dict()
+    assert wingbeat.Robot.from_text(heavy.toml).name == heavy.name
+
+
+def test_a_case_is_the_programs_case(program, tmp_path):
+    done = program("tether", "cases/plunge.toml", "--quiet", "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    moved = wingbeat.tether(ROOT / "cases/plunge.toml")
+    moved.strips.record.write(tmp_path / "strips.parquet")
+    assert (tmp_path / "strips.parquet").read_bytes() == (tmp_path / "run/strips.parquet").read_bytes()
+    assert moved.summary == json.loads((tmp_path / "run/summary.json").read_text())
+
+
+def sets_of(overrides):
+    """Overrides as the program takes them."""
+    return [part for key, value in overrides.items() for part in ("--set", f"{key}={value}")]
+
+
+def test_a_plan_is_the_programs_plan(program, tmp_path):
+    least_power = {
+        "storage": 1.0,
+        "up_n": 0.08,
+        "frequency_hz": [3.5, 3.5],
+        "pitch_deg": [-15.0, -15.0],
+        "effort_w": 0.3,
+        "intervals": 24,
+        "meshes": 1,
+        "tolerance": 1e-2,
+    }
+    sets = {f"plan.least_power.{key}": value for key, value in least_power.items()}
+    scenario = ROOT / "scenarios/least_power_gait.toml"
+    done = program("plan", scenario, "--quiet", "--out", tmp_path / "run", *sets_of(sets))
+    assert done.returncode == 0, done.stderr
+    plan = wingbeat.plan(scenario, sets)
+    summary = json.loads((tmp_path / "run/summary.json").read_text())
+    assert {k: v for k, v in plan.summary.items() if k != "solve_s"} == {
+        k: v for k, v in summary.items() if k != "solve_s"
+    }
+    plan.record.write(tmp_path / "record.parquet")
+    assert (tmp_path / "record.parquet").read_bytes() == (tmp_path / "run/record.parquet").read_bytes()
+    assert plan.files
+    for name, text in plan.files.items():
+        assert (tmp_path / "run" / name).read_text() == text
+
+
+def test_a_run_of_the_bench_is_the_programs(program, tmp_path):
+    run, sets = ROOT / "rigs/runs/bench.toml", {"hold.each_s": 0.5}
+    done = program("rig", "simulate", run, "--quiet", "--out", tmp_path / "run", *sets_of(sets))
+    [bench] = wingbeat.rig(run, sets)
+    assert (bench.status, done.returncode) == ("ok", 0), done.stderr
+    folder = tmp_path / "run" / bench.name
+    bench.record.write(tmp_path / "record.parquet")
+    assert (tmp_path / "record.parquet").read_bytes() == (folder / "record.parquet").read_bytes()
+    summary = json.loads((folder / "summary.json").read_text())
+    assert bench.summary == {key: summary[key] for key in bench.summary}
+
+
+def test_processed_samples_are_the_programs(program, tmp_path):
+    run, sets = ROOT / "rigs/runs/bench.toml", {"hold.each_s": 4.0}
+    [bench] = wingbeat.rig(run, sets)
+    bench.record.write(tmp_path / "samples.parquet")
+    out = ("--quiet", "--out", tmp_path / "out")
+    done = program("rig", "process", tmp_path / "samples.parquet", "--run", run, *out, *sets_of(sets))
+    assert done.returncode == 0, done.stderr
+    processed = wingbeat.process(tmp_path / "samples.parquet", run, sets)
+    processed.record.write(tmp_path / "record.parquet")
+    assert (tmp_path / "record.parquet").read_bytes() == (tmp_path / "out/bench.parquet").read_bytes()
+    summary = json.loads((tmp_path / "out/summary.json").read_text())["runs"]["bench"]
+    assert processed.summary["statement"] == summary["statement"]
+    assert processed.summary["window_s"] == summary["window_s"]
+
+
+def test_a_case_is_compared_and_refined_as_the_program_does(program, tmp_path):
+    case, sets = ROOT / "cases/plunge.toml", {"time.steps_per_cycle": 48, "aero.full.strips": 12}
+    cycle = wingbeat.tether(case, sets)
+    rows = slice(-49, None)
+    t, lift = cycle.record["t"][rows], cycle.record["force_wind_lift"][rows]
+    measured = "t,force_wind_lift\n" + "".join(f"{a!r},{1.1 * b!r}\n" for a, b in zip(t.tolist(), lift.tolist()))
+    (tmp_path / "measured.csv").write_text(measured)
+    more = ("--quiet", "--out", tmp_path / "run", "--converge", "--compare", tmp_path / "measured.csv")
+    done = program("tether", case, *more, *sets_of(sets))
+    assert (tmp_path / "run/summary.json").exists(), done.stderr
+    moved = wingbeat.tether(case, sets, compare=tmp_path / "measured.csv", converge=True)
+    assert moved.summary == json.loads((tmp_path / "run/summary.json").read_text())
+    assert moved.summary["compare"][0]["fit"]["gain"] == pytest.approx(1.1, abs=1e-3)
+    assert list(moved.cycle)[0] == "phase"
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("robot.body.mass_kg", -1.0),
+        ("robot.body.mas_kg", 0.01),
+        ("flight.duration_s", "long"),
+        ("aero.law", "stal"),
+        ("flight.step_s", 1e300),
+        ("manoeuvre", 3),
+        ("start.velocity_m_s", [1.5, 1e-9, float("inf")]),
+    ],
+)
+def test_bad_input_is_refused_in_the_programs_words(program, turn, key, value):
+    done = program("fly", "scenarios/banking_turn.toml", "--set", f"{key}={value}")
+    assert done.returncode == 2
+    with pytest.raises(ValueError) as refused:
+        wingbeat.fly(ROOT / "scenarios/banking_turn.toml", {key: value})
+    said = done.stderr.removeprefix("error: ").removesuffix("\n")
+    assert str(refused.value).replace(str(ROOT) + "/", "") == said
+
+
+def test_what_has_no_place_in_a_configuration_is_refused(turn):
+    with pytest.raises(TypeError, match="flight.duration_s: a object"):
+        wingbeat.fly(turn, {"flight.duration_s": object()})
+    with pytest.raises(ValueError, match="allowed are .*banking_turn.toml"):
+        wingbeat.shipped("scenarios/none.toml")
+    with pytest.raises(ValueError, match="a Scenario is checked already"):
+        wingbeat.fly(wingbeat.Scenario(turn), SHORT)
+
+
+def test_records_share_memory_and_carry_units(turn):
+    record = wingbeat.fly(turn, SHORT).record
+    table = record.to_pandas()
+    assert table.attrs["units"]["roll"] == "rad"
+    assert table.attrs["frames"]["p_WB_x"] == "W"
+    assert np.shares_memory(table["roll"].to_numpy(), record["roll"])
+    assert not record["roll"].flags.writeable
+    assert record.to_numpy(["t", "roll"]).shape == (record.rows, 2)
+    with pytest.raises(KeyError, match="allowed are t, phase"):
+        record["rol"]
+
+
+def test_written_records_are_read_again(turn, tmp_path):
+    import pandas as pd
+
+    record = wingbeat.fly(turn, SHORT).record
+    record.write(tmp_path / "record.parquet")
+    again = wingbeat.Record.read(tmp_path / "record.parquet")
+    assert again.columns == record.columns
+    assert all(np.array_equal(again[name], record[name]) for name in record)
+    assert pd.read_parquet(tmp_path / "record.parquet").attrs == record.to_pandas().attrs
+
+
+def test_strips_are_an_array_of_time_strip_and_component(turn):
+    flight = wingbeat.fly(turn, SHORT | {"flight.record_strips_every_s": 0.01, "aero.preset": "full"})
+    strips = flight.strips
+    array = np.asarray(strips)
+    assert array.shape == (len(strips.t), strips.count, len(strips.components)) == (11, 16, array.shape[2])
+    lift = strips["force_z"]
+    assert np.shares_memory(lift, strips.record["force_z"])
+    assert np.array_equal(lift, array[:, :, strips.components.index("force_z")])
+    assert np.array_equal(strips["strip"][3], np.arange(16))
+
+
+def test_figures_need_no_display(turn, tmp_path):
+    flight = wingbeat.fly(turn, SHORT)
+    figure = flight.plot()
+    assert [panel.get_ylabel() for panel in figure.axes] == ["[deg]", "[m]", "[deg]"]
+    figure.savefig(tmp_path / "flight.png")
+    assert (tmp_path / "flight.png").stat().st_size > 10_000
+    with pytest.raises(ValueError, match="allowed are t, phase"):
+        flight.plot("no_such")

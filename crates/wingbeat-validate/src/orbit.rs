@@ -1,0 +1,201 @@
+//! Periodic flight: the orbits of the shipped scenarios close, hold as their multipliers say, and keep their energy.
+
+use std::ops::ControlFlow;
+
+use wingbeat::math::{RK4, Workspace};
+use wingbeat::orbit::{Cycle, Direction, Orbit, Point, Section, floquet, measure};
+use wingbeat::plant::{Fault, Plant};
+use wingbeat::scenario::{Document, Scenario};
+
+use crate::{Case, Error, Row};
+
+/// The comparisons.
+pub const CASES: &[Case] = &[
+    Case { id: "trim.residual", quick: true, run: residual },
+    Case { id: "trim.floquet", quick: false, run: multipliers },
+    Case { id: "trim.energy", quick: true, run: energy },
+];
+
+macro_rules! shipped {
+    ($scenario:literal) => {
+        (
+            $scenario,
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/", $scenario, ".toml")),
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/", $scenario, ".toml")),
+        )
+    };
+}
+
+/// Level flight of 20 g with a driven twist, and with a twist that the air moves.
+const DRIVEN: (&str, &str, &str) = shipped!("cruise_20g");
+const PASSIVE: (&str, &str, &str) = shipped!("passive_20g");
+
+/// A shipped scenario; its robot has the same name.
+fn scenario((name, text, robot): (&str, &str, &str), overrides: &[&str]) -> Result<Scenario, Error> {
+    let refused = |e: wingbeat::scenario::ConfigError| Error::reference(name, e.to_string());
+    let at = |folder: &str| format!("{}/../../{folder}/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let robot = Document::text(&at("robots"), robot).map_err(refused)?;
+    let document =
+        Document::text(&at("scenarios"), text).map_err(refused)?.put("robot", robot).map_err(refused)?;
+    Scenario::new(overrides.iter().fold(document, |d, text| d.set(*text))).map_err(refused)
+}
+
+fn found(scenario: &Scenario, cycle: &Cycle) -> Result<Orbit, Error> {
+    let found = scenario.find_orbit(cycle, &mut |_, _| ControlFlow::Continue(()))?;
+    found.map(|found| found.orbit).map_err(|failure| Error::NoAnswer(failure.to_string()))
+}
+
+/// How far a cycle ends from its begin, and speed and climb from what was asked.
+fn residual() -> Result<Vec<Row>, Error> {
+    let (id, source) = ("trim.residual", "definition of a periodic flight");
+    let mut worst: f64 = 0.0;
+    let mut rows = Vec::new();
+    for (shipped, name) in [(DRIVEN, "driven"), (PASSIVE, "passive")] {
+        let scenario = scenario(shipped, &[])?;
+        let cycle = scenario.cycle()?;
+        let orbit = found(&scenario, &cycle)?;
+        let end = cycle.end(&orbit.point)?;
+        let returns = end.z.iter().zip(&orbit.point.z).map(|(a, b)| a - b);
+        let speed = end.displacement[0] / end.duration - orbit.course.speed;
+        let climb = end.displacement[2] / end.duration - orbit.course.climb;
+        worst = returns.chain([speed, climb, end.heading]).fold(worst, |most, r| most.max(r.abs()));
+        let lift = measure(&cycle, &orbit, &[])?.lift_over_weight;
+        rows.push(Row::judged(
+            &format!("{id}.lift_{name}"),
+            "mean force of the air = weight",
+            &format!("lift over weight less 1, 20 g, twist {name}"),
+            (lift - 1.0).abs(),
+            1e-3,
+            "",
+        ));
+        let finer = self::scenario(shipped, &["trim.step_s=2.5e-4"])?;
+        let cycle = finer.cycle()?;
+        let moved = 1.0 / found(&finer, &cycle)?.end.duration - 1.0 / orbit.end.duration;
+        rows.push(Row::judged(
+            &format!("{id}.step_{name}"),
+            "own steps of .5 and .25 ms",
+            &format!("change of the frequency, twist {name}"),
+            moved.abs(),
+            1e-4,
+            "Hz",
+        ));
+    }
+    let metric =
+        "largest difference of the state after a cycle, of speed and climb, twist driven and passive";
+    rows.insert(0, Row::judged(&format!("{id}.closure"), source, metric, worst, 1e-10, "SI"));
+    Ok(rows)
+}
+
+/// Step of the central differences.
+const STEP: f64 = 1e-5;
+/// Disturbance that is flown.
+const DISTURBANCE: f64 = 1e-6;
+/// Cycles for which it is flown.
+const CYCLES: usize = 10;
+
+fn moved(point: &Point, direction: &Direction, step: f64) -> Point {
+    let mut point = point.clone();
+    direction.iter().for_each(|(i, share)| point.z[*i] += share * step);
+    point
+}
+
+/// The monodromy against central differences, and a disturbance flown against its powers.
+fn multipliers() -> Result<Vec<Row>, Error> {
+    let id = "trim.floquet";
+    let scenario = scenario(PASSIVE, &[])?;
+    let cycle = scenario.cycle()?;
+    let orbit = found(&scenario, &cycle)?;
+    let section: &Section = cycle.section();
+    let directions = [section.symmetric(), section.antisymmetric()].concat();
+    let along = |z: &[f64]| directions.iter().map(|d| Section::along(d, z)).collect::<Vec<f64>>();
+    let (_, monodromy) = cycle.differentiate(&orbit.point, &directions, &[], |_, end| {
+        directions.iter().map(|d| Section::along(d, &end.z)).collect()
+    })?;
+    let largest = monodromy.iter().flatten().fold(0.0, |most: f64, m| most.max(m.abs()));
+    let mut worst: f64 = 0.0;
+    for (j, direction) in directions.iter().enumerate() {
+        let high = along(&cycle.end(&moved(&orbit.point, direction, STEP))?.z);
+        let low = along(&cycle.end(&moved(&orbit.point, direction, -STEP))?.z);
+        for (i, row) in monodromy.iter().enumerate() {
+            worst = worst.max((row[j] - (high[i] - low[i]) / (2.0 * STEP)).abs() / largest);
+        }
+    }
+    // Every coordinate disturbed at once, in the units of the coordinates.
+    let mut linear: Vec<f64> = (0..directions.len()).map(|i| DISTURBANCE * (1.0 + 0.1 * i as f64)).collect();
+    let mut point = orbit.point.clone();
+    for (direction, step) in directions.iter().zip(&linear) {
+        point = moved(&point, direction, *step);
+    }
+    for _ in 0..CYCLES {
+        point.z = cycle.end(&point)?.z;
+        linear = monodromy.iter().map(|row| row.iter().zip(&linear).map(|(m, d)| m * d).sum()).collect();
+    }
+    let flown: Vec<f64> = along(&point.z).iter().zip(along(&orbit.point.z)).map(|(a, b)| a - b).collect();
+    let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let apart: Vec<f64> = flown.iter().zip(&linear).map(|(a, b)| a - b).collect();
+    let modes = floquet(&cycle, &orbit)?;
+    Ok(vec![
+        Row::judged(
+            &format!("{id}.monodromy"),
+            "own central differences",
+            "max error of the derivative of the flow over a cycle, over its largest entry",
+            worst,
+            1e-6,
+            "",
+        ),
+        Row::judged(
+            &format!("{id}.flown"),
+            "a disturbance of 1e-6 flown ten cycles",
+            "difference from the tenth power of the monodromy, relative",
+            size(&apart) / size(&linear),
+            1e-3,
+            "",
+        ),
+        Row::judged(
+            &format!("{id}.sectors"),
+            "symmetry",
+            "largest derivative that leads from flight in the plane of symmetry out of it, or back",
+            modes.coupling,
+            1e-12,
+            "",
+        ),
+    ])
+}
+
+/// Steps of the energy's integral for every step of the orbit.
+const FINER: usize = 4;
+
+/// Work of drives, dampers and air over a cycle less the growth of the energy, over the work of the drives.
+fn imbalance(shipped: (&str, &str, &str)) -> Result<f64, Error> {
+    let scenario = scenario(shipped, &[])?;
+    let cycle = scenario.cycle()?;
+    let orbit = found(&scenario, &cycle)?;
+    let robot = cycle.robot().paced(orbit.point.pace);
+    let (n, u) = (robot.states().len(), &orbit.point.inputs);
+    let mut x = cycle.start(&orbit.point);
+    let energy = |x: &[f64], t: f64| -> Result<f64, Fault> { Ok(robot.observe(t, &x[..n], u)?.energy) };
+    let before = energy(&x, 0.0)?;
+    // Two more states: the work of all, and the positive work of the joints.
+    x.extend([0.0, 0.0]);
+    let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
+        robot.rates(t, &x[..n], u, &mut dx[..n])?;
+        let seen = robot.observe(t, &x[..n], u)?;
+        dx[n] = seen.power + seen.air_power - seen.dissipation;
+        dx[n + 1] = seen.power.max(0.0);
+        Ok(())
+    };
+    let steps = FINER * cycle.steps();
+    let step = orbit.end.duration / steps as f64;
+    let mut work = Workspace::new(x.len(), RK4.b.len());
+    for k in 0..steps {
+        RK4.step(&mut rates, k as f64 * step, step, &mut x, &mut work)?;
+    }
+    let grown = energy(&x, orbit.end.duration)? - before;
+    Ok((x[n] - grown).abs() / x[n + 1])
+}
+
+fn energy() -> Result<Vec<Row>, Error> {
+    let metric = "work over a cycle less the growth of the energy, over the work of the drives, twist driven and passive";
+    let worst = imbalance(DRIVEN)?.max(imbalance(PASSIVE)?);
+    Ok(vec![Row::judged("trim.energy", "conservation of energy", metric, worst, 1e-8, "")])
+}

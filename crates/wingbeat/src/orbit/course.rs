@@ -1,0 +1,36 @@
+//! What an orbit is asked to do.
+
+use crate::math::{GRAVITY, Scalar};
+
+/// A steady course: mean speed along its horizontal projection, mean climb, and for a turn its bank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course {
+    /// Mean horizontal speed, m/s.
+    pub speed: f64,
+    /// Mean climb, m/s; negative descends.
+    pub climb: f64,
+    /// Bank that the rate of turn asks for, rad; positive is right wing down, a turn to the right.
+    pub bank: f64,
+}
+
+impl Course {
+    /// Rate of the heading, rad/s, positive to the left: -g tan(bank) / V, so that the weight and the force towards
+    /// the centre of the turn add up to one in the plane of symmetry at this bank.
+    ///
+    /// Equation: orbit.yaw_rate
+    pub fn yaw_rate(&self) -> f64 {
+        -GRAVITY * self.bank.tan() / self.speed
+    }
+
+    /// Length of the chord of the path over `duration` s, over that time, m/s: V sin(a)/a with
+    /// a = yaw rate times duration / 2.
+    pub fn chord_speed<S: Scalar>(&self, duration: S) -> S {
+        let half = duration * (0.5 * self.yaw_rate());
+        if half.value().abs() < 1e-8 { S::from(self.speed) } else { half.sin() / half * self.speed }
+    }
+
+    /// True for a turn.
+    pub fn turns(&self) -> bool {
+        self.bank != 0.0
+    }
+}

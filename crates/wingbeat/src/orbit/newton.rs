@@ -1,0 +1,249 @@
+//! Newton's method on the conditions of an orbit.
+
+use super::course::Course;
+use super::cycle::{Cycle, End, Free, Point};
+use super::failure::Failure;
+use super::recoil::recoil;
+use super::section::{Direction, Section};
+use crate::math::Scalar;
+use nalgebra::{DMatrix, DVector};
+use std::ops::ControlFlow;
+
+/// Most iterations of Newton's method.
+const ITERATIONS: usize = 30;
+/// Largest condition missed at which an orbit counts as found: m/s, rad, rad/s, and the units of the air's states.
+const TOLERANCE: f64 = 1e-11;
+/// Halvings of a step that does not lessen the residual.
+const HALVINGS: usize = 8;
+/// By how much a step with the derivatives of an earlier point must lessen the residual for the next to keep them.
+const KEPT: f64 = 0.2;
+/// Weight of the state against what is free in a step of least norm.
+const STATE_WEIGHT: f64 = 1e4;
+
+/// An orbit.
+#[derive(Clone, Debug)]
+pub struct Orbit {
+    /// State at phase 0 and what is held.
+    pub point: Point,
+    /// What it flies.
+    pub course: Course,
+    /// Where a cycle ends.
+    pub end: End,
+}
+
+/// An orbit and how it was found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The orbit.
+    pub orbit: Orbit,
+    /// Largest condition missed.
+    pub residual: f64,
+    /// Iterations of Newton's method.
+    pub iterations: usize,
+}
+
+/// The conditions of a course.
+struct Conditions<'a> {
+    course: &'a Course,
+    directions: Vec<Direction>,
+}
+
+impl<'a> Conditions<'a> {
+    fn new(cycle: &Cycle, course: &'a Course) -> Self {
+        let section = cycle.section();
+        let mut directions = section.symmetric().to_vec();
+        if course.turns() {
+            directions.extend_from_slice(section.antisymmetric());
+        }
+        Self { course, directions }
+    }
+
+    /// Number of conditions beyond those on the state.
+    fn beyond(&self) -> usize {
+        if self.course.turns() { 3 } else { 2 }
+    }
+
+    /// Equation: orbit.conditions
+    ///
+    /// What is missed: the state that returns, in heading axes; mean speed and climb; of a turn the growth of the
+    /// heading over a cycle of T s, and the chord of its path V T sin(a)/a, a = yaw rate T / 2.
+    fn missed<S: Scalar>(&self, z: &[S], end: &End<S>) -> Vec<S> {
+        let returns = self.directions.iter().map(|d| Section::along(d, &end.z) - Section::along(d, z));
+        let [x, y, up] = end.displacement.0;
+        let duration = end.duration;
+        let per_time = duration.recip();
+        let climb = up * per_time - self.course.climb;
+        if !self.course.turns() {
+            return returns.chain([x * per_time - self.course.speed, climb]).collect();
+        }
+        let speed = (x * x + y * y).sqrt() * per_time - self.course.chord_speed(duration);
+        let heading = end.heading - duration * self.course.yaw_rate();
+        returns.chain([speed, climb, heading]).collect()
+    }
+
+    fn name(&self, cycle: &Cycle, i: usize) -> String {
+        match self.directions.get(i) {
+            Some(direction) => format!("the return of {}", cycle.section().names()[direction[0].0]),
+            None => ["mean speed", "mean climb", "growth of the heading"][i - self.directions.len()].into(),
+        }
+    }
+}
+
+/// Solves a square or wide system in the sense of the least norm; `None` when it is singular.
+pub(super) fn solve(matrix: &[f64], rows: usize, columns: usize, rhs: &[f64]) -> Option<Vec<f64>> {
+    let a = DMatrix::from_row_slice(rows, columns, matrix);
+    let b = DVector::from_column_slice(rhs);
+    if rows == columns {
+        return a.lu().solve(&b).map(|x| x.as_slice().to_vec());
+    }
+    let gram = &a * a.transpose();
+    Some((a.transpose() * gram.lu().solve(&b)?).as_slice().to_vec())
+}
+
+/// Finds the orbit of `course` by a recoil start from `guess` and Newton's method. The first two of `free` are what the
+/// start turns; a turn is not started this way but followed from level flight with [`search_from`].
+///
+/// # Errors
+/// The [`Failure`] that names what stood in the way.
+pub fn search(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    guess: Point,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<Found, Failure> {
+    // From close by Newton's method needs no other start.
+    if let Ok(found) = search_from(cycle, course, free, guess.clone(), observe) {
+        return Ok(found);
+    }
+    let started = recoil(cycle, course, free, guess)?;
+    search_from(cycle, course, free, started, observe)
+}
+
+/// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more
+/// free numbers than conditions by steps of least norm in them.
+///
+/// # Errors
+/// The [`Failure`] that names what stood in the way.
+pub fn search_from(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    mut point: Point,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<Found, Failure> {
+    let conditions = Conditions::new(cycle, course);
+    let (states, rows) = (conditions.directions.len(), conditions.directions.len() + conditions.beyond());
+    let columns = states + free.len();
+    if columns < rows {
+        return Err(Failure::Singular { iteration: 0, residual: f64::INFINITY });
+    }
+    let mut residual = f64::INFINITY;
+    let mut worst = 0;
+    for iteration in 1..=ITERATIONS {
+        let (missed, jacobian) =
+            cycle.differentiate(&point, &conditions.directions, free, |z, end| conditions.missed(z, end))?;
+        (worst, residual) = largest(&missed);
+        if observe(iteration, residual).is_break() {
+            return Err(Failure::Stopped);
+        }
+        if residual <= TOLERANCE {
+            return finished(cycle, course, free, point, residual, iteration);
+        }
+        let weight = |column: usize| if column < states { STATE_WEIGHT } else { 1.0 };
+        let matrix: Vec<f64> =
+            jacobian.iter().flat_map(|row| row.iter().enumerate().map(|(j, a)| a * weight(j))).collect();
+        let direction = |missed: &[f64]| -> Result<Vec<f64>, Failure> {
+            let rhs: Vec<f64> = missed.iter().map(|m| -m).collect();
+            let step =
+                solve(&matrix, rows, columns, &rhs).ok_or(Failure::Singular { iteration, residual })?;
+            Ok(step.iter().enumerate().map(|(j, s)| s * weight(j)).collect())
+        };
+        let Some((next, mut left)) =
+            shortened(cycle, &conditions, free, &point, &direction(&missed)?, residual)
+        else {
+            let condition = conditions.name(cycle, worst);
+            return Err(Failure::NotConverged { iterations: iteration, residual, condition });
+        };
+        point = next;
+        // While the derivatives still point well, further steps cost a cycle of plain numbers.
+        loop {
+            in_range(cycle, free, &point)?;
+            let before = largest(&left).1;
+            if before <= TOLERANCE {
+                return finished(cycle, course, free, point, before, iteration);
+            }
+            let Some((next, then)) = shortened(cycle, &conditions, free, &point, &direction(&left)?, before)
+            else {
+                break;
+            };
+            (point, left) = (next, then);
+            if largest(&left).1 > KEPT * before {
+                break;
+            }
+        }
+    }
+    Err(Failure::NotConverged { iterations: ITERATIONS, residual, condition: conditions.name(cycle, worst) })
+}
+
+/// The point after the largest share of `step` that lessens the residual.
+fn shortened(
+    cycle: &Cycle,
+    conditions: &Conditions,
+    free: &[Free],
+    point: &Point,
+    step: &[f64],
+    residual: f64,
+) -> Option<(Point, Vec<f64>)> {
+    let mut share = 1.0;
+    for _ in 0..HALVINGS {
+        let mut next = point.clone();
+        for (direction, step) in conditions.directions.iter().zip(step) {
+            direction.iter().for_each(|(i, part)| next.z[*i] += part * share * step);
+        }
+        let of_free = &step[conditions.directions.len()..];
+        free.iter().zip(of_free).for_each(|(free, step)| next.moved(free, share * step));
+        if next.pace > 0.0
+            && let Ok(end) = cycle.end(&next)
+        {
+            let missed = conditions.missed(&next.z, &end);
+            if largest(&missed).1 < residual {
+                return Some((next, missed));
+            }
+        }
+        share *= 0.5;
+    }
+    None
+}
+
+fn finished(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    point: Point,
+    residual: f64,
+    iterations: usize,
+) -> Result<Found, Failure> {
+    in_range(cycle, free, &point)?;
+    let end = cycle.end(&point)?;
+    Ok(Found { orbit: Orbit { point, course: *course, end }, residual, iterations })
+}
+
+/// The largest of the numbers and its place.
+fn largest(missed: &[f64]) -> (usize, f64) {
+    missed.iter().enumerate().fold((0, 0.0), |(at, most), (i, m)| {
+        if m.abs() > most || !m.is_finite() { (i, m.abs()) } else { (at, most) }
+    })
+}
+
+/// That what is free keeps to its limits.
+fn in_range(cycle: &Cycle, free: &[Free], point: &Point) -> Result<(), Failure> {
+    for free in free {
+        let (name, unit, [low, high]) = cycle.described(free);
+        let value = cycle.value(free, point);
+        if !(value >= low && value <= high) {
+            return Err(Failure::Range { name, value, unit, low, high });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,241 @@
+//! Periodic flights: an orbit of the scenario's robot, how it holds, and a scenario that flies it.
+
+mod family;
+mod spec;
+mod summary;
+
+pub use spec::{Along, FamilySpec, TrimSpec};
+pub use summary::{Multiplier, TrimSummary};
+
+use super::recorder::Recorder;
+use super::{Scenario, ScenarioSpec, StartSpec};
+use crate::Error;
+use crate::guide::HeldCommands;
+use crate::math::{Quat, Vec3};
+use crate::orbit::{Cycle, Failure, Found, Modes, Orbit, Point, floquet, measure, search, search_from};
+use crate::plant::{Fault, Plant};
+use crate::simulate::{Record, Sample};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// Largest step of the bank from orbit to orbit on the way to a turn, deg.
+const BANK_STEP_DEG: f64 = 3.0;
+
+/// A trimmed flight.
+#[derive(Clone, Debug)]
+pub struct Trimmed {
+    /// One cycle, a row per step.
+    pub record: Option<Record>,
+    /// Multipliers, a row each.
+    pub multipliers: Option<Record>,
+    /// The family, a row per orbit.
+    pub family: Option<Record>,
+    /// Numbers.
+    pub summary: TrimSummary,
+    /// The scenario that flies the orbit, by file name.
+    pub files: Vec<(&'static str, String)>,
+}
+
+/// What a search tells on the way: which orbit of how many, iteration of Newton's method, residual.
+#[derive(Clone, Copy, Debug)]
+pub struct TrimProgress {
+    /// Orbits found before.
+    pub orbits: usize,
+    /// Iteration, from 1.
+    pub iteration: usize,
+    /// Largest condition missed.
+    pub residual: f64,
+}
+
+impl Scenario {
+    /// Finds the orbit that the scenario's `[trim]` asks for, of the robot as the controller knows it. `observe` sees the
+    /// search and may stop it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when there is no `[trim]` or a setting is out of range.
+    pub fn trim(&self, observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>) -> Result<Trimmed, Error> {
+        let spec = self.trim_spec()?;
+        if self.model.mean_wind().norm() > 0.0 {
+            let allowed = "still air: speeds are those over the ground";
+            return Err(Error::invalid("air.wind_m_s", format!("{:?}", self.spec.air.wind_m_s), allowed));
+        }
+        let cycle = self.cycle()?;
+        let mut orbits = 0;
+        let started = Instant::now();
+        let mut tell = |iteration: usize, residual: f64| {
+            if iteration == 1 {
+                orbits += 1;
+            }
+            observe(TrimProgress { orbits: orbits - 1, iteration, residual })
+        };
+        let found = self.find_orbit(&cycle, &mut tell)?;
+        let search = started.elapsed();
+        let mut summary = self.asked(&cycle, spec, search);
+        let (found, measured) = match found.and_then(|found| {
+            let areas = self.strip_areas();
+            let measures = measure(&cycle, &found.orbit, &areas)?;
+            let modes = floquet(&cycle, &found.orbit)?;
+            Ok((found, (measures, modes)))
+        }) {
+            Ok(both) => both,
+            Err(failure) => {
+                summary.reason = Some(failure.to_string());
+                return Ok(Trimmed {
+                    record: None,
+                    multipliers: None,
+                    family: None,
+                    summary,
+                    files: Vec::new(),
+                });
+            }
+        };
+        let (measures, modes) = measured;
+        summary.found(&cycle, &found, &measures, &modes);
+        let family = match &spec.family {
+            Some(family) => Some(self.family(&cycle, spec, family, &found, &mut tell, &mut summary)?),
+            None => None,
+        };
+        let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
+        Ok(Trimmed {
+            record: Some(self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?),
+            multipliers: Some(multipliers(&modes)?),
+            family,
+            files: vec![("orbit.toml", self.orbit_scenario(&cycle, &found.orbit)?)],
+            summary,
+        })
+    }
+
+    /// What `[trim]` asks.
+    fn trim_spec(&self) -> Result<&TrimSpec, Error> {
+        self.spec.trim.as_ref().ok_or_else(|| Error::invalid("trim", "none", "a [trim]"))
+    }
+
+    /// A cycle of the robot as the controller knows it, in the steps of `[trim]`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when there is no `[trim]`, or the robot has no cycle.
+    pub fn cycle(&self) -> Result<Cycle<'_>, Error> {
+        Cycle::new(&self.model, self.trim_spec()?.step_s)
+    }
+
+    /// The orbit that `[trim]` asks for, a turn by way of straight flight. `tell` hears iteration and residual and may
+    /// stop the search.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when there is no `[trim]`, or it frees what there is not.
+    pub fn find_orbit(
+        &self,
+        cycle: &Cycle,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<Result<Found, Failure>, Error> {
+        let spec = self.trim_spec()?;
+        let guess = self.guess(cycle);
+        let course = spec.course();
+        if !course.turns() {
+            let free = spec.free(&self.model, false)?;
+            return Ok(search(cycle, &course, &free, guess, tell));
+        }
+        let (straight, free) = (spec.straight(), spec.free(&self.model, true)?);
+        let level = straight.free(&self.model, false)?;
+        if let Ok(found) = search_from(cycle, &course, &free, guess.clone(), tell) {
+            return Ok(Ok(found));
+        }
+        let found = search(cycle, &straight.course(), &level, guess, tell);
+        let steps = (spec.bank_deg.abs() / BANK_STEP_DEG).ceil().max(1.0) as usize;
+        Ok(found.and_then(|mut found| {
+            for k in 1..=steps {
+                let bank_deg = spec.bank_deg * k as f64 / steps as f64;
+                let course = TrimSpec { bank_deg, ..spec.clone() }.course();
+                found = search_from(cycle, &course, &free, found.orbit.point, tell)?;
+            }
+            Ok(found)
+        }))
+    }
+
+    /// The scenario's start as a point of the section.
+    fn guess(&self, cycle: &Cycle) -> Point {
+        let x = self.start();
+        let mut z = vec![0.0; cycle.section().len()];
+        cycle.section().coordinates(&x, &mut z);
+        Point { z, pace: 1.0, inputs: self.held_commands() }
+    }
+
+    /// Areas of the strips of all surfaces, m2.
+    fn strip_areas(&self) -> Vec<f64> {
+        let outlines = self.spec.robot.outlines().unwrap_or_default();
+        let of = |((_, aero), outline): ((&str, &crate::aero::Aero), crate::robot::SurfaceOutline)| {
+            let strips = aero.strip_arcs().iter().zip(aero.widths());
+            strips.map(|(arc, width)| outline.planform.chord(*arc) * width).collect::<Vec<_>>()
+        };
+        self.model.surfaces().zip(outlines).flat_map(of).collect()
+    }
+
+    /// The summary of what is asked.
+    fn asked(&self, cycle: &Cycle, spec: &TrimSpec, search: Duration) -> TrimSummary {
+        TrimSummary {
+            status: "not_found",
+            speed_m_s: spec.speed_m_s,
+            climb_m_s: spec.climb_m_s,
+            bank_deg: spec.bank_deg,
+            yaw_rate_rad_s: spec.course().yaw_rate(),
+            steps: cycle.steps(),
+            search_s: search.as_secs_f64(),
+            aero_preset: self.named(self.spec.aero.preset.name(), |aero| aero.preset().name()),
+            lift_law: self.named(self.spec.aero.law.name(), |aero| aero.law().name()),
+            ..TrimSummary::default()
+        }
+    }
+
+    /// One cycle as `fly` records it, at every step.
+    fn cycle_record(&self, cycle: &Cycle, orbit: &Orbit) -> Result<Result<Record, Fault>, Error> {
+        let robot = self.model.paced(orbit.point.pace);
+        let held = HeldCommands(orbit.point.inputs.clone());
+        let mut recorder = Recorder::new(&robot, None, &held, cycle.steps() + 1, None)?;
+        let mut sample = |t: f64, x: &[f64]| {
+            recorder.sample(&Sample { t, x, u: &orbit.point.inputs, elapsed: Duration::ZERO }, &held)
+        };
+        let flown = sample(0.0, &cycle.start(&orbit.point)).and_then(|()| {
+            cycle.fly(&orbit.point.z, orbit.point.pace, &orbit.point.inputs, |_, t, x| sample(t, x))
+        });
+        Ok(flown.map(|_| recorder.finish().record))
+    }
+
+    /// This scenario on its orbit.
+    fn orbit_scenario(&self, cycle: &Cycle, orbit: &Orbit) -> Result<String, Error> {
+        let mut spec = ScenarioSpec { start: self.orbit_start(cycle, orbit), ..self.spec.clone() };
+        spec.name = format!("{}-orbit", self.spec.name);
+        spec.robot.gait.set_frequency_hz(1.0 / orbit.end.duration);
+        toml::to_string(&spec).map_err(|e| Error::invalid("trim", e, "a scenario that TOML can hold"))
+    }
+
+    /// The start of the orbit.
+    fn orbit_start(&self, cycle: &Cycle, orbit: &Orbit) -> StartSpec {
+        let (robot, x) = (&self.model, cycle.start(&orbit.point));
+        let layout = robot.layout();
+        let angles = Quat::from_wxyz(&x[layout.attitude..]).matrix().roll_pitch_yaw();
+        let states = robot.states()[layout.joints..].iter().zip(&x[layout.joints..]);
+        let commands = robot.inputs().iter().zip(&orbit.point.inputs).filter(|(_, u)| **u != 0.0);
+        StartSpec {
+            velocity_m_s: Vec3::from_slice(&x[layout.velocity..]).0,
+            roll_deg: angles[0].to_degrees(),
+            pitch_deg: angles[1].to_degrees(),
+            yaw_deg: 0.0,
+            phase_rad: self.spec.start.phase_rad,
+            rate_rad_s: Vec3::from_slice(&x[layout.rate..]).0,
+            states: states.map(|(channel, x)| (channel.name.clone(), *x)).collect(),
+            commands: commands.map(|(channel, u)| (channel.name.clone(), *u)).collect(),
+        }
+    }
+}
+
+/// Multipliers as a record.
+fn multipliers(modes: &Modes) -> Result<Record, Error> {
+    let columns = ["multiplier_re", "multiplier_im", "lateral"];
+    let columns = columns.map(|name| crate::simulate::Column::new(name, "", "")).to_vec();
+    let mut record = Record::new(columns, modes.modes.len())?;
+    for mode in &modes.modes {
+        let lateral = f64::from(u8::from(mode.sector != crate::orbit::Sector::Longitudinal));
+        record.append(&[mode.multiplier[0], mode.multiplier[1], lateral]);
+    }
+    Ok(record)
+}

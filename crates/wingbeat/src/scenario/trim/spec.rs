@@ -1,0 +1,111 @@
+//! What `wingbeat trim` is asked.
+
+use crate::Error;
+use crate::orbit::{Course, Free};
+use crate::range::{Range, ranges};
+use crate::robot::Robot;
+use serde::{Deserialize, Serialize};
+
+/// The periodic flight that `wingbeat trim` looks for, beginning from the scenario's start and the robot's gait.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
+#[serde(deny_unknown_fields)]
+pub struct TrimSpec {
+    /// Mean speed along the ground, m/s.
+    pub speed_m_s: f64,
+    /// Mean climb, m/s; negative descends.
+    #[serde(default)]
+    pub climb_m_s: f64,
+    /// Bank of a turn with the yaw rate g tan(bank)/V, deg; positive is right wing down. 0 flies straight.
+    #[serde(default)]
+    pub bank_deg: f64,
+    /// What may be chosen: `frequency`, and held commands by the name of their regulator; `twist` stands for
+    /// `twist_left` and `twist_right`, which move alike in straight flight and each by itself in a turn. Two for
+    /// straight flight, three or more for a turn, which takes the least commands that fly it.
+    pub free: Vec<String>,
+    /// Integration step at the robot's own frequency, s; a cycle keeps its number of steps.
+    #[serde(default = "step")]
+    pub step_s: f64,
+    /// Orbits along a parameter, from the one asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub family: Option<FamilySpec>,
+}
+
+fn step() -> f64 {
+    5e-4
+}
+
+/// Orbits along a parameter.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
+#[serde(deny_unknown_fields)]
+pub struct FamilySpec {
+    /// What changes.
+    pub along: Along,
+    /// Its value in the last orbit, in the unit of the key.
+    pub to: f64,
+    /// Number of orbits after the first.
+    pub steps: usize,
+}
+
+/// Parameters of a family.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Along {
+    /// `trim.speed_m_s`.
+    SpeedMS,
+    /// `trim.climb_m_s`.
+    ClimbMS,
+    /// `trim.bank_deg`.
+    BankDeg,
+}
+
+ranges!(TrimSpec {
+    speed_m_s: Range::between(0.1, 100.0),
+    climb_m_s: Range::between(-50.0, 50.0),
+    bank_deg: Range::inside(-80.0, 80.0),
+    step_s: Range::over(0.0, 0.01),
+});
+ranges!(FamilySpec { to: Range::between(-100.0, 100.0), steps: Range::between(1.0, 1000.0) });
+
+impl TrimSpec {
+    pub(in crate::scenario) fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        self.family.as_ref().map_or(Ok(()), |f| f.in_range().map_err(|e| e.within("family")))
+    }
+
+    /// The course asked.
+    pub(super) fn course(&self) -> Course {
+        Course { speed: self.speed_m_s, climb: self.climb_m_s, bank: self.bank_deg.to_radians() }
+    }
+
+    /// What is free: in straight flight pairs move alike, in a turn each by itself.
+    pub(super) fn free(&self, robot: &Robot, turning: bool) -> Result<Vec<Free>, Error> {
+        let mut all = Vec::new();
+        for (i, name) in self.free.iter().enumerate() {
+            let key = format!("trim.free[{i}]");
+            if self.free[..i].contains(name) {
+                return Err(Error::invalid(key, format!("{name:?}"), "each name once"));
+            }
+            all.extend(
+                Free::named(robot, name, turning)
+                    .ok_or_else(|| Error::invalid(key, format!("{name:?}"), Free::names(robot).join(", ")))?,
+            );
+        }
+        let needed = if turning { 3 } else { 2 };
+        if all.len() < needed || (!turning && all.len() != needed) {
+            let allowed =
+                if turning { "three numbers or more for a turn" } else { "two for straight flight" };
+            return Err(Error::invalid("trim.free", format!("{:?}", self.free), allowed));
+        }
+        Ok(all)
+    }
+
+    /// What is free in the straight flight that a turn begins from: the first two that keep left and right alike.
+    pub(super) fn straight(&self) -> Self {
+        Self { bank_deg: 0.0, free: self.free.iter().take(2).cloned().collect(), ..self.clone() }
+    }
+}

@@ -1,0 +1,216 @@
+//! Regulators that scale series, move springs and pace the crank; periodic flight and what stands in its way.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use wingbeat::math::{GRAVITY, RK4, Workspace};
+use wingbeat::orbit::{Course, Section, intervals};
+use wingbeat::plant::{Fault, Plant};
+use wingbeat::scenario::{Document, Scenario};
+
+fn scenario(name: &str, overrides: &[&str]) -> Scenario {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenarios/{name}.toml"));
+    let document = overrides.iter().fold(Document::file(&path).unwrap(), |d, text| d.set(*text));
+    Scenario::new(document).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn place(names: impl Iterator<Item = String>, name: &str) -> usize {
+    names.into_iter().position(|n| n == name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn input(scenario: &Scenario, name: &str) -> usize {
+    place(scenario.robot().inputs().iter().map(|c| c.name.clone()), name)
+}
+
+fn state(scenario: &Scenario, name: &str) -> usize {
+    place(scenario.robot().states().iter().map(|c| c.name.clone()), name)
+}
+
+fn joint(scenario: &Scenario, name: &str) -> usize {
+    place(scenario.robot().joint_names().map(String::from), name)
+}
+
+#[test]
+fn a_series_is_scaled_about_its_mean_and_the_crank_runs_ahead() {
+    let scenario = scenario("cruise_20g", &[]);
+    let (robot, rest) = (scenario.robot(), vec![0.0; scenario.robot().inputs().len()]);
+    let shoulder = joint(&scenario, "shoulder_left");
+    let other = joint(&scenario, "shoulder_right");
+    let mean = -0.1096;
+    let angles = |t: f64, x: &[f64]| robot.observe(t, x, &rest).unwrap().joints;
+    let (still, mut moved) = (scenario.start(), scenario.start());
+    moved[state(&scenario, "displacement_stroke_left")] = 0.2;
+    for t in [0.0, 0.03, 0.11] {
+        let (before, after) = (angles(t, &still), angles(t, &moved));
+        assert!((after[shoulder] - mean - 1.2 * (before[shoulder] - mean)).abs() < 1e-14);
+        assert_eq!(after[other], before[other]);
+    }
+    // A crank ahead by a phase is a crank seen later.
+    let mut ahead = scenario.start();
+    let (t, early) = (0.02, 0.013);
+    ahead[state(&scenario, "displacement_crank")] = early * std::f64::consts::TAU * robot.frequency_hz();
+    for (a, b) in angles(t, &ahead).iter().zip(angles(t + early, &still)) {
+        assert!((a - b).abs() < 1e-13, "{a} {b}");
+    }
+}
+
+#[test]
+fn the_rate_of_the_crank_follows_its_command() {
+    let scenario = scenario("cruise_20g", &[]);
+    let (robot, mut x) = (scenario.robot(), scenario.start());
+    let (at, rate) = (state(&scenario, "displacement_crank"), state(&scenario, "rate_crank"));
+    let mut u = vec![0.0; robot.inputs().len()];
+    u[input(&scenario, "command_crank")] = 5.0;
+    x[rate] = 2.0;
+    let mut dx = vec![0.0; x.len()];
+    robot.rates(0.0, &x, &u, &mut dx).unwrap();
+    assert_eq!(dx[at], 2.0);
+    assert!((dx[rate] - std::f64::consts::TAU * 12.0 * 3.0).abs() < 1e-9);
+    assert_eq!(robot.inputs()[input(&scenario, "command_crank")].unit, "rad/s");
+}
+
+/// Work of drive, regulators, dampers and air less the growth of the energy, over the largest work on the way, with every
+/// regulator of `name` in motion.
+fn imbalance(name: &str) -> f64 {
+    let scenario = scenario(name, &[]);
+    let robot = scenario.robot();
+    let n = robot.states().len();
+    let commands = |t: f64| -> Vec<f64> {
+        let of = |(i, c): (usize, &wingbeat::plant::Channel)| 0.5 * c.high * (30.0 * t + i as f64).sin();
+        robot.inputs().iter().enumerate().map(of).collect()
+    };
+    let mut x = scenario.start();
+    let energy = |t: f64, x: &[f64]| robot.observe(t, &x[..n], &commands(t)).unwrap().energy;
+    let before = energy(0.0, &x);
+    x.extend([0.0, 0.0]);
+    let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
+        let u = commands(t);
+        robot.rates(t, &x[..n], &u, &mut dx[..n])?;
+        let seen = robot.observe(t, &x[..n], &u)?;
+        assert!(
+            (seen.power - seen.drive_power - seen.regulator_power).abs() < 1e-9 * (1.0 + seen.power.abs())
+        );
+        dx[n] = seen.power + seen.air_power - seen.dissipation;
+        dx[n + 1] = seen.power.abs();
+        Ok(())
+    };
+    let (step, steps) = (1e-4, 2000);
+    let mut work = Workspace::new(x.len(), RK4.b.len());
+    for k in 0..steps {
+        RK4.step(&mut rates, k as f64 * step, step, &mut x, &mut work).unwrap();
+    }
+    (x[n] - (energy(step * steps as f64, &x) - before)).abs() / x[n + 1]
+}
+
+#[test]
+fn regulators_of_every_kind_keep_the_balance_of_energy() {
+    for name in ["cruise_20g", "passive_20g"] {
+        let imbalance = imbalance(name);
+        assert!(imbalance < 1e-7, "{name}: {imbalance:e}");
+    }
+}
+
+#[test]
+fn a_flight_from_its_orbit_stays_on_it_open_loop() {
+    let scenario = scenario("cruise_20g", &["flight.duration_s=1.9", "flight.record_every_s=1e-4"]);
+    let trimmed = scenario.trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    let summary = &trimmed.summary;
+    assert_eq!(summary.reason, None);
+    assert!((summary.lift_over_weight.unwrap() - 1.0).abs() < 1e-6);
+    assert!(summary.residual.unwrap() < 1e-10 && summary.stable == Some(true), "{summary:?}");
+    let again = Scenario::new(Document::text("orbit.toml", &trimmed.files[0].1).unwrap());
+    let flown = again.unwrap_or_else(|e| panic!("{e}")).fly(|_| ControlFlow::Continue(())).unwrap().record;
+    let period = 1.0 / summary.frequency_hz.unwrap();
+    let (t, at) = (flown.values("t").unwrap(), |name: &str| flown.values(name).unwrap());
+    // Between the rows the place is linear to well below a tenth of a millimetre.
+    let seen = |name: &str, when: f64| {
+        let k = t.partition_point(|t| *t <= when).clamp(1, t.len() - 1);
+        let share = (when - t[k - 1]) / (t[k] - t[k - 1]);
+        at(name)[k - 1] + share * (at(name)[k] - at(name)[k - 1])
+    };
+    for cycles in [1.0, 5.0, 10.0] {
+        let way = [("p_WB_x", 3.839 * cycles * period), ("p_WB_y", 0.0), ("p_WB_z", 0.0)];
+        for (name, asked) in way {
+            let drift = (seen(name, cycles * period) - asked).abs();
+            assert!(drift < 1e-3, "{name} after {cycles} cycles: {drift:e} m");
+        }
+    }
+}
+
+#[test]
+fn the_section_gives_the_state_back() {
+    let scenario = scenario("passive_20g", &["start.roll_deg=12.0", "start.velocity_m_s=[3.0, 0.2, -0.4]"]);
+    let section = Section::new(scenario.robot()).unwrap();
+    let x = scenario.start();
+    let l = scenario.robot().layout();
+    let mut z = vec![0.0; section.len()];
+    assert!(section.coordinates(&x, &mut z).abs() < 1e-15);
+    let mut again = vec![0.0; x.len()];
+    section.state(&z, &x[l.structure..l.joints], &mut again);
+    for (a, b) in x.iter().zip(&again) {
+        assert!((a - b).abs() < 1e-15, "{a} {b}");
+    }
+    // Both sectors together span the coordinates, and none lies in both.
+    assert_eq!(section.symmetric().len() + section.antisymmetric().len(), section.len());
+}
+
+#[test]
+fn a_turn_takes_the_rate_that_its_bank_asks_for() {
+    let course = Course { speed: 4.0, climb: 0.0, bank: 15f64.to_radians() };
+    // The centripetal acceleration V times the yaw rate is g tan(bank), and a bank to the right turns to the right.
+    assert!((course.speed * course.yaw_rate() + GRAVITY * 15f64.to_radians().tan()).abs() < 1e-14);
+    let (duration, rate) = (0.2, course.yaw_rate());
+    let radius = course.speed / rate.abs();
+    let chord = 2.0 * radius * (0.5 * rate.abs() * duration).sin();
+    assert!((course.chord_speed(duration) * duration - chord).abs() < 1e-15);
+}
+
+#[test]
+fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
+    let refused = |overrides: &[&str]| {
+        let scenario = scenario("cruise_20g", overrides);
+        scenario.trim(&mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
+    };
+    assert!(refused(&["trim.free=['frequency', 'tail']"]).contains("stroke_left"));
+    assert!(refused(&["trim.free=['frequency']"]).contains("two for straight flight"));
+    assert!(refused(&["air.wind_m_s=[1.0, 0.0, 0.0]"]).contains("still air"));
+    // Ten times the mass at the frequency of the gait: the regulators do not reach that far.
+    let held = ["trim.free=['stroke', 'twist']", "robot.body.mass_kg=0.19", "trim.step_s=1e-3"];
+    let heavy = scenario("cruise_20g", &held);
+    let trimmed = heavy.trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(trimmed.summary.status, "not_found");
+    assert!(trimmed.summary.reason.is_some() && trimmed.files.is_empty());
+}
+
+#[test]
+fn intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit() {
+    let scenario =
+        scenario("cruise_20g", &["trim.free=['stroke', 'twist']", "robot.gait.fourier.frequency_hz=5.8478"]);
+    let cycle = scenario.cycle().unwrap();
+    let found = scenario.find_orbit(&cycle, &mut |_, _| ControlFlow::Continue(())).unwrap().unwrap();
+    let point = &found.orbit.point;
+    let n = cycle.section().len();
+    let one = |i: usize| vec![(i, 1.0)];
+    let directions: Vec<_> = (0..n).map(one).collect();
+    let (_, whole) = cycle.differentiate(point, &directions, &[], |_, end| end.z.clone()).unwrap();
+    let parts = intervals(&cycle, point, 20, &[]).unwrap();
+    let product = parts.iter().skip(1).fold(parts[0].a.clone(), |product, part| &part.a * product);
+    let largest = whole.iter().flatten().fold(0.0, |most: f64, m| most.max(m.abs()));
+    for (i, row) in whole.iter().enumerate() {
+        for (j, m) in row.iter().enumerate() {
+            // The height, before the coordinates, moves nothing else.
+            assert!((product[(i + 1, j + 1)] - m).abs() < 1e-8 * largest, "{i} {j}");
+        }
+    }
+
+    let trimmed = scenario.trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    let controller = "controller.orbit={period_s=0.0085, speed_m_s=3.839, free=['stroke', 'twist', 'swing']}";
+    let document = Document::text("orbit.toml", &trimmed.files[0].1).unwrap().set(controller);
+    // Off the orbit by 5 deg of roll.
+    let document = document.set("start.roll_deg=5.0").set("flight.duration_s=2.55");
+    let flown = Scenario::new(document).unwrap_or_else(|e| panic!("{e}"));
+    let record = flown.fly(|_| ControlFlow::Continue(())).unwrap().record;
+    let values = |name: &str| record.values(name).unwrap();
+    let last = values("t").len() - 1;
+    assert!(values("orbit_height_error")[last].abs() < 0.01, "{}", values("orbit_height_error")[last]);
+    assert!(values("roll")[last].abs() < 0.02, "{}", values("roll")[last]);
+}
