@@ -108,7 +108,9 @@ fn document(kind: DocumentKind, main: DocumentKind, file: &str) -> String {
         kind.name()
     );
     for line in shipped(kind, main).lines().filter(|line| !line.starts_with("#:schema")) {
-        text += &match line.split_once(" = \"").map(|(key, _)| (key, DocumentKind::named(key))) {
+        // A cell's `calibration` is no document.
+        let named = |key| DocumentKind::named(key).filter(|named| *named != DocumentKind::Calibration);
+        text += &match line.split_once(" = \"").map(|(key, _)| (key, named(key))) {
             Some(("name", _)) if kind == main && !text.contains("\nname = ") => format!("name = \"{stem}\""),
             Some((_, Some(named))) if named == main => format!("{} = \"{file}\"", named.name()),
             Some((_, Some(named))) => format!("{} = \"{}\"", named.name(), beside(named)),

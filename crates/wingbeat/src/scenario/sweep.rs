@@ -283,7 +283,7 @@ impl Sweep {
             for (end, value) in draw.tried() {
                 let given = drawn(draw, value);
                 let outcome = built(self.inner.clone().set(given.as_str()));
-                outcome.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), end))?;
+                outcome.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), &end))?;
             }
         }
         Ok(())
@@ -413,13 +413,16 @@ impl Draw {
 
     /// What is tried before any run, with the key that it stands for: both ends and a value between, of a grid its
     /// second, which is whole where all are; or all of a list.
-    fn tried(&self) -> Vec<(&'static str, f64)> {
+    fn tried(&self) -> Vec<(String, f64)> {
         if !self.values.is_empty() {
-            return (0..self.values.len()).map(|place| ("values", self.at(place))).collect();
+            return (0..self.values.len())
+                .map(|place| (format!("values[{place}]"), self.at(place)))
+                .collect();
         }
         let [low, high] = self.ends();
         let inner = low + (high - low) / std::f64::consts::E;
-        vec![("low", low), ("high", high), ("high", self.points.map_or(inner, |_| self.at(1)))]
+        let ends = [("low", low), ("high", high), ("high", self.points.map_or(inner, |_| self.at(1)))];
+        ends.map(|(key, value)| (key.into(), value)).into()
     }
 
     /// The word of a list that the recorded `value` stands for; none of numbers.
