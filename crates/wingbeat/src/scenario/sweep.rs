@@ -465,8 +465,14 @@ impl Draw {
         if self.values.iter().all(known) && (kinds == 0 || kinds == self.values.len()) {
             return Ok(());
         }
-        let given = toml::Value::Array(self.values.clone());
-        Err(Error::invalid("values", given, "numbers alone, or words and truth values"))
+        let numbers = 2 * kinds > self.values.len();
+        let odd = |value: &&toml::Value| !known(value) || number(value).is_some() != numbers;
+        let place = self.values.iter().position(|value| odd(&value)).unwrap_or(0);
+        let given = &self.values[place];
+        let error =
+            Error::invalid(format!("values[{place}]"), given, "numbers alone, or words and truth values");
+        let others = (0..self.values.len()).filter(|other| *other != place);
+        Err(error.against(others.map(|other| format!("values[{other}]"))))
     }
 }
 
