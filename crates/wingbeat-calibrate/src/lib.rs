@@ -3,32 +3,44 @@
 //! A [`Model`] predicts the cycles of runs and their derivatives by the [`Parameter`]s; [`Observed`] holds what was measured.
 //! [`solve`] fits them by Levenberg-Marquardt, weighed by the scatter of the cycles and by what the model cannot say;
 //! [`Solved`] tells standard errors, profiles, bands and the error in runs left out. [`RigModel`] is the model of runs on the
-//! rig; [`Information`] says before any fit what the runs can tell.
+//! rig; [`Information`] says before any fit what the runs can tell. [`Calibration::prepared`] and [`Prepared::fit`] go all the way from a
+//! file to [`Found`].
 
 mod calibration;
 mod checks;
+mod data;
 pub mod design;
 mod error;
+mod find;
 mod fit;
+mod found;
 mod harmonics;
 mod information;
 pub mod measured;
 mod observed;
 mod problem;
 mod rig;
+mod rival;
 mod solve;
+mod summary;
 mod truth;
 mod uncertainty;
+pub mod words;
 
 pub use calibration::{Calibration, Failure, Structure};
 pub use checks::checked;
+pub use data::{DataFile, Files, read};
 pub use error::Error;
+pub use find::Prepared;
 pub use fit::{Ended, Fit, Keep, Linear, Progress, Watch};
+pub use found::{Found, FoundRun, columns};
 pub use harmonics::{Layout, project};
 pub use information::{CLOSE, Information, channel_name};
 pub use observed::{Observed, scatter};
 pub use problem::{Model, Parameter, Problem, Whitened};
 pub use rig::{RigModel, RigTarget, respond};
+pub use rival::{NextRun, Rival};
 pub use solve::{PHASES, Plan, Predicted, Solved, Start, phase_of, rms, solve, solve_problem, starts};
+pub use summary::CalibrationSummary;
 pub use truth::{Clean, clean};
 pub use uncertainty::{Covariances, Label, NORMAL_95, Profile, correlations};

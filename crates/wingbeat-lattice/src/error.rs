@@ -13,6 +13,16 @@ pub enum Error {
         /// What is allowed.
         allowed: String,
     },
+    /// A wake of too many rings.
+    #[error(
+        "cycles times steps times spanwise panels are {rings} rings of the wake: allowed are at most {most}"
+    )]
+    Rings {
+        /// How many.
+        rings: usize,
+        /// How many may be.
+        most: usize,
+    },
     /// A half of a wing, beside which the lattice has no mirror.
     #[error("wing.side = {side}: allowed is both, whose lattice is whole")]
     Half {
@@ -72,6 +82,18 @@ pub enum RecordError {
         /// Begin of the stretch, s.
         from_s: f64,
         /// Its end, s.
+        to_s: f64,
+        /// First time of the record, s.
+        first: f64,
+        /// Its last, s.
+        last: f64,
+    },
+    /// More cycles than were recorded.
+    #[error("{cycles} cycles until {to_s} s: the record holds {first} to {last} s")]
+    Cycles {
+        /// How many.
+        cycles: usize,
+        /// Where they would end, s.
         to_s: f64,
         /// First time of the record, s.
         first: f64,

@@ -1,5 +1,6 @@
 //! The Python extension `wingbeat._wingbeat`: a thin face over the library, below the package in `python/wingbeat`.
 
+mod calibrate;
 mod controller;
 mod document;
 mod flight;
@@ -10,7 +11,9 @@ mod stepper;
 mod sweep;
 mod table;
 mod tether;
+mod trim;
 mod wait;
+mod wake;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -23,6 +26,8 @@ fn refused(error: impl Display) -> PyErr {
 
 #[pymodule(name = "_wingbeat")]
 mod module {
+    #[pymodule_export]
+    use super::calibrate::calibrate;
     #[pymodule_export]
     use super::controller::Measurement;
     #[pymodule_export]
@@ -43,4 +48,8 @@ mod module {
     use super::table::{read_parquet, write_parquet};
     #[pymodule_export]
     use super::tether::tether;
+    #[pymodule_export]
+    use super::trim::trim;
+    #[pymodule_export]
+    use super::wake::{wake_case, wake_flight};
 }

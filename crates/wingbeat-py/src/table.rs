@@ -20,22 +20,29 @@ pub fn columns(py: Python<'_>, record: Record) -> Vec<Named<'_>> {
     record.into_columns().into_iter().map(column).collect()
 }
 
+/// Columns as Python hands them back.
+pub type Given<'py> = (String, String, String, f64, f64, PyReadonlyArray1<'py, f64>);
+
+/// The record of columns that Python hands back.
+///
+/// # Errors
+/// Columns of different lengths.
+pub fn record(columns: Vec<Given<'_>>) -> PyResult<Record> {
+    let column = |(name, unit, frame, low, high, values): Given<'_>| Column {
+        name,
+        unit,
+        frame,
+        low,
+        high,
+        values: values.as_array().to_vec(),
+    };
+    Record::new(columns.into_iter().map(column).collect(), 0).map_err(refused)
+}
+
 /// Writes columns as the program writes its records: the same bytes.
 #[pyfunction]
-pub fn write_parquet(
-    path: PathBuf,
-    columns: Vec<(String, String, String, f64, f64, PyReadonlyArray1<f64>)>,
-) -> PyResult<()> {
-    let column = |(name, unit, frame, low, high, values): (
-        String,
-        String,
-        String,
-        f64,
-        f64,
-        PyReadonlyArray1<f64>,
-    )| { Column { name, unit, frame, low, high, values: values.as_array().to_vec() } };
-    let record = Record::new(columns.into_iter().map(column).collect(), 0).map_err(refused)?;
-    wingbeat_io::write_parquet(&path, &record).map_err(refused)
+pub fn write_parquet(path: PathBuf, columns: Vec<Given<'_>>) -> PyResult<()> {
+    wingbeat_io::write_parquet(&path, &record(columns)?).map_err(refused)
 }
 
 /// Reads the columns of a record.

@@ -1,13 +1,12 @@
 //! The figures of a calibration.
 
 use wingbeat::rig::cell::CHANNELS;
-use wingbeat_calibrate::Layout;
+use wingbeat_calibrate::{Found, FoundRun, Layout};
 use wingbeat_figures::calibration::{
     Overlay, ProfileCurve, Spectrum, correlations, information, overlay, profiles, residual_spectra,
 };
 use wingbeat_figures::{Error as Undrawn, write as write_figure};
 
-use super::found::{Found, FoundRun};
 use crate::error::Error;
 use crate::run_folder::RunFolder;
 use crate::say;

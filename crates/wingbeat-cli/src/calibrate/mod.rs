@@ -1,20 +1,14 @@
 //! `wingbeat calibrate`.
 
-mod data;
 mod draw;
-mod found;
-mod words;
+mod kept;
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use serde::Serialize;
 use wingbeat::scenario::Document;
-use wingbeat_calibrate::{
-    Calibration, Failure, Information, Linear, Observed, Plan, Problem, Progress, Solved, Structure, checked,
-    solve,
-};
-use wingbeat_io::{urdf_as_toml, write_parquet};
+use wingbeat_calibrate::{Calibration, Failure, Files, Found, Prepared, Progress, words};
+use wingbeat_io::write_parquet;
 
 use crate::args;
 use crate::error::Error;
@@ -23,11 +17,10 @@ use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
-use data::Files;
-use found::{Found, Kept, Rival};
+use kept::Kept;
 
 #[cfg(test)]
-pub use found::columns;
+pub use wingbeat_calibrate::columns;
 
 /// Fits the numbers and writes the run folder.
 pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
@@ -36,7 +29,7 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let document = Document::file(&arguments.calibration)?.overridden(&options.all_overrides());
     let calibration = Calibration::new(document)?;
-    let files = Files::of(&calibration)?;
+    let files = Files::of(&calibration).map_err(Failure::from)?;
     let name = calibration.spec.run_name()?;
     let identity = files.identity(&calibration.resolved);
     let folder =
@@ -86,101 +79,49 @@ fn found(
     arguments: &args::Calibrate,
 ) -> Result<Option<Found>, Error> {
     let quiet = arguments.run.quiet;
-    let structure = calibration.structure(&[], &urdf_as_toml)?;
-    let runs = calibration.observed(&structure, &urdf_as_toml, &data::read)?;
+    let prepared = calibration.prepared()?;
     interrupt.check()?;
-    let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
-    let cautions = checked(&structure, &runs, &values).map_err(Failure::from)?;
-    cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
-    let problem = Problem::new(&structure.model, &runs, &structure.parameters).map_err(Failure::from)?;
-    let at = Linear::at(&problem, &problem.fitted(), &values).map_err(Failure::from)?;
-    let information = Information::of(&problem, &at, &values);
-    say::unless(quiet, || words::information(&information, &structure.parameters))?;
-    interrupt.check()?;
-    information.check(&problem).map_err(Failure::from)?;
+    prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
+    say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
+    prepared.check()?;
     if arguments.information {
         return Ok(None);
     }
-    let plan = calibration.plan();
-    let mut kept = Kept::open(folder);
-    let solved = watched(&structure, &runs, &plan, &mut kept, interrupt, quiet)?;
-    let mut found = Found::of(calibration, &structure, &runs, &solved, information, cautions)?;
-    interrupt.check()?;
-    for rival in calibration.structures() {
-        found.rivals.push(one_rival(calibration, &rival.name, &rival.set, &runs, &solved, interrupt)?);
-    }
-    if !calibration.spec.candidates.is_empty() {
-        found.next = next_run(calibration, &solved, interrupt)?;
-    }
-    found.rank_structures();
-    Ok(Some(found))
+    watched(&prepared, &mut Kept::open(folder), interrupt, quiet).map(Some)
 }
 
 /// The fit, with cost, parameters and time on a bar.
-fn watched<'a>(
-    structure: &'a Structure,
-    runs: &'a [Observed],
-    plan: &Plan,
+fn watched(
+    prepared: &Prepared<'_>,
     kept: &mut Kept,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<Solved<'a>, Error> {
+) -> Result<Found, Error> {
+    let starts = prepared.plan().starts;
     let bar = progress::bar(
-        Some(plan.starts as u64),
+        Some(starts as u64),
         "fitting {bar:20} start {pos} of {len}, {eta} left  {wide_msg}",
         quiet,
     );
     let mut watch = |at: &Progress| {
-        bar.set_position(at.start.min(plan.starts) as u64);
+        bar.set_position(at.start.min(starts) as u64);
         let values: Vec<String> = at.values.iter().map(|value| format!("{value:.4}")).collect();
         bar.set_message(format!("step {}, cost {:.5e}, at {}", at.step, at.cost, values.join(" ")));
         interrupt.flow()
     };
-    let solved = solve(&structure.model, runs, &structure.parameters, plan, kept, &mut watch);
+    let found = prepared.fit(kept, &mut watch);
     bar.finish_and_clear();
     interrupt.check()?;
-    Ok(solved.map_err(Failure::from)?)
-}
-
-/// Another structure fitted to the same runs from the values found, and its error in runs left out.
-fn one_rival(
-    calibration: &Calibration,
-    name: &str,
-    set: &[String],
-    runs: &[Observed],
-    solved: &Solved,
-    interrupt: &Interrupt,
-) -> Result<Rival, Error> {
-    let mut structure = calibration.structure(set, &urdf_as_toml)?;
-    for (parameter, value) in structure.parameters.iter_mut().zip(&solved.values) {
-        parameter.start = *value;
-    }
-    let plan = Plan { starts: 1, ..calibration.plan() };
-    let mut watch = |_: &Progress| -> ControlFlow<()> { interrupt.flow() };
-    let fitted = solve(&structure.model, runs, &structure.parameters, &plan, &mut (), &mut watch);
-    interrupt.check()?;
-    Rival::of(name, runs, &fitted.map_err(Failure::from)?)
-}
-
-/// The candidates by what they leave of the largest uncertainty.
-fn next_run(
-    calibration: &Calibration,
-    solved: &Solved,
-    interrupt: &Interrupt,
-) -> Result<Vec<found::NextRun>, Error> {
-    let candidates = calibration.candidates(&urdf_as_toml)?;
-    interrupt.check()?;
-    let passes = calibration.spec.truth.as_ref().map_or(7, |truth| truth.passes);
-    Ok(found::NextRun::all(&candidates, solved, passes)?)
+    Ok(found?)
 }
 
 /// Everything into the folder.
 fn write(folder: &RunFolder, found: &Found, files: &Files) -> Result<(), Error> {
     folder.write_json("summary.json", &found.summary(files))?;
-    folder.write("numbers.toml", &words::numbers(found, files))?;
+    folder.write("numbers.toml", &words::numbers(found, files, env!("WINGBEAT_COMMIT")))?;
     folder.write("report.md", &words::report(found))?;
     folder.write("information.csv", &words::information_csv(found))?;
-    write_parquet(&folder.file("record.parquet"), &found.record()?)?;
+    write_parquet(&folder.file("record.parquet"), &found.record().map_err(Failure::from)?)?;
     Kept::remove(folder);
     draw::draw(folder, found)
 }

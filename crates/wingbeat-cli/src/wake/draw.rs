@@ -2,9 +2,8 @@
 
 use wingbeat::math::Vec3;
 use wingbeat_figures::{Cut, WakeSheet, frontal_planes, wake};
+use wingbeat_lattice::course::{PHASES, Shot, Watch};
 
-use super::stroke::NAMES;
-use super::watch::{Shot, Watch};
 use crate::error::Error;
 use crate::run_folder::RunFolder;
 use crate::say;
@@ -52,7 +51,7 @@ pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
 /// The shots in the order of the phases.
 fn in_order<'a>(watch: &'a Watch<'_>) -> Vec<&'a Shot> {
     let mut shots: Vec<&Shot> = watch.shots.iter().collect();
-    shots.sort_by_key(|shot| NAMES.iter().position(|name| *name == shot.name).unwrap_or(0));
+    shots.sort_by_key(|shot| PHASES.iter().position(|name| *name == shot.name).unwrap_or(0));
     shots
 }
 

@@ -1,18 +1,14 @@
 //! `wingbeat wake`.
 
-mod case;
-mod course;
 mod draw;
-mod flown;
-mod stroke;
-mod summary;
-mod watch;
 
+use std::path::Path;
 use std::time::Instant;
 
-use wingbeat::scenario::TetherCase;
-use wingbeat_io::write_parquet;
-use wingbeat_lattice::{Core, Lattice, Panels, Settings, Spacing, WakeMotion};
+use wingbeat::scenario::{Scenario, TetherCase};
+use wingbeat_io::{read_parquet_columns, write_parquet};
+use wingbeat_lattice::RecordError;
+use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary, Watch};
 
 use crate::args::Wake;
 use crate::error::Error;
@@ -22,24 +18,11 @@ use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
 use crate::tether::Tables;
-use course::Course;
-use flown::FlownRun;
-use summary::Summary;
-use watch::Watch;
-
-/// Most rings of a wake: minutes of work.
-const MOST_RINGS: usize = 200_000;
-/// Segments of a wake from which it is summed by multipoles.
-const FAST_FROM: usize = 20_000;
-/// Core of bound vortices where wings pass through each other, over the distance along the arc. *Choice.*
-const CROSSING: f64 = 0.2;
-/// Fewest and most steps of a cycle that are chosen.
-const STEPS: (f64, f64) = (24.0, 400.0);
 
 /// Where the motion comes from.
 enum Source {
     Case(Box<TetherCase>, Tables),
-    Flight(Box<FlownRun>),
+    Flight(Box<Recorded>),
 }
 
 /// Steps the lattice of a case or along a flight and writes its run folder.
@@ -48,14 +31,14 @@ pub fn wake(arguments: &Wake) -> Result<(), Error> {
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
     let source = Source::open(arguments)?;
-    let courses = source.courses(arguments, &interrupt)?;
-    check_size(arguments, &courses)?;
+    let asked = asked(arguments);
+    let courses = source.courses(&asked, &interrupt)?;
     let folder = RunFolder::create(options.out.as_deref(), &source.run_name()?, options.force)?;
     let mut watches = Vec::new();
     for course in &courses {
-        watches.push(step(course, settings(arguments, course), &interrupt, options.quiet)?);
+        watches.push(step(course, &asked, &interrupt, options.quiet)?);
     }
-    let summary = Summary::new(source.name(), arguments, &watches);
+    let summary = WakeSummary::new(source.name(), &asked, &watches);
     source.keep(&folder)?;
     folder.write_json("summary.json", &summary)?;
     for watch in &watches {
@@ -86,7 +69,7 @@ impl Source {
                 let text = format!("--set: {} has been flown; allowed is a case", path.display());
                 return Err(Error::Input(text));
             }
-            return Ok(Self::Flight(Box::new(FlownRun::open(path)?)));
+            return Ok(Self::Flight(Box::new(recorded(path)?)));
         }
         let only_flights = [
             ("--at", !arguments.at.is_empty()),
@@ -105,14 +88,13 @@ impl Source {
         Ok(Self::Case(Box::new(case), tables))
     }
 
-    fn courses(&self, arguments: &Wake, interrupt: &Interrupt) -> Result<Vec<Course>, Error> {
-        if arguments.steps == Some(0) {
-            return Err(Error::Input("--steps 0: allowed is 1 or more".into()));
-        }
-        match self {
-            Self::Case(case, _) => Ok(vec![case::course(arguments, case, interrupt)?]),
-            Self::Flight(run) => run.courses(arguments),
-        }
+    fn courses(&self, asked: &Asked, interrupt: &Interrupt) -> Result<Vec<Course>, Error> {
+        let courses = match self {
+            Self::Case(case, _) => course::case(asked, case, &|| interrupt.flow()).map(|course| vec![course]),
+            Self::Flight(run) => run.courses(asked),
+        };
+        interrupt.check()?;
+        courses.map_err(refused)
     }
 
     fn name(&self) -> &str {
@@ -141,87 +123,54 @@ impl Source {
     }
 }
 
-/// What the lattice refuses.
+/// What the lattice refuses; of what the command line asked, by its option.
 fn refused(error: wingbeat_lattice::Error) -> Error {
-    Error::Input(error.to_string())
-}
-
-/// Panels that the command line asks for.
-fn panels(arguments: &Wake) -> Panels {
-    Panels { chordwise: arguments.chordwise, spanwise: arguments.spanwise, spacing: Spacing::Lan }
-}
-
-/// Steps of a cycle in which the way is `way` m so that the way of each is a panel's chord.
-fn fitting(way: f64, chord: f64, chordwise: usize) -> usize {
-    (way * chordwise as f64 / chord).round().clamp(STEPS.0, STEPS.1) as usize
-}
-
-/// Refuses wakes of too many rings.
-fn check_size(arguments: &Wake, courses: &[Course]) -> Result<(), Error> {
-    for clock in courses.iter().map(|course| course.clock) {
-        let rings = clock.cycles.saturating_mul(clock.steps).saturating_mul(arguments.spanwise);
-        if rings > MOST_RINGS {
-            let text = format!(
-                "cycles times steps times spanwise panels are {rings} rings of the wake: allowed are at most {MOST_RINGS}"
-            );
-            return Err(Error::Input(text));
+    match error {
+        wingbeat_lattice::Error::Setting { key: key @ ("steps" | "cycles"), value, allowed } => {
+            Error::Input(format!("--{key} {value}: allowed is {allowed}"))
         }
+        wingbeat_lattice::Error::Record(error @ RecordError::Cycles { .. }) => {
+            Error::Input(format!("{error}; ask for fewer with --cycles or another end with --at"))
+        }
+        error => Error::Input(error.to_string()),
     }
-    Ok(())
 }
 
-/// What the command line asks of the lattice.
-fn settings(arguments: &Wake, course: &Course) -> Settings {
-    let core = Core { radius_m: arguments.core * course.chord, viscosity_m2_s: 0.0, squire: 0.0 };
-    let wake = if arguments.prescribed { WakeMotion::Prescribed } else { WakeMotion::Free };
-    let crossing = if course.crosses { CROSSING } else { 0.0 };
-    let own = Settings::new(course.clock.step_s(), core.radius_m);
-    Settings { wake, core, crossing, fast_from: FAST_FROM, ..own }
+/// What the command line asks.
+fn asked(arguments: &Wake) -> Asked {
+    Asked {
+        at: arguments.at.clone(),
+        cycles: arguments.cycles,
+        model: arguments.model,
+        chordwise: arguments.chordwise,
+        spanwise: arguments.spanwise,
+        steps: arguments.steps,
+        prescribed: arguments.prescribed,
+        core: arguments.core,
+    }
+}
+
+/// Scenario and record of the run folder `folder`.
+fn recorded(folder: &Path) -> Result<Recorded, Error> {
+    let scenario = Scenario::load(&folder.join("scenario.toml"), &[])?;
+    let record = read_parquet_columns(&folder.join("record.parquet"), &Recorded::columns(&scenario))?;
+    Recorded::new(scenario, record).map_err(refused)
 }
 
 /// Steps a course; a lattice that fails ends it with what there is.
 fn step<'a>(
     course: &'a Course,
-    settings: Settings,
+    asked: &Asked,
     interrupt: &Interrupt,
     quiet: bool,
 ) -> Result<Watch<'a>, Error> {
-    let mut lattice = Lattice::new(course.scene.clone(), settings).map_err(refused)?;
-    let total = course.clock.total();
-    let mut watch = Watch::new(course);
     let template = format!("{} {{bar:30}} {{percent:>3}} %  ({{eta}} left)", course.title);
-    let bar = progress::bar(Some(total as u64), &template, quiet);
-    for k in 0..total {
-        if let Err(error) = advance(course, &mut lattice, &mut watch, k) {
-            watch.failed = Some(error.to_string());
-            break;
-        }
-        bar.set_position(k as u64);
-        interrupt.check()?;
-    }
+    let bar = progress::bar(Some(course.clock.total() as u64), &template, quiet);
+    let watch = course.step(asked, &mut |done| {
+        bar.set_position(done as u64);
+        interrupt.flow()
+    });
     bar.finish_and_clear();
-    watch.circulation_error = lattice.circulation_error();
-    Ok(watch)
-}
-
-/// One step, with the circulations of the model that flew where these are wanted.
-fn advance(
-    course: &Course,
-    lattice: &mut Lattice,
-    watch: &mut Watch<'_>,
-    k: usize,
-) -> Result<(), wingbeat_lattice::Error> {
-    let t = k as f64 * course.clock.step_s();
-    match course.flown.as_ref().filter(|flown| flown.by_model) {
-        None => {
-            let loads = lattice.step()?;
-            watch.see(k, lattice, Some(&loads));
-        }
-        Some(flown) => {
-            let rings = flown.flight.circulations(flown.from_s + t, &flown.layouts)?;
-            lattice.step_with(&rings.unwrap_or_default())?;
-            watch.see(k, lattice, None);
-        }
-    }
-    Ok(())
+    interrupt.check()?;
+    watch.map_err(refused)
 }

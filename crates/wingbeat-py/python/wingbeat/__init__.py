@@ -12,16 +12,23 @@ from wingbeat._documents import Robot, Scenario, shipped
 from wingbeat._record import Column, Record, Strips
 from wingbeat._runs import (
     Bench,
+    Calibrated,
     Controller,
     Flight,
     Moved,
     Plan,
     Processed,
+    Stretch,
+    Trimmed,
+    Wake,
+    calibrate,
     fly,
     plan,
     process,
     rig,
     tether,
+    trim,
+    wake,
 )
 from wingbeat._stepper import Stepper
 from wingbeat._sweeps import sweep
@@ -29,6 +36,7 @@ from wingbeat._wingbeat import Measurement
 
 __all__ = [
     "Bench",
+    "Calibrated",
     "Column",
     "Controller",
     "Flight",
@@ -40,7 +48,11 @@ __all__ = [
     "Robot",
     "Scenario",
     "Stepper",
+    "Stretch",
     "Strips",
+    "Trimmed",
+    "Wake",
+    "calibrate",
     "fly",
     "plan",
     "process",
@@ -48,4 +60,6 @@ __all__ = [
     "shipped",
     "sweep",
     "tether",
+    "trim",
+    "wake",
 ]

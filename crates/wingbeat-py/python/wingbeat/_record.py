@@ -48,8 +48,11 @@ class Record(Mapping[str, Array]):
 
     def write(self, path: str | PathLike[str]) -> None:
         """Writes Parquet: the bytes that the program writes of the same run."""
-        columns = [(c.name, c.unit, c.frame, c.low, c.high, self._values[c.name]) for c in self._columns]
-        _wingbeat.write_parquet(fspath(path), columns)
+        _wingbeat.write_parquet(fspath(path), self._given())
+
+    def _given(self) -> list[tuple[str, str, str, float, float, Array]]:
+        """The columns as the extension takes them."""
+        return [(c.name, c.unit, c.frame, c.low, c.high, self._values[c.name]) for c in self._columns]
 
     def __getitem__(self, name: str) -> Array:
         try:

@@ -1,4 +1,4 @@
-"""Flights, plans, wings in prescribed motion, and the bench."""
+"""Flights, plans, periodic flights, wings in prescribed motion, wakes, the bench, and calibrations."""
 
 from __future__ import annotations
 
@@ -92,6 +92,85 @@ class Moved:
 
 
 @dataclass(frozen=True)
+class Trimmed:
+    """A periodic flight."""
+
+    record: Record | None
+    """The cycle; none where no orbit was found."""
+    multipliers: Record | None
+    """Floquet multipliers."""
+    family: Record | None
+    """Orbits along the parameter of ``[trim.family]``."""
+    summary: dict[str, Any]
+    """What the program writes as ``summary.json``."""
+    files: dict[str, str] = field(repr=False)
+    """``orbit.toml``, a scenario on the orbit, as TOML."""
+
+    @property
+    def status(self) -> str:
+        """``ok`` or ``not_found``."""
+        return str(self.summary["status"])
+
+    def plot(self, names: str | Sequence[str] | None = None) -> Figure:
+        """See :meth:`Record.plot`."""
+        if self.record is None:
+            raise ValueError(str(self.summary["reason"]))
+        return self.record.plot(names)
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A case, or a stretch of a flight, stepped by the vortex lattice."""
+
+    name: str
+    """Empty for a case."""
+    record: Record
+    """Loads in the world's axes about the body's origin, and mean bound circulations, by step."""
+    phases: dict[str, str] = field(repr=False)
+    """Rings of wing and wake at begin and middle of the strokes of the last cycle, as VTK text."""
+
+
+@dataclass(frozen=True)
+class Wake:
+    """The vortex lattice of a case or along a flight."""
+
+    stretches: list[Stretch]
+    summary: dict[str, Any]
+    """What the program writes as ``summary.json``."""
+
+    @property
+    def status(self) -> str:
+        """``ok`` or ``failed``."""
+        return str(self.summary["status"])
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """What was fitted to runs on the load cell."""
+
+    record: Record | None
+    """Measured and predicted cycles with their bands; none where only the information was asked for."""
+    summary: dict[str, Any]
+    """What the program writes as ``summary.json``; empty where only the information was asked for."""
+    information: str
+    """What the runs tell of the numbers before the fit, as a table."""
+    report: str
+    """The report as the program prints it."""
+    numbers: str = field(repr=False)
+    """The fitted numbers as TOML: write it to a file that ``robot.numbers`` names."""
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The fitted numbers by name."""
+        return {row["name"]: row["value"] for row in self.summary.get("parameters", [])}
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Their standard errors by name, whole cycles as clusters."""
+        return {row["name"]: row["standard_error"] for row in self.summary.get("parameters", [])}
+
+
+@dataclass(frozen=True)
 class Bench:
     """A simulated run of the bench."""
 
@@ -159,6 +238,14 @@ def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Pla
     return Plan(None if record is None else Record(record), json.loads(summary), dict(files))
 
 
+def trim(scenario: Scenario | Source, overrides: Overrides | None = None) -> Trimmed:
+    """Finds the flight that the robot repeats every cycle, as the scenario's ``[trim]`` says."""
+    native = scenario_of(scenario, overrides)._native
+    record, multipliers, family, summary, files = _wingbeat.trim(native)
+    tables = [None if table is None else Record(table) for table in (record, multipliers, family)]
+    return Trimmed(*tables, json.loads(summary), dict(files))
+
+
 def tether(
     case: Source,
     overrides: Overrides | None = None,
@@ -176,6 +263,49 @@ def tether(
     record, strips, cycle, summary = _wingbeat.tether(made, file, converge)
     compared = None if cycle is None else Record(cycle)
     return Moved(Record(record), Strips(Record(strips)), json.loads(summary), compared)
+
+
+def wake(
+    source: Source | Flight,
+    overrides: Overrides | None = None,
+    *,
+    scenario: Scenario | Source | None = None,
+    at: Sequence[float] = (),
+    cycles: int | None = None,
+    model: bool = False,
+    chordwise: int = 6,
+    spanwise: int = 24,
+    steps: int | None = None,
+    prescribed: bool = False,
+    core: float = 0.05,
+) -> Wake:
+    """Steps the vortex lattice of a case, or along a flight of ``scenario``.
+
+    Of a flight the stretches of ``cycles`` cycles (3) that end at the times ``at`` (s) are stepped from rest, without ``at`` that before the
+    turn and the last; with ``model`` the circulations of the model that flew are shed. ``core`` is the radius of the wake's cores in mean chords.
+    """
+    asked = ([float(t) for t in at], cycles, model, chordwise, spanwise, steps, prescribed, core)
+    if isinstance(source, Flight):
+        if scenario is None:
+            raise ValueError("scenario: allowed is the scenario that was flown, for a flight")
+        native = scenario_of(scenario, overrides)._native
+        stepped, summary = _wingbeat.wake_flight(native, source.record._given(), asked)
+    else:
+        stepped, summary = _wingbeat.wake_case(document(source, overrides, "case"), asked)
+    stretches = [Stretch(name, Record(record), dict(phases)) for name, record, phases in stepped]
+    return Wake(stretches, json.loads(summary))
+
+
+def calibrate(
+    calibration: Source, overrides: Overrides | None = None, *, information: bool = False
+) -> Calibrated:
+    """Fits numbers of robot and rig to runs on the load cell, or says with ``information`` what the runs tell of them."""
+    made = document(calibration, overrides, "calibration")
+    told, found = _wingbeat.calibrate(made, information)
+    if found is None:
+        return Calibrated(None, {}, told, "", "")
+    record, numbers, report, summary = found
+    return Calibrated(Record(record), json.loads(summary), told, report, numbers)
 
 
 def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[Bench]:

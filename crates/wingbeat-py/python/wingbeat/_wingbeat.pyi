@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 _Array: TypeAlias = NDArray[float64]
 _Column: TypeAlias = tuple[str, str, str, float, float, _Array]
+_Asked: TypeAlias = tuple[Sequence[float], int | None, bool, int, int, int | None, bool, float]
+_Stepped: TypeAlias = list[tuple[str, list[_Column], list[tuple[str, str]]]]
 _Channel: TypeAlias = tuple[str, str, str, float, float]
 
 __all__ = [
@@ -19,6 +21,7 @@ __all__ = [
     "Scenario",
     "Stepper",
     "Sweep",
+    "calibrate",
     "fly",
     "overrides",
     "plan",
@@ -26,6 +29,9 @@ __all__ = [
     "rig_process",
     "rig_simulate",
     "tether",
+    "trim",
+    "wake_case",
+    "wake_flight",
     "write_parquet",
 ]
 
@@ -148,6 +154,18 @@ def rig_process(
 def rig_simulate(
     path: str | PathLike[str], overrides: Sequence[str]
 ) -> list[tuple[str, list[_Column] | None, str]]: ...
+def trim(
+    scenario: Scenario,
+) -> tuple[
+    list[_Column] | None, list[_Column] | None, list[_Column] | None, str, list[tuple[str, str]]
+]: ...
+def wake_case(document: Document, settings: _Asked) -> tuple[_Stepped, str]: ...
+def wake_flight(
+    scenario: Scenario, flown: Sequence[_Column], settings: _Asked
+) -> tuple[_Stepped, str]: ...
+def calibrate(
+    document: Document, information: bool = False
+) -> tuple[str, tuple[list[_Column], str, str, str] | None]: ...
 def overrides(given: dict[str, Any]) -> list[str]: ...
 def write_parquet(path: str | PathLike[str], columns: Sequence[_Column]) -> None: ...
 def read_parquet(path: str | PathLike[str]) -> list[_Column]: ...

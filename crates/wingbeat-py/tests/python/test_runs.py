@@ -60,6 +60,68 @@ def sets_of(overrides):
     return [part for key, value in overrides.items() for part in ("--set", f"{key}={value}")]
 
 
+def test_a_periodic_flight_is_the_programs(program, tmp_path):
+    scenario = ROOT / "scenarios/cruise_20g.toml"
+    done = program("trim", scenario, "--quiet", "--out", tmp_path / "orbit")
+    assert done.returncode == 0, done.stderr
+    trimmed = wingbeat.trim(scenario)
+    assert trimmed.status == "ok" and trimmed.family is None
+    trimmed.record.write(tmp_path / "record.parquet")
+    trimmed.multipliers.write(tmp_path / "multipliers.parquet")
+    for name in ("record.parquet", "multipliers.parquet"):
+        assert (tmp_path / name).read_bytes() == (tmp_path / "orbit" / name).read_bytes()
+    assert trimmed.files["orbit.toml"] == (tmp_path / "orbit/orbit.toml").read_text()
+    on_orbit = wingbeat.Scenario.from_text(trimmed.files["orbit.toml"])
+    assert on_orbit.mass_kg == pytest.approx(0.02, rel=0.05)
+
+
+def test_a_wake_is_the_programs_wake(program, tmp_path):
+    small = ("--quiet", "--prescribed", "--chordwise", "2", "--spanwise", "8")
+    case = ROOT / "cases/flap_f1.toml"
+    sets = {"time.cycles": 2}
+    done = program("wake", case, *small, "--steps", "16", "--out", tmp_path / "case", *sets_of(sets))
+    assert done.returncode == 0, done.stderr
+    asked = {"prescribed": True, "chordwise": 2, "spanwise": 8}
+    wake = wingbeat.wake(case, sets, steps=16, **asked)
+    assert wake.status == "ok"
+    assert wake.summary == json.loads((tmp_path / "case/summary.json").read_text())
+    wake.stretches[0].record.write(tmp_path / "case.parquet")
+    assert (tmp_path / "case.parquet").read_bytes() == (tmp_path / "case/record.parquet").read_bytes()
+    vtk = (tmp_path / "case/upstroke_begins.vtk").read_text()
+    assert wake.stretches[0].phases["upstroke begins"] == vtk
+
+    turn = ROOT / "scenarios/banking_turn.toml"
+    short = {"flight.duration_s": 0.6}
+    done = program("fly", turn, "--quiet", "--out", tmp_path / "flight", *sets_of(short))
+    done = program("wake", tmp_path / "flight", *small, "--cycles", "1", "--out", tmp_path / "wake")
+    assert done.returncode == 0, done.stderr
+    scenario = wingbeat.Scenario(turn, short)
+    along = wingbeat.wake(wingbeat.fly(scenario), scenario=scenario, cycles=1, **asked)
+    assert along.summary == json.loads((tmp_path / "wake/summary.json").read_text())
+    with pytest.raises(ValueError, match="scenario: allowed is the scenario that was flown"):
+        wingbeat.wake(wingbeat.fly(scenario))
+    with pytest.raises(ValueError, match="cycles = 0: allowed is 1 or more"):
+        wingbeat.wake(wingbeat.fly(scenario), scenario=scenario, cycles=0)
+
+
+def test_a_calibration_is_the_programs(program, tmp_path):
+    file = ROOT / "calibrations/two_runs.toml"
+    told = wingbeat.calibrate(file, information=True)
+    assert told.record is None and told.values == {} and "surfaces.wing.section_slope" in told.information
+    done = program("calibrate", file, "--quiet", "--out", tmp_path / "fit")
+    assert done.returncode == 0, done.stderr
+    fitted = wingbeat.calibrate(file)
+    assert fitted.summary == json.loads((tmp_path / "fit/summary.json").read_text())
+    fitted.record.write(tmp_path / "record.parquet")
+    assert (tmp_path / "record.parquet").read_bytes() == (tmp_path / "fit/record.parquet").read_bytes()
+    assert set(fitted.values) == set(fitted.errors)
+    (tmp_path / "numbers.toml").write_text(fitted.numbers)
+    turn = wingbeat.Scenario(
+        ROOT / "scenarios/banking_turn.toml", {"robot.numbers": str(tmp_path / "numbers.toml")}
+    )
+    assert turn.mass_kg > 0.0
+
+
 def test_a_plan_is_the_programs_plan(program, tmp_path):
     least_power = {
         "storage": 1.0,

@@ -1,9 +1,7 @@
 //! `summary.json` and what is printed of it.
 
+use super::{Asked, Watch};
 use serde::Serialize;
-
-use super::watch::Watch;
-use crate::args::Wake;
 
 /// Difference of left and right, over the largest ring, above which there is a caution. *Choice.*
 const DRIFTED: f64 = 0.01;
@@ -11,52 +9,76 @@ const DRIFTED: f64 = 0.01;
 /// Ratio of downstroke to upstroke.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct DownOverUp {
+    /// Of the left half.
     pub left: Option<f64>,
+    /// Of the right half.
     pub right: Option<f64>,
 }
 
 /// Ratio of left to right half.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct LeftOverRight {
+    /// In the downstroke.
     pub down: Option<f64>,
+    /// In the upstroke.
     pub up: Option<f64>,
 }
 
 /// What is said of a course.
 #[derive(Clone, Debug, Serialize)]
 pub struct Told {
+    /// Steps per cycle.
     pub steps_per_cycle: usize,
+    /// Mean lift of the last cycle by Joukowski, N; across the flight, up.
     pub mean_lift_n: Option<f64>,
+    /// The same by Bernoulli with suction of the leading edge, N.
     pub mean_lift_bernoulli_n: Option<f64>,
+    /// Mean drag of the last cycle by Joukowski, N.
     pub mean_drag_n: Option<f64>,
+    /// The same by Bernoulli with suction of the leading edge, N.
     pub mean_drag_bernoulli_n: Option<f64>,
+    /// Sum of all circulations over the largest (Kelvin).
     pub circulation_error: f64,
+    /// Largest difference of a ring and its mirror image over the largest ring.
     pub symmetry_error: Option<f64>,
+    /// Mean bound circulation of the downstroke over that of the upstroke.
     pub down_over_up: DownOverUp,
+    /// Mean bound circulation of the left half over that of the right.
     pub left_over_right: LeftOverRight,
     /// Share of strips and instants of the last cycle past the stall angle.
     pub past_stall: f64,
+    /// Names and shares of the cycle of the phases that are drawn.
     pub phases: Vec<(String, f64)>,
 }
 
 /// One of several courses.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stretch {
+    /// Beginning of the names of its files.
     pub name: String,
+    /// Begin, s of the flight.
     pub from_s: f64,
+    /// End, s of the flight.
     pub to_s: f64,
+    /// What is said of it.
     #[serde(flatten)]
     pub told: Told,
 }
 
 /// `summary.json`.
 #[derive(Clone, Debug, Serialize)]
-pub struct Summary {
+pub struct WakeSummary {
+    /// `ok` or `failed`.
     pub status: String,
+    /// Name of case or scenario.
     pub name: String,
+    /// Whose circulations are shed.
     pub circulations: &'static str,
+    /// `free` or `prescribed`.
     pub wake: &'static str,
+    /// Panels along chord and span.
     pub panels: [usize; 2],
+    /// Radius of the wake's cores, m.
     pub core_m: f64,
     /// Of the first course.
     #[serde(flatten)]
@@ -64,6 +86,7 @@ pub struct Summary {
     /// Of a flight all of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stretches: Vec<Stretch>,
+    /// What must be known to read it.
     pub warnings: Vec<String>,
 }
 
@@ -119,8 +142,9 @@ fn warning(watch: &Watch<'_>) -> Option<String> {
     })
 }
 
-impl Summary {
-    pub fn new(name: &str, arguments: &Wake, watches: &[Watch<'_>]) -> Self {
+impl WakeSummary {
+    /// Of stepped courses.
+    pub fn new(name: &str, asked: &Asked, watches: &[Watch<'_>]) -> Self {
         let failed = watches.iter().any(|watch| watch.failed.is_some());
         let stretch = |watch: &Watch<'_>| {
             let (clock, flown) = (watch.course.clock, watch.course.flown.as_ref()?);
@@ -136,10 +160,10 @@ impl Summary {
         Self {
             status: if failed { "failed".into() } else { "ok".into() },
             name: name.into(),
-            circulations: if arguments.model { "of the model that flew" } else { "of the lattice" },
-            wake: if arguments.prescribed { "prescribed" } else { "free" },
-            panels: [if arguments.model { 1 } else { arguments.chordwise }, arguments.spanwise],
-            core_m: arguments.core * chord,
+            circulations: if asked.model { "of the model that flew" } else { "of the lattice" },
+            wake: if asked.prescribed { "prescribed" } else { "free" },
+            panels: [if asked.model { 1 } else { asked.chordwise }, asked.spanwise],
+            core_m: asked.core * chord,
             first: watches.first().map(Told::new),
             stretches: watches.iter().filter_map(stretch).collect(),
             warnings: notes.chain(watches.iter().filter_map(warning)).collect(),

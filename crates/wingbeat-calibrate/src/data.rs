@@ -3,12 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use crate::measured::Pass;
+use crate::{Calibration, Error};
 use serde::Serialize;
 use wingbeat::scenario::RigRun;
-use wingbeat_calibrate::Calibration;
-use wingbeat_calibrate::measured::Pass;
-
-use crate::error::Error;
 
 /// A file of samples.
 #[derive(Clone, Debug, Serialize)]
@@ -24,18 +22,21 @@ pub struct Files(pub Vec<DataFile>);
 
 impl Files {
     /// Those that the calibration names.
+    ///
+    /// # Errors
+    /// Files that cannot be read, and one named twice.
     pub fn of(calibration: &Calibration) -> Result<Self, Error> {
         let mut files: Vec<DataFile> = Vec::new();
         for (run, spec) in calibration.spec.runs.iter().enumerate() {
             for (k, given) in spec.data.iter().enumerate() {
                 let path = calibration.data(run, k);
-                let bytes = fs::read(&path).map_err(|source| Error::file(&path, source))?;
+                let bytes = fs::read(&path)
+                    .map_err(|source| Error::data(path.display().to_string(), source.to_string()))?;
                 let file = given.display().to_string();
                 let fnv1a64 = format!("{:016x}", fnv1a64(&bytes));
                 if let Some(other) = files.iter().find(|other| other.fnv1a64 == fnv1a64) {
-                    let what =
-                        format!("{file}: holds the very bytes of {}: one pass counts once", other.file);
-                    return Err(Error::Input(what));
+                    let what = format!("holds the very bytes of {}: one pass counts once", other.file);
+                    return Err(Error::data(file, what));
                 }
                 files.push(DataFile { file, fnv1a64 });
             }
@@ -58,9 +59,12 @@ fn fnv1a64(bytes: &[u8]) -> u64 {
 }
 
 /// The samples of a file, read as `run` says.
-pub fn read(path: &Path, run: &RigRun) -> Result<Pass, wingbeat_calibrate::Error> {
+///
+/// # Errors
+/// Files that hold no samples as the run says.
+pub fn read(path: &Path, run: &RigRun) -> Result<Pass, Error> {
     let name = path.display().to_string();
-    let wrong = |error: wingbeat_io::Error| wingbeat_calibrate::Error::data(&name, error.to_string());
+    let wrong = |error: wingbeat_io::Error| Error::data(&name, error.to_string());
     let input = &run.spec.process.input;
     let table = wingbeat_io::samples::read_samples(path, input).map_err(wrong)?;
     Pass::of(&name, table.import(input).map_err(wrong)?.record)

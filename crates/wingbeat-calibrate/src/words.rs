@@ -1,11 +1,10 @@
 //! What a calibration found, in words.
 
-use wingbeat_calibrate::{Information, Parameter, rms};
+use crate::data::Files;
+use crate::found::Found;
+use crate::{Information, Parameter, rms};
 
-use super::data::Files;
-use super::found::Found;
-
-/// The information table: what the runs tell of the parameters before they are fitted.
+/// The information table as text: what the runs tell of the parameters before they are fitted.
 pub fn information(of: &Information, parameters: &[Parameter]) -> String {
     let name = |k: usize| parameters[k].name.as_str();
     let mut text = format!(
@@ -176,13 +175,12 @@ fn structures(found: &Found) -> String {
     text
 }
 
-/// The numbers as a file that `robot.numbers` names.
-pub fn numbers(found: &Found, files: &Files) -> String {
+/// The numbers as a file that `robot.numbers` names; `commit` is that of the program.
+pub fn numbers(found: &Found, files: &Files, commit: &str) -> String {
     let mut text = format!(
-        "# Numbers of robot and rig, calibrated: wingbeat {} ({}), calibration {}.\n\
+        "# Numbers of robot and rig, calibrated: wingbeat {} ({commit}), calibration {}.\n\
          # Of the model {}. In a scenario: --set robot.numbers=FILE; on the rig: --set rig.robot.numbers=FILE.\n",
         env!("CARGO_PKG_VERSION"),
-        env!("WINGBEAT_COMMIT"),
         found.name,
         if found.model.is_empty() { "as the runs give it".into() } else { found.model.join(", ") },
     );

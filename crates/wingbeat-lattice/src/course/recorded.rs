@@ -1,8 +1,8 @@
 //! The courses of a recorded flight: stretches of it, from rest.
 
-use std::path::Path;
+use super::{Asked, Axes, Clock, Course, Flown, Stroke, fitting};
+use crate::{Error, Flight, Panels, RecordError, Scene};
 use std::sync::Arc;
-
 use wingbeat::aero::Span;
 use wingbeat::math::Vec3;
 use wingbeat::math::interpolation::piecewise_linear;
@@ -10,25 +10,17 @@ use wingbeat::plant::Plant;
 use wingbeat::robot::SurfaceOutline;
 use wingbeat::scenario::{Chosen, Scenario};
 use wingbeat::simulate::Record;
-use wingbeat_io::read_parquet_columns;
-use wingbeat_lattice::{Flight, Panels, Scene};
 
-use super::course::{Axes, Clock, Course, Flown};
-use super::stroke::Stroke;
-use super::{fitting, panels, refused};
-use crate::args::Wake;
-use crate::error::Error;
-
-/// Cycles without `--cycles`.
+/// Cycles of a stretch where none are asked for.
 const CYCLES: usize = 3;
 /// Way of a stretch without flapping, mean chords a cycle. *Choice.*
 const WAY: f64 = 10.0;
 /// Swing of a joint from which it strokes, rad.
 const SWINGS: f64 = 1e-3;
 
-/// A run folder of a flight.
-pub struct FlownRun {
-    scenario: Scenario,
+/// A recorded flight.
+pub struct Recorded {
+    scenario: Arc<Scenario>,
     record: Record,
     outlines: Vec<SurfaceOutline>,
 }
@@ -40,10 +32,9 @@ struct Stretch {
     to_s: f64,
 }
 
-impl FlownRun {
-    /// Reads scenario and record of the run folder `folder`.
-    pub fn open(folder: &Path) -> Result<Self, Error> {
-        let scenario = Scenario::load(&folder.join("scenario.toml"), &[])?;
+impl Recorded {
+    /// The columns of a record that are needed.
+    pub fn columns(scenario: &Scenario) -> Vec<&str> {
         let robot = scenario.robot();
         let channels = robot.states().iter().chain(robot.inputs()).map(|channel| channel.name.as_str());
         let clearances = robot.clearances().iter().map(|channel| channel.name.as_str());
@@ -52,12 +43,24 @@ impl FlownRun {
         let mut once: Vec<&str> = names.chain(channels).collect();
         once.sort_unstable();
         once.dedup();
-        let record = read_parquet_columns(&folder.join("record.parquet"), &once)?;
+        once
+    }
+
+    /// The flight of `scenario` that `record` holds.
+    ///
+    /// # Errors
+    /// A column that is missing; outlines that the robot cannot have.
+    pub fn new(scenario: impl Into<Arc<Scenario>>, record: Record) -> Result<Self, Error> {
+        let scenario = scenario.into();
+        let missing = Self::columns(&scenario).into_iter().find(|name| record.values(name).is_none());
+        if let Some(name) = missing {
+            return Err(RecordError::Column { name: name.into() }.into());
+        }
         let outlines = scenario.spec.robot.outlines()?;
         Ok(Self { scenario, record, outlines })
     }
 
-    /// Name of the scenario that was flown.
+    /// The scenario that was flown.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
     }
@@ -104,11 +107,11 @@ impl FlownRun {
     }
 
     /// The stretches asked for, or that before the turn and the last of the flight, or that alone.
-    fn stretches(&self, arguments: &Wake, cycles: usize) -> Vec<Stretch> {
+    fn stretches(&self, asked: &Asked, cycles: usize) -> Vec<Stretch> {
         let at =
             |to_s: f64| Stretch { name: format!("until_{to_s}_s"), title: format!("until {to_s} s"), to_s };
-        if !arguments.at.is_empty() {
-            return arguments.at.iter().map(|to_s| at(*to_s)).collect();
+        if !asked.at.is_empty() {
+            return asked.at.iter().map(|to_s| at(*to_s)).collect();
         }
         let (first, last) = self.ends();
         let turn = self.scenario.spec.manoeuvre.as_ref().and_then(Chosen::shipped);
@@ -122,43 +125,41 @@ impl FlownRun {
         }
     }
 
-    /// The courses through the stretches that the command line asks for.
-    pub fn courses(&self, arguments: &Wake) -> Result<Vec<Course>, Error> {
-        let cycles = arguments.cycles.unwrap_or(CYCLES);
-        if cycles == 0 {
-            return Err(Error::Input("--cycles 0: allowed is 1 or more".into()));
-        }
-        self.stretches(arguments, cycles).iter().map(|s| self.course(arguments, s, cycles)).collect()
+    /// The courses through the stretches that are asked for.
+    ///
+    /// # Errors
+    /// What cannot be asked, stretches that were not recorded, and wings without a lattice.
+    pub fn courses(&self, asked: &Asked) -> Result<Vec<Course>, Error> {
+        let asked = asked.checked()?;
+        let cycles = asked.cycles.unwrap_or(CYCLES);
+        self.stretches(asked, cycles).iter().map(|s| self.course(asked, s, cycles)).collect()
     }
 
-    fn course(&self, arguments: &Wake, stretch: &Stretch, cycles: usize) -> Result<Course, Error> {
+    fn course(&self, asked: &Asked, stretch: &Stretch, cycles: usize) -> Result<Course, Error> {
         let (first, last) = self.ends();
         let from_s = self.begin(stretch.to_s, cycles);
         if from_s < first || stretch.to_s > last {
-            let text = format!(
-                "{cycles} cycles until {} s: the record holds {first} to {last} s; ask for fewer with --cycles or another end with --at",
-                stretch.to_s
-            );
-            return Err(Error::Input(text));
+            let to_s = stretch.to_s;
+            return Err(RecordError::Cycles { cycles, to_s, first, last }.into());
         }
         let robot = self.scenario.robot();
-        let flight = Flight::new(robot, &self.record, from_s, stretch.to_s).map_err(refused)?;
+        let flight = Flight::new(robot, &self.record, from_s, stretch.to_s)?;
         let flight = Arc::new(flight);
         let frequency_hz = cycles as f64 / (stretch.to_s - from_s);
-        let panels = match arguments.model {
-            true => Panels { chordwise: 1, ..panels(arguments) },
-            false => panels(arguments),
+        let panels = match asked.model {
+            true => Panels { chordwise: 1, ..asked.panels() },
+            false => asked.panels(),
         };
         let density = self.scenario.spec.air.density_kg_m3;
-        let (scene, layouts) =
-            Scene::flown(&flight, &self.outlines, from_s, density, panels).map_err(refused)?;
-        if arguments.model {
-            flight.circulations(from_s, &layouts).map_err(refused)?;
+        let (scene, layouts) = Scene::flown(&flight, &self.outlines, from_s, density, panels)?;
+        if asked.model {
+            flight.circulations(from_s, &layouts)?;
         }
         let chord = self.chord();
         let way = fastest(&scene, cycles as f64 / frequency_hz) / frequency_hz;
-        let steps = arguments.steps.unwrap_or_else(|| fitting(way, chord, arguments.chordwise));
+        let steps = asked.steps.unwrap_or_else(|| fitting(way, chord, asked.chordwise));
         let clock = Clock { frequency_hz, cycles, steps };
+        asked.check_size(clock)?;
         let begin = stretch.to_s - 1.0 / frequency_hz;
         let through = (flight.body(stretch.to_s).0 - flight.body(begin).0) * frequency_hz - scene.wind;
         let groups =
@@ -177,7 +178,7 @@ impl FlownRun {
             symmetric: false,
             past_stall: self.past_stall(&flight, begin, &clock),
             crosses: self.crosses(from_s, stretch.to_s),
-            flown: Some(Flown { flight, from_s, layouts, by_model: arguments.model }),
+            flown: Some(Flown { flight, from_s, layouts, by_model: asked.model }),
             scene,
             clock,
         };

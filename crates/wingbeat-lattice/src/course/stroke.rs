@@ -1,14 +1,13 @@
 //! Begin and middle of down- and upstroke.
 
+use super::Clock;
 use wingbeat::tether::{HingeKind, Tether};
 
-use super::course::Clock;
-
 /// Points of a cycle among which extremes are sought.
-pub const POINTS: usize = 1440;
+const POINTS: usize = 1440;
 
 /// Names of the four phases, in order.
-pub const NAMES: [&str; 4] =
+pub const PHASES: [&str; 4] =
     ["downstroke begins", "middle of downstroke", "upstroke begins", "middle of upstroke"];
 
 /// The stroke over the last cycle. The downstroke begins where the wing is highest, the upstroke where it is lowest; the middles lie
@@ -31,7 +30,7 @@ impl Stroke {
         Self::new(clock, |share| stroke.at((first + share) / clock.frequency_hz).x)
     }
 
-    /// The stroke `height` by the share of the last cycle.
+    /// The stroke `height` (any unit) by the share of the last cycle.
     pub fn new(clock: &Clock, height: impl Fn(f64) -> f64) -> Self {
         let values: Vec<f64> = (0..POINTS).map(|k| height(k as f64 / POINTS as f64)).collect();
         let by = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);

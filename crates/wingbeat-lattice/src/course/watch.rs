@@ -1,16 +1,18 @@
 //! What is kept of a stepped lattice.
 
+use super::{Course, PHASES};
+use crate::{Lattice, Loads, Mesh, Picture};
 use wingbeat::math::{Vec3, Wrench};
 use wingbeat::simulate::{Column, Record};
-use wingbeat_lattice::{Lattice, Loads, Mesh, Picture};
-
-use super::course::Course;
-use super::stroke::NAMES;
 
 /// The lattice at one of the phases.
+#[derive(Clone, Debug)]
 pub struct Shot {
+    /// Name of the phase.
     pub name: String,
+    /// Share of the last cycle.
     pub phase: f64,
+    /// Rings of wing and wake.
     pub picture: Picture,
     /// Leading and trailing edges of the surfaces.
     pub edges: Vec<Vec<Vec3>>,
@@ -20,10 +22,15 @@ pub struct Shot {
 
 /// What is gathered step by step.
 pub struct Watch<'a> {
+    /// What was stepped through.
     pub course: &'a Course,
+    /// Loads in W about the body's origin and mean bound circulations by step.
     pub record: Record,
+    /// The four phases of the last cycle.
     pub shots: Vec<Shot>,
+    /// Sum of all circulations shed and bound, over the largest (Kelvin).
     pub circulation_error: f64,
+    /// Why the lattice ended before the course did.
     pub failed: Option<String>,
     asymmetry: f64,
     largest: f64,
@@ -52,7 +59,7 @@ fn by_surface<'a>(meshes: &'a [Mesh], mut rings: &'a [f64]) -> Vec<(&'a Mesh, &'
 }
 
 impl<'a> Watch<'a> {
-    pub fn new(course: &'a Course) -> Self {
+    pub(super) fn new(course: &'a Course) -> Self {
         let with_loads = !course.flown.as_ref().is_some_and(|flown| flown.by_model);
         Self {
             record: Record::new(columns(with_loads), course.clock.total()).unwrap_or_default(),
@@ -75,7 +82,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Takes in step `k`; a model's circulations have no loads of the lattice.
-    pub fn see(&mut self, k: usize, lattice: &Lattice, loads: Option<&Loads>) {
+    pub(super) fn see(&mut self, k: usize, lattice: &Lattice, loads: Option<&Loads>) {
         let (course, clock) = (self.course, self.course.clock);
         let time = k as f64 * clock.step_s();
         let origin = course.origin(time);
@@ -97,7 +104,7 @@ impl<'a> Watch<'a> {
         self.add_circulations(sides, usize::from(!course.stroke.is_down(phase)));
         let at = |i: &usize| course.stroke.steps.is_some_and(|steps| steps[*i] == k);
         for i in (0..4).filter(at) {
-            self.shoot(NAMES[i], course.stroke.phases[i], lattice, time);
+            self.shoot(PHASES[i], course.stroke.phases[i], lattice, time);
         }
         if course.stroke.steps.is_none() && k + 1 == clock.total() {
             self.shoot("end of the run", 1.0, lattice, time);

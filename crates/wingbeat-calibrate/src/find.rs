@@ -1,0 +1,98 @@
+//! From a calibration file to what was found.
+
+use crate::found::Found;
+use crate::{
+    Calibration, Failure, Information, Keep, Linear, NextRun, Observed, Plan, Problem, Progress, Rival,
+    Solved, Structure, Watch, checked, data, solve,
+};
+use wingbeat_io::urdf_as_toml;
+
+/// Passes of a candidate for the next run where the calibration's runs are measured.
+const PASSES: usize = 7;
+
+/// A calibration whose samples were read: what is known before the fit.
+pub struct Prepared<'a> {
+    calibration: &'a Calibration,
+    /// The model and what is fitted.
+    pub structure: Structure,
+    /// What was measured.
+    pub runs: Vec<Observed>,
+    /// What the runs tell of the parameters.
+    pub information: Information,
+    /// What is odd of the samples.
+    pub cautions: Vec<String>,
+}
+
+impl Calibration {
+    /// Reads or makes the samples, and says what they tell.
+    ///
+    /// # Errors
+    /// Bad runs, samples that cannot be used, a model without an answer.
+    pub fn prepared(&self) -> Result<Prepared<'_>, Failure> {
+        let structure = self.structure(&[], &urdf_as_toml)?;
+        let runs = self.observed(&structure, &urdf_as_toml, &data::read)?;
+        let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
+        let cautions = checked(&structure, &runs, &values)?;
+        let problem = Problem::new(&structure.model, &runs, &structure.parameters)?;
+        let at = Linear::at(&problem, &problem.fitted(), &values)?;
+        let information = Information::of(&problem, &at, &values);
+        Ok(Prepared { calibration: self, structure, runs, information, cautions })
+    }
+}
+
+impl Prepared<'_> {
+    /// Refuses what the runs cannot tell.
+    ///
+    /// # Errors
+    /// The names of the parameters.
+    pub fn check(&self) -> Result<(), Failure> {
+        let problem = Problem::new(&self.structure.model, &self.runs, &self.structure.parameters)?;
+        Ok(self.information.check(&problem)?)
+    }
+
+    /// The plan of the fit.
+    pub fn plan(&self) -> Plan {
+        self.calibration.plan()
+    }
+
+    /// Fits the numbers, then the other structures, and ranks the candidates for a next run. Fits that `keep` has are not made
+    /// again; `watch` is told every step and may end it.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`](crate::Error::Stopped) where `watch` ended it; a model without an answer.
+    pub fn fit(&self, keep: &mut dyn Keep, watch: &mut Watch) -> Result<Found, Failure> {
+        let (structure, calibration) = (&self.structure, self.calibration);
+        let solved =
+            solve(&structure.model, &self.runs, &structure.parameters, &self.plan(), keep, &mut *watch)?;
+        let (information, cautions) = (self.information.clone(), self.cautions.clone());
+        let mut found = Found::of(calibration, structure, &self.runs, &solved, information, cautions)?;
+        for rival in calibration.structures() {
+            found.rivals.push(self.rival(&rival.name, &rival.set, &solved, watch)?);
+        }
+        if !calibration.spec.candidates.is_empty() {
+            let candidates = calibration.candidates(&urdf_as_toml)?;
+            let passes = calibration.spec.truth.as_ref().map_or(PASSES, |truth| truth.passes);
+            found.next = NextRun::all(&candidates, &solved, passes)?;
+        }
+        found.rank_structures();
+        Ok(found)
+    }
+
+    /// Another structure fitted to the same runs from the values found, and its error in runs left out.
+    fn rival(
+        &self,
+        name: &str,
+        set: &[String],
+        solved: &Solved,
+        watch: &mut Watch,
+    ) -> Result<Rival, Failure> {
+        let mut structure = self.calibration.structure(set, &urdf_as_toml)?;
+        for (parameter, value) in structure.parameters.iter_mut().zip(&solved.values) {
+            parameter.start = *value;
+        }
+        let plan = Plan { starts: 1, ..self.plan() };
+        let mut told = |at: &Progress| watch(at);
+        let fitted = solve(&structure.model, &self.runs, &structure.parameters, &plan, &mut (), &mut told)?;
+        Ok(Rival::of(name, &self.runs, &fitted)?)
+    }
+}

@@ -1,0 +1,196 @@
+//! What a calibration found, as numbers.
+
+use crate::{
+    Calibration, Error, Fit, Information, Label, NORMAL_95, NextRun, Observed, PHASES, Parameter, Predicted,
+    Profile, Rival, Solved, Structure, channel_name, phase_of, rms,
+};
+use wingbeat::simulate::{Column, Record};
+
+/// A run with what was measured and predicted.
+pub struct FoundRun {
+    /// What was measured.
+    pub observed: Observed,
+    /// Predicted with the values that the fit began with.
+    pub before: Vec<f64>,
+    /// Predicted with the fit.
+    pub after: Predicted,
+    /// Covariance of the noise of its mean, by harmonic and channel.
+    pub noise: Vec<Vec<f64>>,
+}
+
+/// All that was found.
+pub struct Found {
+    /// Name.
+    pub name: String,
+    /// The model's overrides.
+    pub model: Vec<String>,
+    /// What was fitted.
+    pub parameters: Vec<Parameter>,
+    /// Names and values of what was held.
+    pub held: Vec<(String, f64)>,
+    /// Values.
+    pub values: Vec<f64>,
+    /// Standard errors, cycles as clusters.
+    pub errors: Vec<f64>,
+    /// Standard errors as if samples were independent.
+    pub white_errors: Vec<f64>,
+    /// Profiles.
+    pub profiles: Vec<Profile>,
+    /// Correlations.
+    pub correlations: Vec<Vec<f64>>,
+    /// Singular values with their directions.
+    pub singular: (Vec<f64>, Vec<Vec<f64>>),
+    /// Cost and values of every start.
+    pub starts: Vec<Option<Fit>>,
+    /// Sum of squares over freedom with the noise of the cycles alone.
+    pub chi_squared: f64,
+    /// What the model cannot say, in parts of the amplitude, by channel.
+    pub discrepancy: Vec<f64>,
+    /// The runs.
+    pub runs: Vec<FoundRun>,
+    /// Rms of runs left out.
+    pub left_out: Vec<(usize, Vec<f64>)>,
+    /// What the runs tell.
+    pub information: Information,
+    /// Structures of the model, this one first.
+    pub rivals: Vec<Rival>,
+    /// Candidates for a next run.
+    pub next: Vec<NextRun>,
+    /// What is odd of the samples.
+    pub cautions: Vec<String>,
+}
+
+impl Found {
+    /// Of what was solved.
+    pub fn of(
+        calibration: &Calibration,
+        structure: &Structure,
+        runs: &[Observed],
+        solved: &Solved,
+        information: Information,
+        cautions: Vec<String>,
+    ) -> Result<Self, Error> {
+        let starts: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
+        let correlations = solved.correlations();
+        let one = |run: usize| -> Result<FoundRun, Error> {
+            let observed = runs[run].clone();
+            let count = observed.effective();
+            let channels = observed.layout.channels;
+            let of = |k: usize| (0..channels).map(|c| solved.problem.noise[run][k][(c, c)] / count).collect();
+            Ok(FoundRun {
+                before: solved.problem.model.predict(run, &starts)?,
+                after: solved.predicted(run)?,
+                noise: (0..=observed.layout.harmonics).map(of).collect(),
+                observed,
+            })
+        };
+        let own = Rival::of("as calibrated", runs, solved)?;
+        Ok(Self {
+            name: calibration.spec.name.clone(),
+            model: calibration.spec.model.clone(),
+            parameters: structure.parameters.clone(),
+            held: structure.model.held.clone(),
+            values: solved.values.clone(),
+            errors: solved.errors(),
+            white_errors: solved.white_errors(),
+            profiles: solved.profiles()?,
+            correlations: (0..correlations.nrows())
+                .map(|i| correlations.row(i).iter().copied().collect())
+                .collect(),
+            singular: (solved.covariances.singular_values.clone(), solved.covariances.directions.clone()),
+            starts: solved.starts.iter().map(|start| start.fit.clone()).collect(),
+            chi_squared: solved.chi_squared,
+            discrepancy: solved.problem.discrepancy.clone(),
+            runs: (0..runs.len()).map(one).collect::<Result<_, _>>()?,
+            left_out: solved.left_out()?,
+            information,
+            rivals: vec![own],
+            next: Vec::new(),
+            cautions,
+        })
+    }
+
+    /// Orders the structures by their error in runs left out.
+    pub fn rank_structures(&mut self) {
+        self.rivals.sort_by(|a, b| a.left_out_share.total_cmp(&b.left_out_share));
+    }
+
+    /// Runs that are only predicted.
+    pub fn held_out(&self) -> impl Iterator<Item = &FoundRun> {
+        self.runs.iter().filter(|run| run.observed.held_out)
+    }
+
+    /// Runs that were fitted.
+    pub fn fitted(&self) -> impl Iterator<Item = &FoundRun> {
+        self.runs.iter().filter(|run| !run.observed.held_out)
+    }
+
+    /// Names of the channels.
+    pub fn channels(&self) -> Vec<String> {
+        let layout = self.runs[0].observed.layout;
+        (0..layout.channels).map(|channel| channel_name(layout, channel)).collect()
+    }
+
+    /// Power of the residuals of the fitted runs over that of the noise in their means, by channel: 1 where nothing but
+    /// noise is left.
+    pub fn residual_over_noise(&self) -> Vec<f64> {
+        let channel = |channel: usize| {
+            let (mut left, mut noise) = (0.0, 0.0);
+            for run in self.fitted() {
+                left += rms(&run.observed, &run.after.cycle)[channel].powi(2);
+                noise += run.noise.iter().map(|by_channel| by_channel[channel]).sum::<f64>();
+            }
+            left / noise.max(f64::MIN_POSITIVE)
+        };
+        (0..self.channels().len()).map(channel).collect()
+    }
+
+    /// The label of parameter `k`.
+    pub fn label(&self, k: usize) -> Label {
+        self.profiles[k].label
+    }
+
+    /// The cycles of all runs: measured, before, after, band.
+    pub fn record(&self) -> Result<Record, Error> {
+        let mut columns = columns();
+        for (number, run) in self.runs.iter().enumerate() {
+            let curves = run.curves();
+            columns[0].values.extend(std::iter::repeat_n(number as f64, curves.len()));
+            columns[1].values.extend((0..PHASES).map(|k| k as f64 / PHASES as f64));
+            for (at, column) in columns[2..].iter_mut().enumerate() {
+                let (channel, which) = (at / CURVES.len(), at % CURVES.len());
+                column.values.extend(curves.iter().map(|phase| phase[channel][which]));
+            }
+        }
+        Ok(Record::new(columns, 0)?)
+    }
+}
+
+/// What is told of every channel over the cycle.
+const CURVES: [&str; 5] = ["measured", "before", "after", "low", "high"];
+
+/// The columns of the record, empty.
+pub fn columns() -> Vec<Column> {
+    let channels = wingbeat::rig::cell::CHANNELS.iter();
+    let of =
+        |(name, unit): &(&str, &str)| CURVES.map(|curve| Column::new(format!("{curve}_{name}"), *unit, "B"));
+    let first = [Column::new("run", "", ""), Column::new("cycle", "", "")];
+    first.into_iter().chain(channels.flat_map(of)).collect()
+}
+
+impl FoundRun {
+    /// By phase and channel: measured, before, after, low and high end of the band.
+    pub fn curves(&self) -> Vec<Vec<[f64; 5]>> {
+        let layout = self.observed.layout;
+        let at = |k: usize| {
+            let channel = |channel: usize| {
+                let of = |cycle: &[f64]| layout.value(cycle, channel, phase_of(k));
+                let after = of(&self.after.cycle);
+                let half = NORMAL_95 * self.after.deviations[channel][k];
+                [of(&self.observed.mean), of(&self.before), after, after - half, after + half]
+            };
+            (0..layout.channels).map(channel).collect()
+        };
+        (0..PHASES).map(at).collect()
+    }
+}

@@ -1,0 +1,165 @@
+//! `summary.json`.
+
+use crate::data::{DataFile, Files};
+use crate::found::{Found, FoundRun};
+use crate::{Fit, Label, NORMAL_95, NextRun, Rival, rms};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+impl Found {
+    /// The contents of summary.json.
+    pub fn summary(&self, files: &Files) -> CalibrationSummary {
+        let (mut rmse, mut coverage, mut white, mut widths) =
+            (BTreeMap::new(), BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+        for (channel, name) in self.channels().into_iter().enumerate() {
+            let mean = |of: Vec<f64>| {
+                let count = of.len() as f64;
+                if of.is_empty() { f64::NAN } else { (of.iter().map(|x| x * x).sum::<f64>() / count).sqrt() }
+            };
+            let before = self.fitted().map(|run| rms(&run.observed, &run.before)[channel]).collect();
+            let after = self.fitted().map(|run| rms(&run.observed, &run.after.cycle)[channel]).collect();
+            let held = match self.held_out().next() {
+                Some(_) => self.held_out().map(|run| rms(&run.observed, &run.after.cycle)[channel]).collect(),
+                None => self.left_out.iter().map(|(_, rms)| rms[channel]).collect(),
+            };
+            let rms = Rmse { before: mean(before), after: mean(after), held_out: mean(held) };
+            rmse.insert(name.clone(), rms);
+            let judged: Vec<&FoundRun> = match self.held_out().next() {
+                Some(_) => self.held_out().collect(),
+                None => self.fitted().collect(),
+            };
+            let share = |of: &dyn Fn(&FoundRun) -> f64| {
+                judged.iter().map(|run| of(run)).sum::<f64>() / judged.len() as f64
+            };
+            coverage.insert(
+                name.clone(),
+                share(&|run| run.after.coverage(&run.observed, &run.after.deviations)[channel]),
+            );
+            white.insert(
+                name.clone(),
+                share(&|run| run.after.coverage(&run.observed, &run.after.white)[channel]),
+            );
+            widths.insert(name, share(&|run| run.after.half_widths()[channel]));
+        }
+        let names = self.channels();
+        let discrepancy = names.iter().cloned().zip(self.discrepancy.iter().copied()).collect();
+        CalibrationSummary {
+            status: "ok",
+            parameters: (0..self.values.len()).map(|k| self.parameter(k)).collect(),
+            held: self.held.iter().cloned().collect(),
+            rmse,
+            coverage,
+            coverage_white: white,
+            band_half_width: widths,
+            chi_squared: self.chi_squared,
+            discrepancy,
+            residual_over_noise: names.iter().cloned().zip(self.residual_over_noise()).collect(),
+            correlations: self.correlations.clone(),
+            singular_values: self.singular.0.clone(),
+            starts: self.starts.clone(),
+            runs: self.runs.iter().map(SummaryRun::of).collect(),
+            left_out: self
+                .left_out
+                .iter()
+                .map(|(run, rms)| {
+                    let by = names.iter().cloned().zip(rms.iter().copied()).collect();
+                    (self.runs[*run].observed.name.clone(), by)
+                })
+                .collect(),
+            structures: self.rivals.clone(),
+            next_run: self.next.clone(),
+            cautions: self.cautions.clone(),
+            data: files.0.clone(),
+        }
+    }
+
+    fn parameter(&self, k: usize) -> SummaryParameter {
+        let parameter = &self.parameters[k];
+        let spread = NORMAL_95 * self.errors[k];
+        SummaryParameter {
+            name: parameter.name.clone(),
+            value: self.values[k],
+            standard_error: self.errors[k],
+            standard_error_white: self.white_errors[k],
+            low: self.values[k] - spread,
+            high: self.values[k] + spread,
+            label: self.label(k),
+            profile_interval: self.profiles[k].interval,
+            start: parameter.start,
+            bounds: [parameter.low, parameter.high],
+            prior: parameter.prior,
+            at_bound: self.values[k] <= parameter.low || self.values[k] >= parameter.high,
+        }
+    }
+}
+
+/// The contents of summary.json.
+#[derive(Serialize)]
+pub struct CalibrationSummary {
+    status: &'static str,
+    parameters: Vec<SummaryParameter>,
+    held: BTreeMap<String, f64>,
+    rmse: BTreeMap<String, Rmse>,
+    coverage: BTreeMap<String, f64>,
+    coverage_white: BTreeMap<String, f64>,
+    band_half_width: BTreeMap<String, f64>,
+    chi_squared: f64,
+    discrepancy: BTreeMap<String, f64>,
+    residual_over_noise: BTreeMap<String, f64>,
+    correlations: Vec<Vec<f64>>,
+    singular_values: Vec<f64>,
+    starts: Vec<Option<Fit>>,
+    runs: Vec<SummaryRun>,
+    left_out: BTreeMap<String, BTreeMap<String, f64>>,
+    structures: Vec<Rival>,
+    next_run: Vec<NextRun>,
+    cautions: Vec<String>,
+    data: Vec<DataFile>,
+}
+
+#[derive(Serialize)]
+struct SummaryParameter {
+    name: String,
+    value: f64,
+    standard_error: f64,
+    standard_error_white: f64,
+    low: f64,
+    high: f64,
+    label: Label,
+    profile_interval: [Option<f64>; 2],
+    start: f64,
+    bounds: [f64; 2],
+    prior: Option<[f64; 2]>,
+    at_bound: bool,
+}
+
+#[derive(Serialize)]
+struct Rmse {
+    before: f64,
+    after: f64,
+    held_out: f64,
+}
+
+#[derive(Serialize)]
+struct SummaryRun {
+    name: String,
+    held_out: bool,
+    cycles: usize,
+    left_out_cycles: usize,
+    effective_cycles: f64,
+    frequency_hz: f64,
+}
+
+impl SummaryRun {
+    fn of(run: &FoundRun) -> Self {
+        let observed = &run.observed;
+        Self {
+            name: observed.name.clone(),
+            held_out: observed.held_out,
+            cycles: observed.cycles.len(),
+            left_out_cycles: observed.left_out,
+            effective_cycles: observed.effective(),
+            frequency_hz: observed.frequency_hz,
+        }
+    }
+}

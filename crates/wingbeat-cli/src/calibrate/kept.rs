@@ -1,0 +1,40 @@
+//! Fits that are done, for a command that goes on.
+
+use std::collections::BTreeMap;
+
+use wingbeat_calibrate::{Fit, Keep};
+
+use crate::run_folder::RunFolder;
+
+/// Fits that are done, kept in the folder for a command that goes on.
+pub struct Kept<'a> {
+    folder: &'a RunFolder,
+    fits: BTreeMap<usize, Fit>,
+}
+
+/// The file of fits that are done.
+const KEPT: &str = "starts.json";
+
+impl<'a> Kept<'a> {
+    /// What an interrupted command left.
+    pub fn open(folder: &'a RunFolder) -> Self {
+        let text = std::fs::read_to_string(folder.file(KEPT)).unwrap_or_default();
+        Self { folder, fits: serde_json::from_str(&text).unwrap_or_default() }
+    }
+
+    /// Removes the file: the summary holds what it held.
+    pub fn remove(folder: &RunFolder) {
+        let _ = std::fs::remove_file(folder.file(KEPT));
+    }
+}
+
+impl Keep for Kept<'_> {
+    fn kept(&self, number: usize) -> Option<Fit> {
+        self.fits.get(&number).cloned()
+    }
+    fn keep(&mut self, number: usize, fit: &Fit) {
+        self.fits.insert(number, fit.clone());
+        // Without the file the command begins anew: nothing else is lost.
+        let _ = self.folder.write_json(KEPT, &self.fits);
+    }
+}

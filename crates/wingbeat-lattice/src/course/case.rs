@@ -1,0 +1,51 @@
+//! The course of a case.
+
+use super::{Asked, Axes, Clock, Course, Stroke, fitting};
+use crate::{Error, Flapping, Scene};
+use std::ops::ControlFlow;
+use wingbeat::scenario::TetherCase;
+
+/// Steps of a cycle without wind.
+const STILL: f64 = 48.0;
+
+/// The course through all cycles of `case`; `flow` may end the strip model that tells what is past stall.
+///
+/// # Errors
+/// What cannot be asked, and wings without a lattice.
+pub fn case(asked: &Asked, case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Course, Error> {
+    let asked = asked.checked()?;
+    let tether = &case.tether;
+    let (frequency_hz, cycles) = (tether.clock.frequency_hz, tether.clock.cycles);
+    let chord = tether.reference.chord_m;
+    let speed = tether.wind.norm();
+    let way = if speed > 0.0 { speed / frequency_hz } else { STILL * chord / asked.chordwise as f64 };
+    let steps = asked.steps.unwrap_or_else(|| fitting(way, chord, asked.chordwise));
+    let clock = Clock { frequency_hz, cycles, steps };
+    asked.check_size(clock)?;
+    let flapping = Flapping::try_from(tether)?;
+    let symmetric = Scene::new(&flapping, asked.panels(), true)?.symmetric;
+    let scene = Scene::new(&flapping, asked.panels(), false)?;
+    Ok(Course {
+        name: String::new(),
+        title: "wing and wake".into(),
+        groups: std::iter::once(0..scene.surfaces.len()).collect(),
+        stroke: Stroke::of(tether, &clock),
+        axes: Axes::new(-tether.wind),
+        scene,
+        clock,
+        chord,
+        symmetric,
+        flown: None,
+        crosses: false,
+        past_stall: past_stall(case, flow),
+    })
+}
+
+/// Share of strips and instants of the last cycle past the stall angle, by the strip model of the case.
+fn past_stall(case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>) -> f64 {
+    let run = case.tether.run(|_| flow());
+    let incidence = run.strips.values("incidence").unwrap_or_default();
+    let last = &incidence[incidence.len() - incidence.len() / case.tether.clock.cycles..];
+    let stall = case.tether.aero.stall_angle();
+    last.iter().filter(|angle| angle.abs() > stall).count() as f64 / last.len().max(1) as f64
+}

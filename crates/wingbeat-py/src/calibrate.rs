@@ -1,0 +1,35 @@
+//! Calibrations.
+
+use crate::document::Document;
+use crate::table::{Named, columns};
+use crate::{refused, wait};
+use pyo3::prelude::*;
+use wingbeat_calibrate::{Calibration, Files, words};
+
+/// What the runs tell, as text, the record of cycles, the numbers as TOML, the report and the summary as JSON; of the information alone
+/// only the first.
+type Fitted<'py> = (String, Option<(Vec<Named<'py>>, String, String, String)>);
+
+/// Fits the numbers of a calibration file, or says what its runs tell of them.
+#[pyfunction]
+#[pyo3(signature = (document, information=false))]
+pub fn calibrate<'py>(py: Python<'py>, document: &Document, information: bool) -> PyResult<Fitted<'py>> {
+    let calibration = Calibration::new(document.0.clone()).map_err(refused)?;
+    let files = Files::of(&calibration).map_err(refused)?;
+    let done = wait::work(py, move |stop| {
+        let prepared = calibration.prepared()?;
+        let told = words::information(&prepared.information, &prepared.structure.parameters);
+        if information {
+            return Ok((told, None));
+        }
+        prepared.check()?;
+        let found = prepared.fit(&mut (), &mut |_| stop.flow())?;
+        let record = found.record()?;
+        let numbers = words::numbers(&found, &files, "Python package");
+        let summary = serde_json::to_string(&found.summary(&files));
+        Ok::<_, wingbeat_calibrate::Failure>((told, Some((record, numbers, words::report(&found), summary))))
+    })?;
+    let (told, found) = done.map_err(refused)?;
+    let Some((record, numbers, report, summary)) = found else { return Ok((told, None)) };
+    Ok((told, Some((columns(py, record), numbers, report, summary.map_err(refused)?))))
+}

@@ -1,0 +1,81 @@
+//! The vortex lattice of a case or along a flight.
+
+use crate::document::Document;
+use crate::flight::Scenario;
+use crate::table::{Given, Named, columns, record};
+use crate::tether::read;
+use crate::{refused, wait};
+use pyo3::prelude::*;
+use wingbeat::scenario::TetherCase;
+use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary};
+
+/// Name of a stretch, its record, and its phases as VTK by name.
+type Stepped<'py> = (String, Vec<Named<'py>>, Vec<(String, String)>);
+
+/// Settings: times at which stretches end, cycles, whether the model's circulations are shed, panels along chord and span, steps per
+/// cycle, whether the wake is prescribed, core.
+type Settings = (Vec<f64>, Option<usize>, bool, usize, usize, Option<usize>, bool, f64);
+
+/// The wake of a case.
+#[pyfunction]
+pub fn wake_case<'py>(
+    py: Python<'py>,
+    document: &Document,
+    settings: Settings,
+) -> PyResult<(Vec<Stepped<'py>>, String)> {
+    let case = TetherCase::new(document.0.clone(), &read).map_err(refused)?;
+    let asked = asked(settings);
+    let stepped = wait::work(py, move |stop| {
+        let course = course::case(&asked, &case, &|| stop.flow())?;
+        step(&case.spec.name, &[course], &asked, stop)
+    })?;
+    told(py, stepped.map_err(refused)?)
+}
+
+/// The wakes along a flight of a scenario.
+#[pyfunction]
+pub fn wake_flight<'py>(
+    py: Python<'py>,
+    scenario: &Scenario,
+    flown: Vec<Given<'py>>,
+    settings: Settings,
+) -> PyResult<(Vec<Stepped<'py>>, String)> {
+    let scenario = scenario.0.clone();
+    let flown = record(flown)?;
+    let asked = asked(settings);
+    let stepped = wait::work(py, move |stop| {
+        let name = scenario.spec.name.clone();
+        let courses = Recorded::new(scenario, flown)?.courses(&asked)?;
+        step(&name, &courses, &asked, stop)
+    })?;
+    told(py, stepped.map_err(refused)?)
+}
+
+fn asked(settings: Settings) -> Asked {
+    let (at, cycles, model, chordwise, spanwise, steps, prescribed, core) = settings;
+    Asked { at, cycles, model, chordwise, spanwise, steps, prescribed, core }
+}
+
+/// Name, record and pictures of a stretch.
+type Kept = (String, wingbeat::simulate::Record, Vec<(String, String)>);
+
+fn step(
+    name: &str,
+    courses: &[Course],
+    asked: &Asked,
+    stop: &wait::Stop,
+) -> Result<(Vec<Kept>, WakeSummary), wingbeat_lattice::Error> {
+    let stepped = courses.iter().map(|course| course.step(asked, &mut |_| stop.flow()));
+    let watches = stepped.collect::<Result<Vec<_>, _>>()?;
+    let summary = WakeSummary::new(name, asked, &watches);
+    let kept = watches.into_iter().map(|watch| {
+        let shots = watch.shots.iter().map(|shot| (shot.name.clone(), shot.picture.vtk()));
+        (watch.course.name.clone(), watch.record.clone(), shots.collect())
+    });
+    Ok((kept.collect(), summary))
+}
+
+fn told(py: Python<'_>, (kept, summary): (Vec<Kept>, WakeSummary)) -> PyResult<(Vec<Stepped<'_>>, String)> {
+    let stepped = kept.into_iter().map(|(name, record, shots)| (name, columns(py, record), shots));
+    Ok((stepped.collect(), serde_json::to_string(&summary).map_err(refused)?))
+}
