@@ -1,6 +1,6 @@
 //! The flow over a cycle, with exact derivatives.
 
-use super::section::{Direction, Section};
+use super::section::{Direction, ROLL, Section};
 use crate::math::{Dual, Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace};
 use crate::plant::{Fault, Plant};
 use crate::robot::Robot;
@@ -76,6 +76,8 @@ pub struct End<S: Scalar = f64> {
     pub displacement: Vec3<S>,
     /// Duration of the cycle, s.
     pub duration: S,
+    /// Mean roll over the cycle, rad.
+    pub mean_roll: S,
 }
 
 /// One cycle of a robot in a fixed number of Runge-Kutta steps.
@@ -168,18 +170,26 @@ impl<'a> Cycle<'a> {
         z: &[S],
         pace: S,
         inputs: &[S],
-        each: impl FnMut(usize, S, &[S]) -> Result<(), Fault>,
+        mut each: impl FnMut(usize, S, &[S]) -> Result<(), Fault>,
     ) -> Result<End<S>, Fault> {
         let mut x = self.state(z, inputs);
         let duration = self.duration(pace);
         let steps = Steps::new(S::ZERO, duration * (1.0 / self.steps as f64), self.steps);
         let mut work = Workspace::new(x.len(), RK4.b.len());
-        let mut flow = Flow { robot: self.robot, pace, u: inputs, each };
+        // The trapezoidal rule.
+        let mut rolls = z[ROLL] * 0.5;
+        let mut seen = |k: usize, t: S, x: &[S]| {
+            let weight = if k == self.steps { 0.5 } else { 1.0 };
+            rolls += self.section.roll(x) * weight;
+            each(k, t, x)
+        };
+        let mut flow = Flow { robot: self.robot, pace, u: inputs, each: &mut seen };
         RK4.integrate(&mut flow, steps, &mut x, &mut work)?;
+        let mean_roll = rolls * (1.0 / self.steps as f64);
         let mut end = vec![S::ZERO; z.len()];
         let heading = self.section.coordinates(&x, &mut end);
         let displacement = Vec3::from_slice(&x[self.robot.layout().position..]);
-        Ok(End { z: end, heading, displacement, duration })
+        Ok(End { z: end, heading, displacement, duration, mean_roll })
     }
 
     /// Flies `point`.
@@ -234,6 +244,12 @@ impl<'a> Cycle<'a> {
             }
         }
         Ok((values, rows))
+    }
+
+    /// The regulator that paces the crank and what it is told for `pace`.
+    pub fn pacing(&self, pace: f64) -> Option<(usize, f64)> {
+        let pacer = self.robot.pacer()?;
+        Some((pacer.input, (self.rate(pace) - self.rate(1.0)) / pacer.gain))
     }
 
     /// Rate of the crank at `pace`, rad/s.

@@ -42,6 +42,9 @@ pub struct Found {
     pub iterations: usize,
 }
 
+/// Names of the conditions beyond those on the state.
+const BEYOND: [&str; 4] = ["mean speed", "mean climb", "growth of the heading", "mean roll"];
+
 /// The conditions of a course.
 struct Conditions<'a> {
     course: &'a Course,
@@ -60,13 +63,13 @@ impl<'a> Conditions<'a> {
 
     /// Number of conditions beyond those on the state.
     fn beyond(&self) -> usize {
-        if self.course.turns() { 3 } else { 2 }
+        if self.course.turns() { 4 } else { 2 }
     }
 
     /// Equation: orbit.conditions
     ///
     /// What is missed: the state that returns, in heading axes; mean speed and climb; of a turn the growth of the
-    /// heading over a cycle of T s, and the chord of its path V T sin(a)/a, a = yaw rate T / 2.
+    /// heading over a cycle of T s, the chord of its path V T sin(a)/a, a = yaw rate T / 2, and the mean roll.
     fn missed<S: Scalar>(&self, z: &[S], end: &End<S>) -> Vec<S> {
         let returns = self.directions.iter().map(|d| Section::along(d, &end.z) - Section::along(d, z));
         let [x, y, up] = end.displacement.0;
@@ -78,13 +81,14 @@ impl<'a> Conditions<'a> {
         }
         let speed = (x * x + y * y).sqrt() * per_time - self.course.chord_speed(duration);
         let heading = end.heading - duration * self.course.yaw_rate();
-        returns.chain([speed, climb, heading]).collect()
+        let roll = end.mean_roll - self.course.bank;
+        returns.chain([speed, climb, heading, roll]).collect()
     }
 
     fn name(&self, cycle: &Cycle, i: usize) -> String {
         match self.directions.get(i) {
             Some(direction) => format!("the return of {}", cycle.section().names()[direction[0].0]),
-            None => ["mean speed", "mean climb", "growth of the heading"][i - self.directions.len()].into(),
+            None => BEYOND[i - self.directions.len()].into(),
         }
     }
 }

@@ -55,7 +55,7 @@ impl ScenarioSpec {
         self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
-        self.controller(choice, &model)?;
+        self.check_controller(choice, &model)?;
         Ok(Built { robot, model, schedule, samples_per_strips })
     }
 
@@ -70,6 +70,14 @@ impl ScenarioSpec {
         spec.build(Task { model, manoeuvre, solver })
             .map(Some)
             .map_err(|e| e.within(&self.controller_table()))
+    }
+
+    /// Refuses what a controller of `model` cannot be made of.
+    fn check_controller(&self, choice: &Choice, model: &Robot) -> Result<(), Error> {
+        let Some(spec) = &choice.controller else { return Ok(()) };
+        let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
+        let checked = spec.check(Task { model, manoeuvre, solver });
+        checked.map_err(|e| e.within(&self.controller_table()))
     }
 
     /// Key of the table that the controller is made of.
