@@ -268,6 +268,18 @@ impl<'a> Cycle<'a> {
         }
     }
 
+    /// What counts as one of what is free in a step of least norm: half of a command's range, for the frequency what
+    /// its regulator commands so, or without one its own value.
+    pub(super) fn size(&self, free: &Free) -> f64 {
+        let half = |input: usize| 0.5 * (self.robot.inputs()[input].high - self.robot.inputs()[input].low);
+        match free {
+            Free::Inputs(direction) => half(direction[0].0),
+            Free::Frequency => {
+                self.robot.pacer().map_or(1.0, |pacer| half(pacer.input) * pacer.gain.abs() / self.rate(1.0))
+            }
+        }
+    }
+
     /// Value of what is free at `point`, in its unit.
     pub(super) fn value(&self, free: &Free, point: &Point) -> f64 {
         match free {

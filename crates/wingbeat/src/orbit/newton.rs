@@ -125,7 +125,7 @@ pub fn search(
 }
 
 /// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more
-/// free numbers than conditions by steps of least norm in them.
+/// free numbers than conditions by steps of least norm in them, each measured by half of its range.
 ///
 /// # Errors
 /// The [`Failure`] that names what stood in the way.
@@ -154,7 +154,8 @@ pub fn search_from(
         if residual <= TOLERANCE {
             return finished(cycle, course, free, point, residual, iteration);
         }
-        let weight = |column: usize| if column < states { STATE_WEIGHT } else { 1.0 };
+        let size = |column: usize| cycle.size(&free[column - states]);
+        let weight = |column: usize| if column < states { STATE_WEIGHT } else { size(column) };
         let matrix: Vec<f64> =
             jacobian.iter().flat_map(|row| row.iter().enumerate().map(|(j, a)| a * weight(j))).collect();
         let direction = |missed: &[f64]| -> Result<Vec<f64>, Failure> {

@@ -67,9 +67,7 @@ impl ScenarioSpec {
     ) -> Result<Option<Box<dyn Controller + 'a>>, Error> {
         let Some(spec) = &choice.controller else { return Ok(None) };
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
-        spec.build(Task { model, manoeuvre, solver })
-            .map(Some)
-            .map_err(|e| e.within(&self.controller_table()))
+        spec.build(Task { model, manoeuvre, solver }).map(Some).map_err(|e| self.of_controller(e))
     }
 
     /// Refuses what a controller of `model` cannot be made of.
@@ -77,7 +75,14 @@ impl ScenarioSpec {
         let Some(spec) = &choice.controller else { return Ok(()) };
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
         let checked = spec.check(Task { model, manoeuvre, solver });
-        checked.map_err(|e| e.within(&self.controller_table()))
+        checked.map_err(|e| self.of_controller(e))
+    }
+
+    /// An error of the controller's settings, or of the gait that it is made for.
+    fn of_controller(&self, error: Error) -> Error {
+        let table = self.controller_table();
+        let gait = format!("robot.gait.{}", self.robot.gait.kind());
+        error.within(&table).renamed(&[(format!("{table}.gait"), gait)])
     }
 
     /// Key of the table that the controller is made of.
