@@ -29,7 +29,7 @@ struct Asked {
     of: Shipped,
     /// Largest error of the height, m.
     height: f64,
-    /// Mean roll of the last second, deg.
+    /// Mean roll of the last second, deg; of straight flight, which symmetry keeps level, nothing is asked.
     roll_deg: f64,
 }
 
@@ -73,18 +73,16 @@ fn flown(asked: &Asked) -> Result<Vec<Row>, Error> {
         Row::judged(&format!("{id}.{end}"), source, metric, value, limit, unit)
     };
     let saturated = summary.input_saturation_fraction;
-    Ok(vec![
+    let mut rows = vec![
         row("height", "largest error of the height from the first leg on", off, *height, "m"),
-        row(
-            "roll",
-            "mean roll of the last second less that asked",
-            (mean - roll_deg).abs(),
-            ROLL_WITHIN,
-            "deg",
-        ),
         row("saturated", "share of commands at a limit", saturated, SATURATED, ""),
         row("clearance", "3 mm of skin less the least clearance", SKIN - least, 0.0, "m"),
-    ])
+    ];
+    if *roll_deg != 0.0 {
+        let off = (mean - roll_deg).abs();
+        rows.push(row("roll", "mean roll of the last second less that asked", off, ROLL_WITHIN, "deg"));
+    }
+    Ok(rows)
 }
 
 fn values<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], Error> {
