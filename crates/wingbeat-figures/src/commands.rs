@@ -7,7 +7,7 @@ use crate::write::Figure;
 use crate::{Error, needed, style};
 
 /// Every `command_<element>` over time, left and right of a pair in one panel, limits shaded;
-/// the displacement that follows, `displacement_<element>`, is drawn paler where it is there.
+/// what follows it, `displacement_<element>` or of a command to the rate `rate_<element>`, is drawn paler where it is there.
 pub fn commands(record: &Record) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     let commands: Vec<&Column> =
@@ -21,8 +21,10 @@ pub fn commands(record: &Record) -> Result<Figure, Error> {
         let (group, side) = pair(element);
         let panel = panel_of(&mut panels, &labelled(&group, &command.unit), command);
         let index = style::SIDES.iter().find(|(name, _)| *name == side).map_or(0, |(_, index)| *index);
-        if let Some(displacement) = record.values(&format!("displacement_{element}")) {
-            let follows = Curve::new(format!("{side}, response"), t, displacement.to_vec(), index);
+        let names = ["displacement", "rate"].map(|what| format!("{what}_{element}"));
+        let follows = |column: &&Column| names.contains(&column.name) && column.unit == command.unit;
+        if let Some(response) = record.columns().iter().find(follows) {
+            let follows = Curve::new(format!("{side}, response"), t, response.values.clone(), index);
             panel.curves.push(Curve { colour: style::tint(index), weight: style::BROAD, ..follows });
         }
         let commanded = Curve::new(side, t, command.values.clone(), index);

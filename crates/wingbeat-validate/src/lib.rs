@@ -8,6 +8,7 @@ mod error;
 mod page;
 mod reference;
 mod report;
+mod shipped;
 
 pub mod aero_full;
 pub mod aero_paper;
@@ -18,6 +19,7 @@ pub mod body;
 pub mod calibrate;
 pub mod figures;
 pub mod flapbody;
+pub mod flight;
 pub mod fsi;
 pub mod lattice;
 pub mod math;
@@ -49,6 +51,7 @@ pub fn cases() -> Vec<&'static Case> {
         body::CASES,
         fsi::CASES,
         orbit::CASES,
+        flight::CASES,
         ocp::CASES,
         ocp_problems::hock_schittkowski::CASES,
         ocp_problems::trajectories::CASES,

@@ -5,8 +5,9 @@ use std::ops::ControlFlow;
 use wingbeat::math::{RK4, Workspace};
 use wingbeat::orbit::{Cycle, Direction, Orbit, Point, Section, floquet, measure};
 use wingbeat::plant::{Fault, Plant};
-use wingbeat::scenario::{Document, Scenario};
+use wingbeat::scenario::Scenario;
 
+use crate::shipped::{Shipped, scenario, shipped};
 use crate::{Case, Error, Row};
 
 /// The comparisons.
@@ -16,29 +17,9 @@ pub const CASES: &[Case] = &[
     Case { id: "trim.energy", quick: true, run: energy },
 ];
 
-macro_rules! shipped {
-    ($scenario:literal) => {
-        (
-            $scenario,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/", $scenario, ".toml")),
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/", $scenario, ".toml")),
-        )
-    };
-}
-
 /// Level flight of 20 g with a driven twist, and with a twist that the air moves.
-const DRIVEN: (&str, &str, &str) = shipped!("cruise_20g");
-const PASSIVE: (&str, &str, &str) = shipped!("passive_20g");
-
-/// A shipped scenario; its robot has the same name.
-fn scenario((name, text, robot): (&str, &str, &str), overrides: &[&str]) -> Result<Scenario, Error> {
-    let refused = |e: wingbeat::scenario::ConfigError| Error::reference(name, e.to_string());
-    let at = |folder: &str| format!("{}/../../{folder}/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let robot = Document::text(&at("robots"), robot).map_err(refused)?;
-    let document =
-        Document::text(&at("scenarios"), text).map_err(refused)?.put("robot", robot).map_err(refused)?;
-    Scenario::new(overrides.iter().fold(document, |d, text| d.set(*text))).map_err(refused)
-}
+const DRIVEN: Shipped = shipped!("cruise_20g", "cruise_20g");
+const PASSIVE: Shipped = shipped!("passive_20g", "passive_20g");
 
 fn found(scenario: &Scenario, cycle: &Cycle) -> Result<Orbit, Error> {
     let found = scenario.find_orbit(cycle, &mut |_, _| ControlFlow::Continue(()))?;
@@ -166,7 +147,7 @@ fn multipliers() -> Result<Vec<Row>, Error> {
 const FINER: usize = 4;
 
 /// Work of drives, dampers and air over a cycle less the growth of the energy, over the work of the drives.
-fn imbalance(shipped: (&str, &str, &str)) -> Result<f64, Error> {
+fn imbalance(shipped: Shipped) -> Result<f64, Error> {
     let scenario = scenario(shipped, &[])?;
     let cycle = scenario.cycle()?;
     let orbit = found(&scenario, &cycle)?;

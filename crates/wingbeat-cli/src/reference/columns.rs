@@ -25,9 +25,11 @@ pub const BOX: &str = "record.parquet of rig record";
 pub const AVERAGE: &str = "NAME.parquet of rig process";
 pub const ENVELOPE: &str = "envelope.parquet of rig process";
 pub const CALIBRATED: &str = "record.parquet of calibrate";
+pub const MODES: &str = "multipliers.parquet of trim";
+pub const ORBITS: &str = "family.parquet of trim";
 
 /// The records with what a row of each is.
-pub const RECORDS: [(&str, &str); 11] = [
+pub const RECORDS: [(&str, &str); 13] = [
     (FLIGHT, "One row per instant, `flight.record_every_s` apart."),
     (
         GAIT,
@@ -48,6 +50,11 @@ pub const RECORDS: [(&str, &str); 11] = [
     (BOX, "One row per sample of the box; what was booked as missing has no row."),
     (AVERAGE, "One row per phase of the stroke, `process.bins` of them."),
     (ENVELOPE, "One row per phase over several strokes, of all runs processed together."),
+    (MODES, "One row per Floquet multiplier of the orbit, the largest first."),
+    (
+        ORBITS,
+        "One row per orbit of `trim.family`; record.parquet of trim, one cycle, has the columns of a flight.",
+    ),
     (CALIBRATED, "One row per run and phase of the stroke, 200 of them."),
 ];
 
@@ -177,8 +184,8 @@ pub const COLUMNS: &[Described] = &[
     column("w_WB_B_<axis>", &[FLIGHT], &["rad/s"], "B", "Angular rate of the body, resolved in B."),
     column("displacement_<element>", &[FLIGHT, GAIT], &["rad", "m", ""], "", "Displacement of a structure element about the gait, a share where it scales a series."),
     column("rate_<element>", &[FLIGHT, GAIT], &["rad/s", "m/s", "1/s"], "", "Its rate."),
-    column("orbit_share", &[FLIGHT], ONE, "", "Share of the roll-in done, under `[controller.orbit]`."),
-    column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, under `[controller.orbit]`."),
+    column("orbit_legs", &[FLIGHT], ONE, "", "Legs begun before and the share of the present one that is done, under `[controller.orbit]`: 1.25 is a quarter of the second."),
+    column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, as measured, under `[controller.orbit]`."),
     column("coordinate_rate_<joint>", &[FLIGHT, GAIT], &["rad/s", "m/s"], "", "Rate of an elastic or free joint."),
     column("coordinate_<joint>", &[FLIGHT, GAIT], &["rad", "m"], "", "Coordinate of an elastic or free joint, a state."),
     column("crank_angle", &[FLIGHT, GAIT], RAD, "", "Angle of the crank that the motor turns: the phase of the gait."),
@@ -217,6 +224,20 @@ pub const COLUMNS: &[Described] = &[
     column("simulation_<channel>", &[ENVELOPE], &["N", "N m"], "B", "Average of the simulation of the reference run."),
     column("<channel>", &[RIG, BOX], &["N", "N m"], "C", "Fx, Fy, Fz, Tx, Ty, Tz: what the robot and its mount put on the cell, about the cell's origin."),
     column("<channel>", &[AVERAGE], &["N", "N m"], "B", "Fx, Fy, Fz, Tx, Ty, Tz averaged over the cycles, about the body's origin; in C where `process.steps.body_frame` is off."),
+    column("multiplier_re", &[MODES], ONE, "", "Real part of the multiplier: by what the mode grows over a cycle."),
+    column("multiplier_im", &[MODES], ONE, "", "Its imaginary part."),
+    column("lateral", &[MODES], ONE, "", "1 where left and right differ in the mode, or the orbit turns; 0 in flight in the plane of symmetry."),
+    column("speed_m_s", &[ORBITS], &["m/s"], "", "Mean horizontal speed along the path."),
+    column("climb_m_s", &[ORBITS], &["m/s"], "", "Mean climb."),
+    column("bank_deg", &[ORBITS], DEG, "", "Bank that the rate of turn asks for, which the mean roll is too; positive right wing down."),
+    column("frequency_hz", &[ORBITS], &["Hz"], "", "Frequency of the gait."),
+    column("power_w_kg", &[ORBITS], &["W/kg"], "", "Mean of the positive part of the total power of the driven joints over the mass."),
+    column("pitch_mean_deg", &[ORBITS], DEG, "", "Mean pitch, positive nose down."),
+    column("stall_fraction_<limit>", &[ORBITS], ONE, "", "Share of U^2 c dy dt beyond 12 or 20 deg of incidence."),
+    column("least_clearance_m", &[ORBITS], M, "", "Least of all clearances over the cycle."),
+    column("largest_multiplier", &[ORBITS], ONE, "", "Largest |multiplier| without the heading's."),
+    column("lift_over_weight", &[ORBITS], ONE, "", "Mean upward force of the air over the weight."),
+    column("command_<regulator>", &[ORBITS], &["rad", "m", "rad/s", ""], "", "Held command to the regulator."),
     column("run", &[RUNS], ONE, "", "Number of the run, from 0; of a grid the last draw varies fastest."),
     column("completed", &[RUNS], ONE, "", "1 where the run ended without a fault; else nothing else is said of it."),
     column("mean_lift", &[RUNS], N, "", "Mean of `force_wind_lift` over the last cycle."),
@@ -228,8 +249,9 @@ pub const COLUMNS: &[Described] = &[
     column("stall_fraction", &[RUNS], ONE, "", "Share of strips past the stall angle."),
     column("periodicity", &[RUNS], ONE, "", "How far the last cycle is from the one before, as in the summary of `tether`."),
     column("run", &[SWEEP], ONE, "", "Number of the flight, from 0; it flies with the sweep's seed plus this number."),
-    column("held", &[SWEEP], ONE, "", "1 where the flight was flown whole and both errors stayed within `hold`."),
+    column("held", &[SWEEP], ONE, "", "1 where the flight was flown whole and the errors stayed within `hold`."),
     column("completed", &[SWEEP], ONE, "", "1 where it was flown whole."),
+    column("clear", &[SWEEP], ONE, "", "1 where no clearance fell below `hold.clearance_m`, or the robot has none."),
     column("roll_max_error", &[SWEEP], DEG, "", "Largest |roll - reference| from the settling time on."),
     column("pitch_max_error", &[SWEEP], DEG, "", "Largest |pitch - reference| from the settling time on."),
     column("roll_mean", &[SWEEP], DEG, "", "Mean roll from the settling time on, positive right wing down."),
@@ -237,6 +259,8 @@ pub const COLUMNS: &[Described] = &[
     column("distance_x", &[SWEEP], M, "", "Way along W's x from begin to end."),
     column("distance_y", &[SWEEP], M, "", "Way along W's y from begin to end, positive to the left."),
     column("altitude_change", &[SWEEP], M, "", "Altitude at the end less that at the begin."),
+    column("height_max_error", &[SWEEP], M, "", "Largest |height - reference| from the settling time on, under `[controller.orbit]`."),
+    column("least_clearance", &[SWEEP], M, "", "Least of all clearances over the flight."),
     column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
     column("<key>", &[SWEEP, RUNS], ONE, "", "What was drawn for a key of the scenario or case, in the unit that ends the key."),
 ];

@@ -97,10 +97,10 @@ impl<'a> Walk<'a> {
         for choice in list(value, "oneOf") {
             self.table(self.resolved(choice), path, choice["description"].as_str());
         }
-        if !is_file(value)
-            && let Some(shipped) = list(value, "anyOf").first()
-        {
-            self.below(self.resolved(shipped), path);
+        if !is_file(value) {
+            let tables = list(value, "anyOf").iter().map(|choice| self.resolved(choice));
+            let tables: Vec<&Value> = tables.filter(|table| table["properties"].is_object()).collect();
+            tables.into_iter().for_each(|table| self.table(table, path, None));
         }
     }
 
@@ -221,9 +221,7 @@ fn every_key_has_a_meaning_and_every_shipped_key_is_in_the_reference() {
             shipped::walk(&document.table, "", &mut |path, _| {
                 let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
                 let by_name = keys.iter().any(|key| key.path == parent && key.form.ends_with("by name"));
-                // Kinds behind a door have no schema: docs/trim.md tells the keys of this one.
-                let behind_a_door = path.starts_with("controller.orbit");
-                let known = paths.contains(path) || by_name || behind_a_door;
+                let known = paths.contains(path) || by_name;
                 assert!(known, "{}: {path} is no key", document.file);
             });
         }

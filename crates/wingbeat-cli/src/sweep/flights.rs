@@ -26,6 +26,14 @@ pub struct Outcome {
     pitch_max_error_deg: [f64; 3],
     roll_within_deg: f64,
     pitch_within_deg: f64,
+    /// Flights in which no clearance fell below `clearance_m`.
+    clear: usize,
+    clearance_m: f64,
+    /// Median, 10th percentile and least of the least clearances, m.
+    least_clearance_m: [f64; 3],
+    /// Under `[controller.orbit]`.
+    height_max_error_m: [f64; 3],
+    height_within_m: Option<f64>,
     /// Where they end, by what words were drawn for them.
     end_points: Vec<Group>,
 }
@@ -47,6 +55,12 @@ impl Outcome {
             pitch_max_error_deg: quantiles(values("pitch_max_error")),
             roll_within_deg: hold.roll_within_deg,
             pitch_within_deg: hold.pitch_within_deg,
+            clear: values("clear").iter().filter(|clear| **clear == 1.0).count(),
+            clearance_m: hold.clearance_m,
+            least_clearance_m: quantiles(&values("least_clearance").iter().map(|c| -c).collect::<Vec<_>>())
+                .map(|c| -c),
+            height_max_error_m: quantiles(values("height_max_error")),
+            height_within_m: hold.height_within_m,
             end_points,
         }
     }
@@ -71,6 +85,17 @@ impl Outcome {
             ("pitch, largest error", self.pitch_max_error_deg, self.pitch_within_deg),
         ] {
             text += &format!("{name:<24}{median:>9.2}{most:>9.2}{worst:>9.2}{limit:>9.2} deg\n");
+        }
+        if let Some(within) = self.height_within_m {
+            let [median, most, worst] = self.height_max_error_m;
+            let name = "height, largest error";
+            text += &format!("{name:<24}{median:>9.4}{most:>9.4}{worst:>9.4}{within:>9.4} m\n");
+        }
+        let [median, most, worst] = self.least_clearance_m;
+        if median.is_finite() {
+            let (name, limit) = ("least clearance", self.clearance_m);
+            text += &format!("{name:<24}{median:>9.4}{most:>9.4}{worst:>9.4}{limit:>9.4} m\n");
+            text += &format!("clear {} of {} flights\n", self.clear, self.flights);
         }
         text + "\n" + &end_points::text(&self.end_points)
     }

@@ -173,6 +173,12 @@ impl<P: Scalar> Tree<P> {
         self.nodes[link].kind
     }
 
+    /// Whether the joint of a link turns it about the y axis of its own frame, which lies along the span.
+    pub fn turns_about_y(&self, link: usize) -> bool {
+        let node = &self.nodes[link];
+        node.kind == JointKind::Revolute && matches!(node.axis, Axis::Coordinate { index: 1, .. })
+    }
+
     /// Axis of the joint of a link that moves as `motion`, in B.
     pub fn axis(&self, link: usize, motion: &LinkMotion) -> Vec3 {
         self.nodes[link].axis.direction(&motion.rotation)

@@ -28,6 +28,14 @@ pub trait ControllerSpec: Debug + Send + Sync {
     /// Time between updates, s.
     fn period_s(&self) -> f64;
 
+    /// Refuses what `build` would refuse, as a scenario is read; what takes long to find out may be left to `build`.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    fn check(&self, task: Task) -> Result<(), Error> {
+        self.build(task).map(drop)
+    }
+
     /// The controller at the start of a flight.
     ///
     /// # Errors

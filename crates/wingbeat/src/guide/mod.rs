@@ -15,7 +15,7 @@ mod turn;
 const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
-pub use about_orbit::{AboutOrbitSpec, OrbitWeights};
+pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use controllers::{ControllerSpec, RobotSolver, SolverSpec, Task};
 pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};

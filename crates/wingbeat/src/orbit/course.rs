@@ -14,8 +14,10 @@ pub struct Course {
 }
 
 impl Course {
-    /// Rate of the heading, rad/s, positive to the left: -g tan(bank) / V, so that the weight and the force towards
-    /// the centre of the turn add up to one in the plane of symmetry at this bank.
+    /// Rate of the heading, rad/s, positive to the left: -g tan(bank) / V. By Newton's law the mean force of the air, in
+    /// axes that turn with it, is m (g up + V |rate| towards the centre): inclined by this bank. It lies in the plane of
+    /// symmetry where the body rolls by as much, up to products of the swings of force and attitude: so the mean roll is
+    /// the fourth condition of a turn. No sideslip would be another: side force comes from rates and strokes too.
     ///
     /// Equation: orbit.yaw_rate
     pub fn yaw_rate(&self) -> f64 {

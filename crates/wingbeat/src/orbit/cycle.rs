@@ -1,6 +1,6 @@
 //! The flow over a cycle, with exact derivatives.
 
-use super::section::{Direction, Section};
+use super::section::{Direction, ROLL, Section};
 use crate::math::{Dual, Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace};
 use crate::plant::{Fault, Plant};
 use crate::robot::Robot;
@@ -76,6 +76,8 @@ pub struct End<S: Scalar = f64> {
     pub displacement: Vec3<S>,
     /// Duration of the cycle, s.
     pub duration: S,
+    /// Mean roll over the cycle, rad.
+    pub mean_roll: S,
 }
 
 /// One cycle of a robot in a fixed number of Runge-Kutta steps.
@@ -168,18 +170,26 @@ impl<'a> Cycle<'a> {
         z: &[S],
         pace: S,
         inputs: &[S],
-        each: impl FnMut(usize, S, &[S]) -> Result<(), Fault>,
+        mut each: impl FnMut(usize, S, &[S]) -> Result<(), Fault>,
     ) -> Result<End<S>, Fault> {
         let mut x = self.state(z, inputs);
         let duration = self.duration(pace);
         let steps = Steps::new(S::ZERO, duration * (1.0 / self.steps as f64), self.steps);
         let mut work = Workspace::new(x.len(), RK4.b.len());
-        let mut flow = Flow { robot: self.robot, pace, u: inputs, each };
+        // The trapezoidal rule.
+        let mut rolls = z[ROLL] * 0.5;
+        let mut seen = |k: usize, t: S, x: &[S]| {
+            let weight = if k == self.steps { 0.5 } else { 1.0 };
+            rolls += self.section.roll(x) * weight;
+            each(k, t, x)
+        };
+        let mut flow = Flow { robot: self.robot, pace, u: inputs, each: &mut seen };
         RK4.integrate(&mut flow, steps, &mut x, &mut work)?;
+        let mean_roll = rolls * (1.0 / self.steps as f64);
         let mut end = vec![S::ZERO; z.len()];
         let heading = self.section.coordinates(&x, &mut end);
         let displacement = Vec3::from_slice(&x[self.robot.layout().position..]);
-        Ok(End { z: end, heading, displacement, duration })
+        Ok(End { z: end, heading, displacement, duration, mean_roll })
     }
 
     /// Flies `point`.
@@ -236,6 +246,12 @@ impl<'a> Cycle<'a> {
         Ok((values, rows))
     }
 
+    /// The regulator that paces the crank and what it is told for `pace`.
+    pub fn pacing(&self, pace: f64) -> Option<(usize, f64)> {
+        let pacer = self.robot.pacer()?;
+        Some((pacer.input, (self.rate(pace) - self.rate(1.0)) / pacer.gain))
+    }
+
     /// Rate of the crank at `pace`, rad/s.
     pub fn rate(&self, pace: f64) -> f64 {
         TAU * self.robot.frequency_hz() * pace
@@ -248,6 +264,18 @@ impl<'a> Cycle<'a> {
             Free::Inputs(direction) => {
                 let channel = &self.robot.inputs()[direction[0].0];
                 (channel.name.clone(), channel.unit, [channel.low, channel.high])
+            }
+        }
+    }
+
+    /// What counts as one of what is free in a step of least norm: half of a command's range, for the frequency what
+    /// its regulator commands so, or without one its own value.
+    pub(super) fn size(&self, free: &Free) -> f64 {
+        let half = |input: usize| 0.5 * (self.robot.inputs()[input].high - self.robot.inputs()[input].low);
+        match free {
+            Free::Inputs(direction) => half(direction[0].0),
+            Free::Frequency => {
+                self.robot.pacer().map_or(1.0, |pacer| half(pacer.input) * pacer.gain.abs() / self.rate(1.0))
             }
         }
     }

@@ -19,12 +19,14 @@ pub struct Measures {
     pub lift_over_weight: f64,
     /// Mean of the positive part of the total power of the driven joints, W.
     pub power: f64,
+    /// Mean force of the air across the plane of symmetry over the weight, positive to the left.
+    pub side_force_over_weight: f64,
     /// Mean power, W: what a drive that takes back what it is given would need.
     pub net_power: f64,
     /// Sum over the joints of the means of their positive powers, W: what drives that share nothing would need.
     pub separate_power: f64,
-    /// Mean power of the joints whose name begins with `twist`, W; of an elastic hinge what it takes from the air and
-    /// gives to the body is negative.
+    /// Mean power of the joints that twist a wing ([`Robot::is_twist`](crate::robot::Robot::is_twist)), W; of an
+    /// elastic hinge what it takes from the air and gives to the body is negative.
     pub twist_power: f64,
     /// Mean power of the regulators, W.
     pub regulator_power: f64,
@@ -78,18 +80,20 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
             let air = (seen[k].air.total() + seen[k].body_drag).force;
             (seen[k].attitude * air)[2]
         }) / (robot.mass() * GRAVITY),
+        side_force_over_weight: mean(&|k| (seen[k].air.total() + seen[k].body_drag).force[1])
+            / (robot.mass() * GRAVITY),
         power: mean(&|k| seen[k].power.max(0.0)),
         net_power: mean(&|k| seen[k].power),
         regulator_power: mean(&|k| seen[k].regulator_power),
         ..Measures::default()
     };
-    for (joint, name) in robot.joint_names().enumerate() {
+    for joint in 0..robot.tree().links() {
         let power = |k: usize| seen[k].torques[joint] * rate(k, &|o| o.joints[joint]);
         let elastic = robot.is_elastic(joint);
         if !elastic {
             measures.separate_power += mean(&|k| power(k).max(0.0));
         }
-        if name.starts_with("twist") {
+        if robot.is_twist(joint) {
             measures.twist_power += mean(&power);
         }
     }

@@ -42,6 +42,9 @@ pub struct Found {
     pub iterations: usize,
 }
 
+/// Names of the conditions beyond those on the state.
+const BEYOND: [&str; 4] = ["mean speed", "mean climb", "growth of the heading", "mean roll"];
+
 /// The conditions of a course.
 struct Conditions<'a> {
     course: &'a Course,
@@ -60,13 +63,13 @@ impl<'a> Conditions<'a> {
 
     /// Number of conditions beyond those on the state.
     fn beyond(&self) -> usize {
-        if self.course.turns() { 3 } else { 2 }
+        if self.course.turns() { 4 } else { 2 }
     }
 
     /// Equation: orbit.conditions
     ///
     /// What is missed: the state that returns, in heading axes; mean speed and climb; of a turn the growth of the
-    /// heading over a cycle of T s, and the chord of its path V T sin(a)/a, a = yaw rate T / 2.
+    /// heading over a cycle of T s, the chord of its path V T sin(a)/a, a = yaw rate T / 2, and the mean roll.
     fn missed<S: Scalar>(&self, z: &[S], end: &End<S>) -> Vec<S> {
         let returns = self.directions.iter().map(|d| Section::along(d, &end.z) - Section::along(d, z));
         let [x, y, up] = end.displacement.0;
@@ -78,13 +81,14 @@ impl<'a> Conditions<'a> {
         }
         let speed = (x * x + y * y).sqrt() * per_time - self.course.chord_speed(duration);
         let heading = end.heading - duration * self.course.yaw_rate();
-        returns.chain([speed, climb, heading]).collect()
+        let roll = end.mean_roll - self.course.bank;
+        returns.chain([speed, climb, heading, roll]).collect()
     }
 
     fn name(&self, cycle: &Cycle, i: usize) -> String {
         match self.directions.get(i) {
             Some(direction) => format!("the return of {}", cycle.section().names()[direction[0].0]),
-            None => ["mean speed", "mean climb", "growth of the heading"][i - self.directions.len()].into(),
+            None => BEYOND[i - self.directions.len()].into(),
         }
     }
 }
@@ -121,7 +125,7 @@ pub fn search(
 }
 
 /// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more
-/// free numbers than conditions by steps of least norm in them.
+/// free numbers than conditions by steps of least norm in them, each measured by half of its range.
 ///
 /// # Errors
 /// The [`Failure`] that names what stood in the way.
@@ -150,7 +154,8 @@ pub fn search_from(
         if residual <= TOLERANCE {
             return finished(cycle, course, free, point, residual, iteration);
         }
-        let weight = |column: usize| if column < states { STATE_WEIGHT } else { 1.0 };
+        let size = |column: usize| cycle.size(&free[column - states]);
+        let weight = |column: usize| if column < states { STATE_WEIGHT } else { size(column) };
         let matrix: Vec<f64> =
             jacobian.iter().flat_map(|row| row.iter().enumerate().map(|(j, a)| a * weight(j))).collect();
         let direction = |missed: &[f64]| -> Result<Vec<f64>, Failure> {

@@ -103,6 +103,16 @@ fn symmetrise(symmetric: &[Direction], z: &mut [f64]) {
 }
 
 impl Point {
+    /// The point as far beyond this one as `before` lies before it.
+    pub fn beyond(&self, before: &Self) -> Self {
+        let line = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| 2.0 * b - a).collect();
+        Self {
+            z: line(&before.z, &self.z),
+            pace: 2.0 * self.pace - before.pace,
+            inputs: line(&before.inputs, &self.inputs),
+        }
+    }
+
     /// Moves what is free by `step`.
     pub(super) fn moved(&mut self, free: &Free, step: f64) {
         match free {

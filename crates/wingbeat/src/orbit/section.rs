@@ -12,6 +12,8 @@ pub type Direction = Vec<(usize, f64)>;
 const BODY: usize = 8;
 const BODY_NAMES: [&str; BODY] =
     ["v_H_x", "v_H_y", "v_H_z", "roll", "pitch", "w_WB_B_x", "w_WB_B_y", "w_WB_B_z"];
+/// The roll among the coordinates.
+pub(super) const ROLL: usize = 3;
 /// Those of flight in the plane of symmetry.
 const LONGITUDINAL: [usize; 4] = [0, 2, 4, 6];
 const LATERAL: [usize; 4] = [1, 3, 5, 7];
@@ -109,6 +111,11 @@ impl Section {
         x[l.rate..l.rate + 3].copy_from_slice(&z[5..BODY]);
         x[l.structure..l.joints].copy_from_slice(structure);
         x[l.joints..l.len].copy_from_slice(&z[BODY..]);
+    }
+
+    /// Roll of the state `x`, rad.
+    pub fn roll<S: Scalar>(&self, x: &[S]) -> S {
+        Quat::from_wxyz(&x[self.layout.attitude..]).matrix().roll_pitch_yaw()[0]
     }
 
     /// The coordinates of the state `x`; returns its heading, rad.

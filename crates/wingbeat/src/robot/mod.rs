@@ -101,6 +101,17 @@ pub struct Robot<P: Scalar = f64> {
     inputs: Vec<Channel>,
 }
 
+/// The regulator that paces the crank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pacer {
+    /// Number of the element whose displacement is the phase of the gait beyond that at a constant rate, rad.
+    pub element: usize,
+    /// Number of the input.
+    pub input: usize,
+    /// Steady rate of the crank beyond the gait's per unit of the command.
+    pub gain: f64,
+}
+
 impl Robot {
     /// Builds a robot from its specification and an aerodynamic model of each of its surfaces, in the
     /// order of [`RobotSpec::outlines`]; the gait's phase at t = 0 is `phase_start`, rad.
@@ -200,6 +211,19 @@ impl Robot {
     /// Whether the coordinate of the joint `joint` is a state.
     pub fn is_elastic(&self, joint: usize) -> bool {
         self.mechanism.coordinates.contains(&joint)
+    }
+    /// Whether the joint `joint` twists a wing: it turns a link of one side, which carries a surface, about its span.
+    pub fn is_twist(&self, joint: usize) -> bool {
+        let sided = self.mechanism.twins[joint] != joint;
+        sided && self.tree().turns_about_y(joint) && self.carriers.contains(&joint)
+    }
+    /// The regulator that paces the crank, if there is one.
+    pub fn pacer(&self) -> Option<Pacer> {
+        let element = self.elements.iter().position(|e| e.moves.contains(&Displaced::Crank))?;
+        let gain = |input: &usize| self.response.command_gain(element, *input);
+        let input = (0..self.inputs.len()).find(|input| gain(input) != 0.0)?;
+        let damping = -self.response.state_gain(element, self.elements.len() + element);
+        (damping > 0.0).then(|| Pacer { element, input, gain: gain(&input) / damping })
     }
     /// Flapping frequency of the gait, Hz; a motor starts with it.
     pub fn frequency_hz(&self) -> f64 {

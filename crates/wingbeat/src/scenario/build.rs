@@ -55,7 +55,7 @@ impl ScenarioSpec {
         self.start.check(&robot).map_err(|e| e.within("start"))?;
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
-        self.controller(choice, &model)?;
+        self.check_controller(choice, &model)?;
         Ok(Built { robot, model, schedule, samples_per_strips })
     }
 
@@ -67,9 +67,22 @@ impl ScenarioSpec {
     ) -> Result<Option<Box<dyn Controller + 'a>>, Error> {
         let Some(spec) = &choice.controller else { return Ok(None) };
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
-        spec.build(Task { model, manoeuvre, solver })
-            .map(Some)
-            .map_err(|e| e.within(&self.controller_table()))
+        spec.build(Task { model, manoeuvre, solver }).map(Some).map_err(|e| self.of_controller(e))
+    }
+
+    /// Refuses what a controller of `model` cannot be made of.
+    fn check_controller(&self, choice: &Choice, model: &Robot) -> Result<(), Error> {
+        let Some(spec) = &choice.controller else { return Ok(()) };
+        let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
+        let checked = spec.check(Task { model, manoeuvre, solver });
+        checked.map_err(|e| self.of_controller(e))
+    }
+
+    /// An error of the controller's settings, or of the gait that it is made for.
+    fn of_controller(&self, error: Error) -> Error {
+        let table = self.controller_table();
+        let gait = format!("robot.gait.{}", self.robot.gait.kind());
+        error.within(&table).renamed(&[(format!("{table}.gait"), gait)])
     }
 
     /// Key of the table that the controller is made of.

@@ -28,6 +28,10 @@ pub struct Mismatch {
     pub gait_amplitude: f64,
     /// Factor on the natural frequency of the structure elements.
     pub regulator_bandwidth: f64,
+    /// Factor on the profile drag of the surfaces along the wind, cd0.
+    pub profile_drag: f64,
+    /// Factor on their drag broadside to the wind, cd90.
+    pub broadside_drag: f64,
 }
 
 impl Default for Mismatch {
@@ -41,6 +45,8 @@ impl Default for Mismatch {
             com_z_m: 0.0,
             gait_amplitude: 1.0,
             regulator_bandwidth: 1.0,
+            profile_drag: 1.0,
+            broadside_drag: 1.0,
         }
     }
 }
@@ -51,11 +57,13 @@ ranges!(Mismatch {
     inertia: Range::POSITIVE,
     gait_amplitude: Range::POSITIVE,
     regulator_bandwidth: Range::POSITIVE,
+    profile_drag: Range::NOT_NEGATIVE,
+    broadside_drag: Range::NOT_NEGATIVE,
 });
 
 impl Mismatch {
     /// Its keys.
-    pub(super) const KEYS: [&str; 8] = [
+    pub(super) const KEYS: [&str; 10] = [
         "density",
         "mass",
         "inertia",
@@ -64,6 +72,8 @@ impl Mismatch {
         "com_z_m",
         "gait_amplitude",
         "regulator_bandwidth",
+        "profile_drag",
+        "broadside_drag",
     ];
 
     /// Checks ranges.
@@ -74,6 +84,10 @@ impl Mismatch {
         if robot.structure.a.is_some() && self.regulator_bandwidth != 1.0 {
             let allowed = "1 where the structure is given by its matrices";
             return Err(Error::invalid("regulator_bandwidth", self.regulator_bandwidth, allowed));
+        }
+        if self.broadside_drag != 1.0 && robot.surfaces.iter().any(|surface| surface.cd90.is_none()) {
+            let allowed = "1 where a surface of the robot says no cd90";
+            return Err(Error::invalid("broadside_drag", self.broadside_drag, allowed));
         }
         require::finite("com_x_m", &[self.com_x_m])?;
         require::finite("com_y_m", &[self.com_y_m])?;
@@ -89,6 +103,7 @@ impl Mismatch {
         for (i, shift) in [self.com_x_m, self.com_y_m, self.com_z_m].into_iter().enumerate() {
             real.body.com_m[i] += shift;
         }
+        real.scale_drag(self.profile_drag, self.broadside_drag);
         real.structure.scale_frequency(self.regulator_bandwidth);
         real
     }

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::chosen::{Chosen, Named};
 use super::rig::RunList;
 use super::{CalibrationSpec, RigRunSpec, RigSpec, ScenarioSpec, SweepSpec, TetherSpec, largest};
+use crate::guide::{AboutOrbitSpec, MpcSpec, Turn};
 use crate::rig::arm::ArmConfig;
 use crate::robot::RobotSpec;
 
@@ -113,14 +114,41 @@ impl JsonSchema for Named {
     }
 }
 
-impl<T: JsonSchema> JsonSchema for Chosen<T> {
+/// The kinds beside a table that ships, which ship under a name of their own.
+pub trait Beside {
+    /// Their names and schemas.
+    fn beside(_: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
+        Vec::new()
+    }
+}
+
+impl Beside for Turn {}
+
+impl Beside for MpcSpec {
+    fn beside(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
+        vec![("orbit", generator.subschema_for::<AboutOrbitSpec>())]
+    }
+}
+
+impl<T: JsonSchema + Beside> JsonSchema for Chosen<T> {
     fn schema_name() -> Cow<'static, str> {
         format!("Chosen{}", T::schema_name()).into()
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let (shipped, named) = (generator.subschema_for::<T>(), generator.subschema_for::<Named>());
-        json_schema!({ "anyOf": [shipped, named] })
+        let shipped = generator.subschema_for::<T>();
+        let beside = T::beside(generator);
+        if beside.is_empty() {
+            let named = generator.subschema_for::<Named>();
+            return json_schema!({ "anyOf": [shipped, named] });
+        }
+        let names: Vec<&str> = beside.iter().map(|(name, _)| *name).collect();
+        let mut named = <Named as JsonSchema>::json_schema(generator);
+        named.insert("propertyNames".into(), json!({ "not": { "enum": names } }));
+        let tables: serde_json::Map<String, Value> =
+            beside.into_iter().map(|(name, schema)| (name.into(), schema.to_value())).collect();
+        let kinds = json_schema!({ "type": "object", "properties": tables, "additionalProperties": false });
+        json_schema!({ "anyOf": [shipped, kinds, named] })
     }
 }
 

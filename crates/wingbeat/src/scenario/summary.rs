@@ -32,6 +32,10 @@ pub struct Summary {
     pub distance_y_m: f64,
     /// Climb, m; negative is sink.
     pub altitude_change_m: f64,
+    /// Largest |height - reference| from the settling time on, as the controller measured it, m; under
+    /// `[controller.orbit]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height_max_error_m: Option<f64>,
     /// Mean roll, deg.
     pub roll_mean_deg: Option<f64>,
     /// Root mean square of roll minus reference, deg.
@@ -249,6 +253,7 @@ impl Summary {
             distance_x_m: change("p_WB_x"),
             distance_y_m: change("p_WB_y"),
             altitude_change_m: change("p_WB_z"),
+            height_max_error_m: settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
             roll_mean_deg: settled.mean_deg("roll"),
             roll_rms_error_deg: rms_deg(&roll_errors),
             roll_max_error_deg: largest_deg(&roll_errors),

@@ -116,14 +116,26 @@ pub struct Hold {
     pub roll_within_deg: f64,
     /// Largest |pitch - reference|, deg.
     pub pitch_within_deg: f64,
+    /// Largest |height - reference| under `[controller.orbit]`, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_within_m: Option<f64>,
+    /// Least clearance over the whole flight at which it counts as clear, m; of being held it is no part.
+    #[serde(default)]
+    pub clearance_m: f64,
 }
 
 impl Hold {
-    /// True when the whole flight was flown and both errors stayed within.
+    /// True when the whole flight was flown and the errors stayed within.
     pub fn met(&self, summary: &Summary) -> bool {
         summary.completed()
             && summary.roll_max_error_deg.is_some_and(|e| e <= self.roll_within_deg)
             && summary.pitch_max_error_deg.is_some_and(|e| e <= self.pitch_within_deg)
+            && self.height_within_m.is_none_or(|most| summary.height_max_error_m.is_some_and(|e| e <= most))
+    }
+
+    /// True when no two parts came closer than allowed.
+    pub fn clear(&self, summary: &Summary) -> bool {
+        summary.least_clearance_m.is_none_or(|least| least >= self.clearance_m)
     }
 }
 
@@ -318,7 +330,12 @@ fn drawn(draw: &Draw, value: f64) -> String {
 
 ranges!(SweepSpec { runs: Range::between(1.0, MAX_RUNS as f64) });
 ranges!(Draw { points: Range::between(1.0, MAX_RUNS as f64) });
-ranges!(Hold { roll_within_deg: Range::POSITIVE, pitch_within_deg: Range::POSITIVE });
+ranges!(Hold {
+    roll_within_deg: Range::POSITIVE,
+    pitch_within_deg: Range::POSITIVE,
+    height_within_m: Range::POSITIVE,
+    clearance_m: Range::between(-1.0, 1.0),
+});
 
 impl SweepSpec {
     /// The checked name.

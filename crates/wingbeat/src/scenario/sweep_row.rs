@@ -6,9 +6,10 @@ use crate::tether::TetherRun;
 use std::ops::ControlFlow;
 
 /// Columns of a flight beside its number and its draws, with their units.
-const FLIGHT: [(&str, &str); 10] = [
+const FLIGHT: [(&str, &str); 13] = [
     ("held", ""),
     ("completed", ""),
+    ("clear", ""),
     ("roll_max_error", "deg"),
     ("pitch_max_error", "deg"),
     ("roll_mean", "deg"),
@@ -16,6 +17,8 @@ const FLIGHT: [(&str, &str); 10] = [
     ("distance_x", "m"),
     ("distance_y", "m"),
     ("altitude_change", "m"),
+    ("height_max_error", "m"),
+    ("least_clearance", "m"),
     ("controller_failures", ""),
 ];
 
@@ -87,6 +90,7 @@ fn flight(summary: &Summary, hold: Hold) -> [f64; FLIGHT.len()] {
     [
         f64::from(u8::from(hold.met(summary))),
         f64::from(u8::from(summary.completed())),
+        f64::from(u8::from(hold.clear(summary))),
         of(summary.roll_max_error_deg),
         of(summary.pitch_max_error_deg),
         of(summary.roll_mean_deg),
@@ -94,6 +98,8 @@ fn flight(summary: &Summary, hold: Hold) -> [f64; FLIGHT.len()] {
         summary.distance_x_m,
         summary.distance_y_m,
         summary.altitude_change_m,
+        of(summary.height_max_error_m),
+        of(summary.least_clearance_m),
         summary.controller.failures as f64,
     ]
 }

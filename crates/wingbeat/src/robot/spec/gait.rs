@@ -47,7 +47,7 @@ impl GaitSpec {
     }
 
     /// The key under which a robot file gives it.
-    fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         match self {
             Self::Fourier { .. } => "fourier",
             Self::Linkage { .. } => "linkage",

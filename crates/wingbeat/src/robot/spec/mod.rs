@@ -167,6 +167,23 @@ impl RobotSpec {
         }
     }
 
+    /// Multiplies the drag of the surfaces along the wind and broadside to it.
+    pub fn scale_drag(&mut self, along: f64, broadside: f64) {
+        for surface in &mut self.surfaces {
+            surface.cd0 *= along;
+            surface.cd90 = surface.cd90.map(|cd90| cd90 * broadside);
+        }
+        if let Some(wing) = &mut self.wing {
+            wing.cd0 *= along;
+            wing.cd90 *= broadside;
+        }
+        for (name, number) in &mut self.numbers {
+            let end = name.rsplit('.').next();
+            *number *= if end == Some("cd0") { along } else { 1.0 };
+            *number *= if end == Some("cd90") { broadside } else { 1.0 };
+        }
+    }
+
     /// Stops the flapping and whatever motor turns the crank.
     pub fn hold_still(&mut self) {
         self.gait.set_frequency_hz(0.0);

@@ -86,7 +86,7 @@ impl Scenario {
             };
             // The secant of the last two orbits predicts the next.
             let point = last.orbit.point.clone();
-            let guess = before.as_ref().map_or_else(|| point.clone(), |before| secant(before, &point));
+            let guess = before.as_ref().map_or_else(|| point.clone(), |before| point.beyond(before));
             let next = search_from(cycle, &course, &free, guess, tell)
                 .or_else(|failure| match failure {
                     Failure::Stopped => Err(failure),
@@ -107,10 +107,4 @@ impl Scenario {
         summary.family_orbits = Some(record.rows());
         Ok(record)
     }
-}
-
-/// 2 b - a.
-fn secant(a: &Point, b: &Point) -> Point {
-    let line = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| 2.0 * b - a).collect();
-    Point { z: line(&a.z, &b.z), pace: 2.0 * b.pace - a.pace, inputs: line(&a.inputs, &b.inputs) }
 }

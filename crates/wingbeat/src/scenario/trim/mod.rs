@@ -115,7 +115,8 @@ impl Scenario {
     /// # Errors
     /// [`Error::Invalid`] when there is no `[trim]`, or the robot has no cycle.
     pub fn cycle(&self) -> Result<Cycle<'_>, Error> {
-        Cycle::new(&self.model, self.trim_spec()?.step_s)
+        let gait = format!("robot.gait.{}", self.spec.robot.gait.kind());
+        Cycle::new(&self.model, self.trim_spec()?.step_s).map_err(|e| e.renamed(&[("gait", gait)]))
     }
 
     /// The orbit that `[trim]` asks for, a turn by way of straight flight. `tell` hears iteration and residual and may

@@ -17,12 +17,13 @@ pub struct TrimSpec {
     /// Mean climb, m/s; negative descends.
     #[serde(default)]
     pub climb_m_s: f64,
-    /// Bank of a turn with the yaw rate g tan(bank)/V, deg; positive is right wing down. 0 flies straight.
+    /// Bank of a turn with the yaw rate g tan(bank)/V, which is its mean roll, deg; positive is right wing down. 0 flies
+    /// straight.
     #[serde(default)]
     pub bank_deg: f64,
     /// What may be chosen: `frequency`, and held commands by the name of their regulator; `twist` stands for
     /// `twist_left` and `twist_right`, which move alike in straight flight and each by itself in a turn. Two for
-    /// straight flight, three or more for a turn, which takes the least commands that fly it.
+    /// straight flight, four or more for a turn, which takes the least commands that fly it.
     pub free: Vec<String>,
     /// Integration step at the robot's own frequency, s; a cycle keeps its number of steps.
     #[serde(default = "step")]
@@ -95,10 +96,9 @@ impl TrimSpec {
                     .ok_or_else(|| Error::invalid(key, format!("{name:?}"), Free::names(robot).join(", ")))?,
             );
         }
-        let needed = if turning { 3 } else { 2 };
+        let needed = if turning { 4 } else { 2 };
         if all.len() < needed || (!turning && all.len() != needed) {
-            let allowed =
-                if turning { "three numbers or more for a turn" } else { "two for straight flight" };
+            let allowed = if turning { "four numbers or more for a turn" } else { "two for straight flight" };
             return Err(Error::invalid("trim.free", format!("{:?}", self.free), allowed));
         }
         Ok(all)

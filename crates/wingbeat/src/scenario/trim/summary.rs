@@ -57,6 +57,8 @@ pub struct TrimSummary {
     pub yaw_rate_rad_s: f64,
     /// Mean upward force of the air over the weight.
     pub lift_over_weight: Option<f64>,
+    /// Mean force of the air across the plane of symmetry over the weight, positive to the left; a coordinated turn has none.
+    pub side_force_over_weight: Option<f64>,
     /// Mean of the positive part of the total power of the driven joints, W.
     pub power_w: Option<f64>,
     /// That over the mass, W/kg.
@@ -134,6 +136,7 @@ impl TrimSummary {
         self.status = "ok";
         self.frequency_hz = Some(1.0 / orbit.end.duration);
         self.lift_over_weight = Some(measures.lift_over_weight);
+        self.side_force_over_weight = Some(measures.side_force_over_weight);
         self.power_w = Some(measures.power);
         self.power_w_kg = Some(measures.power / mass);
         self.separate_power_w_kg = Some(measures.separate_power / mass);

@@ -1,0 +1,127 @@
+//! Flight about orbits: references by the phase of the gait, and periodic feedback.
+
+mod ahead;
+mod family;
+mod feedback;
+mod schedule;
+mod spec;
+
+pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
+
+use super::controllers::{ControllerSpec, Task};
+use crate::Error;
+use crate::orbit::{Cycle, Deviations, Free};
+use crate::plant::Plant;
+use crate::robot::Robot;
+use crate::simulate::{Column, Controller, Measurement, Update};
+use ahead::Ahead;
+use family::Family;
+use schedule::Schedule;
+use std::f64::consts::TAU;
+
+/// Largest height off at which the integral of the height grows, m.
+const INTEGRATED: f64 = 0.1;
+
+/// The controller.
+struct AboutOrbit<'a> {
+    robot: &'a Robot,
+    cycle: Cycle<'a>,
+    period: f64,
+    deviations: Deviations,
+    schedule: Schedule,
+    family: Family,
+    /// Numbers of the inputs that are fed back.
+    inputs: Vec<usize>,
+    ahead: Ahead<'a>,
+    /// Integral of the height's deviation, m s.
+    integral: f64,
+    held: Vec<f64>,
+    /// What the last update found: legs done, deviation of the height.
+    seen: [f64; 2],
+}
+
+impl ControllerSpec for AboutOrbitSpec {
+    fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    fn check(&self, task: Task) -> Result<(), Error> {
+        self.checked(task.model).map(drop)
+    }
+
+    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+        let robot = task.model;
+        let (cycle, schedule) = self.checked(robot)?;
+        let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        let family = Family::new(self, &cycle, &schedule, &inputs)?;
+        let (_, held) = family.asked(None, 0.0);
+        Ok(Box::new(AboutOrbit {
+            robot,
+            period: self.period_s,
+            deviations: Deviations::new(&cycle),
+            schedule,
+            family,
+            inputs,
+            ahead: Ahead::new(robot),
+            integral: 0.0,
+            held,
+            seen: [0.0; 2],
+            cycle,
+        }))
+    }
+}
+
+/// Numbers of the inputs that are free.
+fn numbers(free: &Free) -> Vec<usize> {
+    match free {
+        Free::Frequency => Vec::new(),
+        Free::Inputs(direction) => direction.iter().map(|(i, _)| *i).collect(),
+    }
+}
+
+/// Cycles of the gait since phase 0 of the orbits, which is where the robot's gait starts.
+fn cycles(robot: &Robot, t: f64, x: &[f64]) -> f64 {
+    let paced = robot.pacer().map_or(0.0, |pacer| x[robot.layout().structure + pacer.element]);
+    (robot.phase(t) - robot.phase(0.0) + paced) / TAU
+}
+
+impl Controller for AboutOrbit<'_> {
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
+        let Some(x) = self.ahead.state(t, measurement, &self.held) else { return Update::Kept };
+        let cycles = cycles(self.robot, t, x);
+        let place = self.schedule.place(t);
+        let (asked, mut commands) = self.family.asked(place, cycles);
+        let mut s = vec![0.0; self.deviations.len()];
+        self.deviations.of(&self.cycle, x, &mut s);
+        let mut error: Vec<f64> = s.iter().zip(&asked).map(|(s, asked)| s - asked).collect();
+        error[0] -= self.schedule.height(t);
+        if error[0].abs() < INTEGRATED {
+            self.integral += error[0] * self.period;
+        }
+        let gain = self.family.gain(place, cycles);
+        for (row, &input) in self.inputs.iter().enumerate() {
+            let fed: f64 = error.iter().enumerate().map(|(j, e)| gain[(row, j + 1)] * e).sum();
+            commands[input] -= gain[(row, 0)] * self.integral + fed;
+        }
+        for (command, channel) in commands.iter_mut().zip(self.robot.inputs()) {
+            *command = channel.clamp(*command);
+        }
+        self.held = commands;
+        self.seen = [place.map_or(0.0, |place| place.stretch as f64 + place.share), error[0]];
+        Update::Fresh
+    }
+
+    fn input(&self, _: f64, u: &mut [f64]) {
+        u.copy_from_slice(&self.held);
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        vec![Column::new("orbit_legs", "", ""), Column::new("orbit_height_error", "m", "W")]
+    }
+
+    fn diagnostics(&self, row: &mut Vec<f64>) {
+        row.extend(self.seen);
+    }
+}
