@@ -152,7 +152,7 @@ fn strips(preset: Preset, section: Section, flapping: Flapping) -> Result<Vec<St
 /// them, and measured.
 pub fn lifts(change: impl Fn(&mut SurfaceNumbers)) -> Result<Vec<[Vec<f64>; 2]>, Error> {
     let changed = |aero: Aero| {
-        let mut numbers = *aero.numbers();
+        let mut numbers = aero.numbers().clone();
         change(&mut numbers);
         aero.with(&numbers)
     };

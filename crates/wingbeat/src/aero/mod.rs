@@ -18,7 +18,7 @@ pub use law::{
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
-pub use numbers::SurfaceNumbers;
+pub use numbers::{LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{Gap, Planform, PlanformStation, Span};
 pub use station::{SectionField, SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings, spacing as lan_spacing};

@@ -55,6 +55,8 @@ pub trait Scalar:
     fn recip(self) -> Self;
     /// True when value and derivatives are finite.
     fn is_finite(self) -> bool;
+    /// True when value and derivatives are zero.
+    fn is_zero(self) -> bool;
 
     /// self * a + b, rounded once where the processor can.
     #[inline]
@@ -176,6 +178,10 @@ impl Scalar for f64 {
     #[inline]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+    #[inline]
+    fn is_zero(self) -> bool {
+        self == 0.0
     }
 }
 

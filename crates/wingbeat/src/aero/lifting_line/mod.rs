@@ -20,7 +20,9 @@ pub use settings::LiftingLineSettings;
 
 use super::law::{Attachment, Polar, lev};
 use super::section::{Section, SectionForce, ZeroLift, pitch_suction, suction_share};
-use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench};
+use super::{
+    Coupling, LagNumbers, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench,
+};
 use crate::Error;
 use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
@@ -47,9 +49,16 @@ pub struct LiftingLine<P: Scalar = f64> {
     influence: Vec<f64>,
     /// Whether D vanishes between different nodes an even number apart.
     alternating: bool,
-    zero_lift: ZeroLift,
+    zero_lift: ZeroLift<P>,
     polar: Polar<P>,
     numbers: SurfaceNumbers<P>,
+    /// Weight of the wash that acts at once.
+    at_once: P,
+}
+
+/// What the lags leave of the weight of the wash.
+fn at_once<P: Scalar>(numbers: &SurfaceNumbers<P>) -> P {
+    numbers.lags.iter().fold(P::ONE, |rest, lag| rest - lag.weight)
 }
 
 impl LiftingLine {
@@ -131,7 +140,8 @@ impl LiftingLine {
             influence,
             alternating: false,
             root_chord: settings.chord_floor_m,
-            zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
+            zero_lift: ZeroLift::new(numbers.zero_lift_angle),
+            at_once: at_once(&numbers),
             polar: Polar::new(settings.law, &numbers),
             numbers,
             settings,
@@ -145,7 +155,7 @@ impl<P: Scalar> LiftingLine<P> {
         LiftingLine {
             nodes: self.cells.iter().map(|cell| Node::new(cell, numbers)).collect(),
             polar: Polar::new(self.settings.law, numbers),
-            numbers: *numbers,
+            numbers: numbers.clone(),
             settings: self.settings,
             arcs: self.arcs.clone(),
             root_chord: self.root_chord,
@@ -153,7 +163,8 @@ impl<P: Scalar> LiftingLine<P> {
             cells: self.cells.clone(),
             influence: self.influence.clone(),
             alternating: self.alternating,
-            zero_lift: self.zero_lift,
+            zero_lift: ZeroLift::new(numbers.zero_lift_angle),
+            at_once: at_once(numbers),
         }
     }
 
@@ -257,11 +268,11 @@ impl<P: Scalar> LiftingLine<P> {
         dx: &mut [S],
     ) -> S {
         let (node, m) = (&self.nodes[i], self.strips());
-        let mut effective = w * (1.0 - JONES_WEIGHTS[0] - JONES_WEIGHTS[1]);
-        for k in 0..2 {
+        let mut effective = w * self.at_once;
+        for (k, LagNumbers { weight, .. }) in self.numbers.lags.iter().enumerate().take(2) {
             let lag = x[(k + 1) * m + i];
             dx[(k + 1) * m + i] = (w - lag) * (speed * node.lag_rates[k]);
-            effective += lag * JONES_WEIGHTS[k];
+            effective += lag * *weight;
         }
         effective
     }
@@ -314,7 +325,8 @@ impl<P: Scalar> LiftingLine<P> {
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
+            let section =
+                Section::new(&sections.section(i), wind, P::from(node.inverse_edge), self.zero_lift);
             let flow = self.flow(i, &section, stream, x, dx);
             let at = first + i;
             loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
@@ -348,7 +360,8 @@ impl<P: Scalar> LiftingLine<P> {
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
-            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
+            let section =
+                Section::new(&sections.section(i), wind, P::from(node.inverse_edge), self.zero_lift);
             let flow = self.flow(i, &section, stream, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow)
@@ -395,7 +408,7 @@ impl<P: Scalar> LiftingLine<P> {
             suction *= attached;
         }
         let mass = if set.pitch_suction { self.nodes[i].mass } else { P::ZERO };
-        let pitching_section = (mass, self.slope_share(), self.nodes[i].half_chord);
+        let pitching_section = (mass, self.slope_share(), P::from(self.nodes[i].half_chord));
         let pitching = pitch_suction(pitching_section, section.pitch_rate, S::from(w), effective) * attached;
         let mut flow = Flow {
             w,
@@ -504,7 +517,7 @@ impl<P: Scalar> LiftingLine<P> {
         let (mass, inertia) = self.carried_masses(node);
         let turned = if self.settings.section_moment { node.mass } else { P::ZERO };
         let mut force = section.added_mass(mass);
-        force.nose_up = section.section_moment(turned, node.half_chord, speed);
+        force.nose_up = section.section_moment(turned, P::from(node.half_chord), speed);
         section.add_inertia(mass, inertia, matrix);
         force.lifted()
     }

@@ -1,6 +1,6 @@
 //! The nodes of the lifting line: places, weights and constants.
 
-use super::{JONES_RATES, LiftingLineSettings};
+use super::LiftingLineSettings;
 use crate::Error;
 use crate::aero::strip::spacing;
 use crate::aero::{Planform, SurfaceNumbers};
@@ -18,7 +18,7 @@ pub(super) struct Node<P> {
     /// Circulation per wash, a0 c / 2, m.
     pub circulation: P,
     /// Rates of the lags per airspeed, 1/m.
-    pub lag_rates: [f64; 2],
+    pub lag_rates: [P; 2],
     /// rho a0 (c/2) dy: lift per wash and airspeed, kg/m.
     pub lift: P,
     /// Added mass, kg.
@@ -59,7 +59,7 @@ impl<P: Scalar> Node<P> {
             half_chord,
             inverse_chord: 1.0 / cell.chord,
             circulation: numbers.section_slope * half_chord,
-            lag_rates: JONES_RATES.map(|e| e / half_chord),
+            lag_rates: std::array::from_fn(|k| numbers.lags[k].rate / half_chord),
             lift: numbers.density * numbers.section_slope * half_chord * cell.width,
             mass: numbers.density * PI * 0.25 * cell.square * numbers.added_mass_scale,
             drag: numbers.density * 0.5 * cell.area,

@@ -122,7 +122,7 @@ impl<P: Scalar> StripModel<P> {
             let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
             lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
             if self.settings.pitch_suction {
-                let section = (self.tables.mass[i], slope_share, 0.5 * self.tables.chord[i]);
+                let section = (self.tables.mass[i], slope_share, P::from(0.5 * self.tables.chord[i]));
                 pitching[i] = pitch_suction(section, strips.pitch[i], wash, lift_wash) * attached[i];
             }
         }

@@ -41,7 +41,7 @@ use tables::Tables;
 pub struct StripModel<P: Scalar = f64> {
     settings: StripSettings,
     grid: Grid,
-    zero_lift: ZeroLift,
+    zero_lift: ZeroLift<P>,
     polar: Polar<P>,
     numbers: SurfaceNumbers<P>,
     lags: &'static Lags,
@@ -102,7 +102,7 @@ impl StripModel {
                 && settings.added_mass
                 && settings.doublet_wash
                 && !settings.hinge_arcs_m.is_empty(),
-            zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
+            zero_lift: ZeroLift::new(numbers.zero_lift_angle),
             polar: Polar::new(settings.law, &numbers),
             numbers,
             lags,
@@ -117,9 +117,9 @@ impl<P: Scalar> StripModel<P> {
     pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> StripModel<Q> {
         StripModel {
             tables: Tables::new(&self.grid, &self.settings, numbers, self.lags),
-            zero_lift: self.zero_lift,
+            zero_lift: ZeroLift::new(numbers.zero_lift_angle),
             polar: Polar::new(self.settings.law, numbers),
-            numbers: *numbers,
+            numbers: numbers.clone(),
             cores: self.cores.clone(),
             floor: self.floor,
             folds: self.folds,

@@ -212,13 +212,16 @@ impl<S: Scalar> Strip<S> {
     ///
     /// Equation: aero.strip.kinematics
     #[inline(always)]
-    fn new(
+    fn new<P: Scalar>(
         [a, b]: [&ChordLine<S>; 2],
         fraction: f64,
         wind: Vec3<S>,
         floor: f64,
-        zero_lift: ZeroLift,
-    ) -> Self {
+        zero_lift: ZeroLift<P>,
+    ) -> Self
+    where
+        S: Meets<P>,
+    {
         let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
         let (le, v_le, a_le) = (mix(a.le, b.le), mix(a.v_le, b.v_le), mix(a.a_le, b.a_le));
         let chord = mix(a.te, b.te) - le;

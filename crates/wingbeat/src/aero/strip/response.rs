@@ -4,6 +4,7 @@ use super::influence::{Column, multiply};
 use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
+use crate::aero::LagNumbers;
 use crate::aero::law::{Attachment, Polar, lev};
 use crate::aero::section::suction_share;
 use crate::math::{Dual, Meets, Over, Scalar};
@@ -65,7 +66,7 @@ impl<P: Scalar> StripModel<P> {
         let mut sums = Lagged { wash: zero, jump: zero, delayed: zero };
         let (wash, wake) = x.split_at(lags.rate.len() * n);
         for (k, block) in wash.chunks_exact(n).enumerate() {
-            let (circulation, jump) = (lags.circulation[k], lags.jump(k));
+            let (circulation, jump) = (lags.circulation[k], self.tables.jump_weights[k]);
             for (i, lag) in block.iter().enumerate().take(N) {
                 sums.wash[i] += *lag * circulation;
                 sums.jump[i] += *lag * jump;
@@ -293,14 +294,14 @@ impl<P: Scalar> StripModel<P> {
         dx: &mut [S],
     ) -> Column<S, N> {
         let (n, lags) = (self.settings.strips, self.lags);
-        let mut lift_wash = wash.map(|w| w * 0.5);
+        let mut lift_wash = wash.map(|w| w * self.tables.at_once);
         let blocks = x.chunks_exact(n).zip(dx.chunks_exact_mut(n));
         for (k, (block, rates)) in blocks.enumerate() {
             let pairs = block.iter().zip(rates).zip(&flow.strips.speed).enumerate().take(N);
-            if let Some((rate, lift)) = lags.rate.get(k).zip(lags.lift.get(k)) {
+            if let Some(LagNumbers { weight, rate }) = self.numbers.lags.get(k) {
                 for (i, ((lag, lag_rate), speed)) in pairs {
-                    lift_wash[i] += *lag * *lift;
-                    *lag_rate = (wash[i] - *lag) * (*speed * (self.tables.turnover[i] * rate));
+                    lift_wash[i] += *lag * *weight;
+                    *lag_rate = (wash[i] - *lag) * (*speed * (*rate * self.tables.turnover[i]));
                 }
             } else if let Some(inverse) = self.tables.inverse_wake_length.get(k - lags.rate.len()) {
                 for (i, ((lag, lag_rate), speed)) in pairs {

@@ -2,8 +2,9 @@
 
 use super::grid::Grid;
 use super::{Lags, StripSettings};
-use crate::aero::{MAX_STRIPS, SurfaceNumbers};
+use crate::aero::{MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
 use crate::math::Scalar;
+use arrayvec::ArrayVec;
 use std::f64::consts::PI;
 
 /// A constant per strip, left tip to right tip, padded.
@@ -46,6 +47,10 @@ pub(super) struct Tables<P: Scalar> {
     pub share: Table,
     /// Added mass as part of an infinite wing, kg.
     pub mass: Table<P>,
+    /// Weight of the wash that acts at once in the lift wash: 1/2 with the weights that the set of lags has.
+    pub at_once: P,
+    /// Weights of the lags in the potential jump left on the chord.
+    pub jump_weights: ArrayVec<P, MAX_WASH_LAGS>,
     /// One over the lengths over which the wake lags act, 1/m.
     pub inverse_wake_length: Vec<f64>,
 }
@@ -84,6 +89,12 @@ impl<P: Scalar> Tables<P> {
             }),
             mass: scale(&|i| PI * chord[i] * chord[i] * cos[i] / 4.0)
                 .map(|mass| mass * numbers.added_mass_scale),
+            at_once: numbers
+                .lags
+                .iter()
+                .zip(lags.lift)
+                .fold(P::from(0.5), |rest, (lag, weight)| rest - (lag.weight - *weight)),
+            jump_weights: numbers.lags.iter().enumerate().map(|(k, lag)| lags.jump(k, lag)).collect(),
             inverse_wake_length: lags.wake_delay.iter().map(|t| 1.0 / (t * delay_scale)).collect(),
         }
     }
