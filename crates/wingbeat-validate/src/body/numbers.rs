@@ -32,6 +32,9 @@ const SHARES: [f64; 3] = [1e-3, 1e-4, 1e-5];
 const SIZES: [(&str, f64); 5] =
     [("inertia", 1e-8), ("_m[", 1e-2), ("_m", 1e-2), ("mass_kg", 1e-4), ("rad", 0.3)];
 
+/// Share of the largest result that a number moves by its whole size only by rounding: the length of a direction.
+const NOTHING: f64 = 1e-9;
+
 /// A shipped robot.
 fn robot([path, text, robot_path, robot]: [&str; 4], preset: &str) -> Result<Robot, Error> {
     let refused = |e: ConfigError| Error::reference("numbers", e.to_string());
@@ -86,6 +89,22 @@ fn outcome<P: Scalar, S: Scalar + Meets<P>>(
 /// Numbers varied together: few, as all that an evaluation holds on the stack grows with them.
 const TOGETHER: usize = 2;
 
+/// Arcs of stations on which a hinge lies: the chord there has a kink, and no derivative by either.
+fn on_a_kink(name: &str, values: &[(String, f64)]) -> bool {
+    let arc = |name: &str| {
+        let (surface, key) = name.strip_prefix("surfaces.")?.split_once('.')?;
+        let station = key.starts_with("planform[") && key.ends_with(".arc_m");
+        (station || key.ends_with(".from_arc_m")).then(|| (surface.to_string(), station))
+    };
+    let value = |name: &str| values.iter().find(|(other, _)| other == name).map(|(_, value)| *value);
+    let Some((surface, station)) = arc(name) else { return false };
+    let meets = |(other, at): &(String, f64)| {
+        arc(other).is_some_and(|(of, is_station)| of == surface && is_station != station)
+            && value(name).is_some_and(|value| (value - at).abs() < 1e-9)
+    };
+    values.iter().any(meets)
+}
+
 /// The worst derivative, and how many numbers moved anything.
 struct Found {
     worst: f64,
@@ -97,8 +116,8 @@ struct Found {
 /// Largest difference of a derivative from the central one over all that is computed, over the largest of that number.
 fn compare(robot: &Robot) -> Result<Found, Error> {
     let values = robot.named_numbers();
-    let names: Vec<&str> =
-        values.iter().map(|(n, _)| n.as_str()).collect::<BTreeSet<_>>().into_iter().collect();
+    let smooth = values.iter().map(|(name, _)| name.as_str()).filter(|name| !on_a_kink(name, &values));
+    let names: Vec<&str> = smooth.collect::<BTreeSet<_>>().into_iter().collect();
     let mut found = Found { worst: 0.0, name: String::new(), moving: 0, all: names.len() };
     for pair in names.chunks(TOGETHER) {
         let (first, last) = (pair[0], pair[pair.len() - 1]);
@@ -140,7 +159,7 @@ fn difference(
     let exact: Vec<f64> = exact.collect();
     let mut best: Option<f64> = None;
     for share in SHARES {
-        if let Some(error) = apart(robot, (name, value, share * span), t, &exact)? {
+        if let Some(error) = apart(robot, (name, value, span, share), t, &exact)? {
             best = Some(best.map_or(error, |best| best.min(error)));
         }
     }
@@ -150,19 +169,21 @@ fn difference(
 /// The same with one step.
 fn apart(
     robot: &Robot,
-    (name, value, step): (&str, f64, f64),
+    (name, value, span, share): (&str, f64, f64, f64),
     t: f64,
     exact: &[f64],
 ) -> Result<Option<f64>, Error> {
+    let step = share * span;
     let moved = |steps: f64| -> Result<Vec<f64>, Error> {
         Ok(outcome(&robot.adjusted(&[(name, value + steps * step)])?, robot, t)?)
     };
     let near = [moved(1.0)?, moved(-1.0)?, moved(2.0)?, moved(-2.0)?];
+    let largest = near[0].iter().fold(0.0, |m: f64, value| m.max(value.abs()));
     let near = |i: usize| (8.0 * (near[0][i] - near[1][i]) - (near[2][i] - near[3][i])) / (12.0 * step);
     let pairs: Vec<(f64, f64)> = exact.iter().enumerate().map(|(i, exact)| (*exact, near(i))).collect();
     let scale = pairs.iter().fold(0.0, |m: f64, (e, d)| m.max(e.abs()).max(d.abs()));
     let worst = pairs.iter().fold(0.0, |m: f64, (e, d)| m.max((e - d).abs()));
-    Ok((scale > 0.0).then(|| worst / scale))
+    Ok((scale * span > NOTHING * largest).then(|| worst / scale))
 }
 
 /// The row.

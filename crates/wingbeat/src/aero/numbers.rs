@@ -1,6 +1,6 @@
 //! The numbers of a surface that may carry derivatives.
 
-use super::ProfileDrag;
+use super::{Planform, ProfileDrag};
 use crate::math::Scalar;
 use arrayvec::ArrayVec;
 
@@ -38,6 +38,10 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
     pub added_mass_scale: P,
     /// The lags of the wash; what weight they leave acts at once.
     pub lags: ArrayVec<LagNumbers<P>, MAX_WASH_LAGS>,
+    /// The outline, where the model was laid on one.
+    pub outline: Option<Planform<P>>,
+    /// Arc lengths from the root at which strips or cells end at hinges, m.
+    pub hinges: Vec<P>,
 }
 
 impl<P: Scalar> SurfaceNumbers<P> {
@@ -59,6 +63,8 @@ impl<P: Scalar> SurfaceNumbers<P> {
             critical_suction: f(self.critical_suction),
             added_mass_scale: f(self.added_mass_scale),
             lags: self.lags.iter().map(lag).collect(),
+            outline: self.outline.as_ref().map(|outline| outline.map(&f)),
+            hinges: self.hinges.iter().map(|hinge| f(*hinge)).collect(),
         }
     }
 
@@ -77,6 +83,10 @@ impl<P: Scalar> SurfaceNumbers<P> {
         let lags = self.lags.iter_mut().enumerate().flat_map(|(k, LagNumbers { weight, rate })| {
             [(format!("lags[{k}].weight"), weight), (format!("lags[{k}].rate"), rate)]
         });
-        section.into_iter().map(|(key, number)| (key.to_string(), number)).chain(lags).collect()
+        let outline = self.outline.iter_mut().flat_map(Planform::by_name);
+        let hinges = self.hinges.iter_mut().enumerate();
+        let hinges = hinges.map(|(i, hinge)| (format!("panels[{}].from_arc_m", i + 1), hinge));
+        let section = section.into_iter().map(|(key, number)| (key.to_string(), number));
+        section.chain(lags).chain(outline).chain(hinges).collect()
     }
 }

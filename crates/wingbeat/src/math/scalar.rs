@@ -107,6 +107,16 @@ pub trait Scalar:
         }
         if n < 0 { power.recip() } else { power }
     }
+    /// Power with any exponent, of what is above zero.
+    #[inline]
+    fn powf(self, exponent: f64) -> Self {
+        (self.ln() * exponent).exp()
+    }
+    /// Length of the hypotenuse, sqrt(self^2 + other^2).
+    #[inline]
+    fn hypot(self, other: Self) -> Self {
+        (self * self + other * other).sqrt()
+    }
     /// Smooth |x|: sqrt(x^2 + width^2).
     #[inline]
     fn smooth_abs(self, width: f64) -> Self {
@@ -174,6 +184,18 @@ impl Scalar for f64 {
         } else {
             self * a + b
         }
+    }
+    #[inline]
+    fn powf(self, exponent: f64) -> Self {
+        f64::powf(self, exponent)
+    }
+    #[inline]
+    fn hypot(self, other: Self) -> Self {
+        f64::hypot(self, other)
+    }
+    #[inline]
+    fn acos(self) -> Self {
+        f64::acos(self)
     }
     #[inline]
     fn is_finite(self) -> bool {

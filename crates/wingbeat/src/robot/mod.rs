@@ -30,7 +30,7 @@ pub use spec::{
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,
     StructureSpec, SurfaceSpec, WingLinkSpec, WingSpec,
 };
-pub use surface::SurfaceOutline;
+pub use surface::{PanelNumbers, PlacementNumbers, SurfaceOutline};
 
 use crate::Error;
 use crate::aero::{Aero, Surfaces};

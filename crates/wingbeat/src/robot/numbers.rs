@@ -1,7 +1,7 @@
 //! The physical numbers of a robot, which may carry derivatives.
 
-use super::Robot;
 use super::mechanism::SIDES;
+use super::{PlacementNumbers, Robot};
 use crate::Error;
 use crate::aero::SurfaceNumbers;
 use crate::body::{BodyNumbers, FourierSeries, JointNumbers, LinkageDimensions, Motor, Response};
@@ -67,6 +67,8 @@ pub struct Numbers<P: Scalar = f64> {
     pub springs: Vec<SpringNumbers<P>>,
     /// Of the surfaces.
     pub surfaces: Vec<SurfaceNumbers<P>>,
+    /// Of their places on the links.
+    pub placements: Vec<PlacementNumbers<P>>,
     /// Drag area of the body along its axes, m2.
     pub drag_area: Vec3<P>,
     /// Density of the air that the body's drag takes, kg/m3; each surface has its own.
@@ -110,6 +112,7 @@ impl<P: Scalar> Numbers<P> {
             response: self.response.map(f),
             springs: self.springs.iter().map(spring).collect(),
             surfaces: self.surfaces.iter().map(|surface| surface.map(f)).collect(),
+            placements: self.placements.iter().map(|placement| placement.map(f)).collect(),
             drag_area: vector(self.drag_area),
             density: f(self.density),
             phase_rate: f(self.phase_rate),
@@ -161,6 +164,10 @@ impl<P: Scalar> Numbers<P> {
                 let air = key == "density_kg_m3";
                 all.push((if air { format!("air.{key}") } else { format!("surfaces.{name}.{key}") }, value));
             }
+        }
+        for ((name, _), placement) in robot.surfaces().zip(&mut self.placements) {
+            let named = placement.by_name().into_iter();
+            all.extend(named.map(|(key, number)| (format!("surfaces.{name}.{key}"), number)));
         }
         all.extend(along("body", "drag_area_m2", &mut self.drag_area));
         all.push(("air.density_kg_m3".into(), &mut self.density));
@@ -214,6 +221,7 @@ impl<P: Scalar> Robot<P> {
             response: self.response.clone(),
             springs: self.mechanism.springs().map(|spring| spring.numbers).collect(),
             surfaces: self.covering.aero.surfaces().iter().map(|s| s.aero().numbers().clone()).collect(),
+            placements: self.covering.placements.clone(),
             drag_area: self.drag_area,
             density: self.density,
             phase_rate: self.phase_rate,
@@ -232,10 +240,14 @@ impl Robot {
 
     /// The same robot with other numbers, which may carry derivatives. What has no mass keeps none.
     ///
+    /// # Errors
+    /// [`Error::Invalid`] when strips or nodes do not fit an outline.
+    ///
     /// # Panics
     /// When there are not as many as [`numbers`](Self::numbers) gives.
-    pub fn with<P: Scalar>(&self, numbers: &Numbers<P>) -> Robot<P> {
-        Robot {
+    pub fn with<P: Scalar>(&self, numbers: &Numbers<P>) -> Result<Robot<P>, Error> {
+        let Numbers { surfaces, placements, .. } = numbers;
+        Ok(Robot {
             mechanism: self.mechanism.with(numbers),
             phase_rate: numbers.phase_rate,
             phase_start: numbers.phase_start,
@@ -243,7 +255,7 @@ impl Robot {
             response: numbers.response.clone(),
             strokes: self.strokes.clone(),
             elements: self.elements.clone(),
-            covering: self.covering.with(&numbers.surfaces),
+            covering: self.covering.with(surfaces, placements, &self.carriers)?,
             clearances: self.clearances.clone(),
             carriers: self.carriers.clone(),
             drag_area: numbers.drag_area,
@@ -252,7 +264,7 @@ impl Robot {
             layout: self.layout,
             states: self.states.clone(),
             inputs: self.inputs.clone(),
-        }
+        })
     }
 
     /// The robot with the numbers called `keys` as variables: what it computes carries the derivatives by them, in
@@ -277,7 +289,7 @@ impl Robot {
                 *variable = key.and_then(|key| share(key, &name)).unwrap_or(0.0);
             }
         }
-        Ok(self.with(&numbers))
+        self.with(&numbers)
     }
 
     /// `work` on the robot with [`TOGETHER`] of the `keys` as variables after another, for as many as there are; keys that
@@ -314,7 +326,7 @@ impl Robot {
             }
         }
         drop(named);
-        Ok(self.with(&numbers))
+        self.with(&numbers)
     }
 }
 

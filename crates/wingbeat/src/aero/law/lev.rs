@@ -84,6 +84,8 @@ mod tests {
             critical_suction: 0.2,
             added_mass_scale: 1.0,
             lags: arrayvec::ArrayVec::new(),
+            outline: None,
+            hinges: Vec::new(),
         };
         Polar::new(LiftLaw::Lev, &numbers)
     }

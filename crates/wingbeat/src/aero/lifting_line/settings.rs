@@ -102,6 +102,8 @@ impl LiftingLineSettings {
                 .zip(JONES_RATES)
                 .map(|(&weight, rate)| LagNumbers { weight, rate })
                 .collect(),
+            outline: None,
+            hinges: Vec::new(),
         }
     }
 

@@ -210,7 +210,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// K' (diag(d) w + D - Y): the rate of the wash of the chord doublets by folding, w the wash `held_left`.
-    fn folded_wash<G: Scalar, S: Over<G>, const N: usize>(
+    fn folded_wash<G: Scalar, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         sums: &LagSums<S, N>,
@@ -328,7 +328,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..n {
             let (along, speed, lw) = (strips.along[i], strips.speed[i], lift_wash[i]);
             let turn = if self.settings.pitch_suction {
-                strips.pitch[i] * (0.25 * self.tables.chord[i])
+                strips.pitch[i] * (self.tables.chord[i] * 0.25)
             } else {
                 G::ZERO
             };
@@ -338,7 +338,7 @@ impl<P: Scalar> StripModel<P> {
             let suction = square * forward * self.tables.edge_slope[i];
             let edge = lev::edge(&self.polar, suction, lw - turn, speed.squared(), self.floor);
             edges.held[i] = edge.held;
-            let rate = speed * (0.5 * self.tables.turnover[i]);
+            let rate = speed * (self.tables.turnover[i] * 0.5);
             dx[at + i] = lev::vortex_rate(edges.vortex[i], edge.lost, rate);
         }
         edges
@@ -359,7 +359,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..n {
             let lw2 = lift_wash[i].squared();
             let sine2 = lw2 / (lw2 + (strips.along[i].squared() + delta2));
-            let rate = strips.speed[i] * (0.5 * self.tables.turnover[i]);
+            let rate = strips.speed[i] * (self.tables.turnover[i] * 0.5);
             dx[at + i] = self.polar.separation_rate(x[at + i], sine2, rate, chords);
         }
     }

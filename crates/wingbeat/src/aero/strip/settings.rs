@@ -126,6 +126,8 @@ impl StripSettings {
             critical_suction: self.critical_suction,
             added_mass_scale: 1.0,
             lags: self.lags.lags().numbers(),
+            outline: None,
+            hinges: Vec::new(),
         }
     }
 
