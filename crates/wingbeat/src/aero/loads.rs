@@ -61,7 +61,7 @@ impl LoadSource {
 pub enum Circulation {
     /// The bound circulation.
     Bound,
-    /// A sum of wash lags fitted to the loads, 23 % off the bound circulation at k = .5: no picture of the wake.
+    /// A sum of wash lags fitted to the loads, 25 % off the bound circulation at k = .5: no picture of the wake.
     LagSum,
 }
 

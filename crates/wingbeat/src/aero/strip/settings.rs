@@ -19,7 +19,7 @@ pub enum LagSet {
     #[default]
     Three,
     /// Three wash lags, two wake lags: five states per strip; circulation
-    /// within 8 % instead of 23 %.
+    /// within 8 % instead of 25 %.
     Five,
 }
 
