@@ -7,7 +7,6 @@ mod theodorsen;
 
 use crate::aero_full::Preset;
 use crate::{Case, Error, Row};
-pub(crate) use energy::flapper;
 use section::TypicalSection;
 
 /// The comparisons.

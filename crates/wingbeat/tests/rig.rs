@@ -1,5 +1,6 @@
 //! A robot carried on the rig.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use wingbeat::math::{GRAVITY, Jet, Mat3, Vec3};
@@ -20,4 +21,36 @@ fn a_robot_at_rest_bears_its_weight_on_the_stand() {
     let loads = run.robot.carried(&Jet::default(), &body, &x, &u, &mut x.clone()).unwrap();
     let weight = Vec3([0.0, 0.0, -GRAVITY * run.robot.mass()]);
     assert!((attitude * loads.total().force - weight).norm() < 1e-12);
+}
+
+/// The motor is without voltage before the start, and turns the crank by torque and load after it.
+#[test]
+fn a_motor_turns_the_crank_on_the_rig() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let robot = root.join("robots/motor_flapper.toml");
+    let brief = ["rig.cell.rate_hz=2000.0", "rig.cell.filter_hz=800.0", "hold.each_s=2.0", "rig.rest_s=0.2"];
+    let overrides: Vec<String> =
+        brief.map(String::from).into_iter().chain([format!("rig.robot={}", robot.display())]).collect();
+    let run = RigRun::load(&root.join("rigs/runs/bench.toml"), &overrides).unwrap();
+    let carrier = run.carrier(None);
+    let record = run.simulate(&carrier, 0, |_| {}).unwrap().unwrap().record;
+    let [t, phase, rate, torque, shaft, electrical] =
+        ["t", "phase", "crank_rate", "motor_torque", "motor_power", "electrical_power"]
+            .map(|name| record.values(name).unwrap());
+    let motor = run.robot.motor().unwrap();
+    let gear = motor.gear_ratio;
+    for k in 0..t.len() {
+        // Power of the shaft, and heat of the winding, never negative.
+        assert!((shaft[k] - torque[k] * rate[k] * gear).abs() < 1e-12);
+        assert!(t[k] > 0.0 || electrical[k] == 0.0, "no supply before the start");
+        assert!(electrical[k] - shaft[k] > -1e-12, "at {} s", t[k]);
+    }
+    // The phase is the integral of the rate, by trapezoids.
+    let turned: f64 = (1..t.len()).map(|k| 0.5 * (rate[k] + rate[k - 1]) * (t[k] - t[k - 1])).sum();
+    assert!((turned - (phase[t.len() - 1] - phase[0])).abs() < 1e-4 * turned);
+    // It settles at a speed of its own, below that without load, and not the gait's.
+    let late = t.partition_point(|t| *t < 1.0);
+    let mean = (phase[t.len() - 1] - phase[late]) / (t[t.len() - 1] - t[late]);
+    let (gait, free) = (TAU * run.frequency(), motor.no_load_speed / gear);
+    assert!(mean > 0.1 * free && mean < free && (mean / gait - 1.0).abs() > 0.02, "{mean} of {free} rad/s");
 }

@@ -7,15 +7,31 @@ use serde_json::Value;
 
 use crate::tools;
 
-/// Writes again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables and the
+/// Writes again what is generated: docs/cli.md, docs/reference.md, docs/schema, the tables of
+/// docs/sections.md, docs/validation.md, the tables and the
 /// picture of README.md.
 pub fn write() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--bin", "wingbeat", "reference"]);
     reference.env("WINGBEAT_WRITE_DOCS", "1");
+    let mut sections = tools::cargo(&[
+        "test",
+        "--release",
+        "--quiet",
+        "--workspace",
+        "--test",
+        "ledger",
+        "page_of_sections",
+    ]);
+    sections.env("WINGBEAT_WRITE_DOCS", "1");
     // The tests build the program too, with the features that they take.
     let build = tools::cargo(&["test", "--release", "--quiet", "--workspace", "--no-run"]);
-    tools::succeeds(build) && tools::succeeds(reference) && banking_turns() && six_flights() && comparisons()
+    tools::succeeds(build)
+        && tools::succeeds(reference)
+        && tools::succeeds(sections)
+        && banking_turns()
+        && six_flights()
+        && comparisons()
 }
 
 /// Flies the banking turn with both aerodynamic presets and puts tables and

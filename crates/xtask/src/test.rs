@@ -15,6 +15,11 @@ pub fn test() -> bool {
     account.step("lints", || {
         one(&["clippy", "--release", "--workspace", "--all-targets", "--", "--deny", "warnings"])
     });
+    account.step("pages of the code", || {
+        let mut pages = tools::cargo(&["doc", "--release", "--workspace", "--lib", "--no-deps", "--quiet"]);
+        pages.env("RUSTDOCFLAGS", "--deny warnings");
+        Tally::one(tools::succeeds(pages))
+    });
     // What follows runs the program that the tests have built: built alone it would take other features.
     account.step("tests", || counted(&["test", "--release", "--workspace", "--no-fail-fast"]));
     // So does this: the extension is packed as it lies there.

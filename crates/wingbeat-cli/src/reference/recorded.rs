@@ -182,6 +182,9 @@ fn columns_of_the_rig_are_in_the_reference() {
             met.see(ENVELOPE, all.envelope.columns(), &[]);
         }
     }
+    let motor = format!("rig.robot={}", root().join("robots/motor_flapper.toml").display());
+    let run = RigRun::load(&root().join("rigs/runs/bench.toml"), &[&brief[..], &[motor]].concat()).unwrap();
+    met.see(RIG, run.simulate(&run.carrier(None), 0, |_| {}).unwrap().unwrap().record.columns(), &[]);
     met.all_of(RIG);
     met.all_of(AVERAGE);
     met.all_of(ENVELOPE);

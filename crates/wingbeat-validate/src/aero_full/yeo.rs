@@ -145,16 +145,16 @@ struct Strip {
 }
 
 fn strips(preset: Preset, section: Section, flapping: Flapping) -> Result<Vec<Strip>, Error> {
-    strips_of(preset, section, flapping, |aero| aero)
+    strips_of(preset, section, flapping, Ok)
 }
 
 /// Lift at the taps of each strip over the cycle, N: of the strip model under law `lev` with its numbers as `change` makes
 /// them, and measured.
 pub fn lifts(change: impl Fn(&mut SurfaceNumbers)) -> Result<Vec<[Vec<f64>; 2]>, Error> {
     let changed = |aero: Aero| {
-        let mut numbers = *aero.numbers();
+        let mut numbers = aero.numbers().clone();
         change(&mut numbers);
-        aero.with(&numbers)
+        Ok(aero.with(&numbers)?)
     };
     let strips = strips_of(Preset::Full, Section::PLATE, Flapping::Measured(HARMONICS), changed)?;
     Ok(strips.into_iter().map(|strip| [strip.model, strip.measured]).collect())
@@ -164,10 +164,10 @@ fn strips_of(
     preset: Preset,
     section: Section,
     flapping: Flapping,
-    change: impl Fn(Aero) -> Aero,
+    change: impl Fn(Aero) -> Result<Aero, Error>,
 ) -> Result<Vec<Strip>, Error> {
     let planform = planform()?;
-    let aero = change(preset.model_with(section, STRIPS, &planform, &[], DENSITY, 0.02)?);
+    let aero = change(preset.model_with(section, STRIPS, &planform, &[], DENSITY, 0.02)?)?;
     let flap = flap(flapping)?;
     let hinge = Hinge { kind: HingeKind::Flap, side: Side::Both, arc_m: 0.0, to_arc_m: None, ahead_m: 0.0 };
     let (arcs, widths) = (aero.strip_arcs().to_vec(), aero.widths().to_vec());

@@ -75,8 +75,8 @@ impl Model for Taps {
 /// Values, labels and the closest pair: shown, for there is no truth.
 pub fn rows() -> Result<Vec<Row>, Error> {
     let nominal = std::cell::Cell::new(None);
-    lifts(|numbers| nominal.set(Some(*numbers)))?;
-    let mut numbers = nominal.get().ok_or_else(|| no_answer("no numbers"))?;
+    lifts(|numbers| nominal.set(Some(numbers.clone())))?;
+    let mut numbers = nominal.take().ok_or_else(|| no_answer("no numbers"))?;
     let start: Vec<f64> = NUMBERS.iter().map(|(_, of)| *of(&mut numbers)).collect();
     let measured = Taps::cycles(&start, 1)?;
     let run = Observed {

@@ -28,7 +28,7 @@ fn model(preset: Preset, law: LiftLaw, outline: SurfaceOutline) -> Result<Aero, 
 }
 
 /// The flapper of `validation/fsi/flapper.toml` in a slight wind.
-pub(crate) fn flapper(preset: Preset, law: LiftLaw) -> Result<Robot, Error> {
+fn flapper(preset: Preset, law: LiftLaw) -> Result<Robot, Error> {
     let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/fsi/flapper.toml"));
     let file = "fsi/flapper.toml";
     let spec: RobotSpec = toml::from_str(text).map_err(|e| Error::reference(file, e.to_string()))?;

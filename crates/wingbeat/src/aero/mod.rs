@@ -18,12 +18,13 @@ pub use law::{
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
-pub use numbers::SurfaceNumbers;
+pub use numbers::{LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{Gap, Planform, PlanformStation, Span};
 pub use station::{SectionField, SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings, spacing as lan_spacing};
 pub use surfaces::{Surface, Surfaces};
 
+use crate::Error;
 use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
 use strip::{Others, Source, Wanted};
@@ -80,22 +81,25 @@ impl<P: Scalar> Aero<P> {
         }
     }
     /// The same model with other numbers than its settings say.
-    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Aero<Q> {
-        match self {
-            Self::LiftingLine(line) => Aero::LiftingLine(line.with(numbers)),
-            Self::Strip(model) => Aero::Strip(model.with(numbers)),
-        }
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when strips or nodes do not fit an outline.
+    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<Aero<Q>, Error> {
+        Ok(match self {
+            Self::LiftingLine(line) => Aero::LiftingLine(line.with(numbers)?),
+            Self::Strip(model) => Aero::Strip(model.with(numbers)?),
+        })
     }
     /// Arc coordinates where [`SectionMotion`]s are wanted, m, left tip
     /// (positive) to right tip.
-    pub fn arcs(&self) -> &[f64] {
+    pub fn arcs(&self) -> &[P] {
         match self {
             Self::LiftingLine(line) => line.arcs(),
             Self::Strip(model) => model.arcs(),
         }
     }
     /// Arc coordinates of the strips' middles, m.
-    pub fn strip_arcs(&self) -> &[f64] {
+    pub fn strip_arcs(&self) -> &[P] {
         match self {
             Self::LiftingLine(line) => line.node_arcs(),
             Self::Strip(model) => model.strip_arcs(),
@@ -128,7 +132,7 @@ impl<P: Scalar> Aero<P> {
         i - i % strips + (strips - 1 - i % strips)
     }
     /// Widths of the strips along the arc, m.
-    pub fn widths(&self) -> &[f64] {
+    pub fn widths(&self) -> &[P] {
         match self {
             Self::LiftingLine(line) => line.widths(),
             Self::Strip(model) => model.widths(),
@@ -146,7 +150,7 @@ impl<P: Scalar> Aero<P> {
     }
     /// What others need to know of the surface, given its first section and strip among those of all; none
     /// where it neither sees nor is seen.
-    fn source(&self, first_section: usize, first_strip: usize) -> Option<Source> {
+    fn source(&self, first_section: usize, first_strip: usize) -> Option<Source<P>> {
         match self {
             Self::Strip(model) if model.settings().wake_wash => {
                 Some(model.source(first_section, first_strip))
@@ -194,7 +198,7 @@ impl<P: Scalar> Aero<P> {
         wind: Vec3<S>,
         x: &[S],
         dx: &mut [S],
-        others: Option<Others<'_, S, S>>,
+        others: Option<Others<'_, P, S, S>>,
         loads: &mut Loads<S>,
     ) -> (Wrench<S>, [[S; 6]; 6]) {
         match self {
@@ -225,7 +229,7 @@ impl<P: Scalar> Aero<P> {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        others: Option<Others<'_, G, S>>,
+        others: Option<Others<'_, P, G, S>>,
         coupling: Option<Coupling<'_, G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self {
@@ -236,9 +240,9 @@ impl<P: Scalar> Aero<P> {
         }
     }
     /// The sections between which strip `i` lies, and the share of the second.
-    pub fn strip_sections(&self, i: usize) -> ([usize; 2], f64) {
+    pub fn strip_sections(&self, i: usize) -> ([usize; 2], P) {
         match self {
-            Self::LiftingLine(_) => ([i, i], 0.0),
+            Self::LiftingLine(_) => ([i, i], P::ZERO),
             Self::Strip(model) => ([i, i + 1], model.fraction(i)),
         }
     }

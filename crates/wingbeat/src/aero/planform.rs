@@ -1,6 +1,7 @@
 //! The flat outline of the wing by arc length from the middle.
 
 use crate::Error;
+use crate::math::Scalar;
 use crate::math::interpolation::piecewise_linear;
 
 /// Leading and trailing edge at one spanwise position of the half wing.
@@ -21,12 +22,13 @@ pub struct PlanformStation {
 /// width is not resolved.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "Gap"))]
 #[serde(deny_unknown_fields)]
-pub struct Gap {
+pub struct Gap<P = f64> {
     /// Arc length from the plane of symmetry at which the gap begins, m.
-    pub from_arc_m: f64,
+    pub from_arc_m: P,
     /// Arc length at which it ends, m.
-    pub to_arc_m: f64,
+    pub to_arc_m: P,
 }
 
 /// What the outline of a half wing is laid out to.
@@ -47,14 +49,15 @@ pub enum Span {
 const ON_HINGE: f64 = 1e-9;
 
 /// A wing given by stations of one half with straight edges between them. The arc coordinate s runs
-/// from the left end, half a span, to the right end, minus half a span.
+/// from the left end, half a span, to the right end, minus half a span. Its numbers may carry derivatives; of what lies
+/// exactly on a station they are those of one side.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Planform {
+pub struct Planform<P = f64> {
     span: Span,
-    arcs: Vec<f64>,
-    leading: Vec<f64>,
-    trailing: Vec<f64>,
-    gaps: Vec<Gap>,
+    arcs: Vec<P>,
+    leading: Vec<P>,
+    trailing: Vec<P>,
+    gaps: Vec<Gap<P>>,
 }
 
 impl Planform {
@@ -129,12 +132,46 @@ impl Planform {
         self.span = span;
         Ok(self)
     }
+}
+
+impl<P: Scalar> Planform<P> {
+    /// The same outline in other numbers, `f` of each.
+    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> Planform<Q> {
+        let all = |numbers: &[P]| numbers.iter().map(|number| f(*number)).collect();
+        let gap = |g: &Gap<P>| Gap { from_arc_m: f(g.from_arc_m), to_arc_m: f(g.to_arc_m) };
+        Planform {
+            span: self.span,
+            arcs: all(&self.arcs),
+            leading: all(&self.leading),
+            trailing: all(&self.trailing),
+            gaps: self.gaps.iter().map(gap).collect(),
+        }
+    }
+
+    /// Its numbers by their keys; the first arc is zero by definition.
+    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
+        let Self { arcs, leading, trailing, gaps, .. } = self;
+        let mut all = Vec::new();
+        let edges = [("leading_edge_m", leading), ("trailing_edge_m", trailing)];
+        for (key, numbers, first) in
+            [("arc_m", arcs, 1)].into_iter().chain(edges.map(|(key, of)| (key, of, 0)))
+        {
+            let numbers = numbers.iter_mut().enumerate().skip(first);
+            all.extend(numbers.map(|(i, number)| (format!("planform[{i}].{key}"), number)));
+        }
+        for (i, gap) in gaps.iter_mut().enumerate() {
+            all.push((format!("gaps[{i}].from_arc_m"), &mut gap.from_arc_m));
+            all.push((format!("gaps[{i}].to_arc_m"), &mut gap.to_arc_m));
+        }
+        all
+    }
+
     /// What the outline is laid out to.
     pub fn span(&self) -> Span {
         self.span
     }
     /// Arc length from the root at the arc coordinate `s`, m.
-    pub fn from_root(&self, s: f64) -> f64 {
+    pub fn from_root(&self, s: P) -> P {
         match self.span {
             Span::Symmetric => s.abs(),
             Span::Left => s + self.half_span(),
@@ -142,15 +179,15 @@ impl Planform {
         }
     }
     /// Whether the arc coordinate `s` lies on the left half.
-    pub fn on_left(&self, s: f64) -> bool {
+    pub fn on_left(&self, s: P) -> bool {
         match self.span {
-            Span::Symmetric => s >= 0.0,
+            Span::Symmetric => s.value() >= 0.0,
             Span::Left => true,
             Span::Right => false,
         }
     }
     /// The arc coordinates at the arc length `arc` from the root, m.
-    pub fn coordinates(&self, arc: f64) -> Vec<f64> {
+    pub fn coordinates(&self, arc: P) -> Vec<P> {
         match self.span {
             Span::Symmetric => vec![-arc, arc],
             Span::Left => vec![arc - self.half_span()],
@@ -160,28 +197,28 @@ impl Planform {
 
     /// Whether the arc length `arc` from the root lies beyond `hinge`, m. A section on a hinge lies within it:
     /// rounding must not give it to one side.
-    pub fn beyond(&self, arc: f64, hinge: f64) -> bool {
-        arc - hinge > ON_HINGE * self.half_span()
+    pub fn beyond(&self, arc: P, hinge: P) -> bool {
+        arc - hinge > self.half_span() * ON_HINGE
     }
 
     /// Arc lengths from the root of the stations, m.
-    pub fn station_arcs(&self) -> &[f64] {
+    pub fn station_arcs(&self) -> &[P] {
         &self.arcs
     }
     /// Where there is no wing, ascending from the middle.
-    pub fn gaps(&self) -> &[Gap] {
+    pub fn gaps(&self) -> &[Gap<P>] {
         &self.gaps
     }
     /// Whether there is wing at the arc coordinate `s` (either side).
-    pub fn covers(&self, s: f64) -> bool {
+    pub fn covers(&self, s: P) -> bool {
         let inboard = s.abs() <= self.half_span();
         let s = self.from_root(s);
         // A gap from the plane of symmetry on is one gap with its mirror image.
-        let inside = |g: &Gap| (s > g.from_arc_m || g.from_arc_m == 0.0) && s < g.to_arc_m;
+        let inside = |g: &Gap<P>| (s > g.from_arc_m || g.from_arc_m.value() == 0.0) && s < g.to_arc_m;
         inboard && !self.gaps.iter().any(inside)
     }
     /// Half span without the gaps, m.
-    pub fn covered_half_span(&self) -> f64 {
+    pub fn covered_half_span(&self) -> P {
         self.gaps.iter().fold(self.half_span(), |span, g| span - (g.to_arc_m - g.from_arc_m))
     }
 
@@ -191,47 +228,48 @@ impl Planform {
     }
 
     /// Half of the length along the arc from end to end, m.
-    pub fn half_span(&self) -> f64 {
+    pub fn half_span(&self) -> P {
         let outline = self.arcs[self.arcs.len() - 1];
-        if self.span == Span::Symmetric { outline } else { 0.5 * outline }
+        if self.span == Span::Symmetric { outline } else { outline * 0.5 }
     }
     /// Leading and trailing edge ahead of the hinge line at the arc coordinate
     /// `s` (either side), m.
-    pub fn edges(&self, s: f64) -> (f64, f64) {
+    pub fn edges(&self, s: P) -> (P, P) {
         let at = |ys| piecewise_linear(&self.arcs, ys, self.from_root(s));
         (at(&self.leading), at(&self.trailing))
     }
     /// Chord at the arc coordinate `s`, m.
-    pub fn chord(&self, s: f64) -> f64 {
+    pub fn chord(&self, s: P) -> P {
         let (leading, trailing) = self.edges(s);
         leading - trailing
     }
     /// Area of all halves laid out, without the gaps, m2 (trapezoids between stations).
-    pub fn area(&self) -> f64 {
-        let whole = self.area_between(0.0, self.arcs[self.arcs.len() - 1]);
-        let halves = if self.span == Span::Symmetric { 2.0 } else { 1.0 };
-        halves * self.gaps.iter().fold(whole, |area, g| area - self.area_between(g.from_arc_m, g.to_arc_m))
+    pub fn area(&self) -> P {
+        let whole = self.area_between(P::ZERO, self.arcs[self.arcs.len() - 1]);
+        let halves: f64 = if self.span == Span::Symmetric { 2.0 } else { 1.0 };
+        self.gaps.iter().fold(whole, |area, g| area - self.area_between(g.from_arc_m, g.to_arc_m)) * halves
     }
 
     /// Integrals of the chord, m2, and of its square, m3, between two arc coordinates, `from` < `to`, m.
-    pub fn chord_integrals(&self, from: f64, to: f64) -> [f64; 2] {
+    pub fn chord_integrals(&self, from: P, to: P) -> [P; 2] {
         let stations = self.arcs.iter().flat_map(|arc| self.coordinates(*arc));
-        let mut bounds: Vec<f64> = stations.filter(|s| *s > from && *s < to).chain([from, to]).collect();
-        bounds.sort_by(f64::total_cmp);
-        bounds.windows(2).fold([0.0; 2], |[area, square], s| {
+        let mut bounds: Vec<P> = stations.filter(|s| *s > from && *s < to).chain([from, to]).collect();
+        bounds.sort_by(|a, b| a.value().total_cmp(&b.value()));
+        bounds.windows(2).fold([P::ZERO; 2], |[area, square], s| {
             let (length, a, b) = (s[1] - s[0], self.chord(s[0]), self.chord(s[1]));
             [area + length * (a + b) / 2.0, square + length * (a * a + a * b + b * b) / 3.0]
         })
     }
 
     /// Area of one half between two arc lengths from the root, m2.
-    fn area_between(&self, from: f64, to: f64) -> f64 {
+    fn area_between(&self, from: P, to: P) -> P {
         let between = self.arcs.iter().copied().filter(|s| *s > from && *s < to);
-        let bounds: Vec<f64> = std::iter::once(from).chain(between).chain([to]).collect();
-        let chord = |arc: f64| {
+        let bounds: Vec<P> = std::iter::once(from).chain(between).chain([to]).collect();
+        let chord = |arc: P| {
             piecewise_linear(&self.arcs, &self.leading, arc)
                 - piecewise_linear(&self.arcs, &self.trailing, arc)
         };
-        bounds.windows(2).map(|a| 0.5 * (a[1] - a[0]) * (chord(a[0]) + chord(a[1]))).sum()
+        let pieces = bounds.windows(2).map(|a| (a[1] - a[0]) * 0.5 * (chord(a[0]) + chord(a[1])));
+        pieces.fold(P::ZERO, |sum, piece| sum + piece)
     }
 }

@@ -8,27 +8,27 @@ use crate::plant::MAX_DEGREES;
 /// The line along which the wind meets a section without lift, by its angle from the chord. A thin section lifts as the
 /// flat plate along this line (Glauert 1926, ch. 7).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ZeroLift {
-    cosine: f64,
-    sine: f64,
+pub(super) struct ZeroLift<P = f64> {
+    cosine: P,
+    sine: P,
 }
 
-impl ZeroLift {
+impl<P: Scalar> ZeroLift<P> {
     /// The line at the incidence `angle` of the chord, rad.
-    pub fn new(angle: f64) -> Self {
+    pub fn new(angle: P) -> Self {
         Self { cosine: angle.cos(), sine: angle.sin() }
     }
     /// Directions along the line and normal to it, from those of the chord; or their rates.
     ///
     /// Equation: aero.zero_lift
     #[inline(always)]
-    pub fn turned<S: Scalar>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
+    pub fn turned<S: Scalar + Meets<P>>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
         let Self { cosine, sine } = self;
         (chordwise.scaled(cosine) + normal.scaled(sine), normal.scaled(cosine) + chordwise.scaled(-sine))
     }
     /// Normal of the chord from the directions along the line and normal to it.
     #[inline(always)]
-    pub fn upward<S: Scalar>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> Vec3<S> {
+    pub fn upward<S: Scalar + Meets<P>>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> Vec3<S> {
         normal.scaled(self.cosine) + chordwise.scaled(self.sine)
     }
 }
@@ -71,7 +71,15 @@ impl<S: Scalar> Section<S> {
     ///
     /// Equation: aero.section_kinematics
     #[inline]
-    pub fn new(motion: &SectionMotion<S>, wind: Vec3<S>, inverse_chord: f64, zero_lift: ZeroLift) -> Self {
+    pub fn new<P: Scalar>(
+        motion: &SectionMotion<S>,
+        wind: Vec3<S>,
+        inverse_chord: P,
+        zero_lift: ZeroLift<P>,
+    ) -> Self
+    where
+        S: Meets<P>,
+    {
         let chord = (motion.te - motion.le) * S::from(inverse_chord);
         let across = motion.span;
         let upward = chord.cross(across);
@@ -125,11 +133,11 @@ impl<S: Scalar> Section<S> {
     ///
     /// Equation: aero.section_moment
     #[inline]
-    pub fn section_moment<P: Scalar>(&self, mass: P, half_chord: f64, speed: S) -> S
+    pub fn section_moment<P: Scalar>(&self, mass: P, half_chord: P, speed: S) -> S
     where
         S: Meets<P>,
     {
-        speed * self.pitch_rate * (mass * (-0.5 * half_chord))
+        speed * self.pitch_rate * (mass * (half_chord * -0.5))
             - self.pitch_acceleration * (mass * half_chord * half_chord / 8.0)
     }
 
@@ -166,7 +174,7 @@ impl<S: Scalar> Section<S> {
         inertia: P,
         i: usize,
         sections: &(impl Sections<S> + ?Sized),
-        zero_lift: ZeroLift,
+        zero_lift: ZeroLift<P>,
         matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
     ) where
         S: Meets<P>,
@@ -277,13 +285,13 @@ impl<S: Scalar> std::ops::Add for SectionForce<S> {
 /// Equation: aero.pitch_suction
 #[inline]
 pub(super) fn pitch_suction<P: Scalar, G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
-    (mass, slope_share, half_chord): (P, P, f64),
+    (mass, slope_share, half_chord): (P, P, P),
     pitch: G,
     wash: S,
     lift_wash: S,
 ) -> S {
     let linear = wash - lift_wash * (slope_share * 2.0);
-    (linear - pitch * ((-slope_share + 1.0) * (0.5 * half_chord))) * (pitch * mass)
+    (linear - pitch * ((-slope_share + 1.0) * (half_chord * 0.5))) * (pitch * mass)
 }
 
 /// Share of leading-edge suction at the cosine x of the effective incidence:

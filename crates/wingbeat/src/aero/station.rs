@@ -1,6 +1,6 @@
 //! The motion of one wing section, the only thing aerodynamics hears of the structure.
 
-use crate::math::{Scalar, Vec3};
+use crate::math::{Meets, Scalar, Vec3};
 
 /// Motion of one chord line. All vectors are resolved in the body frame B;
 /// positions are from the body origin; velocities and accelerations are
@@ -55,7 +55,10 @@ pub struct SectionField<S: Scalar> {
 impl<S: Scalar> SectionField<S> {
     /// The field that lies the share `x` of the way to another.
     #[inline]
-    pub fn mixed(&self, other: &Self, x: f64) -> Self {
+    pub fn mixed<P: Scalar>(&self, other: &Self, x: P) -> Self
+    where
+        S: Meets<P>,
+    {
         Self { le: along(self.le, other.le, x), te: along(self.te, other.te, x) }
     }
     /// Velocity of mid chord along `normal`, and rate of nose-up pitch of a chord 1/`inverse_chord` m long, whose own
@@ -93,6 +96,6 @@ impl<S: Scalar> SectionMotion<S> {
 }
 
 #[inline]
-fn along<S: Scalar>(a: Vec3<S>, b: Vec3<S>, x: f64) -> Vec3<S> {
-    a * S::from(1.0 - x) + b * S::from(x)
+fn along<P: Scalar, S: Scalar + Meets<P>>(a: Vec3<S>, b: Vec3<S>, x: P) -> Vec3<S> {
+    a * S::from(P::ONE - x) + b * S::from(x)
 }

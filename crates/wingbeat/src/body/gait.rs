@@ -1,6 +1,6 @@
 //! Joint coordinates over the flapping cycle.
 
-use crate::math::{Jet, Scalar};
+use crate::math::{Jet, Meets, Scalar};
 use crate::{Error, require};
 use serde::{Deserialize, Serialize};
 
@@ -10,26 +10,34 @@ pub const MAX_HARMONICS: usize = 64;
 /// One harmonic amplitude cos(k phase - phase_k).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "schema",
+    schemars(rename = "Harmonic", bound = "P: schemars::JsonSchema + Default + Serialize")
+)]
 #[serde(deny_unknown_fields)]
-pub struct Harmonic {
+pub struct Harmonic<P = f64> {
     /// Amplitude, rad.
-    pub amplitude_rad: f64,
+    pub amplitude_rad: P,
     /// Phase lag, rad.
     #[serde(default)]
-    pub phase_rad: f64,
+    pub phase_rad: P,
 }
 
 /// An angle as mean and harmonics of the stroke phase, positive = wing up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "schema",
+    schemars(rename = "FourierSeries", bound = "P: schemars::JsonSchema + Default + Serialize")
+)]
 #[serde(deny_unknown_fields)]
-pub struct FourierSeries {
+pub struct FourierSeries<P = f64> {
     /// Mean, rad.
     #[serde(default)]
-    pub mean_rad: f64,
+    pub mean_rad: P,
     /// Harmonics 1, 2, ... of the stroke.
     #[serde(default)]
-    pub harmonics: Vec<Harmonic>,
+    pub harmonics: Vec<Harmonic<P>>,
 }
 
 impl FourierSeries {
@@ -54,16 +62,35 @@ impl FourierSeries {
     pub fn single(mean_rad: f64, amplitude_rad: f64, phase_rad: f64) -> Self {
         Self { mean_rad, harmonics: vec![Harmonic { amplitude_rad, phase_rad }] }
     }
+}
 
+impl<P: Scalar> FourierSeries<P> {
     /// Equation: body.gait_fourier
     ///
     /// mean + sum_k a_k cos(k phase - p_k), with rate and acceleration.
     #[inline]
-    pub fn angle<S: Scalar>(&self, phase: Jet<S>) -> Jet<S> {
+    pub fn angle<S: Scalar + Meets<P>>(&self, phase: Jet<S>) -> Jet<S> {
         let terms = self.harmonics.iter().zip(1..);
-        terms.fold(Jet::from(self.mean_rad), |sum, (harmonic, k)| {
-            sum + (phase * f64::from(k) - harmonic.phase_rad).cos() * harmonic.amplitude_rad
+        terms.fold(Jet::constant(S::from(self.mean_rad)), |sum, (harmonic, k)| {
+            sum + (phase * f64::from(k)).shifted(-harmonic.phase_rad).cos().scaled(harmonic.amplitude_rad)
         })
+    }
+
+    /// The same series in other numbers, `f` of each.
+    pub fn map<Q>(&self, f: impl Fn(P) -> Q) -> FourierSeries<Q> {
+        let harmonic =
+            |h: &Harmonic<P>| Harmonic { amplitude_rad: f(h.amplitude_rad), phase_rad: f(h.phase_rad) };
+        FourierSeries { mean_rad: f(self.mean_rad), harmonics: self.harmonics.iter().map(harmonic).collect() }
+    }
+
+    /// Its numbers by their keys.
+    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
+        let mut all = vec![("mean_rad".to_string(), &mut self.mean_rad)];
+        for (i, harmonic) in self.harmonics.iter_mut().enumerate() {
+            all.push((format!("harmonics[{i}].amplitude_rad"), &mut harmonic.amplitude_rad));
+            all.push((format!("harmonics[{i}].phase_rad"), &mut harmonic.phase_rad));
+        }
+        all
     }
 }
 

@@ -9,7 +9,7 @@ pub use dimensions::LinkageDimensions;
 
 use super::planar::Planar;
 use crate::Error;
-use crate::math::{Jet, Scalar};
+use crate::math::{Jet, Meets, Scalar};
 use crate::plant::Fault;
 use closure::Loop;
 
@@ -19,13 +19,16 @@ pub const MARGIN_LIMIT: f64 = 0.003;
 /// Names of the regulated lengths, in the order of every displacement.
 pub const REGULATED: [&str; 3] = ["l3b", "l5a", "l5b"];
 
+/// Radians in a degree.
+const RADIANS: f64 = std::f64::consts::PI / 180.0;
+
 /// Crank positions at which a new linkage is tried.
 const TRIALS: usize = 360;
 
 /// A linkage that was seen to close through a whole turn of its crank.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Linkage {
-    dimensions: LinkageDimensions,
+pub struct Linkage<P: Scalar = f64> {
+    dimensions: LinkageDimensions<P>,
     /// Angles opposite the branch cuts of humerus and radius, so that neither
     /// angle ever jumps over the cycle, rad.
     middle: [f64; 2],
@@ -86,14 +89,21 @@ impl Linkage {
         Ok(linkage)
     }
 
-    /// The dimensions.
-    pub fn dimensions(&self) -> &LinkageDimensions {
-        &self.dimensions
-    }
-
     /// Limits of the displacement of each regulated length about its nominal value, m.
     pub fn displacement_limits(&self) -> [[f64; 2]; 3] {
         self.dimensions.regulated().map(|r| r.range().map(|limit| limit - r.nominal))
+    }
+}
+
+impl<P: Scalar> Linkage<P> {
+    /// The dimensions.
+    pub fn dimensions(&self) -> &LinkageDimensions<P> {
+        &self.dimensions
+    }
+
+    /// The same linkage with other dimensions, near enough that its angles keep their branches.
+    pub fn with<Q: Scalar>(&self, dimensions: LinkageDimensions<Q>) -> Linkage<Q> {
+        Linkage { dimensions, middle: self.middle }
     }
 
     /// Equation: body.linkage_closure
@@ -109,18 +119,19 @@ impl Linkage {
     ///
     /// # Errors
     /// [`Fault::LinkageSingular`] when a loop's margin is below [`MARGIN_LIMIT`].
-    pub fn pose<S: Scalar>(&self, crank: Jet<S>, displacement: [Jet<S>; 3]) -> Result<LinkagePose<S>, Fault> {
+    pub fn pose<S: Scalar + Meets<P>>(
+        &self,
+        crank: Jet<S>,
+        displacement: [Jet<S>; 3],
+    ) -> Result<LinkagePose<S>, Fault> {
         let d = &self.dimensions;
         let regulated = d.regulated();
-        let length = |i: usize| {
-            let [low, high] = regulated[i].range();
-            (displacement[i] + regulated[i].nominal).clamped(low, high)
-        };
+        let length = |i: usize| regulated[i].displaced(displacement[i]);
         let [p1, p5, p8] = [d.p1_m, d.p5_m, d.p8_m].map(Planar::constant);
-        let (sin_a3, cos_a3) = d.a3_deg.to_radians().sin_cos();
+        let (sin_a3, cos_a3) = (d.a3_deg * RADIANS).sin_cos();
         let crank_pin = p1 + Planar::unit(crank).times(d.l1_m);
 
-        let arm3 = Planar::new(length(0), Jet::from(-d.l3c_m));
+        let arm3 = Planar::new(length(0), Jet::constant(S::from(-d.l3c_m)));
         let loop1 = Loop::close(1, p5 - crank_pin, d.l2a_m, arm3)?;
         let (e2, e5) = (loop1.bar, loop1.body.turned([cos_a3, sin_a3]));
 
@@ -135,11 +146,12 @@ impl Linkage {
         let (e9, e6) = (loop3.bar, loop3.body);
 
         let (humerus, radius) = (e5.angle_about(self.middle[0]), e6.angle_about(self.middle[1]));
-        let (sin, cos) = d.turned_deg.to_radians().sin_cos();
+        let turned = d.turned_deg * RADIANS;
+        let (sin, cos) = turned.sin_cos();
         let [e2, e3, e5, e6, e8, e9] = [e2, e3, e5, e6, e8, e9].map(|e| e.turned([cos, sin]));
         Ok(LinkagePose {
-            humerus: humerus + d.turned_deg.to_radians(),
-            radius: radius + d.turned_deg.to_radians(),
+            humerus: humerus.shifted(turned),
+            radius: radius.shifted(turned),
             directions: Directions { e2, e3, e5, e6, e8, e9 },
             margins: [loop1.margin, loop2.margin, loop3.margin],
         })

@@ -26,7 +26,7 @@ pub use motion::LinkMotion;
 pub use motor::{Motor, MotorWork};
 pub use planar::Planar;
 pub use response::{Coupled, Element, Response};
-pub use tree::{Base, JointKind, Link, Tree};
+pub use tree::{Base, JointKind, JointNumbers, Link, Tree};
 
 /// Largest number of links of a tree; the scratch lives on the stack.
 pub const MAX_LINKS: usize = 40;

@@ -2,7 +2,7 @@
 
 use super::dynamics::BaseAcceleration;
 use super::tree::{JointKind, Node, Tree};
-use crate::math::{Jet, Mat3, Scalar, Vec3};
+use crate::math::{Jet, Mat3, Meets, Scalar, Vec3};
 use std::ops::Mul;
 
 /// Motion of one link. Everything is resolved in the body frame B; positions
@@ -89,8 +89,11 @@ impl<S: Scalar> LinkMotion<S> {
 
     /// Places `out` at `origin` in this link, moving with it; not yet turned.
     #[inline]
-    fn carry(&self, origin: Vec3<f64>, out: &mut Self) {
-        if origin == Vec3::ZERO {
+    fn carry<P: Scalar>(&self, origin: Vec3<P>, out: &mut Self)
+    where
+        S: Meets<P>,
+    {
+        if origin.is_zero() {
             (out.position, out.velocity, out.acceleration) =
                 (self.position, self.velocity, self.acceleration);
             return;
@@ -104,7 +107,10 @@ impl<S: Scalar> LinkMotion<S> {
 
     /// Moves `out`, carried by this link, as its joint does.
     #[inline]
-    fn articulate<P: Scalar>(&self, node: &Node<P>, joint: &Jet<S>, out: &mut Self) {
+    fn articulate<P: Scalar>(&self, node: &Node<P>, joint: &Jet<S>, out: &mut Self)
+    where
+        S: Meets<P>,
+    {
         let mounted;
         let frame = match &node.orientation {
             None => &self.rotation,
@@ -148,7 +154,7 @@ impl<P: Scalar> Tree<P> {
     /// prismatic joint adds e q to r, e q' to v and e q'' + 2 w_p x e q' to a instead.
     ///
     /// `joints` and `out` hold one entry per link.
-    pub fn motions<S: Scalar>(
+    pub fn motions<S: Scalar + Meets<P>>(
         &self,
         joints: &[Jet<S>],
         v_b: Vec3<S>,

@@ -1,6 +1,6 @@
 //! Vectors in the linkage's plane, as complex numbers: product = turn and scale.
 
-use crate::math::{Jet, Scalar};
+use crate::math::{Jet, Meets, Scalar};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A vector y + i z with its rate and acceleration.
@@ -20,8 +20,12 @@ impl<S: Scalar> Planar<S> {
     }
     /// A constant vector.
     #[inline]
-    pub fn constant([y, z]: [f64; 2]) -> Self {
-        Self::new(Jet::from(y), Jet::from(z))
+    pub fn constant<P>(of: [P; 2]) -> Self
+    where
+        S: Meets<P>,
+    {
+        let [y, z] = of.map(|part| Jet::constant(S::from(part)));
+        Self::new(y, z)
     }
     /// Unit vector at the angle `a`, rad.
     #[inline]
@@ -46,13 +50,19 @@ impl<S: Scalar> Planar<S> {
     }
     /// Scaled by a constant.
     #[inline]
-    pub fn times(self, k: f64) -> Self {
-        Self::new(self.y * k, self.z * k)
+    pub fn times<P: Copy>(self, k: P) -> Self
+    where
+        S: Meets<P>,
+    {
+        Self::new(self.y.scaled(k), self.z.scaled(k))
     }
     /// Turned and scaled by the constant vector `[c, s]`.
     #[inline]
-    pub fn turned(self, [c, s]: [f64; 2]) -> Self {
-        Self::new(self.y * c - self.z * s, self.y * s + self.z * c)
+    pub fn turned<P: Copy>(self, [c, s]: [P; 2]) -> Self
+    where
+        S: Meets<P>,
+    {
+        Self::new(self.y.scaled(c) - self.z.scaled(s), self.y.scaled(s) + self.z.scaled(c))
     }
     /// Direction in (middle - pi, middle + pi], rad; `middle` is a constant angle.
     #[inline]

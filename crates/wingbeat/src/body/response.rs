@@ -2,38 +2,38 @@
 
 use crate::Error;
 use crate::math::linear::{lu_factor, lu_solve};
-use crate::math::{Jet, Over, Scalar};
+use crate::math::{Jet, Meets, Over, Scalar};
 use crate::require;
 use std::f64::consts::TAU;
 
 /// [y'; y''] = A [y; y'] + B omega for `n` displacements y and `m` commands omega.
 /// The state is [y; y'], 2n numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Response {
+pub enum Response<P = f64> {
     /// Independent elements, y'' = k (omega - y) - c y' + r omega: each follows its own command.
-    Uncoupled(Vec<Element>),
+    Uncoupled(Vec<Element<P>>),
     /// Full matrices.
-    Coupled(Coupled),
+    Coupled(Coupled<P>),
 }
 
 /// Stiffness and damping of one independent element, per unit inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Element {
+pub struct Element<P = f64> {
     /// k = (2 pi f)^2, 1/s2.
-    pub stiffness: f64,
+    pub stiffness: P,
     /// c = 2 zeta 2 pi f, 1/s.
-    pub damping: f64,
+    pub damping: P,
     /// r: what the acceleration gains per unit of a command to the rate, 1/s; 0 where the command is to y.
-    pub rate_gain: f64,
+    pub rate_gain: P,
 }
 
 /// The lower half [K C] of A and B_2 of B, by rows: y'' = K y + C y' + B_2 omega.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Coupled {
+pub struct Coupled<P = f64> {
     elements: usize,
     commands: usize,
-    state: Vec<f64>,
-    command: Vec<f64>,
+    state: Vec<P>,
+    command: Vec<P>,
 }
 
 impl Element {
@@ -154,7 +154,7 @@ impl Coupled {
     }
 }
 
-impl Response {
+impl<P: Scalar> Response<P> {
     /// Number n of displacements.
     pub fn elements(&self) -> usize {
         match self {
@@ -172,24 +172,103 @@ impl Response {
     }
 
     /// What the acceleration of element `i` gains per unit of the state `j`: an entry of the lower rows of A.
-    pub fn state_gain(&self, i: usize, j: usize) -> f64 {
+    pub fn state_gain(&self, i: usize, j: usize) -> P {
         match self {
             Self::Uncoupled(e) if j == i => -e[i].stiffness,
             Self::Uncoupled(e) if j == e.len() + i => -e[i].damping,
-            Self::Uncoupled(_) => 0.0,
+            Self::Uncoupled(_) => P::ZERO,
             Self::Coupled(c) => c.state[i * 2 * c.elements + j],
         }
     }
 
     /// What the acceleration of element `i` gains per unit of the command `j`: an entry of the lower rows of B.
-    pub fn command_gain(&self, i: usize, j: usize) -> f64 {
+    pub fn command_gain(&self, i: usize, j: usize) -> P {
         match self {
             Self::Uncoupled(e) if j == i => e[i].stiffness + e[i].rate_gain,
-            Self::Uncoupled(_) => 0.0,
+            Self::Uncoupled(_) => P::ZERO,
             Self::Coupled(c) => c.command[i * c.commands + j],
         }
     }
 
+    /// Equation: body.structure_response
+    ///
+    /// Displacements with rate and acceleration from the state [y; y'] and the
+    /// commands; `out` has n entries. Paper eq. (mimic_dynamics).
+    pub fn displacements<S: Scalar + Meets<P>>(&self, state: &[S], command: &[S], out: &mut [Jet<S>]) {
+        let n = self.elements();
+        for (i, y) in out.iter_mut().enumerate().take(n) {
+            let acceleration = match self {
+                Self::Uncoupled(e) if !e[i].rate_gain.is_zero() => {
+                    command[i] * e[i].rate_gain - state[i] * e[i].stiffness - state[n + i] * e[i].damping
+                }
+                Self::Uncoupled(e) => (command[i] - state[i]) * e[i].stiffness - state[n + i] * e[i].damping,
+                Self::Coupled(c) => {
+                    let (width, m) = (2 * n, c.commands);
+                    let own = product(&c.state[i * width..(i + 1) * width], state);
+                    own + product(&c.command[i * m..(i + 1) * m], command)
+                }
+            };
+            *y = Jet::new(state[i], state[n + i], acceleration);
+        }
+    }
+
+    /// The same response in other numbers, `f` of each.
+    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> Response<Q> {
+        let all = |numbers: &[P]| numbers.iter().map(|number| f(*number)).collect();
+        match self {
+            Self::Uncoupled(elements) => {
+                let element = |e: &Element<P>| Element {
+                    stiffness: f(e.stiffness),
+                    damping: f(e.damping),
+                    rate_gain: f(e.rate_gain),
+                };
+                Response::Uncoupled(elements.iter().map(element).collect())
+            }
+            Self::Coupled(Coupled { elements, commands, state, command }) => Response::Coupled(Coupled {
+                elements: *elements,
+                commands: *commands,
+                state: all(state),
+                command: all(command),
+            }),
+        }
+    }
+
+    /// Its numbers: of independent elements by the key of each, of matrices by row and column of A and B.
+    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
+        let mut all = Vec::new();
+        match self {
+            Self::Uncoupled(elements) => {
+                for (i, element) in elements.iter_mut().enumerate() {
+                    all.push((format!("elements[{i}].stiffness_per_s2"), &mut element.stiffness));
+                    all.push((format!("elements[{i}].damping_per_s"), &mut element.damping));
+                    if !element.rate_gain.is_zero() {
+                        all.push((format!("elements[{i}].rate_gain_per_s"), &mut element.rate_gain));
+                    }
+                }
+            }
+            Self::Coupled(Coupled { elements, commands, state, command }) => {
+                for (key, matrix, width) in [("a", state, 2 * *elements), ("b", command, *commands)] {
+                    for (k, number) in matrix.iter_mut().enumerate() {
+                        let (row, column) = (*elements + k / width, k % width);
+                        all.push((format!("{key}[{row}][{column}]"), number));
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// Rates [y'; y''] of the state, from the displacements of the same instant.
+    pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
+        let n = self.elements();
+        for (i, y) in displacements.iter().enumerate().take(n) {
+            rates[i] = S::from(y.d);
+            rates[n + i] = S::from(y.dd);
+        }
+    }
+}
+
+impl Response {
     /// Displacements at rest per unit of the held commands, n rows of m: y = K^-1 B_2 omega. Zero for elements that no
     /// stiffness brings to rest, and for all where K is singular beyond them.
     pub fn rest(&self) -> Vec<f64> {
@@ -209,40 +288,9 @@ impl Response {
         lu_solve(&stiffness, n, &pivots, &mut gains, m);
         gains
     }
-
-    /// Equation: body.structure_response
-    ///
-    /// Displacements with rate and acceleration from the state [y; y'] and the
-    /// commands; `out` has n entries. Paper eq. (mimic_dynamics).
-    pub fn displacements<S: Scalar>(&self, state: &[S], command: &[S], out: &mut [Jet<S>]) {
-        let n = self.elements();
-        for (i, y) in out.iter_mut().enumerate().take(n) {
-            let acceleration = match self {
-                Self::Uncoupled(e) if e[i].rate_gain != 0.0 => {
-                    command[i] * e[i].rate_gain - state[i] * e[i].stiffness - state[n + i] * e[i].damping
-                }
-                Self::Uncoupled(e) => (command[i] - state[i]) * e[i].stiffness - state[n + i] * e[i].damping,
-                Self::Coupled(c) => {
-                    let (width, m) = (2 * n, c.commands);
-                    let own = product(&c.state[i * width..(i + 1) * width], state);
-                    own + product(&c.command[i * m..(i + 1) * m], command)
-                }
-            };
-            *y = Jet::new(state[i], state[n + i], acceleration);
-        }
-    }
-
-    /// Rates [y'; y''] of the state, from the displacements of the same instant.
-    pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
-        let n = self.elements();
-        for (i, y) in displacements.iter().enumerate().take(n) {
-            rates[i] = S::from(y.d);
-            rates[n + i] = S::from(y.dd);
-        }
-    }
 }
 
-fn product<S: Scalar>(row: &[f64], x: &[S]) -> S {
+fn product<P: Scalar, S: Scalar + Meets<P>>(row: &[P], x: &[S]) -> S {
     row.iter().zip(x).fold(S::ZERO, |sum, (a, x)| sum + *x * *a)
 }
 

@@ -70,9 +70,12 @@ pub struct Link {
 #[derive(Clone, Debug)]
 pub(super) struct Node<P: Scalar = f64> {
     pub(super) parent: Option<usize>,
-    pub(super) origin: Vec3,
+    pub(super) origin: Vec3<P>,
     /// None when it is the identity.
-    pub(super) orientation: Option<Mat3>,
+    pub(super) orientation: Option<Mat3<P>>,
+    /// The orientation without the turn that the numbers add, and that turn.
+    mount: Option<Mat3>,
+    turn: Vec3<P>,
     pub(super) kind: JointKind,
     pub(super) axis: Axis,
     /// None when massless.
@@ -81,8 +84,17 @@ pub(super) struct Node<P: Scalar = f64> {
     pub(super) carried: u64,
 }
 
+/// Place of a joint on its parent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointNumbers<P: Scalar = f64> {
+    /// Joint origin in the parent's frame, m.
+    pub origin: Vec3<P>,
+    /// Turn of the link's frame beyond its orientation, about the parent's axes: roll, pitch and yaw, rad.
+    pub turn: Vec3<P>,
+}
+
 /// A floating base and its links. Constant; every evaluation brings its own
-/// scratch and allocates nothing. Masses and inertias are of type `P`, so that they may carry derivatives.
+/// scratch and allocates nothing. Masses, inertias and places of joints are of type `P`, so that they may carry derivatives.
 #[derive(Clone, Debug)]
 pub struct Tree<P: Scalar = f64> {
     pub(super) base: Inertia<P>,
@@ -130,17 +142,25 @@ impl<P: Scalar> Tree<P> {
         std::iter::once(self.base.numbers()).chain(self.nodes.iter().map(link)).collect()
     }
 
-    /// The same tree with the numbers of base and links in the order of [`numbers`](Self::numbers); what has no
-    /// mass keeps none.
+    /// Places of the joints.
+    pub fn places(&self) -> Vec<JointNumbers<P>> {
+        self.nodes.iter().map(|node| JointNumbers { origin: node.origin, turn: node.turn }).collect()
+    }
+
+    /// The same tree with the numbers of base and links in the order of [`numbers`](Self::numbers), and with the
+    /// `places` of its joints; what has no mass keeps none.
     ///
     /// # Panics
     /// When there are not as many.
-    pub fn with<Q: Scalar>(&self, numbers: &[BodyNumbers<Q>]) -> Tree<Q> {
+    pub fn with<Q: Scalar>(&self, numbers: &[BodyNumbers<Q>], places: &[JointNumbers<Q>]) -> Tree<Q> {
         assert_eq!(numbers.len(), 1 + self.nodes.len(), "numbers of the base and of every link");
-        let node = |(node, numbers): (&Node<P>, &BodyNumbers<Q>)| Node {
+        assert_eq!(places.len(), self.nodes.len(), "a place for every joint");
+        let node = |((node, numbers), place): ((&Node<P>, &BodyNumbers<Q>), &JointNumbers<Q>)| Node {
             parent: node.parent,
-            origin: node.origin,
-            orientation: node.orientation,
+            origin: place.origin,
+            orientation: turned(place.turn, node.mount),
+            mount: node.mount,
+            turn: place.turn,
             kind: node.kind,
             axis: node.axis,
             inertia: node.inertia.as_ref().map(|inertia| inertia.with(numbers)),
@@ -148,7 +168,7 @@ impl<P: Scalar> Tree<P> {
         };
         Tree {
             base: self.base.with(&numbers[0]),
-            nodes: self.nodes.iter().zip(&numbers[1..]).map(node).collect(),
+            nodes: self.nodes.iter().zip(&numbers[1..]).zip(places).map(node).collect(),
             names: self.names.clone(),
         }
     }
@@ -226,16 +246,30 @@ impl Node {
             ));
         }
         let inertia = Inertia::new(link.mass, link.com, link.inertia)?;
+        let mount = (link.orientation != Mat3::IDENTITY).then_some(link.orientation);
         Ok(Self {
             parent: link.parent,
             origin: link.origin,
-            orientation: (link.orientation != Mat3::IDENTITY).then_some(link.orientation),
+            orientation: turned(Vec3::ZERO, mount),
+            mount,
+            turn: Vec3::ZERO,
             kind: link.kind,
             axis: Axis::new(link.axis),
             inertia: (!inertia.is_massless()).then_some(inertia),
             carried: 0,
         })
     }
+}
+
+/// Orientation of a link: its `mount` on the parent and a further turn.
+fn turned<P: Scalar>(turn: Vec3<P>, mount: Option<Mat3>) -> Option<Mat3<P>> {
+    let mounted = mount.map(|mount| Mat3(mount.0.map(|row| row.map(P::from))));
+    if turn.is_zero() {
+        return mounted;
+    }
+    let Vec3([roll, pitch, yaw]) = turn;
+    let turn = Mat3::from_roll_pitch_yaw(roll, pitch, yaw);
+    Some(mounted.map_or(turn, |mounted| turn * mounted))
 }
 
 /// True when R'R = 1 and det R = 1 within rounding.

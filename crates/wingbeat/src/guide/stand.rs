@@ -38,7 +38,7 @@ impl<'a> Stand<'a> {
             return Err(Error::invalid("robot.gait", robot.frequency_hz(), "a gait that flaps"));
         }
         if robot.motor().is_some() {
-            let allowed = "nothing here: the stand sets the frequency of the gait";
+            let allowed = "nothing here: the plan chooses the rate of the crank, which a motor leaves to torque and load; fly what it finds with the motor";
             return Err(Error::invalid("robot.drive.motor", "given", allowed));
         }
         if robot.carried_states() > MAX_STATES {

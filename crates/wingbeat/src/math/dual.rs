@@ -244,4 +244,8 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn is_finite(self) -> bool {
         self.re.is_finite() && self.eps.iter().all(|e| e.is_finite())
     }
+    #[inline]
+    fn is_zero(self) -> bool {
+        self.re.is_zero() && self.eps.iter().all(|e| e.is_zero())
+    }
 }

@@ -26,13 +26,13 @@ pub fn hermite<S: Scalar>(t: S, h: S, x: [S; 2], dx: [S; 2]) -> (S, S) {
 }
 
 /// Piecewise-linear function through (x, y), constant outside; `x` ascending.
-pub fn piecewise_linear(xs: &[f64], ys: &[f64], x: f64) -> f64 {
+pub fn piecewise_linear<S: Scalar>(xs: &[S], ys: &[S], x: S) -> S {
     let last = xs.len() - 1;
     let i = xs.partition_point(|&v| v <= x).clamp(1, last.max(1)) - 1;
     if last == 0 {
         return ys[0];
     }
-    let s = ((x - xs[i]) / (xs[i + 1] - xs[i])).clamp(0.0, 1.0);
+    let s = ((x - xs[i]) / (xs[i + 1] - xs[i])).clamped(0.0, 1.0);
     lerp(ys[i], ys[i + 1], s)
 }
 

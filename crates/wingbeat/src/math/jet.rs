@@ -1,6 +1,6 @@
 //! Second-order jets along time: a value with its rate and acceleration.
 
-use super::Scalar;
+use super::{Meets, Scalar};
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -20,6 +20,28 @@ impl<S: Scalar> Jet<S> {
     #[inline]
     pub fn new(x: S, d: S, dd: S) -> Self {
         Self { x, d, dd }
+    }
+
+    /// A number that does not change in time.
+    #[inline]
+    pub fn constant(x: S) -> Self {
+        Self::new(x, S::ZERO, S::ZERO)
+    }
+    /// With the constant number `by` added.
+    #[inline]
+    pub fn shifted<P>(self, by: P) -> Self
+    where
+        S: Meets<P>,
+    {
+        Self::new(self.x + by, self.d, self.dd)
+    }
+    /// Times the constant number `k`.
+    #[inline]
+    pub fn scaled<P: Copy>(self, k: P) -> Self
+    where
+        S: Meets<P>,
+    {
+        Self::new(self.x * k, self.d * k, self.dd * k)
     }
 
     /// Chain rule (Faa di Bruno, order 2): f, f' and f'' at the value.
@@ -193,5 +215,9 @@ impl<S: Scalar> Scalar for Jet<S> {
     #[inline]
     fn is_finite(self) -> bool {
         self.x.is_finite() && self.d.is_finite() && self.dd.is_finite()
+    }
+    #[inline]
+    fn is_zero(self) -> bool {
+        self.x.is_zero() && self.d.is_zero() && self.dd.is_zero()
     }
 }

@@ -55,6 +55,8 @@ pub trait Scalar:
     fn recip(self) -> Self;
     /// True when value and derivatives are finite.
     fn is_finite(self) -> bool;
+    /// True when value and derivatives are zero.
+    fn is_zero(self) -> bool;
 
     /// self * a + b, rounded once where the processor can.
     #[inline]
@@ -104,6 +106,16 @@ pub trait Scalar:
             left /= 2;
         }
         if n < 0 { power.recip() } else { power }
+    }
+    /// Power with any exponent, of what is above zero.
+    #[inline]
+    fn powf(self, exponent: f64) -> Self {
+        (self.ln() * exponent).exp()
+    }
+    /// Length of the hypotenuse, sqrt(self^2 + other^2).
+    #[inline]
+    fn hypot(self, other: Self) -> Self {
+        (self * self + other * other).sqrt()
     }
     /// Smooth |x|: sqrt(x^2 + width^2).
     #[inline]
@@ -174,8 +186,24 @@ impl Scalar for f64 {
         }
     }
     #[inline]
+    fn powf(self, exponent: f64) -> Self {
+        f64::powf(self, exponent)
+    }
+    #[inline]
+    fn hypot(self, other: Self) -> Self {
+        f64::hypot(self, other)
+    }
+    #[inline]
+    fn acos(self) -> Self {
+        f64::acos(self)
+    }
+    #[inline]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+    #[inline]
+    fn is_zero(self) -> bool {
+        self == 0.0
     }
 }
 

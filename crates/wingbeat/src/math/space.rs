@@ -76,6 +76,11 @@ impl<S: Scalar> Vec3<S> {
         let [x, y, z] = self.0;
         Self([x * k, y * k, z * k])
     }
+    /// True when every component and its derivatives are zero.
+    #[inline]
+    pub fn is_zero(self) -> bool {
+        self.0.iter().all(|c| c.is_zero())
+    }
     /// True when every component is finite.
     #[inline]
     pub fn is_finite(self) -> bool {

@@ -216,6 +216,9 @@ impl Scalar for Traced {
     fn is_finite(self) -> bool {
         self.value.is_finite()
     }
+    fn is_zero(self) -> bool {
+        self.node == CONSTANT && self.value == 0.0
+    }
 }
 
 /// A recorded function and the scratch of its sweeps; reused point after point

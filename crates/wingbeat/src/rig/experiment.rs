@@ -5,6 +5,7 @@ use super::cell::{CHANNELS, CellSpec, LoadCell, six};
 use super::numbers::RigNumbers;
 use super::{FrameMotion, Pose};
 use crate::Error;
+use crate::body::MotorWork;
 use crate::math::{Jet, Mat3, Quat, Scalar, Wrench};
 use crate::plant::{Fault, Plant};
 use crate::robot::{CarriedLoads, Robot};
@@ -36,6 +37,10 @@ pub struct Experiment<'a> {
     pub spin_up: f64,
 }
 
+/// Columns of what the motor does.
+const MOTOR: [(&str, &str); 4] =
+    [("crank_rate", "rad/s"), ("motor_torque", "N m"), ("motor_power", "W"), ("electrical_power", "W")];
+
 /// What a run gave.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -54,6 +59,10 @@ pub struct CellLoads {
     pub air: Wrench<f64>,
     /// Of the inertia of body and links, about the body origin, in B.
     pub inertia: Wrench<f64>,
+    /// Phase of the gait, rad.
+    pub phase: f64,
+    /// What the motor does, where one turns the crank.
+    pub motor: Option<MotorWork>,
 }
 
 impl Experiment<'_> {
@@ -68,7 +77,7 @@ impl Experiment<'_> {
         let mut record = Record::new(self.columns(), samples + 1)?;
         let mut row = Vec::new();
         let mut saturated = 0;
-        let mut stepper = Stepper::new(self, -self.rest, &vec![0.0; self.robot.carried_states()]);
+        let mut stepper = Stepper::new(self, -self.rest, &self.robot.carried_still());
         let first = match stepper.observe() {
             Ok(first) => first,
             Err(fault) => return Ok(Err(fault)),
@@ -91,7 +100,7 @@ impl Experiment<'_> {
         }
     }
 
-    /// The gait's clock at `t`: at rest before the start, then running up
+    /// The gait's clock at `t`, whose rate is a motor's share of its supply voltage: at rest before the start, then running up
     /// smoothly (rate 3 s^2 - 2 s^3) to the pace of time.
     fn clock(&self, t: f64) -> Jet {
         if !self.flapping || t <= 0.0 {
@@ -144,6 +153,9 @@ impl Experiment<'_> {
         for (prefix, frame) in [("true", "C"), ("air", "B"), ("inertia", "B")] {
             columns.extend(CHANNELS.map(|(name, unit)| Column::new(format!("{prefix}_{name}"), unit, frame)));
         }
+        if self.robot.motor().is_some() {
+            columns.extend(MOTOR.map(|(name, unit)| Column::new(name, unit, "")));
+        }
         columns
     }
 
@@ -156,7 +168,7 @@ impl Experiment<'_> {
 
     fn fill(&self, row: &mut Vec<f64>, t: f64, now: &CellLoads, reading: &[f64; 6]) {
         row.clear();
-        row.extend([t, self.robot.phase(self.clock(t).x)]);
+        row.extend([t, now.phase]);
         match self.carrier.joints(t) {
             Some(q) => {
                 let q = &q[..self.dof()];
@@ -166,6 +178,9 @@ impl Experiment<'_> {
         }
         row.extend(reading);
         row.extend(six(&now.wrench).into_iter().chain(six(&now.air)).chain(six(&now.inertia)));
+        row.extend(
+            now.motor.iter().flat_map(|m| [m.crank_rate, m.shaft_torque, m.shaft_power, m.electrical_power]),
+        );
     }
 }
 
@@ -186,7 +201,9 @@ impl Observed for Experiment<'_> {
     fn observed(&self, at: Moment) -> Result<CellLoads, Fault> {
         let (cell, mount, loads) = self.carried_now(at, &mut vec![0.0; at.x.len()])?;
         let wrench = mount.to_cell(&loads.total()) + mount.wrench(&cell);
-        Ok(CellLoads { wrench, air: loads.air.total() + loads.body_drag, inertia: loads.inertia })
+        let (phase, motor) = self.robot.carried_crank(&self.clock(at.t), at.x);
+        let air = loads.air.total() + loads.body_drag;
+        Ok(CellLoads { wrench, air, inertia: loads.inertia, phase, motor })
     }
 }
 

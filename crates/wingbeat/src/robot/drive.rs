@@ -68,7 +68,7 @@ impl<P: Scalar> Robot<P> {
             for moved in &element.moves {
                 let Displaced::Scale(joint) = *moved else { continue };
                 if let Drive::Series(series, _) = &self.mechanism.drives[joint] {
-                    let swing = joints[joint] - series.mean_rad;
+                    let swing = joints[joint].shifted(-series.mean_rad);
                     joints[joint] += swing * *displacement;
                 }
             }
@@ -167,9 +167,16 @@ impl Robot {
         self.mechanism.springs().enumerate().map(moved).sum()
     }
 
-    /// What the motor does, the crank at `phase`, at full supply.
-    pub(super) fn motor_work(&self, phase: Jet) -> Option<MotorWork> {
-        self.motor.map(|motor| motor.work(phase.x, phase.d, 1.0))
+    /// What the motor does, the crank at `phase`, at a share of its supply voltage.
+    pub(super) fn motor_work(&self, phase: Jet, supply: f64) -> Option<MotorWork> {
+        self.motor.map(|motor| motor.work(phase.x, phase.d, supply))
+    }
+
+    /// Phase of the gait of the carried robot in the state `x`, and what the motor does where one turns the crank;
+    /// `clock` as for [`Robot::carried`].
+    pub fn carried_crank(&self, clock: &Jet, x: &[f64]) -> (f64, Option<MotorWork>) {
+        let phase = self.crank(clock, x);
+        (phase.x, self.motor_work(phase, clock.d))
     }
 }
 

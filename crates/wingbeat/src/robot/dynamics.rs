@@ -161,31 +161,13 @@ impl<P: Scalar> Robot<P> {
         let mut carriers = Carriers::new(base, wind_dot, coordinates);
         carriers.follow(&self.carriers, links, wind_dot);
         let tree = &self.mechanism.tree;
-        let (mut mass, bias) = tree.inertia_and_bias(w, links);
+        let (mass, bias) = tree.inertia_and_bias(w, links);
         let g_b = self.gravity(attitude);
         let body = tree.gravity(g_b, links) + self.body_drag(v - wind) + -bias;
-        let acceleration = if coordinates.count() == 0 {
-            let (load, added) = self.covering.sum(&carriers, wind, air, &mut dx[l.aero..], None);
-            let net = load + body.lifted();
-            add(&mut mass, &added);
-            let mut rhs = [S::ZERO; 6];
-            net.force.store(&mut rhs);
-            net.moment.store(&mut rhs[3..]);
-            solve_symmetric(mass, rhs)
-        } else {
-            let mut system = System::new();
-            tree.coordinate_inertia(links, g_b, coordinates, &mut system.mass, &mut system.forces);
-            self.add_efforts(structure, G::ONE, &mut system);
-            let mut net = system.add_air(self, &carriers, wind, air, &mut dx[l.aero..]);
-            add(&mut system.mass, &mass);
-            net += body.lifted();
-            let solution = system.solve(Some(net), coordinates.count());
-            solution.map(|degrees| {
-                second_rates.extend(degrees[6..][..coordinates.count()].iter().copied());
-                std::array::from_fn(|i| degrees[i])
-            })
-        };
-        let acceleration = acceleration.ok_or(Fault::MassMatrix { time: t.value() })?;
+        let states = (structure, air, &mut dx[l.aero..]);
+        let acceleration = self
+            .acceleration((mass, body), &carriers, links, (wind, g_b), states, second_rates)
+            .ok_or(Fault::MassMatrix { time: t.value() })?;
 
         v_w.lifted().store(&mut dx[l.position..]);
         let mut turning = [G::ZERO; 4];
@@ -196,6 +178,41 @@ impl<P: Scalar> Robot<P> {
         self.store_coordinate_rates(structure, second_rates, &mut dx[l.joints..l.aero]);
         (out.attitude, out.acceleration) = (attitude, acceleration);
         Ok(())
+    }
+
+    /// Acceleration of the body origin and angular acceleration in B under the wrench `body` of all but the air and the
+    /// air's; `mass` is that of body and links. Fills the rates of the air, the last of `states`, and the second rates of the
+    /// coordinates. `None` when the mass matrix is not positive definite.
+    #[inline(always)]
+    fn acceleration<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        (mut mass, body): ([[G; 6]; 6], Wrench<G>),
+        carriers: &Carriers<G>,
+        links: &[LinkMotion<G>],
+        (wind, g_b): (Vec3<G>, Vec3<G>),
+        (structure, air, air_rates): (&[G], &[S], &mut [S]),
+        second_rates: &mut ArrayVec<S, MAX_COORDINATES>,
+    ) -> Option<[S; 6]> {
+        let coordinates = carriers.coordinates;
+        if coordinates.count() == 0 {
+            let (load, added) = self.covering.sum(carriers, wind, air, air_rates, None);
+            let net = load + body.lifted();
+            add(&mut mass, &added);
+            let mut rhs = [S::ZERO; 6];
+            net.force.store(&mut rhs);
+            net.moment.store(&mut rhs[3..]);
+            return solve_symmetric(mass, rhs);
+        }
+        let mut system = System::new();
+        let System { mass: matrix, forces, .. } = &mut system;
+        self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, matrix, forces);
+        self.add_efforts(structure, G::ONE, &mut system);
+        let mut net = system.add_air(self, carriers, wind, air, air_rates);
+        add(&mut system.mass, &mass);
+        net += body.lifted();
+        let degrees = system.solve(Some(net), coordinates.count())?;
+        second_rates.extend(degrees[6..][..coordinates.count()].iter().copied());
+        Some(std::array::from_fn(|i| degrees[i]))
     }
 
     /// Motion of the links with the joints at `joints`, the body moving with `v` and `w` in B.

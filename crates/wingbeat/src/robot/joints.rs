@@ -240,7 +240,7 @@ impl<P: Scalar> Robot<P> {
         }
         let joint = |drive: &Drive<P>| match drive {
             Drive::Fixed | Drive::Held | Drive::Elastic(_) => Jet::ZERO,
-            Drive::Series(series, lag) => series.angle(phase - *lag),
+            Drive::Series(series, lag) => series.angle(phase.shifted(-*lag)),
             Drive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],
             Drive::Linkage(wing, LinkageOutput::Elbow) => poses[*wing][1],
         };

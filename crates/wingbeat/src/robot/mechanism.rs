@@ -1,9 +1,9 @@
 //! From what a robot file says of links and joints to the tree and what moves each joint.
 
-use super::numbers::SpringNumbers;
+use super::numbers::{Numbers, SpringNumbers, StopNumbers};
 use super::spec::{ElasticSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, RobotSpec, WingSpec};
 use crate::Error;
-use crate::body::{Base, BodyNumbers, FourierSeries, JointKind, Link, Linkage, Tree};
+use crate::body::{Base, FourierSeries, JointKind, Link, Linkage, Tree};
 use crate::math::{Mat3, Meets, Quat, Scalar, Vec3};
 use crate::plant::MAX_COORDINATES;
 
@@ -18,7 +18,7 @@ pub(super) struct Mechanism<P: Scalar = f64> {
     /// Joints whose coordinates are states, in order.
     pub coordinates: Vec<usize>,
     /// The linkage that the gait turns, one on each side.
-    pub linkage: Option<Box<Linkage>>,
+    pub linkage: Option<Box<Linkage<P>>>,
 }
 
 /// What moves a joint.
@@ -29,7 +29,7 @@ pub(super) enum Drive<P: Scalar = f64> {
     /// Held at zero by the gait; structure elements may displace it.
     Held,
     /// A series of the phase, which lags by this angle, rad.
-    Series(FourierSeries, f64),
+    Series(FourierSeries<P>, P),
     /// An output of the linkage of a wing (0 left, 1 right).
     Linkage(usize, LinkageOutput),
     /// Its spring: the coordinate is a state.
@@ -42,28 +42,24 @@ pub(super) struct Spring<P: Scalar = f64> {
     pub numbers: SpringNumbers<P>,
     /// Coordinate at the start.
     pub start: f64,
-    /// Low, high, stiffness and width of the stops.
-    stops: Option<[f64; 4]>,
 }
-
-/// Share of the range over which the corner of a stop is rounded off.
-const STOP_ROUNDING: f64 = 0.01;
 
 impl Spring {
     const FREE: Self =
-        Self { numbers: SpringNumbers { stiffness: 0.0, damping: 0.0, rest: 0.0 }, start: 0.0, stops: None };
+        Self { numbers: SpringNumbers { stiffness: 0.0, damping: 0.0, rest: 0.0, stops: None }, start: 0.0 };
 
     fn new(spec: &ElasticSpec) -> Self {
-        let stops = spec.stops.map(|s| [s.low, s.high, s.stiffness, STOP_ROUNDING * (s.high - s.low)]);
+        let stops = spec.stops.map(|s| StopNumbers { low: s.low, high: s.high, stiffness: s.stiffness });
         let ElasticSpec { stiffness, damping, rest, start, .. } = *spec;
-        Self { numbers: SpringNumbers { stiffness, damping, rest }, start: start.unwrap_or(rest), stops }
+        Self { numbers: SpringNumbers { stiffness, damping, rest, stops }, start: start.unwrap_or(rest) }
     }
 
     /// Energy stored, J, from no deflection on, the rest displaced by `moved`.
     pub fn energy(&self, q: f64, moved: f64) -> f64 {
         let SpringNumbers { stiffness, rest, .. } = self.numbers;
         let linear = 0.5 * stiffness * (q - rest - moved).powi(2);
-        let Some([low, high, stiffness, width]) = self.stops else { return linear };
+        let Some(stops) = self.numbers.stops else { return linear };
+        let (StopNumbers { low, high, stiffness }, width) = (stops, stops.width());
         // Integral of the smooth positive part from zero overlap on.
         let integral = |x: f64| {
             let root = x.hypot(width);
@@ -85,11 +81,13 @@ impl<P: Scalar> Spring<P> {
     ///
     /// Equation: robot.joint_spring
     pub fn effort<S: Scalar + Meets<P>>(&self, q: S, d: S, moved: S) -> S {
-        let SpringNumbers { stiffness, damping, rest } = self.numbers;
+        let SpringNumbers { stiffness, damping, rest, stops } = self.numbers;
         let linear = -((q - rest - moved) * stiffness) - d * damping;
-        let Some([low, high, stiffness, width]) = self.stops else { return linear };
-        let beyond = (q - high).smooth_positive(width) - (-q + low).smooth_positive(width);
-        linear - beyond * stiffness
+        let Some(stops) = stops else { return linear };
+        let square = stops.width() * stops.width();
+        let smooth_positive = |x: S| (x + (x * x + square).sqrt()) * 0.5;
+        let beyond = smooth_positive(q - stops.high) - smooth_positive(-q + stops.low);
+        linear - beyond * stops.stiffness
     }
 }
 
@@ -161,25 +159,37 @@ impl<P: Scalar> Mechanism<P> {
         })
     }
 
-    /// The same mechanism with the numbers of body and links, and of the springs.
-    pub fn with<Q: Scalar>(&self, bodies: &[BodyNumbers<Q>], springs: &[SpringNumbers<Q>]) -> Mechanism<Q> {
-        let mut springs = springs.iter();
+    /// The series of the joints that have one, with their lags.
+    pub fn series(&self) -> impl Iterator<Item = (usize, &FourierSeries<P>, P)> {
+        self.drives.iter().enumerate().filter_map(|(joint, drive)| match drive {
+            Drive::Series(series, lag) => Some((joint, series, *lag)),
+            _ => None,
+        })
+    }
+
+    /// The same mechanism with other numbers.
+    pub fn with<Q: Scalar>(&self, numbers: &Numbers<Q>) -> Mechanism<Q> {
+        let (mut springs, mut series) = (numbers.springs.iter(), numbers.series.iter());
         let drive = |drive: &Drive<P>| match drive {
             Drive::Fixed => Drive::Fixed,
             Drive::Held => Drive::Held,
-            Drive::Series(series, lag) => Drive::Series(series.clone(), *lag),
+            Drive::Series(..) => {
+                let (series, lag) = series.next().expect("numbers of every series");
+                Drive::Series(series.clone(), *lag)
+            }
             Drive::Linkage(wing, output) => Drive::Linkage(*wing, *output),
             Drive::Elastic(spring) => {
                 let numbers = *springs.next().expect("numbers of every spring");
-                Drive::Elastic(Spring { numbers, start: spring.start, stops: spring.stops })
+                Drive::Elastic(Spring { numbers, start: spring.start })
             }
         };
         Mechanism {
-            tree: self.tree.with(bodies),
+            tree: self.tree.with(&numbers.bodies, &numbers.places),
             drives: self.drives.iter().map(drive).collect(),
             twins: self.twins.clone(),
             coordinates: self.coordinates.clone(),
-            linkage: self.linkage.clone(),
+            linkage: (self.linkage.as_ref().zip(numbers.linkage.as_ref()))
+                .map(|(linkage, dimensions)| Box::new(linkage.with(dimensions.clone()))),
         }
     }
 }

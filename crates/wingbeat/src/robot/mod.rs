@@ -21,7 +21,7 @@ mod surface;
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
-pub use numbers::{Numbers, SpringNumbers, TOGETHER, bounds};
+pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, bounds};
 pub use observe::Observation;
 pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub(crate) use spec::is_of_rig;
@@ -30,7 +30,7 @@ pub use spec::{
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,
     StructureSpec, SurfaceSpec, WingLinkSpec, WingSpec,
 };
-pub use surface::SurfaceOutline;
+pub use surface::{PanelNumbers, PlacementNumbers, SurfaceOutline};
 
 use crate::Error;
 use crate::aero::{Aero, Surfaces};
@@ -84,7 +84,7 @@ pub struct Robot<P: Scalar = f64> {
     phase_rate: P,
     phase_start: P,
     motor: Option<Motor<P>>,
-    response: Response,
+    response: Response<P>,
     /// How far each element is displaced at rest.
     strokes: Vec<[f64; 2]>,
     elements: Vec<Placed>,
@@ -182,14 +182,6 @@ impl Robot {
     pub fn outline_names(&self) -> Vec<String> {
         self.covering.laid.iter().enumerate().flat_map(|(i, s)| s.outline_names(i == 0)).collect()
     }
-    /// Where the states of elastic and free joints and crank start, from [`Layout::joints`] to
-    /// [`Layout::aero`]: the joints at rest, the crank at the starting phase and the gait's frequency.
-    pub fn start_coordinates(&self) -> Vec<f64> {
-        let crank = |state: f64| self.motor.map(|_| state);
-        let still = self.mechanism.springs().map(|_| 0.0);
-        let joints = self.mechanism.springs().map(|s| s.start).chain(crank(self.phase_start));
-        joints.chain(still).chain(crank(self.phase_rate)).collect()
-    }
     /// How far each structure element is displaced by held commands within their limits, rad or m.
     pub fn strokes(&self) -> &[[f64; 2]] {
         &self.strokes
@@ -232,6 +224,29 @@ impl Robot {
     /// Flapping phase at time `t` at a constant rate, rad.
     pub fn phase(&self, t: f64) -> f64 {
         self.phase_start + self.phase_rate * t
+    }
+}
+
+impl<P: Scalar> Robot<P> {
+    /// Where the states of elastic and free joints and crank start, from [`Layout::joints`] to
+    /// [`Layout::aero`]: the joints at rest, the crank at the starting phase and the gait's frequency.
+    pub fn start_coordinates(&self) -> Vec<P> {
+        let crank = |state: P| self.motor.map(|_| state);
+        let still = self.mechanism.springs().map(|_| P::ZERO);
+        let joints = self.mechanism.springs().map(|s| P::from(s.start)).chain(crank(self.phase_start));
+        joints.chain(still).chain(crank(self.phase_rate)).collect()
+    }
+    /// States of the carried robot as it hangs still in still air: elements without displacement, joints where they
+    /// start, and the crank of a motor standing at the starting phase.
+    pub fn carried_still(&self) -> Vec<P> {
+        let mut x = vec![P::ZERO; self.carried_states()];
+        let mut joints = self.start_coordinates();
+        if self.motor.is_some() {
+            joints.pop();
+            joints.push(P::ZERO);
+        }
+        x[self.layout.joints - self.layout.structure..][..joints.len()].copy_from_slice(&joints);
+        x
     }
 }
 

@@ -1,10 +1,10 @@
 //! The physical numbers of a robot, which may carry derivatives.
 
-use super::Robot;
 use super::mechanism::SIDES;
+use super::{PlacementNumbers, Robot};
 use crate::Error;
 use crate::aero::SurfaceNumbers;
-use crate::body::{BodyNumbers, Motor};
+use crate::body::{BodyNumbers, FourierSeries, JointNumbers, LinkageDimensions, Motor, Response};
 use crate::math::{Dual, Scalar, Vec3};
 
 /// Spring and damper of a joint whose coordinate is a state.
@@ -16,6 +16,33 @@ pub struct SpringNumbers<P: Scalar = f64> {
     pub damping: P,
     /// Coordinate without effort, rad or m.
     pub rest: P,
+    /// Its stops.
+    pub stops: Option<StopNumbers<P>>,
+}
+
+/// Stops of a joint whose coordinate is a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StopNumbers<P: Scalar = f64> {
+    /// Coordinate of the lower stop, rad or m.
+    pub low: P,
+    /// Of the upper one.
+    pub high: P,
+    /// N m/rad, or N/m of a sliding joint.
+    pub stiffness: P,
+}
+
+/// Share of the range over which the corner of a stop is rounded off.
+const STOP_ROUNDING: f64 = 0.01;
+
+impl<P: Scalar> StopNumbers<P> {
+    /// Width over which the corners are rounded off.
+    pub(super) fn width(&self) -> P {
+        (self.high - self.low) * STOP_ROUNDING
+    }
+
+    fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> StopNumbers<Q> {
+        StopNumbers { low: f(self.low), high: f(self.high), stiffness: f(self.stiffness) }
+    }
 }
 
 /// Numbers of a robot that are varied together: their derivatives fill one register of the processor. An evaluation under
@@ -28,10 +55,20 @@ pub const TOGETHER: usize = 4;
 pub struct Numbers<P: Scalar = f64> {
     /// Of the body, then of the links.
     pub bodies: Vec<BodyNumbers<P>>,
+    /// Places of the joints.
+    pub places: Vec<JointNumbers<P>>,
+    /// Series of the joints that have one, and their lags, rad.
+    pub series: Vec<(FourierSeries<P>, P)>,
+    /// Dimensions of the linkage, where there is one.
+    pub linkage: Option<LinkageDimensions<P>>,
+    /// Response of the structure's elements.
+    pub response: Response<P>,
     /// Of the elastic and free joints, in the order of their coordinates.
     pub springs: Vec<SpringNumbers<P>>,
     /// Of the surfaces.
     pub surfaces: Vec<SurfaceNumbers<P>>,
+    /// Of their places on the links.
+    pub placements: Vec<PlacementNumbers<P>>,
     /// Drag area of the body along its axes, m2.
     pub drag_area: Vec3<P>,
     /// Density of the air that the body's drag takes, kg/m3; each surface has its own.
@@ -45,34 +82,42 @@ pub struct Numbers<P: Scalar = f64> {
 }
 
 impl<P: Scalar> Numbers<P> {
-    /// All numbers zero, as many of them as `of` has.
-    fn like<Q: Scalar>(of: &Numbers<Q>) -> Self {
-        let zero = P::ZERO;
-        let surface = SurfaceNumbers {
-            density: zero,
-            section_slope: zero,
-            cd0: zero,
-            cd90: zero,
-            stall_angle: zero,
-            critical_suction: zero,
-            added_mass_scale: zero,
+    /// The same numbers in another type, `f` of each.
+    fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> Numbers<Q> {
+        let vector = |v: Vec3<P>| Vec3(v.0.map(f));
+        let body = |b: &BodyNumbers<P>| BodyNumbers {
+            mass: f(b.mass),
+            com: vector(b.com),
+            moments: vector(b.moments),
         };
-        let motor = Motor {
-            stall_torque: zero,
-            no_load_speed: zero,
-            gear_ratio: zero,
-            efficiency: zero,
-            inertia: zero,
+        let spring = |s: &SpringNumbers<P>| SpringNumbers {
+            stiffness: f(s.stiffness),
+            damping: f(s.damping),
+            rest: f(s.rest),
+            stops: s.stops.map(|stops| stops.map(f)),
         };
-        Self {
-            bodies: vec![BodyNumbers::default(); of.bodies.len()],
-            springs: vec![SpringNumbers::default(); of.springs.len()],
-            surfaces: vec![surface; of.surfaces.len()],
-            drag_area: Vec3::ZERO,
-            density: zero,
-            phase_rate: zero,
-            phase_start: zero,
-            motor: of.motor.as_ref().map(|_| motor),
+        let motor = |m: &Motor<P>| Motor {
+            stall_torque: f(m.stall_torque),
+            no_load_speed: f(m.no_load_speed),
+            gear_ratio: f(m.gear_ratio),
+            efficiency: f(m.efficiency),
+            inertia: f(m.inertia),
+        };
+        let place = |p: &JointNumbers<P>| JointNumbers { origin: vector(p.origin), turn: vector(p.turn) };
+        Numbers {
+            bodies: self.bodies.iter().map(body).collect(),
+            places: self.places.iter().map(place).collect(),
+            series: self.series.iter().map(|(series, lag)| (series.map(f), f(*lag))).collect(),
+            linkage: self.linkage.as_ref().map(|dimensions| dimensions.map(f)),
+            response: self.response.map(f),
+            springs: self.springs.iter().map(spring).collect(),
+            surfaces: self.surfaces.iter().map(|surface| surface.map(f)).collect(),
+            placements: self.placements.iter().map(|placement| placement.map(f)).collect(),
+            drag_area: vector(self.drag_area),
+            density: f(self.density),
+            phase_rate: f(self.phase_rate),
+            phase_start: f(self.phase_start),
+            motor: self.motor.as_ref().map(motor),
         }
     }
 
@@ -87,17 +132,42 @@ impl<P: Scalar> Numbers<P> {
             all.extend(along(&name, "com_m", &mut body.com));
             all.extend(along(&name, "inertia_kg_m2", &mut body.moments));
         }
+        for (link, place) in self.places.iter_mut().enumerate() {
+            let name = format!("links.{}", tree.name(link));
+            all.extend(along(&name, "origin_m", &mut place.origin));
+            all.extend(along(&name, "turn_rad", &mut place.turn));
+        }
+        for ((joint, ..), (series, lag)) in robot.mechanism.series().zip(&mut self.series) {
+            let name = format!("links.{}.series", tree.name(joint));
+            all.push((format!("{name}.lag_rad"), lag));
+            all.extend(series.by_name().into_iter().map(|(key, number)| (format!("{name}.{key}"), number)));
+        }
+        if let Some(dimensions) = &mut self.linkage {
+            let named = dimensions.by_name().into_iter();
+            all.extend(named.map(|(key, number)| (format!("linkage.{key}"), number)));
+        }
+        let response = self.response.by_name().into_iter();
+        all.extend(response.map(|(key, number)| (format!("structure.{key}"), number)));
         for (&joint, spring) in joints.iter().zip(&mut self.springs) {
             let key = |key: &str| format!("links.{}.elastic.{key}", tree.name(joint));
             all.push((key("stiffness"), &mut spring.stiffness));
             all.push((key("damping"), &mut spring.damping));
             all.push((key("rest"), &mut spring.rest));
+            if let Some(StopNumbers { low, high, stiffness }) = &mut spring.stops {
+                all.push((key("stops.low"), low));
+                all.push((key("stops.high"), high));
+                all.push((key("stops.stiffness"), stiffness));
+            }
         }
         for ((name, _), surface) in robot.surfaces().zip(&mut self.surfaces) {
             for (key, value) in surface.by_name() {
                 let air = key == "density_kg_m3";
                 all.push((if air { format!("air.{key}") } else { format!("surfaces.{name}.{key}") }, value));
             }
+        }
+        for ((name, _), placement) in robot.surfaces().zip(&mut self.placements) {
+            let named = placement.by_name().into_iter();
+            all.extend(named.map(|(key, number)| (format!("surfaces.{name}.{key}"), number)));
         }
         all.extend(along("body", "drag_area_m2", &mut self.drag_area));
         all.push(("air.density_kg_m3".into(), &mut self.density));
@@ -125,7 +195,7 @@ fn along<'a, P: Scalar>(
 }
 
 /// What of the value at `key` the number called `name` takes: all of it where the key is its name or, without the
-/// side, that of its mirrored pair; less than nothing of a lateral place on the right.
+/// side, that of its mirrored pair; less than nothing where the image has the other sign.
 fn share(key: &str, name: &str) -> Option<f64> {
     if key == name {
         return Some(1.0);
@@ -135,7 +205,9 @@ fn share(key: &str, name: &str) -> Option<f64> {
     if key != name.replacen(link, pair, 1) {
         return None;
     }
-    Some(if side == 1 && name.ends_with("com_m[1]") { -1.0 } else { 1.0 })
+    // Of polar vectors the part across the plane of symmetry changes sign, of turns those in it.
+    let turned = ["com_m[1]", "origin_m[1]", "turn_rad[0]", "turn_rad[2]"];
+    Some(if side == 1 && turned.iter().any(|end| name.ends_with(end)) { -1.0 } else { 1.0 })
 }
 
 impl<P: Scalar> Robot<P> {
@@ -143,8 +215,13 @@ impl<P: Scalar> Robot<P> {
     pub fn numbers(&self) -> Numbers<P> {
         Numbers {
             bodies: self.mechanism.tree.numbers(),
+            places: self.mechanism.tree.places(),
+            series: self.mechanism.series().map(|(_, series, lag)| (series.clone(), lag)).collect(),
+            linkage: self.mechanism.linkage.as_ref().map(|linkage| linkage.dimensions().clone()),
+            response: self.response.clone(),
             springs: self.mechanism.springs().map(|spring| spring.numbers).collect(),
-            surfaces: self.covering.aero.surfaces().iter().map(|s| *s.aero().numbers()).collect(),
+            surfaces: self.covering.aero.surfaces().iter().map(|s| s.aero().numbers().clone()).collect(),
+            placements: self.covering.placements.clone(),
             drag_area: self.drag_area,
             density: self.density,
             phase_rate: self.phase_rate,
@@ -163,18 +240,22 @@ impl Robot {
 
     /// The same robot with other numbers, which may carry derivatives. What has no mass keeps none.
     ///
+    /// # Errors
+    /// [`Error::Invalid`] when strips or nodes do not fit an outline.
+    ///
     /// # Panics
     /// When there are not as many as [`numbers`](Self::numbers) gives.
-    pub fn with<P: Scalar>(&self, numbers: &Numbers<P>) -> Robot<P> {
-        Robot {
-            mechanism: self.mechanism.with(&numbers.bodies, &numbers.springs),
+    pub fn with<P: Scalar>(&self, numbers: &Numbers<P>) -> Result<Robot<P>, Error> {
+        let Numbers { surfaces, placements, .. } = numbers;
+        Ok(Robot {
+            mechanism: self.mechanism.with(numbers),
             phase_rate: numbers.phase_rate,
             phase_start: numbers.phase_start,
             motor: numbers.motor,
-            response: self.response.clone(),
+            response: numbers.response.clone(),
             strokes: self.strokes.clone(),
             elements: self.elements.clone(),
-            covering: self.covering.with(&numbers.surfaces),
+            covering: self.covering.with(surfaces, placements, &self.carriers)?,
             clearances: self.clearances.clone(),
             carriers: self.carriers.clone(),
             drag_area: numbers.drag_area,
@@ -183,7 +264,7 @@ impl Robot {
             layout: self.layout,
             states: self.states.clone(),
             inputs: self.inputs.clone(),
-        }
+        })
     }
 
     /// The robot with the numbers called `keys` as variables: what it computes carries the derivatives by them, in
@@ -200,16 +281,15 @@ impl Robot {
     /// The same where a variable without a key moves nothing of the robot.
     fn varied_by<const N: usize>(&self, keys: [Option<&str>; N]) -> Result<Robot<Dual<N>>, Error> {
         let mut values = self.numbers();
-        let mut numbers = Numbers::<Dual<N>>::like(&values);
+        let mut numbers = values.map(Dual::<N>::constant);
         let values = values.by_name(self);
         check(keys.into_iter().flatten(), &values)?;
-        for ((name, value), (_, number)) in values.iter().zip(numbers.by_name(self)) {
-            *number = Dual::constant(**value);
+        for (name, number) in numbers.by_name(self) {
             for (variable, key) in number.eps.iter_mut().zip(keys) {
-                *variable = key.and_then(|key| share(key, name)).unwrap_or(0.0);
+                *variable = key.and_then(|key| share(key, &name)).unwrap_or(0.0);
             }
         }
-        Ok(self.with(&numbers))
+        self.with(&numbers)
     }
 
     /// `work` on the robot with [`TOGETHER`] of the `keys` as variables after another, for as many as there are; keys that
@@ -246,7 +326,7 @@ impl Robot {
             }
         }
         drop(named);
-        Ok(self.with(&numbers))
+        self.with(&numbers)
     }
 }
 

@@ -112,7 +112,7 @@ impl Robot {
             phase: phase.x,
             drive_power,
             regulator_power,
-            motor: self.motor_work(phase),
+            motor: self.motor_work(phase, 1.0),
             power: joint_power(&torques, &joints) + rest_power
                 - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
             energy: tree.kinetic_energy(e.base.velocity, e.base.rate, &links)

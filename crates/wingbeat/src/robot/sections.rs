@@ -2,32 +2,35 @@
 
 use crate::aero::{SectionField, SectionMotion, Sections};
 use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
-use crate::math::{Over, Scalar, Vec3, Wrench};
+use crate::math::{Meets, Over, Scalar, Vec3, Wrench};
 use arrayvec::ArrayVec;
 
 /// One section of a surface fixed to the body or a link.
 #[derive(Clone, Copy, Debug)]
-pub struct Section {
+pub struct Section<P: Scalar = f64> {
     /// Link index; `None` rides on the body.
     pub link: Option<usize>,
     /// Place of the link among those that carry surfaces.
     carrier: Option<usize>,
     /// Leading edge in the link's frame, m.
-    le: Vec3,
+    le: Vec3<P>,
     /// Trailing edge in the link's frame, m.
-    te: Vec3,
+    te: Vec3<P>,
     /// Unit vector across the section, from left tip to right tip, in the link's frame; `None` is -y.
-    across: Option<Vec3>,
+    across: Option<Vec3<P>>,
+}
+
+impl<P: Scalar> Section<P> {
+    /// A section with leading and trailing edge `edges` (m), which differ in x alone, and the unit
+    /// vector `across` it, in the frame of `link`, the `carrier`-th of those that carry surfaces.
+    pub fn new(link: Option<usize>, carrier: Option<usize>, edges: [Vec3<P>; 2], across: Vec3<P>) -> Self {
+        let to_the_right = Vec3([P::ZERO, -P::ONE, P::ZERO]);
+        let across = (!(across - to_the_right).is_zero()).then_some(across);
+        Self { link, carrier, le: edges[0], te: edges[1], across }
+    }
 }
 
 impl Section {
-    /// A section with leading and trailing edge `edges` (m), which differ in x alone, and the unit
-    /// vector `across` it, in the frame of `link`, the `carrier`-th of those that carry surfaces.
-    pub fn new(link: Option<usize>, carrier: Option<usize>, edges: [Vec3; 2], across: Vec3) -> Self {
-        let across = (across != Vec3::new(0.0, -1.0, 0.0)).then_some(across);
-        Self { link, carrier, le: edges[0], te: edges[1], across }
-    }
-
     /// The hinge line of the section, from the body origin.
     pub fn hinge_point(&self, link: &LinkMotion<f64>) -> Vec3 {
         link.point(Vec3::new(0.0, self.le[1], self.le[2]))
@@ -60,7 +63,10 @@ struct Carrier<S: Scalar> {
 impl<S: Scalar> Track<S> {
     /// The track of the point `x` m further along `axis`.
     #[inline(always)]
-    fn shifted(&self, axis: &Self, x: f64) -> Self {
+    fn shifted<P: Copy>(&self, axis: &Self, x: P) -> Self
+    where
+        S: Meets<P>,
+    {
         Self { p: self.p + axis.p.scaled(x), v: self.v + axis.v.scaled(x), a: self.a + axis.a.scaled(x) }
     }
 }
@@ -80,10 +86,13 @@ impl<S: Scalar> Carrier<S> {
     }
 
     #[inline(always)]
-    fn section(&self, section: &Section) -> SectionMotion<S> {
+    fn section<P: Scalar>(&self, section: &Section<P>) -> SectionMotion<S>
+    where
+        S: Meets<P>,
+    {
         let [x, y, z] = section.le.0;
         let mut root = self.origin.shifted(&self.along[1], y);
-        if z != 0.0 {
+        if !z.is_zero() {
             root = root.shifted(&self.along[2], z);
         }
         let (le, te) = (root.shifted(&self.along[0], x), root.shifted(&self.along[0], section.te[0]));
@@ -137,12 +146,12 @@ impl<S: Scalar> Carriers<'_, S> {
 }
 
 /// The sections of a surface, one by one.
-pub(super) struct Riding<'a, S: Scalar> {
-    pub sections: &'a [Section],
+pub(super) struct Riding<'a, P: Scalar, S: Scalar> {
+    pub sections: &'a [Section<P>],
     pub carriers: &'a Carriers<'a, S>,
 }
 
-impl<S: Scalar> Sections<S> for Riding<'_, S> {
+impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     #[inline(always)]
     fn section(&self, i: usize) -> SectionMotion<S> {
         let section = &self.sections[i];

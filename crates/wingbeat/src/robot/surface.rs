@@ -1,7 +1,7 @@
 //! Surfaces laid over links: where their sections ride, and which links bear the loads of the strips.
 
 use super::clearance::Corner;
-use super::mechanism::{Mechanism, mirrored};
+use super::mechanism::Mechanism;
 use super::sections::{Carriers, Riding, Section};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::Error;
@@ -110,66 +110,149 @@ impl WingSpec {
     }
 }
 
-/// A stretch of one half of a surface on a link.
-#[derive(Clone, Copy, Debug)]
-struct Panel {
-    from_arc: f64,
-    link: Option<usize>,
-    /// Begin in the link's frame, m.
-    origin: Vec3,
-    /// Unit vector of the span from the root on, in the link's frame.
-    along: Vec3,
+/// Where a panel lies on its link; of a symmetric surface that of the left half.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PanelNumbers<P: Scalar = f64> {
+    /// Arc length from the root at which it begins, m.
+    pub from_arc: P,
+    /// Its begin in the link's frame, m.
+    pub origin: Vec3<P>,
+    /// Along the span from the root on, in the link's frame; its length does not matter.
+    pub direction: Vec3<P>,
 }
 
-impl Panel {
+/// Numbers of a surface's place on its links.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacementNumbers<P: Scalar = f64> {
+    /// Shift of the outline forward, m.
+    pub shift: P,
+    /// Of its panels, from the root on.
+    pub panels: Vec<PanelNumbers<P>>,
+}
+
+impl<P: Scalar> PlacementNumbers<P> {
+    /// The same numbers in another type, `f` of each.
+    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> PlacementNumbers<Q> {
+        let vector = |v: Vec3<P>| Vec3(v.0.map(f));
+        let panel = |p: &PanelNumbers<P>| PanelNumbers {
+            from_arc: f(p.from_arc),
+            origin: vector(p.origin),
+            direction: vector(p.direction),
+        };
+        PlacementNumbers { shift: f(self.shift), panels: self.panels.iter().map(panel).collect() }
+    }
+
+    /// All of them by their keys; the first panel begins at the root by definition.
+    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
+        let mut all = vec![("planform_shift_m".to_string(), &mut self.shift)];
+        for (i, PanelNumbers { from_arc, origin, direction }) in self.panels.iter_mut().enumerate() {
+            if i > 0 {
+                all.push((format!("panels[{i}].from_arc_m"), from_arc));
+            }
+            for (key, vector) in [("origin_m", origin), ("direction", direction)] {
+                let parts = vector.0.iter_mut().enumerate();
+                all.extend(parts.map(|(k, part)| (format!("panels[{i}].{key}[{k}]"), part)));
+            }
+        }
+        all
+    }
+}
+
+/// A stretch of one half of a surface on a link.
+#[derive(Clone, Copy, Debug)]
+struct Panel<P: Scalar = f64> {
+    from_arc: P,
+    link: Option<usize>,
+    /// Begin in the link's frame, m.
+    origin: Vec3<P>,
+    /// Unit vector of the span from the root on, in the link's frame.
+    along: Vec3<P>,
+}
+
+impl<P: Scalar> Panel<P> {
+    /// That of one half, `mirror` 1 on the left and -1 on the right.
+    fn new(numbers: &PanelNumbers<P>, link: Option<usize>, mirror: f64) -> Self {
+        let across = |v: Vec3<P>| Vec3([v[0], v[1] * mirror, v[2]]);
+        let along = across(numbers.direction);
+        Self {
+            from_arc: numbers.from_arc,
+            link,
+            origin: across(numbers.origin),
+            along: along * along.norm().recip(),
+        }
+    }
+
     /// The point `x` m ahead of the line of the panel at the arc length `arc`, in the link's frame.
-    fn point(&self, arc: f64, x: f64) -> Vec3 {
-        self.origin + self.along * (arc - self.from_arc) + Vec3::new(x, 0.0, 0.0)
+    fn point(&self, arc: P, x: P) -> Vec3<P> {
+        self.origin + self.along * (arc - self.from_arc) + Vec3([x, P::ZERO, P::ZERO])
     }
 }
 
 /// Geometry of a surface on its links.
 #[derive(Clone, Debug)]
-pub(super) struct Placement {
-    planform: Planform,
-    shift: f64,
+pub(super) struct Placement<P: Scalar = f64> {
+    planform: Planform<P>,
+    shift: P,
     /// Panels of the left and right half, from the root on.
-    panels: [Vec<Panel>; 2],
+    panels: [Vec<Panel<P>>; 2],
 }
 
 impl Placement {
     fn new(spec: &SurfaceSpec, mechanism: &Mechanism) -> Result<Self, Error> {
-        let half = |side: usize, mirror: f64| -> Result<Vec<Panel>, Error> {
-            let panel = |(i, p): (usize, &PanelSpec)| {
-                let along = mirrored(p.direction, mirror);
-                Ok(Panel {
-                    from_arc: p.from_arc_m,
-                    link: mechanism.link_on(&format!("panels[{i}].link"), &p.link, side)?,
-                    origin: mirrored(p.origin_m, mirror),
-                    along: along * along.norm().recip(),
-                })
-            };
-            spec.panels.iter().enumerate().map(panel).collect()
+        let links = |side: usize| -> Result<Vec<Option<usize>>, Error> {
+            let link =
+                |(i, p): (usize, &PanelSpec)| mechanism.link_on(&format!("panels[{i}].link"), &p.link, side);
+            spec.panels.iter().enumerate().map(link).collect()
         };
         // A one-sided surface lies where it is written; its side only orders its strips.
-        let right = if spec.span == Span::Symmetric { half(1, -1.0)? } else { half(1, 1.0)? };
-        let panels = [half(0, 1.0)?, right];
-        Ok(Self { planform: spec.outline()?, shift: spec.planform_shift_m, panels })
+        let right = links(usize::from(spec.span == Span::Symmetric))?;
+        Ok(Self::laid(spec.outline()?, &spec.placement(), &[links(0)?, right]))
+    }
+}
+
+impl SurfaceSpec {
+    /// Where it says that its panels lie.
+    fn placement(&self) -> PlacementNumbers {
+        let panel = |p: &PanelSpec| PanelNumbers {
+            from_arc: p.from_arc_m,
+            origin: Vec3(p.origin_m),
+            direction: Vec3(p.direction),
+        };
+        PlacementNumbers { shift: self.planform_shift_m, panels: self.panels.iter().map(panel).collect() }
+    }
+}
+
+impl<P: Scalar> Placement<P> {
+    /// An outline on panels, whose links of both halves are `links`.
+    fn laid(planform: Planform<P>, numbers: &PlacementNumbers<P>, links: &[Vec<Option<usize>>; 2]) -> Self {
+        let mirror = if planform.span() == Span::Symmetric { [1.0, -1.0] } else { [1.0, 1.0] };
+        let half = |side: usize| {
+            let panels = numbers.panels.iter().zip(&links[side]);
+            panels.map(|(panel, link)| Panel::new(panel, *link, mirror[side])).collect()
+        };
+        Self { planform, shift: numbers.shift, panels: [half(0), half(1)] }
+    }
+
+    /// The links of the panels of both halves.
+    fn links(&self) -> [Vec<Option<usize>>; 2] {
+        [0, 1].map(|side| self.panels[side].iter().map(|panel| panel.link).collect())
     }
 
     /// The section at the arc coordinate `s`, m. A section on a hinge belongs to the inner link.
-    pub fn section(&self, s: f64, carriers: &[usize]) -> Section {
+    pub fn section(&self, s: P, carriers: &[usize]) -> Section<P> {
         let (leading, trailing) = self.planform.edges(s);
         let (arc, left) = (self.planform.from_root(s), self.planform.on_left(s));
         let panels = &self.panels[usize::from(!left)];
         let passed = panels.iter().skip(1).filter(|p| self.planform.beyond(arc, p.from_arc)).count();
         let panel = &panels[passed];
-        let edge = |x: f64| panel.point(arc, x + self.shift);
+        let edge = |x: P| panel.point(arc, x + self.shift);
         let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
         let across = if left { -panel.along } else { panel.along };
         Section::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
     }
+}
 
+impl Placement {
     /// Corners of panel `i` of one half (0 left, 1 right) on `link`: both edges at its ends, at the stations in
     /// between and at the ends of gaps. Between them the outline is straight.
     fn panel_corners(&self, i: usize, half: usize, link: usize) -> impl Iterator<Item = Corner> {
@@ -241,11 +324,11 @@ pub(super) fn corners(spec: &SurfaceSpec, mechanism: &Mechanism) -> Result<Vec<C
 
 /// Which links bear the load of a strip.
 #[derive(Clone, Copy, Debug)]
-struct Mount {
+struct Mount<P: Scalar = f64> {
     /// The link of the control section; `None` is the body.
     link: Option<usize>,
     /// Where the edges ride on different links: the sections of both edges, and the share of the second.
-    edges: Option<([usize; 2], f64)>,
+    edges: Option<([usize; 2], P)>,
 }
 
 /// How a surface lies on the robot.
@@ -263,13 +346,34 @@ pub(super) struct Laid {
     pub covered: Vec<bool>,
 }
 
+/// Adds the sections of a surface and what bears its strips.
+fn ride<P: Scalar>(
+    placement: &Placement<P>,
+    aero: &Aero<P>,
+    carriers: &[usize],
+    sections: &mut Vec<Section<P>>,
+    mounts: &mut Vec<Mount<P>>,
+) {
+    let at = |s: &P| placement.section(*s, carriers);
+    let first = sections.len();
+    sections.extend(aero.arcs().iter().map(at));
+    mounts.extend(aero.strip_arcs().iter().enumerate().map(|(i, s)| {
+        let (edges, share) = aero.strip_sections(i);
+        let edges = edges.map(|edge| first + edge);
+        let apart = sections[edges[0]].link != sections[edges[1]].link;
+        Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
+    }));
+}
+
 /// All surfaces of a robot with their aerodynamic models.
 #[derive(Clone, Debug)]
 pub(super) struct Covering<P: Scalar = f64> {
     pub aero: Surfaces<P>,
     pub laid: Vec<Laid>,
-    sections: Vec<Section>,
-    mounts: Vec<Mount>,
+    sections: Vec<Section<P>>,
+    mounts: Vec<Mount<P>>,
+    /// Numbers of the surfaces' places.
+    pub placements: Vec<PlacementNumbers<P>>,
 }
 
 /// Loads on links, and on the body last, about the body origin, in B.
@@ -317,14 +421,7 @@ impl Covering {
         for ((surface, outline), aero) in spec.all_surfaces().zip(&outlines).zip(&models) {
             let placement = Placement::new(&surface, mechanism).map_err(|e| e.within(&outline.key))?;
             let at = |s: &f64| placement.section(*s, carriers);
-            let first = sections.len();
-            sections.extend(aero.arcs().iter().map(at));
-            mounts.extend(aero.strip_arcs().iter().enumerate().map(|(i, s)| {
-                let (edges, share) = aero.strip_sections(i);
-                let edges = edges.map(|edge| first + edge);
-                let apart = sections[edges[0]].link != sections[edges[1]].link;
-                Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
-            }));
+            ride(&placement, aero, carriers, &mut sections, &mut mounts);
             let stations = placement.stations();
             let placed = Laid {
                 name: surface.name.clone(),
@@ -342,23 +439,38 @@ impl Covering {
             laid.push(placed);
         }
         let named = outlines.into_iter().map(|outline| outline.name).zip(models);
-        Ok(Self { aero: Surfaces::new(named)?, laid, sections, mounts })
+        let placements = spec.all_surfaces().map(|surface| surface.placement()).collect();
+        Ok(Self { aero: Surfaces::new(named)?, laid, sections, mounts, placements })
     }
 }
 
 impl<P: Scalar> Covering<P> {
-    /// The same surfaces with other numbers.
-    pub fn with<Q: Scalar>(&self, numbers: &[SurfaceNumbers<Q>]) -> Covering<Q> {
-        Covering {
-            aero: self.aero.with(numbers),
-            laid: self.laid.clone(),
-            sections: self.sections.clone(),
-            mounts: self.mounts.clone(),
+    /// The same surfaces with other numbers, and on other places of the links, of which `carriers` carry them. What is
+    /// drawn of them stays.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when strips or nodes do not fit an outline.
+    pub fn with<Q: Scalar>(
+        &self,
+        numbers: &[SurfaceNumbers<Q>],
+        placements: &[PlacementNumbers<Q>],
+        carriers: &[usize],
+    ) -> Result<Covering<Q>, Error> {
+        let aero = self.aero.with(numbers)?;
+        let (mut sections, mut mounts) = (Vec::new(), Vec::new());
+        for (((laid, numbers), place), surface) in
+            self.laid.iter().zip(numbers).zip(placements).zip(aero.surfaces())
+        {
+            let drawn = || laid.placement.planform.map(Q::from);
+            let planform = numbers.outline.clone().unwrap_or_else(drawn);
+            let placement = Placement::laid(planform, place, &laid.placement.links());
+            ride(&placement, surface.aero(), carriers, &mut sections, &mut mounts);
         }
+        Ok(Covering { aero, laid: self.laid.clone(), sections, mounts, placements: placements.to_vec() })
     }
 
     /// The sections of all surfaces riding on `carriers`.
-    pub fn riding<'a, S: Scalar>(&'a self, carriers: &'a Carriers<'a, S>) -> Riding<'a, S> {
+    pub fn riding<'a, S: Scalar + Meets<P>>(&'a self, carriers: &'a Carriers<'a, S>) -> Riding<'a, P, S> {
         Riding { sections: &self.sections, carriers }
     }
 
@@ -385,15 +497,18 @@ impl<P: Scalar> Covering<P> {
     }
 
     /// Motion of all sections.
-    pub fn motions<S: Scalar>(&self, carriers: &Carriers<S>) -> ArrayVec<SectionMotion<S>, MAX_SECTIONS> {
+    pub fn motions<S: Scalar + Meets<P>>(
+        &self,
+        carriers: &Carriers<S>,
+    ) -> ArrayVec<SectionMotion<S>, MAX_SECTIONS> {
         let riding = self.riding(carriers);
         (0..self.sections.len()).map(|i| riding.section(i)).collect()
     }
 
     /// Adds the loads of the strips to the links that bear them.
-    pub fn share<G: Scalar, S: Over<G>>(
+    pub fn share<G: Scalar + Meets<P>, S: Over<G>>(
         &self,
-        riding: &Riding<G>,
+        riding: &Riding<P, G>,
         strips: &[Wrench<S>],
         external: &mut External<S>,
     ) {
@@ -405,7 +520,7 @@ impl<P: Scalar> Covering<P> {
                 continue;
             };
             let at = edges.map(|edge| riding.section(edge));
-            let (shares, rest) = between_edges(&at, share, load);
+            let (shares, rest) = between_edges(&at, G::from(share), load);
             for (edge, load) in edges.into_iter().zip(shares) {
                 external[self.sections[edge].link.unwrap_or(body)] += load;
             }
@@ -422,10 +537,10 @@ impl<P: Scalar> Covering<P> {
 /// Equation: robot.strip_shares
 fn between_edges<G: Scalar, S: Over<G>>(
     edges: &[SectionMotion<G>; 2],
-    share: f64,
+    share: G,
     load: &Wrench<S>,
 ) -> ([Wrench<S>; 2], Vec3<S>) {
-    let weights = [1.0 - share, share];
+    let weights = [G::ONE - share, share];
     let chords = [edges[0].te - edges[0].le, edges[1].te - edges[1].le];
     let chord = chords[0].scaled(weights[0]) + chords[1].scaled(weights[1]);
     let line = (edges[1].le - edges[0].le) + (edges[1].te - edges[0].te);
@@ -439,7 +554,7 @@ fn between_edges<G: Scalar, S: Over<G>>(
     let nose_up = (normal.cross(chord) * inverse_chord).dot_over(couple);
     let mut rest = couple;
     let shares = std::array::from_fn(|k| {
-        let turning = (normal.cross(chords[k]) * inverse_chord).times(nose_up * G::from(weights[k]));
+        let turning = (normal.cross(chords[k]) * inverse_chord).times(nose_up * weights[k]);
         rest -= turning;
         Wrench { force: forces[k].force, moment: forces[k].moment + turning }
     });

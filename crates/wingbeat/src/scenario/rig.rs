@@ -599,10 +599,6 @@ impl RigRunSpec {
             Some(f) if f > 0.0 => robot.gait.set_frequency_hz(f),
             _ => {}
         }
-        if !robot.drive.is_constant() {
-            let allowed = "nothing here: a run of the rig sets the frequency of the gait";
-            return Err(Error::invalid("rig.robot.drive.motor", "given", allowed));
-        }
         let rig = &self.rig;
         let wind = Wind::steady(Vec3(self.wind_m_s.unwrap_or(rig.air.wind_m_s)));
         let air = Air { density: rig.air.density_kg_m3, wind };

@@ -124,7 +124,7 @@ impl Default for CoordinateSpec {
     }
 }
 
-/// mean + sum_n cos[n] cos((n+1) phase) + sin[n] sin((n+1) phase).
+/// `mean + sum_n cos[n] cos((n+1) phase) + sin[n] sin((n+1) phase)`.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]

@@ -12,7 +12,7 @@ const UNDETERMINED: f64 = 1e-6;
 pub enum Coordinate {
     /// Always the same.
     Constant(f64),
-    /// mean + sum_n cos[n] cos((n+1) 2 pi f t) + sin[n] sin((n+1) 2 pi f t).
+    /// `mean + sum_n cos[n] cos((n+1) 2 pi f t) + sin[n] sin((n+1) 2 pi f t)`.
     Fourier {
         /// Frequency f of the first harmonic, Hz.
         frequency_hz: f64,

@@ -77,11 +77,15 @@ mod tests {
         let numbers = SurfaceNumbers {
             density: 1.0,
             section_slope: TAU,
+            zero_lift_angle: zero,
             cd0: zero,
             cd90: zero,
             stall_angle: angle,
             critical_suction: 0.2,
             added_mass_scale: 1.0,
+            lags: arrayvec::ArrayVec::new(),
+            outline: None,
+            hinges: Vec::new(),
         };
         Polar::new(LiftLaw::Lev, &numbers)
     }

@@ -10,6 +10,7 @@
 //! Preset `as_printed` keeps the paper's equations (1) to (4) as they stand: the first state of a node is
 //! g = sum a_n sin(n theta), the series at the node, and G = a0 c0 U g / 2 with one airspeed U for the wing.
 
+mod layout;
 mod nodes;
 mod printed;
 mod settings;
@@ -20,11 +21,14 @@ pub use settings::LiftingLineSettings;
 
 use super::law::{Attachment, Polar, lev};
 use super::section::{Section, SectionForce, ZeroLift, pitch_suction, suction_share};
-use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench};
+use super::{
+    Coupling, LagNumbers, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench,
+};
 use crate::Error;
 use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
-use nodes::{Cell, Node, cells, influence, influence_between, node_angles};
+use layout::Layout;
+use nodes::Node;
 use std::f64::consts::PI;
 
 /// Jones' two-term fit of Wagner's function (NACA Rep. 681, 1940): weights.
@@ -36,20 +40,18 @@ pub const JONES_RATES: [f64; 2] = [0.0455, 0.3];
 #[derive(Clone, Debug)]
 pub struct LiftingLine<P: Scalar = f64> {
     settings: LiftingLineSettings,
-    /// Arcs of the sections: of the nodes, then of what else is looked at.
-    arcs: Vec<f64>,
-    /// Chord in the middle, m.
-    root_chord: f64,
-    widths: Vec<f64>,
-    cells: Vec<Cell>,
+    layout: Layout<P>,
     nodes: Vec<Node<P>>,
-    /// Wash per circulation, D_ij, row-major, 1/m.
-    influence: Vec<f64>,
-    /// Whether D vanishes between different nodes an even number apart.
-    alternating: bool,
-    zero_lift: ZeroLift,
+    zero_lift: ZeroLift<P>,
     polar: Polar<P>,
     numbers: SurfaceNumbers<P>,
+    /// Weight of the wash that acts at once.
+    at_once: P,
+}
+
+/// What the lags leave of the weight of the wash.
+fn at_once<P: Scalar>(numbers: &SurfaceNumbers<P>) -> P {
+    numbers.lags.iter().fold(P::ONE, |rest, lag| rest - lag.weight)
 }
 
 impl LiftingLine {
@@ -58,8 +60,9 @@ impl LiftingLine {
     /// # Errors
     /// [`Error::Invalid`] when a setting is outside its range.
     pub fn new(planform: &Planform, settings: LiftingLineSettings) -> Result<Self, Error> {
-        Self::refuse_gaps(planform)?;
-        Self::with_chords(planform.half_span(), |arc| planform.chord(arc), settings)
+        settings.check()?;
+        let numbers = SurfaceNumbers { outline: Some(planform.clone()), ..settings.numbers() };
+        Self::laid(Layout::smooth(planform, &settings)?, numbers, settings)
     }
 
     /// The lifting line of a planform with kinks and hinges: nodes stand for cells that end at the hinges, arcs of
@@ -72,20 +75,10 @@ impl LiftingLine {
         hinge_arcs: &[f64],
         settings: LiftingLineSettings,
     ) -> Result<Self, Error> {
-        Self::refuse_gaps(planform)?;
         settings.check()?;
-        let (arcs, cells, angles) = cells(planform, hinge_arcs, &settings)?;
-        let influence = influence_between(&angles, 2.0 * planform.half_span());
-        let root_chord = planform.chord(0.0).max(settings.chord_floor_m);
-        Ok(Self { root_chord, ..Self::of_cells(arcs, cells, influence, settings) })
-    }
-
-    fn refuse_gaps(planform: &Planform) -> Result<(), Error> {
-        if planform.gaps().is_empty() {
-            return Ok(());
-        }
-        let given = format!("{} gaps", planform.gaps().len());
-        Err(Error::invalid("gaps", given, "none: one sine series spans the whole wing"))
+        let outline = Some(planform.clone());
+        let numbers = SurfaceNumbers { outline, hinges: hinge_arcs.to_vec(), ..settings.numbers() };
+        Self::laid(Layout::hinged(planform, hinge_arcs, &settings)?, numbers, settings)
     }
 
     /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m).
@@ -98,63 +91,38 @@ impl LiftingLine {
         settings: LiftingLineSettings,
     ) -> Result<Self, Error> {
         settings.check()?;
-        let angles = node_angles(settings.nodes);
-        let mut arcs: Vec<f64> = angles.iter().map(|t| half_span * t.cos()).collect();
-        let step = PI / (settings.nodes + 1) as f64;
-        let widths: Vec<f64> = angles.iter().map(|t| half_span * t.sin() * step).collect();
-        let cells = angles
-            .iter()
-            .zip(&arcs)
-            .zip(&widths)
-            .map(|((&t, &arc), &width)| Cell::smooth(chord(arc), width, half_span, t, &settings))
-            .collect();
-        let influence = influence(&angles, 2.0 * half_span);
-        if settings.as_printed {
-            arcs.push(0.0);
-        }
-        let root_chord = chord(0.0).max(settings.chord_floor_m);
-        Ok(Self { alternating: true, root_chord, ..Self::of_cells(arcs, cells, influence, settings) })
-    }
-
-    fn of_cells(
-        arcs: Vec<f64>,
-        cells: Vec<Cell>,
-        influence: Vec<f64>,
-        settings: LiftingLineSettings,
-    ) -> Self {
-        let numbers = settings.numbers();
-        Self {
-            arcs,
-            widths: cells.iter().map(|cell| cell.width).collect(),
-            nodes: cells.iter().map(|cell| Node::new(cell, &numbers)).collect(),
-            cells,
-            influence,
-            alternating: false,
-            root_chord: settings.chord_floor_m,
-            zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
-            polar: Polar::new(settings.law, &numbers),
-            numbers,
-            settings,
-        }
+        Self::laid(Layout::of_chords(half_span, chord, &settings), settings.numbers(), settings)
     }
 }
 
 impl<P: Scalar> LiftingLine<P> {
+    fn laid(
+        layout: Layout<P>,
+        numbers: SurfaceNumbers<P>,
+        settings: LiftingLineSettings,
+    ) -> Result<Self, Error> {
+        Ok(Self {
+            nodes: layout.cells.iter().map(|cell| Node::new(cell, &numbers)).collect(),
+            zero_lift: ZeroLift::new(numbers.zero_lift_angle),
+            polar: Polar::new(settings.law, &numbers),
+            at_once: at_once(&numbers),
+            layout,
+            numbers,
+            settings,
+        })
+    }
+
     /// The same line with other numbers than the settings say.
-    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> LiftingLine<Q> {
-        LiftingLine {
-            nodes: self.cells.iter().map(|cell| Node::new(cell, numbers)).collect(),
-            polar: Polar::new(self.settings.law, numbers),
-            numbers: *numbers,
-            settings: self.settings,
-            arcs: self.arcs.clone(),
-            root_chord: self.root_chord,
-            widths: self.widths.clone(),
-            cells: self.cells.clone(),
-            influence: self.influence.clone(),
-            alternating: self.alternating,
-            zero_lift: self.zero_lift,
-        }
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the nodes do not fit an outline.
+    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<LiftingLine<Q>, Error> {
+        let layout = match &numbers.outline {
+            None => self.layout.map(|number| Q::from(number.value())),
+            Some(outline) if self.layout.alternating => Layout::smooth(outline, &self.settings)?,
+            Some(outline) => Layout::hinged(outline, &numbers.hinges, &self.settings)?,
+        };
+        LiftingLine::laid(layout, numbers.clone(), self.settings)
     }
 
     /// The numbers in use.
@@ -167,17 +135,17 @@ impl<P: Scalar> LiftingLine<P> {
     }
     /// Where [`SectionMotion`]s are wanted: arc coordinates of the nodes, m, left (positive) to right; of preset
     /// `as_printed` also the middle of the wing, behind them.
-    pub fn arcs(&self) -> &[f64] {
-        &self.arcs
+    pub fn arcs(&self) -> &[P] {
+        &self.layout.arcs
     }
     /// Arc coordinates of the nodes, m.
-    pub fn node_arcs(&self) -> &[f64] {
-        &self.arcs[..self.nodes.len()]
+    pub fn node_arcs(&self) -> &[P] {
+        &self.layout.arcs[..self.nodes.len()]
     }
     /// Quadrature weights of the nodes for quantities that vanish at the tips
     /// like the circulation, m.
-    pub fn widths(&self) -> &[f64] {
-        &self.widths
+    pub fn widths(&self) -> &[P] {
+        &self.layout.widths
     }
     /// Number of nodes.
     pub fn strips(&self) -> usize {
@@ -211,8 +179,8 @@ impl<P: Scalar> LiftingLine<P> {
     /// Equation: aero.lifting_line.induced_wash
     #[inline]
     fn induced_wash<S: Scalar + Meets<P>>(&self, i: usize, gamma: &[S]) -> S {
-        let row = &self.influence[i * gamma.len()..(i + 1) * gamma.len()];
-        if !self.alternating {
+        let row = &self.layout.influence[i * gamma.len()..(i + 1) * gamma.len()];
+        if !self.layout.alternating {
             return -row.iter().zip(gamma).fold(S::ZERO, |sum, (d, g)| sum + *g * *d);
         }
         let mut sum = gamma[i] * row[i];
@@ -257,11 +225,11 @@ impl<P: Scalar> LiftingLine<P> {
         dx: &mut [S],
     ) -> S {
         let (node, m) = (&self.nodes[i], self.strips());
-        let mut effective = w * (1.0 - JONES_WEIGHTS[0] - JONES_WEIGHTS[1]);
-        for k in 0..2 {
+        let mut effective = w * self.at_once;
+        for (k, LagNumbers { weight, .. }) in self.numbers.lags.iter().enumerate().take(2) {
             let lag = x[(k + 1) * m + i];
             dx[(k + 1) * m + i] = (w - lag) * (speed * node.lag_rates[k]);
-            effective += lag * JONES_WEIGHTS[k];
+            effective += lag * *weight;
         }
         effective
     }
@@ -440,7 +408,7 @@ impl<P: Scalar> LiftingLine<P> {
         dx: &mut [S],
     ) {
         let (node, set, m) = (&self.nodes[i], &self.settings, self.strips());
-        let turn = if set.pitch_suction { section.pitch_rate * (0.5 * node.half_chord) } else { G::ZERO };
+        let turn = if set.pitch_suction { section.pitch_rate * (node.half_chord * 0.5) } else { G::ZERO };
         let cosine = flow.inverse * section.uc;
         let wash = flow.effective - turn;
         let suction = wash.squared() * suction_share(cosine) * self.numbers.section_slope;
@@ -488,7 +456,7 @@ impl<P: Scalar> LiftingLine<P> {
         let set = &self.settings;
         let delta2 = set.regularisation_m_s * set.regularisation_m_s;
         let drag = self.numbers.drag().section(set.law, section.uc, section.w_half, flow.attached, delta2);
-        let ahead = (S::from(0.5) - drag.centre) * (2.0 * node.half_chord);
+        let ahead = (S::from(0.5) - drag.centre) * (node.half_chord * 2.0);
         SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
     }
 
@@ -561,7 +529,7 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
         S: Meets<P>,
     {
         let turned = self.effective * self.attached * node.lift * self.speed * self.inverse;
-        let ahead = S::from(0.5 * node.half_chord);
+        let ahead = S::from(node.half_chord * 0.5);
         self.at_edge(turned * self.turning, turned * self.along, ahead)
     }
 
@@ -572,7 +540,7 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
         S: Meets<P>,
     {
         let lift = self.effective * self.attached * node.lift;
-        let ahead = S::from(0.5 * node.half_chord);
+        let ahead = S::from(node.half_chord * 0.5);
         self.at_edge(lift * self.w, lift * self.along, ahead)
     }
 

@@ -33,7 +33,7 @@ impl<P: Scalar> LiftingLine<P> {
     /// G per airspeed and series, a0 c0 / 2, m.
     #[inline]
     fn root_circulation(&self) -> P {
-        self.numbers.section_slope * (0.5 * self.root_chord)
+        self.numbers.section_slope * (self.layout.root_chord * 0.5)
     }
 
     /// Circulation of the state `x` of a node, m2/s.
@@ -61,14 +61,14 @@ impl<P: Scalar> LiftingLine<P> {
     ///
     /// Equation: aero.printed.series
     #[inline]
-    pub(super) fn printed_rate<G: Scalar + Meets<P>, S: Over<G>>(
+    pub(super) fn printed_rate<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
         speed: G,
         effective_wash: S,
         series: S,
     ) -> S {
-        effective_wash * (1.0 / self.root_chord) - series * (speed * self.nodes[i].inverse_chord)
+        effective_wash * self.layout.root_chord.recip() - series * (speed * self.nodes[i].inverse_chord)
     }
 }
 

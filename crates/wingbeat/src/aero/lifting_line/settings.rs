@@ -1,10 +1,11 @@
 //! What the lifting line is made of.
 
+use super::{JONES_RATES, JONES_WEIGHTS};
 use crate::Error;
 use crate::aero::law::{
     CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, STALL_ANGLE, ZERO_LIFT_ANGLE, check_section,
 };
-use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag, SurfaceNumbers};
+use crate::aero::{LagNumbers, LiftLaw, MAX_STRIPS, ProfileDrag, SurfaceNumbers};
 use crate::range::{Range, ranges};
 
 /// What the lifting line is made of.
@@ -90,11 +91,19 @@ impl LiftingLineSettings {
         SurfaceNumbers {
             density: self.density_kg_m3,
             section_slope: self.section_slope,
+            zero_lift_angle: self.zero_lift_angle_rad,
             cd0: self.drag.cd0,
             cd90: self.drag.cd90,
             stall_angle: self.stall_angle_rad,
             critical_suction: self.critical_suction,
             added_mass_scale: 1.0,
+            lags: JONES_WEIGHTS
+                .iter()
+                .zip(JONES_RATES)
+                .map(|(&weight, rate)| LagNumbers { weight, rate })
+                .collect(),
+            outline: None,
+            hinges: Vec::new(),
         }
     }
 

@@ -347,7 +347,7 @@ fn nodes_between_hinges_know_every_sine_and_the_whole_wing() {
     for nodes in [8, 12, 13, 16, 32] {
         let line = LiftingLine::hinged(&planform, &[0.02, 0.07], settings(nodes)).unwrap();
         for n in 1..=nodes {
-            let angles: Vec<f64> = line.arcs.iter().map(|arc| (arc / 0.2).acos()).collect();
+            let angles: Vec<f64> = line.arcs().iter().map(|arc| (arc / 0.2).acos()).collect();
             let gamma: Vec<f64> = angles.iter().map(|t| (n as f64 * t).sin()).collect();
             for (i, t) in angles.iter().enumerate() {
                 let exact = -(n as f64) * (n as f64 * t).sin() / (0.8 * t.sin());
@@ -357,7 +357,7 @@ fn nodes_between_hinges_know_every_sine_and_the_whole_wing() {
         }
         let drag: f64 = line.nodes.iter().map(|node| node.drag).sum();
         assert!((drag / (0.5 * line.settings.density_kg_m3 * planform.area()) - 1.0).abs() < 1e-12);
-        for (a, b) in line.arcs.iter().zip(line.arcs.iter().rev()) {
+        for (a, b) in line.arcs().iter().zip(line.arcs().iter().rev()) {
             assert!((a + b).abs() < 1e-15);
         }
     }
@@ -377,7 +377,7 @@ fn nodes_between_hinges_converge_with_their_number() {
             line.rates_in_wash(&airspeed, &wash, &x, &mut dx, &mut w);
             x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.005 * d);
         }
-        x[..nodes].iter().zip(&line.widths).map(|(g, w)| g * w).sum::<f64>()
+        x[..nodes].iter().zip(line.widths()).map(|(g, w)| g * w).sum::<f64>()
     };
     let [coarse, middle, fine] = [8, 16, 32].map(lift);
     assert!((middle / fine - 1.0).abs() < 0.005, "{coarse} {middle} {fine}");

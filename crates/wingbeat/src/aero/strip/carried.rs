@@ -102,9 +102,9 @@ impl<P: Scalar> StripModel<P> {
             let carried = self.symmetric_impulse(flow, &heave);
             let mut turned = pitch;
             for i in 0..N {
-                let b = 0.5 * self.tables.chord[i];
+                let b = self.tables.chord[i] * 0.5;
                 let mass = if self.settings.section_moment { self.section_mass(i, flow) } else { S::ZERO };
-                turned[i] *= mass * (0.125 * b * b);
+                turned[i] *= mass * (b * b * 0.125);
             }
             let mut add = |k: usize, share: S| {
                 matrix[6 + c][k] += share;
@@ -187,8 +187,8 @@ impl<P: Scalar> StripModel<P> {
             let across = &flow.strips.across.0;
             let mut turned = *across;
             for i in 0..N {
-                let b = 0.5 * self.tables.chord[i];
-                let inertia = self.section_mass(i, flow) * (0.125 * b * b);
+                let b = self.tables.chord[i] * 0.5;
+                let inertia = self.section_mass(i, flow) * (b * b * 0.125);
                 for axis in &mut turned {
                     axis[i] *= inertia;
                 }

@@ -1,6 +1,10 @@
 //! Universal constants of the strip model: lags of the wash on the chord and
 //! of the wash of the wake, fitted once to a linear lifting surface.
 
+use crate::aero::{LagNumbers, MAX_WASH_LAGS};
+use crate::math::Scalar;
+use arrayvec::ArrayVec;
+
 /// One set of lags. Rates are per semichord travelled, wake times per mean
 /// chord travelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +56,10 @@ pub const FIVE_LAGS: Lags = Lags {
 };
 
 impl Lags {
+    /// Weights in the lift wash and rates of the wash lags.
+    pub fn numbers(&self) -> ArrayVec<LagNumbers, MAX_WASH_LAGS> {
+        self.lift.iter().zip(self.rate).map(|(&weight, &rate)| LagNumbers { weight, rate }).collect()
+    }
     /// States per strip.
     pub fn states_per_strip(&self) -> usize {
         self.rate.len() + self.wake.len()
@@ -59,8 +67,8 @@ impl Lags {
     /// Weights of the lags in the potential jump left on the chord:
     /// (gamma_k - psi_k) / e_k. They sum to 1, so that the steady doublet is
     /// the one of a flat plate.
-    pub fn jump(&self, k: usize) -> f64 {
-        (self.circulation[k] - self.lift[k]) / self.rate[k]
+    pub fn jump<P: Scalar>(&self, k: usize, lag: &LagNumbers<P>) -> P {
+        (P::from(self.circulation[k]) - lag.weight) / lag.rate
     }
 }
 
@@ -75,7 +83,7 @@ mod tests {
             assert!((sum(lags.lift) - 0.5).abs() < 1e-12);
             assert!((sum(lags.circulation) - 1.0).abs() < 1e-12);
             assert!((lags.wake_at_once + sum(lags.wake) - 1.0).abs() < 1e-12);
-            let jump: f64 = (0..lags.rate.len()).map(|k| lags.jump(k)).sum();
+            let jump: f64 = lags.numbers().iter().enumerate().map(|(k, lag)| lags.jump(k, lag)).sum();
             assert!((jump - 1.0).abs() < 1e-9, "{jump}");
         }
     }

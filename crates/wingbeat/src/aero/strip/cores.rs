@@ -9,7 +9,7 @@
 use super::grid::Grid;
 use super::influence::{NEAREST, segment_square};
 use super::tables::Table;
-use crate::math::Vec3;
+use crate::math::{Scalar, Vec3};
 
 /// Power of the squared distance at which the wash fades: sharp, so that wings that fold to half their
 /// distances lose little of their interplay (2 % at k = 0.3).
@@ -17,91 +17,95 @@ const POWER: i32 = 4;
 
 /// Cores of the vortices that leave an edge, for every strip, lengths over the mean chord.
 #[derive(Clone, Debug)]
-pub(super) struct EdgeCores {
+pub(super) struct EdgeCores<P = f64> {
     /// Least squared distance to an end of a vortex.
-    pub least: f64,
+    pub least: P,
     /// Of the leg along the chord.
-    pub leg: Table,
+    pub leg: Table<P>,
     /// Of the vortex behind the trailing edge.
-    pub wake: Table,
+    pub wake: Table<P>,
     /// Of the line far behind, at the 1/4 chord points.
-    pub far: Table,
+    pub far: Table<P>,
 }
 
 /// Cores of the vortices along a strip, for every strip, lengths over the mean chord.
 #[derive(Clone, Debug)]
-pub(super) struct StripCores {
+pub(super) struct StripCores<P = f64> {
     /// Of the bound vortex.
-    pub front: Table,
+    pub front: Table<P>,
     /// Of the trailing edge.
-    pub rear: Table,
+    pub rear: Table<P>,
 }
 
 /// Cores of all vortices.
 #[derive(Clone, Debug)]
-pub(super) struct Cores {
+pub(super) struct Cores<P = f64> {
     /// One over the mean chord, 1/m: the scale of lengths.
-    pub scale: f64,
+    pub scale: P,
     /// Strength of a unit vortex: what the cores take from it on the flat wing is given back, and lengths are
     /// over the mean chord, 1/m.
-    pub strength: f64,
-    pub edges: Vec<EdgeCores>,
-    pub strips: Vec<StripCores>,
+    pub strength: P,
+    pub edges: Vec<EdgeCores<P>>,
+    pub strips: Vec<StripCores<P>>,
 }
 
 /// The flat wing, x forward and y to the left, lengths over the mean chord.
-struct Flat<'a> {
-    grid: &'a Grid,
-    scale: f64,
+struct Flat<'a, P> {
+    grid: &'a Grid<P>,
+    scale: P,
     /// (k^2)^4.
     fade: f64,
 }
 
-impl Flat<'_> {
+impl<P: Scalar> Flat<'_, P> {
     /// The point of edge `j` at the chord fraction `x`.
-    fn edge(&self, j: usize, x: f64) -> Vec3<f64> {
+    fn edge(&self, j: usize, x: f64) -> Vec3<P> {
         let (leading, trailing) = self.grid.outline[j];
-        Vec3([leading + x * (trailing - leading), self.grid.arcs[j], 0.0]).scaled(self.scale)
+        Vec3([leading + (trailing - leading) * x, self.grid.arcs[j], P::ZERO]).scaled(self.scale)
     }
     /// The point of the control section of strip `i`; lanes beyond the last strip repeat it.
-    fn target(&self, i: usize, x: f64) -> Vec3<f64> {
+    fn target(&self, i: usize, x: f64) -> Vec3<P> {
         let i = i.min(self.grid.chord.len() - 1);
         let (a, b) = (self.edge(i, x), self.edge(i + 1, x));
         a + (b - a).scaled(self.grid.fraction[i])
     }
     /// The cores from the measures y0 that the washes of one vortex fall by.
-    fn cores(&self, y0: impl Fn(usize) -> f64) -> Table {
-        std::array::from_fn(|i| self.fade * y0(i).powi(POWER))
+    fn cores(&self, y0: impl Fn(usize) -> P) -> Table<P> {
+        std::array::from_fn(|i| y0(i).powi(POWER) * self.fade)
     }
-    fn along(&self, a: Vec3<f64>, b: Vec3<f64>) -> Table {
+    fn along(&self, a: Vec3<P>, b: Vec3<P>) -> Table<P> {
         self.cores(|i| {
             let p = self.target(i, 0.75);
             segment_square((b - a).norm_squared(), [(p - a).norm(), (p - b).norm()])
         })
     }
     /// r (r - u.r) behind `trailing`, u straight back; without the difference where it cancels.
-    fn behind(&self, trailing: Vec3<f64>) -> Table {
+    fn behind(&self, trailing: Vec3<P>) -> Table<P> {
         self.cores(|i| {
             let r = self.target(i, 0.75) - trailing;
             let (length, ahead) = (r.norm(), r[0]);
-            if ahead > 0.0 { length * (length + ahead) } else { length * r[1] * r[1] / (length - ahead) }
+            if ahead.value() > 0.0 {
+                length * (length + ahead)
+            } else {
+                length * r[1] * r[1] / (length - ahead)
+            }
         })
     }
 }
 
-impl Cores {
+impl<P: Scalar> Cores<P> {
     /// The cores of a planform; `share` is k. With y what the wash of a vortex falls by, and y0 its value on the
     /// flat wing, the wash is taken (1 + k^8) y^4 / (y^4 + (k^2 y0)^4) times; y goes with the square of the
     /// distance near a vortex, whose wash is halved k distances off.
     ///
     /// Equation: aero.strip.core_distance
-    pub fn new(grid: &Grid, share: f64) -> Self {
-        let scale = 1.0 / grid.mean_chord;
+    pub fn new(grid: &Grid<P>, share: f64) -> Self {
+        let scale = grid.mean_chord.recip();
         let flat = Flat { grid, scale, fade: (share * share).powi(POWER) };
-        let edge = |(j, half): (usize, f64)| {
+        let edge = |(j, half): (usize, P)| {
             let (bound, trailing) = (flat.edge(j, 0.25), flat.edge(j, 1.0));
             EdgeCores {
-                least: NEAREST * (share * half * scale).powi(2),
+                least: (half * share * scale).powi(2) * NEAREST,
                 leg: flat.along(bound, trailing),
                 wake: flat.behind(trailing),
                 far: flat.cores(|i| (flat.target(i, 0.25)[1] - bound[1]).powi(2)),
@@ -113,7 +117,7 @@ impl Cores {
         };
         let edges = grid.half_widths().enumerate().map(edge).collect();
         let strips = (0..grid.chord.len()).map(strip).collect();
-        Self { scale, strength: (1.0 + flat.fade) * scale, edges, strips }
+        Self { scale, strength: scale * (1.0 + flat.fade), edges, strips }
     }
 }
 

@@ -25,7 +25,10 @@ impl<S: Scalar> Moving<S> {
         Self { at: other.at - self.at, rate: other.rate - self.rate }
     }
     #[inline(always)]
-    pub fn scaled(self, scale: f64) -> Self {
+    pub fn scaled<P: Copy>(self, scale: P) -> Self
+    where
+        S: Meets<P>,
+    {
         Self { at: self.at.scaled(scale), rate: self.rate.scaled(scale) }
     }
 }
@@ -71,7 +74,10 @@ impl<S: Scalar> Segment<S> {
     ///
     /// Equation: aero.strip.segment_rate
     #[inline(always)]
-    fn wash_rate(&self, n: &MovingLine<S>, [a, b]: [Distance<S>; 2], core: f64) -> S {
+    fn wash_rate<P: Scalar>(&self, n: &MovingLine<S>, [a, b]: [Distance<S>; 2], core: P) -> S
+    where
+        S: Meets<P>,
+    {
         let [turn, turn_rate] = self.line.turn(n);
         let (s, s_rate) = (a.length + b.length, a.rate + b.rate);
         let y = segment_square(self.length2, [a.length, b.length]);
@@ -80,7 +86,7 @@ impl<S: Scalar> Segment<S> {
         let y4 = y2 * y2;
         let share = (y4 + core).recip();
         let fade = y2 * y * share;
-        let fade_rate = y2 * share * (share * (S::from(3.0 * core) - y4)) * y_rate;
+        let fade_rate = y2 * share * (share * (S::from(core * 3.0) - y4)) * y_rate;
         let shrinking = a.rate * a.inverse + b.rate * b.inverse;
         let strength_rate = (s_rate - s * shrinking) * fade + s * fade_rate;
         (turn_rate * (s * fade) + turn * strength_rate) * inverse
@@ -97,7 +103,10 @@ struct Distance<S> {
 
 impl<S: Scalar> Distance<S> {
     #[inline(always)]
-    fn new(from: Moving<S>, to: Moving<S>, least: f64) -> Self {
+    fn new<P>(from: Moving<S>, to: Moving<S>, least: P) -> Self
+    where
+        S: Meets<P>,
+    {
         let r = from.to(to);
         let length2 = r.at.norm_squared() + least;
         let inverse = length2.sqrt().recip();
@@ -133,21 +142,21 @@ impl<S: Scalar, const N: usize> Beside<S, N> {
 }
 
 /// The targets: 3/4 chord points and the normals through them over 4 pi, with their rates.
-struct Targets<'a, S: Scalar, const N: usize> {
-    cores: &'a Cores,
+struct Targets<'a, P: Scalar, S: Scalar, const N: usize> {
+    cores: &'a Cores<P>,
     point: [Vectors<S, N>; 2],
     normal: [Vectors<S, N>; 2],
     moment: [Vectors<S, N>; 2],
 }
 
-impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
-    fn new(cores: &'a Cores, edges: &Edges<S, N>, strips: &Strips<S, N>, fraction: &[f64]) -> Self {
+impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
+    fn new(cores: &'a Cores<P>, edges: &Edges<S, N>, strips: &Strips<S, N>, fraction: &[P]) -> Self {
         let pair = [Vectors::ZERO; 2];
         let mut targets = Self { cores, point: pair, normal: pair, moment: pair };
         for i in 0..N {
             let point = edges.control(i, fraction[i]).scaled(cores.scale);
             let [at, rate] = [&strips.normal, &strips.normal_rate]
-                .map(|of| of.get(i).scaled(INVERSE_4PI * cores.strength));
+                .map(|of| of.get(i).scaled(cores.strength * INVERSE_4PI));
             let normal = MovingLine::new(point, Moving { at, rate });
             for (k, line) in [normal.at, normal.rate].into_iter().enumerate() {
                 targets.normal[k].set(i, line.direction);

@@ -2,51 +2,52 @@
 
 use crate::Error;
 use crate::aero::Planform;
+use crate::math::Scalar;
 use crate::math::interpolation::piecewise_linear;
 use std::f64::consts::PI;
 
 /// Constants of the strips, from left tip to right tip.
 #[derive(Clone, Debug)]
-pub(super) struct Grid {
+pub(super) struct Grid<P = f64> {
     /// Arc coordinates of the edges, m, positive on the left wing.
-    pub arcs: Vec<f64>,
+    pub arcs: Vec<P>,
     /// Arc coordinates of the control sections, m.
-    pub control_arcs: Vec<f64>,
+    pub control_arcs: Vec<P>,
     /// Place of the control section between the strip's edges, 0 to 1.
-    pub fraction: Vec<f64>,
+    pub fraction: Vec<P>,
     /// Whether there is wing, not a gap.
     pub covered: Vec<bool>,
     /// Leading and trailing edge at the edges of the strips, m ahead of the hinge line.
-    pub outline: Vec<(f64, f64)>,
+    pub outline: Vec<(P, P)>,
     /// Chord, m.
-    pub chord: Vec<f64>,
+    pub chord: Vec<P>,
     /// Width perpendicular to the chord, m.
-    pub width: Vec<f64>,
+    pub width: Vec<P>,
     /// Cosine of the sweep of the half-chord line.
-    pub cos_half: Vec<f64>,
+    pub cos_half: Vec<P>,
     /// Cosine of the sweep of the three-quarter-chord line.
-    pub cos_three_quarter: Vec<f64>,
+    pub cos_three_quarter: Vec<P>,
     /// Mean chord, m.
-    pub mean_chord: f64,
+    pub mean_chord: P,
     /// Arc span over mean chord.
-    pub aspect: f64,
+    pub aspect: P,
 }
 
-impl Grid {
-    pub fn new(planform: &Planform, strips: usize, hinge_arcs: &[f64]) -> Result<Self, Error> {
+impl<P: Scalar> Grid<P> {
+    pub fn new(planform: &Planform<P>, strips: usize, hinge_arcs: &[P]) -> Result<Self, Error> {
         let (edges, fraction) = spacing(planform, strips, hinge_arcs)?;
-        let arcs: Vec<f64> = edges.iter().map(|s| -s).collect();
-        let outline: Vec<(f64, f64)> = arcs.iter().map(|&s| planform.edges(s)).collect();
+        let arcs: Vec<P> = edges.iter().map(|s| -*s).collect();
+        let outline: Vec<(P, P)> = arcs.iter().map(|&s| planform.edges(s)).collect();
         // The chord direction is -x on the flat planform: widths are differences of arc.
-        let width: Vec<f64> = arcs.windows(2).map(|a| a[0] - a[1]).collect();
-        let chord: Vec<f64> = (0..strips)
+        let width: Vec<P> = arcs.windows(2).map(|a| a[0] - a[1]).collect();
+        let chord: Vec<P> = (0..strips)
             .map(|i| {
                 let at = |j: usize| outline[j].0 - outline[j].1;
                 at(i) + fraction[i] * (at(i + 1) - at(i))
             })
             .collect();
-        let cosine = |x: f64| -> Vec<f64> {
-            let ahead = |(le, te): (f64, f64)| le + x * (te - le);
+        let cosine = |x: f64| -> Vec<P> {
+            let ahead = |(le, te): (P, P)| le + (te - le) * x;
             (0..strips)
                 .map(|i| {
                     let run = ahead(outline[i + 1]) - ahead(outline[i]);
@@ -54,11 +55,11 @@ impl Grid {
                 })
                 .collect()
         };
-        let control_arcs: Vec<f64> = (0..strips).map(|i| arcs[i] - fraction[i] * width[i]).collect();
+        let control_arcs: Vec<P> = (0..strips).map(|i| arcs[i] - fraction[i] * width[i]).collect();
         let covered: Vec<bool> = control_arcs.iter().map(|s| planform.covers(*s)).collect();
-        let kept = |i: usize| if covered[i] { width[i] } else { 0.0 };
-        let area: f64 = chord.iter().enumerate().map(|(i, c)| c * kept(i)).sum();
-        let span: f64 = (0..strips).map(kept).sum();
+        let kept = |i: usize| if covered[i] { width[i] } else { P::ZERO };
+        let area = chord.iter().enumerate().fold(P::ZERO, |sum, (i, c)| sum + *c * kept(i));
+        let span = (0..strips).fold(P::ZERO, |sum, i| sum + kept(i));
         let mean_chord = area / span;
         Ok(Self {
             control_arcs,
@@ -76,43 +77,45 @@ impl Grid {
     }
 }
 
-impl Grid {
+impl<P: Scalar> Grid<P> {
     /// Half width of the narrower strip beside each edge, at most half the chord, m: a core that grows
     /// with a wide strip would reach its own bound vortex.
-    pub fn half_widths(&self) -> impl Iterator<Item = f64> {
+    pub fn half_widths(&self) -> impl Iterator<Item = P> {
         let last = self.width.len() - 1;
-        let half = move |i: usize| 0.5 * self.width[i].min(self.chord[i]);
-        (0..=last + 1).map(move |j| half(j.min(last)).min(half(j.saturating_sub(1))))
+        let least = |a: P, b: P| if b < a { b } else { a };
+        let half = move |i: usize| least(self.width[i], self.chord[i]) * 0.5;
+        (0..=last + 1).map(move |j| least(half(j.min(last)), half(j.saturating_sub(1))))
     }
 }
 
 /// A stretch of arc with its strips, from the right tip on.
-struct Piece {
-    from: f64,
-    to: f64,
+struct Piece<P> {
+    from: P,
+    to: P,
     strips: usize,
 }
 
 /// The pieces of wing and the gaps between them: strips by length on the pieces, one on each
 /// gap, and in the middle what is left.
-fn pieces(planform: &Planform, strips: usize) -> Result<Vec<Piece>, Error> {
+fn pieces<P: Scalar>(planform: &Planform<P>, strips: usize) -> Result<Vec<Piece<P>>, Error> {
     let (tip, gaps) = (planform.half_span(), planform.gaps());
-    let mut bounds: Vec<f64> = gaps.iter().flat_map(|g| [g.from_arc_m, g.to_arc_m]).collect();
-    bounds.retain(|s| *s > 0.0);
+    let mut bounds: Vec<P> = gaps.iter().flat_map(|g| [g.from_arc_m, g.to_arc_m]).collect();
+    bounds.retain(|s| s.value() > 0.0);
     bounds.push(tip);
-    let for_wing = (strips as f64 - 2.0 * gaps.len() as f64).max(0.0) / (2.0 * planform.covered_half_span());
+    let for_wing =
+        (strips as f64 - 2.0 * gaps.len() as f64).max(0.0) / (2.0 * planform.covered_half_span().value());
     let side = bounds.windows(2).map(|b| {
-        let covered = planform.covers(0.5 * (b[0] + b[1]));
-        let share = if covered { (for_wing * (b[1] - b[0])).floor().max(1.0) } else { 1.0 };
+        let covered = planform.covers((b[0] + b[1]) * 0.5);
+        let share = if covered { (for_wing * (b[1] - b[0]).value()).floor().max(1.0) } else { 1.0 };
         Piece { from: b[0], to: b[1], strips: share as usize }
     });
-    let side: Vec<Piece> = side.collect();
+    let side: Vec<Piece<P>> = side.collect();
     let outer: usize = 2 * side.iter().map(|p| p.strips).sum::<usize>();
     if outer >= strips {
         return Err(Error::invalid("strips", strips, format!("at least {}: one on every piece", outer + 1)));
     }
-    let mirrored = |p: &Piece| Piece { from: -p.to, to: -p.from, strips: p.strips };
-    let mut all: Vec<Piece> = side.iter().rev().map(mirrored).collect();
+    let mirrored = |p: &Piece<P>| Piece { from: -p.to, to: -p.from, strips: p.strips };
+    let mut all: Vec<Piece<P>> = side.iter().rev().map(mirrored).collect();
     all.push(Piece { from: -bounds[0], to: bounds[0], strips: strips - outer });
     all.extend(side);
     Ok(all)
@@ -123,28 +126,30 @@ fn pieces(planform: &Planform, strips: usize) -> Result<Vec<Piece>, Error> {
 ///
 /// # Errors
 /// [`Error::Invalid`] when a hinge lies beyond the tip or the strips are too few for hinges and gaps.
-pub fn spacing(
-    planform: &Planform,
+pub fn spacing<P: Scalar>(
+    planform: &Planform<P>,
     strips: usize,
-    hinge_arcs: &[f64],
-) -> Result<(Vec<f64>, Vec<f64>), Error> {
+    hinge_arcs: &[P],
+) -> Result<(Vec<P>, Vec<P>), Error> {
     let pieces = pieces(planform, strips)?;
     let tip = planform.half_span();
     let mut hinges = Vec::new();
     for (k, &arc) in hinge_arcs.iter().enumerate() {
         let at = planform.coordinates(arc);
-        if !(arc >= 0.0 && at.iter().all(|s| s.abs() < tip)) {
-            let allowed = format!("0 to less than the half span {tip}");
-            return Err(Error::invalid(format!("hinge_arcs_m[{k}]"), arc, allowed).against(["half_span"]));
+        if !(arc.value() >= 0.0 && at.iter().all(|s| s.abs() < tip)) {
+            let allowed = format!("0 to less than the half span {}", tip.value());
+            return Err(
+                Error::invalid(format!("hinge_arcs_m[{k}]"), arc.value(), allowed).against(["half_span"])
+            );
         }
         // Edges are laid from the right tip, where the arc coordinate is negative, to the left one.
-        hinges.extend(at.iter().map(|s| -s));
+        hinges.extend(at.iter().map(|s| -*s));
     }
-    hinges.sort_by(f64::total_cmp);
+    hinges.sort_by(|a: &P, b: &P| a.value().total_cmp(&b.value()));
     hinges.dedup_by(|a, b| *a == *b);
     let (mut edges, mut fractions) = (Vec::with_capacity(strips + 1), Vec::with_capacity(strips));
     for piece in &pieces {
-        if planform.covers(0.5 * (piece.from + piece.to)) {
+        if planform.covers((piece.from + piece.to) * 0.5) {
             let (edge, fraction) = piece.spacing(&hinges, strips).map_err(|e| {
                 let arcs = (0..hinge_arcs.len()).map(|k| format!("hinge_arcs_m[{k}]"));
                 e.against(arcs).against(["half_span"])
@@ -155,45 +160,48 @@ pub fn spacing(
             // Between the outermost edges of its neighbours.
             let step = (piece.to - piece.from) / piece.strips as f64;
             edges.extend((1..piece.strips).map(|j| piece.from + step * j as f64));
-            fractions.extend(std::iter::repeat_n(0.5, piece.strips));
+            fractions.extend(std::iter::repeat_n(P::from(0.5), piece.strips));
         }
     }
     Ok((edges, fractions))
 }
 
-impl Piece {
+impl<P: Scalar> Piece<P> {
     /// Strip edges and the place of the control point in each strip: with t = (s - middle) over
     /// the half length, edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)),
     /// i = 1..N; a piecewise-linear map of the angle puts an edge on each hinge.
     ///
     /// Equation: aero.strip.spacing
-    fn spacing(&self, hinges: &[f64], strips: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
+    fn spacing(&self, hinges: &[P], strips: usize) -> Result<(Vec<P>, Vec<P>), Error> {
         let n = self.strips as f64;
-        let mut edge: Vec<f64> =
-            (0..=self.strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();
-        let mut middle: Vec<f64> = (1..=self.strips).map(|i| i as f64 * PI / (n + 1.0)).collect();
+        let edge: Vec<f64> = (0..=self.strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();
+        let middle = (1..=self.strips).map(|i| i as f64 * PI / (n + 1.0));
         let (from, to) = self.hinge_map(&edge, hinges, strips)?;
-        for angle in edge.iter_mut().chain(&mut middle) {
-            *angle = piecewise_linear(&from, &to, *angle);
-        }
-        let edge: Vec<f64> = edge.iter().map(|t| -t.cos()).collect();
-        let fraction =
-            middle.iter().zip(edge.windows(2)).map(|(t, e)| (-t.cos() - e[0]) / (e[1] - e[0])).collect();
-        let (centre, half) = (0.5 * (self.from + self.to), 0.5 * (self.to - self.from));
-        Ok((edge.iter().map(|t| centre + half * t).collect(), fraction))
+        let moved = |angle: f64| -piecewise_linear(&from, &to, P::from(angle)).cos();
+        let edge: Vec<P> = edge.into_iter().map(moved).collect();
+        let between = |(t, e): (P, &[P])| (t - e[0]) / (e[1] - e[0]);
+        let fraction = middle.map(moved).zip(edge.windows(2)).map(between).collect();
+        let (centre, half) = self.middle();
+        Ok((edge.iter().map(|t| centre + half * *t).collect(), fraction))
+    }
+
+    /// Its middle, and half its length, m.
+    fn middle(&self) -> (P, P) {
+        ((self.from + self.to) * 0.5, (self.to - self.from) * 0.5)
     }
 
     /// Knots of the angle map: an edge moves onto each hinge.
-    fn hinge_map(&self, edge: &[f64], hinges: &[f64], strips: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
-        let (centre, half) = (0.5 * (self.from + self.to), 0.5 * (self.to - self.from));
+    fn hinge_map(&self, edge: &[f64], hinges: &[P], strips: usize) -> Result<(Vec<P>, Vec<P>), Error> {
+        let (centre, half) = self.middle();
         let inside = hinges.iter().filter(|s| **s > self.from && **s < self.to);
-        let angles: Vec<f64> = inside.map(|s| (-(s - centre) / half).acos()).collect();
-        let Some(taken) = self.hinge_edges(edge, &angles) else {
+        let angles: Vec<P> = inside.map(|s| (-(*s - centre) / half).acos()).collect();
+        let values: Vec<f64> = angles.iter().map(|angle| angle.value()).collect();
+        let Some(taken) = self.hinge_edges(edge, &values) else {
             let allowed = "enough that every hinge has an edge of its own";
             return Err(Error::invalid("strips", strips, allowed));
         };
-        let knots = |at: Vec<f64>| std::iter::once(0.0).chain(at).chain([PI]).collect();
-        Ok((knots(taken.iter().map(|&j| edge[j]).collect()), knots(angles)))
+        let knots = |at: Vec<P>| std::iter::once(P::ZERO).chain(at).chain([P::from(PI)]).collect();
+        Ok((knots(taken.iter().map(|&j| P::from(edge[j])).collect()), knots(angles)))
     }
 
     /// The edge of each hinge: in increasing order with the least squared difference of angle, the same
@@ -201,7 +209,7 @@ impl Piece {
     fn hinge_edges(&self, edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
         let last = edge.len() - 1;
         let paired = |(a, b): (&f64, &f64)| (a + b - PI).abs() < 1e-9;
-        let middle = self.from + self.to;
+        let middle = self.from.value() + self.to.value();
         let alike = angles.iter().zip(angles.iter().rev()).all(paired);
         // A one-sided surface has its hinges where they are.
         let one_sided = middle == 0.0 && !alike;

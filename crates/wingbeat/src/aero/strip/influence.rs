@@ -5,7 +5,7 @@
 
 use super::cores::{Cores, EdgeCores, StripCores};
 use super::motion::{Edge, Strips, Vectors, Wakes};
-use crate::math::{Over, Scalar, Vec3};
+use crate::math::{Meets, Over, Scalar, Vec3};
 use std::f64::consts::PI;
 
 /// A number per strip.
@@ -19,8 +19,8 @@ pub(super) const NEAREST: f64 = 1e-6;
 
 /// Where the wash is taken, and of what direction: points and the lines n through them. Lengths are over the mean
 /// chord, so that their high powers stay far from the ends of the numbers.
-pub(super) struct Targets<'a, S: Scalar, const N: usize> {
-    cores: &'a Cores,
+pub(super) struct Targets<'a, P: Scalar, S: Scalar, const N: usize> {
+    cores: &'a Cores<P>,
     /// 3/4 and 1/4 chord points.
     control: Vectors<S, N>,
     bound: Vectors<S, N>,
@@ -84,7 +84,7 @@ pub(super) fn cored<S: Scalar>(x: S, y: S, core4: S) -> Ratio<S> {
 ///
 /// Equation: aero.strip.core
 #[inline(always)]
-fn faded<S: Scalar>(x: S, y: S, core4: f64) -> Ratio<S> {
+fn faded<P, S: Scalar + Meets<P>>(x: S, y: S, core4: P) -> Ratio<S> {
     let y2 = y * y;
     Ratio { above: x * (y2 * y), below: y2.mul_add(y2, S::from(core4)) }
 }
@@ -140,13 +140,13 @@ pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
     (p.above * q.below * inverse, q.above * p.below * inverse)
 }
 
-impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
-    pub fn new(strips: &Strips<S, N>, cores: &'a Cores) -> Self {
+impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
+    pub fn new(strips: &Strips<S, N>, cores: &'a Cores<P>) -> Self {
         let zero = Vectors::ZERO;
         let (mut control, mut bound, mut normal) = (zero, zero, zero);
         let (mut control_moment, mut bound_moment) = (zero, zero);
         for i in 0..N {
-            let n = strips.normal.get(i).scaled(INVERSE_4PI * cores.strength);
+            let n = strips.normal.get(i).scaled(cores.strength * INVERSE_4PI);
             let [p, q] = [&strips.three_quarter, &strips.quarter].map(|at| at.get(i).scaled(cores.scale));
             normal.set(i, n);
             control.set(i, p);
@@ -176,7 +176,7 @@ impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
     /// u x r / (2 pi |r_perp|^2).
     ///
     /// Equation: aero.strip.trailing_vortex
-    fn trailing(&self, edge: &Edge<S>, cores: &EdgeCores, out: &mut Trailing<S, N>) {
+    fn trailing(&self, edge: &Edge<S>, cores: &EdgeCores<P>, out: &mut Trailing<S, N>) {
         let (u, chord) = (edge.wake, edge.trailing - edge.bound);
         let chord2 = chord.norm_squared();
         let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
@@ -223,7 +223,7 @@ impl<'a, S: Scalar, const N: usize> Targets<'a, S, N> {
         &self,
         edges: &[Edge<S>; 2],
         [left, right]: [&Trailing<S, N>; 2],
-        cores: &StripCores,
+        cores: &StripCores<P>,
         j: usize,
         out: &mut Wash<'_, S, N>,
     ) {

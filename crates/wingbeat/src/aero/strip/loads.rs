@@ -122,7 +122,7 @@ impl<P: Scalar> StripModel<P> {
             let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
             lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
             if self.settings.pitch_suction {
-                let section = (self.tables.mass[i], slope_share, 0.5 * self.tables.chord[i]);
+                let section = (self.tables.mass[i], slope_share, self.tables.chord[i] * 0.5);
                 pitching[i] = pitch_suction(section, strips.pitch[i], wash, lift_wash) * attached[i];
             }
         }
@@ -137,7 +137,7 @@ impl<P: Scalar> StripModel<P> {
                 }
                 force.chordwise[i] = -((lift[i] * wash[i] + pitching[i]) * suction);
                 force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse;
-                force.ahead[i] = S::from(0.25 * self.tables.chord[i]);
+                force.ahead[i] = S::from(self.tables.chord[i] * 0.25);
                 shares[i] = suction;
             }
             if let Some(edges) = &response.edges {
@@ -214,9 +214,9 @@ impl<P: Scalar> StripModel<P> {
             about_chord: impulse * strips.drift[i],
         };
         if self.settings.section_moment {
-            let b = 0.5 * self.tables.chord[i];
+            let b = self.tables.chord[i] * 0.5;
             let moment =
-                strips.speed[i] * strips.pitch[i] * (0.5 * b) + strips.pitch_rate[i] * (0.125 * b * b);
+                strips.speed[i] * strips.pitch[i] * (b * 0.5) + strips.pitch_rate[i] * (b * b * 0.125);
             force.nose_up = S::from(-(moment * self.section_mass(i, flow)));
         }
         force

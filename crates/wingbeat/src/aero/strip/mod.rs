@@ -40,15 +40,15 @@ use tables::Tables;
 #[derive(Clone, Debug)]
 pub struct StripModel<P: Scalar = f64> {
     settings: StripSettings,
-    grid: Grid,
-    zero_lift: ZeroLift,
+    grid: Grid<P>,
+    zero_lift: ZeroLift<P>,
     polar: Polar<P>,
     numbers: SurfaceNumbers<P>,
     lags: &'static Lags,
     /// Smoothing speed, m/s.
     floor: f64,
     tables: Tables<P>,
-    cores: Cores,
+    cores: Cores<P>,
     /// Whether strips move to one another so that the rates of their doublets count.
     folds: bool,
 }
@@ -91,9 +91,19 @@ impl StripModel {
     /// for the hinges.
     pub fn new(planform: &Planform, settings: StripSettings) -> Result<Self, Error> {
         settings.check()?;
-        let grid = Grid::new(planform, settings.strips, &settings.hinge_arcs_m)?;
+        let outline = Some(planform.clone());
+        let hinges = settings.hinge_arcs_m.clone();
+        Self::laid(SurfaceNumbers { outline, hinges, ..settings.numbers() }, settings)
+    }
+}
+
+impl<P: Scalar> StripModel<P> {
+    fn laid(numbers: SurfaceNumbers<P>, settings: StripSettings) -> Result<Self, Error> {
+        let Some(planform) = &numbers.outline else {
+            return Err(Error::invalid("planform", "none", "an outline"));
+        };
+        let grid = Grid::new(planform, settings.strips, &numbers.hinges)?;
         let lags = settings.lags.lags();
-        let numbers = settings.numbers();
         Ok(Self {
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
@@ -102,7 +112,7 @@ impl StripModel {
                 && settings.added_mass
                 && settings.doublet_wash
                 && !settings.hinge_arcs_m.is_empty(),
-            zero_lift: ZeroLift::new(settings.zero_lift_angle_rad),
+            zero_lift: ZeroLift::new(numbers.zero_lift_angle),
             polar: Polar::new(settings.law, &numbers),
             numbers,
             lags,
@@ -110,23 +120,13 @@ impl StripModel {
             settings,
         })
     }
-}
 
-impl<P: Scalar> StripModel<P> {
     /// The same strips with other numbers than the settings say.
-    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> StripModel<Q> {
-        StripModel {
-            tables: Tables::new(&self.grid, &self.settings, numbers, self.lags),
-            zero_lift: self.zero_lift,
-            polar: Polar::new(self.settings.law, numbers),
-            numbers: *numbers,
-            cores: self.cores.clone(),
-            floor: self.floor,
-            folds: self.folds,
-            lags: self.lags,
-            grid: self.grid.clone(),
-            settings: self.settings.clone(),
-        }
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the strips do not fit the outline.
+    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<StripModel<Q>, Error> {
+        StripModel::laid(numbers.clone(), self.settings.clone())
     }
 
     /// The numbers in use.
@@ -152,7 +152,7 @@ impl<P: Scalar> StripModel<P> {
     }
     /// Arc coordinates, m, of the sections wanted: the edges of the strips from left tip
     /// (positive) to right tip.
-    pub fn arcs(&self) -> &[f64] {
+    pub fn arcs(&self) -> &[P] {
         &self.grid.arcs
     }
     /// Names and units of the states, in order.
@@ -168,15 +168,15 @@ impl<P: Scalar> StripModel<P> {
             .collect()
     }
     /// Arc coordinates of the control sections, m.
-    pub fn strip_arcs(&self) -> &[f64] {
+    pub fn strip_arcs(&self) -> &[P] {
         &self.grid.control_arcs
     }
     /// Widths of the strips, m.
-    pub fn widths(&self) -> &[f64] {
+    pub fn widths(&self) -> &[P] {
         &self.grid.width
     }
     /// Chords of the control sections, m.
-    pub fn chords(&self) -> &[f64] {
+    pub fn chords(&self) -> &[P] {
         &self.grid.chord
     }
 
@@ -217,7 +217,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// Place of the control section of strip `i` between its edges, 0 to 1.
-    pub(super) fn fraction(&self, i: usize) -> f64 {
+    pub(super) fn fraction(&self, i: usize) -> P {
         self.grid.fraction[i]
     }
 
@@ -229,7 +229,7 @@ impl<P: Scalar> StripModel<P> {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        others: Option<Others<'_, G, S>>,
+        others: Option<Others<'_, P, G, S>>,
         wanted: Wanted<'_, G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self.settings.strips {
@@ -248,7 +248,7 @@ impl<P: Scalar> StripModel<P> {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        others: Option<Others<'_, G, S>>,
+        others: Option<Others<'_, P, G, S>>,
         wanted: Wanted<'_, G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let mut edges = Edges::<G, N>::ZERO;
@@ -300,7 +300,7 @@ impl<P: Scalar> StripModel<P> {
             let doublet = &mut flow.relief[j];
             doublet[j] = doublet[j] + tables.own_ring[j];
             for i in 0..N {
-                doublet[i] *= -beta * tables.doublet[j];
+                doublet[i] *= tables.doublet[j] * -beta;
             }
             doublet[j] = doublet[j] + 1.0;
         }

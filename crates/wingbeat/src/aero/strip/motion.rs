@@ -125,7 +125,10 @@ impl<S: Scalar, const N: usize> Edges<S, N> {
         [line.point(0.25), line.point(1.0)]
     }
     /// The 3/4 chord point of strip `i`, `fraction` of the way from its left edge to its right one.
-    pub fn control(&self, i: usize, fraction: f64) -> Moving<S> {
+    pub fn control<P: Copy>(&self, i: usize, fraction: P) -> Moving<S>
+    where
+        S: Meets<P>,
+    {
         let [a, b] = [&self.left, &self.right].map(|lines| lines.get(i).point(0.75));
         let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
         Moving { at: mix(a.at, b.at), rate: mix(a.rate, b.rate) }
@@ -212,13 +215,16 @@ impl<S: Scalar> Strip<S> {
     ///
     /// Equation: aero.strip.kinematics
     #[inline(always)]
-    fn new(
+    fn new<P: Scalar>(
         [a, b]: [&ChordLine<S>; 2],
-        fraction: f64,
+        fraction: P,
         wind: Vec3<S>,
         floor: f64,
-        zero_lift: ZeroLift,
-    ) -> Self {
+        zero_lift: ZeroLift<P>,
+    ) -> Self
+    where
+        S: Meets<P>,
+    {
         let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
         let (le, v_le, a_le) = (mix(a.le, b.le), mix(a.v_le, b.v_le), mix(a.a_le, b.a_le));
         let chord = mix(a.te, b.te) - le;

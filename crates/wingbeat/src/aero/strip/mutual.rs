@@ -48,20 +48,20 @@ impl<G: Scalar, S: Scalar> Vortices<G, S> {
 
 /// What never changes of a surface that washes over another.
 #[derive(Clone, Debug)]
-pub(in crate::aero) struct Source {
+pub(in crate::aero) struct Source<P = f64> {
     /// Its first edge and strip among those of all surfaces.
     pub first_edge: usize,
     pub first_strip: usize,
     strips: usize,
     /// Core radii of the vortices that leave its edges, m.
-    edge_cores: Vec<f64>,
+    edge_cores: Vec<P>,
     /// Growth of their squares with the distance run, m.
-    core_growth: f64,
+    core_growth: P,
     /// Least distance of arrival, m.
-    least: f64,
+    least: P,
 }
 
-impl Source {
+impl<P> Source<P> {
     /// Number of states that carry its circulation to one other surface.
     pub fn arrivals(&self) -> usize {
         ARRIVAL_LAGS * self.strips
@@ -74,9 +74,9 @@ impl Source {
 
 /// The surfaces that wash over one, and the states that carry their circulation to it: for each of them
 /// a block per lag of one value per strip, m2/s.
-pub(in crate::aero) struct Others<'a, G: Scalar, S> {
+pub(in crate::aero) struct Others<'a, P, G: Scalar, S> {
     pub vortices: &'a Vortices<G, S>,
-    pub sources: &'a [Source],
+    pub sources: &'a [Source<P>],
     pub x: &'a [S],
     pub dx: &'a mut [S],
 }
@@ -129,17 +129,21 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
     /// core^2 = h^2 + g^2 c x, so that a surface crosses it smoothly.
     ///
     /// Equation: aero.strip.foreign_wake
-    fn beside(&self, edge: &Edge<G>, core: f64, growth: f64, out: &mut Beside<G, N>) {
+    fn beside<P: Scalar>(&self, edge: &Edge<G>, core: P, growth: P, out: &mut Beside<G, N>)
+    where
+        G: Meets<P>,
+    {
         let chord = edge.trailing - edge.bound;
         let (chord2, core2) = (chord.norm_squared(), core * core);
         let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, edge.wake));
-        let least = NEAREST * core2;
+        let least = core2 * NEAREST;
         for i in 0..N {
             let (p, n) = (self.at.get(i), self.line(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
             let (a, b) = ((ra.norm_squared() + least).sqrt(), (rt.norm_squared() + least).sqrt());
             let run = rt.dot(edge.wake);
-            let grown2 = run.smooth_positive(core) * growth + core2;
+            let ahead = (run + (run * run + core2).sqrt()) * 0.5;
+            let grown2 = ahead * growth + core2;
             let own = G::from(core2 * core2);
             let leg = segment(leg.turn(&n), chord2, [a, b], |x, y| cored(x, y, own));
             let wake = cored(wake.turn(&n), b * (b - run), grown2 * grown2);
@@ -150,20 +154,23 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
 
     /// Adds the wash of the strips between `edges`: rings of the strength `bound`, and wakes of the
     /// strength `shed`, m2/s.
-    fn add<S: Over<G>>(
+    fn add<P: Scalar, S: Over<G>>(
         &self,
-        source: &Source,
+        source: &Source<P>,
         edges: &[Edge<G>],
         [bound, shed]: [&[S]; 2],
         sum: &mut Column<S, N>,
-    ) {
+    ) where
+        G: Meets<P>,
+    {
         let cores = &source.edge_cores;
         let (mut left, mut right) = (Beside::ZERO, Beside::ZERO);
         self.beside(&edges[0], cores[0], source.core_growth, &mut right);
         for (j, ends) in edges.windows(2).enumerate() {
             std::mem::swap(&mut left, &mut right);
             self.beside(&ends[1], cores[j + 1], source.core_growth, &mut right);
-            let core4 = G::from(cores[j].min(cores[j + 1]).powi(4));
+            let core = if cores[j + 1] < cores[j] { cores[j + 1] } else { cores[j] };
+            let core4 = G::from(core.powi(4));
             let core = |x, y| cored(x, y, core4);
             let [ahead, behind] = [ends[1].bound - ends[0].bound, ends[0].trailing - ends[1].trailing];
             let lines = [Line::new(ends[0].bound, ahead), Line::new(ends[1].trailing, behind)];
@@ -194,7 +201,10 @@ impl<G: Scalar> Whole<G> {
     /// wake, half of it where it stands beside, and never less than part of a chord.
     ///
     /// Equation: aero.strip.arrival
-    fn arrival_rate(&self, ends: &[Edge<G>], least: f64) -> G {
+    fn arrival_rate<P: Scalar>(&self, ends: &[Edge<G>], least: P) -> G
+    where
+        G: Meets<P>,
+    {
         let least2 = least * least;
         let from = (ends[0].trailing + ends[1].trailing).scaled(0.5);
         let along = (ends[0].wake + ends[1].wake).scaled(0.5);
@@ -206,14 +216,14 @@ impl<G: Scalar> Whole<G> {
 
 impl<P: Scalar> StripModel<P> {
     /// What others need to know of the surface, given its place among them.
-    pub(in crate::aero) fn source(&self, first_edge: usize, first_strip: usize) -> Source {
+    pub(in crate::aero) fn source(&self, first_edge: usize, first_strip: usize) -> Source<P> {
         Source {
             first_edge,
             first_strip,
             strips: self.settings.strips,
-            edge_cores: self.grid.half_widths().map(|half| CORE * half).collect(),
-            core_growth: CORE_GROWTH.powi(2) * self.grid.mean_chord,
-            least: LEAST_DISTANCE * self.grid.mean_chord,
+            edge_cores: self.grid.half_widths().map(|half| half * CORE).collect(),
+            core_growth: self.grid.mean_chord * CORE_GROWTH.powi(2),
+            least: self.grid.mean_chord * LEAST_DISTANCE,
         }
     }
 
@@ -249,7 +259,7 @@ impl<P: Scalar> StripModel<P> {
     pub(super) fn wash_of_others<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
-        others: Others<'_, G, S>,
+        others: Others<'_, P, G, S>,
     ) -> Foreign<S, N> {
         let whole = self.whole(strips);
         let [control, bound] =

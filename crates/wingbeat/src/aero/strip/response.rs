@@ -4,6 +4,7 @@ use super::influence::{Column, multiply};
 use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
+use crate::aero::LagNumbers;
 use crate::aero::law::{Attachment, Polar, lev};
 use crate::aero::section::suction_share;
 use crate::math::{Dual, Meets, Over, Scalar};
@@ -65,7 +66,7 @@ impl<P: Scalar> StripModel<P> {
         let mut sums = Lagged { wash: zero, jump: zero, delayed: zero };
         let (wash, wake) = x.split_at(lags.rate.len() * n);
         for (k, block) in wash.chunks_exact(n).enumerate() {
-            let (circulation, jump) = (lags.circulation[k], lags.jump(k));
+            let (circulation, jump) = (lags.circulation[k], self.tables.jump_weights[k]);
             for (i, lag) in block.iter().enumerate().take(N) {
                 sums.wash[i] += *lag * circulation;
                 sums.jump[i] += *lag * jump;
@@ -209,7 +210,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// K' (diag(d) w + D - Y): the rate of the wash of the chord doublets by folding, w the wash `held_left`.
-    fn folded_wash<G: Scalar, S: Over<G>, const N: usize>(
+    fn folded_wash<G: Scalar, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         sums: &LagSums<S, N>,
@@ -293,14 +294,14 @@ impl<P: Scalar> StripModel<P> {
         dx: &mut [S],
     ) -> Column<S, N> {
         let (n, lags) = (self.settings.strips, self.lags);
-        let mut lift_wash = wash.map(|w| w * 0.5);
+        let mut lift_wash = wash.map(|w| w * self.tables.at_once);
         let blocks = x.chunks_exact(n).zip(dx.chunks_exact_mut(n));
         for (k, (block, rates)) in blocks.enumerate() {
             let pairs = block.iter().zip(rates).zip(&flow.strips.speed).enumerate().take(N);
-            if let Some((rate, lift)) = lags.rate.get(k).zip(lags.lift.get(k)) {
+            if let Some(LagNumbers { weight, rate }) = self.numbers.lags.get(k) {
                 for (i, ((lag, lag_rate), speed)) in pairs {
-                    lift_wash[i] += *lag * *lift;
-                    *lag_rate = (wash[i] - *lag) * (*speed * (self.tables.turnover[i] * rate));
+                    lift_wash[i] += *lag * *weight;
+                    *lag_rate = (wash[i] - *lag) * (*speed * (*rate * self.tables.turnover[i]));
                 }
             } else if let Some(inverse) = self.tables.inverse_wake_length.get(k - lags.rate.len()) {
                 for (i, ((lag, lag_rate), speed)) in pairs {
@@ -327,7 +328,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..n {
             let (along, speed, lw) = (strips.along[i], strips.speed[i], lift_wash[i]);
             let turn = if self.settings.pitch_suction {
-                strips.pitch[i] * (0.25 * self.tables.chord[i])
+                strips.pitch[i] * (self.tables.chord[i] * 0.25)
             } else {
                 G::ZERO
             };
@@ -337,7 +338,7 @@ impl<P: Scalar> StripModel<P> {
             let suction = square * forward * self.tables.edge_slope[i];
             let edge = lev::edge(&self.polar, suction, lw - turn, speed.squared(), self.floor);
             edges.held[i] = edge.held;
-            let rate = speed * (0.5 * self.tables.turnover[i]);
+            let rate = speed * (self.tables.turnover[i] * 0.5);
             dx[at + i] = lev::vortex_rate(edges.vortex[i], edge.lost, rate);
         }
         edges
@@ -358,7 +359,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..n {
             let lw2 = lift_wash[i].squared();
             let sine2 = lw2 / (lw2 + (strips.along[i].squared() + delta2));
-            let rate = strips.speed[i] * (0.5 * self.tables.turnover[i]);
+            let rate = strips.speed[i] * (self.tables.turnover[i] * 0.5);
             dx[at + i] = self.polar.separation_rate(x[at + i], sine2, rate, chords);
         }
     }

@@ -119,11 +119,15 @@ impl StripSettings {
         SurfaceNumbers {
             density: self.density_kg_m3,
             section_slope: self.section_slope,
+            zero_lift_angle: self.zero_lift_angle_rad,
             cd0: self.drag.cd0,
             cd90: self.drag.cd90,
             stall_angle: self.stall_angle_rad,
             critical_suction: self.critical_suction,
             added_mass_scale: 1.0,
+            lags: self.lags.lags().numbers(),
+            outline: None,
+            hinges: Vec::new(),
         }
     }
 

@@ -32,7 +32,7 @@ pub struct Surface<P: Scalar = f64> {
     strips: Range<usize>,
     states: Range<usize>,
     /// The surfaces that wash over it, and the states that carry their circulation here.
-    sources: Vec<Source>,
+    sources: Vec<Source<P>>,
     arrivals: Range<usize>,
 }
 
@@ -63,8 +63,8 @@ impl<P: Scalar> Surface<P> {
 #[derive(Clone, Debug)]
 pub struct Surfaces<P: Scalar = f64> {
     surfaces: Vec<Surface<P>>,
-    arcs: Vec<f64>,
-    strip_arcs: Vec<f64>,
+    arcs: Vec<P>,
+    strip_arcs: Vec<P>,
 }
 
 impl From<Aero> for Surfaces {
@@ -101,14 +101,17 @@ impl Surfaces {
         all.pair();
         Ok(all)
     }
+}
 
+impl<P: Scalar> Surfaces<P> {
     /// Lets every surface that can see the others.
     fn pair(&mut self) {
-        let shedding = |(k, surface): (usize, &Surface)| {
+        let shedding = |(k, surface): (usize, &Surface<P>)| {
             let source = surface.aero.source(surface.sections.start, surface.strips.start)?;
             Some((k, source))
         };
-        let sources: Vec<(usize, Source)> = self.surfaces.iter().enumerate().filter_map(shedding).collect();
+        let sources: Vec<(usize, Source<P>)> =
+            self.surfaces.iter().enumerate().filter_map(shedding).collect();
         let mut first = self.own_states();
         for (k, surface) in self.surfaces.iter_mut().enumerate() {
             if sources.iter().any(|(own, _)| *own == k) {
@@ -121,7 +124,7 @@ impl Surfaces {
         }
     }
 
-    fn add(&mut self, name: String, aero: Aero) {
+    fn add(&mut self, name: String, aero: Aero<P>) {
         let after = |first: usize, count: usize| first..first + count;
         let states = self.own_states();
         let surface = Surface {
@@ -137,29 +140,22 @@ impl Surfaces {
         self.strip_arcs.extend_from_slice(surface.aero.strip_arcs());
         self.surfaces.push(surface);
     }
-}
 
-impl<P: Scalar> Surfaces<P> {
     /// The same surfaces with other numbers than their settings say, one set for each.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when strips or nodes do not fit an outline.
     ///
     /// # Panics
     /// When there are not as many.
-    pub fn with<Q: Scalar>(&self, numbers: &[SurfaceNumbers<Q>]) -> Surfaces<Q> {
+    pub fn with<Q: Scalar>(&self, numbers: &[SurfaceNumbers<Q>]) -> Result<Surfaces<Q>, Error> {
         assert_eq!(numbers.len(), self.surfaces.len(), "numbers of every surface");
-        let surface = |(surface, numbers): (&Surface<P>, &SurfaceNumbers<Q>)| Surface {
-            name: surface.name.clone(),
-            aero: surface.aero.with(numbers),
-            sections: surface.sections.clone(),
-            strips: surface.strips.clone(),
-            states: surface.states.clone(),
-            sources: surface.sources.clone(),
-            arrivals: surface.arrivals.clone(),
-        };
-        Surfaces {
-            surfaces: self.surfaces.iter().zip(numbers).map(surface).collect(),
-            arcs: self.arcs.clone(),
-            strip_arcs: self.strip_arcs.clone(),
+        let mut all = Surfaces { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() };
+        for (surface, numbers) in self.surfaces.iter().zip(numbers) {
+            all.add(surface.name.clone(), surface.aero.with(numbers)?);
         }
+        all.pair();
+        Ok(all)
     }
 
     /// Number of states of the surfaces themselves.
@@ -180,11 +176,11 @@ impl<P: Scalar> Surfaces<P> {
         self.surfaces.iter().find(owns).expect("a strip of one of the surfaces")
     }
     /// Arc coordinates where [`SectionMotion`]s are wanted, m: those of [`Aero::arcs`] for each surface in turn.
-    pub fn arcs(&self) -> &[f64] {
+    pub fn arcs(&self) -> &[P] {
         &self.arcs
     }
     /// Arc coordinates of the strips' middles on their surfaces, m.
-    pub fn strip_arcs(&self) -> &[f64] {
+    pub fn strip_arcs(&self) -> &[P] {
         &self.strip_arcs
     }
     /// Number of strips.
@@ -211,7 +207,7 @@ impl<P: Scalar> Surfaces<P> {
     }
     /// Names and units of what travels to a surface.
     fn arriving(&self, surface: &Surface<P>) -> Vec<Channel> {
-        let from = |source: &Source| {
+        let from = |source: &Source<P>| {
             let name = format!("{}_from_{}_lag", surface.name, self.of_strip(source.first_strip).name);
             let strips = source.arrivals() / ARRIVAL_LAGS;
             (0..source.arrivals())
@@ -287,7 +283,7 @@ impl<P: Scalar> Surfaces<P> {
         vortices: &'a Vortices<G, S>,
         x: &'a [S],
         arriving: &'a mut [S],
-    ) -> Option<Others<'a, G, S>> {
+    ) -> Option<Others<'a, P, G, S>> {
         if surface.sources.is_empty() {
             return None;
         }

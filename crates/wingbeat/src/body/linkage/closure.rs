@@ -2,7 +2,7 @@
 
 use super::super::planar::Planar;
 use super::MARGIN_LIMIT;
-use crate::math::{Jet, Scalar};
+use crate::math::{Meets, Scalar};
 use crate::plant::Fault;
 
 /// A closed loop: span = length * bar + body * arm.
@@ -20,13 +20,21 @@ impl<S: Scalar> Loop<S> {
     /// circle of radius |arm| about its end: with k = (|span|^2 + length^2 - |arm|^2)/(2 length),
     /// bar = span (k + i sqrt(|span|^2 - k^2)) / |span|^2. Of the two intersections, the
     /// bar turned counter-clockwise from the span is the one of this mechanism.
-    pub(super) fn close(closure: usize, span: Planar<S>, length: f64, arm: Planar<S>) -> Result<Self, Fault> {
+    pub(super) fn close<P: Scalar>(
+        closure: usize,
+        span: Planar<S>,
+        length: P,
+        arm: Planar<S>,
+    ) -> Result<Self, Fault>
+    where
+        S: Meets<P>,
+    {
         let (span2, arm2) = (span.norm_squared(), arm.norm_squared());
-        let margin = margin(span2.value(), length, arm2.value());
+        let margin = margin(span2.value(), length.value(), arm2.value());
         if !(margin >= MARGIN_LIMIT) {
             return Err(Fault::LinkageSingular { closure, margin, limit: MARGIN_LIMIT });
         }
-        let along: Jet<S> = (span2 - arm2 + length * length) * (0.5 / length);
+        let along = (span2 - arm2).shifted(length * length).scaled(P::from(0.5) / length);
         let across = (span2 - along * along).sqrt();
         let bar = (span * Planar::new(along, across)).scaled(span2.recip());
         let body = ((span - bar.times(length)) * arm.conjugate()).scaled(arm2.recip());

@@ -58,7 +58,7 @@ pub fn unit(path: &str) -> &'static str {
     row(path).map_or("", |(unit, _)| unit)
 }
 
-/// The text of a plain file of at most [`LARGEST_FILE`] bytes, or of a pipe of the shell; what else is not a regular file
+/// The text of a plain file of at most `LARGEST_FILE` bytes, or of a pipe of the shell; what else is not a regular file
 /// may have no end.
 ///
 /// # Errors
