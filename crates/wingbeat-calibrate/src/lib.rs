@@ -21,14 +21,14 @@ mod truth;
 mod uncertainty;
 
 pub use calibration::{Calibration, Failure, Structure};
-pub use checks::checked;
+pub use checks::{Disagreement, checked, disagreement};
 pub use error::Error;
 pub use fit::{Ended, Fit, Keep, Linear, Progress, Watch};
 pub use harmonics::{Layout, project};
 pub use information::{CLOSE, Information, channel_name};
 pub use observed::{Observed, scatter};
 pub use problem::{Model, Parameter, Problem, Whitened};
-pub use rig::{RigModel, RigTarget, respond};
+pub use rig::{RigModel, RigTarget, in_cell, respond};
 pub use solve::{PHASES, Plan, Predicted, Solved, Start, phase_of, rms, solve, solve_problem, starts};
 pub use truth::{Clean, clean};
 pub use uncertainty::{Covariances, Label, NORMAL_95, Profile, correlations};
