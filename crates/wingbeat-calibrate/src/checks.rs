@@ -1,7 +1,7 @@
 //! Whether runs can be those that their files say, before they are fitted.
 
-use crate::measured::{axes, shift};
-use crate::{Error, Observed, Structure};
+use crate::measured::{Axes, Shift, axes, shift};
+use crate::{Error, Layout, Observed, Structure};
 use wingbeat::rig::cell::CHANNELS;
 
 /// Largest shift of phase between measurement and model that is taken without a word, rad.
@@ -12,6 +12,72 @@ const PHASE: &str = "gait.phase_rad";
 const BELIEVED: f64 = 0.8;
 /// Smallest gain of the correlation by the shift for it to be believed. *Choice.*
 const GAINED: f64 = 0.01;
+
+/// What of a measured cycle does not agree with the model's.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Disagreement {
+    /// Channels that would agree much better if they were others, or had the other sign.
+    Axes(Axes),
+    /// A cycle behind (or, negative, ahead of) the model's by more than 5 deg.
+    Phase(Shift),
+}
+
+/// What of the cycle `measured` does not agree with `model`; `in_cell` are both in the frame of the cell. Axes that are swapped
+/// or flipped are told before a phase: with them it means nothing.
+pub fn disagreement(
+    layout: Layout,
+    [measured, model]: [&[f64]; 2],
+    in_cell: [&[f64]; 2],
+) -> Option<Disagreement> {
+    if let Some(found) = axes(layout, in_cell[0], in_cell[1]) {
+        return Some(Disagreement::Axes(found));
+    }
+    let shift = shift(layout, measured, model);
+    let believed = shift.correlation[1] > BELIEVED && shift.correlation[1] - shift.correlation[0] > GAINED;
+    (shift.by.abs() > LARGEST_SHIFT && believed).then_some(Disagreement::Phase(shift))
+}
+
+impl Disagreement {
+    /// What is seen.
+    pub fn words(&self) -> String {
+        match self {
+            Self::Axes(found) => {
+                let words: Vec<String> = wrong(found)
+                    .map(|(i, from)| format!("{} is {from} of the file", CHANNELS[i].0))
+                    .collect();
+                format!("axes of the cell do not agree with the model; as if {}", words.join(", "))
+            }
+            Self::Phase(shift) => format!(
+                "the measured cycle is {:.1} deg {} the model's (correlation {:.3}, shifted {:.3})",
+                shift.by.abs().to_degrees(),
+                if shift.by > 0.0 { "behind" } else { "ahead of" },
+                shift.correlation[0],
+                shift.correlation[1]
+            ),
+        }
+    }
+
+    /// What would be right, as keys of the run.
+    pub fn mend(&self) -> String {
+        match self {
+            Self::Axes(found) => {
+                let columns: Vec<String> =
+                    wrong(found).map(|(i, from)| format!("{} = \"{from}\"", CHANNELS[i].0)).collect();
+                format!("process.input.columns={{{}}}", columns.join(", "))
+            }
+            Self::Phase(shift) => format!("rig.robot.numbers={{\"{PHASE}\"={:.4}}}", -shift.by),
+        }
+    }
+}
+
+/// Channels that are not what they should be, with the column of the file that would be right.
+fn wrong(found: &Axes) -> impl Iterator<Item = (usize, String)> {
+    let changed = found.iter().enumerate().filter(|(i, (from, sign))| from != i || *sign < 0.0);
+    changed.map(|(i, (from, sign))| {
+        let sign = if *sign < 0.0 { "-" } else { "" };
+        (i, format!("{sign}{}", CHANNELS[*from].0))
+    })
+}
 
 /// Refuses runs whose axes are swapped or flipped, or whose phase is off by more than 5 deg where no parameter takes it up,
 /// each with what would be right; what is only odd is returned in words.
@@ -25,39 +91,20 @@ pub fn checked(structure: &Structure, runs: &[Observed], values: &[f64]) -> Resu
         let target = &structure.model.targets[k];
         let predicted = target.predict(&structure.model.numbers(values))?;
         let (measured, model) = (target.in_cell(&run.mean), target.in_cell(&predicted));
-        if let Some(found) = axes(run.layout, &measured, &model) {
-            let wrong = found.iter().enumerate().filter(|(i, (from, sign))| from != i || *sign < 0.0);
-            let words: Vec<String> = wrong
-                .map(|(i, (from, sign))| {
-                    let sign = if *sign < 0.0 { "-" } else { "" };
-                    format!("{} is {sign}{} of the file", CHANNELS[i].0, CHANNELS[*from].0)
-                })
-                .collect();
-            let what = format!(
-                "axes of the cell do not agree with the model; as if {} (process.input.columns swaps columns)",
-                words.join(", ")
-            );
-            return Err(Error::data(&run.name, what));
-        }
-        let shift = shift(run.layout, &run.mean, &predicted);
-        let believed =
-            shift.correlation[1] > BELIEVED && shift.correlation[1] - shift.correlation[0] > GAINED;
-        if shift.by.abs() > LARGEST_SHIFT && believed {
-            let what = format!(
-                "the measured cycle is {:.1} deg {} the model's (correlation {:.3}, shifted {:.3})",
-                shift.by.abs().to_degrees(),
-                if shift.by > 0.0 { "behind" } else { "ahead of" },
-                shift.correlation[0],
-                shift.correlation[1]
-            );
-            if !fits_phase {
-                let proposal = format!(
-                    "{what}: set rig.robot.numbers={{\"{PHASE}\"={:.4}}}, or make {PHASE} a parameter",
-                    -shift.by
-                );
+        let found = disagreement(run.layout, [&run.mean, &predicted], [&measured, &model]);
+        let Some(found) = found else { continue };
+        match found {
+            Disagreement::Axes(_) => {
+                return Err(Error::data(&run.name, format!("{}: set {}", found.words(), found.mend())));
+            }
+            Disagreement::Phase(_) if fits_phase => {
+                odd.push(format!("{}: {}; {PHASE} is fitted", run.name, found.words()));
+            }
+            Disagreement::Phase(_) => {
+                let proposal =
+                    format!("{}: set {}, or make {PHASE} a parameter", found.words(), found.mend());
                 return Err(Error::data(&run.name, proposal));
             }
-            odd.push(format!("{}: {what}; {PHASE} is fitted", run.name));
         }
     }
     Ok(odd)

@@ -28,7 +28,7 @@ mod uncertainty;
 pub mod words;
 
 pub use calibration::{Calibration, Failure, Structure};
-pub use checks::checked;
+pub use checks::{Disagreement, checked, disagreement};
 pub use data::{DataFile, Files, read};
 pub use error::Error;
 pub use find::Prepared;
@@ -38,7 +38,7 @@ pub use harmonics::{Layout, project};
 pub use information::{CLOSE, Information, channel_name};
 pub use observed::{Observed, scatter};
 pub use problem::{Model, Parameter, Problem, Whitened};
-pub use rig::{RigModel, RigTarget, respond};
+pub use rig::{RigModel, RigTarget, in_cell, respond};
 pub use rival::{NextRun, Rival};
 pub use solve::{PHASES, Plan, Predicted, Solved, Start, phase_of, rms, solve, solve_problem, starts};
 pub use summary::CalibrationSummary;

@@ -109,14 +109,7 @@ impl RigTarget {
 
     /// Numbers of a cycle in B as those of the wrench on the cell in C.
     pub fn in_cell(&self, cycle: &[f64]) -> Vec<f64> {
-        let layout = self.layout();
-        let mut turned = vec![0.0; cycle.len()];
-        for part in 0..layout.width() {
-            let own = std::array::from_fn(|channel| cycle[layout.at(channel, part)]);
-            let cell = six(&self.drawn.to_cell(&wrench(own)));
-            (0..6).for_each(|channel| turned[layout.at(channel, part)] = cell[channel]);
-        }
-        turned
+        in_cell(&self.drawn, self.layout(), cycle)
     }
 
     /// The mean cycle of wrenches on the cell, tared, in B, as the cell shows it.
@@ -183,6 +176,17 @@ impl RigTarget {
         let rows = experiment.differentiated(&self.instants, &keys)?.map_err(|fault| self.named(fault))?;
         Ok(rows.iter().map(|rows| self.cycle(rows)).collect())
     }
+}
+
+/// Numbers of a cycle of wrenches about the body's origin in B as those of the wrenches on the cell of `mount` in C.
+pub fn in_cell(mount: &Mount, layout: Layout, cycle: &[f64]) -> Vec<f64> {
+    let mut turned = vec![0.0; cycle.len()];
+    for part in 0..layout.width() {
+        let own = std::array::from_fn(|channel| cycle[layout.at(channel, part)]);
+        let cell = six(&mount.to_cell(&wrench(own)));
+        (0..6).for_each(|channel| turned[layout.at(channel, part)] = cell[channel]);
+    }
+    turned
 }
 
 /// Whether the robot at rest stands in a wind.

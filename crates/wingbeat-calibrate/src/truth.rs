@@ -6,7 +6,7 @@ use crate::rig::{RigTarget, of_six};
 use std::f64::consts::TAU;
 use wingbeat::math::Random;
 use wingbeat::rig::cell::LoadCell;
-use wingbeat::rig::{Instants, Wrenches};
+use wingbeat::rig::{Instants, Unrest, Wrenches, rms_about_mean};
 use wingbeat::scenario::TruthSpec;
 
 /// A run of a known robot, without noise.
@@ -32,11 +32,7 @@ pub fn clean(target: &RigTarget) -> Result<Clean, Error> {
     let rows =
         experiment.wrenches(&instants).map_err(|fault| Error::Model { run: target.name.clone(), fault })?;
     let beating = (rig.rest_s / step) as usize..rows.len();
-    let rms = std::array::from_fn(|i| {
-        let count = beating.len() as f64;
-        let mean = rows[beating.clone()].iter().map(|row| row[i]).sum::<f64>() / count;
-        (rows[beating.clone()].iter().map(|row| (row[i] - mean).powi(2)).sum::<f64>() / count).sqrt()
-    });
+    let rms = rms_about_mean(&rows[beating]);
     Ok(Clean { rows, begin: -rig.rest_s, step, rms })
 }
 
@@ -57,9 +53,7 @@ impl Clean {
         let first = self.rows.first().copied().unwrap_or_default();
         let mut cell =
             LoadCell::new(&rig.cell, &of_six(first), seed.wrapping_mul(1_000_003) + number as u64)?;
-        let keep = (-self.step / truth.unrest_time_s).exp();
-        let kick = (1.0 - keep * keep).sqrt();
-        let mut unrest = [0.0; 6];
+        let mut unrest = Unrest::new(self.step, truth.unrest_time_s);
         let mut pass = Pass {
             file: format!("{} pass {}", target.name, number + 1),
             time: Vec::with_capacity(self.rows.len()),
@@ -71,10 +65,8 @@ impl Clean {
             let t = self.begin + k as f64 * self.step;
             let mut load = *row;
             if truth.unrest > 0.0 && t >= 0.0 {
-                for i in 0..6 {
-                    unrest[i] = keep * unrest[i] + kick * random.normal();
-                    load[i] += truth.unrest * self.rms[i] * unrest[i];
-                }
+                let noise = unrest.next(&mut random);
+                (0..6).for_each(|i| load[i] += truth.unrest * self.rms[i] * noise[i]);
             }
             let reading = cell.sample(&of_six(load));
             pass.time.push(t);

@@ -58,6 +58,8 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("clearance below zero", None, summary.crossing_fraction.map_or("-".into(), share), "% of the time"),
         ("power of the drive", None, watts(summary.drive_power_w), "W, on the joints"),
         ("power of the regulators", None, watts(summary.regulator_power_w), "W, on the joints"),
+        ("drive, without taking back", None, watts(summary.drive_power_given_w), "W"),
+        ("regulators, likewise", None, watts(summary.regulator_power_given_w), "W"),
         ("inputs at a limit", None, share(summary.input_saturation_fraction), "%"),
         ("controller updates", None, controller.updates.to_string(), ""),
         ("controller failures", None, controller.failures.to_string(), ""),

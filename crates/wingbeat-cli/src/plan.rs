@@ -100,6 +100,17 @@ fn table(summary: &PlanSummary) -> String {
 
 type Lines = Vec<(&'static str, String)>;
 
+/// Power of drive and regulators on the joints.
+fn powers(summary: &RollInSummary) -> String {
+    let watts = |power: Option<f64>| power.map_or("-".into(), |power| format!("{power:.3}"));
+    format!(
+        "drive {} W, regulators {} W, {} W without taking back",
+        watts(summary.drive_power_w),
+        watts(summary.regulator_power_w),
+        watts(summary.regulator_power_given_w)
+    )
+}
+
 fn roll_in(summary: &RollInSummary) -> Lines {
     let angles = |a: [f64; 3]| format!("{:.2} / {:.2} / {:.2} deg", a[0], a[1], a[2]);
     let mut lines = vec![
@@ -107,6 +118,7 @@ fn roll_in(summary: &RollInSummary) -> Lines {
         ("roll / pitch / yaw, plan", angles(summary.final_angles_deg)),
         ("roll / pitch / yaw, flown", angles(summary.flown_angles_deg)),
         ("least clearance, flown", clearance(summary.least_clearance_m)),
+        ("power, flown", powers(summary)),
         ("strips past stall, flown", summary.stall_fraction.map_or("-".into(), percent)),
         ("error re-simulated", worst(&summary.resimulation_error)),
     ];

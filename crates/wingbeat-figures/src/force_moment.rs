@@ -28,18 +28,16 @@ const FOOT: f64 = 26.0;
 const HEIGHT: f64 = 190.0;
 
 /// Six panels over the time of the record: the band between `low_<channel>` and
-/// `high_<channel>` of all runs in red, `simulation_<channel>` in black, in the body frame;
-/// `mean_<channel>`, the mean of one run, where there is no simulation.
+/// `high_<channel>` of all runs in red, `simulation_<channel>`, where there is one, in black, in the body frame.
 pub fn force_moment(record: &Record, cell: Cell) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
-    let simulated = record.columns().iter().any(|column| column.name.starts_with("simulation_"));
-    let (black, black_is) =
-        if simulated { ("simulation_", "simulation") } else { ("mean_", "mean of one run") };
+    let simulated = record.column("simulation_Fz").is_some();
     let (mut plots, mut layouts) = (Vec::new(), Vec::new());
     for (row, pair) in ROWS.iter().enumerate() {
         for (channel, title) in pair {
             let of = |prefix: &str| needed(record, &format!("{prefix}{channel}"));
-            let (low, high, line) = (of("low_")?, of("high_")?, of(black)?);
+            let (low, high) = (of("low_")?, of("high_")?);
+            let line = if simulated { Some(of("simulation_")?) } else { None };
             let (panel, layout) = drawn(t, low, high, line, title, row + 1 == ROWS.len());
             plots.push(panel);
             layouts.push(layout);
@@ -54,20 +52,30 @@ pub fn force_moment(record: &Record, cell: Cell) -> Result<Figure, Error> {
         .with_figure_size(style::WIDTH, HEIGHT * ROWS.len() as f64 + 22.0 + 12.0)
         .render();
     scene.height += FOOT;
-    let foot = format!("red: smallest to largest of all runs on the {}; black: {black_is}", cell.name());
+    let black = if simulated { "; black: the model on the measured motion of one run" } else { "" };
+    let foot = format!("red: {}, smallest to largest of all runs, stroke after stroke{black}", cell.name());
     let (x, y) = (style::WIDTH / 2.0, scene.height - 10.0);
     scene.elements.push(style::words(x, y, foot, TextAnchor::Middle, false));
     Ok(Figure::new("force_moment", scene))
 }
 
-fn drawn(t: &[f64], low: &[f64], high: &[f64], line: &[f64], title: &str, last: bool) -> (Vec<Plot>, Layout) {
+fn drawn(
+    t: &[f64],
+    low: &[f64],
+    high: &[f64],
+    line: Option<&[f64]>,
+    title: &str,
+    last: bool,
+) -> (Vec<Plot>, Layout) {
     let band = BandPlot::new(t.iter().copied(), low.iter().copied(), high.iter().copied())
         .with_color(BAND)
         .with_opacity(0.45);
-    let points: Vec<(f64, f64)> = t.iter().copied().zip(line.iter().copied()).collect();
-    let curve = LinePlot::new().with_data(points).with_color("#000000").with_stroke_width(style::CURVE);
-    let plots: Vec<Plot> = vec![band.into(), curve.into()];
-    let values = || low.iter().chain(high).chain(line).copied();
+    let mut plots: Vec<Plot> = vec![band.into()];
+    plots.extend(line.map(|line| {
+        let points: Vec<(f64, f64)> = t.iter().copied().zip(line.iter().copied()).collect();
+        LinePlot::new().with_data(points).with_color("#000000").with_stroke_width(style::CURVE).into()
+    }));
+    let values = || low.iter().chain(high).chain(line.unwrap_or(&[])).copied();
     let (bottom, top) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
     let up = Scale::padded(bottom, top, 0.08);
     let across = Scale::new(t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(1.0));

@@ -5,8 +5,10 @@ use std::ops::ControlFlow;
 
 use wingbeat::math::Scalar;
 use wingbeat::ocp::interior_point::{Options, Solution, Status, solve};
+use wingbeat::ocp::nlp::Program;
 use wingbeat::ocp::{Collocation, Ends, Instant, OptimalControl, Scheme, Setup, Transcribed};
 use wingbeat::plant::Fault;
+use wingbeat::scenario::{Document, Scenario};
 
 use crate::ocp_problems::flapbody::TurnIn;
 use crate::{Case, Error, Row, Table, reference_table};
@@ -14,7 +16,48 @@ use crate::{Case, Error, Row, Table, reference_table};
 const SOURCE: &str = "CasADi with its own equations and IPOPT, validation/paper_nlp";
 
 /// The comparisons.
-pub const CASES: &[Case] = &[Case { id: "paper.nlp", quick: true, run: compare }];
+pub const CASES: &[Case] = &[
+    Case { id: "paper.nlp", quick: true, run: compare },
+    Case { id: "paper.nlp.robot", quick: false, run: robot },
+];
+
+/// The same functions and derivatives, by another solver.
+const SERVED: &str = "IPOPT on the functions and derivatives of this program, validation/paper_nlp/serve.py";
+
+/// The problem of `scenarios/paper_plan.toml` on the robot, on its first mesh.
+///
+/// # Errors
+/// A scenario that does not fly up to its start.
+pub fn on_the_robot(see: &mut dyn FnMut(&mut dyn Program, &[f64])) -> Result<(), Error> {
+    let refused = |e: wingbeat::scenario::ConfigError| Error::reference("paper_plan", e.to_string());
+    let at = |path: &str| concat!(env!("CARGO_MANIFEST_DIR"), "/../../").to_owned() + path;
+    let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/paper_plan.toml"));
+    let robot = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/aerobat_paper.toml"));
+    let robot = Document::text(&at("robots/aerobat_paper.toml"), robot).map_err(refused)?;
+    let document = Document::text(&at("scenarios/paper_plan.toml"), text).map_err(refused)?;
+    let scenario = Scenario::new(document.put("robot", robot).map_err(refused)?).map_err(refused)?;
+    Ok(scenario.roll_in_program(see)?)
+}
+
+/// The optimum on the robot beside that of IPOPT.
+fn robot() -> Result<Vec<Row>, Error> {
+    let table: Table = reference_table!("paper_nlp/robot.csv")?;
+    let (optimum, variables) = (table.column("objective")?, table.column("variables")?);
+    let mut found = None;
+    on_the_robot(&mut |program, start| {
+        let options = Options { tolerance: 1e-8, ..Options::default() };
+        let solution = solve(program, start, &options, &mut |_| ControlFlow::Continue(()));
+        found = Some((solution, program.variables().len()));
+    })?;
+    let Some((solution, count)) = found else { return Err(Error::NoAnswer("no program".into())) };
+    if solution.status != Status::Solved || count as f64 != variables[0] {
+        return Err(Error::NoAnswer(format!("{}, {count} unknowns", solution.status)));
+    }
+    let error = (solution.objective - optimum[0]).abs() / optimum[0];
+    let metric =
+        format!("objective on the robot, {count} unknowns, relative; {} iterations", solution.iterations);
+    Ok(vec![Row::judged("paper.nlp.robot", SERVED, &metric, error, 1e-6, "")])
+}
 
 /// min t_f + int (z - z_ref)' C (z - z_ref) + 0.05 |u|^2 dt + 0.01 sum |du|^2 into a bank of 15 deg.
 struct PaperTurn {

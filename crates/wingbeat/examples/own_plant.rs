@@ -78,6 +78,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         weights: Weights {
             roll: 1.0,
             pitch: 1.0,
+            rate_axes: None,
             rate: 0.1,
             input: 0.01,
             input_change: 0.0,

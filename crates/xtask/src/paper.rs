@@ -20,8 +20,11 @@ pub fn run() -> bool {
     let mut failed = 0;
     for (i, line) in lines.enumerate() {
         let (command, code) = line.split_once('#').unwrap_or((line, "0"));
+        // `0 > name` names the folder for later commands.
+        let (code, name) = code.split_once('>').unwrap_or((code, ""));
         let code: Option<i32> = code.trim().parse().ok();
-        let folder = out.join(i.to_string()).to_string_lossy().into_owned();
+        let name = if name.trim().is_empty() { i.to_string() } else { name.trim().to_owned() };
+        let folder = out.join(name).to_string_lossy().into_owned();
         let words: Vec<&str> =
             command.split_whitespace().skip(1).chain(["--out", &folder, "--quiet"]).collect();
         let ended = tools::wingbeat(&words).current_dir(tools::root()).status().ok().and_then(|s| s.code());

@@ -23,7 +23,7 @@ pub fn wingbeat(arguments: &[&str]) -> Command {
 
 /// Builds the program; true when that succeeds.
 pub fn built() -> bool {
-    succeeds(cargo(&["build", "--release", "--quiet"]))
+    succeeds(cargo(&["build", "--release", "--quiet", "--workspace"]))
 }
 
 /// `cargo` with `arguments`, at the root.

@@ -83,7 +83,7 @@ fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
 pub fn text(groups: &[Group]) -> String {
     let cell = |[low, middle, high]: [f64; 3]| format!("{middle:.2} ({low:.2} to {high:.2})");
     let mut text = format!(
-        "{:<22}{:>8}{:>6}  {:<24}{:<24}{:<24}{}\n",
+        "{:<22}{:>8}{:>6}  {:<27}{:<27}{:<27}{}\n",
         "end point",
         "flights",
         "held",
@@ -94,7 +94,7 @@ pub fn text(groups: &[Group]) -> String {
     );
     for group in groups {
         text += &format!(
-            "{:<22}{:>8}{:>6}  {:<24}{:<24}{:<24}{}\n",
+            "{:<22}{:>8}{:>6}  {:<27}{:<27}{:<27}{}\n",
             group.name,
             group.flights,
             group.held,

@@ -6,6 +6,7 @@ mod paper;
 mod plan;
 #[cfg(unix)]
 mod record;
+mod rig_beside;
 mod rig_plan;
 mod rig_process;
 mod sweep;

@@ -14,6 +14,7 @@ fn lists(page: &str) -> Vec<Vec<(String, i32)>> {
     let blocks = page.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let command = |line: &str| {
         let (text, code) = line.split_once('#').unwrap_or((line, "0"));
+        let code = code.split('>').next().unwrap();
         (text.trim().to_owned(), code.trim().parse().unwrap())
     };
     blocks.map(|block| block.lines().map(command).collect()).collect()

@@ -112,9 +112,13 @@ fn a_recording_gives_the_phase_averages_of_what_was_played() {
     }
     let summary = fs::read_to_string(folder.join("taken/processed/summary.json")).unwrap();
     assert!(summary.contains("tare: left out") && summary.contains("filter: Butterworth"), "{summary}");
-    // Nothing was simulated: what was measured must not pass for a simulation.
+    // What was measured does not pass for a simulation; the model stands beside it.
     let said = String::from_utf8(output.stdout).unwrap();
-    assert!(summary.contains("\"simulation\": null") && !said.contains("simulation"), "{summary} {said}");
+    assert!(
+        summary.contains("\"simulated\": []") && summary.contains("\"simulation\": \"bench\""),
+        "{summary}"
+    );
+    assert!(!said.contains("of a simulated load cell"), "{said}");
     for figure in ["force_moment.png", "bench/filtered.png", "bench/cycles.png"] {
         assert!(folder.join("taken/processed/figures").join(figure).is_file(), "{figure}");
     }

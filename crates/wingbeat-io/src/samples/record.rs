@@ -7,7 +7,7 @@ use wingbeat::simulate::{Column, Record};
 
 use super::Table;
 use super::grid::Grid;
-use super::resolve::{Known, OTHERS, SEQUENCES, SIX, TIME};
+use super::resolve::{Known, OTHERS, SEQUENCES, SIX, TIME, names};
 use crate::Error;
 
 /// Samples as they were found in a file.
@@ -58,7 +58,8 @@ impl Table {
                 return Err(self.no_column(known.name));
             }
             if let Some(column) = found {
-                factors.push(self.to_si(&self.columns[column], known, input)?);
+                let sign = self.sign(known, column, input);
+                factors.push(sign * self.to_si(&self.columns[column], known, input)?);
                 used.push((known, column));
             }
         }
@@ -95,13 +96,13 @@ impl Table {
                 name: known.name.into(),
                 unit: unit.into(),
                 frame: source.frame.clone(),
-                low: source.low * factor,
-                high: source.high * factor,
+                low: (source.low * factor).min(source.high * factor),
+                high: (source.low * factor).max(source.high * factor),
                 values: column,
             });
         }
         for column in &mut self.columns {
-            let mapped = input.columns.values().any(|name| *name == column.name);
+            let mapped = input.columns.values().any(|name| names(name, &column.name));
             let taken = mapped || columns.iter().any(|other| other.name == column.name) || column.name == "t";
             if column.values.len() == rows && !taken {
                 columns.push(std::mem::replace(column, Column::new("", "", "")));

@@ -56,6 +56,16 @@ const SIMULATED: [&str; 10] = [
     "quat_w", "quat_x", "quat_y", "quat_z", "true_fx", "true_fy", "true_fz", "true_tx", "true_ty", "true_tz",
 ];
 
+/// The column that a mapping names, and its sign: `-Fz` is the column `Fz` turned about.
+pub(super) fn signed(name: &str) -> (&str, f64) {
+    name.strip_prefix('-').map_or((name, 1.0), |plain| (plain, -1.0))
+}
+
+/// Whether a mapping's `name` is the column called `column`: in full, or without its sign and unit.
+pub(super) fn names(name: &str, column: &str) -> bool {
+    name == column || signed(name).0 == column || signed(name).0 == base(column).0
+}
+
 /// Names of the columns that are of use; others are not kept.
 #[derive(Clone, Debug, Default)]
 pub struct Wanted {
@@ -78,7 +88,7 @@ impl Wanted {
     /// True of a column that is to be kept.
     pub fn wants(&self, name: &str) -> bool {
         let plain = base(name).0.to_lowercase();
-        self.mapped.iter().any(|mapped| mapped == name) || self.names.contains(&plain)
+        self.mapped.iter().any(|mapped| self::names(mapped, name)) || self.names.contains(&plain)
     }
 }
 
@@ -101,7 +111,12 @@ impl Table {
             (0..self.columns.len()).filter(|k| fits(&self.columns[*k])).collect()
         };
         if let Some(name) = input.columns.get(known.name) {
-            return match places(&|column| column.name == *name).as_slice() {
+            let exactly = places(&|column| column.name == *name);
+            let found = match exactly.is_empty() {
+                true => places(&|column| names(name, &column.name)),
+                false => exactly,
+            };
+            return match found.as_slice() {
                 [one] => Ok(Some(*one)),
                 [] => Err(self.bad(format!("no column `{name}` for {}; found {}", known.name, self.found()))),
                 [..] => Err(self.bad(format!("several columns are called `{name}`: rename them"))),
@@ -122,6 +137,12 @@ impl Table {
                 )))
             }
         }
+    }
+
+    /// 1, or -1 where the mapping turns the column of a channel about.
+    pub(super) fn sign(&self, known: &Known, column: usize, input: &InputSpec) -> f64 {
+        let turned = |name: &String| *name != self.columns[column].name;
+        input.columns.get(known.name).filter(|name| turned(name)).map_or(1.0, |name| signed(name).1)
     }
 
     /// Refuses a column that would be two channels.
@@ -272,8 +293,20 @@ mod tests {
     fn what_processing_reads_is_wanted() {
         let mut input = InputSpec::default();
         input.columns.insert("Fz".into(), "up".into());
+        input.columns.insert("Fy".into(), "-side".into());
         let wanted = Wanted::of(&input);
-        for name in ["up", "Fx [N]", "TIME", "ddq7", "quat_w", "true_Tz", "rdt_sequence", "q3_deg"] {
+        for name in [
+            "up",
+            "side [N]",
+            "-side",
+            "Fx [N]",
+            "TIME",
+            "ddq7",
+            "quat_w",
+            "true_Tz",
+            "rdt_sequence",
+            "q3_deg",
+        ] {
             assert!(wanted.wants(name), "{name}");
         }
         for name in ["Up", "counts_Fx", "t_kernel", "wrench[0]", "ddq9", "temperature"] {

@@ -64,6 +64,10 @@ pub struct Weights {
     pub pitch: f64,
     /// Angular-rate error, per rad/s.
     pub rate: f64,
+    /// Angular-rate error about each body axis, per rad/s, in place of `rate`: with roll and pitch the roots of the five
+    /// diagonal entries of the paper's C.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_axes: Option<[f64; 3]>,
     /// Input, per half of its range.
     pub input: f64,
     /// Change of the input over an interval, per half of its range.
@@ -117,6 +121,7 @@ ranges!(Weights {
     roll: Range::NOT_NEGATIVE,
     pitch: Range::NOT_NEGATIVE,
     rate: Range::NOT_NEGATIVE,
+    rate_axes: Range::NOT_NEGATIVE,
     input: Range::POSITIVE,
     input_change: Range::NOT_NEGATIVE,
     clearance: Range::NOT_NEGATIVE,
@@ -252,8 +257,9 @@ impl<P: Plant> Tracking for AttitudeTracking<'_, P> {
         let factor = if node == self.last { self.weights.terminal } else { 1.0 };
         outputs[0] = angle_error(angles[0], reference.roll) * (self.weights.roll * factor);
         outputs[1] = angle_error(angles[1], reference.pitch) * (self.weights.pitch * factor);
-        for i in 0..3 {
-            outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * (self.weights.rate * factor);
+        let rates = self.weights.rate_axes.unwrap_or([self.weights.rate; 3]);
+        for (i, weight) in rates.into_iter().enumerate() {
+            outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * (weight * factor);
         }
         if self.clearances > 0 {
             self.shortfalls(t, x, &mut outputs[5..]);
@@ -468,6 +474,7 @@ mod tests {
             roll: 1.0,
             pitch: 1.0,
             rate: 0.1,
+            rate_axes: None,
             input: 0.01,
             input_change: 0.0,
             clearance,
@@ -518,6 +525,24 @@ mod tests {
                 assert!((exact[r].eps[0] - difference).abs() < 1e-6, "{r} by {i}");
             }
         }
+    }
+
+    #[test]
+    fn the_cost_has_five_entries_of_its_own() {
+        let plant = body();
+        let residuals = |rate_axes: Option<[f64; 3]>| {
+            let weights = Weights { roll: 2.0, pitch: 3.0, rate_axes, ..spec(0.0).weights };
+            let spec = MpcSpec { weights, ..spec(0.0) };
+            let mut tracking = AttitudeTracking::new(&plant, Arc::new(Turn::default()), &spec).unwrap();
+            tracking.chart.center_at(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            let mut r = [0.0; 8];
+            tracking.residual(1, 0.1, &[0.1, 0.0, 0.0, 1.0, 1.0, 1.0], &[0.0; 3], &mut r);
+            r
+        };
+        assert_eq!(residuals(Some([0.1; 3])), residuals(None));
+        let own = residuals(Some([0.5, 0.7, 0.9]));
+        assert_eq!(own[..5], residuals(None)[..5]);
+        assert_eq!(own[5..], [0.5, 0.7, 0.9]);
     }
 
     #[test]

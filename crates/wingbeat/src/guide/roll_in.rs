@@ -191,11 +191,19 @@ impl<'a, P: Plant> RollIn<'a, P> {
             },
             ..Refinement::default()
         };
-        // The first guess lasts a third of the longest duration, the others other parts of it.
-        let share = |k: usize| if k == 0 { 1.0 / 3.0 } else { k as f64 / self.spec.starts as f64 };
+        // The others last other parts of the longest duration.
+        let other = |k: usize| self.guess(k as f64 / self.spec.starts as f64 * self.spec.longest_s);
         let guesses: Result<Vec<Trajectory>, Fault> =
-            (0..self.spec.starts).map(|k| self.guess(share(k) * self.spec.longest_s)).collect();
+            std::iter::once(self.first_guess()).chain((1..self.spec.starts).map(other)).collect();
         Ok(optimise_from(self, &guesses?, &refinement, observer))
+    }
+
+    /// Flight with resting regulators over a third of the longest duration.
+    ///
+    /// # Errors
+    /// The [`Fault`] of that flight.
+    pub fn first_guess(&self) -> Result<Trajectory, Fault> {
+        self.guess(self.spec.longest_s / 3.0)
     }
 
     /// Flight with resting regulators.

@@ -159,6 +159,34 @@ macro_rules! with_f64 {
                 self * (1.0 / o)
             }
         }
+        impl<const N: usize, S: Scalar> Add<$type<N, S>> for f64 {
+            type Output = $type<N, S>;
+            #[inline]
+            fn add(self, o: $type<N, S>) -> $type<N, S> {
+                o + self
+            }
+        }
+        impl<const N: usize, S: Scalar> Sub<$type<N, S>> for f64 {
+            type Output = $type<N, S>;
+            #[inline]
+            fn sub(self, o: $type<N, S>) -> $type<N, S> {
+                -o + self
+            }
+        }
+        impl<const N: usize, S: Scalar> Mul<$type<N, S>> for f64 {
+            type Output = $type<N, S>;
+            #[inline]
+            fn mul(self, o: $type<N, S>) -> $type<N, S> {
+                o * self
+            }
+        }
+        impl<const N: usize, S: Scalar> Div<$type<N, S>> for f64 {
+            type Output = $type<N, S>;
+            #[inline]
+            fn div(self, o: $type<N, S>) -> $type<N, S> {
+                o.recip() * self
+            }
+        }
         impl<const N: usize, S: Scalar> MulAssign<f64> for $type<N, S> {
             #[inline]
             fn mul_assign(&mut self, o: f64) {

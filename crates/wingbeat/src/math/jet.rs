@@ -136,6 +136,30 @@ impl<S: Scalar> Div<f64> for Jet<S> {
         self * (1.0 / o)
     }
 }
+impl<S: Scalar> Add<Jet<S>> for f64 {
+    type Output = Jet<S>;
+    fn add(self, o: Jet<S>) -> Jet<S> {
+        o + self
+    }
+}
+impl<S: Scalar> Sub<Jet<S>> for f64 {
+    type Output = Jet<S>;
+    fn sub(self, o: Jet<S>) -> Jet<S> {
+        -o + self
+    }
+}
+impl<S: Scalar> Mul<Jet<S>> for f64 {
+    type Output = Jet<S>;
+    fn mul(self, o: Jet<S>) -> Jet<S> {
+        o * self
+    }
+}
+impl<S: Scalar> Div<Jet<S>> for f64 {
+    type Output = Jet<S>;
+    fn div(self, o: Jet<S>) -> Jet<S> {
+        o.recip() * self
+    }
+}
 impl<S: Scalar> AddAssign for Jet<S> {
     #[inline]
     fn add_assign(&mut self, o: Self) {

@@ -9,6 +9,9 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 ///
 /// Comparison and [`value`](Scalar::value) look at the value only, so branches
 /// follow the value and derivatives follow the branch taken.
+///
+/// Numbers stand on either side of `Dual`, `Jet` and `Traced`: `2.0 * x`. Code that is generic over `S: Scalar` writes
+/// `x * 2.0`, or `S::from(2.0) * x`: a trait that promised `f64: Mul<S>` would hide `2.0 * 3.0` from the code that uses it.
 pub trait Scalar:
     Copy
     + Debug
@@ -211,6 +214,29 @@ impl Scalar for f64 {
 mod tests {
     use super::Scalar;
     use crate::math::Dual;
+
+    #[test]
+    fn numbers_stand_on_either_side() {
+        use super::super::{Jet, Tape};
+        fn both<S: Scalar>(x: S, left: [S; 4]) {
+            let right = [x + 2.0, -x + 2.0, x * 2.0, x.recip() * 2.0];
+            assert!(left.iter().zip(right).all(|(a, b)| a.value() == b.value()));
+        }
+        let d = Dual::<1>::variable(0.7, 0);
+        let left = [2.0 + d, 2.0 - d, 2.0 * d, 2.0 / d];
+        assert_eq!(left.map(|x| x.eps[0]), [1.0, -1.0, 2.0, -2.0 * d.recip().re.powi(2)]);
+        both(d, left);
+        let j: Jet = Jet::new(0.7, 1.0, 0.5);
+        both(j, [2.0 + j, 2.0 - j, 2.0 * j, 2.0 / j]);
+        assert_eq!(((2.0 * j).d, (2.0 - j).dd), (2.0, -0.5));
+        let mut out = [0.0; 2];
+        let mut tape = Tape::default();
+        let recorded = tape.record(&[0.7], &mut out, |x, out| {
+            (out[0], out[1]) = (2.0 * x[0] + 1.0, 3.0 - 2.0 / x[0]);
+            Ok::<(), ()>(())
+        });
+        assert_eq!((recorded, out), (Ok(()), [2.4, 3.0 - 2.0 * (1.0 / 0.7)]));
+    }
 
     #[test]
     fn powers_and_magnitudes_carry_their_derivatives() {

@@ -150,6 +150,30 @@ impl Div<f64> for Traced {
         self * (1.0 / o)
     }
 }
+impl Add<Traced> for f64 {
+    type Output = Traced;
+    fn add(self, o: Traced) -> Traced {
+        o + self
+    }
+}
+impl Sub<Traced> for f64 {
+    type Output = Traced;
+    fn sub(self, o: Traced) -> Traced {
+        -o + self
+    }
+}
+impl Mul<Traced> for f64 {
+    type Output = Traced;
+    fn mul(self, o: Traced) -> Traced {
+        o * self
+    }
+}
+impl Div<Traced> for f64 {
+    type Output = Traced;
+    fn div(self, o: Traced) -> Traced {
+        o.recip() * self
+    }
+}
 impl AddAssign for Traced {
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;

@@ -69,12 +69,14 @@ impl Interpolant {
     }
 
     /// Error of each interval: the integral of |dx/dt - f| over it, the
-    /// largest state, relative to 1 + the largest magnitude of that state.
+    /// largest state, relative to its typical size (1 without [`Scales`](super::Scales)) + its largest magnitude.
     ///
     /// Equation: ocp.error
     pub fn errors<P: OptimalControl>(&self, problem: &P) -> Result<Vec<f64>, Fault> {
         let n = self.rates[0].len();
-        let size = |i: usize| self.points.x.iter().fold(1.0_f64, |m, x| m.max(1.0 + x[i].abs()));
+        let scales = problem.setup().scales;
+        let largest = |i: usize| self.points.x.iter().fold(0.0_f64, |m, x| m.max(x[i].abs()));
+        let size = |i: usize| scales.state(i) + largest(i);
         let sizes: Vec<f64> = (0..n).map(size).collect();
         let mut f = vec![0.0; n];
         let mut errors = Vec::with_capacity(self.intervals());

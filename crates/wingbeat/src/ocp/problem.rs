@@ -61,6 +61,55 @@ pub struct Setup {
     pub ends: Vec<Channel>,
     /// Weight of the squared change of the inputs from node to node.
     pub input_change: f64,
+    /// Typical sizes of what the problem holds.
+    pub scales: Scales,
+}
+
+/// Typical sizes of states, inputs and parameters, in their units. The solver counts in them, and errors are relative to
+/// them; an empty list is one each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scales {
+    /// Of the states.
+    pub states: Vec<f64>,
+    /// Of the inputs.
+    pub inputs: Vec<f64>,
+    /// Of the parameters.
+    pub parameters: Vec<f64>,
+}
+
+impl Scales {
+    /// Size of the state `i`.
+    pub fn state(&self, i: usize) -> f64 {
+        self.states.get(i).copied().unwrap_or(1.0)
+    }
+    /// Size of the input `i`.
+    pub fn input(&self, i: usize) -> f64 {
+        self.inputs.get(i).copied().unwrap_or(1.0)
+    }
+    /// Size of the parameter `i`.
+    pub fn parameter(&self, i: usize) -> f64 {
+        self.parameters.get(i).copied().unwrap_or(1.0)
+    }
+    /// True when every size is one.
+    pub fn is_unit(&self) -> bool {
+        [&self.states, &self.inputs, &self.parameters]
+            .iter()
+            .all(|sizes| sizes.iter().all(|size| *size == 1.0))
+    }
+
+    /// What is wrong with the sizes for these numbers of states, inputs and parameters.
+    pub(super) fn fault(&self, counts: [usize; 3]) -> Option<String> {
+        let lists = [("states", &self.states), ("inputs", &self.inputs), ("parameters", &self.parameters)];
+        for ((name, sizes), count) in lists.into_iter().zip(counts) {
+            if !sizes.is_empty() && sizes.len() != count {
+                return Some(format!("scales of {name}: {} given for {count}", sizes.len()));
+            }
+            if let Some(size) = sizes.iter().find(|size| !(**size > 0.0 && size.is_finite())) {
+                return Some(format!("scales of {name}: {size}; allowed are finite numbers above 0"));
+            }
+        }
+        None
+    }
 }
 
 /// An optimal-control problem; its functions are written once over any scalar.

@@ -1,12 +1,12 @@
 //! One run on the rig: the carried robot, the cell, and the record of both.
 
 use super::carrier::{Carrier, Mount};
-use super::cell::{CHANNELS, CellSpec, LoadCell, six};
+use super::cell::{CHANNELS, CellSpec, LoadCell, six, wrench};
 use super::numbers::RigNumbers;
-use super::{FrameMotion, Pose};
+use super::{Deviations, FrameMotion, Pose, Unrest};
 use crate::Error;
 use crate::body::MotorWork;
-use crate::math::{Jet, Mat3, Quat, Scalar, Wrench};
+use crate::math::{Jet, Mat3, Quat, Random, Scalar, Wrench};
 use crate::plant::{Fault, Plant};
 use crate::robot::{CarriedLoads, Robot};
 use crate::simulate::{Column, Ending, Held, Moment, Observed, Record, Sizes, Stepper, System};
@@ -35,11 +35,15 @@ pub struct Experiment<'a> {
     pub flapping: bool,
     /// Time over which the flapping starts, s.
     pub spin_up: f64,
+    /// What the run does that its files do not say.
+    pub deviations: Deviations,
 }
 
 /// Columns of what the motor does.
 const MOTOR: [(&str, &str); 4] =
     [("crank_rate", "rad/s"), ("motor_torque", "N m"), ("motor_power", "W"), ("electrical_power", "W")];
+/// The stream of the loads' unrest among those of a seed.
+const UNREST: u64 = 1;
 
 /// What a run gave.
 #[derive(Clone, Debug)]
@@ -83,9 +87,16 @@ impl Experiment<'_> {
             Err(fault) => return Ok(Err(fault)),
         };
         let mut cell = LoadCell::new(self.cell, &first.wrench, self.seed)?;
+        let mut random = Random::stream(self.seed, UNREST);
+        let mut unrest = Unrest::new(step, self.deviations.unrest_time_s);
         let mut measure = Held(|k: usize, at: Moment| {
             let now = self.observed(at)?;
-            let reading = cell.sample(&now.wrench);
+            let mut load = now.wrench;
+            if self.deviations.is_restless() && at.t >= 0.0 {
+                let noise = unrest.next(&mut random);
+                load += wrench(std::array::from_fn(|i| noise[i] * self.deviations.unrest[i]));
+            }
+            let reading = cell.sample(&load);
             saturated += usize::from(reading.saturated);
             self.fill(&mut row, at.t, &now, &reading.values);
             record.append_finite(&row)?;
@@ -100,9 +111,14 @@ impl Experiment<'_> {
         }
     }
 
-    /// The gait's clock at `t`, whose rate is a motor's share of its supply voltage: at rest before the start, then running up
-    /// smoothly (rate 3 s^2 - 2 s^3) to the pace of time.
+    /// The gait's clock at `t`, with the pace of the crank; its rate is a motor's share of its supply voltage.
     fn clock(&self, t: f64) -> Jet {
+        self.deviations.clock(self.even_clock(t))
+    }
+
+    /// The clock of an even crank: at rest before the start, then running up
+    /// smoothly (rate 3 s^2 - 2 s^3) to the pace of time.
+    fn even_clock(&self, t: f64) -> Jet {
         if !self.flapping || t <= 0.0 {
             return Jet::default();
         }
@@ -168,7 +184,7 @@ impl Experiment<'_> {
 
     fn fill(&self, row: &mut Vec<f64>, t: f64, now: &CellLoads, reading: &[f64; 6]) {
         row.clear();
-        row.extend([t, now.phase]);
+        row.extend([t, now.phase + self.deviations.encoder_rad]);
         match self.carrier.joints(t) {
             Some(q) => {
                 let q = &q[..self.dof()];

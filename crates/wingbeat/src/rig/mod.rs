@@ -3,6 +3,7 @@
 pub mod arm;
 pub mod carrier;
 pub mod cell;
+mod deviations;
 mod experiment;
 mod motion;
 pub mod netft;
@@ -14,6 +15,7 @@ mod sensitivity;
 mod trajectory;
 pub mod unit;
 
+pub use deviations::{Deviations, Unrest, Wave, rms_about_mean};
 pub use experiment::{Experiment, Outcome};
 pub use motion::FrameMotion;
 pub use numbers::RigNumbers;

@@ -173,10 +173,10 @@ fn one() -> usize {
 fn passes() -> usize {
     7
 }
-fn unrest() -> f64 {
+pub(super) fn unrest() -> f64 {
     0.01
 }
-fn unrest_time() -> f64 {
+pub(super) fn unrest_time() -> f64 {
     0.02
 }
 

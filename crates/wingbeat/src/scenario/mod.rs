@@ -12,10 +12,12 @@ mod name;
 mod plan;
 mod recorder;
 mod rig;
+mod rig_model;
 mod rig_process;
 mod rig_simulated;
 mod rig_statement;
 mod rig_together;
+mod rig_truth;
 #[cfg(feature = "schema")]
 mod schema;
 mod spec;
@@ -40,9 +42,11 @@ pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
 };
 pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
+pub use rig_model::Modelled;
 pub use rig_process::{Processed, Weighed};
 pub use rig_simulated::SimulatedRun;
 pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
+pub use rig_truth::RigTruthSpec;
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;
 pub use spec::{

@@ -1,6 +1,6 @@
 //! Runs on the test rig: what their files say, checked and built.
 
-use super::{AeroSpec, AirSpec, ConfigError, Document, RunName, Translate, build};
+use super::{AeroSpec, AirSpec, ConfigError, Document, RigTruthSpec, RunName, Translate, build};
 use crate::Error;
 use crate::math::{Mat3, Vec3};
 use crate::plant::Fault;
@@ -11,7 +11,7 @@ use crate::rig::carrier::{Carrier, Mount};
 use crate::rig::cell::CellSpec;
 use crate::rig::plan::{Approach, Envelope, Margins, Plan, Refusal, TurnSpec, Workspace};
 use crate::rig::process::{InputSpec, PhaseSource, Steps};
-use crate::rig::{Experiment, Outcome, Pose, RigNumbers};
+use crate::rig::{Deviations, Experiment, Outcome, Pose, RigNumbers};
 use crate::robot::{Air, Robot, RobotSpec, Wind};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -200,6 +200,9 @@ pub struct RigSpec {
     /// Time in which flapping starts, s.
     #[serde(default)]
     pub spin_up_s: f64,
+    /// The bench where it is simulated, in place of what the files say; processing does not know of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<RigTruthSpec>,
 }
 
 /// Cell and mount.
@@ -495,7 +498,16 @@ impl RigRun {
             duration: self.duration(carrier),
             flapping: self.frequency() > 0.0,
             spin_up: self.spec.rig.spin_up_s,
+            deviations: Deviations::default(),
         }
+    }
+
+    /// The run as another one whose files say this too, `key=value`.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub(super) fn overridden(&self, texts: &[String]) -> Result<Self, ConfigError> {
+        Self::new(self.document.clone().overridden(texts), &|_, _| None)
     }
 
     /// Names and values of the numbers of robot and rig that a fit can find.
@@ -558,6 +570,7 @@ impl RigSpec {
         self.mount.link.body().check().map_err(|e| e.within("mount.link"))?;
         self.envelope.check().map_err(|e| e.within("envelope"))?;
         self.air.check().map_err(|e| e.within("air"))?;
+        self.truth.as_ref().map_or(Ok(()), |truth| truth.in_range()).map_err(|e| e.within("truth"))?;
         if self.air.gust_m_s != 0.0 || !self.air.gusts.is_empty() {
             let several = format!("{} of them", self.air.gusts.len());
             let (key, given) = match self.air.gust_m_s {

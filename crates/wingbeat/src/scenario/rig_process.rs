@@ -2,6 +2,7 @@
 
 use super::RigRun;
 use super::rig::Saturated;
+use super::rig_model::{Modelled, Strokes};
 use super::rig_statement::statement;
 use crate::Error;
 use crate::plant::Fault;
@@ -10,7 +11,7 @@ use crate::rig::cell::{CHANNELS, six, wrench};
 use crate::rig::netft::{StatusClass, classify};
 use crate::rig::process::{
     Comparison, Corrected, Corrector, CycleAverage, Samples, Steps, Tilt, Weighing, compare, phase_average,
-    phase_of, weigh,
+    phase_of, recorded_motion, weigh,
 };
 use crate::simulate::{Column, Record};
 use serde::Serialize;
@@ -18,6 +19,8 @@ use std::f64::consts::TAU;
 
 /// Share of each attitude's time that is left out at its begin and at its end.
 const SETTLING: [f64; 2] = [0.2, 0.05];
+/// Motion of the arm that is kept after the window, s.
+const AFTER_S: f64 = 5.0;
 /// Length at which forces and moments of the cell are known equally well, m: 1/64 N mm over 1/320 N.
 const LEVER: f64 = 5e-3;
 
@@ -28,6 +31,8 @@ pub struct Processed {
     pub cycles: [CycleAverage; 6],
     /// Phase averages of the noise-free wrench of a simulated run.
     pub truth: Option<[CycleAverage; 6]>,
+    /// The model on the measured motion; none where it has no answer, which the statement says.
+    pub model: Option<Modelled>,
     /// Phase averages in still air that were taken away from both.
     pub still: Option<[CycleAverage; 6]>,
     /// Tare offsets in the cell frame.
@@ -65,6 +70,11 @@ impl Processed {
         Some(std::array::from_fn(|i| compare(&self.cycles[i].mean, &truth[i].mean)))
     }
 
+    /// Measured against the model on the measured motion, channel by channel.
+    pub fn against_model(&self) -> Option<[Comparison; 6]> {
+        self.model.as_ref().map(|model| model.against(&self.cycles))
+    }
+
     /// Takes the average of the run `name` in still air away.
     pub fn subtract(&mut self, name: &str, still: &Self) {
         for (cycle, common) in self.cycles.iter_mut().zip(&still.cycles) {
@@ -72,6 +82,10 @@ impl Processed {
         }
         if let (Some(truth), Some(common)) = (&mut self.truth, &still.truth) {
             truth.iter_mut().zip(common).for_each(|(cycle, common)| cycle.subtract(common));
+        }
+        if let (Some(model), Some(common)) = (&mut self.model, &still.model) {
+            model.cycles.iter_mut().zip(&common.cycles).for_each(|(cycle, common)| cycle.subtract(common));
+            model.still = Some(common.cycles.clone());
         }
         self.still = Some(still.cycles.clone());
         self.statement.push(format!("still air: the average of {name} taken away, phase by phase"));
@@ -96,6 +110,9 @@ impl Processed {
             add("high_", &c.high);
             if let Some(truth) = &self.truth {
                 add("truth_", &truth[i].mean);
+            }
+            if let Some(model) = &self.model {
+                add("model_", &model.cycles[i].mean);
             }
             if let Some(still) = &self.still {
                 add("still_", &still[i].mean);
@@ -129,6 +146,10 @@ impl RigRun {
         window: (f64, f64),
     ) -> Result<Result<Processed, Fault>, Error> {
         let spec = &self.spec.process;
+        let recorded = recorded_motion(&record, &self.arm, window.1 + AFTER_S);
+        let recorded =
+            recorded.map(|trajectory| Carrier::Arm { arm: Box::new(self.arm.clone()), trajectory });
+        let carrier = recorded.as_ref().unwrap_or(carrier);
         let own_motion = holds_motion(&record);
         let simulated = record.column("true_Fz").map(|_| record.clone());
         let (samples, outside) = self.samples(record, carrier, window.1)?;
@@ -154,8 +175,20 @@ impl RigRun {
             }
         };
         let cycles = self.averages(&measured, &phase, window)?;
+        let of_record = own_motion || recorded.is_some();
+        let mut statement = statement(self, &measured, &cycles[0], window, of_record);
+        let strokes = Strokes { time: &measured.time, phase: &phase, window };
+        let modelled = self.modelled(&strokes, carrier).map_err(|error| error.to_string());
+        let model = match modelled.and_then(|answer| answer.map_err(|fault| fault.to_string())) {
+            Ok(model) => Some(model),
+            Err(reason) => {
+                statement.push(format!("simulation: none, the model has no answer: {reason}"));
+                None
+            }
+        };
         Ok(Ok(Processed {
-            statement: statement(self, &measured, &cycles[0], window, own_motion),
+            statement,
+            model,
             offset: measured.offset,
             slope: measured.slope,
             trace: self.trace(measured, phase, window)?,
@@ -250,12 +283,12 @@ impl RigRun {
         Err(Error::invalid(key, format!("t {:.4} s", samples.time[row]), allowed))
     }
 
-    fn corrector(&self, steps: Steps) -> Corrector<'_> {
+    pub(super) fn corrector(&self, steps: Steps) -> Corrector<'_> {
         let frequency = self.frequency();
         Corrector { robot: &self.robot, arm: Some(&self.arm), mount: &self.mount, steps, frequency }
     }
 
-    fn averages(
+    pub(super) fn averages(
         &self,
         corrected: &Corrected,
         phase: &[f64],
@@ -270,7 +303,12 @@ impl RigRun {
     }
 
     /// The window sample by sample, in the memory of what was measured.
-    fn trace(&self, measured: Corrected, phase: Vec<f64>, window: (f64, f64)) -> Result<Record, Error> {
+    pub(super) fn trace(
+        &self,
+        measured: Corrected,
+        phase: Vec<f64>,
+        window: (f64, f64),
+    ) -> Result<Record, Error> {
         let rows = rows(&measured.time, window);
         let frame = self.processed_frame();
         let begin = phase.get(rows.start).map_or(0.0, |phase| (phase / TAU).floor());
@@ -304,7 +342,7 @@ struct Outside {
 }
 
 /// Rows of a window of time.
-fn rows(time: &[f64], (begin, end): (f64, f64)) -> std::ops::Range<usize> {
+pub(super) fn rows(time: &[f64], (begin, end): (f64, f64)) -> std::ops::Range<usize> {
     time.partition_point(|t| *t < begin - 1e-9)..time.partition_point(|t| *t <= end + 1e-9)
 }
 

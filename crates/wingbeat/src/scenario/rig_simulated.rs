@@ -26,7 +26,7 @@ impl SimulatedRun {
 }
 
 impl RigRun {
-    /// Plans the turn, where there is one, and simulates the run; `progress` is told the share that is done.
+    /// Plans the turn, where there is one, and simulates the run on the bench that `rig.truth` says is the true one; `progress` is told the share that is done.
     ///
     /// # Errors
     /// Those of [`plan`](Self::plan) and [`simulate`](Self::simulate).
@@ -43,7 +43,7 @@ impl RigRun {
         };
         let carrier = self.carrier(plan.as_ref());
         let window_s = self.window(plan.as_ref(), &carrier);
-        Ok(match self.simulate(&carrier, seed, progress)? {
+        Ok(match self.simulate_truth(&carrier, window_s, seed, progress)? {
             Ok(outcome) => SimulatedRun {
                 status: "ok",
                 reason: None,

@@ -7,12 +7,14 @@ use crate::Error;
 use crate::plant::Fault;
 use crate::rig::carrier::Carrier;
 use crate::rig::cell::CHANNELS;
-use crate::rig::process::{Comparison, compare, envelope};
+use crate::rig::process::{Comparison, CycleAverage, compare};
 use crate::simulate::{Column, Record};
 use std::collections::BTreeMap;
 
-/// Cycles of an envelope, side by side.
-const CYCLES: usize = 3;
+/// Cycles of an envelope, one after the other.
+const CYCLES: f64 = 3.0;
+/// Part of a stroke by which a window may end early or begin late without notice.
+const NEARLY: f64 = 0.01;
 /// Largest difference of the flapping frequency of two runs of which one is taken away, as a share.
 const SAME_FREQUENCY: f64 = 0.01;
 
@@ -42,9 +44,11 @@ pub struct ProcessedRun {
 pub struct Together {
     /// Name of the run whose simulation, or else mean, stands beside the envelope.
     pub reference: String,
-    /// True when that run holds the noise-free wrench of a simulation.
+    /// True when the model has an answer on the measured motion of that run.
     pub simulated: bool,
-    /// Columns `t`, `low_`, `high_` of each channel over three cycles, and `simulation_` or `mean_`.
+    /// Strokes drawn: three that follow each other, or as many as the windows hold.
+    pub turns: f64,
+    /// Columns `t`, `low_`, `high_` of each channel over these strokes, and `simulation_` where there is one.
     pub envelope: Record,
     /// Middle of the envelope against the simulation, by channel; empty where there is none.
     pub against_simulation: BTreeMap<&'static str, Comparison>,
@@ -112,6 +116,39 @@ impl ProcessedRun {
     }
 }
 
+/// What was measured over a window, by turns of the stroke.
+struct Strand<'a> {
+    trace: &'a Record,
+    cycle: &'a [f64],
+    /// First and last turn.
+    begin: f64,
+    end: f64,
+}
+
+impl<'a> Strand<'a> {
+    fn of(trace: &'a Record) -> Option<Self> {
+        let cycle = trace.values("cycle")?;
+        Some(Self { trace, cycle, begin: *cycle.first()?, end: *cycle.last()? })
+    }
+
+    fn turns(&self) -> f64 {
+        self.end - self.begin
+    }
+
+    /// The channel `at` turns after the first instant at which the stroke has the phase `begin` (turns). Where the window ends
+    /// before, one turn earlier.
+    fn value(&self, channel: &str, begin: f64, at: f64) -> f64 {
+        let ahead = (begin - self.begin).rem_euclid(1.0);
+        let first = if ahead > 1.0 - NEARLY { ahead - 1.0 } else { ahead };
+        let mut turn = self.begin + first + at;
+        while turn > self.end + NEARLY && turn - 1.0 >= self.begin {
+            turn -= 1.0;
+        }
+        let values = self.trace.values(channel).unwrap_or(&[]);
+        crate::math::interpolation::piecewise_linear(self.cycle, values, turn)
+    }
+}
+
 /// Takes the average of the run in still air, `process.still_air`, away from those that ask for it.
 ///
 /// # Errors
@@ -142,8 +179,8 @@ pub fn subtract_still_air(runs: &mut [ProcessedRun]) -> Result<(), ConfigError> 
     Ok(())
 }
 
-/// The envelope over the turns (or of a run that is alone), beside the simulation of the run that says
-/// `process.reference`, or else of the first; none where no run was averaged.
+/// The envelope over the turns (or of a run that is alone), stroke after stroke, beside the model on the measured motion of the
+/// run that says `process.reference`, or else of the first; none where no run was averaged.
 ///
 /// # Errors
 /// [`Error::Invalid`] when the runs have averages of different numbers of phases.
@@ -158,29 +195,94 @@ pub fn together(runs: &[ProcessedRun]) -> Result<Option<Together>, Error> {
         let allowed = format!("{bins}, as in {}: {} is averaged with it", reference.name(), other.name());
         return Err(Error::invalid("process.bins", p.cycles[0].mean.len(), allowed));
     }
-    let time = |k: usize| k as f64 / bins as f64 / reference.run.frequency();
+    let Some(drawn) = Drawn::of(band.iter().map(|(_, p)| *p), black) else { return Ok(None) };
+    let frequency = black.model.as_ref().map_or(reference.run.frequency(), |model| model.frequency_hz);
     let mut columns = vec![Column::new("t", "s", "")];
-    columns[0].values = (0..=CYCLES * bins).map(time).collect();
+    columns[0].values = drawn.points.iter().map(|turn| turn / frequency).collect();
     let mut against_simulation = BTreeMap::new();
     for (i, (name, unit)) in CHANNELS.iter().enumerate() {
-        let (low, high) = envelope(band.iter().map(|(_, p)| &p.cycles[i]));
-        let simulation = black.truth.as_ref().map(|truth| &truth[i].mean);
-        let middle: Vec<f64> = low.iter().zip(&high).map(|(a, b)| 0.5 * (a + b)).collect();
-        if let Some(simulation) = simulation {
+        let (low, high) = drawn.band(i);
+        let simulation = drawn.simulation(i);
+        if let Some(simulation) = &simulation {
+            let middle: Vec<f64> = low.iter().zip(&high).map(|(a, b)| 0.5 * (a + b)).collect();
             against_simulation.insert(*name, compare(&middle, simulation));
         }
-        let mean = ("mean_", &black.cycles[i].mean);
-        let beside = simulation.map_or(mean, |simulation| ("simulation_", simulation));
-        for (prefix, values) in [("low_", &low), ("high_", &high), beside] {
+        let mut curves = vec![("low_", low), ("high_", high)];
+        curves.extend(simulation.map(|simulation| ("simulation_", simulation)));
+        for (prefix, values) in curves {
             let column = Column::new(format!("{prefix}{name}"), *unit, reference.run.processed_frame());
-            let values = (0..=CYCLES * bins).map(|k| values[k % bins]).collect();
             columns.push(Column { values, ..column });
         }
     }
     Ok(Some(Together {
         reference: reference.name().into(),
-        simulated: black.truth.is_some(),
+        simulated: drawn.model.is_some(),
+        turns: drawn.turns,
         envelope: Record::new(columns, 0)?,
         against_simulation,
     }))
+}
+
+/// What is drawn of several runs: strokes that follow each other, from the phase at which the window of one run begins.
+struct Drawn<'a> {
+    runs: Vec<(Strand<'a>, &'a Processed)>,
+    model: Option<Strand<'a>>,
+    still: Option<&'a [CycleAverage; 6]>,
+    /// Phase at which the strokes begin, turns.
+    begin: f64,
+    turns: f64,
+    /// Instants, turns.
+    points: Vec<f64>,
+    bins: usize,
+}
+
+impl<'a> Drawn<'a> {
+    fn of(runs: impl Iterator<Item = &'a Processed>, black: &'a Processed) -> Option<Self> {
+        let runs: Vec<_> = runs.filter_map(|p| Some((Strand::of(&p.trace)?, p))).collect();
+        let model = black.model.as_ref().and_then(|model| Strand::of(&model.trace));
+        let bins = black.cycles[0].mean.len();
+        let turns =
+            runs.iter().map(|(strand, _)| strand).chain(&model).map(Strand::turns).fold(CYCLES, f64::min);
+        Some(Self {
+            still: black.model.as_ref().and_then(|model| model.still.as_ref()),
+            begin: Strand::of(&black.trace)?.begin,
+            points: (0..=(turns * bins as f64) as usize).map(|k| k as f64 / bins as f64).collect(),
+            runs,
+            model,
+            turns,
+            bins,
+        })
+    }
+
+    /// Place in an average of the phase `at` turns after the begin.
+    fn bin(&self, at: f64) -> usize {
+        ((self.begin + at).rem_euclid(1.0) * self.bins as f64) as usize % self.bins
+    }
+
+    /// A channel of a strand at all points, less what is common in still air.
+    fn along(&self, strand: &Strand, still: Option<&[CycleAverage; 6]>, channel: usize) -> Vec<f64> {
+        let common = |at: f64| still.map_or(0.0, |still| still[channel].mean[self.bin(at)]);
+        let value = |at: &f64| strand.value(CHANNELS[channel].0, self.begin, *at) - common(*at);
+        self.points.iter().map(value).collect()
+    }
+
+    /// Lowest and highest value of a channel over the runs. Where samples are missing the mean of the run's cycles stands for
+    /// them.
+    fn band(&self, channel: usize) -> (Vec<f64>, Vec<f64>) {
+        let count = self.points.len();
+        let (mut low, mut high) = (vec![f64::INFINITY; count], vec![f64::NEG_INFINITY; count]);
+        for (strand, p) in &self.runs {
+            let values = self.along(strand, p.still.as_ref(), channel);
+            for (k, value) in values.into_iter().enumerate() {
+                let mean = || p.cycles[channel].mean[self.bin(self.points[k])];
+                let value = if value.is_finite() { value } else { mean() };
+                (low[k], high[k]) = (low[k].min(value), high[k].max(value));
+            }
+        }
+        (low, high)
+    }
+
+    fn simulation(&self, channel: usize) -> Option<Vec<f64>> {
+        self.model.as_ref().map(|strand| self.along(strand, self.still, channel))
+    }
 }

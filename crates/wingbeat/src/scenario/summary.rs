@@ -56,6 +56,10 @@ pub struct Summary {
     pub drive_power_w: Option<f64>,
     /// Mean power of the regulators on the joints, W: what displacing the structure takes.
     pub regulator_power_w: Option<f64>,
+    /// Mean of what the drive gives alone, W: what comes back from the joints counts as lost.
+    pub drive_power_given_w: Option<f64>,
+    /// Mean of what the regulators give alone, W: what actuators pay that cannot take back.
+    pub regulator_power_given_w: Option<f64>,
     /// Mean mechanical power of the motor's shaft, W, where a motor turns the crank.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motor_power_w: Option<f64>,
@@ -177,8 +181,13 @@ impl Settled<'_> {
 }
 
 /// Mean; missing where there are no values.
-fn mean(values: &[f64]) -> Option<f64> {
+pub(super) fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Mean of the positive part.
+pub(super) fn given(power: &[f64]) -> Option<f64> {
+    mean(&power.iter().map(|power| power.max(0.0)).collect::<Vec<f64>>())
 }
 
 fn rms_deg(errors: &[f64]) -> Option<f64> {
@@ -264,6 +273,8 @@ impl Summary {
             yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
             drive_power_w: mean(settled.column("drive_power")),
             regulator_power_w: mean(settled.column("regulator_power")),
+            drive_power_given_w: given(settled.column("drive_power")),
+            regulator_power_given_w: given(settled.column("regulator_power")),
             motor_power_w: mean(settled.column("motor_power")),
             electrical_power_w: mean(settled.column("electrical_power")),
             crank_ripple: ripple(settled.column("crank_rate")),

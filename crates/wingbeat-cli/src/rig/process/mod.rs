@@ -1,5 +1,6 @@
 //! `wingbeat rig process`.
 
+mod judged;
 mod numbers;
 mod source;
 

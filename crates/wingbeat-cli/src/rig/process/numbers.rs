@@ -10,6 +10,7 @@ use wingbeat::scenario::{Evaluated, ProcessedRun, Together, Weighed};
 use wingbeat_io::samples::Import;
 
 use super::Origin;
+use super::judged::judged;
 
 /// The contents of summary.json.
 #[derive(Serialize)]
@@ -20,10 +21,16 @@ pub struct Summary {
     steps: Steps,
     /// Runs whose samples are of a simulated load cell.
     simulated: Vec<String>,
-    /// Run whose simulation is the black line; none where no run holds one.
+    /// Run on whose measured motion the model makes the black line; none where it has no answer.
     simulation: Option<String>,
+    /// Strokes of the envelope, one after the other.
+    strokes: f64,
+    /// Lowest and highest value of the envelope and of the simulation, by channel.
+    ranges: BTreeMap<&'static str, Ranges>,
     /// Middle of the envelope against the simulation, by channel.
     envelope_against_simulation: BTreeMap<&'static str, Comparison>,
+    /// Each run's phase average against that of the model on its measured motion, by channel.
+    runs_against_model: BTreeMap<String, BTreeMap<&'static str, Comparison>>,
     /// Each run's phase average against its own noise-free wrench, by channel.
     runs_against_truth: BTreeMap<String, BTreeMap<&'static str, Comparison>>,
     /// Saturated samples of each run.
@@ -43,7 +50,20 @@ struct RunNumbers {
     cycles: usize,
     cycles_left_out: usize,
     serious: usize,
+    /// Flapping frequency that was measured, Hz.
+    frequency_hz: Option<f64>,
+    /// By how much the wings are ahead of those of an even crank that begins with the run, rad.
+    ahead_rad: Option<f64>,
+    /// What does not agree with the model, with the keys that would mend it.
+    disagreement: Option<String>,
     statement: Vec<String>,
+}
+
+/// Lowest and highest value of one channel, N or N m.
+#[derive(Clone, Copy, Serialize)]
+struct Ranges {
+    measured: [f64; 2],
+    simulation: Option<[f64; 2]>,
 }
 
 impl Summary {
@@ -62,6 +82,11 @@ impl Summary {
             steps: reference.or(runs.first()).map_or(Steps::default(), |one| one.run.spec.process.steps),
             simulated: averaged().filter(|(_, p)| p.is_simulated()).map(|(name, _)| name).collect(),
             simulation: together.filter(|t| t.simulated).map(|t| t.reference.clone()),
+            strokes: together.map_or(0.0, |t| t.turns),
+            ranges: together.map_or(BTreeMap::new(), ranges),
+            runs_against_model: averaged()
+                .filter_map(|(name, p)| Some((name, named(p.against_model()?))))
+                .collect(),
             envelope_against_simulation: together.map_or(BTreeMap::new(), |t| t.against_simulation.clone()),
             runs_against_truth: averaged()
                 .filter_map(|(name, p)| Some((name, named(p.against_truth()?))))
@@ -71,6 +96,20 @@ impl Summary {
             static_tilts: weighed.collect(),
         }
     }
+}
+
+/// What the envelope covers.
+fn ranges(together: &Together) -> BTreeMap<&'static str, Ranges> {
+    let of = |prefix: &str, name: &str| {
+        let values = together.envelope.values(&format!("{prefix}{name}"))?;
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        Some([low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)])
+    };
+    let both = |name: &'static str| {
+        let measured = [of("low_", name)?[0], of("high_", name)?[1]];
+        Some((name, Ranges { measured, simulation: of("simulation_", name) }))
+    };
+    CHANNELS.iter().filter_map(|(name, _)| both(name)).collect()
 }
 
 impl RunNumbers {
@@ -83,6 +122,9 @@ impl RunNumbers {
             cycles: processed.map_or(0, |p| p.cycles[0].cycles),
             cycles_left_out: processed.map_or(0, |p| p.cycles[0].left_out),
             serious: processed.map_or(0, |p| p.serious),
+            frequency_hz: processed.and_then(|p| Some(p.model.as_ref()?.frequency_hz)),
+            ahead_rad: processed.and_then(|p| p.model.as_ref()?.ahead_rad),
+            disagreement: judged(run),
             statement: processed.map_or(Vec::new(), |p| p.statement.clone()),
         }
     }
@@ -117,18 +159,28 @@ impl Summary {
 
     fn against_simulation(&self) -> String {
         let mut text = format!(
-            "middle of the envelope against the simulation of {}\n{:8}{:>12}{:>12}{:>13}{:>12}\n",
+            "middle of the envelope against the model on the measured motion of {}, {:.2} strokes\n\
+             {:8}{:>12}{:>12}{:>13}{:>12}{:>22}{:>22}\n",
             self.simulation.as_deref().unwrap_or_default(),
+            self.strokes,
             "channel",
             "rmse",
             "range",
             "correlation",
-            "peak ratio"
+            "peak ratio",
+            "envelope",
+            "simulation"
         );
+        let range = |of: Option<[f64; 2]>| of.map_or(String::new(), |[a, b]| format!("{a:.4} to {b:.4}"));
         for (name, c) in &self.envelope_against_simulation {
             text += &format!(
-                "{name:8}{:12.5}{:12.5}{:13.4}{:12.3}\n",
-                c.rmse, c.range, c.correlation, c.peak_ratio
+                "{name:8}{:12.5}{:12.5}{:13.4}{:12.3}{:>22}{:>22}\n",
+                c.rmse,
+                c.range,
+                c.correlation,
+                c.peak_ratio,
+                range(self.ranges.get(name).map(|of| of.measured)),
+                range(self.ranges.get(name).and_then(|of| of.simulation))
             );
         }
         if self.runs_against_truth.is_empty() {
@@ -156,7 +208,7 @@ impl RunNumbers {
                 i.missing, i.gaps, i.longest_gap, i.bridged, i.duplicates, i.late
             );
         }
-        for caution in &i.cautions {
+        for caution in i.cautions.iter().chain(&self.disagreement) {
             text += &format!("{name}: caution: {caution}\n");
         }
         if self.serious > 0 {

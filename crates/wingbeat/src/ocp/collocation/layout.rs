@@ -1,6 +1,7 @@
 //! Where the unknowns and the constraints of a collocated problem are.
 
 use super::super::problem::Setup;
+use super::super::scaled::Sizes;
 use super::super::scheme::{InputShape, Scheme};
 use crate::plant::Channel;
 
@@ -55,6 +56,8 @@ pub(super) struct Layout {
     pub constraints: Vec<Channel>,
     pub variable_block: Vec<usize>,
     pub constraint_block: Vec<usize>,
+    /// Typical sizes of variables and constraints.
+    pub sizes: Sizes,
 }
 
 impl Layout {
@@ -69,6 +72,7 @@ impl Layout {
             constraints: Vec::new(),
             variable_block: Vec::new(),
             constraint_block: Vec::new(),
+            sizes: Sizes::default(),
         };
         let last = mesh.len() - 1;
         for k in 0..last {
@@ -96,13 +100,15 @@ impl Layout {
         (0..self.points.len()).filter(|&i| matches!(self.points[i].x, StateOf::Middle(_)))
     }
 
-    fn variable(&mut self, channel: &Channel, limits: [f64; 2], place: &str, block: usize) {
+    fn variable(&mut self, (channel, size): (&Channel, f64), limits: [f64; 2], place: &str, block: usize) {
         let name = format!("{}{place}", channel.name);
+        self.sizes.variables.push(size);
         self.variables.push(Channel::limited(name, channel.unit, channel.frame, limits[0], limits[1]));
         self.variable_block.push(block);
     }
 
-    fn constraint(&mut self, name: String, channel: &Channel, limits: [f64; 2], block: usize) {
+    fn constraint(&mut self, name: String, (channel, size): (&Channel, f64), limits: [f64; 2], block: usize) {
+        self.sizes.constraints.push(size);
         self.constraints.push(Channel::limited(name, channel.unit, channel.frame, limits[0], limits[1]));
         self.constraint_block.push(block);
     }
@@ -112,7 +118,7 @@ impl Layout {
         self.nodes.push(x);
         let place = format!("[{k}]");
         for (i, channel) in setup.states.iter().enumerate() {
-            self.variable(channel, setup.state_limits(i, end), &place, k);
+            self.variable((channel, setup.scales.state(i)), setup.state_limits(i, end), &place, k);
         }
         self.point(setup, sigma, k, StateOf::Unknown(x), &place, true);
     }
@@ -122,12 +128,13 @@ impl Layout {
         let u = self.variables.len();
         let mut path = None;
         if limited {
-            for channel in &setup.inputs {
-                self.variable(channel, [channel.low, channel.high], place, k);
+            for (j, channel) in setup.inputs.iter().enumerate() {
+                self.variable((channel, setup.scales.input(j)), [channel.low, channel.high], place, k);
             }
             path = (!setup.path.is_empty()).then_some(self.constraints.len());
             for channel in &setup.path {
-                self.constraint(format!("{}{place}", channel.name), channel, [channel.low, channel.high], k);
+                let limits = [channel.low, channel.high];
+                self.constraint(format!("{}{place}", channel.name), (channel, 1.0), limits, k);
             }
         }
         self.points.push(PointPlace { sigma, x, u: [(u, 1.0), (u, 0.0)], weight: 0.0, path });
@@ -140,18 +147,19 @@ impl Layout {
         let limited = scheme.input == InputShape::Polynomial;
         for (j, c) in scheme.c.iter().enumerate().take(scheme.points() - 1).skip(1) {
             let (first, place) = (self.variables.len(), format!("[{k}.{j}]"));
-            for channel in setup.states.iter().filter(|_| !scheme.compressed) {
+            for (i, channel) in setup.states.iter().enumerate().filter(|_| !scheme.compressed) {
                 let limits = [channel.low, channel.high];
                 let limits = if limited { limits } else { super::super::problem::FREE };
-                self.variable(channel, limits, &place, k);
+                self.variable((channel, setup.scales.state(i)), limits, &place, k);
             }
             let x = if scheme.compressed { StateOf::Middle(k) } else { StateOf::Unknown(first) };
             self.point(setup, mesh[k] + c * share, k, x, &place, limited);
         }
         let row = self.constraints.len();
         for _ in scheme.defects() {
-            for channel in &setup.states {
-                self.constraint(format!("dynamics of {}[{k}]", channel.name), channel, [0.0, 0.0], k);
+            for (i, channel) in setup.states.iter().enumerate() {
+                let name = format!("dynamics of {}[{k}]", channel.name);
+                self.constraint(name, (channel, setup.scales.state(i)), [0.0, 0.0], k);
             }
         }
         let ends = [first, first + scheme.points() - 1];
@@ -188,14 +196,15 @@ impl Layout {
     fn globals(&mut self, setup: &Setup, last: usize) {
         self.times = self.variables.len();
         for (name, limits) in ["initial time", "final time"].iter().zip(setup.times) {
-            self.variable(&Channel::free(*name, "s", ""), limits, "", last);
+            self.variable((&Channel::free(*name, "s", ""), 1.0), limits, "", last);
         }
-        for channel in &setup.parameters {
-            self.variable(channel, [channel.low, channel.high], "", last);
+        for (i, channel) in setup.parameters.iter().enumerate() {
+            let size = setup.scales.parameter(i);
+            self.variable((channel, size), [channel.low, channel.high], "", last);
         }
         self.ends = self.constraints.len();
         for channel in &setup.ends {
-            self.constraint(channel.name.clone(), channel, [channel.low, channel.high], last);
+            self.constraint(channel.name.clone(), (channel, 1.0), [channel.low, channel.high], last);
         }
     }
 }

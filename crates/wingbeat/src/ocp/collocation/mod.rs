@@ -5,8 +5,10 @@ mod ends;
 mod layout;
 mod points;
 
+use super::multipliers::Multipliers;
 use super::nlp::{Derivatives, EvaluationError, Program, Structure};
 use super::problem::{OptimalControl, Setup};
+use super::scaled::Sizes;
 use super::scheme::Scheme;
 use super::trajectory::Trajectory;
 use crate::plant::Channel;
@@ -107,6 +109,34 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
             out.u.push(u.to_vec());
         }
         Ok(out)
+    }
+
+    /// Typical sizes of the unknowns and of the constraints.
+    pub(super) fn sizes(&self) -> Sizes {
+        self.layout.sizes.clone()
+    }
+
+    /// What the multipliers `y` of the constraints say at the unknowns `w`. The costate in the middle of an interval is the
+    /// mean of those at its ends, the sum of its defects' multipliers and that of the last one.
+    pub(super) fn multipliers(&self, w: &[f64], y: &[f64]) -> Multipliers {
+        let (n, layout) = (self.setup.states.len(), &self.layout);
+        let (begin, span) = (w[layout.times], w[layout.times + 1] - w[layout.times]);
+        let at = |sigma: f64| begin + span * sigma;
+        let mut out = Multipliers { ends: y[layout.ends..].to_vec(), ..Multipliers::default() };
+        let blocks = self.transcribed.scheme.defects().len();
+        for interval in &layout.intervals {
+            let [first, last] = interval.ends.map(|i| layout.points[i].sigma);
+            out.t.push(at(0.5 * (first + last)));
+            let weight = |block: usize| if block + 1 == blocks { 1.0 } else { 0.5 };
+            let costate = |i: usize| (0..blocks).map(|b| -weight(b) * y[interval.row + b * n + i]).sum();
+            out.costates.push((0..n).map(costate).collect());
+        }
+        for place in &layout.points {
+            if let Some(row) = place.path {
+                out.path.push((at(place.sigma), y[row..row + self.points.path()].to_vec()));
+            }
+        }
+        out
     }
 
     /// Columns of interval `k`: its own unknowns, then times and parameters.

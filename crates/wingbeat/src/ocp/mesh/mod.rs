@@ -4,7 +4,9 @@
 use crate::ocp::collocation::{Collocation, Transcribed};
 use crate::ocp::interior_point::{Iteration, Options, Solution, Status, solve};
 use crate::ocp::interpolant::Interpolant;
+use crate::ocp::multipliers::Multipliers;
 use crate::ocp::problem::{OptimalControl, Setup};
+use crate::ocp::scaled::solve_in;
 use crate::ocp::scheme::{InputShape, Scheme};
 use crate::ocp::trajectory::Trajectory;
 use std::ops::ControlFlow;
@@ -97,6 +99,8 @@ pub struct Optimum {
     pub error: f64,
     /// The meshes, in order.
     pub passes: Vec<Pass>,
+    /// Multipliers on the last mesh; none when nothing could be evaluated.
+    pub multipliers: Option<Multipliers>,
     /// Wall time.
     pub time: Duration,
 }
@@ -114,8 +118,9 @@ pub fn optimise<P: OptimalControl>(
         None => run.meshes(guess),
     };
     let (objective, error) = last.as_ref().map_or((f64::NAN, f64::INFINITY), |l| (l.objective, l.error));
-    let solution = last.map(|l| l.interpolant);
-    Optimum { status, objective, error, solution, passes: run.passes, time: run.begin.elapsed() }
+    let (solution, multipliers) = last.map(|l| (l.interpolant, l.multipliers)).unzip();
+    let time = run.begin.elapsed();
+    Optimum { status, objective, error, solution, passes: run.passes, multipliers, time }
 }
 
 /// What makes a problem unsolvable before anything is computed.
@@ -123,6 +128,10 @@ fn refusal(setup: &Setup, guess: &Trajectory) -> Option<Status> {
     let trouble = |cause: String| Some(Status::NumericalTrouble { cause });
     if setup.states.is_empty() {
         return trouble("the problem has no states".into());
+    }
+    let counts = [setup.states.len(), setup.inputs.len(), setup.parameters.len()];
+    if let Some(cause) = setup.scales.fault(counts) {
+        return trouble(cause);
     }
     if guess.p.len() != setup.parameters.len() {
         return trouble(format!("the guess must hold {} parameters", setup.parameters.len()));
@@ -145,6 +154,7 @@ struct Solved {
     errors: Vec<f64>,
     error: f64,
     interpolant: Interpolant,
+    multipliers: Multipliers,
 }
 
 struct Run<'a, P> {
@@ -237,7 +247,12 @@ impl<P: OptimalControl> Run<'_, P> {
         let start = program.unknowns(guess);
         let observer = &mut *self.observer;
         let mut watch = |iteration: &Iteration| observer(Progress::Iteration(iteration));
-        let solution = solve(&mut program, &start, &Options { time, ..options }, &mut watch);
+        let options = Options { time, ..options };
+        let solution = match self.problem.setup().scales.is_unit() {
+            true => solve(&mut program, &start, &options, &mut watch),
+            false => solve_in(&program.sizes(), &mut program, &start, &options, &mut watch),
+        };
+        let multipliers = program.multipliers(&solution.x, &solution.multipliers);
         let judged = program.trajectory(&solution.x).ok().and_then(|points| {
             let interpolant = Interpolant::new(self.problem, &scheme, points).ok()?;
             Some((interpolant.errors(self.problem).ok()?, interpolant))
@@ -253,7 +268,7 @@ impl<P: OptimalControl> Run<'_, P> {
         let stopped = (self.observer)(Progress::Pass(&pass)).is_break();
         self.passes.push(pass);
         let status = if stopped { Status::Stopped } else { status };
-        (status, Some(Solved { mesh, objective, errors, error, interpolant }))
+        (status, Some(Solved { mesh, objective, errors, error, interpolant, multipliers }))
     }
 }
 

@@ -128,6 +128,11 @@ impl<'a> Samples<'a> {
         })
     }
 
+    /// Samples of a run that `carrier` moves.
+    pub fn carried(time: Vec<f64>, channels: [Vec<f64>; 6], phase: Vec<f64>, carrier: &'a Carrier) -> Self {
+        Self { time, channels, phase, status: Vec::new(), motion: Motion::Carried(carrier) }
+    }
+
     /// The motion of the run's own carrier, where the record does not hold it.
     pub fn carried_by(&mut self, carrier: &'a Carrier) {
         self.motion = Motion::Carried(carrier);

@@ -232,24 +232,6 @@ impl CycleAverage {
     }
 }
 
-/// Smallest and largest of several cycles, bin by bin.
-pub fn envelope<'a>(averages: impl IntoIterator<Item = &'a CycleAverage>) -> (Vec<f64>, Vec<f64>) {
-    let (mut low, mut high) = (Vec::new(), Vec::new());
-    for average in averages {
-        if low.is_empty() {
-            (low, high) = (average.low.clone(), average.high.clone());
-            continue;
-        }
-        for (x, y) in low.iter_mut().zip(&average.low) {
-            *x = x.min(*y);
-        }
-        for (x, y) in high.iter_mut().zip(&average.high) {
-            *x = x.max(*y);
-        }
-    }
-    (low, high)
-}
-
 /// One curve against another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Comparison {

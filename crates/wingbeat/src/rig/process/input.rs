@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 #[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
 pub struct InputSpec {
-    /// Names of columns or datasets that differ: `Fz = "force_up"`. Channels are t,
+    /// Names of columns or datasets that differ: `Fz = "force_up"`, `Fz = "-force_down"` where the sign does too. Channels are t,
     /// Fx .. Tz, phase (of the stroke), status, and q1, q2 .. of the arm's joints.
     pub columns: BTreeMap<String, String>,
     /// Units where the file does not say them.

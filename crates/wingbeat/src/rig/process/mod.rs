@@ -6,10 +6,12 @@ mod correct;
 mod cycle;
 mod filter;
 mod input;
+mod motion;
 mod tilt;
 
 pub use correct::{Corrected, Corrector, Samples, Steps, tare_line};
-pub use cycle::{Comparison, CycleAverage, PhaseSource, compare, envelope, phase_average, phase_of};
+pub use cycle::{Comparison, CycleAverage, PhaseSource, compare, phase_average, phase_of};
 pub use filter::Butterworth;
 pub use input::{InputSpec, UnitSpec};
+pub use motion::recorded_motion;
 pub use tilt::{Tilt, Weighing, weigh};

@@ -1,12 +1,13 @@
 //! The quickest roll-in, planned and flown open loop.
 
-use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
+use super::{CHECK_STEPS, PlanSpec, PlanSummary, Planned, SolverNumbers};
 use crate::Error;
 use crate::guide::{HeldCommands, Playback, RollIn, RollInSpec, Turn};
-use crate::ocp::{Interpolant, Optimum, Progress};
+use crate::ocp::nlp::Program;
+use crate::ocp::{Collocation, Interpolant, Optimum, Progress, Scheme, Transcribed};
 use crate::plant::{Fault, Plant};
 use crate::scenario::recorder::{Recorded, Recorder};
-use crate::scenario::summary::Crossing;
+use crate::scenario::summary::{Crossing, given, mean};
 use crate::scenario::{Chosen, Scenario, ScenarioSpec};
 use crate::simulate::{Controller, Sample, Schedule, Sensors, fly};
 use serde::Serialize;
@@ -39,8 +40,19 @@ pub struct RollInSummary {
     pub flown_angles_deg: [f64; 3],
     /// Least of all clearances from `start_s` on as the robot flew it, m.
     pub least_clearance_m: Option<f64>,
+    /// Mean power of the drive on the joints from `start_s` on as the robot flew it, W.
+    pub drive_power_w: Option<f64>,
+    /// The same of the regulators, W.
+    pub regulator_power_w: Option<f64>,
+    /// Mean of what the regulators give alone, W.
+    pub regulator_power_given_w: Option<f64>,
     /// Share of strips beyond the stall angle, over approach and roll-in as the robot flew them.
     pub stall_fraction: Option<f64>,
+}
+
+/// A flight that ends before the roll-in.
+fn broken(fault: Fault) -> Error {
+    Error::invalid("plan.roll_in", fault, "a scenario that flies up to start_s")
 }
 
 impl Scenario {
@@ -59,6 +71,46 @@ impl Scenario {
         }
     }
 
+    /// Hands the roll-in of `[plan.roll_in]` on its first mesh to `see`, with the start of the first guess: objective,
+    /// constraints and their derivatives, for any solver of nonlinear programs.
+    ///
+    /// # Errors
+    /// A scenario without such a plan, or that does not fly up to its start.
+    pub fn roll_in_program(&self, see: &mut dyn FnMut(&mut dyn Program, &[f64])) -> Result<(), Error> {
+        let Some(PlanSpec::RollIn(spec)) = &self.spec.plan else {
+            return Err(Error::invalid("plan.roll_in", "absent", "a [plan.roll_in]"));
+        };
+        let (problem, _) = match self.controller()? {
+            Some(mut approach) => self.approached(spec, &mut approach)?,
+            None => self.approached(spec, &mut HeldCommands(self.held_commands()))?,
+        };
+        let guess = problem.first_guess().map_err(broken)?;
+        let mesh = Transcribed::uniform(Scheme::hermite_simpson(), spec.intervals);
+        let mut program = Collocation::new(&problem, mesh, &guess);
+        let start = program.unknowns(&guess);
+        see(&mut program, &start);
+        Ok(())
+    }
+
+    /// The roll-in from the state to which `approach` flies, and its settings with the time at which it does.
+    fn approached<C: Controller>(
+        &self,
+        spec: &RollInSpec,
+        approach: &mut C,
+    ) -> Result<(RollIn<'_, crate::robot::Robot>, RollInSpec), Error> {
+        let mut x = self.start();
+        let steps = (spec.start_s / self.schedule.step).round() as usize;
+        let schedule = Schedule { steps, ..self.schedule };
+        let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
+        let go_on = |_: &Sample, _: &C| Ok(ControlFlow::Continue(()));
+        let flight = fly(model, &mut sensors, approach, &schedule, &mut x, go_on);
+        flight.ending.check().map_err(broken)?;
+        let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
+        let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec)
+            .map_err(|e| e.within("plan.roll_in"))?;
+        Ok((problem, spec))
+    }
+
     fn roll_in<C: Controller>(
         &self,
         spec: &RollInSpec,
@@ -66,18 +118,7 @@ impl Scenario {
         again: C,
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Planned, Error> {
-        let broken =
-            |fault: Fault| Error::invalid("plan.roll_in", fault, "a scenario that flies up to start_s");
-        let mut x = self.start();
-        let steps = (spec.start_s / self.schedule.step).round() as usize;
-        let schedule = Schedule { steps, ..self.schedule };
-        let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
-        let go_on = |_: &Sample, _: &C| Ok(ControlFlow::Continue(()));
-        let flight = fly(model, &mut sensors, &mut approach, &schedule, &mut x, go_on);
-        flight.ending.check().map_err(broken)?;
-        let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
-        let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec)
-            .map_err(|e| e.within("plan.roll_in"))?;
+        let (problem, spec) = self.approached(spec, &mut approach)?;
         let starts = problem.plan(observe).map_err(broken)?;
         let several = (spec.starts > 1).then(|| starts.words());
         let optimum = starts.best;
@@ -105,6 +146,11 @@ impl Scenario {
         summary.flown_angles_deg = angles.map(f64::to_degrees);
         let planned = Crossing::since(&record, self.model.clearances(), spec.start_s);
         summary.least_clearance_m = planned.map(|c| c.least_m);
+        let first = record.values("t").map_or(0, |t| t.partition_point(|t| *t < spec.start_s));
+        let power = |name: &str| record.values(name).map_or(&[][..], |values| &values[first..]);
+        summary.drive_power_w = mean(power("drive_power"));
+        summary.regulator_power_w = mean(power("regulator_power"));
+        summary.regulator_power_given_w = given(power("regulator_power"));
         let tracking = self.tracking(&problem, &spec, &solution)?;
         let files = vec![("track.toml", tracking)];
         Ok(Planned { record: Some(record), summary: PlanSummary::RollIn(Box::new(summary)), files })
@@ -174,6 +220,9 @@ impl Scenario {
             final_angles_deg: [f64::NAN; 3],
             flown_angles_deg: [f64::NAN; 3],
             least_clearance_m: None,
+            drive_power_w: None,
+            regulator_power_w: None,
+            regulator_power_given_w: None,
             stall_fraction: None,
         }
     }
