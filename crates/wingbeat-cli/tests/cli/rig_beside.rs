@@ -22,8 +22,11 @@ fn summary(folder: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
 }
 
+/// What is done to the columns of a file.
+type Change<'a> = &'a dyn Fn(&mut [Vec<f64>]);
+
 /// The samples of the simulated bench as a file of another program: time, cell, encoder, joints without rates.
-fn foreign(record: &Record, path: &Path, change: &dyn Fn(&mut [Vec<f64>])) {
+fn foreign(record: &Record, path: &Path, change: Change) {
     let names: Vec<String> = ["t", "Fx", "Fy", "Fz", "Tx", "Ty", "Tz", "phase"].map(String::from).into();
     let names: Vec<String> = names.into_iter().chain((1..=6).map(|j| format!("q{j}"))).collect();
     let mut values: Vec<Vec<f64>> = names.iter().map(|name| record.values(name).unwrap().to_vec()).collect();
@@ -89,7 +92,7 @@ fn the_simulation_beside_a_bench_is_another_model_on_the_measured_motion() {
 #[test]
 fn wrong_signs_axes_and_phases_of_a_file_are_told_and_mended_as_proposed() {
     let (folder, record) = simulated("rig-wrong");
-    let cases: [(&str, &dyn Fn(&mut [Vec<f64>]), &str, &str); 3] = [
+    let cases: [(&str, Change, &str, &str); 3] = [
         (
             "flipped",
             &|v| v[3].iter_mut().for_each(|x| *x = -*x),

@@ -69,7 +69,7 @@ impl RigRun {
         let encoder = self.spec.process.phase == PhaseSource::Encoder;
         let own = self.robot.phase(0.0);
         // The clock of the experiment loses half of the time in which the flapping starts.
-        let ahead = encoder.then(|| at_zero + 0.5 * rate * self.spec.rig.spin_up_s);
+        let ahead = encoder.then_some(at_zero + 0.5 * rate * self.spec.rig.spin_up_s);
         let start = [("gait.phase_rate_rad_s", rate), ("gait.phase_rad", own + ahead.unwrap_or(0.0))];
         let (robot, numbers) = self.adjusted(&start)?;
         let windy = self.robot.mean_wind() != Vec3::ZERO;
