@@ -128,7 +128,7 @@ pub struct Wake {
 
 /// Plan a scenario's manoeuvre or gait offline: the quickest roll-in, or the least power for a mean force
 ///
-/// The scenario's [plan] says which. The folder of a roll-in holds what `fly` writes, from the open-loop flight of the
+/// The scenario's `[plan]` says which. The folder of a roll-in holds what `fly` writes, from the open-loop flight of the
 /// plan, and track.toml: the scenario with the plan as the controller's reference, for `fly`. The folder of a gait
 /// holds its cycle as simulated from rest on a stand in the scenario's wind, figures, and tether.toml with joints.csv:
 /// the motion of the wing, for `tether`.
@@ -160,10 +160,10 @@ pub struct Calibrate {
     pub run: Run,
 }
 
-/// Find the periodic flight that a scenario's [trim] asks for, and how it holds
+/// Find the periodic flight that a scenario's `[trim]` asks for, and how it holds
 ///
 /// The folder holds summary.json (frequency, power, stall shares, Floquet multipliers, or why there is no orbit),
-/// record.parquet (one cycle), multipliers.parquet, family.parquet where [trim.family] asks for orbits along a parameter,
+/// record.parquet (one cycle), multipliers.parquet, family.parquet where `[trim.family]` asks for orbits along a parameter,
 /// figures, and orbit.toml: the scenario on its orbit, for `fly`. What the numbers mean: docs/trim.md.
 #[derive(Debug, Args)]
 pub struct Trim {
