@@ -59,12 +59,13 @@ impl<P: Scalar> Motor<P> {
     /// and -s tau, all smooth. The torque that accelerates the rotor passes without friction.
     pub fn crank_torque<S: Scalar + Meets<P>>(&self, crank_rate: S, supply: S) -> S {
         let torque = self.shaft_torque(crank_rate, supply);
-        let width = SPEED_ROUNDING * (self.no_load_speed / self.gear_ratio).value();
-        let sign = crank_rate / crank_rate.smooth_abs(width);
+        let width = self.no_load_speed / self.gear_ratio * SPEED_ROUNDING;
+        let sign = crank_rate / (crank_rate * crank_rate + width * width).sqrt();
         let along = torque * sign;
-        let rounding = TORQUE_ROUNDING * self.stall_torque.value();
-        let friction = along.smooth_positive(rounding) * (-self.efficiency + 1.0)
-            + (-along).smooth_positive(rounding) * (self.efficiency.recip() - 1.0);
+        let rounding = self.stall_torque * TORQUE_ROUNDING;
+        let positive = |x: S| (x + (x * x + rounding * rounding).sqrt()) * 0.5;
+        let friction =
+            positive(along) * (-self.efficiency + 1.0) + positive(-along) * (self.efficiency.recip() - 1.0);
         (torque - sign * friction) * self.gear_ratio
     }
 }

@@ -55,7 +55,7 @@ impl Jacobian {
         gram
     }
     /// Smallest singular value, m/rad, with rotations scaled by
-    /// a length of 0.5 m; zero at a singularity.
+    /// `LENGTH_SCALE`; zero at a singularity.
     pub fn singularity_margin(&self) -> f64 {
         symmetric_eigenvalues(self.gram(LENGTH_SCALE))[0].max(0.0).sqrt()
     }
