@@ -28,7 +28,7 @@ fn a_robot_at_rest_bears_its_weight_on_the_stand() {
 fn a_motor_turns_the_crank_on_the_rig() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let robot = root.join("robots/motor_flapper.toml");
-    let brief = ["rig.cell.rate_hz=2000.0", "rig.cell.filter_hz=800.0", "hold.each_s=2.0", "rig.rest_s=0.2"];
+    let brief = ["rig.cell.rate_hz=3500.0", "hold.each_s=2.0", "rig.rest_s=0.2"];
     let overrides: Vec<String> =
         brief.map(String::from).into_iter().chain([format!("rig.robot={}", robot.display())]).collect();
     let run = RigRun::load(&root.join("rigs/runs/bench.toml"), &overrides).unwrap();
