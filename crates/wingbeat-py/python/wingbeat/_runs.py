@@ -242,8 +242,13 @@ def trim(scenario: Scenario | Source, overrides: Overrides | None = None) -> Tri
     """Finds the flight that the robot repeats every cycle, as the scenario's ``[trim]`` says."""
     native = scenario_of(scenario, overrides)._native
     record, multipliers, family, summary, files = _wingbeat.trim(native)
-    tables = [None if table is None else Record(table) for table in (record, multipliers, family)]
-    return Trimmed(*tables, json.loads(summary), dict(files))
+    return Trimmed(
+        None if record is None else Record(record),
+        None if multipliers is None else Record(multipliers),
+        None if family is None else Record(family),
+        json.loads(summary),
+        dict(files),
+    )
 
 
 def tether(
