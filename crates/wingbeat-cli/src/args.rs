@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use wingbeat::scenario::DocumentKind;
+use wingbeat_lattice::course::Asked;
 
 /// Simulation, calibration and control of dynamic-morphing flapping flight.
 #[derive(Debug, Parser)]
@@ -108,10 +109,10 @@ pub struct Wake {
     #[arg(long)]
     pub model: bool,
     /// Panels along the chord
-    #[arg(long, value_name = "N", default_value_t = 6)]
+    #[arg(long, value_name = "N", default_value_t = Asked::default().chordwise)]
     pub chordwise: usize,
     /// Panels along the span
-    #[arg(long, value_name = "N", default_value_t = 24)]
+    #[arg(long, value_name = "N", default_value_t = Asked::default().spanwise)]
     pub spanwise: usize,
     /// Steps per cycle; without it as many as make the wind's way in a step a panel's chord, 24 to 400
     #[arg(long, value_name = "N")]
@@ -120,7 +121,7 @@ pub struct Wake {
     #[arg(long)]
     pub prescribed: bool,
     /// Radius of the cores of the wake's vortices, mean chords
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05)]
+    #[arg(long, value_name = "SHARE", default_value_t = Asked::default().core)]
     pub core: f64,
     #[command(flatten)]
     pub run: Run,

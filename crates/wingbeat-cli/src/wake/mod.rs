@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use wingbeat::scenario::{Scenario, TetherCase};
-use wingbeat_io::{read_parquet_columns, write_parquet};
+use wingbeat_io::{read_parquet_columns, shortest, write_parquet};
 use wingbeat_lattice::RecordError;
 use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary, Watch};
 
@@ -128,6 +128,12 @@ fn refused(error: wingbeat_lattice::Error) -> Error {
     match error {
         wingbeat_lattice::Error::Setting { key: key @ ("steps" | "cycles"), value, allowed } => {
             Error::Input(format!("--{key} {value}: allowed is {allowed}"))
+        }
+        wingbeat_lattice::Error::Setting { key: key @ "core.radius_m", value, allowed } => {
+            Error::Input(format!("--core: {key} = {}: allowed is {allowed}", shortest(value)))
+        }
+        wingbeat_lattice::Error::Setting { key: "panels", value, allowed } => {
+            Error::Input(format!("--chordwise times --spanwise: {value} panels: allowed is {allowed}"))
         }
         wingbeat_lattice::Error::Record(error @ RecordError::Cycles { .. }) => {
             Error::Input(format!("{error}; ask for fewer with --cycles or another end with --at"))

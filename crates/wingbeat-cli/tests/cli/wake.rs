@@ -52,8 +52,13 @@ fn what_cannot_be_stepped_is_refused() {
     let folder = scratch("wake-refused");
     for (more, says) in [
         (["--chordwise", "0"], "chordwise = 0: allowed is 1 or more"),
-        (["--core", "0"], "core.radius_m = 0: allowed is above 0"),
-        (["--core", "1e300"], "allowed is above 0 and at most 0.08"),
+        (
+            ["--chordwise", "1000000000"],
+            "--chordwise times --spanwise: 24000000000 panels: allowed is at most",
+        ),
+        (["--core", "0"], "--core: core.radius_m = 0: allowed is above 0"),
+        (["--core", "nan"], "--core: core.radius_m = NaN: allowed is above 0"),
+        (["--core", "1e300"], "e298: allowed is above 0 and at most 0.08"),
         (["--steps", "100000"], "allowed are at most 200000"),
         (["--spanwise", "1"], "strips = 1"),
     ] {
