@@ -1,5 +1,6 @@
 //! The state figure: roll and pitch with what is asked, heading, position, shoulder and elbow angles over time.
 
+use wingbeat::math::unwrapped;
 use wingbeat::scenario::GoalSpec;
 use wingbeat::simulate::Record;
 
@@ -11,7 +12,7 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// Roll and pitch, heading, position, shoulder and elbow angles over time.
 ///
-/// Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws of `shoulder_left`, `shoulder_right`,
+/// The heading goes on beyond half a turn. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws of `shoulder_left`, `shoulder_right`,
 /// `elbow_left`, `elbow_right` those that are there. Where there are `roll_reference` and `pitch_reference` they are
 /// drawn fine, and about them, from its settling time on, the errors that `goal` allows as a root mean square.
 pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
@@ -33,7 +34,8 @@ pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error>
     if !attitude.bands.is_empty() {
         attitude.title = "roll and pitch [°]; shaded: rms errors within the goal".into();
     }
-    let heading = Curve::new("yaw (left +)", t, scaled(record, "yaw", DEGREES)?, 2);
+    let yaw = unwrapped(needed(record, "yaw")?.to_vec()).iter().map(|angle| angle * DEGREES).collect();
+    let heading = Curve::new("yaw (left +)", t, yaw, 2);
     let places = [("p_WB_x", "x"), ("p_WB_y", "y (left +)"), ("p_WB_z", "z (up +)")];
     let places = places.iter().enumerate();
     let places = places.map(|(i, (column, name))| Ok(Curve::new(*name, t, scaled(record, column, 1.0)?, i)));

@@ -10,6 +10,7 @@ pub use ros_yaml::{parse_ros_yaml, ros_yaml};
 
 use std::path::Path;
 
+use wingbeat::math::whole_turns;
 use wingbeat::rig::Trajectory;
 use wingbeat::rig::arm::SerialArm;
 
@@ -133,11 +134,10 @@ enum Unit {
 
 /// Takes whole turns out of the steps from point to point.
 fn unwind(rows: &mut [Vec<f64>]) {
-    use std::f64::consts::TAU;
     for k in 1..rows.len() {
         let (before, after) = rows.split_at_mut(k);
         for (x, last) in after[0].iter_mut().zip(&before[k - 1]) {
-            *x -= TAU * ((*x - last) / TAU).round();
+            *x -= whole_turns(*x, *last);
         }
     }
 }

@@ -8,28 +8,50 @@ use crate::plant::MAX_DEGREES;
 /// The line along which the wind meets a section without lift, by its angle from the chord. A thin section lifts as the
 /// flat plate along this line (Glauert 1926, ch. 7).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ZeroLift<P = f64> {
-    cosine: P,
-    sine: P,
+pub(super) enum ZeroLift<P = f64> {
+    /// Along the chord.
+    Chord,
+    /// By its cosine and sine.
+    Inclined(P, P),
 }
 
 impl<P: Scalar> ZeroLift<P> {
     /// The line at the incidence `angle` of the chord, rad.
     pub fn new(angle: P) -> Self {
-        Self { cosine: angle.cos(), sine: angle.sin() }
+        if angle.is_zero() { Self::Chord } else { Self::Inclined(angle.cos(), angle.sin()) }
     }
-    /// Directions along the line and normal to it, from those of the chord; or their rates.
+    /// Directions along the line and normal to it, from those of the chord.
     ///
     /// Equation: aero.zero_lift
     #[inline(always)]
     pub fn turned<S: Scalar + Meets<P>>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
-        let Self { cosine, sine } = self;
-        (chordwise.scaled(cosine) + normal.scaled(sine), normal.scaled(cosine) + chordwise.scaled(-sine))
+        match self {
+            Self::Chord => (chordwise, normal),
+            Self::Inclined(cosine, sine) => (
+                chordwise.scaled(cosine) + normal.scaled(sine),
+                normal.scaled(cosine) + chordwise.scaled(-sine),
+            ),
+        }
+    }
+    /// Rate of the normal to the line, from the rate of the chord's normal and that of its direction.
+    #[inline(always)]
+    pub fn turned_rate<S: Scalar + Meets<P>>(
+        self,
+        normal_rate: Vec3<S>,
+        chordwise_rate: impl FnOnce() -> Vec3<S>,
+    ) -> Vec3<S> {
+        match self {
+            Self::Chord => normal_rate,
+            Self::Inclined(cosine, sine) => normal_rate.scaled(cosine) + chordwise_rate().scaled(-sine),
+        }
     }
     /// Normal of the chord from the directions along the line and normal to it.
     #[inline(always)]
     pub fn upward<S: Scalar + Meets<P>>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> Vec3<S> {
-        normal.scaled(self.cosine) + chordwise.scaled(self.sine)
+        match self {
+            Self::Chord => normal,
+            Self::Inclined(cosine, sine) => normal.scaled(cosine) + chordwise.scaled(sine),
+        }
     }
 }
 
@@ -89,6 +111,10 @@ impl<S: Scalar> Section<S> {
         let normal_change = velocity_change.dot(normal);
         let roll_rate = -motion.w.dot(chordwise);
         let w_half = -velocity.dot(normal);
+        let (chord_change, chord_rate) = match zero_lift {
+            ZeroLift::Chord => (normal_change, -roll_rate),
+            ZeroLift::Inclined(..) => (velocity_change.dot(upward), motion.w.dot(chord)),
+        };
         Self {
             chordwise,
             normal,
@@ -98,11 +124,11 @@ impl<S: Scalar> Section<S> {
             w_half,
             w_three_quarter: w_half - normal_change * 0.25,
             drift: velocity.dot(across),
-            pitch_rate: velocity_change.dot(upward) * -inverse_chord,
+            pitch_rate: chord_change * -inverse_chord,
             roll_rate,
             acceleration: motion.acceleration(0.5).dot(normal),
             pitch_acceleration: ((motion.a_te - motion.a_le).dot(upward)
-                - motion.w.dot(chord) * velocity_change.dot(across))
+                - chord_rate * velocity_change.dot(across))
                 * -inverse_chord,
         }
     }

@@ -187,7 +187,7 @@ impl<P: Scalar> Inertia<P> {
     ///
     /// Newton-Euler about the body origin: F = m a_c,
     /// T = c x F + I w' + w x I w.
-    #[inline]
+    #[inline(always)]
     pub(super) fn reaction<S: Scalar + Meets<P>>(&self, motion: &LinkMotion<S>) -> Reaction<S> {
         let com = motion.point(self.com);
         let about_com = self.about_com(&motion.rotation);

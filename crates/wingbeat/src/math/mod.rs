@@ -1,5 +1,6 @@
 //! Scalars, frames and rotations, interpolation, Runge-Kutta tables, small solves.
 
+mod angle;
 mod dual;
 pub mod interpolation;
 mod jet;
@@ -15,6 +16,7 @@ mod spline;
 mod tape;
 mod wrench;
 
+pub use angle::{unwrapped, whole_turns};
 pub use dual::Dual;
 pub use jet::Jet;
 pub use over::{Meets, Over, lift};

@@ -123,8 +123,8 @@ impl<P: Scalar> Robot<P> {
         if coordinates.count() > 0 {
             let mut moving = Links::new();
             moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
-            let mut carriers = Carriers::new(&base, wind_dot, &coordinates);
-            carriers.follow(&self.carriers, &moving, wind_dot);
+            let mut carriers = Carriers::none(&coordinates);
+            carriers.follow(&base, &self.carriers, &moving, wind_dot);
             let second_rates = self
                 .second_rates(&moving, &carriers, gravity, (wind, clock.d), x, dx)
                 .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
@@ -133,8 +133,8 @@ impl<P: Scalar> Robot<P> {
         }
         let mut moving = Links::new();
         moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
-        let mut carriers = Carriers::new(&base, wind_dot, &still);
-        carriers.follow(&self.carriers, &moving, wind_dot);
+        let mut carriers = Carriers::none(&still);
+        carriers.follow(&base, &self.carriers, &moving, wind_dot);
         let (x, dx) = (&x[structure..], &mut dx[structure..]);
         let mut loads = Loads::default();
         let external = self.air_loads(&carriers, wind, x, dx, &mut loads);

@@ -39,8 +39,8 @@ impl Robot {
         self.links(&joints, velocity, rate, &mut links);
         let base = LinkMotion::base(velocity, rate);
         let still = Coordinates::none();
-        let mut carriers = Carriers::new(&base, Vec3::ZERO, &still);
-        carriers.follow(&self.carriers, &links, Vec3::ZERO);
+        let mut carriers = Carriers::none(&still);
+        carriers.follow(&base, &self.carriers, &links, Vec3::ZERO);
         let placement = &self.covering.laid[surface].placement;
         let sections: Vec<Section> = arcs.iter().map(|s| placement.section(*s, &self.carriers)).collect();
         let riding = Riding { sections: &sections, carriers: &carriers };

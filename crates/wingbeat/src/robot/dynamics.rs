@@ -158,8 +158,8 @@ impl<P: Scalar> Robot<P> {
         self.coordinates(links, ratios, coordinates);
 
         let (wind, wind_dot) = self.wind(t, attitude);
-        let mut carriers = Carriers::new(base, wind_dot, coordinates);
-        carriers.follow(&self.carriers, links, wind_dot);
+        let mut carriers = Carriers::none(coordinates);
+        carriers.follow(base, &self.carriers, links, wind_dot);
         let tree = &self.mechanism.tree;
         let (mass, bias) = tree.inertia_and_bias(w, links);
         let g_b = self.gravity(attitude);

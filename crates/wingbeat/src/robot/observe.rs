@@ -85,8 +85,8 @@ impl Robot {
 
         let (wind, wind_dot) = self.wind(t, e.attitude);
         let still = Coordinates::none();
-        let mut carriers = Carriers::new(&base, wind_dot, &still);
-        carriers.follow(&self.carriers, &moving, wind_dot);
+        let mut carriers = Carriers::none(&still);
+        carriers.follow(&base, &self.carriers, &moving, wind_dot);
         let aero = self.layout.aero;
         let mut strips = Loads::default();
         let external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);

@@ -61,6 +61,8 @@ struct Carrier<S: Scalar> {
 }
 
 impl<S: Scalar> Track<S> {
+    const ZERO: Self = Self { p: Vec3::ZERO, v: Vec3::ZERO, a: Vec3::ZERO };
+
     /// The track of the point `x` m further along `axis`.
     #[inline(always)]
     fn shifted<P: Copy>(&self, axis: &Self, x: P) -> Self
@@ -72,17 +74,21 @@ impl<S: Scalar> Track<S> {
 }
 
 impl<S: Scalar> Carrier<S> {
-    /// Along a fixed direction e of the link: v = w x e, a = w' x e + w x (w x e).
+    const ZERO: Self =
+        Self { origin: Track::ZERO, along: [Track::ZERO; 3], rate: Vec3::ZERO, rate_dot: Vec3::ZERO };
+
+    /// Along a fixed direction e of the link: v = w x e, a = w' x e + w x (w x e). Written in place: a copy of what has just
+    /// been written piece by piece waits for its pieces.
     #[inline(always)]
-    fn new(link: &LinkMotion<S>, wind_dot: Vec3<S>) -> Self {
-        let along = std::array::from_fn(|axis| {
+    fn follow(&mut self, link: &LinkMotion<S>, wind_dot: Vec3<S>) {
+        self.origin = Track { p: link.position, v: link.velocity, a: link.acceleration - wind_dot };
+        for (axis, along) in self.along.iter_mut().enumerate() {
             let direction = link.rotation.column(axis);
             let sweep = link.rate.cross(direction);
             let bend = link.rate_dot.cross(direction) + link.rate.cross(sweep);
-            Track { p: direction, v: sweep, a: bend }
-        });
-        let origin = Track { p: link.position, v: link.velocity, a: link.acceleration - wind_dot };
-        Self { origin, along, rate: link.rate, rate_dot: link.rate_dot }
+            *along = Track { p: direction, v: sweep, a: bend };
+        }
+        (self.rate, self.rate_dot) = (link.rate, link.rate_dot);
     }
 
     #[inline(always)]
@@ -125,16 +131,28 @@ pub(super) struct Carriers<'a, S: Scalar> {
 }
 
 impl<'a, S: Scalar> Carriers<'a, S> {
-    /// The body alone.
+    /// Room for them, which is large and so filled in place.
     #[inline(always)]
-    pub fn new(base: &LinkMotion<S>, wind_dot: Vec3<S>, coordinates: &'a Coordinates<S>) -> Self {
-        Self { base: Carrier::new(base, wind_dot), links: ArrayVec::new(), coordinates }
+    pub fn none(coordinates: &'a Coordinates<S>) -> Self {
+        Self { base: Carrier::ZERO, links: ArrayVec::new(), coordinates }
     }
 
-    /// Adds the links `carriers`, in place.
+    /// Takes the body and the links `carriers`.
     #[inline(always)]
-    pub fn follow(&mut self, carriers: &[usize], links: &[LinkMotion<S>], wind_dot: Vec3<S>) {
-        self.links.extend(carriers.iter().map(|&link| Carrier::new(&links[link], wind_dot)));
+    pub fn follow(
+        &mut self,
+        base: &LinkMotion<S>,
+        carriers: &[usize],
+        links: &[LinkMotion<S>],
+        wind_dot: Vec3<S>,
+    ) {
+        self.base.follow(base, wind_dot);
+        for &link in carriers {
+            self.links.push(Carrier::ZERO);
+            if let Some(carrier) = self.links.last_mut() {
+                carrier.follow(&links[link], wind_dot);
+            }
+        }
     }
 }
 

@@ -47,6 +47,8 @@ pub struct LiftingLine<P: Scalar = f64> {
     numbers: SurfaceNumbers<P>,
     /// Weight of the wash that acts at once.
     at_once: P,
+    /// Lift slope of the section over that of a thin plate.
+    slope_share: P,
 }
 
 /// What the lags leave of the weight of the wash.
@@ -106,6 +108,7 @@ impl<P: Scalar> LiftingLine<P> {
             zero_lift: ZeroLift::new(numbers.zero_lift_angle),
             polar: Polar::new(settings.law, &numbers),
             at_once: at_once(&numbers),
+            slope_share: numbers.section_slope / (2.0 * PI),
             layout,
             numbers,
             settings,
@@ -165,11 +168,6 @@ impl<P: Scalar> LiftingLine<P> {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })
             .collect()
-    }
-
-    /// Lift slope of the section over that of a thin plate.
-    fn slope_share(&self) -> P {
-        self.numbers.section_slope / (2.0 * PI)
     }
 
     /// Wash (m/s, along the normal) that the trailing vorticity of the
@@ -290,7 +288,7 @@ impl<P: Scalar> LiftingLine<P> {
             loads.wash[at] = flow.wash;
             loads.wash_of_others[at] = S::ZERO;
             loads.separated[at] = S::ONE - flow.attached;
-            loads.suction_lost[at] = S::ONE - flow.edge.held;
+            loads.suction_lost[at] = flow.edge.map_or(S::ZERO, |edge| S::ONE - edge.held);
             loads.circulation[at] = self.circulation(stream, x[i]);
             loads.quarter_chord[at] = sections.section(i).point(0.25);
             wrench += loads.strip[at].total();
@@ -363,7 +361,7 @@ impl<P: Scalar> LiftingLine<P> {
             suction *= attached;
         }
         let mass = if set.pitch_suction { self.nodes[i].mass } else { P::ZERO };
-        let pitching_section = (mass, self.slope_share(), self.nodes[i].half_chord);
+        let pitching_section = (mass, self.slope_share, self.nodes[i].half_chord);
         let pitching = pitch_suction(pitching_section, section.pitch_rate, S::from(w), effective) * attached;
         let mut flow = Flow {
             w,
@@ -376,9 +374,7 @@ impl<P: Scalar> LiftingLine<P> {
             attached,
             suction,
             pitching,
-            edge: lev::Edge { held: S::ONE, lost: S::ZERO },
-            vortex: S::ZERO,
-            carried: G::ZERO,
+            edge: None,
         };
         if stream.is_some() {
             // Normal to the wind of motion, reversed flow and suction being unknown to the equations.
@@ -412,13 +408,15 @@ impl<P: Scalar> LiftingLine<P> {
         let cosine = flow.inverse * section.uc;
         let wash = flow.effective - turn;
         let suction = wash.squared() * suction_share(cosine) * self.numbers.section_slope;
-        flow.edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
+        let edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
         let (vortex, rate) = (3 * m + i, flow.speed * node.inverse_chord);
-        dx[vortex] = lev::vortex_rate(x[vortex], flow.edge.lost, rate);
-        flow.vortex = x[vortex] * flow.attached * node.drag;
-        if set.pitch_suction && set.added_mass {
-            flow.carried = section.w_half * section.pitch_rate * node.mass;
-        }
+        dx[vortex] = lev::vortex_rate(x[vortex], edge.lost, rate);
+        let carried = if set.pitch_suction && set.added_mass { node.mass } else { P::ZERO };
+        flow.edge = Some(LimitedEdge {
+            held: edge.held,
+            vortex: x[vortex] * flow.attached * node.drag,
+            carried: section.w_half * section.pitch_rate * carried,
+        });
     }
 
     /// Forces of one node by source.
@@ -510,11 +508,18 @@ struct Flow<G: Scalar, S: Over<G>> {
     suction: S,
     /// Leading-edge suction that pitching adds, N.
     pitching: S,
-    /// What the leading edge holds; all but for law `lev`.
-    edge: lev::Edge<S>,
-    /// Normal force of the vortex of law `lev`, N.
+    /// What the leading edge holds; all where it has no limit.
+    edge: Option<LimitedEdge<G, S>>,
+}
+
+/// A leading edge that holds a limited suction: law `lev`.
+#[derive(Clone, Copy)]
+struct LimitedEdge<G: Scalar, S: Over<G>> {
+    /// Share of the suction that it holds.
+    held: S,
+    /// Normal force of the vortex, N.
     vortex: S,
-    /// Chord force of the carried air, part of the suction that law `lev` limits, N.
+    /// Chord force of the carried air, part of the suction that is limited, N.
     carried: G,
 }
 
@@ -548,10 +553,13 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
     /// the other.
     #[inline]
     fn at_edge(&self, forward: S, normal: S, ahead: S) -> SectionForce<S> {
-        let share = self.suction * self.edge.held;
-        let lost = (S::ONE - share * self.attached) * self.carried;
+        let Some(edge) = self.edge else {
+            return SectionForce::in_plane(-((forward + self.pitching) * self.suction), normal, ahead);
+        };
+        let share = self.suction * edge.held;
+        let lost = (S::ONE - share * self.attached) * edge.carried;
         let forward = (forward + self.pitching) * share + lost;
-        SectionForce::in_plane(-forward, normal + self.vortex, ahead)
+        SectionForce::in_plane(-forward, normal + edge.vortex, ahead)
     }
 }
 

@@ -242,9 +242,11 @@ impl<S: Scalar> Strip<S> {
         let turning = area_rate * inverse_area;
         let upward_rate = turning - upward * turning.dot(upward);
         let across = upward.cross(forward);
-        let swinging = chord_rate * inverse_chord;
         let (chordwise, normal) = zero_lift.turned(forward, upward);
-        let (_, normal_rate) = zero_lift.turned(swinging - forward * swinging.dot(forward), upward_rate);
+        let normal_rate = zero_lift.turned_rate(upward_rate, || {
+            let swinging = chord_rate * inverse_chord;
+            swinging - forward * swinging.dot(forward)
+        });
 
         let air_half = wind - (v_le + chord_rate.scaled(0.5));
         let air = air_half - chord_rate.scaled(0.25);
@@ -349,10 +351,25 @@ impl<P: Scalar> StripModel<P> {
         wind: Vec3<S>,
         out: &mut Strips<S, N>,
     ) {
+        // Each case a loop of its own, so that both vectorise.
+        match self.zero_lift {
+            ZeroLift::Chord => self.move_each(edges, wind, ZeroLift::Chord, out),
+            inclined => self.move_each(edges, wind, inclined, out),
+        }
+    }
+
+    #[inline(always)]
+    fn move_each<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        edges: &Edges<S, N>,
+        wind: Vec3<S>,
+        zero_lift: ZeroLift<P>,
+        out: &mut Strips<S, N>,
+    ) {
         for i in 0..N {
             let (a, b) = (edges.left.get(i), edges.right.get(i));
             let fraction = self.tables.fraction[i];
-            out.set(i, &Strip::new([&a, &b], fraction, wind, self.floor, self.zero_lift));
+            out.set(i, &Strip::new([&a, &b], fraction, wind, self.floor, zero_lift));
         }
     }
 

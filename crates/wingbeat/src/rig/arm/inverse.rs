@@ -2,10 +2,10 @@
 
 use super::{MAX_JOINTS, SerialArm};
 use crate::math::linear::solve_symmetric;
-use crate::math::{Random, Vec3};
+use crate::math::{Random, Vec3, whole_turns};
 use crate::rig::arm::jacobian::LENGTH_SCALE;
 use crate::rig::{Pose, rotation_vector};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Where the tool shall be, in the base frame.
 pub type Goal = Pose;
@@ -207,8 +207,7 @@ fn unwind(arm: &SerialArm, q: &mut [f64; MAX_JOINTS], seed: &[f64]) {
 
 /// a - b brought into [-pi, pi], rad.
 fn turn_between(a: f64, b: f64) -> f64 {
-    let d = a - b;
-    d - TAU * (d / TAU).round()
+    (a - b) - whole_turns(a, b)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Tare, drift, weight and inertia, and the change to the body frame.
 
 use crate::Error;
-use crate::math::{GRAVITY, Jet, Quat, Vec3, Wrench};
+use crate::math::{GRAVITY, Jet, Quat, Vec3, Wrench, unwrapped};
 use crate::plant::{Fault, Plant};
 use crate::range::{Range, ranges};
 use crate::rig::arm::{MAX_JOINTS, SerialArm};
@@ -401,25 +401,6 @@ struct Memory {
 struct Model {
     weight: Wrench<f64>,
     removed: Wrench<f64>,
-}
-
-/// An angle without jumps by whole turns; gaps are bridged by straight lines.
-fn unwrapped(mut out: Vec<f64>) -> Vec<f64> {
-    use std::f64::consts::TAU;
-    let mut last: Option<usize> = None;
-    for row in 0..out.len() {
-        if !out[row].is_finite() {
-            continue;
-        }
-        if let Some(before) = last {
-            out[row] -= TAU * ((out[row] - out[before]) / TAU).round();
-            for k in before + 1..row {
-                out[k] = out[before] + (out[row] - out[before]) * (k - before) as f64 / (row - before) as f64;
-            }
-        }
-        last = Some(row);
-    }
-    out
 }
 
 /// Least-squares line through (t, y): value at t = 0 and slope.

@@ -1,0 +1,43 @@
+//! Angles that go round.
+
+use std::f64::consts::TAU;
+
+/// The whole turns, rad, without which `angle` lies within half a turn of `near`.
+pub fn whole_turns(angle: f64, near: f64) -> f64 {
+    TAU * ((angle - near) / TAU).round()
+}
+
+/// An angle over time, rad, without jumps by whole turns; gaps that are not finite are bridged by straight lines.
+pub fn unwrapped(mut angles: Vec<f64>) -> Vec<f64> {
+    let mut last: Option<usize> = None;
+    for row in 0..angles.len() {
+        if !angles[row].is_finite() {
+            continue;
+        }
+        if let Some(before) = last {
+            angles[row] -= whole_turns(angles[row], angles[before]);
+            let (from, step) = (angles[before], angles[row] - angles[before]);
+            for k in before + 1..row {
+                angles[k] = from + step * (k - before) as f64 / (row - before) as f64;
+            }
+        }
+        last = Some(row);
+    }
+    angles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_taken_out_and_gaps_bridged() {
+        let true_angle = |k: usize| 0.9 * k as f64 - 2.0;
+        let mut seen: Vec<f64> = (0..40).map(|k| true_angle(k).sin().atan2(true_angle(k).cos())).collect();
+        (seen[5], seen[6]) = (f64::NAN, f64::INFINITY);
+        let straight = unwrapped(seen);
+        assert!(straight.iter().enumerate().all(|(k, angle)| (angle - true_angle(k)).abs() < 1e-12));
+        assert!(unwrapped(Vec::new()).is_empty());
+        assert!(unwrapped(vec![f64::NAN, 1.0])[0].is_nan(), "nothing stands before the first value");
+    }
+}
