@@ -68,6 +68,15 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("update, 99.9 %", None, number(1e-3 * controller.p999_us), "ms"),
         ("real-time factor", None, number(summary.real_time_factor), ""),
     ];
+    if let Some(estimate) = &summary.estimate {
+        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
+        let errors = [
+            ("height, estimate's rms", None, number(1e3 * estimate.height_rms_m), "mm"),
+            ("roll, estimate's rms", None, number(estimate.roll_rms_deg), "deg"),
+            ("estimate within 3 sigma", None, share(estimate.within_3_sigma), "% of the errors"),
+        ];
+        rows.splice(saturated..saturated, errors);
+    }
     if summary.lift_law == LiftLaw::Lev.name() {
         let past = rows.iter().position(|row| row.0 == "strips past stall").map_or(rows.len(), |i| i + 1);
         let shares = [

@@ -9,6 +9,7 @@ mod commands;
 mod cycle;
 mod end_points;
 mod error;
+mod estimate;
 mod force_moment;
 mod forces;
 mod gait;
@@ -32,6 +33,7 @@ pub use bench::{comparison, convergence};
 pub use commands::commands;
 pub use end_points::{EndPoints, end_points};
 pub use error::Error;
+pub use estimate::estimate;
 pub use force_moment::force_moment;
 pub use forces::forces;
 pub use gait::gait;
@@ -69,6 +71,12 @@ pub const FLIGHT: [Draw; 4] = [
     |record, _| commands(record),
     |record, _| forces(record),
 ];
+
+/// The figures of the flight that `record` is of: [`FLIGHT`], and with an estimator what it knew.
+pub fn of_flight(record: &Record) -> Vec<Draw> {
+    let estimated = record.values("estimate_t").map(|_| -> Draw { |record, _| estimate(record) });
+    FLIGHT.into_iter().chain(estimated).collect()
+}
 
 /// The figures of a planned gait.
 pub const GAIT: [Draw; 3] =

@@ -3,6 +3,8 @@
 
 mod about_orbit;
 mod controllers;
+mod history;
+mod inertial;
 mod least_power;
 mod manoeuvre;
 mod mpc;
@@ -17,6 +19,7 @@ const MAX_MESHES: usize = 20;
 
 pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use controllers::{ControllerSpec, RobotSolver, SolverSpec, Task};
+pub use inertial::EstimatorSpec;
 pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, angle_error};

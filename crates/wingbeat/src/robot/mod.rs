@@ -190,6 +190,10 @@ impl Robot {
     pub fn mean_wind(&self) -> Vec3 {
         self.wind.mean()
     }
+    /// Velocity of the air over time.
+    pub fn wind_over_time(&self) -> &Wind {
+        &self.wind
+    }
     /// The same robot, its gait's frequency times `pace`.
     #[must_use]
     pub fn paced(&self, pace: f64) -> Self {

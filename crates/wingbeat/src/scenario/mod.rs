@@ -5,6 +5,7 @@ mod calibration;
 mod chosen;
 mod document;
 mod doors;
+mod estimate;
 mod judge;
 mod mismatch;
 mod motion_table;
@@ -35,6 +36,7 @@ pub use calibration::{CalibratedRunSpec, CalibrationSpec, ParameterSpec, Structu
 pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
 pub use doors::Doors;
+pub use estimate::EstimateSummary;
 pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use name::RunName;
@@ -305,7 +307,7 @@ impl Scenario {
     /// What the scenario's controller is told of the robot.
     pub fn sensors(&self) -> Sensors {
         match &self.spec.sensors {
-            Some(spec) => Sensors::noisy(&self.robot, spec, self.spec.seed),
+            Some(spec) => Sensors::of(&self.robot, spec, self.schedule.step, self.spec.seed),
             None => Sensors::perfect(&self.robot),
         }
     }

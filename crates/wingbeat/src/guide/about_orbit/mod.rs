@@ -9,11 +9,12 @@ mod spec;
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 
 use super::controllers::{ControllerSpec, Task};
+use super::inertial::Inertial;
 use crate::Error;
 use crate::orbit::{Cycle, Deviations, Free};
 use crate::plant::Plant;
 use crate::robot::Robot;
-use crate::simulate::{Column, Controller, Measurement, Update};
+use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
 use ahead::Ahead;
 use family::Family;
 use schedule::Schedule;
@@ -32,7 +33,9 @@ struct AboutOrbit<'a> {
     family: Family,
     /// Numbers of the inputs that are fed back.
     inputs: Vec<usize>,
-    ahead: Ahead<'a>,
+    estimator: Box<dyn Estimator + 'a>,
+    /// The state as it is known.
+    x: Vec<f64>,
     /// Integral of the height's deviation, m s.
     integral: f64,
     held: Vec<f64>,
@@ -46,7 +49,15 @@ impl ControllerSpec for AboutOrbitSpec {
     }
 
     fn check(&self, task: Task) -> Result<(), Error> {
-        self.checked(task.model).map(drop)
+        self.checked(task.model)?;
+        match &self.estimator {
+            Some(estimator) => estimator.check(task.sensors.as_ref()).map_err(|e| e.within("estimator")),
+            None => Ok(()),
+        }
+    }
+
+    fn reads_instruments(&self) -> bool {
+        self.estimator.is_some()
     }
 
     fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
@@ -57,6 +68,17 @@ impl ControllerSpec for AboutOrbitSpec {
         inputs.dedup();
         let family = Family::new(self, &cycle, &schedule, &inputs)?;
         let (_, held) = family.asked(None, 0.0);
+        let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
+            None => Box::new(Ahead::new(robot)),
+            Some(spec) => {
+                let sensors = task.sensors.unwrap_or_default();
+                spec.check(Some(&sensors)).map_err(|e| e.within("estimator"))?;
+                let start = family.start().to_vec();
+                let filter = Inertial::new(*spec, &sensors, robot, cycle.section().clone(), start);
+                let allowed = "instruments that tell the state of this robot";
+                Box::new(filter.ok_or_else(|| Error::invalid("estimator", "given", allowed))?)
+            }
+        };
         Ok(Box::new(AboutOrbit {
             robot,
             period: self.period_s,
@@ -64,7 +86,8 @@ impl ControllerSpec for AboutOrbitSpec {
             schedule,
             family,
             inputs,
-            ahead: Ahead::new(robot),
+            estimator,
+            x: vec![0.0; robot.states().len()],
             integral: 0.0,
             held,
             seen: [0.0; 2],
@@ -89,7 +112,10 @@ fn cycles(robot: &Robot, t: f64, x: &[f64]) -> f64 {
 
 impl Controller for AboutOrbit<'_> {
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
-        let Some(x) = self.ahead.state(t, measurement, &self.held) else { return Update::Kept };
+        if self.estimator.estimate(t, measurement, &self.held, &mut self.x).is_err() {
+            return Update::Kept;
+        }
+        let x = &self.x;
         let cycles = cycles(self.robot, t, x);
         let place = self.schedule.place(t);
         let (asked, mut commands) = self.family.asked(place, cycles);
@@ -118,10 +144,12 @@ impl Controller for AboutOrbit<'_> {
     }
 
     fn columns(&self) -> Vec<Column> {
-        vec![Column::new("orbit_legs", "", ""), Column::new("orbit_height_error", "m", "W")]
+        let own = [Column::new("orbit_legs", "", ""), Column::new("orbit_height_error", "m", "W")];
+        own.into_iter().chain(self.estimator.columns()).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
         row.extend(self.seen);
+        self.estimator.diagnostics(row);
     }
 }

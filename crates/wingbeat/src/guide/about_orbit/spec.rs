@@ -2,6 +2,7 @@
 
 use super::schedule::{Schedule, Stretch};
 use crate::Error;
+use crate::guide::inertial::EstimatorSpec;
 use crate::orbit::{Course, Cycle, Free};
 use crate::range::{Range, ranges};
 use crate::robot::Robot;
@@ -33,6 +34,9 @@ pub struct AboutOrbitSpec {
     /// Deviations that cost as much as a full command.
     #[serde(default)]
     pub weights: OrbitWeights,
+    /// How the state is estimated from the readings of instruments; without it, it is told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimator: Option<EstimatorSpec>,
 }
 
 /// A smooth way from one steady flight to another; what is not given stays.
