@@ -77,6 +77,15 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ];
         rows.splice(saturated..saturated, errors);
     }
+    if let Some(path) = &summary.path {
+        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
+        let errors = [
+            ("across the path, rms", None, number(1e3 * path.cross_rms_m), "mm"),
+            ("across, largest", None, number(1e3 * path.cross_max_m), "mm"),
+            ("along the path, rms", None, number(1e3 * path.along_rms_m), "mm"),
+        ];
+        rows.splice(saturated..saturated, errors);
+    }
     if summary.lift_law == LiftLaw::Lev.name() {
         let past = rows.iter().position(|row| row.0 == "strips past stall").map_or(rows.len(), |i| i + 1);
         let shares = [

@@ -11,6 +11,7 @@ mod end_points;
 mod error;
 mod estimate;
 mod force_moment;
+mod followed;
 mod forces;
 mod gait;
 mod joints;
@@ -34,6 +35,7 @@ pub use commands::commands;
 pub use end_points::{EndPoints, end_points};
 pub use error::Error;
 pub use estimate::estimate;
+pub use followed::{ground, tracking};
 pub use force_moment::force_moment;
 pub use forces::forces;
 pub use gait::gait;
@@ -72,10 +74,12 @@ pub const FLIGHT: [Draw; 4] = [
     |record, _| forces(record),
 ];
 
-/// The figures of the flight that `record` is of: [`FLIGHT`], and with an estimator what it knew.
+/// The figures of the flight that `record` is of: [`FLIGHT`], with an estimator what it knew, along a path how it was followed.
 pub fn of_flight(record: &Record) -> Vec<Draw> {
     let estimated = record.values("estimate_t").map(|_| -> Draw { |record, _| estimate(record) });
-    FLIGHT.into_iter().chain(estimated).collect()
+    let followed: [Draw; 2] = [|record, _| ground(record), |record, _| tracking(record)];
+    let followed = record.values("path_arc").map(|_| followed).into_iter().flatten();
+    FLIGHT.into_iter().chain(estimated).chain(followed).collect()
 }
 
 /// The figures of a planned gait.

@@ -2,6 +2,7 @@
 //! through another.
 
 mod estimator;
+mod path;
 
 use std::ops::ControlFlow;
 
@@ -24,6 +25,7 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.climb", quick: false, run: || flown(&CLIMB) },
     Case { id: "flight.dive_pullout", quick: false, run: || flown(&DIVE) },
     Case { id: "flight.decelerate", quick: false, run: || flown(&DECELERATE) },
+    Case { id: "flight.path_figure8", quick: false, run: path::rows },
     Case { id: "flight.estimator", quick: true, run: estimator::rows },
 ];
 

@@ -2,6 +2,7 @@
 //! they are made.
 
 use super::manoeuvre::Manoeuvre;
+use super::path::PathSpec;
 use super::mpc::AttitudeTracking;
 use crate::Error;
 use crate::ocp::realtime::{HorizonSolver, Settings};
@@ -22,6 +23,8 @@ pub struct Task<'a> {
     pub solver: Option<Arc<dyn SolverSpec>>,
     /// The sensors, as their data sheets have them, where the scenario says them.
     pub sensors: Option<SensorSpec>,
+    /// What to fly along, where the scenario says it.
+    pub path: Option<PathSpec>,
 }
 
 /// A kind of feedback controller. [`MpcSpec`](super::MpcSpec) is the one that ships;
@@ -40,6 +43,11 @@ pub trait ControllerSpec: Debug + Send + Sync {
 
     /// Whether the controller estimates the state from readings of instruments; one that does not is told states.
     fn reads_instruments(&self) -> bool {
+        false
+    }
+
+    /// Whether the controller follows a path.
+    fn follows_path(&self) -> bool {
         false
     }
 

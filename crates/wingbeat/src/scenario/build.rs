@@ -76,13 +76,17 @@ impl ScenarioSpec {
             let allowed = "no instruments: this controller is told states; controller.orbit with an estimator reads them";
             return Err(Error::invalid("sensors", "given", allowed));
         }
+        if self.path.is_some() && !spec.follows_path() {
+            let allowed = "no path: this controller follows none; controller.orbit with tracking does";
+            return Err(Error::invalid("path", "given", allowed));
+        }
         spec.check(self.task(choice, model)).map_err(|e| self.of_controller(e))
     }
 
     /// What a controller of `model` is made for.
     fn task<'a>(&self, choice: &Choice, model: &'a Robot) -> Task<'a> {
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
-        Task { model, manoeuvre, solver, sensors: self.sensors.clone() }
+        Task { model, manoeuvre, solver, sensors: self.sensors.clone(), path: self.path.clone() }
     }
 
     /// An error of the controller's settings, or of the gait that it is made for.
@@ -113,6 +117,9 @@ impl ScenarioSpec {
         if let Some(sensors) = &self.sensors {
             sensors.check().map_err(|e| e.within("sensors"))?;
             self.check_readings(sensors)?;
+        }
+        if let Some(path) = &self.path {
+            path.build().map_err(|e| e.within("path"))?;
         }
         if let Some(mismatch) = &self.mismatch {
             mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;

@@ -1,6 +1,7 @@
 //! The numbers of a flight that are compared.
 
 use super::estimate::{EstimateSummary, Estimated};
+use super::followed::PathSummary;
 use super::judge::Verdict;
 use super::spec::GoalSpec;
 use crate::aero::LiftLaw;
@@ -40,6 +41,9 @@ pub struct Summary {
     /// How well an estimator knew the flight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimate: Option<EstimateSummary>,
+    /// How well the path was followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathSummary>,
     /// Mean roll, deg.
     pub roll_mean_deg: Option<f64>,
     /// Root mean square of roll minus reference, deg.
@@ -273,6 +277,7 @@ impl Summary {
                 }
                 None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
             },
+            path: PathSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
             roll_rms_error_deg: rms_deg(&roll_errors),

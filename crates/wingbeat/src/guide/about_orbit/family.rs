@@ -78,7 +78,8 @@ impl Search<'_> {
             self.ways.push(way);
             return Ok(());
         }
-        let begin = self.ways.last().map_or(0, |way| way[way.len() - 1]);
+        let last = self.ways.last().filter(|_| !schedule.fan);
+        let begin = last.map_or(0, |way| way[way.len() - 1]);
         let (from, to) = (stretch.from, stretch.to);
         let steps = [
             (to.bank - from.bank).abs() / BANK_STEP,

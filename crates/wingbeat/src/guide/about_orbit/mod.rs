@@ -5,12 +5,15 @@ mod family;
 mod feedback;
 mod schedule;
 mod spec;
+mod tracking;
 
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
+pub use tracking::TrackingSpec;
 
 use super::controllers::{ControllerSpec, Task};
 use super::inertial::Inertial;
 use crate::Error;
+use crate::math::Vec3;
 use crate::orbit::{Cycle, Deviations, Free};
 use crate::plant::Plant;
 use crate::robot::Robot;
@@ -18,6 +21,7 @@ use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
 use ahead::Ahead;
 use family::Family;
 use schedule::Schedule;
+use tracking::{Demand, Tracking};
 use std::f64::consts::TAU;
 
 /// Largest height off at which the integral of the height grows, m.
@@ -31,6 +35,8 @@ struct AboutOrbit<'a> {
     deviations: Deviations,
     schedule: Schedule,
     family: Family,
+    /// The path, where one is followed.
+    tracking: Option<Tracking>,
     /// Numbers of the inputs that are fed back.
     inputs: Vec<usize>,
     estimator: Box<dyn Estimator + 'a>,
@@ -50,10 +56,15 @@ impl ControllerSpec for AboutOrbitSpec {
 
     fn check(&self, task: Task) -> Result<(), Error> {
         self.checked(task.model)?;
+        self.tracked(&task)?;
         match &self.estimator {
             Some(estimator) => estimator.check(task.sensors.as_ref()).map_err(|e| e.within("estimator")),
             None => Ok(()),
         }
+    }
+
+    fn follows_path(&self) -> bool {
+        self.tracking.is_some()
     }
 
     fn reads_instruments(&self) -> bool {
@@ -63,6 +74,7 @@ impl ControllerSpec for AboutOrbitSpec {
     fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
         let robot = task.model;
         let (cycle, schedule) = self.checked(robot)?;
+        let tracking = self.tracked(&task)?;
         let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
         inputs.sort_unstable();
         inputs.dedup();
@@ -85,6 +97,7 @@ impl ControllerSpec for AboutOrbitSpec {
             deviations: Deviations::new(&cycle),
             schedule,
             family,
+            tracking,
             inputs,
             estimator,
             x: vec![0.0; robot.states().len()],
@@ -93,6 +106,15 @@ impl ControllerSpec for AboutOrbitSpec {
             seen: [0.0; 2],
             cycle,
         }))
+    }
+}
+
+impl AboutOrbitSpec {
+    /// The path of `task` as it is to be followed, if it is.
+    fn tracked(&self, task: &Task) -> Result<Option<Tracking>, Error> {
+        let Some(spec) = self.tracking else { return Ok(None) };
+        let path = spec.checked(task.path.as_ref(), self.speed_m_s).map_err(|e| e.within("tracking"))?;
+        Ok(Some(Tracking::new(spec, path, self.speed_m_s, self.period_s)))
     }
 }
 
@@ -117,12 +139,21 @@ impl Controller for AboutOrbit<'_> {
         }
         let x = &self.x;
         let cycles = cycles(self.robot, t, x);
-        let place = self.schedule.place(t);
+        let (place, height, faster) = match &mut self.tracking {
+            None => (self.schedule.place(t), self.schedule.height(t), 0.0),
+            Some(tracking) => {
+                let layout = self.robot.layout();
+                let [position, velocity] = [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
+                let Demand { place, height, faster } = tracking.demand(t, position, velocity);
+                (Some(place), height, faster)
+            }
+        };
         let (asked, mut commands) = self.family.asked(place, cycles);
         let mut s = vec![0.0; self.deviations.len()];
         self.deviations.of(&self.cycle, x, &mut s);
         let mut error: Vec<f64> = s.iter().zip(&asked).map(|(s, asked)| s - asked).collect();
-        error[0] -= self.schedule.height(t);
+        error[0] -= height;
+        error[1] -= faster;
         if error[0].abs() < INTEGRATED {
             self.integral += error[0] * self.period;
         }
@@ -145,11 +176,13 @@ impl Controller for AboutOrbit<'_> {
 
     fn columns(&self) -> Vec<Column> {
         let own = [Column::new("orbit_legs", "", ""), Column::new("orbit_height_error", "m", "W")];
-        own.into_iter().chain(self.estimator.columns()).collect()
+        let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
+        own.into_iter().chain(path).chain(self.estimator.columns()).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
         row.extend(self.seen);
+        row.extend(self.tracking.iter().flat_map(Tracking::numbers));
         self.estimator.diagnostics(row);
     }
 }
