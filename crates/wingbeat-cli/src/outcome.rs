@@ -77,6 +77,16 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ];
         rows.splice(saturated..saturated, errors);
     }
+    if let Some(hover) = &summary.hover {
+        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
+        let errors = [
+            ("from the place, rms", None, number(1e3 * hover.place_rms_m), "mm"),
+            ("attitude, rms", None, number(hover.attitude_rms_deg), "deg"),
+            ("attitude, largest", None, number(hover.attitude_max_deg), "deg"),
+            ("force of the air, error", None, share(hover.air_force_error), "% of its mean"),
+        ];
+        rows.splice(saturated..saturated, errors);
+    }
     if let Some(path) = &summary.path {
         let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
         let errors = [

@@ -10,10 +10,11 @@ mod cycle;
 mod end_points;
 mod error;
 mod estimate;
-mod force_moment;
 mod followed;
+mod force_moment;
 mod forces;
 mod gait;
+mod hover;
 mod joints;
 mod map;
 mod orbit;
@@ -39,6 +40,7 @@ pub use followed::{ground, tracking};
 pub use force_moment::force_moment;
 pub use forces::forces;
 pub use gait::gait;
+pub use hover::hover;
 pub use joints::joint_histories;
 pub use map::map;
 pub use orbit::{family, multipliers, orbit};
@@ -74,12 +76,14 @@ pub const FLIGHT: [Draw; 4] = [
     |record, _| forces(record),
 ];
 
-/// The figures of the flight that `record` is of: [`FLIGHT`], with an estimator what it knew, along a path how it was followed.
+/// The figures of the flight that `record` is of: [`FLIGHT`], with an estimator what it knew, along a path how it was followed, in a hover
+/// how still it was.
 pub fn of_flight(record: &Record) -> Vec<Draw> {
     let estimated = record.values("estimate_t").map(|_| -> Draw { |record, _| estimate(record) });
     let followed: [Draw; 2] = [|record, _| ground(record), |record, _| tracking(record)];
     let followed = record.values("path_arc").map(|_| followed).into_iter().flatten();
-    FLIGHT.into_iter().chain(estimated).chain(followed).collect()
+    let hovered = record.values("hover_error_x").map(|_| -> Draw { |record, _| hover(record) });
+    FLIGHT.into_iter().chain(estimated).chain(followed).chain(hovered).collect()
 }
 
 /// The figures of a planned gait.

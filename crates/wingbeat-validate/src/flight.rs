@@ -2,6 +2,7 @@
 //! through another.
 
 mod estimator;
+mod hover;
 mod path;
 
 use std::ops::ControlFlow;
@@ -26,6 +27,7 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.dive_pullout", quick: false, run: || flown(&DIVE) },
     Case { id: "flight.decelerate", quick: false, run: || flown(&DECELERATE) },
     Case { id: "flight.path_figure8", quick: false, run: path::rows },
+    Case { id: "flight.hover_guarded", quick: false, run: hover::rows },
     Case { id: "flight.estimator", quick: true, run: estimator::rows },
 ];
 

@@ -2,8 +2,8 @@
 //! they are made.
 
 use super::manoeuvre::Manoeuvre;
-use super::path::PathSpec;
 use super::mpc::AttitudeTracking;
+use super::path::PathSpec;
 use crate::Error;
 use crate::ocp::realtime::{HorizonSolver, Settings};
 use crate::plant::LocalChart;

@@ -4,6 +4,7 @@
 mod about_orbit;
 mod controllers;
 mod history;
+mod hover;
 mod inertial;
 mod least_power;
 mod manoeuvre;
@@ -20,13 +21,15 @@ const MAX_MESHES: usize = 20;
 
 pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, TrackingSpec};
 pub use controllers::{ControllerSpec, RobotSolver, SolverSpec, Task};
+pub use hover::HoverSpec;
 pub use inertial::EstimatorSpec;
 pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, angle_error};
 pub use mpc::{AttitudeTracking, Mpc, MpcSpec, Weights};
 pub use path::{
-    Beside, CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathSpec, PointsSpec, Station,
+    Beside, CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathSpec, PointsSpec,
+    Station,
 };
 pub use playback::{HeldCommands, Playback};
 pub use roll_in::{RollIn, RollInSpec, TrackingCost};

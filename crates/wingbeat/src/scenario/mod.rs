@@ -7,6 +7,7 @@ mod document;
 mod doors;
 mod estimate;
 mod followed;
+mod hovered;
 mod judge;
 mod mismatch;
 mod motion_table;
@@ -39,6 +40,7 @@ pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wron
 pub use doors::Doors;
 pub use estimate::EstimateSummary;
 pub use followed::PathSummary;
+pub use hovered::HoverSummary;
 pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use name::RunName;

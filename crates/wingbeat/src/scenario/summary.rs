@@ -2,6 +2,7 @@
 
 use super::estimate::{EstimateSummary, Estimated};
 use super::followed::PathSummary;
+use super::hovered::HoverSummary;
 use super::judge::Verdict;
 use super::spec::GoalSpec;
 use crate::aero::LiftLaw;
@@ -44,6 +45,9 @@ pub struct Summary {
     /// How well the path was followed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathSummary>,
+    /// How still the robot hovered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hover: Option<HoverSummary>,
     /// Mean roll, deg.
     pub roll_mean_deg: Option<f64>,
     /// Root mean square of roll minus reference, deg.
@@ -278,6 +282,7 @@ impl Summary {
                 None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
             },
             path: PathSummary::new(record, settled.first),
+            hover: HoverSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
             roll_rms_error_deg: rms_deg(&roll_errors),

@@ -134,9 +134,9 @@ impl Hold {
             && summary.roll_max_error_deg.is_some_and(|e| e <= self.roll_within_deg)
             && summary.pitch_max_error_deg.is_some_and(|e| e <= self.pitch_within_deg)
             && self.height_within_m.is_none_or(|most| summary.height_max_error_m.is_some_and(|e| e <= most))
-            && self.cross_rms_within_m.is_none_or(|most| {
-                summary.path.as_ref().is_some_and(|path| path.cross_rms_m <= most)
-            })
+            && self
+                .cross_rms_within_m
+                .is_none_or(|most| summary.path.as_ref().is_some_and(|path| path.cross_rms_m <= most))
     }
 
     /// True when no two parts came closer than allowed.

@@ -21,8 +21,8 @@ use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
 use ahead::Ahead;
 use family::Family;
 use schedule::Schedule;
-use tracking::{Demand, Tracking};
 use std::f64::consts::TAU;
+use tracking::{Demand, Tracking};
 
 /// Largest height off at which the integral of the height grows, m.
 const INTEGRATED: f64 = 0.1;
@@ -143,7 +143,8 @@ impl Controller for AboutOrbit<'_> {
             None => (self.schedule.place(t), self.schedule.height(t), 0.0),
             Some(tracking) => {
                 let layout = self.robot.layout();
-                let [position, velocity] = [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
+                let [position, velocity] =
+                    [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
                 let Demand { place, height, faster } = tracking.demand(t, position, velocity);
                 (Some(place), height, faster)
             }

@@ -133,8 +133,10 @@ impl AboutOrbitSpec {
     /// What is free in straight flight, or in a turn.
     pub(super) fn free(&self, robot: &Robot, turning: bool) -> Result<Vec<Free>, Error> {
         let names = if turning { &self.free[..] } else { &self.free[..self.free.len().min(2)] };
-        let (mut all, turns) =
-            (Vec::new(), self.tracking.is_some() || self.legs.iter().any(|leg| leg.bank_deg.is_some_and(|b| b != 0.0)));
+        let (mut all, turns) = (
+            Vec::new(),
+            self.tracking.is_some() || self.legs.iter().any(|leg| leg.bank_deg.is_some_and(|b| b != 0.0)),
+        );
         for (i, name) in names.iter().enumerate() {
             let key = format!("free[{i}]");
             let allowed = || Free::names(robot).join(", ");

@@ -97,20 +97,21 @@ pub(super) struct Tracking {
 
 impl TrackingSpec {
     /// The path, where it can be followed at `speed`.
-    pub fn checked(&self, path: Option<&PathSpec>, speed: f64) -> Result<Path, Error> {
+    pub(super) fn checked(&self, path: Option<&PathSpec>, speed: f64) -> Result<Path, Error> {
         self.in_range()?;
         let missing = || Error::invalid("", "given", "a path to follow: add [path]");
         let path = path.and_then(|path| path.build().ok()).ok_or_else(missing)?;
         let bank = (path.sharpest() * speed * speed / GRAVITY).atan().to_degrees();
         if !(bank < self.bank_limit_deg) {
-            let allowed = format!("more than {bank:.1} deg, which the path's least radius takes at this speed");
+            let allowed =
+                format!("more than {bank:.1} deg, which the path's least radius takes at this speed");
             return Err(Error::invalid("bank_limit_deg", self.bank_limit_deg, allowed));
         }
         Ok(path)
     }
 
     /// Stretches to the limits of the bank on both sides.
-    pub fn fan(&self, first: Course) -> Schedule {
+    pub(super) fn fan(&self, first: Course) -> Schedule {
         let stretch = |bank_deg: f64| Stretch {
             start: 0.0,
             duration: 1.0,

@@ -152,7 +152,8 @@ mod tests {
         let text = include_str!("../../../../../robots/aerobat_paper.toml");
         let spec: RobotSpec = toml::from_str(text).unwrap();
         let air = Air { density: 1.225, wind: Wind::steady(Vec3::ZERO) };
-        let aero = spec.outlines().unwrap().iter().map(|outline| {
+        let outlines = spec.outlines().unwrap();
+        let aero = outlines.iter().map(|outline| {
             let settings = crate::aero::StripSettings {
                 strips: 9,
                 hinge_arcs_m: outline.hinges.clone(),

@@ -147,7 +147,8 @@ mod tests {
     #[test]
     fn a_figure_of_eight_ends_where_and_as_it_begins_and_crosses_itself_there() {
         let eight = path("{ figure_eight = { radius_m = 4.0 } }");
-        let (start, end, middle) = (eight.at(2.0), eight.at(eight.length()), eight.at(2.0 + 0.5 * (eight.length() - 2.0)));
+        let (start, end, middle) =
+            (eight.at(2.0), eight.at(eight.length()), eight.at(2.0 + 0.5 * (eight.length() - 2.0)));
         assert!((end.place - start.place).norm() < 1e-3 && (end.heading - start.heading).abs() < 1e-3);
         assert!((middle.place - start.place).norm() < 0.02, "{:?}", middle.place);
         assert!((eight.sharpest() - 0.25).abs() < 1e-4);
@@ -167,7 +168,10 @@ mod tests {
         for point in [[4.0, 1.0, 0.2], [8.0, -1.0, 0.0]] {
             let place = Vec3(point) + Vec3::new(2.0, 0.0, 0.0);
             let near = through.beside(place, place[0]);
-            assert!(near.cross.abs() < 2e-3 && (through.at(near.arc).place[2] - point[2]).abs() < 2e-3, "{near:?}");
+            assert!(
+                near.cross.abs() < 2e-3 && (through.at(near.arc).place[2] - point[2]).abs() < 2e-3,
+                "{near:?}"
+            );
         }
     }
 
@@ -184,7 +188,10 @@ mod tests {
                 let (a, b) = (path.at(arc), path.at(arc + 0.04));
                 let middle = path.at(arc + 0.02);
                 let along = (b.place - a.place) * (1.0 / 0.04);
-                assert!((along[1].atan2(along[0]) - middle.heading).rem_euclid(std::f64::consts::TAU).sin().abs() < 2e-3);
+                assert!(
+                    (along[1].atan2(along[0]) - middle.heading).rem_euclid(std::f64::consts::TAU).sin().abs()
+                        < 2e-3
+                );
                 assert!((along[0].hypot(along[1]) - 1.0).abs() < 2e-3, "{curve} {arc}");
                 assert!(((b.heading - a.heading) / 0.04 - middle.curvature).abs() < 2e-2, "{curve} {arc}");
                 arc += 0.37;
