@@ -79,7 +79,7 @@ fn thrusters_that_cannot_be_are_refused() {
         ("robot.thrusters[1].name=thruster_1", "robot.thrusters[1].name", "each name once"),
         ("robot.thrusters[0].direction=[0.0, 0.0, 0.0]", "robot.thrusters[0].direction", "a direction"),
         ("robot.thrusters=[]", "controller.hover", "six or more"),
-        ("controller.hover.period_s=0.0", "controller.hover.period_s", "above 0"),
+        ("controller.hover.period_s=0.0", "controller.hover.period_s", "whole number"),
     ] {
         let message =
             Scenario::new(document(&[text])).err().unwrap_or_else(|| panic!("{text} is taken")).to_string();

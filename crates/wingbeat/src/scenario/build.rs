@@ -93,7 +93,8 @@ impl ScenarioSpec {
     fn of_controller(&self, error: Error) -> Error {
         let table = self.controller_table();
         let gait = format!("robot.gait.{}", self.robot.gait.kind());
-        error.within(&table).renamed(&[(format!("{table}.gait"), gait)])
+        let path = (format!("{table}.tracking.path"), "path".into());
+        error.within(&table).renamed(&[(format!("{table}.gait"), gait), path])
     }
 
     /// Key of the table that the controller is made of.

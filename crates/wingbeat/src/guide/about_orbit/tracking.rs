@@ -100,12 +100,14 @@ impl TrackingSpec {
     pub(super) fn checked(&self, path: Option<&PathSpec>, speed: f64) -> Result<Path, Error> {
         self.in_range()?;
         let missing = || Error::invalid("", "given", "a path to follow: add [path]");
-        let path = path.and_then(|path| path.build().ok()).ok_or_else(missing)?;
+        let spec = path.ok_or_else(missing)?;
+        let path = spec.build().map_err(|e| e.within("path"))?;
         let bank = (path.sharpest() * speed * speed / GRAVITY).atan().to_degrees();
         if !(bank < self.bank_limit_deg) {
             let allowed =
                 format!("more than {bank:.1} deg, which the path's least radius takes at this speed");
-            return Err(Error::invalid("bank_limit_deg", self.bank_limit_deg, allowed));
+            let error = Error::invalid("bank_limit_deg", self.bank_limit_deg, allowed);
+            return Err(error.against(spec.keys().into_iter().map(|key| format!("path.{key}"))));
         }
         Ok(path)
     }

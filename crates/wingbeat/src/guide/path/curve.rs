@@ -106,6 +106,21 @@ ranges!(HelixSpec {
 ranges!(FigureEightSpec { radius_m: Range::over(0.0, 1000.0), laps: Range::between(1.0, 100.0) });
 
 impl CurveSpec {
+    /// Keys of its numbers.
+    pub(super) fn keys(&self) -> Vec<String> {
+        let of = |curve: &str, keys: &[&str]| keys.iter().map(|key| format!("{curve}.{key}")).collect();
+        match self {
+            Self::Line(_) => of("line", &["length_m"]),
+            Self::LaneChange(_) => of("lane_change", &["length_m", "aside_m"]),
+            Self::Helix(_) => of("helix", &["radius_m", "turns", "rise_m"]),
+            Self::FigureEight(_) => of("figure_eight", &["radius_m", "laps"]),
+            Self::Points(spec) => {
+                let axes = |i: usize| (0..3).map(move |j| format!("points.points_m[{i}][{j}]"));
+                (0..spec.points_m.len()).flat_map(axes).collect()
+            }
+        }
+    }
+
     /// Stations from the origin along x, every `step` m, at most `most` of them.
     pub(super) fn stations(&self, step: f64, most: f64) -> Result<Vec<Station>, Error> {
         match self {
@@ -175,7 +190,8 @@ impl LaneChangeSpec {
         };
         let aside = |swing: f64| lane(swing).last().map_or(0.0, |s| s.place[1]);
         if self.aside_m.abs() > 0.5 * length {
-            return Err(Error::invalid("aside_m", self.aside_m, "at most half of length_m"));
+            let error = Error::invalid("aside_m", self.aside_m, "at most half of length_m");
+            return Err(error.against(["length_m"]));
         }
         // The distance grows with the swing up to more than that.
         let (mut low, mut high) = (-2.0, 2.0);

@@ -57,6 +57,11 @@ pub struct Beside {
 }
 
 impl PathSpec {
+    /// Keys of the numbers that shape the curve.
+    pub fn keys(&self) -> Vec<String> {
+        self.curve.keys().into_iter().map(|key| format!("curve.{key}")).collect()
+    }
+
     /// The path.
     ///
     /// # Errors
