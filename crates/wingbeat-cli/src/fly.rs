@@ -5,7 +5,7 @@ use std::time::Instant;
 use indicatif::ProgressBar;
 use wingbeat::scenario::{FlightStatus, Run, Scenario};
 use wingbeat::simulate::Record;
-use wingbeat_figures::{Asked, Draw, FLIGHT};
+use wingbeat_figures::{Asked, Draw, of_flight};
 use wingbeat_io::write_parquet;
 
 use crate::args::Fly;
@@ -35,7 +35,7 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
         write_parquet(&folder.file("strips.parquet"), strips)?;
     }
     let asked = Asked { goal: scenario.spec.goal.as_ref(), paper: scenario.spec.paper.as_ref() };
-    draw(&folder, &run.record, asked, &FLIGHT, &interrupt)?;
+    draw(&folder, &run.record, asked, &of_flight(&run.record), &interrupt)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);

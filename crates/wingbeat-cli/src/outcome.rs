@@ -68,6 +68,34 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("update, 99.9 %", None, number(1e-3 * controller.p999_us), "ms"),
         ("real-time factor", None, number(summary.real_time_factor), ""),
     ];
+    if let Some(estimate) = &summary.estimate {
+        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
+        let errors = [
+            ("height, estimate's rms", None, number(1e3 * estimate.height_rms_m), "mm"),
+            ("roll, estimate's rms", None, number(estimate.roll_rms_deg), "deg"),
+            ("estimate within 3 sigma", None, share(estimate.within_3_sigma), "% of the errors"),
+        ];
+        rows.splice(saturated..saturated, errors);
+    }
+    if let Some(hover) = &summary.hover {
+        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
+        let errors = [
+            ("from the place, rms", None, number(1e3 * hover.place_rms_m), "mm"),
+            ("attitude, rms", None, number(hover.attitude_rms_deg), "deg"),
+            ("attitude, largest", None, number(hover.attitude_max_deg), "deg"),
+            ("force of the air, error", None, share(hover.air_force_error), "% of its mean"),
+        ];
+        rows.splice(saturated..saturated, errors);
+    }
+    if let Some(path) = &summary.path {
+        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
+        let errors = [
+            ("across the path, rms", None, number(1e3 * path.cross_rms_m), "mm"),
+            ("across, largest", None, number(1e3 * path.cross_max_m), "mm"),
+            ("along the path, rms", None, number(1e3 * path.along_rms_m), "mm"),
+        ];
+        rows.splice(saturated..saturated, errors);
+    }
     if summary.lift_law == LiftLaw::Lev.name() {
         let past = rows.iter().position(|row| row.0 == "strips past stall").map_or(rows.len(), |i| i + 1);
         let shares = [

@@ -9,9 +9,12 @@ mod commands;
 mod cycle;
 mod end_points;
 mod error;
+mod estimate;
+mod followed;
 mod force_moment;
 mod forces;
 mod gait;
+mod hover;
 mod joints;
 mod map;
 mod orbit;
@@ -32,9 +35,12 @@ pub use bench::{comparison, convergence};
 pub use commands::commands;
 pub use end_points::{EndPoints, end_points};
 pub use error::Error;
+pub use estimate::estimate;
+pub use followed::{ground, tracking};
 pub use force_moment::force_moment;
 pub use forces::forces;
 pub use gait::gait;
+pub use hover::hover;
 pub use joints::joint_histories;
 pub use map::map;
 pub use orbit::{family, multipliers, orbit};
@@ -69,6 +75,16 @@ pub const FLIGHT: [Draw; 4] = [
     |record, _| commands(record),
     |record, _| forces(record),
 ];
+
+/// The figures of the flight that `record` is of: [`FLIGHT`], with an estimator what it knew, along a path how it was followed, in a hover
+/// how still it was.
+pub fn of_flight(record: &Record) -> Vec<Draw> {
+    let estimated = record.values("estimate_t").map(|_| -> Draw { |record, _| estimate(record) });
+    let followed: [Draw; 2] = [|record, _| ground(record), |record, _| tracking(record)];
+    let followed = record.values("path_arc").map(|_| followed).into_iter().flatten();
+    let hovered = record.values("hover_error_x").map(|_| -> Draw { |record, _| hover(record) });
+    FLIGHT.into_iter().chain(estimated).chain(followed).chain(hovered).collect()
+}
 
 /// The figures of a planned gait.
 pub const GAIT: [Draw; 3] =

@@ -1,6 +1,10 @@
 //! Flight under control about orbits: the shipped scenarios keep their height, hold their bank, and no wing passes
 //! through another.
 
+mod estimator;
+mod hover;
+mod path;
+
 use std::ops::ControlFlow;
 
 use wingbeat::scenario::Run;
@@ -22,6 +26,9 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.climb", quick: false, run: || flown(&CLIMB) },
     Case { id: "flight.dive_pullout", quick: false, run: || flown(&DIVE) },
     Case { id: "flight.decelerate", quick: false, run: || flown(&DECELERATE) },
+    Case { id: "flight.path_figure8", quick: false, run: path::rows },
+    Case { id: "flight.hover_guarded", quick: false, run: hover::rows },
+    Case { id: "flight.estimator", quick: true, run: estimator::rows },
 ];
 
 /// What is asked of a flight from the begin of its first leg on.

@@ -69,7 +69,17 @@ const KINDS: [(&str, Build, &[&str]); 5] = [
 ];
 
 /// Documents with the tables that no shipped one has: a file, and what is set in it.
-const TABLES: [(&str, &[&str]); 8] = [
+const TABLES: [(&str, &[&str]); 12] = [
+    ("scenarios/path_figure8.toml", &["path.curve={line={length_m=30.0}}"]),
+    ("scenarios/path_figure8.toml", &["path.curve={lane_change={length_m=10.0, aside_m=-1.5}}"]),
+    (
+        "scenarios/path_figure8.toml",
+        &["path.curve={helix={radius_m=-5.0, turns=2.0, rise_m=3.0}}", "controller.orbit.climb_m_s=0.1"],
+    ),
+    (
+        "scenarios/path_figure8.toml",
+        &["path.curve={points={points_m=[[10.0, 1.0, 0.2], [20.0, -1.0, 0.0], [30.0, 0.5, 0.1]]}}"],
+    ),
     (
         "scenarios/bank15_20g.toml",
         &[

@@ -34,6 +34,9 @@ pub struct Outcome {
     /// Under `[controller.orbit]`.
     height_max_error_m: [f64; 3],
     height_within_m: Option<f64>,
+    /// Along a path.
+    cross_rms_m: [f64; 3],
+    cross_rms_within_m: Option<f64>,
     /// Where they end, by what words were drawn for them.
     end_points: Vec<Group>,
 }
@@ -61,6 +64,8 @@ impl Outcome {
                 .map(|c| -c),
             height_max_error_m: quantiles(values("height_max_error")),
             height_within_m: hold.height_within_m,
+            cross_rms_m: quantiles(values("cross_rms")),
+            cross_rms_within_m: hold.cross_rms_within_m,
             end_points,
         }
     }
@@ -86,10 +91,13 @@ impl Outcome {
         ] {
             text += &format!("{name:<24}{median:>9.2}{most:>9.2}{worst:>9.2}{limit:>9.2} deg\n");
         }
-        if let Some(within) = self.height_within_m {
-            let [median, most, worst] = self.height_max_error_m;
-            let name = "height, largest error";
-            text += &format!("{name:<24}{median:>9.4}{most:>9.4}{worst:>9.4}{within:>9.4} m\n");
+        for (name, [median, most, worst], within) in [
+            ("height, largest error", self.height_max_error_m, self.height_within_m),
+            ("across the path, rms", self.cross_rms_m, self.cross_rms_within_m),
+        ] {
+            if let Some(within) = within {
+                text += &format!("{name:<24}{median:>9.4}{most:>9.4}{worst:>9.4}{within:>9.4} m\n");
+            }
         }
         let [median, most, worst] = self.least_clearance_m;
         if median.is_finite() {

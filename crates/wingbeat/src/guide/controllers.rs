@@ -3,11 +3,12 @@
 
 use super::manoeuvre::Manoeuvre;
 use super::mpc::AttitudeTracking;
+use super::path::PathSpec;
 use crate::Error;
 use crate::ocp::realtime::{HorizonSolver, Settings};
 use crate::plant::LocalChart;
 use crate::robot::Robot;
-use crate::simulate::Controller;
+use crate::simulate::{Controller, SensorSpec};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -20,6 +21,10 @@ pub struct Task<'a> {
     pub manoeuvre: Option<Arc<dyn Manoeuvre>>,
     /// The horizon solver, where the scenario names another than the shipped one.
     pub solver: Option<Arc<dyn SolverSpec>>,
+    /// The sensors, as their data sheets have them, where the scenario says them.
+    pub sensors: Option<SensorSpec>,
+    /// What to fly along, where the scenario says it.
+    pub path: Option<PathSpec>,
 }
 
 /// A kind of feedback controller. [`MpcSpec`](super::MpcSpec) is the one that ships;
@@ -34,6 +39,16 @@ pub trait ControllerSpec: Debug + Send + Sync {
     /// As [`build`](Self::build).
     fn check(&self, task: Task) -> Result<(), Error> {
         self.build(task).map(drop)
+    }
+
+    /// Whether the controller estimates the state from readings of instruments; one that does not is told states.
+    fn reads_instruments(&self) -> bool {
+        false
+    }
+
+    /// Whether the controller follows a path.
+    fn follows_path(&self) -> bool {
+        false
     }
 
     /// The controller at the start of a flight.

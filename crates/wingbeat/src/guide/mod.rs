@@ -3,9 +3,13 @@
 
 mod about_orbit;
 mod controllers;
+mod history;
+mod hover;
+mod inertial;
 mod least_power;
 mod manoeuvre;
 mod mpc;
+pub(crate) mod path;
 mod playback;
 mod roll_in;
 mod stand;
@@ -15,12 +19,18 @@ mod turn;
 const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
-pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights};
+pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, TrackingSpec};
 pub use controllers::{ControllerSpec, RobotSolver, SolverSpec, Task};
+pub use hover::HoverSpec;
+pub use inertial::EstimatorSpec;
 pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, angle_error};
 pub use mpc::{AttitudeTracking, Mpc, MpcSpec, Weights};
+pub use path::{
+    Beside, CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathSpec, PointsSpec,
+    Station,
+};
 pub use playback::{HeldCommands, Playback};
 pub use roll_in::{RollIn, RollInSpec, TrackingCost};
 pub use stand::{Flapping, Stand};

@@ -163,7 +163,10 @@ impl<P: Scalar> Robot<P> {
         let tree = &self.mechanism.tree;
         let (mass, bias) = tree.inertia_and_bias(w, links);
         let g_b = self.gravity(attitude);
-        let body = tree.gravity(g_b, links) + self.body_drag(v - wind) + -bias;
+        let mut body = tree.gravity(g_b, links) + self.body_drag(v - wind) + -bias;
+        if !self.thrusters.is_empty() {
+            body += self.thrust(structure);
+        }
         let states = (structure, air, &mut dx[l.aero..]);
         let acceleration = self
             .acceleration((mass, body), &carriers, links, (wind, g_b), states, second_rates)

@@ -23,6 +23,8 @@ pub(super) enum Displaced {
     Rest(usize),
     /// The crank: the phase of the gait beyond that at a constant rate.
     Crank,
+    /// The thrust of a thruster, which moves no joint.
+    Thrust(usize),
     /// A length of the linkage of a wing (0 left, 1 right), by its place in [`REGULATED`].
     Length(usize, usize),
 }
@@ -78,7 +80,7 @@ impl Displaced {
             Self::Joint(joint) => Self::Joint(mechanism.twins[joint]),
             Self::Scale(joint) => Self::Scale(mechanism.twins[joint]),
             Self::Rest(joint) => Self::Rest(mechanism.twins[joint]),
-            Self::Crank => Self::Crank,
+            Self::Crank | Self::Thrust(_) => self,
             Self::Length(wing, i) => Self::Length(1 - wing, i),
         }
     }
@@ -92,6 +94,7 @@ impl Displaced {
             }
             Self::Scale(_) => ["", "1/s", ""],
             Self::Crank => ["rad", "rad/s", "rad/s"],
+            Self::Thrust(_) => ["N", "N/s", "N"],
             Self::Length(..) => ["m", "m/s", "m"],
         }
     }
@@ -131,7 +134,8 @@ impl Placed {
     fn new(spec: &ElementSpec, mechanism: &Mechanism) -> Result<Self, Error> {
         let moves = spec.moves.iter().map(|name| Displaced::find(name, mechanism));
         let scales = spec.scales.iter().map(|name| Displaced::scaled(name, mechanism));
-        let moves: Vec<Displaced> = moves.chain(scales).collect::<Result<_, _>>()?;
+        let thrust = spec.thruster.map(|thruster| Ok(Displaced::Thrust(thruster)));
+        let moves: Vec<Displaced> = moves.chain(scales).chain(thrust).collect::<Result<_, _>>()?;
         let Some(&first) = moves.first() else {
             return Err(Error::invalid("moves", "[]", "at least one joint or link length"));
         };

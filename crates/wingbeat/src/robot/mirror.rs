@@ -41,6 +41,10 @@ impl Robot {
     /// # Errors
     /// [`Error::Invalid`] when an element of one wing has none on the other.
     pub fn mirror(&self) -> Result<Mirror, Error> {
+        if !self.thrusters.is_empty() {
+            let allowed = "no thrusters where left and right have to move alike";
+            return Err(Error::invalid("thrusters", "given", allowed));
+        }
         let elements = self.elements.len();
         let mut twin = Vec::with_capacity(elements);
         for element in &self.elements {

@@ -17,6 +17,7 @@ mod sections;
 mod skeleton;
 mod spec;
 mod surface;
+mod thrust;
 
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
@@ -28,9 +29,10 @@ pub(crate) use spec::is_of_rig;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,
-    StructureSpec, SurfaceSpec, WingLinkSpec, WingSpec,
+    StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 pub use surface::{PanelNumbers, PlacementNumbers, SurfaceOutline};
+pub use thrust::Thruster;
 
 use crate::Error;
 use crate::aero::{Aero, Surfaces};
@@ -88,6 +90,7 @@ pub struct Robot<P: Scalar = f64> {
     /// How far each element is displaced at rest.
     strokes: Vec<[f64; 2]>,
     elements: Vec<Placed>,
+    thrusters: Vec<Thruster>,
     covering: Covering<P>,
     clearances: Clearances,
     /// Links that carry surfaces.
@@ -123,6 +126,7 @@ impl Robot {
     /// When there is not one model per surface.
     pub fn new(spec: &RobotSpec, aero: Vec<Aero>, air: Air, phase_start: f64) -> Result<Self, Error> {
         spec.check()?;
+        let (own, spec) = (spec, &spec.with_thrusts());
         let mechanism = Mechanism::new(spec)?;
         let elements = Placed::all(spec, &mechanism)?;
         let carriers = carriers(spec, &mechanism)?;
@@ -150,6 +154,7 @@ impl Robot {
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),
             inputs,
+            thrusters: Thruster::all(&own.thrusters, own.structure.elements.len()),
             elements,
             covering,
             clearances: Clearances::new(spec, &mechanism)?,
@@ -189,6 +194,10 @@ impl Robot {
     /// Velocity of the air without its gust, m/s in W.
     pub fn mean_wind(&self) -> Vec3 {
         self.wind.mean()
+    }
+    /// Velocity of the air over time.
+    pub fn wind_over_time(&self) -> &Wind {
+        &self.wind
     }
     /// The same robot, its gait's frequency times `pace`.
     #[must_use]

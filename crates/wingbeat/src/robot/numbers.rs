@@ -255,6 +255,7 @@ impl Robot {
             response: numbers.response.clone(),
             strokes: self.strokes.clone(),
             elements: self.elements.clone(),
+            thrusters: self.thrusters.clone(),
             covering: self.covering.with(surfaces, placements, &self.carriers)?,
             clearances: self.clearances.clone(),
             carriers: self.carriers.clone(),

@@ -39,6 +39,8 @@ pub struct Observation {
     pub air: StripLoads<f64>,
     /// Drag of the body, in B.
     pub body_drag: Wrench<f64>,
+    /// Wrench of the thrusters, in B.
+    pub thrust: Wrench<f64>,
     /// Gravity, in B.
     pub gravity: Wrench<f64>,
     /// Inertia: minus the rate of momentum of body and links, in B. With the
@@ -126,6 +128,7 @@ impl Robot {
             torques: torques.to_vec(),
             air: strips.by_source(),
             body_drag,
+            thrust: self.thrust(structure),
             gravity: tree.gravity(g, &links),
             strips,
             center_of_mass: tree.center_of_mass(&links),

@@ -13,7 +13,7 @@ use crate::math::Vec3;
 use crate::plant::Plant;
 use crate::require;
 use crate::robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind};
-use crate::simulate::{Controller, Schedule};
+use crate::simulate::{Controller, Schedule, SensorSpec};
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
@@ -66,23 +66,35 @@ impl ScenarioSpec {
         model: &'a Robot,
     ) -> Result<Option<Box<dyn Controller + 'a>>, Error> {
         let Some(spec) = &choice.controller else { return Ok(None) };
-        let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
-        spec.build(Task { model, manoeuvre, solver }).map(Some).map_err(|e| self.of_controller(e))
+        spec.build(self.task(choice, model)).map(Some).map_err(|e| self.of_controller(e))
     }
 
     /// Refuses what a controller of `model` cannot be made of.
     fn check_controller(&self, choice: &Choice, model: &Robot) -> Result<(), Error> {
         let Some(spec) = &choice.controller else { return Ok(()) };
+        if self.sensors.as_ref().is_some_and(SensorSpec::reads) && !spec.reads_instruments() {
+            let allowed = "no instruments: this controller is told states; controller.orbit with an estimator reads them";
+            return Err(Error::invalid("sensors", "given", allowed));
+        }
+        if self.path.is_some() && !spec.follows_path() {
+            let allowed = "no path: this controller follows none; controller.orbit with tracking does";
+            return Err(Error::invalid("path", "given", allowed));
+        }
+        spec.check(self.task(choice, model)).map_err(|e| self.of_controller(e))
+    }
+
+    /// What a controller of `model` is made for.
+    fn task<'a>(&self, choice: &Choice, model: &'a Robot) -> Task<'a> {
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
-        let checked = spec.check(Task { model, manoeuvre, solver });
-        checked.map_err(|e| self.of_controller(e))
+        Task { model, manoeuvre, solver, sensors: self.sensors.clone(), path: self.path.clone() }
     }
 
     /// An error of the controller's settings, or of the gait that it is made for.
     fn of_controller(&self, error: Error) -> Error {
         let table = self.controller_table();
         let gait = format!("robot.gait.{}", self.robot.gait.kind());
-        error.within(&table).renamed(&[(format!("{table}.gait"), gait)])
+        let path = (format!("{table}.tracking.path"), "path".into());
+        error.within(&table).renamed(&[(format!("{table}.gait"), gait), path])
     }
 
     /// Key of the table that the controller is made of.
@@ -105,6 +117,10 @@ impl ScenarioSpec {
         }
         if let Some(sensors) = &self.sensors {
             sensors.check().map_err(|e| e.within("sensors"))?;
+            self.check_readings(sensors)?;
+        }
+        if let Some(path) = &self.path {
+            path.build().map_err(|e| e.within("path"))?;
         }
         if let Some(mismatch) = &self.mismatch {
             mismatch.check(&self.robot).map_err(|e| e.within("mismatch"))?;
@@ -119,6 +135,20 @@ impl ScenarioSpec {
         if let Some(PlanSpec::RollIn(plan)) = &self.plan {
             let checked = require::at_most("plan.roll_in.start_s", plan.start_s, self.flight.duration_s);
             checked.map_err(|e| e.against(["flight.duration_s"]))?;
+        }
+        Ok(())
+    }
+
+    /// That the times between readings are whole steps.
+    fn check_readings(&self, sensors: &SensorSpec) -> Result<(), Error> {
+        let every = [
+            ("imu", sensors.imu.as_ref().map(|imu| imu.every_s)),
+            ("height", sensors.height.as_ref().map(|height| height.every_s)),
+            ("airspeed", sensors.airspeed.as_ref().map(|airspeed| airspeed.every_s)),
+        ];
+        for (name, every) in every.into_iter().filter_map(|(name, every)| Some((name, every?))) {
+            let steps = whole(&format!("sensors.{name}.every_s"), every, self.flight.step_s, "steps of");
+            steps.map_err(|e| e.against(["flight.step_s"]))?;
         }
         Ok(())
     }

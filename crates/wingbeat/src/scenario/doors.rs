@@ -4,7 +4,7 @@ use super::chosen::{Chosen, Named, keys_of};
 use super::document::{ConfigError, Document};
 use super::spec::ScenarioSpec;
 use crate::Error;
-use crate::guide::{AboutOrbitSpec, ControllerSpec, Manoeuvre, MpcSpec, SolverSpec, Turn};
+use crate::guide::{AboutOrbitSpec, ControllerSpec, HoverSpec, Manoeuvre, MpcSpec, SolverSpec, Turn};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -62,10 +62,11 @@ pub(super) struct Choice {
 }
 
 impl Doors {
-    /// The kinds that ship under a name of their own: the controller `[controller.orbit]`, [`AboutOrbitSpec`]. One line
+    /// The kinds that ship under a name of their own: the controllers `[controller.orbit]`, [`AboutOrbitSpec`], and
+    /// `[controller.hover]`, [`HoverSpec`]. One line
     /// here makes a kind part of the program.
     pub fn shipped() -> Self {
-        Self::default().controller::<AboutOrbitSpec>("orbit")
+        Self::default().controller::<AboutOrbitSpec>("orbit").controller::<HoverSpec>("hover")
     }
 
     /// These doors and the manoeuvre `[manoeuvre.NAME]`.

@@ -5,6 +5,9 @@ mod calibration;
 mod chosen;
 mod document;
 mod doors;
+mod estimate;
+mod followed;
+mod hovered;
 mod judge;
 mod mismatch;
 mod motion_table;
@@ -35,6 +38,9 @@ pub use calibration::{CalibratedRunSpec, CalibrationSpec, ParameterSpec, Structu
 pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
 pub use doors::Doors;
+pub use estimate::EstimateSummary;
+pub use followed::PathSummary;
+pub use hovered::HoverSummary;
 pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use name::RunName;
@@ -305,7 +311,7 @@ impl Scenario {
     /// What the scenario's controller is told of the robot.
     pub fn sensors(&self) -> Sensors {
         match &self.spec.sensors {
-            Some(spec) => Sensors::noisy(&self.robot, spec, self.spec.seed),
+            Some(spec) => Sensors::of(&self.robot, spec, self.schedule.step, self.spec.seed),
             None => Sensors::perfect(&self.robot),
         }
     }

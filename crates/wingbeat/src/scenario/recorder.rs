@@ -105,6 +105,9 @@ impl<'a> Recorder<'a> {
         row.extend([o.power, o.drive_power, o.regulator_power]);
         row.extend(o.motor.iter().flat_map(|m| [m.shaft_torque, m.shaft_power, m.electrical_power]));
         row.extend(source_values(&o.parts()));
+        if !self.robot.thrusters().is_empty() {
+            row.extend(o.thrust.force.0.into_iter().chain(o.thrust.moment.0));
+        }
         row.extend((position + o.attitude * o.center_of_mass).0);
         row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
         row.extend(o.incidence());
@@ -186,6 +189,10 @@ fn columns(robot: &Robot) -> Vec<Column> {
         columns.extend(motor.map(|(name, unit)| Column::new(name, unit, "")));
     }
     columns.extend(source_columns());
+    if !robot.thrusters().is_empty() {
+        columns.extend(AXES.map(|a| column(format!("thrust_{a}"), "N", "B")));
+        columns.extend(AXES.map(|a| column(format!("thrust_moment_{a}"), "N m", "B")));
+    }
     columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
     for point in robot.outline_names() {
         for line in LINES {

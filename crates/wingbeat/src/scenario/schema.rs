@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::chosen::{Chosen, Named};
 use super::rig::RunList;
 use super::{CalibrationSpec, RigRunSpec, RigSpec, ScenarioSpec, SweepSpec, TetherSpec, largest};
-use crate::guide::{AboutOrbitSpec, MpcSpec, Turn};
+use crate::guide::{AboutOrbitSpec, HoverSpec, MpcSpec, Turn};
 use crate::rig::arm::ArmConfig;
 use crate::robot::RobotSpec;
 
@@ -126,7 +126,10 @@ impl Beside for Turn {}
 
 impl Beside for MpcSpec {
     fn beside(generator: &mut SchemaGenerator) -> Vec<(&'static str, Schema)> {
-        vec![("orbit", generator.subschema_for::<AboutOrbitSpec>())]
+        vec![
+            ("orbit", generator.subschema_for::<AboutOrbitSpec>()),
+            ("hover", generator.subschema_for::<HoverSpec>()),
+        ]
     }
 }
 

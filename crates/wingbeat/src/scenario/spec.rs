@@ -8,7 +8,7 @@ use crate::Error;
 use crate::aero::{
     CRITICAL_SUCTION, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings, ZERO_LIFT_ANGLE,
 };
-use crate::guide::{MpcSpec, Turn};
+use crate::guide::{MpcSpec, PathSpec, Turn};
 use crate::range::{Range, ranges};
 use crate::require;
 use crate::robot::RobotSpec;
@@ -44,6 +44,9 @@ pub struct ScenarioSpec {
     /// The periodic flight that `wingbeat trim` looks for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trim: Option<TrimSpec>,
+    /// What is flown along; needed by a controller that tracks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathSpec>,
     /// What `wingbeat plan` plans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanSpec>,

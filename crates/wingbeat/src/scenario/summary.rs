@@ -1,5 +1,8 @@
 //! The numbers of a flight that are compared.
 
+use super::estimate::{EstimateSummary, Estimated};
+use super::followed::PathSummary;
+use super::hovered::HoverSummary;
 use super::judge::Verdict;
 use super::spec::GoalSpec;
 use crate::aero::LiftLaw;
@@ -33,9 +36,18 @@ pub struct Summary {
     /// Climb, m; negative is sink.
     pub altitude_change_m: f64,
     /// Largest |height - reference| from the settling time on, as the controller measured it, m; under
-    /// `[controller.orbit]`.
+    /// `[controller.orbit]`. With an estimator the true height counts, at the updates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_max_error_m: Option<f64>,
+    /// How well an estimator knew the flight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<EstimateSummary>,
+    /// How well the path was followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathSummary>,
+    /// How still the robot hovered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hover: Option<HoverSummary>,
     /// Mean roll, deg.
     pub roll_mean_deg: Option<f64>,
     /// Root mean square of roll minus reference, deg.
@@ -252,6 +264,7 @@ impl Summary {
         let roll_errors = settled.errors("roll", |t| context.reference(t).map_or(0.0, |r| r.roll));
         let pitch_errors = settled.errors("pitch", |t| context.reference(t).map_or(0.0, |r| r.pitch));
         let crossing = Crossing::new(record, context.clearances);
+        let estimated = Estimated::new(record, settled.first);
         let mut summary = Self {
             status: FlightStatus::Ok,
             reason: None,
@@ -262,7 +275,15 @@ impl Summary {
             distance_x_m: change("p_WB_x"),
             distance_y_m: change("p_WB_y"),
             altitude_change_m: change("p_WB_z"),
-            height_max_error_m: settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
+            height_max_error_m: match &estimated {
+                Some(estimated) => {
+                    record.values("orbit_height_error").and_then(|off| estimated.height_error(off))
+                }
+                None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
+            },
+            path: PathSummary::new(record, settled.first),
+            hover: HoverSummary::new(record, settled.first),
+            estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
             roll_rms_error_deg: rms_deg(&roll_errors),
             roll_max_error_deg: largest_deg(&roll_errors),

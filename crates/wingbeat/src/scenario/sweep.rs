@@ -119,6 +119,9 @@ pub struct Hold {
     /// Largest |height - reference| under `[controller.orbit]`, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_within_m: Option<f64>,
+    /// Largest root mean square of the distance across the path, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cross_rms_within_m: Option<f64>,
     /// Least clearance over the whole flight at which it counts as clear, m; of being held it is no part.
     #[serde(default)]
     pub clearance_m: f64,
@@ -131,6 +134,9 @@ impl Hold {
             && summary.roll_max_error_deg.is_some_and(|e| e <= self.roll_within_deg)
             && summary.pitch_max_error_deg.is_some_and(|e| e <= self.pitch_within_deg)
             && self.height_within_m.is_none_or(|most| summary.height_max_error_m.is_some_and(|e| e <= most))
+            && self
+                .cross_rms_within_m
+                .is_none_or(|most| summary.path.as_ref().is_some_and(|path| path.cross_rms_m <= most))
     }
 
     /// True when no two parts came closer than allowed.
@@ -334,6 +340,7 @@ ranges!(Hold {
     roll_within_deg: Range::POSITIVE,
     pitch_within_deg: Range::POSITIVE,
     height_within_m: Range::POSITIVE,
+    cross_rms_within_m: Range::POSITIVE,
     clearance_m: Range::between(-1.0, 1.0),
 });
 

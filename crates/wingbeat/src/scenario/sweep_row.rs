@@ -6,7 +6,7 @@ use crate::tether::TetherRun;
 use std::ops::ControlFlow;
 
 /// Columns of a flight beside its number and its draws, with their units.
-const FLIGHT: [(&str, &str); 13] = [
+const FLIGHT: [(&str, &str); 14] = [
     ("held", ""),
     ("completed", ""),
     ("clear", ""),
@@ -18,6 +18,7 @@ const FLIGHT: [(&str, &str); 13] = [
     ("distance_y", "m"),
     ("altitude_change", "m"),
     ("height_max_error", "m"),
+    ("cross_rms", "m"),
     ("least_clearance", "m"),
     ("controller_failures", ""),
 ];
@@ -99,6 +100,7 @@ fn flight(summary: &Summary, hold: Hold) -> [f64; FLIGHT.len()] {
         summary.distance_y_m,
         summary.altitude_change_m,
         of(summary.height_max_error_m),
+        of(summary.path.as_ref().map(|path| path.cross_rms_m)),
         of(summary.least_clearance_m),
         summary.controller.failures as f64,
     ]

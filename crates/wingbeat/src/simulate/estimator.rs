@@ -1,15 +1,23 @@
 //! From measurements to the state that a model-based controller starts from.
 
+use super::record::Column;
 use super::sensors::Measurement;
+use crate::plant::Fault;
 
 /// Why there is no estimate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{measured} of {states} states are measured, and the estimator needs all")]
-pub struct Unmeasured {
-    /// Channels measured.
-    pub measured: usize,
-    /// States of the plant.
-    pub states: usize,
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NoEstimate {
+    /// Too little is measured.
+    #[error("{measured} of {states} states are measured, and the estimator needs all")]
+    Unmeasured {
+        /// Channels measured.
+        measured: usize,
+        /// States of the plant.
+        states: usize,
+    },
+    /// The estimator's model broke down.
+    #[error(transparent)]
+    Fault(#[from] Fault),
 }
 
 /// Estimates a plant's state from what is measured and what was commanded.
@@ -17,14 +25,20 @@ pub trait Estimator {
     /// Writes the state at time `t` (s) into `x`, given the inputs `u` commanded up to then.
     ///
     /// # Errors
-    /// [`Unmeasured`] when the measurement holds too little.
+    /// [`NoEstimate`] when the measurement holds too little, or a model of the estimator breaks down.
     fn estimate(
         &mut self,
         t: f64,
         measurement: &Measurement,
         u: &[f64],
         x: &mut [f64],
-    ) -> Result<(), Unmeasured>;
+    ) -> Result<(), NoEstimate>;
+    /// Columns of [`diagnostics`](Self::diagnostics).
+    fn columns(&self) -> Vec<Column> {
+        Vec::new()
+    }
+    /// Appends what the last estimate tells of itself, one number per column.
+    fn diagnostics(&self, _row: &mut Vec<f64>) {}
 }
 
 /// Perfect knowledge: takes the measurement for the whole true state, that of the air included,
@@ -39,10 +53,10 @@ impl Estimator for TrueState {
         measurement: &Measurement,
         _: &[f64],
         x: &mut [f64],
-    ) -> Result<(), Unmeasured> {
+    ) -> Result<(), NoEstimate> {
         let (values, states) = (measurement.values(), x.len());
         if values.len() != states {
-            return Err(Unmeasured { measured: values.len(), states });
+            return Err(NoEstimate::Unmeasured { measured: values.len(), states });
         }
         x.copy_from_slice(values);
         Ok(())

@@ -120,6 +120,7 @@ pub fn fly<P: Plant, C: Controller>(
 ) -> Flight {
     let updates = schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1);
     let mut pilot = Pilot {
+        plant,
         sensors,
         controller,
         schedule,
@@ -143,7 +144,8 @@ pub fn fly<P: Plant, C: Controller>(
 }
 
 /// A controller behind its sensors at the stepper's wheel.
-struct Pilot<'a, C, O> {
+struct Pilot<'a, P, C, O> {
+    plant: &'a P,
     sensors: &'a mut Sensors,
     controller: &'a mut C,
     schedule: &'a Schedule,
@@ -154,7 +156,7 @@ struct Pilot<'a, C, O> {
     late: usize,
 }
 
-impl<C: Controller, O> Driver<()> for Pilot<'_, C, O>
+impl<P: Plant, C: Controller, O> Driver<()> for Pilot<'_, P, C, O>
 where
     O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 {
@@ -177,6 +179,7 @@ where
     }
 
     fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
+        self.sensors.watch(k, self.plant, at.t, at.x, at.u)?;
         if !k.is_multiple_of(self.schedule.steps_per_sample) {
             return Ok(ControlFlow::Continue(()));
         }

@@ -3,14 +3,18 @@
 
 mod estimator;
 mod fly;
+mod instruments;
 mod record;
 mod sensors;
 mod stepper;
 mod strips;
 mod system;
 
-pub use estimator::{Estimator, TrueState, Unmeasured};
+pub use estimator::{Estimator, NoEstimate, TrueState};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
+pub use instruments::{
+    AirspeedSpec, HeightSpec, InertialSpec, Instrument, Motion, Places, Quantity, Reading,
+};
 pub use record::{Column, Record};
 pub use sensors::{Measurement, SensorSpec, Sensors};
 pub use stepper::{Saved, Stepper};

@@ -1,9 +1,11 @@
 //! What the controller is told of the state: which channels, how noisy, how late.
 
+use super::instruments::{AirspeedSpec, Fitted, HeightSpec, InertialSpec, Reading};
 use crate::Error;
 use crate::math::{Quat, Random, Vec3};
-use crate::plant::{Channel, Plant, Role};
+use crate::plant::{Channel, Fault, Plant, Role};
 use crate::range::{Range, ranges};
+use crate::robot::Robot;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -11,7 +13,7 @@ use std::collections::VecDeque;
 const MAX_DELAY: usize = 1000;
 
 /// Standard deviations of white noise per measurement, and the delay of the
-/// measurement chain. States not named here are known exactly.
+/// measurement chain. States not named here are known exactly. Where there are instruments, they alone are told.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
@@ -29,6 +31,15 @@ pub struct SensorSpec {
     pub displacement: f64,
     /// Age of the newest measurement in whole controller updates.
     pub delay_updates: usize,
+    /// Gyroscope and accelerometer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imu: Option<InertialSpec>,
+    /// Height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height: Option<HeightSpec>,
+    /// Airspeed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub airspeed: Option<AirspeedSpec>,
 }
 
 ranges!(SensorSpec {
@@ -46,7 +57,30 @@ impl SensorSpec {
     /// # Errors
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
-        self.in_range()
+        self.in_range()?;
+        self.check_instruments()?;
+        if !self.reads() {
+            return Ok(());
+        }
+        let of_states = [
+            ("position_m", self.position_m),
+            ("attitude_deg", self.attitude_deg),
+            ("velocity_m_s", self.velocity_m_s),
+            ("rate_rad_s", self.rate_rad_s),
+            ("displacement", self.displacement),
+            ("delay_updates", self.delay_updates as f64),
+        ];
+        match of_states.into_iter().find(|(_, value)| *value != 0.0) {
+            Some((key, value)) => {
+                Err(Error::invalid(key, value, "0 beside instruments, which alone are told"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Whether there are instruments, so that no state is told.
+    pub fn reads(&self) -> bool {
+        self.imu.is_some() || self.height.is_some() || self.airspeed.is_some()
     }
 
     /// Standard deviation of a channel; the attitude turns as a whole.
@@ -67,6 +101,7 @@ pub struct Measurement<'a> {
     taken: f64,
     channels: &'a [Channel],
     values: &'a [f64],
+    readings: &'a [Reading],
 }
 
 impl<'a> Measurement<'a> {
@@ -76,7 +111,17 @@ impl<'a> Measurement<'a> {
     /// When there is not one value per channel.
     pub fn new(taken: f64, channels: &'a [Channel], values: &'a [f64]) -> Self {
         assert_eq!(channels.len(), values.len(), "one value per channel");
-        Self { taken, channels, values }
+        Self { taken, channels, values, readings: &[] }
+    }
+
+    /// What instruments have told at the time `t`, s, and no state.
+    pub fn of_instruments(t: f64, readings: &'a [Reading]) -> Self {
+        Self { taken: t, channels: &[], values: &[], readings }
+    }
+
+    /// What has arrived of instruments since the last update, in the order in which it was read.
+    pub fn readings(&self) -> &'a [Reading] {
+        self.readings
     }
 
     /// Time at which it was taken, s: older than the update by the delay of the sensors.
@@ -117,6 +162,8 @@ pub struct Sensors {
     /// Measurements on their way with the times at which they were taken, oldest first.
     waiting: VecDeque<(f64, Vec<f64>)>,
     scratch: Vec<f64>,
+    fitted: Option<Fitted>,
+    told: Vec<Reading>,
 }
 
 /// White noise on the state.
@@ -151,7 +198,28 @@ impl Sensors {
             delay: 0,
             waiting: VecDeque::new(),
             scratch: Vec::new(),
+            fitted: None,
+            told: Vec::new(),
         }
+    }
+
+    /// The sensors of `robot` that `spec` says, on a flight in steps of `step` s; noise and offsets follow `seed`.
+    pub fn of(robot: &Robot, spec: &SensorSpec, step: f64, seed: u64) -> Self {
+        let wind = robot.wind_over_time().clone();
+        let fitted = Fitted::new(spec.instruments(), robot.states(), wind, step, seed);
+        Self { fitted: fitted.filter(|_| spec.reads()), ..Self::noisy(robot, spec, seed) }
+    }
+
+    /// Lets instruments read that are due at step `k`: `plant` in the state `x` under the inputs `u` now in force.
+    pub(super) fn watch<P: Plant>(
+        &mut self,
+        k: usize,
+        plant: &P,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+    ) -> Result<(), Fault> {
+        self.fitted.as_mut().map_or(Ok(()), |fitted| fitted.watch(k, plant, t, x, u))
     }
 
     /// Tells every state of `plant` with the noise and delay of `spec`; the noise follows `seed`.
@@ -182,6 +250,10 @@ impl Sensors {
     /// Measures the state `x` at `t` (s) and tells the newest measurement that has arrived;
     /// until one is old enough, the oldest serves.
     pub fn measure(&mut self, t: f64, x: &[f64]) -> Measurement<'_> {
+        if let Some(fitted) = &mut self.fitted {
+            fitted.tell(t, &mut self.told);
+            return Measurement::of_instruments(t, &self.told);
+        }
         let arrived = if self.waiting.len() > self.delay { self.waiting.pop_front() } else { None };
         let (_, mut values) = arrived.unwrap_or_default();
         self.scratch.clear();

@@ -1,9 +1,9 @@
 //! The state now from one measured before.
 
+use crate::guide::history::History;
 use crate::plant::Plant;
 use crate::robot::Robot;
-use crate::simulate::{Estimator, Measurement, Stepper, TrueState};
-use std::collections::VecDeque;
+use crate::simulate::{Estimator, Measurement, NoEstimate, Stepper, TrueState};
 
 /// Integration step, s.
 const STEP: f64 = 5e-4;
@@ -12,40 +12,41 @@ const STEP: f64 = 5e-4;
 /// that were in force: the delay of sensors is part of the model.
 pub(super) struct Ahead<'a> {
     model: Stepper<&'a Robot>,
-    /// Commands in force, each with the time from which on, s, the oldest first.
-    past: VecDeque<(f64, Vec<f64>)>,
-    /// Time of the last update, s.
-    last: Option<f64>,
+    history: History,
 }
 
 impl<'a> Ahead<'a> {
     pub fn new(robot: &'a Robot) -> Self {
         let model = Stepper::new(robot, 0.0, &vec![0.0; robot.states().len()]);
-        Self { model, past: VecDeque::new(), last: None }
+        Self { model, history: History::default() }
     }
+}
 
-    /// The state at `t` s, `held` having been in force since the last update; `None` where too little is measured or
-    /// the model breaks down on the way.
-    pub fn state(&mut self, t: f64, measurement: &Measurement, held: &[f64]) -> Option<&[f64]> {
-        let mut x = vec![0.0; self.model.state().len()];
-        TrueState.estimate(t, measurement, held, &mut x).ok()?;
-        if let Some(last) = self.last.replace(t) {
-            self.past.push_back((last, held.to_vec()));
-        }
-        // Of the commands before the measurement only the newest still counts.
-        while self.past.get(1).is_some_and(|(from, _)| *from <= measurement.taken()) {
-            self.past.pop_front();
-        }
-        self.model.reset(measurement.taken(), &x);
-        for (k, (_, commands)) in self.past.iter().enumerate() {
-            let until = self.past.get(k + 1).map_or(t, |(next, _)| *next);
+impl Estimator for Ahead<'_> {
+    fn estimate(
+        &mut self,
+        t: f64,
+        measurement: &Measurement,
+        u: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), NoEstimate> {
+        TrueState.estimate(t, measurement, u, x)?;
+        self.history.note(t, u);
+        self.history.forget(measurement.taken());
+        self.model.reset(measurement.taken(), x);
+        while let Some((commands, until)) = self.history.at(self.model.time()) {
+            let until = until.min(t);
             let steps = ((until - self.model.time()) / STEP).ceil();
-            if steps > 0.0 {
-                let step = (until - self.model.time()) / steps;
-                self.model.set_inputs(commands);
-                (0..steps as usize).try_for_each(|_| self.model.step(step).map(drop)).ok()?;
+            if !(steps > 0.0) {
+                break;
             }
+            let step = (until - self.model.time()) / steps;
+            self.model.set_inputs(commands);
+            (0..steps as usize).try_for_each(|_| self.model.step(step).map(drop))?;
+            // The sum of the steps misses it by rounding.
+            self.model.set_time(until);
         }
-        Some(self.model.state())
+        x.copy_from_slice(self.model.state());
+        Ok(())
     }
 }

@@ -41,6 +41,8 @@ pub(super) struct Family {
     references: Vec<Reference>,
     feedback: Vec<Feedback>,
     ways: Vec<Way>,
+    /// State at phase 0 of the first orbit.
+    start: Vec<f64>,
 }
 
 /// Two of a list and how far from the one to the other.
@@ -76,7 +78,8 @@ impl Search<'_> {
             self.ways.push(way);
             return Ok(());
         }
-        let begin = self.ways.last().map_or(0, |way| way[way.len() - 1]);
+        let last = self.ways.last().filter(|_| !schedule.fan);
+        let begin = last.map_or(0, |way| way[way.len() - 1]);
         let (from, to) = (stretch.from, stretch.to);
         let steps = [
             (to.bank - from.bank).abs() / BANK_STEP,
@@ -171,7 +174,13 @@ impl Family {
             references: way.clone(),
             feedback: sparse(way).map(|(share, orbit)| (share, place(orbit))).collect(),
         });
-        Ok(Self { references, feedback, ways: ways.collect() })
+        let start = cycle.start(&found[0].orbit.point);
+        Ok(Self { references, feedback, ways: ways.collect(), start })
+    }
+
+    /// The state at phase 0 of the orbit of the begin.
+    pub fn start(&self) -> &[f64] {
+        &self.start
     }
 
     /// The reference at `place` and `cycles` of the gait's phase: deviating numbers and commands.

@@ -5,19 +5,24 @@ mod family;
 mod feedback;
 mod schedule;
 mod spec;
+mod tracking;
 
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
+pub use tracking::TrackingSpec;
 
 use super::controllers::{ControllerSpec, Task};
+use super::inertial::Inertial;
 use crate::Error;
+use crate::math::Vec3;
 use crate::orbit::{Cycle, Deviations, Free};
 use crate::plant::Plant;
 use crate::robot::Robot;
-use crate::simulate::{Column, Controller, Measurement, Update};
+use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
 use ahead::Ahead;
 use family::Family;
 use schedule::Schedule;
 use std::f64::consts::TAU;
+use tracking::{Demand, Tracking};
 
 /// Largest height off at which the integral of the height grows, m.
 const INTEGRATED: f64 = 0.1;
@@ -30,9 +35,13 @@ struct AboutOrbit<'a> {
     deviations: Deviations,
     schedule: Schedule,
     family: Family,
+    /// The path, where one is followed.
+    tracking: Option<Tracking>,
     /// Numbers of the inputs that are fed back.
     inputs: Vec<usize>,
-    ahead: Ahead<'a>,
+    estimator: Box<dyn Estimator + 'a>,
+    /// The state as it is known.
+    x: Vec<f64>,
     /// Integral of the height's deviation, m s.
     integral: f64,
     held: Vec<f64>,
@@ -46,30 +55,66 @@ impl ControllerSpec for AboutOrbitSpec {
     }
 
     fn check(&self, task: Task) -> Result<(), Error> {
-        self.checked(task.model).map(drop)
+        self.checked(task.model)?;
+        self.tracked(&task)?;
+        match &self.estimator {
+            Some(estimator) => estimator.check(task.sensors.as_ref()).map_err(|e| e.within("estimator")),
+            None => Ok(()),
+        }
+    }
+
+    fn follows_path(&self) -> bool {
+        self.tracking.is_some()
+    }
+
+    fn reads_instruments(&self) -> bool {
+        self.estimator.is_some()
     }
 
     fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
         let robot = task.model;
         let (cycle, schedule) = self.checked(robot)?;
+        let tracking = self.tracked(&task)?;
         let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
         inputs.sort_unstable();
         inputs.dedup();
         let family = Family::new(self, &cycle, &schedule, &inputs)?;
         let (_, held) = family.asked(None, 0.0);
+        let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
+            None => Box::new(Ahead::new(robot)),
+            Some(spec) => {
+                let sensors = task.sensors.unwrap_or_default();
+                spec.check(Some(&sensors)).map_err(|e| e.within("estimator"))?;
+                let start = family.start().to_vec();
+                let filter = Inertial::new(*spec, &sensors, robot, cycle.section().clone(), start);
+                let allowed = "instruments that tell the state of this robot";
+                Box::new(filter.ok_or_else(|| Error::invalid("estimator", "given", allowed))?)
+            }
+        };
         Ok(Box::new(AboutOrbit {
             robot,
             period: self.period_s,
             deviations: Deviations::new(&cycle),
             schedule,
             family,
+            tracking,
             inputs,
-            ahead: Ahead::new(robot),
+            estimator,
+            x: vec![0.0; robot.states().len()],
             integral: 0.0,
             held,
             seen: [0.0; 2],
             cycle,
         }))
+    }
+}
+
+impl AboutOrbitSpec {
+    /// The path of `task` as it is to be followed, if it is.
+    fn tracked(&self, task: &Task) -> Result<Option<Tracking>, Error> {
+        let Some(spec) = self.tracking else { return Ok(None) };
+        let path = spec.checked(task.path.as_ref(), self.speed_m_s).map_err(|e| e.within("tracking"))?;
+        Ok(Some(Tracking::new(spec, path, self.speed_m_s, self.period_s)))
     }
 }
 
@@ -89,14 +134,27 @@ fn cycles(robot: &Robot, t: f64, x: &[f64]) -> f64 {
 
 impl Controller for AboutOrbit<'_> {
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
-        let Some(x) = self.ahead.state(t, measurement, &self.held) else { return Update::Kept };
+        if self.estimator.estimate(t, measurement, &self.held, &mut self.x).is_err() {
+            return Update::Kept;
+        }
+        let x = &self.x;
         let cycles = cycles(self.robot, t, x);
-        let place = self.schedule.place(t);
+        let (place, height, faster) = match &mut self.tracking {
+            None => (self.schedule.place(t), self.schedule.height(t), 0.0),
+            Some(tracking) => {
+                let layout = self.robot.layout();
+                let [position, velocity] =
+                    [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
+                let Demand { place, height, faster } = tracking.demand(t, position, velocity);
+                (Some(place), height, faster)
+            }
+        };
         let (asked, mut commands) = self.family.asked(place, cycles);
         let mut s = vec![0.0; self.deviations.len()];
         self.deviations.of(&self.cycle, x, &mut s);
         let mut error: Vec<f64> = s.iter().zip(&asked).map(|(s, asked)| s - asked).collect();
-        error[0] -= self.schedule.height(t);
+        error[0] -= height;
+        error[1] -= faster;
         if error[0].abs() < INTEGRATED {
             self.integral += error[0] * self.period;
         }
@@ -118,10 +176,14 @@ impl Controller for AboutOrbit<'_> {
     }
 
     fn columns(&self) -> Vec<Column> {
-        vec![Column::new("orbit_legs", "", ""), Column::new("orbit_height_error", "m", "W")]
+        let own = [Column::new("orbit_legs", "", ""), Column::new("orbit_height_error", "m", "W")];
+        let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
+        own.into_iter().chain(path).chain(self.estimator.columns()).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
         row.extend(self.seen);
+        row.extend(self.tracking.iter().flat_map(Tracking::numbers));
+        self.estimator.diagnostics(row);
     }
 }

@@ -9,6 +9,8 @@ pub(super) struct Schedule {
     pub first: Course,
     /// In the order of time.
     pub stretches: Vec<Stretch>,
+    /// Whether every stretch begins at the first course, in no order of time.
+    pub fan: bool,
 }
 
 /// From one course to another.
@@ -90,6 +92,7 @@ mod tests {
         let schedule = Schedule {
             first: course(0.2),
             stretches: vec![stretch(1.0, 0.2, -2.0), stretch(3.0, -2.0, 0.5)],
+            fan: false,
         };
         let climb = |t: f64| match schedule.place(t) {
             None => 0.2,

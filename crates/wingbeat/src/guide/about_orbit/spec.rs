@@ -1,7 +1,9 @@
 //! What `[controller.orbit]` says.
 
 use super::schedule::{Schedule, Stretch};
+use super::tracking::TrackingSpec;
 use crate::Error;
+use crate::guide::inertial::EstimatorSpec;
 use crate::orbit::{Course, Cycle, Free};
 use crate::range::{Range, ranges};
 use crate::robot::Robot;
@@ -33,6 +35,12 @@ pub struct AboutOrbitSpec {
     /// Deviations that cost as much as a full command.
     #[serde(default)]
     pub weights: OrbitWeights,
+    /// How the state is estimated from the readings of instruments; without it, it is told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimator: Option<EstimatorSpec>,
+    /// How `[path]` is followed, in place of legs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tracking: Option<TrackingSpec>,
 }
 
 /// A smooth way from one steady flight to another; what is not given stays.
@@ -109,14 +117,26 @@ impl AboutOrbitSpec {
             leg.in_range().map_err(|e| e.within(&format!("legs[{i}]")))?;
         }
         self.free(robot, true)?;
+        if self.tracking.is_some() {
+            let beside = [("legs", !self.legs.is_empty()), ("estimator", self.estimator.is_some())];
+            if let Some((key, _)) = beside.into_iter().find(|(_, given)| *given) {
+                let allowed = match key {
+                    "legs" => "none beside tracking: the path says what is flown",
+                    _ => "none beside tracking: the place is not estimated",
+                };
+                return Err(Error::invalid(key, "given", allowed).against(["tracking"]));
+            }
+        }
         Ok((Cycle::new(robot, STEP)?, self.schedule()?))
     }
 
     /// What is free in straight flight, or in a turn.
     pub(super) fn free(&self, robot: &Robot, turning: bool) -> Result<Vec<Free>, Error> {
         let names = if turning { &self.free[..] } else { &self.free[..self.free.len().min(2)] };
-        let (mut all, turns) =
-            (Vec::new(), self.legs.iter().any(|leg| leg.bank_deg.is_some_and(|b| b != 0.0)));
+        let (mut all, turns) = (
+            Vec::new(),
+            self.tracking.is_some() || self.legs.iter().any(|leg| leg.bank_deg.is_some_and(|b| b != 0.0)),
+        );
         for (i, name) in names.iter().enumerate() {
             let key = format!("free[{i}]");
             let allowed = || Free::names(robot).join(", ");
@@ -145,7 +165,11 @@ impl AboutOrbitSpec {
     /// The legs with where each begins and ends.
     fn schedule(&self) -> Result<Schedule, Error> {
         let mut course = Course { speed: self.speed_m_s, climb: self.climb_m_s, bank: 0.0 };
-        let mut schedule = Schedule { first: course, stretches: Vec::new() };
+        if let Some(tracking) = &self.tracking {
+            tracking.in_range().map_err(|e| e.within("tracking"))?;
+            return Ok(tracking.fan(course));
+        }
+        let mut schedule = Schedule { first: course, stretches: Vec::new(), fan: false };
         for (i, leg) in self.legs.iter().enumerate() {
             let key = |name: &str| format!("legs[{i}].{name}");
             let to = Course {

@@ -6,6 +6,7 @@ mod gait;
 mod link;
 mod structure;
 mod surface;
+mod thruster;
 mod wing;
 
 pub use clearance::{CapsuleSpec, ClearanceSpec};
@@ -14,6 +15,7 @@ pub use gait::GaitSpec;
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
 pub use structure::{ElementSpec, RegulatorSpec, StructureSpec};
 pub use surface::{PanelSpec, SurfaceSpec};
+pub use thruster::ThrusterSpec;
 pub use wing::{WingLinkSpec, WingSpec};
 
 use crate::Error;
@@ -50,6 +52,9 @@ pub struct RobotSpec {
     /// What turns the crank of the gait.
     #[serde(default, skip_serializing_if = "DriveSpec::is_constant")]
     pub drive: DriveSpec,
+    /// Small propellers on the body; not beside regulators or matrices of the structure.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub thrusters: Vec<ThrusterSpec>,
     /// Response of the structure to its regulators.
     #[serde(default)]
     pub structure: StructureSpec,
@@ -140,7 +145,39 @@ impl RobotSpec {
         self.gait.check(self.wing.is_some()).map_err(|e| e.within("gait"))?;
         self.drive.build().map_err(|e| e.within("drive"))?;
         self.structure.check().map_err(|e| e.within("structure"))?;
+        self.check_thrusters()?;
         self.numbers.iter().try_for_each(|(name, value)| check_number(name, *value))
+    }
+
+    fn check_thrusters(&self) -> Result<(), Error> {
+        for (i, thruster) in self.thrusters.iter().enumerate() {
+            thruster.check().map_err(|e| e.within(&format!("thrusters[{i}]")))?;
+            let others = self.structure.elements.iter().map(|e| &e.name);
+            if others.chain(self.thrusters[..i].iter().map(|t| &t.name)).any(|name| *name == thruster.name) {
+                let (key, allowed) = (format!("thrusters[{i}].name"), "each name once, elements among them");
+                return Err(Error::invalid(key, format!("{:?}", thruster.name), allowed));
+            }
+        }
+        let s = &self.structure;
+        let elements = s.elements.len() + self.thrusters.len();
+        if elements > super::MAX_ELEMENTS {
+            let allowed = format!("with the structure's elements at most {}", super::MAX_ELEMENTS);
+            return Err(Error::invalid("thrusters", elements, allowed));
+        }
+        let matrices = s.a.is_some() || s.stiffness_per_s2.is_some();
+        if !self.thrusters.is_empty() && (matrices || !s.regulators.is_empty()) {
+            let allowed = "no thrusters beside regulators or matrices of the structure";
+            return Err(Error::invalid("thrusters", "given", allowed));
+        }
+        Ok(())
+    }
+
+    /// The same with the thrusters among the elements, after the others.
+    pub(super) fn with_thrusts(&self) -> Self {
+        let mut all = self.clone();
+        let thrusts = self.thrusters.iter().enumerate().map(|(i, thruster)| thruster.element(i));
+        all.structure.elements.extend(thrusts);
+        all
     }
 
     /// The numbers given by name that are the robot's own.

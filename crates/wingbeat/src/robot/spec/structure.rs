@@ -92,6 +92,9 @@ pub struct ElementSpec {
     /// Damping ratio in place of the structure's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
+    /// Number of the thruster whose thrust it is; no element of a file is one.
+    #[serde(skip)]
+    pub(in crate::robot) thruster: Option<usize>,
 }
 
 ranges!(StructureSpec { frequency_hz: Range::POSITIVE, damping: Range::NOT_NEGATIVE });

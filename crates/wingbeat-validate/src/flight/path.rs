@@ -1,0 +1,37 @@
+//! Flight along a path: the figure of eight of 20 g in gusts.
+
+use std::ops::ControlFlow;
+
+use wingbeat::scenario::Run;
+
+use super::SATURATED;
+use crate::shipped::{Shipped, scenario, shipped};
+use crate::{Error, Row};
+
+const EIGHT: Shipped = shipped!("path_figure8", "cruise_20g_margin");
+/// Largest distance across the path, root mean square, m.
+const CROSS: f64 = 0.15;
+
+/// The comparisons: still air, then gusts of .3 m/s along each axis.
+pub fn rows() -> Result<Vec<Row>, Error> {
+    let mut rows = flown("still", &["air.gust_m_s=0.0"])?;
+    rows.extend(flown("gusts", &["air.gust_m_s=0.3"])?);
+    Ok(rows)
+}
+
+fn flown(name: &str, overrides: &[&str]) -> Result<Vec<Row>, Error> {
+    let Run { summary, .. } = scenario(EIGHT, overrides)?.fly(|_| ControlFlow::Continue(()))?;
+    let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
+        let id = format!("flight.path_figure8.{name}.{end}");
+        Row::judged(&id, "what is asked of the flight", metric, value, limit, unit)
+    };
+    let missing = || Error::reference("summary", "no path".to_string());
+    let path = summary.path.as_ref().ok_or_else(missing)?;
+    let least = summary.least_clearance_m.unwrap_or(f64::NAN);
+    let saturated = summary.input_saturation_fraction;
+    Ok(vec![
+        row("cross", "rms distance across the path", path.cross_rms_m, CROSS, "m"),
+        row("saturated", "share of commands at a limit", saturated, SATURATED, ""),
+        row("clearance", "the least clearance below zero: wings that cross", -least, 0.0, "m"),
+    ])
+}
