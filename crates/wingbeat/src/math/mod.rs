@@ -3,6 +3,7 @@
 mod dual;
 pub mod interpolation;
 mod jet;
+mod lanes;
 pub mod linear;
 pub mod multifrontal;
 mod over;
@@ -17,6 +18,7 @@ mod wrench;
 
 pub use dual::Dual;
 pub use jet::Jet;
+pub use lanes::{Double4, Lanes, Single8};
 pub use over::{Meets, Over, lift};
 pub use random::Random;
 pub use runge_kutta::{Dynamics, MIDPOINT, RK4, Steps, Tableau, Workspace};

@@ -8,6 +8,7 @@ mod sensors;
 mod stepper;
 mod strips;
 mod system;
+mod together;
 
 pub use estimator::{Estimator, TrueState, Unmeasured};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
@@ -16,3 +17,4 @@ pub use sensors::{Measurement, SensorSpec, Sensors};
 pub use stepper::{Saved, Stepper};
 pub use strips::{AXES, StripMotion, StripRecorder};
 pub use system::{Driver, Ending, Held, Moment, Observed, Sizes, System};
+pub use together::Together;
