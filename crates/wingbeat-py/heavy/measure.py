@@ -3,6 +3,7 @@
     python measure.py WHEEL
 """
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
+import psutil
 
 import wingbeat
 import wingbeat.learn
@@ -45,14 +47,15 @@ def controlling():
 
 
 def two_threads():
-    """How much faster two flights are on two threads than one after another."""
+    """How much faster two flights are on two threads than one after another, and what of one is in its caller's thread."""
     scenario = wingbeat.Scenario(TURN, {"flight.duration_s": 1.0})
-    ratios = []
-    for _ in range(ROUNDS):
-        begun = time.perf_counter()
+    ratios, shares = [], []
+    for _ in range(2 * ROUNDS + 1):
+        begun, own, whole = time.perf_counter(), time.thread_time(), time.process_time()
         wingbeat.fly(scenario)
         wingbeat.fly(scenario)
         one = time.perf_counter() - begun
+        shares.append((time.thread_time() - own) / (time.process_time() - whole))
         threads = [threading.Thread(target=wingbeat.fly, args=(scenario,)) for _ in range(2)]
         begun = time.perf_counter()
         for thread in threads:
@@ -60,61 +63,150 @@ def two_threads():
         for thread in threads:
             thread.join()
         ratios.append(one / (time.perf_counter() - begun))
-    print(f"two threads: {np.median(ratios):.2f} times one ({min(ratios):.2f} to {max(ratios):.2f})")
+    print(
+        f"two threads: {np.median(ratios):.2f} times one ({min(ratios):.2f} to {max(ratios):.2f}); {100 * np.median(shares):.2f} % "
+        f"of a flight in its caller's thread; load of the machine {os.getloadavg()[0]:.1f}"
+    )
+
+
+PRESETS = {"paper": ("aero.paper.nodes", 12), "full": ("aero.full.strips", 9)}
+
+
+def vector(preset, count, **keys):
+    """Robots of the banking turn on one thread."""
+    size, strips = PRESETS[preset]
+    overrides = {"aero.preset": preset, size: strips}
+    return gym.make_vec(
+        "wingbeat/BankingTurn-v0",
+        num_envs=count,
+        vectorization_mode="vector_entry_point",
+        overrides=overrides,
+        threads=1,
+        **keys,
+    )
+
+
+def spent(work, count):
+    """Processor time of some work, s per item."""
+    begun = time.process_time()
+    work()
+    return (time.process_time() - begun) / count
 
 
 def stepping():
-    """Cycles of a step of the vector environment on one thread."""
-    for preset, strips in (("paper", 12), ("full", 9)):
-        size = {"paper": "aero.paper.nodes", "full": "aero.full.strips"}[preset]
-        robots = gym.make_vec(
-            "wingbeat/BankingTurn-v0",
-            num_envs=32,
-            vectorization_mode="vector_entry_point",
-            overrides={"aero.preset": preset, size: strips},
-            threads=1,
-        )
-        robots.reset(seed=1)
-        actions = np.zeros((32, 8))
-        for _ in range(3):
-            robots.step(actions)
-        times = []
-        for _ in range(ROUNDS):
-            begun = time.process_time()
-            for _ in range(10):
-                robots.step(actions)
-            times.append((time.process_time() - begun) / 320)
-        cycles = min(times) * clock_ghz() * 1e9
-        print(
-            f"step of 5 ms, {preset} {strips}, f64: {1e6 * min(times):.1f} us, {1e-3 * cycles:.1f} thousand cycles "
-            f"at {clock_ghz():.2f} GHz; spread {1e6 * min(times):.1f} to {1e6 * max(times):.1f} us"
-        )
+    """Cycles of a step of the vector environment on one thread, in turns with the stepping of robots one by one."""
+    for preset, (size, strips) in PRESETS.items():
+        scenario = wingbeat.Scenario(TURN, {"aero.preset": preset, size: strips})
+        alone = wingbeat.Stepper(scenario)
+        ways = {"one by one, without observations": (lambda: (alone.reset(), [alone.step(1e-3, 5) for _ in range(64)]), 64)}
+        for precision in ("f64", "f32"):
+            robots, actions = vector(preset, 32, precision=precision), np.zeros((32, 8))
+            robots.reset(seed=1)
+            ways[f"vector environment, {precision}"] = (
+                lambda robots=robots, actions=actions: [robots.step(actions) for _ in range(8)],
+                256,
+            )
+        times = {way: [] for way in ways}
+        for _ in range(4 * ROUNDS + 1):
+            for way, (work, count) in ways.items():
+                times[way].append(spent(work, count))
+        for way, seen in times.items():
+            seen = np.array(seen[1:]) * clock_ghz() * 1e6
+            print(
+                f"step of 5 ms, {preset} {strips}, {way}: {np.median(seen):.1f} thousand cycles at {clock_ghz():.2f} GHz "
+                f"({seen.min():.1f} to {seen.max():.1f})"
+            )
+
+
+def erring():
+    """What single precision and steps of 1 ms change in a second, and in three, of random actions."""
+    names = ["roll, pitch [deg]", "angular rate [rad/s]", "velocity [m/s]"]
+    parts = [slice(0, 2), slice(2, 5), slice(5, 8)]
+    scale = [np.degrees(1.0), 1.0, 1.0]
+    for preset, (size, strips) in PRESETS.items():
+        pair = [vector(preset, 32, precision=precision) for precision in ("f64", "f32")]
+        for robots in pair:
+            robots.reset(seed=3)
+        random = np.random.default_rng(3)
+        alive = np.ones(32, dtype=bool)
+        for step in range(1, 601):
+            given = random.uniform(-1.0, 1.0, (32, 8))
+            told = [robots.step(given) for robots in pair]
+            alive &= ~(told[0][2] | told[1][2])
+            if step in (200, 600) and alive.any():
+                apart = np.abs(told[0][0] - told[1][0])[alive]
+                worst = [f"{name} {k * apart[:, part].max():.1e}" for name, part, k in zip(names, parts, scale, strict=True)]
+                print(f"f32 against f64, {preset} {strips}, {0.005 * step:.0f} s, {alive.sum()} robots: {', '.join(worst)}")
+        scenario = wingbeat.Scenario(TURN, {"aero.preset": preset, size: strips})
+        steppers = [wingbeat.Stepper(scenario) for _ in range(3)]
+        limits = [(channel.low, channel.high) for channel in scenario.inputs]
+        names_of_states = [channel.name for channel in scenario.states]
+        rates = [names_of_states.index(f"w_WB_B_{axis}") for axis in "xyz"]
+        for step in range(1, 601):
+            inputs = [random.uniform(*limit) for limit in limits]
+            for stepper, parts_of_step in zip(steppers, (5, 50, 100), strict=True):
+                stepper.inputs = inputs
+                stepper.step(0.005 / parts_of_step, parts_of_step)
+            if step in (200, 600):
+                coarse, fine, finest = (np.array(stepper.state)[rates] for stepper in steppers)
+                print(
+                    f"steps of 1 ms against .1 ms, {preset} {strips}, {0.005 * step:.0f} s: angular rate "
+                    f"{np.abs(coarse - fine).max():.1e} rad/s (.1 ms against .05 ms {np.abs(fine - finest).max():.1e})"
+                )
+
+
+def spent_by(processes):
+    """Processor time of processes and all below them, s."""
+    every = [one for process in processes for one in (process, *process.children(recursive=True))]
+    return sum(sum(one.cpu_times()[:2]) for one in set(every))
 
 
 def sweeping():
-    """What Dask adds to jobs of about a second on two workers."""
+    """What Dask adds on two workers, in turns with two threads of this process: to jobs of about a second of the processor, and to each of many
+    jobs that do next to nothing, which other programs move less.
+    """
     from distributed import LocalCluster
 
-    flights = {
-        "name": "second",
-        "scenario": str(TURN),
-        "sampling": "grid",
-        "draws": [{"key": "mismatch.mass", "low": 0.9, "high": 1.1, "points": 16}],
-        "hold": {"roll_within_deg": 5.0, "pitch_within_deg": 10.0},
-    }
-    scenario = {"scenario.flight.duration_s": 1.2}
-    with tempfile.TemporaryDirectory() as folder:
-        begun = time.perf_counter()
-        one = wingbeat.sweep(flights, scenario, out=Path(folder) / "local", cores=2)
-        local = time.perf_counter() - begun
-        with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-            address = cluster.scheduler_address
-            wingbeat.sweep(flights | {"seed": 1}, scenario, out=Path(folder) / "warm", engine="dask", address=address)
-            begun = time.perf_counter()
-            many = wingbeat.sweep(flights, scenario, out=Path(folder) / "dask", engine="dask", address=address)
-            dask = time.perf_counter() - begun
-    same = all(np.array_equal(one[name], many[name], equal_nan=True) for name in one)
-    print(f"16 flights: {local:.2f} s on two threads, {dask:.2f} s on two workers of Dask, rows the same: {same}")
+    own = psutil.Process()
+
+    def compared(folder, address, jobs, seconds, rounds):
+        """Time of the clock and of the processor on threads and on workers, by round; whether the rows are the same."""
+        flights = {
+            "name": "mass",
+            "scenario": str(TURN),
+            "sampling": "grid",
+            "draws": [{"key": "mismatch.mass", "low": 0.9, "high": 1.1, "points": jobs}],
+            "hold": {"roll_within_deg": 5.0, "pitch_within_deg": 10.0},
+        }
+        times, same = [], True
+        for k in range(rounds):
+            tables, spent_here = [], []
+            for way, keys in (("threads", {"cores": 2}), ("workers", {"engine": "dask", "address": address})):
+                begun, before = time.perf_counter(), spent_by([own])
+                out = Path(folder) / f"{way}-{jobs}-{k}"
+                tables.append(wingbeat.sweep(flights, {"scenario.flight.duration_s": seconds}, out=out, **keys))
+                spent_here.append((time.perf_counter() - begun, spent_by([own]) - before))
+            times.append(spent_here)
+            same &= all(np.array_equal(tables[0][name], tables[1][name], equal_nan=True) for name in tables[0])
+        return np.array(times), same
+
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+    ):
+        address = cluster.scheduler_address
+        compared(folder, address, 4, 0.02, 1)
+        short, same = compared(folder, address, 200, 0.005, ROUNDS)
+        added = 1e3 * (short[:, 1] - short[:, 0]) / 200
+        wall, processor = (f"{np.median(one):.1f} ms ({one.min():.1f} to {one.max():.1f})" for one in added.T)
+        print(f"Dask adds to each of 200 short jobs {wall}, {processor} of the processor; rows the same: {same}")
+        whole, same = compared(folder, address, 8, 4.0, 3)
+        added = 100 * (whole[:, 1] / whole[:, 0] - 1)
+        wall, processor = (f"{np.median(one):+.1f} % ({one.min():+.1f} to {one.max():+.1f})" for one in added.T)
+        print(
+            f"Dask adds to 8 jobs of {np.median(whole[:, 0, 1]) / 8:.2f} s of the processor {wall}, {processor} of the processor; "
+            f"rows the same: {same}; load of the machine {os.getloadavg()[0]:.1f}"
+        )
 
 
 if __name__ == "__main__":
@@ -123,4 +215,5 @@ if __name__ == "__main__":
     controlling()
     two_threads()
     stepping()
+    erring()
     sweeping()

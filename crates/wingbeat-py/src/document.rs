@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use std::path::PathBuf;
 use toml::{Table, Value};
+use wingbeat::Error;
 
 /// A configuration: a file, a text or a dictionary, what is put into it, and overrides.
 #[pyclass(frozen, module = "wingbeat._wingbeat")]
@@ -80,7 +81,8 @@ fn spread(overrides: &Bound<PyDict>, above: &str, texts: &mut Vec<String>) -> Py
 /// A value as it stands in an override: a word without quotes, numbers as Python writes them.
 fn given(value: &Bound<PyAny>, key: &str) -> PyResult<String> {
     if value.is_instance_of::<PyFloat>() {
-        return Ok(value.repr()?.to_string());
+        // Of Python's own type: the representation of NumPy's names its type.
+        return Ok(PyFloat::new(value.py(), value.extract()?).repr()?.to_string());
     }
     if let Ok(list) = value.cast::<PyList>() {
         let items = list.iter().enumerate().map(|(i, item)| given(&item, &format!("{key}[{i}]")));
@@ -122,7 +124,8 @@ fn toml_of(value: &Bound<PyAny>, key: &str) -> PyResult<Value> {
         return value.extract().map(Value::Boolean);
     }
     if value.is_instance_of::<PyInt>() {
-        return value.extract().map(Value::Integer);
+        let fits = value.extract().map(Value::Integer);
+        return fits.map_err(|_| refused(Error::invalid(key, value, "a whole number of 64 bits")));
     }
     if value.is_instance_of::<PyFloat>() {
         return value.extract().map(Value::Float);

@@ -1,13 +1,13 @@
 //! Robots side by side, to be learned with.
 
 use crate::flight::{Described, Scenario, described};
-use crate::refused;
+use crate::{refused, whole};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use wingbeat::Error;
-use wingbeat::learn::{BankingTurn, Task, View};
+use wingbeat::learn::{BankingTurn, Precision, Task, View};
 use wingbeat::plant::Plant;
 
 /// Observations, rewards, terms of the rewards, terminated, truncated.
@@ -29,14 +29,26 @@ pub struct Flock(wingbeat::learn::Flock);
 #[pymethods]
 impl Flock {
     #[new]
-    #[pyo3(signature = (scenario, task, count=1, threads=0))]
-    fn new(scenario: &Scenario, task: &str, count: usize, threads: usize) -> PyResult<Self> {
+    fn new(
+        scenario: &Scenario,
+        task: &str,
+        count: &Bound<PyAny>,
+        threads: &Bound<PyAny>,
+        precision: &str,
+    ) -> PyResult<Self> {
+        let (count, threads) =
+            (whole("count", count, "1 or more")?, whole("threads", threads, "0 (all cores) or more")?);
         let explained = |error: Error| refused(scenario.0.explain(&error));
         let task: Arc<dyn Task> = match task {
             "banking_turn" => Arc::new(BankingTurn::of(&scenario.0).map_err(explained)?),
             unknown => return Err(refused(Error::invalid("task", unknown, "banking_turn"))),
         };
-        wingbeat::learn::Flock::new(&scenario.0, task, count, threads).map(Self).map_err(refused)
+        let precision = match precision {
+            "f64" => Precision::Double,
+            "f32" => Precision::Single,
+            unknown => return Err(refused(Error::invalid("precision", unknown, "f64, f32"))),
+        };
+        wingbeat::learn::Flock::new(&scenario.0, task, count, threads, precision).map(Self).map_err(refused)
     }
 
     /// What an observation holds: name, unit, frame, lower and upper limit.

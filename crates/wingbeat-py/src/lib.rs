@@ -15,13 +15,22 @@ mod trim;
 mod wait;
 mod wake;
 
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyOverflowError, PyValueError};
 use pyo3::prelude::*;
 use std::fmt::Display;
+use wingbeat::Error;
 
 /// What the program would say of bad input, as a `ValueError`.
 fn refused(error: impl Display) -> PyErr {
     PyValueError::new_err(error.to_string())
+}
+
+/// A number of things; in place of Python's `OverflowError` what is allowed.
+fn whole(key: &str, given: &Bound<PyAny>, allowed: &str) -> PyResult<usize> {
+    given.extract().map_err(|error: PyErr| {
+        let beyond = error.is_instance_of::<PyOverflowError>(given.py());
+        if beyond { refused(Error::invalid(key, given, allowed)) } else { error }
+    })
 }
 
 #[pymodule(name = "_wingbeat")]

@@ -4,7 +4,7 @@ use crate::document::Document;
 use crate::flight::Scenario;
 use crate::table::{Given, Named, columns, record};
 use crate::tether::read;
-use crate::{refused, wait};
+use crate::{refused, wait, whole};
 use pyo3::prelude::*;
 use wingbeat::scenario::TetherCase;
 use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary};
@@ -13,18 +13,27 @@ use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary};
 type Stepped<'py> = (String, Vec<Named<'py>>, Vec<(String, String)>);
 
 /// Settings: times at which stretches end, cycles, whether the model's circulations are shed, panels along chord and span, steps per
-/// cycle, whether the wake is prescribed, core.
-type Settings = (Vec<f64>, Option<usize>, bool, usize, usize, Option<usize>, bool, f64);
+/// cycle, whether the wake is prescribed, core. Where there is none, that of [`Asked`].
+type Settings<'py> = (
+    Vec<f64>,
+    Option<Bound<'py, PyAny>>,
+    bool,
+    Option<Bound<'py, PyAny>>,
+    Option<Bound<'py, PyAny>>,
+    Option<Bound<'py, PyAny>>,
+    bool,
+    Option<f64>,
+);
 
 /// The wake of a case.
 #[pyfunction]
 pub fn wake_case<'py>(
     py: Python<'py>,
     document: &Document,
-    settings: Settings,
+    settings: Settings<'py>,
 ) -> PyResult<(Vec<Stepped<'py>>, String)> {
     let case = TetherCase::new(document.0.clone(), &read).map_err(refused)?;
-    let asked = asked(settings);
+    let asked = asked(settings)?;
     let stepped = wait::work(py, move |stop| {
         let course = course::case(&asked, &case, &|| stop.flow())?;
         step(&case.spec.name, &[course], &asked, stop)
@@ -38,11 +47,11 @@ pub fn wake_flight<'py>(
     py: Python<'py>,
     scenario: &Scenario,
     flown: Vec<Given<'py>>,
-    settings: Settings,
+    settings: Settings<'py>,
 ) -> PyResult<(Vec<Stepped<'py>>, String)> {
     let scenario = scenario.0.clone();
     let flown = record(flown)?;
-    let asked = asked(settings);
+    let asked = asked(settings)?;
     let stepped = wait::work(py, move |stop| {
         let name = scenario.spec.name.clone();
         let courses = Recorded::new(scenario, flown)?.courses(&asked)?;
@@ -51,9 +60,22 @@ pub fn wake_flight<'py>(
     told(py, stepped.map_err(refused)?)
 }
 
-fn asked(settings: Settings) -> Asked {
+fn asked(settings: Settings) -> PyResult<Asked> {
     let (at, cycles, model, chordwise, spanwise, steps, prescribed, core) = settings;
-    Asked { at, cycles, model, chordwise, spanwise, steps, prescribed, core }
+    let count = |key: &str, given: Option<Bound<PyAny>>| {
+        given.map(|given| whole(key, &given, "1 or more")).transpose()
+    };
+    let usual = Asked::default();
+    Ok(Asked {
+        at,
+        cycles: count("cycles", cycles)?,
+        model,
+        chordwise: count("chordwise", chordwise)?.unwrap_or(usual.chordwise),
+        spanwise: count("spanwise", spanwise)?.unwrap_or(usual.spanwise),
+        steps: count("steps", steps)?,
+        prescribed,
+        core: core.unwrap_or(usual.core),
+    })
 }
 
 /// Name, record and pictures of a stretch.

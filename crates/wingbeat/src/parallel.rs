@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-/// Stack of a thread: an evaluation that carries derivatives holds several MB.
+/// Stack of a thread: an evaluation that carries derivatives or lanes holds several MB.
 const STACK: usize = 16 << 20;
 
 /// `work` on every item, on all cores; the answers in the order of the items.
@@ -76,7 +76,8 @@ pub fn chunks<T: Send>(items: &mut [T], most: usize, work: impl Fn(&mut T) + Syn
         let mut parts = items.chunks_mut(items.len().div_ceil(cores));
         let own = parts.next();
         for part in parts {
-            scope.spawn(move || part.iter_mut().for_each(work));
+            let run = move || part.iter_mut().for_each(work);
+            thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).expect("a thread");
         }
         own.into_iter().flatten().for_each(work);
     });

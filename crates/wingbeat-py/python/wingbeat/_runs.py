@@ -30,70 +30,64 @@ class Controller(Protocol):
         """
 
 
-@dataclass(frozen=True)
-class Flight:
-    """A flown scenario."""
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """What every run tells."""
+
+    summary: dict[str, Any]
+    """What the program writes as ``summary.json``."""
+
+    @property
+    def status(self) -> str:
+        """``ok``, or what kept the run from it."""
+        return str(self.summary["status"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recorded(Told):
+    """A run with its time histories."""
 
     record: Record
     """Time histories."""
-    strips: Strips | None
-    """Loads of the strips, where ``flight.record_strips_every_s`` asks for them."""
-    summary: dict[str, Any]
-    """What the program writes as ``summary.json``."""
-
-    @property
-    def status(self) -> str:
-        """``ok``, ``off_target``, ``not_judged``, ``not_finite``, ``fault`` or ``stopped``."""
-        return str(self.summary["status"])
 
     def plot(self, names: str | Sequence[str] | None = None) -> Figure:
         """See :meth:`Record.plot`."""
         return self.record.plot(names)
 
 
-@dataclass(frozen=True)
-class Plan:
-    """A plan made offline."""
+@dataclass(frozen=True, kw_only=True)
+class Flight(Recorded):
+    """A flown scenario; its status is ``ok``, ``off_target``, ``not_judged``, ``not_finite``, ``fault`` or ``stopped``."""
+
+    strips: Strips | None
+    """Loads of the strips, where ``flight.record_strips_every_s`` asks for them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan(Told):
+    """A plan made offline; its status is ``ok`` or ``failed``."""
 
     record: Record | None
     """The plan as simulated under its inputs; none when nothing was found."""
-    summary: dict[str, Any]
-    """What the program writes as ``summary.json``."""
     files: dict[str, str] = field(repr=False)
     """Scenarios and cases that follow the plan, by name, as TOML."""
 
-    @property
-    def status(self) -> str:
-        """``ok`` or ``failed``."""
-        return str(self.summary["status"])
 
+@dataclass(frozen=True, kw_only=True)
+class Moved(Recorded):
+    """A wing that was moved in a wind: loads by source and motion; its status is ``ok``, ``not_periodic``, ``not_resolved``
+    or what failed.
+    """
 
-@dataclass(frozen=True)
-class Moved:
-    """A wing that was moved in a wind."""
-
-    record: Record
-    """Loads by source and motion."""
     strips: Strips
     """Loads and motion of the strips."""
-    summary: dict[str, Any]
-    """What the program writes as ``summary.json``."""
     cycle: Record | None = None
     """Measured, computed and fitted cycle, where there is a measured file."""
 
-    @property
-    def status(self) -> str:
-        """``ok``, ``not_periodic``, ``not_resolved`` or what failed."""
-        return str(self.summary["status"])
 
-    def plot(self, names: str | Sequence[str] | None = None) -> Figure:
-        """See :meth:`Record.plot`."""
-        return self.record.plot(names)
-
-
-@dataclass(frozen=True)
-class Trimmed:
-    """A periodic flight."""
+@dataclass(frozen=True, kw_only=True)
+class Trimmed(Told):
+    """A periodic flight; its status is ``ok`` or ``not_found``."""
 
     record: Record | None
     """The cycle; none where no orbit was found."""
@@ -101,15 +95,8 @@ class Trimmed:
     """Floquet multipliers."""
     family: Record | None
     """Orbits along the parameter of ``[trim.family]``."""
-    summary: dict[str, Any]
-    """What the program writes as ``summary.json``."""
     files: dict[str, str] = field(repr=False)
     """``orbit.toml``, a scenario on the orbit, as TOML."""
-
-    @property
-    def status(self) -> str:
-        """``ok`` or ``not_found``."""
-        return str(self.summary["status"])
 
     def plot(self, names: str | Sequence[str] | None = None) -> Figure:
         """See :meth:`Record.plot`."""
@@ -130,18 +117,11 @@ class Stretch:
     """Rings of wing and wake at begin and middle of the strokes of the last cycle, as VTK text."""
 
 
-@dataclass(frozen=True)
-class Wake:
-    """The vortex lattice of a case or along a flight."""
+@dataclass(frozen=True, kw_only=True)
+class Wake(Told):
+    """The vortex lattice of a case or along a flight; its status is ``ok`` or ``failed``."""
 
     stretches: list[Stretch]
-    summary: dict[str, Any]
-    """What the program writes as ``summary.json``."""
-
-    @property
-    def status(self) -> str:
-        """``ok`` or ``failed``."""
-        return str(self.summary["status"])
 
 
 @dataclass(frozen=True)
@@ -170,19 +150,13 @@ class Calibrated:
         return {row["name"]: row["standard_error"] for row in self.summary.get("parameters", [])}
 
 
-@dataclass(frozen=True)
-class Bench:
-    """A simulated run of the bench."""
+@dataclass(frozen=True, kw_only=True)
+class Bench(Told):
+    """A simulated run of the bench; its status is ``ok``, ``refused`` or ``fault``."""
 
     name: str
     record: Record | None
     """Samples of the load cell; none of a run that was refused or failed."""
-    summary: dict[str, Any]
-
-    @property
-    def status(self) -> str:
-        """``ok``, ``refused`` or ``fault``."""
-        return str(self.summary["status"])
 
     @property
     def window_s(self) -> tuple[float, float]:
@@ -200,6 +174,11 @@ class Processed:
     """Phase averages of the six channels; none of static tilts."""
     summary: dict[str, Any]
     """Window, cycles and what was done; of static tilts mass, centre and offsets with their deviations."""
+
+
+def _given(columns: list[_wingbeat._Column] | None) -> Record | None:
+    """The record of what may be missing."""
+    return None if columns is None else Record(columns)
 
 
 def scenario_of(source: Scenario | Source, overrides: Overrides | None) -> Scenario:
@@ -229,13 +208,14 @@ def fly(
     native = scenario_of(scenario, overrides)._native
     names = None if sees is None else list(sees)
     record, strips, summary = _wingbeat.fly(native, controller, period_s, names, observe)
-    return Flight(Record(record), None if strips is None else Strips(Record(strips)), json.loads(summary))
+    parts = None if strips is None else Strips(Record(strips))
+    return Flight(record=Record(record), strips=parts, summary=json.loads(summary))
 
 
 def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Plan:
     """Plans what the scenario's ``[plan]`` says."""
     record, summary, files = _wingbeat.plan(scenario_of(scenario, overrides)._native)
-    return Plan(None if record is None else Record(record), json.loads(summary), dict(files))
+    return Plan(record=_given(record), summary=json.loads(summary), files=dict(files))
 
 
 def trim(scenario: Scenario | Source, overrides: Overrides | None = None) -> Trimmed:
@@ -243,11 +223,11 @@ def trim(scenario: Scenario | Source, overrides: Overrides | None = None) -> Tri
     native = scenario_of(scenario, overrides)._native
     record, multipliers, family, summary, files = _wingbeat.trim(native)
     return Trimmed(
-        None if record is None else Record(record),
-        None if multipliers is None else Record(multipliers),
-        None if family is None else Record(family),
-        json.loads(summary),
-        dict(files),
+        record=_given(record),
+        multipliers=_given(multipliers),
+        family=_given(family),
+        summary=json.loads(summary),
+        files=dict(files),
     )
 
 
@@ -266,8 +246,8 @@ def tether(
     made = document(case, overrides, "case")
     file = None if compare is None else fspath(compare)
     record, strips, cycle, summary = _wingbeat.tether(made, file, converge)
-    compared = None if cycle is None else Record(cycle)
-    return Moved(Record(record), Strips(Record(strips)), json.loads(summary), compared)
+    parts = Strips(Record(strips))
+    return Moved(record=Record(record), strips=parts, summary=json.loads(summary), cycle=_given(cycle))
 
 
 def wake(
@@ -278,16 +258,17 @@ def wake(
     at: Sequence[float] = (),
     cycles: int | None = None,
     model: bool = False,
-    chordwise: int = 6,
-    spanwise: int = 24,
+    chordwise: int | None = None,
+    spanwise: int | None = None,
     steps: int | None = None,
     prescribed: bool = False,
-    core: float = 0.05,
+    core: float | None = None,
 ) -> Wake:
     """Steps the vortex lattice of a case, or along a flight of ``scenario``.
 
     Of a flight the stretches of ``cycles`` cycles (3) that end at the times ``at`` (s) are stepped from rest, without ``at`` that before the
-    turn and the last; with ``model`` the circulations of the model that flew are shed. ``core`` is the radius of the wake's cores in mean chords.
+    turn and the last; with ``model`` the circulations of the model that flew are shed. ``chordwise`` and
+    ``spanwise`` panels lie on the wing, ``core`` is the radius of the wake's cores in mean chords; without them the program's.
     """
     asked = ([float(t) for t in at], cycles, model, chordwise, spanwise, steps, prescribed, core)
     if isinstance(source, Flight):
@@ -298,7 +279,7 @@ def wake(
     else:
         stepped, summary = _wingbeat.wake_case(document(source, overrides, "case"), asked)
     stretches = [Stretch(name, Record(record), dict(phases)) for name, record, phases in stepped]
-    return Wake(stretches, json.loads(summary))
+    return Wake(stretches=stretches, summary=json.loads(summary))
 
 
 def calibrate(
@@ -318,7 +299,7 @@ def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[B
     texts = _wingbeat.overrides(dict(overrides or {}))
     runs = _wingbeat.rig_simulate(fspath(path), texts)
     return [
-        Bench(name, None if record is None else Record(record), json.loads(summary))
+        Bench(name=name, record=_given(record), summary=json.loads(summary))
         for name, record, summary in runs
     ]
 
@@ -336,4 +317,4 @@ def process(
     """
     texts = _wingbeat.overrides(dict(overrides or {}))
     name, record, summary = _wingbeat.rig_process(fspath(samples), fspath(run), texts, window_s)
-    return Processed(name, None if record is None else Record(record), json.loads(summary))
+    return Processed(name, _given(record), json.loads(summary))

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 _Array: TypeAlias = NDArray[float64]
 _Column: TypeAlias = tuple[str, str, str, float, float, _Array]
-_Asked: TypeAlias = tuple[Sequence[float], int | None, bool, int, int, int | None, bool, float]
+_Asked: TypeAlias = tuple[
+    Sequence[float], int | None, bool, int | None, int | None, int | None, bool, float | None
+]
 _Stepped: TypeAlias = list[tuple[str, list[_Column], list[tuple[str, str]]]]
 _Channel: TypeAlias = tuple[str, str, str, float, float]
 
@@ -104,7 +106,9 @@ class Stepper:
 
 @final
 class Flock:
-    def __new__(cls, scenario: Scenario, task: str, count: int = 1, threads: int = 0) -> Flock: ...
+    def __new__(
+        cls, scenario: Scenario, task: str, count: int, threads: int, precision: str
+    ) -> Flock: ...
     @property
     def observation(self) -> list[_Channel]: ...
     @property

@@ -88,11 +88,14 @@ def test_seeds_repeat_and_differ():
     assert np.array_equal(environment.reset()[0], following)
 
 
-@pytest.mark.parametrize(("count", "threads"), [(1, 1), (3, 1), (7, 2), (7, 0)])
-def test_a_robot_does_not_depend_on_its_neighbours(count, threads):
+@pytest.mark.parametrize(
+    ("count", "threads", "precision"),
+    [(1, 1, "f64"), (3, 1, "f64"), (7, 2, "f64"), (7, 0, "f64"), (1, 1, "f32"), (9, 2, "f32")],
+)
+def test_a_robot_does_not_depend_on_its_neighbours(count, threads, precision):
     steps = 45
-    given = actions(7, steps)[:, :count]
-    vector = make_vec(count, threads=threads)
+    given = actions(9, steps)[:, :count]
+    vector = make_vec(count, threads=threads, precision=precision)
     seen = [vector.reset(seed=11)[0]]
     told = []
     for action in given:
@@ -100,7 +103,7 @@ def test_a_robot_does_not_depend_on_its_neighbours(count, threads):
         seen.append(observation)
         told.append((reward, terminated, truncated, info["reward_terms"]["roll"]))
     for robot in range(count):
-        single = make().unwrapped
+        single = make(precision=precision).unwrapped
         assert np.array_equal(single.reset(seed=11 + robot)[0], seen[0][robot])
         over = False
         for step in range(steps):
@@ -113,6 +116,29 @@ def test_a_robot_does_not_depend_on_its_neighbours(count, threads):
             assert np.array_equal(observation, seen[step + 1][robot])
             assert reward == told[step][0][robot]
             assert ended == (told[step][1][robot], told[step][2][robot])
+
+
+@pytest.mark.parametrize(("preset", "limit"), [("paper", 1e-4), ("full", 1e-3)])
+def test_single_precision_is_near_double(preset, limit):
+    """Roll, pitch (rad), rates (rad/s) and velocities (m/s) after .1 s; docs/python.md has those of a second."""
+    vectors = [
+        gym.make_vec(
+            ID,
+            num_envs=8,
+            vectorization_mode="vector_entry_point",
+            overrides=SHORT | {"aero.preset": preset},
+            precision=precision,
+        )
+        for precision in ("f64", "f32")
+    ]
+    for vector in vectors:
+        vector.reset(seed=1)
+    for action in actions(8, 20):
+        double, single = (vector.step(action)[0] for vector in vectors)
+    apart = np.max(np.abs(double - single)[:, :8], axis=0)
+    print(f"single precision, {preset}, .1 s: {apart.max():.1e}")
+    assert np.all(apart < limit * np.array([1.0, 1.0, 60.0, 60.0, 60.0, 30.0, 30.0, 30.0]))
+    assert apart.max() > 0.0
 
 
 def test_nothing_handed_out_is_used_again():
@@ -155,6 +181,13 @@ def test_bad_input_is_refused():
         environment.reset(options={"phase": 1.0})
     with pytest.raises(ValueError, match="spread = -1"):
         environment.reset(options={"spread": -1.0})
+    with pytest.raises(ValueError, match="precision = f16: allowed is f64, f32"):
+        make(precision="f16")
+    for count in (0, -1):
+        with pytest.raises(ValueError, match=f"count = {count}: allowed is"):
+            wingbeat.learn.VectorEnvironment(count, task=wingbeat.learn.BankingTurn)
+    with pytest.raises(ValueError, match="threads = -1: allowed is"):
+        make_vec(1, threads=-1)
     with pytest.raises(ValueError, match="manoeuvre"):
         gym.make(ID, scenario=wingbeat.shipped("scenarios/glide.toml"))
 

@@ -75,6 +75,14 @@ def test_a_periodic_flight_is_the_programs(program, tmp_path):
     assert on_orbit.mass_kg == pytest.approx(0.02, rel=0.05)
 
 
+def test_numbers_of_numpy_are_taken(turn):
+    keys = {"start.roll_deg": np.float64(2.5), "start.velocity_m_s": np.array([1.0, 0.0, 0.25]), "seed": np.int64(3)}
+    plain = {"start.roll_deg": 2.5, "start.velocity_m_s": [1.0, 0.0, 0.25], "seed": 3}
+    assert wingbeat.Scenario(turn, keys).resolved == wingbeat.Scenario(turn, plain).resolved
+    with pytest.raises(ValueError, match=f"seed = {2**70}: allowed is a whole number of 64 bits"):
+        wingbeat.Scenario(turn, {"seed": 2**70})
+
+
 def test_a_wake_is_the_programs_wake(program, tmp_path):
     small = ("--quiet", "--prescribed", "--chordwise", "2", "--spanwise", "8")
     case = ROOT / "cases/flap_f1.toml"
@@ -102,6 +110,9 @@ def test_a_wake_is_the_programs_wake(program, tmp_path):
         wingbeat.wake(wingbeat.fly(scenario))
     with pytest.raises(ValueError, match="cycles = 0: allowed is 1 or more"):
         wingbeat.wake(wingbeat.fly(scenario), scenario=scenario, cycles=0)
+    for count in (0, -1, 2**70):
+        with pytest.raises(ValueError, match=f"spanwise = {count}: allowed is"):
+            wingbeat.wake(case, sets, spanwise=count)
 
 
 def test_a_calibration_is_the_programs(program, tmp_path):

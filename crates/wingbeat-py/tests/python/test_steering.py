@@ -156,3 +156,15 @@ def test_flights_leave_the_interpreter_to_others(turn):
         time.sleep(1e-3)
         ticks += 1
     assert ticks > 50
+
+
+def test_a_flight_holds_the_interpreter_for_little_of_its_time(turn):
+    """What a flight does in its caller's thread cannot be done by two at once: at a share s two threads are at most 2/(1 + s)
+    times as fast as one. Shares of the processor's time, which other programs do not move.
+    """
+    scenario = wingbeat.Scenario(turn, {"flight.duration_s": 1.0})
+    own, whole = time.thread_time(), time.process_time()
+    wingbeat.fly(scenario)
+    share = (time.thread_time() - own) / (time.process_time() - whole)
+    print(f"share of a flight in its caller's thread: {share:.4f}")
+    assert share < 0.05

@@ -1,5 +1,6 @@
 //! Robots side by side under one task.
 
+use super::lanes::{MOST_LANES, Precision, Side};
 use super::{Task, View};
 use crate::Error;
 use crate::math::Random;
@@ -9,6 +10,7 @@ use crate::require;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::simulate::Stepper;
+use arrayvec::ArrayVec;
 use std::sync::Arc;
 
 /// Time between two actions, s.
@@ -33,12 +35,15 @@ pub struct Batch {
     pub truncated: Vec<bool>,
 }
 
-/// Robots of one scenario under one task. Each is stepped by itself: what becomes of it depends on its seed and its
-/// actions alone.
+/// Robots of one scenario under one task, stepped several at once in the lanes of vector registers. What becomes of each
+/// depends, to the bit, on its seed and its actions alone: a single robot is a lane of one.
 pub struct Flock {
     robot: Arc<Robot>,
     task: Arc<dyn Task>,
     members: Vec<Member>,
+    /// One for each group of neighbours that are stepped at once.
+    sides: Vec<Side>,
+    precision: Precision,
     start: Vec<f64>,
     threads: usize,
     /// Actions of an episode.
@@ -71,7 +76,7 @@ struct Row<'a> {
 }
 
 impl Flock {
-    /// `count` robots of the scenario, stepped on up to `threads` cores (0: all).
+    /// `count` robots of the scenario, stepped on up to `threads` cores (0: all) with numbers of the given precision.
     ///
     /// # Errors
     /// [`Error::Invalid`] for no robots or too many.
@@ -80,6 +85,7 @@ impl Flock {
         task: Arc<dyn Task>,
         count: usize,
         threads: usize,
+        precision: Precision,
     ) -> Result<Self, Error> {
         require::between("count", count, 1, MAX_ROBOTS)?;
         let robot = Arc::new(scenario.robot().clone());
@@ -97,7 +103,9 @@ impl Flock {
             over: false,
         };
         let longest = (task.duration_s() / PERIOD_S).round().max(1.0) as usize;
-        Ok(Self { members: (0..count).map(|_| member()).collect(), robot, task, start, threads, longest })
+        let (members, groups) = ((0..count).map(|_| member()).collect(), count.div_ceil(precision.lanes()));
+        let sides = (0..groups).map(|_| Side::new(precision, start.len(), inputs)).collect();
+        Ok(Self { members, sides, precision, robot, task, start, threads, longest })
     }
 
     /// Number of robots.
@@ -175,16 +183,21 @@ impl Flock {
         let rows = batch.observations.chunks_mut(seen).zip(batch.terms.chunks_mut(terms));
         let flags = batch.terminated.iter_mut().zip(&mut batch.truncated);
         let rows = rows.zip(&mut batch.rewards).zip(flags);
-        let mut work: Vec<(&mut Member, &[f64], Row)> = (self.members.iter_mut().zip(actions.chunks(inputs)))
-            .zip(rows)
-            .map(|((member, action), (((observation, terms), reward), (terminated, truncated)))| {
-                (member, action, Row { observation, reward, terms, terminated, truncated })
-            })
-            .collect();
-        let (task, start, longest) = (&*self.task, &self.start, self.longest);
-        parallel::chunks(&mut work, self.threads, |(member, action, row)| {
-            member.step(action, row, start, longest, task);
-        });
+        let row = |(((observation, terms), reward), (terminated, truncated))| Row {
+            observation,
+            reward,
+            terms,
+            terminated,
+            truncated,
+        };
+        let mut rows: Vec<Row> = rows.map(row).collect();
+        let lanes = self.precision.lanes();
+        let groups = self.members.chunks_mut(lanes).zip(actions.chunks(lanes * inputs));
+        let groups = groups.zip(rows.chunks_mut(lanes)).zip(&mut self.sides);
+        let mut groups: Vec<_> =
+            groups.map(|(((members, actions), rows), side)| Group { members, actions, rows, side }).collect();
+        let course = Course { task: &*self.task, start: &self.start, longest: self.longest };
+        parallel::chunks(&mut groups, self.threads, |group| group.step(&course));
         Ok(batch)
     }
 }
@@ -213,11 +226,11 @@ impl Member {
         self.episode += 1;
     }
 
-    fn step(&mut self, action: &[f64], row: &mut Row, start: &[f64], longest: usize, task: &dyn Task) {
+    /// Takes the action; false, and the next episode begun, where an episode was over.
+    fn take(&mut self, action: &[f64], course: &Course) -> bool {
         if self.over {
-            self.begin(start, task);
-            task.observe(&self.view(), row.observation);
-            return;
+            self.begin(course.start, course.task);
+            return false;
         }
         for (held, action) in self.action.iter_mut().zip(action) {
             *held = action.clamp(-1.0, 1.0);
@@ -227,22 +240,61 @@ impl Member {
             *input = 0.5 * (channel.low + channel.high) + 0.5 * (channel.high - channel.low) * action;
         }
         self.robot.set_inputs(&self.inputs);
-        let steps = (PERIOD_S / STEP_S).round() as usize;
-        let whole = (0..steps).try_for_each(|_| self.robot.step(STEP_S)).is_ok();
+        true
+    }
+
+    /// Tells of the step that was taken.
+    fn tell(&mut self, row: &mut Row, course: &Course) {
+        let whole = self.robot.check().is_ok();
         self.count += 1;
         if !whole {
             // The numbers of a state that cannot be evaluated say nothing: the last observation is that of the start.
-            self.robot.reset(self.begun, start);
+            self.robot.reset(self.begun, course.start);
         }
-        let view = self.view();
+        let (view, task) = (self.view(), course.task);
         task.observe(&view, row.observation);
         if whole {
             task.reward(&view, row.terms);
             *row.reward = row.terms.iter().sum();
         }
         *row.terminated = !whole || task.failed(&view);
-        *row.truncated = !*row.terminated && self.count >= longest;
+        *row.truncated = !*row.terminated && self.count >= course.longest;
         self.over = *row.terminated || *row.truncated;
+    }
+}
+
+/// What all robots have before them.
+struct Course<'a> {
+    task: &'a dyn Task,
+    start: &'a [f64],
+    longest: usize,
+}
+
+/// Robots that are stepped at once.
+struct Group<'a, 'r> {
+    members: &'a mut [Member],
+    actions: &'a [f64],
+    rows: &'a mut [Row<'r>],
+    side: &'a mut Side,
+}
+
+impl Group<'_, '_> {
+    fn step(&mut self, course: &Course) {
+        let mut moving = ArrayVec::<_, MOST_LANES>::new();
+        let inputs = self.actions.len() / self.members.len();
+        for (member, action) in self.members.iter_mut().zip(self.actions.chunks(inputs)) {
+            moving.push(member.take(action, course));
+        }
+        let steppers = self.members.iter_mut().zip(&moving).filter(|(_, moving)| **moving);
+        let steppers: ArrayVec<_, MOST_LANES> = steppers.map(|(member, _)| &mut member.robot).collect();
+        self.side.step(steppers, STEP_S, (PERIOD_S / STEP_S).round() as usize);
+        for ((member, row), moved) in self.members.iter_mut().zip(self.rows.iter_mut()).zip(moving) {
+            if moved {
+                member.tell(row, course);
+            } else {
+                course.task.observe(&member.view(), row.observation);
+            }
+        }
     }
 }
 
@@ -253,10 +305,14 @@ mod tests {
     use std::path::Path;
 
     fn flock(count: usize, threads: usize) -> Flock {
+        exact(count, threads, Precision::Double)
+    }
+
+    fn exact(count: usize, threads: usize, precision: Precision) -> Flock {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
         let scenario = Scenario::load(&path, &["flight.duration_s=0.02".into()]).unwrap();
         let task = Arc::new(BankingTurn::of(&scenario).unwrap());
-        Flock::new(&scenario, task, count, threads).unwrap()
+        Flock::new(&scenario, task, count, threads, precision).unwrap()
     }
 
     /// What robot `number` of `count` tells of six steps.

@@ -2,13 +2,13 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use wingbeat::learn::{BankingTurn, Flock};
+//! use wingbeat::learn::{BankingTurn, Flock, Precision};
 //! use wingbeat::scenario::Scenario;
 //!
 //! let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml");
 //! let scenario = Scenario::load(path.as_ref(), &[])?;
 //! let task = Arc::new(BankingTurn::of(&scenario)?);
-//! let mut flock = Flock::new(&scenario, task, 3, 1)?;
+//! let mut flock = Flock::new(&scenario, task, 3, 1, Precision::Double)?;
 //! let start = flock.reset(&[7, 8, 9], 1.0);
 //! let batch = flock.step(&vec![0.0; 3 * flock.actions()])?;
 //! assert_eq!((start.len(), batch.rewards.len()), (3 * flock.observations(), 3));
@@ -17,9 +17,11 @@
 //! ```
 
 mod flock;
+mod lanes;
 mod turn;
 
 pub use flock::{Batch, Flock, PERIOD_S, STEP_S};
+pub use lanes::Precision;
 pub use turn::BankingTurn;
 
 use crate::math::Random;

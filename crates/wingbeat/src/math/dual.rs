@@ -219,6 +219,7 @@ impl<const N: usize, S: Scalar> MulAssign for Dual<N, S> {
 impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     const ZERO: Self = Self { re: S::ZERO, eps: [S::ZERO; N] };
     const ONE: Self = Self { re: S::ONE, eps: [S::ZERO; N] };
+    const NARROW: bool = S::NARROW;
 
     #[inline]
     fn value(self) -> f64 {
@@ -267,6 +268,26 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
             sum.eps[i] = self.eps[i].mul_add(a.re, a.eps[i].mul_add(self.re, b.eps[i]));
         }
         sum
+    }
+    #[inline]
+    fn if_below(self, limit: Self, then: Self, otherwise: Self) -> Self {
+        then.zip(otherwise, self.re.if_below(limit.re, then.re, otherwise.re), |then, otherwise| {
+            self.re.if_below(limit.re, then, otherwise)
+        })
+    }
+    #[inline]
+    fn positive(self) -> Option<Self> {
+        Some(Self { re: self.re.positive()?, ..self })
+    }
+    #[inline]
+    fn at_least<const M: usize>(
+        self,
+        least: f64,
+        seen: [Self; M],
+        measure: impl Fn([f64; M]) -> f64,
+    ) -> Result<(Self, f64), f64> {
+        let (re, found) = self.re.at_least(least, seen.map(|x| x.re), measure)?;
+        Ok((Self { re, ..self }, found))
     }
     #[inline]
     fn is_finite(self) -> bool {

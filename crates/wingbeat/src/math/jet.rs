@@ -188,6 +188,7 @@ impl<S: Scalar> MulAssign<f64> for Jet<S> {
 impl<S: Scalar> Scalar for Jet<S> {
     const ZERO: Self = Self { x: S::ZERO, d: S::ZERO, dd: S::ZERO };
     const ONE: Self = Self { x: S::ONE, d: S::ZERO, dd: S::ZERO };
+    const NARROW: bool = S::NARROW;
 
     #[inline]
     fn value(self) -> f64 {
@@ -235,6 +236,25 @@ impl<S: Scalar> Scalar for Jet<S> {
         let r = self.x.recip();
         let r2 = r * r;
         self.chain(r, -r2, r2 * r * 2.0)
+    }
+    #[inline]
+    fn if_below(self, limit: Self, then: Self, otherwise: Self) -> Self {
+        let chosen = |then, otherwise| self.x.if_below(limit.x, then, otherwise);
+        Self::new(chosen(then.x, otherwise.x), chosen(then.d, otherwise.d), chosen(then.dd, otherwise.dd))
+    }
+    #[inline]
+    fn positive(self) -> Option<Self> {
+        Some(Self { x: self.x.positive()?, ..self })
+    }
+    #[inline]
+    fn at_least<const N: usize>(
+        self,
+        least: f64,
+        seen: [Self; N],
+        measure: impl Fn([f64; N]) -> f64,
+    ) -> Result<(Self, f64), f64> {
+        let (x, found) = self.x.at_least(least, seen.map(|x| x.x), measure)?;
+        Ok((Self { x, ..self }, found))
     }
     #[inline]
     fn is_finite(self) -> bool {

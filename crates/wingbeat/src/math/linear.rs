@@ -25,9 +25,7 @@ pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
             scaled[k] = a[j][k] * a[k][k];
             pivot -= a[j][k] * scaled[k];
         }
-        if pivot.value() <= 0.0 || !pivot.value().is_finite() {
-            return None;
-        }
+        let pivot = pivot.positive()?;
         a[j][j] = pivot;
         inverse[j] = pivot.recip();
         for i in j + 1..n {

@@ -1,6 +1,6 @@
 //! The number type of every model: `f64` for values, [`Dual`](super::Dual) for
-//! exact derivatives, [`Jet`](super::Jet) for rates along time. One source of
-//! the physics serves all three.
+//! exact derivatives, [`Jet`](super::Jet) for rates along time, [`Lanes`](super::Lanes) for
+//! several systems at once. One source of the physics serves all four.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -39,6 +39,8 @@ pub trait Scalar:
     const ZERO: Self;
     /// Multiplicative identity.
     const ONE: Self;
+    /// True where the product of a few small numbers may leave the range of numbers: single precision ends at 1e-38.
+    const NARROW: bool = false;
 
     /// The value without derivatives.
     fn value(self) -> f64;
@@ -129,6 +131,32 @@ pub trait Scalar:
     #[inline]
     fn smooth_positive(self, width: f64) -> Self {
         (self + self.smooth_abs(width)) * 0.5
+    }
+    /// `then` where the value of `self` is below that of `limit`, elsewhere `otherwise`: a branch that every one of several
+    /// [`Lanes`](super::Lanes) takes by itself.
+    #[inline]
+    fn if_below(self, limit: Self, then: Self, otherwise: Self) -> Self {
+        if self.value() < limit.value() { then } else { otherwise }
+    }
+    /// `self` when its value is finite and above zero. Of several lanes those that are not go on as NaN.
+    #[inline]
+    fn positive(self) -> Option<Self> {
+        (self.value() > 0.0 && self.value().is_finite()).then_some(self)
+    }
+    /// `self` and what `measure` finds in the values of `seen`, when that is `least` or more, else what it finds. Of
+    /// several lanes each is measured by itself, goes on as NaN where it is refused, and the least is told.
+    ///
+    /// # Errors
+    /// What was found, when it is less or NaN.
+    #[inline]
+    fn at_least<const N: usize>(
+        self,
+        least: f64,
+        seen: [Self; N],
+        measure: impl Fn([f64; N]) -> f64,
+    ) -> Result<(Self, f64), f64> {
+        let found = measure(seen.map(Self::value));
+        if found >= least { Ok((self, found)) } else { Err(found) }
     }
     /// `self` limited to [low, high] by value; derivatives vanish outside.
     #[inline]

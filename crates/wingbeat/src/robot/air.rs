@@ -32,17 +32,18 @@ pub struct Pulse {
 }
 
 impl Pulse {
-    /// Share of the velocity at the time `t`, and its rate, 1/s; none before and after.
+    /// Share of the velocity at the time `t`, and its rate, 1/s; zero before and after.
     ///
     /// Equation: robot.pulse
-    fn share<S: Scalar>(&self, t: S) -> Option<(S, S)> {
+    fn share<S: Scalar>(&self, t: S) -> (S, S) {
         let since = t - self.start;
-        if !(since.value() > 0.0 && since.value() < self.duration) {
-            return None;
-        }
         let rate = TAU / self.duration;
         let (s, c) = (since * rate).sin_cos();
-        Some(((-c + 1.0) * 0.5, s * (0.5 * rate)))
+        let during = |x| {
+            let begun = S::ZERO.if_below(since, x, S::ZERO);
+            since.if_below(S::from(self.duration), begun, S::ZERO)
+        };
+        (during((-c + 1.0) * 0.5), during(s * (0.5 * rate)))
     }
 }
 
@@ -109,7 +110,7 @@ impl Wind {
             }
         }
         for pulse in &self.pulses {
-            let Some((share, rate)) = pulse.share(t) else { continue };
+            let (share, rate) = pulse.share(t);
             for i in 0..3 {
                 velocity[i] += share * pulse.velocity[i];
                 acceleration[i] += rate * pulse.velocity[i];

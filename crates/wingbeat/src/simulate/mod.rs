@@ -9,6 +9,7 @@ mod sensors;
 mod stepper;
 mod strips;
 mod system;
+mod together;
 
 pub use estimator::{Estimator, NoEstimate, TrueState};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
@@ -20,3 +21,4 @@ pub use sensors::{Measurement, SensorSpec, Sensors};
 pub use stepper::{Saved, Stepper};
 pub use strips::{AXES, StripMotion, StripRecorder};
 pub use system::{Driver, Ending, Held, Moment, Observed, Sizes, System};
+pub use together::Together;

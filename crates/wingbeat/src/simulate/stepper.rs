@@ -167,6 +167,20 @@ impl<R: Deref<Target: System>> Stepper<R> {
         self.run(dt, 1, &mut Held(|_, _: Moment<_>| Ok(ControlFlow::Continue(())))).check()
     }
 
+    /// # Errors
+    /// [`Fault::NotFinite`] with the first state that is not finite.
+    pub fn check(&self) -> Result<(), Fault> {
+        finite(&self.x, self.time())
+    }
+
+    /// Moves the clock on by `steps` steps of `dt` seconds that were taken elsewhere.
+    pub(super) fn count_steps(&mut self, dt: f64, steps: usize) {
+        if self.clock.length != dt {
+            self.clock = Steps::new(self.time(), dt, 0);
+        }
+        self.clock.first += steps;
+    }
+
     /// `steps` steps of `dt` seconds steered by `driver`, which sees the ends of all steps.
     pub fn run(
         &mut self,
@@ -174,9 +188,7 @@ impl<R: Deref<Target: System>> Stepper<R> {
         steps: usize,
         driver: &mut impl Driver<<R::Target as System>::Memory>,
     ) -> Ending {
-        if self.clock.length != dt {
-            self.clock = Steps::new(self.time(), dt, 0);
-        }
+        self.count_steps(dt, 0);
         let began = self.clock.first;
         let Self { system, x, u, memory, clock, work } = self;
         let todo = Steps { count: steps, ..*clock };

@@ -1,6 +1,6 @@
 //! What can be stepped, who steers it, and how that ends.
 
-use crate::math::Quat;
+use crate::math::{Quat, Scalar};
 use crate::plant::{Fault, Plant};
 use std::ops::ControlFlow;
 
@@ -85,10 +85,15 @@ impl<P: Plant> System for P {
         }
     }
     fn advance(&self, _: f64, _: f64, x: &mut [f64], _: &[f64], _: &mut ()) -> Result<(), Fault> {
-        if let Some(a) = self.attitude() {
-            Quat::from_wxyz(&x[a..]).normalized().store_wxyz(&mut x[a..]);
-        }
+        upright(self, x);
         Ok(())
+    }
+}
+
+/// Puts the attitude of a state, if there is one, back to unit length.
+pub(super) fn upright<S: Scalar>(plant: &impl Plant, x: &mut [S]) {
+    if let Some(a) = plant.attitude() {
+        Quat::from_wxyz(&x[a..]).normalized().store_wxyz(&mut x[a..]);
     }
 }
 

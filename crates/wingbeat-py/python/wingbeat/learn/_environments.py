@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias
 
 import gymnasium as gym
 import numpy as np
@@ -16,6 +16,8 @@ from wingbeat._record import Column
 from wingbeat._runs import Flight, scenario_of
 
 Array: TypeAlias = NDArray[np.float64]
+# Numbers with which robots are stepped: four or eight at once.
+Precision: TypeAlias = Literal["f64", "f32"]
 
 # Time between two actions, s.
 PERIOD_S = 0.005
@@ -66,9 +68,10 @@ class _Flock:
         count: int,
         threads: int,
         spread: float,
+        precision: Precision,
     ) -> None:
         chosen = scenario_of(shipped(task.scenario) if scenario is None else scenario, overrides)
-        self.native = _wingbeat.Flock(chosen._native, task.name, count, threads)
+        self.native = _wingbeat.Flock(chosen._native, task.name, count, threads, precision)
         self.spread = spread
         self.states = chosen.states
         self.terms = self.native.terms
@@ -108,7 +111,8 @@ class Environment(gym.Env[Array, Array]):
 
     Actions in [-1, 1] are the inputs from their lower to their upper limits, held for 5 ms. An episode is terminated when the task
     has failed, and truncated at the end of the scenario's duration. ``info["reward_terms"]`` holds the terms of the reward.
-    ``spread`` says how much the start varies: 0 is the scenario's own.
+    ``spread`` says how much the start varies: 0 is the scenario's own. ``precision`` is that of the stepping: ``"f64"``, or
+    ``"f32"``, which is faster; observations and rewards are of double precision in any case.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}  # noqa: RUF012
@@ -120,11 +124,12 @@ class Environment(gym.Env[Array, Array]):
         overrides: Overrides | None = None,
         *,
         spread: float = 1.0,
+        precision: Precision = "f64",
         render_mode: str | None = None,
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode = {render_mode!r}: allowed is None, 'rgb_array'")
-        self._flock = _Flock(task, scenario, overrides, 1, 1, spread)
+        self._flock = _Flock(task, scenario, overrides, 1, 1, spread, precision)
         self._begun: tuple[int, float] | None = None
         self.render_mode = render_mode
         self.observation_space = self._flock.observations
@@ -177,8 +182,8 @@ class Environment(gym.Env[Array, Array]):
 class VectorEnvironment(VectorEnv[Array, Array, Array]):
     """Robots side by side under a task, stepped by the library on ``threads`` cores (0: all).
 
-    Robot ``i`` of ``reset(seed=s)`` is the single environment of the seed ``s + i``, to the bit. Where an episode is over
-    the next step begins another one.
+    Robot ``i`` of ``reset(seed=s)`` is the single environment of the seed ``s + i`` and the same ``precision``, to the bit.
+    Where an episode is over the next step begins another one.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012
@@ -196,12 +201,13 @@ class VectorEnvironment(VectorEnv[Array, Array, Array]):
         overrides: Overrides | None = None,
         spread: float = 1.0,
         threads: int = 0,
+        precision: Precision = "f64",
         render_mode: str | None = None,
     ) -> None:
         super().__init__()
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode = {render_mode!r}: allowed is None, 'rgb_array'")
-        self._flock = _Flock(task, scenario, overrides, num_envs, threads, spread)
+        self._flock = _Flock(task, scenario, overrides, num_envs, threads, spread, precision)
         self._begun: float | None = None
         self.num_envs = num_envs
         self.render_mode = render_mode

@@ -133,9 +133,19 @@ pub(super) fn segment<S: Scalar>(
     Ratio { above, below: below * (a * b) }
 }
 
-/// Both quotients by one division.
+impl<S: Scalar> Ratio<S> {
+    #[inline(always)]
+    fn quotient(self) -> S {
+        self.above / self.below
+    }
+}
+
+/// Both quotients by one division, where the numbers have room for it.
 #[inline(always)]
 pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
+    if S::NARROW {
+        return (p.quotient(), q.quotient());
+    }
     let inverse = (p.below * q.below).recip();
     (p.above * q.below * inverse, q.above * p.below * inverse)
 }
@@ -195,9 +205,13 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
             let ahead = fused(q, u, -u_bound);
             let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
             let far = faded(behind.turn(&n), fused(r, r, -(ahead * ahead)), cores.far[i]);
-            let (both, far) = divide(Ratio { above: S::ONE, below: leg.below * wake.below }, far);
             out.to_bound[i] = a;
             out.to_trailing[i] = b;
+            if S::NARROW {
+                (out.leg[i], out.wake[i], out.far[i]) = (leg.quotient(), wake.quotient(), far.quotient());
+                continue;
+            }
+            let (both, far) = divide(Ratio { above: S::ONE, below: leg.below * wake.below }, far);
             out.leg[i] = leg.above * wake.below * both;
             out.wake[i] = wake.above * leg.below * both;
             out.far[i] = far;

@@ -30,10 +30,9 @@ impl<S: Scalar> Loop<S> {
         S: Meets<P>,
     {
         let (span2, arm2) = (span.norm_squared(), arm.norm_squared());
-        let margin = margin(span2.value(), length.value(), arm2.value());
-        if !(margin >= MARGIN_LIMIT) {
-            return Err(Fault::LinkageSingular { closure, margin, limit: MARGIN_LIMIT });
-        }
+        let (span2, margin) = span2
+            .at_least(MARGIN_LIMIT, [span2, arm2], |[span2, arm2]| margin(span2, length.value(), arm2))
+            .map_err(|margin| Fault::LinkageSingular { closure, margin, limit: MARGIN_LIMIT })?;
         let along = (span2 - arm2).shifted(length * length).scaled(P::from(0.5) / length);
         let across = (span2 - along * along).sqrt();
         let bar = (span * Planar::new(along, across)).scaled(span2.recip());

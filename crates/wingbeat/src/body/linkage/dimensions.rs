@@ -126,13 +126,8 @@ impl<P: Scalar> Regulated<P> {
     /// The length displaced by `displacement`, held within its range.
     pub(super) fn displaced<S: Scalar + Meets<P>>(&self, displacement: Jet<S>) -> Jet<S> {
         let (length, [low, high]) = (displacement.shifted(self.nominal), self.range());
-        if length.value() < low.value() {
-            Jet::constant(S::from(low))
-        } else if length.value() > high.value() {
-            Jet::constant(S::from(high))
-        } else {
-            length
-        }
+        let [low, high] = [low, high].map(|end| Jet::constant(S::from(end)));
+        length.if_below(low, low, high.if_below(length, high, length))
     }
 }
 
