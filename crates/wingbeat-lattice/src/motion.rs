@@ -77,8 +77,8 @@ pub struct Flapping {
 /// Refuses sections that lift at no incidence.
 pub(crate) fn require_flat(aero: &Aero) -> Result<(), Error> {
     let zero_lift = match aero {
-        Aero::LiftingLine(line) => line.settings().zero_lift_angle_rad,
-        Aero::Strip(model) => model.settings().zero_lift_angle_rad,
+        Aero::LiftingLine(line) => line.settings().section.zero_lift_angle_rad,
+        Aero::Strip(model) => model.settings().section.zero_lift_angle_rad,
     };
     match zero_lift {
         0.0 => Ok(()),

@@ -22,7 +22,7 @@ pub use small::{Point, SpanLoading, other_points, plunge_points, slope_points, s
 use crate::{Case, Error, Row};
 use wingbeat::aero::{
     Aero, CD0, CD90, CRITICAL_SUCTION, LagSet, LiftLaw, LiftingLine, LiftingLineSettings, Planform,
-    ProfileDrag, STALL_ANGLE, StripModel, StripSettings,
+    ProfileDrag, STALL_ANGLE, SectionSettings, StripModel, StripSettings,
 };
 
 /// The comparisons.
@@ -174,13 +174,16 @@ impl Preset {
         if self == Self::Paper {
             let settings = LiftingLineSettings {
                 nodes: strips,
-                law,
-                stall_angle_rad,
-                critical_suction,
-                drag,
-                density_kg_m3: density,
                 regularisation_m_s: least,
                 chord_floor_m: 1e-9,
+                section: SectionSettings {
+                    law,
+                    stall_angle_rad,
+                    critical_suction,
+                    drag,
+                    density_kg_m3: density,
+                    ..Default::default()
+                },
                 ..Default::default()
             };
             return Ok(Aero::LiftingLine(LiftingLine::new(wing, settings)?));
@@ -188,13 +191,16 @@ impl Preset {
         let settings = StripSettings {
             strips,
             hinge_arcs_m: hinges.to_vec(),
-            law,
-            stall_angle_rad,
-            critical_suction,
-            drag,
-            density_kg_m3: density,
             regularisation_m_s: least,
             lags: if self == Self::Full { LagSet::Three } else { LagSet::Five },
+            section: SectionSettings {
+                law,
+                stall_angle_rad,
+                critical_suction,
+                drag,
+                density_kg_m3: density,
+                ..Default::default()
+            },
             ..Default::default()
         };
         Ok(Aero::Strip(StripModel::new(wing, settings)?))

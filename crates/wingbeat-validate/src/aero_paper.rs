@@ -66,7 +66,7 @@ impl Stream {
 
     /// Lift coefficient per incidence, 1/rad: lift per span rho U a0 (c/2) w_eff.
     fn lift_slope(&self, airspeed: f64, effective_wash: &[f64]) -> f64 {
-        let slope = self.line.settings().section_slope;
+        let slope = self.line.settings().section.section_slope;
         let lift: f64 = self
             .line
             .widths()

@@ -1,7 +1,9 @@
 //! What turns the crank and what displaces the structure: motors, regulators, their power.
 
 use std::ops::ControlFlow;
-use wingbeat::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
+use wingbeat::aero::{
+    Aero, LiftLaw, LiftingLine, LiftingLineSettings, SectionSettings, StripModel, StripSettings,
+};
 use wingbeat::guide::Stand;
 use wingbeat::math::{Jet, Mat3, Quat, Vec3};
 use wingbeat::plant::{Linearisation, Plant, Role};
@@ -120,16 +122,22 @@ fn build(text: &str, full: bool, density: f64) -> Result<Robot, wingbeat::Error>
             let settings = StripSettings {
                 strips: outline.strips.unwrap_or(14),
                 hinge_arcs_m: outline.hinges.clone(),
-                density_kg_m3: density,
-                drag: outline.drag(LiftLaw::Linear),
+                section: SectionSettings {
+                    density_kg_m3: density,
+                    drag: outline.drag(LiftLaw::Linear),
+                    ..Default::default()
+                },
                 ..StripSettings::default()
             };
             Aero::Strip(StripModel::new(&outline.planform, settings).unwrap())
         } else {
             let settings = LiftingLineSettings {
-                density_kg_m3: density,
-                law: LiftLaw::Stall,
-                drag: outline.drag(LiftLaw::Stall),
+                section: SectionSettings {
+                    density_kg_m3: density,
+                    law: LiftLaw::Stall,
+                    drag: outline.drag(LiftLaw::Stall),
+                    ..Default::default()
+                },
                 ..LiftingLineSettings::default()
             };
             Aero::LiftingLine(LiftingLine::new(&outline.planform, settings).unwrap())

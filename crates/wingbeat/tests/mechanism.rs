@@ -1,6 +1,8 @@
 //! Robots read from data: any links, elastic and free joints, several surfaces.
 
-use wingbeat::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
+use wingbeat::aero::{
+    Aero, LiftLaw, LiftingLine, LiftingLineSettings, SectionSettings, StripModel, StripSettings,
+};
 use wingbeat::body::LinkMotion;
 use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace, Wrench};
 use wingbeat::plant::{Linearisation, Plant};
@@ -58,9 +60,12 @@ fn robot(text: &str, preset: Preset, density: f64) -> Robot {
         Preset::Paper => {
             let settings = LiftingLineSettings {
                 nodes: outline.strips.unwrap_or(12),
-                density_kg_m3: density,
-                law: LiftLaw::Stall,
-                drag: outline.drag(LiftLaw::Stall),
+                section: SectionSettings {
+                    density_kg_m3: density,
+                    law: LiftLaw::Stall,
+                    drag: outline.drag(LiftLaw::Stall),
+                    ..Default::default()
+                },
                 ..LiftingLineSettings::default()
             };
             Aero::LiftingLine(LiftingLine::new(&outline.planform, settings).unwrap())
@@ -69,8 +74,11 @@ fn robot(text: &str, preset: Preset, density: f64) -> Robot {
             let settings = StripSettings {
                 strips: outline.strips.unwrap_or(14),
                 hinge_arcs_m: outline.hinges.clone(),
-                density_kg_m3: density,
-                drag: outline.drag(LiftLaw::Linear),
+                section: SectionSettings {
+                    density_kg_m3: density,
+                    drag: outline.drag(LiftLaw::Linear),
+                    ..Default::default()
+                },
                 ..StripSettings::default()
             };
             Aero::Strip(StripModel::new(&outline.planform, settings).unwrap())

@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 use wingbeat::aero::{
-    Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, StripModel, StripSettings,
+    Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, SectionSettings, StripModel,
+    StripSettings,
 };
 use wingbeat::math::{Dual, Quat, Vec3};
 use wingbeat::plant::{Linearisation, LocalChart, Plant};
@@ -19,9 +20,12 @@ fn robot(name: &str, density: f64) -> Robot {
     let wing = spec.wing.as_ref().unwrap();
     let planform = Planform::new(&wing.planform).unwrap();
     let settings = LiftingLineSettings {
-        density_kg_m3: density,
-        law: LiftLaw::Stall,
-        drag: ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 },
+        section: SectionSettings {
+            density_kg_m3: density,
+            law: LiftLaw::Stall,
+            drag: ProfileDrag { cd0: wing.cd0, cd90: wing.cd90 },
+            ..Default::default()
+        },
         ..LiftingLineSettings::default()
     };
     let aero = Aero::LiftingLine(LiftingLine::new(&planform, settings).unwrap());
@@ -33,7 +37,11 @@ fn robot_of_strips(name: &str, law: LiftLaw) -> Robot {
     let spec = spec(name);
     let wing = spec.wing.as_ref().unwrap();
     let planform = Planform::new(&wing.planform).unwrap();
-    let settings = StripSettings { strips: 9, law, ..StripSettings::default() };
+    let settings = StripSettings {
+        strips: 9,
+        section: SectionSettings { law, ..Default::default() },
+        ..StripSettings::default()
+    };
     let aero = Aero::Strip(StripModel::new(&planform, settings).unwrap());
     Robot::new(&spec, vec![aero], Air { density: 1.225, wind: Wind::steady(Vec3::ZERO) }, 0.3).unwrap()
 }

@@ -1,6 +1,8 @@
 //! A flight of an elastic flapper: work of drives, dampers and air against kinetic, potential and elastic energy.
 
-use wingbeat::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, StripModel, StripSettings};
+use wingbeat::aero::{
+    Aero, LiftLaw, LiftingLine, LiftingLineSettings, SectionSettings, StripModel, StripSettings,
+};
 use wingbeat::math::{Quat, RK4, Vec3, Workspace};
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::robot::{Air, Robot, RobotSpec, SurfaceOutline, Wind};
@@ -19,11 +21,17 @@ fn model(preset: Preset, law: LiftLaw, outline: SurfaceOutline) -> Result<Aero, 
     let drag = outline.drag(law);
     let SurfaceOutline { planform, hinges, .. } = outline;
     if preset == Preset::Paper {
-        let settings = LiftingLineSettings { density_kg_m3: DENSITY, law, drag, ..Default::default() };
+        let settings = LiftingLineSettings {
+            section: SectionSettings { density_kg_m3: DENSITY, law, drag, ..Default::default() },
+            ..Default::default()
+        };
         return Ok(Aero::LiftingLine(LiftingLine::new(&planform, settings)?));
     }
-    let settings =
-        StripSettings { density_kg_m3: DENSITY, hinge_arcs_m: hinges, law, drag, ..Default::default() };
+    let settings = StripSettings {
+        hinge_arcs_m: hinges,
+        section: SectionSettings { density_kg_m3: DENSITY, law, drag, ..Default::default() },
+        ..Default::default()
+    };
     Ok(Aero::Strip(StripModel::new(&planform, settings)?))
 }
 

@@ -7,6 +7,7 @@ mod loads;
 mod numbers;
 mod planform;
 mod section;
+mod section_settings;
 mod station;
 mod strip;
 mod surfaces;
@@ -20,6 +21,7 @@ pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSetti
 pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
 pub use numbers::{LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{Gap, Planform, PlanformStation, Span};
+pub use section_settings::SectionSettings;
 pub use station::{SectionField, SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings, spacing as lan_spacing};
 pub use surfaces::{Surface, Surfaces};
@@ -169,8 +171,8 @@ impl<P: Scalar> Aero<P> {
     /// The lift law.
     pub fn law(&self) -> LiftLaw {
         match self {
-            Self::LiftingLine(line) => line.settings().law,
-            Self::Strip(model) => model.settings().law,
+            Self::LiftingLine(line) => line.settings().section.law,
+            Self::Strip(model) => model.settings().section.law,
         }
     }
     /// Incidence beyond which a strip counts as stalled, rad.

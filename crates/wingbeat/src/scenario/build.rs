@@ -7,7 +7,9 @@ use super::name::RunName;
 use super::plan::PlanSpec;
 use super::spec::{AeroSpec, GustSpec, ScenarioSpec, StartSpec};
 use crate::Error;
-use crate::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, StripModel, StripSettings};
+use crate::aero::{
+    Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, SectionSettings, StripModel, StripSettings,
+};
 use crate::guide::Task;
 use crate::math::Vec3;
 use crate::plant::Plant;
@@ -330,24 +332,30 @@ impl AeroSpec {
         Err(Error::invalid(key, format!("\"{}\"", law.name()), "\"linear\" under preset `as_printed`"))
     }
 
+    /// Section and air of a surface: what it says of them, and else what the scenario says.
+    fn section(&self, outline: &SurfaceOutline, density_kg_m3: f64) -> SectionSettings {
+        let (own, law) = (&outline.section, outline.law.unwrap_or(self.law));
+        SectionSettings {
+            law,
+            section_slope: own.lift_slope_per_rad.unwrap_or(self.lift_slope_per_rad),
+            zero_lift_angle_rad: own.zero_lift_angle_deg.unwrap_or(self.zero_lift_angle_deg).to_radians(),
+            stall_angle_rad: own.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
+            critical_suction: own.critical_suction.unwrap_or(self.critical_suction),
+            drag: outline.drag(law),
+            added_mass: self.added_mass,
+            section_moment: self.section_moment,
+            pitch_suction: self.pitch_suction,
+            density_kg_m3,
+        }
+    }
+
     fn lifting_line(&self, outline: &SurfaceOutline, density_kg_m3: f64) -> LiftingLineSettings {
         LiftingLineSettings {
             nodes: outline.strips.unwrap_or(self.paper.nodes),
             regularisation_m_s: self.paper.regularisation_m_s,
             chord_floor_m: self.paper.chord_floor_m,
-            law: outline.law.unwrap_or(self.law),
-            stall_angle_rad: outline.section.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
-            critical_suction: outline.section.critical_suction.unwrap_or(self.critical_suction),
-            zero_lift_angle_rad: (outline.section.zero_lift_angle_deg)
-                .unwrap_or(self.zero_lift_angle_deg)
-                .to_radians(),
-            section_slope: outline.section.lift_slope_per_rad.unwrap_or(self.lift_slope_per_rad),
-            drag: outline.drag(outline.law.unwrap_or(self.law)),
-            added_mass: self.added_mass,
-            section_moment: self.section_moment,
-            pitch_suction: self.pitch_suction,
             as_printed: false,
-            density_kg_m3,
+            section: self.section(outline, density_kg_m3),
         }
     }
 
@@ -362,18 +370,7 @@ impl AeroSpec {
             folding_rates: self.full.folding_rates,
             vortex_core: self.full.vortex_core,
             force_tilt: self.full.force_tilt,
-            law: outline.law.unwrap_or(self.law),
-            stall_angle_rad: outline.section.stall_angle_deg.unwrap_or(self.stall_angle_deg).to_radians(),
-            critical_suction: outline.section.critical_suction.unwrap_or(self.critical_suction),
-            zero_lift_angle_rad: (outline.section.zero_lift_angle_deg)
-                .unwrap_or(self.zero_lift_angle_deg)
-                .to_radians(),
-            section_slope: outline.section.lift_slope_per_rad.unwrap_or(self.lift_slope_per_rad),
-            drag: outline.drag(outline.law.unwrap_or(self.law)),
-            added_mass: self.added_mass,
-            section_moment: self.section_moment,
-            pitch_suction: self.pitch_suction,
-            density_kg_m3,
+            section: self.section(outline, density_kg_m3),
         }
     }
 }

@@ -7,8 +7,8 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use wing::{ELBOW, Wing, planform};
 use wingbeat::aero::{
-    Gap, LagSet, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, StripModel,
-    StripSettings,
+    Gap, LagSet, LiftLaw, Loads, Planform, PlanformStation, ProfileDrag, SectionMotion, SectionSettings,
+    StripModel, StripSettings,
 };
 use wingbeat::math::{Dual, Scalar, Vec3, linear::solve_symmetric};
 
@@ -43,7 +43,13 @@ fn variants() -> Vec<StripModel> {
     three
         .into_iter()
         .chain(five)
-        .map(|(law, lags)| model(StripSettings { law, lags, ..settings(10) }))
+        .map(|(law, lags)| {
+            model(StripSettings {
+                lags,
+                section: SectionSettings { law, ..settings(10).section },
+                ..settings(10)
+            })
+        })
         .collect()
 }
 
@@ -208,7 +214,10 @@ fn switches_leave_out_what_they_name() {
     let no_tilt = loads(StripSettings { force_tilt: false, ..settings(10) });
     assert_eq!(no_tilt.by_source().induced_drag.force, Vec3::ZERO);
     assert!(all.by_source().induced_drag.force.norm() > 1e-3);
-    let no_mass = loads(StripSettings { added_mass: false, section_moment: false, ..settings(10) });
+    let no_mass = loads(StripSettings {
+        section: SectionSettings { added_mass: false, section_moment: false, ..settings(10).section },
+        ..settings(10)
+    });
     assert_eq!(no_mass.added_mass, [[0.0; 6]; 6]);
     let infinite = loads(StripSettings { wake_wash: false, doublet_wash: false, ..settings(10) });
     assert!((infinite.wrench.force - all.wrench.force).norm() > 1e-3);
@@ -220,12 +229,15 @@ fn plane_strips(law: LiftLaw) -> StripModel {
     let wing = Planform::new(&[station(0.0), station(4.0)]).unwrap();
     let set = StripSettings {
         strips: 6,
-        law,
         wake_wash: false,
         doublet_wash: false,
-        drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
         regularisation_m_s: 1e-6,
-        density_kg_m3: 1.0,
+        section: SectionSettings {
+            law,
+            drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
+            density_kg_m3: 1.0,
+            ..Default::default()
+        },
         ..Default::default()
     };
     StripModel::new(&wing, set).unwrap()
@@ -297,7 +309,11 @@ fn law_lev_turns_the_suction_that_the_edge_cannot_hold_into_normal_force() {
 fn idle_lanes_carry_nothing() {
     for strips in [8, 9, 13, 16] {
         for law in LiftLaw::ALL {
-            let model = model(StripSettings { law, hinge_arcs_m: vec![], ..settings(strips) });
+            let model = model(StripSettings {
+                hinge_arcs_m: vec![],
+                section: SectionSettings { law, ..settings(strips).section },
+                ..settings(strips)
+            });
             let sections = Wing::still(0.0, 0.0).sections(model.arcs(), &planform());
             let (_, loads) =
                 evaluate(&model, &sections, Vec3::new(-1.0, 0.0, 1.5), &vec![0.3; model.states()]);
@@ -335,8 +351,12 @@ fn steady_strips(half_span: f64, gaps: &[Gap], strips: usize) -> (f64, f64) {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
     let wing = Planform::new(&[station(0.0), station(half_span)]).unwrap().with_gaps(gaps).unwrap();
     let drag = ProfileDrag { cd0: 0.0, cd90: 0.0 };
-    let set =
-        StripSettings { strips, drag, density_kg_m3: 1.0, regularisation_m_s: 1e-6, ..Default::default() };
+    let set = StripSettings {
+        strips,
+        regularisation_m_s: 1e-6,
+        section: SectionSettings { drag, density_kg_m3: 1.0, ..Default::default() },
+        ..Default::default()
+    };
     let model = StripModel::new(&wing, set).unwrap();
     let at = |x: f64, s: f64| Vec3::new(x, s, 0.0);
     let still = |&s: &f64| SectionMotion { le: at(0.0, s), te: at(-1.0, s), ..SectionMotion::default() };
@@ -433,7 +453,13 @@ fn bad_settings_are_refused() {
         refused(StripSettings { hinge_arcs_m: vec![0.3], ..settings(8) })
             .starts_with("hinge_arcs_m[0] = 0.3")
     );
-    assert!(refused(StripSettings { density_kg_m3: 0.0, ..settings(8) }).starts_with("density_kg_m3 = 0"));
+    assert!(
+        refused(StripSettings {
+            section: SectionSettings { density_kg_m3: 0.0, ..settings(8).section },
+            ..settings(8)
+        })
+        .starts_with("density_kg_m3 = 0")
+    );
     assert!(refused(StripSettings { hinge_arcs_m: vec![0.1, 0.11], ..settings(4) }).contains("every hinge"));
 }
 
@@ -472,7 +498,7 @@ proptest! {
         five in any::<bool>(),
     ) {
         let lags = if five { LagSet::Five } else { LagSet::Three };
-        let model = model(StripSettings { law, lags, ..settings(strips) });
+        let model = model(StripSettings { lags, section: SectionSettings { law, ..settings(strips).section }, ..settings(strips) });
         let wind = Vec3::new(-incidence.cos() * slip.cos(), slip.sin(), incidence.sin() * slip.cos()) * speed;
         check_wind(&model, &Wing::still(shoulder, elbow), wind, &state(&model))?;
     }

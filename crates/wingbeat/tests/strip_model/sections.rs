@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use wingbeat::aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Loads, Planform, PlanformStation, ProfileDrag,
-    SectionMotion, StripModel, StripSettings,
+    SectionMotion, SectionSettings, StripModel, StripSettings,
 };
 use wingbeat::math::Vec3;
 
@@ -18,13 +18,16 @@ fn elliptic_chord(aspect: f64, s: f64) -> f64 {
 
 fn line(aspect: f64, law: LiftLaw, Section(zero_lift_angle_rad, section_slope): Section) -> Aero {
     let set = LiftingLineSettings {
-        law,
-        zero_lift_angle_rad,
-        section_slope,
         chord_floor_m: 1e-9,
         regularisation_m_s: 1e-6,
-        drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
-        density_kg_m3: 1.0,
+        section: SectionSettings {
+            law,
+            zero_lift_angle_rad,
+            section_slope,
+            drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
+            density_kg_m3: 1.0,
+            ..Default::default()
+        },
         ..Default::default()
     };
     Aero::LiftingLine(LiftingLine::with_chords(0.5 * aspect, |s| elliptic_chord(aspect, s), set).unwrap())
@@ -38,12 +41,15 @@ fn strips(aspect: f64, law: LiftLaw, Section(zero_lift_angle_rad, section_slope)
     };
     let wing = Planform::new(&(0..=60).map(station).collect::<Vec<_>>()).unwrap();
     let set = StripSettings {
-        law,
-        zero_lift_angle_rad,
-        section_slope,
         regularisation_m_s: 1e-6,
-        drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
-        density_kg_m3: 1.0,
+        section: SectionSettings {
+            law,
+            zero_lift_angle_rad,
+            section_slope,
+            drag: ProfileDrag { cd0: 0.0, cd90: 0.0 },
+            density_kg_m3: 1.0,
+            ..Default::default()
+        },
         ..Default::default()
     };
     Aero::Strip(StripModel::new(&wing, set).unwrap())

@@ -2,7 +2,7 @@
 
 use wingbeat::aero::{
     Aero, LagSet, LiftLaw, LiftingLine, LiftingLineSettings, Planform, PlanformStation, ProfileDrag,
-    SectionMotion, StripModel, StripSettings, Surfaces,
+    SectionMotion, SectionSettings, StripModel, StripSettings, Surfaces,
 };
 use wingbeat::math::{Scalar, Vec3};
 
@@ -23,11 +23,9 @@ pub fn full(planform: &Planform, strips: usize) -> Aero {
 pub fn full_with(planform: &Planform, strips: usize, law: LiftLaw, lags: LagSet) -> Aero {
     let settings = StripSettings {
         strips,
-        law,
         lags,
-        drag: NO_DRAG,
-        density_kg_m3: 1.0,
         regularisation_m_s: 1e-6,
+        section: SectionSettings { law, drag: NO_DRAG, density_kg_m3: 1.0, ..Default::default() },
         ..Default::default()
     };
     Aero::Strip(StripModel::new(planform, settings).unwrap())
@@ -35,7 +33,11 @@ pub fn full_with(planform: &Planform, strips: usize, law: LiftLaw, lags: LagSet)
 
 /// Preset `paper` without profile drag.
 pub fn paper(planform: &Planform, nodes: usize) -> Aero {
-    let settings = LiftingLineSettings { nodes, drag: NO_DRAG, density_kg_m3: 1.0, ..Default::default() };
+    let settings = LiftingLineSettings {
+        nodes,
+        section: SectionSettings { drag: NO_DRAG, density_kg_m3: 1.0, ..Default::default() },
+        ..Default::default()
+    };
     Aero::LiftingLine(LiftingLine::new(planform, settings).unwrap())
 }
 

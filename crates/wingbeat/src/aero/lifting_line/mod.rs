@@ -106,7 +106,7 @@ impl<P: Scalar> LiftingLine<P> {
         Ok(Self {
             nodes: layout.cells.iter().map(|cell| Node::new(cell, &numbers)).collect(),
             zero_lift: ZeroLift::new(numbers.zero_lift_angle),
-            polar: Polar::new(settings.law, &numbers),
+            polar: Polar::new(settings.section.law, &numbers),
             at_once: at_once(&numbers),
             slope_share: numbers.section_slope / (2.0 * PI),
             layout,
@@ -156,14 +156,14 @@ impl<P: Scalar> LiftingLine<P> {
     }
     /// Number of states: three per node, and those of the law.
     pub fn states(&self) -> usize {
-        (3 + self.settings.law.states().len()) * self.nodes.len()
+        (3 + self.settings.section.law.states().len()) * self.nodes.len()
     }
     /// Names and units of the states, in order.
     pub fn channels(&self) -> Vec<Channel> {
         let first = if self.settings.as_printed { ("series", "") } else { ("circulation", "m2/s") };
         let own = [first, ("lag1", "m/s"), ("lag2", "m/s")];
         own.into_iter()
-            .chain(self.settings.law.states().iter().map(|state| (state.name, state.unit)))
+            .chain(self.settings.section.law.states().iter().map(|state| (state.name, state.unit)))
             .flat_map(|(name, unit)| {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })
@@ -350,7 +350,7 @@ impl<P: Scalar> LiftingLine<P> {
         let effective = self.lag(i, speed, wash, x, dx);
         let inverse = (effective * effective + uc2).sqrt().recip();
         let sine = effective * inverse;
-        let law = set.law.about();
+        let law = set.section.law.about();
         let attached = match law.attachment {
             Attachment::Lagging { state, .. } => S::ONE - x[(3 + state) * self.strips() + i],
             Attachment::Whole | Attachment::AtOnce => self.polar.attached_share(sine * sine),
@@ -360,7 +360,7 @@ impl<P: Scalar> LiftingLine<P> {
         if !law.edge_vortex {
             suction *= attached;
         }
-        let mass = if set.pitch_suction { self.nodes[i].mass } else { P::ZERO };
+        let mass = if set.section.pitch_suction { self.nodes[i].mass } else { P::ZERO };
         let pitching_section = (mass, self.slope_share, self.nodes[i].half_chord);
         let pitching = pitch_suction(pitching_section, section.pitch_rate, S::from(w), effective) * attached;
         let mut flow = Flow {
@@ -404,14 +404,15 @@ impl<P: Scalar> LiftingLine<P> {
         dx: &mut [S],
     ) {
         let (node, set, m) = (&self.nodes[i], &self.settings, self.strips());
-        let turn = if set.pitch_suction { section.pitch_rate * (node.half_chord * 0.5) } else { G::ZERO };
+        let turn =
+            if set.section.pitch_suction { section.pitch_rate * (node.half_chord * 0.5) } else { G::ZERO };
         let cosine = flow.inverse * section.uc;
         let wash = flow.effective - turn;
         let suction = wash.squared() * suction_share(cosine) * self.numbers.section_slope;
         let edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
         let (vortex, rate) = (3 * m + i, flow.speed * node.inverse_chord);
         dx[vortex] = lev::vortex_rate(x[vortex], edge.lost, rate);
-        let carried = if set.pitch_suction && set.added_mass { node.mass } else { P::ZERO };
+        let carried = if set.section.pitch_suction && set.section.added_mass { node.mass } else { P::ZERO };
         flow.edge = Some(LimitedEdge {
             held: edge.held,
             vortex: x[vortex] * flow.attached * node.drag,
@@ -453,7 +454,8 @@ impl<P: Scalar> LiftingLine<P> {
     ) -> SectionForce<S> {
         let set = &self.settings;
         let delta2 = set.regularisation_m_s * set.regularisation_m_s;
-        let drag = self.numbers.drag().section(set.law, section.uc, section.w_half, flow.attached, delta2);
+        let drag =
+            self.numbers.drag().section(set.section.law, section.uc, section.w_half, flow.attached, delta2);
         let ahead = (S::from(0.5) - drag.centre) * (node.half_chord * 2.0);
         SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
     }
@@ -468,7 +470,7 @@ impl<P: Scalar> LiftingLine<P> {
         matrix: &mut [[G; 6]; 6],
     ) -> SectionForce<S> {
         let (mass, inertia) = self.carried_masses(node);
-        let turned = if self.settings.section_moment { node.mass } else { P::ZERO };
+        let turned = if self.settings.section.section_moment { node.mass } else { P::ZERO };
         let mut force = section.added_mass(mass);
         force.nose_up = section.section_moment(turned, node.half_chord, speed);
         section.add_inertia(mass, inertia, matrix);
@@ -480,8 +482,8 @@ impl<P: Scalar> LiftingLine<P> {
     #[inline]
     fn carried_masses(&self, node: &Node<P>) -> (P, P) {
         let set = &self.settings;
-        let mass = if set.added_mass { node.mass } else { P::ZERO };
-        let turned = if set.section_moment { node.mass } else { P::ZERO };
+        let mass = if set.section.added_mass { node.mass } else { P::ZERO };
+        let turned = if set.section.section_moment { node.mass } else { P::ZERO };
         (mass, turned * node.half_chord * node.half_chord / 8.0)
     }
 }

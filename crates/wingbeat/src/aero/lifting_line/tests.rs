@@ -1,5 +1,5 @@
 use super::*;
-use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag};
+use crate::aero::{LiftLaw, MAX_STRIPS, ProfileDrag, SectionSettings};
 use crate::math::{Dual, Jet, Mat3, RK4, Workspace};
 
 fn settings(nodes: usize) -> LiftingLineSettings {
@@ -37,7 +37,7 @@ fn sudden_start(line: &LiftingLine, chord: f64, u: f64, chords: f64, steps: usiz
 fn lift_slope(line: &LiftingLine, effective: &[f64], u: f64, area: f64) -> f64 {
     let set = line.settings();
     let lift: f64 = line.nodes.iter().zip(effective).map(|(n, w)| n.lift * u * w).sum();
-    lift / (0.5 * set.density_kg_m3 * u * u * area)
+    lift / (0.5 * set.section.density_kg_m3 * u * u * area)
 }
 
 #[test]
@@ -168,8 +168,12 @@ fn the_carried_air_gives_no_mean_force() {
 #[test]
 fn loads_are_affine_in_the_body_acceleration() {
     for law in LiftLaw::ALL {
-        let line =
-            LiftingLine::with_chords(0.5, |_| 0.2, LiftingLineSettings { law, ..settings(8) }).unwrap();
+        let line = LiftingLine::with_chords(
+            0.5,
+            |_| 0.2,
+            LiftingLineSettings { section: SectionSettings { law, ..settings(8).section }, ..settings(8) },
+        )
+        .unwrap();
         let sections = Wing::cyclic(0.7, 20.0).sections(&line);
         let (a, w_dot) = (Vec3::new(3.0, -2.0, 5.0), Vec3::new(40.0, 20.0, -30.0));
         let full: Vec<_> = sections
@@ -249,8 +253,12 @@ fn outputs<S: Scalar>(line: &LiftingLine, p: S) -> Vec<S> {
 #[test]
 fn duals_agree_with_central_differences() {
     for law in LiftLaw::ALL {
-        let line =
-            LiftingLine::with_chords(0.5, |_| 0.15, LiftingLineSettings { law, ..settings(7) }).unwrap();
+        let line = LiftingLine::with_chords(
+            0.5,
+            |_| 0.15,
+            LiftingLineSettings { section: SectionSettings { law, ..settings(7).section }, ..settings(7) },
+        )
+        .unwrap();
         let exact = outputs(&line, Dual::<1>::variable(0.3, 0));
         let h = 1e-5;
         let (plus, minus) = (outputs(&line, 0.3 + h), outputs(&line, 0.3 - h));
@@ -264,8 +272,12 @@ fn duals_agree_with_central_differences() {
 #[test]
 fn any_wind_gives_finite_loads_that_vary_smoothly() {
     for law in LiftLaw::ALL {
-        let line =
-            LiftingLine::with_chords(0.5, |_| 0.2, LiftingLineSettings { law, ..settings(6) }).unwrap();
+        let line = LiftingLine::with_chords(
+            0.5,
+            |_| 0.2,
+            LiftingLineSettings { section: SectionSettings { law, ..settings(6).section }, ..settings(6) },
+        )
+        .unwrap();
         let still = Wing { position: Vec3::ZERO, flap: 0.0.into(), pitch: 0.0.into(), sweep: 0.0.into() };
         let constant: Wing<Dual<1>> =
             Wing { position: Vec3::ZERO, flap: Jet::from(0.0), pitch: Jet::from(0.0), sweep: Jet::from(0.0) };
@@ -303,7 +315,10 @@ fn settings_outside_their_range_are_refused() {
     assert!(refuse(LiftingLineSettings { nodes: 1, ..Default::default() }));
     assert!(refuse(LiftingLineSettings { nodes: MAX_STRIPS + 1, ..Default::default() }));
     assert!(refuse(LiftingLineSettings { regularisation_m_s: 0.0, ..Default::default() }));
-    assert!(refuse(LiftingLineSettings { density_kg_m3: f64::NAN, ..Default::default() }));
+    assert!(refuse(LiftingLineSettings {
+        section: SectionSettings { density_kg_m3: f64::NAN, ..Default::default() },
+        ..Default::default()
+    }));
 }
 
 #[test]
@@ -356,7 +371,7 @@ fn nodes_between_hinges_know_every_sine_and_the_whole_wing() {
             }
         }
         let drag: f64 = line.nodes.iter().map(|node| node.drag).sum();
-        assert!((drag / (0.5 * line.settings.density_kg_m3 * planform.area()) - 1.0).abs() < 1e-12);
+        assert!((drag / (0.5 * line.settings.section.density_kg_m3 * planform.area()) - 1.0).abs() < 1e-12);
         for (a, b) in line.arcs().iter().zip(line.arcs().iter().rev()) {
             assert!((a + b).abs() < 1e-15);
         }
@@ -386,7 +401,10 @@ fn nodes_between_hinges_converge_with_their_number() {
 
 #[test]
 fn a_pitching_section_has_garricks_suction() {
-    let set = LiftingLineSettings { drag: ProfileDrag { cd0: 0.0, cd90: 0.0 }, ..settings(5) };
+    let set = LiftingLineSettings {
+        section: SectionSettings { drag: ProfileDrag { cd0: 0.0, cd90: 0.0 }, ..settings(5).section },
+        ..settings(5)
+    };
     let line = LiftingLine::with_chords(0.5, |_| 0.2, set).unwrap();
     let rate = 3.0;
     let pitching = |arc: &f64| {

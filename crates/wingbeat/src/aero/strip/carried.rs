@@ -19,7 +19,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..N {
             let left = self.left_at(i, flow, &drives);
             (flow.half_left[i], rate_left[i]) = (left[6], left[7]);
-            let mass = if self.settings.added_mass { self.tables.mass[i] } else { P::ZERO };
+            let mass = if self.settings.section.added_mass { self.tables.mass[i] } else { P::ZERO };
             for (row, drive) in flow.added_mass.iter_mut().zip(&drives[i]) {
                 let driven = *drive * mass;
                 for c in 0..6 {
@@ -27,7 +27,7 @@ impl<P: Scalar> StripModel<P> {
                 }
             }
         }
-        if self.settings.added_mass {
+        if self.settings.section.added_mass {
             self.impulses_of_motion(flow, &rate_left);
         }
         self.finish_added_mass(flow);
@@ -103,7 +103,8 @@ impl<P: Scalar> StripModel<P> {
             let mut turned = pitch;
             for i in 0..N {
                 let b = self.tables.chord[i] * 0.5;
-                let mass = if self.settings.section_moment { self.section_mass(i, flow) } else { S::ZERO };
+                let mass =
+                    if self.settings.section.section_moment { self.section_mass(i, flow) } else { S::ZERO };
                 turned[i] *= mass * (b * b * 0.125);
             }
             let mut add = |k: usize, share: S| {
@@ -154,7 +155,7 @@ impl<P: Scalar> StripModel<P> {
         flow: &Flow<S, N>,
         v: &Column<S, N>,
     ) -> Column<S, N> {
-        if !self.settings.added_mass {
+        if !self.settings.section.added_mass {
             return [S::ZERO; N];
         }
         let (left, mut sum) = (multiply(&flow.relief, v, self.settings.strips), self.reciprocal(flow, v));
@@ -183,7 +184,7 @@ impl<P: Scalar> StripModel<P> {
     /// Equation: aero.strip.added_mass_matrix
     fn finish_added_mass<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
         let mut matrix = flow.added_mass;
-        if self.settings.section_moment {
+        if self.settings.section.section_moment {
             let across = &flow.strips.across.0;
             let mut turned = *across;
             for i in 0..N {

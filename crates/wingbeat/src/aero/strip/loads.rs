@@ -121,7 +121,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..N {
             let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
             lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
-            if self.settings.pitch_suction {
+            if self.settings.section.pitch_suction {
                 let section = (self.tables.mass[i], slope_share, self.tables.chord[i] * 0.5);
                 pitching[i] = pitch_suction(section, strips.pitch[i], wash, lift_wash) * attached[i];
             }
@@ -168,7 +168,7 @@ impl<P: Scalar> StripModel<P> {
             let (attached, held) = (response.attached[i], edges.held[i]);
             force.chordwise[i] *= held;
             force.normal[i] += edges.vortex[i] * attached * self.tables.drag_scale[i];
-            if self.settings.pitch_suction {
+            if self.settings.section.pitch_suction {
                 let carried = response.impulse[i] * strips.pitch[i];
                 force.chordwise[i] -= carried * (S::ONE - shares[i] * attached * held);
             }
@@ -181,7 +181,7 @@ impl<P: Scalar> StripModel<P> {
         strips: &Strips<G, N>,
         attached: &Column<S, N>,
     ) -> InPlane<S, N> {
-        let (law, drag, delta2) = (self.settings.law, self.numbers.drag(), self.floor * self.floor);
+        let (law, drag, delta2) = (self.settings.section.law, self.numbers.drag(), self.floor * self.floor);
         let mut force = InPlane::ZERO;
         for i in 0..N {
             let section = drag.section(law, strips.along[i], strips.wash_half[i], attached[i], delta2);
@@ -213,7 +213,7 @@ impl<P: Scalar> StripModel<P> {
             nose_up: S::ZERO,
             about_chord: impulse * strips.drift[i],
         };
-        if self.settings.section_moment {
+        if self.settings.section.section_moment {
             let b = self.tables.chord[i] * 0.5;
             let moment =
                 strips.speed[i] * strips.pitch[i] * (b * 0.5) + strips.pitch_rate[i] * (b * b * 0.125);

@@ -109,11 +109,11 @@ impl<P: Scalar> StripModel<P> {
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
             folds: settings.folding_rates
-                && settings.added_mass
+                && settings.section.added_mass
                 && settings.doublet_wash
                 && !settings.hinge_arcs_m.is_empty(),
             zero_lift: ZeroLift::new(numbers.zero_lift_angle),
-            polar: Polar::new(settings.law, &numbers),
+            polar: Polar::new(settings.section.law, &numbers),
             numbers,
             lags,
             grid,
@@ -144,7 +144,7 @@ impl<P: Scalar> StripModel<P> {
     /// Number of states: for each wash lag, then for each wake lag and for each state of the
     /// law a block of one value per strip, left tip to right tip.
     pub fn states(&self) -> usize {
-        self.law_states() + self.settings.strips * self.settings.law.states().len()
+        self.law_states() + self.settings.strips * self.settings.section.law.states().len()
     }
     /// Where the states of the law begin.
     fn law_states(&self) -> usize {
@@ -159,7 +159,7 @@ impl<P: Scalar> StripModel<P> {
     pub fn channels(&self) -> Vec<Channel> {
         let wash = (1..=self.lags.rate.len()).map(|k| (format!("wash_lag{k}"), "m/s"));
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
-        let law = self.settings.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
+        let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
         wash.chain(wake)
             .chain(law)
             .flat_map(|(name, unit)| {

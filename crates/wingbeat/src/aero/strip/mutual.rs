@@ -241,7 +241,7 @@ impl<P: Scalar> StripModel<P> {
             *edge = self.vortex_line(&ChordLine::from(&sections.section(j)), wind);
         }
         let mut strips = Strips::<G, MAX_STRIPS>::ZERO;
-        if self.settings.law.about().attachment == Attachment::AtOnce {
+        if self.settings.section.law.about().attachment == Attachment::AtOnce {
             let mut edges = Edges::ZERO;
             edges.fill(sections, n);
             self.move_strips(&edges, wind, &mut strips);

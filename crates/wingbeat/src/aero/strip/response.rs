@@ -111,7 +111,7 @@ impl<P: Scalar> StripModel<P> {
     ) -> LagSums<S, N> {
         let mut rates = self.lag_sums(&self.lagged(dx), attached);
         let (n, strips) = (self.settings.strips, &flow.strips);
-        let attached_rate = match self.settings.law.about().attachment {
+        let attached_rate = match self.settings.section.law.about().attachment {
             Attachment::Whole => return rates,
             Attachment::AtOnce => std::array::from_fn(|i| {
                 let polar = self.polar.map(|number| Dual::<1, S>::constant(S::from(number)));
@@ -138,7 +138,7 @@ impl<P: Scalar> StripModel<P> {
         x: &[S],
     ) -> Column<S, N> {
         let n = self.settings.strips;
-        match self.settings.law.about().attachment {
+        match self.settings.section.law.about().attachment {
             Attachment::Whole => [S::ONE; N],
             Attachment::AtOnce => std::array::from_fn(|i| {
                 self.attached(&self.polar, strips.along[i], strips.wash[i], |k| x[k * n + i.min(n - 1)])
@@ -255,14 +255,14 @@ impl<P: Scalar> StripModel<P> {
         }
         let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
         let turning_wash = self.turning_wash(flow, foreign, &sums, &lift_wash);
-        let law = self.settings.law.about();
+        let law = self.settings.section.law.about();
         if let Attachment::Lagging { state, chords } = law.attachment {
             self.advance_separation(&flow.strips, &lift_wash, (state, chords), x, dx);
         }
         let edges =
             law.edge_vortex.then(|| self.advance_edges(&flow.strips, [&lift_wash, &turning_wash], x, dx));
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
-        if self.settings.added_mass {
+        if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
             let folded = self.folds.then(|| self.folded_wash(flow, &sums, &held_left));
             let held_rate_left = self.held_left(flow, &rates, folded.as_ref());
@@ -327,7 +327,7 @@ impl<P: Scalar> StripModel<P> {
         let mut edges = LeadingEdges { held: [S::ONE; N], vortex: self.law_column(x, 0) };
         for i in 0..n {
             let (along, speed, lw) = (strips.along[i], strips.speed[i], lift_wash[i]);
-            let turn = if self.settings.pitch_suction {
+            let turn = if self.settings.section.pitch_suction {
                 strips.pitch[i] * (self.tables.chord[i] * 0.25)
             } else {
                 G::ZERO
