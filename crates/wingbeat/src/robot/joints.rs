@@ -105,7 +105,7 @@ impl Displaced {
                 mechanism.tree.kind(a) == mechanism.tree.kind(b)
             }
             (Self::Scale(_), Self::Scale(_)) | (Self::Crank, Self::Crank) => true,
-            (Self::Length(_, a), Self::Length(_, b)) => a == b,
+            (Self::Length(_, a), Self::Length(_, b)) | (Self::Thrust(a), Self::Thrust(b)) => a == b,
             _ => false,
         }
     }
