@@ -25,7 +25,8 @@ cargo xtask TASK
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box,
-          `peers lattice` steps PteraSoftware's vortex lattice beside ours
+          `peers lattice` steps PteraSoftware's vortex lattice beside ours, `peers steps` MuJoCo's tree without air
+          beside the environments
   fuzz    [--seconds 600] [TARGET...] everything that reads what others wrote, each for so long
   hostile [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits of
           memory, time and disk

@@ -3,6 +3,7 @@
 mod control;
 mod lattice;
 mod netft;
+mod steps;
 
 use std::collections::HashMap;
 use std::fs;
@@ -43,13 +44,17 @@ const ROWS: [(&str, &str, &str, &str); 14] = [
 type Comparison = fn(&Path) -> bool;
 
 /// The comparisons by name.
-const COMPARISONS: [(&str, Comparison); 5] = [
+const COMPARISONS: [(&str, Comparison); 6] = [
     ("mechanics", mechanics),
     ("lattice", lattice::compare),
     ("control", control::compare),
     ("offline", offline),
     ("netft", netft::compare),
+    ("steps", steps::compare),
 ];
+
+/// The comparison that has an environment of its own: it needs the package and none of the other programs.
+const OF_THE_PACKAGE: &str = "steps";
 
 /// Makes the environment of the other programs and runs the comparison called `only`, or all.
 pub fn compare(only: Option<&str>) -> bool {
@@ -60,8 +65,10 @@ pub fn compare(only: Option<&str>) -> bool {
         eprintln!("error: no comparison {}; there are {names}", only.unwrap_or_default());
         return false;
     }
-    let Some(python) = environment() else { return false };
-    chosen.iter().all(|(_, run)| run(&python))
+    chosen.iter().all(|(name, run)| {
+        let python = if *name == OF_THE_PACKAGE { steps::environment() } else { environment() };
+        python.is_some_and(|python| run(&python))
+    })
 }
 
 /// Runs both sides in turns, the vortex lattice once; prints the table and puts it into docs/performance.md.
@@ -103,7 +110,8 @@ fn offline(python: &Path) -> bool {
 
 /// Date, machine and versions, of the Python packages those required.
 fn circumstances(packages: &[&str]) -> String {
-    let required = fs::read_to_string(peers().join("requirements.txt")).unwrap_or_default();
+    let required = ["requirements.txt", "steps.txt"].map(|file| fs::read_to_string(peers().join(file)));
+    let required = required.map(Result::unwrap_or_default).concat();
     let version = |package: &&str| {
         let line = required.lines().find(|line| line.split("==").next() == Some(package));
         line.unwrap_or(package).replace("==", " ")

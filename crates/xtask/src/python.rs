@@ -11,7 +11,7 @@ const CRATE: &str = "crates/wingbeat-py";
 
 /// Packs the extension that the tests have built, installs the wheel into target/tools/python and tests it there.
 pub fn check() -> Tally {
-    let Some((python, _)) = installed("tests/requirements.txt", "target/tools/python") else {
+    let Some((python, _)) = installed(&requirements(), "target/tools/python") else {
         return Tally::one(false);
     };
     let mut tests = Command::new(python);
@@ -42,12 +42,20 @@ pub fn check() -> Tally {
 /// What may be asked of the package.
 const TASKS: &str = "test, measure, or policies [STEPS [SEED...]]";
 
+/// Builds the extension and the program.
+const BUILD: [&str; 8] =
+    ["test", "--release", "--workspace", "--no-run", "--test", "library", "--bin", "wingbeat"];
+
+/// What the package is tested with.
+fn requirements() -> PathBuf {
+    tools::root().join(CRATE).join("tests/requirements.txt")
+}
+
 /// Tests or measures the package, or puts policies that were trained beside the predictive controller.
 pub fn task(arguments: &[String]) -> bool {
-    let build = ["test", "--release", "--workspace", "--no-run", "--test", "library", "--bin", "wingbeat"];
-    let (script, requirements) = match arguments.first().map(String::as_str) {
+    let (script, heavy) = match arguments.first().map(String::as_str) {
         Some("test") => {
-            return tools::succeeds(tools::cargo(&build)) && check().failed == 0;
+            return tools::succeeds(tools::cargo(&BUILD)) && check().failed == 0;
         }
         Some("measure") => ("measure.py", None),
         Some("policies") => ("ppo.py", Some("heavy/requirements.txt")),
@@ -56,12 +64,12 @@ pub fn task(arguments: &[String]) -> bool {
             return false;
         }
     };
-    if !tools::succeeds(tools::cargo(&build)) {
+    if !tools::succeeds(tools::cargo(&BUILD)) {
         return false;
     }
-    let folder = if requirements.is_some() { "target/tools/policies" } else { "target/tools/python" };
-    let Some((python, wheel)) = installed("tests/requirements.txt", folder) else { return false };
-    let file = requirements.map(|file| tools::root().join(CRATE).join(file));
+    let folder = if heavy.is_some() { "target/tools/policies" } else { "target/tools/python" };
+    let Some((python, wheel)) = installed(&requirements(), folder) else { return false };
+    let file = heavy.map(|file| tools::root().join(CRATE).join(file));
     if file.is_some_and(|file| pip(&python, &["--requirement"], &file).is_none()) {
         return false;
     }
@@ -75,10 +83,15 @@ pub fn task(arguments: &[String]) -> bool {
     tools::succeeds(run)
 }
 
+/// The Python of the environment `folder` with what the file `requirements` lists and the package of these sources.
+pub fn with_package(requirements: &Path, folder: &str) -> Option<PathBuf> {
+    tools::succeeds(tools::cargo(&BUILD)).then_some(())?;
+    installed(requirements, folder).map(|(python, _)| python)
+}
+
 /// Makes the environment `folder` with what `requirements` lists and the wheel; its Python and the wheel.
-fn installed(requirements: &str, folder: &str) -> Option<(PathBuf, PathBuf)> {
-    let root = tools::root();
-    let folder = root.join(folder);
+fn installed(requirements: &Path, folder: &str) -> Option<(PathBuf, PathBuf)> {
+    let folder = tools::root().join(folder);
     let python = folder.join("bin/python");
     if !python.exists() {
         let mut make = Command::new("python3");
@@ -86,7 +99,7 @@ fn installed(requirements: &str, folder: &str) -> Option<(PathBuf, PathBuf)> {
         tools::succeeds(make).then_some(())?;
     }
     let wheel = wheel(&python)?;
-    pip(&python, &["--requirement"], &root.join(CRATE).join(requirements))?;
+    pip(&python, &["--requirement"], requirements)?;
     pip(&python, &["--force-reinstall", "--no-deps"], &wheel)?;
     Some((python, wheel))
 }

@@ -167,6 +167,8 @@ impl<R: Deref<Target: System>> Stepper<R> {
         self.run(dt, 1, &mut Held(|_, _: Moment<_>| Ok(ControlFlow::Continue(())))).check()
     }
 
+    /// Whether the state can be gone on from.
+    ///
     /// # Errors
     /// [`Fault::NotFinite`] with the first state that is not finite.
     pub fn check(&self) -> Result<(), Fault> {
