@@ -16,7 +16,7 @@ const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
 pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights};
-pub use controllers::{ControllerSpec, RobotSolver, SolverSpec, Task};
+pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};
 pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
 pub use manoeuvre::{Manoeuvre, Reference, angle_error};

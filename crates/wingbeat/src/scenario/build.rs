@@ -8,7 +8,7 @@ use super::plan::PlanSpec;
 use super::spec::{AeroSpec, GustSpec, ScenarioSpec, StartSpec};
 use crate::Error;
 use crate::aero::{Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, StripModel, StripSettings};
-use crate::guide::Task;
+use crate::guide::{Prepared, Task};
 use crate::math::Vec3;
 use crate::plant::Plant;
 use crate::require;
@@ -64,17 +64,18 @@ impl ScenarioSpec {
         &self,
         choice: &Choice,
         model: &'a Robot,
+        prepared: Option<Prepared>,
     ) -> Result<Option<Box<dyn Controller + 'a>>, Error> {
         let Some(spec) = &choice.controller else { return Ok(None) };
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
-        spec.build(Task { model, manoeuvre, solver }).map(Some).map_err(|e| self.of_controller(e))
+        spec.build(Task { model, manoeuvre, solver, prepared }).map(Some).map_err(|e| self.of_controller(e))
     }
 
     /// Refuses what a controller of `model` cannot be made of.
     fn check_controller(&self, choice: &Choice, model: &Robot) -> Result<(), Error> {
         let Some(spec) = &choice.controller else { return Ok(()) };
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
-        let checked = spec.check(Task { model, manoeuvre, solver });
+        let checked = spec.check(Task { model, manoeuvre, solver, prepared: None });
         checked.map_err(|e| self.of_controller(e))
     }
 

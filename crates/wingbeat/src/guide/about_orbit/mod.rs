@@ -8,7 +8,7 @@ mod spec;
 
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 
-use super::controllers::{ControllerSpec, Task};
+use super::controllers::{ControllerSpec, Prepared, Task};
 use crate::Error;
 use crate::orbit::{Cycle, Deviations, Free};
 use crate::plant::Plant;
@@ -18,6 +18,7 @@ use ahead::Ahead;
 use family::Family;
 use schedule::Schedule;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Largest height off at which the integral of the height grows, m.
 const INTEGRATED: f64 = 0.1;
@@ -29,7 +30,7 @@ struct AboutOrbit<'a> {
     period: f64,
     deviations: Deviations,
     schedule: Schedule,
-    family: Family,
+    family: Arc<Family>,
     /// Numbers of the inputs that are fed back.
     inputs: Vec<usize>,
     ahead: Ahead<'a>,
@@ -49,13 +50,20 @@ impl ControllerSpec for AboutOrbitSpec {
         self.checked(task.model).map(drop)
     }
 
+    fn prepare(&self, task: Task) -> Result<Option<Prepared>, Error> {
+        let (cycle, schedule) = self.checked(task.model)?;
+        let family = Family::new(self, &cycle, &schedule, &self.inputs(task.model)?)?;
+        Ok(Some(Arc::new(family)))
+    }
+
     fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
         let robot = task.model;
         let (cycle, schedule) = self.checked(robot)?;
-        let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
-        inputs.sort_unstable();
-        inputs.dedup();
-        let family = Family::new(self, &cycle, &schedule, &inputs)?;
+        let inputs = self.inputs(robot)?;
+        let family = match task.prepared.and_then(|prepared| prepared.downcast().ok()) {
+            Some(family) => family,
+            None => Arc::new(Family::new(self, &cycle, &schedule, &inputs)?),
+        };
         let (_, held) = family.asked(None, 0.0);
         Ok(Box::new(AboutOrbit {
             robot,
@@ -70,6 +78,16 @@ impl ControllerSpec for AboutOrbitSpec {
             seen: [0.0; 2],
             cycle,
         }))
+    }
+}
+
+impl AboutOrbitSpec {
+    /// Numbers of the inputs that are fed back.
+    fn inputs(&self, robot: &Robot) -> Result<Vec<usize>, Error> {
+        let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        Ok(inputs)
     }
 }
 
