@@ -1,5 +1,7 @@
 //! `wingbeat trim`.
 
+mod search;
+
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
@@ -22,7 +24,21 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
     let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
-    let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
+    let (out, name) = (options.out.as_deref(), &scenario.spec.run_name()?);
+    let search = scenario.gait_search()?.transpose().map_err(|reason| {
+        Error::Input(format!(
+            "trim.search: a search begins at the robot's own gait, which has no orbit: {reason}"
+        ))
+    })?;
+    let folder = match &search {
+        Some(_) => RunFolder::resume(out, name, options.force, ("scenario.toml", &scenario.resolved))?,
+        None => RunFolder::create(out, name, options.force)?,
+    };
+    let (best, found) = match &search {
+        Some(search) => Some(search::searched(search, &folder, &interrupt, options.quiet)?).unzip(),
+        None => (None, None),
+    };
+    let scenario = best.as_ref().unwrap_or(&scenario);
     let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(None, target);
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -31,10 +47,13 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
         bar.set_message(format!("orbit {orbit}, iteration {}: residual {:.1e}", at.iteration, at.residual));
         interrupt.flow()
     });
-    let trimmed = trimmed.map_err(|error| scenario.explain(&error))?;
+    let mut trimmed = trimmed.map_err(|error| scenario.explain(&error))?;
     bar.finish_and_clear();
     interrupt.check()?;
-    folder.write("scenario.toml", &scenario.resolved)?;
+    match found {
+        Some(found) => search::add(&mut trimmed, found),
+        None => folder.write("scenario.toml", &scenario.resolved)?,
+    }
     folder.write_json("summary.json", &trimmed.summary)?;
     let tables = [
         ("record.parquet", &trimmed.record),
@@ -127,6 +146,9 @@ fn table(summary: &TrimSummary) -> String {
             "{:<28}{:>8.5}  {:+.2} 1/s  {:.2} Hz  {} {}\n",
             "multiplier", mode.size, mode.growth_per_s, mode.frequency_hz, mode.sector, mode.label
         );
+    }
+    if let Some(search) = &summary.search {
+        text += &search::table(search);
     }
     if let Some(orbits) = summary.family_orbits {
         let ended = summary.family_ended.as_deref().unwrap_or("to its end");

@@ -50,7 +50,7 @@ const LINKAGE15: Asked = asked(shipped!("linkage_bank15", "cruise_linkage"), 5e-
 const LINKAGE30: Asked = asked(shipped!("linkage_bank30", "cruise_linkage"), 15e-3, 30.0);
 const CLIMB: Asked = asked(shipped!("climb", "cruise_20g_margin"), 30e-3, 0.0);
 const DIVE: Asked = asked(shipped!("dive_pullout", "cruise_20g_margin"), 30e-3, 0.0);
-const DECELERATE: Asked = asked(shipped!("decelerate", "cruise_beta"), 25e-3, 0.0);
+const DECELERATE: Asked = asked(shipped!("decelerate", "cruise_beta_margin"), 25e-3, 0.0);
 
 const fn asked(of: Shipped, height: f64, roll_deg: f64) -> Asked {
     Asked { of, height, roll_deg }

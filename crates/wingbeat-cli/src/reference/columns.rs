@@ -27,9 +27,10 @@ pub const ENVELOPE: &str = "envelope.parquet of rig process";
 pub const CALIBRATED: &str = "record.parquet of calibrate";
 pub const MODES: &str = "multipliers.parquet of trim";
 pub const ORBITS: &str = "family.parquet of trim";
+pub const STARTS: &str = "starts.csv and starts.parquet of trim";
 
 /// The records with what a row of each is.
-pub const RECORDS: [(&str, &str); 13] = [
+pub const RECORDS: [(&str, &str); 14] = [
     (FLIGHT, "One row per instant, `flight.record_every_s` apart."),
     (
         GAIT,
@@ -55,6 +56,7 @@ pub const RECORDS: [(&str, &str); 13] = [
         ORBITS,
         "One row per orbit of `trim.family`; record.parquet of trim, one cycle, has the columns of a flight.",
     ),
+    (STARTS, "One row per start of `trim.search`: the gait that it came to."),
     (CALIBRATED, "One row per run and phase of the stroke, 200 of them."),
 ];
 
@@ -259,17 +261,24 @@ pub const COLUMNS: &[Described] = &[
     column("multiplier_re", &[MODES], ONE, "", "Real part of the multiplier: by what the mode grows over a cycle."),
     column("multiplier_im", &[MODES], ONE, "", "Its imaginary part."),
     column("lateral", &[MODES], ONE, "", "1 where left and right differ in the mode, or the orbit turns; 0 in flight in the plane of symmetry."),
-    column("speed_m_s", &[ORBITS], &["m/s"], "", "Mean horizontal speed along the path."),
+    column("speed_m_s", &[ORBITS, STARTS], &["m/s"], "", "Mean horizontal speed along the path."),
     column("climb_m_s", &[ORBITS], &["m/s"], "", "Mean climb."),
     column("bank_deg", &[ORBITS], DEG, "", "Bank that the rate of turn asks for, which the mean roll is too; positive right wing down."),
-    column("frequency_hz", &[ORBITS], &["Hz"], "", "Frequency of the gait."),
-    column("power_w_kg", &[ORBITS], &["W/kg"], "", "Mean of the positive part of the total power of the driven joints over the mass."),
+    column("frequency_hz", &[ORBITS, STARTS], &["Hz"], "", "Frequency of the gait."),
+    column("power_w_kg", &[ORBITS, STARTS], &["W/kg"], "", "Mean of the positive part of the total power of the driven joints over the mass."),
     column("pitch_mean_deg", &[ORBITS], DEG, "", "Mean pitch, positive nose down."),
-    column("stall_fraction_<limit>", &[ORBITS], ONE, "", "Share of U^2 c dy dt beyond 12 or 20 deg of incidence."),
-    column("least_clearance_m", &[ORBITS], M, "", "Least of all clearances over the cycle."),
-    column("largest_multiplier", &[ORBITS], ONE, "", "Largest |multiplier| without the heading's."),
+    column("stall_fraction_<limit>", &[ORBITS, STARTS], ONE, "", "Share of U^2 c dy dt beyond 12 or 20 deg of incidence."),
+    column("least_clearance_m", &[ORBITS, STARTS], M, "", "Least of all clearances over the cycle; of a search with all its numbers of strips."),
+    column("largest_multiplier", &[ORBITS, STARTS], ONE, "", "Largest |multiplier| without the heading's; of a search with all its numbers of strips, where a limit asks for it."),
     column("lift_over_weight", &[ORBITS], ONE, "", "Mean upward force of the air over the weight."),
     column("command_<regulator>", &[ORBITS], &["rad", "m", "rad/s", ""], "", "Held command to the regulator."),
+    column("start", &[STARTS], ONE, "", "Number of the start, from 0, the robot's own gait."),
+    column("ended", &[STARTS], ONE, "", "How it ended: 0 converged, 1 no shorter step gains, 2 iteration limit, 3 no orbit beside the last one."),
+    column("kept", &[STARTS], ONE, "", "1 where the gait keeps to the limits."),
+    column("iterations", &[STARTS], ONE, "", "Steps tried."),
+    column("violation", &[STARTS], ONE, "", "The worst limit missed, in its scale: 10 mm of clearance, .1 of a share or a multiplier, the frequency, the power."),
+    column("objective", &[STARTS], ONE, "", "What is to be least over that of the robot's own gait; of a payload the mass, negative."),
+    column("mass_kg", &[STARTS], &["kg"], "", "Mass of the robot."),
     column("run", &[RUNS], ONE, "", "Number of the run, from 0; of a grid the last draw varies fastest."),
     column("completed", &[RUNS], ONE, "", "1 where the run ended without a fault; else nothing else is said of it."),
     column("mean_lift", &[RUNS], N, "", "Mean of `force_wind_lift` over the last cycle."),
@@ -295,5 +304,5 @@ pub const COLUMNS: &[Described] = &[
     column("cross_rms", &[SWEEP], M, "", "Root mean square of the distance across the path from the settling time on."),
     column("least_clearance", &[SWEEP], M, "", "Least of all clearances over the flight."),
     column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
-    column("<key>", &[SWEEP, RUNS], ONE, "", "What was drawn for a key of the scenario or case, in the unit that ends the key."),
+    column("<key>", &[SWEEP, RUNS, STARTS], ONE, "", "What was drawn, or found by a search, for a key of the scenario or case, in the unit that ends the key."),
 ];

@@ -11,7 +11,7 @@ use wingbeat::simulate::{Column, Record};
 
 use super::columns::{
     AVERAGE, BOX, CALIBRATED, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, MODES, ORBITS, RECORDS, RIG, RUNS,
-    STRIPS, SWEEP,
+    STARTS, STRIPS, SWEEP,
 };
 use super::{root, shipped};
 
@@ -201,6 +201,16 @@ fn columns_of_sweeps_are_in_the_reference() {
         met.see(record, &columns, &drawn);
         met.all_of(record);
     }
+}
+
+#[test]
+fn columns_of_searches_are_in_the_reference() {
+    let search = "trim.search={goal='power', limits={}, vary=[{key='trim.speed_m_s', low=3.0, high=4.0}]}";
+    let scenario = Scenario::load(&root().join("scenarios/cruise_20g.toml"), &[search.to_owned()]).unwrap();
+    let search = scenario.gait_search().unwrap().unwrap().unwrap();
+    let mut met = Met::default();
+    met.see(STARTS, &search.columns(), &["trim.speed_m_s".to_owned()]);
+    met.all_of(STARTS);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 mod cases;
 mod end_points;
 mod flights;
-mod log;
+pub mod log;
 
 use std::ops::ControlFlow;
 use std::time::Instant;

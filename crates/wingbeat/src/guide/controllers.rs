@@ -9,8 +9,12 @@ use crate::ocp::realtime::{HorizonSolver, Settings};
 use crate::plant::LocalChart;
 use crate::robot::Robot;
 use crate::simulate::{Controller, SensorSpec};
+use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
+
+/// What a controller takes long to make, and controllers of one model and one table share.
+pub type Prepared = Arc<dyn Any + Send + Sync>;
 
 /// What a controller is made for.
 #[derive(Clone, Debug)]
@@ -25,6 +29,8 @@ pub struct Task<'a> {
     pub sensors: Option<SensorSpec>,
     /// What to fly along, where the scenario says it.
     pub path: Option<PathSpec>,
+    /// What [`ControllerSpec::prepare`] made for the same model, if it was asked.
+    pub prepared: Option<Prepared>,
 }
 
 /// A kind of feedback controller. [`MpcSpec`](super::MpcSpec) is the one that ships;
@@ -49,6 +55,15 @@ pub trait ControllerSpec: Debug + Send + Sync {
     /// Whether the controller follows a path.
     fn follows_path(&self) -> bool {
         false
+    }
+
+    /// What takes long to make and does not change with the flight: given to [`build`](Self::build) again, it makes the
+    /// same controller in less time.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    fn prepare(&self, _: Task) -> Result<Option<Prepared>, Error> {
+        Ok(None)
     }
 
     /// The controller at the start of a flight.

@@ -20,7 +20,7 @@ const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
 pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, TrackingSpec};
-pub use controllers::{ControllerSpec, RobotSolver, SolverSpec, Task};
+pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};
 pub use hover::HoverSpec;
 pub use inertial::EstimatorSpec;
 pub(crate) use least_power::CYCLES;

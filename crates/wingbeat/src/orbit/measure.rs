@@ -1,6 +1,6 @@
 //! What is seen over a cycle of an orbit.
 
-use super::cycle::Cycle;
+use super::cycle::{Cycle, PARTS};
 use super::newton::Orbit;
 use crate::math::{GRAVITY, Vec3};
 use crate::plant::Fault;
@@ -11,6 +11,8 @@ pub type StripAreas = Vec<f64>;
 
 /// Incidences beyond which shares of the wing are counted, deg.
 const INCIDENCES_DEG: [f64; 2] = [12.0, 20.0];
+/// Half the width of the soft edge, deg: choice.
+const SOFT_DEG: f64 = 3.0;
 
 /// Numbers of a cycle.
 #[derive(Clone, Debug, Default)]
@@ -34,12 +36,17 @@ pub struct Measures {
     pub strouhal: f64,
     /// Shares of U^2 c dy dt beyond 12 and 20 deg of incidence, U the speed of the strip's quarter chord in the air.
     pub stalled: [f64; 2],
+    /// The shares with an edge of [`SOFT_DEG`] to either side in place of a sharp one: where an incidence only just passes
+    /// the edge and turns, the sharp ones change by the root of what the gait changes by.
+    pub softly_stalled: [f64; 2],
     /// The same shares of strips and time alone, as flights count.
     pub stalled_strips: [f64; 2],
     /// Mean shares of separated flow and of lost suction, weighted alike.
     pub separated: [f64; 2],
     /// Least of all clearances, m.
     pub least_clearance: Option<f64>,
+    /// The least of all in each of equal parts of the cycle, m; of a robot without clearances infinite.
+    pub clearances: [f64; PARTS],
     /// Least and largest roll, pitch, rad.
     pub roll: [f64; 2],
     /// The same of the pitch.
@@ -112,6 +119,11 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
         measures.strouhal = (high - low) / (duration * orbit.course.speed);
     }
     measures.least_clearance = seen.iter().flat_map(|o| o.clearances.iter().copied()).reduce(f64::min);
+    measures.clearances = [f64::INFINITY; PARTS];
+    for (k, o) in seen.iter().enumerate() {
+        let least = &mut measures.clearances[k * PARTS / n];
+        *least = o.clearances.iter().copied().fold(*least, f64::min);
+    }
     let wind = robot.mean_wind();
     let mut total = 0.0;
     let strips = areas.len().min(seen[0].strips.strips);
@@ -124,9 +136,14 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
             let speed = velocity + turning.cross(o.strips.quarter_chord[i]) + moved;
             let weight = speed.norm_squared() * area;
             total += weight;
+            let [before, after] = around(k).map(|k| seen[k].strips.incidence[i].abs());
+            let here = o.strips.incidence[i].abs();
             for (j, limit) in INCIDENCES_DEG.iter().enumerate() {
-                if o.strips.incidence[i].abs() > limit.to_radians() {
-                    measures.stalled[j] += weight;
+                let limit = limit.to_radians();
+                let around = [(before + here) / 2.0, here, (here + after) / 2.0];
+                measures.stalled[j] += weight * share_beyond(around, limit);
+                measures.softly_stalled[j] += weight * soft_step((here - limit) / SOFT_DEG.to_radians());
+                if here > limit {
                     measures.stalled_strips[j] += 1.0 / (n * strips) as f64;
                 }
             }
@@ -135,7 +152,26 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
         }
     }
     if total > 0.0 {
-        measures.stalled.iter_mut().chain(&mut measures.separated).for_each(|share| *share /= total);
+        let shares = measures.stalled.iter_mut().chain(&mut measures.softly_stalled);
+        shares.chain(&mut measures.separated).for_each(|share| *share /= total);
     }
     Ok(measures)
+}
+
+/// From 0 at -1 to 1 at 1, level at both.
+fn soft_step(x: f64) -> f64 {
+    let s = (0.5 * (x + 1.0)).clamp(0.0, 1.0);
+    s * s * (3.0 - 2.0 * s)
+}
+
+/// Share of a sample's time in which a number is beyond `limit` that goes evenly from its value half a sample before over
+/// its own to that half a sample after: without it shares would jump from gait to gait.
+fn share_beyond([before, here, after]: [f64; 3], limit: f64) -> f64 {
+    let half = |a: f64, b: f64| match (a > limit, b > limit) {
+        (true, true) => 1.0,
+        (false, false) => 0.0,
+        (true, false) => (a - limit) / (a - b),
+        (false, true) => (b - limit) / (b - a),
+    };
+    (half(before, here) + half(here, after)) / 2.0
 }

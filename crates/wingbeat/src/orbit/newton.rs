@@ -154,41 +154,106 @@ pub fn search_from(
         if residual <= TOLERANCE {
             return finished(cycle, course, free, point, residual, iteration);
         }
-        let size = |column: usize| cycle.size(&free[column - states]);
-        let weight = |column: usize| if column < states { STATE_WEIGHT } else { size(column) };
-        let matrix: Vec<f64> =
-            jacobian.iter().flat_map(|row| row.iter().enumerate().map(|(j, a)| a * weight(j))).collect();
-        let direction = |missed: &[f64]| -> Result<Vec<f64>, Failure> {
-            let rhs: Vec<f64> = missed.iter().map(|m| -m).collect();
-            let step =
-                solve(&matrix, rows, columns, &rhs).ok_or(Failure::Singular { iteration, residual })?;
-            Ok(step.iter().enumerate().map(|(j, s)| s * weight(j)).collect())
-        };
-        let Some((next, mut left)) =
-            shortened(cycle, &conditions, free, &point, &direction(&missed)?, residual)
-        else {
+        let tangent = Tangent::new(cycle, states, free, &jacobian);
+        let singular = Failure::Singular { iteration, residual };
+        let step = tangent.step(&missed).ok_or(singular.clone())?;
+        let Some((next, left)) = shortened(cycle, &conditions, free, &point, &step, residual) else {
             let condition = conditions.name(cycle, worst);
             return Err(Failure::NotConverged { iterations: iteration, residual, condition });
         };
+        let (next, left) = followed(cycle, &conditions, free, &tangent, (next, left), &singular)?;
         point = next;
-        // While the derivatives still point well, further steps cost a cycle of plain numbers.
-        loop {
-            in_range(cycle, free, &point)?;
-            let before = largest(&left).1;
-            if before <= TOLERANCE {
-                return finished(cycle, course, free, point, before, iteration);
-            }
-            let Some((next, then)) = shortened(cycle, &conditions, free, &point, &direction(&left)?, before)
-            else {
-                break;
-            };
-            (point, left) = (next, then);
-            if largest(&left).1 > KEPT * before {
-                break;
-            }
+        if left <= TOLERANCE {
+            return finished(cycle, course, free, point, left, iteration);
         }
     }
     Err(Failure::NotConverged { iterations: ITERATIONS, residual, condition: conditions.name(cycle, worst) })
+}
+
+/// Derivatives of the conditions of a course at a point, by the coordinates and what is free: with them orbits close by
+/// are found at the cost of plain cycles.
+#[derive(Clone, Debug)]
+pub struct Tangent {
+    /// By rows, every column times its weight.
+    matrix: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Tangent {
+    /// The derivatives at `point`.
+    ///
+    /// # Errors
+    /// The [`Failure`] of a model that cannot be evaluated.
+    pub fn at(cycle: &Cycle, course: &Course, free: &[Free], point: &Point) -> Result<Self, Failure> {
+        let conditions = Conditions::new(cycle, course);
+        let missed = |z: &[_], end: &End<_>| conditions.missed(z, end);
+        let (_, jacobian) = cycle.differentiate(point, &conditions.directions, free, missed)?;
+        Ok(Self::new(cycle, conditions.directions.len(), free, &jacobian))
+    }
+
+    fn new(cycle: &Cycle, states: usize, free: &[Free], jacobian: &[Vec<f64>]) -> Self {
+        let of_free = free.iter().map(|free| cycle.size(free));
+        let weights: Vec<f64> = std::iter::repeat_n(STATE_WEIGHT, states).chain(of_free).collect();
+        let matrix = jacobian.iter().flat_map(|row| row.iter().zip(&weights).map(|(a, w)| a * w)).collect();
+        Self { matrix, weights }
+    }
+
+    /// The step that takes off what is `missed`; `None` where the matrix is singular.
+    fn step(&self, missed: &[f64]) -> Option<Vec<f64>> {
+        let rhs: Vec<f64> = missed.iter().map(|m| -m).collect();
+        let step = solve(&self.matrix, missed.len(), self.weights.len(), &rhs)?;
+        Some(step.iter().zip(&self.weights).map(|(s, w)| s * w).collect())
+    }
+}
+
+/// Finds the orbit of `course` from `point`, which lies close to it, with derivatives of an orbit close by; where they
+/// do not point well any more, with its own ([`search_from`]).
+///
+/// # Errors
+/// The [`Failure`] that names what stood in the way.
+pub fn search_near(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    point: Point,
+    tangent: &Tangent,
+) -> Result<Found, Failure> {
+    let conditions = Conditions::new(cycle, course);
+    let left = conditions.missed(&point.z, &cycle.end(&point)?);
+    let singular = Failure::Singular { iteration: 0, residual: largest(&left).1 };
+    let (point, left) = followed(cycle, &conditions, free, tangent, (point, left), &singular)?;
+    if left <= TOLERANCE {
+        return finished(cycle, course, free, point, left, 0);
+    }
+    search_from(cycle, course, free, point, &mut |_, _| ControlFlow::Continue(()))
+}
+
+/// While the derivatives still point well, further steps cost a cycle of plain numbers: the point after them and the
+/// largest condition missed there.
+fn followed(
+    cycle: &Cycle,
+    conditions: &Conditions,
+    free: &[Free],
+    tangent: &Tangent,
+    (mut point, mut left): (Point, Vec<f64>),
+    singular: &Failure,
+) -> Result<(Point, f64), Failure> {
+    loop {
+        in_range(cycle, free, &point)?;
+        let before = largest(&left).1;
+        if before <= TOLERANCE {
+            return Ok((point, before));
+        }
+        let step = tangent.step(&left).ok_or_else(|| singular.clone())?;
+        let Some((next, then)) = shortened(cycle, conditions, free, &point, &step, before) else {
+            return Ok((point, before));
+        };
+        let now = largest(&then).1;
+        (point, left) = (next, then);
+        if now > KEPT * before {
+            return Ok((point, now));
+        }
+    }
 }
 
 /// The point after the largest share of `step` that lessens the residual.

@@ -10,7 +10,7 @@ use crate::Error;
 use crate::aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, SectionSettings, StripModel, StripSettings,
 };
-use crate::guide::Task;
+use crate::guide::{Prepared, Task};
 use crate::math::Vec3;
 use crate::plant::Plant;
 use crate::require;
@@ -66,9 +66,11 @@ impl ScenarioSpec {
         &self,
         choice: &Choice,
         model: &'a Robot,
+        prepared: Option<Prepared>,
     ) -> Result<Option<Box<dyn Controller + 'a>>, Error> {
         let Some(spec) = &choice.controller else { return Ok(None) };
-        spec.build(self.task(choice, model)).map(Some).map_err(|e| self.of_controller(e))
+        let task = Task { prepared, ..self.task(choice, model) };
+        spec.build(task).map(Some).map_err(|e| self.of_controller(e))
     }
 
     /// Refuses what a controller of `model` cannot be made of.
@@ -86,9 +88,10 @@ impl ScenarioSpec {
     }
 
     /// What a controller of `model` is made for.
-    fn task<'a>(&self, choice: &Choice, model: &'a Robot) -> Task<'a> {
+    pub(super) fn task<'a>(&self, choice: &Choice, model: &'a Robot) -> Task<'a> {
         let (manoeuvre, solver) = (choice.manoeuvre.clone(), choice.solver.clone());
-        Task { model, manoeuvre, solver, sensors: self.sensors.clone(), path: self.path.clone() }
+        let (sensors, path) = (self.sensors.clone(), self.path.clone());
+        Task { model, manoeuvre, solver, sensors, path, prepared: None }
     }
 
     /// An error of the controller's settings, or of the gait that it is made for.

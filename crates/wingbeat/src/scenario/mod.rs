@@ -23,6 +23,7 @@ mod rig_together;
 mod rig_truth;
 #[cfg(feature = "schema")]
 mod schema;
+mod shared;
 mod spec;
 mod step_error;
 mod summary;
@@ -67,11 +68,14 @@ pub use tether_spec::{
     ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,
     TetheredBodySpec, TetheredWingSpec, WindSpec,
 };
-pub use trim::{Along, FamilySpec, Multiplier, TrimProgress, TrimSpec, TrimSummary, Trimmed};
+pub use trim::{
+    Along, Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, SearchProgress, SearchSpec,
+    SearchSummary, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
+};
 
 use crate::Error;
 use crate::aero::Aero;
-use crate::guide::{HeldCommands, Manoeuvre};
+use crate::guide::{HeldCommands, Manoeuvre, Prepared};
 use crate::math::{Quat, Vec3};
 use crate::plant::{Channel, Plant};
 use crate::robot::Robot;
@@ -101,6 +105,8 @@ pub struct Scenario {
     model: Robot,
     schedule: Schedule,
     samples_per_strips: Option<usize>,
+    /// What its controller shares with others.
+    prepared: Option<Prepared>,
 }
 
 /// A flown scenario.
@@ -166,9 +172,17 @@ impl Scenario {
         let resolved = resolved.to_string();
         let choice = doors.choose(&spec, &document)?;
         match spec.build(&choice) {
-            Ok(Built { robot, model, schedule, samples_per_strips }) => {
-                Ok(Self { spec, resolved, document, choice, robot, model, schedule, samples_per_strips })
-            }
+            Ok(Built { robot, model, schedule, samples_per_strips }) => Ok(Self {
+                spec,
+                resolved,
+                document,
+                choice,
+                robot,
+                model,
+                schedule,
+                samples_per_strips,
+                prepared: None,
+            }),
             Err(error) => Err(document.explain(&error)),
         }
     }
@@ -222,7 +236,13 @@ impl Scenario {
     /// # Errors
     /// [`Error::Invalid`] with the offending key.
     pub fn controller(&self) -> Result<Option<Box<dyn Controller + '_>>, Error> {
-        self.spec.controller(&self.choice, &self.model)
+        self.spec.controller(&self.choice, &self.model, self.prepared.clone())
+    }
+
+    /// What its controller shares with others of the same model; none where that is nothing, or refused.
+    fn prepare(&self) -> Option<Prepared> {
+        let task = self.spec.task(&self.choice, &self.model);
+        self.choice.controller.as_ref()?.prepare(task).ok().flatten()
     }
 
     /// What the scenario flies, if it says.

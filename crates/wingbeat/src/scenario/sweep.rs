@@ -1,6 +1,7 @@
 //! Many runs of one scenario or case with keys drawn at random or from a grid.
 
 use super::document::{ConfigError, Document, Place, Problem, Wrong};
+use super::shared::Shared;
 use super::{PaperResults, ReadTable, RunName, Scenario, Summary, TetherCase};
 use crate::Error;
 use crate::math::Random;
@@ -8,6 +9,7 @@ use crate::range::{Range, ranges};
 use crate::require;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Most runs of a sweep.
 const MAX_RUNS: usize = 1_000_000;
@@ -158,6 +160,7 @@ pub struct Sweep {
     inner: Document,
     /// Part of its range by draw and run, of a Latin hypercube.
     parts: Vec<Vec<usize>>,
+    pub(super) shared: Arc<Shared>,
 }
 
 /// What a sweep runs.
@@ -217,7 +220,8 @@ impl Sweep {
         let of = spec.check().map_err(|error| document.explain(&error))?;
         let inner = document.part(of.key())?;
         let parts = spec.parts();
-        let sweep = Self { spec, of, resolved, document, inner, parts };
+        let shared = Arc::default();
+        let sweep = Self { spec, of, resolved, document, inner, parts, shared };
         sweep.check_draws(read)?;
         Ok(sweep)
     }

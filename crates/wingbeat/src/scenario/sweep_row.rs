@@ -66,7 +66,8 @@ impl Sweep {
     ) -> Result<Option<Vec<f64>>, ConfigError> {
         let measures: Vec<f64> = match self.of {
             SweepOf::Flights(hold) => {
-                let scenario = self.scenario(run)?;
+                let mut scenario = self.scenario(run)?;
+                self.shared.give(&mut scenario);
                 let flown = scenario.fly(|_| watch()).map_err(|error| scenario.explain(&error))?;
                 flight(&flown.summary, hold).into()
             }

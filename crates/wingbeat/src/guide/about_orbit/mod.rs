@@ -10,7 +10,7 @@ mod tracking;
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
 
-use super::controllers::{ControllerSpec, Task};
+use super::controllers::{ControllerSpec, Prepared, Task};
 use super::inertial::Inertial;
 use crate::Error;
 use crate::math::Vec3;
@@ -22,6 +22,7 @@ use ahead::Ahead;
 use family::Family;
 use schedule::Schedule;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use tracking::{Demand, Tracking};
 
 /// Largest height off at which the integral of the height grows, m.
@@ -34,7 +35,7 @@ struct AboutOrbit<'a> {
     period: f64,
     deviations: Deviations,
     schedule: Schedule,
-    family: Family,
+    family: Arc<Family>,
     /// The path, where one is followed.
     tracking: Option<Tracking>,
     /// Numbers of the inputs that are fed back.
@@ -71,14 +72,21 @@ impl ControllerSpec for AboutOrbitSpec {
         self.estimator.is_some()
     }
 
+    fn prepare(&self, task: Task) -> Result<Option<Prepared>, Error> {
+        let (cycle, schedule) = self.checked(task.model)?;
+        let family = Family::new(self, &cycle, &schedule, &self.inputs(task.model)?)?;
+        Ok(Some(Arc::new(family)))
+    }
+
     fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
         let robot = task.model;
         let (cycle, schedule) = self.checked(robot)?;
         let tracking = self.tracked(&task)?;
-        let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
-        inputs.sort_unstable();
-        inputs.dedup();
-        let family = Family::new(self, &cycle, &schedule, &inputs)?;
+        let inputs = self.inputs(robot)?;
+        let family = match task.prepared.and_then(|prepared| prepared.downcast().ok()) {
+            Some(family) => family,
+            None => Arc::new(Family::new(self, &cycle, &schedule, &inputs)?),
+        };
         let (_, held) = family.asked(None, 0.0);
         let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
             None => Box::new(Ahead::new(robot)),
@@ -115,6 +123,14 @@ impl AboutOrbitSpec {
         let Some(spec) = self.tracking else { return Ok(None) };
         let path = spec.checked(task.path.as_ref(), self.speed_m_s).map_err(|e| e.within("tracking"))?;
         Ok(Some(Tracking::new(spec, path, self.speed_m_s, self.period_s)))
+    }
+
+    /// Numbers of the inputs that are fed back.
+    fn inputs(&self, robot: &Robot) -> Result<Vec<usize>, Error> {
+        let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        Ok(inputs)
     }
 }
 

@@ -1,9 +1,11 @@
 //! Periodic flights: an orbit of the scenario's robot, how it holds, and a scenario that flies it.
 
 mod family;
+mod search;
 mod spec;
 mod summary;
 
+pub use search::{Ended, GaitSearch, Goal, LimitsSpec, SearchProgress, SearchSpec, SearchSummary, VarySpec};
 pub use spec::{Along, FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
 
@@ -12,7 +14,9 @@ use super::{Scenario, ScenarioSpec, StartSpec};
 use crate::Error;
 use crate::guide::HeldCommands;
 use crate::math::{Quat, Vec3};
-use crate::orbit::{Cycle, Failure, Found, Modes, Orbit, Point, floquet, measure, search, search_from};
+use crate::orbit::{
+    Course, Cycle, Failure, Found, Free, Modes, Orbit, Point, floquet, measure, search, search_from,
+};
 use crate::plant::{Fault, Plant};
 use crate::simulate::{Record, Sample};
 use std::ops::ControlFlow;
@@ -201,21 +205,33 @@ impl Scenario {
         Ok(flown.map(|_| recorder.finish().record))
     }
 
-    /// This scenario on its orbit.
+    /// What `[trim]` asks of straight flight: its course, and what is free.
+    fn asked_of_orbit(&self) -> Result<(Course, Vec<Free>), Error> {
+        let spec = self.trim_spec()?;
+        Ok((spec.course(), spec.free(&self.model, spec.course().turns())?))
+    }
+
+    /// This scenario on the orbit through `point`, whose cycle takes `duration` s.
+    fn on_orbit(&self, cycle: &Cycle, point: &Point, duration: f64) -> ScenarioSpec {
+        let mut spec = ScenarioSpec { start: self.orbit_start(cycle, point), ..self.spec.clone() };
+        spec.robot.gait.set_frequency_hz(1.0 / duration);
+        spec
+    }
+
+    /// The scenario that flies the orbit.
     fn orbit_scenario(&self, cycle: &Cycle, orbit: &Orbit) -> Result<String, Error> {
-        let mut spec = ScenarioSpec { start: self.orbit_start(cycle, orbit), ..self.spec.clone() };
+        let mut spec = self.on_orbit(cycle, &orbit.point, orbit.end.duration);
         spec.name = format!("{}-orbit", self.spec.name);
-        spec.robot.gait.set_frequency_hz(1.0 / orbit.end.duration);
         toml::to_string(&spec).map_err(|e| Error::invalid("trim", e, "a scenario that TOML can hold"))
     }
 
     /// The start of the orbit.
-    fn orbit_start(&self, cycle: &Cycle, orbit: &Orbit) -> StartSpec {
-        let (robot, x) = (&self.model, cycle.start(&orbit.point));
+    fn orbit_start(&self, cycle: &Cycle, point: &Point) -> StartSpec {
+        let (robot, x) = (&self.model, cycle.start(point));
         let layout = robot.layout();
         let angles = Quat::from_wxyz(&x[layout.attitude..]).matrix().roll_pitch_yaw();
         let states = robot.states()[layout.joints..].iter().zip(&x[layout.joints..]);
-        let commands = robot.inputs().iter().zip(&orbit.point.inputs).filter(|(_, u)| **u != 0.0);
+        let commands = robot.inputs().iter().zip(&point.inputs).filter(|(_, u)| **u != 0.0);
         StartSpec {
             velocity_m_s: Vec3::from_slice(&x[layout.velocity..]).0,
             roll_deg: angles[0].to_degrees(),

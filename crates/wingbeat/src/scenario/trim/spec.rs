@@ -1,5 +1,6 @@
 //! What `wingbeat trim` is asked.
 
+use super::search::SearchSpec;
 use crate::Error;
 use crate::orbit::{Course, Free};
 use crate::range::{Range, ranges};
@@ -31,6 +32,9 @@ pub struct TrimSpec {
     /// Orbits along a parameter, from the one asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub family: Option<FamilySpec>,
+    /// The gait that does something best, in place of the robot's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchSpec>,
 }
 
 fn step() -> f64 {
@@ -75,7 +79,16 @@ ranges!(FamilySpec { to: Range::between(-100.0, 100.0), steps: Range::between(1.
 impl TrimSpec {
     pub(in crate::scenario) fn check(&self) -> Result<(), Error> {
         self.in_range()?;
-        self.family.as_ref().map_or(Ok(()), |f| f.in_range().map_err(|e| e.within("family")))
+        if let Some(family) = &self.family {
+            family.in_range().map_err(|e| e.within("family"))?;
+        }
+        let Some(search) = &self.search else { return Ok(()) };
+        search.check().map_err(|e| e.within("search"))?;
+        if self.bank_deg != 0.0 {
+            let allowed = "0: gaits are searched in straight flight";
+            return Err(Error::invalid("bank_deg", self.bank_deg, allowed).against(["search"]));
+        }
+        Ok(())
     }
 
     /// The course asked.

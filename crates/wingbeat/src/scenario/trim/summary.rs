@@ -1,5 +1,6 @@
 //! `summary.json` of a trimmed flight.
 
+use super::search::SearchSummary;
 use crate::orbit::{Cycle, Found, Measures, Mode, Modes};
 use crate::plant::Plant;
 use serde::Serialize;
@@ -41,7 +42,7 @@ impl From<&Mode> for Multiplier {
 /// `summary.json` of `wingbeat trim`. What an orbit alone can tell is missing where none was found.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct TrimSummary {
-    /// `ok`, or `not_found`.
+    /// `ok`; `not_found`; or `limits_missed` where no gait of a search keeps to its limits.
     pub status: &'static str,
     /// Why no orbit was found.
     pub reason: Option<String>,
@@ -119,6 +120,8 @@ pub struct TrimSummary {
     pub family_orbits: Option<usize>,
     /// Why the family ended before its last orbit.
     pub family_ended: Option<String>,
+    /// What the search of its gait came to.
+    pub search: Option<SearchSummary>,
     /// What the orbit needs that lies outside of what the model was tested for, or that no wing can do.
     pub outside: Vec<String>,
 }

@@ -1,0 +1,203 @@
+//! Sequential quadratic programming from one start, in shares of the ranges.
+
+use super::quadratic::{dot, step};
+use nalgebra::{DMatrix, DVector};
+use std::ops::ControlFlow;
+
+/// Weight of the worst limit in the merit against the objective, both scaled to the order of one: choice, well above the
+/// multipliers of limits.
+const WEIGHT: f64 = 20.0;
+/// First, longest and shortest step, as shares of the ranges.
+const RADIUS: [f64; 3] = [0.03, 0.2, 1e-4];
+/// Steps are taken that gain this share of what the model says; the radius shrinks and grows below and above these.
+const TAKEN: f64 = 0.05;
+const SHARES: [f64; 2] = [0.25, 0.75];
+/// By what it shrinks and grows.
+const FACTORS: [f64; 2] = [0.4, 2.0];
+/// Gain of the merit below which nothing is left to gain.
+const GAIN: f64 = 1e-5;
+/// What counts as keeping to a limit, in its scale: 1e-3 is .01 mm of clearance.
+pub(super) const KEPT: f64 = 1e-3;
+
+/// What is seen at a point: objective and limits, all scaled; a limit is kept where its number is at most 0.
+#[derive(Clone, Debug)]
+pub(super) struct Seen<P> {
+    pub objective: f64,
+    pub limits: Vec<f64>,
+    pub more: P,
+}
+
+impl<P> Seen<P> {
+    /// The worst limit missed.
+    pub fn violation(&self) -> f64 {
+        self.limits.iter().fold(0.0, |most, c| c.max(most))
+    }
+    fn merit(&self) -> f64 {
+        self.objective + WEIGHT * self.violation()
+    }
+}
+
+/// Derivatives of the objective, and of each limit.
+#[derive(Clone, Debug)]
+pub(super) struct Slopes {
+    pub objective: Vec<f64>,
+    pub limits: Vec<Vec<f64>>,
+}
+
+/// Where a descent goes.
+pub(super) trait Landscape {
+    /// What belongs to a point beside its numbers.
+    type More;
+    /// What is at `x`, close to `near`; `None` where there is nothing.
+    fn look(&self, x: &[f64], near: &Seen<Self::More>) -> Option<Seen<Self::More>>;
+    /// Derivatives at `x`; `None` where there are none.
+    fn slopes(&self, x: &[f64], seen: &mut Seen<Self::More>) -> Option<Slopes>;
+}
+
+/// How a descent ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// Nothing is left to gain.
+    Converged,
+    /// No step as short as allowed gains anything.
+    NoStep,
+    /// The iterations allowed were used up.
+    IterationLimit,
+    /// There are no derivatives: an orbit beside the last one was not found.
+    NoSlopes,
+}
+
+impl Ended {
+    /// All ends, in the order of their numbers in tables.
+    pub const ALL: [Self; 4] = [Self::Converged, Self::NoStep, Self::IterationLimit, Self::NoSlopes];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::NoStep => "no shorter step gains",
+            Self::IterationLimit => "iteration limit",
+            Self::NoSlopes => "no orbit beside the last one",
+        }
+    }
+}
+
+/// Where a descent came to.
+pub(super) struct Descent<P> {
+    pub x: Vec<f64>,
+    pub seen: Seen<P>,
+    pub iterations: usize,
+    pub ended: Ended,
+}
+
+/// Hears the number of an iteration and where it stands; may stop the descent.
+pub(super) type Tell<'a, P> = dyn FnMut(usize, &Seen<P>) -> ControlFlow<()> + 'a;
+
+/// Follows the landscape down from `x`; `tell` hears iteration, objective and violation, and may stop it.
+pub(super) fn descend<L: Landscape>(
+    landscape: &L,
+    mut x: Vec<f64>,
+    mut seen: Seen<L::More>,
+    most: usize,
+    tell: &mut Tell<L::More>,
+) -> Option<Descent<L::More>> {
+    let n = x.len();
+    let [mut radius, longest, shortest] = RADIUS;
+    let mut hessian = DMatrix::<f64>::identity(n, n);
+    let end = |x, seen, iterations, ended| Some(Descent { x, seen, iterations, ended });
+    let Some(mut slopes) = landscape.slopes(&x, &mut seen) else { return end(x, seen, 0, Ended::NoSlopes) };
+    for iteration in 1..=most {
+        if tell(iteration, &seen).is_break() {
+            return None;
+        }
+        let Some(found) = step(&x, (&seen.limits, &slopes), &hessian, WEIGHT, radius) else {
+            return end(x, seen, iteration, Ended::NoStep);
+        };
+        if found.gain < GAIN {
+            return end(x, seen, iteration, Ended::Converged);
+        }
+        let ahead: Vec<f64> = x.iter().zip(&found.d).map(|(x, d)| (x + d).clamp(0.0, 1.0)).collect();
+        let there = landscape.look(&ahead, &seen);
+        let share = there.as_ref().map_or(-1.0, |there| (seen.merit() - there.merit()) / found.gain);
+        let length = found.d.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+        if share < SHARES[0] {
+            radius = FACTORS[0] * length;
+        } else if share > SHARES[1] && length > 0.9 * radius {
+            radius = longest.min(FACTORS[1] * radius);
+        }
+        if share > TAKEN
+            && let Some(mut there) = there
+        {
+            let Some(next) = landscape.slopes(&ahead, &mut there) else {
+                return end(ahead, there, iteration, Ended::NoSlopes);
+            };
+            let bend = bend(&slopes, &next, &found.multipliers);
+            curve(&mut hessian, &found.d, &bend);
+            (x, seen, slopes) = (ahead, there, next);
+        } else if radius < shortest {
+            return end(x, seen, iteration, Ended::NoStep);
+        }
+    }
+    end(x, seen, most, Ended::IterationLimit)
+}
+
+/// Growth of the Lagrangian's gradient.
+fn bend(before: &Slopes, after: &Slopes, multipliers: &[f64]) -> Vec<f64> {
+    let gradient = |slopes: &Slopes, i: usize| {
+        let limits = slopes.limits.iter().zip(multipliers).map(|(row, m)| m.max(0.0) * row[i]);
+        slopes.objective[i] + limits.sum::<f64>()
+    };
+    (0..before.objective.len()).map(|i| gradient(after, i) - gradient(before, i)).collect()
+}
+
+/// The damped update of Broyden, Fletcher, Goldfarb and Shanno (Powell 1978), which keeps the matrix positive definite.
+fn curve(hessian: &mut DMatrix<f64>, d: &[f64], bend: &[f64]) {
+    let (s, y) = (DVector::from_column_slice(d), DVector::from_column_slice(bend));
+    let bs = &*hessian * &s;
+    let (sbs, sy) = (s.dot(&bs), dot(d, bend));
+    if !(sbs > 0.0) {
+        return;
+    }
+    let damping = if sy < 0.2 * sbs { 0.8 * sbs / (sbs - sy) } else { 1.0 };
+    let r = y * damping + &bs * (1.0 - damping);
+    *hessian += &r * r.transpose() / s.dot(&r) - &bs * bs.transpose() / sbs;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The banana's valley (Rosenbrock 1960) in shares of [-2, 2]^2, above a line that cuts off its lowest point.
+    struct Valley;
+
+    fn place(x: &[f64]) -> [f64; 2] {
+        [4.0 * x[0] - 2.0, 4.0 * x[1] - 2.0]
+    }
+
+    impl Landscape for Valley {
+        type More = ();
+        fn look(&self, x: &[f64], _: &Seen<()>) -> Option<Seen<()>> {
+            let [a, b] = place(x);
+            let objective = (1.0 - a).powi(2) + 10.0 * (b - a * a).powi(2);
+            Some(Seen { objective, limits: vec![a + b - 1.0], more: () })
+        }
+        fn slopes(&self, x: &[f64], _: &mut Seen<()>) -> Option<Slopes> {
+            let [a, b] = place(x);
+            let (by_a, by_b) = (-2.0 * (1.0 - a) - 40.0 * a * (b - a * a), 20.0 * (b - a * a));
+            Some(Slopes { objective: vec![4.0 * by_a, 4.0 * by_b], limits: vec![vec![4.0, 4.0]] })
+        }
+    }
+
+    #[test]
+    fn a_descent_ends_on_the_limit_at_the_lowest_point() {
+        let none = Seen { objective: 0.0, limits: Vec::new(), more: () };
+        let start = vec![0.3, 0.8];
+        let seen = Valley.look(&start, &none).unwrap();
+        let found = descend(&Valley, start, seen, 200, &mut |_, _| ControlFlow::Continue(())).unwrap();
+        assert_eq!(found.ended, Ended::Converged);
+        let [a, b] = place(&found.x);
+        // On a + b = 1: -2 (1 - a) + 20 (1 - a - a^2) (-1 - 2 a) = 0 at a = .61825...
+        let condition = |a: f64| -2.0 * (1.0 - a) - 20.0 * (1.0 - a - a * a) * (1.0 + 2.0 * a);
+        assert!((a + b - 1.0).abs() < 1e-4 && condition(a).abs() < 0.2, "{a} {b} {}", condition(a));
+    }
+}

@@ -1,0 +1,256 @@
+//! Search of gaits: the one that flies the orbit that `[trim]` asks for on the least power, at the lowest frequency or
+//! with the largest payload.
+
+mod descent;
+mod gaits;
+mod quadratic;
+mod spec;
+
+pub use descent::Ended;
+pub use spec::{Goal, LimitsSpec, SearchSpec, VarySpec};
+
+use super::super::{ConfigError, Document, Scenario};
+use crate::Error;
+use crate::math::Random;
+use crate::simulate::{Column, Record};
+use descent::{Descent, KEPT, Seen, descend};
+use gaits::{Gait, Gaits};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+/// Columns of a start before those of the varied numbers, with their units.
+const COLUMNS: [(&str, &str); 14] = [
+    ("start", ""),
+    ("ended", ""),
+    ("kept", ""),
+    ("iterations", ""),
+    ("violation", ""),
+    ("objective", ""),
+    ("frequency_hz", "Hz"),
+    ("speed_m_s", "m/s"),
+    ("power_w_kg", "W/kg"),
+    ("stall_fraction_12", ""),
+    ("stall_fraction_20", ""),
+    ("least_clearance_m", "m"),
+    ("largest_multiplier", ""),
+    ("mass_kg", "kg"),
+];
+/// Halvings of a start's distance from the scenario's own gait until there is an orbit.
+const HALVINGS: usize = 6;
+/// Objectives closer than this, relative, count as one minimum.
+const ALIKE: f64 = 1e-3;
+
+/// What a search tells on the way.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchProgress {
+    /// Start, from 0.
+    pub start: usize,
+    /// Iteration, from 1.
+    pub iteration: usize,
+    /// Power over the mass, W/kg.
+    pub power_w_kg: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Worst limit missed, in its scale.
+    pub violation: f64,
+}
+
+/// What `summary.json` says of a search.
+#[derive(Clone, Debug, Serialize)]
+pub struct SearchSummary {
+    /// What was to be best.
+    pub goal: Goal,
+    /// Number of starts.
+    pub starts: usize,
+    /// Starts whose gait keeps to the limits.
+    pub kept: usize,
+    /// Minima among them: objectives that differ by more than a thousandth.
+    pub minima: usize,
+    /// Number of the best start, from 0.
+    pub best: usize,
+    /// How it ended.
+    pub ended: &'static str,
+    /// Its iterations.
+    pub iterations: usize,
+    /// The worst limit that it misses, in its scale: 10 mm of clearance, .1 of a share or a multiplier, the frequency, the
+    /// power.
+    pub violation: f64,
+    /// The varied numbers.
+    pub values: BTreeMap<String, f64>,
+}
+
+/// A search of gaits of a scenario, ready to be made start by start.
+pub struct GaitSearch<'a> {
+    spec: &'a SearchSpec,
+    gaits: Gaits<'a>,
+    /// Shares of the scenario's own gait, and its orbit.
+    own: Vec<f64>,
+    first: Seen<Gait>,
+}
+
+impl Scenario {
+    /// The search that `[trim.search]` asks for; none where there is none. Without an orbit of the scenario's own gait the
+    /// reason why.
+    ///
+    /// # Errors
+    /// A key that the scenario does not know, or refuses.
+    pub fn gait_search(&self) -> Result<Option<Result<GaitSearch<'_>, String>>, ConfigError> {
+        let Some(spec) = self.spec.trim.as_ref().and_then(|trim| trim.search.as_ref()) else {
+            return Ok(None);
+        };
+        let mut alone = self.spec.clone();
+        alone.trim.iter_mut().for_each(|trim| trim.search = None);
+        let document = Document::value("gait", &alone)?;
+        let mut own = Vec::with_capacity(spec.vary.len());
+        for (i, vary) in spec.vary.iter().enumerate() {
+            own.push(self.own_share(&document, i, vary)?);
+        }
+        let mut gaits = Gaits::new(spec, document);
+        Ok(Some(gaits.first(&own).map(|first| GaitSearch { spec, gaits, own, first })))
+    }
+
+    /// The share of its range at which a varied number stands; both ends are tried.
+    fn own_share(&self, document: &Document, i: usize, vary: &VarySpec) -> Result<f64, ConfigError> {
+        let refused = |end: &str, value: String, allowed: String| {
+            self.explain(&Error::invalid(format!("trim.search.vary[{i}].{end}"), value, allowed))
+        };
+        let written =
+            document.written(&vary.key).and_then(|(text, _)| text.replace('_', "").parse::<f64>().ok());
+        let key = format!("{:?}", vary.key);
+        let value =
+            written.ok_or_else(|| refused("key", key, "a key of the scenario with a number".into()))?;
+        for (end, at) in [("low", vary.low), ("high", vary.high)] {
+            let tried = Self::new(document.clone().set(format!("{}={at:?}", vary.key)));
+            if let Err(error) = tried {
+                return Err(refused(end, at.to_string(), format!("what the scenario allows ({error})")));
+            }
+        }
+        if value < vary.low || value > vary.high {
+            let end = if value < vary.low { "low" } else { "high" };
+            let given = if value < vary.low { vary.low } else { vary.high };
+            return Err(refused(
+                end,
+                given.to_string(),
+                format!("a range that holds the scenario's own {value}"),
+            ));
+        }
+        Ok(vary.share(value))
+    }
+}
+
+impl GaitSearch<'_> {
+    /// The columns of a row, still empty.
+    pub fn columns(&self) -> Vec<Column> {
+        let varied = self.spec.vary.iter().map(|vary| Column::new(vary.key.clone(), "", ""));
+        COLUMNS.iter().map(|(name, unit)| Column::new(*name, *unit, "")).chain(varied).collect()
+    }
+
+    /// Whether `row` can be that of a start of the search.
+    pub fn has_row(&self, row: &[f64]) -> bool {
+        row.len() == COLUMNS.len() + self.spec.vary.len() && row[0] >= 0.0 && row[0] < self.spec.starts as f64
+    }
+
+    /// Number of starts.
+    pub fn starts(&self) -> usize {
+        self.spec.starts
+    }
+
+    /// Searches from start `start`: a pure function of the scenario and the number. `tell` may stop it; then there is no row.
+    pub fn row(
+        &self,
+        start: usize,
+        tell: &mut dyn FnMut(SearchProgress) -> ControlFlow<()>,
+    ) -> Option<Vec<f64>> {
+        let (x, seen) = self.begin(start)?;
+        let descent = descend(&self.gaits, x, seen, self.spec.iterations, &mut |iteration, seen| {
+            let facts = &seen.more.facts;
+            tell(SearchProgress {
+                start,
+                iteration,
+                power_w_kg: facts.power_per_mass,
+                frequency_hz: facts.frequency,
+                violation: seen.violation(),
+            })
+        })?;
+        Some(self.told(start, &descent))
+    }
+
+    /// Where start `start` begins: beside the own gait, as near as it needs to be for an orbit.
+    fn begin(&self, start: usize) -> Option<(Vec<f64>, Seen<Gait>)> {
+        let mut random = Random::stream(self.spec.seed, start as u64);
+        let spread = if start == 0 { 0.0 } else { self.spec.spread };
+        let beside: Vec<f64> = self.own.iter().map(|_| spread * random.between(-1.0, 1.0)).collect();
+        (0..=HALVINGS).find_map(|k| {
+            let share = if k == HALVINGS { 0.0 } else { 0.5f64.powi(k as i32) };
+            let x: Vec<f64> =
+                self.own.iter().zip(&beside).map(|(own, by)| (own + share * by).clamp(0.0, 1.0)).collect();
+            let seen = self.gaits.reached(&x, &self.own, &self.first).ok()?;
+            Some((x, seen))
+        })
+    }
+
+    fn told(&self, start: usize, descent: &Descent<Gait>) -> Vec<f64> {
+        let Descent { x, seen, iterations, ended } = descent;
+        let facts = &seen.more.facts;
+        let violation = seen.violation();
+        let ended = Ended::ALL.iter().position(|e| e == ended).unwrap_or(Ended::ALL.len());
+        let numbers = [
+            start as f64,
+            ended as f64,
+            f64::from(u8::from(violation <= KEPT && facts.stalled_beyond <= 0.0)),
+            *iterations as f64,
+            violation,
+            seen.objective,
+            facts.frequency,
+            facts.speed,
+            facts.power_per_mass,
+            facts.stalled[0],
+            facts.stalled[1],
+            facts.clearance,
+            facts.multiplier,
+            facts.mass,
+        ];
+        let varied = self.spec.vary.iter().zip(x).map(|(vary, x)| vary.at(*x));
+        numbers.into_iter().chain(varied).collect()
+    }
+
+    /// The best of the rows, on its orbit: the lowest objective among those that keep to the limits, else the one that
+    /// misses them least.
+    ///
+    /// # Errors
+    /// Why its orbit is not found again.
+    pub fn best(&self, record: &Record) -> Result<(Scenario, SearchSummary), String> {
+        let column = |name: &str| record.values(name).unwrap_or_default();
+        let (kept, objective, violation) = (column("kept"), column("objective"), column("violation"));
+        let order = |i: usize| if kept[i] == 1.0 { (0, objective[i]) } else { (1, violation[i]) };
+        let best = (0..record.rows())
+            .min_by(|&a, &b| order(a).0.cmp(&order(b).0).then(order(a).1.total_cmp(&order(b).1)))
+            .ok_or("no start")?;
+        let values: Vec<f64> = record.columns()[COLUMNS.len()..].iter().map(|c| c.values[best]).collect();
+        let x: Vec<f64> = self.spec.vary.iter().zip(&values).map(|(vary, v)| vary.share(*v)).collect();
+        let found = self.gaits.reached(&x, &self.own, &self.first)?;
+        let scenario = self.gaits.scenario(0, &x)?;
+        let cycle = scenario.cycle().map_err(|error| error.to_string())?;
+        let point = &found.more.points[0];
+        let end = cycle.end(point).map_err(|fault| fault.to_string())?;
+        let spec = scenario.on_orbit(&cycle, point, end.duration);
+        let document = Document::value("gait", &spec).map_err(|error| error.to_string())?;
+        let mut good: Vec<f64> =
+            (0..record.rows()).filter(|&i| kept[i] == 1.0).map(|i| objective[i]).collect();
+        good.sort_by(f64::total_cmp);
+        let apart = |pair: &[f64]| pair[1] - pair[0] > ALIKE * pair[0].abs().max(pair[1].abs());
+        let summary = SearchSummary {
+            goal: self.spec.goal,
+            starts: record.rows(),
+            kept: good.len(),
+            minima: usize::from(!good.is_empty()) + good.windows(2).filter(|pair| apart(pair)).count(),
+            best: column("start")[best] as usize,
+            ended: Ended::ALL.get(column("ended")[best] as usize).map_or("", |ended| ended.words()),
+            iterations: column("iterations")[best] as usize,
+            violation: violation[best],
+            values: self.spec.vary.iter().zip(values).map(|(vary, v)| (vary.key.clone(), v)).collect(),
+        };
+        Ok((Scenario::new(document).map_err(|error| error.to_string())?, summary))
+    }
+}
