@@ -28,6 +28,7 @@ pub struct ThrusterSpec {
 
 ranges!(ThrusterSpec {
     place_m: Range::between(-10.0, 10.0),
+    direction: Range::between(-10.0, 10.0),
     max_n: Range::POSITIVE,
     lag_s: Range::between(1e-4, 10.0),
 });

@@ -15,7 +15,8 @@ const LARGEST: f64 = 1e12;
 
 /// Units and largest magnitudes by the end of the key, longer ends first. *Choices*, far beyond any robot, rig or wing tunnel,
 /// such that powers and products of several stay finite and no picture or table grows without bound.
-const BY_UNIT: [(&str, &str, f64); 21] = [
+const BY_UNIT: [(&str, &str, f64); 22] = [
+    ("_w_kg", "W/kg", 1e5),
     ("_kg_m2", "kg m2", 1e6),
     ("_kg_m3", "kg/m3", 1e5),
     ("_rad_s", "rad/s", 1e6),
