@@ -36,7 +36,7 @@ pub struct Measures {
     pub strouhal: f64,
     /// Shares of U^2 c dy dt beyond 12 and 20 deg of incidence, U the speed of the strip's quarter chord in the air.
     pub stalled: [f64; 2],
-    /// The shares with an edge of [`SOFT_DEG`] to either side in place of a sharp one: where an incidence only just passes
+    /// The shares with an edge of `SOFT_DEG` to either side in place of a sharp one: where an incidence only just passes
     /// the edge and turns, the sharp ones change by the root of what the gait changes by.
     pub softly_stalled: [f64; 2],
     /// The same shares of strips and time alone, as flights count.
