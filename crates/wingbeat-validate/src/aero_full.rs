@@ -36,6 +36,7 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.full.oracle", quick: true, run: flapping::oracle },
     Case { id: "aero.full.added_mass_mean", quick: true, run: || flapping::added_mass_mean(Preset::Full) },
     Case { id: "aero.full.added_mass_lift", quick: true, run: impulse::added_mass_lift },
+    Case { id: "aero.full.deep_fold", quick: false, run: impulse::deep_fold },
     Case { id: "aero.full.pitch_thrust", quick: false, run: || thrust::pitch_thrust(Preset::Full) },
     Case { id: "aero.garrick", quick: false, run: || thrust::garrick_rows(Preset::Full) },
     Case { id: "aero.garrick.five_lags", quick: false, run: || thrust::garrick_rows(Preset::FiveLags) },

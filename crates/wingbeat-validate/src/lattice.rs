@@ -1,7 +1,7 @@
 //! The vortex lattice: small motions against the linear lifting surface and exact solutions, large ones against a peer.
 
 mod convergence;
-mod flapping;
+pub(crate) mod flapping;
 mod flight;
 mod small;
 mod wake;

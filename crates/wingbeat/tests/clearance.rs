@@ -282,7 +282,8 @@ fn a_flight_in_which_wings_cross_says_so() {
     assert!(!said(&glide));
 }
 
-/// The predictive controller keeps the wings further apart where it is asked to.
+/// The predictive controller keeps the wings further apart where it is asked to: with a fold, limits, weights and a heading
+/// rate that drive them together without.
 #[test]
 fn a_soft_limit_keeps_wings_from_crossing() {
     let turn = |weight: &str| {
@@ -292,7 +293,16 @@ fn a_soft_limit_keeps_wings_from_crossing() {
             let limit = |end: &str, at: f64| format!("robot.structure.elements[{element}].{end}={at}");
             asked.extend([limit("low", -stroke), limit("high", stroke)]);
         }
-        let more = ["flight.duration_s=0.9", "controller.clearance_m=0.004", &weight];
+        let more = [
+            "flight.duration_s=0.9",
+            "aero.paper.cells=false",
+            "manoeuvre.yaw_rate_rad_s=-1.5",
+            "controller.interval_s=0.02",
+            "controller.weights.roll=2.0",
+            "controller.weights.rate_axes=[0.05, 0.05, 0.05]",
+            "controller.clearance_m=0.004",
+            &weight,
+        ];
         asked.extend(more.map(String::from));
         let run = fly("banking_turn", &asked.iter().map(String::as_str).collect::<Vec<_>>());
         assert_eq!(run.summary.controller.failures, 0);

@@ -4,7 +4,8 @@ use std::fs;
 
 use crate::tools;
 
-/// Runs the commands of both lists into `target/paper`; true when each ends with the exit code that the page says.
+/// Runs the commands of both lists into `target/paper`, and puts the picture of the end points into docs/images; true when each
+/// ends with the exit code that the page says.
 pub fn run() -> bool {
     let Ok(page) = fs::read_to_string(tools::root().join("docs/paper.md")) else {
         eprintln!("error: docs/paper.md cannot be read");
@@ -33,5 +34,13 @@ pub fn run() -> bool {
         println!("{verdict}: exit code {ended:?}: {}", command.trim());
     }
     println!("{failed} commands of docs/paper.md did not end as it says");
-    failed == 0
+    let picture = "end_points.png";
+    let drawn = fs::copy(
+        out.join("end_points/figures").join(picture),
+        tools::root().join("docs/images").join(picture),
+    );
+    if let Err(error) = &drawn {
+        eprintln!("error: {picture}: {error}");
+    }
+    failed == 0 && drawn.is_ok()
 }

@@ -113,9 +113,23 @@ pub fn f2() -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
+/// The wing that folds deeply, E1.
+fn folding() -> Result<Flapping, Error> {
+    flapper(0.25, 30.0, Some((0.45, 50.0)))
+}
+
+/// Mean lift of E1 in its last cycle, N.
+pub fn deep_fold(wake: WakeMotion) -> Result<f64, Error> {
+    let panels = Panels { chordwise: 8, spanwise: 24, spacing: Spacing::Lan };
+    let steps = 2 * STEPS;
+    let (loads, _) = run(&folding()?, panels, steps, wake, Conventions::Own)?;
+    let last = &loads[loads.len() - steps..];
+    Ok(last.iter().map(|l| lift_drag(l.joukowski.force).0).sum::<f64>() / steps as f64)
+}
+
 /// Circulation of every strip and its wake.
 pub fn kelvin() -> Result<Vec<Row>, Error> {
-    let wing = flapper(0.25, 30.0, Some((0.45, 50.0)))?;
+    let wing = folding()?;
     let panels = Panels { chordwise: 4, spanwise: 20, spacing: Spacing::Lan };
     let (_, lattice) = run(&wing, panels, STEPS, WakeMotion::Prescribed, Conventions::Own)?;
     let metric = "flap_fold: largest circulation around a strip and its wake over that of the largest ring";
