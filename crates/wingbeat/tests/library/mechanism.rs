@@ -46,7 +46,7 @@ elastic = { stiffness = 2e-3, damping = 1e-6 }
 "#;
 
 /// Wings of three links each, the outer one on an elastic twist hinge; a tail on a free hinge.
-const FLAPPER: &str = include_str!("../../../validation/fsi/flapper.toml");
+const FLAPPER: &str = include_str!("../../../../validation/fsi/flapper.toml");
 
 #[derive(Clone, Copy, PartialEq)]
 enum Preset {
@@ -266,7 +266,7 @@ panels = [{{ link = "body", origin_m = [0.0, {y}, 0.0], direction = [0.0, {y}, 0
 
 #[test]
 fn the_documented_robot_is_built() {
-    let page = include_str!("../../../docs/robots.md");
+    let page = include_str!("../../../../docs/robots.md");
     let text = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let robot = robot(text, Preset::Full, 1.2);
     assert_eq!(

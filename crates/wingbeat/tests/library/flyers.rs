@@ -1,8 +1,6 @@
 //! Robots of many kinds, flown from their files alone.
 
-#[path = "flyers/flown.rs"]
 mod flown;
-#[path = "flyers/glider.rs"]
 mod glider;
 
 use flown::{Flown, fly, scenario, shipped};

@@ -1,12 +1,12 @@
 //! Each example runs, and what a scenario chooses by name is refused as what ships is.
 
-#[path = "../examples/own_controller.rs"]
+#[path = "../../examples/own_controller.rs"]
 mod own_controller;
-#[path = "../examples/own_manoeuvre.rs"]
+#[path = "../../examples/own_manoeuvre.rs"]
 mod own_manoeuvre;
-#[path = "../examples/own_plant.rs"]
+#[path = "../../examples/own_plant.rs"]
 mod own_plant;
-#[path = "../examples/own_solver.rs"]
+#[path = "../../examples/own_solver.rs"]
 mod own_solver;
 
 use wingbeat::scenario::{Document, Scenario, ScenarioSpec};

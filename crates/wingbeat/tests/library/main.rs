@@ -1,0 +1,25 @@
+//! What the library promises, module by module: one program, so that the generic code of the models is built once for all.
+
+mod chord_lines;
+mod clearance;
+mod document;
+mod doors;
+mod drive;
+mod estimator;
+mod flight;
+mod flyers;
+mod full_turn;
+mod gait_search;
+mod hover;
+mod linkage;
+mod mechanism;
+mod multibody;
+mod orbit;
+mod power;
+mod refusals;
+mod rig;
+mod robot;
+mod strip_model;
+mod surfaces;
+mod tether;
+mod tracking;
