@@ -1,6 +1,6 @@
 """Measures what the package costs; prints one line for each number.
 
-    python measure.py WHEEL
+    python measure.py WHEEL [importing] [controlling] [threads] [stepping] [erring] [lanes] [dask]
 """
 
 import os
@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 import time
+import tomllib
 from pathlib import Path
 
 import gymnasium as gym
@@ -155,6 +156,48 @@ def erring():
                 )
 
 
+MASSES = {"key": "mismatch.mass", "low": 0.95, "high": 1.05}
+GUSTS = {"key": "air.gust_m_s", "low": 0.05, "high": 0.3}
+# Sweeps that are made with lanes and without: flights at rest, about an orbit, and under the predictive controller.
+SWEPT = {
+    "at rest, paper 12": ({"scenario": "banking_turn", "without": ["controller", "manoeuvre", "goal"]}, {}),
+    "at rest, full 9": ({"scenario": "cruise_beta"}, {"scenario.aero.full.strips": 9}),
+    "about an orbit, full 9": ({"scenario": "bank15_20g"}, {}),
+    "predictive, paper 12": ({"scenario": "banking_turn"}, {}),
+    "predictive, full 9": ({"scenario": "banking_turn"}, {"scenario.aero.preset": "full", "scenario.aero.full.strips": 9}),
+}
+
+
+def sweeping_in_lanes(runs=32):
+    """What lanes save of the processor's time of sweeps on one thread, in turns, and how far rows are apart."""
+    hold = {"roll_within_deg": 5.0, "pitch_within_deg": 10.0}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, (what, overrides) in SWEPT.items():
+            scenario = tomllib.loads(wingbeat.Scenario(wingbeat.shipped(f"scenarios/{what['scenario']}.toml")).toml)
+            for table in what.get("without", []):
+                scenario.pop(table, None)
+            spec = {"name": "lanes", "scenario": scenario, "runs": runs, "seed": 1, "draws": [MASSES, GUSTS], "hold": hold}
+            times, tables = {False: [], True: []}, {}
+            for k in range(ROUNDS + 1):
+                for lanes in times:
+                    keys = {"scenario.flight.duration_s": 1.0, "lanes": lanes} | overrides
+                    begun = time.process_time()
+                    tables[lanes] = wingbeat.sweep(spec, keys, out=Path(folder) / f"{len(times)}-{name}-{lanes}-{k}", cores=1)
+                    times[lanes].append((time.process_time() - begun) / runs)
+            one, many = (np.array(times[lanes][1:]) for lanes in (False, True))
+            worst = {
+                column: np.nanmax(np.abs(tables[False][column] - tables[True][column]))
+                for column in ("roll_max_error", "altitude_change", "distance_x")
+                if not np.all(np.isnan(tables[False][column]))
+            }
+            apart = ", ".join(f"{column} {most:.1e} {tables[False].units[column]}" for column, most in worst.items())
+            print(
+                f"sweep in lanes, {name}: {np.median(one / many):.2f} times as fast ({min(one / many):.2f} to {max(one / many):.2f}), "
+                f"{1e3 * np.median(one):.0f} and {1e3 * np.median(many):.0f} ms of the processor for a flight of a second; rows apart by {apart}",
+                flush=True,
+            )
+
+
 def spent_by(processes):
     """Processor time of processes and all below them, s."""
     every = [one for process in processes for one in (process, *process.children(recursive=True))]
@@ -209,11 +252,17 @@ def sweeping():
         )
 
 
+MEASURED = {
+    "importing": importing,
+    "controlling": controlling,
+    "threads": two_threads,
+    "stepping": stepping,
+    "erring": erring,
+    "lanes": sweeping_in_lanes,
+    "dask": sweeping,
+}
+
 if __name__ == "__main__":
     print(f"wheel: {Path(sys.argv[1]).stat().st_size * 1e-6:.2f} MB")
-    importing()
-    controlling()
-    two_threads()
-    stepping()
-    erring()
-    sweeping()
+    for name in sys.argv[2:] or MEASURED:
+        MEASURED[name]()
