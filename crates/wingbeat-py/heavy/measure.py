@@ -3,6 +3,7 @@
     python measure.py WHEEL [importing] [controlling] [threads] [stepping] [erring] [lanes] [dask]
 """
 
+import itertools
 import os
 import subprocess
 import sys
@@ -47,23 +48,38 @@ def controlling():
     print(f"controller in Python: median {timing['median_us']:.1f} us, 99 % {timing['p99_us']:.1f} us a call")
 
 
+def pin(core):
+    """Keeps all threads of this process, and those that they start, to a core."""
+    for thread in os.listdir("/proc/self/task"):
+        os.sched_setaffinity(int(thread), {core})
+
+
 def two_threads():
-    """How much faster two flights are on two threads than one after another, and what of one is in its caller's thread."""
+    """How much faster two flights are on two threads than one after another, each on a core of its own in both cases, and what of one is in its
+    caller's thread.
+    """
     scenario = wingbeat.Scenario(TURN, {"flight.duration_s": 1.0})
+    cores = sorted(os.sched_getaffinity(0))[:2]
+
+    def fly(core):
+        os.sched_setaffinity(0, {core})
+        wingbeat.fly(scenario)
+
     ratios, shares = [], []
-    for _ in range(2 * ROUNDS + 1):
+    for _ in range(6 * ROUNDS + 1):
         begun, own, whole = time.perf_counter(), time.thread_time(), time.process_time()
-        wingbeat.fly(scenario)
-        wingbeat.fly(scenario)
+        for core in cores:
+            fly(core)
         one = time.perf_counter() - begun
         shares.append((time.thread_time() - own) / (time.process_time() - whole))
-        threads = [threading.Thread(target=wingbeat.fly, args=(scenario,)) for _ in range(2)]
+        threads = [threading.Thread(target=fly, args=(core,)) for core in cores]
         begun = time.perf_counter()
         for thread in threads:
             thread.start()
         for thread in threads:
             thread.join()
         ratios.append(one / (time.perf_counter() - begun))
+    os.sched_setaffinity(0, set(cores))
     print(
         f"two threads: {np.median(ratios):.2f} times one ({min(ratios):.2f} to {max(ratios):.2f}); {100 * np.median(shares):.2f} % "
         f"of a flight in its caller's thread; load of the machine {os.getloadavg()[0]:.1f}"
@@ -206,11 +222,19 @@ def spent_by(processes):
 
 def sweeping():
     """What Dask adds on two workers, in turns with two threads of this process: to jobs of about a second of the processor, and to each of many
-    jobs that do next to nothing, which other programs move less.
+    jobs that do next to nothing, which other programs move less. Worker and thread have a core of their own.
     """
-    from distributed import LocalCluster
+    from concurrent.futures import ThreadPoolExecutor
+
+    import wingbeat._sweeps
+    from distributed import Client, LocalCluster
 
     own = psutil.Process()
+    cores = sorted(os.sched_getaffinity(0))[:2]
+    left = itertools.cycle(cores)
+    wingbeat._sweeps.ThreadPoolExecutor = lambda count, **keys: ThreadPoolExecutor(
+        count, initializer=lambda: os.sched_setaffinity(0, {next(left)}), **keys
+    )
 
     def compared(folder, address, jobs, seconds, rounds):
         """Time of the clock and of the processor on threads and on workers, by round; whether the rows are the same."""
@@ -238,14 +262,21 @@ def sweeping():
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
     ):
         address = cluster.scheduler_address
+        with Client(address) as client:
+            for core, worker in zip(cores, client.scheduler_info()["workers"], strict=True):
+                client.run(pin, core, workers=[worker])
         compared(folder, address, 4, 0.02, 1)
         short, same = compared(folder, address, 200, 0.005, ROUNDS)
         added = 1e3 * (short[:, 1] - short[:, 0]) / 200
         wall, processor = (f"{np.median(one):.1f} ms ({one.min():.1f} to {one.max():.1f})" for one in added.T)
         print(f"Dask adds to each of 200 short jobs {wall}, {processor} of the processor; rows the same: {same}")
-        whole, same = compared(folder, address, 8, 4.0, 3)
+        whole, same = compared(folder, address, 8, 3.0, 3 * ROUNDS)
         added = 100 * (whole[:, 1] / whole[:, 0] - 1)
-        wall, processor = (f"{np.median(one):+.1f} % ({one.min():+.1f} to {one.max():+.1f})" for one in added.T)
+        wall, processor = (
+            f"{np.median(one):+.1f} % (quartiles {np.quantile(one, 0.25):+.1f} and {np.quantile(one, 0.75):+.1f}, {one.min():+.1f} to "
+            f"{one.max():+.1f})"
+            for one in added.T
+        )
         print(
             f"Dask adds to 8 jobs of {np.median(whole[:, 0, 1]) / 8:.2f} s of the processor {wall}, {processor} of the processor; "
             f"rows the same: {same}; load of the machine {os.getloadavg()[0]:.1f}"

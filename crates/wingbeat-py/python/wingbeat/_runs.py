@@ -34,7 +34,7 @@ class Controller(Protocol):
 class Told:
     """What every run tells."""
 
-    summary: dict[str, Any]
+    summary: dict[str, Any] = field(repr=False)
     """What the program writes as ``summary.json``."""
 
     @property
