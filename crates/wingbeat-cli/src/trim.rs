@@ -5,7 +5,7 @@ mod search;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
-use wingbeat::scenario::{Scenario, TrimSummary};
+use wingbeat::scenario::{Scenario, TrimProgress, TrimSummary};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Draw, family, multipliers, orbit};
 use wingbeat_io::write_parquet;
@@ -25,34 +25,32 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
     let (out, name) = (options.out.as_deref(), &scenario.spec.run_name()?);
-    let search = scenario.gait_search()?.transpose().map_err(|reason| {
-        Error::Input(format!(
-            "trim.search: a search begins at the robot's own gait, which has no orbit: {reason}"
-        ))
-    })?;
+    let search = scenario.gait_search()?;
     let folder = match &search {
         Some(_) => RunFolder::resume(out, name, options.force, ("scenario.toml", &scenario.resolved))?,
         None => RunFolder::create(out, name, options.force)?,
     };
-    let (best, found) = match &search {
-        Some(search) => Some(search::searched(search, &folder, &interrupt, options.quiet)?).unzip(),
-        None => (None, None),
+    let searched = match &search {
+        Some(search) => Some(search::searched(search, &folder, &interrupt, options.quiet)?),
+        None => None,
     };
-    let scenario = best.as_ref().unwrap_or(&scenario);
     let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(None, target);
     bar.enable_steady_tick(Duration::from_millis(200));
-    let trimmed = scenario.trim(&mut |at| {
-        let orbit = at.orbits + 1;
-        bar.set_message(format!("orbit {orbit}, iteration {}: residual {:.1e}", at.iteration, at.residual));
+    let mut tell = |at: TrimProgress| {
+        if let TrimProgress::Orbit { orbits, iteration, residual } = at {
+            bar.set_message(format!("orbit {}, iteration {iteration}: residual {residual:.1e}", orbits + 1));
+        }
         interrupt.flow()
-    });
-    let mut trimmed = trimmed.map_err(|error| scenario.explain(&error))?;
+    };
+    let trimmed = match searched {
+        Some(searched) => searched.trim(&mut tell)?,
+        None => scenario.trim(&mut tell)?,
+    };
     bar.finish_and_clear();
     interrupt.check()?;
-    match found {
-        Some(found) => search::add(&mut trimmed, found),
-        None => folder.write("scenario.toml", &scenario.resolved)?,
+    if search.is_none() {
+        folder.write("scenario.toml", &scenario.resolved)?;
     }
     folder.write_json("summary.json", &trimmed.summary)?;
     let tables = [

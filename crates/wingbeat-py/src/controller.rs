@@ -57,6 +57,18 @@ impl Raised {
         self.first.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
 
+    /// Break where Python answered true, or raised.
+    fn flow(&self, ends: PyResult<bool>) -> ControlFlow<()> {
+        match ends {
+            Ok(false) => ControlFlow::Continue(()),
+            Ok(true) => ControlFlow::Break(()),
+            Err(error) => {
+                self.raise(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
     /// The exception, if there was one.
     ///
     /// # Errors
@@ -164,13 +176,31 @@ impl Watch {
             let [x, u] = [sample.x, sample.u].map(|values| PyArray1::from_slice(py, values));
             observe.bind(py).call1((sample.t, x, u))?.is_truthy()
         });
-        match ends {
-            Ok(false) => ControlFlow::Continue(()),
-            Ok(true) => ControlFlow::Break(()),
-            Err(error) => {
-                self.raised.raise(error);
-                ControlFlow::Break(())
-            }
-        }
+        self.raised.flow(ends)
+    }
+}
+
+/// A Python function that hears how far work has come, `progress(numbers)`; a true answer ends the work.
+pub struct Told {
+    progress: Option<Py<PyAny>>,
+    raised: Raised,
+}
+
+impl Told {
+    /// Of a function, if there is one.
+    pub fn new(progress: Option<Py<PyAny>>, raised: Raised) -> Self {
+        Self { progress, raised }
+    }
+
+    /// Tells numbers by name.
+    pub fn of(&self, numbers: &[(&str, f64)]) -> ControlFlow<()> {
+        self.raised.stop.flow()?;
+        let Some(progress) = &self.progress else { return ControlFlow::Continue(()) };
+        let ends = Python::attach(|py| {
+            let told = PyDict::new(py);
+            numbers.iter().try_for_each(|(name, number)| told.set_item(name, number))?;
+            progress.bind(py).call1((told,))?.is_truthy()
+        });
+        self.raised.flow(ends)
     }
 }

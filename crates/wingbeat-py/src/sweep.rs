@@ -47,18 +47,24 @@ impl Sweep {
         Ok(self.sweep.values(run))
     }
 
-    /// Makes a run: its number, its draws and what is kept of it; none where `stop` was called.
-    fn row(&self, py: Python, run: usize) -> PyResult<Option<Vec<f64>>> {
-        self.check(run)?;
+    /// The runs that are left, in the company in which they are made.
+    fn batches(&self, todo: Vec<usize>) -> PyResult<Vec<Vec<usize>>> {
+        todo.iter().try_for_each(|run| self.check(*run))?;
+        Ok(self.sweep.batches(todo))
+    }
+
+    /// Makes a batch of runs: of each its number, its draws and what is kept of it; none where `stop` was called.
+    fn rows(&self, py: Python, batch: Vec<usize>) -> PyResult<Vec<Vec<f64>>> {
+        batch.iter().try_for_each(|run| self.check(*run))?;
         let (sweep, asked) = (self.sweep.clone(), self.stop.clone());
-        let row = wait::work(py, move |stop| {
+        let made = wait::work(py, move |stop| {
             let watch = || {
                 asked.flow()?;
                 stop.flow()
             };
-            sweep.row(run, &read, watch)
+            sweep.rows(&batch, &read, watch)
         })?;
-        row.map_err(refused)
+        made.map(|made| made.rows).map_err(refused)
     }
 
     /// Ends the runs that are under way.

@@ -40,11 +40,11 @@ pub fn check() -> Tally {
 }
 
 /// What may be asked of the package.
-const TASKS: &str = "test, measure, or policies [STEPS [SEED...]]";
+const TASKS: &str = "test, measure [WHAT...], or policies [STEPS [SEED...]]";
 
-/// Builds the extension and the program.
+/// Builds the extension and, as a test of the program needs it, the program.
 const BUILD: [&str; 8] =
-    ["test", "--release", "--workspace", "--no-run", "--test", "library", "--bin", "wingbeat"];
+    ["test", "--release", "--workspace", "--no-run", "--test", "library", "--test", "cli"];
 
 /// What the package is tested with.
 fn requirements() -> PathBuf {
@@ -76,7 +76,7 @@ pub fn task(arguments: &[String]) -> bool {
     let mut run = Command::new(python);
     run.arg(tools::root().join(CRATE).join("heavy").join(script));
     match script {
-        "measure.py" => run.arg(wheel),
+        "measure.py" => run.arg(wheel).args(&arguments[1..]),
         _ if arguments.len() > 1 => run.args(&arguments[1..]),
         _ => run.arg("1000000"),
     };

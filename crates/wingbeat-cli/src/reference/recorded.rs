@@ -207,7 +207,7 @@ fn columns_of_sweeps_are_in_the_reference() {
 fn columns_of_searches_are_in_the_reference() {
     let search = "trim.search={goal='power', limits={}, vary=[{key='trim.speed_m_s', low=3.0, high=4.0}]}";
     let scenario = Scenario::load(&root().join("scenarios/cruise_20g.toml"), &[search.to_owned()]).unwrap();
-    let search = scenario.gait_search().unwrap().unwrap().unwrap();
+    let search = scenario.gait_search().unwrap().unwrap();
     let mut met = Met::default();
     met.see(STARTS, &search.columns(), &["trim.speed_m_s".to_owned()]);
     met.all_of(STARTS);

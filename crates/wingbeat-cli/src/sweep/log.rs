@@ -64,6 +64,11 @@ impl Log {
     }
 
     /// The rows in the order of their flights.
+    pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        self.rows.values().map(Vec::as_slice)
+    }
+
+    /// The same as a table.
     pub fn record(&self, columns: Vec<Column>) -> Result<Record, Error> {
         let mut record = Record::new(columns, self.len())?;
         self.rows.values().for_each(|row| record.append(row));

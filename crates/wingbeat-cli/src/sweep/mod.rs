@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use indicatif::ProgressBar;
 use wingbeat::parallel;
-use wingbeat::scenario::{Sweep, SweepOf};
+use wingbeat::scenario::{Sweep, SweepOf, SweepRows};
 use wingbeat::simulate::Record;
 use wingbeat_io::{write_csv, write_parquet};
 
@@ -38,12 +38,12 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     tables.keep(&folder)?;
     let mut log = Log::open(&folder.file(&format!("{}.log", noun(&sweep))), |row| sweep.has_row(row))?;
     let work = Work { sweep: &sweep, tables: &tables, interrupt: &interrupt };
-    work.all(&mut log, options.quiet)?;
+    let stepped = work.all(&mut log, options.quiet)?;
     let record = log.record(sweep.columns())?;
     log.remove()?;
     write_csv(&folder.file(&format!("{}.csv", noun(&sweep))), &record)?;
     write_parquet(&folder.file("record.parquet"), &record)?;
-    let said = summary(&folder, &sweep, &record)?;
+    let said = summary(&folder, &sweep, &record)? + &stepped.told();
     draw(&folder, &sweep, &record)?;
     let path = folder.finish(&Manifest::new(sweep.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
@@ -67,34 +67,59 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// Makes the runs that are not in the log, on all cores.
-    fn all(&self, log: &mut Log, quiet: bool) -> Result<(), Error> {
+    fn all(&self, log: &mut Log, quiet: bool) -> Result<Stepped, Error> {
         let all = self.sweep.runs();
         let todo: Vec<usize> = (0..all).filter(|run| !log.has(*run)).collect();
         let progress = progress(noun(self.sweep), all, log.len(), quiet);
+        let mut stepped = Stepped { lanes: self.sweep.spec.lanes, runs: 0, groups: 0 };
         let mut outcome = Ok(());
         parallel::each(
-            &todo,
-            |_, run| self.one(*run),
-            |_, row| match row.and_then(|row| row.map(|row| log.append(&row)).transpose()) {
-                Ok(Some(())) => {
-                    progress.inc(1);
-                    ControlFlow::Continue(())
-                }
-                stopped => {
-                    outcome = stopped.map(drop);
-                    ControlFlow::Break(())
+            &self.sweep.batches(todo),
+            |_, batch| self.rows(batch),
+            |_, made| {
+                let kept = made.and_then(|SweepRows { rows, groups }| {
+                    rows.iter().try_for_each(|row| log.append(row))?;
+                    progress.inc(rows.len() as u64);
+                    stepped.runs += rows.len();
+                    stepped.groups += groups;
+                    Ok(!rows.is_empty())
+                });
+                match kept {
+                    Ok(true) => ControlFlow::Continue(()),
+                    stopped => {
+                        outcome = stopped.map(drop);
+                        ControlFlow::Break(())
+                    }
                 }
             },
         );
         outcome?;
         progress.finish_and_clear();
         let done = log.len();
-        if done < all { Err(Error::Paused { done, all }) } else { Ok(()) }
+        if done < all { Err(Error::Paused { done, all }) } else { Ok(stepped) }
     }
 
-    /// The row of a run; none when it was interrupted.
-    fn one(&self, run: usize) -> Result<Option<Vec<f64>>, Error> {
-        Ok(self.sweep.row(run, &|path| self.tables.read(path), || self.interrupt.flow())?)
+    /// The rows of a batch of runs; none when it was interrupted.
+    fn rows(&self, batch: &[usize]) -> Result<SweepRows, Error> {
+        Ok(self.sweep.rows(batch, &|path| self.tables.read(path), || self.interrupt.flow())?)
+    }
+}
+
+/// How the flights were stepped that were made now.
+struct Stepped {
+    lanes: bool,
+    runs: usize,
+    groups: usize,
+}
+
+impl Stepped {
+    /// In words, where lanes were asked for.
+    fn told(&self) -> String {
+        if !self.lanes || self.groups == 0 {
+            return String::new();
+        }
+        let filled = self.runs as f64 / self.groups as f64;
+        format!("{} flights in lanes: on average {filled:.1} side by side\n", self.runs)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The search of gaits of `wingbeat trim`.
 
-use wingbeat::scenario::{GaitSearch, Scenario, SearchSummary, Trimmed};
+use wingbeat::scenario::{GaitSearch, SearchSummary, Searched};
 use wingbeat_io::{write_csv, write_parquet};
 
 use crate::error::Error;
@@ -10,47 +10,38 @@ use crate::run_folder::RunFolder;
 use crate::say;
 use crate::sweep::log::Log;
 
-/// Searches from the starts that are left and writes their table; the scenario of the best gait, on its orbit.
+/// Searches from the starts that are left and writes their table.
 pub fn searched(
     search: &GaitSearch,
     folder: &RunFolder,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<(Scenario, SearchSummary), Error> {
+) -> Result<Searched, Error> {
     let all = search.starts();
     let mut log = Log::open(&folder.file("starts.log"), |row| search.has_row(row))?;
     let bar = progress::bar(Some(all as u64), "start {pos} of {len}  {msg}", quiet);
     bar.set_position(log.len() as u64);
-    for start in (0..all).filter(|start| !log.has(*start)).collect::<Vec<_>>() {
-        let row = search.row(start, &mut |at| {
-            let missed = if at.violation > 0.0 {
-                format!(", limits missed by {:.4}", at.violation)
-            } else {
-                String::new()
-            };
-            let (power, frequency) = (at.power_w_kg, at.frequency_hz);
-            bar.set_message(format!(
-                "iteration {}: {power:.2} W/kg, {frequency:.3} Hz{missed}",
-                at.iteration
-            ));
-            interrupt.flow()
-        });
-        match row {
-            Some(row) => log.append(&row)?,
-            None if interrupt.flow().is_break() => return Err(Error::Paused { done: log.len(), all }),
-            None => return Err(Error::Input(format!("trim.search: start {start} has no orbit"))),
-        }
+    let done: Vec<Vec<f64>> = log.rows().map(<[f64]>::to_vec).collect();
+    let mut keep = |row: &[f64]| {
         bar.inc(1);
-    }
+        log.append(row)
+    };
+    let searched = search.all(done, &mut keep, &mut |at| {
+        let missed = if at.violation > 0.0 {
+            format!(", limits missed by {:.4}", at.violation)
+        } else {
+            String::new()
+        };
+        let (power, frequency) = (at.power_w_kg, at.frequency_hz);
+        bar.set_message(format!("iteration {}: {power:.2} W/kg, {frequency:.3} Hz{missed}", at.iteration));
+        interrupt.flow()
+    })?;
+    let searched = searched.ok_or(Error::Paused { done: log.len(), all })?;
     bar.finish_and_clear();
-    let record = log.record(search.columns())?;
-    let (best, summary) =
-        search.best(&record).map_err(|reason| Error::Input(format!("trim.search: {reason}")))?;
-    write_csv(&folder.file("starts.csv"), &record)?;
-    write_parquet(&folder.file("starts.parquet"), &record)?;
-    let robot = toml::to_string(&best.spec.robot).map_err(|error| Error::Input(error.to_string()))?;
-    folder.write("robot.toml", &robot)?;
-    match wingbeat_figures::starts(&record) {
+    let record = &searched.starts;
+    write_csv(&folder.file("starts.csv"), record)?;
+    write_parquet(&folder.file("starts.parquet"), record)?;
+    match wingbeat_figures::starts(record) {
         Ok(figure) => {
             if let Err(error) = wingbeat_figures::write(&folder.folder("figures")?, &figure) {
                 say::note(&format!("a figure is left out: {error}"));
@@ -59,20 +50,7 @@ pub fn searched(
         Err(error) => say::note(&format!("a figure is left out: {error}")),
     }
     log.remove()?;
-    Ok((best, summary))
-}
-
-/// Puts what the search came to into the summary of its best gait.
-pub fn add(trimmed: &mut Trimmed, search: SearchSummary) {
-    let summary = &mut trimmed.summary;
-    if search.kept == 0 && summary.reason.is_none() {
-        summary.status = "limits_missed";
-        summary.reason = Some(format!(
-            "no gait keeps to trim.search.limits; the nearest misses one by {:.4} of its scale, {}",
-            search.violation, search.ended
-        ));
-    }
-    summary.search = Some(search);
+    Ok(searched)
 }
 
 /// The search in words.

@@ -8,10 +8,10 @@ use std::time::Duration;
 use crate::{root, scratch};
 
 /// A sweep of short turns.
-fn written(folder: &Path, flights: usize) {
+fn written(folder: &Path, flights: usize, lanes: bool) {
     let scenario = root().join("scenarios/banking_turn.toml");
     let text = format!(
-        "name = \"small\"\nscenario = {:?}\nruns = {flights}\n\
+        "name = \"small\"\nscenario = {:?}\nruns = {flights}\nlanes = {lanes}\n\
          [hold]\nroll_within_deg = 5.0\npitch_within_deg = 10.0\n\
          [[draws]]\nkey = \"mismatch.mass\"\nlow = 0.9\nhigh = 1.1\n\
          [[draws]]\nkey = \"flight.duration_s\"\nlow = 0.3\nhigh = 0.3\n\
@@ -43,11 +43,26 @@ fn interrupt(child: &Child) {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_goes_on_to_the_same_rows() {
-    let folder = scratch("sweep-sweep");
-    written(&folder, 6);
+    let told = goes_on("sweep-sweep", 6, false);
+    assert!(told.contains("of 6 flights") && !told.contains("lanes"), "{told}");
+}
+
+#[cfg(unix)]
+#[test]
+fn flights_in_lanes_go_on_to_the_same_rows_in_other_company() {
+    // Two batches for each of the cores; what is left is made in other company than before.
+    let flights = 8 * std::thread::available_parallelism().map_or(1, usize::from) + 2;
+    let told = goes_on("sweep-lanes", flights, true);
+    assert!(told.contains(&format!("{flights} flights in lanes: on average ")), "{told}");
+}
+
+/// Interrupts a sweep and goes on; what a whole one says.
+#[cfg(unix)]
+fn goes_on(name: &str, count: usize, lanes: bool) -> String {
+    let folder = scratch(name);
+    written(&folder, count, lanes);
     let output = sweep(&folder, "whole");
     assert!(output.status.success(), "{output:?}");
-    assert!(String::from_utf8_lossy(&output.stdout).contains("of 6 flights"));
     for name in ["sweep.toml", "summary.json", "manifest.json", "record.parquet", "figures/robustness.png"] {
         assert!(folder.join("whole").join(name).exists(), "{name}");
     }
@@ -68,12 +83,13 @@ fn an_interrupted_sweep_goes_on_to_the_same_rows() {
     for row in done.lines() {
         assert!(flights(&folder, "parts").contains(row), "{row} was flown again");
     }
+    String::from_utf8(output.stdout).unwrap()
 }
 
 #[test]
 fn a_bad_sweep_is_one_message() {
     let folder = scratch("sweep-bad_sweep");
-    written(&folder, 0);
+    written(&folder, 0, false);
     let output = sweep(&folder, "out");
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2));

@@ -34,7 +34,7 @@ class Controller(Protocol):
 class Told:
     """What every run tells."""
 
-    summary: dict[str, Any]
+    summary: dict[str, Any] = field(repr=False)
     """What the program writes as ``summary.json``."""
 
     @property
@@ -87,7 +87,7 @@ class Moved(Recorded):
 
 @dataclass(frozen=True, kw_only=True)
 class Trimmed(Told):
-    """A periodic flight; its status is ``ok`` or ``not_found``."""
+    """A periodic flight; its status is ``ok`` or ``not_found``, of a search of gaits also ``limits_missed``."""
 
     record: Record | None
     """The cycle; none where no orbit was found."""
@@ -95,8 +95,10 @@ class Trimmed(Told):
     """Floquet multipliers."""
     family: Record | None
     """Orbits along the parameter of ``[trim.family]``."""
+    starts: Record | None
+    """What the search of ``[trim.search]`` came to from each of its starts."""
     files: dict[str, str] = field(repr=False)
-    """``orbit.toml``, a scenario on the orbit, as TOML."""
+    """``orbit.toml``, a scenario on the orbit, as TOML; of a search also ``robot.toml``, the robot with its gait."""
 
     def plot(self, names: str | Sequence[str] | None = None) -> Figure:
         """See :meth:`Record.plot`."""
@@ -218,14 +220,26 @@ def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Pla
     return Plan(record=_given(record), summary=json.loads(summary), files=dict(files))
 
 
-def trim(scenario: Scenario | Source, overrides: Overrides | None = None) -> Trimmed:
-    """Finds the flight that the robot repeats every cycle, as the scenario's ``[trim]`` says."""
+def trim(
+    scenario: Scenario | Source,
+    overrides: Overrides | None = None,
+    *,
+    progress: Callable[[dict[str, float]], object] | None = None,
+) -> Trimmed:
+    """Finds the flight that the robot repeats every cycle, as the scenario's ``[trim]`` says; with ``[trim.search]`` that of the
+    best gait.
+
+    ``progress`` hears of every iteration, a true answer ends the search: of a gait ``start``, ``iteration``, ``power_w_kg``,
+    ``frequency_hz`` and ``violation`` (the worst limit missed, in its scale), of an orbit ``orbits``, ``iteration`` and
+    ``residual``.
+    """
     native = scenario_of(scenario, overrides)._native
-    record, multipliers, family, summary, files = _wingbeat.trim(native)
+    record, multipliers, family, starts, summary, files = _wingbeat.trim(native, progress)
     return Trimmed(
         record=_given(record),
         multipliers=_given(multipliers),
         family=_given(family),
+        starts=_given(starts),
         summary=json.loads(summary),
         files=dict(files),
     )

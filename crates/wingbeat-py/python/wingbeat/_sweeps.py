@@ -33,12 +33,12 @@ def _checked(text: str) -> _wingbeat.Sweep:
     return _wingbeat.Sweep(_wingbeat.Document.text("sweep", text))
 
 
-def make_run(text: str, run: int) -> Row:
-    """A run of the sweep that ``text`` holds: the same row wherever it is made."""
-    row = _checked(text).row(run)
-    if row is None:
-        raise RuntimeError(f"run {run} was stopped")
-    return row
+def make_runs(text: str, batch: list[int]) -> list[Row]:
+    """Runs of the sweep that ``text`` holds: the same rows wherever they are made."""
+    rows = _checked(text).rows(batch)
+    if len(rows) < len(batch):
+        raise RuntimeError(f"runs {batch} were stopped")
+    return rows
 
 
 class _Log:
@@ -114,7 +114,7 @@ def sweep(
     else:
         identity.write_text(text)
     log = _Log(folder, native)
-    todo = iter([run for run in range(native.runs) if run not in log.rows])
+    todo = iter(native.batches([run for run in range(native.runs) if run not in log.rows]))
     try:
         rows = _local(native, todo, cores) if engine == "local" else _dask(text, todo, cores, address)
         for row in rows:
@@ -129,18 +129,16 @@ def sweep(
     return record
 
 
-def _local(native: _wingbeat.Sweep, todo: Iterator[int], cores: int | None) -> Iterator[Row]:
+def _local(native: _wingbeat.Sweep, todo: Iterator[list[int]], cores: int | None) -> Iterator[Row]:
     """Rows as they are done, on threads: the library leaves the interpreter to others."""
     pool = ThreadPoolExecutor(cores or os.cpu_count() or 1, thread_name_prefix="wingbeat")
     try:
-        pending = {pool.submit(native.row, run) for run in islice(todo, WINDOW)}
+        pending = {pool.submit(native.rows, batch) for batch in islice(todo, WINDOW)}
         while pending:
             done = next(as_completed(pending))
             pending.remove(done)
-            row = done.result()
-            if row is not None:
-                yield row
-            pending |= {pool.submit(native.row, run) for run in islice(todo, 1)}
+            yield from done.result()
+            pending |= {pool.submit(native.rows, batch) for batch in islice(todo, 1)}
     except BaseException:
         native.stop()
         raise
@@ -165,19 +163,19 @@ def _client(cores: int | None, address: str | None) -> Iterator[Client]:
         yield client
 
 
-def _dask(text: str, todo: Iterator[int], cores: int | None, address: str | None) -> Iterator[Row]:
+def _dask(text: str, todo: Iterator[list[int]], cores: int | None, address: str | None) -> Iterator[Row]:
     """Rows as they are done by the workers; what a killed worker had is made by another one."""
     from distributed import as_completed as as_told
 
     with _client(cores, address) as client:
         [shared] = client.scatter([text], broadcast=True)
 
-        def submit(run: int) -> Any:
-            return client.submit(make_run, shared, run, pure=False, retries=0)
+        def submit(batch: list[int]) -> Any:
+            return client.submit(make_runs, shared, batch, pure=False, retries=0)
 
-        futures = as_told([submit(run) for run in islice(todo, WINDOW)], with_results=True)
-        for future, row in futures:
+        futures = as_told([submit(batch) for batch in islice(todo, WINDOW)], with_results=True)
+        for future, rows in futures:
             future.release()
-            yield row
-            for run in islice(todo, 1):
-                futures.add(submit(run))
+            yield from rows
+            for batch in islice(todo, 1):
+                futures.add(submit(batch))

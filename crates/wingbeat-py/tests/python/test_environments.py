@@ -31,6 +31,25 @@ def test_gymnasium_finds_nothing_wrong():
         check_env(make(render_mode="rgb_array").unwrapped)
 
 
+def test_vectors_keep_to_their_spaces():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        robots = make_vec(3)
+        robots.action_space.seed(5)
+        assert robots.single_action_space == make().action_space
+        assert robots.action_space.dtype == np.float32
+        seen, info = robots.reset(seed=7)
+        assert seen in robots.observation_space and info == {}
+        for _ in range(45):
+            given = robots.action_space.sample()
+            seen, rewards, terminated, truncated, info = robots.step(given)
+            assert seen in robots.observation_space
+            assert rewards.shape == terminated.shape == truncated.shape == (3,)
+            assert rewards.dtype == np.float64 and terminated.dtype == truncated.dtype == np.bool_
+            assert {terms.shape for terms in info["reward_terms"].values()} == {(3,)}
+        robots.close()
+
+
 def test_observations_are_described_and_within_their_limits():
     environment = make().unwrapped
     names = [column.name for column in environment.observation]

@@ -40,12 +40,13 @@ def test_examples_run(example, tmp_path):
 
 
 def test_importing_is_quick():
-    code = "import time; t, c = time.perf_counter(), time.process_time(); import wingbeat; "
-    code += "print(time.perf_counter() - t, time.process_time() - c)"
+    code = "import time; t, c = time.perf_counter(), time.thread_time(); import wingbeat; "
+    code += "print(time.perf_counter() - t, time.thread_time() - c)"
     runs = [subprocess.check_output([sys.executable, "-c", code], text=True).split() for _ in range(5)]
     wall, processor = (min(map(float, times)) for times in zip(*runs, strict=True))
     print(f"import: {wall:.3f} s, {processor:.3f} s of the processor")
-    # The processor's time: that of the clock grows with what else runs.
+    # The processor's time: that of the clock grows with what else runs; of the thread that imports, as the threads of NumPy's BLAS
+    # spin while they wait.
     assert processor < 0.3
 
 

@@ -75,6 +75,40 @@ def test_a_periodic_flight_is_the_programs(program, tmp_path):
     assert on_orbit.mass_kg == pytest.approx(0.02, rel=0.05)
 
 
+def test_a_search_of_gaits_is_the_programs_and_tells_how_far_it_is(program, tmp_path):
+    scenario = ROOT / "scenarios/cruise_20g.toml"
+    search = {
+        "goal": "power",
+        "limits": {"frequency_hz": 6.2},
+        "iterations": 2,
+        "starts": 2,
+        "vary": [{"key": "trim.speed_m_s", "low": 3.4, "high": 4.4}],
+    }
+    keys = {"trim.step_s": 1e-3, "trim.search": search}
+    wingbeat.Scenario(scenario, keys)
+    told = []
+    trimmed = wingbeat.trim(scenario, keys, progress=told.append)
+    assert trimmed.summary["search"]["starts"] == 2 and trimmed.starts.rows == 2
+    assert {at["start"] for at in told if "start" in at} == {0.0, 1.0}
+    assert {"power_w_kg", "frequency_hz", "violation", "iteration"} < set(told[0]) and "residual" in told[-1]
+    (tmp_path / "search.toml").write_text(wingbeat.Scenario(scenario, keys).toml)
+    done = program("trim", tmp_path / "search.toml", "--quiet", "--out", tmp_path / "gait")
+    assert done.returncode == 0, done.stderr
+    trimmed.starts.write(tmp_path / "starts.parquet")
+    assert (tmp_path / "starts.parquet").read_bytes() == (tmp_path / "gait/starts.parquet").read_bytes()
+    for name in ("orbit.toml", "robot.toml"):
+        assert trimmed.files[name] == (tmp_path / "gait" / name).read_text()
+
+    ended = wingbeat.trim(scenario, keys, progress=lambda at: at["iteration"] == 1)
+    assert ended.status == "not_found" and ended.starts is None and ended.files == {}
+
+    def fails(at):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        wingbeat.trim(scenario, keys, progress=fails)
+
+
 def test_numbers_of_numpy_are_taken(turn):
     keys = {"start.roll_deg": np.float64(2.5), "start.velocity_m_s": np.array([1.0, 0.0, 0.25]), "seed": np.int64(3)}
     plain = {"start.roll_deg": 2.5, "start.velocity_m_s": [1.0, 0.0, 0.25], "seed": 3}

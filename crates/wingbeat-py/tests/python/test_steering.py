@@ -124,6 +124,8 @@ try:
         wingbeat.fly(wingbeat.shipped("scenarios/banking_turn.toml"), {"aero.preset": "full"})
     elif what == "plan":
         wingbeat.plan(wingbeat.shipped("scenarios/roll_in.toml"))
+    elif what == "search":
+        wingbeat.trim(wingbeat.shipped("scenarios/gait_search_beta.toml"))
     elif what == "step":
         wingbeat.Stepper(wingbeat.shipped("scenarios/banking_turn.toml")).step(1e-4, 10_000_000)
     print("done")
@@ -132,7 +134,7 @@ except KeyboardInterrupt:
 """
 
 
-@pytest.mark.parametrize("what", ["fly", "plan", "step"])
+@pytest.mark.parametrize("what", ["fly", "plan", "search", "step"])
 def test_ctrl_c_ends_work_at_once(what):
     command = [sys.executable, "-c", INTERRUPTED, what]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:

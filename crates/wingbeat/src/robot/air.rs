@@ -1,6 +1,6 @@
 //! The air the robot flies in: density, mean wind and gusts.
 
-use crate::math::{Random, Scalar, Vec3};
+use crate::math::{Lanes, Meets, Random, Scalar, Vec3};
 use std::f64::consts::TAU;
 
 /// The air.
@@ -14,45 +14,45 @@ pub struct Air {
 
 /// Velocity of the air over time, the same everywhere.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wind {
-    mean: Vec3,
-    waves: Vec<Wave>,
-    pulses: Vec<Pulse>,
+pub struct Wind<P: Scalar = f64> {
+    mean: Vec3<P>,
+    waves: Vec<Wave<P>>,
+    pulses: Vec<Pulse<P>>,
 }
 
 /// One gust at a stated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pulse {
+pub struct Pulse<P: Scalar = f64> {
     /// Begin, s.
-    pub start: f64,
+    pub start: P,
     /// From begin to end, s.
-    pub duration: f64,
+    pub duration: P,
     /// Velocity in its middle, m/s in W.
-    pub velocity: Vec3,
+    pub velocity: Vec3<P>,
 }
 
-impl Pulse {
+impl<P: Scalar> Pulse<P> {
     /// Share of the velocity at the time `t`, and its rate, 1/s; zero before and after.
     ///
     /// Equation: robot.pulse
-    fn share<S: Scalar>(&self, t: S) -> (S, S) {
+    fn share<S: Scalar + Meets<P>>(&self, t: S) -> (S, S) {
         let since = t - self.start;
-        let rate = TAU / self.duration;
+        let rate = P::from(TAU) / self.duration;
         let (s, c) = (since * rate).sin_cos();
         let during = |x| {
             let begun = S::ZERO.if_below(since, x, S::ZERO);
-            since.if_below(S::from(self.duration), begun, S::ZERO)
+            since.if_below(<S as From<P>>::from(self.duration), begun, S::ZERO)
         };
-        (during((-c + 1.0) * 0.5), during(s * (0.5 * rate)))
+        (during((-c + 1.0) * 0.5), during(s * (rate * 0.5)))
     }
 }
 
 /// One sinusoid of a gust: v_i = amplitude_i sin(rate t + phase_i).
 #[derive(Clone, Debug, PartialEq)]
-struct Wave {
-    amplitude: f64,
+struct Wave<P: Scalar> {
+    amplitude: P,
     rate: f64,
-    phase: [f64; 3],
+    phase: [P; 3],
 }
 
 /// Frequencies of a gust, Hz: slow against the flapping, so that the air may
@@ -93,15 +93,64 @@ impl Wind {
         self
     }
 
+    /// Whether both are made of as many waves and gusts, so that they can blow in lanes side by side.
+    pub(super) fn fits_beside(&self, other: &Self) -> bool {
+        self.waves.len() == other.waves.len() && self.pulses.len() == other.pulses.len()
+    }
+
+    /// Winds that fit side by side, each in a lane; the lanes that are left over repeat the last.
+    ///
+    /// # Panics
+    /// When there is none.
+    pub(super) fn side_by_side<S: Lanes>(winds: &[&Self]) -> Wind<S> {
+        let last = winds.len() - 1;
+        let each = |number: &dyn Fn(&Self) -> f64| S::of(|lane| number(winds[lane.min(last)]));
+        let vector = |of: &dyn Fn(&Self) -> Vec3| Vec3(std::array::from_fn(|i| each(&|wind| of(wind)[i])));
+        let wave = |k: usize| Wave {
+            amplitude: each(&|wind| wind.waves[k].amplitude),
+            rate: winds[0].waves[k].rate,
+            phase: std::array::from_fn(|i| each(&|wind| wind.waves[k].phase[i])),
+        };
+        let pulse = |k: usize| Pulse {
+            start: each(&|wind| wind.pulses[k].start),
+            duration: each(&|wind| wind.pulses[k].duration),
+            velocity: vector(&|wind| wind.pulses[k].velocity),
+        };
+        Wind {
+            mean: vector(&|wind| wind.mean),
+            waves: (0..winds[0].waves.len()).map(wave).collect(),
+            pulses: (0..winds[0].pulses.len()).map(pulse).collect(),
+        }
+    }
+}
+
+impl<P: Scalar> Wind<P> {
     /// The wind without its gust, m/s in W.
-    pub fn mean(&self) -> Vec3 {
+    pub fn mean(&self) -> Vec3<P> {
         self.mean
+    }
+
+    /// The same wind in another type, `f` of each number.
+    pub(super) fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> Wind<Q> {
+        let vector = |v: Vec3<P>| Vec3(v.0.map(f));
+        let wave =
+            |wave: &Wave<P>| Wave { amplitude: f(wave.amplitude), rate: wave.rate, phase: wave.phase.map(f) };
+        let pulse = |pulse: &Pulse<P>| Pulse {
+            start: f(pulse.start),
+            duration: f(pulse.duration),
+            velocity: vector(pulse.velocity),
+        };
+        Wind {
+            mean: vector(self.mean),
+            waves: self.waves.iter().map(wave).collect(),
+            pulses: self.pulses.iter().map(pulse).collect(),
+        }
     }
 
     /// Velocity (m/s) and acceleration (m/s2) of the air in W at the time `t`, s.
     #[inline]
-    pub fn at<S: Scalar>(&self, t: S) -> (Vec3<S>, Vec3<S>) {
-        let (mut velocity, mut acceleration) = (Vec3::constant(self.mean), Vec3::ZERO);
+    pub fn at<S: Scalar + Meets<P>>(&self, t: S) -> (Vec3<S>, Vec3<S>) {
+        let (mut velocity, mut acceleration) = (self.mean.met(), Vec3::ZERO);
         for wave in &self.waves {
             for i in 0..3 {
                 let (s, c) = (t * wave.rate + wave.phase[i]).sin_cos();

@@ -280,7 +280,7 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// Velocity and acceleration of the air, resolved in B.
-    pub(super) fn wind<S: Scalar>(&self, t: S, attitude: Mat3<S>) -> (Vec3<S>, Vec3<S>) {
+    pub(super) fn wind<S: Scalar + Meets<P>>(&self, t: S, attitude: Mat3<S>) -> (Vec3<S>, Vec3<S>) {
         let (velocity, acceleration) = self.wind.at(t);
         (attitude.transpose_mul(velocity), attitude.transpose_mul(acceleration))
     }

@@ -8,6 +8,7 @@ mod clearance;
 mod drive;
 mod dynamics;
 mod joints;
+mod lanes;
 mod mechanism;
 mod mirror;
 mod numbers;
@@ -98,7 +99,7 @@ pub struct Robot<P: Scalar = f64> {
     drag_area: Vec3<P>,
     /// Of the air that the body's drag takes, kg/m3.
     density: P,
-    wind: Wind,
+    wind: Wind<P>,
     layout: Layout,
     states: Vec<Channel>,
     inputs: Vec<Channel>,

@@ -83,7 +83,7 @@ pub struct Numbers<P: Scalar = f64> {
 
 impl<P: Scalar> Numbers<P> {
     /// The same numbers in another type, `f` of each.
-    fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> Numbers<Q> {
+    pub(super) fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> Numbers<Q> {
         let vector = |v: Vec3<P>| Vec3(v.0.map(f));
         let body = |b: &BodyNumbers<P>| BodyNumbers {
             mass: f(b.mass),
@@ -261,7 +261,7 @@ impl Robot {
             carriers: self.carriers.clone(),
             drag_area: numbers.drag_area,
             density: numbers.density,
-            wind: self.wind.clone(),
+            wind: self.wind.map(P::from),
             layout: self.layout,
             states: self.states.clone(),
             inputs: self.inputs.clone(),

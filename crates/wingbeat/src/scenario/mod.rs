@@ -24,6 +24,7 @@ mod rig_truth;
 #[cfg(feature = "schema")]
 mod schema;
 mod shared;
+mod side_by_side;
 mod spec;
 mod step_error;
 mod summary;
@@ -61,6 +62,7 @@ pub use spec::{
 };
 pub use summary::{ControllerSummary, FlightStatus, Summary};
 pub use sweep::{Draw, Hold, Sampling, Sweep, SweepOf, SweepSpec};
+pub use sweep_row::SweepRows;
 pub use tether::{TetherCase, TetherSummary};
 pub use tether_compare::{CompareSpec, Compared, Comparison};
 pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
@@ -70,7 +72,7 @@ pub use tether_spec::{
 };
 pub use trim::{
     Along, Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, SearchProgress, SearchSpec,
-    SearchSummary, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
+    SearchSummary, Searched, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
 };
 
 use crate::Error;

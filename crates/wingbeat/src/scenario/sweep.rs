@@ -48,11 +48,20 @@ pub struct SweepSpec {
     /// Seed of the draws; flight `i` flies with the seed `seed + i`.
     #[serde(default)]
     pub seed: u64,
+    /// Steps four flights at once in the lanes of vector registers; their rows differ by rounding from those without. Flights
+    /// can be stepped beside others that differ in `[air]`, `[start]`, `[mismatch]`, `[sensors]`, `[controller]`, the numbers
+    /// of `[robot.body]`, `robot.numbers` and the gait's frequency; where anything else is drawn lanes stand empty.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub lanes: bool,
     /// Keys of the scenario or case and the ranges they are drawn from.
     pub draws: Vec<Draw>,
     /// What counts as held; of flights.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<Hold>,
+}
+
+fn is_false(truth: &bool) -> bool {
+    !truth
 }
 
 /// How the values of a sweep are drawn.
@@ -401,6 +410,9 @@ impl SweepSpec {
             (Some(_), None, Some(hold)) => {
                 hold.check().map_err(|e| e.within("hold"))?;
                 Ok(SweepOf::Flights(hold))
+            }
+            (None, Some(_), None) if self.lanes => {
+                Err(Error::invalid("lanes", true, "false of a case: flights alone are stepped side by side"))
             }
             (None, Some(_), None) => Ok(SweepOf::Cases),
             (Some(_), None, None) => Err(Error::invalid("hold", "none", "what counts as held, of flights")),

@@ -1,6 +1,7 @@
 //! What is kept of each run of a sweep.
 
-use super::{ConfigError, Hold, ReadTable, Summary, Sweep, SweepOf};
+use super::side_by_side::MOST;
+use super::{ConfigError, Hold, ReadTable, Scenario, Summary, Sweep, SweepOf};
 use crate::simulate::{Column, Ending};
 use crate::tether::TetherRun;
 use std::ops::ControlFlow;
@@ -36,6 +37,15 @@ const CASE: [(&str, &str); 9] = [
     ("periodicity", ""),
 ];
 
+/// Rows of a batch of runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepRows {
+    /// One for each run; none where they were stopped.
+    pub rows: Vec<Vec<f64>>,
+    /// Groups in which they were made: of lanes as many as registers were filled.
+    pub groups: usize,
+}
+
 impl SweepOf {
     /// Columns beside the number of a run and its draws, with their units.
     pub fn measures(self) -> &'static [(&'static str, &'static str)] {
@@ -54,26 +64,84 @@ impl Sweep {
         std::iter::once(Column::new("run", "", "")).chain(draws).chain(measures).collect()
     }
 
-    /// Makes run `run`: a pure function of the sweep and the number. `watch` may stop it; then there is no row.
+    /// The runs `todo` in the company in which they are made: one by one, or with `lanes` as many as are stepped at once,
+    /// alike in what is drawn from lists.
+    pub fn batches(&self, mut todo: Vec<usize>) -> Vec<Vec<usize>> {
+        if !self.spec.lanes {
+            return todo.into_iter().map(|run| vec![run]).collect();
+        }
+        let listed = |run: usize| -> Vec<u64> {
+            let values = self.spec.draws.iter().zip(self.values(run));
+            values.filter(|(draw, _)| !draw.values.is_empty()).map(|(_, value)| value.to_bits()).collect()
+        };
+        todo.sort_by_cached_key(|run| listed(*run));
+        let alike = todo.chunk_by(|a, b| listed(*a) == listed(*b));
+        alike.flat_map(|runs| runs.chunks(MOST)).map(<[usize]>::to_vec).collect()
+    }
+
+    /// Makes the runs of a batch: each row is a pure function of the sweep and its number, whatever is made beside it. `watch`
+    /// may stop them; then there are no rows.
     ///
     /// # Errors
     /// A drawn key that the scenario or case does not know, or refuses.
-    pub fn row(
+    pub fn rows(
         &self,
-        run: usize,
+        batch: &[usize],
         read: ReadTable,
         watch: impl Fn() -> ControlFlow<()>,
-    ) -> Result<Option<Vec<f64>>, ConfigError> {
-        let measures: Vec<f64> = match self.of {
+    ) -> Result<SweepRows, ConfigError> {
+        let (measures, groups) = match self.of {
             SweepOf::Flights(hold) => {
-                let mut scenario = self.scenario(run)?;
-                self.shared.give(&mut scenario);
-                let flown = scenario.fly(|_| watch()).map_err(|error| scenario.explain(&error))?;
-                flight(&flown.summary, hold).into()
+                let mut scenarios =
+                    batch.iter().map(|run| self.scenario(*run)).collect::<Result<Vec<_>, _>>()?;
+                scenarios.iter_mut().for_each(|scenario| self.shared.give(scenario));
+                let (summaries, groups) = self.flown(&scenarios, &watch)?;
+                let of = |summary: &Summary| Vec::from(flight(summary, hold));
+                (summaries.iter().map(of).collect::<Vec<_>>(), groups)
             }
-            SweepOf::Cases => case(&self.case(run, read)?.tether.run(|_| watch())).into(),
+            SweepOf::Cases => {
+                let of = |run: &usize| Ok(Vec::from(case(&self.case(*run, read)?.tether.run(|_| watch()))));
+                (batch.iter().map(of).collect::<Result<_, ConfigError>>()?, batch.len())
+            }
         };
-        Ok(watch().is_continue().then(|| [vec![run as f64], self.values(run), measures].concat()))
+        if watch().is_break() {
+            return Ok(SweepRows { rows: Vec::new(), groups: 0 });
+        }
+        let row =
+            |(run, measures): (&usize, Vec<f64>)| [vec![*run as f64], self.values(*run), measures].concat();
+        Ok(SweepRows { rows: batch.iter().zip(measures).map(row).collect(), groups })
+    }
+
+    /// Flies scenarios one by one, or with `lanes` those at once that fit side by side; the number of groups.
+    fn flown(
+        &self,
+        scenarios: &[Scenario],
+        watch: &impl Fn() -> ControlFlow<()>,
+    ) -> Result<(Vec<Summary>, usize), ConfigError> {
+        if !self.spec.lanes {
+            let fly = |scenario: &Scenario| {
+                let flown = scenario.fly(|_| watch()).map_err(|error| scenario.explain(&error));
+                flown.map(|run| run.summary)
+            };
+            return Ok((scenarios.iter().map(fly).collect::<Result<_, _>>()?, scenarios.len()));
+        }
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for (number, scenario) in scenarios.iter().enumerate() {
+            let fits =
+                |group: &&mut Vec<usize>| group.len() < MOST && scenarios[group[0]].fits_beside(scenario);
+            match groups.iter_mut().find(fits) {
+                Some(group) => group.push(number),
+                None => groups.push(vec![number]),
+            }
+        }
+        let mut summaries: Vec<Option<Summary>> = scenarios.iter().map(|_| None).collect();
+        for group in &groups {
+            let members: Vec<&Scenario> = group.iter().map(|number| &scenarios[*number]).collect();
+            for (number, summary) in group.iter().zip(Scenario::fly_side_by_side(&members, watch)?) {
+                summaries[*number] = Some(summary);
+            }
+        }
+        Ok((summaries.into_iter().flatten().collect(), groups.len()))
     }
 
     /// Whether `row` is that of a run of the sweep: its number and its draws.

@@ -118,34 +118,16 @@ pub fn fly<P: Plant, C: Controller>(
     x: &mut [f64],
     observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 ) -> Flight {
-    let updates = schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1);
-    let mut pilot = Pilot {
-        plant,
-        sensors,
-        controller,
-        schedule,
-        observe,
-        start: Instant::now(),
-        updates: Vec::with_capacity(updates),
-        failures: 0,
-        late: 0,
-    };
+    let mut pilot = Pilot::new(plant, sensors, controller, schedule, observe);
     let mut stepper = Stepper::new(plant, 0.0, x);
     let ending = stepper.run(schedule.step, schedule.steps, &mut pilot);
     x.copy_from_slice(stepper.state());
-    Flight {
-        ending,
-        duration: stepper.time(),
-        wall: pilot.start.elapsed(),
-        updates: pilot.updates,
-        failures: pilot.failures,
-        late: pilot.late,
-    }
+    pilot.flight(ending, stepper.time())
 }
 
 /// A controller behind its sensors at the stepper's wheel.
-struct Pilot<'a, P, C, O> {
-    plant: &'a P,
+pub(super) struct Pilot<'a, P, C, O> {
+    pub plant: &'a P,
     sensors: &'a mut Sensors,
     controller: &'a mut C,
     schedule: &'a Schedule,
@@ -154,6 +136,42 @@ struct Pilot<'a, P, C, O> {
     updates: Vec<Duration>,
     failures: usize,
     late: usize,
+}
+
+impl<'a, P, C, O> Pilot<'a, P, C, O> {
+    /// At the wheel from now on.
+    pub fn new(
+        plant: &'a P,
+        sensors: &'a mut Sensors,
+        controller: &'a mut C,
+        schedule: &'a Schedule,
+        observe: O,
+    ) -> Self {
+        let updates = schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1);
+        Self {
+            plant,
+            sensors,
+            controller,
+            schedule,
+            observe,
+            start: Instant::now(),
+            updates: Vec::with_capacity(updates),
+            failures: 0,
+            late: 0,
+        }
+    }
+
+    /// The flight that ended so at the time `duration`, s.
+    pub fn flight(self, ending: Ending, duration: f64) -> Flight {
+        Flight {
+            ending,
+            duration,
+            wall: self.start.elapsed(),
+            updates: self.updates,
+            failures: self.failures,
+            late: self.late,
+        }
+    }
 }
 
 impl<P: Plant, C: Controller, O> Driver<()> for Pilot<'_, P, C, O>

@@ -6,6 +6,7 @@ mod fly;
 mod instruments;
 mod record;
 mod sensors;
+mod side_by_side;
 mod stepper;
 mod strips;
 mod system;
@@ -18,6 +19,7 @@ pub use instruments::{
 };
 pub use record::{Column, Record};
 pub use sensors::{Measurement, SensorSpec, Sensors};
+pub use side_by_side::{Seat, fly_side_by_side};
 pub use stepper::{Saved, Stepper};
 pub use strips::{AXES, StripMotion, StripRecorder};
 pub use system::{Driver, Ending, Held, Moment, Observed, Sizes, System};

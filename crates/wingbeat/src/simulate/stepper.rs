@@ -246,7 +246,8 @@ impl<S: System + ?Sized, D: Driver<S::Memory>> Dynamics<f64, Fault> for Run<'_, 
     }
 }
 
-fn finite(x: &[f64], time: f64) -> Result<(), Fault> {
+/// Whether a state can be gone on from.
+pub(super) fn finite(x: &[f64], time: f64) -> Result<(), Fault> {
     match x.iter().position(|v| !v.is_finite()) {
         Some(state) => Err(Fault::NotFinite { state, time }),
         None => Ok(()),

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use wingbeat::scenario::{Scenario, Sweep, SweepOf};
+use wingbeat::scenario::{ConfigError, Scenario, Sweep, SweepOf, TrimProgress};
 use wingbeat::simulate::Record;
 
 fn scenario(overrides: &[&str]) -> Scenario {
@@ -18,10 +18,11 @@ fn a_search_finds_a_gait_that_takes_less_power_within_its_limits() {
                   {key='trim.speed_m_s', low=3.4, high=4.4}, \
                   {key='robot.links[2].driven.harmonics[0].amplitude_rad', low=0.6, high=0.9}]}";
     let faster = ["trim.speed_m_s=4.1", search];
+    let own = scenario(&faster[..1]);
     let scenario = scenario(&faster);
-    let go_on = |_: wingbeat::scenario::TrimProgress| ControlFlow::Continue(());
-    let before = scenario.trim(&mut { go_on }).unwrap().summary.power_w_kg.unwrap();
-    let search = scenario.gait_search().unwrap().unwrap().unwrap();
+    let go_on = |_: TrimProgress| ControlFlow::Continue(());
+    let before = own.trim(&mut { go_on }).unwrap().summary.power_w_kg.unwrap();
+    let search = scenario.gait_search().unwrap().unwrap();
     let row = search.row(0, &mut |_| ControlFlow::Continue(())).unwrap();
     assert!(search.has_row(&row) && search.row(0, &mut |_| ControlFlow::Break(())).is_none());
     let bits = |row: &[f64]| row.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
@@ -35,6 +36,36 @@ fn a_search_finds_a_gait_that_takes_less_power_within_its_limits() {
     assert!(trimmed.frequency_hz.unwrap() < 6.2 + 1e-2 && trimmed.least_clearance_m.unwrap() > 0.0039);
     // A cycle in as many steps as the frequency found asks for, not in those of the first gait.
     assert!((record.values("power_w_kg").unwrap()[0] - found).abs() < 1e-3 * found);
+
+    let mut told = [0; 2];
+    let whole = scenario.trim(&mut |at| {
+        told[usize::from(matches!(at, TrimProgress::Orbit { .. }))] += 1;
+        ControlFlow::Continue(())
+    });
+    let whole = whole.unwrap();
+    assert_eq!(whole.summary.power_w_kg, Some(found));
+    assert_eq!(whole.summary.search.unwrap().values, summary.values);
+    assert_eq!(whole.starts.unwrap().values("objective"), record.values("objective"));
+    assert_eq!(whole.files.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["orbit.toml", "robot.toml"]);
+    assert!(told.iter().all(|count| *count > 0), "{told:?}");
+    let stopped = scenario.trim(&mut |_| ControlFlow::Break(())).unwrap();
+    assert!(stopped.summary.status == "not_found" && stopped.starts.is_none());
+}
+
+#[test]
+fn rows_that_are_there_are_not_made_again() {
+    let search = "trim.search={goal='frequency', limits={}, iterations=1, starts=2, vary=[\
+                  {key='trim.speed_m_s', low=3.4, high=4.4}]}";
+    let scenario = scenario(&[search]);
+    let search = scenario.gait_search().unwrap().unwrap();
+    let first = search.row(0, &mut |_| ControlFlow::Continue(())).unwrap();
+    let mut kept = Vec::new();
+    let mut keep = |row: &[f64]| {
+        kept.push(row[0]);
+        Ok::<(), ConfigError>(())
+    };
+    let searched = search.all(vec![first], &mut keep, &mut |_| ControlFlow::Continue(())).unwrap().unwrap();
+    assert_eq!((kept, searched.starts.rows()), (vec![1.0], 2));
 }
 
 #[test]
@@ -58,7 +89,7 @@ fn flights_of_a_sweep_that_share_their_regulator_are_those_that_make_their_own()
     assert!(matches!(sweep.of, SweepOf::Flights(_)));
     let columns = sweep.columns();
     for run in 0..2 {
-        let row = sweep.row(run, &none, || ControlFlow::Continue(())).unwrap().unwrap();
+        let row = sweep.rows(&[run], &none, || ControlFlow::Continue(())).unwrap().rows.remove(0);
         let alone = sweep.scenario(run).unwrap().fly(|_| ControlFlow::Continue(())).unwrap().summary;
         let at = |name: &str| row[columns.iter().position(|c| c.name == name).unwrap()].to_bits();
         assert_eq!(at("distance_x"), alone.distance_x_m.to_bits());

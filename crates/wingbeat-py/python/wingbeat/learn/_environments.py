@@ -16,6 +16,7 @@ from wingbeat._record import Column
 from wingbeat._runs import Flight, scenario_of
 
 Array: TypeAlias = NDArray[np.float64]
+Actions: TypeAlias = NDArray[np.floating[Any]]
 # Numbers with which robots are stepped: four or eight at once.
 Precision: TypeAlias = Literal["f64", "f32"]
 
@@ -80,7 +81,8 @@ class _Flock:
         low = np.array([column.low for column in self.observation])
         high = np.array([column.high for column in self.observation])
         self.observations = gym.spaces.Box(low, high, dtype=np.float64)
-        self.actions = gym.spaces.Box(-1.0, 1.0, (len(self.action),), dtype=np.float64)
+        # Of single precision, as what learns gives them.
+        self.actions = gym.spaces.Box(-1.0, 1.0, (len(self.action),), dtype=np.float32)
 
     def judged(self, flight: Flight) -> dict[str, Array]:
         """The terms of the reward of a flight at the ends of the steps of an episode."""
@@ -106,7 +108,7 @@ class _Flock:
         return float((options or {}).get("spread", self.spread))
 
 
-class Environment(gym.Env[Array, Array]):
+class Environment(gym.Env[Array, Actions]):
     """One robot under a task.
 
     Actions in [-1, 1] are the inputs from their lower to their upper limits, held for 5 ms. An episode is terminated when the task
@@ -157,7 +159,7 @@ class Environment(gym.Env[Array, Array]):
         self._begun = (chosen, spread)
         return self._flock.native.reset([chosen], spread)[0], {}
 
-    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Actions) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Holds an action for 5 ms."""
         if self._begun is None:
             raise gym.error.ResetNeeded("reset the environment before the first step")
@@ -179,7 +181,7 @@ class Environment(gym.Env[Array, Array]):
         return picture(*self._flock.native.look(0))
 
 
-class VectorEnvironment(VectorEnv[Array, Array, Array]):
+class VectorEnvironment(VectorEnv[Array, Actions, Array]):
     """Robots side by side under a task, stepped by the library on ``threads`` cores (0: all).
 
     Robot ``i`` of ``reset(seed=s)`` is the single environment of the seed ``s + i`` and the same ``precision``, to the bit.
@@ -233,7 +235,7 @@ class VectorEnvironment(VectorEnv[Array, Array, Array]):
         return self._flock.native.reset(seeds, spread), {}
 
     def step(  # type: ignore[override]  # ends of episodes are no numbers
-        self, actions: Array
+        self, actions: Actions
     ) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Holds an action of each robot for 5 ms."""
         if self._begun is None:

@@ -5,12 +5,14 @@ mod search;
 mod spec;
 mod summary;
 
-pub use search::{Ended, GaitSearch, Goal, LimitsSpec, SearchProgress, SearchSpec, SearchSummary, VarySpec};
+pub use search::{
+    Ended, GaitSearch, Goal, LimitsSpec, SearchProgress, SearchSpec, SearchSummary, Searched, VarySpec,
+};
 pub use spec::{Along, FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
 
 use super::recorder::Recorder;
-use super::{Scenario, ScenarioSpec, StartSpec};
+use super::{ConfigError, Scenario, ScenarioSpec, StartSpec};
 use crate::Error;
 use crate::guide::HeldCommands;
 use crate::math::{Quat, Vec3};
@@ -34,30 +36,68 @@ pub struct Trimmed {
     pub multipliers: Option<Record>,
     /// The family, a row per orbit.
     pub family: Option<Record>,
+    /// The starts of a search of gaits, a row each.
+    pub starts: Option<Record>,
     /// Numbers.
     pub summary: TrimSummary,
-    /// The scenario that flies the orbit, by file name.
+    /// The scenario that flies the orbit, and of a search the robot, by file name.
     pub files: Vec<(&'static str, String)>,
 }
 
-/// What a search tells on the way: which orbit of how many, iteration of Newton's method, residual.
+/// What a trim tells on the way.
 #[derive(Clone, Copy, Debug)]
-pub struct TrimProgress {
-    /// Orbits found before.
-    pub orbits: usize,
-    /// Iteration, from 1.
-    pub iteration: usize,
-    /// Largest condition missed.
-    pub residual: f64,
+pub enum TrimProgress {
+    /// Of a search of gaits.
+    Search(SearchProgress),
+    /// Of an orbit.
+    Orbit {
+        /// Orbits found before.
+        orbits: usize,
+        /// Iteration of Newton's method, from 1.
+        iteration: usize,
+        /// Largest condition missed.
+        residual: f64,
+    },
+}
+
+impl Trimmed {
+    /// That nothing was found.
+    fn nothing(summary: TrimSummary) -> Self {
+        Self { record: None, multipliers: None, family: None, starts: None, summary, files: Vec::new() }
+    }
 }
 
 impl Scenario {
-    /// Finds the orbit that the scenario's `[trim]` asks for, of the robot as the controller knows it. `observe` sees the
-    /// search and may stop it.
+    /// Finds the orbit that the scenario's `[trim]` asks for, of the robot as the controller knows it; with `[trim.search]`
+    /// that of the best gait. `observe` sees the search and may stop it.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when there is no `[trim]` or a setting is out of range.
-    pub fn trim(&self, observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>) -> Result<Trimmed, Error> {
+    /// No `[trim]`, or a setting that is out of range, with its place.
+    pub fn trim(
+        &self,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Result<Trimmed, ConfigError> {
+        let Some(search) = self.gait_search()? else {
+            return self.trim_orbit(observe).map_err(|error| self.explain(&error));
+        };
+        let started = Instant::now();
+        let nothing_kept = &mut |_: &[f64]| Ok::<(), ConfigError>(());
+        let tell = &mut |at| observe(TrimProgress::Search(at));
+        match search.all(Vec::new(), nothing_kept, tell)? {
+            Some(searched) => searched.trim(observe),
+            None => {
+                let asked = self
+                    .cycle()
+                    .and_then(|cycle| Ok(self.asked(&cycle, self.trim_spec()?, started.elapsed())));
+                let mut summary = asked.map_err(|error| self.explain(&error))?;
+                summary.reason = Some(Failure::Stopped.to_string());
+                Ok(Trimmed::nothing(summary))
+            }
+        }
+    }
+
+    /// The same without any search of gaits.
+    fn trim_orbit(&self, observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>) -> Result<Trimmed, Error> {
         let spec = self.trim_spec()?;
         if self.model.mean_wind().norm() > 0.0 {
             let allowed = "still air: speeds are those over the ground";
@@ -70,7 +110,7 @@ impl Scenario {
             if iteration == 1 {
                 orbits += 1;
             }
-            observe(TrimProgress { orbits: orbits - 1, iteration, residual })
+            observe(TrimProgress::Orbit { orbits: orbits - 1, iteration, residual })
         };
         let found = self.find_orbit(&cycle, &mut tell)?;
         let search = started.elapsed();
@@ -84,13 +124,7 @@ impl Scenario {
             Ok(both) => both,
             Err(failure) => {
                 summary.reason = Some(failure.to_string());
-                return Ok(Trimmed {
-                    record: None,
-                    multipliers: None,
-                    family: None,
-                    summary,
-                    files: Vec::new(),
-                });
+                return Ok(Trimmed::nothing(summary));
             }
         };
         let (measures, modes) = measured;
@@ -104,6 +138,7 @@ impl Scenario {
             record: Some(self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?),
             multipliers: Some(multipliers(&modes)?),
             family,
+            starts: None,
             files: vec![("orbit.toml", self.orbit_scenario(&cycle, &found.orbit)?)],
             summary,
         })

@@ -10,6 +10,7 @@ pub use descent::Ended;
 pub use spec::{Goal, LimitsSpec, SearchSpec, VarySpec};
 
 use super::super::{ConfigError, Document, Scenario};
+use super::{TrimProgress, Trimmed};
 use crate::Error;
 use crate::math::Random;
 use crate::simulate::{Column, Record};
@@ -82,6 +83,7 @@ pub struct SearchSummary {
 
 /// A search of gaits of a scenario, ready to be made start by start.
 pub struct GaitSearch<'a> {
+    scenario: &'a Scenario,
     spec: &'a SearchSpec,
     gaits: Gaits<'a>,
     /// Shares of the scenario's own gait, and its orbit.
@@ -89,13 +91,51 @@ pub struct GaitSearch<'a> {
     first: Seen<Gait>,
 }
 
-impl Scenario {
-    /// The search that `[trim.search]` asks for; none where there is none. Without an orbit of the scenario's own gait the
-    /// reason why.
+/// A search that was made.
+#[derive(Debug)]
+pub struct Searched {
+    /// A row for each start, in their order.
+    pub starts: Record,
+    /// The scenario of the best gait, on its orbit.
+    pub best: Scenario,
+    /// What the search came to.
+    pub summary: SearchSummary,
+}
+
+impl Searched {
+    /// Trims the best gait; with the table of the starts, and the robot with its gait as `robot.toml`.
     ///
     /// # Errors
-    /// A key that the scenario does not know, or refuses.
-    pub fn gait_search(&self) -> Result<Option<Result<GaitSearch<'_>, String>>, ConfigError> {
+    /// A setting that is out of range.
+    pub fn trim(
+        self,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Result<Trimmed, ConfigError> {
+        let Self { starts, best, summary: search } = self;
+        let mut trimmed = best.trim(observe)?;
+        let robot = toml::to_string(&best.spec.robot)
+            .map_err(|error| best.explain(&Error::invalid("robot", error, "a robot that TOML can hold")))?;
+        trimmed.files.push(("robot.toml", robot));
+        trimmed.starts = Some(starts);
+        let summary = &mut trimmed.summary;
+        if search.kept == 0 && summary.reason.is_none() {
+            summary.status = "limits_missed";
+            summary.reason = Some(format!(
+                "no gait keeps to trim.search.limits; the nearest misses one by {:.4} of its scale, {}",
+                search.violation, search.ended
+            ));
+        }
+        summary.search = Some(search);
+        Ok(trimmed)
+    }
+}
+
+impl Scenario {
+    /// The search that `[trim.search]` asks for; none where there is none.
+    ///
+    /// # Errors
+    /// A key that the scenario does not know, or refuses; no orbit of the scenario's own gait.
+    pub fn gait_search(&self) -> Result<Option<GaitSearch<'_>>, ConfigError> {
         let Some(spec) = self.spec.trim.as_ref().and_then(|trim| trim.search.as_ref()) else {
             return Ok(None);
         };
@@ -107,7 +147,14 @@ impl Scenario {
             own.push(self.own_share(&document, i, vary)?);
         }
         let mut gaits = Gaits::new(spec, document);
-        Ok(Some(gaits.first(&own).map(|first| GaitSearch { spec, gaits, own, first })))
+        match gaits.first(&own) {
+            Ok(first) => Ok(Some(GaitSearch { scenario: self, spec, gaits, own, first })),
+            Err(reason) => {
+                let allowed =
+                    format!("one that begins at a gait with an orbit; the robot's own has none: {reason}");
+                Err(self.explain(&Error::invalid("trim.search", "a search", allowed)))
+            }
+        }
     }
 
     /// The share of its range at which a varied number stands; both ends are tried.
@@ -154,6 +201,48 @@ impl GaitSearch<'_> {
     /// Number of starts.
     pub fn starts(&self) -> usize {
         self.spec.starts
+    }
+
+    /// Searches from the starts of which there is no row in `rows`; `keep` gets the row of each as soon as it is known. None
+    /// where `tell` stopped it.
+    ///
+    /// # Errors
+    /// What `keep` says; a start, or a best gait, without an orbit.
+    pub fn all<E: From<ConfigError>>(
+        &self,
+        mut rows: Vec<Vec<f64>>,
+        keep: &mut dyn FnMut(&[f64]) -> Result<(), E>,
+        tell: &mut dyn FnMut(SearchProgress) -> ControlFlow<()>,
+    ) -> Result<Option<Searched>, E> {
+        let refused = |what: String, allowed: &str| {
+            E::from(self.scenario.explain(&Error::invalid("trim.search", what, allowed)))
+        };
+        for start in 0..self.starts() {
+            if rows.iter().any(|row| row[0] == start as f64) {
+                continue;
+            }
+            let mut stopped = false;
+            let row = self.row(start, &mut |at| {
+                let flow = tell(at);
+                stopped |= flow.is_break();
+                flow
+            });
+            match row {
+                Some(row) => {
+                    keep(&row)?;
+                    rows.push(row);
+                }
+                None if stopped => return Ok(None),
+                None => return Err(refused(format!("start {start}"), "a start beside a gait with an orbit")),
+            }
+        }
+        rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut starts = Record::new(self.columns(), rows.len())
+            .map_err(|error| E::from(self.scenario.explain(&error)))?;
+        rows.iter().for_each(|row| starts.append(row));
+        let (best, summary) =
+            self.best(&starts).map_err(|reason| refused(reason, "a best gait with an orbit"))?;
+        Ok(Some(Searched { starts, best, summary }))
     }
 
     /// Searches from start `start`: a pure function of the scenario and the number. `tell` may stop it; then there is no row.
