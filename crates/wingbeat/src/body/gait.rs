@@ -76,6 +76,16 @@ impl<P: Scalar> FourierSeries<P> {
         })
     }
 
+    /// True when the numbers of both are the same with all derivatives.
+    pub fn is(&self, other: &Self) -> bool {
+        let same = |a: P, b: P| (a - b).is_zero();
+        let mut harmonics = self.harmonics.iter().zip(&other.harmonics);
+        self.harmonics.len() == other.harmonics.len()
+            && same(self.mean_rad, other.mean_rad)
+            && harmonics
+                .all(|(a, b)| same(a.amplitude_rad, b.amplitude_rad) && same(a.phase_rad, b.phase_rad))
+    }
+
     /// The same series in other numbers, `f` of each.
     pub fn map<Q>(&self, f: impl Fn(P) -> Q) -> FourierSeries<Q> {
         let harmonic =
