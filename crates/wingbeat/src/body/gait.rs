@@ -41,7 +41,7 @@ pub struct FourierSeries<P = f64> {
 }
 
 impl FourierSeries {
-    /// Refuses what is not finite, and more harmonics than [`MAX_HARMONICS`].
+    /// Refuses what is not finite, and more harmonics than a series may have.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.

@@ -27,13 +27,14 @@ pub use hover::HoverSpec;
 pub use inertial::EstimatorSpec;
 pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
-pub use manoeuvre::{Manoeuvre, Reference, angle_error};
+pub(crate) use manoeuvre::angle_error;
+pub use manoeuvre::{Manoeuvre, Reference};
 pub use mpc::{Mpc, MpcSpec, Weights};
 pub use path::{
     Beside, CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathSpec, PointsSpec,
     Station,
 };
-pub use playback::{HeldCommands, Playback};
+pub(crate) use playback::{HeldCommands, Playback};
 pub use roll_in::{RollIn, RollInSpec, TrackingCost};
 pub use stand::{Flapping, Stand};
 pub use turn::{Track, Turn};

@@ -118,7 +118,7 @@ pub struct Scenario {
 pub struct Run {
     /// Time histories.
     pub record: Record,
-    /// Loads of the strips, one row per strip and instant ([`StripRecorder`](crate::simulate::StripRecorder)),
+    /// Loads of the strips, one row per strip and instant,
     /// where `flight.record_strips_every_s` asks for them.
     pub strips: Option<Record>,
     /// Numbers to compare.
