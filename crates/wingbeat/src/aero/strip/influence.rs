@@ -156,10 +156,10 @@ impl<S: Scalar> Ratio<S> {
     }
 }
 
-/// Both quotients by one division, where the numbers have room for it and no derivatives.
+/// Both quotients by one division, where the numbers have room for it.
 #[inline(always)]
 pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
-    if S::NARROW || S::CARRIES {
+    if S::NARROW {
         return (p.quotient(), q.quotient());
     }
     let inverse = (p.below * q.below).recip();
@@ -253,13 +253,33 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
             self.trailing(&edges[1], &cores.edges[j + 1], &mut beside[(j + 1) % 2]);
             let (left, right) = (&beside[j % 2], &beside[(j + 1) % 2]);
             let (ring, horseshoe, far) = (&mut out.ring[j], &mut out.horseshoe[j], &mut out.far[j]);
-            self.strip(&edges, left, right, &cores.strips[j], ring, horseshoe, far);
+            if S::CARRIES {
+                self.strip(&edges, left, right, &cores.strips[j], ring, horseshoe, far);
+            } else {
+                self.strip_apart(&edges, left, right, &cores.strips[j], ring, horseshoe, far);
+            }
         }
     }
 
-    /// Columns of the strip between two edges. They come one by one, to a function that stays one: only as arguments are they
-    /// known to lie apart, without which a loop over twelve strips is not vectorised.
+    /// As [`strip`](Self::strip), of plain numbers. The columns come one by one, to a function that stays one: only as arguments
+    /// are they known to lie apart, without which a loop over twelve strips is not vectorised.
     #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
+    fn strip_apart(
+        &self,
+        edges: &[Edge<S>; 2],
+        left: &Trailing<S, N>,
+        right: &Trailing<S, N>,
+        cores: &StripCores<P>,
+        ring: &mut Column<S, N>,
+        horseshoe: &mut Column<S, N>,
+        far: &mut Column<S, N>,
+    ) {
+        self.strip(edges, left, right, cores, ring, horseshoe, far);
+    }
+
+    /// Columns of the strip between two edges.
+    #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
     fn strip(
         &self,
@@ -277,9 +297,9 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
         for i in 0..N {
             let n = self.at_control(i);
             let ends = [left.to_bound[i], right.to_bound[i]];
-            let front = faded_segment(lines[0].turn(&n), lengths[0], ends, cores.front[i]);
+            let front = segment(lines[0].turn(&n), lengths[0], ends, |x, y| faded(x, y, cores.front[i]));
             let ends = [right.to_trailing[i], left.to_trailing[i]];
-            let rear = faded_segment(lines[1].turn(&n), lengths[1], ends, cores.rear[i]);
+            let rear = segment(lines[1].turn(&n), lengths[1], ends, |x, y| faded(x, y, cores.rear[i]));
             let (front, rear) = divide(front, rear);
             let open = front + right.leg[i] - left.leg[i];
             ring[i] = open + rear;
