@@ -101,7 +101,9 @@ impl ControllerSpec for MpcSpec {
         Ok(match task.solver {
             None => Box::new(Mpc::new(task.model, manoeuvre, self)?),
             Some(solver) => {
-                let make = |chart: &_, tracking: &_, settings| solver.build(chart, tracking, settings);
+                let make = |chart: &_, tracking: &_, settings| {
+                    solver.build(chart, tracking, settings).map_err(|e| e.within("solver"))
+                };
                 Box::new(Mpc::with(task.model, manoeuvre, self, TrueState, make)?)
             }
         })
