@@ -49,12 +49,17 @@ fn share(case: (&str, &str), law: LiftLaw) -> Result<f64, Error> {
 /// Deep folding: the mean lift of E1 beside that of the lattice.
 pub fn deep_fold() -> Result<Vec<Row>, Error> {
     let (_, lift) = means(FOLDING[1], LiftLaw::Linear)?;
-    let beside = |wake: WakeMotion| -> Result<f64, Error> { Ok(lift / flapping_lattice::deep_fold(wake)? - 1.0) };
+    let beside =
+        |wake: WakeMotion| -> Result<f64, Error> { Ok(lift / flapping_lattice::deep_fold(wake)? - 1.0) };
     let metric = |wake: &str, error: f64| {
-        format!("E1, mean lift {lift:.4} N over the lattice's with a {wake} wake ({:.4} N), less 1", lift / (1.0 + error))
+        format!(
+            "E1, mean lift {lift:.4} N over the lattice's with a {wake} wake ({:.4} N), less 1",
+            lift / (1.0 + error)
+        )
     };
     let (prescribed, free) = (beside(WakeMotion::Prescribed)?, beside(WakeMotion::Free)?);
-    let (id, source) = ("aero.full.deep_fold", "the project's own lattice, 8 x 24 panels a half, 96 steps a cycle");
+    let (id, source) =
+        ("aero.full.deep_fold", "the project's own lattice, 8 x 24 panels a half, 96 steps a cycle");
     Ok(vec![
         Row::judged(id, source, &metric("prescribed", prescribed), prescribed.abs(), 0.1, ""),
         Row::shown(&format!("{id}.free"), source, &metric("free", free), free.abs(), ""),

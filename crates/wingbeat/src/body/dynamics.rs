@@ -19,6 +19,16 @@ impl<P: Scalar> Tree<P> {
         w_b: Vec3<S>,
         motions: &[LinkMotion<S>],
     ) -> ([[S; 6]; 6], Wrench<S>) {
+        let (mass, bias, _) = self.inertia_bias_and_moment(w_b, motions);
+        (mass, bias)
+    }
+
+    /// The same with the sum of mass times position, kg m.
+    pub(crate) fn inertia_bias_and_moment<S: Scalar + Meets<P>>(
+        &self,
+        w_b: Vec3<S>,
+        motions: &[LinkMotion<S>],
+    ) -> ([[S; 6]; 6], Wrench<S>, Vec3<S>) {
         let base = self.base.reaction_of_base(&w_b);
         let mut bias = base.bias;
         let mut first_moment = base.com.scaled(self.base.mass);
@@ -29,13 +39,18 @@ impl<P: Scalar> Tree<P> {
             first_moment += link.com.scaled(inertia.mass);
             about_origin.add(&link.about_origin);
         }
-        (mass_matrix(self.mass(), first_moment, &about_origin), bias)
+        (mass_matrix(self.mass(), first_moment, &about_origin), bias, first_moment)
     }
 
     /// Weight of base and links: the wrench about the body origin for the
     /// gravitational acceleration `g_b` in B, m/s2.
     pub fn gravity<S: Scalar + Meets<P>>(&self, g_b: Vec3<S>, motions: &[LinkMotion<S>]) -> Wrench<S> {
-        Wrench { force: g_b.scaled(self.mass()), moment: self.first_moment(motions).cross(g_b) }
+        self.weight(g_b, self.first_moment(motions))
+    }
+
+    /// The same from the sum of mass times position.
+    pub(crate) fn weight<S: Scalar + Meets<P>>(&self, g_b: Vec3<S>, first_moment: Vec3<S>) -> Wrench<S> {
+        Wrench { force: g_b.scaled(self.mass()), moment: first_moment.cross(g_b) }
     }
 
     /// Total mass, kg.

@@ -41,7 +41,7 @@ pub struct FourierSeries<P = f64> {
 }
 
 impl FourierSeries {
-    /// Refuses what is not finite, and more harmonics than [`MAX_HARMONICS`].
+    /// Refuses what is not finite, and more harmonics than a series may have.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the key.
@@ -74,6 +74,16 @@ impl<P: Scalar> FourierSeries<P> {
         terms.fold(Jet::constant(S::from(self.mean_rad)), |sum, (harmonic, k)| {
             sum + (phase * f64::from(k)).shifted(-harmonic.phase_rad).cos().scaled(harmonic.amplitude_rad)
         })
+    }
+
+    /// True when the numbers of both are the same with all derivatives.
+    pub fn is(&self, other: &Self) -> bool {
+        let same = |a: P, b: P| (a - b).is_zero();
+        let mut harmonics = self.harmonics.iter().zip(&other.harmonics);
+        self.harmonics.len() == other.harmonics.len()
+            && same(self.mean_rad, other.mean_rad)
+            && harmonics
+                .all(|(a, b)| same(a.amplitude_rad, b.amplitude_rad) && same(a.phase_rad, b.phase_rad))
     }
 
     /// The same series in other numbers, `f` of each.

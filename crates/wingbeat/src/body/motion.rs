@@ -29,22 +29,25 @@ pub struct LinkMotion<S: Scalar = f64> {
 
 impl<S: Scalar> Default for LinkMotion<S> {
     fn default() -> Self {
-        Self::base(Vec3::ZERO, Vec3::ZERO)
+        Self::REST
     }
 }
 
 impl<S: Scalar> LinkMotion<S> {
+    /// The base at rest.
+    pub const REST: Self = Self {
+        rotation: Mat3::IDENTITY,
+        position: Vec3::ZERO,
+        velocity: Vec3::ZERO,
+        rate: Vec3::ZERO,
+        acceleration: Vec3::ZERO,
+        rate_dot: Vec3::ZERO,
+    };
+
     /// The base body moving with `v_B` at its origin and `w_B`.
     #[inline]
     pub fn base(v_b: Vec3<S>, w_b: Vec3<S>) -> Self {
-        Self {
-            rotation: Mat3::IDENTITY,
-            position: Vec3::ZERO,
-            velocity: v_b,
-            rate: w_b,
-            acceleration: Vec3::ZERO,
-            rate_dot: Vec3::ZERO,
-        }
+        Self { velocity: v_b, rate: w_b, ..Self::REST }
     }
 
     /// The point `r_L` fixed in the link, from the body origin.

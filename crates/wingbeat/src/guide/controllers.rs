@@ -1,8 +1,8 @@
 //! Kinds of feedback controllers and horizon solvers of a robot: what their tables in a scenario say, and how
 //! they are made.
 
+use super::attitude_tracking::AttitudeTracking;
 use super::manoeuvre::Manoeuvre;
-use super::mpc::AttitudeTracking;
 use super::path::PathSpec;
 use crate::Error;
 use crate::ocp::realtime::{HorizonSolver, Settings};

@@ -2,6 +2,7 @@
 //! manoeuvres planned offline.
 
 mod about_orbit;
+mod attitude_tracking;
 mod controllers;
 mod history;
 mod hover;
@@ -20,18 +21,20 @@ const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
 pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, TrackingSpec};
+pub use attitude_tracking::AttitudeTracking;
 pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};
 pub use hover::HoverSpec;
 pub use inertial::EstimatorSpec;
 pub(crate) use least_power::CYCLES;
 pub use least_power::{LeastPower, LeastPowerSpec, Means};
-pub use manoeuvre::{Manoeuvre, Reference, angle_error};
-pub use mpc::{AttitudeTracking, Mpc, MpcSpec, Weights};
+pub(crate) use manoeuvre::angle_error;
+pub use manoeuvre::{Manoeuvre, Reference};
+pub use mpc::{Mpc, MpcSpec, Weights};
 pub use path::{
     Beside, CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathSpec, PointsSpec,
     Station,
 };
-pub use playback::{HeldCommands, Playback};
+pub(crate) use playback::{HeldCommands, Playback};
 pub use roll_in::{RollIn, RollInSpec, TrackingCost};
 pub use stand::{Flapping, Stand};
 pub use turn::{Track, Turn};

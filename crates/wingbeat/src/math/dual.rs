@@ -220,6 +220,7 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     const ZERO: Self = Self { re: S::ZERO, eps: [S::ZERO; N] };
     const ONE: Self = Self { re: S::ONE, eps: [S::ZERO; N] };
     const NARROW: bool = S::NARROW;
+    const CARRIES: bool = true;
 
     #[inline]
     fn value(self) -> f64 {
@@ -268,6 +269,25 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
             sum.eps[i] = self.eps[i].mul_add(a.re, a.eps[i].mul_add(self.re, b.eps[i]));
         }
         sum
+    }
+    #[inline]
+    fn squared(self) -> Self {
+        self.chain(self.re * self.re, self.re + self.re)
+    }
+    #[inline]
+    fn squared_add(self, b: Self) -> Self {
+        let slope = self.re + self.re;
+        self.zip(b, self.re.squared_add(b.re), |e, b| e.mul_add(slope, b))
+    }
+    /// With s = 1/(x^4 + c): slope x^2 s (4 c s - 1) by x and -x^3 s^2 by c.
+    #[inline]
+    fn faded_inverse(self, core4: Self) -> Self {
+        let square = self.re.squared();
+        let share = square.squared_add(core4.re).recip();
+        let faded = square * self.re * share;
+        let slope = square * share * ((core4.re * share) * 4.0 - 1.0);
+        let by_core = -(faded * share);
+        self.zip(core4, faded, |e, c| e.mul_add(slope, c * by_core))
     }
     #[inline]
     fn if_below(self, limit: Self, then: Self, otherwise: Self) -> Self {

@@ -4,7 +4,7 @@ use super::Scalar;
 
 /// a + (b - a) s, s in [0, 1].
 #[inline]
-pub fn lerp<S: Scalar>(a: S, b: S, s: S) -> S {
+pub(crate) fn lerp<S: Scalar>(a: S, b: S, s: S) -> S {
     a + (b - a) * s
 }
 

@@ -11,7 +11,7 @@ pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(a: [[G; N]; N], b:
 
 /// As [`solve_symmetric`] for the leading `n` rows and columns; the rest of the answer is that of `b`.
 #[inline]
-pub fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
+pub(crate) fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
     n: usize,
     mut a: [[G; N]; N],
     mut b: [S; N],
@@ -121,7 +121,7 @@ fn eliminate<S: Scalar>(row: &mut [S], factors: &[S], rows: &[S]) {
 
 /// Eigenvalues of a symmetric matrix, ascending, by cyclic Jacobi rotations
 /// (Golub & Van Loan, Matrix Computations, 8.5).
-pub fn symmetric_eigenvalues<const N: usize>(mut a: [[f64; N]; N]) -> [f64; N] {
+pub(crate) fn symmetric_eigenvalues<const N: usize>(mut a: [[f64; N]; N]) -> [f64; N] {
     for _sweep in 0..50 {
         let off: f64 = (0..N).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| a[i][j].powi(2)).sum();
         let scale: f64 = (0..N).map(|i| a[i][i].powi(2)).sum();

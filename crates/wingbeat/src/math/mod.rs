@@ -6,7 +6,7 @@ pub mod interpolation;
 mod jet;
 mod lanes;
 pub mod linear;
-pub mod multifrontal;
+pub(crate) mod multifrontal;
 mod over;
 mod random;
 mod runge_kutta;
@@ -23,12 +23,12 @@ pub use jet::Jet;
 pub use lanes::{Double4, Lanes, Single8};
 pub use over::{Meets, Over, lift};
 pub use random::Random;
-pub use runge_kutta::{Dynamics, MIDPOINT, RK4, Steps, Tableau, Workspace};
+pub use runge_kutta::{Dynamics, RK4, Steps, Tableau, Workspace};
 pub use scalar::Scalar;
 pub use segment::segment_distance;
 pub use space::{Mat3, Quat, Vec3};
 pub use spline::CubicSpline;
-pub use tape::{Tape, Traced};
+pub(crate) use tape::Tape;
 pub use wrench::Wrench;
 
 /// Standard gravity, m/s2 (CGPM 1901).

@@ -18,10 +18,6 @@ pub struct Tableau<const STAGES: usize> {
     pub c: [f64; STAGES],
 }
 
-/// Explicit midpoint rule (Runge 1895).
-pub const MIDPOINT: Tableau<2> =
-    Tableau { name: "midpoint", order: 2, a: [[0.0, 0.0], [0.5, 0.0]], b: [0.0, 1.0], c: [0.0, 0.5] };
-
 /// The classical fourth-order method (Kutta 1901).
 pub const RK4: Tableau<4> = Tableau {
     name: "rk4",
@@ -159,6 +155,10 @@ fn axpy<S: Scalar>(y: &mut [S], a: S, x: &[S]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Explicit midpoint rule (Runge 1895).
+    const MIDPOINT: Tableau<2> =
+        Tableau { name: "midpoint", order: 2, a: [[0.0, 0.0], [0.5, 0.0]], b: [0.0, 1.0], c: [0.0, 0.5] };
 
     fn error<const N: usize>(method: &Tableau<N>, steps: usize) -> f64 {
         let h = 2.0 / steps as f64;

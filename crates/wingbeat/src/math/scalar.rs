@@ -41,6 +41,8 @@ pub trait Scalar:
     const ONE: Self;
     /// True where the product of a few small numbers may leave the range of numbers: single precision ends at 1e-38.
     const NARROW: bool = false;
+    /// True of numbers with derivatives of their own, where a product costs more than a quotient of values.
+    const CARRIES: bool = false;
 
     /// The value without derivatives.
     fn value(self) -> f64;
@@ -93,6 +95,17 @@ pub trait Scalar:
     #[inline]
     fn squared(self) -> Self {
         self * self
+    }
+    /// Square plus `b`, rounded once where the processor can.
+    #[inline]
+    fn squared_add(self, b: Self) -> Self {
+        self.mul_add(self, b)
+    }
+    /// 1 / self, falling to zero where `self` is less than the fourth root of `core4`: x^3 / (x^4 + core4).
+    #[inline]
+    fn faded_inverse(self, core4: Self) -> Self {
+        let square = self.squared();
+        square * self / square.squared_add(core4)
     }
     /// |self|; the derivative follows the branch of the value, and is that of `self` at zero.
     #[inline]
@@ -264,6 +277,22 @@ mod tests {
             Ok::<(), ()>(())
         });
         assert_eq!((recorded, out), (Ok(()), [2.4, 3.0 - 2.0 * (1.0 / 0.7)]));
+    }
+
+    #[test]
+    fn functions_with_slopes_of_their_own_are_the_products_they_stand_for() {
+        type Number = Dual<2>;
+        let close = |a: Number, b: Number| {
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-13 * b.abs().max(1e-3);
+            near(a.re, b.re) && (0..2).all(|i| near(a.eps[i], b.eps[i]))
+        };
+        for (x, core4) in [(0.3, 0.02), (-0.8, 0.5), (1.7, 1e-6), (1e-3, 0.1)] {
+            let (x, core4) = (Number { re: x, eps: [1.3, -0.4] }, Number { re: core4, eps: [0.2, 0.9] });
+            assert!(close(x.squared(), x * x));
+            assert!(close(x.squared_add(core4), x * x + core4));
+            assert!(close(x.faded_inverse(core4), x * x * x / (x * x * x * x + core4)));
+            assert!((x.re.faded_inverse(core4.re) - x.faded_inverse(core4).re).abs() < 1e-13);
+        }
     }
 
     #[test]

@@ -55,12 +55,12 @@ impl<S: Scalar> Vec3<S> {
     /// Squared length.
     #[inline]
     pub fn norm_squared(self) -> S {
-        self.dot(self)
+        self.0[0].squared() + self.0[1].squared() + self.0[2].squared()
     }
     /// Length; not differentiable at zero.
     #[inline]
     pub fn norm(self) -> S {
-        self.dot(self).sqrt()
+        self.norm_squared().sqrt()
     }
     /// Unit vector; the length must not be zero.
     #[inline]

@@ -285,14 +285,6 @@ impl Tape {
         result
     }
 
-    /// d outputs / d inputs at the recorded point, row-major outputs x inputs.
-    pub fn jacobian(&mut self, jacobian: &mut [f64]) {
-        for first in (0..self.inputs).step_by(LANES) {
-            self.sweep_forward(first);
-            self.store_jacobian(first, jacobian);
-        }
-    }
-
     /// The Jacobian (row-major outputs x inputs) and the Hessian of
     /// sum_i weights_i output_i (row-major inputs x inputs).
     pub fn second_order(&mut self, weights: &[f64], jacobian: &mut [f64], hessian: &mut [f64]) {

@@ -23,5 +23,6 @@ pub use failure::Failure;
 pub use linear::{Deviations, Interval, intervals};
 pub use measure::{Measures, StripAreas, measure};
 pub use modes::{Mode, Modes, Sector, floquet};
-pub use newton::{Found, Orbit, Tangent, search, search_from, search_near};
+pub use newton::{Found, Orbit, search};
+pub(crate) use newton::{Tangent, search_from, search_near};
 pub use section::{Direction, Section};

@@ -105,7 +105,7 @@ pub(super) fn solve(matrix: &[f64], rows: usize, columns: usize, rhs: &[f64]) ->
 }
 
 /// Finds the orbit of `course` by a recoil start from `guess` and Newton's method. The first two of `free` are what the
-/// start turns; a turn is not started this way but followed from level flight with [`search_from`].
+/// start turns; a turn is not started this way but followed from level flight.
 ///
 /// # Errors
 /// The [`Failure`] that names what stood in the way.

@@ -2,6 +2,8 @@
 
 use super::{Channel, Fault, MAX_STATES, Plant, Role};
 use crate::math::{Mat3, Over, Quat, Scalar, Vec3, lift};
+use arrayvec::ArrayVec;
+use std::ops::Range;
 
 /// The plant seen in a chart around a reference attitude: q_WB = q_ref exp(d),
 /// with the rotation vector d (rad, body axes) in place of the quaternion, so
@@ -81,8 +83,31 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         x[a + 4..].copy_from_slice(&local[a + 3..]);
     }
 
+    /// As [`globalise`](Self::globalise) into room not yet filled, the attitude being at `a`.
+    fn extend_globally<S: Scalar>(&self, local: &[S], a: usize, x: &mut States<S>) {
+        let n = local.len() + 1;
+        assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
+        let Quat { w, v } = self.attitude_of(local, a);
+        for values in [&local[..a], &[w, v[0], v[1], v[2]], &local[a + 3..]] {
+            for value in values {
+                x.push(*value);
+            }
+        }
+    }
+
     fn attitude_of<S: Scalar>(&self, local: &[S], a: usize) -> Quat<S> {
         Quat::constant(self.reference) * Quat::exp(Vec3::from_slice(&local[a..]))
+    }
+}
+
+/// Room for the states of a plant, or their rates, of which no more is written than there are.
+type States<S> = ArrayVec<S, MAX_STATES>;
+
+/// `n` rates, all zero.
+fn rest<S: Scalar>(rates: &mut States<S>, n: usize) {
+    assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
+    for _ in 0..n {
+        rates.push(S::ZERO);
     }
 }
 
@@ -113,26 +138,26 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         let Some(a) = self.plant.attitude() else {
             return self.plant.rates(t, local, u, dx);
         };
-        let n = local.len() + 1;
-        assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
-        let (mut x, mut rates) = ([S::ZERO; MAX_STATES], [S::ZERO; MAX_STATES]);
-        self.globalise(local, &mut x[..n]);
-        self.plant.rates(t, &x[..n], u, &mut rates[..n])?;
-        localise_rates(a, &x[..n], local, &rates[..n], dx);
+        let (mut x, mut rates) = (States::new(), States::new());
+        self.extend_globally(local, a, &mut x);
+        rest(&mut rates, x.len());
+        self.plant.rates(t, &x, u, &mut rates)?;
+        localise_rates(a, &x, local, &rates, dx);
         Ok(())
     }
     fn clearances(&self) -> &[Channel] {
         self.plant.clearances()
     }
     fn clear<S: Scalar>(&self, t: S, local: &[S], values: &mut [S]) -> Result<(), Fault> {
-        if self.plant.attitude().is_none() {
+        let Some(a) = self.plant.attitude() else {
             return self.plant.clear(t, local, values);
-        }
-        let n = local.len() + 1;
-        assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
-        let mut x = [S::ZERO; MAX_STATES];
-        self.globalise(local, &mut x[..n]);
-        self.plant.clear(t, &x[..n], values)
+        };
+        let mut x = States::new();
+        self.extend_globally(local, a, &mut x);
+        self.plant.clear(t, &x, values)
+    }
+    fn unfelt_states(&self) -> Range<usize> {
+        self.plant.unfelt_states()
     }
     fn late_states(&self) -> usize {
         self.plant.late_states() - usize::from(self.plant.attitude().is_some())
@@ -148,12 +173,11 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         let Some(a) = self.plant.attitude() else {
             return self.plant.rates_by_late(t, early, late, u, dx);
         };
-        let (first, n) = (early.len() + 1, early.len() + 1 + late.len());
-        assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
-        let (mut x, mut rates) = ([0.0; MAX_STATES], [S::ZERO; MAX_STATES]);
-        self.globalise(early, &mut x[..first]);
-        self.plant.rates_by_late(t, &x[..first], late, u, &mut rates[..n])?;
-        localise_rates(a, &x[..first], early, &rates[..n], dx);
+        let (mut x, mut rates) = (States::new(), States::new());
+        self.extend_globally(early, a, &mut x);
+        rest(&mut rates, x.len() + late.len());
+        self.plant.rates_by_late(t, &x, late, u, &mut rates)?;
+        localise_rates(a, &x, early, &rates, dx);
         Ok(())
     }
 }

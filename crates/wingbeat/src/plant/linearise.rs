@@ -45,7 +45,11 @@ impl Linearisation {
     /// Evaluates the plant and its derivatives at (t, x, u).
     pub fn evaluate<P: Plant>(&mut self, plant: &P, t: f64, x: &[f64], u: &[f64]) -> Result<(), Fault> {
         let late = plant.late_states();
-        self.by_early(plant, t, x, u, 0..late)?;
+        let felt = Felt { early: late, unfelt: plant.unfelt_states() };
+        for row in self.a.chunks_exact_mut(x.len()) {
+            row[felt.unfelt.clone()].fill(0.0);
+        }
+        self.by_early(plant, t, x, u, &felt)?;
         self.by_late(plant, t, x.split_at(late), u)
     }
 
@@ -57,7 +61,7 @@ impl Linearisation {
         x: &[f64],
         u: &[f64],
     ) -> Result<(), Fault> {
-        self.by_early(plant, t, x, u, 0..0)
+        self.by_early(plant, t, x, u, &Felt { early: 0, unfelt: 0..0 })
     }
 
     /// f and derivatives by the given states and by all inputs.
@@ -67,23 +71,20 @@ impl Linearisation {
         t: f64,
         x: &[f64],
         u: &[f64],
-        states: Range<usize>,
+        states: &Felt,
     ) -> Result<(), Fault> {
-        let (n, m) = (x.len(), u.len());
-        let directions: usize = states.len() + m;
+        let (n, m, felt) = (x.len(), u.len(), states.count());
+        let directions = felt + m;
         for first in (0..directions.max(1)).step_by(LANES) {
             let count = LANES.min(directions - first);
-            seed(&mut self.x, x, states.clone(), first);
-            seed(&mut self.u, u, 0..m, first.wrapping_sub(states.len()));
+            seed(&mut self.x, x, first, |i| states.direction(i));
+            seed(&mut self.u, u, first, |i| Some(felt + i));
             plant.rates(Dual::from(t), &self.x, &self.u, &mut self.dx)?;
-            for (i, rate) in self.dx.iter().enumerate() {
-                for (direction, slope) in (first..).zip(&rate.eps[..count]) {
-                    match direction.checked_sub(states.len()) {
-                        None => self.a[i * n + states.start + direction] = *slope,
-                        Some(input) => self.b[i * m + input] = *slope,
-                    }
-                }
+            let block = first..first + count;
+            for (run, to) in states.runs() {
+                scatter(&self.dx, &block, run, &mut self.a, n, to);
             }
+            scatter(&self.dx, &block, felt..directions, &mut self.b, m, 0);
         }
         for (f, rate) in self.f.iter_mut().zip(&self.dx) {
             *f = rate.re;
@@ -101,7 +102,7 @@ impl Linearisation {
     ) -> Result<(), Fault> {
         let (n, count) = (self.f.len(), late.len());
         for first in (0..count).step_by(LATE_LANES) {
-            seed(&mut self.late[..count], late, 0..count, first);
+            seed(&mut self.late[..count], late, first, Some);
             plant.rates_by_late(t, early, &self.late[..count], u, &mut self.late_dx)?;
             let width = LATE_LANES.min(count - first);
             for (row, rate) in self.a.chunks_exact_mut(n).zip(&self.late_dx) {
@@ -112,12 +113,64 @@ impl Linearisation {
     }
 }
 
-/// Seeds the `variables` among `values` that lie in the block of directions starting at
-/// `first`, counted from the first variable.
-fn seed<const N: usize>(out: &mut [Dual<N>], values: &[f64], variables: Range<usize>, first: usize) {
+/// The states whose directions the early passes carry.
+struct Felt {
+    /// How many states are early.
+    early: usize,
+    /// Those of them that no rate depends on.
+    unfelt: Range<usize>,
+}
+
+impl Felt {
+    /// Number of directions.
+    fn count(&self) -> usize {
+        self.early - self.unfelt.len()
+    }
+    /// Directions of states that follow one another, and the first of these states.
+    fn runs(&self) -> [(Range<usize>, usize); 2] {
+        let before = self.unfelt.start.min(self.count());
+        [(0..before, 0), (before..self.count(), self.unfelt.end)]
+    }
+    /// The direction of a state.
+    fn direction(&self, state: usize) -> Option<usize> {
+        match state {
+            i if i >= self.early || self.unfelt.contains(&i) => None,
+            i if i < self.unfelt.start => Some(i),
+            i => Some(i - self.unfelt.len()),
+        }
+    }
+}
+
+/// Writes the derivatives of the rates along the directions of a `block` that lie in `run` into the columns from `to` on of a
+/// matrix `width` wide.
+fn scatter<const N: usize>(
+    rates: &[Dual<N>],
+    block: &Range<usize>,
+    run: Range<usize>,
+    matrix: &mut [f64],
+    width: usize,
+    to: usize,
+) {
+    let (start, end) = (run.start.max(block.start), run.end.min(block.end));
+    if start >= end {
+        return;
+    }
+    for (row, rate) in matrix.chunks_exact_mut(width).zip(rates) {
+        let lanes = &rate.eps[start - block.start..end - block.start];
+        row[to + start - run.start..][..lanes.len()].copy_from_slice(lanes);
+    }
+}
+
+/// Seeds those of the `values` whose direction lies in the block that starts at `first`.
+fn seed<const N: usize>(
+    out: &mut [Dual<N>],
+    values: &[f64],
+    first: usize,
+    direction: impl Fn(usize) -> Option<usize>,
+) {
     for (i, (o, v)) in out.iter_mut().zip(values).enumerate() {
-        *o = match i.wrapping_sub(variables.start).wrapping_sub(first) {
-            direction if direction < N && variables.contains(&i) => Dual::variable(*v, direction),
+        *o = match direction(i).and_then(|direction| direction.checked_sub(first)) {
+            Some(lane) if lane < N => Dual::variable(*v, lane),
             _ => Dual::constant(*v),
         };
     }

@@ -8,6 +8,7 @@ pub use chart::LocalChart;
 pub use linearise::Linearisation;
 
 use crate::math::{Over, Scalar, lift};
+use std::ops::Range;
 
 /// What a channel means, whatever its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -167,6 +168,12 @@ pub trait Plant: Sync {
     /// pass through each other. Pure, and allocates nothing.
     fn clear<S: Scalar>(&self, _t: S, _x: &[S], _values: &mut [S]) -> Result<(), Fault> {
         Ok(())
+    }
+
+    /// States that no rate depends on, so that derivatives by them are zero and need no evaluation: the place of a robot in air
+    /// that is alike everywhere. All of them come before the attitude and the late states.
+    fn unfelt_states(&self) -> Range<usize> {
+        0..0
     }
 
     /// Index of the first late state. Late states enter only the end of an evaluation, so that

@@ -23,7 +23,7 @@ pub const APART_S: f64 = 0.5;
 /// Bytes of one RDT record.
 pub const RECORD_BYTES: usize = 36;
 /// Bytes of a request.
-pub const REQUEST_BYTES: usize = 8;
+pub(crate) const REQUEST_BYTES: usize = 8;
 
 /// What a client asks of the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,7 +128,7 @@ impl RdtRecord {
 
 /// What a status word says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StatusClass {
+pub(crate) enum StatusClass {
     /// All is well.
     Good,
     /// 0x80010000: a warning without effect on the sample.
@@ -140,7 +140,7 @@ pub enum StatusClass {
 }
 
 /// Classes of status words.
-pub fn classify(status: u32) -> StatusClass {
+pub(crate) fn classify(status: u32) -> StatusClass {
     match status {
         0 => StatusClass::Good,
         0x8001_0000 => StatusClass::Warning,

@@ -1,8 +1,8 @@
 //! How far the parts of a robot stay from one another.
 
 use super::mechanism::{BODY, Mechanism, SIDES, mirrored};
+use super::placement::corners;
 use super::spec::{CapsuleSpec, LinkSide, RobotSpec};
-use super::surface::corners;
 use super::{Joints, Links, Robot};
 use crate::Error;
 use crate::body::LinkMotion;

@@ -10,6 +10,7 @@ use crate::math::linear::{solve_symmetric, solve_symmetric_leading};
 use crate::math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, lift};
 use crate::plant::{Channel, Fault, MAX_COORDINATES, MAX_DEGREES, Plant};
 use arrayvec::ArrayVec;
+use std::ops::Range;
 
 /// Everything one evaluation computes on the way to the rates; what the states of the air do
 /// not enter is in `G`.
@@ -40,7 +41,7 @@ impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
             attitude: Mat3::IDENTITY,
             joints: Joints::new(),
             links: Links::new(),
-            base: LinkMotion::base(Vec3::ZERO, Vec3::ZERO),
+            base: LinkMotion::REST,
             coordinates: Coordinates::none(),
             ratios: Ratios::new(),
             acceleration: [S::ZERO; 6],
@@ -64,6 +65,9 @@ impl Plant for Robot {
     }
     fn clear<S: Scalar>(&self, t: S, x: &[S], values: &mut [S]) -> Result<(), Fault> {
         self.smooth_clearances(t, &x[self.layout.structure..], values)
+    }
+    fn unfelt_states(&self) -> Range<usize> {
+        self.layout.position..self.layout.position + 3
     }
     fn late_states(&self) -> usize {
         self.layout.aero
@@ -161,9 +165,9 @@ impl<P: Scalar> Robot<P> {
         let mut carriers = Carriers::none(coordinates);
         carriers.follow(base, &self.carriers, links, wind_dot);
         let tree = &self.mechanism.tree;
-        let (mass, bias) = tree.inertia_and_bias(w, links);
+        let (mass, bias, first_moment) = tree.inertia_bias_and_moment(w, links);
         let g_b = self.gravity(attitude);
-        let mut body = tree.gravity(g_b, links) + self.body_drag(v - wind) + -bias;
+        let mut body = tree.weight(g_b, first_moment) + self.body_drag(v - wind) + -bias;
         if !self.thrusters.is_empty() {
             body += self.thrust(structure);
         }
@@ -227,7 +231,10 @@ impl<P: Scalar> Robot<P> {
         w: Vec3<S>,
         links: &mut Links<S>,
     ) {
-        links.extend(joints.iter().map(|_| LinkMotion::default()));
+        for _ in joints {
+            // A constant: what is put together first and then moved waits for its pieces.
+            links.push(LinkMotion::REST);
+        }
         self.mechanism.tree.motions(joints, v, w, links);
     }
 

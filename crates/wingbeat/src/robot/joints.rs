@@ -242,13 +242,15 @@ impl<P: Scalar> Robot<P> {
                 *angles = [pose.humerus, pose.radius - pose.humerus];
             }
         }
-        let joint = |drive: &Drive<P>| match drive {
-            Drive::Fixed | Drive::Held | Drive::Elastic(_) => Jet::ZERO,
-            Drive::Series(series, lag) => series.angle(phase.shifted(-*lag)),
-            Drive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],
-            Drive::Linkage(wing, LinkageOutput::Elbow) => poses[*wing][1],
-        };
-        joints.extend(self.mechanism.drives.iter().map(joint));
+        for (joint, (drive, &alike)) in self.mechanism.drives.iter().zip(&self.mechanism.alike).enumerate() {
+            joints.push(match drive {
+                Drive::Fixed | Drive::Held | Drive::Elastic(_) => Jet::ZERO,
+                Drive::Series(..) if alike < joint => joints[alike],
+                Drive::Series(series, lag) => series.angle(phase.shifted(-*lag)),
+                Drive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],
+                Drive::Linkage(wing, LinkageOutput::Elbow) => poses[*wing][1],
+            });
+        }
         Ok(())
     }
 }

@@ -13,6 +13,8 @@ pub(super) struct Mechanism<P: Scalar = f64> {
     pub tree: Tree<P>,
     /// What moves each joint.
     pub drives: Vec<Drive<P>>,
+    /// For every joint the first that a series moves alike; itself where none before it is.
+    pub alike: Vec<usize>,
     /// For every link its mirror image; itself on the plane of symmetry.
     pub twins: Vec<usize>,
     /// Joints whose coordinates are states, in order.
@@ -128,7 +130,8 @@ impl Mechanism {
             return Err(Error::invalid("links", format!("{} of them", coordinates.len()), allowed));
         }
         let twins = parts.iter().map(|p| p.twin).collect();
-        Ok(Self { tree, drives: parts.into_iter().map(|p| p.drive).collect(), twins, coordinates, linkage })
+        let drives: Vec<Drive> = parts.into_iter().map(|p| p.drive).collect();
+        Ok(Self { tree, alike: alike(&drives), drives, twins, coordinates, linkage })
     }
 
     /// Index of the link called `name` on the left (0) or right (1) side: of a mirrored pair by the
@@ -183,15 +186,28 @@ impl<P: Scalar> Mechanism<P> {
                 Drive::Elastic(Spring { numbers, start: spring.start })
             }
         };
+        let drives: Vec<Drive<Q>> = self.drives.iter().map(drive).collect();
         Mechanism {
             tree: self.tree.with(&numbers.bodies, &numbers.places),
-            drives: self.drives.iter().map(drive).collect(),
+            alike: alike(&drives),
+            drives,
             twins: self.twins.clone(),
             coordinates: self.coordinates.clone(),
             linkage: (self.linkage.as_ref().zip(numbers.linkage.as_ref()))
                 .map(|(linkage, dimensions)| Box::new(linkage.with(dimensions.clone()))),
         }
     }
+}
+
+/// For every joint the first of which series and lag are the same, with all derivatives of their numbers.
+fn alike<P: Scalar>(drives: &[Drive<P>]) -> Vec<usize> {
+    let first = |i: usize| match &drives[i] {
+        Drive::Series(series, lag) => drives[..i].iter().position(
+            |before| matches!(before, Drive::Series(s, l) if s.is(series) && (*l - *lag).is_zero()),
+        ),
+        _ => None,
+    };
+    (0..drives.len()).map(|i| first(i).unwrap_or(i)).collect()
 }
 
 /// Name of the base among the links.

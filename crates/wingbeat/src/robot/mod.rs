@@ -13,6 +13,7 @@ mod mechanism;
 mod mirror;
 mod numbers;
 mod observe;
+mod placement;
 mod regulators;
 mod sections;
 mod skeleton;
@@ -25,6 +26,7 @@ pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
 pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, bounds};
 pub use observe::Observation;
+pub use placement::{PanelNumbers, PlacementNumbers};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub(crate) use spec::is_of_rig;
 pub use spec::{
@@ -32,7 +34,7 @@ pub use spec::{
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,
     StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
-pub use surface::{PanelNumbers, PlacementNumbers, SurfaceOutline};
+pub use surface::SurfaceOutline;
 pub use thrust::Thruster;
 
 use crate::Error;

@@ -94,12 +94,17 @@ impl ScenarioSpec {
         Task { model, manoeuvre, solver, sensors, path, prepared: None }
     }
 
-    /// An error of the controller's settings, or of the gait that it is made for.
+    /// An error of the controller's settings, of its solver's, or of the gait that it is made for.
     fn of_controller(&self, error: Error) -> Error {
         let table = self.controller_table();
         let gait = format!("robot.gait.{}", self.robot.gait.kind());
         let path = (format!("{table}.tracking.path"), "path".into());
-        error.within(&table).renamed(&[(format!("{table}.gait"), gait), path])
+        let solver = self.solver.as_ref().map_or("solver".into(), |named| format!("solver.{}", named.name));
+        error.within(&table).renamed(&[
+            (format!("{table}.gait"), gait),
+            path,
+            (format!("{table}.solver"), solver),
+        ])
     }
 
     /// Key of the table that the controller is made of.

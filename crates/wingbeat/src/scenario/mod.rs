@@ -18,6 +18,7 @@ mod rig;
 mod rig_model;
 mod rig_process;
 mod rig_simulated;
+mod rig_spec;
 mod rig_statement;
 mod rig_together;
 mod rig_truth;
@@ -30,6 +31,7 @@ mod step_error;
 mod summary;
 mod sweep;
 mod sweep_row;
+mod sweep_spec;
 mod tether;
 mod tether_compare;
 mod tether_converge;
@@ -49,10 +51,11 @@ pub use name::RunName;
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
 };
-pub use rig::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRun, RigRunSpec, RigSpec};
+pub use rig::RigRun;
 pub use rig_model::Modelled;
 pub use rig_process::{Processed, Weighed};
 pub use rig_simulated::SimulatedRun;
+pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, RigSpec};
 pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
 pub use rig_truth::RigTruthSpec;
 #[cfg(feature = "schema")]
@@ -61,8 +64,9 @@ pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
 pub use summary::{ControllerSummary, FlightStatus, Summary};
-pub use sweep::{Draw, Hold, Sampling, Sweep, SweepOf, SweepSpec};
+pub use sweep::{Sweep, SweepOf};
 pub use sweep_row::SweepRows;
+pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 pub use tether::{TetherCase, TetherSummary};
 pub use tether_compare::{CompareSpec, Compared, Comparison};
 pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
@@ -116,7 +120,7 @@ pub struct Scenario {
 pub struct Run {
     /// Time histories.
     pub record: Record,
-    /// Loads of the strips, one row per strip and instant ([`StripRecorder`](crate::simulate::StripRecorder)),
+    /// Loads of the strips, one row per strip and instant,
     /// where `flight.record_strips_every_s` asks for them.
     pub strips: Option<Record>,
     /// Numbers to compare.

@@ -1,8 +1,8 @@
 //! A recorded run to phase-averaged wrenches.
 
 use super::RigRun;
-use super::rig::Saturated;
 use super::rig_model::{Modelled, Strokes};
+use super::rig_spec::Saturated;
 use super::rig_statement::statement;
 use crate::Error;
 use crate::plant::Fault;

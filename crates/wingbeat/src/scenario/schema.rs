@@ -8,7 +8,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
 use super::chosen::{Chosen, Named};
-use super::rig::RunList;
+use super::rig_spec::RunList;
 use super::{CalibrationSpec, RigRunSpec, RigSpec, ScenarioSpec, SweepSpec, TetherSpec, largest};
 use crate::guide::{AboutOrbitSpec, HoverSpec, MpcSpec, Turn};
 use crate::rig::arm::ArmConfig;

@@ -21,6 +21,7 @@ pub use record::{Column, Record};
 pub use sensors::{Measurement, SensorSpec, Sensors};
 pub use side_by_side::{Seat, fly_side_by_side};
 pub use stepper::{Saved, Stepper};
-pub use strips::{AXES, StripMotion, StripRecorder};
+pub use strips::AXES;
+pub(crate) use strips::{StripMotion, StripRecorder};
 pub use system::{Driver, Ending, Held, Moment, Observed, Sizes, System};
 pub use together::Together;

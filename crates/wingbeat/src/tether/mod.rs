@@ -9,7 +9,8 @@ mod recorder;
 mod run;
 mod wing;
 
-pub use comparison::{CycleFit, PHASES, cycle_of, fit, smooth};
+pub(crate) use comparison::cycle_of;
+pub use comparison::{CycleFit, PHASES, fit, smooth};
 pub use coordinate::Coordinate;
 pub use cycle::{CycleMean, Periodicity};
 pub use recorder::TetherRun;

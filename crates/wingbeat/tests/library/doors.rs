@@ -9,7 +9,12 @@ mod own_plant;
 #[path = "../../examples/own_solver.rs"]
 mod own_solver;
 
-use wingbeat::scenario::{Document, Scenario, ScenarioSpec};
+use wingbeat::Error;
+use wingbeat::guide::{AttitudeTracking, RobotSolver, SolverSpec};
+use wingbeat::ocp::realtime::Settings;
+use wingbeat::plant::LocalChart;
+use wingbeat::robot::Robot;
+use wingbeat::scenario::{Document, Doors, Scenario, ScenarioSpec};
 
 #[test]
 fn a_manoeuvre_of_ones_own_is_chosen_from_toml() {
@@ -52,6 +57,32 @@ fn a_name_that_no_kind_has_is_refused_with_what_there_is() {
     assert!(controller.contains("controller.weave") && controller.contains("period_s"), "{controller}");
     let solver = refusal(turn().put("solver", weave()).unwrap());
     assert!(solver.contains("solver.weave") && solver.contains("no other kind"), "{solver}");
+}
+
+/// A horizon solver that refuses its settings.
+#[derive(Debug, serde::Deserialize)]
+struct Refusing {
+    step: f64,
+}
+
+impl SolverSpec for Refusing {
+    fn build<'a>(
+        &self,
+        _: &LocalChart<'a, Robot>,
+        _: &AttitudeTracking<'a, Robot>,
+        _: Settings,
+    ) -> Result<RobotSolver<'a>, Error> {
+        Err(Error::invalid("step", self.step, "another"))
+    }
+}
+
+#[test]
+fn what_a_solver_refuses_is_told_by_its_own_key_and_place() {
+    let doors = Doors::shipped().solver::<Refusing>("mine");
+    let table = Document::text("mine.toml", "[mine]\nstep = 7.0").unwrap();
+    let document = turn().put("solver", table).unwrap();
+    let refused = Scenario::open(document, &doors).map(|_| ()).unwrap_err().to_string();
+    assert!(refused.starts_with("mine.toml:2: solver.mine.step = 7"), "{refused}");
 }
 
 #[test]

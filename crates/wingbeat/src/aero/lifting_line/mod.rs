@@ -10,6 +10,7 @@
 //! Preset `as_printed` keeps the paper's equations (1) to (4) as they stand: the first state of a node is
 //! g = sum a_n sin(n theta), the series at the node, and G = a0 c0 U g / 2 with one airspeed U for the wing.
 
+mod flow;
 mod layout;
 mod nodes;
 mod printed;
@@ -19,14 +20,15 @@ mod tests;
 
 pub use settings::LiftingLineSettings;
 
-use super::law::{Attachment, Polar, lev};
-use super::section::{Section, SectionForce, ZeroLift, pitch_suction, suction_share};
+use super::law::Polar;
+use super::section::{Section, SectionForce, ZeroLift};
 use super::{
     Coupling, LagNumbers, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench,
 };
 use crate::Error;
 use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
+use flow::Flow;
 use layout::Layout;
 use nodes::Node;
 use std::f64::consts::PI;
@@ -331,95 +333,6 @@ impl<P: Scalar> LiftingLine<P> {
         (wrench, added_mass)
     }
 
-    /// State rates of node `i` and the flow that its forces follow from; `stream` is the one airspeed where there is one.
-    #[inline]
-    fn flow<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
-        &self,
-        i: usize,
-        section: &Section<G>,
-        stream: Option<G>,
-        x: &[S],
-        dx: &mut [S],
-    ) -> Flow<G, S> {
-        let set = &self.settings;
-        let (uc, w) = (section.uc, section.w_three_quarter);
-        let uc2 = uc * uc + set.regularisation_m_s * set.regularisation_m_s;
-        let local = (uc2 + w * w).sqrt();
-        let speed = stream.unwrap_or(local);
-        let wash = self.wake_wash(i, speed, &x[..self.strips()]) + w;
-        let effective = self.lag(i, speed, wash, x, dx);
-        let inverse = (effective * effective + uc2).sqrt().recip();
-        let sine = effective * inverse;
-        let law = set.section.law.about();
-        let attached = match law.attachment {
-            Attachment::Lagging { state, .. } => S::ONE - x[(3 + state) * self.strips() + i],
-            Attachment::Whole | Attachment::AtOnce => self.polar.attached_share(sine * sine),
-        };
-        dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
-        let mut suction = suction_share(inverse * uc);
-        if !law.edge_vortex {
-            suction *= attached;
-        }
-        let mass = if set.section.pitch_suction { self.nodes[i].mass } else { P::ZERO };
-        let pitching_section = (mass, self.slope_share, self.nodes[i].half_chord);
-        let pitching = pitch_suction(pitching_section, section.pitch_rate, S::from(w), effective) * attached;
-        let mut flow = Flow {
-            w,
-            wash,
-            effective,
-            turning: effective,
-            speed,
-            along: uc2.sqrt(),
-            inverse,
-            attached,
-            suction,
-            pitching,
-            edge: None,
-        };
-        if stream.is_some() {
-            // Normal to the wind of motion, reversed flow and suction being unknown to the equations.
-            (flow.turning, flow.inverse, flow.suction) = (S::from(w), S::from(local.recip()), S::ONE);
-        }
-        if let Attachment::Lagging { state, chords } = law.attachment {
-            let at = (3 + state) * self.strips() + i;
-            let rate = speed * self.nodes[i].inverse_chord;
-            dx[at] = self.polar.separation_rate(x[at], sine * sine, rate, chords);
-        }
-        if law.edge_vortex {
-            self.advance_edge(i, section, &mut flow, x, dx);
-        }
-        flow
-    }
-
-    /// Law `lev` at node `i`: the linear suction over rho c dy / 2 is a0 (w_e - b q/2)^2.
-    ///
-    /// Equation: aero.lifting_line.edge_suction
-    #[inline]
-    fn advance_edge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
-        &self,
-        i: usize,
-        section: &Section<G>,
-        flow: &mut Flow<G, S>,
-        x: &[S],
-        dx: &mut [S],
-    ) {
-        let (node, set, m) = (&self.nodes[i], &self.settings, self.strips());
-        let turn =
-            if set.section.pitch_suction { section.pitch_rate * (node.half_chord * 0.5) } else { G::ZERO };
-        let cosine = flow.inverse * section.uc;
-        let wash = flow.effective - turn;
-        let suction = wash.squared() * suction_share(cosine) * self.numbers.section_slope;
-        let edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
-        let (vortex, rate) = (3 * m + i, flow.speed * node.inverse_chord);
-        dx[vortex] = lev::vortex_rate(x[vortex], edge.lost, rate);
-        let carried = if set.section.pitch_suction && set.section.added_mass { node.mass } else { P::ZERO };
-        flow.edge = Some(LimitedEdge {
-            held: edge.held,
-            vortex: x[vortex] * flow.attached * node.drag,
-            carried: section.w_half * section.pitch_rate * carried,
-        });
-    }
-
     /// Forces of one node by source.
     #[inline]
     fn by_source<S: Scalar + Meets<P>>(
@@ -485,83 +398,6 @@ impl<P: Scalar> LiftingLine<P> {
         let mass = if set.section.added_mass { node.mass } else { P::ZERO };
         let turned = if set.section.section_moment { node.mass } else { P::ZERO };
         (mass, turned * node.half_chord * node.half_chord / 8.0)
-    }
-}
-
-/// What the forces of a node follow from; what the motion alone decides is in `G`.
-struct Flow<G: Scalar, S: Over<G>> {
-    /// Wash of motion, m/s.
-    w: G,
-    /// Wash of motion and induced wash, m/s.
-    wash: S,
-    /// Effective wash, lags included, m/s.
-    effective: S,
-    /// The wash by which the lift is turned, m/s.
-    turning: S,
-    /// Smooth airspeed of motion, m/s.
-    speed: G,
-    /// Smooth |uc|, m/s.
-    along: G,
-    /// 1 / airspeed with the effective wash, s/m.
-    inverse: S,
-    /// Share of attached lift.
-    attached: S,
-    /// Share of leading-edge suction.
-    suction: S,
-    /// Leading-edge suction that pitching adds, N.
-    pitching: S,
-    /// What the leading edge holds; all where it has no limit.
-    edge: Option<LimitedEdge<G, S>>,
-}
-
-/// A leading edge that holds a limited suction: law `lev`.
-#[derive(Clone, Copy)]
-struct LimitedEdge<G: Scalar, S: Over<G>> {
-    /// Share of the suction that it holds.
-    held: S,
-    /// Normal force of the vortex, N.
-    vortex: S,
-    /// Chord force of the carried air, part of the suction that is limited, N.
-    carried: G,
-}
-
-impl<G: Scalar, S: Over<G>> Flow<G, S> {
-    /// The lift rho (U G + c G') perpendicular to the wind that includes
-    /// induced and lag wash W: L (|uc| n - s W e_c) / Ve.
-    ///
-    /// Equation: aero.lifting_line.force
-    #[inline]
-    fn lift<P: Scalar>(&self, node: &Node<P>) -> SectionForce<S>
-    where
-        S: Meets<P>,
-    {
-        let turned = self.effective * self.attached * node.lift * self.speed * self.inverse;
-        let ahead = S::from(node.half_chord * 0.5);
-        self.at_edge(turned * self.turning, turned * self.along, ahead)
-    }
-
-    /// The same lift perpendicular to the wind of motion alone.
-    #[inline]
-    fn lift_without_turning<P: Scalar>(&self, node: &Node<P>) -> SectionForce<S>
-    where
-        S: Meets<P>,
-    {
-        let lift = self.effective * self.attached * node.lift;
-        let ahead = S::from(node.half_chord * 0.5);
-        self.at_edge(lift * self.w, lift * self.along, ahead)
-    }
-
-    /// The linear suction `forward` and the `normal` force as the leading edge holds the one and its vortex adds to
-    /// the other.
-    #[inline]
-    fn at_edge(&self, forward: S, normal: S, ahead: S) -> SectionForce<S> {
-        let Some(edge) = self.edge else {
-            return SectionForce::in_plane(-((forward + self.pitching) * self.suction), normal, ahead);
-        };
-        let share = self.suction * edge.held;
-        let lost = (S::ONE - share * self.attached) * edge.carried;
-        let forward = (forward + self.pitching) * share + lost;
-        SectionForce::in_plane(-forward, normal + edge.vortex, ahead)
     }
 }
 

@@ -78,9 +78,9 @@ impl<P: Scalar> StripModel<P> {
             flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
             flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
         }
-        if self.folds {
-            let left = multiply(&flow.relief, &self.folded(flow, &flow.half_left), n);
-            let by_folding = multiply_transposed(&flow.relief, &self.folded_transposed(flow, &by_half), n);
+        if let Some(rate) = &flow.doublet_rate {
+            let left = multiply(&flow.relief, &self.folded(rate, &flow.half_left), n);
+            let by_folding = multiply_transposed(&flow.relief, &self.folded_transposed(rate, &by_half), n);
             for i in 0..N {
                 flow.impulse_rate[i] += (left[i] * self.tables.mass[i] + by_folding[i]) * 0.5;
             }

@@ -7,7 +7,7 @@
 //! Strips of one rigid link keep their wash on one another; a wing that moves as a whole needs none of this.
 
 use super::cores::Cores;
-use super::influence::{Column, INVERSE_4PI, Line, multiply, multiply_transposed, segment_square};
+use super::influence::{Column, INVERSE_4PI, Line, Matrix, multiply, multiply_transposed, segment_square};
 use super::motion::{Edges, Strips, Vectors};
 use super::{Flow, StripModel};
 use crate::math::{Meets, Scalar, Vec3};
@@ -227,12 +227,13 @@ impl<P: Scalar> StripModel<P> {
         let (n, scale) = (self.settings.strips, self.cores.scale);
         let targets = Targets::new(&self.cores, edges, &flow.strips, &self.tables.fraction);
         let ends = |j: usize| edges.ends(j, n).map(|end| end.scaled(scale));
+        let rates = flow.doublet_rate.insert([[S::ZERO; N]; N]);
         let mut beside = [Beside::ZERO, Beside::ZERO];
         targets.beside(ends(0), 0, &mut beside[0]);
         for j in 0..n {
             targets.beside(ends(j + 1), j + 1, &mut beside[(j + 1) % 2]);
             let pair = [&beside[j % 2], &beside[(j + 1) % 2]];
-            let column = &mut flow.doublet_rate[j];
+            let column = &mut rates[j];
             targets.ring([ends(j), ends(j + 1)], pair, j, column);
             for rate in column {
                 *rate *= self.lags.doublet;
@@ -240,26 +241,26 @@ impl<P: Scalar> StripModel<P> {
         }
     }
 
-    /// K' diag(d) v: what folding adds to a wash whose doublets follow v.
+    /// K' diag(d) v, K' the `rate`: what folding adds to a wash whose doublets follow v.
     pub(super) fn folded<S: Scalar + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        rate: &Matrix<S, N>,
         v: &Column<S, N>,
     ) -> Column<S, N> {
         let mut jump = *v;
         for i in 0..N {
             jump[i] *= self.tables.doublet[i];
         }
-        multiply(&flow.doublet_rate, &jump, self.settings.strips)
+        multiply(rate, &jump, self.settings.strips)
     }
 
     /// Its transpose, diag(d) K'^T v.
     pub(super) fn folded_transposed<S: Scalar + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<S, N>,
+        rate: &Matrix<S, N>,
         v: &Column<S, N>,
     ) -> Column<S, N> {
-        let mut sum = multiply_transposed(&flow.doublet_rate, v, self.settings.strips);
+        let mut sum = multiply_transposed(rate, v, self.settings.strips);
         for i in 0..N {
             sum[i] *= self.tables.doublet[i];
         }
@@ -327,7 +328,7 @@ mod tests {
         for j in 0..N {
             for i in 0..N {
                 let exact = (before[j][i] - after[j][i]) / (2.0 * h);
-                let rate = here.doublet_rate[j][i] * model.tables.doublet[j];
+                let rate = here.doublet_rate.as_ref().unwrap()[j][i] * model.tables.doublet[j];
                 assert!((rate - exact).abs() < 1e-7, "{j} on {i}: {rate} {exact}");
                 largest = largest.max(exact.abs());
             }

@@ -85,22 +85,38 @@ pub(super) fn cored<S: Scalar>(x: S, y: S, core4: S) -> Ratio<S> {
 /// Equation: aero.strip.core
 #[inline(always)]
 fn faded<P, S: Scalar + Meets<P>>(x: S, y: S, core4: P) -> Ratio<S> {
-    let y2 = y * y;
-    Ratio { above: x * (y2 * y), below: y2.mul_add(y2, S::from(core4)) }
+    let y2 = y.squared();
+    Ratio { above: x * (y2 * y), below: y2.squared_add(S::from(core4)) }
 }
 
 /// a b + r1.r2 = ((a + b)^2 - d^2) / 2 at the distances a and b from the ends of a segment of length d: by its
 /// smallness the wash of the segment grows.
 #[inline(always)]
 pub(super) fn segment_square<S: Scalar>(d2: S, [a, b]: [S; 2]) -> S {
-    let sum = a + b;
-    (sum.mul_add(sum, -d2)) * 0.5
+    (a + b).squared_add(-d2) * 0.5
+}
+
+/// The wash of [`segment`] with the core of [`faded`].
+#[inline(always)]
+fn faded_segment<P, S: Scalar + Meets<P>>(turn: S, d2: S, ends: [S; 2], core4: P) -> Ratio<S> {
+    if S::CARRIES {
+        let [a, b] = ends;
+        let inverse = segment_square(d2, ends).faded_inverse(S::from(core4));
+        return Ratio { above: turn * (a + b) * inverse, below: a * b };
+    }
+    segment(turn, d2, ends, |x, y| faded(x, y, core4))
 }
 
 /// a . b + c with fused products.
 #[inline(always)]
 fn fused<S: Scalar>(a: Vec3<S>, b: Vec3<S>, c: S) -> S {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul_add(b[2], c)))
+}
+
+/// a . a + c with fused products.
+#[inline(always)]
+fn fused_square<S: Scalar>(a: Vec3<S>, c: S) -> S {
+    a[0].squared_add(a[1].squared_add(a[2].squared_add(c)))
 }
 
 impl<S: Scalar> Line<S> {
@@ -196,17 +212,25 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
         for i in 0..N {
             let (p, n) = (self.control.get(i), self.at_control(i));
             let (ra, rt) = (p - edge.bound, p - edge.trailing);
-            let (a, b) = (fused(ra, ra, least).sqrt(), fused(rt, rt, least).sqrt());
-            let leg = segment(leg.turn(&n), chord2, [a, b], |x, y| faded(x, y, cores.leg[i]));
+            let (a, b) = (fused_square(ra, least).sqrt(), fused_square(rt, least).sqrt());
+            let leg = faded_segment(leg.turn(&n), chord2, [a, b], cores.leg[i]);
             let behind_edge = b * (b + u_trailing - fused(u, p, S::ZERO));
-            let wake = faded(wake.turn(&n), behind_edge, cores.wake[i]);
+            let wake_turn = wake.turn(&n);
             let q = self.bound.get(i);
             let r = q - edge.bound;
             let ahead = fused(q, u, -u_bound);
             let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
-            let far = faded(behind.turn(&n), fused(r, r, -(ahead * ahead)), cores.far[i]);
+            let (far_turn, beside2) = (behind.turn(&n), fused_square(r, -ahead.squared()));
             out.to_bound[i] = a;
             out.to_trailing[i] = b;
+            if S::CARRIES {
+                out.leg[i] = leg.quotient();
+                out.wake[i] = wake_turn * behind_edge.faded_inverse(S::from(cores.wake[i]));
+                out.far[i] = far_turn * beside2.faded_inverse(S::from(cores.far[i]));
+                continue;
+            }
+            let wake = faded(wake_turn, behind_edge, cores.wake[i]);
+            let far = faded(far_turn, beside2, cores.far[i]);
             if S::NARROW {
                 (out.leg[i], out.wake[i], out.far[i]) = (leg.quotient(), wake.quotient(), far.quotient());
                 continue;
@@ -227,24 +251,49 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
         for j in 0..n {
             edges = [edges[1], self.edge(wakes, j + 1)];
             self.trailing(&edges[1], &cores.edges[j + 1], &mut beside[(j + 1) % 2]);
-            self.strip(&edges, [&beside[j % 2], &beside[(j + 1) % 2]], &cores.strips[j], j, out);
+            let (left, right) = (&beside[j % 2], &beside[(j + 1) % 2]);
+            let (ring, horseshoe, far) = (&mut out.ring[j], &mut out.horseshoe[j], &mut out.far[j]);
+            if S::CARRIES {
+                self.strip(&edges, left, right, &cores.strips[j], ring, horseshoe, far);
+            } else {
+                self.strip_apart(&edges, left, right, &cores.strips[j], ring, horseshoe, far);
+            }
         }
     }
 
-    /// Wash of strip `j` between two edges.
+    /// As [`strip`](Self::strip), of plain numbers. The columns come one by one, to a function that stays one: only as arguments
+    /// are they known to lie apart, without which a loop over twelve strips is not vectorised.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
+    fn strip_apart(
+        &self,
+        edges: &[Edge<S>; 2],
+        left: &Trailing<S, N>,
+        right: &Trailing<S, N>,
+        cores: &StripCores<P>,
+        ring: &mut Column<S, N>,
+        horseshoe: &mut Column<S, N>,
+        far: &mut Column<S, N>,
+    ) {
+        self.strip(edges, left, right, cores, ring, horseshoe, far);
+    }
+
+    /// Columns of the strip between two edges.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
     fn strip(
         &self,
         edges: &[Edge<S>; 2],
-        [left, right]: [&Trailing<S, N>; 2],
+        left: &Trailing<S, N>,
+        right: &Trailing<S, N>,
         cores: &StripCores<P>,
-        j: usize,
-        out: &mut Wash<'_, S, N>,
+        ring: &mut Column<S, N>,
+        horseshoe: &mut Column<S, N>,
+        far: &mut Column<S, N>,
     ) {
         let [ahead, behind] = [edges[1].bound - edges[0].bound, edges[0].trailing - edges[1].trailing];
         let lines = [Line::new(edges[0].bound, ahead), Line::new(edges[1].trailing, behind)];
         let lengths = [ahead.norm_squared(), behind.norm_squared()];
-        let (ring, horseshoe, far) = (&mut out.ring[j], &mut out.horseshoe[j], &mut out.far[j]);
         for i in 0..N {
             let n = self.at_control(i);
             let ends = [left.to_bound[i], right.to_bound[i]];
@@ -329,10 +378,7 @@ pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) 
     for k in (0..n).step_by(2) {
         let pair = [m[k], m[k + 1]];
         let block = inverse_of_pair([[pair[0][k], pair[1][k]], [pair[0][k + 1], pair[1][k + 1]]]);
-        // One more on the diagonal leaves -factor in place of what is eliminated.
-        let [mut p, mut q] = pair;
-        p[k] += S::ONE;
-        q[k + 1] += S::ONE;
+        let [p, q] = &pair;
         for (j, other) in m.iter_mut().enumerate().take(n) {
             if j / 2 == k / 2 {
                 continue;
@@ -343,6 +389,8 @@ pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) 
             for i in 0..N {
                 other[i] = q[i].mul_add(g, p[i].mul_add(f, other[i]));
             }
+            // In place of what is eliminated.
+            (other[k], other[k + 1]) = (f, g);
         }
         for c in 0..2 {
             for i in 0..N {
@@ -391,8 +439,7 @@ mod tests {
         let along = ends[1] - ends[0];
         let distances = ends.map(|end| (target - end).norm());
         let turn = Line::new(ends[0], along).turn(&Line::new(target, Vec3::new(0.0, 0.0, INVERSE_4PI)));
-        let core = |x, y| faded(x, y, 1e-12);
-        let Ratio { above, below } = segment(turn, along.norm_squared(), distances, core);
+        let Ratio { above, below } = faded_segment(turn, along.norm_squared(), distances, 1e-12);
         let value = above / below;
         assert!((value.abs() / (1.0 / (2.0 * PI * 0.3)) - 1.0).abs() < 1e-6);
         assert!(value > 0.0);

@@ -27,11 +27,18 @@ impl<S: Scalar, const N: usize> InPlane<S, N> {
 
 /// Forces of all strips by source.
 struct Forces<S: Scalar, const N: usize> {
-    /// As the wash of motion alone directs the lift.
-    plain: InPlane<S, N>,
     /// As the wash of wake and lags turns it.
     lift: InPlane<S, N>,
     drag: InPlane<S, N>,
+}
+
+/// Where the lift points.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Directed {
+    /// As the wash of motion alone directs it.
+    Plainly,
+    /// As the wash of wake and lags turns it.
+    Turned,
 }
 
 impl<G: Scalar, const N: usize> Strips<G, N> {
@@ -52,8 +59,10 @@ impl<P: Scalar> StripModel<P> {
         by_strip: Option<&mut [Wrench<S>]>,
     ) -> Wrench<S> {
         let strips = &flow.strips;
-        let [plain, lift] = self.circulatory(strips, response);
-        let forces = Forces { plain, lift, drag: self.profile_drag(strips, &response.attached) };
+        let forces = Forces {
+            lift: self.circulatory(strips, response, Directed::Turned),
+            drag: self.profile_drag(strips, &response.attached),
+        };
         let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
         for i in 0..N {
             let total = forces.lift.at(i) + self.carried_air(i, flow, response) + forces.drag.at(i);
@@ -83,10 +92,11 @@ impl<P: Scalar> StripModel<P> {
     ) {
         let first = loads.strips;
         loads.strips = first + self.settings.strips;
+        let plain = self.circulatory(&flow.strips, response, Directed::Plainly);
         for i in 0..self.settings.strips {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
-            let circulatory = wrench(forces.plain.at(i));
+            let circulatory = wrench(plain.at(i));
             loads.strip[at] = StripLoads {
                 circulatory,
                 induced_drag: wrench(forces.lift.at(i)) + -circulatory,
@@ -104,7 +114,7 @@ impl<P: Scalar> StripModel<P> {
         }
     }
 
-    /// Forces at 1/4 chord, N: as the wash of motion alone directs them, and as the wash of
+    /// Forces at 1/4 chord, N, as the wash of motion alone directs them, or as the wash of
     /// wake and lags turns them.
     /// F = rho dy g lw [V |uc|/Ve n - W s e_c], Ve = sqrt(uc^2 + W^2 + delta^2), with the attached
     /// share of the lift, of which the suction s takes another share; so it does of what pitching adds.
@@ -114,7 +124,8 @@ impl<P: Scalar> StripModel<P> {
         &self,
         strips: &Strips<G, N>,
         response: &Response<S, N>,
-    ) -> [InPlane<S, N>; 2] {
+        directed: Directed,
+    ) -> InPlane<S, N> {
         let (attached, delta2) = (&response.attached, self.floor * self.floor);
         let (mut lift, mut pitching) = ([S::ZERO; N], [S::ZERO; N]);
         let slope_share = self.tables.slope_share;
@@ -126,32 +137,27 @@ impl<P: Scalar> StripModel<P> {
                 pitching[i] = pitch_suction(section, strips.pitch[i], wash, lift_wash) * attached[i];
             }
         }
-        let directed = |wash: &Column<S, N>| {
-            let (mut force, mut shares) = (InPlane::ZERO, [S::ZERO; N]);
+        let turned = directed == Directed::Turned && self.settings.force_tilt;
+        let mut wash = response.turning_wash;
+        if !turned {
             for i in 0..N {
-                let along2 = strips.along[i].squared() + delta2;
-                let inverse = (wash[i].squared() + along2).sqrt().recip();
-                let mut suction = suction_share(inverse * strips.along[i]);
-                if response.edges.is_none() {
-                    suction *= attached[i];
-                }
-                force.chordwise[i] = -((lift[i] * wash[i] + pitching[i]) * suction);
-                force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse;
-                force.ahead[i] = S::from(self.tables.chord[i] * 0.25);
-                shares[i] = suction;
+                wash[i] = S::from(strips.wash[i]);
             }
-            if let Some(edges) = &response.edges {
-                self.cap_suction(strips, response, edges, &shares, &mut force);
-            }
-            force
-        };
-        let turned = directed(&response.turning_wash);
-        let mut of_motion = [S::ZERO; N];
-        for i in 0..N {
-            of_motion[i] = S::from(strips.wash[i]);
         }
-        let plain = directed(&of_motion);
-        [plain, if self.settings.force_tilt { turned } else { plain }]
+        let (mut force, mut shares) = (InPlane::ZERO, [S::ZERO; N]);
+        for i in 0..N {
+            let along2 = strips.along[i].squared() + delta2;
+            let inverse = (wash[i].squared() + along2).sqrt().recip();
+            let suction = suction_share(inverse * strips.along[i]);
+            shares[i] = if response.edges.is_none() { suction * attached[i] } else { suction };
+            force.chordwise[i] = -((lift[i] * wash[i] + pitching[i]) * shares[i]);
+            force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse;
+            force.ahead[i] = S::from(self.tables.chord[i] * 0.25);
+        }
+        if let Some(edges) = &response.edges {
+            self.cap_suction(strips, response, edges, &shares, &mut force);
+        }
+        force
     }
 
     /// What law `lev` makes of the linear forces: the held share h of the suction stays, with it that share of the

@@ -62,8 +62,8 @@ struct Flow<S: Scalar, const N: usize> {
     far: Matrix<S, N>,
     /// Inverse of A0 = 1 - doublet diag(d): the wash which motion leaves on the chord.
     relief: Matrix<S, N>,
-    /// Rate of the wash of the chord doublets, K', 1/(m s); zero where the wing does not fold.
-    doublet_rate: Matrix<S, N>,
+    /// Rate of the wash of the chord doublets, K', 1/(m s), of a wing that folds.
+    doublet_rate: Option<Matrix<S, N>>,
     /// What is left of the wash at 1/2 chord, m/s.
     half_left: Column<S, N>,
     /// Normal speed left by a unit normal speed of the whole wing.
@@ -297,12 +297,12 @@ impl<P: Scalar> StripModel<P> {
             if self.settings.wake_wash {
                 flow.remainder[j][j] = flow.remainder[j][j] + tables.own_bound[j];
             }
-            let doublet = &mut flow.relief[j];
-            doublet[j] = doublet[j] + tables.own_ring[j];
+            let (doublet, scale) = (&mut flow.relief[j], tables.doublet[j] * -beta);
+            let own = (doublet[j] + tables.own_ring[j]) * scale + 1.0;
             for i in 0..N {
-                doublet[i] *= tables.doublet[j] * -beta;
+                doublet[i] *= scale;
             }
-            doublet[j] = doublet[j] + 1.0;
+            doublet[j] = own;
         }
         invert(&mut flow.relief, n);
         if self.folds {
@@ -322,7 +322,7 @@ impl<S: Scalar, const N: usize> Flow<S, N> {
             remainder: matrix,
             far: matrix,
             relief: matrix,
-            doublet_rate: matrix,
+            doublet_rate: None,
             half_left: zero,
             unit_left: zero,
             impulse: zero,

@@ -1,6 +1,6 @@
 //! From lags and motion to washes, state rates and impulses.
 
-use super::influence::{Column, multiply};
+use super::influence::{Column, Matrix, multiply};
 use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
@@ -212,7 +212,7 @@ impl<P: Scalar> StripModel<P> {
     /// K' (diag(d) w + D - Y): the rate of the wash of the chord doublets by folding, w the wash `held_left`.
     fn folded_wash<G: Scalar, S: Over<G> + Meets<P>, const N: usize>(
         &self,
-        flow: &Flow<G, N>,
+        rate: &Matrix<G, N>,
         sums: &LagSums<S, N>,
         held_left: &Column<S, N>,
     ) -> Column<S, N> {
@@ -220,7 +220,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..N {
             jump[i] = held_left[i] * self.tables.doublet[i] + (sums.jump[i] - sums.delayed[i]);
         }
-        multiply(&flow.doublet_rate, &jump, self.settings.strips)
+        multiply(rate, &jump, self.settings.strips)
     }
 
     /// Washes, state rates and impulses.
@@ -264,7 +264,8 @@ impl<P: Scalar> StripModel<P> {
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
-            let folded = self.folds.then(|| self.folded_wash(flow, &sums, &held_left));
+            let rate = flow.doublet_rate.as_ref();
+            let folded = rate.map(|rate| self.folded_wash(rate, &sums, &held_left));
             let held_rate_left = self.held_left(flow, &rates, folded.as_ref());
             for i in 0..N {
                 let mass = self.tables.mass[i];

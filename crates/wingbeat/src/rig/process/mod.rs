@@ -10,8 +10,9 @@ mod motion;
 mod tilt;
 
 pub use correct::{Corrected, Corrector, Samples, Steps, tare_line};
-pub use cycle::{Comparison, CycleAverage, PhaseSource, compare, phase_average, phase_of};
+pub(crate) use cycle::phase_average;
+pub use cycle::{Comparison, CycleAverage, PhaseSource, compare, phase_of};
 pub use filter::Butterworth;
 pub use input::{InputSpec, UnitSpec};
-pub use motion::recorded_motion;
+pub(crate) use motion::recorded_motion;
 pub use tilt::{Tilt, Weighing, weigh};
