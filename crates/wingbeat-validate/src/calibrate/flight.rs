@@ -31,9 +31,6 @@ const SPEEDS: [f64; 2] = [1.5, 0.8];
 const ONE: [f64; 2] = [TAU / 360.0, 0.02];
 /// Step of a central difference, in parts of a number's size.
 const STEP: f64 = 1e-3;
-/// Runs on a stand in air that comes from ahead and below, as a robot meets it that sinks. *Choice.*
-const SINKING: [(&str, &str); 2] = [("sinking", "[-0.8, 0.0, 1.2]"), ("falling", "[-0.6, 0.0, 2.0]")];
-
 /// The model that is fitted.
 const PAPER: [&str; 2] = ["aero.preset=paper", "aero.law=linear"];
 /// The truth.
@@ -223,22 +220,6 @@ fn median(mut of: Vec<f64>) -> f64 {
     0.5 * (of[(of.len() - 1) / 2] + of[of.len() / 2])
 }
 
-/// The seven runs, and with them others on a stand in air from ahead and below.
-fn covering() -> Result<Calibration, Error> {
-    let rigs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../rigs");
-    let seven = ["roll10_speed08", "roll15_speed08", "roll20_speed08", "roll25_speed08", "roll15_speed07"];
-    let seven = seven.into_iter().chain(["roll15_speed08b", "roll15_speed09"]);
-    let mut runs: Vec<String> =
-        seven.map(|name| format!("{{ run = \"{rigs}/runs/{name}.toml\" }}")).collect();
-    runs.extend(SINKING.map(|(name, wind)| {
-        format!(
-            "{{ name = {name:?}, run = \"{rigs}/identification/faster_wind.toml\", set = [\"wind_m_s={wind}\", \
-             \"hold.each_s=3.0\", \"rig.cell.calibration=SI-25-0.25\"] }}"
-        )
-    }));
-    shipped("seven_runs.toml", &["structures=[]", "starts=1", &format!("runs=[{}]", runs.join(", "))])
-}
-
 /// After over before for attitude and velocity, median over the draws, from one speed.
 fn ratios(flown: &Flown, drawn: &[Vec<(String, f64)>], after: &[(String, f64)]) -> Result<[f64; 2], Error> {
     let after = flown.off(after)?;
@@ -250,7 +231,6 @@ fn ratios(flown: &Flown, drawn: &[Vec<(String, f64)>], after: &[(String, f64)]) 
 /// Medians over twenty draws of what is left after the fit, in parts of before.
 pub fn rows() -> Result<Vec<Row>, Error> {
     let (parameters, values) = calibrated(&shipped("seven_runs.toml", &["structures=[]", "starts=1"])?)?;
-    let (_, covered) = calibrated(&covering()?)?;
     let flown = SPEEDS.map(Flown::new).into_iter().collect::<Result<Vec<_>, _>>()?;
     let nominal: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
     let drawn: Vec<Vec<(String, f64)>> = (0..DRAWS)
@@ -265,13 +245,14 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         .collect();
     let best = bound(&flown, &parameters, &values)?;
     let source = "own truth (full, lev) and paper, linear under its inputs, one stroke";
-    let fits = [("the seven runs", "", &values), ("seven runs and two in sinking air", ".covered", &covered)];
+    let fits = [
+        ("the seven runs", "", &values),
+        ("these flights themselves, the bound of the model", ".bound", &best),
+    ];
     let mut rows = Vec::new();
     for (flown, at) in flown.iter().zip(["", ".runs_speed"]) {
         let plain = flown.off(&named(&parameters, &nominal))?;
-        for (name, kind, fitted) in
-            fits.into_iter().chain([("these flights themselves, the bound of the model", ".bound", &best)])
-        {
+        for (name, kind, fitted) in fits {
             let numbers = named(&parameters, fitted);
             let (after, ratio) = (flown.off(&numbers)?, ratios(flown, &drawn, &numbers)?);
             let attitude = format!(
