@@ -1,5 +1,5 @@
-//! What a calibration is worth in flight: truth and model under the same inputs, and the truth flown by the model's plans, before
-//! and after the fit; and what the model could reach at all.
+//! What a calibration is worth in flight: truth and model under the same inputs, before and after the fit, and what the model
+//! could reach at all.
 
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
 use crate::{Error, Row};
@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::math::Random;
-use wingbeat::scenario::{Run, Scenario};
+use wingbeat::scenario::Scenario;
 use wingbeat::simulate::{Controller, Measurement, Record, Update};
 use wingbeat_calibrate::{
     Calibration, Error as Fault, Layout, Model, Observed, Parameter, Plan, Problem, Progress, solve,
@@ -21,9 +21,7 @@ const DRAWS: usize = 20;
 const OFF: f64 = 0.2;
 /// One stroke at 3.5 Hz, s, in whole records.
 const CYCLE: f64 = 0.286;
-/// How long the truth flies by a model's plans, s.
-const PLANNED: f64 = 1.0;
-/// Period of the plans, s: that of the scenario.
+/// Period of the controller, s: that of the scenario.
 const PERIOD: f64 = 0.005;
 /// Speeds at the start of the flights, m/s: that of the scenario, and that of the runs.
 const SPEEDS: [f64; 2] = [1.5, 0.8];
@@ -63,18 +61,12 @@ impl Controller for Again<'_> {
     }
 }
 
-fn scenario(
-    duration: f64,
-    speed: f64,
-    structure: [&str; 2],
-    numbers: &[(String, f64)],
-) -> Result<Scenario, Error> {
+fn scenario(speed: f64, structure: [&str; 2], numbers: &[(String, f64)]) -> Result<Scenario, Error> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn_beta.toml");
     let list: Vec<String> = numbers.iter().map(|(name, value)| format!("{name:?} = {value:?}")).collect();
     let mut overrides = vec![
-        format!("flight.duration_s={duration}"),
+        format!("flight.duration_s={CYCLE}"),
         "manoeuvre.turn_start_s=0.0".into(),
-        "goal.settle_s=0.0".into(),
         format!("start.velocity_m_s=[{speed}, 0.0, 0.0]"),
     ];
     overrides.extend(structure.map(String::from));
@@ -106,14 +98,13 @@ struct Flown {
 
 impl Flown {
     fn new(speed: f64) -> Result<Self, Error> {
-        let run =
-            scenario(CYCLE, speed, TRUTH, &[])?.fly(|_| ControlFlow::Continue(())).map_err(no_answer)?;
+        let run = scenario(speed, TRUTH, &[])?.fly(|_| ControlFlow::Continue(())).map_err(no_answer)?;
         Ok(Self { speed, record: run.record })
     }
 
     /// Where the model with these numbers is after the stroke under the same inputs, less where the truth is.
     fn apart(&self, numbers: &[(String, f64)]) -> Result<[f64; 6], Error> {
-        let model = scenario(CYCLE, self.speed, PAPER, numbers)?;
+        let model = scenario(self.speed, PAPER, numbers)?;
         let mut again = Again::of(&self.record);
         let run = model.fly_with(&mut again, PERIOD, model.sensors(), |_| ControlFlow::Continue(()));
         let (own, truth) = (end(&run.map_err(no_answer)?.record)?, end(&self.record)?);
@@ -140,14 +131,16 @@ impl Model for Flights<'_> {
     }
     fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Fault> {
         let by = |k: usize| {
+            let Parameter { low, high, .. } = self.parameters[k];
             let step = STEP * self.parameters[k].scale();
-            let at = |by: f64| {
+            let [low, high] = [-step, step].map(|by| (values[k] + by).clamp(low, high));
+            let at = |value: f64| {
                 let mut moved = values.to_vec();
-                moved[k] += by;
+                moved[k] = value;
                 self.predict(run, &moved)
             };
-            let (high, low) = (at(step)?, at(-step)?);
-            Ok(high.iter().zip(&low).map(|(high, low)| (high - low) / (2.0 * step)).collect())
+            let (above, below) = (at(high)?, at(low)?);
+            Ok(above.iter().zip(&below).map(|(above, below)| (above - below) / (high - low)).collect())
         };
         (0..values.len()).map(by).collect()
     }
@@ -200,19 +193,6 @@ fn calibrated(calibration: &Calibration) -> Result<(Vec<Parameter>, Vec<f64>), E
     let solved = solve(&own.model, &runs, &own.parameters, &plan(true), &mut (), watch).map_err(no_answer)?;
     let values = solved.values.clone();
     Ok((own.parameters.clone(), values))
-}
-
-/// The truth flown by the plans of the model with these numbers; by its own without.
-fn planned(numbers: Option<&[(String, f64)]>) -> Result<Run, Error> {
-    let real = scenario(PLANNED, SPEEDS[0], TRUTH, &[])?;
-    let known = match numbers {
-        Some(numbers) => scenario(PLANNED, SPEEDS[0], PAPER, numbers)?,
-        None => scenario(PLANNED, SPEEDS[0], TRUTH, &[])?,
-    };
-    let controller = known.controller().map_err(no_answer)?;
-    let mut controller = controller.ok_or_else(|| no_answer("no controller"))?;
-    let run = real.fly_with(&mut controller, PERIOD, real.sensors(), |_| ControlFlow::Continue(()));
-    run.map_err(no_answer)
 }
 
 fn median(mut of: Vec<f64>) -> f64 {
@@ -275,50 +255,5 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             }
         }
     }
-    rows.extend(flights_by_plans(&drawn, &named(&parameters, &values))?);
-    Ok(rows)
-}
-
-/// Roll and pitch of the truth under plans of the model, and where it ends, against the truth under plans of its own.
-fn flights_by_plans(drawn: &[Vec<(String, f64)>], after: &[(String, f64)]) -> Result<Vec<Row>, Error> {
-    let own = planned(None)?;
-    let flights = wingbeat::parallel::map(drawn, |_, numbers| planned(Some(numbers)));
-    let before = flights.into_iter().collect::<Result<Vec<Run>, _>>()?;
-    let after = planned(Some(after))?;
-    let rms = |run: &Run, roll: bool| {
-        let of = if roll { run.summary.roll_rms_error_deg } else { run.summary.pitch_rms_error_deg };
-        of.unwrap_or(f64::NAN)
-    };
-    let apart = |run: &Run| {
-        let place =
-            |run: &Run| [run.summary.distance_x_m, run.summary.distance_y_m, run.summary.altitude_change_m];
-        let (here, there) = (place(run), place(&own));
-        norm(&std::array::from_fn::<f64, 3, _>(|i| here[i] - there[i]))
-    };
-    let source = "own truth (full, lev) flown 1 s by plans of paper, linear; 20 draws +-20 %";
-    let mut rows = Vec::new();
-    for (name, roll) in [("roll", true), ("pitch", false)] {
-        let drawn = median(before.iter().map(|run| rms(run, roll)).collect());
-        let metric = format!(
-            "rms error of {name}, fitted over median of the draws: {:.2} of {drawn:.2} deg; {:.2} deg by its own plans",
-            rms(&after, roll),
-            rms(&own, roll)
-        );
-        rows.push(Row::shown(
-            &format!("calibrate.flight.planned.{name}"),
-            source,
-            &metric,
-            rms(&after, roll) / drawn,
-            "",
-        ));
-    }
-    let spread: Vec<f64> = before.iter().map(apart).collect();
-    let most = spread.iter().copied().fold(0.0, f64::max);
-    let drawn = median(spread);
-    let metric = format!(
-        "end point from that under its own plans, fitted over median of the draws: {:.3} of {drawn:.3} m, {most:.3} at most",
-        apart(&after)
-    );
-    rows.push(Row::shown("calibrate.flight.planned.end", source, &metric, apart(&after) / drawn, ""));
     Ok(rows)
 }
