@@ -67,13 +67,23 @@ impl Calibration {
         translate: Translate,
     ) -> Result<Vec<(RigRun, String)>, ConfigError> {
         let (key, specs) = list;
+        let keyed = specs.iter().enumerate().map(|(k, spec)| (format!("{key}[{k}]"), spec));
+        self.keyed_runs(keyed, set, translate)
+    }
+
+    fn keyed_runs<'a>(
+        &self,
+        list: impl Iterator<Item = (String, &'a CalibratedRunSpec)>,
+        set: &[String],
+        translate: Translate,
+    ) -> Result<Vec<(RigRun, String)>, ConfigError> {
         let mut runs: Vec<(RigRun, String)> = Vec::new();
-        for (k, spec) in specs.iter().enumerate() {
-            let document = self.document.part(&format!("{key}[{k}].run"))?;
+        for (key, spec) in list {
+            let document = self.document.part(&format!("{key}.run"))?;
             let run = RigRun::new(document.overridden(&spec.set).overridden(set), translate)?;
             let name = spec.name.clone().unwrap_or_else(|| run.spec.name.clone());
             if runs.iter().any(|(_, other)| *other == name) {
-                let error = wingbeat::Error::invalid(format!("{key}[{k}].name"), &name, "a name of its own");
+                let error = wingbeat::Error::invalid(format!("{key}.name"), &name, "a name of its own");
                 return Err(self.document.explain(&error));
             }
             runs.push((run, name));
@@ -82,6 +92,10 @@ impl Calibration {
     }
 
     fn targets(&self, runs: Vec<(RigRun, String)>) -> Result<Vec<RigTarget>, Error> {
+        self.tried(runs).into_iter().collect()
+    }
+
+    fn tried(&self, runs: Vec<(RigRun, String)>) -> Vec<Result<RigTarget, Error>> {
         let (harmonics, steps) = (self.spec.harmonics, self.spec.steps_per_cycle);
         let runs: Vec<_> = runs.into_iter().map(|run| std::sync::Mutex::new(Some(run))).collect();
         let built = parallel::map(&runs, |_, run| {
@@ -89,6 +103,11 @@ impl Calibration {
             run.map(|(run, name)| RigTarget::new(run, &name, harmonics, steps))
         });
         built.into_iter().flatten().collect()
+    }
+
+    /// Whether it asks for a next run.
+    pub fn asks_for_a_next_run(&self) -> bool {
+        !(self.spec.candidates.is_empty() && self.spec.design.is_empty())
     }
 
     /// The runs with the structure of the model that the file gives and `other` overrides.
@@ -101,13 +120,34 @@ impl Calibration {
         self.built(self.targets(runs)?)
     }
 
-    /// The candidates for a next run.
+    /// The candidates for a next run: those that the file names, then those of its designs that can be planned; and why the
+    /// others cannot.
     ///
     /// # Errors
     /// Bad runs.
-    pub fn candidates(&self, translate: Translate) -> Result<Structure, Failure> {
-        let runs = self.runs(("candidates", &self.spec.candidates), &self.spec.model, translate)?;
-        self.built(self.targets(runs)?)
+    pub fn candidates(&self, translate: Translate) -> Result<(Structure, Vec<String>), Failure> {
+        let spec = &self.spec;
+        let runs = self.runs(("candidates", &spec.candidates), &spec.model, translate)?;
+        let mut targets = self.targets(runs)?;
+        let mut refused = Vec::new();
+        for (k, design) in spec.design.iter().enumerate() {
+            let (key, laid_out) = (format!("design[{k}]"), design.laid_out());
+            let keyed = laid_out.iter().map(|run| (key.clone(), run));
+            for tried in self.tried(self.keyed_runs(keyed, &spec.model, translate)?) {
+                match tried {
+                    Ok(target) => targets.push(target),
+                    Err(error @ Error::Data { .. }) => refused.push(error.to_string()),
+                    Err(error) => return Err(error.into()),
+                }
+            }
+        }
+        match refused.first() {
+            Some(why) if targets.is_empty() => {
+                let what = format!("design: none of {} runs can be made: {why}", refused.len());
+                Err(Error::Uninformed(what).into())
+            }
+            _ => Ok((self.built(targets)?, refused)),
+        }
     }
 
     fn built(&self, targets: Vec<RigTarget>) -> Result<Structure, Failure> {

@@ -10,8 +10,9 @@ const LARGEST_SHIFT: f64 = 5.0_f64.to_radians();
 const PHASE: &str = "gait.phase_rad";
 /// Smallest correlation at the best shift for the shift to be believed. *Choice.*
 const BELIEVED: f64 = 0.8;
-/// Smallest gain of the correlation by the shift for it to be believed. *Choice.*
-const GAINED: f64 = 0.01;
+/// Smallest gain of the correlation by the shift for it to be believed, in parts of what the measured cycle itself would
+/// lose by that shift. *Choice.*
+const GAINED: f64 = 0.5;
 
 /// What of a measured cycle does not agree with the model's.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +34,8 @@ pub fn disagreement(
         return Some(Disagreement::Axes(found));
     }
     let shift = shift(layout, measured, model);
-    let believed = shift.correlation[1] > BELIEVED && shift.correlation[1] - shift.correlation[0] > GAINED;
+    let gained = shift.correlation[1] - shift.correlation[0];
+    let believed = shift.correlation[1] > BELIEVED && gained > GAINED * shift.own_loss;
     (shift.by.abs() > LARGEST_SHIFT && believed).then_some(Disagreement::Phase(shift))
 }
 
@@ -89,6 +91,7 @@ pub fn checked(structure: &Structure, runs: &[Observed], values: &[f64]) -> Resu
     let fits_phase = structure.parameters.iter().any(|parameter| parameter.name == PHASE);
     for (k, run) in runs.iter().enumerate() {
         let target = &structure.model.targets[k];
+        odd.extend(run.oddities.iter().map(|what| format!("{}: {what}", run.name)));
         let predicted = target.predict(&structure.model.numbers(values))?;
         let (measured, model) = (target.in_cell(&run.mean), target.in_cell(&predicted));
         let found = disagreement(run.layout, [&run.mean, &predicted], [&measured, &model]);

@@ -64,7 +64,11 @@ fn fnv1a64(bytes: &[u8]) -> u64 {
 /// Files that hold no samples as the run says.
 pub fn read(path: &Path, run: &RigRun) -> Result<Pass, Error> {
     let name = path.display().to_string();
-    let wrong = |error: wingbeat_io::Error| Error::data(&name, error.to_string());
+    // What the reader says of the command line holds for the run's overrides.
+    let wrong = |error: wingbeat_io::Error| {
+        let said = error.to_string().replace("--set ", "in the run's set ");
+        Error::data(&name, said.strip_prefix(&format!("{name}: ")).unwrap_or(&said))
+    };
     let input = &run.spec.process.input;
     let table = wingbeat_io::samples::read_samples(path, input).map_err(wrong)?;
     Pass::of(&name, table.import(input).map_err(wrong)?.record)

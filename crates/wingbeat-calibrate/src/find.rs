@@ -69,10 +69,11 @@ impl Prepared<'_> {
         for rival in calibration.structures() {
             found.rivals.push(self.rival(&rival.name, &rival.set, &solved, watch)?);
         }
-        if !calibration.spec.candidates.is_empty() {
-            let candidates = calibration.candidates(&urdf_as_toml)?;
+        if calibration.asks_for_a_next_run() {
+            let (candidates, refused) = calibration.candidates(&urdf_as_toml)?;
             let passes = calibration.spec.truth.as_ref().map_or(PASSES, |truth| truth.passes);
             found.next = NextRun::all(&candidates, &solved, passes)?;
+            found.cautions.extend(refused.iter().map(|why| format!("left out of the design: {why}")));
         }
         found.rank_structures();
         Ok(found)

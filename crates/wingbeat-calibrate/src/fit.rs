@@ -1,6 +1,6 @@
 //! Levenberg-Marquardt with priors and bounds, in stages, from several starts.
 
-use crate::problem::{Problem, Whitened};
+use crate::problem::{Problem, Whitened, priors};
 use crate::{Error, Parameter};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -12,6 +12,10 @@ const STEPS: usize = 40;
 const ENOUGH: f64 = 1e-7;
 /// Largest damping that is tried.
 const MOST_DAMPING: f64 = 1e8;
+/// The same with a Jacobian that only follows.
+const FOLLOWED_DAMPING: f64 = 1e-1;
+/// Share of the gain that a Jacobian told which a step must bring for it to be followed on.
+const FOLLOWED: f64 = 0.5;
 
 /// How a fit ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,6 +95,27 @@ impl Linear {
         let plain = problem.jacobians(of, values)?;
         let jacobians = of.iter().zip(&plain).map(|(run, j)| problem.whiten_columns(*run, j)).collect();
         Ok(Self { of: of.to_vec(), residuals, jacobians })
+    }
+
+    /// By how much the step between the values would lower the cost, were the model linear.
+    fn gain(&self, parameters: &[Parameter], (from, to): (&[f64], &[f64]), cost: f64) -> f64 {
+        let moved = DVector::from_fn(from.len(), |k, _| to[k] - from[k]);
+        let then: f64 =
+            self.residuals.iter().zip(&self.jacobians).map(|(r, j)| (r + j * &moved).norm_squared()).sum();
+        cost - then - priors(parameters, to)
+    }
+
+    /// Moves to other values where the residuals are known; the Jacobian follows by the least change that explains them, the
+    /// parameters in parts of their sizes (Broyden 1965).
+    fn follow(&mut self, parameters: &[Parameter], (from, to): (&[f64], &[f64]), residuals: Whitened) {
+        let moved = DVector::from_fn(from.len(), |k, _| to[k] - from[k]);
+        let weighed = DVector::from_fn(from.len(), |k, _| moved[k] / parameters[k].scale().powi(2));
+        let size = moved.dot(&weighed).max(f64::MIN_POSITIVE);
+        for ((j, before), after) in self.jacobians.iter_mut().zip(&self.residuals).zip(&residuals) {
+            let unexplained = after - before - &*j * &moved;
+            *j += unexplained * weighed.transpose() / size;
+        }
+        self.residuals = residuals;
     }
 
     /// J'J and J'r with the priors, without the runs of `leave`.
@@ -209,6 +234,8 @@ fn fit_free(
     let of = problem.fitted();
     let mut values = start.to_vec();
     let mut now = Linear::at(problem, &of, &values)?;
+    // Whether the Jacobian is that of the values; in between it follows by Broyden's updates.
+    let mut exact = true;
     let mut cost = problem.cost(&now.residuals, &values);
     let mut damping = 1e-3;
     for taken in 0..STEPS {
@@ -217,29 +244,42 @@ fn fit_free(
             return Err(Error::Stopped);
         }
         let normal = now.normal(problem.parameters, &values, &[]);
+        let most = if exact { MOST_DAMPING } else { FOLLOWED_DAMPING };
         let better = loop {
             let next = step(&normal, damping, problem.parameters, &values, free);
             // Where the model has no answer the step was too long.
             let tried = problem.predictions(&of, &next).ok().map(|predictions| {
                 let residuals = problem.residuals(&of, &predictions);
-                problem.cost(&residuals, &next)
+                (problem.cost(&residuals, &next), residuals)
             });
-            match tried.filter(|tried| *tried < cost) {
-                Some(tried) => break Some((next, tried)),
-                None if damping > MOST_DAMPING => break None,
+            match tried.filter(|(tried, _)| *tried < cost) {
+                Some((lower, residuals)) => break Some((next, lower, residuals)),
+                None if damping > most => break None,
                 None => damping *= 8.0,
             }
         };
-        let Some((next, lower)) = better else {
-            return Ok(Fit { values, cost, ended: Ended::Converged, steps: taken });
+        let converged = Fit { values: values.clone(), cost, ended: Ended::Converged, steps: taken };
+        let Some((next, lower, residuals)) = better else {
+            if exact {
+                return Ok(converged);
+            }
+            (now, exact, damping) = (Linear::at(problem, &of, &values)?, true, 1e-3);
+            continue;
         };
         let gained = (cost - lower) / cost.max(f64::MIN_POSITIVE);
-        (values, cost) = (next, lower);
-        damping = (damping * 0.1).max(1e-9);
-        if gained < ENOUGH {
-            return Ok(Fit { values, cost, ended: Ended::Converged, steps: taken + 1 });
+        if gained < ENOUGH && exact {
+            return Ok(Fit { values: next, cost: lower, steps: taken + 1, ..converged });
         }
-        now = Linear::at(problem, &of, &values)?;
+        damping = (damping * 0.1).max(1e-9);
+        // A Jacobian that told the gain well is followed, one that did not, or that gains no more, is taken anew.
+        let told = now.gain(problem.parameters, (&values, &next), cost);
+        exact = gained < ENOUGH || (cost - lower) < FOLLOWED * told;
+        if exact {
+            now = Linear::at(problem, &of, &next)?;
+        } else {
+            now.follow(problem.parameters, (&values, &next), residuals);
+        }
+        (values, cost) = (next, lower);
     }
     Ok(Fit { values, cost, ended: Ended::Steps, steps: STEPS })
 }

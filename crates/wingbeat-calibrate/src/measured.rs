@@ -4,6 +4,8 @@ use crate::rig::{RigTarget, SETTLING};
 use crate::{Error, Layout, Observed, project};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
+use std::ops::Range;
+use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{PhaseSource, Samples, phase_of, tare_line};
 use wingbeat::simulate::Record;
 
@@ -40,6 +42,7 @@ impl Pass {
 struct Cycles {
     cycles: Vec<Vec<f64>>,
     left_out: usize,
+    oddities: Vec<String>,
     frequency: f64,
     samples_per_cycle: f64,
 }
@@ -68,6 +71,7 @@ pub fn observed(
     let frequency_hz = parts.iter().map(|part| part.frequency).sum::<f64>() / count;
     let samples_per_cycle = parts.iter().map(|part| part.samples_per_cycle).sum::<f64>() / count;
     let left_out = parts.iter().map(|part| part.left_out).sum();
+    let oddities = parts.iter().flat_map(|part| part.oddities.clone()).collect();
     let cycles: Vec<Vec<f64>> = parts.into_iter().flat_map(|part| part.cycles).collect();
     if cycles.is_empty() {
         let what = "no whole cycle without missing or saturated samples in the window";
@@ -82,6 +86,7 @@ pub fn observed(
         sample_noise: bins.covariance(),
         samples_per_cycle,
         left_out,
+        oddities,
         frequency_hz,
         held_out,
     };
@@ -107,6 +112,7 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
         (0..6).all(|i| pass.channels[i][k].is_finite() && pass.channels[i][k].abs() < range[i] * (1.0 - 1e-9))
     };
     let bad = (from..to).filter(|k| !usable(*k)).count();
+    let mut oddities = clipped(pass, from..to, &range);
     let lines = rest(target, pass)?;
     let mut channels: [Vec<f64>; 6] = Default::default();
     for k in from.saturating_sub(1)..(to + 1).min(pass.time.len()) {
@@ -139,11 +145,11 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
     let left_out = all.iter().filter(|cycle| cycle.is_none()).count();
     let saturated_or_missing = bad > 0 && left_out == 0;
     if saturated_or_missing || left_out == whole {
-        return Err(wrong(format!(
-            "{bad} samples of {} are missing or at the end of the cell's range ({:?}): no cycle is left",
-            to - from,
-            target.run.spec.rig.cell.calibration
-        )));
+        return Err(wrong(format!("{}: no cycle is left", unusable(target, pass, from..to))));
+    }
+    if left_out > 0 {
+        let what = unusable(target, pass, from..to);
+        oddities.push(format!("{}: {what}: {left_out} of {whole} cycles are left out", pass.file));
     }
     for k in first..last {
         bins.add(phase[k], std::array::from_fn(|i| channels[i][k]));
@@ -151,9 +157,55 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
     Ok(Cycles {
         cycles: all.into_iter().flatten().collect(),
         left_out,
+        oddities,
         frequency,
         samples_per_cycle: (last - first) as f64 / turns,
     })
+}
+
+/// What of the samples `rows` cannot be used, by channel.
+fn unusable(target: &RigTarget, pass: &Pass, rows: Range<usize>) -> String {
+    let calibration = target.run.spec.rig.cell.calibration;
+    let range = calibration.range();
+    let mut told = Vec::new();
+    for (i, (name, unit)) in CHANNELS.iter().enumerate() {
+        let count = |bad: &dyn Fn(f64) -> bool| rows.clone().filter(|k| bad(pass.channels[i][*k])).count();
+        let missing = count(&|x| !x.is_finite());
+        let full = count(&|x| x.is_finite() && x.abs() >= range[i] * (1.0 - 1e-9));
+        if missing > 0 {
+            told.push(format!("{missing} of {name} are missing"));
+        }
+        if full > 0 {
+            told.push(format!(
+                "{full} of {name} are at the end of the cell's range, {} {unit} ({calibration:?})",
+                range[i]
+            ));
+        }
+    }
+    format!("of {} samples {}", rows.len(), told.join(", "))
+}
+
+/// Share of the samples that stand at one and the same extreme from which a channel is called clipped. *Choice*: noise
+/// reaches an extreme once.
+const CLIPPED: f64 = 0.03;
+
+/// Channels that stand at their highest or lowest value within the range for longer than noise lets them.
+fn clipped(pass: &Pass, rows: Range<usize>, range: &[f64; 6]) -> Vec<String> {
+    let mut told = Vec::new();
+    for (i, (name, unit)) in CHANNELS.iter().enumerate() {
+        let values = || rows.clone().map(|k| pass.channels[i][k]).filter(|x| x.is_finite());
+        for end in [values().fold(f64::NEG_INFINITY, f64::max), values().fold(f64::INFINITY, f64::min)] {
+            let (count, all) = (values().filter(|x| *x == end).count(), values().count());
+            let flat = values().all(|x| x == end);
+            if !flat && end.abs() < range[i] * (1.0 - 1e-9) && count as f64 > CLIPPED * all as f64 {
+                told.push(format!(
+                    "{}: {count} of {all} samples of {name} stand at {end} {unit}: clipped before the end of the cell's range?",
+                    pass.file
+                ));
+            }
+        }
+    }
+    told
 }
 
 /// Offset and slope of each channel over the rest, as it is read; nothing where the run takes no tare.
@@ -262,6 +314,8 @@ pub struct Shift {
     pub by: f64,
     /// Correlation of the harmonics as they are and when shifted.
     pub correlation: [f64; 2],
+    /// What the correlation of the measured cycle with itself loses by the shift.
+    pub own_loss: f64,
 }
 
 /// Correlation of two cycles without their means, channels in parts of their measured amplitude, with the measured one
@@ -287,7 +341,8 @@ pub fn shift(layout: Layout, measured: &[f64], model: &[f64]) -> Shift {
     let at = |by: f64| correlation(layout, measured, model, by);
     let steps = (-720..720).map(|k| f64::from(k) * 0.25_f64.to_radians());
     let by = steps.max_by(|a, b| at(*a).total_cmp(&at(*b))).unwrap_or(0.0);
-    Shift { by, correlation: [at(0.0), at(by)] }
+    let own_loss = 1.0 - correlation(layout, measured, measured, by);
+    Shift { by, correlation: [at(0.0), at(by)], own_loss }
 }
 
 /// Axes of the cell that were swapped or flipped: for each channel the measured one that it should be, and its sign.

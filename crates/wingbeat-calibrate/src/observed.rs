@@ -27,6 +27,8 @@ pub struct Observed {
     pub samples_per_cycle: f64,
     /// Cycles left out because samples are missing or saturated.
     pub left_out: usize,
+    /// What is odd of the samples, in words.
+    pub oddities: Vec<String>,
     /// Frequency that was measured, Hz.
     pub frequency_hz: f64,
     /// True for a run that is only predicted.

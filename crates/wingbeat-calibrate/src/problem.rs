@@ -2,6 +2,7 @@
 
 use crate::{Error, Layout, Observed, observed::scatter};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use wingbeat::parallel;
 
 /// What predicts the cycles of runs.
@@ -17,6 +18,14 @@ pub trait Model: Sync {
     /// # Errors
     /// A model without an answer.
     fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Error>;
+
+    /// That part of the cycle of run `run` of which the model's error is a share; without one all of what was measured.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    fn in_doubt(&self, _run: usize, _values: &[f64]) -> Result<Option<Vec<f64>>, Error> {
+        Ok(None)
+    }
 }
 
 /// A number to be fitted.
@@ -64,8 +73,10 @@ pub struct Problem<'a> {
     factors: Vec<Vec<DMatrix<f64>>>,
     /// Covariance from cycle to cycle by harmonic, of each run.
     pub noise: Vec<Vec<DMatrix<f64>>>,
-    /// What the model cannot say, in parts of the amplitude of each channel and harmonic.
+    /// What the model cannot say, in parts of the amplitude of each channel and harmonic of what is in doubt.
     pub discrepancy: Vec<f64>,
+    /// What of each run is in doubt.
+    in_doubt: Vec<Vec<f64>>,
 }
 
 /// Share of a cycle's amplitude that every harmonic counts at least, where the discrepancy is in parts of it. *Choice.*
@@ -110,8 +121,9 @@ impl<'a> Problem<'a> {
         noise: Vec<Vec<DMatrix<f64>>>,
     ) -> Result<Self, Error> {
         let channels = runs.first().map_or(0, |run| run.layout.channels);
-        let mut problem =
-            Self { model, runs, parameters, factors: Vec::new(), noise, discrepancy: vec![0.0; channels] };
+        let discrepancy = vec![0.0; channels];
+        let in_doubt = runs.iter().map(|run| run.mean.clone()).collect();
+        let mut problem = Self { model, runs, parameters, factors: Vec::new(), noise, discrepancy, in_doubt };
         problem.weigh(vec![0.0; channels])?;
         Ok(problem)
     }
@@ -127,15 +139,30 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
+    /// Asks the model at `values` what of the runs is in doubt.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn doubt(&mut self, values: &[f64]) -> Result<(), Error> {
+        let all: Vec<usize> = (0..self.runs.len()).collect();
+        let asked = parallel::map(&all, |_, run| self.model.in_doubt(*run, values));
+        for (own, asked) in self.in_doubt.iter_mut().zip(asked) {
+            if let Some(cycle) = asked? {
+                *own = cycle;
+            }
+        }
+        Ok(())
+    }
+
     fn factors_of(&self, run: usize) -> Result<Vec<DMatrix<f64>>, Error> {
         let observed = &self.runs[run];
         let count = observed.effective().max(1.0);
-        let squares = self.amplitudes(&observed.mean, observed.layout);
+        let squares = self.amplitudes(run);
         (0..=observed.layout.harmonics)
             .map(|k| {
                 let mut covariance = &self.noise[run][k] / count;
                 for channel in 0..observed.layout.channels {
-                    let of = self.discrepancy.get(channel).copied().unwrap_or(0.0);
+                    let of = self.working(observed.layout, channel);
                     // A floor far below any cell's resolution keeps silent channels regular.
                     covariance[(channel, channel)] += of * of * squares[channel][k] + 1e-24;
                 }
@@ -147,26 +174,31 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Square by channel and harmonic of which the discrepancy is a part: that of the harmonic's amplitude and a share of
-    /// the whole cycle's. Of six channels each force is held against the whole force and each moment against the whole
+    /// The discrepancy by which channel `channel` is weighed: the rms of those of its group. Were each channel weighed by its own,
+    /// a fit would give up the large loads that it says badly for quiet channels that it says well.
+    fn working(&self, layout: Layout, channel: usize) -> f64 {
+        let group = group(layout, channel);
+        let squares = group.clone().map(|of| self.discrepancy.get(of).copied().unwrap_or(0.0).powi(2));
+        (squares.sum::<f64>() / group.len() as f64).sqrt()
+    }
+
+    /// Square by channel and harmonic of which the discrepancy of run `run` is a part: that of the amplitude of the harmonic of
+    /// what is in doubt and a share of the whole cycle's. Of six channels each force is held against the whole force and each moment against the whole
     /// moment: loads that are wrong in size or direction are wrong in proportion to them.
-    pub fn amplitudes(&self, cycle: &[f64], layout: Layout) -> Vec<Vec<f64>> {
+    pub fn amplitudes(&self, run: usize) -> Vec<Vec<f64>> {
+        let (cycle, layout) = (self.in_doubt[run].as_slice(), self.runs[run].layout);
         let of = |channel: usize| {
-            let group: &[usize] = match (layout.channels, channel) {
-                (6, 0..3) => &[0, 1, 2],
-                (6, _) => &[3, 4, 5],
-                _ => &[channel],
-            };
-            let own: f64 = group.iter().map(|channel| layout.mean_square(cycle, *channel)).sum();
+            let group = group(layout, channel);
+            let own: f64 = group.clone().map(|channel| layout.mean_square(cycle, channel)).sum();
             let square = |k: usize| {
-                let amplitude = |channel: &usize| {
+                let amplitude = |channel: usize| {
                     if k == 0 {
-                        return cycle[layout.at(*channel, 0)].powi(2);
+                        return cycle[layout.at(channel, 0)].powi(2);
                     }
-                    let (cosine, sine) = (layout.at(*channel, 2 * k - 1), layout.at(*channel, 2 * k));
+                    let (cosine, sine) = (layout.at(channel, 2 * k - 1), layout.at(channel, 2 * k));
                     0.5 * (cycle[cosine].powi(2) + cycle[sine].powi(2))
                 };
-                group.iter().map(amplitude).sum::<f64>() + LEAST_AMPLITUDE * LEAST_AMPLITUDE * own
+                group.clone().map(amplitude).sum::<f64>() + LEAST_AMPLITUDE * LEAST_AMPLITUDE * own
             };
             (0..=layout.harmonics).map(square).collect()
         };
@@ -233,10 +265,23 @@ impl<'a> Problem<'a> {
 
     /// Sum of squares of the residuals and of the priors' differences.
     pub fn cost(&self, residuals: &Whitened, values: &[f64]) -> f64 {
-        let prior = |(parameter, value): (&Parameter, &f64)| {
-            parameter.prior.map_or(0.0, |[mean, deviation]| ((value - mean) / deviation).powi(2))
-        };
-        let priors: f64 = self.parameters.iter().zip(values).map(prior).sum();
-        residuals.iter().map(DVector::norm_squared).sum::<f64>() + priors
+        residuals.iter().map(DVector::norm_squared).sum::<f64>() + priors(self.parameters, values)
     }
+}
+
+/// The channels that are one vector with channel `channel`: the forces or the moments of six.
+fn group(layout: Layout, channel: usize) -> Range<usize> {
+    match (layout.channels, channel) {
+        (6, 0..3) => 0..3,
+        (6, _) => 3..6,
+        _ => channel..channel + 1,
+    }
+}
+
+/// Sum of squares of the differences from the priors.
+pub fn priors(parameters: &[Parameter], values: &[f64]) -> f64 {
+    let prior = |(parameter, value): (&Parameter, &f64)| {
+        parameter.prior.map_or(0.0, |[mean, deviation]| ((value - mean) / deviation).powi(2))
+    };
+    parameters.iter().zip(values).map(prior).sum()
 }

@@ -1,6 +1,6 @@
 //! Runs on the rig as a model of cycles.
 
-use crate::{Error, Layout, Model, project};
+use crate::{Error, Layout, Model, PHASES, phase_of, project};
 use std::f64::consts::TAU;
 use wingbeat::math::Vec3;
 use wingbeat::plant::Fault;
@@ -110,6 +110,14 @@ impl RigTarget {
     /// Numbers of a cycle in B as those of the wrench on the cell in C.
     pub fn in_cell(&self, cycle: &[f64]) -> Vec<f64> {
         in_cell(&self.drawn, self.layout(), cycle)
+    }
+
+    /// Largest load of a cycle in B, without what the tare takes away, in parts of the cell's range.
+    pub fn load_share(&self, cycle: &[f64]) -> f64 {
+        let (loads, range) = (self.in_cell(cycle), self.run.spec.rig.cell.calibration.range());
+        let one = |channel: usize, k: usize| self.layout().value(&loads, channel, phase_of(k)).abs();
+        let most = |channel: usize| (0..PHASES).map(|k| one(channel, k)).fold(0.0, f64::max) / range[channel];
+        (0..6).map(most).fold(0.0, f64::max)
     }
 
     /// The mean cycle of wrenches on the cell, tared, in B, as the cell shows it.
@@ -255,7 +263,21 @@ impl Model for RigModel {
     fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         self.targets[run].slopes(&self.numbers(values), self.names.len())
     }
+
+    /// What the air does: weight and inertia are known as well as their masses.
+    fn in_doubt(&self, run: usize, values: &[f64]) -> Result<Option<Vec<f64>>, Error> {
+        let (all, target) = (self.numbers(values), &self.targets[run]);
+        let mut still: Vec<(&str, f64)> = all.iter().copied().filter(|(name, _)| *name != DENSITY).collect();
+        still.push((DENSITY, NO_AIR));
+        let (with, without) = (target.predict(&all)?, target.predict(&still)?);
+        Ok(Some(with.iter().zip(&without).map(|(with, without)| with - without).collect()))
+    }
 }
+
+/// The number of the air.
+const DENSITY: &str = "air.density_kg_m3";
+/// Density that counts as none, kg/m3.
+const NO_AIR: f64 = 1e-6;
 
 /// A wrench of forces and moments.
 pub fn of_six(x: [f64; 6]) -> wingbeat::math::Wrench<f64> {

@@ -1,6 +1,6 @@
 //! Other structures of the model, and other runs, beside those that were fitted.
 
-use crate::design::{largest, rank};
+use crate::design::{Candidate, largest, rank};
 use crate::{Error, Observed, Problem, Solved, Structure, channel_name, rms};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -74,18 +74,21 @@ pub struct NextRun {
     pub error_then: f64,
     /// Standard errors of all parameters then.
     pub errors: Vec<f64>,
+    /// Largest load on the cell of the cycle predicted, in parts of its range: above 1 the cell does not read it.
+    pub load_share: f64,
 }
 
 impl NextRun {
-    /// All candidates, the best first, each with as many passes as the runs made had.
+    /// All candidates, those that the cell can read before the others, the best first, each with as many passes as the runs made had.
     pub(crate) fn all(candidates: &Structure, solved: &Solved, passes: usize) -> Result<Vec<Self>, Error> {
         let values = &solved.values;
         let template = &solved.problem.runs[solved.at.of[0]];
-        let observed = candidates.model.targets.iter().enumerate().map(|(k, target)| {
+        let observed = candidates.model.targets.iter().map(|target| {
             let mean = target.predict(&candidates.model.numbers(values))?;
             let cycles = target.cycles() * passes;
             Ok(Observed {
-                name: candidates.model.targets[k].name.clone(),
+                name: target.name.clone(),
+                layout: target.layout(),
                 weights: vec![1.0; cycles],
                 cycles: vec![mean.clone(); cycles],
                 mean,
@@ -100,15 +103,19 @@ impl NextRun {
         let problem = Problem::with_noise(&candidates.model, &observed, parameters, noise)?;
         let ranked = rank(solved, &problem)?;
         let (worst, _) = largest(&solved.errors(), parameters);
-        Ok(ranked
-            .into_iter()
-            .map(|candidate| Self {
-                name: observed[candidate.index].name.clone(),
+        let of = |candidate: Candidate| {
+            let (target, observed) = (&candidates.model.targets[candidate.index], &observed[candidate.index]);
+            Self {
+                name: observed.name.clone(),
                 parameter: parameters[worst].name.clone(),
                 error_now: solved.errors()[worst],
                 error_then: candidate.errors[worst],
                 errors: candidate.errors,
-            })
-            .collect())
+                load_share: target.load_share(&observed.mean),
+            }
+        };
+        let mut all: Vec<Self> = ranked.into_iter().map(of).collect();
+        all.sort_by_key(|run| run.load_share > 1.0);
+        Ok(all)
     }
 }

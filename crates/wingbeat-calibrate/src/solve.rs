@@ -127,6 +127,7 @@ pub fn solve_problem<'a>(
     let chi_squared = problem.cost(&at.residuals, &values) / freedom;
     if plan.discrepancy && chi_squared > 1.0 + WRONG * (2.0 / freedom).sqrt() {
         for _ in 0..ROUNDS {
+            problem.doubt(&values)?;
             let discrepancy = unsaid(&problem, &values)?;
             problem.weigh(discrepancy)?;
             values = fit(&problem, &values, made.len(), watch)?.values;
@@ -157,7 +158,7 @@ fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
         let (mut beyond, mut size) = (0.0, 0.0);
         for (run, predicted) in of.iter().zip(&predictions) {
             let observed = &problem.runs[*run];
-            let squares = problem.amplitudes(&observed.mean, layout);
+            let squares = problem.amplitudes(*run);
             for part in 0..layout.width() {
                 let (i, k) = (layout.at(channel, part), Layout::harmonic(part));
                 let noise = problem.noise[*run][k][(channel, channel)] / observed.effective();
@@ -229,7 +230,7 @@ impl Solved<'_> {
         let cycle = self.problem.model.predict(run, &self.values)?;
         let jacobian = self.problem.jacobians(&[run], &self.values)?.swap_remove(0);
         let layout = self.problem.runs[run].layout;
-        let squares = self.problem.amplitudes(&cycle, layout);
+        let squares = self.problem.amplitudes(run);
         let of = |covariance: &DMatrix<f64>, channel: usize, phase: f64| {
             let wave = waves(layout, phase);
             let by = nalgebra::DVector::from_fn(jacobian.ncols(), |k, _| {

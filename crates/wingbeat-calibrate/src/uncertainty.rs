@@ -108,7 +108,7 @@ fn unsaid(problem: &Problem, at: &Linear, n: usize) -> DMatrix<f64> {
                 if observed.layout != layout {
                     continue;
                 }
-                let squares = problem.amplitudes(&observed.mean, layout);
+                let squares = problem.amplitudes(*run);
                 let mut unit = vec![0.0; layout.len()];
                 unit[layout.at(channel, part)] = share * squares[channel][Layout::harmonic(part)].sqrt();
                 g += j.transpose() * problem.whiten(*run, &unit);

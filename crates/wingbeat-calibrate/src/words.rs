@@ -108,17 +108,37 @@ pub fn report(found: &Found) -> String {
     text += &format!("cost from each start: {}\n\n", costs.join(", "));
     text += &runs(found);
     text += &structures(found);
-    if let Some(best) = found.next.first() {
-        text += &format!(
-            "\nnext run: {} lowers the standard error of {} from {:.2e} to {:.2e}\n",
-            best.name, best.parameter, best.error_now, best.error_then
-        );
-        for other in &found.next[1..] {
-            text += &format!("          {} to {:.2e}\n", other.name, other.error_then);
-        }
-    }
+    text += &next_run(found);
     for caution in &found.cautions {
         text += &format!("\nnote: {caution}\n");
+    }
+    text
+}
+
+/// Candidates that the report names.
+const NAMED: usize = 12;
+
+/// The candidates for a next run, the best first.
+fn next_run(found: &Found) -> String {
+    let Some(best) = found.next.first() else { return String::new() };
+    let too_much = |share: f64| match share > 1.0 {
+        true => format!(", but its load is {share:.1} times the cell's range"),
+        false => String::new(),
+    };
+    let mut text = format!(
+        "\nnext run: {} lowers the standard error of {} from {:.2e} to {:.2e}{}\n",
+        best.name,
+        best.parameter,
+        best.error_now,
+        best.error_then,
+        too_much(best.load_share)
+    );
+    for other in found.next[1..].iter().take(NAMED) {
+        text +=
+            &format!("          {} to {:.2e}{}\n", other.name, other.error_then, too_much(other.load_share));
+    }
+    if found.next.len() > NAMED + 1 {
+        text += &format!("          and {} more (summary.json)\n", found.next.len() - NAMED - 1);
     }
     text
 }

@@ -121,6 +121,12 @@ fn swapped_axes_and_shifted_phases_are_found_and_proposed() {
     assert!(flipped.contains("Fz is -Fz of the file") && !flipped.contains("Fx is"), "{flipped}");
     let late = told(&|pass| pass.phase.iter_mut().for_each(|phase| *phase += 0.2)).unwrap_err();
     assert!(late.contains("11.5 deg behind") && late.contains("gait.phase_rad"), "{late}");
+    let little = told(&|pass| pass.phase.iter_mut().for_each(|phase| *phase += 6_f64.to_radians()));
+    assert!(little.is_err_and(|what| what.contains("deg behind")), "6 deg are more than 5");
+    assert_eq!(told(&|pass| pass.phase.iter_mut().for_each(|phase| *phase += 0.06)), Ok(Vec::new()));
+    let clipped =
+        told(&|pass| pass.channels[4].iter_mut().for_each(|x| *x = x.clamp(-0.02, 0.02))).unwrap().join(" ");
+    assert!(clipped.contains("samples of Ty stand at"), "{clipped}");
 }
 
 #[test]
@@ -146,4 +152,27 @@ fn a_fit_of_the_right_model_finds_the_truth() {
     for (channel, share) in predicted.coverage(&runs[1], &predicted.deviations).iter().enumerate() {
         assert!(*share > 0.8, "channel {channel}: {share}");
     }
+}
+
+#[test]
+fn designs_are_laid_out_and_what_cannot_be_planned_is_told() {
+    let stand = "{ run = \"../rigs/identification/faster_wind.toml\", set = [\"hold.each_s=1.0\"], vary = [\
+                 { key = \"frequency_hz\", values = [2.5, 5.0] }, { key = \"wind_m_s\", values = [\"[-0.8, 0.0, 0.0]\"] }] }";
+    let turn = "{ run = \"../rigs/runs/roll15_speed08.toml\", vary = [{ key = \"turn.speed_m_s\", values = [0.8, 1.9] }] }";
+    let calibration = shipped(
+        "two_runs.toml",
+        &[&format!("design=[{stand}, {turn}]").replace("..", concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))],
+    );
+    let (candidates, refused) = calibration.candidates(&|_, _| None).unwrap();
+    let names: Vec<&str> = candidates.model.targets.iter().map(|target| target.name.as_str()).collect();
+    assert_eq!(names[0], "frequency_hz=2.5 wind_m_s=[-0.8, 0.0, 0.0]");
+    assert_eq!((names.len(), refused.len()), (3, 1), "{names:?} {refused:?}");
+    assert!(
+        refused[0].contains("turn.speed_m_s=1.9") && refused[0].contains("cannot be planned"),
+        "{refused:?}"
+    );
+    let starts: Vec<f64> = candidates.parameters.iter().map(|parameter| parameter.start).collect();
+    let target = &candidates.model.targets[1];
+    let share = target.load_share(&target.predict(&candidates.model.numbers(&starts)).unwrap());
+    assert!((0.02..5.0).contains(&share), "{share}");
 }

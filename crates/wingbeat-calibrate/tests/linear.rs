@@ -62,6 +62,7 @@ fn observed(means: &[Vec<f64>], noise: f64, seed: u64) -> Vec<Observed> {
             sample_noise: DMatrix::identity(2, 2) * noise * noise,
             samples_per_cycle: 1000.0,
             left_out: 0,
+            oddities: Vec::new(),
             frequency_hz: 3.5,
             held_out: false,
         };

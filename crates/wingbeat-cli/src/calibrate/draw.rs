@@ -60,7 +60,8 @@ fn profile_curves(found: &Found) -> Vec<ProfileCurve> {
     let curve = |k: usize| {
         let profile = &found.profiles[k];
         ProfileCurve {
-            title: format!("{}, {}", found.parameters[k].name, profile.label.word()),
+            name: found.parameters[k].name.clone(),
+            title: profile.label.word().into(),
             points: profile.values.iter().copied().zip(profile.cost.iter().copied()).collect(),
             fit: (found.values[k], found.errors[k]),
         }

@@ -22,6 +22,11 @@ impl<'a> Kept<'a> {
         Self { folder, fits: serde_json::from_str(&text).unwrap_or_default() }
     }
 
+    /// How many fits are done.
+    pub fn count(&self) -> usize {
+        self.fits.len()
+    }
+
     /// Removes the file: the summary holds what it held.
     pub fn remove(folder: &RunFolder) {
         let _ = std::fs::remove_file(folder.file(KEPT));

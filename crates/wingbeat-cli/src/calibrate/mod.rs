@@ -55,10 +55,12 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
             let path = folder.finish(&Manifest::new(calibration.spec.seed, start.elapsed()))?;
             Err(Error::Failed { status: "fault".into(), reason, folder: path })
         }
+        Err(Error::Interrupted) if Kept::open(&folder).count() > 0 => {
+            let (done, all) = (Kept::open(&folder).count(), calibration.spec.starts);
+            Err(Error::Paused { done, all })
+        }
         Err(error) => {
-            if !matches!(error, Error::Interrupted) {
-                folder.discard();
-            }
+            folder.discard();
             Err(error)
         }
     }

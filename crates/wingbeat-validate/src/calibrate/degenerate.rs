@@ -45,6 +45,7 @@ fn refusal() -> Result<Option<String>, Error> {
         sample_noise: DMatrix::identity(1, 1),
         samples_per_cycle: 2000.0,
         left_out: 0,
+        oddities: Vec::new(),
         frequency_hz: 3.5,
         held_out: false,
     };

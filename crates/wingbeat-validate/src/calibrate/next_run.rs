@@ -45,7 +45,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             "structures=[]",
             "truth.set=[\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]",
             "discrepancy=false",
-            "parameters[5].prior=[0.0, 10.0]",
+            "parameters[6].prior=[0.0, 10.0]",
         ],
     )?;
     let (own, targets) = (structure(&calibration)?, truth(&calibration)?);

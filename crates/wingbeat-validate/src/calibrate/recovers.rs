@@ -15,7 +15,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         &[
             "truth.set=[\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]",
             "discrepancy=false",
-            "parameters[5].prior=[0.0, 10.0]",
+            "parameters[6].prior=[0.0, 10.0]",
         ],
     )?;
     let (mut own, targets) = (structure(&calibration)?, truth(&calibration)?);

@@ -88,6 +88,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         sample_noise: DMatrix::zeros(3, 3),
         samples_per_cycle: 100.0,
         left_out: 0,
+        oddities: Vec::new(),
         frequency_hz: 3.3,
         held_out: false,
     };

@@ -28,12 +28,14 @@ pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, bounds};
 pub use observe::Observation;
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
-pub(crate) use spec::is_of_rig;
+#[cfg(feature = "schema")]
+pub(crate) use spec::file_or_numbers;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,
     StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
+pub(crate) use spec::{check_number, is_of_rig};
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;
 

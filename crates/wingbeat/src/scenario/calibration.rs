@@ -54,6 +54,82 @@ pub struct CalibrationSpec {
     /// Runs among which the next one is chosen.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<CalibratedRunSpec>,
+    /// Runs laid out for the next one, beside `candidates`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub design: Vec<DesignSpec>,
+}
+
+/// Runs laid out for the next one: all combinations of what may vary of one run.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DesignSpec {
+    /// File of the run on the rig, or the run itself.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(schema_with = "crate::scenario::schema::file_or::<crate::scenario::RigRunSpec>")
+    )]
+    pub run: toml::Value,
+    /// Overrides of the run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
+    /// What varies.
+    pub vary: Vec<VariedSpec>,
+}
+
+/// A key of a run with the values that it may have.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct VariedSpec {
+    /// Key of the run, `frequency_hz`, `turn.speed_m_s`, `turn.roll_deg`, `hold.tilts_deg`, `wind_m_s`.
+    pub key: String,
+    /// Values as they would stand behind the key: numbers, `"[-1.2, 0.0, 0.0]"`.
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<crate::scenario::sweep_spec::Listed>"))]
+    pub values: Vec<toml::Value>,
+}
+
+/// Most runs that a calibration lays out for the next one.
+const MOST_LAID_OUT: usize = 400;
+
+impl DesignSpec {
+    /// How many runs it lays out.
+    fn count(&self) -> usize {
+        self.vary.iter().map(|varied| varied.values.len()).fold(1, usize::saturating_mul)
+    }
+
+    /// Every combination: a name, and the run with its overrides.
+    pub fn laid_out(&self) -> Vec<CalibratedRunSpec> {
+        let one = |mut number: usize| {
+            let (mut set, mut words) = (self.set.clone(), Vec::new());
+            for VariedSpec { key, values } in &self.vary {
+                let value = match &values[number % values.len()] {
+                    toml::Value::String(text) => text.clone(),
+                    value => value.to_string(),
+                };
+                number /= values.len();
+                words.push(format!("{key}={value}"));
+                set.push(format!("{key}={value}"));
+            }
+            let (run, name) = (self.run.clone(), Some(words.join(" ")));
+            CalibratedRunSpec { run, name, set, data: Vec::new(), held_out: false }
+        };
+        (0..self.count()).map(one).collect()
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        for (k, VariedSpec { values, .. }) in self.vary.iter().enumerate() {
+            if values.is_empty() {
+                return Err(Error::invalid(format!("vary[{k}].values"), "none", "at least one value"));
+            }
+        }
+        match self.count() {
+            count if (1..=MOST_LAID_OUT).contains(&count) => Ok(()),
+            count => {
+                Err(Error::invalid("vary", format!("{count} runs"), format!("1 to {MOST_LAID_OUT} runs")))
+            }
+        }
+    }
 }
 
 /// Another structure of the model.
@@ -213,6 +289,9 @@ impl CalibrationSpec {
                     "each name once",
                 ));
             }
+        }
+        for (k, design) in self.design.iter().enumerate() {
+            design.check().map_err(|e| e.within(&format!("design[{k}]")))?;
         }
         for (k, run) in self.runs.iter().enumerate() {
             if run.data.is_empty() && self.truth.is_none() {

@@ -38,7 +38,9 @@ mod tether_converge;
 mod tether_spec;
 mod trim;
 
-pub use calibration::{CalibratedRunSpec, CalibrationSpec, ParameterSpec, StructureOfModel, TruthSpec};
+pub use calibration::{
+    CalibratedRunSpec, CalibrationSpec, DesignSpec, ParameterSpec, StructureOfModel, TruthSpec, VariedSpec,
+};
 pub use chosen::{Chosen, Named};
 pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
 pub use doors::Doors;

@@ -104,7 +104,7 @@ pub struct Draw {
 #[derive(schemars::JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
-enum Listed {
+pub(super) enum Listed {
     /// A number.
     Number(f64),
     /// A word.

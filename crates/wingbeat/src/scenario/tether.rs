@@ -3,9 +3,9 @@
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{ConfigError, CoordinateSpec, Document, Smoothed};
 use crate::Error;
-use crate::aero::Planform;
+use crate::aero::{Aero, Planform};
 use crate::math::Vec3;
-use crate::robot::SurfaceOutline;
+use crate::robot::{SurfaceOutline, check_number};
 use crate::simulate::Ending;
 use crate::tether::{CycleMean, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing};
 use serde::Serialize;
@@ -71,7 +71,7 @@ impl TetherCase {
     /// # Errors
     /// Messages with the place, the key, the value given and what is allowed.
     pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
-        let document = document.merged(&[], &|_, _| None)?;
+        let document = document.merged(&["numbers"], &|_, _| None)?;
         let spec: TetherSpec = document.parse()?;
         let resolved = document.resolved()?;
         let built = spec.build(&|key| document.folder(key), read);
@@ -263,6 +263,14 @@ fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
     if force.is_nan() || moment.is_nan() { f64::NAN } else { force.max(moment) }
 }
 
+/// What the names of the wing's own numbers begin with.
+const OWN: &str = "surfaces.wing.";
+/// The number of the air.
+const AIR_DENSITY: &str = "air.density_kg_m3";
+/// What the names of numbers begin with that a wing alone has not.
+const ELSEWHERE: [&str; 8] =
+    ["body.", "links.", "linkage.", "structure.", "gait.", "motor.", "mount.", "crank."];
+
 impl TetherSpec {
     fn build(&self, folder: Folder, read: ReadTable) -> Result<(Tether, Vec<Smoothed>), Error> {
         self.check()?;
@@ -292,12 +300,12 @@ impl TetherSpec {
             law: None,
             strips: None,
         };
-        let aero = self.aero.build(&outline, self.wind.density_kg_m3, &names)?;
+        let aero = self.numbered(self.aero.build(&outline, self.wind.density_kg_m3, &names)?)?;
         let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
         let area = planform.area() * halves;
         let tether = Tether {
             reference: Reference {
-                density_kg_m3: self.wind.density_kg_m3,
+                density_kg_m3: aero.numbers().density,
                 speed_m_s: self.reference.speed_m_s.unwrap_or(self.wind.speed_m_s),
                 area_m2: self.reference.area_m2.unwrap_or(area),
                 chord_m: self
@@ -316,6 +324,32 @@ impl TetherSpec {
         let names = [("air", "wind"), ("reference.speed_m_s", speed), ("hinges", "wing.hinges")];
         tether.check().map_err(|e| e.renamed(&names))?;
         Ok((tether, smoothed))
+    }
+
+    /// The wing's model with those of `numbers` that are its own; those of bodies, gait and rig do not count.
+    fn numbered(&self, aero: Aero) -> Result<Aero, Error> {
+        let mut numbers = aero.numbers().clone();
+        for (name, value) in &self.numbers {
+            check_number(name, *value)?;
+            let own = match name.strip_prefix(OWN) {
+                Some(own) => own,
+                None if name == AIR_DENSITY => "density_kg_m3",
+                None if ELSEWHERE.iter().any(|of| name.starts_with(of)) => continue,
+                None => "",
+            };
+            let mut named: Vec<(String, &mut f64)> = numbers.by_name();
+            // A planform and its hinges are the case's own.
+            named.retain(|(known, _)| !known.contains("_m") || known == "density_kg_m3");
+            match named.iter_mut().find(|(known, _)| known == own) {
+                Some((_, number)) => **number = *value,
+                None => {
+                    let known: Vec<String> = named.iter().map(|(known, _)| format!("{OWN}{known}")).collect();
+                    let allowed = format!("of {AIR_DENSITY}, {}", known.join(", "));
+                    return Err(Error::invalid("numbers", format!("{name:?}"), allowed));
+                }
+            }
+        }
+        aero.with(&numbers)
     }
 
     fn motion(&self, folder: Folder, read: ReadTable) -> Result<(Motion, Vec<Smoothed>), Error> {

@@ -8,6 +8,7 @@ use crate::range::{Range, ranges};
 use crate::simulate::Record;
 use crate::tether::{Clock, HingeKind, Side};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A wing in prescribed motion in a wind.
@@ -34,6 +35,12 @@ pub struct TetherSpec {
     /// How a measured file is read that the loads are compared with.
     #[serde(default, skip_serializing_if = "CompareSpec::is_empty")]
     pub compare: CompareSpec,
+    /// Numbers by name, `"surfaces.wing.cd0" = 0.03` and `"air.density_kg_m3"`, in place of those that follow from the other
+    /// keys; or a file of such numbers, as `wingbeat calibrate` writes it. Numbers of what a wing alone has not (`body.`,
+    /// `links.`, `gait.`, `mount.`, `crank.`) do not count.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "crate::robot::file_or_numbers"))]
+    pub numbers: BTreeMap<String, f64>,
 }
 
 /// Planform, profile drag and hinges.

@@ -103,7 +103,7 @@ impl BodySpec {
 
 /// The name of a file of numbers, or the numbers.
 #[cfg(feature = "schema")]
-fn file_or_numbers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+pub(crate) fn file_or_numbers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let numbers = serde_json::json!({ "type": "object", "additionalProperties": { "type": "number" } });
     schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers] })
 }
@@ -114,7 +114,7 @@ pub(crate) fn is_of_rig(name: &str) -> bool {
 }
 
 /// Refuses a number out of its bounds, and the frequency, which is the gait's.
-fn check_number(name: &str, value: f64) -> Result<(), Error> {
+pub(crate) fn check_number(name: &str, value: f64) -> Result<(), Error> {
     let given = || format!("{name:?} = {value}");
     if name == "gait.phase_rate_rad_s" {
         return Err(Error::invalid("numbers", given(), "the frequency where the gait has it"));

@@ -264,6 +264,7 @@ impl Scenario {
             },
             reference: ReferenceSpec::default(),
             compare: CompareSpec::default(),
+            numbers: self.spec.robot.numbers.clone(),
         }
     }
 }
