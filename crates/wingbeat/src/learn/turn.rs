@@ -138,7 +138,8 @@ impl Task for BankingTurn {
         terms[0] = 1.0;
         terms[1] = square(self.weights.roll, angle_error(roll, asked.roll));
         terms[2] = square(self.weights.pitch, angle_error(pitch, asked.pitch));
-        terms[3] = errors.0.iter().map(|error| square(self.weights.rate, *error)).sum();
+        terms[3] =
+            errors.0.iter().zip(self.weights.rates()).map(|(error, weight)| square(weight, *error)).sum();
         let inputs = view.action.iter().zip(&self.middles);
         terms[4] = inputs.map(|(action, middle)| square(self.weights.input, action + middle)).sum();
     }
