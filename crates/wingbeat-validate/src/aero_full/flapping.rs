@@ -100,7 +100,7 @@ pub fn last_cycle(tether: &Tether) -> Result<Vec<Loads<f64>>, Error> {
         }
         Ok(ControlFlow::Continue(()))
     });
-    let mut stepper = Stepper::new(tether, 0.0, &vec![0.0; tether.aero.states()]);
+    let mut stepper = Stepper::new(tether, 0.0, &tether.start());
     stepper.run(clock.step(), clock.steps(), &mut keep).check()?;
     Ok(kept)
 }

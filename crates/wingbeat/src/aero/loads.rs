@@ -1,8 +1,9 @@
 //! Aerodynamic loads, named by source.
 
 use super::MAX_STRIPS;
-use crate::math::{Scalar, Vec3, Wrench};
+use crate::math::{Over, Scalar, Vec3, Wrench};
 use crate::plant::MAX_DEGREES;
+use arrayvec::ArrayVec;
 
 /// Where a load on a wing or a robot comes from: the one list of names of columns, sums and curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,6 +125,42 @@ pub struct Coupling<'a, G: Scalar, S: Scalar> {
     pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
     /// Load of each strip about the body origin, in B, accelerations of body and coordinates left out.
     pub strips: &'a mut [Wrench<S>],
+    /// Where states follow the impulse of the air: what their rates lack.
+    pub impulses: Option<&'a mut ImpulseRates<G>>,
+}
+
+/// How the rates of followed impulses fall with accelerations that the sections leave out: those of the body origin, angular
+/// ones, and second rates of the coordinates.
+#[derive(Clone, Debug, Default)]
+pub struct ImpulseRates<G: Scalar> {
+    /// Where the states of the surface at hand begin among all.
+    pub(super) first_state: usize,
+    pub(super) rows: ArrayVec<ImpulseRow<G>, MAX_STRIPS>,
+}
+
+/// The row of one state.
+#[derive(Clone, Debug)]
+pub(super) struct ImpulseRow<G> {
+    pub state: usize,
+    pub by: [G; MAX_DEGREES],
+}
+
+impl<G: Scalar> ImpulseRates<G> {
+    /// None yet.
+    pub const fn none() -> Self {
+        Self { first_state: 0, rows: ArrayVec::new_const() }
+    }
+
+    /// Completes the rates `dx` of the states of all surfaces by the accelerations found.
+    pub fn complete<S: Over<G>>(&self, accelerations: &[S], dx: &mut [S]) {
+        for row in &self.rows {
+            let mut lacking = S::ZERO;
+            for (acceleration, by) in accelerations.iter().zip(row.by) {
+                lacking = acceleration.fused(by, lacking);
+            }
+            dx[row.state] -= lacking;
+        }
+    }
 }
 
 /// Loads of the whole wing.

@@ -18,7 +18,8 @@ pub use law::{
     SectionSpec, StripState, ZERO_LIFT_ANGLE,
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
-pub use loads::{Circulation, Coupling, LoadSource, Loads, StripLoads};
+use loads::ImpulseRow;
+pub use loads::{Circulation, Coupling, ImpulseRates, LoadSource, Loads, StripLoads};
 pub use numbers::{LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
@@ -158,6 +159,25 @@ impl<P: Scalar> Aero<P> {
                 Some(model.source(first_section, first_strip))
             }
             _ => None,
+        }
+    }
+    /// Sets states that follow the impulse of the air to that impulse, the other states as they are in `x`: the surface has
+    /// always moved as it does. From zero they would begin with the blow of an impulsive start.
+    pub fn settle<S: Scalar + Meets<P>>(
+        &self,
+        sections: &(impl Sections<S> + ?Sized),
+        wind: Vec3<S>,
+        x: &mut [S],
+    ) {
+        if let Self::Strip(model) = self {
+            model.settle(sections, wind, x);
+        }
+    }
+    /// Whether states follow the impulse of the air.
+    fn follows_impulse(&self) -> bool {
+        match self {
+            Self::LiftingLine(_) => false,
+            Self::Strip(model) => model.follows(),
         }
     }
     /// Which model it is.

@@ -81,7 +81,12 @@ impl Experiment<'_> {
         let mut record = Record::new(self.columns(), samples + 1)?;
         let mut row = Vec::new();
         let mut saturated = 0;
-        let mut stepper = Stepper::new(self, -self.rest, &self.robot.carried_still());
+        let begun = match self.still(self.robot, (&self.numbers.mount(self.mount), &self.numbers), -self.rest)
+        {
+            Ok(x) => x,
+            Err(fault) => return Ok(Err(fault)),
+        };
+        let mut stepper = Stepper::new(self, -self.rest, &begun);
         let first = match stepper.observe() {
             Ok(first) => first,
             Err(fault) => return Ok(Err(fault)),
@@ -128,6 +133,21 @@ impl Experiment<'_> {
         let s = t / self.spin_up;
         let time = self.spin_up * s * s * s * (1.0 - 0.5 * s);
         Jet::new(time, s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / self.spin_up)
+    }
+
+    /// The states of `robot` on `mount` that begins at `t`, in still air.
+    pub(super) fn still<S: Scalar>(
+        &self,
+        robot: &Robot<S>,
+        (mount, numbers): (&Mount<S>, &RigNumbers<S>),
+        t: f64,
+    ) -> Result<Vec<S>, Fault> {
+        let mut x = robot.carried_still();
+        let cell = FrameMotion::from_jets(&(self.carrier.tool(t) * Pose::constant(&mount.cell)));
+        let clock = numbers.rippled(self.clock(t), std::f64::consts::TAU * self.robot.frequency_hz());
+        let inputs = vec![S::ZERO; self.robot.inputs().len()];
+        robot.settle_carried(&clock, &mount.body_motion(&cell), &mut x, &inputs)?;
+        Ok(x)
     }
 
     /// Loads of `robot` on `mount` at `t`, and the motion of the cell; what both carry derivatives of.

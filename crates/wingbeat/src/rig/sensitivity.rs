@@ -34,7 +34,9 @@ impl Experiment<'_> {
     /// # Errors
     /// A fault of the model.
     pub fn wrenches(&self, instants: &Instants) -> Result<Wrenches, Fault> {
-        looked_at(self, &self.robot.carried_still(), instants, |now| six(&now.wrench))
+        let begun =
+            self.still(self.robot, (&self.numbers.mount(self.mount), &self.numbers), instants.begin)?;
+        looked_at(self, &begun, instants, |now| six(&now.wrench))
     }
 
     /// The derivatives of [`wrenches`](Self::wrenches) by the numbers called `keys`, in their order: those of
@@ -56,7 +58,8 @@ impl Experiment<'_> {
             let mount = numbers.mount(self.mount);
             let system = Sensitive { of: self, robot, mount, numbers };
             let begin = |x: Varying| std::iter::once(x.re).chain(x.eps);
-            let still: Vec<f64> = system.robot.carried_still().into_iter().flat_map(begin).collect();
+            let begun = self.still(&system.robot, (&system.mount, &system.numbers), instants.begin)?;
+            let still: Vec<f64> = begun.into_iter().flat_map(begin).collect();
             let rows = looked_at(&system, &still, instants, |now| *now)?;
             let of = |k: usize| rows.iter().map(|row| row.map(|number| number.eps[k])).collect();
             Ok((0..keys.len()).map(of).collect::<Vec<Wrenches>>())

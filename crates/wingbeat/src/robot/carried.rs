@@ -7,7 +7,7 @@ use super::surface::External;
 use super::{Joints, Links, Robot};
 use crate::aero::{LoadSource, Loads, MAX_STRIPS, StripLoads};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
-use crate::math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
+use crate::math::{Jet, Mat3, Meets, Quat, Scalar, Vec3, Wrench};
 use crate::plant::{Fault, MAX_COORDINATES};
 use arrayvec::ArrayVec;
 
@@ -152,6 +152,33 @@ impl<P: Scalar> Robot<P> {
         })
     }
 
+    /// Sets states that follow the impulse of the air to that impulse: the wings have always moved as they do.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn settle_carried<S: Scalar + Meets<P>>(
+        &self,
+        clock: &Jet<S>,
+        body: &BodyMotion<S>,
+        x: &mut [S],
+        u: &[S],
+    ) -> Result<(), Fault> {
+        if !self.covering.aero.follow_impulses() {
+            return Ok(());
+        }
+        let (structure, air) = x.split_at_mut(self.structure_states());
+        let (mut joints, mut links, mut ratios) = (Joints::new(), Links::new(), Ratios::new());
+        self.joints(clock, structure, u, &mut structure.to_vec(), &mut joints, &mut ratios)?;
+        let v = body.attitude.transpose_mul(body.velocity);
+        self.links(&joints, v, body.rate, &mut links);
+        let (wind, wind_dot) = self.wind(clock.x, body.attitude);
+        let still = Coordinates::none();
+        let mut carriers = Carriers::none(&still);
+        carriers.follow(&LinkMotion::base(v, body.rate), &self.carriers, &links, wind_dot);
+        self.covering.settle(&carriers, wind, air);
+        Ok(())
+    }
+
     /// Share of the strips whose incidence is past their stall angle.
     fn stalled<S: Scalar>(&self, loads: &Loads<S>) -> f64 {
         let surfaces = self.covering.aero.surfaces().iter().map(|surface| surface.aero());
@@ -187,7 +214,8 @@ impl<P: Scalar> Robot<P> {
             &mut system.forces,
         );
         self.add_efforts(&x[..structure], supply, &mut system);
-        system.add_air(self, carriers, wind, &x[structure..], &mut dx[structure..]);
+        // The rates of the air are those of the loads that follow, with these second rates.
+        system.add_air(self, carriers, (wind, None), &x[structure..], &mut dx[structure..]);
         let degrees = system.solve(None, carriers.coordinates.count())?;
         Some(std::array::from_fn(|c| degrees[6 + c]))
     }
@@ -276,6 +304,22 @@ impl<P: Scalar> Robot<P> {
 }
 
 impl Robot {
+    /// Sets states that follow the impulse of the air to that impulse, of a robot in flight at (t, x, u).
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn settle(&self, t: f64, x: &mut [f64], u: &[f64]) -> Result<(), Fault> {
+        let l = &self.layout;
+        let body = BodyMotion {
+            rate: Vec3::from_slice(&x[l.rate..]),
+            ..BodyMotion::steady(
+                Quat::from_wxyz(&x[l.attitude..]).matrix(),
+                Vec3::from_slice(&x[l.velocity..]),
+            )
+        };
+        self.settle_carried(&Jet::new(t, 1.0, 0.0), &body, &mut x[l.structure..], u)
+    }
+
     /// Momentum of body and links about the origin of W, resolved in B, with the
     /// body origin at `p_WB` (m) and the structure at rest.
     ///

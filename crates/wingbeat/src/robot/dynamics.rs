@@ -3,8 +3,9 @@
 
 use super::drive::Ratios;
 use super::sections::Carriers;
-use super::surface::External;
+use super::surface::{Coupled, External};
 use super::{Joints, Links, Robot};
+use crate::aero::ImpulseRates;
 use crate::body::{Coordinates, LinkMotion};
 use crate::math::linear::{solve_symmetric, solve_symmetric_leading};
 use crate::math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, lift};
@@ -201,7 +202,8 @@ impl<P: Scalar> Robot<P> {
         second_rates: &mut ArrayVec<S, MAX_COORDINATES>,
     ) -> Option<[S; 6]> {
         let coordinates = carriers.coordinates;
-        if coordinates.count() == 0 {
+        let follows = self.covering.aero.follow_impulses();
+        if coordinates.count() == 0 && !follows {
             let (load, added) = self.covering.sum(carriers, wind, air, air_rates, None);
             let net = load + body.lifted();
             add(&mut mass, &added);
@@ -214,10 +216,13 @@ impl<P: Scalar> Robot<P> {
         let System { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, matrix, forces);
         self.add_efforts(structure, G::ONE, &mut system);
-        let mut net = system.add_air(self, carriers, wind, air, air_rates);
+        let mut impulses = ImpulseRates::none();
+        let lacking = follows.then_some(&mut impulses);
+        let mut net = system.add_air(self, carriers, (wind, lacking), air, air_rates);
         add(&mut system.mass, &mass);
         net += body.lifted();
         let degrees = system.solve(Some(net), coordinates.count())?;
+        impulses.complete(&degrees[..6 + coordinates.count()], air_rates);
         second_rates.extend(degrees[6..][..coordinates.count()].iter().copied());
         Some(std::array::from_fn(|i| degrees[i]))
     }
@@ -340,12 +345,12 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
     }
 
     /// Adds the added mass of all surfaces and their forces on the coordinates of `carriers`; returns
-    /// their wrench on the whole.
+    /// their wrench on the whole. `wind` comes with room for what the rates of followed impulses lack.
     pub fn add_air<P: Scalar>(
         &mut self,
         robot: &Robot<P>,
         carriers: &Carriers<G>,
-        wind: Vec3<G>,
+        (wind, impulses): (Vec3<G>, Option<&mut ImpulseRates<G>>),
         x: &[S],
         dx: &mut [S],
     ) -> Wrench<S>
@@ -356,7 +361,7 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         let links = robot.mechanism.tree.links();
         let mut external = External::<S>::new();
         external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
-        let coupled = Some((&mut self.mass, &mut external));
+        let coupled = Some(Coupled { mass: &mut self.mass, external: &mut external, impulses });
         let (net, added) = robot.covering.sum(carriers, wind, x, dx, coupled);
         add(&mut self.mass, &added);
         for (link, load) in external.iter().enumerate().take(links) {

@@ -6,8 +6,8 @@ use super::sections::{Carriers, Riding, Section};
 use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
 use crate::Error;
 use crate::aero::{
-    Aero, CD90, Coupling, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, Preset, ProfileDrag, SectionMotion,
-    SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
+    Aero, CD90, Coupling, ImpulseRates, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, Preset, ProfileDrag,
+    SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
 };
 use crate::body::MAX_LINKS;
 use crate::math::{Meets, Over, Scalar, Vec3};
@@ -271,17 +271,22 @@ impl<P: Scalar> Covering<P> {
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
-        coupled: Option<(&mut [[G; MAX_DEGREES]; MAX_DEGREES], &mut External<S>)>,
+        coupled: Option<Coupled<'_, G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         let riding = self.riding(carriers);
-        let Some((mass, external)) = coupled else {
+        let Some(Coupled { mass, external, impulses }) = coupled else {
             return self.aero.evaluate_sum(&riding, wind, x, dx, None);
         };
         let mut strips = [Wrench::ZERO; MAX_STRIPS];
-        let coupling = Coupling { mass, strips: &mut strips };
+        let coupling = Coupling { mass, strips: &mut strips, impulses };
         let sum = self.aero.evaluate_sum(&riding, wind, x, dx, Some(coupling));
         self.share(&riding, &strips, external);
         sum
+    }
+
+    /// Sets states that follow the impulse of the air to that impulse.
+    pub fn settle<S: Scalar + Meets<P>>(&self, carriers: &Carriers<S>, wind: Vec3<S>, x: &mut [S]) {
+        self.aero.settle(&self.riding(carriers), wind, x);
     }
 
     /// Motion of all sections.
@@ -315,6 +320,16 @@ impl<P: Scalar> Covering<P> {
             external[own] += Wrench { force: Vec3::ZERO, moment: rest };
         }
     }
+}
+
+/// What the coordinates of the mechanism take from all surfaces.
+pub(super) struct Coupled<'a, G: Scalar, S: Scalar> {
+    /// Mass matrix of body and coordinates.
+    pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
+    /// Loads on the links, the body last.
+    pub external: &'a mut External<S>,
+    /// What the rates of followed impulses lack, where there are any.
+    pub impulses: Option<&'a mut ImpulseRates<G>>,
 }
 
 /// The load of a strip as both of its edges bear it, and the couple about the chord, which the strip's

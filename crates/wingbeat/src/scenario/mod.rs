@@ -232,9 +232,15 @@ impl Scenario {
         for (y, gains) in x[layout.structure..].iter_mut().zip(gains.chunks_exact(held.len().max(1))) {
             *y = gains.iter().zip(&held).map(|(gain, held)| gain * held).sum();
         }
-        let states = self.robot.states().iter().zip(&mut x).skip(layout.joints);
-        for (channel, x) in states {
-            *x = start.states.get(&channel.name).copied().unwrap_or(*x);
+        let say = |x: &mut [f64]| {
+            for (channel, x) in self.robot.states().iter().zip(x).skip(layout.joints) {
+                *x = start.states.get(&channel.name).copied().unwrap_or(*x);
+            }
+        };
+        say(&mut x);
+        // A fault here is that of the first step, which tells it.
+        if self.robot.settle(0.0, &mut x, &held).is_ok() {
+            say(&mut x);
         }
         x
     }

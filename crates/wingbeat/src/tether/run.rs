@@ -183,6 +183,18 @@ impl Tether {
         self.aero.evaluate(&sections[..count], self.wind, x, dx, loads);
     }
 
+    /// The states of still air in which the wing has always moved as it does at first.
+    pub fn start(&self) -> Vec<f64> {
+        let mut x = vec![0.0; self.aero.states()];
+        self.settle(0.0, &mut x);
+        x
+    }
+
+    /// Sets states that follow the impulse of the air to that impulse: see [`Aero::settle`].
+    pub fn settle(&self, t: f64, x: &mut [f64]) {
+        self.aero.settle(&self.sections(t)[..self.aero.arcs().len()], self.wind, x);
+    }
+
     /// Runs all cycles from rest with the fourth-order Runge-Kutta method.
     /// `progress` hears the share done and may stop the run.
     ///
@@ -196,7 +208,7 @@ impl Tether {
             let done = step as f64 / steps as f64;
             Ok(if step < steps { progress(done) } else { ControlFlow::Continue(()) })
         });
-        let mut stepper = Stepper::new(self, 0.0, &vec![0.0; self.aero.states()]);
+        let mut stepper = Stepper::new(self, 0.0, &self.start());
         let ending = stepper.run(self.clock.step(), steps, &mut watch);
         recorder.finish(self, ending)
     }

@@ -8,6 +8,7 @@ mod drive;
 mod estimator;
 mod flight;
 mod flyers;
+mod followed_impulse;
 mod full_turn;
 mod gait_search;
 mod hover;

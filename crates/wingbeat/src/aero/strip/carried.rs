@@ -2,7 +2,7 @@
 
 use super::influence::{Column, dot, multiply, multiply_transposed};
 use super::{Flow, StripModel};
-use crate::aero::Sections;
+use crate::aero::{ImpulseRates, ImpulseRow, Sections};
 use crate::math::{Meets, Scalar};
 use crate::plant::{MAX_COORDINATES, MAX_DEGREES};
 use arrayvec::ArrayVec;
@@ -62,7 +62,7 @@ impl<P: Scalar> StripModel<P> {
     }
 
     /// P = B w12 + rho dy ma A0^-1 [K (D - Y) + R Y], with B the symmetric part of rho dy ma A0^-1 (reciprocity).
-    /// Sets the first part and its rate, with (A0^-1)' = A0^-1 K' diag(d) A0^-1; the rate of R is left out.
+    /// Sets the first part and its rate, the rate of A0 left out: see aero.strip.followed_impulse.
     ///
     /// Equation: aero.strip.impulse
     fn impulses_of_motion<S: Scalar + Meets<P>, const N: usize>(
@@ -70,20 +70,12 @@ impl<P: Scalar> StripModel<P> {
         flow: &mut Flow<S, N>,
         rate_left: &Column<S, N>,
     ) {
-        let n = self.settings.strips;
         let by_half = self.reciprocal(flow, &flow.strips.wash_half);
         let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
         for i in 0..N {
             let mass = self.tables.mass[i];
             flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
             flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
-        }
-        if let Some(rate) = &flow.doublet_rate {
-            let left = multiply(&flow.relief, &self.folded(rate, &flow.half_left), n);
-            let by_folding = multiply_transposed(&flow.relief, &self.folded_transposed(rate, &by_half), n);
-            for i in 0..N {
-                flow.impulse_rate[i] += (left[i] * self.tables.mass[i] + by_folding[i]) * 0.5;
-            }
         }
     }
 
@@ -124,6 +116,33 @@ impl<P: Scalar> StripModel<P> {
             fields.push([heave, pitch]);
             for (other, [heave, pitch]) in fields.iter().enumerate() {
                 add(6 + other, dot(heave, &carried) + dot(pitch, &turned));
+            }
+        }
+    }
+
+    /// Adds B J for the strips whose impulses are followed: how their forces fall with the accelerations of the body and of
+    /// the coordinates of `sections`, J as for [`couple`](Self::couple).
+    pub(super) fn follow<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        sections: &(impl Sections<S> + ?Sized),
+        rates: &mut ImpulseRates<S>,
+    ) {
+        let (drives, count, n) = (self.drives(flow), sections.coordinates(), self.settings.strips);
+        let first = rates.rows.len();
+        let rows = (0..n).map(|i| ImpulseRow {
+            state: rates.first_state + self.followed_states() + i,
+            by: [S::ZERO; MAX_DEGREES],
+        });
+        rates.rows.extend(rows);
+        for c in 0..6 + count {
+            let field = match c.checked_sub(6) {
+                None => std::array::from_fn(|i| drives[i][c]),
+                Some(coordinate) => self.heave_and_pitch(flow, sections, coordinate).0,
+            };
+            let carried = self.symmetric_impulse(flow, &field);
+            for (row, carried) in rates.rows[first..].iter_mut().zip(carried) {
+                row.by[c] = carried;
             }
         }
     }

@@ -5,6 +5,10 @@ use crate::aero::{LagNumbers, MAX_WASH_LAGS};
 use crate::math::Scalar;
 use arrayvec::ArrayVec;
 
+/// Time T, s, within which the followed impulse is drawn to the impulse of the air: short against every stroke, long against the
+/// steps of a flight.
+pub(super) const FOLLOWING_TIME: f64 = 2e-3;
+
 /// One set of lags. Rates are per semichord travelled, wake times per mean
 /// chord travelled.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,6 @@
 mod carried;
 mod constants;
 mod cores;
-mod folding;
 mod grid;
 mod influence;
 mod loads;
@@ -49,8 +48,6 @@ pub struct StripModel<P: Scalar = f64> {
     floor: f64,
     tables: Tables<P>,
     cores: Cores<P>,
-    /// Whether strips move to one another so that the rates of their doublets count.
-    folds: bool,
 }
 
 /// What the strips know of the air at one instant, whatever the lags hold.
@@ -62,8 +59,6 @@ struct Flow<S: Scalar, const N: usize> {
     far: Matrix<S, N>,
     /// Inverse of A0 = 1 - doublet diag(d): the wash which motion leaves on the chord.
     relief: Matrix<S, N>,
-    /// Rate of the wash of the chord doublets, K', 1/(m s), of a wing that folds.
-    doublet_rate: Option<Matrix<S, N>>,
     /// What is left of the wash at 1/2 chord, m/s.
     half_left: Column<S, N>,
     /// Normal speed left by a unit normal speed of the whole wing.
@@ -108,10 +103,6 @@ impl<P: Scalar> StripModel<P> {
             tables: Tables::new(&grid, &settings, &numbers, lags),
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
-            folds: settings.folding_rates
-                && settings.section.added_mass
-                && settings.doublet_wash
-                && !settings.hinge_arcs_m.is_empty(),
             zero_lift: ZeroLift::new(numbers.zero_lift_angle),
             polar: Polar::new(settings.section.law, &numbers),
             numbers,
@@ -141,9 +132,17 @@ impl<P: Scalar> StripModel<P> {
     pub fn strips(&self) -> usize {
         self.settings.strips
     }
-    /// Number of states: for each wash lag, then for each wake lag and for each state of the
-    /// law a block of one value per strip, left tip to right tip.
+    /// Number of states: for each wash lag, then for each wake lag, for each state of the
+    /// law and for the impulse where it is followed a block of one value per strip, left tip to right tip.
     pub fn states(&self) -> usize {
+        self.followed_states() + if self.follows() { self.settings.strips } else { 0 }
+    }
+    /// Whether the impulse of the carried air is followed by states.
+    pub(super) fn follows(&self) -> bool {
+        self.settings.folding_rates && self.settings.section.added_mass
+    }
+    /// Where the followed impulses begin.
+    fn followed_states(&self) -> usize {
         self.law_states() + self.settings.strips * self.settings.section.law.states().len()
     }
     /// Where the states of the law begin.
@@ -160,8 +159,10 @@ impl<P: Scalar> StripModel<P> {
         let wash = (1..=self.lags.rate.len()).map(|k| (format!("wash_lag{k}"), "m/s"));
         let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
         let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
+        let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
         wash.chain(wake)
             .chain(law)
+            .chain(followed)
             .flat_map(|(name, unit)| {
                 (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
             })
@@ -262,11 +263,32 @@ impl<P: Scalar> StripModel<P> {
             self.note_others(foreign.as_ref(), loads);
         }
         let response = self.respond(&flow, foreign.as_ref(), &x[..states], &mut dx[..states]);
-        let strips = coupling.map(|Coupling { mass, strips }| {
+        let strips = coupling.map(|Coupling { mass, strips, impulses }| {
             self.couple(&flow, sections, mass);
+            if let (Some(rates), true) = (impulses, self.follows()) {
+                self.follow(&flow, sections, rates);
+            }
             strips
         });
         (self.load_strips(&flow, &response, loads, strips), flow.added_mass)
+    }
+
+    /// See [`Aero::settle`](crate::aero::Aero::settle).
+    pub(super) fn settle<S: Scalar + Meets<P>>(
+        &self,
+        sections: &(impl Sections<S> + ?Sized),
+        wind: Vec3<S>,
+        x: &mut [S],
+    ) {
+        if !self.follows() {
+            return;
+        }
+        let n = self.settings.strips;
+        let mut edges = Edges::<S, MAX_STRIPS>::ZERO;
+        edges.fill(sections, n);
+        let mut flow = Flow::<S, MAX_STRIPS>::STILL;
+        self.flow(&edges, wind, &mut flow);
+        self.settle_impulse(&flow, x);
     }
 
     /// Points, velocities and influence of the wing as it lies and moves now.
@@ -305,9 +327,6 @@ impl<P: Scalar> StripModel<P> {
             doublet[j] = own;
         }
         invert(&mut flow.relief, n);
-        if self.folds {
-            self.fold(edges, flow);
-        }
         flow.unit_left = multiply(&flow.relief, &[S::ONE; N], n);
         self.carry_air(flow);
     }
@@ -322,7 +341,6 @@ impl<S: Scalar, const N: usize> Flow<S, N> {
             remainder: matrix,
             far: matrix,
             relief: matrix,
-            doublet_rate: None,
             half_left: zero,
             unit_left: zero,
             impulse: zero,

@@ -1,7 +1,6 @@
 //! Points, velocities and directions of edges and strips at one instant.
 
 use super::StripModel;
-use super::folding::Moving;
 use super::influence::Column;
 use crate::aero::section::ZeroLift;
 use crate::aero::{SectionMotion, Sections};
@@ -44,14 +43,6 @@ impl<S: Scalar> From<&SectionMotion<S>> for ChordLine<S> {
     #[inline(always)]
     fn from(s: &SectionMotion<S>) -> Self {
         Self { le: s.le, te: s.te, v_le: s.v_le, v_te: s.v_te, a_le: s.a_le, a_te: s.a_te }
-    }
-}
-
-impl<S: Scalar> ChordLine<S> {
-    /// The point at the chord fraction `x`.
-    fn point(&self, x: f64) -> Moving<S> {
-        let along = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(x);
-        Moving { at: along(self.le, self.te), rate: along(self.v_le, self.v_te) }
     }
 }
 
@@ -115,23 +106,6 @@ impl<S: Scalar, const N: usize> Edges<S, N> {
             self.left.set(i, &before);
             self.right.set(i, &self.last);
         }
-    }
-}
-
-impl<S: Scalar, const N: usize> Edges<S, N> {
-    /// Quarter-chord point and trailing edge of edge `j` of `n` strips.
-    pub fn ends(&self, j: usize, n: usize) -> [Moving<S>; 2] {
-        let line = if j == n { self.last } else { self.left.get(j) };
-        [line.point(0.25), line.point(1.0)]
-    }
-    /// The 3/4 chord point of strip `i`, `fraction` of the way from its left edge to its right one.
-    pub fn control<P: Copy>(&self, i: usize, fraction: P) -> Moving<S>
-    where
-        S: Meets<P>,
-    {
-        let [a, b] = [&self.left, &self.right].map(|lines| lines.get(i).point(0.75));
-        let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
-        Moving { at: mix(a.at, b.at), rate: mix(a.rate, b.rate) }
     }
 }
 

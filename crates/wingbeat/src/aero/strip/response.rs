@@ -1,6 +1,7 @@
 //! From lags and motion to washes, state rates and impulses.
 
-use super::influence::{Column, Matrix, multiply};
+use super::constants::FOLLOWING_TIME;
+use super::influence::{Column, multiply};
 use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
@@ -180,13 +181,12 @@ impl<P: Scalar> StripModel<P> {
         polar.attached_share(sine2)
     }
 
-    /// A0^-1 [K (D - Y) + R Y + v]: what is left on the chord of the wash of what the lags hold, and of `more`.
+    /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
     /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
     fn held_left<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,
         sums: &LagSums<S, N>,
-        more: Option<&Column<S, N>>,
     ) -> Column<S, N> {
         let n = self.settings.strips;
         let mut open = [S::ZERO; N];
@@ -197,11 +197,6 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..N {
             held[i] += open[i];
         }
-        if let Some(more) = more {
-            for i in 0..N {
-                held[i] += more[i];
-            }
-        }
         let mut left = multiply(&flow.relief, &held, n);
         for i in 0..N {
             left[i] -= open[i];
@@ -209,18 +204,48 @@ impl<P: Scalar> StripModel<P> {
         left
     }
 
-    /// K' (diag(d) w + D - Y): the rate of the wash of the chord doublets by folding, w the wash `held_left`.
-    fn folded_wash<G: Scalar, S: Over<G> + Meets<P>, const N: usize>(
+    /// The impulse of the air on each strip, P: see [`carry_air`](Self::carry_air) for the part by the motion.
+    fn impulse<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
-        rate: &Matrix<G, N>,
-        sums: &LagSums<S, N>,
+        flow: &Flow<G, N>,
         held_left: &Column<S, N>,
     ) -> Column<S, N> {
-        let mut jump = [S::ZERO; N];
+        let mut impulse = *held_left;
         for i in 0..N {
-            jump[i] = held_left[i] * self.tables.doublet[i] + (sums.jump[i] - sums.delayed[i]);
+            impulse[i] = impulse[i] * self.tables.mass[i] + flow.impulse[i];
         }
-        multiply(rate, &jump, self.settings.strips)
+        impulse
+    }
+
+    /// P^' = F + (P - P^)/T: the followed impulse P^, driven by the force F of the impulse P whose influence
+    /// coefficients are held, is drawn to P. Its rate is the force: over a cycle its mean vanishes, whatever F leaves out,
+    /// and what F leaves out is left out faster than T only. Replaces impulse and force.
+    ///
+    /// Equation: aero.strip.followed_impulse
+    fn follow_impulse<S: Scalar, const N: usize>(
+        &self,
+        x: &[S],
+        dx: &mut [S],
+        impulse: &mut Column<S, N>,
+        force: &mut Column<S, N>,
+    ) {
+        let at = self.followed_states();
+        for (i, (followed, rate)) in x[at..].iter().zip(&mut dx[at..]).enumerate().take(N) {
+            *rate = force[i] + (impulse[i] - *followed) * (1.0 / FOLLOWING_TIME);
+            (impulse[i], force[i]) = (*followed, *rate);
+        }
+    }
+
+    /// Sets the followed impulses to those of the air, as if the wing had moved on as it does.
+    pub(super) fn settle_impulse<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        x: &mut [S],
+    ) {
+        let attached = self.attached_shares(&flow.strips, x);
+        let sums = self.lag_sums(&self.lagged(x), &attached);
+        let impulse = self.impulse(flow, &self.held_left(flow, &sums));
+        x[self.followed_states()..].iter_mut().zip(impulse).for_each(|(x, impulse)| *x = impulse);
     }
 
     /// Washes, state rates and impulses.
@@ -240,7 +265,7 @@ impl<P: Scalar> StripModel<P> {
         let lagged = self.lagged(x);
         let attached = self.attached_shares(&flow.strips, x);
         let sums = self.lag_sums(&lagged, &attached);
-        let held_left = self.held_left(flow, &sums, None);
+        let held_left = self.held_left(flow, &sums);
         let mut wash = [S::ZERO; N];
         for i in 0..N {
             let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
@@ -264,13 +289,13 @@ impl<P: Scalar> StripModel<P> {
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
-            let rate = flow.doublet_rate.as_ref();
-            let folded = rate.map(|rate| self.folded_wash(rate, &sums, &held_left));
-            let held_rate_left = self.held_left(flow, &rates, folded.as_ref());
+            let held_rate_left = self.held_left(flow, &rates);
+            impulse = self.impulse(flow, &held_left);
             for i in 0..N {
-                let mass = self.tables.mass[i];
-                impulse[i] = held_left[i] * mass + flow.impulse[i];
-                impulse_rate[i] = held_rate_left[i] * mass + flow.impulse_rate[i];
+                impulse_rate[i] = held_rate_left[i] * self.tables.mass[i] + flow.impulse_rate[i];
+            }
+            if self.follows() {
+                self.follow_impulse(x, dx, &mut impulse, &mut impulse_rate);
             }
         }
         Response {

@@ -233,6 +233,24 @@ impl<P: Scalar> Surfaces<P> {
         i
     }
 
+    /// Whether states of a surface follow the impulse of its air.
+    pub fn follow_impulses(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.aero.follows_impulse())
+    }
+
+    /// As [`Aero::settle`] for all surfaces.
+    pub fn settle<S: Scalar + Meets<P>>(
+        &self,
+        sections: &(impl Sections<S> + ?Sized),
+        wind: Vec3<S>,
+        x: &mut [S],
+    ) {
+        for surface in &self.surfaces {
+            let own = Following { all: sections, first: surface.sections.start };
+            surface.aero.settle(&own, wind, &mut x[surface.states()]);
+        }
+    }
+
     /// State rates and loads of the sections at [`arcs`](Self::arcs) in air that moves with `wind`
     /// (resolved in B). See [`Loads`] for the body acceleration.
     pub fn evaluate<S: Scalar + Meets<P>>(
@@ -314,9 +332,13 @@ impl<P: Scalar> Surfaces<P> {
             let states = surface.states();
             let (dx, arriving) = dx.split_at_mut(self.own_states());
             let others = self.others(surface, &vortices, x, arriving);
-            let coupling = coupling
-                .as_mut()
-                .map(|all| Coupling { mass: &mut *all.mass, strips: &mut all.strips[surface.strips()] });
+            let coupling = coupling.as_mut().map(|all| {
+                let mut impulses = all.impulses.as_deref_mut();
+                if let Some(impulses) = impulses.as_mut() {
+                    impulses.first_state = states.start;
+                }
+                Coupling { mass: &mut *all.mass, strips: &mut all.strips[surface.strips()], impulses }
+            });
             sum.add(surface.aero.sum(&own, wind, &x[states.clone()], &mut dx[states], others, coupling));
         }
         (sum.wrench, sum.added_mass)
