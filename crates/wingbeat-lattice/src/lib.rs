@@ -18,6 +18,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod coupled;
 pub mod course;
 mod error;
 mod flown;
@@ -34,6 +35,7 @@ mod settings;
 mod tree;
 mod wake;
 
+pub use coupled::{Beside, doors};
 pub use error::{Error, LayoutError, RecordError};
 pub use flown::Flight;
 pub use kernel::{Grid, cored_segment, segment};
