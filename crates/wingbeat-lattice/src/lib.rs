@@ -34,6 +34,8 @@ mod picture;
 mod settings;
 mod tree;
 mod wake;
+#[cfg(target_arch = "x86_64")]
+mod wider;
 
 pub use coupled::{Beside, doors};
 pub use error::{Error, LayoutError, RecordError};
