@@ -146,8 +146,8 @@ pub fn add_induced(
                 _mm512_mul_pd(two.numerator, _mm512_set1_pd(own * across)),
                 _mm512_mul_pd(one.denominator, inverse),
             );
-            for k in 0..3 {
-                sum[k] = _mm512_fmadd_pd(one.across[k], a, _mm512_fmadd_pd(two.across[k], b, sum[k]));
+            for ((sum, one), two) in sum.iter_mut().zip(&one.across).zip(&two.across) {
+                *sum = _mm512_fmadd_pd(*one, a, _mm512_fmadd_pd(*two, b, *sum));
             }
             *before = now;
             left = now;
