@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use indicatif::ProgressBar;
-use wingbeat::scenario::{FlightStatus, Run, Scenario};
+use wingbeat::scenario::{Document, FlightStatus, Run, Scenario};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Asked, Draw, of_flight};
 use wingbeat_io::write_parquet;
@@ -25,7 +25,10 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     let start = Instant::now();
     let options = &arguments.run;
     let interrupt = Interrupt::listen()?;
-    let scenario = Scenario::load(&arguments.scenario, &options.all_overrides())?;
+    let scenario = Scenario::open(
+        Document::file(&arguments.scenario)?.overridden(&options.all_overrides()),
+        &wingbeat_lattice::doors(),
+    )?;
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
     let run = simulate(&scenario, &interrupt, options.quiet)?;
     folder.write("scenario.toml", &scenario.resolved)?;

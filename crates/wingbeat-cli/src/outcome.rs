@@ -77,6 +77,10 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ];
         rows.splice(saturated..saturated, errors);
     }
+    if let Some(lattice) = &summary.lattice {
+        let law = rows.iter().position(|row| row.0 == "lift law").unwrap_or(rows.len());
+        rows.insert(law, ("states tried a lattice step", None, number(lattice.iterations_mean), ""));
+    }
     if let Some(hover) = &summary.hover {
         let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
         let errors = [

@@ -141,6 +141,31 @@ impl Sections for Flown {
     }
 }
 
+/// Panels of the surfaces `outlines` of `robot` as `panels` says of the first; beside each the number of its surface.
+pub(crate) fn laid(
+    robot: &Robot,
+    outlines: &[SurfaceOutline],
+    panels: Panels,
+) -> Result<Vec<(usize, Layout)>, Error> {
+    let mut layouts = Vec::new();
+    let first = outlines.first().map_or(1.0, |outline| outline.planform.half_span());
+    for (number, (outline, (_, aero))) in outlines.iter().zip(robot.surfaces()).enumerate() {
+        require_flat(aero)?;
+        let share = outline.planform.half_span() / first;
+        // A strip at least for every piece between hinges and ends.
+        let hinges = outline.hinges.iter().filter(|arc| **arc > 0.0);
+        let least = 2 * (hinges.count() + outline.planform.gaps().len()) + 2;
+        let strips = match number {
+            0 => panels.spanwise,
+            _ => ((panels.spanwise as f64 * share).round() as usize).max(least),
+        };
+        let Panels { chordwise, spacing, .. } = panels;
+        let pieces = Layout::of(&outline.planform, &outline.hinges, chordwise, strips, spacing)?;
+        layouts.extend(pieces.into_iter().map(|piece| (number, piece)));
+    }
+    Ok(layouts)
+}
+
 impl Scene {
     /// The surfaces `outlines` of the robot of `flight` from `from_s` on, in the mean wind. The first surface has the strips that
     /// `panels` says, the others as many by their span. Beside the scene stand the number of the outline and the layout of each piece.
@@ -154,22 +179,7 @@ impl Scene {
         density_kg_m3: f64,
         panels: Panels,
     ) -> Result<(Self, Vec<(usize, Layout)>), Error> {
-        let mut layouts = Vec::new();
-        let first = outlines.first().map_or(1.0, |outline| outline.planform.half_span());
-        for (number, (outline, (_, aero))) in outlines.iter().zip(flight.robot.surfaces()).enumerate() {
-            require_flat(aero)?;
-            let share = outline.planform.half_span() / first;
-            // A strip at least for every piece between hinges and ends.
-            let hinges = outline.hinges.iter().filter(|arc| **arc > 0.0);
-            let least = 2 * (hinges.count() + outline.planform.gaps().len()) + 2;
-            let strips = match number {
-                0 => panels.spanwise,
-                _ => ((panels.spanwise as f64 * share).round() as usize).max(least),
-            };
-            let Panels { chordwise, spacing, .. } = panels;
-            let pieces = Layout::of(&outline.planform, &outline.hinges, chordwise, strips, spacing)?;
-            layouts.extend(pieces.into_iter().map(|piece| (number, piece)));
-        }
+        let layouts = laid(&flight.robot, outlines, panels)?;
         let surface = |(number, layout): &(usize, Layout)| Surface {
             layout: layout.clone(),
             sections: Arc::new(Flown { flight: flight.clone(), surface: *number, from_s }),

@@ -12,7 +12,7 @@ pub const LANES: usize = 4;
 /// millimetres whose places are rounded metres from the origin are that far off.
 const ON_LINE: f64 = 1e-18;
 /// Added to denominators: far below any of them, so that the product of two is no zero either, nor infinite its inverse.
-const NEVER_ZERO: f64 = 1e-120;
+pub const NEVER_ZERO: f64 = 1e-120;
 /// Pairs of segments and points from which work is shared among the cores. *Choice.*
 const SHARED: usize = 2_000_000;
 /// Blocks that one core takes at a time. *Choice.*
@@ -202,25 +202,66 @@ impl Grid {
 /// Adds to `velocities` what `grid` induces at `points`, m/s, on all cores where there is much to do.
 pub fn add_velocities<const CORE: bool>(grid: &Grid, points: &Points, velocities: &mut [Vec3]) {
     let (blocks, window) = (points.blocks(), grid.whole());
-    let one = |block: &[f64x4; 3], seen: &mut Vec<Seen>| {
-        let mut sum = [f64x4::ZERO; 3];
-        add_induced::<CORE>(grid, &window, block, seen, &mut sum);
-        sum.map(|v| v * f64x4::splat(INVERSE_4PI))
+    let some = |blocks: &[[f64x4; 3]]| {
+        let (mut room, mut sums) = (Room::default(), vec![[f64x4::ZERO; 3]; blocks.len()]);
+        if CORE {
+            add_all(grid, &[window], blocks, &mut room, &mut sums);
+        } else {
+            for (block, sum) in blocks.iter().zip(&mut sums) {
+                add_induced::<CORE>(grid, &window, block, &mut room.four, sum);
+            }
+        }
+        sums.into_iter().map(|sum| sum.map(|v| v * f64x4::splat(INVERSE_4PI))).collect::<Vec<_>>()
     };
     if points.len() * grid.segments() < SHARED {
-        let mut seen = Vec::with_capacity(grid.columns);
-        for (block, out) in blocks.iter().zip(velocities.chunks_mut(LANES)) {
-            add_block(out, one(block, &mut seen));
+        for (out, answer) in velocities.chunks_mut(LANES).zip(some(blocks)) {
+            add_block(out, answer);
         }
         return;
     }
     let chunks: Vec<_> = blocks.chunks(BLOCKS).collect();
-    let answers = parallel::map(&chunks, |_, chunk| {
-        let mut seen = Vec::with_capacity(grid.columns);
-        chunk.iter().map(|block| one(block, &mut seen)).collect::<Vec<_>>()
-    });
+    let answers = parallel::map(&chunks, |_, chunk| some(chunk));
     for (out, answer) in velocities.chunks_mut(LANES).zip(answers.into_iter().flatten()) {
         add_block(out, answer);
+    }
+}
+
+/// Room for rows of vertices as seen from points.
+#[derive(Default)]
+pub struct Room {
+    four: Vec<Seen>,
+    #[cfg(target_arch = "x86_64")]
+    eight: Vec<crate::wider::Seen>,
+}
+
+/// Adds to `sums` the velocities times 4 pi at the points of `blocks` that parts of a grid of vortices with cores induce: eight points
+/// at once where the processor can, else four, to the same bits.
+pub fn add_all(
+    grid: &Grid,
+    windows: &[Window],
+    blocks: &[[f64x4; 3]],
+    room: &mut Room,
+    sums: &mut [[f64x4; 3]],
+) {
+    let mut begin = 0;
+    #[cfg(target_arch = "x86_64")]
+    if crate::wider::is_there() {
+        for (pair, sums) in blocks.chunks_exact(2).zip(sums.chunks_exact_mut(2)) {
+            let mut both = [sums[0], sums[1]];
+            for window in windows {
+                #[expect(unsafe_code, reason = "it has been asked whether the processor has AVX-512")]
+                unsafe {
+                    crate::wider::add_induced(grid, window, [&pair[0], &pair[1]], &mut room.eight, &mut both);
+                }
+            }
+            sums.copy_from_slice(&both);
+            begin += 2;
+        }
+    }
+    for (block, sum) in blocks[begin..].iter().zip(&mut sums[begin..]) {
+        for window in windows {
+            add_induced::<true>(grid, window, block, &mut room.four, sum);
+        }
     }
 }
 
@@ -483,6 +524,28 @@ mod tests {
             }
         }
         sum
+    }
+
+    #[test]
+    fn eight_points_at_once_have_the_bits_of_four() {
+        let mut random = Random::new(7);
+        let grid = grid(&mut random, 12, 9, 1e-4);
+        let blocks: Vec<[f64x4; 3]> = (0..5)
+            .map(|_| std::array::from_fn(|_| f64x4::from(std::array::from_fn(|_| random.normal()))))
+            .collect();
+        let windows = [
+            grid.whole(),
+            Window { rows: [2, 7], columns: [1, 4] },
+            Window { rows: [3, 3], columns: [5, 5] },
+        ];
+        let (mut all, mut four) = (vec![[f64x4::ZERO; 3]; 5], vec![[f64x4::ZERO; 3]; 5]);
+        add_all(&grid, &windows, &blocks, &mut Room::default(), &mut all);
+        for (block, sum) in blocks.iter().zip(&mut four) {
+            windows.iter().for_each(|w| add_induced::<true>(&grid, w, block, &mut Vec::new(), sum));
+        }
+        for (all, four) in all.iter().flatten().zip(four.iter().flatten()) {
+            assert_eq!(all.to_array().map(f64::to_bits), four.to_array().map(f64::to_bits));
+        }
     }
 
     #[test]

@@ -22,6 +22,8 @@ pub struct Lattice {
     rings: [Vec<f64>; 3],
     /// Instants solved.
     solved: usize,
+    /// The wakes as they come to the instant that is being solved, while several motions are tried there.
+    arriving: Option<Vec<Wake>>,
 }
 
 /// Most panels: their matrix has the square of it. *Choice.*
@@ -75,7 +77,7 @@ impl Lattice {
         let influence = Influence::new(scene.symmetric, settings.emulates(), crossing, fast_from);
         let wakes = meshes.iter().map(|_| Wake::default()).collect();
         let rings = std::array::from_fn(|_| vec![0.0; panels]);
-        Ok(Self { scene, settings, meshes, wakes, influence, rings, solved: 0 })
+        Ok(Self { scene, settings, meshes, wakes, influence, rings, solved: 0, arriving: None })
     }
 
     /// Solves the next instant, returns its loads and carries the wake on to the one after it.
@@ -83,8 +85,48 @@ impl Lattice {
     /// # Errors
     /// Circulations that are not determined, or numbers that are not finite.
     pub fn step(&mut self) -> Result<Loads, Error> {
-        let t = self.solved as f64 * self.settings.step_s;
-        self.move_on(t)?;
+        let t = self.time();
+        self.leave(t)?;
+        let loads = self.arrive(t)?;
+        self.solved += 1;
+        Ok(loads)
+    }
+
+    /// Solves the next instant and stays there, so that it can be solved for another motion of the surfaces, until
+    /// [`keep`](Self::keep).
+    ///
+    /// # Errors
+    /// Circulations that are not determined, or numbers that are not finite.
+    pub fn attempt(&mut self) -> Result<Loads, Error> {
+        let t = self.time();
+        match &self.arriving {
+            Some(arriving) => self.wakes.clone_from(arriving),
+            None => {
+                self.leave(t)?;
+                self.arriving = Some(self.wakes.clone());
+            }
+        }
+        self.arrive(t)
+    }
+
+    /// Goes on from the last motion that [`attempt`](Self::attempt) solved.
+    pub fn keep(&mut self) {
+        self.solved += usize::from(self.arriving.take().is_some());
+    }
+
+    /// The instant to be solved next, s.
+    fn time(&self) -> f64 {
+        self.solved as f64 * self.settings.step_s
+    }
+
+    /// Velocity of the air from now on, m/s in W.
+    pub fn set_wind(&mut self, wind: Vec3) {
+        self.scene.wind = wind;
+    }
+
+    /// The loads of the instant `t` s, to which the wakes have come.
+    fn arrive(&mut self, t: f64) -> Result<Loads, Error> {
+        self.join(t)?;
         let (points, places) = self.places();
         let mut air = self.influence.velocities(&points, &places, &self.sources(false, true));
         air.iter_mut().for_each(|v| *v += self.scene.wind);
@@ -97,7 +139,6 @@ impl Lattice {
         if !loads.is_finite() {
             return Err(Error::NotFinite { time: t, what: "load" });
         }
-        self.solved += 1;
         Ok(loads)
     }
 
@@ -107,7 +148,7 @@ impl Lattice {
     /// # Errors
     /// As many circulations as there are panels are needed; numbers that are not finite.
     pub fn step_with(&mut self, rings: &[f64]) -> Result<(), Error> {
-        let t = self.solved as f64 * self.settings.step_s;
+        let t = self.time();
         let panels = self.rings[0].len();
         if rings.len() != panels {
             let allowed = format!("{panels}, the number of panels");
@@ -116,7 +157,8 @@ impl Lattice {
         if !rings.iter().all(|ring| ring.is_finite()) {
             return Err(Error::NotFinite { time: t, what: "circulation" });
         }
-        self.move_on(t)?;
+        self.leave(t)?;
+        self.join(t)?;
         self.put(rings.to_vec());
         self.solved += 1;
         Ok(())
@@ -133,13 +175,18 @@ impl Lattice {
         self.rings[0] = rings;
     }
 
-    /// Brings surfaces and wakes to the instant `t` s.
-    fn move_on(&mut self, t: f64) -> Result<(), Error> {
-        let (wind, step) = (self.scene.wind, self.settings.step_s);
+    /// Brings the wakes to the instant `t` s.
+    fn leave(&mut self, t: f64) -> Result<(), Error> {
         if self.solved > 0 {
             self.carry_wakes(t)?;
             self.rings.rotate_right(1);
         }
+        Ok(())
+    }
+
+    /// Brings the surfaces to the instant `t` s and joins the wakes to them.
+    fn join(&mut self, t: f64) -> Result<(), Error> {
+        let (wind, step) = (self.scene.wind, self.settings.step_s);
         let mut first = 0;
         let chased = self.settings.emulates();
         for ((surface, mesh), wake) in self.scene.surfaces.iter().zip(&mut self.meshes).zip(&mut self.wakes) {

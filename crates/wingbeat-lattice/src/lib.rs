@@ -18,6 +18,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod coupled;
 pub mod course;
 mod error;
 mod flown;
@@ -33,7 +34,10 @@ mod picture;
 mod settings;
 mod tree;
 mod wake;
+#[cfg(target_arch = "x86_64")]
+mod wider;
 
+pub use coupled::{Beside, doors};
 pub use error::{Error, LayoutError, RecordError};
 pub use flown::Flight;
 pub use kernel::{Grid, cored_segment, segment};

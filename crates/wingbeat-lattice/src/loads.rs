@@ -25,6 +25,8 @@ pub struct PanelLoads {
     pub bernoulli: Vec<Vec3>,
     /// Suction of the leading edge that Bernoulli lacks, by strip.
     pub suction: Vec<Vec3>,
+    /// Force and moment about W's origin by Joukowski, by strip.
+    pub strips: Vec<Wrench<f64>>,
 }
 
 /// Loads of an instant, resolved in W, about W's origin, the mirror image of a half included.
@@ -148,13 +150,14 @@ impl Loaded<'_> {
     /// Adds the forces to `sums`: Joukowski, Bernoulli with suction, suction.
     fn panels(&self, sums: &mut [Wrench<f64>; 3]) -> PanelLoads {
         let (m, n) = (self.mesh.chordwise, self.mesh.strips);
-        let mut panels = PanelLoads::default();
+        let mut panels = PanelLoads { strips: vec![Wrench::ZERO; n], ..PanelLoads::default() };
         for i in 0..m {
             for j in 0..n {
                 let joukowski = self.joukowski(i, j);
                 let bernoulli = self.bernoulli(i, j);
                 panels.joukowski.push(joukowski.force);
                 panels.bernoulli.push(bernoulli.force);
+                panels.strips[j] += joukowski;
                 sums[0] += joukowski;
                 sums[1] += bernoulli;
             }

@@ -1,6 +1,6 @@
 //! Velocities of large wakes: patches of a grid, halved by turns, the far ones as multipoles.
 
-use crate::kernel::{Grid, INVERSE_4PI, LANES, Points, Window, add_block, add_induced};
+use crate::kernel::{Grid, INVERSE_4PI, LANES, Points, Room, Window, add_all, add_block};
 use crate::multipole::{Coefficients, MOMENTS, Moments, SHIFT, add_segment, coefficients, velocity};
 use wide::f64x4;
 use wingbeat::math::Vec3;
@@ -163,18 +163,18 @@ impl<'a> Tree<'a> {
         let mut lanes = Points::default();
         lanes.set(at());
         let mut found = vec![Vec3::ZERO; group.len()];
-        let mut seen = Vec::with_capacity(self.grid.columns);
-        for (block, out) in lanes.blocks().iter().zip(found.chunks_mut(LANES)) {
-            let mut sum = [f64x4::ZERO; 3];
+        let mut sums = vec![[f64x4::ZERO; 3]; lanes.blocks().len()];
+        for (block, sum) in lanes.blocks().iter().zip(&mut sums) {
             for place in &far {
                 let centre = self.patches[*place].centre;
                 let d = std::array::from_fn(|k| block[k] - f64x4::splat(centre[k]));
                 let v = velocity(&self.coefficients[*place], &d);
                 (0..3).for_each(|k| sum[k] += v[k]);
             }
-            for place in &near {
-                add_induced::<true>(self.grid, &self.patches[*place].window, block, &mut seen, &mut sum);
-            }
+        }
+        let windows: Vec<Window> = near.iter().map(|place| self.patches[*place].window).collect();
+        add_all(self.grid, &windows, lanes.blocks(), &mut Room::default(), &mut sums);
+        for (sum, out) in sums.into_iter().zip(found.chunks_mut(LANES)) {
             add_block(out, sum.map(|v| v * f64x4::splat(INVERSE_4PI)));
         }
         found
@@ -219,7 +219,7 @@ fn group<'a>(points: &[Vec3], order: &'a mut [u32], groups: &mut Vec<&'a [u32]>)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::add_velocities;
+    use crate::kernel::{add_induced, add_velocities};
     use wingbeat::math::Random;
 
     /// A sheet that waves and rolls up, of `rows` x `columns` rings.

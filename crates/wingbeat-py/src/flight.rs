@@ -22,7 +22,7 @@ pub struct Scenario(pub Arc<wingbeat::scenario::Scenario>);
 impl Scenario {
     #[new]
     fn new(document: &Document) -> PyResult<Self> {
-        wingbeat::scenario::Scenario::new(document.0.clone())
+        wingbeat::scenario::Scenario::open(document.0.clone(), &wingbeat_lattice::doors())
             .map(|scenario| Self(Arc::new(scenario)))
             .map_err(refused)
     }

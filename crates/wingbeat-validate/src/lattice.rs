@@ -22,6 +22,7 @@ pub const CASES: &[Case] = &[
     Case { id: "lattice.f1", quick: false, run: flapping::f1 },
     Case { id: "lattice.f2", quick: false, run: flapping::f2 },
     Case { id: "lattice.free_flight", quick: false, run: flight::free_flight },
+    Case { id: "lattice.coupled", quick: false, run: flight::coupled },
     Case { id: "wake.plane_circulation", quick: false, run: wake::plane_circulation },
     Case { id: "wake.symmetry", quick: false, run: wake::symmetry },
     Case { id: "lattice.convergence", quick: false, run: convergence::convergence },

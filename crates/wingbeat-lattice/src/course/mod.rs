@@ -20,9 +20,9 @@ use wingbeat::aero::SectionMotion;
 use wingbeat::math::Vec3;
 
 /// Most rings of a wake: minutes of work.
-const MOST_RINGS: usize = 200_000;
+pub(crate) const MOST_RINGS: usize = 200_000;
 /// Segments of a wake from which it is summed by multipoles.
-const FAST_FROM: usize = 20_000;
+pub(crate) const FAST_FROM: usize = 20_000;
 /// Core of bound vortices where wings pass through each other, over the distance along the arc. *Choice.*
 const CROSSING: f64 = 0.2;
 /// Fewest and most steps of a cycle that are chosen.

@@ -41,6 +41,7 @@ impl BankingTurn {
     /// # Errors
     /// [`Error::Invalid`] with the key that is missing.
     pub fn of(scenario: &Scenario) -> Result<Self, Error> {
+        scenario.without_lattice()?;
         let missing = |key: &str, what: &str| Error::invalid(key, "none, or one of another kind", what);
         let manoeuvre = scenario.spec.manoeuvre.as_ref().and_then(Chosen::shipped);
         let controller = scenario.spec.controller.as_ref().and_then(Chosen::shipped);

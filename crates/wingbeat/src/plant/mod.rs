@@ -122,6 +122,14 @@ pub enum Fault {
         /// Time, s.
         time: f64,
     },
+    /// The air beside the robot could not be stepped.
+    #[error("at t = {time:.4} s the air beside the robot cannot be stepped: {why}")]
+    Flow {
+        /// Time, s.
+        time: f64,
+        /// Why.
+        why: &'static str,
+    },
     /// A rate is not finite.
     #[error("state {state} has a rate that is not finite at t = {time:.4} s")]
     NotFinite {

@@ -85,7 +85,7 @@ impl Plant for Robot {
         dx: &mut [S],
     ) -> Result<(), Fault> {
         let clock = Jet::new(t, 1.0, 0.0);
-        self.evaluate_parts(t, &clock, early, late, u, dx, &mut Evaluation::empty())
+        self.evaluate_parts(t, &clock, early, late, u, &[], dx, &mut Evaluation::empty())
     }
 }
 
@@ -111,11 +111,12 @@ impl<P: Scalar> Robot<P> {
         t: S,
         x: &[S],
         u: &[S],
+        beyond: &[Wrench<f64>],
         dx: &mut [S],
         out: &mut Evaluation<S>,
     ) -> Result<(), Fault> {
         let (early, air) = x.split_at(self.layout.aero);
-        self.evaluate_parts(t, &Jet::new(t, S::ONE, S::ZERO), early, air, u, dx, out)
+        self.evaluate_parts(t, &Jet::new(t, S::ONE, S::ZERO), early, air, u, beyond, dx, out)
     }
 
     /// Rates at the time `t` of a robot whose gait is at the time `clock`: its crank may run faster or slower than
@@ -132,10 +133,10 @@ impl<P: Scalar> Robot<P> {
         dx: &mut [S],
     ) -> Result<(), Fault> {
         let (early, air) = x.split_at(self.layout.aero);
-        self.evaluate_parts(t, clock, early, air, u, dx, &mut Evaluation::empty())
+        self.evaluate_parts(t, clock, early, air, u, &[], dx, &mut Evaluation::empty())
     }
 
-    /// The same, given the states of body and structure and those of the air.
+    /// The same, given the states of body and structure and those of the air, under the loads `beyond` of links and body.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "time, state and inputs in their parts")]
     fn evaluate_parts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
@@ -145,6 +146,7 @@ impl<P: Scalar> Robot<P> {
         x: &[G],
         air: &[S],
         u: &[G],
+        beyond: &[Wrench<f64>],
         dx: &mut [S],
         out: &mut Evaluation<G, S>,
     ) -> Result<(), Fault> {
@@ -172,9 +174,12 @@ impl<P: Scalar> Robot<P> {
         if !self.thrusters.is_empty() {
             body += self.thrust(structure);
         }
+        for load in beyond {
+            body += of_numbers(load);
+        }
         let states = (structure, air, &mut dx[l.aero..]);
         let acceleration = self
-            .acceleration((mass, body), &carriers, links, (wind, g_b), states, second_rates)
+            .acceleration((mass, body, beyond), &carriers, links, (wind, g_b), states, second_rates)
             .ok_or(Fault::MassMatrix { time: t.value() })?;
 
         v_w.lifted().store(&mut dx[l.position..]);
@@ -189,12 +194,12 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// Acceleration of the body origin and angular acceleration in B under the wrench `body` of all but the air and the
-    /// air's; `mass` is that of body and links. Fills the rates of the air, the last of `states`, and the second rates of the
-    /// coordinates. `None` when the mass matrix is not positive definite.
+    /// air's; `mass` is that of body and links, `beyond` the part of the wrench that links bear. Fills the rates of the air, the
+    /// last of `states`, and the second rates of the coordinates. `None` when the mass matrix is not positive definite.
     #[inline(always)]
     fn acceleration<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        (mut mass, body): ([[G; 6]; 6], Wrench<G>),
+        (mut mass, body, beyond): ([[G; 6]; 6], Wrench<G>, &[Wrench<f64>]),
         carriers: &Carriers<G>,
         links: &[LinkMotion<G>],
         (wind, g_b): (Vec3<G>, Vec3<G>),
@@ -216,6 +221,9 @@ impl<P: Scalar> Robot<P> {
         let System { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, matrix, forces);
         self.add_efforts(structure, G::ONE, &mut system);
+        for (link, load) in beyond.iter().enumerate().take(self.mechanism.tree.links()) {
+            carriers.project(link, &of_numbers::<G>(load), &mut system.forces);
+        }
         let mut impulses = ImpulseRates::none();
         let lacking = follows.then_some(&mut impulses);
         let mut net = system.add_air(self, carriers, (wind, lacking), air, air_rates);
@@ -312,6 +320,11 @@ impl<P: Scalar> Robot<P> {
         }
         drag
     }
+}
+
+/// A load in another type.
+fn of_numbers<S: Scalar>(load: &Wrench<f64>) -> Wrench<S> {
+    Wrench { force: Vec3(load.force.0.map(S::from)), moment: Vec3(load.moment.0.map(S::from)) }
 }
 
 /// Speed below which the body's drag is rounded off, m/s.

@@ -2,6 +2,7 @@
 //! carry geometry down to the surfaces, loads come back up by name.
 
 mod air;
+mod beyond;
 mod carried;
 mod chord_lines;
 mod clearance;

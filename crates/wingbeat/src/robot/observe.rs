@@ -76,9 +76,20 @@ impl Robot {
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
     pub fn observe(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Observation, Fault> {
+        self.look(t, x, u, &[])
+    }
+
+    /// The same with loads on links and body from beyond the surfaces' models, which [`Observation::air`] lacks.
+    pub(super) fn look(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        beyond: &[Wrench<f64>],
+    ) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
         let mut e = Evaluation::empty();
-        self.evaluate(t, x, u, &mut dx, &mut e)?;
+        self.evaluate(t, x, u, beyond, &mut dx, &mut e)?;
         let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
         self.let_go(&mut joints, &mut links, &e.coordinates, &e.ratios, &e.second_rates);
         let body = BaseAcceleration::from_slice(&e.acceleration);
@@ -91,7 +102,8 @@ impl Robot {
         carriers.follow(&base, &self.carriers, &moving, wind_dot);
         let aero = self.layout.aero;
         let mut strips = Loads::default();
-        let external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
+        let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
+        external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += *beyond);
         let body_drag = self.body_drag(e.base.velocity - wind);
         let g = self.gravity(e.attitude);
         let torques = self.joint_torques(&links, body, &external, g);

@@ -169,6 +169,13 @@ pub(super) struct Riding<'a, P: Scalar, S: Scalar> {
     pub carriers: &'a Carriers<'a, S>,
 }
 
+impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
+    /// The section number `i`.
+    pub fn at(&self, i: usize) -> SectionMotion<S> {
+        self.section(i)
+    }
+}
+
 impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
     #[inline(always)]
     fn section(&self, i: usize) -> SectionMotion<S> {

@@ -59,7 +59,7 @@ impl Robot {
     /// The [`Fault`] that makes the model unusable there.
     pub fn skeleton(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Skeleton, Fault> {
         let (mut dx, mut e) = (vec![0.0; x.len()], Evaluation::empty());
-        self.evaluate(t, x, u, &mut dx, &mut e)?;
+        self.evaluate(t, x, u, &[], &mut dx, &mut e)?;
         let (tree, links) = (&self.mechanism.tree, &e.links);
         let numbers = tree.numbers();
         let place = |i: usize| {

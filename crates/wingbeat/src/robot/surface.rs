@@ -338,7 +338,7 @@ pub(super) struct Coupled<'a, G: Scalar, S: Scalar> {
 /// (1 - f) F and f F at both mid chords and the couple T about the strip's axis as (1 - f) T n x c_1 / c and f T n x c_2 / c.
 ///
 /// Equation: robot.strip_shares
-fn between_edges<G: Scalar, S: Over<G>>(
+pub(super) fn between_edges<G: Scalar, S: Over<G>>(
     edges: &[SectionMotion<G>; 2],
     share: G,
     load: &Wrench<S>,

@@ -58,6 +58,7 @@ impl ScenarioSpec {
         let schedule = self.schedule(choice)?;
         let samples_per_strips = self.samples_per_strips(&schedule, &robot)?;
         self.check_controller(choice, &model)?;
+        self.lattice_steps(&schedule)?;
         Ok(Built { robot, model, schedule, samples_per_strips })
     }
 

@@ -2,6 +2,7 @@
 
 use super::chosen::{Chosen, Named, keys_of};
 use super::document::{ConfigError, Document};
+use super::lattice::MakeLattice;
 use super::spec::ScenarioSpec;
 use crate::Error;
 use crate::guide::{AboutOrbitSpec, ControllerSpec, HoverSpec, Manoeuvre, MpcSpec, SolverSpec, Turn};
@@ -51,6 +52,7 @@ pub struct Doors {
     manoeuvres: BTreeMap<String, Reading<dyn Manoeuvre>>,
     controllers: BTreeMap<String, Reading<dyn ControllerSpec>>,
     solvers: BTreeMap<String, Reading<dyn SolverSpec>>,
+    lattice: Option<MakeLattice>,
 }
 
 /// What a scenario chose.
@@ -59,6 +61,7 @@ pub(super) struct Choice {
     pub manoeuvre: Option<Arc<dyn Manoeuvre>>,
     pub controller: Option<Arc<dyn ControllerSpec>>,
     pub solver: Option<Arc<dyn SolverSpec>>,
+    pub lattice: Option<MakeLattice>,
 }
 
 impl Doors {
@@ -94,6 +97,13 @@ impl Doors {
         self
     }
 
+    /// These doors and what makes the air of `[lattice]`.
+    #[must_use]
+    pub fn lattice(mut self, make: MakeLattice) -> Self {
+        self.lattice = Some(make);
+        self
+    }
+
     /// What `spec`, read from `document`, chooses.
     pub(super) fn choose(&self, spec: &ScenarioSpec, document: &Document) -> Result<Choice, ConfigError> {
         let manoeuvre: Option<Arc<dyn Manoeuvre>> = match &spec.manoeuvre {
@@ -114,7 +124,7 @@ impl Doors {
             }
         };
         let solver = spec.solver.as_ref().map(|named| open(&self.solvers, named, "solver", &[], document));
-        Ok(Choice { manoeuvre, controller, solver: solver.transpose()? })
+        Ok(Choice { manoeuvre, controller, solver: solver.transpose()?, lattice: self.lattice })
     }
 }
 

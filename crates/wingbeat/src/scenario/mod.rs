@@ -9,6 +9,7 @@ mod estimate;
 mod followed;
 mod hovered;
 mod judge;
+mod lattice;
 mod mismatch;
 mod motion_table;
 mod name;
@@ -47,6 +48,7 @@ pub use doors::Doors;
 pub use estimate::EstimateSummary;
 pub use followed::PathSummary;
 pub use hovered::HoverSummary;
+pub use lattice::{LatticeSpec, LatticeSummary, LatticeTask, MakeLattice};
 pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use name::RunName;
@@ -87,7 +89,7 @@ use crate::guide::{HeldCommands, Manoeuvre, Prepared};
 use crate::math::{Quat, Vec3};
 use crate::plant::{Channel, Plant};
 use crate::robot::Robot;
-use crate::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly};
+use crate::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly, fly_in};
 use build::{Built, whole};
 use doors::Choice;
 use recorder::{Recorded, Recorder};
@@ -358,18 +360,32 @@ impl Scenario {
         mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
-        let mut error = StepError::new(&self.robot, schedule);
+        let mut lattice = self.lattice()?;
+        // The steps of the robot alone are not those of the flight in a lattice.
+        let mut error = lattice.is_none().then(|| StepError::new(&self.robot, schedule));
         let mut recorder =
             Recorder::new(&self.robot, self.manoeuvre(), controller, rows, self.samples_per_strips)?;
         let mut x = self.start();
-        let flight = fly(&self.robot, &mut sensors, controller, schedule, &mut x, |sample, controller| {
+        let see = |sample: &Sample, controller: &C| {
             recorder.sample(sample, controller)?;
-            error.see(sample);
+            if let Some(error) = &mut error {
+                error.see(sample);
+            }
             Ok(observe(sample))
-        });
-        let error = error.at_end(flight.duration);
+        };
+        let (robot, sensors) = (&self.robot, &mut sensors);
+        let (flight, coupling) = match &mut lattice {
+            None => (fly(robot, sensors, controller, schedule, &mut x, see), None),
+            Some(flow) => {
+                let flow = flow.as_mut();
+                let (flight, coupling) = fly_in(robot, flow, sensors, controller, schedule, &mut x, see);
+                (flight, Some(LatticeSummary::new(coupling)))
+            }
+        };
+        let error = error.and_then(|error| error.at_end(flight.duration));
         let recorded = recorder.finish();
-        let summary = self.summarise(&recorded, &flight, schedule, error);
+        let mut summary = self.summarise(&recorded, &flight, schedule, error);
+        summary.lattice = coupling;
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 

@@ -92,8 +92,8 @@ impl<'a> Recorder<'a> {
 
     /// Appends a sample and the controller's diagnostics.
     pub fn sample<C: Controller>(&mut self, sample: &Sample, controller: &C) -> Result<(), Fault> {
-        let Sample { t, x, u, .. } = *sample;
-        let o = self.robot.observed(Moment { t, x, u, memory: &() })?;
+        let Sample { t, x, u, beyond, .. } = *sample;
+        let o = self.robot.observe_beyond(t, x, u, beyond)?;
         let layout = self.robot.layout();
         let position = Vec3::from_slice(&x[layout.position..]);
         let mut row = std::mem::take(&mut self.row);

@@ -20,7 +20,11 @@ impl Scenario {
     pub(super) fn fits_beside(&self, other: &Self) -> bool {
         let clocks =
             [self, other].map(|s| (s.schedule.step.to_bits(), s.schedule.steps, s.spec.flight.flapping));
-        clocks[0] == clocks[1] && self.make() == other.make() && self.robot.fits_beside(&other.robot)
+        self.without_lattice().is_ok()
+            && other.without_lattice().is_ok()
+            && clocks[0] == clocks[1]
+            && self.make() == other.make()
+            && self.robot.fits_beside(&other.robot)
     }
 
     /// What has to be the same in all lanes; none where it cannot be told.

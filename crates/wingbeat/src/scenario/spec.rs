@@ -1,6 +1,7 @@
 //! What a scenario file says, before it is checked and built.
 
 use super::chosen::{Chosen, Named};
+use super::lattice::LatticeSpec;
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use super::trim::TrimSpec;
@@ -33,6 +34,9 @@ pub struct ScenarioSpec {
     pub air: AirSpec,
     /// Aerodynamic model.
     pub aero: AeroSpec,
+    /// The vortex lattice in place of the model's attached flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<LatticeSpec>,
     /// State at t = 0.
     #[serde(default)]
     pub start: StartSpec,

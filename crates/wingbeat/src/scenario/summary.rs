@@ -4,6 +4,7 @@ use super::estimate::{EstimateSummary, Estimated};
 use super::followed::PathSummary;
 use super::hovered::HoverSummary;
 use super::judge::Verdict;
+use super::lattice::LatticeSummary;
 use super::spec::GoalSpec;
 use crate::aero::LiftLaw;
 use crate::guide::{Manoeuvre, Reference, angle_error};
@@ -83,6 +84,9 @@ pub struct Summary {
     pub crank_ripple: Option<f64>,
     /// Aerodynamic preset.
     pub aero_preset: String,
+    /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<LatticeSummary>,
     /// Lift law.
     pub lift_law: String,
     /// Share of strips beyond the stall angle, over all samples.
@@ -300,6 +304,7 @@ impl Summary {
             electrical_power_w: mean(settled.column("electrical_power")),
             crank_ripple: ripple(settled.column("crank_rate")),
             aero_preset: context.preset.clone(),
+            lattice: None,
             lift_law: context.law.clone(),
             stall_fraction: context.stall_fraction,
             separated_fraction: context.separated_fraction,

@@ -4,6 +4,7 @@ use super::record::Column;
 use super::sensors::{Measurement, Sensors};
 use super::stepper::Stepper;
 use super::system::{Driver, Ending, Moment};
+use crate::math::Wrench;
 use crate::plant::{Fault, Plant};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -84,6 +85,9 @@ pub struct Sample<'a> {
     pub x: &'a [f64],
     /// Inputs in force.
     pub u: &'a [f64],
+    /// Loads on links and body from beyond the robot's own models, as [`Robot::rates_beyond`](crate::robot::Robot::rates_beyond)
+    /// takes them.
+    pub beyond: &'a [Wrench<f64>],
     /// Wall time since the flight began.
     pub elapsed: Duration,
 }
@@ -179,6 +183,25 @@ where
     O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 {
     fn decide(&mut self, k: usize, t: f64, x: &[f64]) {
+        self.update(k, t, x);
+    }
+
+    fn inputs(&self, t: f64, u: &mut [f64]) {
+        self.controller.input(t, u);
+    }
+
+    fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
+        self.sensors.watch(k, self.plant, at.t, at.x, at.u)?;
+        self.see(k, (at.t, at.x, at.u), &[])
+    }
+}
+
+impl<P, C: Controller, O> Pilot<'_, P, C, O>
+where
+    O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+{
+    /// Lets the controller plan anew before step `k`, where that is due.
+    pub fn update(&mut self, k: usize, t: f64, x: &[f64]) {
         let due = self.schedule.steps_per_update.is_some_and(|n| k.is_multiple_of(n));
         if k == self.schedule.steps || !due {
             return;
@@ -192,16 +215,22 @@ where
         self.updates.push(begun.elapsed());
     }
 
-    fn inputs(&self, t: f64, u: &mut [f64]) {
+    /// What is planned for the time `t`.
+    pub fn planned(&self, t: f64, u: &mut [f64]) {
         self.controller.input(t, u);
     }
 
-    fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
-        self.sensors.watch(k, self.plant, at.t, at.x, at.u)?;
+    /// Shows the sample before step `k`, where one is due.
+    pub fn see(
+        &mut self,
+        k: usize,
+        (t, x, u): (f64, &[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+    ) -> Result<ControlFlow<()>, Fault> {
         if !k.is_multiple_of(self.schedule.steps_per_sample) {
             return Ok(ControlFlow::Continue(()));
         }
-        let sample = Sample { t: at.t, x: at.x, u: at.u, elapsed: self.start.elapsed() };
+        let sample = Sample { t, x, u, beyond, elapsed: self.start.elapsed() };
         (self.observe)(&sample, self.controller)
     }
 }

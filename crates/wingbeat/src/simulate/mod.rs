@@ -1,10 +1,12 @@
 //! Simulation: the stepper that advances every system, the flight of a plant
 //! under a controller behind sensors, the record of a run.
 
+mod coupled;
 mod estimator;
 mod fly;
 mod instruments;
 mod record;
+mod secant;
 mod sensors;
 mod side_by_side;
 mod stepper;
@@ -12,6 +14,7 @@ mod strips;
 mod system;
 mod together;
 
+pub use coupled::{Coupling, Flow, fly_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
 pub use instruments::{

@@ -114,6 +114,10 @@ impl<R: Deref<Target: System>> Stepper<R> {
     pub fn state_mut(&mut self) -> &mut [f64] {
         &mut self.x
     }
+    /// What the system carries, to be set.
+    pub fn memory_mut(&mut self) -> &mut <R::Target as System>::Memory {
+        &mut self.memory
+    }
     /// Inputs in force.
     pub fn inputs(&self) -> &[f64] {
         &self.u

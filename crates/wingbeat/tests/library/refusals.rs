@@ -69,7 +69,13 @@ const KINDS: [(&str, Build, &[&str]); 5] = [
 ];
 
 /// Documents with the tables that no shipped one has: a file, and what is set in it.
-const TABLES: [(&str, &[&str]); 12] = [
+const TABLES: [(&str, &[&str]); 13] = [
+    (
+        "scenarios/glider.toml",
+        &[
+            "lattice={step_s=0.004, chordwise=4, spanwise=24, free_wake=true, core_chords=0.05, longest_age_s=2.0}",
+        ],
+    ),
     ("scenarios/path_figure8.toml", &["path.curve={line={length_m=30.0}}"]),
     ("scenarios/path_figure8.toml", &["path.curve={lane_change={length_m=10.0, aside_m=-1.5}}"]),
     (

@@ -77,6 +77,7 @@ impl Scenario {
         &self,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Result<Trimmed, ConfigError> {
+        self.without_lattice().map_err(|error| self.explain(&error))?;
         let Some(search) = self.gait_search()? else {
             return self.trim_orbit(observe).map_err(|error| self.explain(&error));
         };
@@ -232,7 +233,8 @@ impl Scenario {
         let held = HeldCommands(orbit.point.inputs.clone());
         let mut recorder = Recorder::new(&robot, None, &held, cycle.steps() + 1, None)?;
         let mut sample = |t: f64, x: &[f64]| {
-            recorder.sample(&Sample { t, x, u: &orbit.point.inputs, elapsed: Duration::ZERO }, &held)
+            recorder
+                .sample(&Sample { t, x, u: &orbit.point.inputs, beyond: &[], elapsed: Duration::ZERO }, &held)
         };
         let flown = sample(0.0, &cycle.start(&orbit.point)).and_then(|()| {
             cycle.fly(&orbit.point.z, orbit.point.pace, &orbit.point.inputs, |_, t, x| sample(t, x))

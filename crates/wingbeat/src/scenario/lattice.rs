@@ -1,0 +1,162 @@
+//! What a scenario says of the vortex lattice that it flies in.
+
+use super::build::whole;
+use super::{Scenario, ScenarioSpec};
+use crate::Error;
+use crate::range::{Range, ranges};
+use crate::robot::{Robot, SurfaceOutline};
+use crate::simulate::{Coupling, Flow, Schedule, SensorSpec};
+use serde::{Deserialize, Serialize};
+
+/// An unsteady vortex lattice in place of all that the aerodynamic model says of attached flow; profile drag is the model's.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
+#[serde(deny_unknown_fields)]
+pub struct LatticeSpec {
+    /// Step of the lattice, s: whole steps of the flight, of which an update of the controller is a whole number. Best where the way
+    /// of the wing in a step is a panel's chord.
+    pub step_s: f64,
+    /// Panels along the chord.
+    #[serde(default = "chordwise")]
+    pub chordwise: usize,
+    /// Panels along the span of the first surface; others have as many by their span.
+    #[serde(default = "spanwise")]
+    pub spanwise: usize,
+    /// Whether the local air carries the wake; else the wind alone.
+    #[serde(default)]
+    pub free_wake: bool,
+    /// Radius of the cores of the wake's vortices, mean chords of the first surface: well below a panel's chord, where the air does not
+    /// carry the wake off, since the first of them stands at the trailing edge.
+    #[serde(default = "core")]
+    pub core_chords: f64,
+    /// Age at which the wake ends, s; without it never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub longest_age_s: Option<f64>,
+}
+
+ranges!(LatticeSpec {
+    step_s: Range::POSITIVE,
+    chordwise: Range::between(1.0, 64.0),
+    spanwise: Range::between(1.0, 400.0),
+    core_chords: Range::over(0.0, 1.0),
+    longest_age_s: Range::POSITIVE,
+});
+
+fn chordwise() -> usize {
+    4
+}
+
+fn spanwise() -> usize {
+    24
+}
+
+fn core() -> f64 {
+    0.02
+}
+
+/// What a lattice is made for.
+#[derive(Debug)]
+pub struct LatticeTask<'a> {
+    /// What the scenario says.
+    pub spec: &'a LatticeSpec,
+    /// The robot that flies, in its air.
+    pub robot: &'a Robot,
+    /// Its surfaces.
+    pub outlines: Vec<SurfaceOutline>,
+    /// Density of the air, kg/m3.
+    pub density_kg_m3: f64,
+    /// Steps of the flight that one of the lattice takes.
+    pub every: usize,
+    /// Steps of the lattice.
+    pub steps: usize,
+}
+
+/// Makes the air of a lattice.
+pub type MakeLattice = for<'a> fn(LatticeTask<'a>) -> Result<Box<dyn Flow>, Error>;
+
+/// How motion and lattice were brought together.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct LatticeSummary {
+    /// Steps of the lattice.
+    pub steps: usize,
+    /// Mean number of states tried for a step, until its loads and the motion agreed to 1e-6 of the weight.
+    pub iterations_mean: f64,
+    /// Most of them.
+    pub iterations_most: usize,
+}
+
+impl LatticeSummary {
+    pub(super) fn new(coupling: Coupling) -> Self {
+        let Coupling { steps, iterations, most } = coupling;
+        Self { steps, iterations_mean: iterations as f64 / steps.max(1) as f64, iterations_most: most }
+    }
+}
+
+impl ScenarioSpec {
+    /// Refuses a lattice that cannot be stepped beside the flight by the clock `schedule`; else the steps of the flight that one of
+    /// its steps takes.
+    pub(super) fn lattice_steps(&self, schedule: &Schedule) -> Result<Option<usize>, Error> {
+        let Some(spec) = &self.lattice else { return Ok(None) };
+        spec.in_range().map_err(|e| e.within("lattice"))?;
+        let (key, step) = ("lattice.step_s", spec.step_s);
+        let every = whole(key, step, schedule.step, "steps of").map_err(|e| e.against(["flight.step_s"]))?;
+        if every > schedule.steps {
+            let allowed = format!("at most the flight's {} s", self.flight.duration_s);
+            return Err(Error::invalid(key, step, allowed).against(["flight.duration_s"]));
+        }
+        if schedule.steps_per_update.is_some_and(|update| !update.is_multiple_of(every)) {
+            let allowed = "a time of which the controller's period is a whole number";
+            return Err(Error::invalid(key, step, allowed));
+        }
+        if let Some(age) = spec.longest_age_s.filter(|age| *age < step) {
+            let allowed = format!("at least a step of the lattice, {step} s");
+            return Err(Error::invalid("lattice.longest_age_s", age, allowed).against([key]));
+        }
+        if self.sensors.as_ref().is_some_and(SensorSpec::reads) {
+            let allowed = "no instruments beside a lattice: they read the robot's own models";
+            return Err(Error::invalid("sensors", "given", allowed).against(["lattice"]));
+        }
+        if let Some(every) = self.flight.record_strips_every_s {
+            let allowed = "nothing beside a lattice: strips are the model's";
+            return Err(Error::invalid("flight.record_strips_every_s", every, allowed).against(["lattice"]));
+        }
+        Ok(Some(every))
+    }
+}
+
+impl Scenario {
+    /// The air of the lattice that the scenario flies in, if it does.
+    pub(super) fn lattice(&self) -> Result<Option<Box<dyn Flow>>, Error> {
+        let (Some(spec), Some(every)) = (&self.spec.lattice, self.spec.lattice_steps(&self.schedule)?) else {
+            return Ok(None);
+        };
+        let Some(make) = self.choice.lattice else {
+            let allowed = "none here: `wingbeat fly` has the lattice, and whatever opens a scenario with wingbeat_lattice::doors()";
+            return Err(Error::invalid("lattice", "given", allowed));
+        };
+        let mismatch = self.spec.mismatch.as_ref().map_or(1.0, |mismatch| mismatch.density);
+        let outlines = self.spec.robot.outlines().map_err(|e| e.within("robot"))?;
+        let task = LatticeTask {
+            spec,
+            robot: &self.robot,
+            outlines,
+            density_kg_m3: self.spec.air.density_kg_m3 * mismatch,
+            every,
+            steps: self.schedule.steps.div_ceil(every),
+        };
+        make(task).map(Some)
+    }
+
+    /// Refuses a lattice where derivatives of the flight are needed, or several flights at once.
+    pub(crate) fn without_lattice(&self) -> Result<(), Error> {
+        match self.spec.lattice {
+            None => Ok(()),
+            Some(_) => {
+                let allowed =
+                    "none but to fly: the lattice has no derivatives, orbits and plans are the strips'";
+                Err(Error::invalid("lattice", "given", allowed))
+            }
+        }
+    }
+}
