@@ -204,7 +204,8 @@ pub fn scaled_solve(a: &DMatrix<f64>, g: &DVector<f64>) -> Option<DVector<f64>> 
     back.iter().all(|x| x.is_finite()).then_some(back)
 }
 
-/// Fits from `start`, first the parameters of stage 1, then those of stages 1 and 2, and so on.
+/// Fits from `start`, first the parameters of stage 1, then those of stages 1 and 2, and so on. Where wings are still in some of the
+/// runs, all stages but the last are fitted to those alone.
 ///
 /// # Errors
 /// A model without an answer at the start; [`Error::Stopped`].
@@ -213,11 +214,16 @@ pub fn fit(problem: &Problem, start: &[f64], number: usize, watch: &mut Watch) -
     let mut stages: Vec<usize> = parameters.iter().map(|parameter| parameter.stage).collect();
     stages.sort_unstable();
     stages.dedup();
+    let of = problem.fitted();
+    let is_still = |run: &usize| problem.model.target(*run).is_some_and(|target| target.tilts().is_some());
+    let still: Vec<usize> = of.iter().copied().filter(is_still).collect();
+    let last = stages.last().copied();
     let mut values = start.to_vec();
     let mut ended = None;
     for stage in stages {
+        let of = if Some(stage) == last || still.is_empty() { &of } else { &still };
         let free: Vec<usize> = (0..parameters.len()).filter(|k| parameters[*k].stage <= stage).collect();
-        let fit = fit_free(problem, &values, &free, (number, stage), watch)?;
+        let fit = fit_free(problem, of, &values, &free, (number, stage), watch)?;
         values.clone_from(&fit.values);
         ended = Some(fit);
     }
@@ -226,14 +232,14 @@ pub fn fit(problem: &Problem, start: &[f64], number: usize, watch: &mut Watch) -
 
 fn fit_free(
     problem: &Problem,
+    of: &[usize],
     start: &[f64],
     free: &[usize],
     (number, stage): (usize, usize),
     watch: &mut Watch,
 ) -> Result<Fit, Error> {
-    let of = problem.fitted();
     let mut values = start.to_vec();
-    let mut now = Linear::at(problem, &of, &values)?;
+    let mut now = Linear::at(problem, of, &values)?;
     // Whether the Jacobian is that of the values; in between it follows by Broyden's updates.
     let mut exact = true;
     let mut cost = problem.cost(&now.residuals, &values);
@@ -248,8 +254,8 @@ fn fit_free(
         let better = loop {
             let next = step(&normal, damping, problem.parameters, &values, free);
             // Where the model has no answer the step was too long.
-            let tried = problem.predictions(&of, &next).ok().map(|predictions| {
-                let residuals = problem.residuals(&of, &predictions);
+            let tried = problem.predictions(of, &next).ok().map(|predictions| {
+                let residuals = problem.residuals(of, &predictions);
                 (problem.cost(&residuals, &next), residuals)
             });
             match tried.filter(|(tried, _)| *tried < cost) {
@@ -263,7 +269,7 @@ fn fit_free(
             if exact {
                 return Ok(converged);
             }
-            (now, exact, damping) = (Linear::at(problem, &of, &values)?, true, 1e-3);
+            (now, exact, damping) = (Linear::at(problem, of, &values)?, true, 1e-3);
             continue;
         };
         let gained = (cost - lower) / cost.max(f64::MIN_POSITIVE);
@@ -275,7 +281,7 @@ fn fit_free(
         let told = now.gain(problem.parameters, (&values, &next), cost);
         exact = gained < ENOUGH || (cost - lower) < FOLLOWED * told;
         if exact {
-            now = Linear::at(problem, &of, &next)?;
+            now = Linear::at(problem, of, &next)?;
         } else {
             now.follow(problem.parameters, (&values, &next), residuals);
         }

@@ -20,6 +20,8 @@ const INNER: usize = 2;
 pub struct Covariances {
     /// Cycles as clusters (sandwich), with what the model cannot say and what priors leave open.
     pub clustered: DMatrix<f64>,
+    /// That part of it which is of what the model cannot say.
+    pub unsaid: DMatrix<f64>,
     /// As if every sample were independent of the one before.
     pub white: DMatrix<f64>,
     /// Singular values of the Jacobian with every parameter in parts of its size, largest first.
@@ -80,40 +82,45 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
         (true, Some([_, deviation])) => deviation.powi(-2),
         _ => 0.0,
     });
-    let meat = &clustered + priors + unsaid(problem, at, n);
+    let unsaid = &bread * unsaid(problem, at, n) * &bread;
     let scaled: Vec<DMatrix<f64>> = at.jacobians.iter().map(|j| scaled_by_size(j, parameters)).collect();
     let (singular_values, directions) = singular(&scaled, n);
     Covariances {
-        clustered: &bread * meat * &bread,
+        clustered: &bread * (clustered + priors) * &bread + &unsaid,
+        unsaid,
         white: &bread * white * &bread,
         singular_values,
         directions,
     }
 }
 
-/// What the discrepancy does to the gradient, the same error in all runs: per channel and part one vector summed over runs.
+/// What the discrepancy does to the gradient, the same error in all runs of one layout: per channel and part one vector summed over runs.
 fn unsaid(problem: &Problem, at: &Linear, n: usize) -> DMatrix<f64> {
     let mut sum = DMatrix::zeros(n, n);
-    let Some(first) = at.of.first() else { return sum };
-    let layout = problem.runs[*first].layout;
-    for channel in 0..layout.channels {
-        let share = problem.discrepancy.get(channel).copied().unwrap_or(0.0);
-        if share == 0.0 {
+    let mut layouts: Vec<Layout> = at.of.iter().map(|run| problem.runs[*run].layout).collect();
+    layouts.dedup();
+    for (number, layout) in layouts.iter().enumerate() {
+        if layouts[..number].contains(layout) {
             continue;
         }
-        for part in 0..layout.width() {
-            let mut g = DVector::zeros(n);
-            for (run, j) in at.of.iter().zip(&at.jacobians) {
-                let observed = &problem.runs[*run];
-                if observed.layout != layout {
-                    continue;
-                }
-                let squares = problem.amplitudes(*run);
-                let mut unit = vec![0.0; layout.len()];
-                unit[layout.at(channel, part)] = share * squares[channel][Layout::harmonic(part)].sqrt();
-                g += j.transpose() * problem.whiten(*run, &unit);
+        for channel in 0..layout.channels {
+            let share = problem.discrepancy.get(channel).copied().unwrap_or(0.0);
+            if share == 0.0 {
+                continue;
             }
-            sum += &g * g.transpose();
+            for part in 0..layout.width() {
+                let mut g = DVector::zeros(n);
+                for (run, j) in at.of.iter().zip(&at.jacobians) {
+                    if problem.runs[*run].layout != *layout {
+                        continue;
+                    }
+                    let squares = problem.amplitudes(*run);
+                    let mut unit = vec![0.0; layout.len()];
+                    unit[layout.at(channel, part)] = share * squares[channel][Layout::harmonic(part)].sqrt();
+                    g += j.transpose() * problem.whiten(*run, &unit);
+                }
+                sum += &g * g.transpose();
+            }
         }
     }
     sum
@@ -189,16 +196,19 @@ pub fn profiles(
     values: &[f64],
     errors: &[f64],
 ) -> Result<Vec<Profile>, Error> {
-    let points: Vec<(usize, f64)> =
-        (0..values.len()).flat_map(|k| abscissae(problem, values, errors, k).map(move |x| (k, x))).collect();
-    let least = problem.cost(&at.residuals, values);
     let normal = at.normal(problem.parameters, values, &[]);
+    let known = inverse(&normal.0);
+    let plain: Vec<f64> = (0..values.len()).map(|k| known[(k, k)].sqrt()).collect();
+    // The cost counts in the larger of both errors.
+    let reach: Vec<f64> = errors.iter().zip(&plain).map(|(error, plain)| error.max(*plain)).collect();
+    let points: Vec<(usize, f64)> =
+        (0..values.len()).flat_map(|k| abscissae(problem, values, &reach, k).map(move |x| (k, x))).collect();
+    let least = problem.cost(&at.residuals, values);
     let costs = parallel::map(&points, |_, (k, x)| along(problem, at, &normal, values, (*k, *x)));
     let mut profiles = Vec::new();
     for (k, parameter) in problem.parameters.iter().enumerate() {
-        let plain = inverse(&normal.0)[(k, k)].sqrt();
         // The curvature of the cost is 1/plain^2; that of the clustered covariance 1/error^2.
-        let scale = if errors[k] > 0.0 { (plain / errors[k]).powi(2).min(1.0) } else { 1.0 };
+        let scale = if errors[k] > 0.0 { (plain[k] / errors[k]).powi(2).min(1.0) } else { 1.0 };
         let own = points.iter().zip(&costs).filter(|((of, _), _)| *of == k);
         let mut curve: Vec<(f64, f64)> =
             own.filter_map(|((_, x), cost)| cost.map(|cost| (*x, scale * (cost - least).max(0.0)))).collect();
