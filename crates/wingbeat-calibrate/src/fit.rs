@@ -17,6 +17,10 @@ const FOLLOWED_DAMPING: f64 = 1e-1;
 /// Share of the gain that a Jacobian told which a step must bring for it to be followed on.
 const FOLLOWED: f64 = 0.5;
 
+/// Differences from where another start ended, of the cost in parts of it and of the values in parts of their sizes, by which
+/// a fit has come there. *Choice.*
+const JOINED: [f64; 2] = [1e-2, 2e-2];
+
 /// How a fit ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -25,6 +29,8 @@ pub enum Ended {
     Converged,
     /// The steps are used up.
     Steps,
+    /// It came to where another start had ended.
+    Joined,
 }
 
 /// A fit under way, for who watches.
@@ -205,11 +211,17 @@ pub fn scaled_solve(a: &DMatrix<f64>, g: &DVector<f64>) -> Option<DVector<f64>> 
 }
 
 /// Fits from `start`, first the parameters of stage 1, then those of stages 1 and 2, and so on. Where wings are still in some of the
-/// runs, all stages but the last are fitted to those alone.
+/// runs, all stages but the last are fitted to those alone. A fit that comes to where `known` ended ends there.
 ///
 /// # Errors
 /// A model without an answer at the start; [`Error::Stopped`].
-pub fn fit(problem: &Problem, start: &[f64], number: usize, watch: &mut Watch) -> Result<Fit, Error> {
+pub fn fit(
+    problem: &Problem,
+    start: &[f64],
+    number: usize,
+    known: Option<&Fit>,
+    watch: &mut Watch,
+) -> Result<Fit, Error> {
     let parameters = problem.parameters;
     let mut stages: Vec<usize> = parameters.iter().map(|parameter| parameter.stage).collect();
     stages.sort_unstable();
@@ -223,7 +235,8 @@ pub fn fit(problem: &Problem, start: &[f64], number: usize, watch: &mut Watch) -
     for stage in stages {
         let of = if Some(stage) == last || still.is_empty() { &of } else { &still };
         let free: Vec<usize> = (0..parameters.len()).filter(|k| parameters[*k].stage <= stage).collect();
-        let fit = fit_free(problem, of, &values, &free, (number, stage), watch)?;
+        let known = known.filter(|_| Some(stage) == last);
+        let fit = fit_free(problem, of, (&values, known), &free, (number, stage), watch)?;
         values.clone_from(&fit.values);
         ended = Some(fit);
     }
@@ -233,7 +246,7 @@ pub fn fit(problem: &Problem, start: &[f64], number: usize, watch: &mut Watch) -
 fn fit_free(
     problem: &Problem,
     of: &[usize],
-    start: &[f64],
+    (start, known): (&[f64], Option<&Fit>),
     free: &[usize],
     (number, stage): (usize, usize),
     watch: &mut Watch,
@@ -248,6 +261,9 @@ fn fit_free(
         let progress = Progress { start: number, stage, step: taken, cost, values: &values };
         if watch(&progress).is_break() {
             return Err(Error::Stopped);
+        }
+        if let Some(known) = known.filter(|known| joined(problem.parameters, (&values, cost), known)) {
+            return Ok(Fit { ended: Ended::Joined, steps: taken, ..known.clone() });
         }
         let normal = now.normal(problem.parameters, &values, &[]);
         let most = if exact { MOST_DAMPING } else { FOLLOWED_DAMPING };
@@ -288,4 +304,12 @@ fn fit_free(
         (values, cost) = (next, lower);
     }
     Ok(Fit { values, cost, ended: Ended::Steps, steps: STEPS })
+}
+
+/// Whether a fit at these values and this cost has come to where `known` ended.
+fn joined(parameters: &[Parameter], (values, cost): (&[f64], f64), known: &Fit) -> bool {
+    let near = |(k, value): (usize, &f64)| {
+        (value - known.values[k]).abs() <= JOINED[1] * parameters[k].scale().abs()
+    };
+    (cost - known.cost).abs() <= JOINED[0] * known.cost && values.iter().enumerate().all(near)
 }

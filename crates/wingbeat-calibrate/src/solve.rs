@@ -101,7 +101,7 @@ pub fn solve_problem<'a>(
     let mut last = None;
     for (number, from) in starts(parameters, plan).into_iter().enumerate() {
         let made_before = keep.kept(number).filter(|kept| kept.values.len() == from.len());
-        let found = match made_before.map_or_else(|| fit(&problem, &from, number, watch), Ok) {
+        let found = match made_before.map_or_else(|| fit(&problem, &from, number, best.as_ref(), watch), Ok) {
             Ok(found) => {
                 keep.keep(number, &found);
                 Some(found)
@@ -132,7 +132,7 @@ pub fn solve_problem<'a>(
             problem.doubt(&values)?;
             let discrepancy = unsaid(&problem, &values)?;
             problem.weigh(discrepancy)?;
-            values = fit(&problem, &values, made.len(), watch)?.values;
+            values = fit(&problem, &values, made.len(), None, watch)?.values;
         }
         at = Linear::at(&problem, &of, &values)?;
     }

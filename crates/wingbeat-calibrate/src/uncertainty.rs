@@ -4,6 +4,7 @@ use crate::fit::{Linear, scaled_solve, step};
 use crate::problem::Problem;
 use crate::{Error, Layout, Parameter};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use wingbeat::parallel;
 
 /// Two-sided 95 % of the normal distribution.
@@ -12,8 +13,10 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 const CHI_95: f64 = 3.841_458_820_694_124;
 /// Points of a profile on each side.
 const SIDE: usize = 3;
-/// Steps of the other parameters at every point of a profile.
+/// Most steps of the other parameters at every point of a profile.
 const INNER: usize = 2;
+/// Share of the rise of the cost that the linear model may miss for one step to be enough. *Choice.*
+const TOLD: f64 = 0.05;
 
 /// Covariances of the estimates.
 #[derive(Clone, Debug)]
@@ -63,6 +66,22 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
             let apart: Vec<f64> = cycle.iter().zip(&observed.mean).map(|(x, m)| x - m).collect();
             let g = j.transpose() * problem.whiten(*run, &apart) * (weight / total * correction);
             clustered += &g * g.transpose();
+        }
+        // One cycle does not scatter: its noise is what is known of it.
+        if observed.cycles.len() < 2 {
+            for part in 0..layout.width() {
+                let noise = problem.noise[*run][Layout::harmonic(part)].clone();
+                for column in noise
+                    .cholesky()
+                    .iter()
+                    .flat_map(|of| of.l().column_iter().map(|c| c.into_owned()).collect::<Vec<_>>())
+                {
+                    let mut unit = vec![0.0; layout.len()];
+                    (0..layout.channels).for_each(|c| unit[layout.at(c, part)] = column[c]);
+                    let g = j.transpose() * problem.whiten(*run, &unit);
+                    clustered += &g * g.transpose();
+                }
+            }
         }
         // Independent samples: variance s/N of a mean, 2 s/N of a harmonic, over all cycles.
         if let Some(factor) = observed.sample_noise.clone().cholesky() {
@@ -204,7 +223,10 @@ pub fn profiles(
     let points: Vec<(usize, f64)> =
         (0..values.len()).flat_map(|k| abscissae(problem, values, &reach, k).map(move |x| (k, x))).collect();
     let least = problem.cost(&at.residuals, values);
-    let costs = parallel::map(&points, |_, (k, x)| along(problem, at, &normal, values, (*k, *x)));
+    let costs = parallel::map(&points, |_, (k, x)| {
+        let rise = ((x - values[*k]) / plain[*k]).powi(2);
+        along(problem, at, &normal, values, (*k, *x), least..least + rise)
+    });
     let mut profiles = Vec::new();
     for (k, parameter) in problem.parameters.iter().enumerate() {
         // The curvature of the cost is 1/plain^2; that of the clustered covariance 1/error^2.
@@ -262,13 +284,15 @@ fn abscissae(
     all.into_iter()
 }
 
-/// The cost with parameter `k` at `x`; none where the model has no answer.
+/// The cost with parameter `k` at `x`; none where the model has no answer. `told` are the cost at the fit and what the linear model says
+/// of it at `x`.
 fn along(
     problem: &Problem,
     at: &Linear,
     (square, gradient): &(DMatrix<f64>, DVector<f64>),
     values: &[f64],
     (k, x): (usize, f64),
+    told: Range<f64>,
 ) -> Option<f64> {
     let free: Vec<usize> = (0..values.len()).filter(|i| *i != k).collect();
     let mut now = values.to_vec();
@@ -286,6 +310,9 @@ fn along(
             break;
         }
         least = cost;
+        if (cost - told.end).abs() <= TOLD * (told.end - told.start) {
+            break;
+        }
         g = Linear { of: at.of.clone(), residuals, jacobians: at.jacobians.clone() }
             .normal(problem.parameters, &next, &[])
             .1;

@@ -29,7 +29,8 @@ const ONE: [f64; 2] = [TAU / 360.0, 0.02];
 /// Step of a central difference, in parts of a number's size.
 const STEP: f64 = 1e-3;
 /// Models that are fitted, none of them the truth: preset and law. The first is the paper's.
-const STRUCTURES: [[&str; 2]; 3] = [["paper", "linear"], ["paper", "stall"], ["full", "stall"]];
+const STRUCTURES: [[&str; 2]; 4] =
+    [["paper", "linear"], ["paper", "stall"], ["paper", "lev"], ["full", "stall"]];
 /// The truth.
 const TRUTH: [&str; 2] = ["full", "lev"];
 
