@@ -96,6 +96,9 @@ pub fn checked(structure: &Structure, runs: &[Observed], values: &[f64]) -> Resu
         let (measured, model) = (target.in_cell(&run.mean), target.in_cell(&predicted));
         let found = disagreement(run.layout, [&run.mean, &predicted], [&measured, &model]);
         let Some(found) = found else { continue };
+        if target.tilts().is_some() && matches!(found, Disagreement::Phase(_)) {
+            continue;
+        }
         match found {
             Disagreement::Axes(_) => {
                 return Err(Error::data(&run.name, format!("{}: set {}", found.words(), found.mend())));

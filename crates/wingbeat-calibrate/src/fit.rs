@@ -17,6 +17,10 @@ const FOLLOWED_DAMPING: f64 = 1e-1;
 /// Share of the gain that a Jacobian told which a step must bring for it to be followed on.
 const FOLLOWED: f64 = 0.5;
 
+/// Differences from where another start ended, of the cost in parts of it and of the values in parts of their sizes, by which
+/// a fit has come there. *Choice.*
+const JOINED: [f64; 2] = [1e-2, 2e-2];
+
 /// How a fit ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -25,6 +29,8 @@ pub enum Ended {
     Converged,
     /// The steps are used up.
     Steps,
+    /// It came to where another start had ended.
+    Joined,
 }
 
 /// A fit under way, for who watches.
@@ -204,20 +210,33 @@ pub fn scaled_solve(a: &DMatrix<f64>, g: &DVector<f64>) -> Option<DVector<f64>> 
     back.iter().all(|x| x.is_finite()).then_some(back)
 }
 
-/// Fits from `start`, first the parameters of stage 1, then those of stages 1 and 2, and so on.
+/// Fits from `start`, first the parameters of stage 1, then those of stages 1 and 2, and so on. Where wings are still in some of the
+/// runs, all stages but the last are fitted to those alone. A fit that comes to where `known` ended ends there.
 ///
 /// # Errors
 /// A model without an answer at the start; [`Error::Stopped`].
-pub fn fit(problem: &Problem, start: &[f64], number: usize, watch: &mut Watch) -> Result<Fit, Error> {
+pub fn fit(
+    problem: &Problem,
+    start: &[f64],
+    number: usize,
+    known: Option<&Fit>,
+    watch: &mut Watch,
+) -> Result<Fit, Error> {
     let parameters = problem.parameters;
     let mut stages: Vec<usize> = parameters.iter().map(|parameter| parameter.stage).collect();
     stages.sort_unstable();
     stages.dedup();
+    let of = problem.fitted();
+    let is_still = |run: &usize| problem.model.target(*run).is_some_and(|target| target.tilts().is_some());
+    let still: Vec<usize> = of.iter().copied().filter(is_still).collect();
+    let last = stages.last().copied();
     let mut values = start.to_vec();
     let mut ended = None;
     for stage in stages {
+        let of = if Some(stage) == last || still.is_empty() { &of } else { &still };
         let free: Vec<usize> = (0..parameters.len()).filter(|k| parameters[*k].stage <= stage).collect();
-        let fit = fit_free(problem, &values, &free, (number, stage), watch)?;
+        let known = known.filter(|_| Some(stage) == last);
+        let fit = fit_free(problem, of, (&values, known), &free, (number, stage), watch)?;
         values.clone_from(&fit.values);
         ended = Some(fit);
     }
@@ -226,14 +245,14 @@ pub fn fit(problem: &Problem, start: &[f64], number: usize, watch: &mut Watch) -
 
 fn fit_free(
     problem: &Problem,
-    start: &[f64],
+    of: &[usize],
+    (start, known): (&[f64], Option<&Fit>),
     free: &[usize],
     (number, stage): (usize, usize),
     watch: &mut Watch,
 ) -> Result<Fit, Error> {
-    let of = problem.fitted();
     let mut values = start.to_vec();
-    let mut now = Linear::at(problem, &of, &values)?;
+    let mut now = Linear::at(problem, of, &values)?;
     // Whether the Jacobian is that of the values; in between it follows by Broyden's updates.
     let mut exact = true;
     let mut cost = problem.cost(&now.residuals, &values);
@@ -243,13 +262,16 @@ fn fit_free(
         if watch(&progress).is_break() {
             return Err(Error::Stopped);
         }
+        if let Some(known) = known.filter(|known| joined(problem.parameters, (&values, cost), known)) {
+            return Ok(Fit { ended: Ended::Joined, steps: taken, ..known.clone() });
+        }
         let normal = now.normal(problem.parameters, &values, &[]);
         let most = if exact { MOST_DAMPING } else { FOLLOWED_DAMPING };
         let better = loop {
             let next = step(&normal, damping, problem.parameters, &values, free);
             // Where the model has no answer the step was too long.
-            let tried = problem.predictions(&of, &next).ok().map(|predictions| {
-                let residuals = problem.residuals(&of, &predictions);
+            let tried = problem.predictions(of, &next).ok().map(|predictions| {
+                let residuals = problem.residuals(of, &predictions);
                 (problem.cost(&residuals, &next), residuals)
             });
             match tried.filter(|(tried, _)| *tried < cost) {
@@ -263,7 +285,7 @@ fn fit_free(
             if exact {
                 return Ok(converged);
             }
-            (now, exact, damping) = (Linear::at(problem, &of, &values)?, true, 1e-3);
+            (now, exact, damping) = (Linear::at(problem, of, &values)?, true, 1e-3);
             continue;
         };
         let gained = (cost - lower) / cost.max(f64::MIN_POSITIVE);
@@ -275,11 +297,19 @@ fn fit_free(
         let told = now.gain(problem.parameters, (&values, &next), cost);
         exact = gained < ENOUGH || (cost - lower) < FOLLOWED * told;
         if exact {
-            now = Linear::at(problem, &of, &next)?;
+            now = Linear::at(problem, of, &next)?;
         } else {
             now.follow(problem.parameters, (&values, &next), residuals);
         }
         (values, cost) = (next, lower);
     }
     Ok(Fit { values, cost, ended: Ended::Steps, steps: STEPS })
+}
+
+/// Whether a fit at these values and this cost has come to where `known` ended.
+fn joined(parameters: &[Parameter], (values, cost): (&[f64], f64), known: &Fit) -> bool {
+    let near = |(k, value): (usize, &f64)| {
+        (value - known.values[k]).abs() <= JOINED[1] * parameters[k].scale().abs()
+    };
+    (cost - known.cost).abs() <= JOINED[0] * known.cost && values.iter().enumerate().all(near)
 }

@@ -6,6 +6,7 @@
 //! rig; [`Information`] says before any fit what the runs can tell. [`Calibration::prepared`] and [`Prepared::fit`] go all the way from a
 //! file to [`Found`].
 
+mod band;
 mod calibration;
 mod checks;
 mod data;
@@ -23,10 +24,12 @@ mod rig;
 mod rival;
 mod solve;
 mod summary;
+mod tilts;
 mod truth;
 mod uncertainty;
 pub mod words;
 
+pub use band::Predicted;
 pub use calibration::{Calibration, Failure, Structure};
 pub use checks::{Disagreement, checked, disagreement};
 pub use data::{DataFile, Files, read};
@@ -39,8 +42,9 @@ pub use information::{CLOSE, Information, channel_name};
 pub use observed::{Observed, scatter};
 pub use problem::{Model, Parameter, Problem, Whitened};
 pub use rig::{RigModel, RigTarget, in_cell, respond};
-pub use rival::{NextRun, Rival};
-pub use solve::{PHASES, Plan, Predicted, Solved, Start, phase_of, rms, solve, solve_problem, starts};
+pub use rival::{NextRun, Rival, expected_noise};
+pub use solve::{PHASES, Plan, Solved, Start, phase_of, rms, solve, solve_problem, starts};
 pub use summary::CalibrationSummary;
+pub use tilts::Tilts;
 pub use truth::{Clean, clean};
 pub use uncertainty::{Covariances, Label, NORMAL_95, Profile, correlations};

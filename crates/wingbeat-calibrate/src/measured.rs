@@ -123,6 +123,33 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
         let body = if usable(k) { target.in_body(raw) } else { [f64::NAN; 6] };
         channels.iter_mut().zip(body).for_each(|(channel, x)| channel.push(x));
     }
+    if let Some(tilts) = target.tilts() {
+        let time = &pass.time[from.saturating_sub(1)..];
+        let time = &time[..channels[0].len()];
+        let load = |k: usize| channels[0][k].is_finite().then(|| channels.each_ref().map(|x| x[k]));
+        let all = tilts.cycles(time, &load);
+        let left_out = all.iter().filter(|cycle| cycle.is_none()).count();
+        if left_out > 0 {
+            let what = unusable(target, pass, from..to);
+            oddities.push(format!(
+                "{}: {what}: {left_out} of {} parts of each attitude are left out",
+                pass.file,
+                all.len()
+            ));
+        }
+        for (k, t) in time.iter().enumerate() {
+            if let (Some(phase), Some(load)) = (tilts.phase(*t), load(k)) {
+                bins.add(phase, load);
+            }
+        }
+        return Ok(Cycles {
+            cycles: all.into_iter().flatten().collect(),
+            left_out,
+            oddities,
+            frequency: 0.0,
+            samples_per_cycle: tilts.samples(target.run.spec.rig.cell.rate_hz),
+        });
+    }
     let first = from - from.saturating_sub(1);
     let phase = phases(target, pass, &channels[2], from.saturating_sub(1), channels[2].len())?;
     let last = (first + to - from - 1).min(phase.len() - 1);

@@ -74,6 +74,19 @@ impl Observed {
         (0..self.layout.channels).map(of).sum::<f64>().sqrt()
     }
 
+    /// Root mean square over the cycle of what a cycle differs from the mean, by channel.
+    fn sizes(&self) -> Vec<f64> {
+        let freedom = (self.cycles.len() as f64 - 1.0).max(1.0);
+        let channel = |channel: usize| {
+            let one = |(cycle, weight): (&Vec<f64>, &f64)| {
+                let apart: Vec<f64> = cycle.iter().zip(&self.mean).map(|(x, m)| x - m).collect();
+                weight * self.layout.mean_square(&apart, channel)
+            };
+            (self.cycles.iter().zip(&self.weights).map(one).sum::<f64>() / freedom).sqrt()
+        };
+        (0..self.layout.channels).map(channel).collect()
+    }
+
     /// Number of cycles that would scatter the mean as the weighted ones do.
     pub fn effective(&self) -> f64 {
         let (sum, squares) =
@@ -82,29 +95,51 @@ impl Observed {
     }
 }
 
-/// Covariance of the channels by harmonic from cycle to cycle, cosines and sines alike, of runs of one layout; of each
-/// with its degrees of freedom summed.
-pub fn scatter(runs: &[&Observed]) -> Option<Vec<DMatrix<f64>>> {
+/// Covariance of the channels by harmonic from cycle to cycle, cosines and sines alike, of each of the runs, which have one
+/// layout: S_k = D R_k D, with D the scatter of the run's own cycles by channel (loads that are larger scatter more) and R_k, the
+/// shape over channels and harmonics, pooled over the runs with each channel in parts of its D.
+///
+/// Equation: calibrate.scatter
+pub fn scatter(runs: &[&Observed]) -> Option<Vec<Vec<DMatrix<f64>>>> {
     let layout = runs.first()?.layout;
     let freedom: f64 = runs.iter().map(|run| run.cycles.len() as f64 - 1.0).sum();
     if freedom < layout.channels as f64 {
         return None;
     }
-    let mut of = vec![DMatrix::zeros(layout.channels, layout.channels); layout.harmonics + 1];
-    for run in runs {
+    let own: Vec<Vec<f64>> = runs.iter().map(|run| run.sizes()).collect();
+    // A run of one cycle scatters as the others do.
+    let all: Vec<f64> = (0..layout.channels)
+        .map(|c| {
+            let squares =
+                runs.iter().zip(&own).map(|(run, own)| (run.cycles.len() as f64 - 1.0) * own[c].powi(2));
+            (squares.sum::<f64>() / freedom).sqrt()
+        })
+        .collect();
+    let sizes: Vec<&Vec<f64>> =
+        runs.iter().zip(&own).map(|(run, own)| if run.cycles.len() > 1 { own } else { &all }).collect();
+    let mut shape = vec![DMatrix::zeros(layout.channels, layout.channels); layout.harmonics + 1];
+    for (run, size) in runs.iter().zip(&sizes) {
         for (cycle, weight) in run.cycles.iter().zip(&run.weights) {
-            let apart: Vec<f64> = cycle.iter().zip(&run.mean).map(|(x, m)| x - m).collect();
+            let apart = |channel: usize, part: usize| {
+                let i = layout.at(channel, part);
+                (cycle[i] - run.mean[i]) / size[channel].max(f64::MIN_POSITIVE)
+            };
             for part in 0..layout.width() {
                 let harmonic = Layout::harmonic(part);
                 let count = if part == 0 { freedom } else { 2.0 * freedom };
                 for a in 0..layout.channels {
                     for b in 0..layout.channels {
-                        of[harmonic][(a, b)] +=
-                            weight * apart[layout.at(a, part)] * apart[layout.at(b, part)] / count;
+                        shape[harmonic][(a, b)] += weight * apart(a, part) * apart(b, part) / count;
                     }
                 }
             }
         }
     }
-    Some(of)
+    Some(sizes.iter().map(|size| sized(&shape, size)).collect())
+}
+
+/// Matrices with row and column `c` times `by[c]`.
+pub fn sized(shape: &[DMatrix<f64>], by: &[f64]) -> Vec<DMatrix<f64>> {
+    let one = |of: &DMatrix<f64>| DMatrix::from_fn(of.nrows(), of.ncols(), |a, b| of[(a, b)] * by[a] * by[b]);
+    shape.iter().map(one).collect()
 }

@@ -1,6 +1,6 @@
 //! What is fitted to what, and how its differences weigh.
 
-use crate::{Error, Layout, Observed, observed::scatter};
+use crate::{Error, Layout, Observed, RigTarget, observed::scatter};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use wingbeat::parallel;
@@ -25,6 +25,11 @@ pub trait Model: Sync {
     /// A model without an answer.
     fn in_doubt(&self, _run: usize, _values: &[f64]) -> Result<Option<Vec<f64>>, Error> {
         Ok(None)
+    }
+
+    /// The run on the rig that run `run` is, if it is one.
+    fn target(&self, _run: usize) -> Option<&RigTarget> {
+        None
     }
 }
 
@@ -83,7 +88,7 @@ pub struct Problem<'a> {
 const LEAST_AMPLITUDE: f64 = 0.1;
 
 impl<'a> Problem<'a> {
-    /// A problem whose noise is the scatter of the cycles, pooled over the runs of one layout.
+    /// A problem whose noise is the scatter of the cycles, of one shape over the runs of one layout.
     ///
     /// # Errors
     /// Too few cycles to tell their scatter.
@@ -92,21 +97,27 @@ impl<'a> Problem<'a> {
         runs: &'a [Observed],
         parameters: &'a [Parameter],
     ) -> Result<Self, Error> {
-        let noise = runs.iter().map(|run| {
-            let alike: Vec<&Observed> = runs.iter().filter(|other| other.layout == run.layout).collect();
-            scatter(&alike).ok_or_else(|| {
-                let given: usize = alike.iter().map(|run| run.cycles.len()).sum();
-                let needed = alike.len() + run.layout.channels;
+        let mut noise = vec![Vec::new(); runs.len()];
+        for (k, run) in runs.iter().enumerate() {
+            if !noise[k].is_empty() {
+                continue;
+            }
+            let alike: Vec<usize> =
+                (0..runs.len()).filter(|other| runs[*other].layout == run.layout).collect();
+            let of: Vec<&Observed> = alike.iter().map(|other| &runs[*other]).collect();
+            let scatters = scatter(&of).ok_or_else(|| {
+                let given: usize = of.iter().map(|run| run.cycles.len()).sum();
+                let needed = of.len() + run.layout.channels;
                 Error::data(
                     &run.name,
                     format!(
                         "{given} cycles in {} runs: at least {needed} are needed to tell their scatter; add passes",
-                        alike.len()
+                        of.len()
                     ),
                 )
-            })
-        });
-        let noise = noise.collect::<Result<Vec<_>, _>>()?;
+            })?;
+            alike.into_iter().zip(scatters).for_each(|(other, own)| noise[other] = own);
+        }
         Self::with_noise(model, runs, parameters, noise)
     }
 
@@ -205,6 +216,14 @@ impl<'a> Problem<'a> {
         (0..layout.channels).map(of).collect()
     }
 
+    /// Root mean square over the cycle of what of run `run` is in doubt, by channel: the whole force's, the whole moment's.
+    pub fn load(&self, run: usize) -> Vec<f64> {
+        let (cycle, layout) = (self.in_doubt[run].as_slice(), self.runs[run].layout);
+        let of =
+            |channel| group(layout, channel).map(|own| layout.mean_square(cycle, own)).sum::<f64>().sqrt();
+        (0..layout.channels).map(of).collect()
+    }
+
     /// Runs that are fitted.
     pub fn fitted(&self) -> Vec<usize> {
         (0..self.runs.len()).filter(|run| !self.runs[*run].held_out).collect()
@@ -246,6 +265,19 @@ impl<'a> Problem<'a> {
         white
     }
 
+    /// The inverse of [`whiten`](Self::whiten).
+    pub fn coloured(&self, run: usize, white: &DVector<f64>) -> Vec<f64> {
+        let layout = self.runs[run].layout;
+        let mut cycle = vec![0.0; layout.len()];
+        for part in 0..layout.width() {
+            let factor = &self.factors[run][Layout::harmonic(part)];
+            let own =
+                factor * DVector::from_fn(layout.channels, |channel, _| white[layout.at(channel, part)]);
+            (0..layout.channels).for_each(|channel| cycle[layout.at(channel, part)] = own[channel]);
+        }
+        cycle
+    }
+
     /// The columns of a Jacobian in deviations.
     pub fn whiten_columns(&self, run: usize, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
         let columns: Vec<DVector<f64>> =
@@ -270,7 +302,7 @@ impl<'a> Problem<'a> {
 }
 
 /// The channels that are one vector with channel `channel`: the forces or the moments of six.
-fn group(layout: Layout, channel: usize) -> Range<usize> {
+pub fn group(layout: Layout, channel: usize) -> Range<usize> {
     match (layout.channels, channel) {
         (6, 0..3) => 0..3,
         (6, _) => 3..6,

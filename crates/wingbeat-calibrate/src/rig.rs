@@ -1,5 +1,6 @@
 //! Runs on the rig as a model of cycles.
 
+use crate::tilts::{INSTANTS, Tilts};
 use crate::{Error, Layout, Model, PHASES, phase_of, project};
 use std::f64::consts::TAU;
 use wingbeat::math::Vec3;
@@ -27,6 +28,7 @@ pub struct RigTarget {
     cycles: usize,
     steps_per_cycle: usize,
     drawn: Mount,
+    tilts: Option<Tilts>,
 }
 
 impl RigTarget {
@@ -45,9 +47,13 @@ impl RigTarget {
         let carrier = run.carrier(plan.as_ref());
         let window = run.spec.process.window_s.map(|[begin, end]| (begin, end));
         let window = window.unwrap_or_else(|| run.window(plan.as_ref(), &carrier));
+        if run.is_weighing() {
+            return Self::weighing(run, name, carrier);
+        }
         let frequency = run.frequency();
         if !(frequency > 0.0) {
-            return Err(Error::data(name, "frequency_hz = 0: a run whose wings flap is needed"));
+            let what = "frequency_hz = 0: a run whose wings flap is needed, or one that holds the robot in three attitudes or more";
+            return Err(Error::data(name, what));
         }
         let cycles = ((window.1 - window.0) * frequency + 1e-6).floor() as usize;
         if cycles == 0 {
@@ -77,8 +83,43 @@ impl RigTarget {
             cycles,
             steps_per_cycle,
             drawn,
+            tilts: None,
             run,
         })
+    }
+
+    /// Static tilts.
+    fn weighing(run: RigRun, name: &str, carrier: Carrier) -> Result<Self, Error> {
+        let held = run.spec.hold.as_ref().map(|hold| (hold.tilts_deg.len(), hold.each_s));
+        let (count, each_s) = held.unwrap_or((0, 0.0));
+        if count < 3 {
+            return Err(Error::data(
+                name,
+                format!("{count} attitudes in hold.tilts_deg: at least three are needed"),
+            ));
+        }
+        let tilts = Tilts { count, each_s };
+        let step = each_s / INSTANTS as f64;
+        let before = (run.spec.rig.rest_s / step).ceil();
+        let instants = Instants { begin: -before * step, step, steps: before as usize + count * INSTANTS };
+        let (drawn, harmonics) = (run.mount_as_drawn(), tilts.layout().harmonics);
+        Ok(Self {
+            name: name.into(),
+            carrier,
+            window: (0.0, count as f64 * each_s),
+            instants,
+            harmonics,
+            cycles: 1,
+            steps_per_cycle: count * INSTANTS,
+            drawn,
+            tilts: Some(tilts),
+            run,
+        })
+    }
+
+    /// The attitudes of a run whose wings are still.
+    pub fn tilts(&self) -> Option<Tilts> {
+        self.tilts
     }
 
     /// What carries the robot.
@@ -120,6 +161,24 @@ impl RigTarget {
         (0..6).map(most).fold(0.0, f64::max)
     }
 
+    /// Mean square over the cycle, by channel in B, of what the cell's own noise and steps make of the harmonics of one cycle: of n
+    /// independent samples of variance s the mean has s/n and each cosine and sine 2 s/n.
+    pub fn cell_noise(&self) -> Vec<f64> {
+        let (cell, layout) = (&self.run.spec.rig.cell, self.layout());
+        let flapping = || cell.rate_hz / self.run.frequency();
+        let samples = self.tilts.map_or_else(flapping, |tilts| tilts.samples(cell.rate_hz));
+        let mut of = vec![0.0; layout.channels];
+        for (i, step) in cell.calibration.resolution().iter().enumerate() {
+            // A step's rounding is even over the step: 1/12 of its square.
+            let variance = step * step * (cell.noise_steps.powi(2) + 1.0 / 12.0);
+            let unit = std::array::from_fn(|k| f64::from(u8::from(k == i)));
+            let turned = self.in_body(unit);
+            let width = layout.width() as f64;
+            of.iter_mut().zip(turned).for_each(|(of, by)| *of += by * by * variance * width / samples);
+        }
+        of
+    }
+
     /// The mean cycle of wrenches on the cell, tared, in B, as the cell shows it.
     fn cycle(&self, rows: &Wrenches) -> Vec<f64> {
         let Instants { begin, step, .. } = self.instants;
@@ -131,6 +190,11 @@ impl RigTarget {
             for k in &rest {
                 (0..6).for_each(|i| offset[i] += rows[*k][i] / rest.len() as f64);
             }
+        }
+        if let Some(tilts) = self.tilts {
+            let body = |row: &[f64; 6]| self.in_body(std::array::from_fn(|i| row[i] - offset[i]));
+            let bodies: Vec<[f64; 6]> = rows.iter().map(body).collect();
+            return tilts.cycle(&time, &bodies).unwrap_or_else(|| vec![f64::NAN; self.layout().len()]);
         }
         let first = rows.len() - 2 - self.cycles * self.steps_per_cycle;
         // One row beside each end of the window closes its cycles.
@@ -262,6 +326,10 @@ impl Model for RigModel {
 
     fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         self.targets[run].slopes(&self.numbers(values), self.names.len())
+    }
+
+    fn target(&self, run: usize) -> Option<&RigTarget> {
+        self.targets.get(run)
     }
 
     /// What the air does: weight and inertia are known as well as their masses.

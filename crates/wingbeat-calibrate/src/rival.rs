@@ -1,7 +1,10 @@
 //! Other structures of the model, and other runs, beside those that were fitted.
 
 use crate::design::{Candidate, largest, rank};
-use crate::{Error, Observed, Problem, Solved, Structure, channel_name, rms};
+use crate::observed::sized;
+use crate::problem::group;
+use crate::{Error, Layout, Observed, Problem, RigTarget, Solved, Structure, channel_name, rms};
+use nalgebra::DMatrix;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -80,7 +83,10 @@ pub struct NextRun {
 
 impl NextRun {
     /// All candidates, those that the cell can read before the others, the best first, each with as many passes as the runs made had.
-    pub(crate) fn all(candidates: &Structure, solved: &Solved, passes: usize) -> Result<Vec<Self>, Error> {
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn all(candidates: &Structure, solved: &Solved, passes: usize) -> Result<Vec<Self>, Error> {
         let values = &solved.values;
         let template = &solved.problem.runs[solved.at.of[0]];
         let observed = candidates.model.targets.iter().map(|target| {
@@ -98,7 +104,7 @@ impl NextRun {
             })
         });
         let observed = observed.collect::<Result<Vec<Observed>, Error>>()?;
-        let noise = vec![solved.problem.noise[solved.at.of[0]].clone(); observed.len()];
+        let noise = expected_noise(solved, &candidates.model.targets, &observed);
         let parameters = solved.problem.parameters;
         let problem = Problem::with_noise(&candidates.model, &observed, parameters, noise)?;
         let ranked = rank(solved, &problem)?;
@@ -118,4 +124,52 @@ impl NextRun {
         all.sort_by_key(|run| run.load_share > 1.0);
         Ok(all)
     }
+}
+
+/// Share of the whole force or moment that every channel's load counts at least where noise is held against it. *Choice.*
+const LEAST_LOAD: f64 = 0.1;
+
+/// Noise of runs that were not made. The cell's own is known; what cycles scatter beyond it (gusts, arm, structure) is in
+/// proportion to the load of each channel, as in the first of the runs made.
+///
+/// Equation: calibrate.expected_noise
+pub fn expected_noise(
+    solved: &Solved,
+    targets: &[RigTarget],
+    candidates: &[Observed],
+) -> Vec<Vec<DMatrix<f64>>> {
+    let first = solved.at.of[0];
+    let (made, noise) = (&solved.problem.runs[first], &solved.problem.noise[first]);
+    let layout = made.layout;
+    let Some(made_target) = solved.problem.model.target(first) else {
+        return vec![noise.clone(); candidates.len()];
+    };
+    let own = loads(made);
+    let cell = made_target.cell_noise();
+    let scatter = |channel: usize| -> f64 {
+        let part = |part: usize| Layout::share(part) * noise[Layout::harmonic(part)][(channel, channel)];
+        (0..layout.width()).map(part).sum()
+    };
+    let one = |(target, candidate): (&RigTarget, &Observed)| {
+        let (then, floor) = (loads(candidate), target.cell_noise());
+        let by = |channel: usize| {
+            let now = scatter(channel).max(f64::MIN_POSITIVE);
+            let beyond = (now - cell[channel]).max(0.0) * then[channel] / own[channel].max(f64::MIN_POSITIVE);
+            ((floor[channel] + beyond) / now).sqrt()
+        };
+        let by: Vec<f64> = (0..layout.channels).map(by).collect();
+        sized(noise, &by)
+    };
+    targets.iter().zip(candidates).map(one).collect()
+}
+
+/// Mean square about the mean of each channel of a run, and a share of that of the whole force or moment.
+fn loads(run: &Observed) -> Vec<f64> {
+    let layout = run.layout;
+    let own =
+        |channel: usize| layout.mean_square(&run.mean, channel) - run.mean[layout.at(channel, 0)].powi(2);
+    let of = |channel: usize| {
+        own(channel) + LEAST_LOAD * LEAST_LOAD * group(layout, channel).map(own).sum::<f64>()
+    };
+    (0..layout.channels).map(of).collect()
 }

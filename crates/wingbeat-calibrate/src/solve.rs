@@ -2,7 +2,7 @@
 
 use crate::fit::{Fit, Keep, Linear, Watch, fit, step};
 use crate::problem::Problem;
-use crate::uncertainty::{Covariances, NORMAL_95, Profile, covariances, inverse, profiles};
+use crate::uncertainty::{Covariances, Profile, covariances, inverse, profiles};
 use crate::{Error, Layout, Model, Observed, Parameter};
 use nalgebra::DMatrix;
 use wingbeat::math::Random;
@@ -11,6 +11,8 @@ use wingbeat::math::Random;
 const ROUNDS: usize = 3;
 /// Deviations of chi squared over its freedom beyond which the model is called wrong. *Choice.*
 const WRONG: f64 = 4.0;
+/// Load that counts as none, N and N m: below any cell's resolution.
+const LEAST_LOAD: f64 = 1e-6;
 /// Phases at which cycles are drawn and bands are held against measurements.
 pub const PHASES: usize = 200;
 
@@ -99,7 +101,7 @@ pub fn solve_problem<'a>(
     let mut last = None;
     for (number, from) in starts(parameters, plan).into_iter().enumerate() {
         let made_before = keep.kept(number).filter(|kept| kept.values.len() == from.len());
-        let found = match made_before.map_or_else(|| fit(&problem, &from, number, watch), Ok) {
+        let found = match made_before.map_or_else(|| fit(&problem, &from, number, best.as_ref(), watch), Ok) {
             Ok(found) => {
                 keep.keep(number, &found);
                 Some(found)
@@ -130,7 +132,7 @@ pub fn solve_problem<'a>(
             problem.doubt(&values)?;
             let discrepancy = unsaid(&problem, &values)?;
             problem.weigh(discrepancy)?;
-            values = fit(&problem, &values, made.len(), watch)?.values;
+            values = fit(&problem, &values, made.len(), None, watch)?.values;
         }
         at = Linear::at(&problem, &of, &values)?;
     }
@@ -151,14 +153,18 @@ fn freedom(problem: &Problem, of: &[usize]) -> f64 {
 fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
     let of = problem.fitted();
     let predictions = problem.predictions(&of, values)?;
-    let layout = problem.runs[of[0]].layout;
-    let numbers = layout.len() as f64;
+    let channels = problem.runs[of[0]].layout.channels;
+    let numbers = of.iter().map(|run| problem.runs[*run].layout.len()).max().unwrap_or(1) as f64;
     let correction = numbers / (numbers - problem.parameters.len() as f64).max(1.0);
     let channel = |channel: usize| {
         let (mut beyond, mut size) = (0.0, 0.0);
         for (run, predicted) in of.iter().zip(&predictions) {
             let observed = &problem.runs[*run];
-            let squares = problem.amplitudes(*run);
+            let (layout, squares) = (observed.layout, problem.amplitudes(*run));
+            // Where nothing is in doubt, as in still air without motion, nothing is left unsaid.
+            if !problem.load(*run).iter().any(|load| *load > LEAST_LOAD) {
+                continue;
+            }
             for part in 0..layout.width() {
                 let (i, k) = (layout.at(channel, part), Layout::harmonic(part));
                 let noise = problem.noise[*run][k][(channel, channel)] / observed.effective();
@@ -168,7 +174,7 @@ fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
         }
         (correction * beyond.max(0.0) / size.max(f64::MIN_POSITIVE)).sqrt()
     };
-    Ok((0..layout.channels).map(channel).collect())
+    Ok((0..channels).map(channel).collect())
 }
 
 impl Solved<'_> {
@@ -222,47 +228,6 @@ impl Solved<'_> {
         self.at.of.iter().map(one).collect()
     }
 
-    /// The run `run` as predicted, with the deviations of a band.
-    ///
-    /// # Errors
-    /// A model without an answer.
-    pub fn predicted(&self, run: usize) -> Result<Predicted, Error> {
-        let cycle = self.problem.model.predict(run, &self.values)?;
-        let jacobian = self.problem.jacobians(&[run], &self.values)?.swap_remove(0);
-        let layout = self.problem.runs[run].layout;
-        let squares = self.problem.amplitudes(run);
-        let of = |covariance: &DMatrix<f64>, channel: usize, phase: f64| {
-            let wave = waves(layout, phase);
-            let by = nalgebra::DVector::from_fn(jacobian.ncols(), |k, _| {
-                (0..layout.width()).map(|part| wave[part] * jacobian[(layout.at(channel, part), k)]).sum()
-            });
-            (by.transpose() * covariance * &by)[(0, 0)].max(0.0)
-        };
-        let noise = |channel: usize, phase: f64| -> f64 {
-            let wave = waves(layout, phase);
-            let one = |part: usize| {
-                let k = Layout::harmonic(part);
-                wave[part].powi(2) * self.problem.noise[run][k][(channel, channel)]
-            };
-            (0..layout.width()).map(one).sum()
-        };
-        let (mut deviations, mut white) = (Vec::new(), Vec::new());
-        for channel in 0..layout.channels {
-            let share = self.problem.discrepancy.get(channel).copied().unwrap_or(0.0);
-            let unsaid: f64 = share * share * squares[channel].iter().sum::<f64>();
-            let phases = (0..PHASES).map(phase_of);
-            let deviation =
-                |p: f64| (of(&self.covariances.clustered, channel, p) + noise(channel, p) + unsaid).sqrt();
-            deviations.push(phases.clone().map(deviation).collect());
-            let samples = &self.problem.runs[run].sample_noise;
-            let count = self.problem.runs[run].samples_per_cycle / layout.width() as f64;
-            let plain =
-                if samples.nrows() == layout.channels { samples[(channel, channel)] / count } else { 0.0 };
-            white.push(phases.map(|p| (of(&self.covariances.white, channel, p) + plain).sqrt()).collect());
-        }
-        Ok(Predicted { layout, cycle, deviations, white })
-    }
-
     /// Correlations of the estimates.
     pub fn correlations(&self) -> DMatrix<f64> {
         crate::uncertainty::correlations(&self.covariances.clustered)
@@ -279,59 +244,8 @@ pub fn phase_of(k: usize) -> f64 {
     std::f64::consts::TAU * k as f64 / PHASES as f64
 }
 
-/// 1, cos, sin, cos 2, ... of a phase.
-fn waves(layout: Layout, phase: f64) -> Vec<f64> {
-    let wave = |part: usize| {
-        let turned = Layout::harmonic(part) as f64 * phase;
-        match part {
-            0 => 1.0,
-            part if part % 2 == 1 => turned.cos(),
-            _ => turned.sin(),
-        }
-    };
-    (0..layout.width()).map(wave).collect()
-}
-
 /// Root mean square over the cycle of what is predicted less what was measured, by channel.
 pub fn rms(observed: &Observed, predicted: &[f64]) -> Vec<f64> {
     let apart: Vec<f64> = predicted.iter().zip(&observed.mean).map(|(model, mean)| model - mean).collect();
     (0..observed.layout.channels).map(|channel| observed.layout.mean_square(&apart, channel).sqrt()).collect()
-}
-
-/// A predicted cycle with its band.
-#[derive(Clone, Debug)]
-pub struct Predicted {
-    /// How its numbers lie.
-    pub layout: Layout,
-    /// Numbers.
-    pub cycle: Vec<f64>,
-    /// Standard deviation by channel and phase of one measured cycle: estimates, noise, what the model cannot say.
-    pub deviations: Vec<Vec<f64>>,
-    /// The same from independent samples alone.
-    pub white: Vec<Vec<f64>>,
-}
-
-impl Predicted {
-    /// Share of the measured cycles' values within 95 % of `deviations`, by channel.
-    pub fn coverage(&self, observed: &Observed, deviations: &[Vec<f64>]) -> Vec<f64> {
-        let channel = |channel: usize| {
-            let inside = |cycle: &Vec<f64>| {
-                let within = |k: &usize| {
-                    let measured = self.layout.value(cycle, channel, phase_of(*k));
-                    let predicted = self.layout.value(&self.cycle, channel, phase_of(*k));
-                    (measured - predicted).abs() <= NORMAL_95 * deviations[channel][*k]
-                };
-                (0..PHASES).filter(within).count()
-            };
-            let inside: usize = observed.cycles.iter().map(inside).sum();
-            inside as f64 / (PHASES * observed.cycles.len()) as f64
-        };
-        (0..self.layout.channels).map(channel).collect()
-    }
-
-    /// Mean half width of the 95 % band, by channel.
-    pub fn half_widths(&self) -> Vec<f64> {
-        let mean = |of: &Vec<f64>| NORMAL_95 * of.iter().sum::<f64>() / of.len() as f64;
-        self.deviations.iter().map(mean).collect()
-    }
 }

@@ -32,7 +32,8 @@ pub fn clean(target: &RigTarget) -> Result<Clean, Error> {
     let rows =
         experiment.wrenches(&instants).map_err(|fault| Error::Model { run: target.name.clone(), fault })?;
     let beating = (rig.rest_s / step) as usize..rows.len();
-    let rms = rms_about_mean(&rows[beating]);
+    // Still wings in still air stir nothing.
+    let rms = if target.tilts().is_some() { [0.0; 6] } else { rms_about_mean(&rows[beating]) };
     Ok(Clean { rows, begin: -rig.rest_s, step, rms })
 }
 

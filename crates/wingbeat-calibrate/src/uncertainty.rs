@@ -4,6 +4,7 @@ use crate::fit::{Linear, scaled_solve, step};
 use crate::problem::Problem;
 use crate::{Error, Layout, Parameter};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use wingbeat::parallel;
 
 /// Two-sided 95 % of the normal distribution.
@@ -12,14 +13,18 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 const CHI_95: f64 = 3.841_458_820_694_124;
 /// Points of a profile on each side.
 const SIDE: usize = 3;
-/// Steps of the other parameters at every point of a profile.
+/// Most steps of the other parameters at every point of a profile.
 const INNER: usize = 2;
+/// Share of the rise of the cost that the linear model may miss for one step to be enough. *Choice.*
+const TOLD: f64 = 0.05;
 
 /// Covariances of the estimates.
 #[derive(Clone, Debug)]
 pub struct Covariances {
     /// Cycles as clusters (sandwich), with what the model cannot say and what priors leave open.
     pub clustered: DMatrix<f64>,
+    /// That part of it which is of what the model cannot say.
+    pub unsaid: DMatrix<f64>,
     /// As if every sample were independent of the one before.
     pub white: DMatrix<f64>,
     /// Singular values of the Jacobian with every parameter in parts of its size, largest first.
@@ -62,6 +67,22 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
             let g = j.transpose() * problem.whiten(*run, &apart) * (weight / total * correction);
             clustered += &g * g.transpose();
         }
+        // One cycle does not scatter: its noise is what is known of it.
+        if observed.cycles.len() < 2 {
+            for part in 0..layout.width() {
+                let noise = problem.noise[*run][Layout::harmonic(part)].clone();
+                for column in noise
+                    .cholesky()
+                    .iter()
+                    .flat_map(|of| of.l().column_iter().map(|c| c.into_owned()).collect::<Vec<_>>())
+                {
+                    let mut unit = vec![0.0; layout.len()];
+                    (0..layout.channels).for_each(|c| unit[layout.at(c, part)] = column[c]);
+                    let g = j.transpose() * problem.whiten(*run, &unit);
+                    clustered += &g * g.transpose();
+                }
+            }
+        }
         // Independent samples: variance s/N of a mean, 2 s/N of a harmonic, over all cycles.
         if let Some(factor) = observed.sample_noise.clone().cholesky() {
             let samples = observed.samples_per_cycle * count;
@@ -80,40 +101,45 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
         (true, Some([_, deviation])) => deviation.powi(-2),
         _ => 0.0,
     });
-    let meat = &clustered + priors + unsaid(problem, at, n);
+    let unsaid = &bread * unsaid(problem, at, n) * &bread;
     let scaled: Vec<DMatrix<f64>> = at.jacobians.iter().map(|j| scaled_by_size(j, parameters)).collect();
     let (singular_values, directions) = singular(&scaled, n);
     Covariances {
-        clustered: &bread * meat * &bread,
+        clustered: &bread * (clustered + priors) * &bread + &unsaid,
+        unsaid,
         white: &bread * white * &bread,
         singular_values,
         directions,
     }
 }
 
-/// What the discrepancy does to the gradient, the same error in all runs: per channel and part one vector summed over runs.
+/// What the discrepancy does to the gradient, the same error in all runs of one layout: per channel and part one vector summed over runs.
 fn unsaid(problem: &Problem, at: &Linear, n: usize) -> DMatrix<f64> {
     let mut sum = DMatrix::zeros(n, n);
-    let Some(first) = at.of.first() else { return sum };
-    let layout = problem.runs[*first].layout;
-    for channel in 0..layout.channels {
-        let share = problem.discrepancy.get(channel).copied().unwrap_or(0.0);
-        if share == 0.0 {
+    let mut layouts: Vec<Layout> = at.of.iter().map(|run| problem.runs[*run].layout).collect();
+    layouts.dedup();
+    for (number, layout) in layouts.iter().enumerate() {
+        if layouts[..number].contains(layout) {
             continue;
         }
-        for part in 0..layout.width() {
-            let mut g = DVector::zeros(n);
-            for (run, j) in at.of.iter().zip(&at.jacobians) {
-                let observed = &problem.runs[*run];
-                if observed.layout != layout {
-                    continue;
-                }
-                let squares = problem.amplitudes(*run);
-                let mut unit = vec![0.0; layout.len()];
-                unit[layout.at(channel, part)] = share * squares[channel][Layout::harmonic(part)].sqrt();
-                g += j.transpose() * problem.whiten(*run, &unit);
+        for channel in 0..layout.channels {
+            let share = problem.discrepancy.get(channel).copied().unwrap_or(0.0);
+            if share == 0.0 {
+                continue;
             }
-            sum += &g * g.transpose();
+            for part in 0..layout.width() {
+                let mut g = DVector::zeros(n);
+                for (run, j) in at.of.iter().zip(&at.jacobians) {
+                    if problem.runs[*run].layout != *layout {
+                        continue;
+                    }
+                    let squares = problem.amplitudes(*run);
+                    let mut unit = vec![0.0; layout.len()];
+                    unit[layout.at(channel, part)] = share * squares[channel][Layout::harmonic(part)].sqrt();
+                    g += j.transpose() * problem.whiten(*run, &unit);
+                }
+                sum += &g * g.transpose();
+            }
         }
     }
     sum
@@ -189,16 +215,22 @@ pub fn profiles(
     values: &[f64],
     errors: &[f64],
 ) -> Result<Vec<Profile>, Error> {
-    let points: Vec<(usize, f64)> =
-        (0..values.len()).flat_map(|k| abscissae(problem, values, errors, k).map(move |x| (k, x))).collect();
-    let least = problem.cost(&at.residuals, values);
     let normal = at.normal(problem.parameters, values, &[]);
-    let costs = parallel::map(&points, |_, (k, x)| along(problem, at, &normal, values, (*k, *x)));
+    let known = inverse(&normal.0);
+    let plain: Vec<f64> = (0..values.len()).map(|k| known[(k, k)].sqrt()).collect();
+    // The cost counts in the larger of both errors.
+    let reach: Vec<f64> = errors.iter().zip(&plain).map(|(error, plain)| error.max(*plain)).collect();
+    let points: Vec<(usize, f64)> =
+        (0..values.len()).flat_map(|k| abscissae(problem, values, &reach, k).map(move |x| (k, x))).collect();
+    let least = problem.cost(&at.residuals, values);
+    let costs = parallel::map(&points, |_, (k, x)| {
+        let rise = ((x - values[*k]) / plain[*k]).powi(2);
+        along(problem, at, &normal, values, (*k, *x), least..least + rise)
+    });
     let mut profiles = Vec::new();
     for (k, parameter) in problem.parameters.iter().enumerate() {
-        let plain = inverse(&normal.0)[(k, k)].sqrt();
         // The curvature of the cost is 1/plain^2; that of the clustered covariance 1/error^2.
-        let scale = if errors[k] > 0.0 { (plain / errors[k]).powi(2).min(1.0) } else { 1.0 };
+        let scale = if errors[k] > 0.0 { (plain[k] / errors[k]).powi(2).min(1.0) } else { 1.0 };
         let own = points.iter().zip(&costs).filter(|((of, _), _)| *of == k);
         let mut curve: Vec<(f64, f64)> =
             own.filter_map(|((_, x), cost)| cost.map(|cost| (*x, scale * (cost - least).max(0.0)))).collect();
@@ -252,13 +284,15 @@ fn abscissae(
     all.into_iter()
 }
 
-/// The cost with parameter `k` at `x`; none where the model has no answer.
+/// The cost with parameter `k` at `x`; none where the model has no answer. `told` are the cost at the fit and what the linear model says
+/// of it at `x`.
 fn along(
     problem: &Problem,
     at: &Linear,
     (square, gradient): &(DMatrix<f64>, DVector<f64>),
     values: &[f64],
     (k, x): (usize, f64),
+    told: Range<f64>,
 ) -> Option<f64> {
     let free: Vec<usize> = (0..values.len()).filter(|i| *i != k).collect();
     let mut now = values.to_vec();
@@ -276,6 +310,9 @@ fn along(
             break;
         }
         least = cost;
+        if (cost - told.end).abs() <= TOLD * (told.end - told.start) {
+            break;
+        }
         g = Linear { of: at.of.clone(), residuals, jacobians: at.jacobians.clone() }
             .normal(problem.parameters, &next, &[])
             .1;

@@ -6,7 +6,8 @@ use wingbeat::rig::cell::{CellSpec, LoadCell};
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::measured::{Pass, observed};
 use wingbeat_calibrate::{
-    Calibration, Layout, Observed, Progress, RigTarget, Structure, checked, clean, respond, solve,
+    Calibration, Layout, Observed, Progress, RigTarget, Structure, checked, clean, expected_noise, respond,
+    solve,
 };
 
 fn shipped(name: &str, overrides: &[&str]) -> Calibration {
@@ -152,6 +153,75 @@ fn a_fit_of_the_right_model_finds_the_truth() {
     for (channel, share) in predicted.coverage(&runs[1], &predicted.deviations).iter().enumerate() {
         assert!(*share > 0.8, "channel {channel}: {share}");
     }
+}
+
+#[test]
+fn the_noise_of_a_run_to_come_is_that_of_its_samples() {
+    let calibration = shipped("two_runs.toml", &[ITSELF, "starts=1"]);
+    let structure = calibration.structure(&[], &|_, _| None).unwrap();
+    let none = |path: &Path, _: &wingbeat::scenario::RigRun| {
+        Err(wingbeat_calibrate::Error::data(path.display().to_string(), "no file"))
+    };
+    let runs = calibration.observed(&structure, &|_, _| None, &none).unwrap();
+    let watch = &mut |_: &Progress| ControlFlow::Continue(());
+    let plan = calibration.plan();
+    let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
+    let expected = expected_noise(&solved, &structure.model.targets[1..], &runs[1..]).swap_remove(0);
+    let layout = runs[1].layout;
+    let size = |of: &[nalgebra::DMatrix<f64>], channel: usize| {
+        let part = |part: usize| Layout::share(part) * of[Layout::harmonic(part)][(channel, channel)];
+        (0..layout.width()).map(part).sum::<f64>().sqrt()
+    };
+    for channel in 0..6 {
+        let found = size(&solved.problem.noise[1], channel);
+        let (told, before) = (size(&expected, channel), size(&solved.problem.noise[0], channel));
+        assert!(
+            (told / found - 1.0).abs() < 0.4,
+            "channel {channel}: {told} of {found}, {before} of the run made"
+        );
+    }
+}
+
+#[test]
+fn static_tilts_tell_mass_and_centre_in_a_stage_of_their_own() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let tilts =
+        format!("{{ run = \"{root}/rigs/identification/static_tilts.toml\", set = [\"hold.each_s=0.5\"] }}");
+    let turn = format!("{{ run = \"{root}/rigs/runs/roll15_speed08.toml\" }}");
+    let parameters = "parameters=[{ name = \"mount.mass_kg\", stage = 1 }, { name = \"body.mass_kg\", stage = 1 }, \
+                      { name = \"body.com_m[0]\", stage = 1, low = -0.1, high = 0.1 }, \
+                      { name = \"surfaces.wing.cd90\", stage = 2 }]";
+    let calibration = shipped(
+        "two_runs.toml",
+        &[ITSELF, "starts=1", "truth.passes=3", &format!("runs=[{tilts}, {turn}]"), parameters],
+    );
+    let mut structure = calibration.structure(&[], &|_, _| None).unwrap();
+    let none = |path: &Path, _: &wingbeat::scenario::RigRun| {
+        Err(wingbeat_calibrate::Error::data(path.display().to_string(), "no file"))
+    };
+    let runs = calibration.observed(&structure, &|_, _| None, &none).unwrap();
+    assert_eq!((runs[0].layout.harmonics, runs[0].left_out), (6, 0));
+    let truth: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
+    assert!(checked(&structure, &runs, &truth).is_ok());
+    for (k, parameter) in structure.parameters.iter_mut().enumerate() {
+        parameter.start = if k == 2 { truth[k] + 0.004 } else { 1.1 * truth[k] };
+    }
+    let mut stages = Vec::new();
+    let watch = &mut |at: &Progress| {
+        stages.push((at.stage, at.values.to_vec()));
+        ControlFlow::Continue(())
+    };
+    let plan = calibration.plan();
+    let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
+    for (k, truth) in truth.iter().enumerate() {
+        let (value, error) = (solved.values[k], solved.errors()[k]);
+        let name = &structure.parameters[k].name;
+        assert!((value - truth).abs() < 5.0 * error, "{name}: {value} +- {error}, truth {truth}");
+    }
+    // The first stage ends, by the tilts alone, near the truth with the drag still at its start.
+    let (_, then) = stages.iter().find(|(stage, _)| *stage == 2).unwrap();
+    assert!((then[2] - truth[2]).abs() < 0.001, "{then:?}");
+    assert_eq!(then[3], structure.parameters[3].start);
 }
 
 #[test]

@@ -125,6 +125,54 @@ fn a_model_that_is_wrong_is_told_by_how_much() {
 }
 
 #[test]
+fn bands_hold_a_run_unlike_those_fitted() {
+    // Five runs alike, the last with loads half as large again, and an error of the model that all have: in the first half of the
+    // stroke only.
+    let mut model = Sums::new(1, 2, 6);
+    let alike = model.0[0].clone();
+    let larger = alike.iter().map(|vector| vector.iter().map(|x| 1.5 * x).collect()).collect();
+    model.0 = vec![alike.clone(), alike.clone(), alike.clone(), alike, larger];
+    let parameters = parameters(2);
+    let mut means = means(&model, &[2.0, -1.0]);
+    let mut random = Random::new(9);
+    let wrong: Vec<f64> = (0..LAYOUT.len()).map(|_| 0.3 * random.normal()).collect();
+    for (k, mean) in means.iter_mut().enumerate() {
+        let grown = if k == 4 { 1.5_f64.sqrt() } else { 1.0 };
+        mean.iter_mut().zip(&wrong).for_each(|(x, wrong)| *x += grown * wrong);
+    }
+    let mut runs = observed(&means, 0.001, 1);
+    runs[4].held_out = true;
+    let solved = solved(&model, &runs, &parameters);
+    let predicted = solved.predicted(4).unwrap();
+    let (covered, half) = (predicted.coverage(&runs[4], &predicted.deviations), predicted.half_widths());
+    let off = wingbeat_calibrate::rms(&runs[4], &predicted.cycle);
+    for channel in 0..2 {
+        let width = half[channel] / off[channel];
+        assert!(covered[channel] > 0.85 && (1.4..2.5).contains(&width), "{covered:?} {width}");
+    }
+    let white = predicted.coverage(&runs[4], &predicted.white);
+    assert!(white.iter().all(|share| *share < 0.3), "{white:?}");
+}
+
+#[test]
+fn each_run_scatters_by_its_own_size() {
+    let (model, parameters) = (Sums::new(3, 2, 5), parameters(2));
+    let means = means(&model, &[2.0, -1.0]);
+    let mut runs = observed(&means, 0.1, 11);
+    let loud = observed(&means, 0.5, 12).swap_remove(1);
+    runs[1] = loud;
+    let problem = Problem::new(&model, &runs, &parameters).unwrap();
+    let size = |run: usize| problem.noise[run].iter().map(|of| of[(0, 0)]).sum::<f64>();
+    assert!((size(1) / size(0) / 25.0 - 1.0).abs() < 0.5, "{}", size(1) / size(0));
+    // Weighed so, what the cycles say of the errors is what the weights say.
+    let solved = solved(&model, &runs, &parameters);
+    let plain = solved.information_covariance();
+    for (k, error) in solved.errors().iter().enumerate() {
+        assert!((error / plain[(k, k)].sqrt() - 1.0).abs() < 0.35, "{error}");
+    }
+}
+
+#[test]
 fn a_next_run_promises_what_it_brings() {
     let (model, parameters) = (Sums::new(4, 3, 7), parameters(3));
     let means = means(&model, &[2.0, -1.0, 0.5]);

@@ -16,7 +16,9 @@ pub use flapping::{
     small_flap_lift,
 };
 pub use linear::Complex;
-pub use mean::{STATIC_DRAG, Thrust, induced_over_trefftz, scherer_points, scherer_thrust};
+pub use mean::{
+    STATIC_DRAG, Thrust, induced_over_trefftz, scherer_lev_thrust, scherer_points, scherer_thrust,
+};
 pub use small::{Point, SpanLoading, other_points, plunge_points, slope_points, span_loadings, step_points};
 
 use crate::{Case, Error, Row};

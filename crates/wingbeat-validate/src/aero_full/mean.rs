@@ -5,7 +5,7 @@ use super::wings::{self, Still, rectangle};
 use super::{Preset, STRIPS, Section};
 use crate::{Error, Row, reference_table};
 use std::f64::consts::PI;
-use wingbeat::aero::Loads;
+use wingbeat::aero::{Loads, SurfaceNumbers};
 use wingbeat::math::{Jet, Vec3};
 use wingbeat::tether::TetheredBody;
 
@@ -85,9 +85,31 @@ pub fn scherer_thrust(preset: Preset, theta_deg: f64, psi_deg: f64) -> Result<f6
 
 /// The same under the law of a section.
 fn thrust_of(preset: Preset, section: Section, theta_deg: f64, psi_deg: f64) -> Result<f64, Error> {
+    changed_thrust(preset, section, [theta_deg, psi_deg], |_| ())
+}
+
+/// Thrust coefficient of the strip model under law `lev` with its numbers as `change` makes them, drag included.
+pub fn scherer_lev_thrust(
+    theta_deg: f64,
+    psi_deg: f64,
+    change: impl Fn(&mut SurfaceNumbers),
+) -> Result<f64, Error> {
+    let section = Section::stalling_at(NACA_63A015_STALL);
+    changed_thrust(Preset::Full, section, [theta_deg, psi_deg], change)
+}
+
+fn changed_thrust(
+    preset: Preset,
+    section: Section,
+    [theta_deg, psi_deg]: [f64; 2],
+    change: impl Fn(&mut SurfaceNumbers),
+) -> Result<f64, Error> {
     let (chord, span, speed, density) = (0.1016, 0.3048, 3.048, 1000.0);
     let planform = rectangle(span, chord)?;
     let model = preset.model_with(section, STRIPS, &planform, &[], density, 0.02)?;
+    let mut numbers = model.numbers().clone();
+    change(&mut numbers);
+    let model = model.with(&numbers)?;
     let waving = Waving {
         heave: [0.6 * chord, 0.0],
         pitch: [theta_deg.to_radians(), psi_deg.to_radians()],

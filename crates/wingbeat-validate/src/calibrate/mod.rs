@@ -5,6 +5,7 @@ mod flight;
 mod gradient;
 mod next_run;
 mod recovers;
+mod scherer;
 mod wrong_model;
 mod yeo;
 
@@ -20,6 +21,7 @@ pub const CASES: &[Case] = &[
     Case { id: "calibrate.gradient", quick: false, run: gradient::rows },
     Case { id: "calibrate.degenerate", quick: false, run: degenerate::rows },
     Case { id: "calibrate.yeo", quick: false, run: yeo::rows },
+    Case { id: "calibrate.scherer", quick: false, run: scherer::rows },
 ];
 
 /// Those that take minutes.
