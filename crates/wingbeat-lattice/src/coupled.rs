@@ -38,9 +38,16 @@ pub fn doors() -> Doors {
 fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
     match error {
         Error::Setting { key, value, allowed } => {
+            let (chordwise, spanwise) = (spec.chordwise, spec.spanwise);
             let key = match key {
-                "core.radius_m" => "lattice.core_chords".into(),
-                "panels" => "lattice.chordwise".into(),
+                "core.radius_m" => {
+                    let given = format!("{} (a radius of {value} m)", spec.core_chords);
+                    return wingbeat::Error::invalid("lattice.core_chords", given, allowed);
+                }
+                "panels" => {
+                    let given = format!("{chordwise} by {spanwise} makes {value} panels");
+                    return wingbeat::Error::invalid("lattice.chordwise", given, allowed);
+                }
                 "zero_lift_angle_deg" => format!("aero.{key}"),
                 key => format!("lattice.{key}"),
             };

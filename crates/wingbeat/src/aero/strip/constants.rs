@@ -5,9 +5,9 @@ use crate::aero::{LagNumbers, MAX_WASH_LAGS};
 use crate::math::Scalar;
 use arrayvec::ArrayVec;
 
-/// Time T, s, within which the followed impulse is drawn to the impulse of the air: short against every stroke, long against the
-/// steps of a flight.
-pub(super) const FOLLOWING_TIME: f64 = 2e-3;
+/// Time T, s, within which the followed impulse is drawn to the impulse of the air. *Choice*: short against a stroke, and no
+/// shorter than what coarse steps of a case (20 a cycle) and the intervals of a predictive controller (25 ms) still follow.
+pub(super) const FOLLOWING_TIME: f64 = 1e-2;
 
 /// One set of lags. Rates are per semichord travelled, wake times per mean
 /// chord travelled.
