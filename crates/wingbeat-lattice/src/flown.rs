@@ -57,7 +57,9 @@ impl Flight {
         };
         for ((t, x), u) in flight.times.iter().zip(&flight.states).zip(&flight.inputs) {
             let mut dx = vec![0.0; x.len()];
-            robot.rates(*t, x, u, &mut dx).map_err(|fault| RecordError::Fault(fault.to_string()))?;
+            robot
+                .rates_in_numbers(*t, x, u, &mut dx)
+                .map_err(|fault| RecordError::Fault(fault.to_string()))?;
             flight.rates.push(dx);
         }
         Ok(flight)

@@ -93,7 +93,7 @@ fn plant(preset: &str, key: &str, strips: usize) {
     let evaluations = 50;
     let batch = median(201, || {
         for k in 0..evaluations {
-            let rates = robot.rates(black_box(1e-2 * f64::from(k)), black_box(&x), &u, &mut dx);
+            let rates = robot.rates_in_numbers(black_box(1e-2 * f64::from(k)), black_box(&x), &u, &mut dx);
             black_box(rates.map(|()| dx[0])).unwrap_or_else(|fault| panic!("{fault}"));
         }
     });

@@ -94,7 +94,7 @@ fn sideways(strips: usize) -> Result<f64, Error> {
         Quat::from_roll_pitch_yaw(0.0, draw(1), 0.0).store_wxyz(&mut x[l.attitude..]);
         Vec3::new(1.5 + draw(2), 0.0, draw(3)).store(&mut x[l.velocity..]);
         Vec3::new(0.0, 3.0 * draw(4), 0.0).store(&mut x[l.rate..]);
-        robot.rates(0.01 * f64::from(case), &x, &u, &mut dx)?;
+        robot.rates_in_numbers(0.01 * f64::from(case), &x, &u, &mut dx)?;
         side = side.max(dx[l.velocity + 1].abs());
         largest = dx[l.velocity..l.velocity + 3].iter().fold(largest, |m, a| m.max(a.abs()));
     }

@@ -57,7 +57,7 @@ pub fn collocation_errors(intervals: &[usize]) -> Result<Vec<f64>, Error> {
     let (plant, u) = (FlapBody::default(), [0.3, -0.2, 0.25, -0.15]);
     let (mut x, mut work) = (flapbody::initial_state(), Workspace::new(14, 4));
     let dt = DURATION / STEPS as f64;
-    let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates(t, x, &u, dx);
+    let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates_in_numbers(t, x, &u, dx);
     RK4.integrate(&mut rates, Steps::new(0.0, dt, STEPS), &mut x, &mut work)?;
     let error = |&intervals: &usize| -> Result<f64, Error> {
         let solver = collocated(DURATION, vec![u; intervals + 1])?;

@@ -159,7 +159,7 @@ fn imbalance(shipped: Shipped) -> Result<f64, Error> {
     // Two more states: the work of all, and the positive work of the joints.
     x.extend([0.0, 0.0]);
     let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
-        robot.rates(t, &x[..n], u, &mut dx[..n])?;
+        robot.rates_in_numbers(t, &x[..n], u, &mut dx[..n])?;
         let seen = robot.observe(t, &x[..n], u)?;
         dx[n] = seen.power + seen.air_power - seen.dissipation;
         dx[n + 1] = seen.power.max(0.0);

@@ -56,7 +56,7 @@ fn a_plant_evaluation_allocates_nothing() {
         let mut clearances = vec![Dual::ZERO; robot.clearances().len()];
         let mut stepper = Stepper::new(robot, 0.0, &x);
         let before = allocations();
-        robot.rates(0.01, &x, &u, &mut dx).unwrap();
+        robot.rates_in_numbers(0.01, &x, &u, &mut dx).unwrap();
         robot.rates(Dual::<8>::constant(0.01), &xd, &ud, &mut dxd).unwrap();
         robot.clear(Dual::<8>::constant(0.01), &xd, &mut clearances).unwrap();
         (0..5).for_each(|_| stepper.step(1e-4).unwrap());

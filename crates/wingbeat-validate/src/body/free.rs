@@ -75,7 +75,7 @@ fn errors(reference: &Reference, free: usize) -> Result<[f64; 2], Error> {
         (x[l.joints + c], x[l.joints + joints.len() + c]) = (reference.q[i], reference.qd[i]);
     }
     let mut dx = vec![0.0; l.len];
-    robot.rates(0.0, &x, &[], &mut dx)?;
+    robot.rates_in_numbers(0.0, &x, &[], &mut dx)?;
     let efforts = robot.observe(0.0, &x, &[])?.torques;
     // Uniform gravity accelerates the whole alike: the reference falls with its own.
     let fall = Vec3::new(0.0, 0.0, reference.gravity - GRAVITY);

@@ -57,7 +57,7 @@ fn imbalance(preset: Preset) -> Result<f64, Error> {
     x[l.joints..][..coordinates.len()].copy_from_slice(&coordinates);
     // The last state is the work of drives, dampers and air.
     let rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
-        robot.rates(t, &x[..n], &[], &mut dx[..n])?;
+        robot.rates_in_numbers(t, &x[..n], &[], &mut dx[..n])?;
         let seen = robot.observe(t, &x[..n], &[])?;
         dx[n] = seen.power + seen.air_power - seen.dissipation;
         Ok(())

@@ -46,7 +46,7 @@ fn scenario(name: &str, overrides: &[&str]) -> Scenario {
 fn evaluation(name: &str, robot: &Robot, x: &[f64]) {
     let (mut dx, u) = (x.to_vec(), vec![0.01; robot.inputs().len()]);
     let whole = median(100, || {
-        robot.rates(black_box(0.1), black_box(x), black_box(&u), &mut dx).unwrap();
+        robot.rates_in_numbers(black_box(0.1), black_box(x), black_box(&u), &mut dx).unwrap();
         black_box(&dx);
     });
     let air = air(robot);
@@ -113,7 +113,7 @@ fn uncontrolled(name: &str, robot: &Robot, start: &[f64]) {
         .map(|_| {
             let clock = Instant::now();
             for _ in 0..per_block {
-                let rates = |t: f64, x: &[f64], dx: &mut [f64]| robot.rates(t, x, &u, dx);
+                let rates = |t: f64, x: &[f64], dx: &mut [f64]| robot.rates_in_numbers(t, x, &u, dx);
                 RK4.step(rates, f64::from(k) * step, step, &mut x, &mut work)
                     .unwrap_or_else(|fault| panic!("{fault}"));
                 k += 1;

@@ -163,12 +163,7 @@ impl<P: Scalar> Aero<P> {
     }
     /// Sets states that follow the impulse of the air to that impulse, the other states as they are in `x`: the surface has
     /// always moved as it does. From zero they would begin with the blow of an impulsive start.
-    pub fn settle<S: Scalar + Meets<P>>(
-        &self,
-        sections: &(impl Sections<S> + ?Sized),
-        wind: Vec3<S>,
-        x: &mut [S],
-    ) {
+    pub fn settle<S: Scalar + Meets<P>>(&self, sections: &impl Sections<S>, wind: Vec3<S>, x: &mut [S]) {
         if let Self::Strip(model) = self {
             model.settle(sections, wind, x);
         }
@@ -210,13 +205,13 @@ impl<P: Scalar> Aero<P> {
         loads: &mut Loads<S>,
     ) {
         loads.strips = 0;
-        (loads.wrench, loads.added_mass) = self.append(sections, wind, x, dx, None, loads);
+        (loads.wrench, loads.added_mass) = self.append(&sections, wind, x, dx, None, loads);
     }
     /// Loads and state rates among `others`, of which preset `paper` knows nothing. Writes the loads by
     /// strip behind the strips that `loads` holds; returns the sum, which the other fields of `loads` do not get.
     fn append<S: Scalar + Meets<P>>(
         &self,
-        sections: &(impl Sections<S> + ?Sized),
+        sections: &impl Sections<S>,
         wind: Vec3<S>,
         x: &[S],
         dx: &mut [S],
@@ -236,7 +231,7 @@ impl<P: Scalar> Aero<P> {
     /// what the coordinates of `sections` take.
     pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        sections: &(impl Sections<G> + ?Sized),
+        sections: &impl Sections<G>,
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
@@ -247,7 +242,7 @@ impl<P: Scalar> Aero<P> {
     /// The same among `others`, of which preset `paper` knows nothing.
     fn sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        sections: &(impl Sections<G> + ?Sized),
+        sections: &impl Sections<G>,
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],

@@ -19,6 +19,8 @@ pub struct Dual<const N: usize, S: Scalar = f64> {
 }
 
 impl<const N: usize, S: Scalar> Dual<N, S> {
+    /// Number of directions carried.
+    pub const LANES: usize = N;
     /// A constant: all derivatives zero.
     #[inline]
     pub fn constant(re: S) -> Self {

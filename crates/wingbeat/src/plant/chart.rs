@@ -1,6 +1,6 @@
 //! A local three-component attitude in place of the quaternion.
 
-use super::{Channel, Fault, MAX_STATES, Plant, Role};
+use super::{Channel, Early, Fault, Late, MAX_STATES, Plant, Role};
 use crate::math::{Mat3, Over, Quat, Scalar, Vec3, lift};
 use arrayvec::ArrayVec;
 use std::ops::Range;
@@ -135,15 +135,7 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         self.plant.inputs()
     }
     fn rates<S: Scalar>(&self, t: S, local: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
-        let Some(a) = self.plant.attitude() else {
-            return self.plant.rates(t, local, u, dx);
-        };
-        let (mut x, mut rates) = (States::new(), States::new());
-        self.extend_globally(local, a, &mut x);
-        rest(&mut rates, x.len());
-        self.plant.rates(t, &x, u, &mut rates)?;
-        localise_rates(a, &x, local, &rates, dx);
-        Ok(())
+        self.localised(local, 0, dx, |x, dx| self.plant.rates(t, x, u, dx))
     }
     fn clearances(&self) -> &[Channel] {
         self.plant.clearances()
@@ -170,14 +162,44 @@ impl<P: Plant> Plant for LocalChart<'_, P> {
         u: &[f64],
         dx: &mut [S],
     ) -> Result<(), Fault> {
+        self.localised(early, late.len(), dx, |x, dx| self.plant.rates_by_late(t, x, late, u, dx))
+    }
+    fn rates_in_numbers(&self, t: f64, local: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        self.localised(local, 0, dx, |x, dx| self.plant.rates_in_numbers(t, x, u, dx))
+    }
+    fn rates_in_early(&self, t: f64, local: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        self.localised(local, 0, dx, |x, dx| self.plant.rates_in_early(t, x, u, dx))
+    }
+    fn rates_in_late(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[Late],
+        u: &[f64],
+        dx: &mut [Late],
+    ) -> Result<(), Fault> {
+        self.localised(early, late.len(), dx, |x, dx| self.plant.rates_in_late(t, x, late, u, dx))
+    }
+}
+
+impl<P: Plant> LocalChart<'_, P> {
+    /// Rates of the coordinates `local`, and of `beyond` states after them, from the `rates` of the plant.
+    #[inline(always)]
+    fn localised<G: Scalar, S: Over<G>>(
+        &self,
+        local: &[G],
+        beyond: usize,
+        dx: &mut [S],
+        rates: impl FnOnce(&[G], &mut [S]) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
         let Some(a) = self.plant.attitude() else {
-            return self.plant.rates_by_late(t, early, late, u, dx);
+            return rates(local, dx);
         };
-        let (mut x, mut rates) = (States::new(), States::new());
-        self.extend_globally(early, a, &mut x);
-        rest(&mut rates, x.len() + late.len());
-        self.plant.rates_by_late(t, &x, late, u, &mut rates)?;
-        localise_rates(a, &x, early, &rates, dx);
+        let (mut x, mut plant_dx) = (States::new(), States::new());
+        self.extend_globally(local, a, &mut x);
+        rest(&mut plant_dx, x.len() + beyond);
+        rates(&x, &mut plant_dx)?;
+        localise_rates(a, &x, local, &plant_dx, dx);
         Ok(())
     }
 }

@@ -4,10 +4,10 @@ use super::{Fault, Plant};
 use crate::math::Dual;
 use std::ops::Range;
 
-/// Directions carried by one dual evaluation.
-const LANES: usize = 12;
+/// A number with the derivatives that one evaluation carries.
+pub type Early = Dual<12>;
 /// The same for late states.
-const LATE_LANES: usize = 16;
+pub type Late = Dual<16>;
 
 /// f, A = df/dx and B = df/du at one point: the A_i, B_i of the paper's
 /// discretised model (section IV). Row-major; reusable without allocation.
@@ -19,11 +19,11 @@ pub struct Linearisation {
     pub a: Vec<f64>,
     /// df/du, n x m, row-major.
     pub b: Vec<f64>,
-    x: Vec<Dual<LANES>>,
-    u: Vec<Dual<LANES>>,
-    dx: Vec<Dual<LANES>>,
-    late: Vec<Dual<LATE_LANES>>,
-    late_dx: Vec<Dual<LATE_LANES>>,
+    x: Vec<Early>,
+    u: Vec<Early>,
+    dx: Vec<Early>,
+    late: Vec<Late>,
+    late_dx: Vec<Late>,
 }
 
 impl Linearisation {
@@ -75,11 +75,11 @@ impl Linearisation {
     ) -> Result<(), Fault> {
         let (n, m, felt) = (x.len(), u.len(), states.count());
         let directions = felt + m;
-        for first in (0..directions.max(1)).step_by(LANES) {
-            let count = LANES.min(directions - first);
+        for first in (0..directions.max(1)).step_by(Early::LANES) {
+            let count = Early::LANES.min(directions - first);
             seed(&mut self.x, x, first, |i| states.direction(i));
             seed(&mut self.u, u, first, |i| Some(felt + i));
-            plant.rates(Dual::from(t), &self.x, &self.u, &mut self.dx)?;
+            plant.rates_in_early(t, &self.x, &self.u, &mut self.dx)?;
             let block = first..first + count;
             for (run, to) in states.runs() {
                 scatter(&self.dx, &block, run, &mut self.a, n, to);
@@ -101,10 +101,10 @@ impl Linearisation {
         u: &[f64],
     ) -> Result<(), Fault> {
         let (n, count) = (self.f.len(), late.len());
-        for first in (0..count).step_by(LATE_LANES) {
+        for first in (0..count).step_by(Late::LANES) {
             seed(&mut self.late[..count], late, first, Some);
-            plant.rates_by_late(t, early, &self.late[..count], u, &mut self.late_dx)?;
-            let width = LATE_LANES.min(count - first);
+            plant.rates_in_late(t, early, &self.late[..count], u, &mut self.late_dx)?;
+            let width = Late::LANES.min(count - first);
             for (row, rate) in self.a.chunks_exact_mut(n).zip(&self.late_dx) {
                 row[early.len() + first..][..width].copy_from_slice(&rate.eps[..width]);
             }

@@ -5,7 +5,7 @@ mod chart;
 mod linearise;
 
 pub use chart::LocalChart;
-pub use linearise::Linearisation;
+pub use linearise::{Early, Late, Linearisation};
 
 use crate::math::{Over, Scalar, lift};
 use std::ops::Range;
@@ -206,6 +206,37 @@ pub trait Plant: Sync {
         x[early.len()..][..late.len()].copy_from_slice(late);
         lift(u, &mut inputs);
         self.rates(S::from(t), &x[..early.len() + late.len()], &inputs[..u.len()], dx)
+    }
+
+    /// [`rates`](Self::rates) in plain numbers. This and the next two are what simulators and linearisations call: a plant with
+    /// long equations that writes them again for its own type, as they stand here, is compiled once in its own crate and not
+    /// again in each that flies it.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_numbers(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        self.rates(t, x, u, dx)
+    }
+    /// [`rates`](Self::rates) with the derivatives by early states and inputs that one pass of a [`Linearisation`] carries.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_early(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        self.rates(Early::from(t), x, u, dx)
+    }
+    /// [`rates_by_late`](Self::rates_by_late) with the derivatives by late states that one pass of a [`Linearisation`] carries.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_late(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[Late],
+        u: &[f64],
+        dx: &mut [Late],
+    ) -> Result<(), Fault> {
+        self.rates_by_late(t, early, late, u, dx)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::aero::ImpulseRates;
 use crate::body::{Coordinates, LinkMotion};
 use crate::math::linear::{solve_symmetric, solve_symmetric_leading};
 use crate::math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, lift};
-use crate::plant::{Channel, Fault, MAX_COORDINATES, MAX_DEGREES, Plant};
+use crate::plant::{Channel, Early, Fault, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
 use arrayvec::ArrayVec;
 use std::ops::Range;
 
@@ -86,6 +86,22 @@ impl Plant for Robot {
     ) -> Result<(), Fault> {
         let clock = Jet::new(t, 1.0, 0.0);
         self.evaluate_parts(t, &clock, early, late, u, &[], dx, &mut Evaluation::empty())
+    }
+    fn rates_in_numbers(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        self.rates(t, x, u, dx)
+    }
+    fn rates_in_early(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        self.rates(Early::from(t), x, u, dx)
+    }
+    fn rates_in_late(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[Late],
+        u: &[f64],
+        dx: &mut [Late],
+    ) -> Result<(), Fault> {
+        self.rates_by_late(t, early, late, u, dx)
     }
 }
 

@@ -322,7 +322,7 @@ impl Fitted {
         if !self.every.iter().any(|every| k.is_multiple_of(*every)) {
             return Ok(());
         }
-        plant.rates(t, x, u, &mut self.dx)?;
+        plant.rates_in_numbers(t, x, u, &mut self.dx)?;
         let motion = self.places.motion(x, &self.dx, self.wind.at(t).0);
         for (i, instrument) in self.instruments.iter().enumerate() {
             if k.is_multiple_of(self.every[i]) {

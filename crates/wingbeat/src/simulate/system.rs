@@ -77,7 +77,7 @@ impl<P: Plant> System for P {
         Sizes { states: self.states().len(), inputs: self.inputs().len() }
     }
     fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
-        self.rates(at.t, at.x, at.u, dx)
+        self.rates_in_numbers(at.t, at.x, at.u, dx)
     }
     fn limit(&self, u: &mut [f64]) {
         for (u, channel) in u.iter_mut().zip(self.inputs()) {

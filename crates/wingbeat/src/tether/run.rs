@@ -192,7 +192,7 @@ impl Tether {
 
     /// Sets states that follow the impulse of the air to that impulse: see [`Aero::settle`].
     pub fn settle(&self, t: f64, x: &mut [f64]) {
-        self.aero.settle(&self.sections(t)[..self.aero.arcs().len()], self.wind, x);
+        self.aero.settle(&&self.sections(t)[..self.aero.arcs().len()], self.wind, x);
     }
 
     /// Runs all cycles from rest with the fourth-order Runge-Kutta method.
@@ -223,7 +223,7 @@ impl System for Tether {
     }
     fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
         let count = self.aero.arcs().len();
-        self.aero.evaluate_sum(&self.sections(at.t)[..count], self.wind, at.x, dx, None);
+        self.aero.evaluate_sum(&&self.sections(at.t)[..count], self.wind, at.x, dx, None);
         Ok(())
     }
 }

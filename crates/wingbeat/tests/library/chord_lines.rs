@@ -28,7 +28,7 @@ fn chord_lines_are_those_of_the_outline_and_move_as_they_say() {
     }
     // The velocities are those that the rates of the states give.
     let mut dx = vec![0.0; x.len()];
-    robot.rates(t, &x, &u, &mut dx).unwrap();
+    robot.rates_in_numbers(t, &x, &u, &mut dx).unwrap();
     let h = 1e-5;
     let moved = |h: f64| {
         let x: Vec<f64> = x.iter().zip(&dx).map(|(x, dx)| x + h * dx).collect();

@@ -183,7 +183,7 @@ fn moving(robot: &Robot) -> (Vec<f64>, Vec<f64>) {
 
 fn rates(robot: &Robot, x: &[f64], u: &[f64]) -> Vec<f64> {
     let mut dx = vec![0.0; x.len()];
-    robot.rates(0.02, x, u, &mut dx).unwrap();
+    robot.rates_in_numbers(0.02, x, u, &mut dx).unwrap();
     dx
 }
 

@@ -109,7 +109,7 @@ fn a_free_robot_follows_its_impulses_like_a_carried_one() {
         let (robot, t) = (scenario.robot(), 0.13);
         let (l, u) = (robot.layout(), vec![0.0; robot.inputs().len()]);
         let mut dx = vec![0.0; x.len()];
-        robot.rates(t, &x, &u, &mut dx).unwrap();
+        robot.rates_in_numbers(t, &x, &u, &mut dx).unwrap();
         let attitude = Quat::from_wxyz(&x[l.attitude..]).matrix();
         let body = BodyMotion {
             rate: Vec3::from_slice(&x[l.rate..]),
@@ -138,7 +138,7 @@ fn derivatives_through_followed_impulses_are_exact() {
     let along = |step: f64| {
         let moved: Vec<f64> = x.iter().zip(&direction).map(|(x, d)| x + step * d).collect();
         let mut dx = vec![0.0; x.len()];
-        robot.rates(t, &moved, &u, &mut dx).unwrap();
+        robot.rates_in_numbers(t, &moved, &u, &mut dx).unwrap();
         dx
     };
     let lifted: Vec<Dual<1>> = x.iter().zip(&direction).map(|(x, d)| Dual { re: *x, eps: [*d] }).collect();
@@ -158,7 +158,7 @@ fn a_flight_with_followed_impulses_begins_without_a_blow() {
     let (l, u) = (robot.layout(), vec![0.0; robot.inputs().len()]);
     let acceleration = |x: &[f64]| {
         let mut dx = vec![0.0; x.len()];
-        robot.rates(0.0, x, &u, &mut dx).unwrap();
+        robot.rates_in_numbers(0.0, x, &u, &mut dx).unwrap();
         Vec3::from_slice(&dx[l.velocity..]).norm()
     };
     let begun = scenario.start();

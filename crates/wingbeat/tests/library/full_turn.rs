@@ -73,7 +73,7 @@ fn the_rates_of_a_mirror_image_are_the_mirror_image_of_the_rates() {
             let (t, u) = (draw().abs(), vec![0.0; robot.inputs().len()]);
             let rates = |x: &[f64]| {
                 let mut dx = x.to_vec();
-                robot.rates(t, x, &u, &mut dx).unwrap();
+                robot.rates_in_numbers(t, x, &u, &mut dx).unwrap();
                 dx
             };
             let expected = mirrored(robot, &images, &rates(&x));

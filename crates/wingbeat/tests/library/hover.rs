@@ -25,7 +25,7 @@ fn thrusters_push_the_body_and_lag_their_commands() {
     let rates = |thrust: f64| {
         let (mut x, mut dx) = (start.clone(), vec![0.0; start.len()]);
         x[element] = thrust;
-        robot.rates(0.0, &x, &vec![0.0; robot.inputs().len()], &mut dx).unwrap();
+        robot.rates_in_numbers(0.0, &x, &vec![0.0; robot.inputs().len()], &mut dx).unwrap();
         dx
     };
     // What a thrust adds is linear in it, and the d'Alembert sum of an observation closes with it.

@@ -104,7 +104,7 @@ fn moving(robot: &Robot) -> Vec<f64> {
 
 fn rates(robot: &Robot, t: f64, x: &[f64]) -> Vec<f64> {
     let mut dx = vec![0.0; x.len()];
-    robot.rates(t, x, &vec![0.0; robot.inputs().len()], &mut dx).unwrap();
+    robot.rates_in_numbers(t, x, &vec![0.0; robot.inputs().len()], &mut dx).unwrap();
     dx
 }
 
@@ -166,7 +166,7 @@ fn drives_air_and_dampers_account_for_the_energy() {
         let energy = |h: f64| {
             let mut x = moving(&robot);
             let mut work = Workspace::new(x.len(), RK4.b.len());
-            RK4.step(|t, x, dx| robot.rates(t, x, &[], dx), t, h, &mut x, &mut work).unwrap();
+            RK4.step(|t, x, dx| robot.rates_in_numbers(t, x, &[], dx), t, h, &mut x, &mut work).unwrap();
             robot.observe(t + h, &x, &[]).unwrap().energy
         };
         let slope = (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
@@ -190,7 +190,7 @@ fn mirrored_elastic_joints_stay_alike() {
     let mut work = Workspace::new(x.len(), RK4.b.len());
     for i in 0..200 {
         let t = i as f64 * 5e-4;
-        RK4.step(|t, x, dx| robot.rates(t, x, &[], dx), t, 5e-4, &mut x, &mut work).unwrap();
+        RK4.step(|t, x, dx| robot.rates_in_numbers(t, x, &[], dx), t, 5e-4, &mut x, &mut work).unwrap();
     }
     assert!(x[l.joints].abs() > 1e-3, "the hinge must have moved: {}", x[l.joints]);
     assert!((x[l.joints] - x[l.joints + 1]).abs() < 1e-10, "{:?}", &x[l.joints..l.aero]);

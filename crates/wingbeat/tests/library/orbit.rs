@@ -62,7 +62,7 @@ fn the_rate_of_the_crank_follows_its_command() {
     u[input(&scenario, "command_crank")] = 5.0;
     x[rate] = 2.0;
     let mut dx = vec![0.0; x.len()];
-    robot.rates(0.0, &x, &u, &mut dx).unwrap();
+    robot.rates_in_numbers(0.0, &x, &u, &mut dx).unwrap();
     assert_eq!(dx[at], 2.0);
     assert!((dx[rate] - std::f64::consts::TAU * 12.0 * 3.0).abs() < 1e-9);
     assert_eq!(robot.inputs()[input(&scenario, "command_crank")].unit, "rad/s");
@@ -84,7 +84,7 @@ fn imbalance(name: &str) -> f64 {
     x.extend([0.0, 0.0]);
     let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
         let u = commands(t);
-        robot.rates(t, &x[..n], &u, &mut dx[..n])?;
+        robot.rates_in_numbers(t, &x[..n], &u, &mut dx[..n])?;
         let seen = robot.observe(t, &x[..n], &u)?;
         assert!(
             (seen.power - seen.drive_power - seen.regulator_power).abs() < 1e-9 * (1.0 + seen.power.abs())

@@ -66,7 +66,7 @@ fn a_symmetric_state_stays_symmetric() {
         let robot = robot(name, 1.225);
         let (x, l) = (flying(&robot, 0.0), *robot.layout());
         let mut dx = vec![0.0; x.len()];
-        robot.rates(0.02, &x, &vec![0.0; robot.inputs().len()], &mut dx).unwrap();
+        robot.rates_in_numbers(0.02, &x, &vec![0.0; robot.inputs().len()], &mut dx).unwrap();
         assert!(dx[l.velocity + 1].abs() < 1e-9, "{name}: side acceleration {}", dx[l.velocity + 1]);
         assert!(dx[l.rate].abs() < 1e-8 && dx[l.rate + 2].abs() < 1e-8, "{name}: {:?}", &dx[l.rate..][..3]);
         assert!(dx[l.velocity + 2].abs() > 0.1);
@@ -162,7 +162,7 @@ fn varied_numbers_leave_the_values_alone() {
         let varied = robot.varied(["surfaces.wing.critical_suction", "air.density_kg_m3"]).unwrap();
         let x = flying(&robot, 0.3);
         let (u, mut plain) = (vec![0.1; robot.inputs().len()], vec![0.0; x.len()]);
-        robot.rates(0.05, &x, &u, &mut plain).unwrap();
+        robot.rates_in_numbers(0.05, &x, &u, &mut plain).unwrap();
         let lift = |values: &[f64]| values.iter().map(|v| Dual::<2>::constant(*v)).collect::<Vec<_>>();
         let mut with = lift(&plain);
         varied.state_rates(Dual::constant(0.05), &lift(&x), &lift(&u), &mut with).unwrap();

@@ -84,7 +84,7 @@ impl<P: Scalar> StripModel<P> {
     pub(super) fn couple<S: Scalar + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<S, N>,
-        sections: &(impl Sections<S> + ?Sized),
+        sections: &dyn Sections<S>,
         matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
     ) {
         let (strips, count) = (&flow.strips, sections.coordinates());
@@ -125,7 +125,7 @@ impl<P: Scalar> StripModel<P> {
     pub(super) fn follow<S: Scalar + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<S, N>,
-        sections: &(impl Sections<S> + ?Sized),
+        sections: &dyn Sections<S>,
         rates: &mut ImpulseRates<S>,
     ) {
         let (drives, count, n) = (self.drives(flow), sections.coordinates(), self.settings.strips);
@@ -151,7 +151,7 @@ impl<P: Scalar> StripModel<P> {
     fn heave_and_pitch<S: Scalar + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<S, N>,
-        sections: &(impl Sections<S> + ?Sized),
+        sections: &dyn Sections<S>,
         coordinate: usize,
     ) -> (Column<S, N>, Column<S, N>) {
         let (strips, mut heave, mut pitch) = (&flow.strips, [S::ZERO; N], [S::ZERO; N]);

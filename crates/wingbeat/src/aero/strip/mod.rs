@@ -200,7 +200,7 @@ impl<P: Scalar> StripModel<P> {
     ) {
         loads.strips = 0;
         let wanted = Wanted { loads: Some(&mut *loads), coupling: None };
-        (loads.wrench, loads.added_mass) = self.evaluate_among(sections, wind, x, dx, None, wanted);
+        (loads.wrench, loads.added_mass) = self.evaluate_among(&sections, wind, x, dx, None, wanted);
     }
 
     /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
@@ -208,7 +208,7 @@ impl<P: Scalar> StripModel<P> {
     /// what the coordinates of `sections` take.
     pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        sections: &(impl Sections<G> + ?Sized),
+        sections: &dyn Sections<G>,
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
@@ -226,7 +226,7 @@ impl<P: Scalar> StripModel<P> {
     /// strips that `loads` holds. Chooses the width of the columns.
     pub(super) fn evaluate_among<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        sections: &(impl Sections<G> + ?Sized),
+        sections: &dyn Sections<G>,
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
@@ -234,10 +234,8 @@ impl<P: Scalar> StripModel<P> {
         wanted: Wanted<'_, G, S>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
         match self.settings.strips {
-            0..=8 => self.evaluate_in::<G, S, 8>(sections, wind, x, dx, others, wanted),
-            9..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, others, wanted),
+            0..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, others, wanted),
             13..=16 => self.evaluate_in::<G, S, 16>(sections, wind, x, dx, others, wanted),
-            17..=24 => self.evaluate_in::<G, S, 24>(sections, wind, x, dx, others, wanted),
             _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
         }
     }
@@ -245,7 +243,7 @@ impl<P: Scalar> StripModel<P> {
     /// The evaluation with columns of `N` lanes, of which `strips()` count.
     fn evaluate_in<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
-        sections: &(impl Sections<G> + ?Sized),
+        sections: &dyn Sections<G>,
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],
@@ -276,7 +274,7 @@ impl<P: Scalar> StripModel<P> {
     /// See [`Aero::settle`](crate::aero::Aero::settle).
     pub(super) fn settle<S: Scalar + Meets<P>>(
         &self,
-        sections: &(impl Sections<S> + ?Sized),
+        sections: &dyn Sections<S>,
         wind: Vec3<S>,
         x: &mut [S],
     ) {

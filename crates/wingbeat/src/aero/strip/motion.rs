@@ -90,7 +90,7 @@ impl<S: Scalar, const N: usize> Edges<S, N> {
 
     /// Takes the edges of `n` strips.
     #[inline(always)]
-    pub fn fill(&mut self, sections: &(impl Sections<S> + ?Sized), n: usize) {
+    pub fn fill(&mut self, sections: &dyn Sections<S>, n: usize) {
         for j in 0..=n {
             let line = ChordLine::from(&sections.section(j));
             if j < n {

@@ -230,7 +230,7 @@ impl<P: Scalar> StripModel<P> {
     /// Writes the surface's vortices among those of all.
     pub(in crate::aero) fn shed<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        sections: &(impl Sections<G> + ?Sized),
+        sections: &dyn Sections<G>,
         wind: Vec3<G>,
         x: &[S],
         [first_edge, first_strip]: [usize; 2],

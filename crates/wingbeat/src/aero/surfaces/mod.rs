@@ -239,12 +239,7 @@ impl<P: Scalar> Surfaces<P> {
     }
 
     /// As [`Aero::settle`] for all surfaces.
-    pub fn settle<S: Scalar + Meets<P>>(
-        &self,
-        sections: &(impl Sections<S> + ?Sized),
-        wind: Vec3<S>,
-        x: &mut [S],
-    ) {
+    pub fn settle<S: Scalar + Meets<P>>(&self, sections: &impl Sections<S>, wind: Vec3<S>, x: &mut [S]) {
         for surface in &self.surfaces {
             let own = Following { all: sections, first: surface.sections.start };
             surface.aero.settle(&own, wind, &mut x[surface.states()]);
@@ -265,13 +260,13 @@ impl<P: Scalar> Surfaces<P> {
             return only.aero.evaluate(sections, wind, x, dx, loads);
         }
         loads.strips = 0;
-        let vortices = self.vortices(sections, wind, x);
+        let vortices = self.vortices(&sections, wind, x);
         let mut sum = Sum::ZERO;
         for surface in &self.surfaces {
             let (own, states) = (&sections[surface.sections()], surface.states());
             let (dx, arriving) = dx.split_at_mut(self.own_states());
             let others = self.others(surface, &vortices, x, arriving);
-            sum.add(surface.aero.append(own, wind, &x[states.clone()], &mut dx[states], others, loads));
+            sum.add(surface.aero.append(&own, wind, &x[states.clone()], &mut dx[states], others, loads));
         }
         (loads.wrench, loads.added_mass) = (sum.wrench, sum.added_mass);
     }
@@ -279,7 +274,7 @@ impl<P: Scalar> Surfaces<P> {
     /// The vortices of the surfaces that others can see.
     fn vortices<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        sections: &(impl Sections<G> + ?Sized),
+        sections: &impl Sections<G>,
         wind: Vec3<G>,
         x: &[S],
     ) -> Vortices<G, S> {
@@ -315,7 +310,7 @@ impl<P: Scalar> Surfaces<P> {
     /// what the coordinates of `sections` take from all surfaces.
     pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        sections: &(impl Sections<G> + ?Sized),
+        sections: &impl Sections<G>,
         wind: Vec3<G>,
         x: &[S],
         dx: &mut [S],

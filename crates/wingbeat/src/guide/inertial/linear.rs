@@ -2,7 +2,7 @@
 
 use super::{BELIEVED, BIAS, BIASES, BODY, MISSED, State};
 use crate::math::{Dual, Quat, Scalar, Vec3};
-use crate::plant::Fault;
+use crate::plant::{Early, Fault, Plant};
 use crate::robot::Robot;
 use crate::simulate::{Instrument, Motion, Places};
 use nalgebra::{SMatrix, SVector};
@@ -37,9 +37,9 @@ pub(super) fn erring<const N: usize>(places: &Places, x: &[f64]) -> Vec<Dual<N>>
 }
 
 /// The same number with room for the directions of what is missed.
-fn widened(narrow: Dual<BODY>) -> Wide {
+fn widened(narrow: Early) -> Wide {
     let mut wide = Wide::constant(narrow.re);
-    wide.eps[..BODY].copy_from_slice(&narrow.eps);
+    wide.eps[..BODY].copy_from_slice(&narrow.eps[..BODY]);
     wide
 }
 
@@ -53,11 +53,11 @@ impl Linear {
         u: &[f64],
         missed: &[f64; MISSED],
     ) -> Result<Self, Fault> {
-        let state = erring::<BODY>(places, x);
-        let u: Vec<Dual<BODY>> = u.iter().map(|u| Dual::constant(*u)).collect();
+        let state = erring::<{ Early::LANES }>(places, x);
+        let u: Vec<Early> = u.iter().map(|u| Dual::constant(*u)).collect();
         let mut dx = vec![Dual::constant(0.0); x.len()];
-        robot.state_rates(Dual::constant(t), &state, &u, &mut dx)?;
-        let wide = |values: &[Dual<BODY>]| values.iter().map(|v| widened(*v)).collect::<Vec<Wide>>();
+        robot.rates_in_early(t, &state, &u, &mut dx)?;
+        let wide = |values: &[Early]| values.iter().map(|v| widened(*v)).collect::<Vec<Wide>>();
         let mut motion = places.motion(&wide(&state), &wide(&dx), robot.mean_wind());
         let missed: [Wide; MISSED] = std::array::from_fn(|i| Wide::variable(missed[i], BODY + i));
         motion.acceleration += motion.attitude * Vec3::from_slice(&missed);

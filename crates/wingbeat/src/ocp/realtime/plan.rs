@@ -118,7 +118,7 @@ impl Plan {
         let nodes = self.x.chunks_exact(n).zip(self.u.chunks_exact(m)).zip(self.f.chunks_exact_mut(n));
         for (k, ((x, u), f)) in nodes.enumerate() {
             let t = self.start + k as f64 * step;
-            plant.rates(t, x, u, f)?;
+            plant.rates_in_numbers(t, x, u, f)?;
             check_finite(f, t)?;
         }
         Ok(())
@@ -175,7 +175,7 @@ impl Plan {
                 let (x, u) = (&mut self.x[k * n..][..n], &self.u[k * m..][..m]);
                 let steps = ((t - reached) / substep).ceil().max(1.0);
                 let steps = Steps::new(reached, (t - reached) / steps, steps as usize);
-                let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates(t, x, u, dx);
+                let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| plant.rates_in_numbers(t, x, u, dx);
                 let stopped = RK4.integrate(&mut rates, steps, x, work).is_err();
                 // A component that is not finite stays so whatever is added to it.
                 if stopped || x.iter().any(|x| !x.is_finite()) {
