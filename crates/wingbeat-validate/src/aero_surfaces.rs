@@ -47,12 +47,12 @@ fn steady(flat: &[Flat]) -> Result<Loads<f64>, Error> {
     let sections: Vec<_> = surfaces.surfaces().iter().zip(flat).flat_map(of).collect();
     let wind = Vec3::new(-INCIDENCE.cos(), 0.0, INCIDENCE.sin());
     let (mut x, mut dx) = (vec![0.0; surfaces.states()], vec![0.0; surfaces.states()]);
+    let mut loads = Loads::default();
     for _ in 0..6000 {
-        surfaces.evaluate_sum(&sections, wind, &x, &mut dx, None);
+        surfaces.evaluate_in_numbers(&sections, wind, &x, &mut dx, &mut loads);
         x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.04 * d);
     }
-    let mut loads = Loads::default();
-    surfaces.evaluate(&sections, wind, &x, &mut dx, &mut loads);
+    surfaces.evaluate_in_numbers(&sections, wind, &x, &mut dx, &mut loads);
     Ok(loads)
 }
 

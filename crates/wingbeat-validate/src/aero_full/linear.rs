@@ -3,7 +3,8 @@
 use super::wings::Still;
 use crate::Error;
 use wingbeat::aero::{Aero, Loads};
-use wingbeat::math::{Dual, Jet, Scalar, Vec3, linear};
+use wingbeat::math::{Jet, Scalar, Vec3, linear};
+use wingbeat::plant::Early;
 use wingbeat::tether::TetheredBody;
 
 /// A complex number (real, imaginary).
@@ -29,7 +30,14 @@ pub struct SmallMotion {
     d: [Vec<f64>; 3],
 }
 
-type D = Dual<1>;
+type D = Early;
+/// What a derivative is taken by.
+#[derive(Clone, Copy, PartialEq)]
+enum Direction {
+    State(usize),
+    /// The derivative of q of this order.
+    Order(usize),
+}
 /// Derivatives of the state rates and of the outputs.
 type Column = (Vec<f64>, Vec<f64>);
 
@@ -37,15 +45,20 @@ impl SmallMotion {
     /// Linearises `model` on the wing at rest in a wind of 1 m/s from ahead.
     pub fn new(model: &Aero, wing: &Still, motion: Motion) -> Self {
         let n = model.states();
-        let probe = |state: Option<usize>, order: Option<usize>| {
+        let mut columns = Vec::with_capacity(n + 3);
+        let directions: Vec<Direction> =
+            (0..n).map(Direction::State).chain((0..3).map(Direction::Order)).collect();
+        for together in directions.chunks(D::LANES) {
             let mut x = vec![D::ZERO; n];
-            if let Some(i) = state {
-                x[i] = D::variable(0.0, 0);
+            for (lane, direction) in together.iter().enumerate() {
+                if let Direction::State(i) = direction {
+                    x[*i] = D::variable(0.0, lane);
+                }
             }
-            derivatives(model, wing, &body(motion, order), &x)
-        };
-        let columns: Vec<_> = (0..n).map(|i| probe(Some(i), None)).collect();
-        let [i0, i1, i2] = std::array::from_fn(|order| probe(None, Some(order)));
+            columns.extend(derivatives(model, wing, &body(motion, together), &x, together.len()));
+        }
+        let orders = columns.split_off(n);
+        let [i0, i1, i2] = std::array::from_fn(|order| orders[order].clone());
         let outputs = i0.1.len();
         let at = |rows: usize, pick: fn(&Column) -> &Vec<f64>| -> Vec<f64> {
             (0..rows).flat_map(|i| columns.iter().map(move |column| pick(column)[i])).collect()
@@ -138,9 +151,10 @@ fn mix(columns: &[Vec<f64>; 3], i: usize, powers: &[Complex; 3]) -> Complex {
     columns.iter().zip(powers).fold((0.0, 0.0), |y, (v, p)| (y.0 + v[i] * p.0, y.1 + v[i] * p.1))
 }
 
-/// The body at rest, with a derivative along derivative `order` of q.
-fn body(motion: Motion, order: Option<usize>) -> TetheredBody<D> {
-    let unit = |k| if order == Some(k) { D::variable(0.0, 0) } else { D::ZERO };
+/// The body at rest, with derivatives along those `directions` that are of q.
+fn body(motion: Motion, directions: &[Direction]) -> TetheredBody<D> {
+    let lane = |order| directions.iter().position(|direction| *direction == Direction::Order(order));
+    let unit = |order| lane(order).map_or(D::ZERO, |lane| D::variable(0.0, lane));
     let q = Jet::new(unit(0), unit(1), unit(2));
     match motion {
         Motion::Plunge => TetheredBody { heave: -q, ..TetheredBody::rest() },
@@ -148,17 +162,18 @@ fn body(motion: Motion, order: Option<usize>) -> TetheredBody<D> {
     }
 }
 
-/// One column of the linearisation.
-fn derivatives(model: &Aero, still: &Still, body: &TetheredBody<D>, x: &[D]) -> Column {
+/// The first `count` columns of the linearisation by the directions that body and states carry.
+fn derivatives(model: &Aero, still: &Still, body: &TetheredBody<D>, x: &[D], count: usize) -> Vec<Column> {
     let angles: Vec<_> = still.angles.iter().map(|a| Jet::from(a.x)).collect();
     let frame = body.frame();
     let sections: Vec<_> = model.arcs().iter().map(|&arc| still.wing.section(arc, &frame, &angles)).collect();
     let mut dx = vec![D::ZERO; x.len()];
     let mut loads = Loads::<D>::default();
-    model.evaluate(&sections, Vec3::new(-D::ONE, D::ZERO, D::ZERO), x, &mut dx, &mut loads);
+    model.evaluate_in_early(&sections, Vec3::new(-D::ONE, D::ZERO, D::ZERO), x, &mut dx, &mut loads);
     let strips = loads.strip[..loads.strips].iter().map(|strip| strip.total().force[2]);
-    let outputs = [loads.wrench.force[2]].into_iter().chain(strips);
-    (dx.iter().map(|d| d.eps[0]).collect(), outputs.map(|y| y.eps[0]).collect())
+    let outputs: Vec<D> = [loads.wrench.force[2]].into_iter().chain(strips).collect();
+    let column = |all: &[D], lane: usize| all.iter().map(|number| number.eps[lane]).collect();
+    (0..count).map(|lane| (column(&dx, lane), column(&outputs, lane))).collect()
 }
 
 #[cfg(test)]

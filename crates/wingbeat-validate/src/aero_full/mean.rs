@@ -44,7 +44,7 @@ fn drag_over_trefftz(still: &Still) -> Result<f64, Error> {
     let (mut x, mut dx) = (vec![0.0; model.states()], vec![0.0; model.states()]);
     let mut loads = Loads::default();
     for _ in 0..5000 {
-        model.evaluate(&sections, wind, &x, &mut dx, &mut loads);
+        model.evaluate_in_numbers(&sections, wind, &x, &mut dx, &mut loads);
         x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.06 * d);
     }
     let far = |p: Vec3| p - wind * p.dot(wind);

@@ -2,9 +2,9 @@
 
 use crate::{Error, Row};
 use std::collections::BTreeSet;
-use wingbeat::math::{Dual, Jet, Mat3, Meets, Quat, Scalar, Vec3};
+use wingbeat::math::{Jet, Mat3, Quat, Scalar, Vec3};
 use wingbeat::plant::{Fault, Plant};
-use wingbeat::robot::{BodyMotion, Robot};
+use wingbeat::robot::{BodyMotion, CarriedLoads, Robot, TOGETHER, Varying};
 use wingbeat::scenario::{ConfigError, Document, Scenario};
 
 macro_rules! shipped {
@@ -61,22 +61,63 @@ fn state(robot: &Robot, t: f64) -> Vec<f64> {
     x
 }
 
+/// A robot in numbers with or without derivatives.
+trait Computes<S: Scalar> {
+    fn rates(&self, t: f64, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault>;
+    fn carried(
+        &self,
+        clock: &Jet<S>,
+        body: &BodyMotion<S>,
+        x: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<CarriedLoads<S>, Fault>;
+}
+
+impl Computes<f64> for Robot {
+    fn rates(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        self.rates_in_numbers(t, x, u, dx)
+    }
+    fn carried(
+        &self,
+        clock: &Jet<f64>,
+        body: &BodyMotion<f64>,
+        x: &[f64],
+        u: &[f64],
+        dx: &mut [f64],
+    ) -> Result<CarriedLoads<f64>, Fault> {
+        self.carried_in_numbers(clock, body, x, u, dx)
+    }
+}
+
+impl Computes<Varying> for Robot<Varying> {
+    fn rates(&self, t: f64, x: &[Varying], u: &[Varying], dx: &mut [Varying]) -> Result<(), Fault> {
+        self.rates_in_varying(t, x, u, dx)
+    }
+    fn carried(
+        &self,
+        clock: &Jet<Varying>,
+        body: &BodyMotion<Varying>,
+        x: &[Varying],
+        u: &[Varying],
+        dx: &mut [Varying],
+    ) -> Result<CarriedLoads<Varying>, Fault> {
+        self.carried_in_varying(clock, body, x, u, dx)
+    }
+}
+
 /// Rates of the flying robot, loads on a carrier and joint efforts, at a state somewhere in flight.
-fn outcome<P: Scalar, S: Scalar + Meets<P>>(
-    robot: &Robot<P>,
-    plain: &Robot,
-    t: f64,
-) -> Result<Vec<S>, Fault> {
+fn outcome<S: Scalar>(robot: &impl Computes<S>, plain: &Robot, t: f64) -> Result<Vec<S>, Fault> {
     let (l, x) = (*plain.layout(), state(plain, t));
     let u: Vec<S> = plain.inputs().iter().map(|input| S::from(0.1 * input.low)).collect();
     let lifted: Vec<S> = x.iter().map(|state| S::from(*state)).collect();
     let mut all = vec![S::ZERO; l.len];
-    robot.state_rates(S::from(t), &lifted, &u, &mut all)?;
+    robot.rates(t, &lifted, &u, &mut all)?;
     let body = BodyMotion::steady(
         Mat3::constant(Quat::from_wxyz(&x[l.attitude..]).matrix()),
         Vec3::constant(Vec3::new(2.0, 0.1, -0.3)),
     );
-    let mut rates = vec![S::ZERO; robot.carried_states()];
+    let mut rates = vec![S::ZERO; plain.carried_states()];
     let clock = Jet::new(S::from(t), S::ONE, S::ZERO);
     let loads = robot.carried(&clock, &body, &lifted[l.structure..], &u, &mut rates)?;
     let wrench = loads.total();
@@ -85,9 +126,6 @@ fn outcome<P: Scalar, S: Scalar + Meets<P>>(
     all.extend(loads.torques.iter().copied());
     Ok(all)
 }
-
-/// Numbers varied together: few, as all that an evaluation holds on the stack grows with them.
-const TOGETHER: usize = 2;
 
 /// Arcs of stations on which a hinge lies: the chord there has a kink, and no derivative by either.
 fn on_a_kink(name: &str, values: &[(String, f64)]) -> bool {
@@ -119,25 +157,28 @@ fn compare(robot: &Robot) -> Result<Found, Error> {
     let smooth = values.iter().map(|(name, _)| name.as_str()).filter(|name| !on_a_kink(name, &values));
     let names: Vec<&str> = smooth.collect::<BTreeSet<_>>().into_iter().collect();
     let mut found = Found { worst: 0.0, name: String::new(), moving: 0, all: names.len() };
-    for pair in names.chunks(TOGETHER) {
-        let (first, last) = (pair[0], pair[pair.len() - 1]);
-        let varied = robot.varied::<TOGETHER>([first, last])?;
-        let mut moving = [false; TOGETHER];
-        for t in TIMES {
-            let exact: Vec<Dual<TOGETHER>> = outcome(&varied, robot, t)?;
-            for (k, &name) in pair.iter().enumerate() {
-                // One name given twice has all its derivatives in the first place.
-                let Some(error) = difference(robot, name, t, exact.iter().map(|e| e.eps[k]))? else {
-                    continue;
-                };
-                moving[k] = true;
-                if error > found.worst {
-                    (found.worst, found.name) = (error, name.into());
+    let judged = robot.in_batches(
+        &names,
+        |_| false,
+        |varied, names| -> Result<(), Error> {
+            let mut moving = [false; TOGETHER];
+            for t in TIMES {
+                let exact: Vec<Varying> = outcome(&varied, robot, t)?;
+                for (k, &name) in names.iter().enumerate() {
+                    let Some(error) = difference(robot, name, t, exact.iter().map(|e| e.eps[k]))? else {
+                        continue;
+                    };
+                    moving[k] = true;
+                    if error > found.worst {
+                        (found.worst, found.name) = (error, name.into());
+                    }
                 }
             }
-        }
-        found.moving += moving.iter().filter(|moving| **moving).count();
-    }
+            found.moving += moving.iter().filter(|moving| **moving).count();
+            Ok(())
+        },
+    )?;
+    judged.into_iter().collect::<Result<Vec<_>, _>>()?;
     Ok(found)
 }
 

@@ -92,7 +92,7 @@ pub fn wrench_static() -> Result<Vec<Row>, Error> {
         let rotation = Mat3::from_roll_pitch_yaw(0.9 * k, 0.53 * k - 2.0, 0.37 * k);
         let tool = Pose::constant(&Pose { rotation, origin: Vec3([0.1, 0.2, 0.3]) });
         let (cell, body) = carried_frames(&tool, &run.mount);
-        let loads = run.robot.carried(&clock, &BodyMotion::from(&body), &x, &u, &mut dx)?;
+        let loads = run.robot.carried_in_numbers(&clock, &BodyMotion::from(&body), &x, &u, &mut dx)?;
         let got = six(&(run.mount.to_cell(&loads.total()) + run.mount.wrench(&cell)));
         let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
         let mass = run.robot.mass() + run.mount.mass;
@@ -147,7 +147,7 @@ fn imbalance(run: &RigRun, carrier: &Carrier, t: f64) -> Result<(f64, f64), Erro
     let (cell, body) = carried_frames(&carrier.tool(t), &run.mount);
     let x = vec![0.0; run.robot.carried_states()];
     let u = vec![0.0; wingbeat::plant::Plant::inputs(&run.robot).len()];
-    let loads = run.robot.carried(&clock(t), &BodyMotion::from(&body), &x, &u, &mut x.clone())?;
+    let loads = run.robot.carried_in_numbers(&clock(t), &BodyMotion::from(&body), &x, &u, &mut x.clone())?;
     let on_cell = run.mount.to_cell(&loads.total()) + run.mount.wrench(&cell);
     let r = cell.pose.rotation;
     let on_payload = r * -on_cell.force;

@@ -1,6 +1,7 @@
 //! Aerodynamics of a flapping, folding wing: planform, station, section laws,
 //! Wagner lags, lifting line, added mass. Knows no body: stations come in, loads go out.
 
+mod compiled;
 mod law;
 mod lifting_line;
 mod loads;

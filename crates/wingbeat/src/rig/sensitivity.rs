@@ -5,9 +5,9 @@ use super::carrier::Mount;
 use super::cell::six;
 use super::numbers::RigNumbers;
 use crate::Error;
-use crate::math::{Dual, Scalar, Vec3, Wrench};
+use crate::math::{Scalar, Vec3, Wrench};
 use crate::plant::Fault;
-use crate::robot::{Robot, TOGETHER};
+use crate::robot::{Robot, TOGETHER, Varying};
 use crate::simulate::{Ending, Held, Moment, Observed, Sizes, Stepper, System};
 use std::ops::ControlFlow;
 
@@ -24,9 +24,6 @@ pub struct Instants {
 
 /// Fx .. Tz on the cell in its frame, N and N m, one per instant.
 pub type Wrenches = Vec<[f64; 6]>;
-
-/// A number that carries the derivatives by a batch of keys.
-type Varying = Dual<TOGETHER>;
 
 impl Experiment<'_> {
     /// The wrench on the cell at `instants`, without noise; the air at rest at the first.
@@ -110,14 +107,14 @@ const WIDTH: usize = 1 + TOGETHER;
 
 /// States with their derivatives out of plain numbers.
 fn lifted(x: &[f64]) -> Vec<Varying> {
-    let one = |of: &[f64]| Dual { re: of[0], eps: std::array::from_fn(|k| of[1 + k]) };
+    let one = |of: &[f64]| Varying { re: of[0], eps: std::array::from_fn(|k| of[1 + k]) };
     x.chunks_exact(WIDTH).map(one).collect()
 }
 
 impl Sensitive<'_, '_> {
     fn evaluated(&self, at: Moment, dx: &mut [f64]) -> Result<[Varying; 6], Fault> {
         let x = lifted(at.x);
-        let u: Vec<Varying> = at.u.iter().map(|u| Dual::constant(*u)).collect();
+        let u: Vec<Varying> = at.u.iter().map(|u| Varying::constant(*u)).collect();
         let mut rates = vec![Varying::ZERO; x.len()];
         let (cell, loads) =
             self.of.carried(&self.robot, (&self.mount, &self.numbers), (at.t, &x, &u), &mut rates)?;

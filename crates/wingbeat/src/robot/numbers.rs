@@ -48,6 +48,8 @@ impl<P: Scalar> StopNumbers<P> {
 /// Numbers of a robot that are varied together: their derivatives fill one register of the processor. An evaluation under
 /// law `lev` then takes 2 to 3 MB of stack; [`parallel`](crate::parallel) gives its threads more.
 pub const TOGETHER: usize = 4;
+/// A number with the derivatives by them.
+pub type Varying = Dual<TOGETHER>;
 
 /// Numbers of a robot: masses, springs, sections, air, drive. As duals they tell how everything that the robot
 /// does depends on them: [`Robot::varied`].
@@ -302,7 +304,7 @@ impl Robot {
         &self,
         keys: &[&str],
         foreign: impl Fn(&str) -> bool,
-        mut work: impl FnMut(Robot<Dual<TOGETHER>>, &[&str]) -> R,
+        mut work: impl FnMut(Robot<Varying>, &[&str]) -> R,
     ) -> Result<Vec<R>, Error> {
         let batch = |keys: &[&str]| -> Result<R, Error> {
             let variables = std::array::from_fn(|k| keys.get(k).copied().filter(|key| !foreign(key)));
