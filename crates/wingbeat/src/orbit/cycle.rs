@@ -1,14 +1,11 @@
 //! The flow over a cycle, with exact derivatives.
 
 use super::section::{Direction, ROLL, Section};
-use crate::math::{Dual, Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace};
-use crate::plant::{Fault, Plant};
+use crate::math::{Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace};
+use crate::plant::{Early, Fault, Plant};
 use crate::robot::Robot;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
-
-/// Directions carried by one flow.
-pub(super) const LANES: usize = 12;
 
 /// Steps of a cycle are a multiple of this number, so that it has as many equal parts.
 pub(crate) const PARTS: usize = 20;
@@ -200,6 +197,11 @@ impl<'a> Cycle<'a> {
         self.fly(&point.z, point.pace, &point.inputs, |_, _, _| Ok(()))
     }
 
+    /// The end of a cycle with derivatives, compiled here whatever [`differentiate`](Self::differentiate) makes of it.
+    fn end_in_early(&self, z: &[Early], pace: Early, inputs: &[Early]) -> Result<End<Early>, Fault> {
+        self.fly(z, pace, inputs, |_, _, _| Ok(()))
+    }
+
     /// `of` the end of a cycle from `point`, with its derivatives along `directions` of the coordinates, then along
     /// `free`: values, and one row per number with a column per direction.
     ///
@@ -210,19 +212,19 @@ impl<'a> Cycle<'a> {
         point: &Point,
         directions: &[Direction],
         free: &[Free],
-        of: impl Fn(&[Dual<LANES>], &End<Dual<LANES>>) -> Vec<Dual<LANES>>,
+        of: impl Fn(&[Early], &End<Early>) -> Vec<Early>,
     ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Fault> {
         let columns = directions.len() + free.len();
         let (mut values, mut rows) = (Vec::new(), Vec::new());
-        for first in (0..columns.max(1)).step_by(LANES) {
+        for first in (0..columns.max(1)).step_by(Early::LANES) {
             let constant =
-                |values: &[f64]| values.iter().map(|v| Dual::constant(*v)).collect::<Vec<Dual<LANES>>>();
+                |values: &[f64]| values.iter().map(|v| Early::constant(*v)).collect::<Vec<Early>>();
             let (mut z, mut inputs) = (constant(&point.z), constant(&point.inputs));
-            let mut pace = Dual::constant(point.pace);
-            let last = columns.min(first + LANES);
+            let mut pace = Early::constant(point.pace);
+            let last = columns.min(first + Early::LANES);
             for column in first..last {
                 let lane = column - first;
-                let seed = |to: &mut [Dual<LANES>], direction: &Direction| {
+                let seed = |to: &mut [Early], direction: &Direction| {
                     direction.iter().for_each(|(i, share)| to[*i].eps[lane] = *share);
                 };
                 match column.checked_sub(directions.len()) {
@@ -233,7 +235,7 @@ impl<'a> Cycle<'a> {
                     },
                 }
             }
-            let end = self.fly(&z, pace, &inputs, |_, _, _| Ok(()))?;
+            let end = self.end_in_early(&z, pace, &inputs)?;
             let outcome = of(&z, &end);
             if first == 0 {
                 values = outcome.iter().map(|o| o.re).collect();

@@ -1,8 +1,8 @@
 //! Small deviations from an orbit between phases of its cycle.
 
-use super::cycle::{Cycle, Flow, LANES, Point};
-use crate::math::{Dual, RK4, Scalar, Steps, Workspace};
-use crate::plant::{Fault, Plant};
+use super::cycle::{Cycle, Flow, Point};
+use crate::math::{RK4, Scalar, Steps, Workspace};
+use crate::plant::{Early, Fault, Plant};
 use nalgebra::DMatrix;
 
 /// What deviates from an orbit: height, the coordinates of the [`Section`](super::Section), displacements of the elements,
@@ -96,10 +96,10 @@ pub fn intervals(
     for k in 0..count {
         let (mut a, mut b) = (DMatrix::zeros(n, n), DMatrix::zeros(n, m));
         let mut next = nominal.clone();
-        for first in (0..n + m).step_by(LANES) {
-            let mut s: Vec<Dual<LANES>> = nominal.iter().map(|v| Dual::constant(*v)).collect();
-            let mut u: Vec<Dual<LANES>> = point.inputs.iter().map(|v| Dual::constant(*v)).collect();
-            let last = (n + m).min(first + LANES);
+        for first in (0..n + m).step_by(Early::LANES) {
+            let mut s: Vec<Early> = nominal.iter().map(|v| Early::constant(*v)).collect();
+            let mut u: Vec<Early> = point.inputs.iter().map(|v| Early::constant(*v)).collect();
+            let last = (n + m).min(first + Early::LANES);
             for column in first..last {
                 match column.checked_sub(n) {
                     None => s[column].eps[column - first] = 1.0,
@@ -108,13 +108,13 @@ pub fn intervals(
             }
             let mut x = deviations.state(cycle, &s);
             let clock = Steps {
-                start: Dual::constant(0.0),
-                length: Dual::constant(length),
+                start: Early::constant(0.0),
+                length: Early::constant(length),
                 first: k * steps,
                 count: steps,
             };
-            let pace = Dual::constant(point.pace);
-            let mut flow = Flow { robot: cycle.robot(), pace, u: &u, each: |_, _, _: &[Dual<LANES>]| Ok(()) };
+            let pace = Early::constant(point.pace);
+            let mut flow = Flow { robot: cycle.robot(), pace, u: &u, each: |_, _, _: &[Early]| Ok(()) };
             let mut work = Workspace::new(x.len(), RK4.b.len());
             RK4.integrate(&mut flow, clock, &mut x, &mut work)?;
             deviations.of(cycle, &x, &mut s);

@@ -3,7 +3,7 @@
 use super::cycle::{Cycle, Point};
 use super::newton::Orbit;
 use super::section::{Direction, Section};
-use crate::plant::Fault;
+use crate::plant::{Early, Fault};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -87,7 +87,7 @@ fn monodromy(
     directions: &[Direction],
     others: &[Direction],
 ) -> Result<(DMatrix<f64>, f64), Fault> {
-    let rows = |z: &[crate::math::Dual<12>]| -> Vec<crate::math::Dual<12>> {
+    let rows = |z: &[Early]| -> Vec<Early> {
         directions.iter().chain(others).map(|d| Section::along(d, z)).collect()
     };
     let (_, matrix) = cycle.differentiate(point, directions, &[], |_, end| rows(&end.z))?;

@@ -5,7 +5,7 @@ use super::cycle::{Cycle, End, Free, Point};
 use super::failure::Failure;
 use super::newton::solve;
 use super::section::{Direction, Section};
-use crate::math::Dual;
+use crate::plant::Early;
 
 /// Cycles that settle swing and lags.
 const SETTLING: usize = 12;
@@ -63,7 +63,7 @@ pub(super) fn recoil(
 }
 
 /// Growth of forward and upward velocity and of the pitch rate over a cycle.
-fn drift<const N: usize>(z: &[Dual<N>], end: &End<Dual<N>>) -> Vec<Dual<N>> {
+fn drift(z: &[Early], end: &End<Early>) -> Vec<Early> {
     ACCELERATED.map(|i| end.z[i] - z[i]).to_vec()
 }
 
