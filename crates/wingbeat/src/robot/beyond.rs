@@ -2,12 +2,12 @@
 
 use super::drive::Ratios;
 use super::dynamics::Evaluation;
-use super::observe::Observation;
+use super::observe::{Moving, Observation};
 use super::sections::{Carriers, Riding, Section};
 use super::surface::{External, between_edges};
 use super::{Joints, Links, Robot};
 use crate::aero::{Loads, StripLoads};
-use crate::body::{BaseAcceleration, Coordinates, LinkMotion};
+use crate::body::{Coordinates, LinkMotion};
 use crate::math::{Jet, Mat3, Quat, Vec3, Wrench};
 use crate::plant::Fault;
 
@@ -66,14 +66,7 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Vec<Wrench<f64>>, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let mut e = Evaluation::empty();
-        self.evaluate(t, x, u, beyond, &mut dx, &mut e)?;
-        let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
-        self.let_go(&mut joints, &mut links, &e.coordinates, &e.ratios, &e.second_rates);
-        let body = BaseAcceleration::from_slice(&e.acceleration);
-        let base = e.base.accelerated(&body);
-        let moving: Links<f64> = links.iter().map(|link| link.accelerated(&body)).collect();
-        let (wind, wind_dot) = self.wind(t, e.attitude);
+        let Moving { base, moving, wind: [wind, wind_dot], .. } = self.moving((t, x, u), beyond, &mut dx)?;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(&base, &self.carriers, &moving, wind_dot);

@@ -3,7 +3,7 @@
 use super::dynamics::Evaluation;
 use super::sections::{Carriers, Section};
 use super::surface::External;
-use super::{Links, MAX_ELEMENTS, Robot};
+use super::{Joints, Links, MAX_ELEMENTS, Robot};
 use crate::aero::{LoadSource, Loads, StripLoads};
 use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, joint_power};
 use crate::math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
@@ -58,6 +58,24 @@ pub struct Observation {
     pub clearances: Vec<f64>,
 }
 
+/// A robot with all its accelerations.
+pub(super) struct Moving {
+    /// What led to its rates.
+    pub e: Evaluation<f64>,
+    /// Joint coordinates with their second rates.
+    pub joints: Joints<f64>,
+    /// The links without the body's own acceleration.
+    pub links: Links<f64>,
+    /// That acceleration.
+    pub body: BaseAcceleration<f64>,
+    /// The body as a link, accelerated.
+    pub base: LinkMotion,
+    /// The links with the body's acceleration.
+    pub moving: Links<f64>,
+    /// Velocity of the air and its rate, in B.
+    pub wind: [Vec3; 2],
+}
+
 impl Observation {
     /// The loads of air, body drag, gravity and inertia in the order of [`LoadSource::ALL`].
     pub fn parts(&self) -> [Wrench<f64>; LoadSource::ALL.len()] {
@@ -88,15 +106,8 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let mut e = Evaluation::empty();
-        self.evaluate(t, x, u, beyond, &mut dx, &mut e)?;
-        let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
-        self.let_go(&mut joints, &mut links, &e.coordinates, &e.ratios, &e.second_rates);
-        let body = BaseAcceleration::from_slice(&e.acceleration);
-        let base = e.base.accelerated(&body);
-        let moving: Links<f64> = links.iter().map(|link| link.accelerated(&body)).collect();
-
-        let (wind, wind_dot) = self.wind(t, e.attitude);
+        let Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] } =
+            self.moving((t, x, u), beyond, &mut dx)?;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(&base, &self.carriers, &moving, wind_dot);
@@ -147,6 +158,24 @@ impl Robot {
             outlines: self.outlines(&e.base, &links),
             clearances: self.clearances.least(&links).collect(),
         })
+    }
+
+    /// The robot with its accelerations at (t, x, u) under the loads `beyond`; `dx` receives the rates.
+    pub(super) fn moving(
+        &self,
+        (t, x, u): (f64, &[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+        dx: &mut [f64],
+    ) -> Result<Moving, Fault> {
+        let mut e = Evaluation::empty();
+        self.evaluate(t, x, u, beyond, dx, &mut e)?;
+        let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
+        self.let_go(&mut joints, &mut links, &e.coordinates, &e.ratios, &e.second_rates);
+        let body = BaseAcceleration::from_slice(&e.acceleration);
+        let base = e.base.accelerated(&body);
+        let moving = links.iter().map(|link| link.accelerated(&body)).collect();
+        let (wind, wind_dot) = self.wind(t, e.attitude);
+        Ok(Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] })
     }
 
     /// Ends of the panels of every surface.
