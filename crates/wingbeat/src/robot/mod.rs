@@ -19,6 +19,7 @@ mod regulators;
 mod sections;
 mod skeleton;
 mod spec;
+mod stance;
 mod surface;
 mod thrust;
 
@@ -37,6 +38,7 @@ pub use spec::{
     StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 pub(crate) use spec::{check_number, is_of_rig};
+pub use stance::Stance;
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;
 
