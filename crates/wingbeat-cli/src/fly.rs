@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use indicatif::ProgressBar;
+use indicatif::{HumanDuration, ProgressBar};
 use wingbeat::scenario::{Document, FlightStatus, Run, Scenario};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Asked, Draw, of_flight};
@@ -16,6 +16,7 @@ use crate::outcome;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
+use crate::time_left::TimeLeft;
 
 /// Ticks of the progress bar per simulated second.
 const TICKS: f64 = 1000.0;
@@ -55,11 +56,17 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
 }
 
 fn simulate(scenario: &Scenario, interrupt: &Interrupt, quiet: bool) -> Result<Run, Error> {
-    let progress = progress(scenario.spec.flight.duration_s, quiet);
+    let duration = scenario.spec.flight.duration_s;
+    let progress = progress(duration, quiet);
+    let mut left = scenario.spec.lattice.as_ref().map_or(TimeLeft::even(), TimeLeft::in_lattice);
     let run = scenario.fly(|sample| {
         progress.set_position((TICKS * sample.t) as u64);
-        let factor = sample.t / sample.elapsed.as_secs_f64().max(1e-6);
-        progress.set_message(format!("{:.2} s simulated, {factor:.2} x real time", sample.t));
+        let elapsed = sample.elapsed.as_secs_f64();
+        let factor = sample.t / elapsed.max(1e-6);
+        left.see(sample.t, elapsed);
+        let left =
+            left.at(sample.t, duration).map_or(String::new(), |s| format!("  ({} left)", HumanDuration(s)));
+        progress.set_message(format!("{:.2} s simulated, {factor:.2} x real time{left}", sample.t));
         interrupt.flow()
     });
     let run = run.map_err(|error| scenario.explain(&error))?;
@@ -69,7 +76,7 @@ fn simulate(scenario: &Scenario, interrupt: &Interrupt, quiet: bool) -> Result<R
 }
 
 fn progress(duration: f64, quiet: bool) -> ProgressBar {
-    let template = "flying {bar:30} {percent:>3} %  {msg}  ({eta} left)";
+    let template = "flying {bar:30} {percent:>3} %  {msg}";
     progress::bar(Some((TICKS * duration) as u64), template, quiet)
 }
 

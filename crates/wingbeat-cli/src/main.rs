@@ -18,6 +18,7 @@ mod say;
 mod show;
 mod sweep;
 mod tether;
+mod time_left;
 mod trim;
 mod validate;
 mod wake;

@@ -79,7 +79,12 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     }
     if let Some(lattice) = &summary.lattice {
         let law = rows.iter().position(|row| row.0 == "lift law").unwrap_or(rows.len());
-        rows.insert(law, ("states tried a lattice step", None, number(lattice.iterations_mean), ""));
+        let of_lattice = [
+            ("attached flow", None, "assumed".into(), "by the vortex lattice, past stall too"),
+            ("states tried a lattice step", None, number(lattice.iterations_mean), ""),
+            ("way in a lattice step", None, number(lattice.way_panels), "chords of a panel"),
+        ];
+        rows.splice(law..law, of_lattice);
     }
     if let Some(hover) = &summary.hover {
         let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());

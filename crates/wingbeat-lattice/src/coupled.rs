@@ -1,8 +1,9 @@
 //! The lattice beside a robot in flight: both are stepped together.
 
-use crate::course::MOST_RINGS;
+use crate::course::{CROSSING, FAST_FROM, MOST_RINGS};
 use crate::flown::laid;
 use crate::layout::{Layout, Spacing};
+use crate::mesh::Mesh;
 use crate::motion::{Panels, Scene, Sections, Surface};
 use crate::settings::{Settings, WakeMotion};
 use crate::{Error, Lattice};
@@ -10,9 +11,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use wingbeat::aero::SectionMotion;
 use wingbeat::math::{Quat, Vec3, Wrench};
 use wingbeat::plant::Fault;
-use wingbeat::robot::{Robot, SurfaceOutline};
+use wingbeat::robot::{Robot, Stance, SurfaceOutline};
 use wingbeat::scenario::{Doors, LatticeSpec, LatticeTask};
-use wingbeat::simulate::Flow;
+use wingbeat::simulate::{Fineness, Flow};
 
 /// What a scenario may choose, with the lattice of `[lattice]`.
 ///
@@ -65,8 +66,8 @@ fn refused(error: Error, spec: &LatticeSpec) -> wingbeat::Error {
     }
 }
 
-/// Time and state in which the surfaces are.
-type Pose = Arc<Mutex<(f64, Vec<f64>)>>;
+/// How the robot is whose surfaces are asked for.
+type Pose = Arc<Mutex<Stance>>;
 
 /// A surface of a robot in the state that is being tried.
 struct Posed {
@@ -78,8 +79,7 @@ struct Posed {
 impl Sections for Posed {
     fn sections(&self, _: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
         let pose = self.pose.lock().unwrap_or_else(PoisonError::into_inner);
-        let (t, x) = (pose.0, &pose.1);
-        if self.robot.chord_lines(t, x, self.surface, arcs, out).is_err() {
+        if self.robot.chord_lines(&pose, self.surface, arcs, out).is_err() {
             // Found by the lattice as a panel that is not finite.
             let nowhere = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
             out.clear();
@@ -96,6 +96,31 @@ pub struct Beside {
     pose: Pose,
     every: usize,
     chord: f64,
+    /// What was asked for last at this instant, with its loads.
+    last: Option<(Stance, Vec<Wrench<f64>>)>,
+    way: Way,
+}
+
+/// Ways of trailing edges through the air in steps in which they moved.
+#[derive(Default)]
+struct Way {
+    edges: usize,
+    /// Sums of squares, m2 and chords of a panel.
+    squares: [f64; 2],
+}
+
+impl Way {
+    /// Goes on by those of `meshes` in a step of `step` s.
+    fn go(&mut self, meshes: &[Mesh], wind: Vec3, step: f64) {
+        for (mesh, edge) in meshes.iter().flat_map(|mesh| mesh.edges.iter().map(move |edge| (mesh, edge))) {
+            let way = (edge.v_te - wind).norm() * step;
+            if way > 0.0 {
+                let panels = way * mesh.chordwise as f64 / mesh.mean_chord();
+                self.edges += 1;
+                self.squares = [self.squares[0] + way * way, self.squares[1] + panels * panels];
+            }
+        }
+    }
 }
 
 /// Mean chord of a surface, m.
@@ -120,12 +145,12 @@ impl Beside {
             return Err(Error::Rings { rings: rings as usize, most: MOST_RINGS });
         }
         let chord = outlines.first().map_or(1.0, mean_chord);
-        let (robot, pose) = (Arc::new((*robot).clone()), Pose::default());
+        let robot = Arc::new((*robot).clone());
         let mut x = vec![0.0; robot.layout().len];
         Quat::IDENTITY.store_wxyz(&mut x[robot.layout().attitude..]);
         let coordinates = robot.start_coordinates();
         x[robot.layout().joints..][..coordinates.len()].copy_from_slice(&coordinates);
-        *pose.lock().unwrap_or_else(PoisonError::into_inner) = (0.0, x);
+        let pose = Arc::new(Mutex::new(robot.stance(0.0, &x)));
         let surface = |(number, layout): &(usize, Layout)| {
             let posed = Posed { robot: robot.clone(), surface: *number, pose: pose.clone() };
             Surface { layout: layout.clone(), sections: Arc::new(posed) }
@@ -138,9 +163,10 @@ impl Beside {
         };
         let wake = if spec.free_wake { WakeMotion::Free } else { WakeMotion::Prescribed };
         let own = Settings::new(spec.step_s, spec.core_chords * chord);
-        let settings = Settings { wake, longest_age_s, fast_from: crate::course::FAST_FROM, ..own };
+        let crossing = if spec.crossing { CROSSING } else { 0.0 };
+        let settings = Settings { wake, longest_age_s, crossing, fast_from: FAST_FROM, ..own };
         let lattice = Lattice::new(scene, settings)?;
-        Ok(Self { robot, lattice, layouts, pose, every: *every, chord })
+        Ok(Self { robot, lattice, layouts, pose, every: *every, chord, last: None, way: Way::default() })
     }
 }
 
@@ -153,18 +179,14 @@ impl Flow for Beside {
         self.chord
     }
 
-    fn loads(&mut self, t: f64, x: &[f64]) -> Result<Vec<Wrench<f64>>, Fault> {
-        {
-            let mut pose = self.pose.lock().unwrap_or_else(PoisonError::into_inner);
-            pose.0 = t;
-            pose.1.clear();
-            pose.1.extend_from_slice(x);
+    fn loads(&mut self, t: f64, at: &Stance) -> Result<Vec<Wrench<f64>>, Fault> {
+        if let Some((_, borne)) = self.last.as_ref().filter(|(last, _)| last == at) {
+            return Ok(borne.clone());
         }
+        self.pose.lock().unwrap_or_else(PoisonError::into_inner).clone_from(at);
         self.lattice.set_wind(self.robot.wind_over_time().at(t).0);
         let loads = self.lattice.attempt().map_err(|error| fault(t, &error))?;
-        let layout = self.robot.layout();
-        let attitude = Quat::from_wxyz(&x[layout.attitude..]).matrix();
-        let origin = Vec3::from_slice(&x[layout.position..]);
+        let (attitude, origin) = (at.attitude, at.origin);
         let in_body = |load: &Wrench<f64>| Wrench {
             force: attitude.transpose_mul(load.force),
             moment: attitude.transpose_mul(load.moment - origin.cross(load.force)),
@@ -172,13 +194,22 @@ impl Flow for Beside {
         let mut borne = vec![Wrench::ZERO; self.robot.bearers()];
         for ((number, layout), panels) in self.layouts.iter().zip(&loads.panels) {
             let strips: Vec<Wrench<f64>> = panels.strips.iter().map(in_body).collect();
-            self.robot.bear(t, x, (*number, &layout.arcs), &strips, &mut borne)?;
+            self.robot.bear(at, (*number, &layout.arcs), &strips, &mut borne)?;
         }
+        self.last = Some((at.clone(), borne.clone()));
         Ok(borne)
     }
 
     fn keep(&mut self) {
+        self.last = None;
+        let (wind, step) = (self.lattice.scene().wind, self.lattice.settings().step_s);
+        self.way.go(self.lattice.meshes(), wind, step);
         self.lattice.keep();
+    }
+
+    fn fineness(&self) -> Fineness {
+        let [way, panels] = self.way.squares.map(|sum| (sum / self.way.edges.max(1) as f64).sqrt());
+        Fineness { panels, cores: way / self.lattice.settings().core.radius_m }
     }
 }
 

@@ -133,8 +133,8 @@ struct Flown {
 
 impl Sections for Flown {
     fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
-        let t = t + self.from_s;
-        if self.flight.robot.chord_lines(t, &self.flight.state(t), self.surface, arcs, out).is_err() {
+        let (t, robot) = (t + self.from_s, &self.flight.robot);
+        if robot.chord_lines(&robot.stance(t, &self.flight.state(t)), self.surface, arcs, out).is_err() {
             // Found by the lattice as a panel that is not finite.
             let nowhere = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
             out.clear();

@@ -311,6 +311,10 @@ impl Lattice {
     pub fn wakes(&self) -> &[Wake] {
         &self.wakes
     }
+    /// What it is stepped with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
     /// What is stepped.
     pub fn scene(&self) -> &Scene {
         &self.scene

@@ -104,7 +104,7 @@ fn weak_coupling_diverges_where_strong_coupling_holds() {
     let (mut x, u) = (scenario.start(), []);
     let fastest = (0..10).try_fold(0.0_f64, |most, k| {
         let t = f64::from(k) * step;
-        let loads = air.loads(t, &x)?;
+        let loads = air.loads(t, &robot.stance(t, &x))?;
         air.keep();
         let own = robot.attached_loads(t, &x, &u, &[])?;
         let held: Vec<Wrench<f64>> = loads.iter().zip(own).map(|(load, own)| *load + -own).collect();
@@ -174,6 +174,18 @@ fn odd_flights_are_finite_or_end_with_their_reason() {
     assert_eq!(run.summary.status, FlightStatus::Fault);
     let reason = run.summary.reason.unwrap();
     assert!(reason.contains("surfaces touch or cross"), "{reason}");
+}
+
+/// Its wings swing through each other from .08 s on, where vortices without cores meet.
+#[test]
+fn wings_that_pass_through_each_other_fly_on_with_rounded_vortices() {
+    let set = ["lattice.step_s=0.002", "flight.duration_s=0.12"];
+    let sharp = open(shipped("passive_20g.toml", &set)).fly(|_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(sharp.summary.status, FlightStatus::Fault);
+    assert!(sharp.summary.reason.unwrap().contains("lattice.crossing"));
+    let run = fly(&open(shipped("passive_20g.toml", &set).set("lattice.crossing=true")));
+    assert!(run.summary.least_clearance_m.unwrap() < -0.002, "{:?}", run.summary.least_clearance_m);
+    assert_eq!(run.summary.lattice.map(|lattice| lattice.steps), Some(60));
 }
 
 #[test]

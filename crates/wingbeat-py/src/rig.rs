@@ -14,6 +14,8 @@ type Simulated<'py> = (String, Option<Vec<Named<'py>>>, String);
 #[pyfunction]
 pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Vec<Simulated<'_>>> {
     let runs = RigRun::load_all(&path, &overrides, &wingbeat_io::urdf_as_toml).map_err(refused)?;
+    let doors = wingbeat_lattice::doors();
+    let runs: Vec<RigRun> = runs.into_iter().map(|run| run.through(&doors)).collect();
     let done = wait::work(py, move |_| {
         let simulated = parallel::map(&runs, |_, run| {
             run.simulated(run.spec.seed.unwrap_or(0), |_| {}).map_err(|error| run.explain(&error))
@@ -31,6 +33,8 @@ pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> Py
                 "window_s": simulated.window_s,
                 "samples": simulated.record.as_ref().map_or(0, wingbeat::simulate::Record::rows),
                 "saturated": simulated.saturated,
+                "stall_fraction": simulated.stall_fraction,
+                "lattice": simulated.lattice,
             });
             Ok((name, simulated.record.map(|record| columns(py, record)), summary.to_string()))
         })

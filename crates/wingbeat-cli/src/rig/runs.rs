@@ -9,10 +9,12 @@ use crate::error::Error;
 
 /// Reads one run; its arm may be a URDF file.
 pub fn run(file: &Path, overrides: &[String]) -> Result<RigRun, Error> {
-    Ok(RigRun::new(Document::file(file)?.overridden(overrides), &urdf_as_toml)?)
+    Ok(RigRun::new(Document::file(file)?.overridden(overrides), &urdf_as_toml)?
+        .through(&wingbeat_lattice::doors()))
 }
 
 /// Reads the runs of `file`: itself, or those that it lists.
 pub fn load(file: &Path, overrides: &[String]) -> Result<Vec<RigRun>, Error> {
-    Ok(RigRun::load_all(file, overrides, &urdf_as_toml)?)
+    let runs = RigRun::load_all(file, overrides, &urdf_as_toml)?;
+    Ok(runs.into_iter().map(|run| run.through(&wingbeat_lattice::doors())).collect())
 }

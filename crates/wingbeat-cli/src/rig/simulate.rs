@@ -6,7 +6,7 @@ use std::time::Instant;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Deserialize, Serialize};
 use wingbeat::parallel;
-use wingbeat::scenario::RigRun;
+use wingbeat::scenario::{LatticeSummary, RigRun};
 use wingbeat::simulate::Record;
 use wingbeat_io::write_parquet;
 
@@ -33,6 +33,14 @@ pub struct Summary {
     pub samples: usize,
     /// Samples with a saturated channel.
     pub saturated: usize,
+    /// Share of strips and samples after the rest that are past their stall angle.
+    pub stall_fraction: f64,
+    /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<LatticeSummary>,
+    /// Cautions that a reader must know.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Wall time, s.
     pub wall_s: f64,
 }
@@ -64,6 +72,15 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
             "{name:20} {:8} {:6} samples of the simulated load cell, {saturated} saturated, {:.1} s\n",
             summary.status, summary.samples, summary.wall_s
         );
+        if let Some(lattice) = &summary.lattice {
+            told += &format!(
+                "{:20} in the lattice, attached flow assumed: {:.1} % of the strips past stall, {:.2} states tried a step\n",
+                "",
+                100.0 * summary.stall_fraction,
+                lattice.iterations_mean
+            );
+        }
+        told.extend(summary.warnings.iter().map(|warning| format!("note: {name}: {warning}\n")));
         refused += usize::from(summary.status == "refused");
         if let Some(reason) = summary.reason {
             failed.push(format!("{name}: {reason}"));
@@ -109,6 +126,9 @@ fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Summ
         window_s: simulated.window_s,
         samples: simulated.record.as_ref().map_or(0, Record::rows),
         saturated: simulated.saturated,
+        stall_fraction: simulated.stall_fraction,
+        lattice: simulated.lattice,
+        warnings: simulated.warnings,
         wall_s: start.elapsed().as_secs_f64(),
     })
 }

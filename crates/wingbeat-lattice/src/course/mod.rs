@@ -24,7 +24,7 @@ pub(crate) const MOST_RINGS: usize = 200_000;
 /// Segments of a wake from which it is summed by multipoles.
 pub(crate) const FAST_FROM: usize = 20_000;
 /// Core of bound vortices where wings pass through each other, over the distance along the arc. *Choice.*
-const CROSSING: f64 = 0.2;
+pub(crate) const CROSSING: f64 = 0.2;
 /// Fewest and most steps of a cycle that are chosen.
 const STEPS: (f64, f64) = (24.0, 400.0);
 

@@ -133,15 +133,22 @@ impl LoadCell {
     /// What [`CellSpec::check`] refuses.
     pub fn new(spec: &CellSpec, wrench: &Wrench<f64>, seed: u64) -> Result<Self, Error> {
         spec.check()?;
-        let rest = six(wrench);
-        Ok(Self {
+        let mut cell = Self {
             spec: spec.clone(),
             step: 1.0 / spec.rate_hz,
-            resonance: rest.map(|x| [x, 0.0]),
-            filtered: rest,
+            resonance: [[0.0; 2]; 6],
+            filtered: [0.0; 6],
             samples: 0,
             random: Random::new(seed),
-        })
+        };
+        cell.rest(wrench);
+        Ok(cell)
+    }
+
+    /// Lets the cell rest under `wrench`.
+    pub fn rest(&mut self, wrench: &Wrench<f64>) {
+        self.filtered = six(wrench);
+        self.resonance = self.filtered.map(|x| [x, 0.0]);
     }
 
     /// The next sample under `wrench` (in the cell's frame), held over one sampling step.

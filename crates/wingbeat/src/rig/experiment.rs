@@ -8,8 +8,11 @@ use crate::Error;
 use crate::body::MotorWork;
 use crate::math::{Jet, Mat3, Quat, Random, Scalar, Wrench};
 use crate::plant::{Fault, Plant};
-use crate::robot::{CarriedLoads, Robot};
-use crate::simulate::{Column, Ending, Held, Moment, Observed, Record, Sizes, Stepper, System};
+use crate::robot::{BodyMotion, CarriedLoads, Robot, Stance};
+use crate::simulate::{
+    Bears, Beyond, Column, Coupling, Ending, Flow, Held, Moment, Observed, Record, Sizes, Steers, Stepper,
+    System, step_in,
+};
 use std::ops::ControlFlow;
 
 /// A run ready to be simulated.
@@ -52,6 +55,10 @@ pub struct Outcome {
     pub record: Record,
     /// Samples with a saturated channel.
     pub saturated: usize,
+    /// Share of strips and samples after the rest that are past their stall angle.
+    pub stall_fraction: f64,
+    /// How the robot and the air that was stepped beside it were brought together.
+    pub coupling: Option<Coupling>,
 }
 
 /// Loads of one instant, without noise.
@@ -67,53 +74,83 @@ pub struct CellLoads {
     pub phase: f64,
     /// What the motor does, where one turns the crank.
     pub motor: Option<MotorWork>,
+    /// Share of the strips past their stall angle.
+    pub stalled: f64,
 }
 
+/// A state with the loads of the air from beyond the robot's models.
+type At<'a> = (f64, (&'a [f64], &'a [f64]), &'a [Wrench<f64>]);
+
 impl Experiment<'_> {
-    /// Simulates the run sample by sample at the cell's rate; `progress` sees the share done.
+    /// Simulates the run sample by sample at the cell's rate, in the air `flow` if there is one; `progress` sees the share done.
     ///
     /// # Errors
     /// Bad numbers of the cell; a fault of the model comes back with its time.
-    pub fn simulate(&self, mut progress: impl FnMut(f64)) -> Result<Result<Outcome, Fault>, Error> {
+    pub fn simulate(
+        &self,
+        flow: Option<&mut dyn Flow>,
+        mut progress: impl FnMut(f64),
+    ) -> Result<Result<Outcome, Fault>, Error> {
         self.cell.check()?;
         let step = 1.0 / self.cell.rate_hz;
-        let samples = ((self.rest + self.duration) * self.cell.rate_hz).round() as usize;
+        let samples = self.samples();
         let mut record = Record::new(self.columns(), samples + 1)?;
         let mut row = Vec::new();
-        let mut saturated = 0;
+        let (mut saturated, mut stalled) = (0, (0, 0.0));
         let begun = match self.still(self.robot, (&self.numbers.mount(self.mount), &self.numbers), -self.rest)
         {
             Ok(x) => x,
             Err(fault) => return Ok(Err(fault)),
         };
-        let mut stepper = Stepper::new(self, -self.rest, &begun);
-        let first = match stepper.observe() {
-            Ok(first) => first,
-            Err(fault) => return Ok(Err(fault)),
-        };
-        let mut cell = LoadCell::new(self.cell, &first.wrench, self.seed)?;
+        let mut cell = LoadCell::new(self.cell, &Wrench::ZERO, self.seed)?;
         let mut random = Random::stream(self.seed, UNREST);
         let mut unrest = Unrest::new(step, self.deviations.unrest_time_s);
-        let mut measure = Held(|k: usize, at: Moment| {
-            let now = self.observed(at)?;
+        let mut measure = |k: usize, (t, states, beyond): At| {
+            let now = self.look((t, states, beyond))?;
             let mut load = now.wrench;
-            if self.deviations.is_restless() && at.t >= 0.0 {
+            if self.deviations.is_restless() && t >= 0.0 {
                 let noise = unrest.next(&mut random);
                 load += wrench(std::array::from_fn(|i| noise[i] * self.deviations.unrest[i]));
             }
+            if t >= 0.0 {
+                stalled = (stalled.0 + 1, stalled.1 + now.stalled);
+            }
+            if k == 0 {
+                cell.rest(&now.wrench);
+            }
             let reading = cell.sample(&load);
             saturated += usize::from(reading.saturated);
-            self.fill(&mut row, at.t, &now, &reading.values);
+            self.fill(&mut row, t, &now, &reading.values);
             record.append_finite(&row)?;
             if k.is_multiple_of(512) {
                 progress(k as f64 / samples as f64);
             }
             Ok(ControlFlow::Continue(()))
-        });
-        match stepper.run(step, samples, &mut measure) {
+        };
+        let (ending, coupling) = match flow {
+            None => {
+                let mut watched = Held(|k: usize, at: Moment| measure(k, (at.t, (at.x, at.u), &[])));
+                (Stepper::new(self, -self.rest, &begun).run(step, samples, &mut watched), None)
+            }
+            Some(flow) => {
+                let beside = Beside(self);
+                let mut stepper = Stepper::new(&beside, -self.rest, &begun);
+                let (ending, coupling) = step_in(flow, &mut stepper, (step, samples), &mut Watched(measure));
+                (ending, Some(coupling))
+            }
+        };
+        let stall_fraction = stalled.1 / f64::from(stalled.0.max(1));
+        match ending {
             Ending::Fault(fault) => Ok(Err(fault)),
-            Ending::Complete | Ending::Stopped => Ok(Ok(Outcome { record, saturated })),
+            Ending::Complete | Ending::Stopped => {
+                Ok(Ok(Outcome { record, saturated, stall_fraction, coupling }))
+            }
         }
+    }
+
+    /// Samples after the first.
+    pub fn samples(&self) -> usize {
+        ((self.rest + self.duration) * self.cell.rate_hz).round() as usize
     }
 
     /// The gait's clock at `t`, with the pace of the crank; its rate is a motor's share of its supply voltage.
@@ -143,10 +180,9 @@ impl Experiment<'_> {
         t: f64,
     ) -> Result<Vec<S>, Fault> {
         let mut x = robot.carried_still();
-        let cell = FrameMotion::from_jets(&(self.carrier.tool(t) * Pose::constant(&mount.cell)));
-        let clock = numbers.rippled(self.clock(t), std::f64::consts::TAU * self.robot.frequency_hz());
+        let (_, clock, body) = self.motion(mount, numbers, t);
         let inputs = vec![S::ZERO; self.robot.inputs().len()];
-        robot.settle_carried(&clock, &mount.body_motion(&cell), &mut x, &inputs)?;
+        robot.settle_carried(&clock, &body, &mut x, &inputs)?;
         Ok(x)
     }
 
@@ -158,17 +194,43 @@ impl Experiment<'_> {
         (t, x, u): (f64, &[S], &[S]),
         dx: &mut [S],
     ) -> Result<(FrameMotion, CarriedLoads<S>), Fault> {
-        let cell = FrameMotion::from_jets(&(self.carrier.tool(t) * Pose::constant(&mount.cell)));
-        let clock = numbers.rippled(self.clock(t), std::f64::consts::TAU * self.robot.frequency_hz());
-        let loads = robot.carried(&clock, &mount.body_motion(&cell), x, u, dx)?;
+        let (cell, clock, body) = self.motion(mount, numbers, t);
+        let loads = robot.carried(&clock, &body, x, u, dx)?;
         Ok((cell, loads))
     }
 
-    /// The same of the robot and rig as they are.
-    fn carried_now(&self, at: Moment, dx: &mut [f64]) -> Result<(FrameMotion, Mount, CarriedLoads), Fault> {
+    /// Motion of the cell, clock of the gait and motion of the body at `t`.
+    fn motion<S: Scalar>(
+        &self,
+        mount: &Mount<S>,
+        numbers: &RigNumbers<S>,
+        t: f64,
+    ) -> (FrameMotion, Jet<S>, BodyMotion<S>) {
+        let cell = FrameMotion::from_jets(&(self.carrier.tool(t) * Pose::constant(&mount.cell)));
+        let clock = numbers.rippled(self.clock(t), std::f64::consts::TAU * self.robot.frequency_hz());
+        (cell, clock, mount.body_motion(&cell))
+    }
+
+    /// Loads of the robot on the mount as they are, the loads `beyond` included.
+    fn carried_now(
+        &self,
+        (t, states, beyond): At,
+        dx: &mut [f64],
+    ) -> Result<(FrameMotion, Mount, CarriedLoads), Fault> {
         let mount = self.numbers.mount(self.mount);
-        let (cell, loads) = self.carried(self.robot, (&mount, &self.numbers), (at.t, at.x, at.u), dx)?;
+        let (cell, clock, body) = self.motion(&mount, &self.numbers, t);
+        let loads = self.robot.carried_beyond(&clock, &body, states, beyond, dx)?;
         Ok((cell, mount, loads))
+    }
+
+    /// Looks at the run under loads from beyond.
+    fn look(&self, at: At) -> Result<CellLoads, Fault> {
+        let (t, (x, _), _) = at;
+        let (cell, mount, loads) = self.carried_now(at, &mut vec![0.0; x.len()])?;
+        let wrench = mount.to_cell(&loads.total()) + mount.wrench(&cell);
+        let (phase, motor) = self.robot.carried_crank(&self.clock(t), x);
+        let air = loads.air.total() + loads.body_drag;
+        Ok(CellLoads { wrench, air, inertia: loads.inertia, phase, motor, stalled: loads.stalled })
     }
 
     fn columns(&self) -> Vec<Column> {
@@ -227,7 +289,7 @@ impl System for Experiment<'_> {
         Sizes { states: self.robot.carried_states(), inputs: self.robot.inputs().len() }
     }
     fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
-        self.carried_now(at, dx).map(|_| ())
+        self.carried_now((at.t, (at.x, at.u), &[]), dx).map(|_| ())
     }
 }
 
@@ -235,11 +297,57 @@ impl Observed for Experiment<'_> {
     type Observation = CellLoads;
 
     fn observed(&self, at: Moment) -> Result<CellLoads, Fault> {
-        let (cell, mount, loads) = self.carried_now(at, &mut vec![0.0; at.x.len()])?;
-        let wrench = mount.to_cell(&loads.total()) + mount.wrench(&cell);
-        let (phase, motor) = self.robot.carried_crank(&self.clock(at.t), at.x);
-        let air = loads.air.total() + loads.body_drag;
-        Ok(CellLoads { wrench, air, inertia: loads.inertia, phase, motor })
+        self.look((at.t, (at.x, at.u), &[]))
+    }
+}
+
+/// A run with loads of the air beside it in its memory.
+struct Beside<'a>(&'a Experiment<'a>);
+
+impl System for Beside<'_> {
+    type Memory = Beyond;
+
+    fn sizes(&self) -> Sizes {
+        self.0.sizes()
+    }
+    fn slope(&self, at: Moment<Beyond>, dx: &mut [f64]) -> Result<(), Fault> {
+        self.0.carried_now((at.t, (at.x, at.u), &at.memory.at(at.t)), dx).map(|_| ())
+    }
+}
+
+impl Bears for Beside<'_> {
+    fn robot(&self) -> &Robot {
+        self.0.robot
+    }
+    fn stance(&self, t: f64, x: &[f64]) -> Stance {
+        let mount = self.0.numbers.mount(self.0.mount);
+        let (cell, clock, body) = self.0.motion(&mount, &self.0.numbers, t);
+        self.0.robot.carried_stance(&clock, cell.pose.point(mount.body.origin), &body, x)
+    }
+    fn attached_loads(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        beyond: &[Wrench<f64>],
+    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        let mount = self.0.numbers.mount(self.0.mount);
+        let (_, clock, body) = self.0.motion(&mount, &self.0.numbers, t);
+        self.0.robot.carried_attached_loads(&clock, &body, (x, u), beyond)
+    }
+}
+
+/// A run is watched and not steered.
+struct Watched<F>(F);
+
+impl<F: FnMut(usize, At) -> Result<ControlFlow<()>, Fault>> Steers for Watched<F> {
+    fn see(
+        &mut self,
+        k: usize,
+        (t, x, u): (f64, &[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+    ) -> Result<ControlFlow<()>, Fault> {
+        (self.0)(k, (t, (x, u), beyond))
     }
 }
 

@@ -1,15 +1,24 @@
 //! The robot under loads on its links that come from beyond its own model of the air.
 
-use super::drive::Ratios;
 use super::dynamics::Evaluation;
 use super::observe::{Moving, Observation};
-use super::sections::{Carriers, Riding, Section};
+use super::sections::Carriers;
 use super::surface::{External, between_edges};
-use super::{Joints, Links, Robot};
+use super::{BodyMotion, CarriedLoads, Robot, Stance};
 use crate::aero::{Loads, StripLoads};
-use crate::body::{Coordinates, LinkMotion};
-use crate::math::{Jet, Mat3, Quat, Vec3, Wrench};
+use crate::body::Coordinates;
+use crate::math::{Jet, Wrench};
 use crate::plant::Fault;
+
+/// `air` with the loads `beyond`, if there are any.
+fn with_beyond(air: StripLoads<f64>, beyond: &[Wrench<f64>]) -> StripLoads<f64> {
+    if beyond.is_empty() {
+        return air;
+    }
+    let StripLoads { circulatory, induced_drag, added_mass, profile_drag } = air;
+    let sum = beyond.iter().fold(circulatory + induced_drag + added_mass, |sum, load| sum + *load);
+    StripLoads { circulatory: sum, profile_drag, ..StripLoads::default() }
+}
 
 impl Robot {
     /// As [`Plant::rates`](crate::plant::Plant::rates), with the loads `beyond` on the links in the order of the tree, the body
@@ -41,11 +50,7 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Observation, Fault> {
         let mut seen = self.look(t, x, u, beyond)?;
-        if !beyond.is_empty() {
-            let StripLoads { circulatory, induced_drag, added_mass, profile_drag } = seen.air;
-            let sum = beyond.iter().fold(circulatory + induced_drag + added_mass, |sum, load| sum + *load);
-            seen.air = StripLoads { circulatory: sum, profile_drag, ..StripLoads::default() };
-        }
+        seen.air = with_beyond(seen.air, beyond);
         Ok(seen)
     }
 
@@ -70,22 +75,61 @@ impl Robot {
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(&base, &self.carriers, &moving, wind_dot);
-        let (aero, covering) = (self.layout.aero, &self.covering);
+        let aero = self.layout.aero;
         let mut loads = Loads::default();
-        let motions = covering.motions(&carriers);
-        covering.aero.evaluate(&motions, wind, &x[aero..], &mut dx[aero..], &mut loads);
-        let attached: Vec<Wrench<f64>> = loads.strip[..loads.strips]
-            .iter()
-            .map(|strip| strip.circulatory + strip.induced_drag + strip.added_mass)
-            .collect();
-        let mut external = External::new();
-        external.extend(std::iter::repeat_n(Wrench::ZERO, self.bearers()));
-        covering.share(&covering.riding(&carriers), &attached, &mut external);
-        Ok(external.to_vec())
+        let motions = self.covering.motions(&carriers);
+        self.covering.aero.evaluate(&motions, wind, &x[aero..], &mut dx[aero..], &mut loads);
+        Ok(self.attached(&carriers, &loads))
     }
 
-    /// Adds to `external`, the loads on links and body, what these bear of loads on strips of the surface number `surface`
-    /// between the arc coordinates `arcs` (m), which are about the body origin, in B.
+    /// `loads` of the strips but for the profile drag, on links and body.
+    fn attached(&self, carriers: &Carriers<f64>, loads: &Loads<f64>) -> Vec<Wrench<f64>> {
+        let strips = loads.strip[..loads.strips].iter();
+        let attached: Vec<Wrench<f64>> =
+            strips.map(|strip| strip.circulatory + strip.induced_drag + strip.added_mass).collect();
+        let mut external = External::new();
+        external.extend(std::iter::repeat_n(Wrench::ZERO, self.bearers()));
+        self.covering.share(&self.covering.riding(carriers), &attached, &mut external);
+        external.to_vec()
+    }
+
+    /// [`attached_loads`](Self::attached_loads) of a robot that is carried, as for [`carried`](Self::carried).
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn carried_attached_loads(
+        &self,
+        clock: &Jet,
+        body: &BodyMotion,
+        (x, u): (&[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        let mut attached = Vec::new();
+        let seen = |carriers: &Carriers<f64>, loads: &Loads<f64>| attached = self.attached(carriers, loads);
+        self.carry(clock, body, (x, u), beyond, &mut vec![0.0; x.len()], seen)?;
+        Ok(attached)
+    }
+
+    /// As [`carried`](Self::carried), under the loads `beyond` as [`rates_beyond`](Self::rates_beyond) takes them: with them the loads
+    /// of the surfaces but for the profile drag are one sum, written as circulatory.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn carried_beyond(
+        &self,
+        clock: &Jet,
+        body: &BodyMotion,
+        (x, u): (&[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+        dx: &mut [f64],
+    ) -> Result<CarriedLoads, Fault> {
+        let mut loads = self.carry(clock, body, (x, u), beyond, dx, |_, _| ())?;
+        loads.air = with_beyond(loads.air, beyond);
+        Ok(loads)
+    }
+
+    /// Adds to `external`, the loads on links and body of a robot as it is `at`, what these bear of loads on strips of the
+    /// surface number `surface` between the arc coordinates `arcs` (m), which are about the body origin, in B.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -94,14 +138,13 @@ impl Robot {
     /// When there is no such surface.
     pub fn bear(
         &self,
-        t: f64,
-        x: &[f64],
+        at: &Stance,
         (surface, arcs): (usize, &[f64]),
         strips: &[Wrench<f64>],
         external: &mut [Wrench<f64>],
     ) -> Result<(), Fault> {
         let body = external.len() - 1;
-        self.riding_at(t, x, surface, arcs, |riding, _| {
+        self.riding_at(at, surface, arcs, |riding| {
             for (j, load) in strips.iter().enumerate() {
                 let links = [j, j + 1].map(|i| riding.sections[i].link);
                 if links[0] == links[1] {
@@ -117,35 +160,5 @@ impl Robot {
                 external[own.unwrap_or(body)] += Wrench::couple(rest);
             }
         })
-    }
-
-    /// `then` with the sections of the surface number `surface` at the arc coordinates `arcs`, riding on links whose accelerations
-    /// are left out, and with the attitude.
-    pub(super) fn riding_at<T>(
-        &self,
-        t: f64,
-        x: &[f64],
-        surface: usize,
-        arcs: &[f64],
-        then: impl FnOnce(&Riding<f64, f64>, Mat3) -> T,
-    ) -> Result<T, Fault> {
-        let l = &self.layout;
-        let attitude = Quat::from_wxyz(&x[l.attitude..]).matrix();
-        let velocity = attitude.transpose_mul(Vec3::from_slice(&x[l.velocity..]));
-        let rate = Vec3::from_slice(&x[l.rate..]);
-        let structure = &x[l.structure..];
-        let inputs = vec![0.0; self.inputs.len()];
-        let mut rates = vec![0.0; l.joints - l.structure];
-        let (mut joints, mut ratios) = (Joints::new(), Ratios::new());
-        self.joints(&Jet::new(t, 1.0, 0.0), structure, &inputs, &mut rates, &mut joints, &mut ratios)?;
-        let mut links = Links::new();
-        self.links(&joints, velocity, rate, &mut links);
-        let base = LinkMotion::base(velocity, rate);
-        let still = Coordinates::none();
-        let mut carriers = Carriers::none(&still);
-        carriers.follow(&base, &self.carriers, &links, Vec3::ZERO);
-        let placement = &self.covering.laid[surface].placement;
-        let sections: Vec<Section> = arcs.iter().map(|s| placement.section(*s, &self.carriers)).collect();
-        Ok(then(&Riding { sections: &sections, carriers: &carriers }, attitude))
     }
 }

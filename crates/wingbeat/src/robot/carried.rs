@@ -1,7 +1,7 @@
 //! The robot with its body carried along a given motion: on a test rig, in a tunnel, on a stand.
 
 use super::drive::Ratios;
-use super::dynamics::System;
+use super::dynamics::{System, of_numbers};
 use super::sections::Carriers;
 use super::surface::External;
 use super::{Joints, Links, Robot};
@@ -104,6 +104,21 @@ impl<P: Scalar> Robot<P> {
         u: &[S],
         dx: &mut [S],
     ) -> Result<CarriedLoads<S>, Fault> {
+        self.carry(clock, body, (x, u), &[], dx, |_, _| ())
+    }
+
+    /// The same with the loads `beyond` on links and body from beyond the surfaces' models, which [`CarriedLoads::air`] lacks; `seen`
+    /// is shown the loads of the strips and what they ride on.
+    #[inline(always)]
+    pub(super) fn carry<S: Scalar + Meets<P>>(
+        &self,
+        clock: &Jet<S>,
+        body: &BodyMotion<S>,
+        (x, u): (&[S], &[S]),
+        beyond: &[Wrench<f64>],
+        dx: &mut [S],
+        seen: impl FnOnce(&Carriers<S>, &Loads<S>),
+    ) -> Result<CarriedLoads<S>, Fault> {
         let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
         let (mut joints, mut links) = (Joints::new(), Links::new());
         let mut ratios = Ratios::new();
@@ -126,7 +141,7 @@ impl<P: Scalar> Robot<P> {
             let mut carriers = Carriers::none(&coordinates);
             carriers.follow(&base, &self.carriers, &moving, wind_dot);
             let second_rates = self
-                .second_rates(&moving, &carriers, gravity, (wind, clock.d), x, dx)
+                .second_rates(&moving, &carriers, gravity, (wind, clock.d), (x, beyond), dx)
                 .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
             self.store_coordinate_rates(&x[..structure], &second_rates, &mut dx[elements..structure]);
             self.let_go(&mut joints, &mut links, &coordinates, &ratios, &second_rates);
@@ -137,7 +152,9 @@ impl<P: Scalar> Robot<P> {
         carriers.follow(&base, &self.carriers, &moving, wind_dot);
         let (x, dx) = (&x[structure..], &mut dx[structure..]);
         let mut loads = Loads::default();
-        let external = self.air_loads(&carriers, wind, x, dx, &mut loads);
+        let mut external = self.air_loads(&carriers, wind, x, dx, &mut loads);
+        external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += of_numbers(beyond));
+        seen(&carriers, &loads);
         let body_drag = self.body_drag(v - wind);
         Ok(CarriedLoads {
             air: loads.by_source(),
@@ -194,14 +211,14 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// Second rates of elastic joints and crank with the body's acceleration imposed; `moving` and
-    /// `carriers` hold it. `wind` and `supply`: velocity of the air, the motor's share of its voltage.
+    /// `carriers` hold it. `wind` and `supply`: velocity of the air, the motor's share of its voltage; `beyond` as for `carry`.
     fn second_rates<S: Scalar + Meets<P>>(
         &self,
         moving: &[LinkMotion<S>],
         carriers: &Carriers<S>,
         gravity: Vec3<S>,
         (wind, supply): (Vec3<S>, S),
-        x: &[S],
+        (x, beyond): (&[S], &[Wrench<f64>]),
         dx: &mut [S],
     ) -> Option<[S; MAX_COORDINATES]> {
         let structure = self.structure_states();
@@ -214,6 +231,7 @@ impl<P: Scalar> Robot<P> {
             &mut system.forces,
         );
         self.add_efforts(&x[..structure], supply, &mut system);
+        self.add_beyond(beyond, carriers, &mut system.forces);
         // The rates of the air are those of the loads that follow, with these second rates.
         system.add_air(self, carriers, (wind, None), &x[structure..], &mut dx[structure..]);
         let degrees = system.solve(None, carriers.coordinates.count())?;

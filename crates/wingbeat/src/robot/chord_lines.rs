@@ -1,14 +1,13 @@
 //! Chord lines of a robot's surfaces in W, wherever along the span they are asked for.
 
-use super::Robot;
+use super::{Robot, Stance};
 use crate::aero::SectionMotion;
-use crate::math::Vec3;
 use crate::plant::Fault;
 
 impl Robot {
-    /// Places and velocities of the chord lines of the surface number `surface` at the arc coordinates `arcs` (m, left positive) in
-    /// the state `x` at `t` s, in W, in place of what `out` holds; the rest of a section's motion is left zero. A chord line on a hinge
-    /// belongs to the inner link.
+    /// Places and velocities of the chord lines of the surface number `surface` at the arc coordinates `arcs` (m, left positive) of
+    /// a robot as it is `at`, in W, in place of what `out` holds; the rest of a section's motion is left zero. A chord line on a
+    /// hinge belongs to the inner link.
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable there.
@@ -17,14 +16,13 @@ impl Robot {
     /// When there is no such surface.
     pub fn chord_lines(
         &self,
-        t: f64,
-        x: &[f64],
+        at: &Stance,
         surface: usize,
         arcs: &[f64],
         out: &mut Vec<SectionMotion<f64>>,
     ) -> Result<(), Fault> {
-        let origin = Vec3::from_slice(&x[self.layout.position..]);
-        self.riding_at(t, x, surface, arcs, |riding, attitude| {
+        let (origin, attitude) = (at.origin, at.attitude);
+        self.riding_at(at, surface, arcs, |riding| {
             out.clear();
             out.extend((0..arcs.len()).map(|i| {
                 let section = riding.at(i);

@@ -237,9 +237,7 @@ impl<P: Scalar> Robot<P> {
         let System { mass: matrix, forces, .. } = &mut system;
         self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, matrix, forces);
         self.add_efforts(structure, G::ONE, &mut system);
-        for (link, load) in beyond.iter().enumerate().take(self.mechanism.tree.links()) {
-            carriers.project(link, &of_numbers::<G>(load), &mut system.forces);
-        }
+        self.add_beyond(beyond, carriers, &mut system.forces);
         let mut impulses = ImpulseRates::none();
         let lacking = follows.then_some(&mut impulses);
         let mut net = system.add_air(self, carriers, (wind, lacking), air, air_rates);
@@ -280,6 +278,18 @@ impl<P: Scalar> Robot<P> {
         }
         if self.motor.is_some() {
             self.add_crank(links, ratios, coordinates);
+        }
+    }
+
+    /// Adds what the loads `beyond` on the links are along the coordinates.
+    pub(super) fn add_beyond<G: Scalar>(
+        &self,
+        beyond: &[Wrench<f64>],
+        carriers: &Carriers<G>,
+        forces: &mut [G],
+    ) {
+        for (link, load) in beyond.iter().enumerate().take(self.mechanism.tree.links()) {
+            carriers.project(link, &of_numbers::<G>(load), forces);
         }
     }
 
@@ -339,7 +349,7 @@ impl<P: Scalar> Robot<P> {
 }
 
 /// A load in another type.
-fn of_numbers<S: Scalar>(load: &Wrench<f64>) -> Wrench<S> {
+pub(super) fn of_numbers<S: Scalar>(load: &Wrench<f64>) -> Wrench<S> {
     Wrench { force: Vec3(load.force.0.map(S::from)), moment: Vec3(load.moment.0.map(S::from)) }
 }
 

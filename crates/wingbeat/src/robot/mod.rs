@@ -20,6 +20,7 @@ mod regulators;
 mod sections;
 mod skeleton;
 mod spec;
+mod stance;
 mod surface;
 mod thrust;
 
@@ -38,6 +39,7 @@ pub use spec::{
     StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 pub(crate) use spec::{check_number, is_of_rig};
+pub use stance::Stance;
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;
 

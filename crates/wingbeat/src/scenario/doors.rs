@@ -104,6 +104,11 @@ impl Doors {
         self
     }
 
+    /// What makes the air of `[lattice]`.
+    pub(super) fn makes_lattice(&self) -> Option<MakeLattice> {
+        self.lattice
+    }
+
     /// What `spec`, read from `document`, chooses.
     pub(super) fn choose(&self, spec: &ScenarioSpec, document: &Document) -> Result<Choice, ConfigError> {
         let manoeuvre: Option<Arc<dyn Manoeuvre>> = match &spec.manoeuvre {

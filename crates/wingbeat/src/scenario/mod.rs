@@ -386,6 +386,7 @@ impl Scenario {
         let recorded = recorder.finish();
         let mut summary = self.summarise(&recorded, &flight, schedule, error);
         summary.lattice = coupling;
+        summary.warnings.extend(coupling.iter().flat_map(LatticeSummary::cautions));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 

@@ -1,7 +1,7 @@
 //! Runs on the test rig, checked and built.
 
 use super::rig_spec::{HoldSpec, RigRunSpec, RunList};
-use super::{ConfigError, Document, RunName, Translate};
+use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Translate};
 use crate::Error;
 use crate::math::{Mat3, Vec3};
 use crate::plant::Fault;
@@ -35,6 +35,8 @@ pub struct RigRun {
     drawn: Mount,
     /// How the rig differs from that.
     numbers: RigNumbers,
+    /// What makes the air of a lattice.
+    lattice: Option<MakeLattice>,
 }
 
 impl RigRun {
@@ -99,6 +101,12 @@ impl RigRun {
         Ok(runs)
     }
 
+    /// The run in the air of a lattice, where it asks for one and `doors` have it.
+    #[must_use]
+    pub fn through(self, doors: &Doors) -> Self {
+        Self { lattice: doors.makes_lattice(), ..self }
+    }
+
     /// Says where the value that `error` refuses was given.
     pub fn explain(&self, error: &Error) -> ConfigError {
         self.document.explain(error)
@@ -116,6 +124,7 @@ impl RigRun {
         }
         spec.rig.check().map_err(|e| e.within("rig"))?;
         spec.check_samples()?;
+        spec.lattice_samples()?;
         let (profile, key) = match &spec.profile {
             Some(profile) => (profile, "profile"),
             None => (&spec.rig.profile, "rig.profile"),
@@ -138,6 +147,7 @@ impl RigRun {
             mount,
             drawn,
             numbers,
+            lattice: None,
             resolved,
             document,
             spec,
@@ -252,7 +262,27 @@ impl RigRun {
         seed: u64,
         progress: impl FnMut(f64),
     ) -> Result<Result<Outcome, Fault>, Error> {
-        self.experiment(&self.robot, self.numbers, carrier, seed).simulate(progress)
+        self.simulate_in(&self.experiment(&self.robot, self.numbers, carrier, seed), progress)
+    }
+
+    /// Simulates `experiment`, in the lattice where the run asks for one.
+    pub(super) fn simulate_in(
+        &self,
+        experiment: &Experiment,
+        progress: impl FnMut(f64),
+    ) -> Result<Result<Outcome, Fault>, Error> {
+        let (Some(spec), Some(every)) = (&self.spec.lattice, self.spec.lattice_samples()?) else {
+            return experiment.simulate(None, progress);
+        };
+        let task = LatticeTask {
+            spec,
+            robot: experiment.robot,
+            outlines: self.spec.rig.robot.outlines().map_err(|e| e.within("rig.robot"))?,
+            density_kg_m3: self.spec.rig.air.density_kg_m3,
+            every,
+            steps: experiment.samples().div_ceil(every),
+        };
+        experiment.simulate(Some(task.air(self.lattice)?.as_mut()), progress)
     }
 
     /// The run with `robot` and rig as these numbers say, ready to be simulated.
@@ -283,7 +313,8 @@ impl RigRun {
     /// # Errors
     /// Those of [`new`](Self::new).
     pub(super) fn overridden(&self, texts: &[String]) -> Result<Self, ConfigError> {
-        Self::new(self.document.clone().overridden(texts), &|_, _| None)
+        let run = Self::new(self.document.clone().overridden(texts), &|_, _| None)?;
+        Ok(Self { lattice: self.lattice, ..run })
     }
 
     /// Names and values of the numbers of robot and rig that a fit can find.

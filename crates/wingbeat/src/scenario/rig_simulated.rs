@@ -1,6 +1,6 @@
 //! A run of the bench from its plan to its samples.
 
-use super::RigRun;
+use super::{LatticeSummary, RigRun};
 use crate::Error;
 use crate::simulate::Record;
 
@@ -17,11 +17,26 @@ pub struct SimulatedRun {
     pub record: Option<Record>,
     /// Samples with a saturated channel.
     pub saturated: usize,
+    /// Share of strips and samples after the rest that are past their stall angle.
+    pub stall_fraction: f64,
+    /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
+    pub lattice: Option<LatticeSummary>,
+    /// Cautions that a reader must know.
+    pub warnings: Vec<String>,
 }
 
 impl SimulatedRun {
     fn without_samples(status: &'static str, reason: String, window_s: (f64, f64)) -> Self {
-        Self { status, reason: Some(reason), window_s, record: None, saturated: 0 }
+        Self {
+            status,
+            reason: Some(reason),
+            window_s,
+            record: None,
+            saturated: 0,
+            stall_fraction: 0.0,
+            lattice: None,
+            warnings: Vec::new(),
+        }
     }
 }
 
@@ -44,13 +59,19 @@ impl RigRun {
         let carrier = self.carrier(plan.as_ref());
         let window_s = self.window(plan.as_ref(), &carrier);
         Ok(match self.simulate_truth(&carrier, window_s, seed, progress)? {
-            Ok(outcome) => SimulatedRun {
-                status: "ok",
-                reason: None,
-                window_s,
-                record: Some(outcome.record),
-                saturated: outcome.saturated,
-            },
+            Ok(outcome) => {
+                let lattice = outcome.coupling.map(LatticeSummary::new);
+                SimulatedRun {
+                    status: "ok",
+                    reason: None,
+                    window_s,
+                    record: Some(outcome.record),
+                    saturated: outcome.saturated,
+                    stall_fraction: outcome.stall_fraction,
+                    lattice,
+                    warnings: lattice.iter().flat_map(LatticeSummary::cautions).collect(),
+                }
+            }
             Err(fault) => SimulatedRun::without_samples("fault", fault.to_string(), window_s),
         })
     }

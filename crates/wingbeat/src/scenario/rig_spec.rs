@@ -1,6 +1,6 @@
 //! What the files of runs on the test rig say, and the checks of it.
 
-use super::{AeroSpec, AirSpec, RigTruthSpec, build};
+use super::{AeroSpec, AirSpec, LatticeSpec, RigTruthSpec, build};
 use crate::Error;
 use crate::math::Vec3;
 use crate::range::{Range, ranges};
@@ -43,6 +43,9 @@ pub struct RigRunSpec {
     /// Attitudes held one after another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<HoldSpec>,
+    /// The vortex lattice in place of the model's attached flow, where the run is simulated; processing knows the model alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<LatticeSpec>,
     /// Corrections made by processing.
     #[serde(default)]
     pub process: ProcessSpec,
@@ -291,6 +294,12 @@ impl RigRunSpec {
             ])
             .against(["turn.roll_in_s", "turn.run_down_s"])
         })
+    }
+
+    /// Samples that a step of the lattice takes, where there is one.
+    pub(super) fn lattice_samples(&self) -> Result<Option<usize>, Error> {
+        let every = |spec: &LatticeSpec| spec.every(1.0 / self.rig.cell.rate_hz, "samples of");
+        self.lattice.as_ref().map(every).transpose().map_err(|e| e.against(["rig.cell.rate_hz"]))
     }
 
     /// The robot in the rig's air, with this run's wind and frequency.

@@ -114,7 +114,7 @@ impl RigRun {
                 Err(fault) => return Ok(Err(fault)),
             },
         }
-        experiment.simulate(progress)
+        other.simulate_in(&experiment, progress)
     }
 }
 

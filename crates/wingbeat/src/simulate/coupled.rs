@@ -1,4 +1,4 @@
-//! The flight of a robot in air that is stepped beside it and bears on it together with its motion.
+//! Robots in air that is stepped beside them and bears on them together with their motion.
 
 use super::fly::{Controller, Flight, Pilot, Sample, Schedule};
 use super::secant::Secant;
@@ -8,7 +8,7 @@ use super::system::{Driver, Ending, Moment, Sizes, System, upright};
 use crate::body::MAX_LINKS;
 use crate::math::{GRAVITY, Vec3, Wrench};
 use crate::plant::Fault;
-use crate::robot::Robot;
+use crate::robot::{Robot, Stance};
 use arrayvec::ArrayVec;
 use std::ops::ControlFlow;
 
@@ -24,26 +24,42 @@ pub trait Flow {
     /// Length with which moments are compared with forces, m.
     fn length(&self) -> f64;
 
-    /// Loads of the air on links and body at its next instant, `t` s, if the robot is then in the state `x`: as
-    /// [`Robot::rates_beyond`] takes them, those of attached flow whole. The first instant is the flight's begin.
+    /// Loads of the air on links and body at its next instant, `t` s, if the robot is then as it is `at`: as
+    /// [`Robot::rates_beyond`] takes them, those of attached flow whole. The first instant is the begin.
     ///
     /// # Errors
     /// [`Fault::Flow`].
-    fn loads(&mut self, t: f64, x: &[f64]) -> Result<Vec<Wrench<f64>>, Fault>;
+    fn loads(&mut self, t: f64, at: &Stance) -> Result<Vec<Wrench<f64>>, Fault>;
 
-    /// Goes on from the state asked for last to the instant after it.
+    /// Goes on from what was asked for last to the instant after it.
     fn keep(&mut self);
+
+    /// How fine the steps so far were.
+    fn fineness(&self) -> Fineness;
+}
+
+/// Way of the surfaces' trailing edges through the air in a step, rms over edges and steps in which they moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fineness {
+    /// In chords of a panel; 0 where nothing moved.
+    pub panels: f64,
+    /// In radii of the wake's cores.
+    pub cores: f64,
 }
 
 /// How the motion of a robot and the air beside it were brought together.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coupling {
+    /// Step of the air, s.
+    pub step: f64,
     /// Steps of the air.
     pub steps: usize,
-    /// States of the robot that it was asked for.
+    /// States of the robot that were tried.
     pub iterations: usize,
     /// Most of them in a step.
     pub most: usize,
+    /// How fine the steps were.
+    pub fineness: Fineness,
 }
 
 /// Change of a load below which motion and air agree, weights.
@@ -53,14 +69,15 @@ const MOST: usize = 40;
 
 /// What the air bears beyond the robot's models, straight from the begin of a step of the air to its end.
 #[derive(Clone, Debug, Default)]
-struct Beyond {
+pub(crate) struct Beyond {
     from: f64,
     length: f64,
     ends: [Vec<Wrench<f64>>; 2],
 }
 
 impl Beyond {
-    fn at(&self, t: f64) -> OnLinks {
+    /// At `t` s.
+    pub fn at(&self, t: f64) -> OnLinks {
         let share = (t - self.from) / self.length;
         let between = |(a, b): (&Wrench<f64>, &Wrench<f64>)| Wrench {
             force: a.force + (b.force - a.force) * share,
@@ -70,7 +87,28 @@ impl Beyond {
     }
 }
 
-/// A robot with loads of the air beside it in its memory.
+/// A system that moves a robot, with loads of the air beside it in its memory.
+pub(crate) trait Bears: System<Memory = Beyond> {
+    /// The robot.
+    fn robot(&self) -> &Robot;
+
+    /// How the robot is in the state `x` at `t` s.
+    fn stance(&self, t: f64, x: &[f64]) -> Stance;
+
+    /// As [`Robot::attached_loads`].
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    fn attached_loads(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        beyond: &[Wrench<f64>],
+    ) -> Result<Vec<Wrench<f64>>, Fault>;
+}
+
+/// A robot in flight.
 struct Beside<'a>(&'a Robot);
 
 impl System for Beside<'_> {
@@ -91,20 +129,55 @@ impl System for Beside<'_> {
     }
 }
 
-/// Steers as planned: nobody sees it.
-struct Tried<'a, 'b, C, O>(&'b Pilot<'a, Robot, C, O>);
+impl Bears for Beside<'_> {
+    fn robot(&self) -> &Robot {
+        self.0
+    }
+    fn stance(&self, t: f64, x: &[f64]) -> Stance {
+        self.0.stance(t, x)
+    }
+    fn attached_loads(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        beyond: &[Wrench<f64>],
+    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        self.0.attached_loads(t, x, u, beyond)
+    }
+}
 
-/// Steers as planned and shows all but the last end of its steps; its first is the flight's `first`.
-struct Flown<'a, 'b, C, O> {
-    pilot: &'b mut Pilot<'a, Robot, C, O>,
+/// Who steers a system that bears loads of the air, and watches it; `k` counts its steps.
+pub(crate) trait Steers {
+    /// Decides anew before step `k`.
+    fn update(&mut self, _k: usize, _t: f64, _x: &[f64]) {}
+
+    /// Writes what is decided for the time `t`; what it leaves alone stays as it was.
+    fn planned(&self, _t: f64, _u: &mut [f64]) {}
+
+    /// Sees the system before step `k`, or after the last, under the loads `beyond`, and stops by `Break`.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a system that cannot be looked at.
+    fn see(
+        &mut self,
+        k: usize,
+        at: (f64, &[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+    ) -> Result<ControlFlow<()>, Fault>;
+}
+
+/// Steers as decided: nobody sees it.
+struct Tried<'a, D>(&'a D);
+
+/// Steers as decided and shows all but the last end of its steps; its first is the step `first` of all.
+struct Kept<'a, D> {
+    steering: &'a mut D,
     first: usize,
     steps: usize,
 }
 
-impl<C: Controller, O> Driver<Beyond> for Tried<'_, '_, C, O>
-where
-    O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
-{
+impl<D: Steers> Driver<Beyond> for Tried<'_, D> {
     fn inputs(&self, t: f64, u: &mut [f64]) {
         self.0.planned(t, u);
     }
@@ -113,18 +186,15 @@ where
     }
 }
 
-impl<C: Controller, O> Driver<Beyond> for Flown<'_, '_, C, O>
-where
-    O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
-{
+impl<D: Steers> Driver<Beyond> for Kept<'_, D> {
     fn inputs(&self, t: f64, u: &mut [f64]) {
-        self.pilot.planned(t, u);
+        self.steering.planned(t, u);
     }
     fn observe(&mut self, k: usize, at: Moment<Beyond>) -> Result<ControlFlow<()>, Fault> {
         if k == self.steps {
             return Ok(ControlFlow::Continue(()));
         }
-        self.pilot.see(self.first + k, (at.t, at.x, at.u), &at.memory.at(at.t))
+        self.steering.see(self.first + k, (at.t, at.x, at.u), &at.memory.at(at.t))
     }
 }
 
@@ -146,46 +216,54 @@ pub fn fly_in<C: Controller>(
     let mut pilot = Pilot::new(robot, sensors, controller, schedule, observe);
     let system = Beside(robot);
     let mut stepper = Stepper::new(&system, 0.0, x);
-    let mut coupled = Coupled { robot, flow, schedule, coupling: Coupling::default() };
-    let ending = coupled.run(&mut stepper, &mut pilot).unwrap_or_else(Ending::Fault);
+    let (ending, coupling) = step_in(flow, &mut stepper, (schedule.step, schedule.steps), &mut pilot);
     x.copy_from_slice(stepper.state());
-    (pilot.flight(ending, stepper.time()), coupled.coupling)
+    (pilot.flight(ending, stepper.time()), coupling)
 }
 
-struct Coupled<'a, 'b> {
-    robot: &'a Robot,
-    flow: &'b mut dyn Flow,
-    schedule: &'b Schedule,
+/// `steps` steps of `step` s in the air `flow`, as [`fly_in`] says.
+pub(crate) fn step_in<B: Bears>(
+    flow: &mut dyn Flow,
+    stepper: &mut Stepper<&B>,
+    steps: (f64, usize),
+    steering: &mut impl Steers,
+) -> (Ending, Coupling) {
+    let step = flow.every() as f64 * steps.0;
+    let mut coupled = Coupled { flow, coupling: Coupling { step, ..Coupling::default() } };
+    let ending = coupled.run(stepper, steps, steering).unwrap_or_else(Ending::Fault);
+    let fineness = coupled.flow.fineness();
+    (ending, Coupling { fineness, ..coupled.coupling })
+}
+
+struct Coupled<'a> {
+    flow: &'a mut dyn Flow,
     coupling: Coupling,
 }
 
-impl Coupled<'_, '_> {
-    fn run<C: Controller, O>(
+impl Coupled<'_> {
+    fn run<B: Bears>(
         &mut self,
-        stepper: &mut Stepper<&Beside<'_>>,
-        pilot: &mut Pilot<'_, Robot, C, O>,
-    ) -> Result<Ending, Fault>
-    where
-        O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
-    {
-        let Schedule { step, steps, .. } = *self.schedule;
+        stepper: &mut Stepper<&B>,
+        (step, steps): (f64, usize),
+        steering: &mut impl Steers,
+    ) -> Result<Ending, Fault> {
         let (every, mut taken) = (self.flow.every(), 0);
-        let mut loads = self.flow.loads(0.0, stepper.state())?;
+        let mut loads = self.asked(stepper)?;
         self.flow.keep();
         // All begins at once: what air and motion agree on at the end of the first step holds from its begin on.
         let mut begin: Option<Vec<Wrench<f64>>> = None;
         let mut before: Option<Vec<Wrench<f64>>> = None;
         loop {
             let t = stepper.time();
-            pilot.update(taken, t, stepper.state());
+            steering.update(taken, t, stepper.state());
             let mut u = stepper.inputs().to_vec();
-            pilot.planned(t, &mut u);
+            steering.planned(t, &mut u);
             stepper.set_inputs(&u);
             let settled = begin.take().map(|begin| self.settled(stepper, &loads, begin)).transpose()?;
             let known = settled.clone().unwrap_or_else(|| vec![Wrench::ZERO; loads.len()]);
             if taken == steps {
                 let (x, u) = (stepper.state().to_vec(), stepper.inputs().to_vec());
-                let flow = pilot.see(taken, (t, &x, &u), &known)?;
+                let flow = steering.see(taken, (t, &x, &u), &known)?;
                 return Ok(if flow.is_break() { Ending::Stopped } else { Ending::Complete });
             }
             let goes_on = |(now, before): (&Wrench<f64>, &Wrench<f64>)| Wrench {
@@ -203,109 +281,122 @@ impl Coupled<'_, '_> {
             loop {
                 stepper.restore(&saved);
                 stepper.memory_mut().clone_from(&memory);
-                stepper.run(step, every, &mut Tried(&*pilot)).check()?;
-                loads = self.flow.loads(stepper.time(), stepper.state())?;
+                stepper.run(step, every, &mut Tried(&*steering)).check()?;
+                loads = self.asked(stepper)?;
                 tried += 1;
                 let found = self.beyond(stepper, &loads, &memory.ends[1])?;
-                if self.apart(&memory.ends[1], &found) <= TOLERANCE {
+                if self.apart(stepper, &memory.ends[1], &found) <= TOLERANCE {
                     break;
                 }
                 if tried == MOST {
-                    let why = "its loads and the motion do not agree; try a shorter lattice.step_s";
+                    let why = "its loads and the motion do not agree; try a shorter lattice.step_s, or lattice.crossing where parts of \
+                               the robot pass through each other";
                     return Err(Fault::Flow { time: stepper.time(), why });
                 }
-                let next = secant.next(&self.numbers(&memory.ends[1]), &self.numbers(&found));
-                let next = self.loads_of(&next);
+                let next = self.next(stepper, &mut secant, &memory.ends[1], &found);
                 if settled.is_none() {
                     memory.ends[0].clone_from(&next);
                 }
                 memory.ends[1] = next;
             }
             self.flow.keep();
-            let Coupling { steps: counted, iterations, most } = self.coupling;
-            self.coupling =
-                Coupling { steps: counted + 1, iterations: iterations + tried, most: most.max(tried) };
+            self.coupling.steps += 1;
+            self.coupling.iterations += tried;
+            self.coupling.most = self.coupling.most.max(tried);
             stepper.restore(&saved);
             stepper.memory_mut().clone_from(&memory);
             let now = every.min(steps - taken);
-            let ending = stepper.run(step, now, &mut Flown { pilot, first: taken, steps: now });
+            let ending = stepper.run(step, now, &mut Kept { steering, first: taken, steps: now });
             if ending != Ending::Complete {
                 return Ok(ending);
             }
             taken += now;
             if now < every {
-                loads = self.sum(stepper, &memory.at(stepper.time()))?;
+                let beyond = memory.at(stepper.time());
+                let own = own_loads(stepper, &beyond)?;
+                loads = beyond.iter().zip(own).map(|(load, own)| *load + own).collect();
             }
             before = settled;
             begin = Some(memory.at(stepper.time()).to_vec());
         }
     }
 
+    /// Loads of the air where the stepper is.
+    fn asked<B: Bears>(&mut self, stepper: &Stepper<&B>) -> Result<Vec<Wrench<f64>>, Fault> {
+        let (t, x) = (stepper.time(), stepper.state());
+        self.flow.loads(t, &stepper.system().stance(t, x))
+    }
+
     /// What the air bears beyond the robot's models where the stepper is, its loads being `loads`, while `beyond` acts.
-    fn beyond(
+    fn beyond<B: Bears>(
         &self,
-        stepper: &Stepper<&Beside<'_>>,
+        stepper: &Stepper<&B>,
         loads: &[Wrench<f64>],
         beyond: &[Wrench<f64>],
     ) -> Result<Vec<Wrench<f64>>, Fault> {
-        let (t, x, u) = (stepper.time(), stepper.state(), stepper.inputs());
-        let own = self.robot.attached_loads(t, x, u, beyond)?;
+        let own = own_loads(stepper, beyond)?;
         Ok(loads.iter().zip(own).map(|(load, own)| *load + -own).collect())
     }
 
-    /// The loads of the air that `beyond` makes of the robot's models.
-    fn sum(&self, stepper: &Stepper<&Beside<'_>>, beyond: &[Wrench<f64>]) -> Result<Vec<Wrench<f64>>, Fault> {
-        let (t, x, u) = (stepper.time(), stepper.state(), stepper.inputs());
-        let own = self.robot.attached_loads(t, x, u, beyond)?;
-        Ok(beyond.iter().zip(own).map(|(load, own)| *load + own).collect())
-    }
-
     /// That at which the sum is `loads` in the state as it is: the robot's own models feel the acceleration.
-    fn settled(
+    fn settled<B: Bears>(
         &self,
-        stepper: &Stepper<&Beside<'_>>,
+        stepper: &Stepper<&B>,
         loads: &[Wrench<f64>],
         mut guess: Vec<Wrench<f64>>,
     ) -> Result<Vec<Wrench<f64>>, Fault> {
         let mut secant = Secant::default();
         for _ in 0..MOST {
             let found = self.beyond(stepper, loads, &guess)?;
-            if self.apart(&guess, &found) <= TOLERANCE {
+            if self.apart(stepper, &guess, &found) <= TOLERANCE {
                 return Ok(guess);
             }
-            guess = self.loads_of(&secant.next(&self.numbers(&guess), &self.numbers(&found)));
+            guess = self.next(stepper, &mut secant, &guess, &found);
         }
         Err(Fault::Flow { time: stepper.time(), why: "no acceleration fits its loads" })
     }
 
+    /// The guess after `guess`, at which `found` was found.
+    fn next<B: Bears>(
+        &self,
+        stepper: &Stepper<&B>,
+        secant: &mut Secant,
+        guess: &[Wrench<f64>],
+        found: &[Wrench<f64>],
+    ) -> Vec<Wrench<f64>> {
+        let [force, moment] = self.units(stepper);
+        let next = secant.next(&self.numbers(stepper, guess), &self.numbers(stepper, found));
+        let load = |n: &[f64]| Wrench {
+            force: Vec3::new(n[0], n[1], n[2]) * force,
+            moment: Vec3::new(n[3], n[4], n[5]) * moment,
+        };
+        next.chunks_exact(6).map(load).collect()
+    }
+
     /// Units of force and moment.
-    fn units(&self) -> [f64; 2] {
-        let weight = self.robot.mass() * GRAVITY;
+    fn units<B: Bears>(&self, stepper: &Stepper<&B>) -> [f64; 2] {
+        let weight = stepper.system().robot().mass() * GRAVITY;
         [weight, weight * self.flow.length()]
     }
 
-    fn numbers(&self, loads: &[Wrench<f64>]) -> Vec<f64> {
-        let [force, moment] = self.units();
+    fn numbers<B: Bears>(&self, stepper: &Stepper<&B>, loads: &[Wrench<f64>]) -> Vec<f64> {
+        let [force, moment] = self.units(stepper);
         let of = |load: &Wrench<f64>| {
             load.force.0.map(|f| f / force).into_iter().chain(load.moment.0.map(|m| m / moment))
         };
         loads.iter().flat_map(of).collect()
     }
 
-    fn loads_of(&self, numbers: &[f64]) -> Vec<Wrench<f64>> {
-        let [force, moment] = self.units();
-        let load = |n: &[f64]| Wrench {
-            force: Vec3::new(n[0], n[1], n[2]) * force,
-            moment: Vec3::new(n[3], n[4], n[5]) * moment,
-        };
-        numbers.chunks_exact(6).map(load).collect()
-    }
-
     /// Largest difference.
-    fn apart(&self, one: &[Wrench<f64>], other: &[Wrench<f64>]) -> f64 {
-        let (one, other) = (self.numbers(one), self.numbers(other));
+    fn apart<B: Bears>(&self, stepper: &Stepper<&B>, one: &[Wrench<f64>], other: &[Wrench<f64>]) -> f64 {
+        let (one, other) = (self.numbers(stepper, one), self.numbers(stepper, other));
         // What is no number is no agreement.
         let far = |(a, b): (&f64, &f64)| if (a - b).is_finite() { (a - b).abs() } else { f64::INFINITY };
         one.iter().zip(&other).map(far).fold(0.0, f64::max)
     }
+}
+
+/// Loads of the robot's own models where the stepper is, while `beyond` acts.
+fn own_loads<B: Bears>(stepper: &Stepper<&B>, beyond: &[Wrench<f64>]) -> Result<Vec<Wrench<f64>>, Fault> {
+    stepper.system().attached_loads(stepper.time(), stepper.state(), stepper.inputs(), beyond)
 }

@@ -1,5 +1,6 @@
 //! The flight of a plant: sensors, controller and clock around the stepper.
 
+use super::coupled::Steers;
 use super::record::Column;
 use super::sensors::{Measurement, Sensors};
 use super::stepper::Stepper;
@@ -196,12 +197,12 @@ where
     }
 }
 
-impl<P, C: Controller, O> Pilot<'_, P, C, O>
+impl<P, C: Controller, O> Steers for Pilot<'_, P, C, O>
 where
     O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 {
     /// Lets the controller plan anew before step `k`, where that is due.
-    pub fn update(&mut self, k: usize, t: f64, x: &[f64]) {
+    fn update(&mut self, k: usize, t: f64, x: &[f64]) {
         let due = self.schedule.steps_per_update.is_some_and(|n| k.is_multiple_of(n));
         if k == self.schedule.steps || !due {
             return;
@@ -215,13 +216,12 @@ where
         self.updates.push(begun.elapsed());
     }
 
-    /// What is planned for the time `t`.
-    pub fn planned(&self, t: f64, u: &mut [f64]) {
+    fn planned(&self, t: f64, u: &mut [f64]) {
         self.controller.input(t, u);
     }
 
     /// Shows the sample before step `k`, where one is due.
-    pub fn see(
+    fn see(
         &mut self,
         k: usize,
         (t, x, u): (f64, &[f64], &[f64]),

@@ -14,7 +14,8 @@ mod strips;
 mod system;
 mod together;
 
-pub use coupled::{Coupling, Flow, fly_in};
+pub(crate) use coupled::{Bears, Beyond, Steers, step_in};
+pub use coupled::{Coupling, Fineness, Flow, fly_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};
 pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
 pub use instruments::{

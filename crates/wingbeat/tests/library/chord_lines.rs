@@ -20,7 +20,7 @@ fn chord_lines_are_those_of_the_outline_and_move_as_they_say() {
     let tip = planform.half_span();
     let arcs = [tip, 0.5 * tip, 0.3 * tip, -0.7 * tip, -tip];
     let mut lines = Vec::new();
-    robot.chord_lines(t, &x, 0, &arcs, &mut lines).unwrap();
+    robot.chord_lines(&robot.stance(t, &x), 0, &arcs, &mut lines).unwrap();
     let place = Vec3::from_slice(&x[robot.layout().position..]);
     for (line, end) in [(&lines[0], &seen.outlines[0][0]), (&lines[4], seen.outlines[0].last().unwrap())] {
         assert!((line.le - (place + seen.attitude * end[1])).norm() < 1e-14);
@@ -33,7 +33,7 @@ fn chord_lines_are_those_of_the_outline_and_move_as_they_say() {
     let moved = |h: f64| {
         let x: Vec<f64> = x.iter().zip(&dx).map(|(x, dx)| x + h * dx).collect();
         let mut lines = Vec::new();
-        robot.chord_lines(t + h, &x, 0, &arcs, &mut lines).unwrap();
+        robot.chord_lines(&robot.stance(t + h, &x), 0, &arcs, &mut lines).unwrap();
         lines
     };
     for (line, (after, before)) in lines.iter().zip(moved(h).iter().zip(&moved(-h))) {

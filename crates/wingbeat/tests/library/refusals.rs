@@ -69,9 +69,15 @@ const KINDS: [(&str, Build, &[&str]); 5] = [
 ];
 
 /// Documents with the tables that no shipped one has: a file, and what is set in it.
-const TABLES: [(&str, &[&str]); 13] = [
+const TABLES: [(&str, &[&str]); 14] = [
     (
         "scenarios/glider.toml",
+        &[
+            "lattice={step_s=0.004, chordwise=4, spanwise=24, free_wake=true, core_chords=0.05, longest_age_s=2.0}",
+        ],
+    ),
+    (
+        "rigs/runs/bench.toml",
         &[
             "lattice={step_s=0.004, chordwise=4, spanwise=24, free_wake=true, core_chords=0.05, longest_age_s=2.0}",
         ],
