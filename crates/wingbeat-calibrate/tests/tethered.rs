@@ -72,6 +72,7 @@ fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
     let found = prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(())).unwrap();
     for (k, (name, truth)) in TRUTH.iter().enumerate() {
         let (value, error) = (found.values[k], found.errors[k]);
+        println!("{name}: {value} +- {error}, truth {truth}");
         assert!((value - truth).abs() < 3.5 * error && error < 0.05 * truth, "{name}: {value} +- {error}");
         assert!((found.parameters[k].start - truth).abs() > 5.0 * error, "{name} begins elsewhere");
     }
