@@ -130,10 +130,19 @@ impl Solved<'_> {
         let count = self.problem.runs[run].samples_per_cycle / layout.width() as f64;
         let (mut deviations, mut white) = (Vec::new(), Vec::new());
         for channel in 0..layout.channels {
+            let observed = &self.problem.runs[run];
+            // Where cycles scatter within their pass alone, the tare of the pass comes beside.
+            let tare = observed.common.pass.as_ref().filter(|_| !observed.common.groups.is_empty());
             let noise = |wave: &[f64]| -> f64 {
                 let one = |part: usize| {
                     let k = Layout::harmonic(part);
+                    let row = |of: &DMatrix<f64>| -> f64 {
+                        let number =
+                            |q: usize| wave[q] * of[(layout.at(channel, part), layout.at(channel, q))];
+                        wave[part] * (0..layout.width()).map(number).sum::<f64>()
+                    };
                     wave[part].powi(2) * self.problem.noise[run][k][(channel, channel)]
+                        + tare.map_or(0.0, row)
                 };
                 (0..layout.width()).map(one).sum()
             };
@@ -176,7 +185,9 @@ impl Solved<'_> {
         let free: Vec<usize> = (0..self.values.len()).collect();
         let alone = self.at.of.len() < 2;
         let (mut squares, mut loads) = (vec![vec![0.0; PHASES]; layout.channels], vec![0.0; layout.channels]);
-        let (mut jacobian, mut count) = (DMatrix::zeros(layout.len(), self.values.len()), 0.0);
+        let mut jacobian = DMatrix::<f64>::zeros(layout.len(), self.values.len());
+        // Runs by channel that measured it.
+        let mut count = vec![0.0_f64; layout.channels];
         let fitted = self.at.of.iter().zip(&self.at.jacobians).zip(&self.at.residuals);
         for ((run, own), residual) in fitted.filter(|((run, _), _)| self.problem.runs[**run].layout == layout)
         {
@@ -185,27 +196,39 @@ impl Solved<'_> {
             let values = step(&normal, 0.0, parameters, &self.values, &free);
             let moved = DVector::from_fn(values.len(), |k, _| values[k] - self.values[k]);
             let left = self.problem.coloured(*run, &(residual + own * moved));
-            for (channel, squares) in squares.iter_mut().enumerate() {
+            let is_measured = |channel: usize| self.problem.runs[*run].is_measured(channel);
+            for (channel, squares) in
+                squares.iter_mut().enumerate().filter(|(channel, _)| is_measured(*channel))
+            {
+                count[channel] += 1.0;
                 for (k, square) in squares.iter_mut().enumerate() {
                     *square += layout.value(&left, channel, phase_of(k)).powi(2);
                 }
             }
-            let load = self.problem.load(*run);
-            loads.iter_mut().zip(load).for_each(|(sum, load)| *sum += load * load);
+            for (channel, load) in
+                self.problem.load(*run).into_iter().enumerate().filter(|(c, _)| is_measured(*c))
+            {
+                loads[channel] += load * load;
+            }
             for (k, column) in own.column_iter().enumerate() {
                 let plain = self.problem.coloured(*run, &column.into_owned());
                 plain.iter().enumerate().for_each(|(i, x)| jacobian[(i, k)] += x);
             }
-            count += 1.0;
         }
-        if count == 0.0 {
+        if count.iter().all(|count| *count == 0.0) {
             return None;
         }
-        squares.iter_mut().flatten().for_each(|square| *square /= count);
+        count.iter_mut().for_each(|count| *count = count.max(1.0));
+        for (squares, count) in squares.iter_mut().zip(&count) {
+            squares.iter_mut().for_each(|square| *square /= count);
+        }
+        let width = layout.width();
         Some(Unsaid {
             square: squares.iter().map(|squares| smoothed(squares)).collect(),
-            load: loads.iter().map(|sum| (sum / count).sqrt()).collect(),
-            jacobian: jacobian / count,
+            load: loads.iter().zip(&count).map(|(sum, count)| (sum / count).sqrt()).collect(),
+            jacobian: DMatrix::from_fn(layout.len(), self.values.len(), |i, k| {
+                jacobian[(i, k)] / count[i / width]
+            }),
         })
     }
 }

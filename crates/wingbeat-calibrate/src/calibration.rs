@@ -2,12 +2,18 @@
 
 use crate::measured::{Pass, observed};
 use crate::truth::clean;
-use crate::{Error, Observed, Parameter, Plan, RigModel, RigTarget};
+use crate::{CaseTarget, Error, Observed, Parameter, Plan, RigModel, RigTarget, data};
 use std::path::Path;
 use wingbeat::parallel;
 use wingbeat::scenario::{
-    CalibratedRunSpec, CalibrationSpec, ConfigError, Document, RigRun, StructureOfModel, Translate,
+    CalibratedRunSpec, CalibrationSpec, ConfigError, Document, Place, Problem, RigRun, StructureOfModel,
+    TetherCase, Translate, Wrong, nearest_names,
 };
+
+/// Names that a refusal of an unknown one proposes.
+const PROPOSED: usize = 4;
+/// What overrides of the model's air begin with: those of a case do without the first part.
+const OF_RIG: &str = "rig.";
 
 /// A checked calibration file.
 pub struct Calibration {
@@ -49,6 +55,53 @@ impl Calibration {
         folder.join(&self.spec.runs[run].data[data])
     }
 
+    /// The files of samples: the key that names each, and where it is.
+    pub fn files(&self) -> Vec<(String, std::path::PathBuf)> {
+        let runs = self.spec.runs.iter().enumerate().map(|(k, run)| (format!("runs[{k}]"), &run.data));
+        let cases = self.spec.cases.iter().enumerate().map(|(k, case)| (format!("cases[{k}]"), &case.data));
+        let of = |(key, data): (String, &Vec<std::path::PathBuf>)| -> Vec<(String, std::path::PathBuf)> {
+            let one = |(i, file): (usize, &std::path::PathBuf)| {
+                let key = format!("{key}.data[{i}]");
+                let path = self.document.folder(&key).join(file);
+                (key, path)
+            };
+            data.iter().enumerate().map(one).collect()
+        };
+        runs.chain(cases).flat_map(of).collect()
+    }
+
+    /// What is wrong with the file of samples at `key`, beside the line that names it.
+    pub(crate) fn wrong_file(&self, key: &str, what: impl std::fmt::Display) -> ConfigError {
+        let (value, place) = self.document.written(key).unwrap_or((String::new(), Place::Nowhere));
+        let problem = Problem::File(what.to_string());
+        Wrong { place, key: key.into(), value: Some(value), problem, against: Vec::new() }.into()
+    }
+
+    /// The same error with the lines of this file in place of overrides that stand in its lists at `keys`.
+    fn placed(&self, error: ConfigError, keys: &[String]) -> ConfigError {
+        let place = |text: &str| {
+            let lists = keys.iter().flat_map(|key| {
+                (0..).map(move |i| format!("{key}[{i}]")).map_while(|key| self.document.written(&key))
+            });
+            let same = |written: &str| {
+                let written = written.trim_matches(['"', '\'']);
+                written == text || written.strip_prefix(OF_RIG) == Some(text)
+            };
+            let mut found = lists.filter(|(written, _)| same(written)).map(|(_, place)| place);
+            found.next()
+        };
+        let one = |wrong: &Wrong| {
+            let mut wrong = wrong.clone();
+            if let Place::Override(text) = &wrong.place
+                && let Some(place) = place(text)
+            {
+                wrong.place = place;
+            }
+            wrong
+        };
+        error.all().iter().map(one).collect()
+    }
+
     /// The plan of its fit.
     pub fn plan(&self) -> Plan {
         let spec = &self.spec;
@@ -63,7 +116,7 @@ impl Calibration {
     fn runs(
         &self,
         list: (&str, &[CalibratedRunSpec]),
-        set: &[String],
+        set: &Overrides,
         translate: Translate,
     ) -> Result<Vec<(RigRun, String)>, ConfigError> {
         let (key, specs) = list;
@@ -71,16 +124,51 @@ impl Calibration {
         self.keyed_runs(keyed, set, translate)
     }
 
+    /// The cases with overrides.
+    fn cases(&self, set: &Overrides) -> Result<Vec<CaseTarget>, ConfigError> {
+        let mut cases: Vec<CaseTarget> = Vec::new();
+        let air: Vec<String> = set
+            .texts
+            .iter()
+            .filter_map(|text| {
+                let own = text.strip_prefix(OF_RIG).unwrap_or(text);
+                own.starts_with("aero.").then(|| own.to_owned())
+            })
+            .collect();
+        for (k, spec) in self.spec.cases.iter().enumerate() {
+            let key = format!("cases[{k}]");
+            let keys: Vec<String> = set.keys.iter().cloned().chain([format!("{key}.set")]).collect();
+            let document = self.document.part(&format!("{key}.case"))?;
+            let document = document.overridden(&air).overridden(&spec.set);
+            let read = &|path: &Path| wingbeat_io::read_csv(path).map_err(|error| error.to_string());
+            let case = TetherCase::new(document, read).map_err(|error| self.placed(error, &keys))?;
+            let name = spec.name.clone().unwrap_or_else(|| case.spec.name.clone());
+            let taken = |name: &String| {
+                let run = |run: &CalibratedRunSpec| run.name.as_ref() == Some(name);
+                self.spec.runs.iter().any(run) || cases.iter().any(|other| other.name == *name)
+            };
+            if taken(&name) {
+                let error = wingbeat::Error::invalid(format!("{key}.name"), &name, "a name of its own");
+                return Err(self.document.explain(&error));
+            }
+            let target = CaseTarget::new(case, &name, self.spec.harmonics);
+            cases.push(target.map_err(|error| self.placed(error, &keys))?);
+        }
+        Ok(cases)
+    }
+
     fn keyed_runs<'a>(
         &self,
         list: impl Iterator<Item = (String, &'a CalibratedRunSpec)>,
-        set: &[String],
+        set: &Overrides,
         translate: Translate,
     ) -> Result<Vec<(RigRun, String)>, ConfigError> {
         let mut runs: Vec<(RigRun, String)> = Vec::new();
         for (key, spec) in list {
             let document = self.document.part(&format!("{key}.run"))?;
-            let run = RigRun::new(document.overridden(&spec.set).overridden(set), translate)?;
+            let document = document.overridden(&spec.set).overridden(&set.texts);
+            let keys: Vec<String> = set.keys.iter().cloned().chain([format!("{key}.set")]).collect();
+            let run = RigRun::new(document, translate).map_err(|error| self.placed(error, &keys))?;
             let name = spec.name.clone().unwrap_or_else(|| run.spec.name.clone());
             if runs.iter().any(|(_, other)| *other == name) {
                 let error = wingbeat::Error::invalid(format!("{key}.name"), &name, "a name of its own");
@@ -92,7 +180,17 @@ impl Calibration {
     }
 
     fn targets(&self, runs: Vec<(RigRun, String)>) -> Result<Vec<RigTarget>, Error> {
-        self.tried(runs).into_iter().collect()
+        let own = |list: &'static str, count: usize| {
+            (0..count).map(move |k| format!("{list}[{k}].set")).collect::<Vec<_>>()
+        };
+        let (runs_set, candidates_set) =
+            (own("runs", self.spec.runs.len()), own("candidates", self.spec.candidates.len()));
+        let keys = [runs_set, candidates_set, vec!["model".into(), "truth.set".into()]].concat();
+        let placed = |error: Error| match error {
+            Error::Config(error) => Error::Config(self.placed(error, &keys)),
+            other => other,
+        };
+        self.tried(runs).into_iter().map(|tried| tried.map_err(placed)).collect()
     }
 
     fn tried(&self, runs: Vec<(RigRun, String)>) -> Vec<Result<RigTarget, Error>> {
@@ -115,9 +213,17 @@ impl Calibration {
     /// # Errors
     /// Bad runs; parameters that the model has not.
     pub fn structure(&self, other: &[String], translate: Translate) -> Result<Structure, Failure> {
-        let set = [self.spec.model.as_slice(), other].concat();
+        let structures = (0..self.spec.structures.len()).map(|k| format!("structures[{k}].set"));
+        let set = Overrides {
+            texts: [self.spec.model.as_slice(), other].concat(),
+            keys: std::iter::once("model".into()).chain(structures).collect(),
+        };
         let runs = self.runs(("runs", &self.spec.runs), &set, translate)?;
-        self.built(self.targets(runs)?)
+        self.built(self.targets(runs)?, self.cases(&set)?)
+    }
+
+    fn model(&self) -> Overrides {
+        Overrides { texts: self.spec.model.clone(), keys: vec!["model".into()] }
     }
 
     /// The candidates for a next run: those that the file names, then those of its designs that can be planned; and why the
@@ -127,13 +233,14 @@ impl Calibration {
     /// Bad runs.
     pub fn candidates(&self, translate: Translate) -> Result<(Structure, Vec<String>), Failure> {
         let spec = &self.spec;
-        let runs = self.runs(("candidates", &spec.candidates), &spec.model, translate)?;
+        let model = self.model();
+        let runs = self.runs(("candidates", &spec.candidates), &model, translate)?;
         let mut targets = self.targets(runs)?;
         let mut refused = Vec::new();
         for (k, design) in spec.design.iter().enumerate() {
             let (key, laid_out) = (format!("design[{k}]"), design.laid_out());
             let keyed = laid_out.iter().map(|run| (key.clone(), run));
-            for tried in self.tried(self.keyed_runs(keyed, &spec.model, translate)?) {
+            for tried in self.tried(self.keyed_runs(keyed, &model, translate)?) {
                 match tried {
                     Ok(target) => targets.push(target),
                     Err(error @ Error::Data { .. }) => refused.push(error.to_string()),
@@ -146,29 +253,35 @@ impl Calibration {
                 let what = format!("design: none of {} runs can be made: {why}", refused.len());
                 Err(Error::Uninformed(what).into())
             }
-            _ => Ok((self.built(targets)?, refused)),
+            _ => Ok((self.built(targets, Vec::new())?, refused)),
         }
     }
 
-    fn built(&self, targets: Vec<RigTarget>) -> Result<Structure, Failure> {
-        let known = targets.first().map_or(Vec::new(), |target| target.run.named_numbers());
-        let value = |name: &str| {
-            let found = known.iter().find(|(own, _)| own == name).or_else(|| {
-                let left = |own: &&(String, f64)| own.0.replacen("_left.", ".", 1) == name;
-                known.iter().find(left)
-            });
-            found.map(|(_, value)| *value)
-        };
+    fn built(&self, targets: Vec<RigTarget>, cases: Vec<CaseTarget>) -> Result<Structure, Failure> {
+        let known = known(&targets, &cases);
         let (mut parameters, mut names, mut held) = (Vec::new(), Vec::new(), Vec::new());
         for (k, spec) in self.spec.parameters.iter().enumerate() {
-            let Some(own) = value(&spec.name) else {
+            let key = |end: &str| format!("parameters[{k}].{end}");
+            let own = known.iter().find(|(name, _)| *name == spec.name).map(|(_, value)| *value);
+            let Some(own) = own else {
                 let names: Vec<&str> = known.iter().map(|(name, _)| name.as_str()).collect();
-                let allowed = format!("of {}", names.join(", "));
-                let error = wingbeat::Error::invalid(format!("parameters[{k}].name"), &spec.name, allowed);
-                return Err(self.explain(&error).into());
+                let near = nearest_names(&spec.name, &names, PROPOSED).join(", ");
+                let count = names.len();
+                let allowed = format!(
+                    "one of {count} names, the nearest {near}; `wingbeat calibrate FILE --names` lists all"
+                );
+                return Err(self.explain(&wingbeat::Error::invalid(key("name"), &spec.name, allowed)).into());
             };
             let [low, high] = spec.bounds();
-            let start = spec.start.unwrap_or(own).clamp(low, high);
+            if spec.start.is_none() && !(low..=high).contains(&own) {
+                let (end, bound, side) =
+                    if own < low { ("low", low, "at most") } else { ("high", high, "at least") };
+                let allowed = format!(
+                    "{side} {own}, the model's own value with which the fit would begin, or give a start within the bounds"
+                );
+                return Err(self.explain(&wingbeat::Error::invalid(key(end), bound, allowed)).into());
+            }
+            let start = spec.start.unwrap_or(own);
             if spec.held {
                 held.push((spec.name.clone(), start));
                 continue;
@@ -183,7 +296,7 @@ impl Calibration {
                 stage: spec.stage,
             });
         }
-        Ok(Structure { model: RigModel { targets, names, held }, parameters })
+        Ok(Structure { model: RigModel { targets, cases, names, held }, parameters })
     }
 
     /// What was measured in the runs of `structure`; `read` reads a file of samples for a run. Runs without files are
@@ -203,7 +316,19 @@ impl Calibration {
             observed(target, passes, self.spec.runs[k].held_out, self.spec.robust)
         };
         let all: Result<Vec<Observed>, Error> = parallel::map(&passes, one).into_iter().collect();
-        Ok(all?)
+        let mut all = all?;
+        for (k, (spec, target)) in self.spec.cases.iter().zip(&structure.model.cases).enumerate() {
+            let read = |(i, file): (usize, &std::path::PathBuf)| {
+                let key = format!("cases[{k}].data[{i}]");
+                let record = data::table(&self.document.folder(&key).join(file));
+                record
+                    .map(|record| (file.display().to_string(), record))
+                    .map_err(|what| self.wrong_file(&key, what))
+            };
+            let files = spec.data.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
+            all.push(target.observed(&files, spec.held_out, self.spec.robust)?);
+        }
+        Ok(all)
     }
 
     /// The runs with the structure of the truth; none without one.
@@ -212,7 +337,8 @@ impl Calibration {
     /// Bad runs.
     pub fn truth(&self, translate: Translate) -> Result<Vec<RigTarget>, Failure> {
         let Some(truth) = &self.spec.truth else { return Ok(Vec::new()) };
-        let runs = self.runs(("runs", &self.spec.runs), &truth.set, translate)?;
+        let set = Overrides { texts: truth.set.clone(), keys: vec!["truth.set".into()] };
+        let runs = self.runs(("runs", &self.spec.runs), &set, translate)?;
         Ok(self.targets(runs)?)
     }
 
@@ -234,17 +360,54 @@ impl Calibration {
                 return (0..truth.passes).map(|pass| clean.pass(target, truth, seed, pass)).collect();
             }
             let run = &structure.model.targets[*k].run;
-            (0..spec.data.len()).map(|data| read(&self.data(*k, data), run)).collect()
+            let one = |data: usize| {
+                read(&self.data(*k, data), run)
+                    .map_err(|error| self.wrong_file(&format!("runs[{k}].data[{data}]"), error).into())
+            };
+            (0..spec.data.len()).map(one).collect()
         })
         .into_iter()
         .collect();
         Ok(all?)
     }
 
+    /// Names and values of all numbers that can be fitted.
+    ///
+    /// # Errors
+    /// Bad runs.
+    pub fn named_numbers(&self, translate: Translate) -> Result<Vec<(String, f64)>, Failure> {
+        let model = self.model();
+        let runs = self.runs(("runs", &self.spec.runs), &model, translate)?;
+        Ok(known(&self.targets(runs)?, &self.cases(&model)?))
+    }
+
     /// The other structures that the file asks for.
     pub fn structures(&self) -> &[StructureOfModel] {
         &self.spec.structures
     }
+}
+
+/// Overrides of runs, and the lists of the calibration in which they stand.
+struct Overrides {
+    texts: Vec<String>,
+    keys: Vec<String>,
+}
+
+/// Names and values of all numbers that runs and cases have, each name once; those that both sides of a robot share by their shared name
+/// too.
+fn known(targets: &[RigTarget], cases: &[CaseTarget]) -> Vec<(String, f64)> {
+    let mut known = targets.first().map_or(Vec::new(), |target| target.run.named_numbers());
+    let both: Vec<(String, f64)> = known
+        .iter()
+        .filter(|(name, _)| name.contains("_left."))
+        .map(|(name, value)| (name.replacen("_left.", ".", 1), *value))
+        .collect();
+    for (name, value) in both.into_iter().chain(cases.iter().flat_map(|case| case.case.named_numbers())) {
+        if !known.iter().any(|(other, _)| *other == name) {
+            known.push((name, value));
+        }
+    }
+    known
 }
 
 /// Why a calibration file cannot be solved.

@@ -90,7 +90,10 @@ pub fn checked(structure: &Structure, runs: &[Observed], values: &[f64]) -> Resu
     let mut odd = Vec::new();
     let fits_phase = structure.parameters.iter().any(|parameter| parameter.name == PHASE);
     for (k, run) in runs.iter().enumerate() {
-        let target = &structure.model.targets[k];
+        let Some(target) = structure.model.targets.get(k) else {
+            check_case(structure, (k, run), values)?;
+            continue;
+        };
         odd.extend(run.oddities.iter().map(|what| format!("{}: {what}", run.name)));
         let predicted = target.predict(&structure.model.numbers(values))?;
         let (measured, model) = (target.in_cell(&run.mean), target.in_cell(&predicted));
@@ -114,4 +117,24 @@ pub fn checked(structure: &Structure, runs: &[Observed], values: &[f64]) -> Resu
         }
     }
     Ok(odd)
+}
+
+/// Refuses a case whose channels are swapped or flipped, or whose phase is off.
+fn check_case(structure: &Structure, (k, run): (usize, &Observed), values: &[f64]) -> Result<(), Error> {
+    let target = &structure.model.cases[k - structure.model.targets.len()];
+    let predicted = target.predict(&structure.model.numbers(values))?;
+    let both = [run.mean.as_slice(), predicted.as_slice()];
+    let what = match disagreement(run.layout, both, both) {
+        None => return Ok(()),
+        Some(found @ Disagreement::Axes(_)) => {
+            format!(
+                "{}: compare.channels says which column is which, compare.scale with which sign",
+                found.words()
+            )
+        }
+        Some(found @ Disagreement::Phase(_)) => {
+            format!("{}: the motion of the case begins at t = 0, or phase 0, of the file", found.words())
+        }
+    };
+    Err(Error::data(&run.name, what))
 }

@@ -7,6 +7,7 @@ use crate::measured::Pass;
 use crate::{Calibration, Error};
 use serde::Serialize;
 use wingbeat::scenario::RigRun;
+use wingbeat::simulate::Record;
 
 /// A file of samples.
 #[derive(Clone, Debug, Serialize)]
@@ -27,19 +28,18 @@ impl Files {
     /// Files that cannot be read, and one named twice.
     pub fn of(calibration: &Calibration) -> Result<Self, Error> {
         let mut files: Vec<DataFile> = Vec::new();
-        for (run, spec) in calibration.spec.runs.iter().enumerate() {
-            for (k, given) in spec.data.iter().enumerate() {
-                let path = calibration.data(run, k);
-                let bytes = fs::read(&path)
-                    .map_err(|source| Error::data(path.display().to_string(), source.to_string()))?;
-                let file = given.display().to_string();
-                let fnv1a64 = format!("{:016x}", fnv1a64(&bytes));
-                if let Some(other) = files.iter().find(|other| other.fnv1a64 == fnv1a64) {
-                    let what = format!("holds the very bytes of {}: one pass counts once", other.file);
-                    return Err(Error::data(file, what));
-                }
-                files.push(DataFile { file, fnv1a64 });
+        let given = calibration.spec.runs.iter().map(|run| &run.data);
+        let given = given.chain(calibration.spec.cases.iter().map(|case| &case.data)).flatten();
+        for ((key, path), given) in calibration.files().into_iter().zip(given) {
+            let bytes = fs::read(&path)
+                .map_err(|source| calibration.wrong_file(&key, format!("{}: {source}", path.display())))?;
+            let file = given.display().to_string();
+            let fnv1a64 = format!("{:016x}", fnv1a64(&bytes));
+            if let Some(other) = files.iter().find(|other| other.fnv1a64 == fnv1a64) {
+                let what = format!("holds the very bytes of {}: one pass counts once", other.file);
+                return Err(calibration.wrong_file(&key, what).into());
             }
+            files.push(DataFile { file, fnv1a64 });
         }
         Ok(Self(files))
     }
@@ -72,6 +72,11 @@ pub fn read(path: &Path, run: &RigRun) -> Result<Pass, Error> {
     let input = &run.spec.process.input;
     let table = wingbeat_io::samples::read_samples(path, input).map_err(wrong)?;
     Pass::of(&name, table.import(input).map_err(wrong)?.record)
+}
+
+/// The columns of a CSV file; the text says what is wrong with it.
+pub(crate) fn table(path: &Path) -> Result<Record, String> {
+    wingbeat_io::read_csv(path).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

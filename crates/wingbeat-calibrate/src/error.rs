@@ -8,6 +8,9 @@ pub enum Error {
     /// A value that the library refuses.
     #[error(transparent)]
     Refused(#[from] wingbeat::Error),
+    /// A file that says what cannot be.
+    #[error(transparent)]
+    Config(#[from] wingbeat::scenario::ConfigError),
     /// The model has no answer.
     #[error("{run}: {fault}")]
     Model {

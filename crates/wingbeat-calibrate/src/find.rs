@@ -7,6 +7,8 @@ use crate::{
 };
 use wingbeat_io::urdf_as_toml;
 
+/// Deviations that a change of a number by its size must make at least for a run to say something of it. *Choice.*
+const LEAST: f64 = 1e-3;
 /// Passes of a candidate for the next run where the calibration's runs are measured.
 const PASSES: usize = 7;
 
@@ -35,8 +37,32 @@ impl Calibration {
         let cautions = checked(&structure, &runs, &values)?;
         let problem = Problem::new(&structure.model, &runs, &structure.parameters)?;
         let at = Linear::at(&problem, &problem.fitted(), &values)?;
+        self.check_stages(&problem, &at)?;
         let information = Information::of(&problem, &at, &values);
         Ok(Prepared { calibration: self, structure, runs, information, cautions })
+    }
+}
+
+impl Calibration {
+    /// Refuses numbers of a stage that is fitted to runs with still wings alone, on which those do not depend.
+    fn check_stages(&self, problem: &Problem, at: &Linear) -> Result<(), Failure> {
+        let is_still = |run: usize| problem.model.target(run).is_some_and(|target| target.tilts().is_some());
+        let still: Vec<_> = at.of.iter().zip(&at.jacobians).filter(|(run, _)| is_still(**run)).collect();
+        let last = problem.parameters.iter().map(|parameter| parameter.stage).max().unwrap_or(1);
+        for (k, parameter) in problem.parameters.iter().enumerate() {
+            let told: f64 = still.iter().map(|(_, j)| j.column(k).norm()).sum();
+            if still.is_empty() || parameter.stage == last || told * parameter.scale().abs() > LEAST {
+                continue;
+            }
+            let at = self.spec.parameters.iter().position(|spec| spec.name == parameter.name).unwrap_or(k);
+            let allowed = format!(
+                "{last}, the last: the stages before it are fitted to the runs with still wings alone, which say nothing of {}",
+                parameter.name
+            );
+            let error = wingbeat::Error::invalid(format!("parameters[{at}].stage"), parameter.stage, allowed);
+            return Err(self.explain(&error).into());
+        }
+        Ok(())
     }
 }
 

@@ -76,7 +76,16 @@ impl Found {
             let observed = runs[run].clone();
             let count = observed.effective();
             let channels = observed.layout.channels;
-            let of = |k: usize| (0..channels).map(|c| solved.problem.noise[run][k][(c, c)] / count).collect();
+            let layout = observed.layout;
+            let tare = |k: usize, c: usize| match k {
+                0 => observed.tare_variance(layout.at(c, 0)),
+                k => {
+                    let of = |part| 0.5 * observed.tare_variance(layout.at(c, part));
+                    of(2 * k - 1) + of(2 * k)
+                }
+            };
+            let one = |k: usize, c: usize| solved.problem.noise[run][k][(c, c)] / count + tare(k, c);
+            let of = |k: usize| (0..channels).map(|c| one(k, c)).collect();
             Ok(FoundRun {
                 before: solved.problem.model.predict(run, &starts)?,
                 after: solved.predicted(run)?,
@@ -136,7 +145,7 @@ impl Found {
     pub fn residual_over_noise(&self) -> Vec<f64> {
         let channel = |channel: usize| {
             let (mut left, mut noise) = (0.0, 0.0);
-            for run in self.fitted() {
+            for run in self.fitted().filter(|run| run.observed.is_measured(channel)) {
                 left += rms(&run.observed, &run.after.cycle)[channel].powi(2);
                 noise += run.noise.iter().map(|by_channel| by_channel[channel]).sum::<f64>();
             }
@@ -187,7 +196,9 @@ impl FoundRun {
                 let of = |cycle: &[f64]| layout.value(cycle, channel, phase_of(k));
                 let after = of(&self.after.cycle);
                 let half = NORMAL_95 * self.after.deviations[channel][k];
-                [of(&self.observed.mean), of(&self.before), after, after - half, after + half]
+                let mean =
+                    if self.observed.is_measured(channel) { of(&self.observed.mean) } else { f64::NAN };
+                [mean, of(&self.before), after, after - half, after + half]
             };
             (0..layout.channels).map(channel).collect()
         };

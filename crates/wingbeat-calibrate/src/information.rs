@@ -4,7 +4,7 @@ use crate::fit::Linear;
 use crate::problem::Problem;
 use crate::uncertainty::{correlations, inverse};
 use crate::{Error, Layout};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Correlation from which a pair is shown as hard to part. *Choice.*
 pub const CLOSE: f64 = 0.9;
@@ -25,6 +25,8 @@ pub struct Information {
     pub alone: Vec<Vec<f64>>,
     /// Standard error, in parts of the size, from all runs, all others fitted too; infinite where they are not told apart.
     pub together: Vec<f64>,
+    /// The same with the others known: never above that from one run and channel.
+    pub known: Vec<f64>,
     /// Correlations of the estimates.
     pub correlations: DMatrix<f64>,
     /// Groups of parameters of which only a combination is told, with its weights in parts of their sizes.
@@ -45,15 +47,23 @@ impl Information {
         let channels = problem.runs[at.of[0]].layout.channels;
         let mut alone = Vec::new();
         for (run, j) in at.of.iter().zip(&at.jacobians) {
-            let layout = problem.runs[*run].layout;
+            let observed = &problem.runs[*run];
+            let layout = observed.layout;
+            let slopes: Vec<Vec<f64>> =
+                j.column_iter().map(|column| problem.coloured(*run, &column.into_owned())).collect();
             for channel in 0..layout.channels {
-                let square = |k: usize| -> f64 {
-                    (0..layout.width()).map(|part| j[(layout.at(channel, part), k)].powi(2)).sum()
+                let covariance = problem.covariance_of_channel(*run, channel);
+                let factor =
+                    Some(covariance).filter(|_| observed.is_measured(channel)).and_then(|c| c.cholesky());
+                let square = |k: usize| {
+                    let own = DVector::from_fn(layout.width(), |part, _| slopes[k][layout.at(channel, part)]);
+                    factor.as_ref().map_or(0.0, |factor| own.dot(&factor.solve(&own)))
                 };
                 alone.push((0..n).map(|k| 1.0 / (square(k).sqrt() * sizes[k])).collect());
             }
         }
         let (square, _) = at.normal(parameters, values, &[]);
+        let known = (0..n).map(|k| 1.0 / (square[(k, k)].sqrt() * sizes[k])).collect();
         let (together, inseparable) = told(&square, &sizes);
         let correlations = correlations(&inverse(&square));
         let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (j, i)));
@@ -67,6 +77,7 @@ impl Information {
             channels,
             alone,
             together,
+            known,
             correlations,
             inseparable,
             close,

@@ -1,8 +1,9 @@
 //! From samples of the load cell to the cycles of a run; what is wrong with samples, and what would be right.
 
+use crate::observed::Common;
 use crate::rig::{RigTarget, SETTLING};
 use crate::{Error, Layout, Observed, project};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use wingbeat::rig::cell::CHANNELS;
@@ -41,6 +42,8 @@ impl Pass {
 /// What a pass gives.
 struct Cycles {
     cycles: Vec<Vec<f64>>,
+    /// Covariance of what the noise of the rest puts into all of them.
+    tare: Option<DMatrix<f64>>,
     left_out: usize,
     oddities: Vec<String>,
     frequency: f64,
@@ -72,6 +75,9 @@ pub fn observed(
     let samples_per_cycle = parts.iter().map(|part| part.samples_per_cycle).sum::<f64>() / count;
     let left_out = parts.iter().map(|part| part.left_out).sum();
     let oddities = parts.iter().flat_map(|part| part.oddities.clone()).collect();
+    let of = parts.iter().enumerate().flat_map(|(k, part)| std::iter::repeat_n(k, part.cycles.len()));
+    let (of, tares): (Vec<usize>, Vec<Option<DMatrix<f64>>>) =
+        (of.collect(), parts.iter().map(|part| part.tare.clone()).collect());
     let cycles: Vec<Vec<f64>> = parts.into_iter().flat_map(|part| part.cycles).collect();
     if cycles.is_empty() {
         let what = "no whole cycle without missing or saturated samples in the window";
@@ -89,9 +95,35 @@ pub fn observed(
         oddities,
         frequency_hz,
         held_out,
+        unmeasured: Vec::new(),
+        common: Common {
+            groups: if target.tilts().is_some() { of.clone() } else { Vec::new() },
+            ..Common::default()
+        },
     };
     observed.weigh(robust);
+    share(&mut observed, &of, &tares);
     Ok(observed)
+}
+
+/// Sets what the cycles have in common: `of` says of which pass each is, `tares` what the tare of each pass puts into its cycles.
+/// The passes' tares are independent: of a mean with the weights w the covariance is the sum over the passes of (sum w / sum of all w)^2
+/// times theirs.
+fn share(observed: &mut Observed, of: &[usize], tares: &[Option<DMatrix<f64>>]) {
+    let total: f64 = observed.weights.iter().sum();
+    let size = observed.layout.len();
+    let (mut mean, mut pass, mut known) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size), 0.0);
+    for (k, tare) in tares.iter().enumerate() {
+        let Some(tare) = tare else { continue };
+        let own = observed.weights.iter().zip(of).filter(|(_, of)| **of == k);
+        let share = own.map(|(weight, _)| weight).sum::<f64>() / total;
+        mean += tare * (share * share);
+        pass += tare;
+        known += 1.0;
+    }
+    if known > 0.0 {
+        (observed.common.mean, observed.common.pass) = (Some(mean), Some(pass / known));
+    }
 }
 
 fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles, Error> {
@@ -113,7 +145,8 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
     };
     let bad = (from..to).filter(|k| !usable(*k)).count();
     let mut oddities = clipped(pass, from..to, &range);
-    let lines = rest(target, pass)?;
+    let rest = rest(target, pass)?;
+    let lines = rest.as_ref().map_or([(0.0, 0.0); 6], |rest| rest.lines);
     let mut channels: [Vec<f64>; 6] = Default::default();
     for k in from.saturating_sub(1)..(to + 1).min(pass.time.len()) {
         let raw = std::array::from_fn(|i| {
@@ -142,7 +175,9 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
                 bins.add(phase, load);
             }
         }
+        let layout = target.layout();
         return Ok(Cycles {
+            tare: rest.map(|rest| rest.covariance(target, layout, &tilts.clock())),
             cycles: all.into_iter().flatten().collect(),
             left_out,
             oddities,
@@ -181,7 +216,10 @@ fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles,
     for k in first..last {
         bins.add(phase[k], std::array::from_fn(|i| channels[i][k]));
     }
+    let layout = target.layout();
+    let clock = clock(layout, (begin, frequency), 0.5 * (time(first) + time(last)));
     Ok(Cycles {
+        tare: rest.map(|rest| rest.covariance(target, layout, &clock)),
         cycles: all.into_iter().flatten().collect(),
         left_out,
         oddities,
@@ -235,10 +273,24 @@ fn clipped(pass: &Pass, rows: Range<usize>, range: &[f64; 6]) -> Vec<String> {
     told
 }
 
-/// Offset and slope of each channel over the rest, as it is read; nothing where the run takes no tare.
-fn rest(target: &RigTarget, pass: &Pass) -> Result<[(f64, f64); 6], Error> {
+/// The rest before a run.
+struct Rest {
+    /// Offset at t = 0 and slope of each channel.
+    lines: [(f64, f64); 6],
+    /// Covariance of the channels' noise per sample, as far as it does not average out from sample to sample.
+    noise: DMatrix<f64>,
+    /// (X'X)^-1 of offset and slope: variances and covariance of both for noise of 1 per sample.
+    spread: [f64; 3],
+}
+
+/// Batches of the rest by whose means its noise is told: what is correlated from sample to sample is uncorrelated from batch to
+/// batch. *Choice.*
+const BATCHES: usize = 24;
+
+/// Offset and slope of each channel over the rest, as it is read; none where the run takes no tare.
+fn rest(target: &RigTarget, pass: &Pass) -> Result<Option<Rest>, Error> {
     if !target.tared() {
-        return Ok([(0.0, 0.0); 6]);
+        return Ok(None);
     }
     let end = pass.time.partition_point(|t| *t < -1e-9);
     let from = (end as f64 * SETTLING) as usize;
@@ -252,15 +304,80 @@ fn rest(target: &RigTarget, pass: &Pass) -> Result<[(f64, f64); 6], Error> {
         );
         return Err(Error::data(&pass.file, what));
     }
-    let time: Vec<f64> = rows.iter().map(|k| pass.time[*k]).collect();
-    Ok(pass.channels.each_ref().map(|channel| {
+    let time: Vec<f64> = rows.iter().map(|row| pass.time[*row]).collect();
+    let drift = target.run.spec.process.steps.drift;
+    let lines = pass.channels.each_ref().map(|channel| {
         let values: Vec<f64> = rows.iter().map(|k| channel[*k]).collect();
-        if target.run.spec.process.steps.drift {
+        if drift {
             tare_line(&time, &values)
         } else {
             (values.iter().sum::<f64>() / values.len() as f64, 0.0)
         }
-    }))
+    });
+    let count = rows.len() as f64;
+    let middle = time.iter().sum::<f64>() / count;
+    let square: f64 = time.iter().map(|t| (t - middle).powi(2)).sum();
+    let spread = match drift {
+        true => [count.recip() + middle * middle / square, -middle / square, square.recip()],
+        false => [count.recip(), 0.0, 0.0],
+    };
+    let batches = BATCHES.min(rows.len() / 2);
+    let length = rows.len() / batches;
+    let mut noise = DMatrix::zeros(6, 6);
+    for batch in rows.chunks_exact(length).take(batches) {
+        let mean = DVector::from_fn(6, |i, _| {
+            let left = |k: &usize| pass.channels[i][*k] - lines[i].0 - lines[i].1 * pass.time[*k];
+            batch.iter().map(left).sum::<f64>() / length as f64
+        });
+        noise += &mean * mean.transpose();
+    }
+    let taken = if drift { 2.0 } else { 1.0 };
+    noise *= length as f64 / (batches as f64 - taken).max(1.0);
+    Ok(Some(Rest { lines, noise, spread }))
+}
+
+impl Rest {
+    /// Covariance of what the noise of the rest puts into the cycles of a pass: an error of the offset is a load of the same size at
+    /// every phase, one of the slope that load times the time, which over the cycle is `clock`.
+    ///
+    /// Equation: calibrate.tare_covariance
+    fn covariance(&self, target: &RigTarget, layout: Layout, clock: &[f64]) -> DMatrix<f64> {
+        let turn = DMatrix::from_columns(
+            &(0..6)
+                .map(|i| {
+                    let unit = std::array::from_fn(|k| f64::from(u8::from(k == i)));
+                    DVector::from_row_slice(&target.in_body(unit))
+                })
+                .collect::<Vec<_>>(),
+        );
+        let body = &turn * &self.noise * turn.transpose();
+        let [offset, both, slope] = self.spread;
+        let constant = |part: usize| f64::from(u8::from(part == 0));
+        let between = |p: usize, q: usize| {
+            offset * constant(p) * constant(q)
+                + both * (constant(p) * clock[q] + clock[p] * constant(q))
+                + slope * clock[p] * clock[q]
+        };
+        let width = layout.width();
+        DMatrix::from_fn(layout.len(), layout.len(), |i, j| {
+            between(i % width, j % width) * body[(i / width, j / width)]
+        })
+    }
+}
+
+/// Mean and harmonics of the time over cycles that begin at the phase `begin.0` and have the frequency `begin.1`, about `middle`:
+/// a sawtooth, whose sines about that phase are -1/(pi k f).
+fn clock(layout: Layout, (begin, frequency): (f64, f64), middle: f64) -> Vec<f64> {
+    let part = |part: usize| {
+        let k = Layout::harmonic(part) as f64;
+        let size = -1.0 / (std::f64::consts::PI * k * frequency);
+        match part {
+            0 => middle,
+            part if part % 2 == 1 => -size * (k * begin).sin(),
+            _ => size * (k * begin).cos(),
+        }
+    };
+    (0..layout.width()).map(part).collect()
 }
 
 /// Phase of the samples `from ..` on, `count` of them.
@@ -293,18 +410,18 @@ fn phases(
 }
 
 /// Sums by phase, for the scatter from sample to sample.
-struct Bins {
+pub(crate) struct Bins {
     count: Vec<f64>,
     sum: Vec<[f64; 6]>,
     square: DMatrix<f64>,
 }
 
 impl Bins {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { count: vec![0.0; BINS], sum: vec![[0.0; 6]; BINS], square: DMatrix::zeros(6, 6) }
     }
 
-    fn add(&mut self, phase: f64, x: [f64; 6]) {
+    pub fn add(&mut self, phase: f64, x: [f64; 6]) {
         if x.iter().any(|x| !x.is_finite()) {
             return;
         }
@@ -319,7 +436,7 @@ impl Bins {
     }
 
     /// Covariance about the mean of each phase.
-    fn covariance(&self) -> DMatrix<f64> {
+    pub fn covariance(&self) -> DMatrix<f64> {
         let mut covariance = self.square.clone();
         let mut freedom = 0.0;
         for (count, sum) in self.count.iter().zip(&self.sum).filter(|(count, _)| **count > 0.0) {

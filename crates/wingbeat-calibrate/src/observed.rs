@@ -33,6 +33,22 @@ pub struct Observed {
     pub frequency_hz: f64,
     /// True for a run that is only predicted.
     pub held_out: bool,
+    /// Channels that were not measured: their numbers say nothing.
+    pub unmeasured: Vec<usize>,
+    /// Errors that cycles share.
+    pub common: Common,
+}
+
+/// Errors that cycles share, which their scatter does not show.
+#[derive(Clone, Debug, Default)]
+pub struct Common {
+    /// The group of each cycle, where those of a group are parts of one pass and only what differs within it scatters; empty where all
+    /// cycles scatter about one mean.
+    pub groups: Vec<usize>,
+    /// Covariance of the error of the mean that is of the tare; none where nothing is tared.
+    pub mean: Option<DMatrix<f64>>,
+    /// The same of the cycles of one pass.
+    pub pass: Option<DMatrix<f64>>,
 }
 
 impl Observed {
@@ -74,15 +90,48 @@ impl Observed {
         (0..self.layout.channels).map(of).sum::<f64>().sqrt()
     }
 
-    /// Root mean square over the cycle of what a cycle differs from the mean, by channel.
+    /// What each cycle differs from the mean about which it scatters: that of all, or of its group.
+    pub fn deviations(&self) -> Vec<Vec<f64>> {
+        let group = |k: usize| self.common.groups.get(k).copied().unwrap_or(0);
+        let mut sums = vec![(0.0, vec![0.0; self.layout.len()]); self.groups()];
+        for (k, (cycle, weight)) in self.cycles.iter().zip(&self.weights).enumerate() {
+            let (total, sum) = &mut sums[group(k)];
+            *total += weight;
+            sum.iter_mut().zip(cycle).for_each(|(sum, x)| *sum += weight * x);
+        }
+        let apart = |(k, cycle): (usize, &Vec<f64>)| {
+            let (total, sum) = &sums[group(k)];
+            cycle.iter().zip(sum).map(|(x, sum)| x - sum / total).collect()
+        };
+        self.cycles.iter().enumerate().map(apart).collect()
+    }
+
+    /// Number of groups of cycles.
+    fn groups(&self) -> usize {
+        self.common.groups.iter().max().map_or(1, |last| last + 1)
+    }
+
+    /// Cycles beyond those that their means take.
+    pub fn freedom(&self) -> f64 {
+        self.cycles.len() as f64 - self.groups() as f64
+    }
+
+    /// Whether channel `channel` was measured.
+    pub fn is_measured(&self, channel: usize) -> bool {
+        !self.unmeasured.contains(&channel)
+    }
+
+    /// Variance of the number `i` of the mean that is of the tare.
+    pub fn tare_variance(&self, i: usize) -> f64 {
+        self.common.mean.as_ref().map_or(0.0, |of| of[(i, i)])
+    }
+
+    /// Root mean square over the cycle of what a cycle differs from the mean about which it scatters, by channel.
     fn sizes(&self) -> Vec<f64> {
-        let freedom = (self.cycles.len() as f64 - 1.0).max(1.0);
+        let (freedom, deviations) = (self.freedom().max(1.0), self.deviations());
         let channel = |channel: usize| {
-            let one = |(cycle, weight): (&Vec<f64>, &f64)| {
-                let apart: Vec<f64> = cycle.iter().zip(&self.mean).map(|(x, m)| x - m).collect();
-                weight * self.layout.mean_square(&apart, channel)
-            };
-            (self.cycles.iter().zip(&self.weights).map(one).sum::<f64>() / freedom).sqrt()
+            let one = |(apart, weight): (&Vec<f64>, &f64)| weight * self.layout.mean_square(apart, channel);
+            (deviations.iter().zip(&self.weights).map(one).sum::<f64>() / freedom).sqrt()
         };
         (0..self.layout.channels).map(channel).collect()
     }
@@ -96,33 +145,31 @@ impl Observed {
 }
 
 /// Covariance of the channels by harmonic from cycle to cycle, cosines and sines alike, of each of the runs, which have one
-/// layout: S_k = D R_k D, with D the scatter of the run's own cycles by channel (loads that are larger scatter more) and R_k, the
+/// layout and measured the same channels: S_k = D R_k D, with D the scatter of the run's own cycles by channel (loads that are larger scatter more) and R_k, the
 /// shape over channels and harmonics, pooled over the runs with each channel in parts of its D.
 ///
 /// Equation: calibrate.scatter
 pub fn scatter(runs: &[&Observed]) -> Option<Vec<Vec<DMatrix<f64>>>> {
     let layout = runs.first()?.layout;
-    let freedom: f64 = runs.iter().map(|run| run.cycles.len() as f64 - 1.0).sum();
-    if freedom < layout.channels as f64 {
+    let freedom: f64 = runs.iter().map(|run| run.freedom()).sum();
+    if freedom < (layout.channels - runs[0].unmeasured.len()) as f64 {
         return None;
     }
     let own: Vec<Vec<f64>> = runs.iter().map(|run| run.sizes()).collect();
     // A run of one cycle scatters as the others do.
     let all: Vec<f64> = (0..layout.channels)
         .map(|c| {
-            let squares =
-                runs.iter().zip(&own).map(|(run, own)| (run.cycles.len() as f64 - 1.0) * own[c].powi(2));
+            let squares = runs.iter().zip(&own).map(|(run, own)| run.freedom() * own[c].powi(2));
             (squares.sum::<f64>() / freedom).sqrt()
         })
         .collect();
     let sizes: Vec<&Vec<f64>> =
-        runs.iter().zip(&own).map(|(run, own)| if run.cycles.len() > 1 { own } else { &all }).collect();
+        runs.iter().zip(&own).map(|(run, own)| if run.freedom() > 0.0 { own } else { &all }).collect();
     let mut shape = vec![DMatrix::zeros(layout.channels, layout.channels); layout.harmonics + 1];
     for (run, size) in runs.iter().zip(&sizes) {
-        for (cycle, weight) in run.cycles.iter().zip(&run.weights) {
+        for (deviation, weight) in run.deviations().iter().zip(&run.weights) {
             let apart = |channel: usize, part: usize| {
-                let i = layout.at(channel, part);
-                (cycle[i] - run.mean[i]) / size[channel].max(f64::MIN_POSITIVE)
+                deviation[layout.at(channel, part)] / size[channel].max(f64::MIN_POSITIVE)
             };
             for part in 0..layout.width() {
                 let harmonic = Layout::harmonic(part);

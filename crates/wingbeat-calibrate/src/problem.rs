@@ -74,14 +74,22 @@ pub struct Problem<'a> {
     pub runs: &'a [Observed],
     /// What is fitted.
     pub parameters: &'a [Parameter],
-    /// Lower Cholesky factors of the covariance of each run's mean, by harmonic.
-    factors: Vec<Vec<DMatrix<f64>>>,
+    /// Lower Cholesky factors of the covariance of each run's mean.
+    factors: Vec<Factor>,
     /// Covariance from cycle to cycle by harmonic, of each run.
     pub noise: Vec<Vec<DMatrix<f64>>>,
     /// What the model cannot say, in parts of the amplitude of each channel and harmonic of what is in doubt.
     pub discrepancy: Vec<f64>,
     /// What of each run is in doubt.
     in_doubt: Vec<Vec<f64>>,
+}
+
+/// Lower Cholesky factors of the covariance of a run's mean.
+enum Factor {
+    /// By harmonic, whose numbers are independent of the others'.
+    Harmonics(Vec<DMatrix<f64>>),
+    /// Of all numbers, which errors in common tie together.
+    Whole(DMatrix<f64>),
 }
 
 /// Share of a cycle's amplitude that every harmonic counts at least, where the discrepancy is in parts of it. *Choice.*
@@ -102,12 +110,12 @@ impl<'a> Problem<'a> {
             if !noise[k].is_empty() {
                 continue;
             }
-            let alike: Vec<usize> =
-                (0..runs.len()).filter(|other| runs[*other].layout == run.layout).collect();
+            let same = |other: &Observed| (other.layout, &other.unmeasured) == (run.layout, &run.unmeasured);
+            let alike: Vec<usize> = (0..runs.len()).filter(|other| same(&runs[*other])).collect();
             let of: Vec<&Observed> = alike.iter().map(|other| &runs[*other]).collect();
             let scatters = scatter(&of).ok_or_else(|| {
                 let given: usize = of.iter().map(|run| run.cycles.len()).sum();
-                let needed = of.len() + run.layout.channels;
+                let needed = of.len() + run.layout.channels - run.unmeasured.len();
                 Error::data(
                     &run.name,
                     format!(
@@ -165,24 +173,61 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    fn factors_of(&self, run: usize) -> Result<Vec<DMatrix<f64>>, Error> {
+    /// Covariances of the mean of run `run` by harmonic, of scatter and discrepancy.
+    fn covariances_of(&self, run: usize) -> Vec<DMatrix<f64>> {
         let observed = &self.runs[run];
         let count = observed.effective().max(1.0);
         let squares = self.amplitudes(run);
-        (0..=observed.layout.harmonics)
-            .map(|k| {
-                let mut covariance = &self.noise[run][k] / count;
-                for channel in 0..observed.layout.channels {
-                    let of = self.working(observed.layout, channel);
-                    // A floor far below any cell's resolution keeps silent channels regular.
-                    covariance[(channel, channel)] += of * of * squares[channel][k] + 1e-24;
-                }
+        let one = |k: usize| {
+            let mut covariance = &self.noise[run][k] / count;
+            for (channel, squares) in squares.iter().enumerate() {
+                let of = self.working(observed.layout, channel);
+                // A floor far below any cell's resolution keeps silent channels regular.
+                covariance[(channel, channel)] += of * of * squares[k] + 1e-24;
+            }
+            covariance
+        };
+        (0..=observed.layout.harmonics).map(one).collect()
+    }
+
+    fn factors_of(&self, run: usize) -> Result<Factor, Error> {
+        let observed = &self.runs[run];
+        let layout = observed.layout;
+        let covariances = self.covariances_of(run);
+        let Some(common) = &observed.common.mean else {
+            let one = |(k, covariance): (usize, DMatrix<f64>)| {
                 let factor = covariance.cholesky().ok_or_else(|| {
                     Error::data(&observed.name, format!("channels that repeat each other in harmonic {k}"))
                 })?;
                 Ok(factor.l())
-            })
-            .collect()
+            };
+            return Ok(Factor::Harmonics(
+                covariances.into_iter().enumerate().map(one).collect::<Result<_, Error>>()?,
+            ));
+        };
+        let mut whole = common.clone();
+        for part in 0..layout.width() {
+            for a in 0..layout.channels {
+                for b in 0..layout.channels {
+                    whole[(layout.at(a, part), layout.at(b, part))] +=
+                        covariances[Layout::harmonic(part)][(a, b)];
+                }
+            }
+        }
+        let factor =
+            whole.cholesky().ok_or_else(|| Error::data(&observed.name, "channels that repeat each other"))?;
+        Ok(Factor::Whole(factor.l()))
+    }
+
+    /// Covariance of the mean of run `run` in channel `channel` alone.
+    pub fn covariance_of_channel(&self, run: usize, channel: usize) -> DMatrix<f64> {
+        let (observed, covariances) = (&self.runs[run], self.covariances_of(run));
+        let layout = observed.layout;
+        DMatrix::from_fn(layout.width(), layout.width(), |p, q| {
+            let (i, j) = (layout.at(channel, p), layout.at(channel, q));
+            let own = if p == q { covariances[Layout::harmonic(p)][(channel, channel)] } else { 0.0 };
+            own + observed.common.mean.as_ref().map_or(0.0, |of| of[(i, j)])
+        })
     }
 
     /// The discrepancy by which channel `channel` is weighed: the rms of those of its group. Were each channel weighed by its own,
@@ -250,32 +295,29 @@ impl<'a> Problem<'a> {
         parallel::map(of, |_, run| one(run)).into_iter().collect()
     }
 
-    /// `cycle`, numbers of run `run`, in deviations.
+    /// `cycle`, numbers of run `run`, in deviations; none of channels that were not measured.
     pub fn whiten(&self, run: usize, cycle: &[f64]) -> DVector<f64> {
-        let layout = self.runs[run].layout;
-        let mut white = DVector::zeros(layout.len());
-        for part in 0..layout.width() {
-            let factor = &self.factors[run][Layout::harmonic(part)];
-            let own = DVector::from_fn(layout.channels, |channel, _| cycle[layout.at(channel, part)]);
-            let solved = factor.solve_lower_triangular(&own).unwrap_or(own);
-            for channel in 0..layout.channels {
-                white[layout.at(channel, part)] = solved[channel];
+        let observed = &self.runs[run];
+        let layout = observed.layout;
+        let mut own = DVector::from_row_slice(cycle);
+        for channel in &observed.unmeasured {
+            (0..layout.width()).for_each(|part| own[layout.at(*channel, part)] = 0.0);
+        }
+        match &self.factors[run] {
+            Factor::Whole(factor) => factor.solve_lower_triangular(&own).unwrap_or(own),
+            Factor::Harmonics(factors) => {
+                by_part(layout, &own, |k, own| factors[k].solve_lower_triangular(&own).unwrap_or(own))
             }
         }
-        white
     }
 
     /// The inverse of [`whiten`](Self::whiten).
     pub fn coloured(&self, run: usize, white: &DVector<f64>) -> Vec<f64> {
-        let layout = self.runs[run].layout;
-        let mut cycle = vec![0.0; layout.len()];
-        for part in 0..layout.width() {
-            let factor = &self.factors[run][Layout::harmonic(part)];
-            let own =
-                factor * DVector::from_fn(layout.channels, |channel, _| white[layout.at(channel, part)]);
-            (0..layout.channels).for_each(|channel| cycle[layout.at(channel, part)] = own[channel]);
-        }
-        cycle
+        let coloured = match &self.factors[run] {
+            Factor::Whole(factor) => factor * white,
+            Factor::Harmonics(factors) => by_part(self.runs[run].layout, white, |k, own| &factors[k] * own),
+        };
+        coloured.iter().copied().collect()
     }
 
     /// The columns of a Jacobian in deviations.
@@ -299,6 +341,21 @@ impl<'a> Problem<'a> {
     pub fn cost(&self, residuals: &Whitened, values: &[f64]) -> f64 {
         residuals.iter().map(DVector::norm_squared).sum::<f64>() + priors(self.parameters, values)
     }
+}
+
+/// What `f` makes of the channels of every part of a cycle; it is told the part's harmonic.
+fn by_part(
+    layout: Layout,
+    cycle: &DVector<f64>,
+    f: impl Fn(usize, DVector<f64>) -> DVector<f64>,
+) -> DVector<f64> {
+    let mut made = DVector::zeros(layout.len());
+    for part in 0..layout.width() {
+        let own = DVector::from_fn(layout.channels, |channel, _| cycle[layout.at(channel, part)]);
+        let own = f(Layout::harmonic(part), own);
+        (0..layout.channels).for_each(|channel| made[layout.at(channel, part)] = own[channel]);
+    }
+    made
 }
 
 /// The channels that are one vector with channel `channel`: the forces or the moments of six.

@@ -1,7 +1,7 @@
 //! Runs on the rig as a model of cycles.
 
 use crate::tilts::{INSTANTS, Tilts};
-use crate::{Error, Layout, Model, PHASES, phase_of, project};
+use crate::{CaseTarget, Error, Layout, Model, PHASES, phase_of, project};
 use std::f64::consts::TAU;
 use wingbeat::math::Vec3;
 use wingbeat::plant::Fault;
@@ -52,8 +52,9 @@ impl RigTarget {
         }
         let frequency = run.frequency();
         if !(frequency > 0.0) {
-            let what = "frequency_hz = 0: a run whose wings flap is needed, or one that holds the robot in three attitudes or more";
-            return Err(Error::data(name, what));
+            let allowed = "above 0, or [hold] with tilts_deg of three attitudes or more";
+            let error = wingbeat::Error::invalid("frequency_hz", frequency, allowed);
+            return Err(Error::Config(run.explain(&error)));
         }
         let cycles = ((window.1 - window.0) * frequency + 1e-6).floor() as usize;
         if cycles == 0 {
@@ -93,10 +94,12 @@ impl RigTarget {
         let held = run.spec.hold.as_ref().map(|hold| (hold.tilts_deg.len(), hold.each_s));
         let (count, each_s) = held.unwrap_or((0, 0.0));
         if count < 3 {
-            return Err(Error::data(
-                name,
-                format!("{count} attitudes in hold.tilts_deg: at least three are needed"),
-            ));
+            let error = wingbeat::Error::invalid(
+                "hold.tilts_deg",
+                format!("{count} attitudes"),
+                "three or more, where the wings are still",
+            );
+            return Err(Error::Config(run.explain(&error)));
         }
         let tilts = Tilts { count, each_s };
         let step = each_s / INSTANTS as f64;
@@ -300,10 +303,13 @@ fn inverse(a: [f64; 2]) -> [f64; 2] {
     [a[0] / square, -a[1] / square]
 }
 
-/// Runs on the rig as a model of a fit: the values are those of the numbers called `names`, then what is `held`.
+/// Runs on the rig, and cases of a tethered wing behind them, as a model of a fit: the values are those of the numbers called `names`,
+/// then what is `held`.
 pub struct RigModel {
     /// The runs.
     pub targets: Vec<RigTarget>,
+    /// The cases.
+    pub cases: Vec<CaseTarget>,
     /// Names of what is fitted.
     pub names: Vec<String>,
     /// Names and values of what is held.
@@ -321,11 +327,17 @@ impl RigModel {
 
 impl Model for RigModel {
     fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Error> {
-        self.targets[run].predict(&self.numbers(values))
+        match self.targets.get(run) {
+            Some(target) => target.predict(&self.numbers(values)),
+            None => self.cases[run - self.targets.len()].predict(&self.numbers(values)),
+        }
     }
 
     fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
-        self.targets[run].slopes(&self.numbers(values), self.names.len())
+        match self.targets.get(run) {
+            Some(target) => target.slopes(&self.numbers(values), self.names.len()),
+            None => self.cases[run - self.targets.len()].slopes(&self.numbers(values), self.names.len()),
+        }
     }
 
     fn target(&self, run: usize) -> Option<&RigTarget> {
@@ -334,7 +346,8 @@ impl Model for RigModel {
 
     /// What the air does: weight and inertia are known as well as their masses.
     fn in_doubt(&self, run: usize, values: &[f64]) -> Result<Option<Vec<f64>>, Error> {
-        let (all, target) = (self.numbers(values), &self.targets[run]);
+        let Some(target) = self.targets.get(run) else { return self.predict(run, values).map(Some) };
+        let all = self.numbers(values);
         let mut still: Vec<(&str, f64)> = all.iter().copied().filter(|(name, _)| *name != DENSITY).collect();
         still.push((DENSITY, NO_AIR));
         let (with, without) = (target.predict(&all)?, target.predict(&still)?);

@@ -1,7 +1,7 @@
 //! Other structures of the model, and other runs, beside those that were fitted.
 
 use crate::design::{Candidate, largest, rank};
-use crate::observed::sized;
+use crate::observed::{Common, sized};
 use crate::problem::group;
 use crate::{Error, Layout, Observed, Problem, RigTarget, Solved, Structure, channel_name, rms};
 use nalgebra::DMatrix;
@@ -32,14 +32,21 @@ fn shares(runs: &[Observed], of: &[(usize, Vec<f64>)]) -> (BTreeMap<String, f64>
     let Some((first, _)) = of.first() else { return (BTreeMap::new(), f64::NAN) };
     let layout = runs[*first].layout;
     let (mut by_channel, mut share) = (BTreeMap::new(), 0.0);
+    let mut told = 0.0_f64;
     for channel in 0..layout.channels {
-        let mean = of.iter().map(|(_, rms)| rms[channel]).sum::<f64>() / of.len() as f64;
-        let own = |run: usize| layout.mean_square(&runs[run].mean, channel).sqrt();
-        let size = of.iter().map(|(run, _)| own(*run)).sum::<f64>() / of.len() as f64;
+        let measured: Vec<&(usize, Vec<f64>)> =
+            of.iter().filter(|(run, _)| runs[*run].is_measured(channel)).collect();
+        if measured.is_empty() {
+            continue;
+        }
+        let mean = measured.iter().map(|(_, rms)| rms[channel]).sum::<f64>() / measured.len() as f64;
+        let own = |run: usize| runs[run].layout.mean_square(&runs[run].mean, channel).sqrt();
+        let size = measured.iter().map(|(run, _)| own(*run)).sum::<f64>() / measured.len() as f64;
         by_channel.insert(channel_name(layout, channel), mean);
-        share += mean / size.max(f64::MIN_POSITIVE) / layout.channels as f64;
+        share += mean / size.max(f64::MIN_POSITIVE);
+        told += 1.0;
     }
-    (by_channel, share)
+    (by_channel, share / told.max(1.0))
 }
 
 impl Rival {
@@ -92,7 +99,16 @@ impl NextRun {
         let observed = candidates.model.targets.iter().map(|target| {
             let mean = target.predict(&candidates.model.numbers(values))?;
             let cycles = target.cycles() * passes;
+            // The tare is read as before the runs that were made, where those are of the same kind.
+            let alike = template.layout == target.layout() && target.tilts().is_none();
+            let common = if alike {
+                Common { groups: Vec::new(), ..template.common.clone() }
+            } else {
+                Common::default()
+            };
             Ok(Observed {
+                common,
+                unmeasured: Vec::new(),
                 name: target.name.clone(),
                 layout: target.layout(),
                 weights: vec![1.0; cycles],

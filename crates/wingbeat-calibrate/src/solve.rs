@@ -142,7 +142,11 @@ pub fn solve_problem<'a>(
 
 /// Numbers measured less parameters fitted.
 fn freedom(problem: &Problem, of: &[usize]) -> f64 {
-    let numbers: usize = of.iter().map(|run| problem.runs[*run].layout.len()).sum();
+    let measured = |run: &usize| {
+        let (layout, left) = (problem.runs[*run].layout, problem.runs[*run].unmeasured.len());
+        (layout.channels - left) * layout.width()
+    };
+    let numbers: usize = of.iter().map(measured).sum();
     (numbers as f64 - problem.parameters.len() as f64).max(1.0)
 }
 
@@ -162,12 +166,14 @@ fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
             let observed = &problem.runs[*run];
             let (layout, squares) = (observed.layout, problem.amplitudes(*run));
             // Where nothing is in doubt, as in still air without motion, nothing is left unsaid.
-            if !problem.load(*run).iter().any(|load| *load > LEAST_LOAD) {
+            let in_doubt = problem.load(*run).iter().any(|load| *load > LEAST_LOAD);
+            if !in_doubt || !observed.is_measured(channel) {
                 continue;
             }
             for part in 0..layout.width() {
                 let (i, k) = (layout.at(channel, part), Layout::harmonic(part));
-                let noise = problem.noise[*run][k][(channel, channel)] / observed.effective();
+                let scatter = problem.noise[*run][k][(channel, channel)] / observed.effective();
+                let noise = scatter + observed.tare_variance(i);
                 beyond += Layout::share(part) * ((predicted[i] - observed.mean[i]).powi(2) - noise);
                 size += Layout::share(part) * squares[channel][k];
             }
@@ -244,8 +250,12 @@ pub fn phase_of(k: usize) -> f64 {
     std::f64::consts::TAU * k as f64 / PHASES as f64
 }
 
-/// Root mean square over the cycle of what is predicted less what was measured, by channel.
+/// Root mean square over the cycle of what is predicted less what was measured, by channel; NaN of one that was not measured.
 pub fn rms(observed: &Observed, predicted: &[f64]) -> Vec<f64> {
     let apart: Vec<f64> = predicted.iter().zip(&observed.mean).map(|(model, mean)| model - mean).collect();
-    (0..observed.layout.channels).map(|channel| observed.layout.mean_square(&apart, channel).sqrt()).collect()
+    let one = |channel: usize| match observed.is_measured(channel) {
+        true => observed.layout.mean_square(&apart, channel).sqrt(),
+        false => f64::NAN,
+    };
+    (0..observed.layout.channels).map(one).collect()
 }

@@ -12,7 +12,8 @@ impl Found {
         let (mut rmse, mut coverage, mut white, mut widths) =
             (BTreeMap::new(), BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
         for (channel, name) in self.channels().into_iter().enumerate() {
-            let mean = |of: Vec<f64>| {
+            let mean = |mut of: Vec<f64>| {
+                of.retain(|x| !x.is_nan());
                 let count = of.len() as f64;
                 if of.is_empty() { f64::NAN } else { (of.iter().map(|x| x * x).sum::<f64>() / count).sqrt() }
             };
@@ -28,6 +29,8 @@ impl Found {
                 Some(_) => self.held_out().collect(),
                 None => self.fitted().collect(),
             };
+            let judged: Vec<&FoundRun> =
+                judged.into_iter().filter(|run| run.observed.is_measured(channel)).collect();
             let share = |of: &dyn Fn(&FoundRun) -> f64| {
                 judged.iter().map(|run| of(run)).sum::<f64>() / judged.len() as f64
             };

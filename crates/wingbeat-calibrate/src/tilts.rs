@@ -70,6 +70,16 @@ impl Tilts {
         (end - begin) * rate_hz * self.count as f64 / PARTS as f64
     }
 
+    /// Mean and harmonics of the time over a pass: the middle of what is used of each attitude.
+    pub fn clock(self) -> Vec<f64> {
+        let middle = |k: usize| {
+            let (begin, end) = self.used(k);
+            Some([0.5 * (begin + end); 6])
+        };
+        let whole = self.of_means((0..self.count).map(middle)).unwrap_or_default();
+        whole[..self.layout().width()].to_vec()
+    }
+
     /// The attitude in which the robot is at `t`, as a phase, rad; none while it settles.
     pub fn phase(self, t: f64) -> Option<f64> {
         let k = (t / self.each_s).floor();

@@ -46,8 +46,9 @@ pub fn inverse(a: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_columns(&columns)
 }
 
-/// Covariances of the estimates at the linearisation `at`: B^-1 (sum over cycles of g g') B^-1 with B = J'C^-1 J + prior,
-/// g = J'C^-1 (cycle - mean)/n sqrt(n/(n - 1)). What the model cannot say counts as common to all runs.
+/// Covariances of the estimates at the linearisation `at`: B^-1 (sum over cycles of g g' + J'C^-1 T C^-1 J) B^-1 with
+/// B = J'C^-1 J + prior, g = J'C^-1 (cycle - mean)/n sqrt(n/(n - m)) for n cycles about m means, and T the covariance of what the tares
+/// put into the mean. What the model cannot say counts as common to all runs.
 ///
 /// Equation: calibrate.cluster_covariance
 pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariances {
@@ -61,14 +62,21 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
         let layout = observed.layout;
         let total: f64 = observed.weights.iter().sum();
         let count = observed.cycles.len() as f64;
-        let correction = (count / (count - 1.0).max(1.0)).sqrt();
-        for (cycle, weight) in observed.cycles.iter().zip(&observed.weights) {
-            let apart: Vec<f64> = cycle.iter().zip(&observed.mean).map(|(x, m)| x - m).collect();
-            let g = j.transpose() * problem.whiten(*run, &apart) * (weight / total * correction);
+        let correction = (count / observed.freedom().max(1.0)).sqrt();
+        for (apart, weight) in observed.deviations().iter().zip(&observed.weights) {
+            let g = j.transpose() * problem.whiten(*run, apart) * (weight / total * correction);
             clustered += &g * g.transpose();
         }
+        if let Some(common) = &observed.common.mean {
+            let columns = common.column_iter().map(|column| problem.whiten(*run, column.as_slice()));
+            let once = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+            let columns =
+                once.row_iter().map(|row| problem.whiten(*run, &row.iter().copied().collect::<Vec<_>>()));
+            let twice = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+            clustered += j.transpose() * twice * j;
+        }
         // One cycle does not scatter: its noise is what is known of it.
-        if observed.cycles.len() < 2 {
+        if observed.freedom() < 1.0 {
             for part in 0..layout.width() {
                 let noise = problem.noise[*run][Layout::harmonic(part)].clone();
                 for column in noise

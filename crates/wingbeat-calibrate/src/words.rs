@@ -8,16 +8,17 @@ use crate::{Information, Parameter, rms};
 pub fn information(of: &Information, parameters: &[Parameter]) -> String {
     let name = |k: usize| parameters[k].name.as_str();
     let mut text = format!(
-        "information at the start: standard error in parts of the size, from all runs and from the best run and channel\n\n\
-         {:<34}{:>12}{:>12}  {}\n",
-        "", "all", "best alone", "run, channel"
+        "information at the start: standard error in parts of the size, from all runs with the other numbers fitted too; with the \
+         others known from all runs, and from the best run and channel alone\n\n{:<34}{:>12}{:>12}{:>12}  {}\n",
+        "", "fitted", "known", "best alone", "run, channel"
     );
     for (k, together) in of.together.iter().enumerate() {
         let best = of.alone.iter().enumerate().min_by(|a, b| a.1[k].total_cmp(&b.1[k]));
         let (row, alone) = best.map_or((0, f64::INFINITY), |(row, errors)| (row, errors[k]));
         let (run, channel) = (&of.runs[row / of.channels], row % of.channels);
         let channel = wingbeat::rig::cell::CHANNELS.get(channel).map_or("", |(name, _)| *name);
-        text += &format!("{:<34}{together:>12.2e}{alone:>12.2e}  {run}, {channel}\n", name(k));
+        let known = of.known[k];
+        text += &format!("{:<34}{together:>12.2e}{known:>12.2e}{alone:>12.2e}  {run}, {channel}\n", name(k));
     }
     for (j, i, correlation) in &of.close {
         text += &format!("close: {} and {}, correlation {correlation:.3}\n", name(*j), name(*i));
@@ -154,20 +155,25 @@ fn runs(found: &Found) -> String {
         let held = if run.observed.held_out { " (held out)" } else { "" };
         text += &format!("{:<34}", format!("{}{held}", run.observed.name));
         for (before, after) in before.iter().zip(&after) {
-            text += &format!("{:>20}", format!("{before:.5} -> {after:.5}"));
+            let told = format!("{before:.5} -> {after:.5}");
+            text += &format!("{:>20}", if after.is_nan() { "-".into() } else { told });
         }
         text.push('\n');
+        let is_measured = |channel: usize| run.observed.is_measured(channel);
         let covered = run.after.coverage(&run.observed, &run.after.deviations);
         let white = run.after.coverage(&run.observed, &run.after.white);
         text += &format!("{:<34}", "  in the 95 % band (white)");
-        for (covered, white) in covered.iter().zip(&white) {
-            text += &format!("{:>20}", format!("{:.1} % ({:.1} %)", 100.0 * covered, 100.0 * white));
+        for (channel, (covered, white)) in covered.iter().zip(&white).enumerate() {
+            let told = format!("{:.1} % ({:.1} %)", 100.0 * covered, 100.0 * white);
+            text += &format!("{:>20}", if is_measured(channel) { told } else { "-".into() });
         }
         text.push('\n');
     }
     for (run, rms) in &found.left_out {
         text += &format!("{:<34}", format!("{} left out", found.runs[*run].observed.name));
-        rms.iter().for_each(|rms| text += &format!("{rms:>20.5}"));
+        for rms in rms {
+            text += &if rms.is_nan() { format!("{:>20}", "-") } else { format!("{rms:>20.5}") };
+        }
         text.push('\n');
     }
     text

@@ -65,6 +65,8 @@ fn observed(means: &[Vec<f64>], noise: f64, seed: u64) -> Vec<Observed> {
             oddities: Vec::new(),
             frequency_hz: 3.5,
             held_out: false,
+            unmeasured: Vec::new(),
+            common: Default::default(),
         };
         run.weigh(false);
         run

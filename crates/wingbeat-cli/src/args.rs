@@ -157,6 +157,9 @@ pub struct Calibrate {
     /// Only print what the runs tell of the numbers
     #[arg(long)]
     pub information: bool,
+    /// Only list the numbers that can be fitted, with the values that the model gives them
+    #[arg(long, conflicts_with = "information")]
+    pub names: bool,
     #[command(flatten)]
     pub run: Run,
 }

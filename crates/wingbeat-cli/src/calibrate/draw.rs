@@ -53,7 +53,7 @@ fn overlays(run: &FoundRun) -> Vec<Overlay> {
             band: of(3).into_iter().zip(of(4)).collect(),
         }
     };
-    (0..run.observed.layout.channels).map(channel).collect()
+    (0..run.observed.layout.channels).filter(|c| run.observed.is_measured(*c)).map(channel).collect()
 }
 
 fn profile_curves(found: &Found) -> Vec<ProfileCurve> {
@@ -73,17 +73,19 @@ fn spectra(found: &Found) -> Vec<Spectrum> {
     let runs: Vec<&FoundRun> = found.fitted().collect();
     let layout: Layout = runs[0].observed.layout;
     let channel = |channel: usize| {
+        let measured: Vec<&FoundRun> =
+            runs.iter().copied().filter(|run| run.observed.is_measured(channel)).collect();
         let rms = |of: &dyn Fn(&FoundRun, usize) -> f64| -> Vec<f64> {
             let one = |k: usize| {
-                let squares: f64 = runs.iter().map(|run| of(run, k)).sum();
-                (squares / runs.len() as f64).sqrt()
+                let of = |run: &&FoundRun| if k > run.observed.layout.harmonics { 0.0 } else { of(run, k) };
+                (measured.iter().map(of).sum::<f64>() / measured.len() as f64).sqrt()
             };
             (0..=layout.harmonics).map(one).collect()
         };
         let apart = |run: &FoundRun, cycle: &[f64], k: usize| -> f64 {
             let parts = if k == 0 { 0..1 } else { 2 * k - 1..2 * k + 1 };
             let one = |part: usize| {
-                let at = layout.at(channel, part);
+                let at = run.observed.layout.at(channel, part);
                 (cycle[at] - run.observed.mean[at]).powi(2)
             };
             parts.map(one).sum()
@@ -95,5 +97,6 @@ fn spectra(found: &Found) -> Vec<Spectrum> {
             noise: rms(&|run, k| if k == 0 { 1.0 } else { 2.0 } * run.noise[k][channel]),
         }
     };
-    (0..layout.channels).map(channel).collect()
+    let measured = |channel: &usize| runs.iter().any(|run| run.observed.is_measured(*channel));
+    (0..layout.channels).filter(measured).map(channel).collect()
 }

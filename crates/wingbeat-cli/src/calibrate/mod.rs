@@ -8,7 +8,7 @@ use std::time::Instant;
 use serde::Serialize;
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::{Calibration, Failure, Files, Found, Prepared, Progress, words};
-use wingbeat_io::write_parquet;
+use wingbeat_io::{urdf_as_toml, write_parquet};
 
 use crate::args;
 use crate::error::Error;
@@ -29,6 +29,11 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let document = Document::file(&arguments.calibration)?.overridden(&options.all_overrides());
     let calibration = Calibration::new(document)?;
+    if arguments.names {
+        let named = calibration.named_numbers(&urdf_as_toml)?;
+        let line = |(name, value): &(String, f64)| format!("{name} = {}\n", wingbeat_io::shortest(*value));
+        return say::say(&named.iter().map(line).collect::<String>());
+    }
     let files = Files::of(&calibration).map_err(Failure::from)?;
     let name = calibration.spec.run_name()?;
     let identity = files.identity(&calibration.resolved);

@@ -48,6 +48,8 @@ fn refusal() -> Result<Option<String>, Error> {
         oddities: Vec::new(),
         frequency_hz: 3.5,
         held_out: false,
+        unmeasured: Vec::new(),
+        common: Default::default(),
     };
     let (runs, parameters) = ([run], [parameter("a0", TAU), parameter("density", 1.225)]);
     let noise = vec![vec![DMatrix::from_element(1, 1, 1e-6); 2]];
@@ -78,7 +80,12 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let parameters: Vec<Parameter> =
         own.parameters.iter().filter(|p| p.name.starts_with("links.")).cloned().collect();
     let names = parameters.iter().map(|parameter| parameter.name.clone()).collect();
-    let model = wingbeat_calibrate::RigModel { targets: own.model.targets, names, held: Vec::new() };
+    let model = wingbeat_calibrate::RigModel {
+        targets: own.model.targets,
+        cases: Vec::new(),
+        names,
+        held: Vec::new(),
+    };
     let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: false };
     let watch = &mut |_: &Progress| ControlFlow::Continue(());
     let solved = solve(&model, &runs, &parameters, &plan, &mut (), watch).map_err(no_answer)?;

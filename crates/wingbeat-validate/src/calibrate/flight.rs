@@ -166,6 +166,8 @@ fn bound(flown: &[Flown], parameters: &[Parameter], start: &[f64]) -> Result<Vec
         oddities: Vec::new(),
         frequency_hz: 3.5,
         held_out: false,
+        unmeasured: Vec::new(),
+        common: Default::default(),
     };
     let runs: Vec<Observed> = flown.iter().map(observed).collect();
     let one = DMatrix::from_fn(6, 6, |i, j| if i == j { ONE[i / 3].powi(2) } else { 0.0 });

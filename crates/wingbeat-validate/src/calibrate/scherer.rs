@@ -80,6 +80,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         oddities: Vec::new(),
         frequency_hz: 5.0,
         held_out: false,
+        unmeasured: Vec::new(),
+        common: Default::default(),
     };
     let runs: Vec<Observed> = model.0.iter().map(run).collect();
     // The two points measured twice scatter by 0.012, as long as the bars are: a bar counts as one deviation.

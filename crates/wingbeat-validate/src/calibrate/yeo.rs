@@ -91,6 +91,8 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         oddities: Vec::new(),
         frequency_hz: 3.3,
         held_out: false,
+        unmeasured: Vec::new(),
+        common: Default::default(),
     };
     let noise =
         DMatrix::from_fn(

@@ -44,8 +44,12 @@ pub struct CalibrationSpec {
     /// Other structures that are fitted to the same runs and compared by the error in runs left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub structures: Vec<StructureOfModel>,
-    /// The runs.
+    /// The runs on the rig.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<CalibratedRunSpec>,
+    /// Cases of a tethered wing that are fitted beside the runs, or alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cases: Vec<CalibratedCaseSpec>,
     /// What is fitted.
     pub parameters: Vec<ParameterSpec>,
     /// Makes the samples of runs without files: a robot that is known.
@@ -168,6 +172,31 @@ pub struct CalibratedRunSpec {
     pub held_out: bool,
 }
 
+/// A case of a tethered wing in a calibration.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedCaseSpec {
+    /// File of the case, or the case itself. Its `compare` says which columns of the samples are which: forces and moments in body
+    /// axes, `force_x` to `moment_z`, as many of them as were measured.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(schema_with = "crate::scenario::schema::file_or::<crate::scenario::TetherSpec>")
+    )]
+    pub case: toml::Value,
+    /// What the report calls it; without it the case's name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Overrides of the case. Those of `model` and of `structures` that begin with `rig.aero.` come first, without their `rig.`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
+    /// CSV files of samples, one per pass of the same case.
+    pub data: Vec<PathBuf>,
+    /// True for a case that is only predicted.
+    #[serde(default)]
+    pub held_out: bool,
+}
+
 /// A number to be fitted.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -273,8 +302,10 @@ impl CalibrationSpec {
         self.run_name()?;
         self.in_range()?;
         self.truth.as_ref().map_or(Ok(()), |truth| truth.in_range().map_err(|e| e.within("truth")))?;
-        if self.runs.iter().all(|run| run.held_out) {
-            return Err(Error::invalid("runs", format!("{} runs", self.runs.len()), "a run that is fitted"));
+        let held = self.runs.iter().map(|run| run.held_out);
+        if held.chain(self.cases.iter().map(|case| case.held_out)).all(|held| held) {
+            let given = format!("{} runs and {} cases", self.runs.len(), self.cases.len());
+            return Err(Error::invalid("runs", given, "a run or a case that is fitted"));
         }
         if self.parameters.iter().all(|parameter| parameter.held) {
             let given = format!("{} parameters", self.parameters.len());
@@ -293,26 +324,67 @@ impl CalibrationSpec {
         for (k, design) in self.design.iter().enumerate() {
             design.check().map_err(|e| e.within(&format!("design[{k}]")))?;
         }
-        for (k, run) in self.runs.iter().enumerate() {
-            if run.data.is_empty() && self.truth.is_none() {
-                let allowed = "files of samples, or a [truth] that makes them";
-                return Err(Error::invalid(format!("runs[{k}].data"), "none", allowed));
+        self.check_stages()?;
+        let runs = self.runs.iter().enumerate().map(|(k, run)| (format!("runs[{k}]"), &run.data));
+        let cases = self.cases.iter().enumerate().map(|(k, case)| (format!("cases[{k}]"), &case.data));
+        let mut seen: Vec<&PathBuf> = Vec::new();
+        for (key, data) in runs.chain(cases) {
+            if data.is_empty() && (self.truth.is_none() || key.starts_with("cases")) {
+                let made = if key.starts_with("runs") { ", or a [truth] that makes them" } else { "" };
+                let allowed = format!("files of samples{made}");
+                return Err(Error::invalid(format!("{key}.data"), "none", allowed));
             }
-            let twice = (1..run.data.len()).find(|&i| run.data[..i].contains(&run.data[i]));
-            if let Some(i) = twice {
-                let given = run.data[i].display();
-                return Err(Error::invalid(format!("runs[{k}].data[{i}]"), given, "each file once"));
+            for (i, file) in data.iter().enumerate() {
+                let given = file.display();
+                if data[..i].contains(file) {
+                    return Err(Error::invalid(format!("{key}.data[{i}]"), given, "each file once"));
+                }
+                if seen.contains(&file) {
+                    let allowed = "a file that no other run names";
+                    return Err(Error::invalid(format!("{key}.data[{i}]"), given, allowed));
+                }
             }
-            let shared = |file: &PathBuf| self.runs[..k].iter().any(|other| other.data.contains(file));
-            if let Some(i) = run.data.iter().position(shared) {
-                let given = run.data[i].display();
-                let allowed = "a file that no other run names";
-                return Err(Error::invalid(format!("runs[{k}].data[{i}]"), given, allowed));
+            seen.extend(data);
+        }
+        Ok(())
+    }
+
+    /// Refuses stages in which nothing is fitted, and numbers of the air before masses and centres: what they would take up of an inertia
+    /// that is not yet fitted they would keep.
+    fn check_stages(&self) -> Result<(), Error> {
+        let fitted = || self.parameters.iter().enumerate().filter(|(_, parameter)| !parameter.held);
+        for (k, parameter) in fitted() {
+            let key = format!("parameters[{k}].stage");
+            let empty = (1..parameter.stage).find(|stage| !fitted().any(|(_, other)| other.stage == *stage));
+            if let Some(stage) = empty {
+                let allowed = format!("at most {stage}: no number is fitted in stage {stage}");
+                return Err(Error::invalid(key, parameter.stage, allowed));
+            }
+            if parameter.stage == 0 {
+                return Err(Error::invalid(key, 0, "1 or more"));
+            }
+            let inertia = |name: &str| INERTIA.iter().any(|of| name.contains(of));
+            let later = fitted().find(|(_, other)| other.stage > parameter.stage && inertia(&other.name));
+            if let Some((other, later)) = later
+                && AIR.iter().any(|of| parameter.name.starts_with(of))
+                && !inertia(&parameter.name)
+            {
+                let allowed = format!(
+                    "{} or more: masses and centres come before the air, and {} is of stage {}",
+                    later.stage, later.name, later.stage
+                );
+                let against = [format!("parameters[{other}].stage")];
+                return Err(Error::invalid(key, parameter.stage, allowed).against(against));
             }
         }
         Ok(())
     }
 }
+
+/// What the names of numbers of inertia contain.
+const INERTIA: [&str; 3] = ["mass_kg", "com_m", "inertia_kg_m2"];
+/// What the names of numbers of the air begin with.
+const AIR: [&str; 2] = ["surfaces.", "air."];
 
 impl ParameterSpec {
     /// Lowest and highest value.

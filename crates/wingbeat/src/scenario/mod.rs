@@ -40,10 +40,13 @@ mod tether_spec;
 mod trim;
 
 pub use calibration::{
-    CalibratedRunSpec, CalibrationSpec, DesignSpec, ParameterSpec, StructureOfModel, TruthSpec, VariedSpec,
+    CalibratedCaseSpec, CalibratedRunSpec, CalibrationSpec, DesignSpec, ParameterSpec, StructureOfModel,
+    TruthSpec, VariedSpec,
 };
 pub use chosen::{Chosen, Named};
-pub use document::{ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, text_of, unit};
+pub use document::{
+    ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, nearest_names, text_of, unit,
+};
 pub use doors::Doors;
 pub use estimate::EstimateSummary;
 pub use followed::PathSummary;

@@ -3,11 +3,14 @@
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{ConfigError, CoordinateSpec, Document, Smoothed};
 use crate::Error;
-use crate::aero::{Aero, Planform};
+use crate::aero::{Aero, Planform, SurfaceNumbers};
 use crate::math::Vec3;
+use crate::plant::Fault;
 use crate::robot::{SurfaceOutline, check_number};
 use crate::simulate::Ending;
-use crate::tether::{CycleMean, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing};
+use crate::tether::{
+    CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing,
+};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -271,6 +274,90 @@ const AIR_DENSITY: &str = "air.density_kg_m3";
 const ELSEWHERE: [&str; 8] =
     ["body.", "links.", "linkage.", "structure.", "gait.", "motor.", "mount.", "crank."];
 
+/// What a surface calls the number that is called `name` here; none of what a wing alone has not.
+fn own(name: &str) -> Option<&str> {
+    match name.strip_prefix(OWN) {
+        None if name == AIR_DENSITY => Some("density_kg_m3"),
+        None if ELSEWHERE.iter().any(|of| name.starts_with(of)) => None,
+        other => Some(other.unwrap_or("")),
+    }
+}
+
+/// Those numbers of a wing and its air that are no outline, as the surface calls them: planform and hinges are the case's own.
+fn own_numbers(numbers: &mut SurfaceNumbers) -> Vec<(String, &mut f64)> {
+    let mut named = numbers.by_name();
+    named.retain(|(known, _)| !known.ends_with("_m"));
+    named
+}
+
+/// What the number that a surface calls `own` is called here.
+fn full(own: &str) -> String {
+    if own == "density_kg_m3" { AIR_DENSITY.into() } else { format!("{OWN}{own}") }
+}
+
+/// A model with those of the numbers `to` that are its own.
+fn renumbered<'a>(aero: &Aero, to: impl Iterator<Item = (&'a str, f64)>) -> Result<Aero, Error> {
+    let mut numbers = aero.numbers().clone();
+    for (name, value) in to {
+        check_number(name, value)?;
+        let Some(own) = own(name) else { continue };
+        let mut named = own_numbers(&mut numbers);
+        match named.iter_mut().find(|(known, _)| known == own) {
+            Some((_, number)) => **number = value,
+            None => {
+                let known: Vec<String> = named.iter().map(|(known, _)| full(known)).collect();
+                return Err(Error::invalid(
+                    "numbers",
+                    format!("{name:?}"),
+                    format!("of {}", known.join(", ")),
+                ));
+            }
+        }
+    }
+    aero.with(&numbers)
+}
+
+impl TetherCase {
+    /// Says where the value that `error` refuses was given.
+    pub fn explain(&self, error: &Error) -> ConfigError {
+        self.document.explain(error)
+    }
+
+    /// Names and values of the numbers that `numbers` may give, as a robot calls those of its wing and air.
+    pub fn named_numbers(&self) -> Vec<(String, f64)> {
+        let mut numbers = self.tether.aero.numbers().clone();
+        own_numbers(&mut numbers).into_iter().map(|(own, value)| (full(&own), *value)).collect()
+    }
+
+    /// The wing in its wind with other numbers; those of what a wing alone has not do not count.
+    ///
+    /// # Errors
+    /// A number that the wing has not, or that cannot be.
+    pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Tether, Error> {
+        let aero = renumbered(&self.tether.aero, to.iter().copied())?;
+        Ok(Tether { aero, ..self.tether.clone() })
+    }
+
+    /// The derivatives of the loads of `tether` over its last cycle by the numbers called `keys`, in their order; no load depends on
+    /// what a wing alone has not.
+    ///
+    /// # Errors
+    /// A number that the wing has not; a fault of the model.
+    pub fn differentiated(
+        &self,
+        tether: &Tether,
+        keys: &[&str],
+    ) -> Result<Result<Vec<CycleWrenches>, Fault>, Error> {
+        let owned: Vec<Option<&str>> = keys.iter().map(|key| own(key)).collect();
+        let varied: Vec<&str> = owned.iter().copied().flatten().collect();
+        Ok(tether.differentiated(&varied)?.map(|found| {
+            let mut found = found.into_iter();
+            let none = || vec![[0.0; 6]; tether.clock.steps_per_cycle];
+            owned.iter().map(|own| own.and_then(|_| found.next()).unwrap_or_else(none)).collect()
+        }))
+    }
+}
+
 impl TetherSpec {
     fn build(&self, folder: Folder, read: ReadTable) -> Result<(Tether, Vec<Smoothed>), Error> {
         self.check()?;
@@ -328,28 +415,7 @@ impl TetherSpec {
 
     /// The wing's model with those of `numbers` that are its own; those of bodies, gait and rig do not count.
     fn numbered(&self, aero: Aero) -> Result<Aero, Error> {
-        let mut numbers = aero.numbers().clone();
-        for (name, value) in &self.numbers {
-            check_number(name, *value)?;
-            let own = match name.strip_prefix(OWN) {
-                Some(own) => own,
-                None if name == AIR_DENSITY => "density_kg_m3",
-                None if ELSEWHERE.iter().any(|of| name.starts_with(of)) => continue,
-                None => "",
-            };
-            let mut named: Vec<(String, &mut f64)> = numbers.by_name();
-            // A planform and its hinges are the case's own.
-            named.retain(|(known, _)| !known.contains("_m") || known == "density_kg_m3");
-            match named.iter_mut().find(|(known, _)| known == own) {
-                Some((_, number)) => **number = *value,
-                None => {
-                    let known: Vec<String> = named.iter().map(|(known, _)| format!("{OWN}{known}")).collect();
-                    let allowed = format!("of {AIR_DENSITY}, {}", known.join(", "));
-                    return Err(Error::invalid("numbers", format!("{name:?}"), allowed));
-                }
-            }
-        }
-        aero.with(&numbers)
+        renumbered(&aero, self.numbers.iter().map(|(name, value)| (name.as_str(), *value)))
     }
 
     fn motion(&self, folder: Folder, read: ReadTable) -> Result<(Motion, Vec<Smoothed>), Error> {

@@ -22,16 +22,28 @@ pub struct CompareSpec {
     /// Columns of the file by the columns of the loads that they are compared with, as `force_z = "Fz"`. Without any,
     /// columns of one name.
     pub channels: BTreeMap<String, String>,
+    /// Factors on the columns of the file, by the columns of the loads: their unit and sign, `force_z = -1e-3` where the file has
+    /// mN downwards.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub scale: BTreeMap<String, f64>,
 }
 
 ranges!(CompareSpec { frequency_hz: Range::POSITIVE });
 
 impl CompareSpec {
     pub(super) fn is_empty(&self) -> bool {
-        self.by == TableBy::Time && self.frequency_hz.is_none() && self.channels.is_empty()
+        self.by == TableBy::Time
+            && self.frequency_hz.is_none()
+            && self.channels.is_empty()
+            && self.scale.is_empty()
     }
 
     pub(super) fn check(&self) -> Result<(), Error> {
+        for (our, factor) in &self.scale {
+            if *factor == 0.0 {
+                return Err(Error::invalid(format!("scale.{our}"), factor, "a number other than 0"));
+            }
+        }
         let Some(frequency) = self.frequency_hz else { return Ok(()) };
         if self.by == TableBy::Phase {
             let error =
@@ -84,6 +96,10 @@ impl TetherCase {
             names.filter(|name| !["t", "phase"].contains(&name.as_str())).collect::<Vec<_>>()
         };
         let (ours, theirs) = (names(loads.columns()), names(measured.columns()));
+        if let Some((our, factor)) = self.spec.compare.scale.iter().find(|(our, _)| !ours.contains(our)) {
+            let allowed = format!("under a column of the loads: {}", ours.join(", "));
+            return Err(Error::invalid(format!("scale.{our}"), factor, allowed));
+        }
         if self.spec.compare.channels.is_empty() {
             let both: Vec<_> = ours
                 .into_iter()
@@ -139,7 +155,14 @@ impl TetherCase {
         Ok(when.iter().map(|when| pace * when).collect())
     }
 
-    fn measured_frequency(&self) -> f64 {
+    /// Column `theirs` of a measured file in the unit and with the sign of the column `ours` of the loads.
+    pub fn measured_values(&self, measured: &Record, ours: &str, theirs: &str) -> Vec<f64> {
+        let factor = self.spec.compare.scale.get(ours).copied().unwrap_or(1.0);
+        measured.values(theirs).unwrap_or_default().iter().map(|value| factor * value).collect()
+    }
+
+    /// Frequency of the measured motion, Hz.
+    pub fn measured_frequency(&self) -> f64 {
         self.spec.compare.frequency_hz.unwrap_or(self.spec.time.frequency_hz)
     }
 
@@ -159,8 +182,8 @@ impl TetherCase {
         let mut columns = vec![Column { values: even.clone(), ..Column::new("phase", "cycles", "") }];
         let mut compared = Vec::new();
         for (ours, theirs) in channels {
-            let values = measured.values(theirs).unwrap_or_default();
-            let cycle = cycle_of(&phase, values).map_err(|e| e.renamed(&[("process.window_s", theirs)]))?;
+            let values = self.measured_values(measured, ours, theirs);
+            let cycle = cycle_of(&phase, &values).map_err(|e| e.renamed(&[("process.window_s", theirs)]))?;
             let computed = run.last_cycle(ours).unwrap_or_default();
             let named = [("measured", theirs), ("computed", ours)];
             let fit = fit(&cycle.mean, computed).map_err(|e| e.renamed(&named))?;

@@ -7,6 +7,7 @@ mod cycle;
 mod power;
 mod recorder;
 mod run;
+mod sensitivity;
 mod wing;
 
 pub(crate) use comparison::cycle_of;
@@ -15,4 +16,5 @@ pub use coordinate::Coordinate;
 pub use cycle::{CycleMean, Periodicity};
 pub use recorder::TetherRun;
 pub use run::{Clock, Motion, Reference, Tether};
+pub use sensitivity::CycleWrenches;
 pub use wing::{Hinge, HingeKind, Side, TetheredBody, Wing};

@@ -1,8 +1,8 @@
 //! Loads of a tethered wing over time, as records.
 
+use super::Tether;
 use super::cycle::{self, CycleMean, Periodicity};
 use super::power::Powers;
-use super::{Side, Tether};
 use crate::Error;
 use crate::aero::{LoadSource, Loads};
 use crate::math::{Mat3, Vec3, Wrench};
@@ -79,17 +79,11 @@ pub(super) struct Recorder {
 impl Recorder {
     pub fn new(tether: &Tether) -> Self {
         let rows = tether.clock.steps() + 1;
-        let weight = |arc: &f64| match tether.side {
-            Side::Both => 1.0,
-            _ if *arc == 0.0 => 0.5,
-            half if half.holds(arc.signum()) => 1.0,
-            _ => 0.0,
-        };
         Self {
             loads: Record::new(load_columns(tether), rows).unwrap_or_default(),
             strips: StripRecorder::new(std::iter::once(&tether.aero), "cycles", 0).moving(rows),
             axes: WindAxes::new(tether.wind),
-            weights: tether.aero.strip_arcs().iter().map(weight).collect(),
+            weights: tether.strip_weights(),
             powers: Powers::new(tether),
         }
     }

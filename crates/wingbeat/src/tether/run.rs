@@ -166,8 +166,19 @@ impl Tether {
         Self { clock: Clock { steps_per_cycle, ..self.clock }, ..self.clone() }
     }
 
+    /// What share of the loads of each strip counts: a half alone has a mirror plane at its root.
+    pub(super) fn strip_weights(&self) -> Vec<f64> {
+        let weight = |arc: &f64| match self.side {
+            Side::Both => 1.0,
+            _ if *arc == 0.0 => 0.5,
+            half if half.holds(arc.signum()) => 1.0,
+            _ => 0.0,
+        };
+        self.aero.strip_arcs().iter().map(weight).collect()
+    }
+
     /// Sections of the wing at time `t`, in W.
-    fn sections(&self, t: f64) -> [SectionMotion<f64>; MAX_STRIPS + 1] {
+    pub(super) fn sections(&self, t: f64) -> [SectionMotion<f64>; MAX_STRIPS + 1] {
         let (body, angles) = (self.motion.body(t).frame(), self.motion.angles(t));
         let mut sections = [SectionMotion::default(); MAX_STRIPS + 1];
         for (section, &arc) in sections.iter_mut().zip(self.aero.arcs()) {

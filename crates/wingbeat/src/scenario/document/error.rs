@@ -169,6 +169,20 @@ fn nearest<'a>(given: &str, allowed: &'a [String]) -> Option<&'a str> {
     candidates.filter(|(distance, _)| *distance <= tolerance).min().map(|(_, name)| name)
 }
 
+/// The `count` names that are most like `given`, the nearest first: by the letters to change in the whole name or, where that is
+/// less, in its last part.
+pub fn nearest_names<'a>(given: &str, known: &[&'a str], count: usize) -> Vec<&'a str> {
+    let last = |name: &str| name.rsplit('.').next().unwrap_or_default().to_owned();
+    let apart = |name: &str| {
+        let parts = 1 + distance(&last(given), &last(name));
+        distance(given, name).min(parts)
+    };
+    let mut ranked: Vec<(usize, usize, &str)> =
+        known.iter().map(|name| (apart(name), distance(given, name), *name)).collect();
+    ranked.sort_unstable();
+    ranked.into_iter().take(count).map(|(_, _, name)| name).collect()
+}
+
 /// Number of letters to insert, delete or replace between `a` and `b` (Levenshtein 1966).
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
@@ -202,5 +216,15 @@ mod tests {
         assert_eq!(nearest("duration", &names), Some("duration_s"));
         assert_eq!(nearest("stepp_s", &names), Some("step_s"));
         assert_eq!(nearest("wind", &names), None);
+    }
+
+    #[test]
+    fn names_are_near_by_the_whole_or_by_their_last_part() {
+        let known = ["body.mass_kg", "surfaces.wing.cd0", "surfaces.wing.cd90", "gait.phase_rad"];
+        assert_eq!(
+            nearest_names("surfaces.wing.cd9", &known, 2),
+            ["surfaces.wing.cd0", "surfaces.wing.cd90"]
+        );
+        assert_eq!(nearest_names("wing.cd90", &known, 1), ["surfaces.wing.cd90"]);
     }
 }

@@ -1,0 +1,205 @@
+//! Cases of a tethered wing as a model of cycles, and their samples.
+
+use crate::measured::Bins;
+use crate::observed::Common;
+use crate::{Error, Layout, Observed, project};
+use std::f64::consts::TAU;
+use wingbeat::plant::Fault;
+use wingbeat::scenario::{ConfigError, TetherCase};
+use wingbeat::simulate::Record;
+use wingbeat::tether::CycleWrenches;
+
+/// Columns of the loads that a case may be fitted to, in the order of the channels Fx .. Tz: the wrench about the body's origin in B.
+pub const LOADS: [&str; 6] = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"];
+/// Largest distance of a phase from a whole number of cycles that is rounding, cycles.
+const ROUNDING: f64 = 1e-9;
+
+/// A case of a tethered wing.
+pub struct CaseTarget {
+    /// The case.
+    pub case: TetherCase,
+    /// What the report calls it.
+    pub name: String,
+    harmonics: usize,
+    known: Vec<String>,
+}
+
+impl CaseTarget {
+    /// A case that is held against `harmonics` beside the mean.
+    ///
+    /// # Errors
+    /// Too few steps in a cycle; columns that are no forces and moments in body axes.
+    pub fn new(case: TetherCase, name: &str, harmonics: usize) -> Result<Self, ConfigError> {
+        let steps = case.tether.clock.steps_per_cycle;
+        if steps < 4 * harmonics {
+            let allowed = format!("{} or more for {harmonics} harmonics", 4 * harmonics);
+            return Err(case.explain(&wingbeat::Error::invalid("time.steps_per_cycle", steps, allowed)));
+        }
+        if let Some((ours, theirs)) =
+            case.spec.compare.channels.iter().find(|(ours, _)| !LOADS.contains(&ours.as_str()))
+        {
+            let allowed = format!("under one of {}: a calibration fits loads in body axes", LOADS.join(", "));
+            let error = wingbeat::Error::invalid(format!("compare.channels.{ours}"), theirs, allowed);
+            return Err(case.explain(&error));
+        }
+        let known = case.named_numbers().into_iter().map(|(name, _)| name).collect();
+        Ok(Self { case, name: name.into(), harmonics, known })
+    }
+
+    /// How its numbers lie.
+    pub fn layout(&self) -> Layout {
+        Layout { channels: LOADS.len(), harmonics: self.harmonics }
+    }
+
+    /// Those of the numbers that the wing has.
+    fn own<'a>(&self, to: &[(&'a str, f64)]) -> Vec<(&'a str, f64)> {
+        to.iter().copied().filter(|(name, _)| self.known.iter().any(|known| known == name)).collect()
+    }
+
+    fn named(&self, fault: Fault) -> Error {
+        Error::Model { run: self.name.clone(), fault }
+    }
+
+    /// Numbers of the last cycle with these numbers of wing and air.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn predict(&self, to: &[(&str, f64)]) -> Result<Vec<f64>, Error> {
+        let rows = self.case.adjusted(&self.own(to))?.last_wrenches().map_err(|fault| self.named(fault))?;
+        Ok(self.cycle(&rows))
+    }
+
+    /// Derivatives of [`predict`](Self::predict) by the first `count` of the numbers; none depends on what a wing alone has not.
+    ///
+    /// # Errors
+    /// A model without an answer.
+    pub fn slopes(&self, to: &[(&str, f64)], count: usize) -> Result<Vec<Vec<f64>>, Error> {
+        let tether = self.case.adjusted(&self.own(to))?;
+        let own = self.own(&to[..count]);
+        let keys: Vec<&str> = own.iter().map(|(name, _)| *name).collect();
+        let rows = self.case.differentiated(&tether, &keys)?.map_err(|fault| self.named(fault))?;
+        let mut found = rows.iter().map(|rows| self.cycle(rows));
+        let mut one = |name: &str| match keys.contains(&name) {
+            true => found.next().unwrap_or_default(),
+            false => vec![0.0; self.layout().len()],
+        };
+        Ok(to[..count].iter().map(|(name, _)| one(name)).collect())
+    }
+
+    /// Means and harmonics of wrenches at equal steps of a cycle from phase 0.
+    fn cycle(&self, rows: &CycleWrenches) -> Vec<f64> {
+        let layout = self.layout();
+        let mut cycle = vec![0.0; layout.len()];
+        for (k, row) in rows.iter().enumerate() {
+            let phase = TAU * k as f64 / rows.len() as f64;
+            for part in 0..layout.width() {
+                let turned = Layout::harmonic(part) as f64 * phase;
+                let wave = match part {
+                    0 => 1.0,
+                    part if part % 2 == 1 => 2.0 * turned.cos(),
+                    _ => 2.0 * turned.sin(),
+                };
+                for (channel, x) in row.iter().enumerate() {
+                    cycle[layout.at(channel, part)] += x * wave / rows.len() as f64;
+                }
+            }
+        }
+        cycle
+    }
+
+    /// What was measured: the whole cycles of the `files`, their names beside.
+    ///
+    /// # Errors
+    /// Files whose columns or times do not fit the case, that hold the same samples, or no whole cycle.
+    pub fn observed(
+        &self,
+        files: &[(String, Record)],
+        held_out: bool,
+        robust: bool,
+    ) -> Result<Observed, Error> {
+        let mut bins = Bins::new();
+        let (mut cycles, mut left_out, mut samples, mut turns) = (Vec::new(), 0, 0.0, 0.0);
+        let mut measured: Option<Vec<usize>> = None;
+        let mut seen: Vec<(&str, [Vec<f64>; 6])> = Vec::new();
+        for (file, record) in files {
+            let wrong = |what: String| Error::data(file, what);
+            let (of, channels) = self.channels(record).map_err(wrong)?;
+            match &measured {
+                Some(first) if *first != of => {
+                    return Err(wrong(format!("has other channels than {}: one case, one list", files[0].0)));
+                }
+                _ => measured = Some(of),
+            }
+            if let Some((other, _)) = seen.iter().find(|(_, same)| *same == channels) {
+                return Err(wrong(format!("holds the very samples of {other}: one pass counts once")));
+            }
+            let phase = self.case.measured_phase(record).map_err(|error| wrong(error.to_string()))?;
+            let snapped = |phase: &f64| {
+                let whole = phase.round();
+                TAU * if (phase - whole).abs() < ROUNDING { whole } else { *phase }
+            };
+            let phase: Vec<f64> = phase.iter().map(snapped).collect();
+            let [first, .., last] = phase.as_slice() else {
+                return Err(wrong("one sample: a whole cycle is needed".into()));
+            };
+            let begin = (first / TAU).ceil();
+            let whole = (last / TAU - begin).floor().max(0.0) as usize;
+            if whole == 0 {
+                let given = (last - first) / TAU;
+                return Err(wrong(format!(
+                    "{given:.3} cycles and no whole one from phase 0: compare.frequency_hz says the pace"
+                )));
+            }
+            let all = (0..whole)
+                .map(|cycle| project(&phase, &channels, TAU * (begin + cycle as f64), self.harmonics));
+            let all: Vec<Option<Vec<f64>>> = all.collect();
+            left_out += all.iter().filter(|cycle| cycle.is_none()).count();
+            cycles.extend(all.into_iter().flatten());
+            for (k, phase) in phase.iter().enumerate() {
+                bins.add(*phase, channels.each_ref().map(|channel| channel[k]));
+            }
+            samples += phase.len() as f64;
+            turns += (last - first) / TAU;
+            seen.push((file, channels));
+        }
+        if cycles.is_empty() {
+            return Err(Error::data(&self.name, "no whole cycle in its files"));
+        }
+        let measured = measured.unwrap_or_default();
+        let mut observed = Observed {
+            name: self.name.clone(),
+            layout: self.layout(),
+            cycles,
+            weights: Vec::new(),
+            mean: Vec::new(),
+            sample_noise: bins.covariance(),
+            samples_per_cycle: samples / turns,
+            left_out,
+            oddities: Vec::new(),
+            frequency_hz: self.case.measured_frequency(),
+            held_out,
+            unmeasured: (0..LOADS.len()).filter(|channel| !measured.contains(channel)).collect(),
+            common: Common::default(),
+        };
+        observed.weigh(robust);
+        Ok(observed)
+    }
+
+    /// Numbers and values of the channels that a file has, in the units and with the signs of the loads; zeros in place of those that
+    /// it has not.
+    fn channels(&self, record: &Record) -> Result<(Vec<usize>, [Vec<f64>; 6]), String> {
+        let mapped = self.case.channels(record).map_err(|error| error.to_string())?;
+        let mut channels: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; record.rows()]);
+        let mut of = Vec::new();
+        for (ours, theirs) in &mapped {
+            let Some(channel) = LOADS.iter().position(|load| load == ours) else { continue };
+            channels[channel] = self.case.measured_values(record, ours, theirs);
+            of.push(channel);
+        }
+        of.sort_unstable();
+        if of.is_empty() {
+            return Err(format!("none of {} (compare.channels)", LOADS.join(", ")));
+        }
+        Ok((of, channels))
+    }
+}

@@ -1,0 +1,190 @@
+//! Cases of a tethered wing as what a calibration is fitted to, and what is refused of a calibration file.
+
+use std::fmt::Write;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use wingbeat::math::Random;
+use wingbeat::scenario::{Document, TetherCase};
+use wingbeat_calibrate::{Calibration, Files, Progress};
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+/// The numbers of the wing that was measured.
+const TRUTH: [(&str, f64); 3] = [
+    ("surfaces.wing.section_slope", 5.4),
+    ("surfaces.wing.cd0", 0.05),
+    ("surfaces.wing.added_mass_scale", 0.8),
+];
+/// Cycles of a file.
+const CYCLES: usize = 12;
+
+fn case(overrides: &[&str]) -> TetherCase {
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    TetherCase::load(&PathBuf::from(ROOT).join("cases/flap_f2.toml"), &overrides, &|_| Err("no table".into()))
+        .unwrap()
+}
+
+/// A file of samples of the case with other numbers: lift downwards in mN, drag and the nose-down moment, with noise.
+fn measured(file: &str, seed: u64) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("wingbeat-calibrate-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let tether = case(&[]).adjusted(&TRUTH).unwrap();
+    let run = tether.run(|_| ControlFlow::Continue(()));
+    let of = |name: &str| run.last_cycle(name).unwrap().to_vec();
+    let (up, ahead, moment) = (of("force_z"), of("force_x"), of("moment_y"));
+    let mut random = Random::new(seed);
+    let mut text = "t,down_mN,drag_N,My\n".to_owned();
+    for k in 0..=CYCLES * up.len() {
+        let (t, i) = (k as f64 * tether.clock.step(), k % up.len());
+        let mut noise = |size: f64| size * random.normal();
+        let down = -1e3 * (up[i] + noise(0.01));
+        let row = (down, -ahead[i] + noise(0.005), moment[i] + noise(2e-4));
+        writeln!(text, "{t},{},{},{}", row.0, row.1, row.2).unwrap();
+    }
+    let path = folder.join(file);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn calibrated(text: &str) -> Calibration {
+    Calibration::new(Document::text("cal", text).unwrap()).unwrap()
+}
+
+fn cases(data: &PathBuf) -> String {
+    format!(
+        "[[cases]]\ncase = \"{ROOT}/cases/flap_f2.toml\"\ndata = [{data:?}]\n\
+         set = [\"compare.channels.force_z=down_mN\", \"compare.scale.force_z=-1e-3\", \"compare.channels.force_x=drag_N\", \
+         \"compare.scale.force_x=-1.0\", \"compare.channels.moment_y=My\"]\n"
+    )
+}
+
+fn parameters() -> String {
+    TRUTH.iter().fold(String::new(), |text, (name, _)| text + &format!("[[parameters]]\nname = \"{name}\"\n"))
+}
+
+#[test]
+fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
+    let data = measured("one.csv", 3);
+    let text = format!("name = \"wing\"\nstarts = 2\n{}{}", cases(&data), parameters());
+    let calibration = calibrated(&text);
+    let prepared = calibration.prepared().unwrap();
+    prepared.check().unwrap();
+    assert_eq!((prepared.runs[0].cycles.len(), prepared.runs[0].unmeasured.clone()), (CYCLES, vec![1, 3, 5]));
+    let found = prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(())).unwrap();
+    for (k, (name, truth)) in TRUTH.iter().enumerate() {
+        let (value, error) = (found.values[k], found.errors[k]);
+        println!("{name}: {value} +- {error}, truth {truth}");
+        assert!((value - truth).abs() < 3.5 * error && error < 0.05 * truth, "{name}: {value} +- {error}");
+        assert!((found.parameters[k].start - truth).abs() > 5.0 * error, "{name} begins elsewhere");
+    }
+    assert!((0.7..1.4).contains(&found.chi_squared), "{}", found.chi_squared);
+    let _ = found.summary(&Files(Vec::new()));
+    assert!(found.record().is_ok());
+    let flipped = text.replace("compare.scale.force_z=-1e-3", "compare.scale.force_z=1e-3");
+    let flipped = calibrated(&flipped).prepared().map(drop).unwrap_err().to_string();
+    assert!(flipped.contains("Fz is -Fz of the file") && flipped.contains("compare.scale"), "{flipped}");
+}
+
+#[test]
+fn slopes_of_a_case_are_those_of_differences() {
+    for (preset, law) in [("full", "linear"), ("full", "stall"), ("paper", "linear")] {
+        let preset = format!("aero.preset={preset}");
+        let case = case(&[&preset, &format!("aero.law={law}"), "time.steps_per_cycle=96", "wing.cd0=0.02"]);
+        let names = [
+            "surfaces.wing.section_slope",
+            "surfaces.wing.cd0",
+            "air.density_kg_m3",
+            "surfaces.wing.added_mass_scale",
+        ];
+        let own = case.named_numbers();
+        let value = |name: &str| own.iter().find(|(other, _)| other == name).unwrap().1;
+        let exact = case.differentiated(&case.tether, &names).unwrap().unwrap();
+        for (name, exact) in names.iter().zip(&exact) {
+            let step = 1e-5 * value(name).max(0.1);
+            let moved =
+                |by: f64| case.adjusted(&[(name, value(name) + by)]).unwrap().last_wrenches().unwrap();
+            let (high, low) = (moved(step), moved(-step));
+            let (mut apart, mut size) = (0.0_f64, 0.0_f64);
+            for (k, exact) in exact.iter().enumerate() {
+                let by_difference = (high[k][2] - low[k][2]) / (2.0 * step);
+                apart = apart.max((exact[2] - by_difference).abs());
+                size = size.max(exact[2].abs());
+            }
+            assert!(apart <= 1e-6 * size, "{preset} {law} {name}: {apart} of {size}");
+        }
+    }
+}
+
+#[test]
+fn a_run_on_the_rig_and_a_case_are_fitted_together() {
+    let data = measured("two.csv", 4);
+    let turn = format!(
+        "[[runs]]\nrun = \"{ROOT}/rigs/runs/roll15_speed08.toml\"\n[[cases]]\nname = \"held\"\nheld_out = true\ncase = \
+         \"{ROOT}/cases/flap_f2.toml\"\nset = [\"compare.channels.force_z=down_mN\", \"compare.scale.force_z=-1e-3\"]\n\
+         data = [{:?}]\n",
+        measured("three.csv", 5)
+    );
+    let calibration = calibrated(&format!(
+        "name = \"both\"\nstarts = 1\nsteps_per_cycle = 100\nmodel = [\"rig.aero.preset=full\", \"rig.aero.law=linear\"]\n[truth]\n\
+         set = [\"rig.aero.preset=full\", \"rig.aero.law=linear\", \"rig.robot.numbers={{\\\"surfaces.wing.section_slope\\\"=5.4, \
+         \\\"surfaces.wing.cd0\\\"=0.05, \\\"surfaces.wing.added_mass_scale\\\"=0.8}}\"]\n{turn}{}{}",
+        cases(&data),
+        parameters()
+    ));
+    let prepared = calibration.prepared().unwrap();
+    assert_eq!(prepared.runs.len(), 3);
+    let found = prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(())).unwrap();
+    for (k, (name, truth)) in TRUTH.iter().enumerate() {
+        let (value, error) = (found.values[k], found.errors[k]);
+        assert!((value - truth).abs() < 4.0 * error && error < 0.05 * truth, "{name}: {value} +- {error}");
+    }
+    let held = found.held_out().next().unwrap();
+    assert_eq!(held.observed.name, "held");
+    let covered = held.after.coverage(&held.observed, &held.after.deviations);
+    assert!(covered[2] > 0.85, "{covered:?}");
+}
+
+#[test]
+fn refusals_say_where_and_what() {
+    let turn = format!("[[runs]]\nrun = \"{ROOT}/rigs/runs/roll15_speed08.toml\"\n");
+    let told = |text: &str| {
+        let calibration = Document::text("cal", text).and_then(Calibration::new);
+        let refused = |calibration: Calibration| {
+            Files::of(&calibration).map_err(|error| error.to_string())?;
+            calibration.prepared().map(drop).map_err(|error| error.to_string())
+        };
+        calibration.map_err(|error| error.to_string()).and_then(refused).unwrap_err()
+    };
+    let with = |head: &str, parameters: &str| format!("name = \"c\"\n{head}\n[truth]\n{turn}{parameters}");
+    let cd0 = "[[parameters]]\nname = \"surfaces.wing.cd0\"\n";
+    let model = told(&with("model = [\n\"rig.aero.preset=paper\",\n\"rig.aero.law=foo\"]", cd0));
+    assert!(model.starts_with("cal:4: rig.aero.law"), "{model}");
+    let data = told(&format!("name = \"c\"\n{turn}data = [\"no.csv\"]\n{cd0}"));
+    assert!(
+        data.starts_with("cal:4: runs[0].data[0] = \"no.csv\"") && data.contains("No such file"),
+        "{data}"
+    );
+    let tilts = turn.replace("runs/roll15_speed08", "identification/static_tilts");
+    let few = told(&format!(
+        "name = \"c\"\n[truth]\n{tilts}set = [\"hold.tilts_deg=[[0.0, 0.0], [45.0, 0.0]]\"]\n{cd0}"
+    ));
+    assert!(few.contains("cal:5: hold.tilts_deg = 2 attitudes"), "{few}");
+    let unknown = told(&with("", "[[parameters]]\nname = \"surfaces.wing.cd9\"\n"));
+    assert!(unknown.contains("surfaces.wing.cd90") && unknown.contains("--names"), "{unknown}");
+    assert!(unknown.len() < 400 && unknown.starts_with("cal:"), "{unknown}");
+    let bounds = told(&with("", "[[parameters]]\nname = \"surfaces.wing.section_slope\"\nhigh = 4.0\n"));
+    assert!(bounds.contains("section_slope") || bounds.contains("parameters[0].high = 4.0"), "{bounds}");
+    assert!(bounds.contains("the model's own value"), "{bounds}");
+    let stages = |first: usize, second: usize| {
+        format!("{cd0}stage = {first}\n[[parameters]]\nname = \"body.mass_kg\"\nstage = {second}\n")
+    };
+    let swapped = told(&with("", &stages(1, 2)));
+    assert!(
+        swapped.contains("parameters[0].stage = 1") && swapped.contains("come before the air"),
+        "{swapped}"
+    );
+    let empty = told(&with("", &stages(3, 1)));
+    assert!(empty.contains("no number is fitted in stage 2"), "{empty}");
+    let phase = "[[parameters]]\nname = \"gait.phase_rad\"\nprior = [0.0, 0.1]\nstage = 2\n";
+    let silent = told(&format!("name = \"c\"\n[truth]\n{turn}{tilts}{cd0}stage = 1\n{phase}"));
+    assert!(silent.contains("say nothing of surfaces.wing.cd0"), "{silent}");
+}

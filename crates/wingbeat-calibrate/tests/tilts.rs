@@ -1,0 +1,71 @@
+//! Static tilts: what is said of numbers that they tell, held against many seeds of their noise.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use wingbeat::scenario::Document;
+use wingbeat_calibrate::measured::{Pass, observed};
+use wingbeat_calibrate::{Calibration, Information, Linear, Problem, Progress, clean, solve};
+
+/// Seeds of the noise.
+const SEEDS: u64 = 30;
+
+fn calibration() -> Calibration {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let text = format!(
+        "name = \"tilts\"\nmodel = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]\nstarts = 1\n\
+         [truth]\nset = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]\npasses = 7\n\
+         [[runs]]\nrun = \"{root}/rigs/identification/static_tilts.toml\"\nset = [\"hold.each_s=1.0\"]\n\
+         [[parameters]]\nname = \"body.mass_kg\"\n\
+         [[parameters]]\nname = \"body.com_m[0]\"\nlow = -0.1\nhigh = 0.1\n\
+         [[parameters]]\nname = \"body.com_m[2]\"\nlow = -0.1\nhigh = 0.1\n\
+         [[parameters]]\nname = \"body.com_m[1]\"\nlow = -0.1\nhigh = 0.1\n"
+    );
+    Calibration::new(Document::text("tilts", &text).unwrap()).unwrap()
+}
+
+/// The noise of the rest goes with the tare into all attitudes of a pass, and with its slope, over six times the rest's length, far more
+/// than the scatter within them.
+#[test]
+fn standard_errors_of_what_tilts_tell_are_those_of_many_seeds() {
+    let calibration = calibration();
+    let structure = calibration.structure(&[], &|_: &Path, _| None).unwrap();
+    let targets = calibration.truth(&|_: &Path, _| None).unwrap();
+    let spec = calibration.spec.truth.as_ref().unwrap();
+    let made = clean(&targets[0]).unwrap();
+    let truth: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
+    let (mut squares, mut chi_squared, mut wrong) = (vec![0.0; truth.len()], 0.0, 0);
+    for seed in 0..SEEDS {
+        let passes: Vec<Pass> =
+            (0..spec.passes).map(|pass| made.pass(&targets[0], spec, 1 + seed, pass).unwrap()).collect();
+        let runs = [observed(&targets[0], &passes, false, true).unwrap()];
+        let watch = &mut |_: &Progress| ControlFlow::Continue(());
+        let plan = calibration.plan();
+        let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();
+        for (k, truth) in truth.iter().enumerate() {
+            squares[k] += ((solved.values[k] - truth) / solved.errors()[k]).powi(2) / SEEDS as f64;
+        }
+        chi_squared += solved.chi_squared / SEEDS as f64;
+        wrong += usize::from(solved.problem.discrepancy.iter().any(|share| *share > 0.0));
+        if seed == 0 {
+            let problem = Problem::new(&structure.model, &runs, &structure.parameters).unwrap();
+            let at = Linear::at(&problem, &[0], &truth).unwrap();
+            let told = Information::of(&problem, &at, &truth);
+            for k in 0..truth.len() {
+                let alone = told.alone.iter().map(|row| row[k]).fold(f64::INFINITY, f64::min);
+                let (known, together) = (told.known[k], told.together[k]);
+                assert!(
+                    known <= alone * (1.0 + 1e-9) && known <= together * (1.0 + 1e-9),
+                    "{k}: {known} {alone}"
+                );
+            }
+        }
+    }
+    let rms: Vec<f64> = squares.iter().map(|square| square.sqrt()).collect();
+    let pooled = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    println!(
+        "rms of (value - truth)/standard error: {rms:?}, pooled {pooled}; chi squared {chi_squared}, {wrong} called wrong"
+    );
+    // Thirty draws tell a deviation to 13 %.
+    assert!((0.8..1.25).contains(&pooled) && rms.iter().all(|rms| (0.6..1.45).contains(rms)), "{rms:?}");
+    assert!((0.85..1.15).contains(&chi_squared) && wrong <= 1, "{chi_squared}, {wrong} called wrong");
+}

@@ -1,0 +1,167 @@
+//! The loads of a tethered wing over its last cycle, with their derivatives by numbers of the wing and its air.
+
+use super::Tether;
+use crate::Error;
+use crate::aero::{Aero, Loads, SectionMotion};
+use crate::math::{Dual, Mat3, Scalar, Vec3, Wrench};
+use crate::plant::Fault;
+use crate::robot::TOGETHER;
+use crate::simulate::{Ending, Held, Moment, Observed, Sizes, Stepper, System};
+use std::ops::ControlFlow;
+
+/// Forces and moments about the body's origin in B, N and N m, one per step of a cycle.
+pub type CycleWrenches = Vec<[f64; 6]>;
+
+/// A number that carries the derivatives by a batch of keys.
+type Varying = Dual<TOGETHER>;
+/// Numbers per state: its value, then the derivatives.
+const WIDTH: usize = 1 + TOGETHER;
+
+impl Tether {
+    /// The wrench of the air on the wing over the last cycle, its end left out.
+    ///
+    /// # Errors
+    /// A fault of the model.
+    pub fn last_wrenches(&self) -> Result<CycleWrenches, Fault> {
+        let weights = self.strip_weights();
+        self.last_cycle(self, &self.start(), |t, loads| self.in_body(t, loads, &weights))
+    }
+
+    /// The derivatives of [`last_wrenches`](Self::last_wrenches) by the numbers of the surface called `keys`, in their order. They
+    /// are those of the steps taken, to rounding.
+    ///
+    /// # Errors
+    /// An unknown number; a fault of the model.
+    pub fn differentiated(&self, keys: &[&str]) -> Result<Result<Vec<CycleWrenches>, Fault>, Error> {
+        let mut all = Vec::with_capacity(keys.len());
+        for keys in keys.chunks(TOGETHER) {
+            match self.batch(keys)? {
+                Ok(batch) => all.extend(batch),
+                Err(fault) => return Ok(Err(fault)),
+            }
+        }
+        Ok(Ok(all))
+    }
+
+    fn batch(&self, keys: &[&str]) -> Result<Result<Vec<CycleWrenches>, Fault>, Error> {
+        let mut numbers = self.aero.numbers().map(Varying::constant);
+        for (k, key) in keys.iter().enumerate() {
+            let mut named = numbers.by_name();
+            let Some((_, number)) = named.iter_mut().find(|(name, _)| name == key) else {
+                let names: Vec<&str> = named.iter().map(|(name, _)| name.as_str()).collect();
+                return Err(Error::invalid("numbers", key, format!("of {}", names.join(", "))));
+            };
+            number.eps[k] = 1.0;
+        }
+        let system = Sensitive { of: self, aero: self.aero.with(&numbers)?, weights: self.strip_weights() };
+        let mut x = vec![Varying::ZERO; system.aero.states()];
+        system.aero.settle(system.sections(0.0).as_slice(), system.wind(), &mut x);
+        let still: Vec<f64> = x.into_iter().flat_map(|x| std::iter::once(x.re).chain(x.eps)).collect();
+        Ok(self.last_cycle(&system, &still, |_, now| *now).map(|rows| {
+            let of = |k: usize| rows.iter().map(|row| row.map(|number| number.eps[k])).collect();
+            (0..keys.len()).map(of).collect()
+        }))
+    }
+
+    /// What `see` makes of every step of the last cycle of `system`, which begins in the state `x`.
+    fn last_cycle<T: Observed + System<Memory = ()>, R>(
+        &self,
+        system: &T,
+        x: &[f64],
+        see: impl Fn(f64, &T::Observation) -> R,
+    ) -> Result<Vec<R>, Fault> {
+        let clock = self.clock;
+        let last = clock.steps() - clock.steps_per_cycle..clock.steps();
+        let mut rows = Vec::with_capacity(clock.steps_per_cycle);
+        let mut watch = Held(|step: usize, at: Moment| {
+            if last.contains(&step) {
+                rows.push(see(at.t, &system.observed(at)?));
+            }
+            Ok(ControlFlow::Continue(()))
+        });
+        match Stepper::new(system, 0.0, x).run(clock.step(), clock.steps(), &mut watch) {
+            Ending::Fault(fault) => Err(fault),
+            Ending::Complete | Ending::Stopped => Ok(rows),
+        }
+    }
+
+    /// Loads in W about W's origin, at `t`, of the strips that count, as the wrench about the body's origin in B.
+    fn in_body<S: Scalar>(&self, t: f64, loads: &Loads<S>, weights: &[f64]) -> [S; 6] {
+        let frame = self.motion.body(t).frame();
+        let back = Mat3(frame.turn.0.map(|row| row.map(|j| S::from(j.x)))).transpose();
+        let origin = Vec3(frame.origin.0.map(|j| S::from(j.x)));
+        let mut sum = Wrench::ZERO;
+        for (strip, weight) in loads.strip[..loads.strips].iter().zip(weights) {
+            let total = strip.total();
+            sum += Wrench { force: total.force * S::from(*weight), moment: total.moment * S::from(*weight) };
+        }
+        let (Vec3(f), Vec3(m)) = (back * sum.force, back * (sum.moment - origin.cross(sum.force)));
+        [f[0], f[1], f[2], m[0], m[1], m[2]]
+    }
+}
+
+/// A run whose states are those of the air with their derivatives.
+struct Sensitive<'a> {
+    of: &'a Tether,
+    aero: Aero<Varying>,
+    weights: Vec<f64>,
+}
+
+impl Sensitive<'_> {
+    fn wind(&self) -> Vec3<Varying> {
+        Vec3(self.of.wind.0.map(Varying::constant))
+    }
+
+    fn sections(&self, t: f64) -> Vec<SectionMotion<Varying>> {
+        let count = self.aero.arcs().len();
+        self.of.sections(t)[..count].iter().map(lifted).collect()
+    }
+
+    fn evaluated(&self, at: Moment, dx: &mut [f64]) -> [Varying; 6] {
+        let one = |of: &[f64]| Dual { re: of[0], eps: std::array::from_fn(|k| of[1 + k]) };
+        let x: Vec<Varying> = at.x.chunks_exact(WIDTH).map(one).collect();
+        let (mut rates, mut loads) = (vec![Varying::ZERO; x.len()], Loads::default());
+        self.aero.evaluate(&self.sections(at.t), self.wind(), &x, &mut rates, &mut loads);
+        for (out, rate) in dx.chunks_exact_mut(WIDTH).zip(&rates) {
+            out[0] = rate.re;
+            out[1..].copy_from_slice(&rate.eps);
+        }
+        self.of.in_body(at.t, &loads, &self.weights)
+    }
+}
+
+/// A section whose motion no number moves.
+fn lifted(section: &SectionMotion<f64>) -> SectionMotion<Varying> {
+    let vector = |v: Vec3| Vec3(v.0.map(Varying::constant));
+    SectionMotion {
+        le: vector(section.le),
+        te: vector(section.te),
+        v_le: vector(section.v_le),
+        v_te: vector(section.v_te),
+        a_le: vector(section.a_le),
+        a_te: vector(section.a_te),
+        span: vector(section.span),
+        w: vector(section.w),
+        alpha: vector(section.alpha),
+    }
+}
+
+impl System for Sensitive<'_> {
+    type Memory = ();
+
+    fn sizes(&self) -> Sizes {
+        Sizes { states: WIDTH * self.aero.states(), inputs: 0 }
+    }
+    fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
+        self.evaluated(at, dx);
+        Ok(())
+    }
+}
+
+impl Observed for Sensitive<'_> {
+    type Observation = [Varying; 6];
+
+    fn observed(&self, at: Moment) -> Result<[Varying; 6], Fault> {
+        Ok(self.evaluated(at, &mut vec![0.0; at.x.len()]))
+    }
+}
