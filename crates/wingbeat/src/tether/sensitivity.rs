@@ -55,7 +55,7 @@ impl Tether {
         }
         let system = Sensitive { of: self, aero: self.aero.with(&numbers)?, weights: self.strip_weights() };
         let mut x = vec![Varying::ZERO; system.aero.states()];
-        system.aero.settle(system.sections(0.0).as_slice(), system.wind(), &mut x);
+        system.aero.settle(&system.sections(0.0), system.wind(), &mut x);
         let still: Vec<f64> = x.into_iter().flat_map(|x| std::iter::once(x.re).chain(x.eps)).collect();
         Ok(self.last_cycle(&system, &still, |_, now| *now).map(|rows| {
             let of = |k: usize| rows.iter().map(|row| row.map(|number| number.eps[k])).collect();
