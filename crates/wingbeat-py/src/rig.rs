@@ -26,7 +26,7 @@ pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> Py
     done.into_iter()
         .map(|((name, frequency_hz), simulated)| {
             let simulated = simulated.map_err(refused)?;
-            let summary = serde_json::json!({
+            let mut summary = serde_json::json!({
                 "status": simulated.status,
                 "reason": simulated.reason,
                 "frequency_hz": frequency_hz,
@@ -34,8 +34,13 @@ pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> Py
                 "samples": simulated.record.as_ref().map_or(0, wingbeat::simulate::Record::rows),
                 "saturated": simulated.saturated,
                 "stall_fraction": simulated.stall_fraction,
-                "lattice": simulated.lattice,
             });
+            if let Some(lattice) = &simulated.lattice {
+                summary["lattice"] = serde_json::json!(lattice);
+            }
+            if !simulated.warnings.is_empty() {
+                summary["warnings"] = serde_json::json!(simulated.warnings);
+            }
             Ok((name, simulated.record.map(|record| columns(py, record)), summary.to_string()))
         })
         .collect()
