@@ -85,15 +85,7 @@ fn smoothed(squares: &[f64]) -> Vec<f64> {
 
 /// 1, cos, sin, cos 2, ... of a phase.
 fn waves(layout: Layout, phase: f64) -> Vec<f64> {
-    let wave = |part: usize| {
-        let turned = Layout::harmonic(part) as f64 * phase;
-        match part {
-            0 => 1.0,
-            part if part % 2 == 1 => turned.cos(),
-            _ => turned.sin(),
-        }
-    };
-    (0..layout.width()).map(wave).collect()
+    (0..layout.width()).map(|part| Layout::wave(part, phase)).collect()
 }
 
 /// Rows of a Jacobian at a phase of a channel.

@@ -32,6 +32,30 @@ impl Layout {
     pub fn harmonic(part: usize) -> usize {
         part.div_ceil(2)
     }
+    /// What a part multiplies at a phase, rad: 1, cos, sin, cos 2, ...
+    pub fn wave(part: usize, phase: f64) -> f64 {
+        let turned = Self::harmonic(part) as f64 * phase;
+        match part {
+            0 => 1.0,
+            part if part % 2 == 1 => turned.cos(),
+            _ => turned.sin(),
+        }
+    }
+    /// Means and harmonics of rows of channels at equal steps of a cycle from phase 0.
+    pub fn of_steps(self, rows: &[[f64; 6]]) -> Vec<f64> {
+        let mut cycle = vec![0.0; self.len()];
+        let count = rows.len() as f64;
+        for (k, row) in rows.iter().enumerate() {
+            let phase = TAU * k as f64 / count;
+            for part in 0..self.width() {
+                let weight = Self::wave(part, phase) / (Self::share(part) * count);
+                for (channel, x) in row.iter().enumerate() {
+                    cycle[self.at(channel, part)] += x * weight;
+                }
+            }
+        }
+        cycle
+    }
     /// Share of the square of a part in the mean square over the cycle.
     pub fn share(part: usize) -> f64 {
         if part == 0 { 1.0 } else { 0.5 }

@@ -7,7 +7,6 @@ use std::f64::consts::TAU;
 use wingbeat::plant::Fault;
 use wingbeat::scenario::{ConfigError, TetherCase};
 use wingbeat::simulate::Record;
-use wingbeat::tether::CycleWrenches;
 
 /// Columns of the loads that a case may be fitted to, in the order of the channels Fx .. Tz: the wrench about the body's origin in B.
 pub const LOADS: [&str; 6] = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"];
@@ -66,7 +65,7 @@ impl CaseTarget {
     /// A model without an answer.
     pub fn predict(&self, to: &[(&str, f64)]) -> Result<Vec<f64>, Error> {
         let rows = self.case.adjusted(&self.own(to))?.last_wrenches().map_err(|fault| self.named(fault))?;
-        Ok(self.cycle(&rows))
+        Ok(self.layout().of_steps(&rows))
     }
 
     /// Derivatives of [`predict`](Self::predict) by the first `count` of the numbers; none depends on what a wing alone has not.
@@ -78,33 +77,12 @@ impl CaseTarget {
         let own = self.own(&to[..count]);
         let keys: Vec<&str> = own.iter().map(|(name, _)| *name).collect();
         let rows = self.case.differentiated(&tether, &keys)?.map_err(|fault| self.named(fault))?;
-        let mut found = rows.iter().map(|rows| self.cycle(rows));
+        let mut found = rows.iter().map(|rows| self.layout().of_steps(rows));
         let mut one = |name: &str| match keys.contains(&name) {
             true => found.next().unwrap_or_default(),
             false => vec![0.0; self.layout().len()],
         };
         Ok(to[..count].iter().map(|(name, _)| one(name)).collect())
-    }
-
-    /// Means and harmonics of wrenches at equal steps of a cycle from phase 0.
-    fn cycle(&self, rows: &CycleWrenches) -> Vec<f64> {
-        let layout = self.layout();
-        let mut cycle = vec![0.0; layout.len()];
-        for (k, row) in rows.iter().enumerate() {
-            let phase = TAU * k as f64 / rows.len() as f64;
-            for part in 0..layout.width() {
-                let turned = Layout::harmonic(part) as f64 * phase;
-                let wave = match part {
-                    0 => 1.0,
-                    part if part % 2 == 1 => 2.0 * turned.cos(),
-                    _ => 2.0 * turned.sin(),
-                };
-                for (channel, x) in row.iter().enumerate() {
-                    cycle[layout.at(channel, part)] += x * wave / rows.len() as f64;
-                }
-            }
-        }
-        cycle
     }
 
     /// What was measured: the whole cycles of the `files`, their names beside.

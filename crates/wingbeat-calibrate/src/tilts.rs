@@ -89,23 +89,8 @@ impl Tilts {
     }
 
     fn of_means(self, means: impl Iterator<Item = Option<[f64; 6]>>) -> Option<Vec<f64>> {
-        let (layout, count) = (self.layout(), self.count as f64);
-        let mut cycle = vec![0.0; layout.len()];
-        for (k, mean) in means.enumerate() {
-            let mean = mean?;
-            for part in 0..layout.width() {
-                let turned = TAU * Layout::harmonic(part) as f64 * k as f64 / count;
-                let wave = match part {
-                    0 => 1.0,
-                    part if part % 2 == 1 => 2.0 * turned.cos(),
-                    _ => 2.0 * turned.sin(),
-                };
-                for (channel, x) in mean.iter().enumerate() {
-                    cycle[layout.at(channel, part)] += x * wave / count;
-                }
-            }
-        }
-        Some(cycle)
+        let rows: Option<Vec<[f64; 6]>> = means.collect();
+        Some(self.layout().of_steps(&rows?))
     }
 }
 
