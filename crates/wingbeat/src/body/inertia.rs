@@ -36,6 +36,12 @@ pub struct BodyNumbers<P: Scalar = f64> {
 pub(super) struct Symmetric<S: Scalar>(pub(super) [S; 6]);
 
 impl<S: Scalar> Symmetric<S> {
+    /// The same as a scalar that meets these numbers holds it.
+    #[inline]
+    fn met<T: Scalar + Meets<S>>(&self) -> Symmetric<T> {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Symmetric([T::from(xx), T::from(yy), T::from(zz), T::from(xy), T::from(xz), T::from(yz)])
+    }
     /// Product with a vector.
     #[inline]
     pub(super) fn apply(&self, v: &Vec3<S>) -> Vec3<S> {
@@ -59,8 +65,8 @@ impl<S: Scalar> Symmetric<S> {
     /// Adds another matrix.
     #[inline]
     pub(super) fn add(&mut self, o: &Self) {
-        for (sum, term) in self.0.iter_mut().zip(&o.0) {
-            *sum += *term;
+        for i in 0..6 {
+            self.0[i] += o.0[i];
         }
     }
 
@@ -126,9 +132,9 @@ impl<P: Scalar> Inertia<P> {
     pub(super) fn about_com<S: Scalar + Meets<P>>(&self, r: &Mat3<S>) -> Symmetric<S> {
         let (first, zero) = (S::from(self.moments[0]), S::ZERO);
         let mut sum = Symmetric([first, first, first, zero, zero, zero]);
-        for (axis, moment) in self.axes.iter().zip(&self.moments.0[1..]) {
-            let u = r.mul_constant(*axis);
-            sum.add_product(&u.scaled(*moment - self.moments[0]), &u);
+        for i in 0..2 {
+            let u = r.mul_constant(self.axes[i]);
+            sum.add_product(&u.scaled(self.moments[i + 1] - self.moments[0]), &u);
         }
         sum
     }
@@ -201,7 +207,7 @@ impl<P: Scalar> Inertia<P> {
     #[inline]
     pub(super) fn reaction_of_base<S: Scalar + Meets<P>>(&self, w_b: &Vec3<S>) -> Reaction<S> {
         let com = self.com.met();
-        let about_origin = Symmetric(self.about_origin.0.map(S::from));
+        let about_origin = self.about_origin.met();
         let force = w_b.cross(w_b.cross(com)).scaled(self.mass);
         let moment = w_b.cross(about_origin.apply(w_b));
         Reaction { com, about_origin, bias: Wrench { force, moment } }

@@ -47,9 +47,10 @@ fn turn_columns<const J: usize, const K: usize, S: Scalar>(r: &Mat3<S>, angle: S
     let (s, c) = angle.sin_cos();
     let s = s * sign;
     let mut turned = *r;
-    for (row, old) in turned.0.iter_mut().zip(&r.0) {
-        row[J] = old[J] * c + old[K] * s;
-        row[K] = old[K] * c - old[J] * s;
+    for i in 0..3 {
+        let (j, k) = (r.0[i][J], r.0[i][K]);
+        turned.0[i][J] = j * c + k * s;
+        turned.0[i][K] = k * c - j * s;
     }
     turned
 }

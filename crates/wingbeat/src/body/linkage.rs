@@ -127,7 +127,7 @@ impl<P: Scalar> Linkage<P> {
         let d = &self.dimensions;
         let regulated = d.regulated();
         let length = |i: usize| regulated[i].displaced(displacement[i]);
-        let [p1, p5, p8] = [d.p1_m, d.p5_m, d.p8_m].map(Planar::constant);
+        let (p1, p5, p8) = (Planar::constant(d.p1_m), Planar::constant(d.p5_m), Planar::constant(d.p8_m));
         let (sin_a3, cos_a3) = (d.a3_deg * RADIANS).sin_cos();
         let crank_pin = p1 + Planar::unit(crank).times(d.l1_m);
 
@@ -148,11 +148,18 @@ impl<P: Scalar> Linkage<P> {
         let (humerus, radius) = (e5.angle_about(self.middle[0]), e6.angle_about(self.middle[1]));
         let turned = d.turned_deg * RADIANS;
         let (sin, cos) = turned.sin_cos();
-        let [e2, e3, e5, e6, e8, e9] = [e2, e3, e5, e6, e8, e9].map(|e| e.turned([cos, sin]));
+        let turn = |e: Planar<S>| e.turned([cos, sin]);
         Ok(LinkagePose {
             humerus: humerus.shifted(turned),
             radius: radius.shifted(turned),
-            directions: Directions { e2, e3, e5, e6, e8, e9 },
+            directions: Directions {
+                e2: turn(e2),
+                e3: turn(e3),
+                e5: turn(e5),
+                e6: turn(e6),
+                e8: turn(e8),
+                e9: turn(e9),
+            },
             margins: [loop1.margin, loop2.margin, loop3.margin],
         })
     }

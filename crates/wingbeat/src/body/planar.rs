@@ -24,8 +24,8 @@ impl<S: Scalar> Planar<S> {
     where
         S: Meets<P>,
     {
-        let [y, z] = of.map(|part| Jet::constant(S::from(part)));
-        Self::new(y, z)
+        let [y, z] = of;
+        Self::new(Jet::constant(S::from(y)), Jet::constant(S::from(z)))
     }
     /// Unit vector at the angle `a`, rad.
     #[inline]

@@ -263,7 +263,7 @@ impl Node {
 
 /// Orientation of a link: its `mount` on the parent and a further turn.
 fn turned<P: Scalar>(turn: Vec3<P>, mount: Option<Mat3>) -> Option<Mat3<P>> {
-    let mounted = mount.map(|mount| Mat3(mount.0.map(|row| row.map(P::from))));
+    let mounted = mount.map(|mount| mount.each(P::from));
     if turn.is_zero() {
         return mounted;
     }

@@ -302,13 +302,14 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
         Some(Self { re: self.re.positive()?, ..self })
     }
     #[inline]
-    fn at_least<const M: usize>(
+    fn at_least(
         self,
         least: f64,
-        seen: [Self; M],
-        measure: impl Fn([f64; M]) -> f64,
+        seen: [Self; 2],
+        measure: impl Fn([f64; 2]) -> f64,
     ) -> Result<(Self, f64), f64> {
-        let (re, found) = self.re.at_least(least, seen.map(|x| x.re), measure)?;
+        let [a, b] = seen;
+        let (re, found) = self.re.at_least(least, [a.re, b.re], measure)?;
         Ok((Self { re, ..self }, found))
     }
     #[inline]

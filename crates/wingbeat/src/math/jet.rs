@@ -247,13 +247,14 @@ impl<S: Scalar> Scalar for Jet<S> {
         Some(Self { x: self.x.positive()?, ..self })
     }
     #[inline]
-    fn at_least<const N: usize>(
+    fn at_least(
         self,
         least: f64,
-        seen: [Self; N],
-        measure: impl Fn([f64; N]) -> f64,
+        seen: [Self; 2],
+        measure: impl Fn([f64; 2]) -> f64,
     ) -> Result<(Self, f64), f64> {
-        let (x, found) = self.x.at_least(least, seen.map(|x| x.x), measure)?;
+        let [a, b] = seen;
+        let (x, found) = self.x.at_least(least, [a.x, b.x], measure)?;
         Ok((Self { x, ..self }, found))
     }
     #[inline]

@@ -177,15 +177,15 @@ macro_rules! lanes {
                 let good = Self::ZERO.below(self) & self.below(Self::from(f64::INFINITY));
                 Some(Self(good.select(self.0, Self::splat(f64::NAN))))
             }
-            fn at_least<const N: usize>(
+            fn at_least(
                 self,
                 least: f64,
-                seen: [Self; N],
-                measure: impl Fn([f64; N]) -> f64,
+                seen: [Self; 2],
+                measure: impl Fn([f64; 2]) -> f64,
             ) -> Result<(Self, f64), f64> {
-                let mut worst = f64::INFINITY;
+                let ([a, b], mut worst) = (seen, f64::INFINITY);
                 let kept = Self::of(|lane| {
-                    let found = measure(seen.map(|x| x.lane(lane)));
+                    let found = measure([a.lane(lane), b.lane(lane)]);
                     worst = worst.min(found);
                     if found >= least { self.lane(lane) } else { f64::NAN }
                 });
@@ -299,7 +299,7 @@ mod tests {
         assert!(same(x.clamped(-1.0, 3.0), [-1.0, 0.0, nan, 3.0]));
         assert!(same(x.if_below(L::ONE, L::from(7.0), x), [7.0, 7.0, nan, 5.0]));
         assert!(same(x.positive().unwrap(), [nan, nan, nan, 5.0]));
-        let (kept, least) = x.at_least(1.0, [x * 2.0], |[x]| x).unwrap();
+        let (kept, least) = x.at_least(1.0, [x, x * 2.0], |[_, twice]| twice).unwrap();
         assert!(same(kept, [nan, nan, nan, 5.0]) && least == -4.0);
         assert!(x.value().is_nan() && L::from(3.0).value() == 3.0 && x.partial_cmp(&L::ONE).is_none());
         assert!(!x.is_finite() && L::ZERO.is_zero());

@@ -31,8 +31,8 @@ pub trait Over<G: Scalar>:
 /// Writes `values` with more derivatives, all zero, into `out`, as far as there is room.
 #[inline]
 pub fn lift<G: Scalar, S: Over<G>>(values: &[G], out: &mut [S]) {
-    for (out, value) in out.iter_mut().zip(values) {
-        *out = S::from(*value);
+    for i in 0..values.len().min(out.len()) {
+        out[i] = S::from(values[i]);
     }
 }
 
@@ -59,17 +59,17 @@ impl<S: Scalar> Vec3<S> {
     /// The same vector as a scalar that meets these numbers holds it.
     #[inline]
     pub fn met<T: Scalar + Meets<S>>(self) -> Vec3<T> {
-        Vec3(self.0.map(T::from))
+        self.each(T::from)
     }
     /// The same vector with more derivatives, all zero.
     #[inline]
     pub fn lifted<T: Over<S>>(self) -> Vec3<T> {
-        Vec3(self.0.map(T::from))
+        self.each(T::from)
     }
     /// Times a number that may carry more derivatives.
     #[inline]
     pub fn times<T: Over<S>>(self, k: T) -> Vec3<T> {
-        Vec3(self.0.map(|c| k * c))
+        self.each(|c| k * c)
     }
     /// Scalar product with a vector that may carry more derivatives.
     #[inline]

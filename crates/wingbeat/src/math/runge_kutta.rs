@@ -147,8 +147,10 @@ impl<const STAGES: usize> Tableau<STAGES> {
 /// y += a x
 #[inline]
 fn axpy<S: Scalar>(y: &mut [S], a: S, x: &[S]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += a * *x;
+    let n = y.len().min(x.len());
+    let (y, x) = (&mut y[..n], &x[..n]);
+    for i in 0..n {
+        y[i] += a * x[i];
     }
 }
 

@@ -162,13 +162,14 @@ pub trait Scalar:
     /// # Errors
     /// What was found, when it is less or NaN.
     #[inline]
-    fn at_least<const N: usize>(
+    fn at_least(
         self,
         least: f64,
-        seen: [Self; N],
-        measure: impl Fn([f64; N]) -> f64,
+        seen: [Self; 2],
+        measure: impl Fn([f64; 2]) -> f64,
     ) -> Result<(Self, f64), f64> {
-        let found = measure(seen.map(Self::value));
+        let [a, b] = seen;
+        let found = measure([a.value(), b.value()]);
         if found >= least { Ok((self, found)) } else { Err(found) }
     }
     /// `self` limited to [low, high] by value; derivatives vanish outside.

@@ -26,10 +26,16 @@ impl<S: Scalar> Vec3<S> {
         let [x, y, z] = v.0;
         Self([S::from(x), S::from(y), S::from(z)])
     }
+    /// `f` of each component: written out, as a closure in `array::map` stays a call.
+    #[inline(always)]
+    pub fn each<T: Scalar>(self, f: impl Fn(S) -> T) -> Vec3<T> {
+        let [x, y, z] = self.0;
+        Vec3([f(x), f(y), f(z)])
+    }
     /// The values without derivatives.
     #[inline]
     pub fn values(self) -> Vec3<f64> {
-        Vec3(self.0.map(S::value))
+        self.each(S::value)
     }
     /// From the first three entries of a slice.
     #[inline]
@@ -153,10 +159,16 @@ impl<S: Scalar> Mat3<S> {
     pub const IDENTITY: Self =
         Self([[S::ONE, S::ZERO, S::ZERO], [S::ZERO, S::ONE, S::ZERO], [S::ZERO, S::ZERO, S::ONE]]);
 
+    /// `f` of each entry.
+    #[inline(always)]
+    pub fn each<T: Scalar>(self, f: impl Fn(S) -> T) -> Mat3<T> {
+        let [a, b, c] = self.0;
+        Mat3([Vec3(a).each(&f).0, Vec3(b).each(&f).0, Vec3(c).each(&f).0])
+    }
     /// A constant matrix.
     #[inline]
     pub fn constant(m: Mat3<f64>) -> Self {
-        Self(m.0.map(|r| r.map(S::from)))
+        m.each(S::from)
     }
     /// Diagonal matrix.
     #[inline]

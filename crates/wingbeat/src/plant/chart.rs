@@ -1,7 +1,7 @@
 //! A local three-component attitude in place of the quaternion.
 
 use super::{Channel, Early, Fault, Late, MAX_STATES, Plant, Role};
-use crate::math::{Mat3, Over, Quat, Scalar, Vec3, lift};
+use crate::math::{Mat3, Over, Quat, Scalar, Vec3, append, append_copies, lift};
 use arrayvec::ArrayVec;
 use std::ops::Range;
 
@@ -89,9 +89,7 @@ impl<'a, P: Plant> LocalChart<'a, P> {
         assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
         let Quat { w, v } = self.attitude_of(local, a);
         for values in [&local[..a], &[w, v[0], v[1], v[2]], &local[a + 3..]] {
-            for value in values {
-                x.push(*value);
-            }
+            append(x, values);
         }
     }
 
@@ -106,9 +104,7 @@ type States<S> = ArrayVec<S, MAX_STATES>;
 /// `n` rates, all zero.
 fn rest<S: Scalar>(rates: &mut States<S>, n: usize) {
     assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
-    for _ in 0..n {
-        rates.push(S::ZERO);
-    }
+    append_copies(rates, S::ZERO, n);
 }
 
 /// Rate of the rotation vector d of q = q_ref exp(d) for the angular rate w in

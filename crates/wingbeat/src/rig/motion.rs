@@ -22,13 +22,13 @@ impl FrameMotion {
     /// Reads rates out of a placement along time: dR R' = skew(w) and the
     /// antisymmetric part of d2R R' is skew(dw/dt).
     pub fn from_jets(x: &Pose<Jet>) -> Self {
-        let part = |f: fn(Jet) -> f64| Mat3(x.rotation.0.map(|row| row.map(f)));
+        let part = |f: fn(Jet) -> f64| x.rotation.each(f);
         let (r, dr, ddr) = (part(|j| j.x), part(|j| j.d), part(|j| j.dd));
         let vee = |m: Mat3| {
             let m = m.0;
             Vec3([m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]]) * 0.5
         };
-        let vector = |f: fn(Jet) -> f64| Vec3(x.origin.0.map(f));
+        let vector = |f: fn(Jet) -> f64| x.origin.each(f);
         Self {
             pose: Pose { rotation: r, origin: vector(|j| j.x) },
             velocity: vector(|j| j.d),

@@ -24,7 +24,7 @@ impl<S: Scalar> Pose<S> {
     /// The values without derivatives.
     #[inline]
     pub fn values(&self) -> Pose<f64> {
-        Pose { rotation: Mat3(self.rotation.0.map(|r| r.map(S::value))), origin: self.origin.values() }
+        Pose { rotation: self.rotation.each(S::value), origin: self.origin.values() }
     }
     /// X_BA.
     #[inline]

@@ -132,7 +132,7 @@ impl<P: Scalar> Wind<P> {
 
     /// The same wind in another type, `f` of each number.
     pub(super) fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> Wind<Q> {
-        let vector = |v: Vec3<P>| Vec3(v.0.map(f));
+        let vector = |v: Vec3<P>| v.each(f);
         let wave =
             |wave: &Wave<P>| Wave { amplitude: f(wave.amplitude), rate: wave.rate, phase: wave.phase.map(f) };
         let pulse = |pulse: &Pulse<P>| Pulse {

@@ -8,7 +8,7 @@ use super::{Joints, Links, Robot};
 use crate::aero::ImpulseRates;
 use crate::body::{Coordinates, LinkMotion};
 use crate::math::linear::{solve_symmetric, solve_symmetric_leading};
-use crate::math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, lift};
+use crate::math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, append_copies, lift};
 use crate::plant::{Channel, Early, Fault, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
 use arrayvec::ArrayVec;
 use std::ops::Range;
@@ -258,10 +258,7 @@ impl<P: Scalar> Robot<P> {
         w: Vec3<S>,
         links: &mut Links<S>,
     ) {
-        for _ in joints {
-            // A constant: what is put together first and then moved waits for its pieces.
-            links.push(LinkMotion::REST);
-        }
+        append_copies(links, LinkMotion::REST, joints.len());
         self.mechanism.tree.motions(joints, v, w, links);
     }
 
@@ -350,7 +347,7 @@ impl<P: Scalar> Robot<P> {
 
 /// A load in another type.
 pub(super) fn of_numbers<S: Scalar>(load: &Wrench<f64>) -> Wrench<S> {
-    Wrench { force: Vec3(load.force.0.map(S::from)), moment: Vec3(load.moment.0.map(S::from)) }
+    Wrench { force: load.force.each(S::from), moment: load.moment.each(S::from) }
 }
 
 /// Speed below which the body's drag is rounded off, m/s.
@@ -358,9 +355,9 @@ const DRAG_WIDTH: f64 = 1e-3;
 
 /// Adds the leading 6 x 6 block.
 fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S; 6]; 6]) {
-    for (row, added) in mass.iter_mut().zip(block) {
-        for (m, a) in row.iter_mut().zip(added) {
-            *m += *a;
+    for i in 0..6 {
+        for j in 0..6 {
+            mass[i][j] += block[i][j];
         }
     }
 }

@@ -86,7 +86,7 @@ pub struct Numbers<P: Scalar = f64> {
 impl<P: Scalar> Numbers<P> {
     /// The same numbers in another type, `f` of each.
     pub(super) fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> Numbers<Q> {
-        let vector = |v: Vec3<P>| Vec3(v.0.map(f));
+        let vector = |v: Vec3<P>| v.each(f);
         let body = |b: &BodyNumbers<P>| BodyNumbers {
             mass: f(b.mass),
             com: vector(b.com),

@@ -31,7 +31,7 @@ pub struct PlacementNumbers<P: Scalar = f64> {
 impl<P: Scalar> PlacementNumbers<P> {
     /// The same numbers in another type, `f` of each.
     pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> PlacementNumbers<Q> {
-        let vector = |v: Vec3<P>| Vec3(v.0.map(f));
+        let vector = |v: Vec3<P>| v.each(f);
         let panel = |p: &PanelNumbers<P>| PanelNumbers {
             from_arc: f(p.from_arc),
             origin: vector(p.origin),

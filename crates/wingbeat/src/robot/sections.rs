@@ -2,7 +2,7 @@
 
 use crate::aero::{SectionField, SectionMotion, Sections};
 use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
-use crate::math::{Meets, Over, Scalar, Vec3, Wrench};
+use crate::math::{Meets, Over, Scalar, Vec3, Wrench, append_copies};
 use arrayvec::ArrayVec;
 
 /// One section of a surface fixed to the body or a link.
@@ -147,11 +147,9 @@ impl<'a, S: Scalar> Carriers<'a, S> {
         wind_dot: Vec3<S>,
     ) {
         self.base.follow(base, wind_dot);
-        for &link in carriers {
-            self.links.push(Carrier::ZERO);
-            if let Some(carrier) = self.links.last_mut() {
-                carrier.follow(&links[link], wind_dot);
-            }
+        append_copies(&mut self.links, Carrier::ZERO, carriers.len());
+        for i in 0..carriers.len() {
+            self.links[i].follow(&links[carriers[i]], wind_dot);
         }
     }
 }

@@ -5,7 +5,7 @@ use super::cycle::{self, CycleMean, Periodicity};
 use super::power::Powers;
 use crate::Error;
 use crate::aero::{LoadSource, Loads};
-use crate::math::{Mat3, Vec3, Wrench};
+use crate::math::{Vec3, Wrench};
 use crate::plant::Fault;
 use crate::simulate::{AXES, Column, Ending, Record, StripRecorder};
 
@@ -99,8 +99,8 @@ impl Recorder {
         let phase = tether.clock.phase(step);
         let body = tether.motion.body(t);
         let frame = body.frame();
-        let back = Mat3(frame.turn.0.map(|row| row.map(|j| j.x))).transpose();
-        let origin = Vec3(frame.origin.0.map(|j| j.x));
+        let back = frame.turn.each(|j| j.x).transpose();
+        let origin = frame.origin.each(|j| j.x);
         let about_origin =
             |w: &Wrench<f64>| Wrench { force: w.force, moment: w.moment - origin.cross(w.force) };
         let in_body = |w: &Wrench<f64>| Wrench { force: back * w.force, moment: back * w.moment };

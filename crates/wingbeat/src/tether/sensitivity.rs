@@ -3,7 +3,7 @@
 use super::Tether;
 use crate::Error;
 use crate::aero::{Aero, Loads, SectionMotion};
-use crate::math::{Dual, Mat3, Scalar, Vec3, Wrench};
+use crate::math::{Dual, Scalar, Vec3, Wrench};
 use crate::plant::Fault;
 use crate::robot::TOGETHER;
 use crate::simulate::{Ending, Held, Moment, Observed, Sizes, Stepper, System};
@@ -88,8 +88,8 @@ impl Tether {
     /// Loads in W about W's origin, at `t`, of the strips that count, as the wrench about the body's origin in B.
     fn in_body<S: Scalar>(&self, t: f64, loads: &Loads<S>, weights: &[f64]) -> [S; 6] {
         let frame = self.motion.body(t).frame();
-        let back = Mat3(frame.turn.0.map(|row| row.map(|j| S::from(j.x)))).transpose();
-        let origin = Vec3(frame.origin.0.map(|j| S::from(j.x)));
+        let back = frame.turn.each(|j| S::from(j.x)).transpose();
+        let origin = frame.origin.each(|j| S::from(j.x));
         let mut sum = Wrench::ZERO;
         for (strip, weight) in loads.strip[..loads.strips].iter().zip(weights) {
             let total = strip.total();
@@ -109,7 +109,7 @@ struct Sensitive<'a> {
 
 impl Sensitive<'_> {
     fn wind(&self) -> Vec3<Varying> {
-        Vec3(self.of.wind.0.map(Varying::constant))
+        self.of.wind.each(Varying::constant)
     }
 
     fn sections(&self, t: f64) -> Vec<SectionMotion<Varying>> {
@@ -132,7 +132,7 @@ impl Sensitive<'_> {
 
 /// A section whose motion no number moves.
 fn lifted(section: &SectionMotion<f64>) -> SectionMotion<Varying> {
-    let vector = |v: Vec3| Vec3(v.0.map(Varying::constant));
+    let vector = |v: Vec3| v.each(Varying::constant);
     SectionMotion {
         le: vector(section.le),
         te: vector(section.te),

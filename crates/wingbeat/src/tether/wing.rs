@@ -108,7 +108,7 @@ impl<S: Scalar> Frame<S> {
     #[must_use]
     pub fn still(&self) -> Self {
         let still = |j: Jet<S>| Jet::new(j.x, S::ZERO, S::ZERO);
-        Self { turn: Mat3(self.turn.0.map(|row| row.map(still))), origin: Vec3(self.origin.0.map(still)) }
+        Self { turn: self.turn.each(still), origin: self.origin.each(still) }
     }
 }
 
@@ -163,54 +163,63 @@ impl Wing {
     /// Equation: tether.section_motion
     pub fn section<S: Scalar>(&self, arc: f64, body: &Frame<S>, angles: &[Jet<S>]) -> SectionMotion<S> {
         let side = if arc == 0.0 { 0.0 } else { arc.signum() };
-        let along = |length: f64| Vec3([Jet::ZERO, Jet::from(side * length), Jet::ZERO]);
-        let Frame { mut turn, mut origin } = *body;
+        let Frame { turn, mut origin } = *body;
+        let [mut forward, mut left, mut up] = [turn.column(0), turn.column(1), turn.column(2)];
         let (mut reached, mut twist) = (0.0, Jet::ZERO);
         let whole = |h: &Hinge| h.kind == HingeKind::Twist && h.side == Side::Both && h.arc_m == 0.0;
         let outboard =
             |h: &Hinge| (self.planform.beyond(arc.abs(), h.arc_m) && h.side.holds(side)) || whole(h);
         for (hinge, &angle) in self.hinges.iter().zip(angles).filter(|(h, _)| outboard(h)) {
-            origin += turn * along(hinge.arc_m - reached);
+            origin += left.scaled(side * (hinge.arc_m - reached));
             reached = hinge.arc_m;
             if let Some(to) = hinge.to_arc_m {
                 twist += angle * ((arc.abs() - hinge.arc_m) / (to - hinge.arc_m)).min(1.0);
                 continue;
             }
-            let before = turn;
-            turn = turn
-                * match hinge.kind {
-                    HingeKind::Flap | HingeKind::Fold => Mat3::rotation_x(angle * side),
-                    HingeKind::Twist => Mat3::rotation_y(-angle),
-                    HingeKind::Sweep => Mat3::rotation_z(angle * -side),
-                };
+            let before = forward;
+            match hinge.kind {
+                HingeKind::Flap | HingeKind::Fold => (left, up) = turned(left, up, angle * side),
+                HingeKind::Twist => (up, forward) = turned(up, forward, -angle),
+                HingeKind::Sweep => (forward, left) = turned(forward, left, angle * -side),
+            }
             if hinge.ahead_m != 0.0 && matches!(hinge.kind, HingeKind::Twist | HingeKind::Sweep) {
-                origin += (before * ahead(hinge.ahead_m)) - turn * ahead(hinge.ahead_m);
+                origin += (before - forward).scaled(hinge.ahead_m);
             }
         }
-        origin += turn * along(arc.abs() - reached);
-        let chord = turn * Mat3::rotation_y(-twist);
+        origin += left.scaled(side * (arc.abs() - reached));
+        let (_, chord) = turned(up, forward, -twist);
         let (leading, trailing) = self.planform.edges(arc);
-        motion(turn, origin + chord * ahead(leading), origin + chord * ahead(trailing))
+        let edges = [origin + chord.scaled(leading), origin + chord.scaled(trailing)];
+        motion(Mat3::from_columns(forward, left, up), edges)
     }
 }
 
+/// The directions `a` and `b`, at right angles, turned by `angle` from `a` to `b`.
+#[inline]
+fn turned<S: Scalar>(a: Vec3<Jet<S>>, b: Vec3<Jet<S>>, angle: Jet<S>) -> (Vec3<Jet<S>>, Vec3<Jet<S>>) {
+    let (sin, cos) = angle.sin_cos();
+    (a * cos + b * sin, b * cos - a * sin)
+}
+
 /// A section from its link's rotation and its edges.
-fn motion<S: Scalar>(turn: Mat3<Jet<S>>, leading: Vec3<Jet<S>>, trailing: Vec3<Jet<S>>) -> SectionMotion<S> {
-    let part = |v: Vec3<Jet<S>>, f: fn(Jet<S>) -> S| Vec3(v.0.map(f));
-    let matrix = |f: fn(Jet<S>) -> S| Mat3(turn.0.map(|row| row.map(f)));
-    let (r, dr, ddr) = (matrix(|j| j.x), matrix(|j| j.d), matrix(|j| j.dd));
-    let axial = |m: Mat3<S>| Vec3::new(m.0[2][1], m.0[0][2], m.0[1][0]);
-    let back = r.transpose();
+///
+/// The axial vectors of R' R^T and of R'' R^T + R' R'^T.
+#[inline]
+fn motion<S: Scalar>(turn: Mat3<Jet<S>>, [leading, trailing]: [Vec3<Jet<S>>; 2]) -> SectionMotion<S> {
+    let (r, dr, ddr) = (turn.each(|j| j.x), turn.each(|j| j.d), turn.each(|j| j.dd));
+    let product = |a: &Mat3<S>, b: &Mat3<S>, i: usize, j: usize| Vec3(a.0[i]).dot(Vec3(b.0[j]));
+    let axial =
+        |a: &Mat3<S>, b: &Mat3<S>| Vec3([product(a, b, 2, 1), product(a, b, 0, 2), product(a, b, 1, 0)]);
     SectionMotion {
-        le: part(leading, |j| j.x),
-        te: part(trailing, |j| j.x),
-        v_le: part(leading, |j| j.d),
-        v_te: part(trailing, |j| j.d),
-        a_le: part(leading, |j| j.dd),
-        a_te: part(trailing, |j| j.dd),
+        le: leading.each(|j| j.x),
+        te: trailing.each(|j| j.x),
+        v_le: leading.each(|j| j.d),
+        v_te: trailing.each(|j| j.d),
+        a_le: leading.each(|j| j.dd),
+        a_te: trailing.each(|j| j.dd),
         span: -r.column(1),
-        w: axial(dr * back),
-        alpha: axial(ddr * back + dr * dr.transpose()),
+        w: axial(&dr, &r),
+        alpha: axial(&ddr, &r) + axial(&dr, &dr),
     }
 }
 

@@ -85,7 +85,7 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
 
 impl<P: Scalar> LiftingLine<P> {
     /// State rates of node `i` and the flow that its forces follow from; `stream` is the one airspeed where there is one.
-    #[inline]
+    #[inline(always)]
     pub(super) fn flow<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,

@@ -22,9 +22,7 @@ pub use settings::LiftingLineSettings;
 
 use super::law::Polar;
 use super::section::{Section, SectionForce, ZeroLift};
-use super::{
-    Coupling, LagNumbers, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench,
-};
+use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench};
 use crate::Error;
 use crate::math::{Meets, Over, Scalar, Vec3};
 use crate::plant::Channel;
@@ -177,7 +175,7 @@ impl<P: Scalar> LiftingLine<P> {
     /// between different nodes an even number apart.
     ///
     /// Equation: aero.lifting_line.induced_wash
-    #[inline]
+    #[inline(always)]
     fn induced_wash<S: Scalar + Meets<P>>(&self, i: usize, gamma: &[S]) -> S {
         let row = &self.layout.influence[i * gamma.len()..(i + 1) * gamma.len()];
         if !self.layout.alternating {
@@ -215,7 +213,7 @@ impl<P: Scalar> LiftingLine<P> {
     /// (Duhamel's integral of Wagner's function with Jones' fit).
     ///
     /// Equation: aero.lifting_line.lags
-    #[inline]
+    #[inline(always)]
     fn lag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
@@ -226,10 +224,10 @@ impl<P: Scalar> LiftingLine<P> {
     ) -> S {
         let (node, m) = (&self.nodes[i], self.strips());
         let mut effective = w * self.at_once;
-        for (k, LagNumbers { weight, .. }) in self.numbers.lags.iter().enumerate().take(2) {
+        for k in 0..2 {
             let lag = x[(k + 1) * m + i];
             dx[(k + 1) * m + i] = (w - lag) * (speed * node.lag_rates[k]);
-            effective += lag * *weight;
+            effective += lag * self.numbers.lags[k].weight;
         }
         effective
     }
@@ -374,7 +372,7 @@ impl<P: Scalar> LiftingLine<P> {
     }
 
     /// Force and couple of the carried air, its inertia added to the matrix.
-    #[inline]
+    #[inline(always)]
     fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         node: &Node<P>,

@@ -43,7 +43,7 @@ impl<P: Scalar> LiftingLine<P> {
     }
 
     /// Wash of the wake at node `i` of the states `x` of all nodes, m/s.
-    #[inline]
+    #[inline(always)]
     pub(super) fn wake_wash<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,

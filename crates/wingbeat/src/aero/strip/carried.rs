@@ -20,10 +20,10 @@ impl<P: Scalar> StripModel<P> {
             let left = self.left_at(i, flow, &drives);
             (flow.half_left[i], rate_left[i]) = (left[6], left[7]);
             let mass = if self.settings.section.added_mass { self.tables.mass[i] } else { P::ZERO };
-            for (row, drive) in flow.added_mass.iter_mut().zip(&drives[i]) {
-                let driven = *drive * mass;
+            for r in 0..6 {
+                let driven = drives[i][r] * mass;
                 for c in 0..6 {
-                    row[c] = left[c].mul_add(driven, row[c]);
+                    flow.added_mass[r][c] = left[c].mul_add(driven, flow.added_mass[r][c]);
                 }
             }
         }
@@ -53,9 +53,9 @@ impl<P: Scalar> StripModel<P> {
         drives: &[Drive<S>; N],
     ) -> Drive<S> {
         let mut left = [S::ZERO; 8];
-        for (column, drive) in flow.relief.iter().zip(drives).take(self.settings.strips) {
+        for j in 0..self.settings.strips {
             for k in 0..8 {
-                left[k] = drive[k].mul_add(column[i], left[k]);
+                left[k] = drives[j][k].mul_add(flow.relief[j][i], left[k]);
             }
         }
         left

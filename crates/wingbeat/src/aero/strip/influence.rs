@@ -173,7 +173,8 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
         let (mut control_moment, mut bound_moment) = (zero, zero);
         for i in 0..N {
             let n = strips.normal.get(i).scaled(cores.strength * INVERSE_4PI);
-            let [p, q] = [&strips.three_quarter, &strips.quarter].map(|at| at.get(i).scaled(cores.scale));
+            let at = |points: &Vectors<S, N>| points.get(i).scaled(cores.scale);
+            let (p, q) = (at(&strips.three_quarter), at(&strips.quarter));
             normal.set(i, n);
             control.set(i, p);
             bound.set(i, q);
@@ -317,9 +318,9 @@ pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
     n: usize,
 ) -> Column<S, N> {
     let mut sum = [S::ZERO; N];
-    for (column, x) in m.iter().zip(v).take(n) {
+    for j in 0..n {
         for i in 0..N {
-            sum[i] = x.fused(column[i], sum[i]);
+            sum[i] = v[j].fused(m[j][i], sum[i]);
         }
     }
     sum
@@ -333,8 +334,8 @@ pub(super) fn multiply_transposed<S: Scalar, const N: usize>(
     n: usize,
 ) -> Column<S, N> {
     let mut sum = [S::ZERO; N];
-    for (x, column) in sum.iter_mut().zip(m).take(n) {
-        *x = dot(column, v);
+    for j in 0..n {
+        sum[j] = dot(&m[j], v);
     }
     sum
 }
@@ -343,9 +344,10 @@ pub(super) fn multiply_transposed<S: Scalar, const N: usize>(
 #[inline(always)]
 pub(super) fn dot<S: Scalar, const N: usize>(a: &Column<S, N>, b: &Column<S, N>) -> S {
     let mut lanes = [S::ZERO; 4];
-    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
+    let (a, b) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
+    for i in 0..a.len() {
         for k in 0..4 {
-            lanes[k] = a[k].mul_add(b[k], lanes[k]);
+            lanes[k] = a[i][k].mul_add(b[i][k], lanes[k]);
         }
     }
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])

@@ -68,8 +68,8 @@ impl<S: Scalar, const N: usize> ChordLines<S, N> {
     #[inline(always)]
     fn set(&mut self, i: usize, line: &ChordLine<S>) {
         let parts = [line.le, line.te, line.v_le, line.v_te, line.a_le, line.a_te];
-        for (columns, part) in self.0.iter_mut().zip(parts) {
-            columns.set(i, part);
+        for k in 0..parts.len() {
+            self.0[k].set(i, parts[k]);
         }
     }
 }

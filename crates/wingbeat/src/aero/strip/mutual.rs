@@ -262,8 +262,10 @@ impl<P: Scalar> StripModel<P> {
         others: Others<'_, P, G, S>,
     ) -> Foreign<S, N> {
         let whole = self.whole(strips);
-        let [control, bound] =
-            [&strips.three_quarter, &strips.quarter].map(|p| Points::new(p, &strips.normal));
+        let [control, bound] = [
+            Points::new(&strips.three_quarter, &strips.normal),
+            Points::new(&strips.quarter, &strips.normal),
+        ];
         let mut foreign = Foreign { at_control: [S::ZERO; N], at_bound: [S::ZERO; N] };
         let (mut x, mut dx) = (others.x, others.dx);
         for source in others.sources {

@@ -20,6 +20,7 @@ impl<S: Scalar> Loop<S> {
     /// circle of radius |arm| about its end: with k = (|span|^2 + length^2 - |arm|^2)/(2 length),
     /// bar = span (k + i sqrt(|span|^2 - k^2)) / |span|^2. Of the two intersections, the
     /// bar turned counter-clockwise from the span is the one of this mechanism.
+    #[inline]
     pub(super) fn close<P: Scalar>(
         closure: usize,
         span: Planar<S>,
@@ -42,6 +43,7 @@ impl<S: Scalar> Loop<S> {
 }
 
 /// 1 - |cos| of the angle between bar and arm (law of cosines); negative when out of reach.
+#[inline]
 fn margin(span2: f64, length: f64, arm2: f64) -> f64 {
     1.0 - ((span2 - length * length - arm2) / (2.0 * length * arm2.sqrt())).abs()
 }

@@ -120,13 +120,16 @@ pub(super) struct Regulated<P> {
 
 impl<P: Scalar> Regulated<P> {
     /// Smallest and largest length, m.
+    #[inline]
     pub(super) fn range(&self) -> [P; 2] {
-        self.factors.map(|k| k * self.nominal)
+        let [low, high] = self.factors;
+        [low * self.nominal, high * self.nominal]
     }
     /// The length displaced by `displacement`, held within its range.
+    #[inline]
     pub(super) fn displaced<S: Scalar + Meets<P>>(&self, displacement: Jet<S>) -> Jet<S> {
         let (length, [low, high]) = (displacement.shifted(self.nominal), self.range());
-        let [low, high] = [low, high].map(|end| Jet::constant(S::from(end)));
+        let (low, high) = (Jet::constant(S::from(low)), Jet::constant(S::from(high)));
         length.if_below(low, low, high.if_below(length, high, length))
     }
 }

@@ -272,10 +272,10 @@ fn rotate_rows(matrix: &mut [f64], n: usize, j: usize, c: f64, s: f64) {
         return;
     }
     let (upper, lower) = matrix[j * n..(j + 2) * n].split_at_mut(n);
-    for (x, y) in upper.iter_mut().zip(lower) {
-        let (a, b) = (*x, *y);
-        *x = c * a + s * b;
-        *y = c * b - s * a;
+    for i in 0..n {
+        let (a, b) = (upper[i], lower[i]);
+        upper[i] = c * a + s * b;
+        lower[i] = c * b - s * a;
     }
 }
 

@@ -110,9 +110,10 @@ impl Elimination {
         let x1 = &mut rest[0][..n * w1];
         for i in 0..n {
             let (right, known) = (&mut x1[i * w1..][..w1], &mut known[i * w1..][..w1]);
-            for (c, (x, f)) in x0[i * w0..][..w0].iter().zip(&f0[i * w0..][..w0]).enumerate() {
-                right[c] = x + h / 6.0 * f;
-                known[c] = 0.5 * x + h / 8.0 * f;
+            let (x, f) = (&x0[i * w0..][..w0], &f0[i * w0..][..w0]);
+            for c in 0..w0 {
+                right[c] = x[c] + h / 6.0 * f[c];
+                known[c] = 0.5 * x[c] + h / 8.0 * f[c];
             }
             right[w0..].fill(0.0);
             known[w0..].fill(0.0);
@@ -139,8 +140,9 @@ impl Elimination {
         let stride = padded(n);
         for i in 0..n {
             let row = &mut self.matrix[i * stride..][..n];
-            for ((m, ac), a1) in row.iter_mut().zip(&middle[i * n..]).zip(&end[i * n..]) {
-                *m = -h / 6.0 * a1 - h / 3.0 * ac;
+            let (ac, a1) = (&middle[i * n..][..n], &end[i * n..][..n]);
+            for j in 0..n {
+                row[j] = -h / 6.0 * a1[j] - h / 3.0 * ac[j];
             }
             row[i] += 1.0;
             self.end[i * stride..][..n].copy_from_slice(&end[i * n..][..n]);
@@ -153,8 +155,9 @@ impl Elimination {
 fn add_inputs(block: &mut [f64], width: usize, first: Option<usize>, scale: f64, b: &[f64], inputs: usize) {
     let Some(first) = first else { return };
     for (row, b) in block.chunks_exact_mut(width).zip(b.chunks_exact(inputs)) {
-        for (entry, b) in row[first..first + inputs].iter_mut().zip(b) {
-            *entry += scale * b;
+        let row = &mut row[first..][..inputs];
+        for j in 0..inputs {
+            row[j] += scale * b[j];
         }
     }
 }

@@ -9,8 +9,10 @@ fn fused(a: f64, b: f64, c: f64) -> f64 {
 /// y += a x
 #[inline]
 pub fn axpy(y: &mut [f64], a: f64, x: &[f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y = fused(a, *x, *y);
+    let n = y.len().min(x.len());
+    let (y, x) = (&mut y[..n], &x[..n]);
+    for i in 0..n {
+        y[i] = fused(a, x[i], y[i]);
     }
 }
 
@@ -21,9 +23,9 @@ pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     let (xs, x_rest) = x[..n].as_chunks::<4>();
     let (ys, y_rest) = y[..n].as_chunks::<4>();
     let mut sum = [0.0; 4];
-    for (x, y) in xs.iter().zip(ys) {
+    for i in 0..xs.len() {
         for l in 0..4 {
-            sum[l] = fused(x[l], y[l], sum[l]);
+            sum[l] = fused(xs[i][l], ys[i][l], sum[l]);
         }
     }
     let rest: f64 = x_rest.iter().zip(y_rest).map(|(x, y)| x * y).sum();
@@ -44,7 +46,11 @@ impl Terms {
     /// Gathers `scale` times `row`.
     fn gather(&mut self, scale: f64, row: &[f64]) {
         self.0.clear();
-        self.0.extend(row.iter().enumerate().filter(|(_, a)| **a != 0.0).map(|(j, a)| (j, scale * a)));
+        for (j, a) in row.iter().enumerate() {
+            if *a != 0.0 {
+                self.0.push((j, scale * a));
+            }
+        }
     }
 
     /// row += sum of the terms times the rows of B that they name.
@@ -72,8 +78,9 @@ impl Terms {
                 sum[l] = fused(a, b[l], sum[l]);
             }
         }
-        for (r, s) in row[first..][..N].iter_mut().zip(sum) {
-            *r += s;
+        let row = &mut row[first..][..N];
+        for l in 0..N {
+            row[l] += sum[l];
         }
         N
     }

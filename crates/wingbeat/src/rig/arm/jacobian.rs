@@ -95,7 +95,7 @@ mod tests {
                 assert!((jacobian.columns[i][k] - slope(pose.origin[k])).abs() < 1e-14);
             }
             // w = vee(R' dR/dq) rotated to the base: skew(w) = dR/dq R'.
-            let dr = crate::math::Mat3(pose.rotation.0.map(|row| row.map(slope)));
+            let dr = pose.rotation.each(slope);
             let skew = dr * r.transpose();
             let w = [skew.0[2][1], skew.0[0][2], skew.0[1][0]];
             for k in 0..3 {
