@@ -7,6 +7,7 @@
 //! file to [`Found`].
 
 mod band;
+mod bins;
 mod calibration;
 mod checks;
 mod data;
@@ -24,6 +25,7 @@ mod rig;
 mod rival;
 mod solve;
 mod summary;
+mod tare;
 mod tethered;
 mod tilts;
 mod truth;

@@ -1,19 +1,19 @@
 //! From samples of the load cell to the cycles of a run; what is wrong with samples, and what would be right.
 
+use crate::bins::Bins;
 use crate::observed::Common;
-use crate::rig::{RigTarget, SETTLING};
-use crate::{Error, Layout, Observed, project};
-use nalgebra::{DMatrix, DVector};
+use crate::rig::RigTarget;
+use crate::tare::{Rest, clock, rest, share};
+use crate::{Error, Layout, Observed, Tilts, project};
+use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::ops::Range;
 use wingbeat::rig::cell::CHANNELS;
-use wingbeat::rig::process::{PhaseSource, Samples, phase_of, tare_line};
+use wingbeat::rig::process::{PhaseSource, Samples, phase_of};
 use wingbeat::simulate::Record;
 
 /// Largest share by which the measured frequency may differ from the run's. *Choice.*
 pub const FREQUENCY_TOLERANCE: f64 = 0.01;
-/// Phases by which the scatter from sample to sample is taken.
-const BINS: usize = 128;
 
 /// Samples of one pass of a run.
 #[derive(Clone, Debug)]
@@ -106,126 +106,143 @@ pub fn observed(
     Ok(observed)
 }
 
-/// Sets what the cycles have in common: `of` says of which pass each is, `tares` what the tare of each pass puts into its cycles.
-/// The passes' tares are independent: of a mean with the weights w the covariance is the sum over the passes of (sum w / sum of all w)^2
-/// times theirs.
-fn share(observed: &mut Observed, of: &[usize], tares: &[Option<DMatrix<f64>>]) {
-    let total: f64 = observed.weights.iter().sum();
-    let size = observed.layout.len();
-    let (mut mean, mut pass, mut known) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size), 0.0);
-    for (k, tare) in tares.iter().enumerate() {
-        let Some(tare) = tare else { continue };
-        let own = observed.weights.iter().zip(of).filter(|(_, of)| **of == k);
-        let share = own.map(|(weight, _)| weight).sum::<f64>() / total;
-        mean += tare * (share * share);
-        pass += tare;
-        known += 1.0;
+fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles, Error> {
+    let rows = window(target, pass)?;
+    let range = target.run.spec.rig.cell.calibration.range();
+    let oddities = clipped(pass, rows.clone(), &range);
+    let rest = rest(target, pass)?;
+    let lines = rest.as_ref().map_or([(0.0, 0.0); 6], |rest| rest.lines);
+    let mut channels: [Vec<f64>; 6] = Default::default();
+    // One sample more on both sides.
+    let (from, to) = (rows.start.saturating_sub(1), (rows.end + 1).min(pass.time.len()));
+    for k in from..to {
+        let raw = std::array::from_fn(|i| {
+            let (offset, slope) = lines[i];
+            pass.channels[i][k] - offset - slope * pass.time[k]
+        });
+        let body = if is_usable(pass, &range, k) { target.in_body(raw) } else { [f64::NAN; 6] };
+        channels.iter_mut().zip(body).for_each(|(channel, x)| channel.push(x));
     }
-    if known > 0.0 {
-        (observed.common.mean, observed.common.pass) = (Some(mean), Some(pass / known));
+    let read = Read { target, pass, rows, from, channels, rest, oddities };
+    match target.tilts() {
+        Some(tilts) => Ok(read.tilted(tilts, bins)),
+        None => read.flapped(bins),
     }
 }
 
-fn cycles_of(target: &RigTarget, pass: &Pass, bins: &mut Bins) -> Result<Cycles, Error> {
-    let wrong = |what: String| Error::data(&pass.file, what);
+/// The samples of `pass` over which the run is averaged.
+fn window(target: &RigTarget, pass: &Pass) -> Result<Range<usize>, Error> {
     let (begin, end) = target.window();
     let from = pass.time.partition_point(|t| *t < begin - 1e-9);
     let to = pass.time.partition_point(|t| *t <= end + 1e-9);
     if from + 16 > to {
         let (first, last) = (pass.time.first().unwrap_or(&0.0), pass.time.last().unwrap_or(&0.0));
-        return Err(wrong(format!(
+        let what = format!(
             "samples from {first:.3} to {last:.3} s: the run {} is averaged from {begin:.3} to {end:.3} s \
              (process.input.start_s says when the run begins)",
             target.name
-        )));
+        );
+        return Err(Error::data(&pass.file, what));
     }
-    let range = target.run.spec.rig.cell.calibration.range();
-    let usable = |k: usize| {
-        (0..6).all(|i| pass.channels[i][k].is_finite() && pass.channels[i][k].abs() < range[i] * (1.0 - 1e-9))
-    };
-    let bad = (from..to).filter(|k| !usable(*k)).count();
-    let mut oddities = clipped(pass, from..to, &range);
-    let rest = rest(target, pass)?;
-    let lines = rest.as_ref().map_or([(0.0, 0.0); 6], |rest| rest.lines);
-    let mut channels: [Vec<f64>; 6] = Default::default();
-    for k in from.saturating_sub(1)..(to + 1).min(pass.time.len()) {
-        let raw = std::array::from_fn(|i| {
-            let (offset, slope) = lines[i];
-            pass.channels[i][k] - offset - slope * pass.time[k]
-        });
-        let body = if usable(k) { target.in_body(raw) } else { [f64::NAN; 6] };
-        channels.iter_mut().zip(body).for_each(|(channel, x)| channel.push(x));
-    }
-    if let Some(tilts) = target.tilts() {
-        let time = &pass.time[from.saturating_sub(1)..];
-        let time = &time[..channels[0].len()];
-        let load = |k: usize| channels[0][k].is_finite().then(|| channels.each_ref().map(|x| x[k]));
+    Ok(from..to)
+}
+
+fn is_usable(pass: &Pass, range: &[f64; 6], k: usize) -> bool {
+    (0..6).all(|i| pass.channels[i][k].is_finite() && pass.channels[i][k].abs() < range[i] * (1.0 - 1e-9))
+}
+
+/// A pass less its tare, in the body's axes.
+struct Read<'a> {
+    target: &'a RigTarget,
+    pass: &'a Pass,
+    /// Samples over which the run is averaged.
+    rows: Range<usize>,
+    /// The sample with which `channels` begin.
+    from: usize,
+    /// Loads; NaN where a sample cannot be used.
+    channels: [Vec<f64>; 6],
+    rest: Option<Rest>,
+    oddities: Vec<String>,
+}
+
+impl Read<'_> {
+    /// The parts of a pass through attitudes.
+    fn tilted(mut self, tilts: Tilts, bins: &mut Bins) -> Cycles {
+        let time = &self.pass.time[self.from..][..self.channels[0].len()];
+        let load = |k: usize| self.channels[0][k].is_finite().then(|| self.channels.each_ref().map(|x| x[k]));
         let all = tilts.cycles(time, &load);
-        let left_out = all.iter().filter(|cycle| cycle.is_none()).count();
-        if left_out > 0 {
-            let what = unusable(target, pass, from..to);
-            oddities.push(format!(
-                "{}: {what}: {left_out} of {} parts of each attitude are left out",
-                pass.file,
-                all.len()
-            ));
-        }
         for (k, t) in time.iter().enumerate() {
             if let (Some(phase), Some(load)) = (tilts.phase(*t), load(k)) {
                 bins.add(phase, load);
             }
         }
-        let layout = target.layout();
-        return Ok(Cycles {
-            tare: rest.map(|rest| rest.covariance(target, layout, &tilts.clock())),
+        let left_out = all.iter().filter(|cycle| cycle.is_none()).count();
+        if left_out > 0 {
+            let what = unusable(self.target, self.pass, self.rows.clone());
+            self.oddities.push(format!(
+                "{}: {what}: {left_out} of {} parts of each attitude are left out",
+                self.pass.file,
+                all.len()
+            ));
+        }
+        Cycles {
+            tare: self.tare(&tilts.clock()),
             cycles: all.into_iter().flatten().collect(),
             left_out,
-            oddities,
+            oddities: self.oddities,
             frequency: 0.0,
-            samples_per_cycle: tilts.samples(target.run.spec.rig.cell.rate_hz),
-        });
+            samples_per_cycle: tilts.samples(self.target.run.spec.rig.cell.rate_hz),
+        }
     }
-    let first = from - from.saturating_sub(1);
-    let phase = phases(target, pass, &channels[2], from.saturating_sub(1), channels[2].len())?;
-    let last = (first + to - from - 1).min(phase.len() - 1);
-    let time = |k: usize| pass.time[from.saturating_sub(1) + k];
-    let turns = (phase[last] - phase[first]) / TAU;
-    let frequency = turns / (time(last) - time(first));
-    let wanted = target.run.frequency();
-    if !((frequency / wanted - 1.0).abs() <= FREQUENCY_TOLERANCE) {
-        return Err(wrong(format!(
-            "the wings beat at {frequency:.4} Hz: the run {} says {wanted} Hz; if this is its file, set = \
-             [\"frequency_hz={frequency:.4}\"]",
-            target.name
-        )));
+
+    /// The whole strokes of a pass.
+    fn flapped(mut self, bins: &mut Bins) -> Result<Cycles, Error> {
+        let Self { target, pass, channels, .. } = &self;
+        let wrong = |what: String| Error::data(&pass.file, what);
+        let layout = target.layout();
+        let first = self.rows.start - self.from;
+        let phase = phases(target, pass, &channels[2], self.from, channels[2].len())?;
+        let last = (first + self.rows.len() - 1).min(phase.len() - 1);
+        let time = |k: usize| pass.time[self.from + k];
+        let turns = (phase[last] - phase[first]) / TAU;
+        let frequency = turns / (time(last) - time(first));
+        let wanted = target.run.frequency();
+        if !((frequency / wanted - 1.0).abs() <= FREQUENCY_TOLERANCE) {
+            return Err(wrong(format!(
+                "the wings beat at {frequency:.4} Hz: the run {} says {wanted} Hz; if this is its file, set = \
+                 [\"frequency_hz={frequency:.4}\"]",
+                target.name
+            )));
+        }
+        let whole = (turns + 1e-6).floor() as usize;
+        let begin = phase[first];
+        let all: Vec<Option<Vec<f64>>> = (0..whole)
+            .map(|cycle| project(&phase, channels, begin + TAU * cycle as f64, layout.harmonics))
+            .collect();
+        let left_out = all.iter().filter(|cycle| cycle.is_none()).count();
+        let range = target.run.spec.rig.cell.calibration.range();
+        let some_bad = self.rows.clone().any(|k| !is_usable(pass, &range, k));
+        let what = || unusable(target, pass, self.rows.clone());
+        if some_bad && left_out == 0 || left_out == whole {
+            return Err(wrong(format!("{}: no cycle is left", what())));
+        }
+        let told = (left_out > 0)
+            .then(|| format!("{}: {}: {left_out} of {whole} cycles are left out", pass.file, what()));
+        for k in first..last {
+            bins.add(phase[k], std::array::from_fn(|i| channels[i][k]));
+        }
+        let clock = clock(layout, (begin, frequency), 0.5 * (time(first) + time(last)));
+        let tare = self.tare(&clock);
+        let samples_per_cycle = (last - first) as f64 / turns;
+        self.oddities.extend(told);
+        let cycles = all.into_iter().flatten().collect();
+        Ok(Cycles { tare, cycles, left_out, oddities: self.oddities, frequency, samples_per_cycle })
     }
-    let whole = (turns + 1e-6).floor() as usize;
-    let begin = phase[first];
-    let all: Vec<Option<Vec<f64>>> = (0..whole)
-        .map(|cycle| project(&phase, &channels, begin + TAU * cycle as f64, target.layout().harmonics))
-        .collect();
-    let left_out = all.iter().filter(|cycle| cycle.is_none()).count();
-    let saturated_or_missing = bad > 0 && left_out == 0;
-    if saturated_or_missing || left_out == whole {
-        return Err(wrong(format!("{}: no cycle is left", unusable(target, pass, from..to))));
+
+    /// What the noise of the rest puts into all cycles of the pass, of which `clock` is the time.
+    fn tare(&self, clock: &[f64]) -> Option<DMatrix<f64>> {
+        self.rest.as_ref().map(|rest| rest.covariance(self.target, self.target.layout(), clock))
     }
-    if left_out > 0 {
-        let what = unusable(target, pass, from..to);
-        oddities.push(format!("{}: {what}: {left_out} of {whole} cycles are left out", pass.file));
-    }
-    for k in first..last {
-        bins.add(phase[k], std::array::from_fn(|i| channels[i][k]));
-    }
-    let layout = target.layout();
-    let clock = clock(layout, (begin, frequency), 0.5 * (time(first) + time(last)));
-    Ok(Cycles {
-        tare: rest.map(|rest| rest.covariance(target, layout, &clock)),
-        cycles: all.into_iter().flatten().collect(),
-        left_out,
-        oddities,
-        frequency,
-        samples_per_cycle: (last - first) as f64 / turns,
-    })
 }
 
 /// What of the samples `rows` cannot be used, by channel.
@@ -273,113 +290,6 @@ fn clipped(pass: &Pass, rows: Range<usize>, range: &[f64; 6]) -> Vec<String> {
     told
 }
 
-/// The rest before a run.
-struct Rest {
-    /// Offset at t = 0 and slope of each channel.
-    lines: [(f64, f64); 6],
-    /// Covariance of the channels' noise per sample, as far as it does not average out from sample to sample.
-    noise: DMatrix<f64>,
-    /// (X'X)^-1 of offset and slope: variances and covariance of both for noise of 1 per sample.
-    spread: [f64; 3],
-}
-
-/// Batches of the rest by whose means its noise is told: what is correlated from sample to sample is uncorrelated from batch to
-/// batch. *Choice.*
-const BATCHES: usize = 24;
-
-/// Offset and slope of each channel over the rest, as it is read; none where the run takes no tare.
-fn rest(target: &RigTarget, pass: &Pass) -> Result<Option<Rest>, Error> {
-    if !target.tared() {
-        return Ok(None);
-    }
-    let end = pass.time.partition_point(|t| *t < -1e-9);
-    let from = (end as f64 * SETTLING) as usize;
-    let rows: Vec<usize> =
-        (from..end).filter(|k| pass.channels.iter().all(|channel| channel[*k].is_finite())).collect();
-    if rows.len() < 16 {
-        let what = format!(
-            "{} samples of rest before the run: at least 16 are needed for the tare (process.input.start_s says when \
-             the run begins; process.steps.tare = false does without)",
-            rows.len()
-        );
-        return Err(Error::data(&pass.file, what));
-    }
-    let time: Vec<f64> = rows.iter().map(|row| pass.time[*row]).collect();
-    let drift = target.run.spec.process.steps.drift;
-    let lines = pass.channels.each_ref().map(|channel| {
-        let values: Vec<f64> = rows.iter().map(|k| channel[*k]).collect();
-        if drift {
-            tare_line(&time, &values)
-        } else {
-            (values.iter().sum::<f64>() / values.len() as f64, 0.0)
-        }
-    });
-    let count = rows.len() as f64;
-    let middle = time.iter().sum::<f64>() / count;
-    let square: f64 = time.iter().map(|t| (t - middle).powi(2)).sum();
-    let spread = match drift {
-        true => [count.recip() + middle * middle / square, -middle / square, square.recip()],
-        false => [count.recip(), 0.0, 0.0],
-    };
-    let batches = BATCHES.min(rows.len() / 2);
-    let length = rows.len() / batches;
-    let mut noise = DMatrix::zeros(6, 6);
-    for batch in rows.chunks_exact(length).take(batches) {
-        let mean = DVector::from_fn(6, |i, _| {
-            let left = |k: &usize| pass.channels[i][*k] - lines[i].0 - lines[i].1 * pass.time[*k];
-            batch.iter().map(left).sum::<f64>() / length as f64
-        });
-        noise += &mean * mean.transpose();
-    }
-    let taken = if drift { 2.0 } else { 1.0 };
-    noise *= length as f64 / (batches as f64 - taken).max(1.0);
-    Ok(Some(Rest { lines, noise, spread }))
-}
-
-impl Rest {
-    /// Covariance of what the noise of the rest puts into the cycles of a pass: an error of the offset is a load of the same size at
-    /// every phase, one of the slope that load times the time, which over the cycle is `clock`.
-    ///
-    /// Equation: calibrate.tare_covariance
-    fn covariance(&self, target: &RigTarget, layout: Layout, clock: &[f64]) -> DMatrix<f64> {
-        let turn = DMatrix::from_columns(
-            &(0..6)
-                .map(|i| {
-                    let unit = std::array::from_fn(|k| f64::from(u8::from(k == i)));
-                    DVector::from_row_slice(&target.in_body(unit))
-                })
-                .collect::<Vec<_>>(),
-        );
-        let body = &turn * &self.noise * turn.transpose();
-        let [offset, both, slope] = self.spread;
-        let constant = |part: usize| f64::from(u8::from(part == 0));
-        let between = |p: usize, q: usize| {
-            offset * constant(p) * constant(q)
-                + both * (constant(p) * clock[q] + clock[p] * constant(q))
-                + slope * clock[p] * clock[q]
-        };
-        let width = layout.width();
-        DMatrix::from_fn(layout.len(), layout.len(), |i, j| {
-            between(i % width, j % width) * body[(i / width, j / width)]
-        })
-    }
-}
-
-/// Mean and harmonics of the time over cycles that begin at the phase `begin.0` and have the frequency `begin.1`, about `middle`:
-/// a sawtooth, whose sines about that phase are -1/(pi k f).
-fn clock(layout: Layout, (begin, frequency): (f64, f64), middle: f64) -> Vec<f64> {
-    let part = |part: usize| {
-        let k = Layout::harmonic(part) as f64;
-        let size = -1.0 / (std::f64::consts::PI * k * frequency);
-        match part {
-            0 => middle,
-            part if part % 2 == 1 => -size * (k * begin).sin(),
-            _ => size * (k * begin).cos(),
-        }
-    };
-    (0..layout.width()).map(part).collect()
-}
-
 /// Phase of the samples `from ..` on, `count` of them.
 fn phases(
     target: &RigTarget,
@@ -406,48 +316,6 @@ fn phases(
             let what = format!("the phase does not ascend at t = {:.4} s", time[k]);
             Err(Error::data(&pass.file, what))
         }
-    }
-}
-
-/// Sums by phase, for the scatter from sample to sample.
-pub(crate) struct Bins {
-    count: Vec<f64>,
-    sum: Vec<[f64; 6]>,
-    square: DMatrix<f64>,
-}
-
-impl Bins {
-    pub fn new() -> Self {
-        Self { count: vec![0.0; BINS], sum: vec![[0.0; 6]; BINS], square: DMatrix::zeros(6, 6) }
-    }
-
-    pub fn add(&mut self, phase: f64, x: [f64; 6]) {
-        if x.iter().any(|x| !x.is_finite()) {
-            return;
-        }
-        let bin = ((phase / TAU).rem_euclid(1.0) * BINS as f64) as usize % BINS;
-        self.count[bin] += 1.0;
-        for a in 0..6 {
-            self.sum[bin][a] += x[a];
-            for b in 0..6 {
-                self.square[(a, b)] += x[a] * x[b];
-            }
-        }
-    }
-
-    /// Covariance about the mean of each phase.
-    pub fn covariance(&self) -> DMatrix<f64> {
-        let mut covariance = self.square.clone();
-        let mut freedom = 0.0;
-        for (count, sum) in self.count.iter().zip(&self.sum).filter(|(count, _)| **count > 0.0) {
-            freedom += count - 1.0;
-            for a in 0..6 {
-                for b in 0..6 {
-                    covariance[(a, b)] -= sum[a] * sum[b] / count;
-                }
-            }
-        }
-        covariance / f64::max(freedom, 1.0)
     }
 }
 

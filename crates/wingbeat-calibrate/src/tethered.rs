@@ -1,6 +1,6 @@
 //! Cases of a tethered wing as a model of cycles, and their samples.
 
-use crate::measured::Bins;
+use crate::bins::Bins;
 use crate::observed::Common;
 use crate::{Error, Layout, Observed, project};
 use std::f64::consts::TAU;

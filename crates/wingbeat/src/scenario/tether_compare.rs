@@ -7,6 +7,7 @@ use crate::simulate::{Column, Record};
 use crate::tether::{CycleFit, PHASES, TetherRun, cycle_of, fit, smooth};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 /// How a measured file is read.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
@@ -28,6 +29,9 @@ pub struct CompareSpec {
     pub scale: BTreeMap<String, f64>,
 }
 
+/// Sizes of a factor from one unit to another: nN and GN are the ends.
+const FACTORS: RangeInclusive<f64> = 1e-9..=1e9;
+
 ranges!(CompareSpec { frequency_hz: Range::POSITIVE });
 
 impl CompareSpec {
@@ -40,8 +44,9 @@ impl CompareSpec {
 
     pub(super) fn check(&self) -> Result<(), Error> {
         for (our, factor) in &self.scale {
-            if *factor == 0.0 {
-                return Err(Error::invalid(format!("scale.{our}"), factor, "a number other than 0"));
+            if !FACTORS.contains(&factor.abs()) {
+                let allowed = format!("{:e} to {:e}, of either sign", FACTORS.start(), FACTORS.end());
+                return Err(Error::invalid(format!("scale.{our}"), factor, allowed));
             }
         }
         let Some(frequency) = self.frequency_hz else { return Ok(()) };
