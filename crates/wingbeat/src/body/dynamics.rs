@@ -33,8 +33,9 @@ impl<P: Scalar> Tree<P> {
         let mut bias = base.bias;
         let mut first_moment = base.com.scaled(self.base.mass);
         let mut about_origin = base.about_origin;
-        for (inertia, motion) in self.massive(motions) {
-            let link = inertia.reaction(motion);
+        for i in 0..self.nodes.len() {
+            let Some(inertia) = &self.nodes[i].inertia else { continue };
+            let link = inertia.reaction(&motions[i]);
             bias += link.bias;
             first_moment += link.com.scaled(inertia.mass);
             about_origin.add(&link.about_origin);

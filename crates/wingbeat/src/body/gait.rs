@@ -70,10 +70,12 @@ impl<P: Scalar> FourierSeries<P> {
     /// mean + sum_k a_k cos(k phase - p_k), with rate and acceleration.
     #[inline]
     pub fn angle<S: Scalar + Meets<P>>(&self, phase: Jet<S>) -> Jet<S> {
-        let terms = self.harmonics.iter().zip(1..);
-        terms.fold(Jet::constant(S::from(self.mean_rad)), |sum, (harmonic, k)| {
-            sum + (phase * f64::from(k)).shifted(-harmonic.phase_rad).cos().scaled(harmonic.amplitude_rad)
-        })
+        let mut sum = Jet::constant(S::from(self.mean_rad));
+        for (before, harmonic) in self.harmonics.iter().enumerate() {
+            let turned = (phase * (before + 1) as f64).shifted(-harmonic.phase_rad);
+            sum += turned.cos().scaled(harmonic.amplitude_rad);
+        }
+        sum
     }
 
     /// True when the numbers of both are the same with all derivatives.

@@ -196,7 +196,7 @@ impl<P: Scalar> Response<P> {
     /// commands; `out` has n entries. Paper eq. (mimic_dynamics).
     pub fn displacements<S: Scalar + Meets<P>>(&self, state: &[S], command: &[S], out: &mut [Jet<S>]) {
         let n = self.elements();
-        for (i, y) in out.iter_mut().enumerate().take(n) {
+        for i in 0..n {
             let acceleration = match self {
                 Self::Uncoupled(e) if !e[i].rate_gain.is_zero() => {
                     command[i] * e[i].rate_gain - state[i] * e[i].stiffness - state[n + i] * e[i].damping
@@ -208,7 +208,7 @@ impl<P: Scalar> Response<P> {
                     own + product(&c.command[i * m..(i + 1) * m], command)
                 }
             };
-            *y = Jet::new(state[i], state[n + i], acceleration);
+            out[i] = Jet::new(state[i], state[n + i], acceleration);
         }
     }
 
@@ -261,9 +261,9 @@ impl<P: Scalar> Response<P> {
     /// Rates [y'; y''] of the state, from the displacements of the same instant.
     pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
         let n = self.elements();
-        for (i, y) in displacements.iter().enumerate().take(n) {
-            rates[i] = S::from(y.d);
-            rates[n + i] = S::from(y.dd);
+        for i in 0..n {
+            rates[i] = S::from(displacements[i].d);
+            rates[n + i] = S::from(displacements[i].dd);
         }
     }
 }

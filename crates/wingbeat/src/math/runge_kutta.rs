@@ -65,8 +65,8 @@ impl<const STAGES: usize> Tableau<STAGES> {
             }
             f(t + h * self.c[i], &work.stage, &mut rest[..n])?;
         }
-        for (b, k) in self.b.iter().zip(work.slopes.chunks_exact(n)) {
-            axpy(x, h * *b, k);
+        for i in 0..STAGES {
+            axpy(x, h * self.b[i], &work.slopes[i * n..][..n]);
         }
         Ok(())
     }

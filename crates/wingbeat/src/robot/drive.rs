@@ -44,9 +44,9 @@ impl<P: Scalar> Robot<P> {
         displacements: &[Jet<S>],
     ) -> Jet<S> {
         let mut phase = self.crank(clock, structure);
-        for (element, displacement) in self.elements.iter().zip(displacements) {
+        for (i, element) in self.elements.iter().enumerate() {
             if element.moves.contains(&Displaced::Crank) {
-                phase += *displacement;
+                phase += displacements[i];
             }
         }
         phase
@@ -64,19 +64,19 @@ impl<P: Scalar> Robot<P> {
         joints: &mut Joints<S>,
     ) -> Result<(), Fault> {
         self.drive(phase, displacements, joints)?;
-        for (element, displacement) in self.elements.iter().zip(displacements) {
+        for (i, element) in self.elements.iter().enumerate() {
             for moved in &element.moves {
                 let Displaced::Scale(joint) = *moved else { continue };
                 if let Drive::Series(series, _) = &self.mechanism.drives[joint] {
                     let swing = joints[joint].shifted(-series.mean_rad);
-                    joints[joint] += swing * *displacement;
+                    joints[joint] += swing * displacements[i];
                 }
             }
         }
-        for (element, displacement) in self.elements.iter().zip(displacements) {
+        for (i, element) in self.elements.iter().enumerate() {
             for moved in &element.moves {
                 if let Displaced::Joint(joint) = *moved {
-                    joints[joint] += *displacement;
+                    joints[joint] += displacements[i];
                 }
             }
         }

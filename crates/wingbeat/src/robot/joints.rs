@@ -230,19 +230,20 @@ impl<P: Scalar> Robot<P> {
         let mut poses = [[Jet::ZERO; 2]; 2];
         if let Some(linkage) = &self.mechanism.linkage {
             let mut lengths = [[Jet::ZERO; REGULATED.len()]; 2];
-            for (element, displacement) in self.elements.iter().zip(displacements) {
+            for (i, element) in self.elements.iter().enumerate() {
                 for moved in &element.moves {
                     if let Displaced::Length(wing, length) = *moved {
-                        lengths[wing][length] += *displacement;
+                        lengths[wing][length] += displacements[i];
                     }
                 }
             }
-            for (angles, lengths) in poses.iter_mut().zip(lengths) {
-                let pose = linkage.pose(phase, lengths)?;
-                *angles = [pose.humerus, pose.radius - pose.humerus];
+            for wing in 0..2 {
+                let pose = linkage.pose(phase, lengths[wing])?;
+                poses[wing] = [pose.humerus, pose.radius - pose.humerus];
             }
         }
-        for (joint, (drive, &alike)) in self.mechanism.drives.iter().zip(&self.mechanism.alike).enumerate() {
+        for (joint, drive) in self.mechanism.drives.iter().enumerate() {
+            let alike = self.mechanism.alike[joint];
             joints.push(match drive {
                 Drive::Fixed | Drive::Held | Drive::Elastic(_) => Jet::ZERO,
                 Drive::Series(..) if alike < joint => joints[alike],

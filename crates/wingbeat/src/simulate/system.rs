@@ -80,8 +80,9 @@ impl<P: Plant> System for P {
         self.rates_in_numbers(at.t, at.x, at.u, dx)
     }
     fn limit(&self, u: &mut [f64]) {
-        for (u, channel) in u.iter_mut().zip(self.inputs()) {
-            *u = channel.clamp(*u);
+        let channels = self.inputs();
+        for i in 0..u.len().min(channels.len()) {
+            u[i] = channels[i].clamp(u[i]);
         }
     }
     fn advance(&self, _: f64, _: f64, x: &mut [f64], _: &[f64], _: &mut ()) -> Result<(), Fault> {

@@ -178,6 +178,7 @@ impl LiftLaw {
     pub const ALL: [Self; 3] = [Self::Linear, Self::Stall, Self::Lev];
 
     /// What the law is, as data.
+    #[inline]
     pub const fn about(self) -> &'static Law {
         match self {
             Self::Linear => &linear::LAW,
@@ -192,11 +193,13 @@ impl LiftLaw {
     }
 
     /// What each strip carries for it.
+    #[inline]
     pub fn states(self) -> &'static [StripState] {
         self.about().states
     }
 
     /// True when the flow separates under it, so that it takes the force broadside from `cd90`.
+    #[inline]
     pub fn separates(self) -> bool {
         self.about().attachment != Attachment::Whole
     }

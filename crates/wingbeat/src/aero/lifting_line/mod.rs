@@ -179,7 +179,7 @@ impl<P: Scalar> LiftingLine<P> {
     fn induced_wash<S: Scalar + Meets<P>>(&self, i: usize, gamma: &[S]) -> S {
         let row = &self.layout.influence[i * gamma.len()..(i + 1) * gamma.len()];
         if !self.layout.alternating {
-            return -row.iter().zip(gamma).fold(S::ZERO, |sum, (d, g)| sum + *g * *d);
+            return -(0..gamma.len()).fold(S::ZERO, |sum, j| sum + gamma[j] * row[j]);
         }
         let mut sum = gamma[i] * row[i];
         for j in ((i + 1) % 2..gamma.len()).step_by(2) {

@@ -370,9 +370,9 @@ impl<G: Scalar, S: Scalar> Sum<G, S> {
 
     fn add(&mut self, (wrench, added_mass): (Wrench<S>, [[G; 6]; 6])) {
         self.wrench += wrench;
-        for (row, more) in self.added_mass.iter_mut().zip(added_mass) {
-            for (entry, more) in row.iter_mut().zip(more) {
-                *entry += more;
+        for i in 0..6 {
+            for j in 0..6 {
+                self.added_mass[i][j] += added_mass[i][j];
             }
         }
     }
