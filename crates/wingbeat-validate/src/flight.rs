@@ -24,6 +24,8 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.linkage_bank15", quick: false, run: || flown(&LINKAGE15) },
     Case { id: "flight.linkage_bank30", quick: false, run: || flown(&LINKAGE30) },
     Case { id: "flight.passive_bank15", quick: false, run: || flown(&PASSIVE15) },
+    Case { id: "flight.passive_bank15_20g", quick: false, run: || flown(&PASSIVE15_20G) },
+    Case { id: "flight.passive_bank30_20g", quick: false, run: || flown(&PASSIVE30_20G) },
     Case { id: "flight.climb", quick: false, run: || flown(&CLIMB) },
     Case { id: "flight.dive_pullout", quick: false, run: || flown(&DIVE) },
     Case { id: "flight.decelerate", quick: false, run: || flown(&DECELERATE) },
@@ -50,6 +52,8 @@ const BANK45_BETA: Asked = asked(shipped!("bank45_beta", "cruise_beta"), 30e-3, 
 const LINKAGE15: Asked = asked(shipped!("linkage_bank15", "cruise_linkage"), 5e-3, 15.0);
 const LINKAGE30: Asked = asked(shipped!("linkage_bank30", "cruise_linkage"), 15e-3, 30.0);
 const PASSIVE15: Asked = asked(shipped!("passive_bank15", "passive_linkage"), 5e-3, 15.0);
+const PASSIVE15_20G: Asked = asked(shipped!("passive_bank15_20g", "passive_20g_margin"), 5e-3, 15.0);
+const PASSIVE30_20G: Asked = asked(shipped!("passive_bank30_20g", "passive_20g_margin"), 10e-3, 30.0);
 const CLIMB: Asked = asked(shipped!("climb", "cruise_20g_margin"), 30e-3, 0.0);
 const DIVE: Asked = asked(shipped!("dive_pullout", "cruise_20g_margin"), 30e-3, 0.0);
 const DECELERATE: Asked = asked(shipped!("decelerate", "cruise_beta_margin"), 25e-3, 0.0);
