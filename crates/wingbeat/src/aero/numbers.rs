@@ -46,6 +46,7 @@ pub struct SurfaceNumbers<P: Scalar = f64> {
 
 impl<P: Scalar> SurfaceNumbers<P> {
     /// Profile drag.
+    #[inline]
     pub fn drag(&self) -> ProfileDrag<P> {
         ProfileDrag { cd0: self.cd0, cd90: self.cd90 }
     }

@@ -34,6 +34,7 @@ impl<S: Scalar> Coordinates<S> {
     }
 
     /// Number of coordinates.
+    #[inline]
     pub fn count(&self) -> usize {
         self.count
     }

@@ -24,6 +24,7 @@ impl<P: Scalar> Tree<P> {
     }
 
     /// The same with the sum of mass times position, kg m.
+    #[inline]
     pub(crate) fn inertia_bias_and_moment<S: Scalar + Meets<P>>(
         &self,
         w_b: Vec3<S>,
@@ -50,14 +51,21 @@ impl<P: Scalar> Tree<P> {
     }
 
     /// The same from the sum of mass times position.
+    #[inline]
     pub(crate) fn weight<S: Scalar + Meets<P>>(&self, g_b: Vec3<S>, first_moment: Vec3<S>) -> Wrench<S> {
         Wrench { force: g_b.scaled(self.mass()), moment: first_moment.cross(g_b) }
     }
 
     /// Total mass, kg.
+    #[inline]
     pub fn mass(&self) -> P {
-        let links = self.nodes.iter().flat_map(|n| &n.inertia);
-        self.base.mass + links.fold(P::ZERO, |sum, inertia| sum + inertia.mass)
+        let mut links = P::ZERO;
+        for node in &self.nodes {
+            if let Some(inertia) = &node.inertia {
+                links += inertia.mass;
+            }
+        }
+        self.base.mass + links
     }
 
     /// Centre of mass of base and links from the body origin, in B, m.

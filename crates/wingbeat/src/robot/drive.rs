@@ -13,6 +13,7 @@ pub(super) type Ratios<S> = ArrayVec<S, MAX_LINKS>;
 
 impl<P: Scalar> Robot<P> {
     /// Coordinates that the dynamics decide: elastic and free joints, then the crank under a motor.
+    #[inline]
     pub(super) fn degrees(&self) -> usize {
         self.mechanism.coordinates.len() + usize::from(self.motor.is_some())
     }
@@ -182,6 +183,7 @@ impl Robot {
 
 impl<P: Scalar> Drive<P> {
     /// Whether the crank turns the joint.
+    #[inline]
     pub(super) fn cranked(&self) -> bool {
         matches!(self, Self::Series(..) | Self::Linkage(..))
     }

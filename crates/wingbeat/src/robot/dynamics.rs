@@ -323,18 +323,21 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// Velocity and acceleration of the air, resolved in B.
+    #[inline]
     pub(super) fn wind<S: Scalar + Meets<P>>(&self, t: S, attitude: Mat3<S>) -> (Vec3<S>, Vec3<S>) {
         let (velocity, acceleration) = self.wind.at(t);
         (attitude.transpose_mul(velocity), attitude.transpose_mul(acceleration))
     }
 
     /// Gravity in B, m/s2.
+    #[inline]
     pub(super) fn gravity<S: Scalar>(&self, attitude: Mat3<S>) -> Vec3<S> {
         attitude.transpose_mul(Vec3::new(S::ZERO, S::ZERO, S::from(-GRAVITY)))
     }
 
     /// Drag of the body at its origin, F_i = -rho/2 A_i |v_i| v_i along each body
     /// axis; `v` is the velocity against the air, in B.
+    #[inline]
     pub(super) fn body_drag<S: Scalar + Meets<P>>(&self, v: Vec3<S>) -> Wrench<S> {
         let mut drag = Wrench::ZERO;
         for i in 0..3 {

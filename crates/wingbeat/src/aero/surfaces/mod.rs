@@ -234,6 +234,7 @@ impl<P: Scalar> Surfaces<P> {
     }
 
     /// Whether states of a surface follow the impulse of its air.
+    #[inline]
     pub fn follow_impulses(&self) -> bool {
         self.surfaces.iter().any(|surface| surface.aero.follows_impulse())
     }
