@@ -68,14 +68,15 @@ impl<P: Scalar> StripModel<P> {
         let (wash, wake) = x.split_at(lags.rate.len() * n);
         for (k, block) in wash.chunks_exact(n).enumerate() {
             let (circulation, jump) = (lags.circulation[k], self.tables.jump_weights[k]);
-            for (i, lag) in block.iter().enumerate().take(N) {
-                sums.wash[i] += *lag * circulation;
-                sums.jump[i] += *lag * jump;
+            for i in 0..n.min(N) {
+                sums.wash[i] += block[i] * circulation;
+                sums.jump[i] += block[i] * jump;
             }
         }
-        for (weight, block) in lags.wake.iter().zip(wake.chunks_exact(n)) {
-            for (i, lag) in block.iter().enumerate().take(N) {
-                sums.delayed[i] += *lag * *weight;
+        for (k, weight) in lags.wake.iter().enumerate() {
+            let block = &wake[k * n..][..n];
+            for i in 0..n.min(N) {
+                sums.delayed[i] += block[i] * *weight;
             }
         }
         sums
@@ -141,11 +142,20 @@ impl<P: Scalar> StripModel<P> {
         let n = self.settings.strips;
         match self.settings.section.law.about().attachment {
             Attachment::Whole => [S::ONE; N],
-            Attachment::AtOnce => std::array::from_fn(|i| {
-                self.attached(&self.polar, strips.along[i], strips.wash[i], |k| x[k * n + i.min(n - 1)])
-            }),
+            Attachment::AtOnce => {
+                let mut shares = [S::ONE; N];
+                for i in 0..N {
+                    let state = |k: usize| x[k * n + i.min(n - 1)];
+                    shares[i] = self.attached(&self.polar, strips.along[i], strips.wash[i], state);
+                }
+                shares
+            }
             Attachment::Lagging { state, .. } => {
-                self.law_column(x, state).map(|separated| S::ONE - separated)
+                let mut shares = self.law_column(x, state);
+                for i in 0..N {
+                    shares[i] = S::ONE - shares[i];
+                }
+                shares
             }
         }
     }
@@ -154,9 +164,7 @@ impl<P: Scalar> StripModel<P> {
     fn law_column<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S], k: usize) -> Column<S, N> {
         let n = self.settings.strips;
         let mut column = [S::ZERO; N];
-        for (value, state) in column.iter_mut().zip(&x[self.law_states() + k * n..][..n]) {
-            *value = *state;
-        }
+        column[..n].copy_from_slice(&x[self.law_states() + k * n..][..n]);
         column
     }
 
@@ -230,9 +238,10 @@ impl<P: Scalar> StripModel<P> {
         force: &mut Column<S, N>,
     ) {
         let at = self.followed_states();
-        for (i, (followed, rate)) in x[at..].iter().zip(&mut dx[at..]).enumerate().take(N) {
-            *rate = force[i] + (impulse[i] - *followed) * (1.0 / FOLLOWING_TIME);
-            (impulse[i], force[i]) = (*followed, *rate);
+        let (followed, rates) = (&x[at..], &mut dx[at..]);
+        for i in 0..followed.len().min(N) {
+            rates[i] = force[i] + (impulse[i] - followed[i]) * (1.0 / FOLLOWING_TIME);
+            (impulse[i], force[i]) = (followed[i], rates[i]);
         }
     }
 
@@ -320,18 +329,21 @@ impl<P: Scalar> StripModel<P> {
         dx: &mut [S],
     ) -> Column<S, N> {
         let (n, lags) = (self.settings.strips, self.lags);
-        let mut lift_wash = wash.map(|w| w * self.tables.at_once);
-        let blocks = x.chunks_exact(n).zip(dx.chunks_exact_mut(n));
-        for (k, (block, rates)) in blocks.enumerate() {
-            let pairs = block.iter().zip(rates).zip(&flow.strips.speed).enumerate().take(N);
+        let speed = &flow.strips.speed;
+        let mut lift_wash = *wash;
+        for i in 0..N {
+            lift_wash[i] *= self.tables.at_once;
+        }
+        for (k, block) in x.chunks_exact(n).enumerate() {
+            let rates = &mut dx[k * n..][..n];
             if let Some(LagNumbers { weight, rate }) = self.numbers.lags.get(k) {
-                for (i, ((lag, lag_rate), speed)) in pairs {
-                    lift_wash[i] += *lag * *weight;
-                    *lag_rate = (wash[i] - *lag) * (*speed * (*rate * self.tables.turnover[i]));
+                for i in 0..n.min(N) {
+                    lift_wash[i] += block[i] * *weight;
+                    rates[i] = (wash[i] - block[i]) * (speed[i] * (*rate * self.tables.turnover[i]));
                 }
             } else if let Some(inverse) = self.tables.inverse_wake_length.get(k - lags.rate.len()) {
-                for (i, ((lag, lag_rate), speed)) in pairs {
-                    *lag_rate = (circulation[i] - *lag) * (*speed * *inverse);
+                for i in 0..n.min(N) {
+                    rates[i] = (circulation[i] - block[i]) * (speed[i] * *inverse);
                 }
             }
         }
