@@ -92,7 +92,7 @@ impl<S: Scalar> Section<S> {
     /// The normal turns by n' = q e_c + p across with q = -v_te/le.n / c, p = -w.e_c.
     ///
     /// Equation: aero.section_kinematics
-    #[inline]
+    #[inline(always)]
     pub fn new<P: Scalar>(
         motion: &SectionMotion<S>,
         wind: Vec3<S>,

@@ -5,15 +5,19 @@ use super::{Over, Scalar};
 /// Solves A x = b for a symmetric positive definite `N` x `N` matrix by LDL'
 /// (Golub & Van Loan, Matrix Computations, 4.1.2). `None` when a pivot is not
 /// positive.
-pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(a: [[G; N]; N], b: [S; N]) -> Option<[S; N]> {
-    solve_symmetric_leading(N, a, b)
+pub fn solve_symmetric<const N: usize, G: Scalar, S: Over<G>>(
+    mut a: [[G; N]; N],
+    b: [S; N],
+) -> Option<[S; N]> {
+    solve_symmetric_leading(N, &mut a, b)
 }
 
-/// As [`solve_symmetric`] for the leading `n` rows and columns; the rest of the answer is that of `b`.
+/// As [`solve_symmetric`] for the leading `n` rows and columns of a matrix that becomes its factors; the rest of the
+/// answer is that of `b`.
 #[inline]
 pub(crate) fn solve_symmetric_leading<const N: usize, G: Scalar, S: Over<G>>(
     n: usize,
-    mut a: [[G; N]; N],
+    a: &mut [[G; N]; N],
     mut b: [S; N],
 ) -> Option<[S; N]> {
     let mut inverse = [G::ZERO; N];

@@ -46,7 +46,7 @@ impl<P: Scalar> Robot<P> {
     ) -> Jet<S> {
         let mut phase = self.crank(clock, structure);
         for (i, element) in self.elements.iter().enumerate() {
-            if element.moves.contains(&Displaced::Crank) {
+            if element.moves.iter().any(|moved| matches!(moved, Displaced::Crank)) {
                 phase += displacements[i];
             }
         }

@@ -7,7 +7,7 @@ use super::surface::{Coupled, External};
 use super::{Joints, Links, Robot};
 use crate::aero::ImpulseRates;
 use crate::body::{Coordinates, LinkMotion};
-use crate::math::linear::{solve_symmetric, solve_symmetric_leading};
+use crate::math::linear::solve_symmetric_leading;
 use crate::math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, append_copies, lift};
 use crate::plant::{Channel, Early, Fault, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
 use arrayvec::ArrayVec;
@@ -184,7 +184,7 @@ impl<P: Scalar> Robot<P> {
         let mut carriers = Carriers::none(coordinates);
         carriers.follow(base, &self.carriers, links, wind_dot);
         let tree = &self.mechanism.tree;
-        let (mass, bias, first_moment) = tree.inertia_bias_and_moment(w, links);
+        let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(w, links);
         let g_b = self.gravity(attitude);
         let mut body = tree.weight(g_b, first_moment) + self.body_drag(v - wind) + -bias;
         if !self.thrusters.is_empty() {
@@ -215,7 +215,7 @@ impl<P: Scalar> Robot<P> {
     #[inline(always)]
     fn acceleration<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        (mut mass, body, beyond): ([[G; 6]; 6], Wrench<G>, &[Wrench<f64>]),
+        (mass, body, beyond): (&mut [[G; 6]; 6], Wrench<G>, &[Wrench<f64>]),
         carriers: &Carriers<G>,
         links: &[LinkMotion<G>],
         (wind, g_b): (Vec3<G>, Vec3<G>),
@@ -225,13 +225,13 @@ impl<P: Scalar> Robot<P> {
         let coordinates = carriers.coordinates;
         let follows = self.covering.aero.follow_impulses();
         if coordinates.count() == 0 && !follows {
-            let (load, added) = self.covering.sum(carriers, wind, air, air_rates, None);
+            let (load, ref added) = self.covering.sum(carriers, wind, air, air_rates, None);
             let net = load + body.lifted();
-            add(&mut mass, &added);
+            add(mass, added);
             let mut rhs = [S::ZERO; 6];
             net.force.store(&mut rhs);
             net.moment.store(&mut rhs[3..]);
-            return solve_symmetric(mass, rhs);
+            return solve_symmetric_leading(6, mass, rhs);
         }
         let mut system = System::new();
         let System { mass: matrix, forces, .. } = &mut system;
@@ -241,7 +241,7 @@ impl<P: Scalar> Robot<P> {
         let mut impulses = ImpulseRates::none();
         let lacking = follows.then_some(&mut impulses);
         let mut net = system.add_air(self, carriers, (wind, lacking), air, air_rates);
-        add(&mut system.mass, &mass);
+        add(&mut system.mass, mass);
         net += body.lifted();
         let degrees = system.solve(Some(net), coordinates.count())?;
         impulses.complete(&degrees[..6 + coordinates.count()], air_rates);
@@ -357,6 +357,7 @@ pub(super) fn of_numbers<S: Scalar>(load: &Wrench<f64>) -> Wrench<S> {
 const DRAG_WIDTH: f64 = 1e-3;
 
 /// Adds the leading 6 x 6 block.
+#[inline]
 fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S; 6]; 6]) {
     for i in 0..6 {
         for j in 0..6 {
@@ -401,8 +402,8 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         let mut external = External::<S>::new();
         external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
         let coupled = Some(Coupled { mass: &mut self.mass, external: &mut external, impulses });
-        let (net, added) = robot.covering.sum(carriers, wind, x, dx, coupled);
-        add(&mut self.mass, &added);
+        let (net, ref added) = robot.covering.sum(carriers, wind, x, dx, coupled);
+        add(&mut self.mass, added);
         for (link, load) in external.iter().enumerate().take(links) {
             carriers.project(link, load, &mut self.of_air);
         }
@@ -430,6 +431,6 @@ impl<G: Scalar, S: Over<G>> System<G, S> {
         for c in 0..count {
             rhs[6 + c] = self.of_air[c] + self.forces[c];
         }
-        solve_symmetric_leading(6 + count, self.mass, rhs)
+        solve_symmetric_leading(6 + count, &mut self.mass, rhs)
     }
 }

@@ -6,7 +6,7 @@ use super::spec::{ElementSpec, GaitSpec, LinkageOutput, RobotSpec};
 use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::Error;
 use crate::body::REGULATED;
-use crate::math::{Jet, Meets, Over, Scalar};
+use crate::math::{Jet, Meets, Over, Scalar, append_copies};
 use crate::plant::Fault;
 
 /// Name of the crank among what an element may move.
@@ -242,15 +242,16 @@ impl<P: Scalar> Robot<P> {
                 poses[wing] = [pose.humerus, pose.radius - pose.humerus];
             }
         }
+        append_copies(joints, Jet::ZERO, self.mechanism.drives.len());
         for (joint, drive) in self.mechanism.drives.iter().enumerate() {
             let alike = self.mechanism.alike[joint];
-            joints.push(match drive {
-                Drive::Fixed | Drive::Held | Drive::Elastic(_) => Jet::ZERO,
+            joints[joint] = match drive {
+                Drive::Fixed | Drive::Held | Drive::Elastic(_) => continue,
                 Drive::Series(..) if alike < joint => joints[alike],
                 Drive::Series(series, lag) => series.angle(phase.shifted(-*lag)),
                 Drive::Linkage(wing, LinkageOutput::Shoulder) => poses[*wing][0],
                 Drive::Linkage(wing, LinkageOutput::Elbow) => poses[*wing][1],
-            });
+            };
         }
         Ok(())
     }

@@ -113,9 +113,11 @@ impl<P: Scalar> LiftingLine<P> {
         if !law.edge_vortex {
             suction *= attached;
         }
-        let mass = if set.section.pitch_suction { self.nodes[i].mass } else { P::ZERO };
-        let pitching_section = (mass, self.slope_share, self.nodes[i].half_chord);
-        let pitching = pitch_suction(pitching_section, section.pitch_rate, S::from(w), effective) * attached;
+        let mut pitching = S::ZERO;
+        if set.section.pitch_suction {
+            let strip = (self.nodes[i].mass, self.slope_share, self.nodes[i].half_chord);
+            pitching = pitch_suction(strip, section.pitch_rate, S::from(w), effective) * attached;
+        }
         let mut flow = Flow {
             w,
             wash,

@@ -309,8 +309,8 @@ impl<P: Scalar> LiftingLine<P> {
         dx: &mut [S],
         mut coupling: Option<Coupling<G, S>>,
     ) -> (Wrench<S>, [[G; 6]; 6]) {
-        let mut wrench = Wrench::ZERO;
-        let mut added_mass = [[G::ZERO; 6]; 6];
+        let mut sum = (Wrench::ZERO, [[G::ZERO; 6]; 6]);
+        let (wrench, added_mass) = &mut sum;
         let stream = self.stream(sections, wind);
         for i in 0..self.strips() {
             let node = &self.nodes[i];
@@ -318,17 +318,17 @@ impl<P: Scalar> LiftingLine<P> {
             let flow = self.flow(i, &section, stream, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow)
-                + self.carried_air(node, &section, flow.speed, &mut added_mass);
+                + self.carried_air(node, &section, flow.speed, added_mass);
             let load = section.wrench(force);
-            wrench += load;
+            *wrench += load;
             if let Some(coupling) = &mut coupling {
                 let (mass, inertia) = self.carried_masses(node);
                 section.add_coupled_inertia(mass, inertia, i, sections, self.zero_lift, coupling.mass);
                 coupling.strips[i] = load;
             }
         }
-        mirror_upper(&mut added_mass);
-        (wrench, added_mass)
+        mirror_upper(added_mass);
+        sum
     }
 
     /// Forces of one node by source.
