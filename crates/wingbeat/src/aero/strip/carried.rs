@@ -202,7 +202,6 @@ impl<P: Scalar> StripModel<P> {
     ///
     /// Equation: aero.strip.added_mass_matrix
     fn finish_added_mass<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
-        let mut matrix = flow.added_mass;
         if self.settings.section.section_moment {
             let across = &flow.strips.across.0;
             let mut turned = *across;
@@ -215,13 +214,16 @@ impl<P: Scalar> StripModel<P> {
             }
             for r in 0..3 {
                 for c in 0..3 {
-                    matrix[3 + r][3 + c] += dot(&turned[r], &across[c]);
+                    flow.added_mass[3 + r][3 + c] += dot(&turned[r], &across[c]);
                 }
             }
         }
+        // In place: a copy of what has just been written piece by piece waits for its pieces.
+        let matrix = &mut flow.added_mass;
         for r in 0..6 {
-            for c in 0..6 {
-                flow.added_mass[r][c] = (matrix[r][c] + matrix[c][r]) * 0.5;
+            for c in 0..r {
+                let mean = (matrix[r][c] + matrix[c][r]) * 0.5;
+                (matrix[r][c], matrix[c][r]) = (mean, mean);
             }
         }
     }
