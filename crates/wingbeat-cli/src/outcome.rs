@@ -68,6 +68,10 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("update, 99.9 %", None, number(1e-3 * controller.p999_us), "ms"),
         ("real-time factor", None, number(summary.real_time_factor), ""),
     ];
+    if let Some(error) = summary.height_max_error_m {
+        let yaw = rows.iter().position(|row| row.0 == "yaw change").unwrap_or(rows.len());
+        rows.insert(yaw, ("height, largest error", None, number(1e3 * error), "mm"));
+    }
     if let Some(estimate) = &summary.estimate {
         let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
         let errors = [

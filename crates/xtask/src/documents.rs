@@ -9,7 +9,7 @@ use crate::tools;
 
 /// Writes again what is generated: docs/cli.md, docs/reference.md, docs/schema, the tables of
 /// docs/sections.md, docs/validation.md, the tables and the
-/// picture of README.md.
+/// pictures of README.md.
 pub fn write() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--bin", "wingbeat", "reference"]);
@@ -34,26 +34,30 @@ pub fn write() -> bool {
         && comparisons()
 }
 
-/// Flies the banking turn with both aerodynamic presets and puts tables and
-/// picture into the README.
+/// Flies the banking turn with both aerodynamic presets and a turn that carries its weight, and puts tables and
+/// pictures into the README.
 fn banking_turns() -> bool {
-    banking_turn("banking turn", "paper", true) && banking_turn("banking turn, full", "full", false)
+    let turn = "scenarios/banking_turn.toml";
+    shown("banking turn", &[turn], Some("banking_turn.png"))
+        && shown("banking turn, full", &[turn, "--set", "aero.preset=full"], None)
+        && shown("turn that carries its weight", &["scenarios/bank30_20g.toml"], Some("bank30_20g.png"))
 }
 
-/// Flies the banking turn with an aerodynamic preset and puts its table at `mark`.
-fn banking_turn(mark: &str, preset: &str, picture: bool) -> bool {
+/// Flies what `arguments` say, puts its table at `mark` and the picture of its path into the file `picture`.
+fn shown(mark: &str, arguments: &[&str], picture: Option<&str>) -> bool {
     let root = tools::root();
-    let run = root.join("target/banking_turn");
+    let run = root.join("target/shown");
     let _ = fs::remove_dir_all(&run);
-    let mut command = tools::wingbeat(&["fly", "scenarios/banking_turn.toml"]);
-    command.arg("--set").arg(format!("aero.preset={preset}")).arg("--out").arg(&run);
+    let mut command = tools::wingbeat(&["fly"]);
+    command.args(arguments).arg("--out").arg(&run);
     let Some(output) = tools::output(command) else { return false };
     let table = untimed(output.split("\nrun folder").next().unwrap_or("").trim_end());
     let images = root.join("docs/images");
-    let copied = !picture
-        || fs::create_dir_all(&images)
-            .and_then(|()| fs::copy(run.join("figures/path.png"), images.join("banking_turn.png")))
-            .is_ok();
+    let copied = picture.is_none_or(|picture| {
+        fs::create_dir_all(&images)
+            .and_then(|()| fs::copy(run.join("figures/path.png"), images.join(picture)))
+            .is_ok()
+    });
     copied && put(mark, &format!("```text\n{table}\n```"))
 }
 

@@ -21,7 +21,7 @@ cargo xtask TASK
   test    format, lints, all tests, the Python package, licences, bans and sources of dependencies, quick comparisons; what
           .ci/run calls
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
-          and the picture of README.md
+          and the pictures of README.md
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box,

@@ -189,6 +189,8 @@ pub const COLUMNS: &[Described] = &[
     column("rate_<element>", &[FLIGHT, GAIT], &["rad/s", "m/s", "1/s", "N/s"], "", "Its rate."),
     column("orbit_legs", &[FLIGHT], ONE, "", "Legs begun before and the share of the present one that is done, under `[controller.orbit]`: 1.25 is a quarter of the second."),
     column("orbit_height_error", &[FLIGHT], M, "W", "Height above that of the reference at the last update, as measured, under `[controller.orbit]`."),
+    column("orbit_roll_error", &[FLIGHT], RAD, "WB", "Roll less that of the reference at the same phase, at the last update, as measured, under `[controller.orbit]`."),
+    column("orbit_pitch_error", &[FLIGHT], RAD, "WB", "Pitch, likewise."),
     column("thrust_moment_<axis>", &[FLIGHT], NM, "B", "Moment of the thrusters about the body's origin."),
     column("thrust_<axis>", &[FLIGHT], N, "B", "Force of the thrusters on the body."),
     column("hover_error_<axis>", &[FLIGHT], M, "W", "Place less that asked at the last update, as measured, under `[controller.hover]`."),

@@ -51,13 +51,14 @@ pub struct Summary {
     pub hover: Option<HoverSummary>,
     /// Mean roll, deg.
     pub roll_mean_deg: Option<f64>,
-    /// Root mean square of roll minus reference, deg.
+    /// Root mean square of roll minus reference, deg: that of the manoeuvre; without one that of the orbit at the same
+    /// phase, as the controller measured it; level without either.
     pub roll_rms_error_deg: Option<f64>,
     /// Largest |roll - reference|, deg.
     pub roll_max_error_deg: Option<f64>,
     /// Mean pitch, deg.
     pub pitch_mean_deg: Option<f64>,
-    /// Root mean square of pitch minus reference, deg.
+    /// Root mean square of pitch minus reference, deg, likewise.
     pub pitch_rms_error_deg: Option<f64>,
     /// Largest |pitch - reference|, deg.
     pub pitch_max_error_deg: Option<f64>,
@@ -186,10 +187,14 @@ impl Settled<'_> {
     fn column(&self, name: &str) -> &[f64] {
         self.record.values(name).map_or(&[], |v| &v[self.first.min(v.len())..])
     }
-    /// Angle minus reference at every sample, rad.
-    fn errors(&self, name: &str, reference: impl Fn(f64) -> f64) -> Vec<f64> {
+    /// The angle `name` minus its reference at every sample, rad: that of the manoeuvre, or of the orbit, or level.
+    fn errors(&self, name: &str, context: &Context, angle: impl Fn(Reference) -> f64) -> Vec<f64> {
+        let about_orbit = self.column(&format!("orbit_{name}_error"));
+        if context.manoeuvre.is_none() && !about_orbit.is_empty() {
+            return about_orbit.to_vec();
+        }
         let samples = self.column(name).iter().zip(self.column("t"));
-        samples.map(|(&angle, &t)| angle_error(angle, reference(t))).collect()
+        samples.map(|(&is, &t)| angle_error(is, context.reference(t).map_or(0.0, &angle))).collect()
     }
     fn mean_deg(&self, name: &str) -> Option<f64> {
         mean(self.column(name)).map(f64::to_degrees)
@@ -253,20 +258,20 @@ impl Context<'_> {
     }
 }
 
-/// Start of the means where no goal says it, s.
+/// Start of the means where no goal says it, s; half of a flight at most.
 const SETTLE: f64 = 2.0;
 
 impl Summary {
     pub(super) fn new(record: &Record, flight: &Flight, context: &Context) -> Self {
-        let settle = context.goal.map_or(SETTLE, |g| g.settle_s);
+        let settle = context.goal.map_or(SETTLE.min(0.5 * flight.duration), |g| g.settle_s);
         let t = record.values("t").unwrap_or_default();
         let settled = Settled { record, first: t.partition_point(|&t| t < settle) };
         let change = |name| match record.values(name) {
             Some([first, .., last]) => last - first,
             _ => 0.0,
         };
-        let roll_errors = settled.errors("roll", |t| context.reference(t).map_or(0.0, |r| r.roll));
-        let pitch_errors = settled.errors("pitch", |t| context.reference(t).map_or(0.0, |r| r.pitch));
+        let roll_errors = settled.errors("roll", context, |reference| reference.roll);
+        let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
         let crossing = Crossing::new(record, context.clearances);
         let estimated = Estimated::new(record, settled.first);
         let mut summary = Self {

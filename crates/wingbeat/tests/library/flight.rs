@@ -135,13 +135,19 @@ fn strips_are_recorded_at_whole_records() {
 }
 
 #[test]
-fn a_flight_that_ends_before_the_means_has_none() {
+fn means_begin_where_the_goal_says_or_halfway_through_a_short_flight() {
+    let judged = fly(&["flight.duration_s=0.05"]).summary;
+    assert_eq!((judged.roll_mean_deg, judged.pitch_half_amplitude_deg), (None, None));
+
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/glide.toml");
     let scenario =
         Scenario::load(&path, &["flight.duration_s=0.05".into()]).unwrap_or_else(|e| panic!("{e}"));
-    let summary = scenario.fly(|_| ControlFlow::Continue(())).unwrap().summary;
-    assert_eq!((summary.roll_mean_deg, summary.pitch_half_amplitude_deg), (None, None));
-    assert_eq!(summary.controller.updates, 0);
+    let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
+    let (t, pitch) = (run.record.values("t").unwrap(), run.record.values("pitch").unwrap());
+    let late: Vec<f64> = t.iter().zip(pitch).filter(|(t, _)| **t >= 0.025).map(|(_, pitch)| *pitch).collect();
+    let mean = late.iter().sum::<f64>() / late.len() as f64;
+    assert!(late.len() > 1 && (run.summary.pitch_mean_deg.unwrap() - mean.to_degrees()).abs() < 1e-12);
+    assert_eq!(run.summary.controller.updates, 0);
 }
 
 /// Rates of the shoulders, rad/s, as overrides.

@@ -46,8 +46,8 @@ struct AboutOrbit<'a> {
     /// Integral of the height's deviation, m s.
     integral: f64,
     held: Vec<f64>,
-    /// What the last update found: legs done, deviation of the height.
-    seen: [f64; 2],
+    /// What the last update found: legs done, deviations of height, roll and pitch.
+    seen: [f64; 4],
 }
 
 impl ControllerSpec for AboutOrbitSpec {
@@ -111,7 +111,7 @@ impl ControllerSpec for AboutOrbitSpec {
             x: vec![0.0; robot.states().len()],
             integral: 0.0,
             held,
-            seen: [0.0; 2],
+            seen: [0.0; 4],
             cycle,
         }))
     }
@@ -183,7 +183,8 @@ impl Controller for AboutOrbit<'_> {
             *command = channel.clamp(*command);
         }
         self.held = commands;
-        self.seen = [place.map_or(0.0, |place| place.stretch as f64 + place.share), error[0]];
+        self.seen =
+            [place.map_or(0.0, |place| place.stretch as f64 + place.share), error[0], error[4], error[5]];
         Update::Fresh
     }
 
@@ -192,7 +193,12 @@ impl Controller for AboutOrbit<'_> {
     }
 
     fn columns(&self) -> Vec<Column> {
-        let own = [Column::new("orbit_legs", "", ""), Column::new("orbit_height_error", "m", "W")];
+        let own = [
+            Column::new("orbit_legs", "", ""),
+            Column::new("orbit_height_error", "m", "W"),
+            Column::new("orbit_roll_error", "rad", "WB"),
+            Column::new("orbit_pitch_error", "rad", "WB"),
+        ];
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
         own.into_iter().chain(path).chain(self.estimator.columns()).collect()
     }
