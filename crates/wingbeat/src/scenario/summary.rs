@@ -435,13 +435,16 @@ impl Crossing {
 
 /// Estimate of the error of the steps above which there is a caution, m. *Choice.*
 const STEP_ERROR: f64 = 0.01;
+/// Estimate above which it says no more than that the steps do not hold the flight, m. *Choice.*
+const LOST: f64 = 100.0;
 
 fn warnings(context: &Context, crossing: Option<&Crossing>) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(error) = context.step_error_m.filter(|error| !(*error <= STEP_ERROR)) {
+        let by = if error < LOST { format!("{error:.2} m") } else { format!("more than {LOST} m") };
         warnings.push(format!(
             "the steps of the integration are too long: their error is estimated to move the end of the flight by \
-             {error:.2} m; shorten flight.step_s"
+             {by}; shorten flight.step_s"
         ));
     }
     for (law, share) in &context.stalled {
