@@ -7,6 +7,7 @@ mod path;
 
 use std::ops::ControlFlow;
 
+use wingbeat::orbit::SKIN;
 use wingbeat::scenario::Run;
 use wingbeat::simulate::Record;
 
@@ -66,8 +67,6 @@ const fn asked(of: Shipped, height: f64, roll_deg: f64) -> Asked {
 const ROLL_WITHIN: f64 = 1.0;
 /// Largest share of commands at a limit.
 const SATURATED: f64 = 0.05;
-/// Half the thickness of the wing's skin, m: choice.
-const SKIN: f64 = 0.003;
 
 fn flown(asked: &Asked) -> Result<Vec<Row>, Error> {
     let Asked { of, height, roll_deg } = asked;

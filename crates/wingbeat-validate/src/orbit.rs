@@ -1,11 +1,15 @@
 //! Periodic flight: the orbits of the shipped scenarios close, hold as their multipliers say, and keep their energy.
 
+mod drift;
+mod level;
+mod random;
+
 use std::ops::ControlFlow;
 
 use wingbeat::math::{RK4, Workspace};
 use wingbeat::orbit::{Cycle, Direction, Orbit, Point, Section, floquet, measure};
 use wingbeat::plant::{Fault, Plant};
-use wingbeat::scenario::Scenario;
+use wingbeat::scenario::{ConfigError, Scenario, Trimmed};
 
 use crate::shipped::{Shipped, scenario, shipped};
 use crate::{Case, Error, Row};
@@ -15,16 +19,28 @@ pub const CASES: &[Case] = &[
     Case { id: "trim.residual", quick: true, run: residual },
     Case { id: "trim.floquet", quick: false, run: multipliers },
     Case { id: "trim.energy", quick: true, run: energy },
-    Case { id: "trim.passive_20g", quick: false, run: || passive(PASSIVE, 85.0) },
-    Case { id: "trim.passive_linkage", quick: false, run: || passive(LINKAGE, 140.0) },
+    Case { id: "trim.drift", quick: false, run: drift::rows },
+    Case { id: "trim.random", quick: false, run: random::rows },
+    Case { id: "trim.cruise_20g", quick: false, run: || level::rows(&level::CRUISE_20G) },
+    Case { id: "trim.cruise_44g", quick: false, run: || level::rows(&level::CRUISE_44G) },
+    Case { id: "trim.cruise_beta", quick: false, run: || level::rows(&level::CRUISE_BETA) },
+    Case { id: "trim.passive_20g", quick: false, run: || level::rows(&level::PASSIVE_20G) },
+    Case { id: "trim.passive_linkage", quick: false, run: || level::rows(&level::PASSIVE_LINKAGE) },
 ];
 
 /// Level flight of 20 g with a driven twist, and with a twist that the air moves.
 const DRIVEN: Shipped = shipped!("cruise_20g", "cruise_20g");
 const PASSIVE: Shipped = shipped!("passive_20g", "passive_20g");
 
-/// Level flight on the linkage with a twist that the air moves.
-const LINKAGE: Shipped = shipped!("passive_linkage", "passive_linkage");
+/// The orbit of a shipped scenario with what `trim` says of it.
+fn trimmed(shipped: Shipped, overrides: &[&str]) -> Result<Trimmed, Error> {
+    let refused = |e: ConfigError| Error::reference(shipped.0, e.to_string());
+    let trimmed = scenario(shipped, overrides)?.trim(&mut |_| ControlFlow::Continue(())).map_err(refused)?;
+    match &trimmed.summary.reason {
+        Some(reason) => Err(Error::NoAnswer(reason.clone())),
+        None => Ok(trimmed),
+    }
+}
 
 fn found(scenario: &Scenario, cycle: &Cycle) -> Result<Orbit, Error> {
     let found = scenario.find_orbit(cycle, &mut |_, _| ControlFlow::Continue(()))?;
@@ -184,34 +200,4 @@ fn energy() -> Result<Vec<Row>, Error> {
     let metric = "work over a cycle less the growth of the energy, over the work of the drives, twist driven and passive";
     let worst = imbalance(DRIVEN)?.max(imbalance(PASSIVE)?);
     Ok(vec![Row::judged("trim.energy", "conservation of energy", metric, worst, 1e-8, "")])
-}
-
-/// Half the thickness of the wing's skin, m: choice.
-const SKIN: f64 = 3e-3;
-
-/// What flight takes with a twist that nothing drives, on `most` W/kg with the scenario's own strips, and whether it holds by
-/// itself, with these and more.
-fn passive(shipped: Shipped, most: f64) -> Result<Vec<Row>, Error> {
-    let (name, source) = (shipped.0, "what is asked of the flight");
-    let mut rows = Vec::new();
-    for strips in [9, 16] {
-        let scenario = scenario(shipped, &[&format!("aero.full.strips={strips}")])?;
-        let cycle = scenario.cycle()?;
-        let orbit = found(&scenario, &cycle)?;
-        let measures = measure(&cycle, &orbit, &[])?;
-        let power = measures.power / cycle.robot().mass();
-        let least = measures.least_clearance.unwrap_or(f64::NAN);
-        let multiplier = floquet(&cycle, &orbit)?.largest();
-        let mut row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
-            let (id, metric) = (format!("trim.{name}.{end}_{strips}"), format!("{metric}, {strips} strips"));
-            rows.push(Row::judged(&id, source, &metric, value, limit, unit));
-        };
-        if strips == 9 {
-            row("power", "power of the drive over the mass", power, most, "W/kg");
-        }
-        row("twist", "mean power put into the twist", measures.twist_power, 0.0, "W");
-        row("multiplier", "largest multiplier but the heading's", multiplier, 1.0, "");
-        row("clearance", "3 mm of skin less the least clearance", SKIN - least, 0.0, "m");
-    }
-    Ok(rows)
 }

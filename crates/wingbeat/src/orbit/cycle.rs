@@ -10,6 +10,9 @@ use std::ops::ControlFlow;
 /// Steps of a cycle are a multiple of this number, so that it has as many equal parts.
 pub(crate) const PARTS: usize = 20;
 
+/// Fewest steps of a cycle in which an orbit is looked for on the way to one in more.
+const COARSEST: usize = 60;
+
 /// What may be chosen beside the state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Free {
@@ -122,6 +125,13 @@ impl<'a> Cycle<'a> {
         }
         let steps = (1.0 / (frequency * step * PARTS as f64)).ceil() as usize * PARTS;
         Ok(Self { robot, section, steps, rest: robot.rest_gains() })
+    }
+
+    /// The same cycle in steps twice as long; `None` where they would be too few.
+    pub(super) fn coarser(&self) -> Option<Self> {
+        let steps = self.steps / 2;
+        let (section, rest) = (self.section.clone(), self.rest.clone());
+        (steps >= COARSEST).then_some(Self { robot: self.robot, section, steps, rest })
     }
 
     /// The robot.

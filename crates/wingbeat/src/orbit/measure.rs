@@ -9,6 +9,8 @@ use crate::robot::Observation;
 /// Areas of the strips of all surfaces in turn, chord times width, m2.
 pub type StripAreas = Vec<f64>;
 
+/// Half the thickness of a wing's skin, by which a clearance falls short, m: choice.
+pub const SKIN: f64 = 0.003;
 /// Incidences beyond which shares of the wing are counted, deg.
 const INCIDENCES_DEG: [f64; 2] = [12.0, 20.0];
 /// Half the width of the soft edge, deg: choice.

@@ -21,7 +21,7 @@ pub(crate) use cycle::PARTS;
 pub use cycle::{Cycle, End, Free, Point};
 pub use failure::Failure;
 pub use linear::{Deviations, Interval, intervals};
-pub use measure::{Measures, StripAreas, measure};
+pub use measure::{Measures, SKIN, StripAreas, measure};
 pub use modes::{Mode, Modes, Sector, floquet};
 pub use newton::{Found, Orbit, search};
 pub(crate) use newton::{Tangent, search_from, search_near};

@@ -13,10 +13,12 @@ use std::ops::ControlFlow;
 const ITERATIONS: usize = 30;
 /// Largest condition missed at which an orbit counts as found: m/s, rad, rad/s, and the units of the air's states.
 const TOLERANCE: f64 = 1e-11;
+/// The same of an orbit in longer steps, from which that in the steps asked is found.
+const COARSE: f64 = 1e-6;
 /// Halvings of a step that does not lessen the residual.
 const HALVINGS: usize = 8;
 /// By how much a step with the derivatives of an earlier point must lessen the residual for the next to keep them.
-const KEPT: f64 = 0.2;
+const KEPT: f64 = 0.4;
 /// Weight of the state against what is free in a step of least norm.
 const STATE_WEIGHT: f64 = 1e4;
 
@@ -104,8 +106,8 @@ pub(super) fn solve(matrix: &[f64], rows: usize, columns: usize, rhs: &[f64]) ->
     Some((a.transpose() * gram.lu().solve(&b)?).as_slice().to_vec())
 }
 
-/// Finds the orbit of `course` by a recoil start from `guess` and Newton's method. The first two of `free` are what the
-/// start turns; a turn is not started this way but followed from level flight.
+/// Finds the orbit of `course` by a recoil start from `guess` and Newton's method, first in steps twice as long. The first
+/// two of `free` are what the start turns; a turn is not started this way but followed from level flight.
 ///
 /// # Errors
 /// The [`Failure`] that names what stood in the way.
@@ -116,12 +118,38 @@ pub fn search(
     guess: Point,
     observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<Found, Failure> {
+    if let Some(coarse) = cycle.coarser() {
+        match started(&coarse, course, free, guess.clone(), COARSE, observe) {
+            Ok((found, tangent)) => {
+                let near = search_near(cycle, course, free, found.orbit.point, &tangent);
+                if let Ok(near) = near {
+                    return Ok(Found { iterations: found.iterations + near.iterations, ..near });
+                }
+            }
+            Err(Failure::Stopped) => return Err(Failure::Stopped),
+            Err(_) => {}
+        }
+    }
+    started(cycle, course, free, guess, TOLERANCE, observe).map(|(found, _)| found)
+}
+
+/// [`search`] in the steps of `cycle`, to a largest condition missed of `tolerance`.
+fn started(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    guess: Point,
+    tolerance: f64,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<(Found, Tangent), Failure> {
     // From close by Newton's method needs no other start.
-    if let Ok(found) = search_from(cycle, course, free, guess.clone(), observe) {
-        return Ok(found);
+    match newton(cycle, course, free, guess.clone(), tolerance, observe) {
+        Ok(found) => return Ok(found),
+        Err(Failure::Stopped) => return Err(Failure::Stopped),
+        Err(_) => {}
     }
     let started = recoil(cycle, course, free, guess)?;
-    search_from(cycle, course, free, started, observe)
+    newton(cycle, course, free, started, tolerance, observe)
 }
 
 /// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more
@@ -133,9 +161,21 @@ pub fn search_from(
     cycle: &Cycle,
     course: &Course,
     free: &[Free],
-    mut point: Point,
+    point: Point,
     observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Result<Found, Failure> {
+    newton(cycle, course, free, point, TOLERANCE, observe).map(|(found, _)| found)
+}
+
+/// [`search_from`] to a largest condition missed of `tolerance`; with the derivatives that led there.
+fn newton(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    mut point: Point,
+    tolerance: f64,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<(Found, Tangent), Failure> {
     let conditions = Conditions::new(cycle, course);
     let (states, rows) = (conditions.directions.len(), conditions.directions.len() + conditions.beyond());
     let columns = states + free.len();
@@ -151,20 +191,20 @@ pub fn search_from(
         if observe(iteration, residual).is_break() {
             return Err(Failure::Stopped);
         }
-        if residual <= TOLERANCE {
-            return finished(cycle, course, free, point, residual, iteration);
-        }
         let tangent = Tangent::new(cycle, states, free, &jacobian);
+        if residual <= tolerance {
+            return Ok((finished(cycle, course, free, point, residual, iteration)?, tangent));
+        }
         let singular = Failure::Singular { iteration, residual };
         let step = tangent.step(&missed).ok_or(singular.clone())?;
         let Some((next, left)) = shortened(cycle, &conditions, free, &point, &step, residual) else {
             let condition = conditions.name(cycle, worst);
             return Err(Failure::NotConverged { iterations: iteration, residual, condition });
         };
-        let (next, left) = followed(cycle, &conditions, free, &tangent, (next, left), &singular)?;
+        let (next, left) = followed(cycle, &conditions, free, &tangent, (next, left), tolerance, &singular)?;
         point = next;
-        if left <= TOLERANCE {
-            return finished(cycle, course, free, point, left, iteration);
+        if left <= tolerance {
+            return Ok((finished(cycle, course, free, point, left, iteration)?, tangent));
         }
     }
     Err(Failure::NotConverged { iterations: ITERATIONS, residual, condition: conditions.name(cycle, worst) })
@@ -221,7 +261,7 @@ pub fn search_near(
     let conditions = Conditions::new(cycle, course);
     let left = conditions.missed(&point.z, &cycle.end(&point)?);
     let singular = Failure::Singular { iteration: 0, residual: largest(&left).1 };
-    let (point, left) = followed(cycle, &conditions, free, tangent, (point, left), &singular)?;
+    let (point, left) = followed(cycle, &conditions, free, tangent, (point, left), TOLERANCE, &singular)?;
     if left <= TOLERANCE {
         return finished(cycle, course, free, point, left, 0);
     }
@@ -236,12 +276,13 @@ fn followed(
     free: &[Free],
     tangent: &Tangent,
     (mut point, mut left): (Point, Vec<f64>),
+    tolerance: f64,
     singular: &Failure,
 ) -> Result<(Point, f64), Failure> {
     loop {
         in_range(cycle, free, &point)?;
         let before = largest(&left).1;
-        if before <= TOLERANCE {
+        if before <= tolerance {
             return Ok((point, before));
         }
         let step = tangent.step(&left).ok_or_else(|| singular.clone())?;

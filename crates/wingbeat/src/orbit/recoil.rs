@@ -1,11 +1,10 @@
 //! The recoil start: a state at phase 0 from which the free body's swing has the mean motion asked.
 
 use super::course::Course;
-use super::cycle::{Cycle, End, Free, Point};
+use super::cycle::{Cycle, Free, Point};
 use super::failure::Failure;
 use super::newton::solve;
 use super::section::{Direction, Section};
-use crate::plant::Early;
 
 /// Cycles that settle swing and lags.
 const SETTLING: usize = 12;
@@ -22,6 +21,9 @@ const LONGEST: f64 = 0.15;
 /// Mean accelerations at which Newton's method takes over: m/s and rad/s per cycle.
 const SETTLED: f64 = 0.02;
 
+/// Step of the differences, in rad, of the pace and of commands.
+const DIFFERENCE: f64 = 1e-5;
+
 /// A state whose swing has the mean motion of `course` and whose mean accelerations vanish, begun from `point`, whose
 /// mean pitch is a guess: the free body flies a cycle, its drift over the cycle is taken off the state at phase 0, the
 /// states of air and joints are kept; then Newton steps on the mean accelerations by pitch and two free numbers.
@@ -36,11 +38,11 @@ pub(super) fn recoil(
         settle(cycle, course, pitch, &mut point)?;
     }
     for _ in 0..STEPS {
-        let (drift, slopes) = cycle.differentiate(&point, &[vec![(4, 1.0)]], &free[..2], drift)?;
+        let drift = drift(cycle, &point)?;
         if drift.iter().all(|d| d.abs() < SETTLED) {
             break;
         }
-        let matrix: Vec<f64> = slopes.concat();
+        let matrix = slopes(cycle, free, &point, drift)?;
         let Some(step) = solve(&matrix, 3, 3, &drift.iter().map(|d| -d).collect::<Vec<_>>()) else { break };
         let range = |f: &Free| match f {
             Free::Frequency => point.pace,
@@ -63,8 +65,26 @@ pub(super) fn recoil(
 }
 
 /// Growth of forward and upward velocity and of the pitch rate over a cycle.
-fn drift(z: &[Early], end: &End<Early>) -> Vec<Early> {
-    ACCELERATED.map(|i| end.z[i] - z[i]).to_vec()
+fn drift(cycle: &Cycle, point: &Point) -> Result<[f64; 3], Failure> {
+    let end = cycle.end(point)?;
+    Ok(ACCELERATED.map(|i| end.z[i] - point.z[i]))
+}
+
+/// Differences of the drift by pitch and the two free numbers, by rows: a start needs no exact derivatives, and three
+/// plain cycles cost a fraction of one that carries them.
+fn slopes(cycle: &Cycle, free: &[Free], point: &Point, here: [f64; 3]) -> Result<Vec<f64>, Failure> {
+    let mut matrix = vec![0.0; 9];
+    for column in 0..3 {
+        let mut beside = point.clone();
+        match column {
+            0 => beside.z[4] += DIFFERENCE,
+            _ => beside.moved(&free[column - 1], DIFFERENCE),
+        }
+        for (row, (there, here)) in drift(cycle, &beside)?.into_iter().zip(here).enumerate() {
+            matrix[3 * row + column] = (there - here) / DIFFERENCE;
+        }
+    }
+    Ok(matrix)
 }
 
 /// One cycle: the state at phase 0 gets the swing about the motion asked, and the states of air and joints at its end.

@@ -1,7 +1,7 @@
 //! `summary.json` of a trimmed flight.
 
 use super::search::SearchSummary;
-use crate::orbit::{Cycle, Found, Measures, Mode, Modes};
+use crate::orbit::{Cycle, Found, Measures, Mode, Modes, SKIN};
 use crate::plant::Plant;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -128,8 +128,6 @@ pub struct TrimSummary {
 
 /// Share of the wing beyond 12 deg at which an orbit counts as outside of the lift laws: choice.
 const STALLED: f64 = 0.5;
-/// Half the thickness of the wing's skin, by which a clearance falls short, m: choice.
-const SKIN: f64 = 0.003;
 
 impl TrimSummary {
     /// Fills in what the orbit tells.
