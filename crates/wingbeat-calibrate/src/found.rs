@@ -34,6 +34,8 @@ pub struct Found {
     pub errors: Vec<f64>,
     /// Standard errors as if samples were independent.
     pub white_errors: Vec<f64>,
+    /// Degrees of freedom of their 95 %.
+    pub freedom: f64,
     /// Profiles.
     pub profiles: Vec<Profile>,
     /// Correlations.
@@ -102,6 +104,7 @@ impl Found {
             values: solved.values.clone(),
             errors: solved.errors(),
             white_errors: solved.white_errors(),
+            freedom: solved.covariances.freedom,
             profiles: solved.profiles()?,
             correlations: (0..correlations.nrows())
                 .map(|i| correlations.row(i).iter().copied().collect())

@@ -51,4 +51,4 @@ pub use summary::CalibrationSummary;
 pub use tethered::CaseTarget;
 pub use tilts::Tilts;
 pub use truth::{Clean, clean};
-pub use uncertainty::{Covariances, Label, NORMAL_95, Profile, correlations};
+pub use uncertainty::{Covariances, Label, NORMAL_95, Profile, correlations, student_95};

@@ -3,9 +3,8 @@
 use crate::bins::Bins;
 use crate::observed::Common;
 use crate::rig::RigTarget;
-use crate::tare::{Rest, clock, rest, share};
+use crate::tare::{Rest, Tare, clock, rest, share};
 use crate::{Error, Layout, Observed, Tilts, project};
-use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::ops::Range;
 use wingbeat::rig::cell::CHANNELS;
@@ -42,8 +41,8 @@ impl Pass {
 /// What a pass gives.
 struct Cycles {
     cycles: Vec<Vec<f64>>,
-    /// Covariance of what the noise of the rest puts into all of them.
-    tare: Option<DMatrix<f64>>,
+    /// What the noise of the rest puts into all of them.
+    tare: Option<Tare>,
     left_out: usize,
     oddities: Vec<String>,
     frequency: f64,
@@ -76,7 +75,7 @@ pub fn observed(
     let left_out = parts.iter().map(|part| part.left_out).sum();
     let oddities = parts.iter().flat_map(|part| part.oddities.clone()).collect();
     let of = parts.iter().enumerate().flat_map(|(k, part)| std::iter::repeat_n(k, part.cycles.len()));
-    let (of, tares): (Vec<usize>, Vec<Option<DMatrix<f64>>>) =
+    let (of, tares): (Vec<usize>, Vec<Option<Tare>>) =
         (of.collect(), parts.iter().map(|part| part.tare.clone()).collect());
     let cycles: Vec<Vec<f64>> = parts.into_iter().flat_map(|part| part.cycles).collect();
     if cycles.is_empty() {
@@ -240,8 +239,8 @@ impl Read<'_> {
     }
 
     /// What the noise of the rest puts into all cycles of the pass, of which `clock` is the time.
-    fn tare(&self, clock: &[f64]) -> Option<DMatrix<f64>> {
-        self.rest.as_ref().map(|rest| rest.covariance(self.target, self.target.layout(), clock))
+    fn tare(&self, clock: &[f64]) -> Option<Tare> {
+        self.rest.as_ref().map(|rest| rest.tare(self.target, self.target.layout(), clock))
     }
 }
 

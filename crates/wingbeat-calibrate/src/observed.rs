@@ -7,6 +7,9 @@ use nalgebra::DMatrix;
 const HUBER: f64 = 1.345;
 /// Rounds of weighing.
 const ROUNDS: usize = 8;
+/// Cycles beyond one for each channel and each mean that tell a scatter whose inverse weighs: with fewer the estimates so weighed have
+/// no variance (`estimated_weights`).
+pub const SPARE: usize = 2;
 
 /// The cycles of a run.
 #[derive(Clone, Debug)]
@@ -49,6 +52,8 @@ pub struct Common {
     pub mean: Option<DMatrix<f64>>,
     /// The same of the cycles of one pass.
     pub pass: Option<DMatrix<f64>>,
+    /// Batches of rest beyond the lines they take of which both were told.
+    pub tare_freedom: f64,
 }
 
 impl Observed {
@@ -152,7 +157,7 @@ impl Observed {
 pub fn scatter(runs: &[&Observed]) -> Option<Vec<Vec<DMatrix<f64>>>> {
     let layout = runs.first()?.layout;
     let freedom: f64 = runs.iter().map(|run| run.freedom()).sum();
-    if freedom < (layout.channels - runs[0].unmeasured.len()) as f64 {
+    if freedom < (layout.channels - runs[0].unmeasured.len() + SPARE) as f64 {
         return None;
     }
     let own: Vec<Vec<f64>> = runs.iter().map(|run| run.sizes()).collect();

@@ -1,6 +1,7 @@
 //! What is fitted to what, and how its differences weigh.
 
-use crate::{Error, Layout, Observed, RigTarget, observed::scatter};
+use crate::observed::{SPARE, scatter};
+use crate::{Error, Layout, Observed, RigTarget};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use wingbeat::parallel;
@@ -78,6 +79,8 @@ pub struct Problem<'a> {
     factors: Vec<Factor>,
     /// Covariance from cycle to cycle by harmonic, of each run.
     pub noise: Vec<Vec<DMatrix<f64>>>,
+    /// Cycles beyond the means they take of which the covariances of each run were told; infinite where they are known.
+    pub freedom: Vec<f64>,
     /// What the model cannot say, in parts of the amplitude of each channel and harmonic of what is in doubt.
     pub discrepancy: Vec<f64>,
     /// What of each run is in doubt.
@@ -105,7 +108,7 @@ impl<'a> Problem<'a> {
         runs: &'a [Observed],
         parameters: &'a [Parameter],
     ) -> Result<Self, Error> {
-        let mut noise = vec![Vec::new(); runs.len()];
+        let (mut noise, mut freedom) = (vec![Vec::new(); runs.len()], vec![0.0; runs.len()]);
         for (k, run) in runs.iter().enumerate() {
             if !noise[k].is_empty() {
                 continue;
@@ -115,7 +118,7 @@ impl<'a> Problem<'a> {
             let of: Vec<&Observed> = alike.iter().map(|other| &runs[*other]).collect();
             let scatters = scatter(&of).ok_or_else(|| {
                 let given: usize = of.iter().map(|run| run.cycles.len()).sum();
-                let needed = of.len() + run.layout.channels - run.unmeasured.len();
+                let needed = of.len() + run.layout.channels - run.unmeasured.len() + SPARE;
                 Error::data(
                     &run.name,
                     format!(
@@ -124,9 +127,11 @@ impl<'a> Problem<'a> {
                     ),
                 )
             })?;
+            let together: f64 = of.iter().map(|run| run.freedom()).sum();
+            alike.iter().for_each(|other| freedom[*other] = together);
             alike.into_iter().zip(scatters).for_each(|(other, own)| noise[other] = own);
         }
-        Self::with_noise(model, runs, parameters, noise)
+        Ok(Self { freedom, ..Self::with_noise(model, runs, parameters, noise)? })
     }
 
     /// A problem of which the covariance from cycle to cycle is known, by run and harmonic.
@@ -142,7 +147,9 @@ impl<'a> Problem<'a> {
         let channels = runs.first().map_or(0, |run| run.layout.channels);
         let discrepancy = vec![0.0; channels];
         let in_doubt = runs.iter().map(|run| run.mean.clone()).collect();
-        let mut problem = Self { model, runs, parameters, factors: Vec::new(), noise, discrepancy, in_doubt };
+        let freedom = vec![f64::INFINITY; runs.len()];
+        let mut problem =
+            Self { model, runs, parameters, factors: Vec::new(), noise, freedom, discrepancy, in_doubt };
         problem.weigh(vec![0.0; channels])?;
         Ok(problem)
     }

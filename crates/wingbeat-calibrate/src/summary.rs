@@ -2,7 +2,7 @@
 
 use crate::data::{DataFile, Files};
 use crate::found::{Found, FoundRun};
-use crate::{Fit, Label, NORMAL_95, NextRun, Rival, rms};
+use crate::{Fit, Label, NextRun, Rival, rms, student_95};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -78,7 +78,7 @@ impl Found {
 
     fn parameter(&self, k: usize) -> SummaryParameter {
         let parameter = &self.parameters[k];
-        let spread = NORMAL_95 * self.errors[k];
+        let spread = student_95(self.freedom) * self.errors[k];
         SummaryParameter {
             name: parameter.name.clone(),
             value: self.values[k],

@@ -12,8 +12,19 @@ pub struct Rest {
     pub lines: [(f64, f64); 6],
     /// Covariance of the channels' noise per sample, as far as it does not average out from sample to sample.
     noise: DMatrix<f64>,
+    /// Batches beyond the numbers of a line, of which that was told.
+    freedom: f64,
     /// (X'X)^-1 of offset and slope: variances and covariance of both for noise of 1 per sample.
     spread: [f64; 3],
+}
+
+/// What the noise of the rest puts into the cycles of a pass.
+#[derive(Clone)]
+pub struct Tare {
+    /// Its covariance.
+    covariance: DMatrix<f64>,
+    /// Batches beyond the numbers of a line, of which that was told.
+    freedom: f64,
 }
 
 /// Batches of the rest by whose means its noise is told: what is correlated from sample to sample is uncorrelated from batch to
@@ -65,8 +76,9 @@ pub fn rest(target: &RigTarget, pass: &Pass) -> Result<Option<Rest>, Error> {
         noise += &mean * mean.transpose();
     }
     let taken = if drift { 2.0 } else { 1.0 };
-    noise *= length as f64 / (batches as f64 - taken).max(1.0);
-    Ok(Some(Rest { lines, noise, spread }))
+    let freedom = (batches as f64 - taken).max(1.0);
+    noise *= length as f64 / freedom;
+    Ok(Some(Rest { lines, noise, freedom, spread }))
 }
 
 impl Rest {
@@ -74,7 +86,7 @@ impl Rest {
     /// every phase, one of the slope that load times the time, which over the cycle is `clock`.
     ///
     /// Equation: calibrate.tare_covariance
-    pub fn covariance(&self, target: &RigTarget, layout: Layout, clock: &[f64]) -> DMatrix<f64> {
+    pub fn tare(&self, target: &RigTarget, layout: Layout, clock: &[f64]) -> Tare {
         let turn = DMatrix::from_columns(
             &(0..6)
                 .map(|i| {
@@ -92,9 +104,10 @@ impl Rest {
                 + slope * clock[p] * clock[q]
         };
         let width = layout.width();
-        DMatrix::from_fn(layout.len(), layout.len(), |i, j| {
+        let covariance = DMatrix::from_fn(layout.len(), layout.len(), |i, j| {
             between(i % width, j % width) * body[(i / width, j / width)]
-        })
+        });
+        Tare { covariance, freedom: self.freedom }
     }
 }
 
@@ -116,7 +129,7 @@ pub fn clock(layout: Layout, (begin, frequency): (f64, f64), middle: f64) -> Vec
 /// Sets what the cycles have in common: `of` says of which pass each is, `tares` what the tare of each pass puts into its cycles.
 /// The passes' tares are independent: of a mean with the weights w the covariance is the sum over the passes of (sum w / sum of all w)^2
 /// times theirs.
-pub fn share(observed: &mut Observed, of: &[usize], tares: &[Option<DMatrix<f64>>]) {
+pub fn share(observed: &mut Observed, of: &[usize], tares: &[Option<Tare>]) {
     let total: f64 = observed.weights.iter().sum();
     let size = observed.layout.len();
     let (mut mean, mut pass, mut known) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size), 0.0);
@@ -124,8 +137,9 @@ pub fn share(observed: &mut Observed, of: &[usize], tares: &[Option<DMatrix<f64>
         let Some(tare) = tare else { continue };
         let own = observed.weights.iter().zip(of).filter(|(_, of)| **of == k);
         let share = own.map(|(weight, _)| weight).sum::<f64>() / total;
-        mean += tare * (share * share);
-        pass += tare;
+        mean += &tare.covariance * (share * share);
+        pass += &tare.covariance;
+        observed.common.tare_freedom += tare.freedom;
         known += 1.0;
     }
     if known > 0.0 {

@@ -27,6 +27,8 @@ pub struct Covariances {
     pub unsaid: DMatrix<f64>,
     /// As if every sample were independent of the one before.
     pub white: DMatrix<f64>,
+    /// Cycles beyond their means of which the noise was told, those of the runs of which the fewest tell it.
+    pub freedom: f64,
     /// Singular values of the Jacobian with every parameter in parts of its size, largest first.
     pub singular_values: Vec<f64>,
     /// Directions of the parameters, in parts of their sizes, of those singular values.
@@ -46,9 +48,45 @@ pub fn inverse(a: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_columns(&columns)
 }
 
+/// Two-sided 95 % of Student's distribution, by its expansion about the normal one: within 2e-3 from 6 degrees of freedom on.
+///
+/// Equation: calibrate.student
+pub fn student_95(freedom: f64) -> f64 {
+    let z = NORMAL_95;
+    let terms = [
+        (z.powi(3) + z) / 4.0,
+        (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0,
+        (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0,
+    ];
+    z + terms.iter().zip(1..).map(|(term, power)| term / freedom.powi(power)).sum::<f64>()
+}
+
+/// By how much the variance of estimates is larger than what is stated of it where the weights are the inverse of a covariance that the
+/// same few cycles told, with `freedom` v of them beyond their means: v/(v - m) (v - 1)/(v - 1 - m), m the `spare` numbers, those of a
+/// cycle less the parameters that they tell.
+///
+/// With y = J x of covariance C/n, S independent of y and v S Wishart of freedom v and mean v C, the estimates (J'S^-1 J)^-1 J'S^-1 y have the
+/// variance (v - 1)/(v - 1 - m) (J'C^-1 J)^-1/n: the weights are wrong. The covariance stated, (J'S^-1 J)^-1/n, has the mean
+/// (v - m)/v (J'C^-1 J)^-1/n: an inverse is smaller than that of its mean where S is larger (Rao 1967, "Least squares theory using an
+/// estimated dispersion matrix"; for every form of covariance to first order, 1 + 2 m/v, Kenward & Roger 1997). Harmonics are independent, so
+/// that each is such a y by itself, of the channels. Where what the model cannot say outweighs the noise, the weights hardly depend
+/// on S and this is too large: it is of the noise alone, which then hardly counts.
+///
+/// Equation: calibrate.estimated_weights
+fn estimated_weights(freedom: f64, spare: f64) -> f64 {
+    if freedom.is_infinite() {
+        return 1.0;
+    }
+    let spare = spare.max(0.0);
+    // `scatter` asks for so many cycles that none of this is below zero.
+    let least = |x: f64| x.max(0.5);
+    freedom / least(freedom - spare) * (freedom - 1.0) / least(freedom - 1.0 - spare)
+}
+
 /// Covariances of the estimates at the linearisation `at`: B^-1 (sum over cycles of g g' + J'C^-1 T C^-1 J) B^-1 with
 /// B = J'C^-1 J + prior, g = J'C^-1 (cycle - mean)/n sqrt(n/(n - m)) for n cycles about m means, and T the covariance of what the tares
-/// put into the mean. What the model cannot say counts as common to all runs.
+/// put into the mean, each harmonic of both made larger as its weights were [estimated](estimated_weights). What the model cannot say
+/// counts as common to all runs.
 ///
 /// Equation: calibrate.cluster_covariance
 pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariances {
@@ -57,14 +95,25 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
     let (square, _) = at.normal(parameters, values, &[]);
     let bread = inverse(&square);
     let (mut clustered, mut white) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+    let parts: usize = at.of.iter().map(|run| problem.runs[*run].layout.width()).sum();
+    let told = n as f64 / parts.max(1) as f64;
     for ((run, j), _) in at.of.iter().zip(&at.jacobians).zip(&at.residuals) {
         let observed = &problem.runs[*run];
         let layout = observed.layout;
         let total: f64 = observed.weights.iter().sum();
         let count = observed.cycles.len() as f64;
         let correction = (count / observed.freedom().max(1.0)).sqrt();
+        let spare = (layout.channels - observed.unmeasured.len()) as f64 - told;
+        let larger = |part: usize| {
+            // Cosines and sines tell of one harmonic.
+            let of_harmonic = if part == 0 { 1.0 } else { 2.0 };
+            estimated_weights(of_harmonic * problem.freedom[*run], spare).sqrt()
+        };
+        let larger: Vec<f64> = (0..layout.width()).map(larger).collect();
         for (apart, weight) in observed.deviations().iter().zip(&observed.weights) {
-            let g = j.transpose() * problem.whiten(*run, apart) * (weight / total * correction);
+            let apart: Vec<f64> =
+                apart.iter().enumerate().map(|(i, x)| x * larger[i % layout.width()]).collect();
+            let g = j.transpose() * problem.whiten(*run, &apart) * (weight / total * correction);
             clustered += &g * g.transpose();
         }
         if let Some(common) = &observed.common.mean {
@@ -73,7 +122,7 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
             let columns =
                 once.row_iter().map(|row| problem.whiten(*run, &row.iter().copied().collect::<Vec<_>>()));
             let twice = DMatrix::from_columns(&columns.collect::<Vec<_>>());
-            clustered += j.transpose() * twice * j;
+            clustered += j.transpose() * twice * j * estimated_weights(observed.common.tare_freedom, spare);
         }
         // One cycle does not scatter: its noise is what is known of it.
         if observed.freedom() < 1.0 {
@@ -85,7 +134,7 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
                     .flat_map(|of| of.l().column_iter().map(|c| c.into_owned()).collect::<Vec<_>>())
                 {
                     let mut unit = vec![0.0; layout.len()];
-                    (0..layout.channels).for_each(|c| unit[layout.at(c, part)] = column[c]);
+                    (0..layout.channels).for_each(|c| unit[layout.at(c, part)] = column[c] * larger[part]);
                     let g = j.transpose() * problem.whiten(*run, &unit);
                     clustered += &g * g.transpose();
                 }
@@ -116,6 +165,7 @@ pub fn covariances(problem: &Problem, at: &Linear, values: &[f64]) -> Covariance
         clustered: &bread * (clustered + priors) * &bread + &unsaid,
         unsaid,
         white: &bread * white * &bread,
+        freedom: at.of.iter().map(|run| problem.freedom[*run]).fold(f64::INFINITY, f64::min),
         singular_values,
         directions,
     }
@@ -327,4 +377,18 @@ fn along(
         now = next;
     }
     least.is_finite().then_some(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn student_s_quantiles() {
+        for (freedom, quantile) in [(6.0, 2.4469), (10.0, 2.2281), (30.0, 2.0423), (120.0, 1.9799)] {
+            let own = student_95(freedom);
+            assert!((own - quantile).abs() < 2e-3, "{freedom}: {own}");
+        }
+        assert_eq!(student_95(f64::INFINITY), NORMAL_95);
+    }
 }

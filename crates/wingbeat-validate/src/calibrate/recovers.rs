@@ -3,7 +3,7 @@
 use super::{all_clean, measured, no_answer, shipped, structure, truth};
 use crate::{Error, Row};
 use std::ops::ControlFlow;
-use wingbeat_calibrate::{NORMAL_95, Plan, Progress, solve};
+use wingbeat_calibrate::{NORMAL_95, Plan, Progress, solve, student_95};
 
 /// Seeds of the noise.
 const SEEDS: usize = 50;
@@ -36,7 +36,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         let (clustered, white) = (solved.errors(), solved.white_errors());
         for k in 0..count {
             let apart = (solved.values[k] - true_values[k]).abs();
-            inside[k] += usize::from(apart <= NORMAL_95 * clustered[k]);
+            inside[k] += usize::from(apart <= student_95(solved.covariances.freedom) * clustered[k]);
             inside_white += u32::from(apart <= NORMAL_95 * white[k]);
             values[k].push(solved.values[k]);
             errors[k] += clustered[k] / SEEDS as f64;

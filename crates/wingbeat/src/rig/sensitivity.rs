@@ -5,10 +5,10 @@ use super::carrier::Mount;
 use super::cell::six;
 use super::numbers::RigNumbers;
 use crate::Error;
-use crate::math::{Scalar, Vec3, Wrench};
+use crate::math::{Vec3, Wrench};
 use crate::plant::Fault;
 use crate::robot::{Robot, TOGETHER, Varying};
-use crate::simulate::{Ending, Held, Moment, Observed, Sizes, Stepper, System};
+use crate::simulate::{Ending, Held, Moment, Observed, Sensitive, Sizes, Stepper, System, Varied, packed};
 use std::ops::ControlFlow;
 
 /// When a run is looked at: at equal steps, which are those of the integration.
@@ -53,11 +53,9 @@ impl Experiment<'_> {
         let batches = self.robot.in_batches(keys, RigNumbers::names_one, |robot, keys| {
             let numbers = varied(&self.numbers, keys);
             let mount = numbers.mount(self.mount);
-            let system = Sensitive { of: self, robot, mount, numbers };
-            let begin = |x: Varying| std::iter::once(x.re).chain(x.eps);
-            let begun = self.still(&system.robot, (&system.mount, &system.numbers), instants.begin)?;
-            let still: Vec<f64> = begun.into_iter().flat_map(begin).collect();
-            let rows = looked_at(&system, &still, instants, |now| *now)?;
+            let run = VariedRun { of: self, robot, mount, numbers };
+            let begun = self.still(&run.robot, (&run.mount, &run.numbers), instants.begin)?;
+            let rows = looked_at(&Sensitive(run), &packed(begun), instants, |now| *now)?;
             let of = |k: usize| rows.iter().map(|row| row.map(|number| number.eps[k])).collect();
             Ok((0..keys.len()).map(of).collect::<Vec<Wrenches>>())
         })?;
@@ -94,55 +92,32 @@ fn varied(numbers: &RigNumbers, keys: &[&str]) -> RigNumbers<Varying> {
     varied
 }
 
-/// A run whose states are those of the air with their derivatives: for each state its value, then the derivatives.
-struct Sensitive<'a, 'b> {
+/// A run whose states are those of the air with their derivatives.
+struct VariedRun<'a, 'b> {
     of: &'a Experiment<'b>,
     robot: Robot<Varying>,
     mount: Mount<Varying>,
     numbers: RigNumbers<Varying>,
 }
 
-/// Numbers per state.
-const WIDTH: usize = 1 + TOGETHER;
+impl Varied<TOGETHER> for VariedRun<'_, '_> {
+    type Seen = [Varying; 6];
 
-/// States with their derivatives out of plain numbers.
-fn lifted(x: &[f64]) -> Vec<Varying> {
-    let one = |of: &[f64]| Varying { re: of[0], eps: std::array::from_fn(|k| of[1 + k]) };
-    x.chunks_exact(WIDTH).map(one).collect()
-}
+    fn sizes(&self) -> Sizes {
+        Sizes { states: self.of.robot.carried_states(), inputs: self.of.sizes().inputs }
+    }
 
-impl Sensitive<'_, '_> {
-    fn evaluated(&self, at: Moment, dx: &mut [f64]) -> Result<[Varying; 6], Fault> {
-        let x = lifted(at.x);
-        let u: Vec<Varying> = at.u.iter().map(|u| Varying::constant(*u)).collect();
-        let mut rates = vec![Varying::ZERO; x.len()];
-        let (cell, loads) =
-            self.of.carried(&self.robot, (&self.mount, &self.numbers), (at.t, &x, &u), &mut rates)?;
-        for (out, rate) in dx.chunks_exact_mut(WIDTH).zip(&rates) {
-            out[0] = rate.re;
-            out[1..].copy_from_slice(&rate.eps);
-        }
+    fn evaluated(
+        &self,
+        t: f64,
+        x: &[Varying],
+        u: &[f64],
+        rates: &mut [Varying],
+    ) -> Result<[Varying; 6], Fault> {
+        let u: Vec<Varying> = u.iter().map(|u| Varying::constant(*u)).collect();
+        let (cell, loads) = self.of.carried(&self.robot, (&self.mount, &self.numbers), (t, x, &u), rates)?;
         let wrench: Wrench<Varying> = self.mount.to_cell(&loads.total()) + self.mount.wrench(&cell);
         let (Vec3(f), Vec3(m)) = (wrench.force, wrench.moment);
         Ok([f[0], f[1], f[2], m[0], m[1], m[2]])
-    }
-}
-
-impl System for Sensitive<'_, '_> {
-    type Memory = ();
-
-    fn sizes(&self) -> Sizes {
-        Sizes { states: WIDTH * self.of.robot.carried_states(), inputs: self.of.sizes().inputs }
-    }
-    fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
-        self.evaluated(at, dx).map(drop)
-    }
-}
-
-impl Observed for Sensitive<'_, '_> {
-    type Observation = [Varying; 6];
-
-    fn observed(&self, at: Moment) -> Result<[Varying; 6], Fault> {
-        self.evaluated(at, &mut vec![0.0; at.x.len()])
     }
 }

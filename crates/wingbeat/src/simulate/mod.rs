@@ -7,6 +7,7 @@ mod fly;
 mod instruments;
 mod record;
 mod secant;
+mod sensitive;
 mod sensors;
 mod side_by_side;
 mod stepper;
@@ -22,6 +23,7 @@ pub use instruments::{
     AirspeedSpec, HeightSpec, InertialSpec, Instrument, Motion, Places, Quantity, Reading,
 };
 pub use record::{Column, Record};
+pub(crate) use sensitive::{Sensitive, Varied, packed};
 pub use sensors::{Measurement, SensorSpec, Sensors};
 pub use side_by_side::{Seat, fly_side_by_side};
 pub use stepper::{Saved, Stepper};

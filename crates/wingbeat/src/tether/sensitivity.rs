@@ -3,19 +3,14 @@
 use super::Tether;
 use crate::Error;
 use crate::aero::{Aero, Loads, SectionMotion};
-use crate::math::{Dual, Scalar, Vec3, Wrench};
+use crate::math::{Scalar, Vec3, Wrench};
 use crate::plant::Fault;
-use crate::robot::TOGETHER;
-use crate::simulate::{Ending, Held, Moment, Observed, Sizes, Stepper, System};
+use crate::robot::{TOGETHER, Varying};
+use crate::simulate::{Ending, Held, Moment, Observed, Sensitive, Sizes, Stepper, System, Varied, packed};
 use std::ops::ControlFlow;
 
 /// Forces and moments about the body's origin in B, N and N m, one per step of a cycle.
 pub type CycleWrenches = Vec<[f64; 6]>;
-
-/// A number that carries the derivatives by a batch of keys.
-type Varying = Dual<TOGETHER>;
-/// Numbers per state: its value, then the derivatives.
-const WIDTH: usize = 1 + TOGETHER;
 
 impl Tether {
     /// The wrench of the air on the wing over the last cycle, its end left out.
@@ -53,11 +48,10 @@ impl Tether {
             };
             number.eps[k] = 1.0;
         }
-        let system = Sensitive { of: self, aero: self.aero.with(&numbers)?, weights: self.strip_weights() };
-        let mut x = vec![Varying::ZERO; system.aero.states()];
-        system.aero.settle(&system.sections(0.0), system.wind(), &mut x);
-        let still: Vec<f64> = x.into_iter().flat_map(|x| std::iter::once(x.re).chain(x.eps)).collect();
-        Ok(self.last_cycle(&system, &still, |_, now| *now).map(|rows| {
+        let wing = VariedWing { of: self, aero: self.aero.with(&numbers)?, weights: self.strip_weights() };
+        let mut x = vec![Varying::ZERO; wing.aero.states()];
+        wing.aero.settle(&wing.sections(0.0), wing.wind(), &mut x);
+        Ok(self.last_cycle(&Sensitive(wing), &packed(x), |_, now| *now).map(|rows| {
             let of = |k: usize| rows.iter().map(|row| row.map(|number| number.eps[k])).collect();
             (0..keys.len()).map(of).collect()
         }))
@@ -101,13 +95,13 @@ impl Tether {
 }
 
 /// A run whose states are those of the air with their derivatives.
-struct Sensitive<'a> {
+struct VariedWing<'a> {
     of: &'a Tether,
     aero: Aero<Varying>,
     weights: Vec<f64>,
 }
 
-impl Sensitive<'_> {
+impl VariedWing<'_> {
     fn wind(&self) -> Vec3<Varying> {
         self.of.wind.each(Varying::constant)
     }
@@ -115,18 +109,6 @@ impl Sensitive<'_> {
     fn sections(&self, t: f64) -> Vec<SectionMotion<Varying>> {
         let count = self.aero.arcs().len();
         self.of.sections(t)[..count].iter().map(lifted).collect()
-    }
-
-    fn evaluated(&self, at: Moment, dx: &mut [f64]) -> [Varying; 6] {
-        let one = |of: &[f64]| Dual { re: of[0], eps: std::array::from_fn(|k| of[1 + k]) };
-        let x: Vec<Varying> = at.x.chunks_exact(WIDTH).map(one).collect();
-        let (mut rates, mut loads) = (vec![Varying::ZERO; x.len()], Loads::default());
-        self.aero.evaluate(&self.sections(at.t), self.wind(), &x, &mut rates, &mut loads);
-        for (out, rate) in dx.chunks_exact_mut(WIDTH).zip(&rates) {
-            out[0] = rate.re;
-            out[1..].copy_from_slice(&rate.eps);
-        }
-        self.of.in_body(at.t, &loads, &self.weights)
     }
 }
 
@@ -146,22 +128,22 @@ fn lifted(section: &SectionMotion<f64>) -> SectionMotion<Varying> {
     }
 }
 
-impl System for Sensitive<'_> {
-    type Memory = ();
+impl Varied<TOGETHER> for VariedWing<'_> {
+    type Seen = [Varying; 6];
 
     fn sizes(&self) -> Sizes {
-        Sizes { states: WIDTH * self.aero.states(), inputs: 0 }
+        Sizes { states: self.aero.states(), inputs: 0 }
     }
-    fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
-        self.evaluated(at, dx);
-        Ok(())
-    }
-}
 
-impl Observed for Sensitive<'_> {
-    type Observation = [Varying; 6];
-
-    fn observed(&self, at: Moment) -> Result<[Varying; 6], Fault> {
-        Ok(self.evaluated(at, &mut vec![0.0; at.x.len()]))
+    fn evaluated(
+        &self,
+        t: f64,
+        x: &[Varying],
+        _: &[f64],
+        rates: &mut [Varying],
+    ) -> Result<[Varying; 6], Fault> {
+        let mut loads = Loads::default();
+        self.aero.evaluate(&self.sections(t), self.wind(), x, rates, &mut loads);
+        Ok(self.of.in_body(t, &loads, &self.weights))
     }
 }

@@ -378,6 +378,12 @@ fn bad_cases_are_refused_with_their_place() {
         ("time.steps_per_cycle=2", "8 or more"),
         ("wind.speed_m_s=0", "wind.speed_m_s = 0"),
         ("wing.colour=1", "colour"),
+        ("compare.scale.force_z=nan", "compare.scale.force_z = nan: allowed is 1e-9 to 1e9, of either sign"),
+        ("compare.scale.force_z=0", "compare.scale.force_z = 0: allowed is 1e-9 to 1e9, of either sign"),
+        ("compare.scale.force_z=1e300", "compare.scale.force_z = 1e300: allowed is"),
+        ("compare.scale.force_z=-1e-300", "compare.scale.force_z = -1e-300: allowed is"),
+        ("compare.scale.force_z=-1.1e9", "compare.scale.force_z = -1.1e9: allowed is"),
+        ("compare.scale.force_z=\"text\"", "compare.scale.force_z"),
         ("body.heave_m={table={file=\"a.csv\",column=\"h\"}}", "no such file"),
     ] {
         let message = refuse(text);
