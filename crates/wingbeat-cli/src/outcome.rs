@@ -72,6 +72,11 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         let yaw = rows.iter().position(|row| row.0 == "yaw change").unwrap_or(rows.len());
         rows.insert(yaw, ("height, largest error", None, number(1e3 * error), "mm"));
     }
+    if controller.updates == 0 {
+        let of_updates =
+            ["controller failures", "updates past their period", "update, median", "update, 99.9 %"];
+        rows.retain(|row| !of_updates.contains(&row.0));
+    }
     if let Some(estimate) = &summary.estimate {
         let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
         let errors = [

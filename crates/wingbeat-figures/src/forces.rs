@@ -8,7 +8,7 @@ use crate::write::Figure;
 use crate::{Error, cycle, needed, style};
 
 const AXES: [(&str, &str); 3] =
-    [("x", "forward force [N]"), ("y", "left force [N]"), ("z", "upward force [N]")];
+    [("x", "along the body, forward [N]"), ("y", "to its left [N]"), ("z", "to its top [N]")];
 
 /// Every `force_<source>_x`, `_y`, `_z` (body frame) and the sum of those of the air over the last whole stroke;
 /// over the whole record when there is none.
@@ -41,7 +41,7 @@ pub fn forces(record: &Record) -> Result<Figure, Error> {
         panels.push(Panel::new(label, curves));
     }
     let x_label = if whole.is_some() {
-        format!("phase of the stroke from t = {start:.2} s, in cycles of {period:.3} s")
+        format!("share of the left shoulder's last whole stroke, from {start:.2} s on and {period:.3} s long")
     } else {
         "time [s]".into()
     };

@@ -78,14 +78,17 @@ pub const FLIGHT: [Draw; 4] = [
     |record, _| forces(record),
 ];
 
-/// The figures of the flight that `record` is of: [`FLIGHT`], with an estimator what it knew, along a path how it was followed, in a hover
-/// how still it was.
+/// The figures of the flight that `record` is of: [`FLIGHT`], without commands where there is nothing to command, with an estimator
+/// what it knew, along a path how it was followed, in a hover how still it was.
 pub fn of_flight(record: &Record) -> Vec<Draw> {
     let estimated = record.values("estimate_t").map(|_| -> Draw { |record, _| estimate(record) });
     let followed: [Draw; 2] = [|record, _| ground(record), |record, _| tracking(record)];
     let followed = record.values("path_arc").map(|_| followed).into_iter().flatten();
     let hovered = record.values("hover_error_x").map(|_| -> Draw { |record, _| hover(record) });
-    FLIGHT.into_iter().chain(estimated).chain(followed).chain(hovered).collect()
+    let commanded = record.columns().iter().any(|column| column.name.starts_with("command_"));
+    let [states, path, commands, forces] = FLIGHT;
+    let always = [states, path].into_iter().chain(commanded.then_some(commands)).chain([forces]);
+    always.chain(estimated).chain(followed).chain(hovered).collect()
 }
 
 /// The figures of a planned gait.

@@ -24,6 +24,7 @@
 //! The rooms form a ladder: a room uses only rooms named before it here.
 
 mod error;
+mod names;
 mod range;
 
 pub mod parallel;

@@ -1,4 +1,4 @@
-//! Tasks of the developers: `cargo xtask test`, `docs`, `bench`, `peers`, `fuzz`, `hostile`,
+//! Tasks of the developers: `cargo xtask test`, `docs`, `reference`, `bench`, `peers`, `fuzz`, `hostile`,
 //! `advisories`, `python`, `soak`, `paper`.
 
 mod dependencies;
@@ -21,7 +21,8 @@ cargo xtask TASK
   test    format, lints, all tests, the Python package, licences, bans and sources of dependencies, quick comparisons; what
           .ci/run calls
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
-          and the pictures of README.md
+          and the pictures of README.md; flies and compares everything, a quarter of an hour
+  reference  of these docs/cli.md, docs/reference.md, docs/schema and the tables of docs/sections.md alone
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box,
@@ -39,13 +40,13 @@ cargo xtask TASK
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let task = arguments.first().map_or("", String::as_str);
+    let helped = arguments.iter().any(|argument| argument == "--help" || argument == "-h");
+    let task = if helped { "help" } else { arguments.first().map_or("", String::as_str) };
     let outcome = match task {
         "test" => test::test(),
         "docs" => documents::write(),
-        "bench" => {
-            tools::succeeds(tools::cargo(&["bench", "--package", "wingbeat", "--bench", "running_times"]))
-        }
+        "reference" => documents::reference(),
+        "bench" => tools::succeeds(tools::cargo(&["bench", "--workspace", "--bench", "running_times"])),
         "fuzz" => fuzz::fuzz(&arguments[1..]),
         "hostile" => hostile::hostile(&arguments[1..]),
         "advisories" => dependencies::advisories(&arguments[1..]),
@@ -53,7 +54,7 @@ fn main() -> ExitCode {
         "python" => python::task(&arguments[1..]),
         "paper" => paper::run(),
         "peers" => peers::compare(arguments.get(1).map(String::as_str)),
-        "" | "help" | "--help" | "-h" => {
+        "" | "help" => {
             print!("{HELP}");
             return ExitCode::SUCCESS;
         }

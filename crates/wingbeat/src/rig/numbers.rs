@@ -3,6 +3,7 @@
 use super::carrier::Mount;
 use crate::Error;
 use crate::math::{Jet, Mat3, Scalar, Vec3};
+use crate::names::one_of;
 use std::collections::BTreeMap;
 
 /// What a rig is beside what its file draws: how the body sits on the cell, what the mount weighs, how the crank runs.
@@ -49,7 +50,7 @@ impl RigNumbers {
             return Ok(());
         }
         let known: Vec<&str> = named.iter().map(|(name, _)| name.as_str()).collect();
-        Err(Error::invalid("numbers", format!("{name:?}"), format!("of {}", known.join(", "))))
+        Err(Error::invalid("numbers", format!("{name:?}"), one_of(name, &known)))
     }
 
     /// Names and values.

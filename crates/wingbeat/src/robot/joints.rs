@@ -7,6 +7,7 @@ use super::{Joints, MAX_ELEMENTS, Robot};
 use crate::Error;
 use crate::body::REGULATED;
 use crate::math::{Jet, Meets, Over, Scalar, append_copies};
+use crate::names::one_of;
 use crate::plant::Fault;
 
 /// Name of the crank among what an element may move.
@@ -36,7 +37,7 @@ impl Displaced {
         let tree = &mechanism.tree;
         tree.find(name).filter(series).map(Self::Scale).ok_or_else(|| {
             let names: Vec<&str> = (0..tree.links()).filter(series).map(|i| tree.name(i)).collect();
-            Error::invalid("scales", format!("{name:?}"), format!("of {}", names.join(", ")))
+            Error::invalid("scales", format!("{name:?}"), one_of(name, &names))
         })
     }
 
@@ -71,7 +72,7 @@ impl Displaced {
         if mechanism.linkage.is_some() {
             names.extend(lengths().map(|(.., name)| name));
         }
-        Err(Error::invalid("moves", format!("{name:?}"), format!("of {}", names.join(", "))))
+        Err(Error::invalid("moves", format!("{name:?}"), one_of(name, &names)))
     }
 
     /// The same of the other side.

@@ -5,6 +5,7 @@ use super::spec::{ElasticSpec, GaitSpec, JointSpec, LinkSide, LinkSpec, LinkageO
 use crate::Error;
 use crate::body::{Base, FourierSeries, JointKind, Link, Linkage, Tree};
 use crate::math::{Mat3, Meets, Quat, Scalar, Vec3};
+use crate::names::one_of;
 use crate::plant::MAX_COORDINATES;
 
 /// Links, what moves their joints, and which is whose mirror image.
@@ -283,8 +284,13 @@ fn parent_of(spec: &LinkSpec, parts: &[Part], side: Option<usize>) -> Result<Opt
     let find = |name: &str| parts.iter().position(|p| p.link.name == name);
     let sided = side.and_then(|s| find(&format!("{}{}", spec.parent, SIDES[s])));
     sided.or_else(|| find(&spec.parent)).map(Some).ok_or_else(|| {
-        let names: Vec<&str> = parts.iter().map(|p| p.link.name.as_str()).collect();
-        let allowed = format!("{BODY} or a link before this one: {}", names.join(", "));
+        let mut names = vec![BODY];
+        names.extend(parts.iter().map(|part| {
+            let name = part.link.name.as_str();
+            SIDES.iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name)
+        }));
+        names.dedup();
+        let allowed = format!("{BODY} or a link before this one, {}", one_of(&spec.parent, &names));
         Error::invalid("parent", format!("{:?}", spec.parent), allowed)
     })
 }

@@ -6,6 +6,7 @@ use crate::Error;
 use crate::aero::SurfaceNumbers;
 use crate::body::{BodyNumbers, FourierSeries, JointNumbers, LinkageDimensions, Motor, Response};
 use crate::math::{Dual, Scalar, Vec3};
+use crate::names::one_of;
 
 /// Spring and damper of a joint whose coordinate is a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -365,5 +366,5 @@ fn check<'a>(keys: impl IntoIterator<Item = &'a str>, values: &[(String, &mut f6
     let unknown = |key: &&str| !values.iter().any(|(name, _)| share(key, name).is_some());
     let Some(unknown) = keys.into_iter().find(unknown) else { return Ok(()) };
     let known: Vec<&str> = values.iter().map(|(name, _)| name.as_str()).collect();
-    Err(Error::invalid("numbers", format!("{unknown:?}"), format!("of {}", known.join(", "))))
+    Err(Error::invalid("numbers", format!("{unknown:?}"), one_of(unknown, &known)))
 }

@@ -12,6 +12,7 @@ use crate::aero::{
 };
 use crate::guide::{Prepared, Task};
 use crate::math::Vec3;
+use crate::names::one_of;
 use crate::plant::Plant;
 use crate::require;
 use crate::robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind};
@@ -248,7 +249,7 @@ impl StartSpec {
                 let key = format!("{table}.{name}");
                 let Some(channel) = channels.iter().find(|channel| channel.name == *name) else {
                     let names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).collect();
-                    return Err(Error::invalid(key, value, format!("of {}", names.join(", "))));
+                    return Err(Error::invalid(key, value, one_of(name, &names)));
                 };
                 require::finite(&key, &[*value])?;
                 require::between(&key, *value, channel.low, channel.high)?;

@@ -5,6 +5,7 @@ use super::{ConfigError, CoordinateSpec, Document, Smoothed};
 use crate::Error;
 use crate::aero::{Aero, Planform, SurfaceNumbers};
 use crate::math::Vec3;
+use crate::names::one_of;
 use crate::plant::Fault;
 use crate::robot::{SurfaceOutline, check_number};
 use crate::simulate::Ending;
@@ -306,11 +307,7 @@ fn renumbered<'a>(aero: &Aero, to: impl Iterator<Item = (&'a str, f64)>) -> Resu
             Some((_, number)) => **number = value,
             None => {
                 let known: Vec<String> = named.iter().map(|(known, _)| full(known)).collect();
-                return Err(Error::invalid(
-                    "numbers",
-                    format!("{name:?}"),
-                    format!("of {}", known.join(", ")),
-                ));
+                return Err(Error::invalid("numbers", format!("{name:?}"), one_of(name, &known)));
             }
         }
     }

@@ -4,6 +4,7 @@ use super::Tether;
 use crate::Error;
 use crate::aero::{Aero, Loads, SectionMotion};
 use crate::math::{Scalar, Vec3, Wrench};
+use crate::names::one_of;
 use crate::plant::Fault;
 use crate::robot::{TOGETHER, Varying};
 use crate::simulate::{Ending, Held, Moment, Observed, Sensitive, Sizes, Stepper, System, Varied, packed};
@@ -44,7 +45,7 @@ impl Tether {
             let mut named = numbers.by_name();
             let Some((_, number)) = named.iter_mut().find(|(name, _)| name == key) else {
                 let names: Vec<&str> = named.iter().map(|(name, _)| name.as_str()).collect();
-                return Err(Error::invalid("numbers", key, format!("of {}", names.join(", "))));
+                return Err(Error::invalid("numbers", key, one_of(key, &names)));
             };
             number.eps[k] = 1.0;
         }

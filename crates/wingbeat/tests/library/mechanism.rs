@@ -286,7 +286,10 @@ fn what_a_mechanism_cannot_be_is_refused_by_key() {
         Robot::new(&spec, Vec::new(), air, 0.0).unwrap_err().to_string()
     };
     let unknown = refusal("parent = \"boom\"", "parent = \"bom\"");
-    assert_eq!(unknown, "links[1].parent = \"bom\": allowed is body or a link before this one: boom");
+    assert_eq!(
+        unknown,
+        "links[1].parent = \"bom\": allowed is body or a link before this one, of body, boom; did you mean boom?"
+    );
     assert!(refusal("axis = [1.0, 2.0, -1.0]", "axis = [0.0, 0.0, 0.0]").starts_with("links[0].axis"));
     assert!(refusal("stiffness = 30.0", "stiffness = -1.0").starts_with("links[1].elastic.stiffness = -1"));
     assert!(refusal("low = -0.01", "low = 0.02").starts_with("links[1].elastic.stops.low = 0.02"));

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::body::{Coupled, Element, Response};
+use crate::names::one_of;
 use crate::range::{Range, ranges};
 use crate::robot::MAX_ELEMENTS;
 use crate::robot::joints::CRANK;
@@ -168,7 +169,7 @@ impl StructureSpec {
         for (name, gain) in &regulator.elements {
             if self.place(name).is_none() {
                 let names: Vec<&str> = self.elements.iter().map(|e| e.name.as_str()).collect();
-                return Err(Error::invalid("", format!("{name:?}"), format!("of {}", names.join(", "))));
+                return Err(Error::invalid("", format!("{name:?}"), one_of(name, &names)));
             }
             if !gain.is_finite() || *gain == 0.0 {
                 return Err(Error::invalid(name, gain, "a finite gain other than 0"));

@@ -1,8 +1,10 @@
 //! Lifting surfaces.
 
 use crate::Error;
-use crate::aero::{CD0, CD90, Gap, LiftLaw, Planform, PlanformStation, Preset, SectionSpec, Span};
-use crate::range::ranges;
+use crate::aero::{
+    CD0, CD90, Gap, LiftLaw, MAX_STRIPS, Planform, PlanformStation, Preset, SectionSpec, Span,
+};
+use crate::range::{Range, ranges};
 use crate::require::finite;
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +27,7 @@ pub struct SurfaceSpec {
     /// plate under laws that separate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cd90: Option<f64>,
-    /// What laws `stall` and `lev` need of its section, where it differs from the scenario's.
+    /// What its section asks of its law ([sections.md](sections.md)), where it differs from the scenario's.
     #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
     pub section: SectionSpec,
     /// Aerodynamic model; that of the scenario where not given.
@@ -74,7 +76,7 @@ fn left() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
 
-ranges!(SurfaceSpec { cd0: CD0.range, cd90: CD90.range });
+ranges!(SurfaceSpec { cd0: CD0.range, cd90: CD90.range, strips: Range::between(1.0, MAX_STRIPS as f64) });
 
 impl SurfaceSpec {
     /// The outline.

@@ -1,5 +1,6 @@
 //! One message for everything that can be wrong with a configuration.
 
+use crate::names::nearest;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -157,74 +158,5 @@ fn choice(given: &str, allowed: &[String]) -> String {
         ([], _) => "nothing is allowed here".into(),
         (_, None) => format!("allowed is {}", allowed.join(", ")),
         (_, Some(name)) => format!("did you mean {name}? allowed is {}", allowed.join(", ")),
-    }
-}
-
-/// The name that `given` was probably meant to be.
-fn nearest<'a>(given: &str, allowed: &'a [String]) -> Option<&'a str> {
-    let tolerance = (given.len() / 3).max(1);
-    let begins = |name: &str| given.len() > 1 && (name.starts_with(given) || given.starts_with(name));
-    let candidates =
-        allowed.iter().map(|name| (if begins(name) { 0 } else { distance(given, name) }, name.as_str()));
-    candidates.filter(|(distance, _)| *distance <= tolerance).min().map(|(_, name)| name)
-}
-
-/// The `count` names that are most like `given`, the nearest first: by the letters to change in the whole name or, where that is
-/// less, in its last part.
-pub fn nearest_names<'a>(given: &str, known: &[&'a str], count: usize) -> Vec<&'a str> {
-    let last = |name: &str| name.rsplit('.').next().unwrap_or_default().to_owned();
-    let apart = |name: &str| {
-        let parts = 1 + distance(&last(given), &last(name));
-        distance(given, name).min(parts)
-    };
-    let mut ranked: Vec<(usize, usize, &str)> =
-        known.iter().map(|name| (apart(name), distance(given, name), *name)).collect();
-    ranked.sort_unstable();
-    ranked.into_iter().take(count).map(|(_, _, name)| name).collect()
-}
-
-/// Number of letters to insert, delete or replace between `a` and `b` (Levenshtein 1966).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distance_counts_single_letters() {
-        assert_eq!(distance("kitten", "sitting"), 3);
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("same", "same"), 0);
-    }
-
-    #[test]
-    fn only_a_near_name_is_suggested() {
-        let names = ["duration_s", "step_s"].map(String::from);
-        assert_eq!(nearest("duration", &names), Some("duration_s"));
-        assert_eq!(nearest("stepp_s", &names), Some("step_s"));
-        assert_eq!(nearest("wind", &names), None);
-    }
-
-    #[test]
-    fn names_are_near_by_the_whole_or_by_their_last_part() {
-        let known = ["body.mass_kg", "surfaces.wing.cd0", "surfaces.wing.cd90", "gait.phase_rad"];
-        assert_eq!(
-            nearest_names("surfaces.wing.cd9", &known, 2),
-            ["surfaces.wing.cd0", "surfaces.wing.cd90"]
-        );
-        assert_eq!(nearest_names("wing.cd90", &known, 1), ["surfaces.wing.cd90"]);
     }
 }

@@ -21,7 +21,8 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use crate::Error;
-pub use error::{ConfigError, Other, Place, Problem, Wrong, nearest_names};
+pub use crate::names::nearest_names;
+pub use error::{ConfigError, Other, Place, Problem, Wrong};
 pub use limits::{largest, text_of, unit};
 pub use source::Translate;
 use source::{Origin, Sources};
