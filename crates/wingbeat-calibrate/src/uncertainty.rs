@@ -85,7 +85,7 @@ fn estimated_weights(freedom: f64, spare: f64) -> f64 {
 
 /// Covariances of the estimates at the linearisation `at`: B^-1 (sum over cycles of g g' + J'C^-1 T C^-1 J) B^-1 with
 /// B = J'C^-1 J + prior, g = J'C^-1 (cycle - mean)/n sqrt(n/(n - m)) for n cycles about m means, and T the covariance of what the tares
-/// put into the mean, each harmonic of both made larger as its weights were [estimated](estimated_weights). What the model cannot say
+/// put into the mean, each harmonic of both made larger as its weights were estimated (`estimated_weights`). What the model cannot say
 /// counts as common to all runs.
 ///
 /// Equation: calibrate.cluster_covariance
