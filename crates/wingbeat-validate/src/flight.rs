@@ -63,7 +63,7 @@ const fn asked(of: Shipped, height: f64, roll_deg: f64) -> Asked {
     Asked { of, height, roll_deg }
 }
 
-/// Largest difference of the mean roll from what is asked, deg.
+/// Largest difference of roll from what is asked, deg: of its mean at the end, and as root mean square all through the turn.
 const ROLL_WITHIN: f64 = 1.0;
 /// Largest share of commands at a limit.
 const SATURATED: f64 = 0.05;
@@ -93,6 +93,10 @@ fn flown(asked: &Asked) -> Result<Vec<Row>, Error> {
     if *roll_deg != 0.0 {
         let off = (mean - roll_deg).abs();
         rows.push(row("roll", "mean roll of the last second less that asked", off, ROLL_WITHIN, "deg"));
+        let errors = &column("orbit_roll_error")?[first..];
+        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt().to_degrees();
+        let metric = "root mean square of roll less that of the reference, from the first leg on";
+        rows.push(row("roll_rms", metric, rms, ROLL_WITHIN, "deg"));
     }
     Ok(rows)
 }

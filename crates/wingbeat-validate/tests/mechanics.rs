@@ -27,7 +27,7 @@ fn periodic_flights_close_and_hold_as_their_multipliers_say() {
 
 #[test]
 fn a_turn_at_15_deg_keeps_its_height_and_its_bank() {
-    assert_passing("flight.bank15_20g", 4);
+    assert_passing("flight.bank15_20g", 5);
 }
 
 #[test]

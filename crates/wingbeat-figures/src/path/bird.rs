@@ -4,30 +4,37 @@ use wingbeat::simulate::Record;
 
 use super::{Point, points};
 
-/// Seconds between two drawings of the robot.
-pub const INTERVAL: f64 = 0.25;
+/// Seconds between two drawings of the robot: no whole number of strokes at 3.5, 5.9, 8, 10 or 12.8 Hz, so that they show different
+/// phases.
+pub const INTERVAL: f64 = 0.22;
 
 /// The robot at one instant.
 pub struct Bird {
     /// Origin of the body.
     pub body: Point,
-    /// Left and right wing.
-    pub wings: [Wing; 2],
+    /// Its wings, tails and fins.
+    pub wings: Vec<Wing>,
 }
 
-/// The edges of a wing at shoulder, elbow and tip.
-#[derive(Clone, Copy)]
+/// The edges of a surface on one side, at the ends of its panels.
+#[derive(Clone)]
 pub struct Wing {
-    pub leading: [Point; 3],
-    pub trailing: [Point; 3],
+    /// 0 left, 1 right, none of one that is of neither.
+    pub side: Option<usize>,
+    pub leading: Vec<Point>,
+    pub trailing: Vec<Point>,
 }
 
 impl Bird {
     /// The bird with all distances from the body enlarged.
     pub fn enlarged(&self, factor: f64) -> Self {
-        let grow = |p: Point| std::array::from_fn(|i| self.body[i] + factor * (p[i] - self.body[i]));
-        let wing = |wing: Wing| Wing { leading: wing.leading.map(grow), trailing: wing.trailing.map(grow) };
-        Self { body: self.body, wings: self.wings.map(wing) }
+        let grow = |p: &Point| std::array::from_fn(|i| self.body[i] + factor * (p[i] - self.body[i]));
+        let wing = |wing: &Wing| Wing {
+            side: wing.side,
+            leading: wing.leading.iter().map(grow).collect(),
+            trailing: wing.trailing.iter().map(grow).collect(),
+        };
+        Self { body: self.body, wings: self.wings.iter().map(wing).collect() }
     }
 
     /// Largest distance of a point from the body.
@@ -37,24 +44,100 @@ impl Bird {
 
     /// Every point of the wings.
     pub fn points(&self) -> impl Iterator<Item = Point> {
-        self.wings.iter().flat_map(|wing| wing.leading.into_iter().chain(wing.trailing))
+        self.wings.iter().flat_map(|wing| wing.leading.iter().chain(&wing.trailing).copied())
     }
 }
 
 /// The robot every [`INTERVAL`]; none where the record has no wings.
 pub fn birds(record: &Record, t: &[f64], track: &[Point]) -> Vec<Bird> {
-    let edge = |line: &str, side: &str| -> Option<[Vec<Point>; 3]> {
-        let [shoulder, elbow, tip] =
-            ["shoulder", "elbow", "tip"].map(|joint| points(record, &format!("{line}_{side}_{joint}")).ok());
-        Some([shoulder?, elbow?, tip?])
-    };
-    let edges = ["left", "right"].map(|side| Some((edge("leading", side)?, edge("trailing", side)?)));
-    let [Some(left), Some(right)] = edges else { return Vec::new() };
-    let wing = |(leading, trailing): &([Vec<Point>; 3], [Vec<Point>; 3]), row: usize| Wing {
-        leading: [0, 1, 2].map(|joint| leading[joint][row]),
-        trailing: [0, 1, 2].map(|joint| trailing[joint][row]),
-    };
-    rows(t).map(|row| Bird { body: track[row], wings: [wing(&left, row), wing(&right, row)] }).collect()
+    let edges: Vec<Edges> = outlines(record).iter().filter_map(|outline| outline.edges(record)).collect();
+    if edges.is_empty() {
+        return Vec::new();
+    }
+    rows(t)
+        .map(|row| Bird { body: track[row], wings: edges.iter().map(|edges| edges.at(row)).collect() })
+        .collect()
+}
+
+/// Ends of the panels of a surface on one side, from one end to the other.
+#[derive(Debug, PartialEq)]
+struct Outline<'a> {
+    surface: &'a str,
+    side: Option<usize>,
+    ends: Vec<&'a str>,
+}
+
+/// The edges of an outline over the record, end by end.
+struct Edges {
+    side: Option<usize>,
+    leading: Vec<Vec<Point>>,
+    trailing: Vec<Vec<Point>>,
+}
+
+/// Every `leading_<end>_x` of a record, in its order.
+fn outlines(record: &Record) -> Vec<Outline<'_>> {
+    let names = record.columns().iter().map(|column| column.name.as_str());
+    of_ends(names.filter_map(|name| name.strip_prefix("leading_")?.strip_suffix("_x")))
+}
+
+/// The ends by surface and side. One that reaches from tip to tip without an end between is cut in the middle.
+fn of_ends<'a>(ends: impl Iterator<Item = &'a str>) -> Vec<Outline<'a>> {
+    let mut outlines: Vec<Outline> = Vec::new();
+    for end in ends {
+        let (surface, side) = place(end);
+        match outlines.last_mut() {
+            Some(last) if last.surface == surface && last.side == side => last.ends.push(end),
+            _ => outlines.push(Outline { surface, side, ends: vec![end] }),
+        }
+    }
+    for right in 1..outlines.len() {
+        let [left, right] = &mut outlines[right - 1..=right] else { continue };
+        if left.surface == right.surface && left.ends.len() == 1 && right.ends.len() == 1 {
+            let (one, other) = (left.ends[0], right.ends[0]);
+            left.ends.push(other);
+            right.ends.insert(0, one);
+        }
+    }
+    outlines.retain(|outline| outline.ends.len() > 1);
+    outlines
+}
+
+/// Surface and side of an end called `[surface_]left_tip` or, of a surface of neither side, `fin_tip`.
+fn place(end: &str) -> (&str, Option<usize>) {
+    for (side, word) in [(0, "left_"), (1, "right_")] {
+        if let Some(at) = end.find(word).filter(|&at| at == 0 || end[..at].ends_with('_')) {
+            return (&end[..at], Some(side));
+        }
+    }
+    (end.rsplit_once('_').map_or("", |(surface, _)| surface), None)
+}
+
+impl Outline<'_> {
+    fn edges(&self, record: &Record) -> Option<Edges> {
+        let line = |line: &str| -> Option<Vec<Vec<Point>>> {
+            self.ends.iter().map(|end| points(record, &format!("{line}_{end}")).ok()).collect()
+        };
+        let (mut leading, mut trailing) = (line("leading")?, line("trailing")?);
+        let (first, last) = (place(self.ends[0]).1, place(self.ends[self.ends.len() - 1]).1);
+        if first != last {
+            let cut = if first == self.side { 1 } else { 0 };
+            for edge in [&mut leading, &mut trailing] {
+                edge[cut] = edge[0].iter().zip(&edge[1]).map(|(a, b)| middle(*a, *b)).collect();
+            }
+        }
+        Some(Edges { side: self.side, leading, trailing })
+    }
+}
+
+impl Edges {
+    fn at(&self, row: usize) -> Wing {
+        let at = |edge: &[Vec<Point>]| edge.iter().map(|end| end[row]).collect();
+        Wing { side: self.side, leading: at(&self.leading), trailing: at(&self.trailing) }
+    }
+}
+
+fn middle(a: Point, b: Point) -> Point {
+    std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
 }
 
 /// The rows nearest after each multiple of the interval.
@@ -76,6 +159,22 @@ mod tests {
     #[test]
     fn the_robot_is_drawn_at_round_times() {
         let t: Vec<f64> = (0..=1000).map(|i| 1e-3 * f64::from(i)).collect();
-        assert_eq!(rows(&t).collect::<Vec<_>>(), [0, 250, 500, 750, 1000]);
+        assert_eq!(rows(&t).collect::<Vec<_>>(), [0, 220, 440, 660, 880]);
+    }
+
+    #[test]
+    fn ends_belong_to_surfaces_and_sides() {
+        let ends = ["left_tip", "left_fore", "right_fore", "right_tip", "tail_left_tip", "tail_right_tip"];
+        let found = of_ends(ends.into_iter().chain(["fin_tip", "fin_root"]));
+        let told: Vec<_> =
+            found.iter().map(|outline| (outline.surface, outline.side, outline.ends.join(" "))).collect();
+        let expected = [
+            ("", Some(0), "left_tip left_fore"),
+            ("", Some(1), "right_fore right_tip"),
+            ("tail_", Some(0), "tail_left_tip tail_right_tip"),
+            ("tail_", Some(1), "tail_left_tip tail_right_tip"),
+            ("fin", None, "fin_tip fin_root"),
+        ];
+        assert_eq!(told, expected.map(|(surface, side, ends)| (surface, side, ends.to_string())));
     }
 }

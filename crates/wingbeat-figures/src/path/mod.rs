@@ -17,9 +17,9 @@ use sheet::Sheet;
 /// A point in world coordinates, m.
 type Point = [f64; 3];
 
-/// The path `p_WB_x`, `p_WB_y`, `p_WB_z` (world frame) above its shadow on the ground. Where the record has the
-/// wings' points `<line>_<side>_<joint>_x/y/z` (world frame; leading, trailing; left, right; shoulder, elbow, tip),
-/// the wings are drawn every quarter second. Where `paper` says where the flight ends, that place is marked at the height of
+/// The path `p_WB_x`, `p_WB_y`, `p_WB_z` (world frame) above its shadow on the ground. Where the record has the ends of
+/// the surfaces' panels, `<line>_[<surface>_][<side>_]<end>_x/y/z` (world frame; leading, trailing; left, right), the surfaces
+/// are drawn every few tenths of a second. Where `paper` says where the flight ends, that place is marked at the height of
 /// the own end.
 pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Error> {
     let t = needed(record, "t")?;

@@ -128,12 +128,10 @@ impl Sheet {
     pub fn bird(&mut self, room: &Room, bird: &Bird) {
         self.line(&[bird.body, [bird.body[0], bird.body[1], room.low[2]]], "#d4d4d4", 0.6);
         let bird = bird.enlarged(room.enlargement);
-        for (wing, (_, side)) in bird.wings.iter().zip(style::SIDES) {
-            let colour = style::colour(side);
-            for panel in 0..2 {
-                let [a, b] = [wing.leading[panel], wing.leading[panel + 1]];
-                let [c, d] = [wing.trailing[panel + 1], wing.trailing[panel]];
-                self.area(&[a, b, c, d], colour, 0.45);
+        for wing in &bird.wings {
+            let colour = wing.side.map_or(style::INK, |side| style::colour(style::SIDES[side].1));
+            for (leading, trailing) in wing.leading.windows(2).zip(wing.trailing.windows(2)) {
+                self.area(&[leading[0], leading[1], trailing[1], trailing[0]], colour, 0.45);
             }
             self.line(&wing.leading, colour, 1.4);
         }

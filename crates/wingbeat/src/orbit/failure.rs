@@ -44,6 +44,17 @@ pub enum Failure {
         /// Largest allowed.
         high: f64,
     },
+    /// Left and right differ: flight straight ahead was looked for as if they did not.
+    #[error(
+        "left and right differ: over the cycle that was found {condition} is missed by {missed:.2e}, and orbits straight ahead are looked for in \
+         the plane of symmetry alone"
+    )]
+    Asymmetric {
+        /// What differs after the cycle from before it, SI.
+        missed: f64,
+        /// Its name.
+        condition: String,
+    },
     /// The search was stopped.
     #[error("stopped")]
     Stopped,

@@ -337,7 +337,27 @@ fn finished(
 ) -> Result<Found, Failure> {
     in_range(cycle, free, &point)?;
     let end = cycle.end(&point)?;
+    returns_sidewise(cycle, course, &point, &end)?;
     Ok(Found { orbit: Orbit { point, course: *course, end }, residual, iterations })
+}
+
+/// Largest difference over a cycle of what is zero where left and right are alike, SI.
+const SIDEWISE: f64 = 1e-8;
+
+/// That a cycle straight ahead, found in the directions in which left and right do the same, returns in the others too.
+fn returns_sidewise(cycle: &Cycle, course: &Course, point: &Point, end: &End<f64>) -> Result<(), Failure> {
+    if course.turns() {
+        return Ok(());
+    }
+    let directions = cycle.section().antisymmetric();
+    let missed: Vec<f64> =
+        directions.iter().map(|d| Section::along(d, &end.z) - Section::along(d, &point.z)).collect();
+    let (worst, missed) = largest(&missed);
+    if missed <= SIDEWISE {
+        return Ok(());
+    }
+    let condition = format!("the return of {}", cycle.section().names()[directions[worst][0].0]);
+    Err(Failure::Asymmetric { missed, condition })
 }
 
 /// The largest of the numbers and its place.
