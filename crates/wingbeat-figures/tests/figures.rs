@@ -120,7 +120,7 @@ fn every_figure_names_its_axes_and_curves() {
             ],
         ),
         (commands(&record).unwrap(), &["shoulder [rad]", "elbow [rad]", "left, response"]),
-        (forces(&record).unwrap(), &["upward force [N]", "added mass", "air, total", "cycles of 0.286 s"]),
+        (forces(&record).unwrap(), &["to its top [N]", "added mass", "air, total", "0.286 s long"]),
         (path(&record, None).unwrap(), &["x [m]", "y [m]", "z [m]", "left wing", "every 0.22 s"]),
     ];
     for (figure, words) in expected {
