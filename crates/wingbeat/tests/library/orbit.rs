@@ -179,6 +179,11 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
     let trimmed = heavy.trim(&mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(trimmed.summary.status, "not_found");
     assert!(trimmed.summary.reason.is_some() && trimmed.files.is_empty());
+    // Straight ahead is looked for with left and right alike, and does not return where they are not.
+    let beside = scenario("cruise_20g", &["robot.body.com_m=[-0.00062, 0.001, 0.00062]", "trim.step_s=1e-3"]);
+    let trimmed = beside.trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    let reason = trimmed.summary.reason.unwrap_or_default();
+    assert!(trimmed.summary.status == "not_found" && reason.contains("left and right differ"), "{reason}");
 }
 
 #[test]
