@@ -20,6 +20,7 @@ mod turn;
 const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
+pub(crate) use about_orbit::gains_of;
 pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, TrackingSpec};
 pub use attitude_tracking::AttitudeTracking;
 pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};

@@ -33,6 +33,11 @@ impl Deviations {
         Self { coordinates: cycle.section().len(), elements }
     }
 
+    /// Elements whose displacements and rates are among them.
+    pub fn moved(&self) -> &[usize] {
+        &self.elements
+    }
+
     /// Their number.
     pub fn len(&self) -> usize {
         1 + self.coordinates + 2 * self.elements.len()

@@ -187,6 +187,34 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
 }
 
 #[test]
+fn the_feedback_of_an_orbit_is_written_and_left_and_right_mirror_each_other() {
+    let trimmed = scenario("cruise_20g_margin", &[]).trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    let (_, table) = trimmed.files.iter().find(|(name, _)| *name == "gains.csv").unwrap();
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    assert_eq!(
+        names[..6],
+        ["phase", "input", "height_integral [m s]", "height [m]", "v_H_x [m/s]", "v_H_y [m/s]"]
+    );
+    let rows: Vec<Vec<&str>> = lines.collect();
+    assert!(rows.len() == 20 * 6 && rows.iter().all(|row| row.len() == names.len()));
+    let gain = |phase: &str, input: &str, name: &str| -> f64 {
+        let column = names.iter().position(|known| known.starts_with(name)).unwrap();
+        rows.iter().find(|row| row[..2] == [phase, input]).unwrap()[column].parse().unwrap()
+    };
+    for phase in ["0", "0.35"] {
+        for (deviation, sign) in [("height [", 1.0), ("pitch", 1.0), ("roll", -1.0), ("v_H_y", -1.0)] {
+            let [left, right] =
+                ["left", "right"].map(|side| gain(phase, &format!("command_stroke_{side}"), deviation));
+            assert!(
+                left != 0.0 && (left - sign * right).abs() < 1e-9 * left.abs(),
+                "{phase} {deviation}: {left} {right}"
+            );
+        }
+    }
+}
+
+#[test]
 fn intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit() {
     let scenario =
         scenario("cruise_20g", &["trim.free=['stroke', 'twist']", "robot.gait.fourier.frequency_hz=5.8592"]);

@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use std::ops::ControlFlow;
 
 /// Phases of a cycle at which the feedback is made.
-const PHASES: usize = PARTS;
+pub const PHASES: usize = PARTS;
 /// Largest steps from orbit to orbit: of the bank, rad, of speed and climb, m/s.
 const BANK_STEP: f64 = 0.05;
 const SPEED_STEP: f64 = 0.1;

@@ -9,7 +9,7 @@ const CYCLES: usize = 80;
 /// Change of the feedback over a cycle at which it has, relative.
 const SETTLED: f64 = 1e-5;
 /// Coordinates of the body among those that deviate.
-const BODY: usize = 8;
+pub const BODY: usize = 8;
 
 /// Feedback at each phase: commands by deviations, the integral of the height first.
 #[derive(Clone, Debug)]

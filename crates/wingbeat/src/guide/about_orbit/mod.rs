@@ -3,10 +3,12 @@
 mod ahead;
 mod family;
 mod feedback;
+mod gains;
 mod schedule;
 mod spec;
 mod tracking;
 
+pub(crate) use gains::gains_of;
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
 

@@ -14,7 +14,7 @@ pub use summary::{Multiplier, TrimSummary};
 use super::recorder::Recorder;
 use super::{ConfigError, Scenario, ScenarioSpec, StartSpec};
 use crate::Error;
-use crate::guide::HeldCommands;
+use crate::guide::{HeldCommands, OrbitWeights, gains_of};
 use crate::math::{Quat, Vec3};
 use crate::orbit::{
     Course, Cycle, Failure, Found, Free, Modes, Orbit, Point, floquet, measure, search, search_from,
@@ -135,12 +135,17 @@ impl Scenario {
             None => None,
         };
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
+        let gains = gains_of(&cycle, &found.orbit, &OrbitWeights::default()).map_err(broken)?;
+        let gains = gains.map(|table| ("gains.csv", table));
         Ok(Trimmed {
             record: Some(self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?),
             multipliers: Some(multipliers(&modes)?),
             family,
             starts: None,
-            files: vec![("orbit.toml", self.orbit_scenario(&cycle, &found.orbit)?)],
+            files: vec![("orbit.toml", self.orbit_scenario(&cycle, &found.orbit)?)]
+                .into_iter()
+                .chain(gains)
+                .collect(),
             summary,
         })
     }
