@@ -187,6 +187,19 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
 }
 
 #[test]
+fn a_hover_is_outside_of_what_the_wake_can_do() {
+    let hover = scenario("hover", &[]);
+    let trimmed = hover.trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    // 20 g on the circle of the span: sqrt(m g / (2 rho pi b^2 / 4)).
+    let half_span =
+        hover.spec.robot.surfaces[0].planform.iter().map(|station| station.arc_m).fold(0.0, f64::max);
+    let area = std::f64::consts::PI * half_span * half_span;
+    let wash = (hover.robot().mass() * GRAVITY / (2.0 * 1.225 * area)).sqrt();
+    let told = trimmed.summary.outside.iter().find(|reason| reason.contains("no stream")).unwrap();
+    assert!(told.starts_with(&format!("0.20 m/s is slower than the wash of {wash:.2} m/s")), "{told}");
+}
+
+#[test]
 fn the_feedback_of_an_orbit_is_written_and_left_and_right_mirror_each_other() {
     let trimmed = scenario("cruise_20g_margin", &[]).trim(&mut |_| ControlFlow::Continue(())).unwrap();
     let (_, table) = trimmed.files.iter().find(|(name, _)| *name == "gains.csv").unwrap();

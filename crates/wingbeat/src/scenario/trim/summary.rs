@@ -1,10 +1,13 @@
 //! `summary.json` of a trimmed flight.
 
 use super::search::SearchSummary;
+use crate::math::GRAVITY;
 use crate::orbit::{Cycle, Found, Measures, Mode, Modes, SKIN};
 use crate::plant::Plant;
+use crate::robot::Robot;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// A Floquet multiplier and its mode.
 #[derive(Clone, Debug, Serialize)]
@@ -161,12 +164,30 @@ impl TrimSummary {
         self.stable = Some(modes.stable());
         self.residual = Some(found.residual);
         self.iterations = Some(found.iterations);
-        self.outside = outside(measures);
+        self.outside = outside(measures, orbit.course.speed, hover_wash(cycle.robot()));
     }
 }
 
-fn outside(measures: &Measures) -> Vec<String> {
+/// The wash below a hovering robot, m/s, by momentum theory: sqrt(m g / (2 rho A)), A the circle of the span of its widest surface
+/// (Leishman 2006, Principles of Helicopter Aerodynamics, 2.2).
+///
+/// Equation: trim.hover_wash
+fn hover_wash(robot: &Robot) -> Option<f64> {
+    let widths = robot.surfaces().filter_map(|(_, aero)| {
+        let numbers = aero.numbers();
+        Some((numbers.outline.as_ref()?.half_span(), numbers.density))
+    });
+    let (half_span, density) = widths.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((robot.mass() * GRAVITY / (2.0 * density * PI * half_span * half_span)).sqrt())
+}
+
+fn outside(measures: &Measures, speed: f64, wash: Option<f64>) -> Vec<String> {
     let mut reasons = Vec::new();
+    if let Some(wash) = wash.filter(|wash| speed < *wash) {
+        reasons.push(format!(
+            "{speed:.2} m/s is slower than the wash of {wash:.2} m/s that carries its weight in hover: the wake has no stream to leave by"
+        ));
+    }
     let [beyond, _] = measures.stalled;
     if beyond > STALLED {
         let share = 100.0 * beyond;
