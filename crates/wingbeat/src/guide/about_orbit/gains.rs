@@ -40,7 +40,7 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
     for (rates, offset) in [(0, 0), (elements.len(), strokes)] {
         for (k, element) in elements.iter().enumerate() {
             let channel = &robot.states()[structure + offset + element];
-            let unit = if channel.unit.is_empty() { "1" } else { &channel.unit };
+            let unit = if channel.unit.is_empty() { "1" } else { channel.unit };
             told.push((2 + coordinates + rates + k, format!("{} [{unit}]", channel.name)));
         }
     }
