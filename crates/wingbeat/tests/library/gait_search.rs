@@ -46,7 +46,10 @@ fn a_search_finds_a_gait_that_takes_less_power_within_its_limits() {
     assert_eq!(whole.summary.power_w_kg, Some(found));
     assert_eq!(whole.summary.search.unwrap().values, summary.values);
     assert_eq!(whole.starts.unwrap().values("objective"), record.values("objective"));
-    assert_eq!(whole.files.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["orbit.toml", "robot.toml"]);
+    assert_eq!(
+        whole.files.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
+        ["orbit.toml", "gains.csv", "robot.toml"]
+    );
     assert!(told.iter().all(|count| *count > 0), "{told:?}");
     let stopped = scenario.trim(&mut |_| ControlFlow::Break(())).unwrap();
     assert!(stopped.summary.status == "not_found" && stopped.starts.is_none());
