@@ -30,6 +30,8 @@ const LABEL: f64 = 20.0;
 const LEGEND: f64 = 22.0;
 /// Length of the sample of a line in the legend, px.
 const SAMPLE: f64 = 26.0;
+/// From a name of the legend to the next sample, px.
+const APART: f64 = 22.0;
 /// Room around the figure, px.
 const PADDING: f64 = 6.0;
 /// Strokes and gaps of broken lines, px.
@@ -270,7 +272,7 @@ fn range(chart: &Chart, axis: &Axis, of: impl Fn(&(f64, f64), (f64, f64)) -> [f6
     (back(low), back(high))
 }
 
-/// A line below the panels: a sample and the name of every kind of series, as often as needed.
+/// Below the panels a sample and the name of every kind of series, in as many lines as they need.
 fn legend(scene: &mut Scene, charts: &[Chart]) {
     let mut kinds: Vec<&Series> = Vec::new();
     for series in charts.iter().flat_map(|chart| &chart.series).filter(|series| !series.name.is_empty()) {
@@ -278,23 +280,28 @@ fn legend(scene: &mut Scene, charts: &[Chart]) {
             kinds.push(series);
         }
     }
-    let room = |series: &&Series| SAMPLE + 8.0 + 6.9 * series.name.chars().count() as f64 + 22.0;
-    let total: f64 = kinds.iter().map(room).sum();
-    let mut x = 0.5 * (style::WIDTH - total + 22.0).max(0.0);
-    for series in &kinds {
+    let room = |series: &Series| SAMPLE + 8.0 + 6.9 * series.name.chars().count() as f64 + APART;
+    let mut lines: Vec<(f64, Vec<&Series>)> = Vec::new();
+    for series in kinds {
         let width = room(series);
-        sample(scene, series, x, scene.height + 8.0);
-        let name = series.name.clone();
-        scene.elements.push(style::words(
-            x + SAMPLE + 8.0,
-            scene.height + 12.0,
-            name,
-            TextAnchor::Start,
-            false,
-        ));
-        x += width;
+        match lines.last_mut() {
+            Some((taken, line)) if *taken + width - APART <= style::WIDTH - 2.0 * PADDING => {
+                *taken += width;
+                line.push(series);
+            }
+            _ => lines.push((width, vec![series])),
+        }
     }
-    scene.height += LEGEND;
+    for (taken, line) in lines {
+        let mut x = 0.5 * (style::WIDTH - taken + APART).max(0.0);
+        for series in line {
+            sample(scene, series, x, scene.height + 8.0);
+            let (at, name) = (x + SAMPLE + 8.0, series.name.clone());
+            scene.elements.push(style::words(at, scene.height + 12.0, name, TextAnchor::Start, false));
+            x += room(series);
+        }
+        scene.height += LEGEND;
+    }
 }
 
 /// A short line or a mark as the series has them.

@@ -12,6 +12,12 @@ use crate::{Error, needed, style};
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Joints of the left wing, from body to tip.
 const JOINTS: [&str; 4] = ["sweep", "shoulder", "elbow", "twist"];
+/// Incidences beyond which stall is counted, deg.
+const LEVELS: [f64; 5] = [-20.0, -12.0, 0.0, 12.0, 20.0];
+/// Size of a multiplier from which on its mode is named.
+const NAMED: f64 = 0.5;
+/// Name of those below.
+const OTHERS: &str = "others";
 /// Points of the unit circle.
 const CIRCLE: usize = 181;
 /// Height of a panel of a family, px.
@@ -50,7 +56,10 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
         .collect();
     let mut panels = vec![
         Panel::new("joint angles [°], up, forward, nose up", joints.collect()),
-        Panel::new("incidence [°]", incidences.collect()),
+        Panel {
+            levels: LEVELS.to_vec(),
+            ..Panel::new("incidence [°], lines at 0, 12 and 20", incidences.collect())
+        },
         Panel::new(
             "pitch [°], negative is nose up",
             vec![curve("pitch".into(), needed(record, "pitch")?, DEGREES, 0)],
@@ -67,47 +76,73 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
     Ok(Figure::new("orbit", stacked(panels, &label, style::PANEL)))
 }
 
-/// Floquet multipliers in the unit circle: longitudinal ones as circles, lateral ones as crosses.
+/// Floquet multipliers in the unit circle: longitudinal ones as circles, lateral ones as crosses; those of half the unit's size
+/// and more by the coordinate with the largest share in their mode.
 ///
-/// Needs `multiplier_re`, `multiplier_im`, `lateral`.
+/// Needs `multiplier_re`, `multiplier_im`, `lateral`; names modes by `share_*` where they are there.
 pub fn multipliers(record: &Record) -> Result<Figure, Error> {
     let (re, im) = (needed(record, "multiplier_re")?, needed(record, "multiplier_im")?);
     let lateral = needed(record, "lateral")?;
-    let of = |side: f64| {
-        let points = re.iter().zip(im).zip(lateral).filter(|(_, l)| **l == side);
-        points.map(|((re, im), _)| (*re, *im)).collect::<Vec<_>>()
+    let shares: Vec<(&str, &[f64])> = record
+        .columns()
+        .iter()
+        .filter_map(|column| Some((column.name.strip_prefix("share_")?, column.values.as_slice())))
+        .collect();
+    let name = |row: usize| -> &str {
+        let most = shares.iter().max_by(|a, b| a.1[row].total_cmp(&b.1[row]));
+        match most {
+            Some((_, values)) if values[row] == 0.0 => "heading",
+            Some((name, _)) if re[row].hypot(im[row]) >= NAMED => name,
+            _ => OTHERS,
+        }
     };
+    let mut groups: Vec<(&str, bool, Vec<(f64, f64)>)> = Vec::new();
+    for row in 0..record.rows() {
+        let (name, longitudinal) = (name(row), lateral[row] == 0.0);
+        let at = groups.iter().position(|group| (group.0, group.1) == (name, longitudinal));
+        let at = at.unwrap_or_else(|| {
+            groups.push((name, longitudinal, Vec::new()));
+            groups.len() - 1
+        });
+        groups[at].2.push((re[row], im[row]));
+    }
+    // Those of no name last, which are many.
+    groups.sort_by_key(|group| group.0 == OTHERS);
     let circle =
         (0..CIRCLE).map(|i| (TAU * i as f64 / (CIRCLE - 1) as f64).sin_cos()).map(|(s, c)| (c, s)).collect();
     let largest = re.iter().zip(im).map(|(re, im)| re.hypot(*im)).fold(1.0, f64::max);
     let reach = 1.1 * largest;
-    let series = vec![
-        Series { colour: style::INK.into(), ..Series::new("unit circle", circle, Look::Line, 0) },
-        Series::new("longitudinal", of(0.0), Look::Circles, 0),
-        Series::new("lateral", of(1.0), Look::Crosses, 1),
-    ];
+    let circle = Series { colour: style::INK.into(), ..Series::new("unit circle", circle, Look::Line, 0) };
+    let named = groups.iter().filter(|group| group.0 != OTHERS).count();
+    let modes = groups.into_iter().enumerate().map(|(i, (name, longitudinal, points))| {
+        Series::new(name, points, if longitudinal { Look::Circles } else { Look::Crosses }, i.min(named))
+    });
     let chart = Chart {
         title: String::new(),
-        x: Axis::new("real part").over(-reach, reach),
+        x: Axis::new("real part of the multiplier; o longitudinal, × lateral").over(-reach, reach),
         y: Axis::new("imaginary part").over(-reach, reach),
-        series,
+        series: std::iter::once(circle).chain(modes).collect(),
         passes: None,
     };
     Ok(grid("multipliers", vec![chart], 1, style::WIDTH))
 }
 
-/// Power, frequency, stall shares, multiplier and held commands over the parameter of a family.
+/// Power, frequency, stall shares, multiplier, clearance and held commands over the parameter of a family: the column that is
+/// named by a key of the scenario, or what of the course changes.
 ///
 /// Needs `speed_m_s`, `climb_m_s`, `bank_deg`, `power_w_kg`, `frequency_hz`, `stall_fraction_12`, `stall_fraction_20`,
 /// `largest_multiplier`.
 pub fn family(record: &Record) -> Result<Figure, Error> {
     let parameters = [("speed_m_s", "speed [m/s]"), ("climb_m_s", "climb [m/s]"), ("bank_deg", "bank [°]")];
-    let mut along = (needed(record, "speed_m_s")?, "speed [m/s]");
+    let mut along: (&[f64], &str) = (needed(record, "speed_m_s")?, "speed [m/s]");
     for (name, label) in parameters {
         let values = needed(record, name)?;
         if values.iter().any(|v| (v - values[0]).abs() > 1e-12) {
             along = (values, label);
         }
+    }
+    if let Some(key) = record.columns().iter().find(|column| column.name.contains('.')) {
+        along = (&key.values, &key.name);
     }
     let points = |name: &str| -> Result<Vec<(f64, f64)>, Error> {
         Ok(along.0.iter().copied().zip(needed(record, name)?.iter().copied()).collect())
@@ -131,6 +166,11 @@ pub fn family(record: &Record) -> Result<Figure, Error> {
         ],
     ));
     charts.push(one("largest_multiplier", "largest multiplier but the heading's")?);
+    let clear = record.values("least_clearance_m").filter(|values| values.iter().any(|v| v.is_finite()));
+    if let Some(values) = clear {
+        let points = along.0.iter().copied().zip(values.iter().map(|v| 1e3 * v)).collect();
+        charts.push(chart("least clearance [mm]", vec![Series::new("", points, Look::Line, 0)]));
+    }
     let commands = record
         .columns()
         .iter()
@@ -140,7 +180,7 @@ pub fn family(record: &Record) -> Result<Figure, Error> {
         .map(|(i, column)| {
             let name = column.name.trim_start_matches("command_").replace('_', " ");
             let points = along.0.iter().copied().zip(column.values.iter().copied()).collect();
-            Series::new(name, points, if i % 2 == 0 { Look::Line } else { Look::Dashed }, i)
+            Series::new(name, points, if i % 2 == 0 { Look::Line } else { Look::Dashed }, 2 + i)
         })
         .collect();
     if !commands.is_empty() {

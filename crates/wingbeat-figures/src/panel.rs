@@ -110,14 +110,14 @@ pub struct Panel {
     pub limits: Option<(f64, f64)>,
     /// Where curves should lie: (x, low, high) along x, shaded inside.
     pub bands: Vec<Vec<(f64, f64, f64)>>,
-    /// True for a thin line at zero.
-    pub zero: bool,
+    /// Where thin lines lie, which the axis holds.
+    pub levels: Vec<f64>,
 }
 
 impl Panel {
     /// Curves with a thin line at zero.
     pub fn new(title: impl Into<String>, curves: Vec<Curve>) -> Self {
-        Self { title: title.into(), curves, zero: true, ..Self::default() }
+        Self { title: title.into(), curves, levels: vec![0.0], ..Self::default() }
     }
 }
 
@@ -192,8 +192,8 @@ fn drawn(panel: Panel, across: Scale, legend: f64) -> (Vec<Plot>, Layout) {
             layout = layout.with_reference_line(style::thin(limit));
         }
     }
-    if panel.zero && low < 0.0 && high > 0.0 {
-        layout = layout.with_reference_line(style::thin(0.0));
+    for level in panel.levels.into_iter().filter(|level| low < *level && *level < high) {
+        layout = layout.with_reference_line(style::thin(level));
     }
     (plots, layout)
 }
@@ -245,9 +245,9 @@ fn x_range(panels: &[Panel]) -> (f64, f64) {
 fn upwards(panel: &Panel) -> Scale {
     let limits = panel.limits.into_iter().flat_map(|(low, high)| [low, high]);
     let bands = panel.bands.iter().flatten().flat_map(|edge| [edge.1, edge.2]);
-    let zero = panel.zero.then_some(0.0);
+    let levels = panel.levels.iter().copied();
     let values = panel.curves.iter().flat_map(|curve| curve.y.iter().copied());
-    let (low, high) = style::span(values.chain(limits).chain(bands).chain(zero));
+    let (low, high) = style::span(values.chain(limits).chain(bands).chain(levels));
     Scale::padded(low, high, 0.07)
 }
 

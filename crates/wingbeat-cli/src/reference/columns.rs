@@ -54,7 +54,7 @@ pub const RECORDS: [(&str, &str); 14] = [
     (MODES, "One row per Floquet multiplier of the orbit, the largest first."),
     (
         ORBITS,
-        "One row per orbit of `trim.family`; record.parquet of trim, one cycle, has the columns of a flight.",
+        "One row per orbit of `trim.family`, whose key, where it is none of the course, has a column of its name; record.parquet of trim, one cycle, has the columns of a flight.",
     ),
     (STARTS, "One row per start of `trim.search`: the gait that it came to."),
     (CALIBRATED, "One row per run and phase of the stroke, 200 of them."),
@@ -263,6 +263,9 @@ pub const COLUMNS: &[Described] = &[
     column("multiplier_re", &[MODES], ONE, "", "Real part of the multiplier: by what the mode grows over a cycle."),
     column("multiplier_im", &[MODES], ONE, "", "Its imaginary part."),
     column("lateral", &[MODES], ONE, "", "1 where left and right differ in the mode, or the orbit turns; 0 in flight in the plane of symmetry."),
+    column("growth_per_s", &[MODES], &["1/s"], "", "Rate of growth: ln of the multiplier's size over the cycle's duration."),
+    column("frequency_hz", &[MODES], &["Hz"], "", "Frequency of the mode's oscillation, at most half of that of the gait."),
+    column("share_<coordinate>", &[MODES], ONE, "", "Share of a coordinate in the mode, the largest 1, in the scales of the orbit: its speed, 1 rad, the crank's rate; 0 for the heading's own mode."),
     column("speed_m_s", &[ORBITS, STARTS], &["m/s"], "", "Mean horizontal speed along the path."),
     column("climb_m_s", &[ORBITS], &["m/s"], "", "Mean climb."),
     column("bank_deg", &[ORBITS], DEG, "", "Bank that the rate of turn asks for, which the mean roll is too; positive right wing down."),

@@ -42,6 +42,8 @@ pub struct Mode {
     pub sector: Sector,
     /// The coordinate that moves most, measured by what the orbit's own scales are; `heading` for the neutral one.
     pub label: String,
+    /// Share of each coordinate of the [`Section`] in the mode, in the same scales, the largest 1; none of the heading's.
+    pub shares: Vec<f64>,
 }
 
 impl Mode {
@@ -117,15 +119,16 @@ pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
         ]
     };
     let duration = orbit.end.duration;
-    let mode = |multiplier: Complex<f64>, sector, label| Mode {
+    let mode = |multiplier: Complex<f64>, sector, label, shares| Mode {
         multiplier: [multiplier.re, multiplier.im],
         growth: multiplier.norm().ln() / duration,
         frequency: multiplier.arg().abs() / (TAU * duration),
         sector,
         label,
+        shares,
     };
     let neutral = sectors.last().map_or(Sector::Lateral, |s| s.0);
-    let mut modes = vec![mode(Complex::new(1.0, 0.0), neutral, HEADING.into())];
+    let mut modes = vec![mode(Complex::new(1.0, 0.0), neutral, HEADING.into(), vec![0.0; section.len()])];
     let mut coupling: f64 = 0.0;
     for (sector, directions, others) in &sectors {
         let (matrix, across) = monodromy(cycle, &orbit.point, directions, others)?;
@@ -135,9 +138,15 @@ pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
         let scaled =
             DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * scales[j] / scales[i]);
         for multiplier in scaled.complex_eigenvalues().iter() {
-            let label = label(&scaled, *multiplier)
-                .map_or_else(|| "undecided".into(), |i| section.names()[directions[i][0].0].clone());
-            modes.push(mode(*multiplier, *sector, label));
+            let along = shares(&scaled, *multiplier);
+            let most = (0..along.len()).max_by(|&i, &j| along[i].total_cmp(&along[j]));
+            let label =
+                most.map_or_else(|| "undecided".into(), |i| section.names()[directions[i][0].0].clone());
+            let mut shares = vec![0.0; section.len()];
+            for (direction, share) in directions.iter().zip(&along) {
+                direction.iter().for_each(|(i, _)| shares[*i] = *share);
+            }
+            modes.push(mode(*multiplier, *sector, label, shares));
         }
     }
     modes.sort_by(|a, b| b.size().total_cmp(&a.size()));
@@ -157,8 +166,8 @@ fn scale(cycle: &Cycle, orbit: &Orbit, i: usize) -> f64 {
     }
 }
 
-/// The coordinate with the largest share in the eigenvector of `multiplier`, by two steps of inverse iteration.
-fn label(matrix: &DMatrix<f64>, multiplier: Complex<f64>) -> Option<usize> {
+/// Magnitudes of the eigenvector of `multiplier`, the largest 1, by three steps of inverse iteration; empty where they fail.
+fn shares(matrix: &DMatrix<f64>, multiplier: Complex<f64>) -> Vec<f64> {
     let n = matrix.nrows();
     let near = multiplier + Complex::new(1e-9, 1e-9) * (1.0 + multiplier.norm());
     let shifted = DMatrix::from_fn(n, n, |i, j| {
@@ -167,9 +176,9 @@ fn label(matrix: &DMatrix<f64>, multiplier: Complex<f64>) -> Option<usize> {
     let factors = shifted.lu();
     let mut vector = DVector::from_fn(n, |i, _| Complex::new(1.0 + 0.01 * i as f64, 0.0));
     for _ in 0..3 {
-        vector = factors.solve(&vector)?;
-        let size = vector.iter().map(|v| v.norm()).fold(0.0, f64::max);
-        vector.iter_mut().for_each(|v| *v /= size);
+        let Some(solved) = factors.solve(&vector) else { return Vec::new() };
+        let size = solved.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        vector = solved / Complex::new(size, 0.0);
     }
-    (0..n).max_by(|&i, &j| vector[i].norm().total_cmp(&vector[j].norm()))
+    vector.iter().map(|v| v.norm()).collect()
 }

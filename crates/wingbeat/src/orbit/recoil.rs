@@ -123,12 +123,23 @@ fn symmetrise(symmetric: &[Direction], z: &mut [f64]) {
 }
 
 impl Point {
-    /// The point as far beyond this one as `before` lies before it.
-    pub fn beyond(&self, before: &Self) -> Self {
-        let line = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| 2.0 * b - a).collect();
+    /// The point with left and right alike, and the commands of one side for both.
+    pub fn alike(mut self, cycle: &Cycle) -> Self {
+        symmetrise(cycle.section().symmetric(), &mut self.z);
+        if let Ok(mirror) = cycle.robot().mirror() {
+            let kept: Vec<f64> = mirror.inputs.iter().map(|&i| self.inputs[i]).collect();
+            mirror.expand_inputs(&kept, &mut self.inputs);
+        }
+        self
+    }
+
+    /// The point on the line from `before` through this one, `ahead` times their distance beyond it.
+    pub fn beyond(&self, before: &Self, ahead: f64) -> Self {
+        let on = |a: f64, b: f64| (1.0 + ahead) * b - ahead * a;
+        let line = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| on(*a, *b)).collect();
         Self {
             z: line(&before.z, &self.z),
-            pace: 2.0 * self.pace - before.pace,
+            pace: on(before.pace, self.pace),
             inputs: line(&before.inputs, &self.inputs),
         }
     }

@@ -82,8 +82,8 @@ pub use tether_spec::{
     TetheredBodySpec, TetheredWingSpec, WindSpec,
 };
 pub use trim::{
-    Along, Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, SearchProgress, SearchSpec,
-    SearchSummary, Searched, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
+    Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, SearchProgress, SearchSpec, SearchSummary,
+    Searched, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
 };
 
 use crate::Error;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use wingbeat::math::{GRAVITY, RK4, Workspace};
 use wingbeat::orbit::{Course, Section, intervals};
 use wingbeat::plant::{Fault, Plant};
-use wingbeat::scenario::{Document, Scenario};
+use wingbeat::scenario::{Document, Scenario, Trimmed};
 
 fn scenario(name: &str, overrides: &[&str]) -> Scenario {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenarios/{name}.toml"));
@@ -173,6 +173,12 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
     assert!(refused(&["trim.free=['frequency', 'tail']"]).contains("stroke_left"));
     assert!(refused(&["trim.free=['frequency']"]).contains("two for straight flight"));
     assert!(refused(&["air.wind_m_s=[1.0, 0.0, 0.0]"]).contains("still air"));
+    let family =
+        |along: &str, to: f64| refused(&[&format!("trim.family={{along={along:?}, to={to:?}, steps=2}}")]);
+    let told = family("robot.body.mas_kg", 0.02);
+    assert!(told.contains("trim.family.along") && told.contains("mean robot.body.mass_kg"), "{told}");
+    let told = family("robot.surfaces[0].cd0", -0.1);
+    assert!(told.contains("trim.family.to") && told.contains("0 or more"), "{told}");
     // Ten times the mass at the frequency of the gait: the regulators do not reach that far.
     let held = ["trim.free=['stroke', 'twist']", "robot.body.mass_kg=0.19", "trim.step_s=1e-3"];
     let heavy = scenario("cruise_20g", &held);
@@ -184,6 +190,39 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
     let trimmed = beside.trim(&mut |_| ControlFlow::Continue(())).unwrap();
     let reason = trimmed.summary.reason.unwrap_or_default();
     assert!(trimmed.summary.status == "not_found" && reason.contains("left and right differ"), "{reason}");
+}
+
+/// A family ends in the orbit that is found at its last value from the scenario's own start, by whatever key it goes; straight
+/// flight is its limit where the bank goes to zero.
+#[test]
+fn a_family_leads_along_any_number_to_the_orbit_that_is_there() {
+    let orbit = |overrides: &[&str]| {
+        let trimmed = scenario("cruise_20g_margin", &[&["trim.step_s=1e-3"], overrides].concat())
+            .trim(&mut |_| ControlFlow::Continue(()))
+            .unwrap();
+        assert_eq!(trimmed.summary.family_ended, None);
+        trimmed
+    };
+    let last = |trimmed: &Trimmed, name: &str| {
+        *trimmed.family.as_ref().unwrap().values(name).unwrap().last().unwrap()
+    };
+    for (key, to, rows) in [("robot.surfaces[0].cd0", 0.08, 3), ("trim.climb_m_s", 0.3, 3)] {
+        let along = orbit(&[&format!("trim.family={{along={key:?}, to={to:?}, steps=2}}")]);
+        let alone = orbit(&[&format!("{key}={to:?}")]);
+        assert_eq!(along.summary.family_orbits, Some(rows));
+        for (name, value) in
+            [("frequency_hz", alone.summary.frequency_hz), ("power_w_kg", alone.summary.power_w_kg)]
+        {
+            let (found, value) = (last(&along, name), value.unwrap());
+            assert!((found - value).abs() < 1e-8 * value, "{key} {name}: {found} {value}");
+        }
+    }
+    let free = "trim.free=['frequency', 'twist', 'stroke']";
+    let turn = orbit(&[free, "trim.bank_deg=6", "trim.family={along='bank_deg', to=0, steps=2}"]);
+    // Left and right are alike again; the strokes keep what the turn gave both.
+    assert_eq!(last(&turn, "command_twist_left"), last(&turn, "command_twist_right"));
+    let (found, value) = (last(&turn, "power_w_kg"), orbit(&[]).summary.power_w_kg.unwrap());
+    assert!((found - value).abs() < 0.01 * value, "{found} {value}");
 }
 
 #[test]

@@ -99,7 +99,7 @@ impl Search<'_> {
             let last = &self.found[way[k - 1]].orbit.point;
             // The secant of the last two orbits predicts the next; the first step out of straight flight has none.
             let before = (k > 1).then(|| &self.found[way[k - 2]].orbit.point);
-            let guess = before.map_or_else(|| last.clone(), |before| last.beyond(before));
+            let guess = before.map_or_else(|| last.clone(), |before| last.beyond(before, 1.0));
             let next = search_from(self.cycle, &course, free, guess, &mut go_on)
                 .or_else(|_| search_from(self.cycle, &course, free, last.clone(), &mut go_on))?;
             way.push(self.take(next)?);

@@ -22,6 +22,7 @@ use toml::de::DeValue;
 
 use crate::Error;
 pub use crate::names::nearest_names;
+use crate::names::one_of;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
 pub use limits::{largest, text_of, unit};
 pub use source::Translate;
@@ -262,6 +263,17 @@ impl Document {
         let tree = self.sources.tree().ok()?;
         let span = tree::follow(&tree, key)?.span();
         Some((self.sources.text(&span), self.sources.place(span.start)))
+    }
+
+    /// The number at `key`.
+    ///
+    /// # Errors
+    /// What is allowed, where there is none.
+    pub fn number(&self, key: &str) -> Result<f64, String> {
+        let written = self.written(key).and_then(|(text, _)| text.replace('_', "").parse().ok());
+        written.ok_or_else(|| {
+            format!("a key of the scenario with a number, one {}", one_of(key, &self.numbers()))
+        })
     }
 
     fn include(&mut self, key: &str, translate: Translate) -> Result<(), ConfigError> {

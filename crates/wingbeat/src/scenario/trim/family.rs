@@ -1,14 +1,15 @@
 //! Orbits along a parameter.
 
-use super::spec::{Along, FamilySpec, TrimSpec};
+use super::spec::{FamilySpec, TrimSpec};
 use super::{Scenario, TrimSummary};
 use crate::Error;
-use crate::orbit::{Cycle, Failure, Found, Free, Point, floquet, measure, search_from};
-use crate::plant::Plant;
+use crate::orbit::{Cycle, Failure, Found, Point, floquet, measure, search_from};
+use crate::plant::{Fault, Plant};
+use crate::scenario::{ConfigError, Document};
 use crate::simulate::{Column, Record};
 use std::ops::ControlFlow;
 
-/// Columns before those of the commands: name and unit.
+/// Columns before that of the key and those of the commands: name and unit.
 const COLUMNS: [(&str, &str); 11] = [
     ("speed_m_s", "m/s"),
     ("climb_m_s", "m/s"),
@@ -22,89 +23,186 @@ const COLUMNS: [(&str, &str); 11] = [
     ("largest_multiplier", ""),
     ("lift_over_weight", ""),
 ];
+/// Keys of the course, which have columns of their own.
+const COURSE: [&str; 3] = ["trim.speed_m_s", "trim.climb_m_s", "trim.bank_deg"];
+/// Halvings of a step from orbit to orbit before the family ends: *choice*.
+const HALVINGS: usize = 3;
+
+/// A family to be followed.
+pub(super) struct Family {
+    /// The scenario without its family.
+    document: Document,
+    key: String,
+    from: f64,
+    to: f64,
+    steps: usize,
+}
+
+/// Why a family ended.
+#[derive(thiserror::Error, Debug)]
+enum Ended {
+    #[error(transparent)]
+    Failure(#[from] Failure),
+    #[error(transparent)]
+    Refused(#[from] ConfigError),
+    #[error(transparent)]
+    Invalid(#[from] Error),
+}
+
+impl From<Fault> for Ended {
+    fn from(fault: Fault) -> Self {
+        Self::Failure(fault.into())
+    }
+}
+
+/// The last orbit of a family that is being followed.
+struct Walk<'f> {
+    family: &'f Family,
+    at: f64,
+    point: Point,
+    /// The orbit before it.
+    before: Option<(f64, Point)>,
+}
+
+impl Family {
+    /// The scenario at `value`.
+    fn scenario(&self, value: f64) -> Result<Scenario, ConfigError> {
+        Scenario::new(self.document.clone().set(format!("{}={value:?}", self.key)))
+    }
+}
+
+impl Walk<'_> {
+    /// The orbit at `value` from the last one, or along the secant of the last two.
+    fn step(
+        &mut self,
+        value: f64,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<(Scenario, Found), Ended> {
+        let scenario = self.family.scenario(value)?;
+        let (course, free) = scenario.asked_of_orbit()?;
+        let cycle = scenario.cycle()?;
+        let secant = self.before.as_ref().map(|(at, point)| {
+            let ahead = (value - self.at) / (self.at - at);
+            self.point.beyond(point, ahead)
+        });
+        let guesses = secant.into_iter().chain([self.point.clone()]);
+        let mut found = Err(Failure::Stopped);
+        for guess in guesses {
+            let guess = if course.turns() { guess } else { guess.alike(&cycle) };
+            found = search_from(&cycle, &course, &free, guess, tell);
+            if matches!(found, Ok(_) | Err(Failure::Stopped)) {
+                break;
+            }
+        }
+        drop(cycle);
+        Ok((scenario, found?))
+    }
+
+    /// The orbit at `value`, by steps halved up to `halvings` times.
+    fn reach(
+        &mut self,
+        value: f64,
+        halvings: usize,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<(Scenario, Found), Ended> {
+        match self.step(value, tell) {
+            Ok((scenario, found)) => {
+                let before = std::mem::replace(&mut self.point, found.orbit.point.clone());
+                self.before = Some((std::mem::replace(&mut self.at, value), before));
+                Ok((scenario, found))
+            }
+            Err(Ended::Failure(failure)) if failure != Failure::Stopped && halvings > 0 => {
+                self.reach(0.5 * (self.at + value), halvings - 1, tell)?;
+                self.reach(value, halvings - 1, tell)
+            }
+            Err(ended) => Err(ended),
+        }
+    }
+}
 
 impl Scenario {
-    /// Orbits from `found` on along the parameter of `family`; where the family ends before, the summary says why.
-    pub(super) fn family(
+    /// The family that `spec` asks for; its last orbit's scenario is tried.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] at `trim.family`.
+    pub(super) fn family(&self, spec: &TrimSpec, family: &FamilySpec) -> Result<Family, Error> {
+        let own = format!("trim.{}", family.along);
+        let key = if COURSE.contains(&own.as_str()) { own } else { family.along.clone() };
+        let alone = TrimSpec { family: None, search: None, ..spec.clone() };
+        let alone = super::ScenarioSpec { trim: Some(alone), ..self.spec.clone() };
+        let invalid = |end: &str, value: String, allowed: String| {
+            Error::invalid(format!("trim.family.{end}"), value, allowed)
+        };
+        let refused = |error: ConfigError| invalid("along", format!("{:?}", family.along), error.to_string());
+        let document = Document::value("family", &alone).map_err(refused)?;
+        let from = document.number(&key).map_err(|key| {
+            let allowed = format!("speed_m_s, climb_m_s, bank_deg, or {key}");
+            invalid("along", format!("{:?}", family.along), allowed)
+        })?;
+        let asked = Family { document, key, from, to: family.to, steps: family.steps };
+        let last = asked.scenario(family.to);
+        let last = last
+            .map_err(|e| invalid("to", family.to.to_string(), format!("what the scenario allows ({e})")))?;
+        if last.model.states().len() != self.model.states().len() {
+            let allowed = "a key that leaves the states of the robot and its air as many as they are";
+            return Err(invalid("along", format!("{:?}", family.along), allowed.into()));
+        }
+        Ok(asked)
+    }
+
+    /// Orbits from `found` on along `family`; where it ends before, the summary says why.
+    pub(super) fn follow(
         &self,
-        cycle: &Cycle,
-        spec: &TrimSpec,
-        family: &FamilySpec,
+        family: &Family,
         found: &Found,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
         summary: &mut TrimSummary,
     ) -> Result<Record, Error> {
-        let mut columns: Vec<Column> =
-            COLUMNS.iter().map(|(name, unit)| Column::new(*name, *unit, "")).collect();
-        columns.extend(self.model.inputs().iter().map(Column::from));
-        let mut record = Record::new(columns, family.steps + 1)?;
-        let areas = self.strip_areas();
-        let mut row = |found: &Found| -> Result<(), Failure> {
-            let (measures, modes) = (measure(cycle, &found.orbit, &areas)?, floquet(cycle, &found.orbit)?);
-            let course = &found.orbit.course;
-            let numbers = [
-                course.speed,
-                course.climb,
-                course.bank.to_degrees(),
-                1.0 / found.orbit.end.duration,
-                measures.power / self.model.mass(),
-                measures.mean_angles[1].to_degrees(),
-                measures.stalled[0],
-                measures.stalled[1],
-                measures.least_clearance.unwrap_or(f64::NAN),
-                modes.largest(),
-                measures.lift_over_weight,
-            ];
-            let row: Vec<f64> = numbers.into_iter().chain(found.orbit.point.inputs.iter().copied()).collect();
+        let changes = (!COURSE.contains(&family.key.as_str())).then(|| Column::new(&family.key, "", ""));
+        let columns = COLUMNS.iter().map(|(name, unit)| Column::new(*name, *unit, ""));
+        let columns = columns.chain(changes.clone()).chain(self.model.inputs().iter().map(Column::from));
+        let mut record = Record::new(columns.collect(), family.steps + 1)?;
+        let mut row = |scenario: &Scenario, value: f64, found: &Found| -> Result<(), Ended> {
+            let numbers = scenario.family_row(&scenario.cycle()?, found)?;
+            let value = changes.iter().map(|_| value);
+            let inputs = found.orbit.point.inputs.iter().copied();
+            let row: Vec<f64> = numbers.into_iter().chain(value).chain(inputs).collect();
             record.append(&row);
             Ok(())
         };
-        let mut last = found.clone();
-        let mut before: Option<Point> = None;
-        let mut ended = row(&last).err();
-        let from = match family.along {
-            Along::SpeedMS => spec.speed_m_s,
-            Along::ClimbMS => spec.climb_m_s,
-            Along::BankDeg => spec.bank_deg,
-        };
+        let mut walk = Walk { family, at: family.from, point: found.orbit.point.clone(), before: None };
+        let mut ended = row(self, family.from, found).err();
         for k in 1..=family.steps {
             if ended.is_some() {
                 break;
             }
-            let value = from + (family.to - from) * k as f64 / family.steps as f64;
-            let mut next = spec.clone();
-            match family.along {
-                Along::SpeedMS => next.speed_m_s = value,
-                Along::ClimbMS => next.climb_m_s = value,
-                Along::BankDeg => next.bank_deg = value,
-            }
-            let course = next.course();
-            let free: Vec<Free> = if course.turns() {
-                spec.free(&self.model, true)?
-            } else {
-                spec.straight().free(&self.model, false)?
-            };
-            // The secant of the last two orbits predicts the next.
-            let point = last.orbit.point.clone();
-            let guess = before.as_ref().map_or_else(|| point.clone(), |before| point.beyond(before));
-            let next = search_from(cycle, &course, &free, guess, tell)
-                .or_else(|failure| match failure {
-                    Failure::Stopped => Err(failure),
-                    _ => search_from(cycle, &course, &free, point.clone(), tell),
-                })
-                .and_then(|found| row(&found).map(|()| found));
-            match next {
-                Ok(found) => {
-                    before = Some(point);
-                    last = found;
-                }
-                Err(failure) => ended = Some(failure),
-            }
+            let value = family.from + (family.to - family.from) * k as f64 / family.steps as f64;
+            let reached = walk.reach(value, HALVINGS, tell);
+            ended = reached.and_then(|(scenario, found)| row(&scenario, value, &found)).err();
         }
-        if let Some(failure) = ended {
-            summary.family_ended = Some(failure.to_string());
+        if let Some(reason) = ended {
+            summary.family_ended = Some(format!("past {} = {:.6}: {reason}", family.key, walk.at));
         }
         summary.family_orbits = Some(record.rows());
         Ok(record)
+    }
+
+    /// The numbers of [`COLUMNS`].
+    fn family_row(&self, cycle: &Cycle, found: &Found) -> Result<[f64; COLUMNS.len()], Fault> {
+        let (orbit, course) = (&found.orbit, &found.orbit.course);
+        let (measures, modes) = (measure(cycle, orbit, &self.strip_areas())?, floquet(cycle, orbit)?);
+        Ok([
+            course.speed,
+            course.climb,
+            course.bank.to_degrees(),
+            1.0 / orbit.end.duration,
+            measures.power / self.model.mass(),
+            measures.mean_angles[1].to_degrees(),
+            measures.stalled[0],
+            measures.stalled[1],
+            measures.least_clearance.unwrap_or(f64::NAN),
+            modes.largest(),
+            measures.lift_over_weight,
+        ])
     }
 }

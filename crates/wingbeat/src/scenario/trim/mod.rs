@@ -8,7 +8,7 @@ mod summary;
 pub use search::{
     Ended, GaitSearch, Goal, LimitsSpec, SearchProgress, SearchSpec, SearchSummary, Searched, VarySpec,
 };
-pub use spec::{Along, FamilySpec, TrimSpec};
+pub use spec::{FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
 
 use super::recorder::Recorder;
@@ -17,10 +17,10 @@ use crate::Error;
 use crate::guide::{HeldCommands, OrbitWeights, gains_of};
 use crate::math::{Quat, Vec3};
 use crate::orbit::{
-    Course, Cycle, Failure, Found, Free, Modes, Orbit, Point, floquet, measure, search, search_from,
+    Course, Cycle, Failure, Found, Free, Modes, Orbit, Point, Sector, floquet, measure, search, search_from,
 };
 use crate::plant::{Fault, Plant};
-use crate::simulate::{Record, Sample};
+use crate::simulate::{Column, Record, Sample};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -105,6 +105,7 @@ impl Scenario {
             return Err(Error::invalid("air.wind_m_s", format!("{:?}", self.spec.air.wind_m_s), allowed));
         }
         let cycle = self.cycle()?;
+        let family = spec.family.as_ref().map(|family| self.family(spec, family)).transpose()?;
         let mut orbits = 0;
         let started = Instant::now();
         let mut tell = |iteration: usize, residual: f64| {
@@ -130,16 +131,14 @@ impl Scenario {
         };
         let (measures, modes) = measured;
         summary.found(&cycle, &found, &measures, &modes);
-        let family = match &spec.family {
-            Some(family) => Some(self.family(&cycle, spec, family, &found, &mut tell, &mut summary)?),
-            None => None,
-        };
+        let family =
+            family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
         let gains = gains_of(&cycle, &found.orbit, &OrbitWeights::default()).map_err(broken)?;
         let gains = gains.map(|table| ("gains.csv", table));
         Ok(Trimmed {
             record: Some(self.cycle_record(&cycle, &found.orbit)?.map_err(broken)?),
-            multipliers: Some(multipliers(&modes)?),
+            multipliers: Some(multipliers(&modes, cycle.section().names())?),
             family,
             starts: None,
             files: vec![("orbit.toml", self.orbit_scenario(&cycle, &found.orbit)?)]
@@ -181,12 +180,11 @@ impl Scenario {
             let free = spec.free(&self.model, false)?;
             return Ok(search(cycle, &course, &free, guess, tell));
         }
-        let (straight, free) = (spec.straight(), spec.free(&self.model, true)?);
-        let level = straight.free(&self.model, false)?;
+        let (level, free) = (spec.free(&self.model, false)?, spec.free(&self.model, true)?);
         if let Ok(found) = search_from(cycle, &course, &free, guess.clone(), tell) {
             return Ok(Ok(found));
         }
-        let found = search(cycle, &straight.course(), &level, guess, tell);
+        let found = search(cycle, &Course { bank: 0.0, ..course }, &level, guess, tell);
         let steps = (spec.bank_deg.abs() / BANK_STEP_DEG).ceil().max(1.0) as usize;
         Ok(found.and_then(|mut found| {
             for k in 1..=steps {
@@ -287,14 +285,24 @@ impl Scenario {
     }
 }
 
-/// Multipliers as a record.
-fn multipliers(modes: &Modes) -> Result<Record, Error> {
-    let columns = ["multiplier_re", "multiplier_im", "lateral"];
-    let columns = columns.map(|name| crate::simulate::Column::new(name, "", "")).to_vec();
-    let mut record = Record::new(columns, modes.modes.len())?;
+/// Multipliers as a record, a row each: its place, growth and frequency, sector, and the shares of the coordinates.
+fn multipliers(modes: &Modes, coordinates: &[String]) -> Result<Record, Error> {
+    let own = [
+        ("multiplier_re", ""),
+        ("multiplier_im", ""),
+        ("lateral", ""),
+        ("growth_per_s", "1/s"),
+        ("frequency_hz", "Hz"),
+    ];
+    let own = own.map(|(name, unit)| Column::new(name, unit, "")).into_iter();
+    let shares = coordinates.iter().map(|name| Column::new(format!("share_{name}"), "", ""));
+    let mut record = Record::new(own.chain(shares).collect(), modes.modes.len())?;
     for mode in &modes.modes {
-        let lateral = f64::from(u8::from(mode.sector != crate::orbit::Sector::Longitudinal));
-        record.append(&[mode.multiplier[0], mode.multiplier[1], lateral]);
+        let lateral = f64::from(u8::from(mode.sector != Sector::Longitudinal));
+        let [re, im] = mode.multiplier;
+        let own = [re, im, lateral, mode.growth, mode.frequency];
+        let row: Vec<f64> = own.into_iter().chain(mode.shares.iter().copied()).collect();
+        record.append(&row);
     }
     Ok(record)
 }

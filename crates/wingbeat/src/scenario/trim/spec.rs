@@ -23,8 +23,8 @@ pub struct TrimSpec {
     #[serde(default)]
     pub bank_deg: f64,
     /// What may be chosen: `frequency`, and held commands by the name of their regulator; `twist` stands for
-    /// `twist_left` and `twist_right`, which move alike in straight flight and each by itself in a turn. Two for
-    /// straight flight, four or more for a turn, which takes the least commands that fly it.
+    /// `twist_left` and `twist_right`, which move alike in straight flight and each by itself in a turn. Straight flight takes
+    /// the first two, a turn four or more and of them the least commands that fly it.
     pub free: Vec<String>,
     /// Integration step at the robot's own frequency, s; a cycle keeps its number of steps.
     #[serde(default = "step")]
@@ -47,25 +47,13 @@ fn step() -> f64 {
 #[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields)]
 pub struct FamilySpec {
-    /// What changes.
-    pub along: Along,
+    /// What changes: `speed_m_s`, `climb_m_s` or `bank_deg` of `trim`, or any key of the scenario that holds a number, such as
+    /// `robot.body.mass_kg`.
+    pub along: String,
     /// Its value in the last orbit, in the unit of the key.
     pub to: f64,
     /// Number of orbits after the first.
     pub steps: usize,
-}
-
-/// Parameters of a family.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Along {
-    /// `trim.speed_m_s`.
-    SpeedMS,
-    /// `trim.climb_m_s`.
-    ClimbMS,
-    /// `trim.bank_deg`.
-    BankDeg,
 }
 
 ranges!(TrimSpec {
@@ -74,7 +62,7 @@ ranges!(TrimSpec {
     bank_deg: Range::inside(-80.0, 80.0),
     step_s: Range::over(0.0, 0.01),
 });
-ranges!(FamilySpec { to: Range::between(-100.0, 100.0), steps: Range::between(1.0, 1000.0) });
+ranges!(FamilySpec { to: Range::between(-1e9, 1e9), steps: Range::between(1.0, 1000.0) });
 
 impl TrimSpec {
     pub(in crate::scenario) fn check(&self) -> Result<(), Error> {
@@ -96,10 +84,11 @@ impl TrimSpec {
         Course { speed: self.speed_m_s, climb: self.climb_m_s, bank: self.bank_deg.to_radians() }
     }
 
-    /// What is free: in straight flight pairs move alike, in a turn each by itself.
+    /// What is free: in straight flight the first two, of which pairs move alike; in a turn all, each by itself.
     pub(super) fn free(&self, robot: &Robot, turning: bool) -> Result<Vec<Free>, Error> {
         let mut all = Vec::new();
-        for (i, name) in self.free.iter().enumerate() {
+        let names = if turning { self.free.len() } else { self.free.len().min(2) };
+        for (i, name) in self.free[..names].iter().enumerate() {
             let key = format!("trim.free[{i}]");
             if self.free[..i].contains(name) {
                 return Err(Error::invalid(key, format!("{name:?}"), "each name once"));
@@ -115,10 +104,5 @@ impl TrimSpec {
             return Err(Error::invalid("trim.free", format!("{:?}", self.free), allowed));
         }
         Ok(all)
-    }
-
-    /// What is free in the straight flight that a turn begins from: the first two that keep left and right alike.
-    pub(super) fn straight(&self) -> Self {
-        Self { bank_deg: 0.0, free: self.free.iter().take(2).cloned().collect(), ..self.clone() }
     }
 }

@@ -162,11 +162,8 @@ impl Scenario {
         let refused = |end: &str, value: String, allowed: String| {
             self.explain(&Error::invalid(format!("trim.search.vary[{i}].{end}"), value, allowed))
         };
-        let written =
-            document.written(&vary.key).and_then(|(text, _)| text.replace('_', "").parse::<f64>().ok());
         let key = format!("{:?}", vary.key);
-        let value =
-            written.ok_or_else(|| refused("key", key, "a key of the scenario with a number".into()))?;
+        let value = document.number(&vary.key).map_err(|allowed| refused("key", key, allowed))?;
         for (end, at) in [("low", vary.low), ("high", vary.high)] {
             let tried = Self::new(document.clone().set(format!("{}={at:?}", vary.key)));
             if let Err(error) = tried {
