@@ -6,7 +6,9 @@ use super::{Point, points};
 
 /// Seconds between two drawings of the robot: no whole number of strokes at 3.5, 5.9, 8, 10 or 12.8 Hz, so that they show different
 /// phases.
-pub const INTERVAL: f64 = 0.22;
+const INTERVAL: f64 = 0.22;
+/// Most drawings of the robot but the first: a longer flight shows it at a multiple of [`INTERVAL`].
+const MOST: f64 = 36.0;
 
 /// The robot at one instant.
 pub struct Bird {
@@ -48,7 +50,7 @@ impl Bird {
     }
 }
 
-/// The robot every [`INTERVAL`]; none where the record has no wings.
+/// The robot at every [`interval`]; none where the record has no wings.
 pub fn birds(record: &Record, t: &[f64], track: &[Point]) -> Vec<Bird> {
     let edges: Vec<Edges> = outlines(record).iter().filter_map(|outline| outline.edges(record)).collect();
     if edges.is_empty() {
@@ -140,12 +142,19 @@ fn middle(a: Point, b: Point) -> Point {
     std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
 }
 
+/// Seconds between two drawings of the robot over the times `t`.
+pub fn interval(t: &[f64]) -> f64 {
+    let span = t.last().copied().unwrap_or(0.0) - t.first().copied().unwrap_or(0.0);
+    INTERVAL * (span / (MOST * INTERVAL) - 1e-6).ceil().max(1.0)
+}
+
 /// The rows nearest after each multiple of the interval.
 fn rows(t: &[f64]) -> impl Iterator<Item = usize> {
     let (first, last) = (t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(0.0));
-    let count = ((last - first) / INTERVAL + 1e-6) as usize;
+    let interval = interval(t);
+    let count = ((last - first) / interval + 1e-6) as usize;
     (0..=count)
-        .map(move |n| t.partition_point(|&time| time < first + n as f64 * INTERVAL - 1e-9).min(t.len() - 1))
+        .map(move |n| t.partition_point(|&time| time < first + n as f64 * interval - 1e-9).min(t.len() - 1))
 }
 
 fn distance(a: Point, b: Point) -> f64 {
@@ -160,6 +169,9 @@ mod tests {
     fn the_robot_is_drawn_at_round_times() {
         let t: Vec<f64> = (0..=1000).map(|i| 1e-3 * f64::from(i)).collect();
         assert_eq!(rows(&t).collect::<Vec<_>>(), [0, 220, 440, 660, 880]);
+        // A flight of 16 s is too long for that.
+        let t: Vec<f64> = (0..=1600).map(|i| 1e-2 * f64::from(i)).collect();
+        assert_eq!(rows(&t).take(3).collect::<Vec<_>>(), [0, 66, 132]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use wingbeat::simulate::Record;
 
 use crate::write::Figure;
 use crate::{Error, needed};
-use bird::birds;
+use bird::{birds, interval};
 use room::Room;
 use sheet::Sheet;
 
@@ -42,7 +42,7 @@ pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Err
     birds.iter().for_each(|bird| sheet.bird(&room, bird));
     sheet.ends(&track, t);
     published.into_iter().for_each(|point| sheet.published(&room, point));
-    sheet.note(&birds, room.enlargement);
+    sheet.note(&birds, interval(t), room.enlargement);
     Ok(Figure::new("path", sheet.scene))
 }
 

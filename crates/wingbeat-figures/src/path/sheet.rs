@@ -4,7 +4,7 @@ use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::Point;
-use super::bird::{Bird, INTERVAL};
+use super::bird::Bird;
 use super::projection::View;
 use super::room::Room;
 use crate::style;
@@ -177,11 +177,14 @@ impl Sheet {
     }
 
     /// What the colours and the size of the robot mean.
-    pub fn note(&mut self, birds: &[Bird], enlargement: f64) {
+    pub fn note(&mut self, birds: &[Bird], interval: f64, enlargement: f64) {
         let mut x = Self::MARGINS.0;
         let mut entries = vec![("path", style::INK), ("on the ground", SHADOW)];
         if !birds.is_empty() {
             entries.extend([("left wing", style::colour(0)), ("right wing", style::colour(1))]);
+            if birds[0].wings.iter().any(|wing| wing.side.is_none()) {
+                entries.push(("fin", style::INK));
+            }
         }
         for (name, colour) in entries {
             let x2 = x + 22.0;
@@ -195,7 +198,7 @@ impl Sheet {
             } else {
                 String::new()
             };
-            let text = format!("every {INTERVAL} s{size}");
+            let text = format!("every {interval:.2} s{size}");
             self.text((x, 20.5), text, TextAnchor::Start, style::LETTERS);
         }
     }

@@ -1,6 +1,7 @@
 //! What a calibration is worth in flight: truth and model under the same inputs, before and after the fit, and what the model
 //! could reach at all.
 
+use super::planned;
 use super::{all_clean, measured, no_answer, shipped, truth};
 use crate::{Error, Row};
 use nalgebra::DMatrix;
@@ -75,12 +76,12 @@ impl Controller for Again<'_> {
 }
 
 /// Overrides that choose preset and law.
-fn aero([preset, law]: [&str; 2]) -> [String; 2] {
+pub(super) fn aero([preset, law]: [&str; 2]) -> [String; 2] {
     [format!("aero.preset={preset}"), format!("aero.law={law}")]
 }
 
 /// The override that sets numbers of a robot.
-fn set(key: &str, numbers: &[(String, f64)]) -> Option<String> {
+pub(super) fn set(key: &str, numbers: &[(String, f64)]) -> Option<String> {
     let list: Vec<String> = numbers.iter().map(|(name, value)| format!("{name:?} = {value:?}")).collect();
     (!list.is_empty()).then(|| format!("{key}={{ {} }}", list.join(", ")))
 }
@@ -316,7 +317,7 @@ fn right_model() -> Result<Vec<Row>, Error> {
     Ok(vec![row("", "attitude", worst[0]), row(".velocity", "velocity", worst[1])])
 }
 
-fn median(mut of: Vec<f64>) -> f64 {
+pub(super) fn median(mut of: Vec<f64>) -> f64 {
     of.sort_by(f64::total_cmp);
     0.5 * (of[(of.len() - 1) / 2] + of[of.len() / 2])
 }
@@ -361,6 +362,9 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         let drawn = drawn(parameters);
         let [preset, law] = structure;
         let runs = format!("{preset}, {law} (left out {:.1} %), numbers of the seven runs", 100.0 * left_out);
+        if k == 0 || k == chosen {
+            rows.extend(planned::rows(TRUTH, *structure, &drawn, &named(parameters, values))?);
+        }
         let mut fits = vec![(runs, "", values.clone())];
         if k == 0 {
             let (ends, _) = bound(&flown, model, end, ones_of_end())?;

@@ -4,6 +4,7 @@ mod degenerate;
 mod flight;
 mod gradient;
 mod next_run;
+mod planned;
 mod recovers;
 mod scherer;
 mod wrong_model;

@@ -1,6 +1,12 @@
 //! Commands that were in force.
 
+use crate::plant::Fault;
+use crate::robot::Robot;
+use crate::simulate::Stepper;
 use std::collections::VecDeque;
+
+/// Integration step of a model between two measurements, s.
+const STEP: f64 = 5e-4;
 
 /// Commands in force, each with the time from which on, s, the oldest first.
 #[derive(Debug, Default)]
@@ -30,5 +36,25 @@ impl History {
         let next = self.past.partition_point(|(from, _)| *from <= t).max(1);
         let until = self.past.get(next).map_or(f64::INFINITY, |(from, _)| *from);
         self.past.get(next - 1).map(|(_, commands)| (commands.as_slice(), until))
+    }
+
+    /// Flies `model` on to `t` s under the commands that were in force, as far as they are known.
+    ///
+    /// # Errors
+    /// The [`Fault`] that ends it.
+    pub fn fly(&self, model: &mut Stepper<&Robot>, t: f64) -> Result<(), Fault> {
+        while let Some((commands, until)) = self.at(model.time()) {
+            let until = until.min(t);
+            let steps = ((until - model.time()) / STEP).ceil();
+            if !(steps > 0.0) {
+                break;
+            }
+            let step = (until - model.time()) / steps;
+            model.set_inputs(commands);
+            (0..steps as usize).try_for_each(|_| model.step(step).map(drop))?;
+            // The sum of the steps misses it by rounding.
+            model.set_time(until);
+        }
+        Ok(())
     }
 }

@@ -14,6 +14,7 @@ pub(crate) mod path;
 mod playback;
 mod roll_in;
 mod stand;
+mod told;
 mod turn;
 
 /// Most intervals of the first mesh of a plan, and most meshes.
@@ -38,4 +39,5 @@ pub use path::{
 pub(crate) use playback::{HeldCommands, Playback};
 pub use roll_in::{RollIn, RollInSpec, TrackingCost};
 pub use stand::{Flapping, Stand};
+pub use told::Told;
 pub use turn::{Track, Turn};

@@ -3,6 +3,7 @@
 use super::attitude_tracking::AttitudeTracking;
 use super::controllers::{ControllerSpec, Task};
 use super::manoeuvre::Manoeuvre;
+use super::told::Told;
 use crate::Error;
 use crate::ocp::realtime::{HorizonSolver, Plan, RealTime, Settings};
 use crate::plant::{Channel, LocalChart, Plant};
@@ -99,12 +100,12 @@ impl ControllerSpec for MpcSpec {
         let allowed = "a manoeuvre to fly: add [manoeuvre]";
         let manoeuvre = task.manoeuvre.ok_or_else(|| Error::invalid("", "given", allowed))?;
         Ok(match task.solver {
-            None => Box::new(Mpc::new(task.model, manoeuvre, self)?),
+            None => Box::new(Mpc::with(task.model, manoeuvre, self, Told::new(task.model), RealTime::new)?),
             Some(solver) => {
                 let make = |chart: &_, tracking: &_, settings| {
                     solver.build(chart, tracking, settings).map_err(|e| e.within("solver"))
                 };
-                Box::new(Mpc::with(task.model, manoeuvre, self, TrueState, make)?)
+                Box::new(Mpc::with(task.model, manoeuvre, self, Told::new(task.model), make)?)
             }
         })
     }

@@ -176,21 +176,26 @@ impl ScenarioSpec {
         };
         let wind = Wind::gusty(Vec3(self.air.wind_m_s), self.air.gust_m_s, self.seed)
             .with(self.air.gusts.iter().map(pulse));
-        self.robot_in(&mismatch.apply(&self.robot), Air { density, wind })
+        self.robot_in(&mismatch.apply(&self.robot), self.flown_aero(), Air { density, wind })
     }
 
     /// The robot as its controller knows it.
     fn known_robot(&self) -> Result<Robot, Error> {
         let wind = Wind::steady(Vec3(self.air.wind_m_s));
-        self.robot_in(&self.robot, Air { density: self.air.density_kg_m3, wind })
+        self.robot_in(&self.robot, &self.aero, Air { density: self.air.density_kg_m3, wind })
     }
 
-    fn robot_in(&self, spec: &RobotSpec, air: Air) -> Result<Robot, Error> {
+    /// The aerodynamics of the robot that flies.
+    pub(super) fn flown_aero(&self) -> &AeroSpec {
+        self.mismatch.as_ref().and_then(|mismatch| mismatch.aero.as_ref()).unwrap_or(&self.aero)
+    }
+
+    fn robot_in(&self, spec: &RobotSpec, aero: &AeroSpec, air: Air) -> Result<Robot, Error> {
         let mut spec = spec.clone();
         if !self.flight.flapping {
             spec.hold_still();
         }
-        robot(&spec, &self.aero, air, self.start.phase_rad)
+        robot(&spec, aero, air, self.start.phase_rad)
     }
 
     /// Whole samples between the records of the strips.

@@ -1,13 +1,15 @@
 //! How the robot that flies differs from the one its controller knows.
 
+use super::AeroSpec;
 use crate::Error;
 use crate::range::{Range, ranges};
 use crate::require;
 use crate::robot::RobotSpec;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
-/// Factors and shifts applied to the flown robot alone.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+/// Factors and shifts applied to the flown robot alone, and an air of its own.
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(transform = crate::range::put(Self::RANGES)))]
 #[serde(deny_unknown_fields, default)]
@@ -32,6 +34,13 @@ pub struct Mismatch {
     pub profile_drag: f64,
     /// Factor on their drag broadside to the wind, cd90.
     pub broadside_drag: f64,
+    /// Aerodynamics of the flown robot, in place of `aero`: another preset, law or grid. What the controller is not told of the air
+    /// that it knows follows its own model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aero: Option<AeroSpec>,
+    /// Numbers of the flown robot by name, in place of `robot.numbers`; an empty table for those of the robot's file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub numbers: Option<BTreeMap<String, f64>>,
 }
 
 impl Default for Mismatch {
@@ -47,6 +56,8 @@ impl Default for Mismatch {
             regulator_bandwidth: 1.0,
             profile_drag: 1.0,
             broadside_drag: 1.0,
+            aero: None,
+            numbers: None,
         }
     }
 }
@@ -63,7 +74,7 @@ ranges!(Mismatch {
 
 impl Mismatch {
     /// Its keys.
-    pub(super) const KEYS: [&str; 10] = [
+    pub(super) const KEYS: [&str; 12] = [
         "density",
         "mass",
         "inertia",
@@ -74,6 +85,8 @@ impl Mismatch {
         "regulator_bandwidth",
         "profile_drag",
         "broadside_drag",
+        "aero",
+        "numbers",
     ];
 
     /// Checks ranges.
@@ -89,6 +102,9 @@ impl Mismatch {
             let allowed = "1 where a surface of the robot says no cd90";
             return Err(Error::invalid("broadside_drag", self.broadside_drag, allowed));
         }
+        if let Some(aero) = &self.aero {
+            aero.check().map_err(|e| e.within("aero"))?;
+        }
         require::finite("com_x_m", &[self.com_x_m])?;
         require::finite("com_y_m", &[self.com_y_m])?;
         require::finite("com_z_m", &[self.com_z_m])?;
@@ -98,6 +114,9 @@ impl Mismatch {
     /// The robot as it really is.
     pub fn apply(&self, robot: &RobotSpec) -> RobotSpec {
         let mut real = robot.clone();
+        if let Some(numbers) = &self.numbers {
+            real.numbers.clone_from(numbers);
+        }
         real.scale_inertias(self.mass, self.inertia);
         real.scale_gait(self.gait_amplitude);
         for (i, shift) in [self.com_x_m, self.com_y_m, self.com_z_m].into_iter().enumerate() {

@@ -224,27 +224,32 @@ impl Scenario {
     /// State at t = 0: at the origin, structure at rest under the commands that the start holds, still wake but for what
     /// the start says.
     pub fn start(&self) -> Vec<f64> {
-        let (start, layout) = (&self.spec.start, self.robot.layout());
+        self.start_of(&self.robot)
+    }
+
+    /// The same of `robot`.
+    fn start_of(&self, robot: &Robot) -> Vec<f64> {
+        let (start, layout) = (&self.spec.start, robot.layout());
         let mut x = vec![0.0; layout.len];
         let [roll, pitch, yaw] = [start.roll_deg, start.pitch_deg, start.yaw_deg].map(f64::to_radians);
         Quat::from_roll_pitch_yaw(roll, pitch, yaw).store_wxyz(&mut x[layout.attitude..]);
         Vec3(start.velocity_m_s).store(&mut x[layout.velocity..]);
-        let coordinates = self.robot.start_coordinates();
+        let coordinates = robot.start_coordinates();
         x[layout.joints..][..coordinates.len()].copy_from_slice(&coordinates);
         Vec3(start.rate_rad_s).store(&mut x[layout.rate..]);
         let held = self.held_commands();
-        let gains = self.robot.rest_gains();
+        let gains = robot.rest_gains();
         for (y, gains) in x[layout.structure..].iter_mut().zip(gains.chunks_exact(held.len().max(1))) {
             *y = gains.iter().zip(&held).map(|(gain, held)| gain * held).sum();
         }
         let say = |x: &mut [f64]| {
-            for (channel, x) in self.robot.states().iter().zip(x).skip(layout.joints) {
+            for (channel, x) in robot.states().iter().zip(x).skip(layout.joints) {
                 *x = start.states.get(&channel.name).copied().unwrap_or(*x);
             }
         };
         say(&mut x);
         // A fault here is that of the first step, which tells it.
-        if self.robot.settle(0.0, &mut x, &held).is_ok() {
+        if robot.settle(0.0, &mut x, &held).is_ok() {
             say(&mut x);
         }
         x
@@ -393,9 +398,9 @@ impl Scenario {
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 
-    /// A word for all surfaces: where they differ each after its surface's name, without any `plain`.
-    fn named(&self, plain: &str, word: impl Fn(&Aero) -> &'static str) -> String {
-        let words: Vec<(&str, &str)> = self.robot.surfaces().map(|(name, aero)| (name, word(aero))).collect();
+    /// A word for all surfaces of `robot`: where they differ each after its surface's name, without any `plain`.
+    fn named(&self, robot: &Robot, plain: &str, word: impl Fn(&Aero) -> &'static str) -> String {
+        let words: Vec<(&str, &str)> = robot.surfaces().map(|(name, aero)| (name, word(aero))).collect();
         match words.first() {
             None => plain.into(),
             Some((_, first)) if words.iter().all(|(_, word)| word == first) => (*first).into(),
@@ -415,8 +420,9 @@ impl Scenario {
             goal: self.spec.goal.as_ref(),
             inputs: self.robot.inputs(),
             clearances: self.robot.clearances(),
-            preset: self.named(self.spec.aero.preset.name(), |aero| aero.preset().name()),
-            law: self.named(self.spec.aero.law.name(), |aero| aero.law().name()),
+            preset: self
+                .named(&self.robot, self.spec.flown_aero().preset.name(), |aero| aero.preset().name()),
+            law: self.named(&self.robot, self.spec.flown_aero().law.name(), |aero| aero.law().name()),
             stalled: recorded.stalled.clone(),
             stall_fraction: recorded.stall_fraction,
             separated_fraction: recorded.separated_fraction,

@@ -34,7 +34,7 @@ impl Scenario {
         (*mass_kg, *com_m, *inertia_kg_m2, *drag_area_m2) = (1.0, [0.0; 3], [1.0; 3], [0.0; 3]);
         robot.gait.set_frequency_hz(1.0);
         robot.numbers.values_mut().for_each(|number| *number = 0.0);
-        Some([toml::to_string(&robot).ok()?, toml::to_string(&self.spec.aero).ok()?])
+        Some([toml::to_string(&robot).ok()?, toml::to_string(self.spec.flown_aero()).ok()?])
     }
 
     /// Flies up to [`MOST`] scenarios that fit side by side; `watch` is asked at every sample and may stop them. The

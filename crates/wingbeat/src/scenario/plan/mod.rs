@@ -144,8 +144,8 @@ impl Scenario {
             iterations: optimum.passes.iter().map(|p| p.iterations).sum(),
             solve_s: optimum.time.as_secs_f64(),
             passes: optimum.passes.iter().map(pass).collect(),
-            aero_preset: self.named(self.spec.aero.preset.name(), |aero| aero.preset().name()),
-            lift_law: self.named(self.spec.aero.law.name(), |aero| aero.law().name()),
+            aero_preset: self.named(&self.model, self.spec.aero.preset.name(), |aero| aero.preset().name()),
+            lift_law: self.named(&self.model, self.spec.aero.law.name(), |aero| aero.law().name()),
         }
     }
 }

@@ -98,7 +98,7 @@ impl Scenario {
         spec: &RollInSpec,
         approach: &mut C,
     ) -> Result<(RollIn<'_, crate::robot::Robot>, RollInSpec), Error> {
-        let mut x = self.start();
+        let mut x = self.start_of(&self.model);
         let steps = (spec.start_s / self.schedule.step).round() as usize;
         let schedule = Schedule { steps, ..self.schedule };
         let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
@@ -177,7 +177,7 @@ impl Scenario {
             steps / schedule.steps_per_sample + 1,
             None,
         )?;
-        let mut x = self.start();
+        let mut x = self.start_of(&self.model);
         let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
         fly(model, &mut sensors, &mut player, &schedule, &mut x, |sample, player| {
             recorder.sample(sample, player)?;

@@ -198,7 +198,7 @@ impl Scenario {
 
     /// The scenario's start as a point of the section.
     fn guess(&self, cycle: &Cycle) -> Point {
-        let x = self.start();
+        let x = self.start_of(&self.model);
         let mut z = vec![0.0; cycle.section().len()];
         cycle.section().coordinates(&x, &mut z);
         Point { z, pace: 1.0, inputs: self.held_commands() }
@@ -224,8 +224,8 @@ impl Scenario {
             yaw_rate_rad_s: spec.course().yaw_rate(),
             steps: cycle.steps(),
             search_s: search.as_secs_f64(),
-            aero_preset: self.named(self.spec.aero.preset.name(), |aero| aero.preset().name()),
-            lift_law: self.named(self.spec.aero.law.name(), |aero| aero.law().name()),
+            aero_preset: self.named(&self.model, self.spec.aero.preset.name(), |aero| aero.preset().name()),
+            lift_law: self.named(&self.model, self.spec.aero.law.name(), |aero| aero.law().name()),
             ..TrimSummary::default()
         }
     }

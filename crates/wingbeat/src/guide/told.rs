@@ -1,0 +1,77 @@
+//! The state of a model from the channels that are told by name.
+
+use super::history::History;
+use crate::plant::{Channel, Plant};
+use crate::robot::Robot;
+use crate::simulate::{Estimator, Measurement, NoEstimate, Stepper};
+
+/// Takes every channel that is told for the model's state of that name. States of the air that nobody tells follow the model
+/// under the commands that were in force: the air of a robot whose controller knows another model of it, or lags that no sensor
+/// sees.
+pub struct Told<'a> {
+    robot: &'a Robot,
+    model: Stepper<&'a Robot>,
+    history: History,
+    /// For every state the place of the channel that tells it.
+    places: Option<Vec<Option<usize>>>,
+    begun: bool,
+}
+
+impl<'a> Told<'a> {
+    /// For the model `robot`, its air at rest until the first measurement.
+    pub fn new(robot: &'a Robot) -> Self {
+        let model = Stepper::new(robot, 0.0, &vec![0.0; robot.states().len()]);
+        Self { robot, model, history: History::default(), places: None, begun: false }
+    }
+
+    fn places(&self, channels: &[Channel]) -> Vec<Option<usize>> {
+        let place = |state: &Channel| channels.iter().position(|channel| channel.name == state.name);
+        self.robot.states().iter().map(place).collect()
+    }
+}
+
+impl Estimator for Told<'_> {
+    fn estimate(
+        &mut self,
+        t: f64,
+        measurement: &Measurement,
+        u: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), NoEstimate> {
+        let places = match self.places.take() {
+            Some(places) => places,
+            None => self.places(measurement.channels()),
+        };
+        let aero = self.robot.layout().aero;
+        let (measured, states) = (places.iter().flatten().count(), x.len());
+        let untold = places[..aero].iter().any(Option::is_none);
+        let places = &*self.places.insert(places);
+        if untold {
+            return Err(NoEstimate::Unmeasured { measured, states });
+        }
+        let tell = |x: &mut [f64]| {
+            for (x, place) in x.iter_mut().zip(places) {
+                *x = place.map_or(*x, |place| measurement.values()[place]);
+            }
+        };
+        if measured == states {
+            tell(x);
+            return Ok(());
+        }
+        let taken = measurement.taken();
+        self.history.note(t, u);
+        self.history.forget(self.model.time());
+        if self.begun {
+            self.history.fly(&mut self.model, taken)?;
+            x.copy_from_slice(self.model.state());
+        } else {
+            x.fill(0.0);
+            tell(x);
+            self.robot.settle(taken, x, u)?;
+            self.begun = true;
+        }
+        tell(x);
+        self.model.reset(taken, x);
+        Ok(())
+    }
+}
