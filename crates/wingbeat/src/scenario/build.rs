@@ -50,7 +50,12 @@ impl ScenarioSpec {
     pub(super) fn build(&self, choice: &Choice) -> Result<Built, Error> {
         self.check()?;
         let model = self.known_robot()?;
+        let own_air = self.mismatch.as_ref().is_some_and(|mismatch| mismatch.aero.is_some());
         let robot = self.flown_robot().map_err(|error| {
+            let Error::Invalid { key, .. } = &error;
+            if own_air && key.starts_with("aero.") {
+                return error.within("mismatch");
+            }
             let allowed = format!("what leaves a robot that can be built; with it {error}");
             Error::invalid("mismatch", "given", allowed)
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))

@@ -3,9 +3,12 @@
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use wingbeat::guide::Told as Known;
 use wingbeat::plant::{Plant, Role};
 use wingbeat::scenario::{Document, Scenario};
-use wingbeat::simulate::{Controller, Measurement, Quantity, Reading, SensorSpec, Update};
+use wingbeat::simulate::{
+    Controller, Estimator, Measurement, Quantity, Reading, SensorSpec, Stepper, Update,
+};
 
 const LEVEL: &str = "controller.orbit.legs=[]";
 const PERIOD: f64 = 0.0075;
@@ -71,6 +74,54 @@ fn nothing_but_readings_reaches_the_controller() {
         assert_eq!(&u, commands, "at {t} s");
     }
     assert!(told.len() == 60 && told.iter().map(|(_, readings, _)| readings.len()).sum::<usize>() > 1000);
+}
+
+/// A controller is told states by name: what it lacks of the air follows its own model, to the truth where that is the model, and
+/// where it lacks nothing it is told the truth to the bit.
+#[test]
+fn an_air_that_nobody_tells_follows_the_model() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn_short.toml");
+    let turn = |overrides: &[&str]| {
+        let document = Document::file(&path).unwrap().set("flight.duration_s=0.2");
+        Scenario::new(overrides.iter().fold(document, |d, text| d.set(*text))).unwrap()
+    };
+    let own = turn(&[]);
+    let fly = |scenario: &Scenario| scenario.fly(|_| ControlFlow::Continue(())).unwrap();
+    let air = Document::value("air", &own.spec.aero).unwrap();
+    let document = Document::file(&path).unwrap().set("flight.duration_s=0.2");
+    let told = fly(&Scenario::new(document.put("mismatch.aero", air).unwrap()).unwrap());
+    let alike = fly(&own);
+    for (a, b) in alike.record.columns().iter().zip(told.record.columns()) {
+        assert!(a.name == b.name && a.values == b.values, "{}", a.name);
+    }
+    let (robot, aero) = (own.model(), own.model().layout().aero);
+    let (mut stepper, mut estimator) = (Stepper::new(robot, 0.0, &own.start()), Known::new(robot));
+    let mut x = vec![0.0; robot.states().len()];
+    let u = vec![0.0; robot.inputs().len()];
+    for update in 0..=40 {
+        let t = 5e-3 * f64::from(update);
+        let known = Measurement::new(t, &robot.states()[..aero], &stepper.state()[..aero]);
+        estimator.estimate(t, &known, &u, &mut x).unwrap();
+        assert_eq!(x[..aero], stepper.state()[..aero]);
+        (0..50).for_each(|_| stepper.step(1e-4).unwrap());
+        stepper.set_time(5e-3 * f64::from(update + 1));
+    }
+    let last = Measurement::new(0.205, &robot.states()[..aero], &stepper.state()[..aero]);
+    estimator.estimate(0.205, &last, &u, &mut x).unwrap();
+    let air = &stepper.state()[aero..];
+    let largest = air.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    for (i, (estimated, true_)) in x[aero..].iter().zip(air).enumerate() {
+        assert!((estimated - true_).abs() < 1e-6 * largest, "{i}: {estimated} {true_}");
+    }
+    // Another air: the paper's lifting line plans, the strips with separation fly.
+    let other = turn(&["mismatch.aero={preset='full', law='lev'}", "flight.duration_s=1.0"]);
+    let run = fly(&other);
+    assert!(other.robot().states().len() != other.model().states().len());
+    assert!(run.summary.completed() && run.summary.aero_preset == "full" && run.summary.lift_law == "lev");
+    let start = own.start();
+    let untold = Measurement::new(0.0, &robot.states()[..aero - 1], &start[..aero - 1]);
+    let refused = Known::new(robot).estimate(0.0, &untold, &u, &mut x).unwrap_err();
+    assert!(refused.to_string().contains("are measured"), "{refused}");
 }
 
 #[test]

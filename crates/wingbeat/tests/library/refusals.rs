@@ -111,7 +111,8 @@ const TABLES: [(&str, &[&str]); 14] = [
             "aero.paper.chord_floor_m=0.01",
             "aero.full={strips=16, regularisation_m_s=0.1}",
             "mismatch={density=1.1, mass=1.1, inertia=1.1, com_x_m=0.001, com_y_m=0.001, com_z_m=0.001, \
-             gait_amplitude=1.1, regulator_bandwidth=1.1, profile_drag=1.1}",
+             gait_amplitude=1.1, regulator_bandwidth=1.1, profile_drag=1.1, \
+             aero={law=\"stall\", stall_angle_deg=13.0, full={strips=16, regularisation_m_s=0.1}}}",
             "sensors={position_m=0.1, attitude_deg=0.5, velocity_m_s=0.1, rate_rad_s=0.1, displacement=0.01, \
              delay_updates=1}",
             "controller.deadline_s=0.004",
