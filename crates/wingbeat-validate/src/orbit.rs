@@ -22,6 +22,7 @@ pub const CASES: &[Case] = &[
     Case { id: "trim.drift", quick: false, run: drift::rows },
     Case { id: "trim.random", quick: false, run: random::rows },
     Case { id: "trim.cruise_20g", quick: false, run: || level::rows(&level::CRUISE_20G) },
+    Case { id: "trim.cruise_20g_lev", quick: false, run: || level::rows(&level::CRUISE_20G_LEV) },
     Case { id: "trim.cruise_44g", quick: false, run: || level::rows(&level::CRUISE_44G) },
     Case { id: "trim.cruise_beta", quick: false, run: || level::rows(&level::CRUISE_BETA) },
     Case { id: "trim.passive_20g", quick: false, run: || level::rows(&level::PASSIVE_20G) },

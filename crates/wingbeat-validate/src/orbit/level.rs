@@ -23,6 +23,8 @@ pub(super) struct Asked {
 const DRIVEN_ROOM: f64 = 3e-3;
 
 pub(super) const CRUISE_20G: Asked = driven(shipped!("cruise_20g", "cruise_20g"), 80.0, [6.0, 0.10]);
+pub(super) const CRUISE_20G_LEV: Asked =
+    driven(shipped!("cruise_20g_lev", "cruise_20g_lev"), 80.0, [6.0, 0.10]);
 pub(super) const CRUISE_44G: Asked = driven(shipped!("cruise_44g", "cruise_44g"), 95.0, [8.0, 0.10]);
 pub(super) const CRUISE_BETA: Asked = driven(shipped!("cruise_beta", "cruise_beta"), 100.0, [10.5, 0.15]);
 pub(super) const PASSIVE_20G: Asked = passive(shipped!("passive_20g", "passive_20g"), 85.0);
@@ -38,7 +40,7 @@ const fn passive(of: Shipped, power: f64) -> Asked {
 
 pub(super) fn rows(asked: &Asked) -> Result<Vec<Row>, Error> {
     let (name, source) = (asked.of.0, "what is asked of the flight");
-    let mut rows = Vec::new();
+    let (mut rows, mut shown) = (Vec::new(), Vec::new());
     for (i, strips) in asked.strips.iter().enumerate() {
         let flight = trimmed(asked.of, &[&format!("aero.full.strips={strips}")])?.summary;
         let mut row = |end: &str, metric: &str, value: Option<f64>, limit: f64, unit| {
@@ -59,10 +61,22 @@ pub(super) fn rows(asked: &Asked) -> Result<Vec<Row>, Error> {
             Some(_) => {}
             None => row("twist", "mean power put into the twist", flight.twist_power_w, 0.0, "W"),
         }
+        if i == 0 && flight.lift_law == "lev" {
+            let shares =
+                [("separated", flight.separated_fraction), ("suction_lost", flight.suction_lost_fraction)];
+            for (end, value) in shares {
+                let (id, metric) = (
+                    format!("trim.{name}.{end}"),
+                    format!("share {}, {strips} strips", end.replace('_', " ")),
+                );
+                shown.push(Row::shown(&id, source, &metric, value.unwrap_or(f64::NAN), ""));
+            }
+        }
         row("multiplier", "largest multiplier but the heading's", flight.largest_multiplier, 1.0, "");
         let room = SKIN + asked.room;
         let metric = format!("{:.0} mm less the least clearance", 1e3 * room);
         row("clearance", &metric, flight.least_clearance_m.map(|least| room - least), 0.0, "m");
     }
+    rows.extend(shown);
     Ok(rows)
 }
