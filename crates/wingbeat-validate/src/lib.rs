@@ -70,7 +70,7 @@ pub fn slow_cases() -> Vec<&'static Case> {
     calibrate::LONG.iter().collect()
 }
 
-/// The cases that take minutes each on all cores: Monte Carlo.
+/// The cases that take minutes each on all cores: Monte Carlo, and the lattice along orbits.
 pub fn long_cases() -> Vec<&'static LongCase> {
-    flight::LONG.iter().collect()
+    orbit::LONG.iter().chain(flight::LONG).collect()
 }
