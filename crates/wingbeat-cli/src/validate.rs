@@ -43,6 +43,9 @@ pub fn validate(arguments: &Validate) -> Result<(), Error> {
     let name = RunName::new("name", "validate")?;
     let out = arguments.out.as_deref();
     let folder = out.map(|out| RunFolder::create(Some(out), &name, arguments.force)).transpose()?;
+    if !arguments.quiet {
+        tell_minutes(&long);
+    }
     let mut rows = compare(&cases, &selection, &interrupt, arguments.quiet);
     interrupt.check()?;
     rows.extend(compare_long(&long, &selection, &interrupt, arguments.quiet));
@@ -105,17 +108,21 @@ fn compare(cases: &[&Case], selection: &Selection, interrupt: &Interrupt, quiet:
     rows
 }
 
-/// Runs `cases` one after another, each on all cores, until interrupted.
-fn compare_long(cases: &[&LongCase], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<Row> {
+/// Says how long `cases` take, where there are any.
+fn tell_minutes(cases: &[&LongCase]) {
     let minutes: f64 = cases.iter().map(|case| case.core_minutes).sum();
-    if minutes > 0.0 && !quiet {
+    if minutes > 0.0 {
         let cores = std::thread::available_parallelism().map_or(1, usize::from) as f64;
         let ids = cases.iter().map(|case| case.id).collect::<Vec<_>>().join(", ");
+        let here = minutes / cores;
         say::note(&format!(
-            "{ids}: {minutes:.0} min of processor time, about {:.0} min on {cores} cores",
-            minutes / cores
+            "{ids}: {minutes:.0} min of processor time, about {here:.0} min on {cores} cores"
         ));
     }
+}
+
+/// Runs `cases` one after another, each on all cores, until interrupted.
+fn compare_long(cases: &[&LongCase], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<Row> {
     let progress = progress::bar(None, "{bar:30} {pos}/{len} {msg}  ({eta} left)", quiet);
     let told = |id: &str, done: usize, all: usize| {
         if done == 0 {
