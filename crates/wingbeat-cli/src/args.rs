@@ -241,7 +241,7 @@ pub struct Validate {
     /// Only comparisons that take seconds
     #[arg(long)]
     pub quick: bool,
-    /// Also fits and Monte Carlo, which take minutes each
+    /// Also fits, Monte Carlo and the lattice along orbits, which take minutes each
     #[arg(long, conflicts_with = "quick")]
     pub long: bool,
     /// Write a folder of the results

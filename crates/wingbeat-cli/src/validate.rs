@@ -8,7 +8,7 @@ use serde::Serialize;
 use wingbeat::scenario::RunName;
 use wingbeat_io::shortest;
 use wingbeat_validate::figures::PICTURES;
-use wingbeat_validate::{Case, Row, Selection};
+use wingbeat_validate::{Case, LongCase, Row, Selection, select, select_long};
 
 use crate::args::Validate;
 use crate::error::Error;
@@ -31,20 +31,27 @@ struct Summary {
 pub fn validate(arguments: &Validate) -> Result<(), Error> {
     let selection = Selection { only: arguments.only.clone(), quick: arguments.quick };
     let mut all = wingbeat_validate::cases();
+    let mut long = Vec::new();
     if arguments.long {
-        all.extend(wingbeat_validate::long_cases());
+        all.extend(wingbeat_validate::slow_cases());
+        long = select_long(&wingbeat_validate::long_cases(), &selection);
     }
-    let cases = wingbeat_validate::select(&all, &selection);
+    let cases = select(&all, &selection);
     let start = Instant::now();
     let interrupt = Interrupt::listen()?;
     arguments.json.as_deref().map_or(Ok(()), may_replace)?;
     let name = RunName::new("name", "validate")?;
     let out = arguments.out.as_deref();
     let folder = out.map(|out| RunFolder::create(Some(out), &name, arguments.force)).transpose()?;
-    let rows = compare(&cases, &selection, &interrupt, arguments.quiet);
+    if !arguments.quiet {
+        tell_minutes(&long);
+    }
+    let mut rows = compare(&cases, &selection, &interrupt, arguments.quiet);
+    interrupt.check()?;
+    rows.extend(compare_long(&long, &selection, &interrupt, arguments.quiet));
     interrupt.check()?;
     if rows.is_empty() {
-        return Err(nothing_selected(&selection, &all));
+        return Err(nothing_selected(&selection, arguments.long));
     }
     let summary = Summary::of(&rows);
     let mut told = wingbeat_validate::table(&rows);
@@ -97,6 +104,36 @@ fn compare(cases: &[&Case], selection: &Selection, interrupt: &Interrupt, quiet:
         progress.set_message(rows.first().map_or(String::new(), |row| row.id.clone()));
         interrupt.flow()
     });
+    progress.finish_and_clear();
+    rows
+}
+
+/// Says how long `cases` take, where there are any.
+fn tell_minutes(cases: &[&LongCase]) {
+    let minutes: f64 = cases.iter().map(|case| case.core_minutes).sum();
+    if minutes > 0.0 {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from) as f64;
+        let ids = cases.iter().map(|case| case.id).collect::<Vec<_>>().join(", ");
+        let here = minutes / cores;
+        say::note(&format!(
+            "{ids}: {minutes:.0} min of processor time, about {here:.0} min on {cores} cores"
+        ));
+    }
+}
+
+/// Runs `cases` one after another, each on all cores, until interrupted.
+fn compare_long(cases: &[&LongCase], selection: &Selection, interrupt: &Interrupt, quiet: bool) -> Vec<Row> {
+    let progress = progress::bar(None, "{bar:30} {pos}/{len} {msg}  ({eta} left)", quiet);
+    let told = |id: &str, done: usize, all: usize| {
+        if done == 0 {
+            progress.reset();
+            progress.set_length(all as u64);
+            progress.set_message(id.to_owned());
+        }
+        progress.set_position(done as u64);
+        interrupt.flow()
+    };
+    let rows = wingbeat_validate::run_long(cases, selection, told, |_| ());
     progress.finish_and_clear();
     rows
 }
@@ -156,9 +193,21 @@ fn shown(path: &Path) -> &Path {
     path.strip_prefix(here).unwrap_or(path)
 }
 
-fn nothing_selected(selection: &Selection, all: &[&Case]) -> Error {
-    let ids: Vec<_> = all.iter().map(|case| case.id).collect();
+fn nothing_selected(selection: &Selection, long: bool) -> Error {
     let only = selection.only.as_deref().unwrap_or("");
+    let (short, slow) = (wingbeat_validate::cases(), wingbeat_validate::slow_cases());
+    let longest = wingbeat_validate::long_cases();
+    let named = |selection: &Selection| {
+        let (slow, longest) = (select(&slow, selection), select_long(&longest, selection));
+        !slow.is_empty() || !longest.is_empty()
+    };
+    if !long && named(selection) {
+        return Error::Input(format!("--only {only}: it takes minutes and is run with --long"));
+    }
+    let mut ids: Vec<&str> = short.iter().map(|case| case.id).collect();
+    if long {
+        ids.extend(slow.iter().map(|case| case.id).chain(longest.iter().map(|case| case.id)));
+    }
     Error::Input(format!("--only {only}: no such comparison; there are {}", ids.join(", ")))
 }
 

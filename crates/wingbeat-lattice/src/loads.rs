@@ -42,6 +42,8 @@ pub struct Loads {
     pub bernoulli: Wrench<f64>,
     /// Share of the suction in that.
     pub suction: Wrench<f64>,
+    /// Power that the wings take from the air by Joukowski, W.
+    pub power: f64,
 }
 
 /// A surface with what acts on it.
@@ -73,6 +75,7 @@ impl Loads {
         let mut loads = Self { time, ..Self::default() };
         let (mut velocities, mut rates) = (air.velocities, air.rates);
         let mut sums = [Wrench::ZERO; 3];
+        let mut power = 0.0;
         for mesh in meshes {
             let (own_rings, own_rates) = (take(&mut rings, mesh.panels()), take(&mut rates, mesh.panels()));
             let relative = |at: &[Vec3], own: &mut dyn Iterator<Item = Vec3>| -> Vec<Vec3> {
@@ -95,11 +98,13 @@ impl Loads {
                 emulates,
                 undone: scene.symmetric && mesh.reaches_middle(),
             };
-            loads.panels.push(loaded.panels(&mut sums));
+            loads.panels.push(loaded.panels(&mut sums, &mut power));
         }
         if scene.symmetric {
             sums = sums.map(with_image);
+            power *= 2.0;
         }
+        loads.power = power;
         [loads.joukowski, loads.bernoulli, loads.suction] = sums;
         loads
     }
@@ -147,13 +152,14 @@ impl Loaded<'_> {
         if j == 0 || j == self.mesh.strips { 1.0 } else { 0.5 }
     }
 
-    /// Adds the forces to `sums`: Joukowski, Bernoulli with suction, suction.
-    fn panels(&self, sums: &mut [Wrench<f64>; 3]) -> PanelLoads {
+    /// Adds the forces to `sums`: Joukowski, Bernoulli with suction, suction; to `power` that of the first.
+    fn panels(&self, sums: &mut [Wrench<f64>; 3], power: &mut f64) -> PanelLoads {
         let (m, n) = (self.mesh.chordwise, self.mesh.strips);
         let mut panels = PanelLoads { strips: vec![Wrench::ZERO; n], ..PanelLoads::default() };
         for i in 0..m {
             for j in 0..n {
-                let joukowski = self.joukowski(i, j);
+                let (joukowski, taken) = self.joukowski(i, j);
+                *power += taken;
                 let bernoulli = self.bernoulli(i, j);
                 panels.joukowski.push(joukowski.force);
                 panels.bernoulli.push(bernoulli.force);
@@ -186,30 +192,38 @@ impl Loaded<'_> {
         let own = self.rates[i * n + j];
         let rate = if self.emulates { own } else { 0.75 * own + 0.25 * before };
         let control = &self.mesh.controls[i * n + j];
-        let corners = [(i, j), (i, j + 1), (i + 1, j), (i + 1, j + 1)].map(|(i, j)| self.mesh.corner(i, j));
-        let middle = corners.into_iter().fold(Vec3::ZERO, |sum, corner| sum + corner * 0.25);
+        let (middle, _) = self.mesh.middle(i, j);
         Wrench::at(middle, control.normal * (self.density * rate * control.area))
     }
 
-    /// Force on a panel by Joukowski: on its bound vortex, on its share of the legs beside it, and of the growth of its rings.
+    /// Force on a panel by Joukowski: on its bound vortex, on its share of the legs beside it, and of the growth of its rings; the power
+    /// of these at the places where they act.
     ///
     /// Equation: lattice.joukowski
-    fn joukowski(&self, i: usize, j: usize) -> Wrench<f64> {
+    fn joukowski(&self, i: usize, j: usize) -> (Wrench<f64>, f64) {
         let n = self.mesh.strips;
         let at = i * n + j;
-        let mut sum = self.on_vortex(&self.mesh.fronts[at], self.fronts[at], self.front(i, j));
+        let front = &self.mesh.fronts[at];
+        let mut sum = self.on_vortex(front, self.fronts[at], self.front(i, j));
+        let growth = self.growth(i, j);
+        let mut power = sum.force.dot(front.velocity) + growth.force.dot(self.mesh.middle(i, j).1);
         for side in [j, j + 1] {
             let leg = i * (n + 1) + side;
             let circulation = self.share(side) * self.leg(i, side);
-            sum += self.on_vortex(&self.mesh.legs[leg], self.legs[leg], circulation);
+            let element = &self.mesh.legs[leg];
+            let load = self.on_vortex(element, self.legs[leg], circulation);
+            power += load.force.dot(element.velocity);
+            sum += load;
         }
         if self.emulates && i + 1 == self.mesh.chordwise {
             let change = self.mesh.trailing.across[j] + self.mesh.shed[j];
             if let Some(end) = self.mesh.ends().nth(j) {
-                sum += self.on_vortex(&end, self.ends[j], change);
+                let load = self.on_vortex(&end, self.ends[j], change);
+                power += load.force.dot(end.velocity);
+                sum += load;
             }
         }
-        sum + self.growth(i, j)
+        (sum + growth, power)
     }
 
     /// Force on a panel by Bernoulli: rho [(v x g).n + d(phi)/dt] A n, g A the sum of circulation times length of the vortices on

@@ -144,6 +144,13 @@ impl Mesh {
         at(&self.edges[j], i as f64 / self.chordwise as f64).0
     }
 
+    /// The middle of the panel of row `i` and strip `j`, m, and its velocity, m/s.
+    pub(crate) fn middle(&self, i: usize, j: usize) -> (Vec3, Vec3) {
+        let x = (i as f64 + 0.5) / self.chordwise as f64;
+        let [left, right] = [j, j + 1].map(|j| at(&self.edges[j], x));
+        ((left.0 + right.0) * 0.5, (left.1 + right.1) * 0.5)
+    }
+
     fn place_rings(&mut self, wind: Vec3, step: f64) {
         let (m, edges) = (self.chordwise as f64, &self.edges);
         let row = |i: usize| edges.iter().map(move |edge| at(edge, (i as f64 + VORTEX) / m).0);

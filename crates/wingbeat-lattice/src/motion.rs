@@ -113,7 +113,24 @@ impl TryFrom<&Tether> for Flapping {
     }
 }
 
+/// Instants at which the speed of trailing edges is looked at.
+const LOOKS: usize = 64;
+
 impl Scene {
+    /// Rms speed of the trailing edges through the air over `duration` s, m/s.
+    pub fn edge_speed(&self, duration: f64) -> f64 {
+        let (mut sum, mut count, mut edges) = (0.0, 0.0, Vec::new());
+        for k in 0..LOOKS {
+            for surface in &self.surfaces {
+                let t = duration * k as f64 / LOOKS as f64;
+                surface.sections.sections(t, &surface.layout.arcs, &mut edges);
+                sum += edges.iter().map(|edge| (edge.v_te - self.wind).norm_squared()).sum::<f64>();
+                count += edges.len() as f64;
+            }
+        }
+        (sum / f64::max(count, 1.0)).sqrt()
+    }
+
     /// The wing whole, or its left half when wind and motion are symmetric and `halved` allows it.
     ///
     /// # Errors

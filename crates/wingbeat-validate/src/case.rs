@@ -1,6 +1,7 @@
 //! A compared number, the case that computes it, and the running of many.
 
 use std::ops::ControlFlow;
+use std::panic::AssertUnwindSafe;
 
 use wingbeat::parallel;
 
@@ -64,6 +65,20 @@ pub struct Case {
     pub run: fn() -> Result<Vec<Row>, Error>,
 }
 
+/// A comparison of many runs, which shares them among the cores itself.
+#[derive(Debug)]
+pub struct LongCase {
+    /// Stable name, as that of a [`Case`].
+    pub id: &'static str,
+    /// Processor time that it takes, min, as measured: what is told before it is run.
+    pub core_minutes: f64,
+    /// Computes the rows; none where it was ended.
+    pub run: fn(&mut Watch<'_>) -> Result<Vec<Row>, Error>,
+}
+
+/// Hears how many runs of how many are done, and may end them.
+pub type Watch<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;
+
 /// Which rows are wanted.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
@@ -74,9 +89,9 @@ pub struct Selection {
 }
 
 impl Selection {
-    fn keeps_case(&self, case: &Case) -> bool {
-        let named = self.only.as_deref().is_none_or(|only| below(case.id, only) || below(only, case.id));
-        named && (case.quick || !self.quick)
+    fn keeps_case(&self, id: &str, quick: bool) -> bool {
+        let named = self.only.as_deref().is_none_or(|only| below(id, only) || below(only, id));
+        named && (quick || !self.quick)
     }
 
     fn keeps_row(&self, row: &Row) -> bool {
@@ -91,7 +106,12 @@ pub(crate) fn below(id: &str, prefix: &str) -> bool {
 
 /// The cases of `all` that `selection` wants.
 pub fn select<'a>(all: &[&'a Case], selection: &Selection) -> Vec<&'a Case> {
-    all.iter().copied().filter(|case| selection.keeps_case(case)).collect()
+    all.iter().copied().filter(|case| selection.keeps_case(case.id, case.quick)).collect()
+}
+
+/// The long cases of `all` that `selection` wants.
+pub fn select_long<'a>(all: &[&'a LongCase], selection: &Selection) -> Vec<&'a LongCase> {
+    all.iter().copied().filter(|case| selection.keeps_case(case.id, false)).collect()
 }
 
 /// Runs `cases` on all cores and hands each case's rows to `show` in the order of `cases`, until it breaks.
@@ -118,15 +138,47 @@ pub fn run(
     shown
 }
 
+/// Runs long cases one after another; `told` hears the case's name and how many of its runs are done, and may end them all, `show` gets
+/// the rows of each.
+pub fn run_long(
+    cases: &[&LongCase],
+    selection: &Selection,
+    mut told: impl FnMut(&str, usize, usize) -> ControlFlow<()>,
+    mut show: impl FnMut(&[Row]),
+) -> Vec<Row> {
+    let mut shown = Vec::new();
+    for case in cases {
+        let mut ended = false;
+        let rows = kept(case.id, selection, || {
+            (case.run)(&mut |done, all| {
+                let flow = told(case.id, done, all);
+                ended |= flow.is_break();
+                flow
+            })
+        });
+        if ended {
+            break;
+        }
+        show(&rows);
+        shown.extend(rows);
+    }
+    shown
+}
+
 fn rows_of(case: &Case, selection: &Selection) -> Vec<Row> {
-    let mut rows = match std::panic::catch_unwind(case.run) {
+    kept(case.id, selection, case.run)
+}
+
+/// The wanted rows of the case `id`, or the one that says why there are none.
+fn kept(id: &str, selection: &Selection, run: impl FnOnce() -> Result<Vec<Row>, Error>) -> Vec<Row> {
+    let mut rows = match std::panic::catch_unwind(AssertUnwindSafe(run)) {
         Ok(Ok(rows)) => rows,
-        Ok(Err(error)) => return vec![Row::failed(case.id, &error)],
-        Err(_) => return vec![Row::failed(case.id, &Error::Panicked)],
+        Ok(Err(error)) => return vec![Row::failed(id, &error)],
+        Err(_) => return vec![Row::failed(id, &Error::Panicked)],
     };
-    let own = |i: usize| below(&rows[i].id, case.id) && rows[..i].iter().all(|row| row.id != rows[i].id);
+    let own = |i: usize| below(&rows[i].id, id) && rows[..i].iter().all(|row| row.id != rows[i].id);
     if !(0..rows.len()).all(own) {
-        return vec![Row::failed(case.id, &Error::Ids)];
+        return vec![Row::failed(id, &Error::Ids)];
     }
     rows.retain(|row| selection.keeps_row(row));
     rows
@@ -186,6 +238,30 @@ mod tests {
         );
         assert_eq!(seen, 4);
         assert_eq!(rows.iter().filter(|row| !row.passes()).count(), 2);
+    }
+
+    #[test]
+    fn long_cases_tell_how_far_they_are_and_end_when_told_to() {
+        const LONG: LongCase = LongCase {
+            id: "c.long",
+            core_minutes: 1.0,
+            run: |watch| match (0..3).try_for_each(|done| watch(done + 1, 3)) {
+                ControlFlow::Continue(()) => Ok(vec![Row::shown("c.long.x", "s", "m", 1.0, "")]),
+                ControlFlow::Break(()) => Ok(Vec::new()),
+            },
+        };
+        let selection = Selection { only: Some("c".into()), quick: false };
+        let cases = select_long(&[&LONG], &selection);
+        let mut heard = Vec::new();
+        let all = |id: &str, done, of| {
+            heard.push((id.to_owned(), done, of));
+            ControlFlow::Continue(())
+        };
+        assert_eq!(run_long(&cases, &selection, all, |rows| assert_eq!(rows.len(), 1)).len(), 1);
+        assert_eq!(heard.last(), Some(&("c.long".to_owned(), 3, 3)));
+        let at_once = |_: &str, _, _| ControlFlow::Break(());
+        assert!(run_long(&[&LONG, &LONG], &selection, at_once, |_| panic!("no rows")).is_empty());
+        assert!(select_long(&[&LONG], &Selection { only: None, quick: true }).is_empty());
     }
 
     #[test]

@@ -55,6 +55,7 @@ pub const PICTURES: &[Picture] = &[
     Picture { name: "theodorsen_pitch", cases: &["aero.theodorsen_pitch"], draw: section::pitch },
     Picture { name: "linkage", cases: &["linkage.cycle"], draw: rest::linkage },
     Picture { name: "pinocchio", cases: &["body.pinocchio"], draw: rest::tree },
+    Picture { name: "replay", cases: &["trim.replay"], draw: rest::replay },
     Picture { name: "orders", cases: &["math.rk4_order", "ocp.hermite_simpson_order"], draw: rest::orders },
     Picture { name: "pipeline", cases: &["rig.pipeline_recovers_truth"], draw: rest::pipeline },
 ];

@@ -1,6 +1,7 @@
 //! Flight under control about orbits: the shipped scenarios keep their height, hold their bank, and no wing passes
 //! through another.
 
+mod draws;
 mod estimator;
 mod hover;
 mod path;
@@ -12,7 +13,7 @@ use wingbeat::scenario::Run;
 use wingbeat::simulate::Record;
 
 use crate::shipped::{Shipped, scenario, shipped};
-use crate::{Case, Error, Row};
+use crate::{Case, Error, LongCase, Row};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -33,6 +34,35 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.path_figure8", quick: false, run: path::rows },
     Case { id: "flight.hover_guarded", quick: false, run: hover::rows },
     Case { id: "flight.estimator", quick: true, run: estimator::rows },
+];
+
+/// Those that fly a shipped sweep whole.
+pub const LONG: &[LongCase] = &[
+    LongCase {
+        id: "flight.draws.level_20g",
+        core_minutes: 1.9,
+        run: |watch| draws::rows(&draws::LEVEL, watch),
+    },
+    LongCase {
+        id: "flight.draws.bank15_20g",
+        core_minutes: 1.9,
+        run: |watch| draws::rows(&draws::BANK15, watch),
+    },
+    LongCase {
+        id: "flight.draws.passive_level_20g",
+        core_minutes: 3.0,
+        run: |watch| draws::rows(&draws::PASSIVE_LEVEL, watch),
+    },
+    LongCase {
+        id: "flight.draws.passive_bank15_20g",
+        core_minutes: 3.0,
+        run: |watch| draws::rows(&draws::PASSIVE_BANK15, watch),
+    },
+    LongCase {
+        id: "flight.draws.path_figure8",
+        core_minutes: 4.0,
+        run: |watch| draws::rows(&draws::FIGURE8, watch),
+    },
 ];
 
 /// What is asked of a flight from the begin of its first leg on.

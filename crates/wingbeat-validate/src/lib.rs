@@ -30,7 +30,7 @@ pub mod paper;
 pub mod paper_nlp;
 pub mod rig;
 
-pub use case::{Case, Row, Selection, run, select};
+pub use case::{Case, LongCase, Row, Selection, Watch, run, run_long, select, select_long};
 pub use error::Error;
 pub use page::page;
 pub use reference::Table;
@@ -65,7 +65,12 @@ pub fn cases() -> Vec<&'static Case> {
     .collect()
 }
 
-/// The cases that take minutes each: fits and Monte Carlo.
-pub fn long_cases() -> Vec<&'static Case> {
+/// The cases that take minutes each and run beside the others: fits.
+pub fn slow_cases() -> Vec<&'static Case> {
     calibrate::LONG.iter().collect()
+}
+
+/// The cases that take minutes each on all cores: Monte Carlo, and the lattice along orbits.
+pub fn long_cases() -> Vec<&'static LongCase> {
+    orbit::LONG.iter().chain(flight::LONG).collect()
 }

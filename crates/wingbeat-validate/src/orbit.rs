@@ -1,8 +1,13 @@
 //! Periodic flight: the orbits of the shipped scenarios close, hold as their multipliers say, and keep their energy.
 
 mod drift;
+mod lattice;
 mod level;
 mod random;
+mod replay;
+
+pub(crate) use lattice::cycles as replayed;
+pub(crate) use replay::Instant;
 
 use std::ops::ControlFlow;
 
@@ -12,7 +17,7 @@ use wingbeat::plant::{Fault, Plant};
 use wingbeat::scenario::{ConfigError, Scenario, Trimmed};
 
 use crate::shipped::{Shipped, scenario, shipped};
-use crate::{Case, Error, Row};
+use crate::{Case, Error, LongCase, Row};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -20,6 +25,7 @@ pub const CASES: &[Case] = &[
     Case { id: "trim.floquet", quick: false, run: multipliers },
     Case { id: "trim.energy", quick: true, run: energy },
     Case { id: "trim.drift", quick: false, run: drift::rows },
+    Case { id: "trim.replay", quick: false, run: lattice::own },
     Case { id: "trim.random", quick: false, run: random::rows },
     Case { id: "trim.cruise_20g", quick: false, run: || level::rows(&level::CRUISE_20G) },
     Case { id: "trim.cruise_20g_lev", quick: false, run: || level::rows(&level::CRUISE_20G_LEV) },
@@ -28,6 +34,9 @@ pub const CASES: &[Case] = &[
     Case { id: "trim.passive_20g", quick: false, run: || level::rows(&level::PASSIVE_20G) },
     Case { id: "trim.passive_linkage", quick: false, run: || level::rows(&level::PASSIVE_LINKAGE) },
 ];
+
+/// Those that take minutes.
+pub const LONG: &[LongCase] = &[LongCase { id: "trim.lattice", core_minutes: 5.0, run: lattice::rows }];
 
 /// Level flight of 20 g with a driven twist, and with a twist that the air moves.
 const DRIVEN: Shipped = shipped!("cruise_20g", "cruise_20g");

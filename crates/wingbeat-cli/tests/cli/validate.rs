@@ -32,3 +32,18 @@ fn an_unknown_comparison_leaves_nothing() {
     assert!(message.contains("linkag: no such comparison") && message.contains("linkage.cycle"), "{message}");
     assert!(entries(&folder).is_empty());
 }
+
+#[test]
+fn a_long_comparison_is_run_when_it_is_asked_for() {
+    let folder = scratch("validate-long");
+    let output = wingbeat(&folder, &["validate", "--only", "flight.draws"]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("flight.draws: it takes minutes and is run with --long"), "{message}");
+    let output = wingbeat(&folder, &["validate", "--long", "--only", "flight.drawn"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        message.contains("no such comparison") && message.contains("flight.draws.level_20g"),
+        "{message}"
+    );
+}

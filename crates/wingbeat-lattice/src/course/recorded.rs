@@ -156,7 +156,7 @@ impl Recorded {
             flight.circulations(from_s, &layouts)?;
         }
         let chord = self.chord();
-        let way = fastest(&scene, cycles as f64 / frequency_hz) / frequency_hz;
+        let way = scene.edge_speed(cycles as f64 / frequency_hz) / frequency_hz;
         let steps = asked.steps.unwrap_or_else(|| fitting(way, chord, asked.chordwise));
         let clock = Clock { frequency_hz, cycles, steps };
         asked.check_size(clock)?;
@@ -234,17 +234,4 @@ impl Recorded {
         }
         f64::from(past as u32) / f64::from(all.max(1))
     }
-}
-
-/// Rms speed of the trailing edges through the air over `duration` s, m/s.
-fn fastest(scene: &Scene, duration: f64) -> f64 {
-    let (mut sum, mut count, mut edges) = (0.0, 0.0, Vec::new());
-    for k in 0..64 {
-        for surface in &scene.surfaces {
-            surface.sections.sections(duration * f64::from(k) / 64.0, &surface.layout.arcs, &mut edges);
-            sum += edges.iter().map(|edge| (edge.v_te - scene.wind).norm_squared()).sum::<f64>();
-            count += edges.len() as f64;
-        }
-    }
-    (sum / f64::max(count, 1.0)).sqrt()
 }

@@ -103,3 +103,24 @@ pub fn pipeline() -> Result<Figure, Error> {
     };
     Ok(grid("pipeline", (0..6).map(panel).collect(), 3, SMALL))
 }
+
+/// Lift and power of an orbit's motion, prescribed, over the cycle.
+pub fn replay() -> Result<Figure, Error> {
+    let cycles = crate::orbit::replayed()?;
+    let looks = [(Look::Line, 0), (Look::Dashed, 1), (Look::Dotted, 2)];
+    let panel = |label: &str, of: fn(&crate::orbit::Instant) -> f64| {
+        let line = |((name, cycle), (look, index)): (&(&str, Vec<crate::orbit::Instant>), (Look, usize))| {
+            let share = |k: usize| k as f64 / cycle.len() as f64;
+            // The cycle closes.
+            let points = (0..=cycle.len()).map(|k| (share(k), of(&cycle[k % cycle.len()])));
+            Series::new(*name, points.collect(), look, index)
+        };
+        let x = Axis::new("share of the cycle").over(0.0, 1.0);
+        chart("cruise_20g", x, Axis::new(label), cycles.iter().zip(looks).map(line).collect())
+    };
+    let charts = vec![
+        panel("lift of the wings over the weight", |instant| instant.up),
+        panel("power of the joints against the air [W/kg]", |instant| instant.power),
+    ];
+    Ok(grid("replay", charts, 1, HALF))
+}

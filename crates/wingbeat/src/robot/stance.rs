@@ -1,10 +1,11 @@
 //! Where a robot is and how it moves, without its loads.
 
+use super::carried::air_power;
 use super::drive::Ratios;
 use super::sections::{Carriers, Riding, Section};
 use super::{BodyMotion, Joints, Links, Robot};
 use crate::body::{Coordinates, LinkMotion};
-use crate::math::{Jet, Mat3, Quat, Vec3};
+use crate::math::{Jet, Mat3, Quat, Vec3, Wrench};
 use crate::plant::Fault;
 
 /// What the places and velocities of a robot's surfaces follow from.
@@ -58,6 +59,29 @@ impl Robot {
         }
     }
 
+    /// Power that loads on links and body, in B about the body's origin and the body's last, give to a robot as it is `at`, W.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    ///
+    /// Equation: robot.air_power
+    pub fn power_of(&self, at: &Stance, loads: &[Wrench<f64>]) -> Result<f64, Fault> {
+        let (base, links) = self.moving_at(at)?;
+        Ok(air_power(&base, &links, loads))
+    }
+
+    /// Body and links of a robot as it is `at`, accelerations left out.
+    fn moving_at(&self, at: &Stance) -> Result<(LinkMotion, Links<f64>), Fault> {
+        let velocity = at.attitude.transpose_mul(at.velocity);
+        let inputs = vec![0.0; self.inputs.len()];
+        let mut rates = vec![0.0; self.layout.joints - self.layout.structure];
+        let (mut joints, mut ratios) = (Joints::new(), Ratios::new());
+        self.joints(&at.clock, &at.structure, &inputs, &mut rates, &mut joints, &mut ratios)?;
+        let mut links = Links::new();
+        self.links(&joints, velocity, at.rate, &mut links);
+        Ok((LinkMotion::base(velocity, at.rate), links))
+    }
+
     /// `then` with the sections of the surface number `surface` at the arc coordinates `arcs`, riding on links whose accelerations
     /// are left out.
     pub(super) fn riding_at<T>(
@@ -67,14 +91,7 @@ impl Robot {
         arcs: &[f64],
         then: impl FnOnce(&Riding<f64, f64>) -> T,
     ) -> Result<T, Fault> {
-        let velocity = at.attitude.transpose_mul(at.velocity);
-        let inputs = vec![0.0; self.inputs.len()];
-        let mut rates = vec![0.0; self.layout.joints - self.layout.structure];
-        let (mut joints, mut ratios) = (Joints::new(), Ratios::new());
-        self.joints(&at.clock, &at.structure, &inputs, &mut rates, &mut joints, &mut ratios)?;
-        let mut links = Links::new();
-        self.links(&joints, velocity, at.rate, &mut links);
-        let base = LinkMotion::base(velocity, at.rate);
+        let (base, links) = self.moving_at(at)?;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(&base, &self.carriers, &links, Vec3::ZERO);

@@ -1,0 +1,156 @@
+//! Shipped sweeps flown whole: of many draws of the model's errors, gusts and courses of gusts the flights that are held, and clear.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use wingbeat::parallel;
+use wingbeat::scenario::{Hold, ReadTable, Sweep, SweepOf};
+
+use crate::{Error, Row, Watch};
+
+/// What is asked of the flights of a sweep; what counts as held and as clear the sweep says itself.
+pub(super) struct Asked {
+    sweep: &'static str,
+    /// Largest share of flights that are not held.
+    lost: f64,
+    /// Largest share of flights that are not clear, where it is asked.
+    crossing: Option<f64>,
+}
+
+pub(super) const LEVEL: Asked = held("level_20g", DRIVEN);
+pub(super) const BANK15: Asked = held("bank15_20g", DRIVEN);
+pub(super) const PASSIVE_LEVEL: Asked = held("passive_level_20g", PASSIVE);
+pub(super) const PASSIVE_BANK15: Asked = held("passive_bank15_20g", PASSIVE);
+pub(super) const FIGURE8: Asked = Asked { sweep: "path_figure8", lost: 0.05, crossing: None };
+
+/// Largest shares of flights in which the wings come closer than the sweep allows: of a driven twist, and of one that the air moves.
+const DRIVEN: f64 = 0.05;
+const PASSIVE: f64 = 0.1;
+
+/// A sweep of which every flight is asked to be held.
+const fn held(sweep: &'static str, crossing: f64) -> Asked {
+    Asked { sweep, lost: 0.0, crossing: Some(crossing) }
+}
+
+const NO_TABLES: ReadTable = &|_: &Path| Err("flights read no tables".into());
+
+fn read(name: &str) -> Result<(Sweep, Hold), Error> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sweeps").join(name).with_extension("toml");
+    let refused = |e: wingbeat::scenario::ConfigError| Error::reference(name, e.to_string());
+    let sweep = Sweep::load(&path, &[], NO_TABLES).map_err(refused)?;
+    match sweep.of {
+        SweepOf::Flights(hold) => Ok((sweep, hold)),
+        SweepOf::Cases => Err(Error::reference(name, "no sweep of flights")),
+    }
+}
+
+/// The comparisons; none where they were ended.
+pub(super) fn rows(asked: &Asked, watch: &mut Watch<'_>) -> Result<Vec<Row>, Error> {
+    let name = asked.sweep;
+    let (sweep, hold) = read(name)?;
+    let Some(flown) = flown(&sweep, watch)? else { return Ok(Vec::new()) };
+    let columns = sweep.columns();
+    let column = |name: &str| -> Result<Vec<f64>, Error> {
+        let at = columns.iter().position(|column| column.name == name);
+        let at = at.ok_or_else(|| Error::reference("sweep", format!("no column {name}")))?;
+        Ok(flown.iter().map(|row| row[at]).collect())
+    };
+    let flights = flown.len();
+    let missed =
+        |truths: &[f64]| truths.iter().filter(|truth| **truth != 1.0).count() as f64 / flights as f64;
+    let (lost, crossing) = (missed(&column("held")?), missed(&column("clear")?));
+    let id = |end: &str| format!("flight.draws.{name}.{end}");
+    let source = "what is asked of the flights";
+    let of = |what: &str| format!("share of {flights} flights {what}");
+    let mut rows = Vec::new();
+    let (mut within, mut worst) = (Vec::new(), Vec::new());
+    for (end, measure, limit, what) in [
+        ("height", "height_max_error", hold.height_within_m, "height"),
+        ("cross", "cross_rms", hold.cross_rms_within_m, "rms distance across the path"),
+    ] {
+        let Some(limit) = limit else { continue };
+        let values = column(measure)?;
+        within.push(format!("{:.0} mm of {what}", 1e3 * limit));
+        let (id, metric) = (id(end), format!("largest error of the {what} of {flights} flights"));
+        worst.push(Row::shown(&id, source, &metric, most(&values), "m"));
+    }
+    let metric = of(&format!("not held within {}", within.join(" and ")));
+    rows.push(Row::judged(&id("held"), source, &metric, lost, asked.lost, ""));
+    let metric = of(&format!("with less than {:.0} mm of clearance", 1e3 * hold.clearance_m));
+    rows.push(match asked.crossing {
+        Some(limit) => Row::judged(&id("clear"), source, &metric, crossing, limit, ""),
+        None => Row::shown(&id("clear"), source, &metric, crossing, ""),
+    });
+    rows.append(&mut worst);
+    let least = -most(&column("least_clearance")?.iter().map(|c| -c).collect::<Vec<_>>());
+    let metric = format!("least clearance of {flights} flights");
+    rows.push(Row::shown(&id("least_clearance"), source, &metric, least, "m"));
+    Ok(rows)
+}
+
+/// The largest; not a number where one is not.
+fn most(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, |most, v| if v.is_nan() || v > most { v } else { most })
+}
+
+/// The rows of the sweep, on all cores; none where it was ended.
+fn flown(sweep: &Sweep, watch: &mut Watch<'_>) -> Result<Option<Vec<Vec<f64>>>, Error> {
+    let (all, stopped) = (sweep.runs(), std::sync::atomic::AtomicBool::new(false));
+    let mut rows = Vec::with_capacity(all);
+    let mut failed = None;
+    if watch(0, all).is_break() {
+        return Ok(None);
+    }
+    let go_on = || match stopped.load(std::sync::atomic::Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    };
+    parallel::each(
+        &sweep.batches((0..all).collect()),
+        |_, batch| sweep.rows(batch, NO_TABLES, go_on),
+        |_, made| {
+            let flow = match made {
+                Ok(made) => {
+                    rows.extend(made.rows);
+                    watch(rows.len(), all)
+                }
+                Err(error) => {
+                    failed = Some(Error::NoAnswer(error.to_string()));
+                    ControlFlow::Break(())
+                }
+            };
+            stopped.store(flow.is_break(), std::sync::atomic::Ordering::Relaxed);
+            flow
+        },
+    );
+    match failed {
+        Some(error) => Err(error),
+        None => Ok((rows.len() == all).then_some(rows)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shipped_sweeps_are_those_that_are_asked_for() {
+        let gust = |sweep: &Sweep| {
+            sweep.spec.draws.iter().any(|d| d.key == "air.gust_m_s" && d.values == [toml::Value::Float(0.3)])
+        };
+        for asked in [LEVEL, BANK15, PASSIVE_LEVEL, PASSIVE_BANK15] {
+            let (sweep, hold) = read(asked.sweep).unwrap();
+            assert_eq!((sweep.runs(), hold.height_within_m, hold.clearance_m), (200, Some(0.07), 0.003));
+            let range = |key: &str, low, high| {
+                sweep.spec.draws.iter().any(|d| d.key == key && (d.low, d.high) == (Some(low), Some(high)))
+            };
+            let five = ["density", "mass", "inertia", "profile_drag", "broadside_drag"];
+            assert!(five.iter().all(|key| range(&format!("mismatch.{key}"), 0.9, 1.1)), "{}", asked.sweep);
+            assert!(["x", "y", "z"].iter().all(|a| range(&format!("mismatch.com_{a}_m"), -0.002, 0.002)));
+            assert!(gust(&sweep), "{}", asked.sweep);
+        }
+        let (sweep, hold) = read(FIGURE8.sweep).unwrap();
+        assert_eq!((sweep.runs(), hold.cross_rms_within_m), (100, Some(0.15)));
+        assert!(gust(&sweep));
+    }
+}

@@ -1,0 +1,508 @@
+//! The motion of a shipped orbit, prescribed cycle after cycle: to strips under any law, and to the vortex lattice.
+
+use std::sync::Arc;
+
+use wingbeat::aero::SectionMotion;
+use wingbeat::body::Harmonic;
+use wingbeat::math::{GRAVITY, Jet, Quat, RK4, Vec3, Workspace, Wrench};
+use wingbeat::plant::{Fault, Plant};
+use wingbeat::robot::{BodyMotion, DrivenSpec, Robot};
+use wingbeat::scenario::{ConfigError, Document, Scenario, ScenarioSpec};
+use wingbeat::simulate::{Column, Record};
+use wingbeat_lattice::{Flight, Lattice, Layout, Loads, Panels, Scene, Sections, Settings, Spacing, Surface};
+
+use super::found;
+use crate::Error;
+use crate::shipped::{Shipped, scenario};
+
+/// Steps of the orbit, s; those of the strips are twice as long, so that their stages fall on them.
+const STEP: &str = "trim.step_s=2.5e-4";
+/// Harmonics in which the air moves a twist.
+const HARMONICS: usize = 24;
+/// Cycles under strips, whose slowest lags last some.
+const STRIP_CYCLES: usize = 20;
+/// Cycles in the lattice.
+const LATTICE_CYCLES: usize = 4;
+/// How far from a hinge a chord line belongs to one of its links, m.
+const BESIDE: f64 = 1e-6;
+/// Share of the chord by which chord lines on both sides of a hinge at least differ where the wing twists.
+const JUMP: f64 = 1e-3;
+
+/// How fine a lattice is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fineness {
+    /// Panels along the chord; the way of the trailing edges in a step, rms, is one of them.
+    pub chordwise: usize,
+    /// Strips along the whole span.
+    pub spanwise: usize,
+    /// Core of the wake, mean chords.
+    pub core: f64,
+    /// How a wing that twists at a hinge goes on there.
+    pub twisted: Twisted,
+}
+
+/// How a wing that twists at a hinge goes on there.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Twisted {
+    /// With a slit: what lies beyond is a wing of its own.
+    Slit,
+    /// Within this width, m, half on either side: the chord lines go over from one link to the next linearly.
+    Joined(f64),
+}
+
+/// A cycle of an orbit at even times.
+pub(super) struct Motion {
+    name: &'static str,
+    scenario: Scenario,
+    robot: Robot,
+    inputs: Vec<f64>,
+    duration: f64,
+    displacement: Vec3,
+    /// States, and their rates.
+    x: Vec<Vec<f64>>,
+    dx: Vec<Vec<f64>>,
+}
+
+/// What wings bear at an instant, and what the joints give to the air for it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Instant {
+    /// Upward force over the weight.
+    pub up: f64,
+    /// Forward force over the weight.
+    pub forward: f64,
+    /// Upward force of the body's drag over the weight, where it is known.
+    pub body_up: f64,
+    /// Power of the joints against the air, W/kg.
+    pub power: f64,
+}
+
+/// Means over a cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Means {
+    pub up: f64,
+    pub forward: f64,
+    pub body_up: f64,
+    /// Of the positive part of the power.
+    pub power: f64,
+}
+
+impl Means {
+    pub fn of(cycle: &[Instant]) -> Self {
+        let mean = |of: &dyn Fn(&Instant) -> f64| cycle.iter().map(of).sum::<f64>() / cycle.len() as f64;
+        Self {
+            up: mean(&|i| i.up),
+            forward: mean(&|i| i.forward),
+            body_up: mean(&|i| i.body_up),
+            power: mean(&|i| i.power.max(0.0)),
+        }
+    }
+}
+
+fn refused(error: ConfigError) -> Error {
+    Error::reference("orbit", error.to_string())
+}
+
+impl Motion {
+    /// That of a shipped scenario.
+    pub fn of(shipped: Shipped) -> Result<Self, Error> {
+        let scenario = scenario(shipped, &[STEP])?;
+        let cycle = scenario.cycle()?;
+        let orbit = found(&scenario, &cycle)?;
+        let robot = cycle.robot().paced(orbit.point.pace);
+        let (inputs, duration) = (orbit.point.inputs.clone(), orbit.end.duration);
+        let mut x = vec![cycle.start(&orbit.point)];
+        cycle.fly(&orbit.point.z, orbit.point.pace, &inputs, |_, _, state| {
+            x.push(state.to_vec());
+            Ok(())
+        })?;
+        x.pop();
+        let step = duration / x.len() as f64;
+        let rates = |(k, x): (usize, &Vec<f64>)| {
+            let mut dx = vec![0.0; x.len()];
+            robot.rates_in_numbers(k as f64 * step, x, &inputs, &mut dx).map(|()| dx)
+        };
+        let dx = x.iter().enumerate().map(rates).collect::<Result<_, Fault>>()?;
+        Ok(Self {
+            robot,
+            inputs,
+            duration,
+            displacement: orbit.end.displacement,
+            x,
+            dx,
+            scenario,
+            name: shipped.0,
+        })
+    }
+
+    /// The body's motion as it is, the strokes of driven joints times `share`.
+    pub fn gentler(self, share: f64) -> Result<Self, Error> {
+        let mut spec = self.scenario.spec.clone();
+        let series = spec.robot.links.iter_mut().filter_map(|link| link.driven.as_mut());
+        for harmonic in series.flat_map(|series| &mut series.harmonics) {
+            harmonic.amplitude_rad *= share;
+        }
+        let (scenario, robot) = self.built(&spec)?;
+        Ok(Self { scenario, robot, ..self })
+    }
+
+    /// The scenario of `spec`, and its robot at the orbit's frequency.
+    fn built(&self, spec: &ScenarioSpec) -> Result<(Scenario, Robot), Error> {
+        let text = toml::to_string(spec).map_err(|e| Error::NoAnswer(e.to_string()))?;
+        let scenario = Document::text("replayed", &text).and_then(Scenario::new).map_err(refused)?;
+        let pace = self.robot.frequency_hz() / self.scenario.model().frequency_hz();
+        let robot = scenario.model().paced(pace);
+        Ok((scenario, robot))
+    }
+
+    /// Name of the scenario.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn step(&self) -> f64 {
+        self.duration / self.x.len() as f64
+    }
+
+    /// The weight, N.
+    fn weight(&self) -> f64 {
+        self.robot.mass() * GRAVITY
+    }
+
+    /// How the body moves at sample `k`.
+    fn body(&self, k: usize) -> BodyMotion {
+        let (l, k) = (self.robot.layout(), k % self.x.len());
+        let (x, dx) = (&self.x[k], &self.dx[k]);
+        BodyMotion {
+            attitude: Quat::from_wxyz(&x[l.attitude..]).matrix(),
+            velocity: Vec3::from_slice(&x[l.velocity..]),
+            rate: Vec3::from_slice(&x[l.rate..]),
+            acceleration: Vec3::from_slice(&dx[l.velocity..]),
+            angular_acceleration: Vec3::from_slice(&dx[l.rate..]),
+        }
+    }
+
+    /// The instant at which the wings bear `wrench` (in B about the body's origin) and take `taken` W from the air, the body at `k`.
+    fn instant(&self, body: &BodyMotion, wrench: &Wrench<f64>, taken: f64) -> Instant {
+        let force = body.attitude * wrench.force;
+        let rigid = force.dot(body.velocity) + wrench.moment.dot(body.rate);
+        Instant {
+            up: force[2] / self.weight(),
+            forward: force[0] / self.weight(),
+            body_up: 0.0,
+            power: (rigid - taken) / self.robot.mass(),
+        }
+    }
+
+    /// The robot whose elastic joints are driven as the air moves them, changed by `change`, at the orbit's frequency.
+    pub fn driven(&self, change: impl Fn(&mut ScenarioSpec)) -> Result<Robot, Error> {
+        let joints = self.robot.joint_names().count();
+        let robot = self.driven_beside(&change, &vec![0.0; joints])?;
+        // Elements that move the rest of a spring move the joint itself now.
+        let loads = robot.carried_in_numbers(
+            &Jet::new(0.0, 1.0, 0.0),
+            &self.body(0),
+            &self.carried_start(&robot),
+            &self.inputs,
+            &mut vec![0.0; robot.carried_states()],
+        )?;
+        let seen = self.robot.observe(0.0, &self.x[0], &self.inputs)?.joints;
+        let beside: Vec<f64> = loads.joints.iter().zip(&seen).map(|(driven, seen)| driven.x - seen).collect();
+        self.driven_beside(&change, &beside)
+    }
+
+    /// Its states at the begin: elements rest under the commands held.
+    fn carried_start(&self, robot: &Robot) -> Vec<f64> {
+        let l = self.robot.layout();
+        let mut x = vec![0.0; robot.carried_states()];
+        x[..l.joints - l.structure].copy_from_slice(&self.x[0][l.structure..l.joints]);
+        x
+    }
+
+    fn driven_beside(&self, change: &impl Fn(&mut ScenarioSpec), beside: &[f64]) -> Result<Robot, Error> {
+        let joints: Vec<&str> = self.robot.joint_names().collect();
+        let mut spec = self.scenario.spec.clone();
+        spec.start.states.clear();
+        change(&mut spec);
+        for link in &mut spec.robot.links {
+            let sides = [link.name.clone(), format!("{}_left", link.name)];
+            let Some(joint) = joints.iter().position(|joint| sides.iter().any(|side| side == joint)) else {
+                continue;
+            };
+            if link.elastic.take().is_some() {
+                let series = self.series(joint)?;
+                link.driven = Some(DrivenSpec { mean_rad: series.mean_rad - beside[joint], ..series });
+            }
+        }
+        Ok(self.built(&spec)?.1)
+    }
+
+    /// The angle of a joint as a series.
+    fn series(&self, joint: usize) -> Result<DrivenSpec, Error> {
+        let angle = |(k, x): (usize, &Vec<f64>)| {
+            Ok(self.robot.observe(k as f64 * self.step(), x, &self.inputs)?.joints[joint])
+        };
+        let angles = self.x.iter().enumerate().map(angle).collect::<Result<Vec<f64>, Fault>>()?;
+        let n = angles.len() as f64;
+        let part = |harmonic: usize, wave: fn(f64) -> f64| -> f64 {
+            let phase = |k: usize| self.robot.phase(k as f64 * self.step());
+            let terms = angles.iter().enumerate().map(|(k, a)| a * wave(harmonic as f64 * phase(k)));
+            terms.sum::<f64>() * 2.0 / n
+        };
+        let harmonic = |h: usize| {
+            let (c, s) = (part(h, f64::cos), part(h, f64::sin));
+            Harmonic { amplitude_rad: c.hypot(s), phase_rad: s.atan2(c) }
+        };
+        Ok(DrivenSpec {
+            mean_rad: 0.5 * part(0, f64::cos),
+            harmonics: (1..=HARMONICS).map(harmonic).collect(),
+            ..DrivenSpec::default()
+        })
+    }
+
+    /// The last cycle under the strips of `robot`.
+    pub fn strips(&self, robot: &Robot) -> Result<Vec<Instant>, Error> {
+        let mut x = self.carried_start(robot);
+        let at = |t: f64| {
+            let k = (t / self.step()).round() as usize;
+            (Jet::new(k as f64 * self.step(), 1.0, 0.0), self.body(k))
+        };
+        robot.settle_carried(&at(0.0).0, &self.body(0), &mut x, &self.inputs)?;
+        let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| -> Result<(), Fault> {
+            let (clock, body) = at(t);
+            robot.carried_in_numbers(&clock, &body, x, &self.inputs, dx).map(drop)
+        };
+        let mut work = Workspace::new(x.len(), RK4.b.len());
+        let (steps, step) = (self.x.len() / 2, 2.0 * self.step());
+        let mut seen = Vec::with_capacity(steps);
+        for k in 0..STRIP_CYCLES * steps {
+            let (clock, body) = at(k as f64 * step);
+            if k + steps >= STRIP_CYCLES * steps {
+                let mut dx = vec![0.0; x.len()];
+                let loads = robot.carried_in_numbers(&clock, &body, &x, &self.inputs, &mut dx)?;
+                let drag = body.attitude * loads.body_drag.force;
+                let instant =
+                    self.instant(&body, &loads.air.total(), loads.air_power - drag.dot(body.velocity));
+                seen.push(Instant { body_up: drag[2] / self.weight(), ..instant });
+            }
+            RK4.step(&mut rates, k as f64 * step, step, &mut x, &mut work)?;
+        }
+        Ok(seen)
+    }
+
+    /// The cycles as a record.
+    fn record(&self) -> Result<Record, Error> {
+        let (states, inputs) = (self.robot.states(), self.robot.inputs());
+        let names = states.iter().chain(inputs).map(|channel| channel.name.clone());
+        let columns = std::iter::once("t".into()).chain(names).map(|name: String| Column::new(name, "", ""));
+        let n = self.x.len();
+        let mut record = Record::new(columns.collect(), LATTICE_CYCLES * n + 1)?;
+        let position = self.robot.layout().position;
+        for k in 0..=LATTICE_CYCLES * n {
+            let mut x = self.x[k % n].clone();
+            for i in 0..3 {
+                x[position + i] += (k / n) as f64 * self.displacement[i];
+            }
+            record.append(&[&[k as f64 * self.step()], &x[..], &self.inputs].concat());
+        }
+        Ok(record)
+    }
+
+    /// The last two cycles in the lattice.
+    pub fn lattice(&self, fineness: Fineness) -> Result<[Vec<Instant>; 2], Error> {
+        let Fineness { chordwise, spanwise, core, twisted } = fineness;
+        let outlines = self.scenario.spec.robot.outlines()?;
+        let planform = &outlines[0].planform;
+        let chord = planform.area() / (2.0 * planform.half_span());
+        let flight = Arc::new(self.flight()?);
+        let panels = Panels { chordwise, spanwise, spacing: Spacing::Lan };
+        let density = self.scenario.spec.air.density_kg_m3;
+        let (mut scene, layouts) = Scene::flown(&flight, &outlines, 0.0, density, panels)?;
+        let mut surfaces = Vec::new();
+        for (surface, (number, _)) in scene.surfaces.into_iter().zip(&layouts) {
+            let hinges = self.twisting(*number, &outlines[*number].hinges)?;
+            surfaces.extend(twisted.surfaces(surface, &hinges));
+        }
+        scene.surfaces = surfaces;
+        let way = scene.edge_speed(self.duration) * self.duration;
+        let steps = (way * chordwise as f64 / chord).round() as usize;
+        let mut lattice = Lattice::new(scene, Settings::new(self.duration / steps as f64, core * chord))?;
+        let mut cycles: [Vec<Instant>; 2] = Default::default();
+        for _ in 0..LATTICE_CYCLES {
+            cycles.rotate_left(1);
+            cycles[1].clear();
+            for _ in 0..steps {
+                let loads = lattice.step()?;
+                cycles[1].push(self.borne(&flight, &loads));
+            }
+        }
+        Ok(cycles)
+    }
+
+    /// Leading and trailing edge of a surface at sample `k`.
+    fn line(&self, surface: usize, k: usize, arc: f64) -> Result<[Vec3; 2], Fault> {
+        let at = self.robot.stance(k as f64 * self.step(), &self.x[k]);
+        let mut found = Vec::new();
+        self.robot.chord_lines(&at, surface, &[arc], &mut found)?;
+        Ok([found[0].le, found[0].te])
+    }
+
+    /// Those of `hinges` at which the chord line jumps, the first hinge first.
+    fn twisting(&self, surface: usize, hinges: &[f64]) -> Result<Vec<f64>, Fault> {
+        let mut twisting = Vec::new();
+        for hinge in hinges.iter().copied().filter(|hinge| *hinge > 0.0) {
+            let jumps = (0..self.x.len()).map(|k| -> Result<bool, Fault> {
+                let ([a, b], [c, d]) =
+                    (self.line(surface, k, hinge - BESIDE)?, self.line(surface, k, hinge + BESIDE)?);
+                Ok((a - c).norm().max((b - d).norm()) > JUMP * (a - b).norm())
+            });
+            if jumps.collect::<Result<Vec<bool>, Fault>>()?.contains(&true) {
+                twisting.push(hinge);
+            }
+        }
+        twisting.sort_by(f64::total_cmp);
+        Ok(twisting)
+    }
+
+    /// Share of the cycle in which the first chord line beyond a hinge of the first surface passes through the panel before the hinge, which
+    /// folds and twists there.
+    pub fn passes_through_itself(&self) -> Result<f64, Error> {
+        let outlines = self.scenario.spec.robot.outlines()?;
+        let mut ends: Vec<f64> = outlines[0].hinges.iter().copied().filter(|arc| *arc > 0.0).collect();
+        ends.insert(0, 0.0);
+        ends.sort_by(f64::total_cmp);
+        let mut passes = 0;
+        for k in 0..self.x.len() {
+            let mut through = false;
+            for pair in ends.windows(2) {
+                let ([a, b], [c, d]) =
+                    (self.line(0, k, pair[0] + BESIDE)?, self.line(0, k, pair[1] - BESIDE)?);
+                let beyond = self.line(0, k, pair[1] + BESIDE)?;
+                through |= pierces(beyond, [a, b, c]) || pierces(beyond, [b, c, d]);
+            }
+            passes += usize::from(through);
+        }
+        Ok(passes as f64 / self.x.len() as f64)
+    }
+
+    /// The cycles as a flight.
+    fn flight(&self) -> Result<Flight, Error> {
+        Ok(Flight::new(&self.robot, &self.record()?, 0.0, LATTICE_CYCLES as f64 * self.duration)?)
+    }
+
+    /// What the wings bear under `loads`.
+    fn borne(&self, flight: &Flight, loads: &Loads) -> Instant {
+        let at = self.robot.stance(loads.time, &flight.state(loads.time));
+        let body = BodyMotion { rate: at.rate, ..BodyMotion::steady(at.attitude, at.velocity) };
+        let Wrench { force, moment } = loads.joukowski;
+        let in_body = Wrench {
+            force: at.attitude.transpose_mul(force),
+            moment: at.attitude.transpose_mul(moment - at.origin.cross(force)),
+        };
+        self.instant(&body, &in_body, loads.power)
+    }
+}
+
+/// Whether the way from `a` to `b` passes through the triangle.
+fn pierces([a, b]: [Vec3; 2], [p, q, r]: [Vec3; 3]) -> bool {
+    // Signed volumes: both ends on other sides of the plane, the way on one side of all edges.
+    let volume = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| (b - a).cross(c - a).dot(d - a);
+    let apart = volume(p, q, r, a) * volume(p, q, r, b) < 0.0;
+    let around = [volume(a, b, p, q), volume(a, b, q, r), volume(a, b, r, p)];
+    apart && (around.iter().all(|v| *v > 0.0) || around.iter().all(|v| *v < 0.0))
+}
+
+impl Twisted {
+    /// The pieces of `surface`, which twists at `hinges`.
+    fn surfaces(self, surface: Surface, hinges: &[f64]) -> Vec<Surface> {
+        let Self::Joined(width) = self else { return slit(surface, hinges) };
+        let Surface { layout, sections } = surface;
+        let sections = Joined { sections, hinges: hinges.to_vec(), half_width: 0.5 * width };
+        vec![Surface { layout, sections: Arc::new(sections) }]
+    }
+}
+
+/// The pieces of `surface` between `hinges` on both sides.
+fn slit(surface: Surface, hinges: &[f64]) -> Vec<Surface> {
+    let Layout { chordwise, arcs, fractions } = &surface.layout;
+    let on_hinge = |arc: f64| hinges.iter().any(|hinge| (arc.abs() - hinge).abs() < BESIDE);
+    let mut ends: Vec<usize> = (1..arcs.len() - 1).filter(|i| on_hinge(arcs[*i])).collect();
+    ends.insert(0, 0);
+    ends.push(arcs.len() - 1);
+    let piece = |pair: &[usize]| {
+        let mut layout = Layout {
+            chordwise: *chordwise,
+            arcs: arcs[pair[0]..=pair[1]].to_vec(),
+            fractions: fractions[pair[0]..pair[1]].to_vec(),
+        };
+        // A chord line on a hinge belongs to the inner link.
+        let middle = 0.5 * (arcs[pair[0]] + arcs[pair[1]]);
+        for arc in layout.arcs.iter_mut().filter(|arc| on_hinge(**arc)) {
+            *arc += BESIDE * (middle - *arc).signum();
+        }
+        Surface { layout, sections: surface.sections.clone() }
+    };
+    ends.windows(2).map(piece).collect()
+}
+
+/// Sections that go over from one link to the next within a width about each hinge, linearly: wings twist at their hinges, and a slit is no
+/// wing.
+struct Joined {
+    sections: Arc<dyn Sections>,
+    hinges: Vec<f64>,
+    half_width: f64,
+}
+
+impl Sections for Joined {
+    fn sections(&self, t: f64, arcs: &[f64], out: &mut Vec<SectionMotion<f64>>) {
+        let hinge = |arc: f64| {
+            let near = |hinge: &&f64| (arc.abs() - **hinge).abs() < self.half_width;
+            self.hinges.iter().find(near).map(|hinge| hinge.copysign(arc))
+        };
+        let ends = |arc: &f64| match hinge(*arc) {
+            Some(hinge) => [hinge - self.half_width, hinge + self.half_width],
+            None => [*arc, *arc],
+        };
+        let asked: Vec<f64> = arcs.iter().flat_map(ends).collect();
+        let mut found = Vec::new();
+        self.sections.sections(t, &asked, &mut found);
+        out.clear();
+        out.extend(arcs.iter().enumerate().map(|(i, arc)| {
+            let (a, b) = (&found[2 * i], &found[2 * i + 1]);
+            let way = asked[2 * i + 1] - asked[2 * i];
+            let share = if way > 0.0 { (arc - asked[2 * i]) / way } else { 0.0 };
+            let mix = |a: Vec3, b: Vec3| a + (b - a) * share;
+            SectionMotion {
+                le: mix(a.le, b.le),
+                te: mix(a.te, b.te),
+                v_le: mix(a.v_le, b.v_le),
+                v_te: mix(a.v_te, b.v_te),
+                ..SectionMotion::default()
+            }
+        }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shipped::shipped;
+
+    #[test]
+    fn joints_at_rest_give_nothing_to_the_air() {
+        let motion = Motion::of(shipped!("cruise_20g", "cruise_20g")).unwrap().gentler(0.0).unwrap();
+        let fineness = Fineness { chordwise: 2, spanwise: 12, core: 0.05, twisted: Twisted::Joined(0.0) };
+        let [_, lattice] = motion.lattice(fineness).unwrap();
+        let strips = motion.strips(&motion.driven(|_| ()).unwrap()).unwrap();
+        let most = |cycle: &[Instant]| cycle.iter().fold(0.0, |most: f64, i| most.max(i.power.abs()));
+        assert!(most(&strips) < 1e-9 && most(&lattice) < 1e-9, "{} {}", most(&strips), most(&lattice));
+    }
+
+    #[test]
+    fn a_way_pierces_the_triangle_that_it_passes_through() {
+        let corner = |x, y| Vec3::new(x, y, 0.0);
+        let triangle = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];
+        let way = |x, y, z| [Vec3::new(x, y, -1.0), Vec3::new(x, y, z)];
+        assert!(pierces(way(0.2, 0.3, 1.0), triangle));
+        assert!(!pierces(way(0.2, 0.3, -0.1), triangle) && !pierces(way(0.7, 0.7, 1.0), triangle));
+    }
+}
