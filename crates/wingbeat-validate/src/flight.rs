@@ -20,9 +20,15 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.bank15_20g", quick: true, run: || flown(&BANK15_20G) },
     Case { id: "flight.bank30_20g", quick: false, run: || flown(&BANK30_20G) },
     Case { id: "flight.bank45_20g", quick: false, run: || flown(&BANK45_20G) },
+    Case { id: "flight.bank15_20g_lev", quick: false, run: || flown(&BANK15_LEV) },
+    Case { id: "flight.bank30_20g_lev", quick: false, run: || flown(&BANK30_LEV) },
+    Case { id: "flight.bank45_20g_lev", quick: false, run: || flown(&BANK45_LEV) },
     Case { id: "flight.bank15_beta", quick: false, run: || flown(&BANK15_BETA) },
     Case { id: "flight.bank30_beta", quick: false, run: || flown(&BANK30_BETA) },
     Case { id: "flight.bank45_beta", quick: false, run: || flown(&BANK45_BETA) },
+    Case { id: "flight.bank15_beta_lev", quick: false, run: || flown(&BANK15_BETA_LEV) },
+    Case { id: "flight.bank30_beta_lev", quick: false, run: || flown(&BANK30_BETA_LEV) },
+    Case { id: "flight.bank45_beta_lev", quick: false, run: || flown(&BANK45_BETA_LEV) },
     Case { id: "flight.linkage_bank15", quick: false, run: || flown(&LINKAGE15) },
     Case { id: "flight.linkage_bank30", quick: false, run: || flown(&LINKAGE30) },
     Case { id: "flight.passive_bank15", quick: false, run: || flown(&PASSIVE15) },
@@ -77,9 +83,15 @@ struct Asked {
 const BANK15_20G: Asked = asked(shipped!("bank15_20g", "cruise_20g_margin"), 5e-3, 15.0);
 const BANK30_20G: Asked = asked(shipped!("bank30_20g", "cruise_20g_margin"), 10e-3, 30.0);
 const BANK45_20G: Asked = asked(shipped!("bank45_20g", "cruise_20g_margin"), 30e-3, 45.0);
+const BANK15_LEV: Asked = asked(shipped!("bank15_20g_lev", "cruise_20g_lev"), 5e-3, 15.0);
+const BANK30_LEV: Asked = asked(shipped!("bank30_20g_lev", "cruise_20g_lev"), 10e-3, 30.0);
+const BANK45_LEV: Asked = asked(shipped!("bank45_20g_lev", "cruise_20g_lev"), 30e-3, 45.0);
 const BANK15_BETA: Asked = asked(shipped!("bank15_beta", "cruise_beta"), 5e-3, 15.0);
 const BANK30_BETA: Asked = asked(shipped!("bank30_beta", "cruise_beta"), 10e-3, 30.0);
 const BANK45_BETA: Asked = asked(shipped!("bank45_beta", "cruise_beta"), 30e-3, 45.0);
+const BANK15_BETA_LEV: Asked = asked(shipped!("bank15_beta_lev", "cruise_beta_lev"), 5e-3, 15.0);
+const BANK30_BETA_LEV: Asked = asked(shipped!("bank30_beta_lev", "cruise_beta_lev"), 10e-3, 30.0);
+const BANK45_BETA_LEV: Asked = asked(shipped!("bank45_beta_lev", "cruise_beta_lev"), 30e-3, 45.0);
 const LINKAGE15: Asked = asked(shipped!("linkage_bank15", "cruise_linkage"), 5e-3, 15.0);
 const LINKAGE30: Asked = asked(shipped!("linkage_bank30", "cruise_linkage"), 15e-3, 30.0);
 const PASSIVE15: Asked = asked(shipped!("passive_bank15", "passive_linkage"), 5e-3, 15.0);

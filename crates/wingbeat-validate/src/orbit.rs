@@ -31,6 +31,8 @@ pub const CASES: &[Case] = &[
     Case { id: "trim.cruise_20g_lev", quick: false, run: || level::rows(&level::CRUISE_20G_LEV) },
     Case { id: "trim.cruise_44g", quick: false, run: || level::rows(&level::CRUISE_44G) },
     Case { id: "trim.cruise_beta", quick: false, run: || level::rows(&level::CRUISE_BETA) },
+    Case { id: "trim.cruise_44g_lev", quick: false, run: || level::rows(&level::CRUISE_44G_LEV) },
+    Case { id: "trim.cruise_beta_lev", quick: false, run: || level::rows(&level::CRUISE_BETA_LEV) },
     Case { id: "trim.passive_20g", quick: false, run: || level::rows(&level::PASSIVE_20G) },
     Case { id: "trim.passive_linkage", quick: false, run: || level::rows(&level::PASSIVE_LINKAGE) },
 ];

@@ -27,6 +27,10 @@ pub(super) const CRUISE_20G_LEV: Asked =
     driven(shipped!("cruise_20g_lev", "cruise_20g_lev"), 80.0, [6.0, 0.10]);
 pub(super) const CRUISE_44G: Asked = driven(shipped!("cruise_44g", "cruise_44g"), 95.0, [8.0, 0.10]);
 pub(super) const CRUISE_BETA: Asked = driven(shipped!("cruise_beta", "cruise_beta"), 100.0, [10.5, 0.15]);
+pub(super) const CRUISE_44G_LEV: Asked =
+    driven(shipped!("cruise_44g_lev", "cruise_44g_lev"), 95.0, [8.0, 0.10]);
+pub(super) const CRUISE_BETA_LEV: Asked =
+    driven(shipped!("cruise_beta_lev", "cruise_beta_lev"), 100.0, [10.5, 0.15]);
 pub(super) const PASSIVE_20G: Asked = passive(shipped!("passive_20g", "passive_20g"), 85.0);
 pub(super) const PASSIVE_LINKAGE: Asked = passive(shipped!("passive_linkage", "passive_linkage"), 140.0);
 
