@@ -151,8 +151,13 @@ fn fill(folder: &RunFolder, rows: &[Row], summary: &Summary) -> Result<(), Error
 
 /// Draws what `cases` compare; what cannot be drawn is said and left out.
 fn draw(folder: &RunFolder, cases: &[&Case], interrupt: &Interrupt) -> Result<(), Error> {
+    let pictures: Vec<_> =
+        PICTURES.iter().filter(|p| cases.iter().any(|case| p.cases.contains(&case.id))).collect();
+    if pictures.is_empty() {
+        return Ok(());
+    }
     let figures = folder.folder("figures")?;
-    for picture in PICTURES.iter().filter(|p| cases.iter().any(|case| p.cases.contains(&case.id))) {
+    for picture in pictures {
         interrupt.check()?;
         let drawn = (picture.draw)().map_err(|error| error.to_string()).and_then(|figure| {
             wingbeat_figures::write_for_screen(&figures, &figure).map_err(|error| error.to_string())

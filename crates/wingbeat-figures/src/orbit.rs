@@ -76,6 +76,9 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
     Ok(Figure::new("orbit", stacked(panels, &label, style::PANEL)))
 }
 
+/// Modes of one name: it, whether they are longitudinal, and where their multipliers are.
+type Group<'a> = (&'a str, bool, Vec<(f64, f64)>);
+
 /// Floquet multipliers in the unit circle: longitudinal ones as circles, lateral ones as crosses; those of half the unit's size
 /// and more by the coordinate with the largest share in their mode.
 ///
@@ -96,7 +99,7 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
             _ => OTHERS,
         }
     };
-    let mut groups: Vec<(&str, bool, Vec<(f64, f64)>)> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for row in 0..record.rows() {
         let (name, longitudinal) = (name(row), lateral[row] == 0.0);
         let at = groups.iter().position(|group| (group.0, group.1) == (name, longitudinal));
