@@ -1,19 +1,43 @@
 //! Periodic feedback about an orbit.
 
 use super::spec::OrbitWeights;
-use crate::orbit::Interval;
-use nalgebra::DMatrix;
+use crate::math::interpolation::lerp;
+use crate::orbit::{Deviations, Interval};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Cycles after which the feedback of an orbit must have settled.
 const CYCLES: usize = 80;
 /// Change of the feedback over a cycle at which it has, relative.
 const SETTLED: f64 = 1e-5;
-/// Coordinates of the body among those that deviate.
-pub const BODY: usize = 8;
+/// Place of the integral of the height in the state of the regulator, and from which on the deviations are.
+pub const INTEGRAL: usize = 0;
+pub const DEVIATIONS: usize = 1;
+/// Share of itself that is added to the cost of each deviation alone, so that rounding leaves the costs a root.
+const ROUNDING: f64 = 1e-10;
 
-/// Feedback at each phase: commands by deviations, the integral of the height first.
+/// Numbers of the state of a regulator that knows a path: after the deviations come what is missing along the path,
+/// what is off to its left, m, and the heading off that of the orbit along the path, rad.
+pub const OFF_PATH: usize = 3;
+
+/// A matrix at each phase, linear in between.
 #[derive(Clone, Debug)]
-pub(super) struct Feedback(Vec<DMatrix<f64>>);
+struct Periodic(Vec<DMatrix<f64>>);
+
+/// Commands by deviations, the integral of the height first, and the least cost from deviations on.
+#[derive(Clone, Debug)]
+pub(super) struct Feedback {
+    gains: Periodic,
+    roots: Periodic,
+    interval: f64,
+}
+
+/// The cost of deviations from an orbit until they are gone: |L' s|^2.
+pub(super) struct CostToGo {
+    /// L.
+    pub root: DMatrix<f64>,
+    /// Time between the updates over which the regulator sums its cost, s.
+    pub interval: f64,
+}
 
 impl Feedback {
     /// Equation: guide.periodic_regulator
@@ -22,34 +46,49 @@ impl Feedback {
     /// K = (R + B'PB)^-1 B'PA, P = Q + A'P(A - B K) until K is the same a cycle earlier; `None` where it does not settle. The
     /// state is the integral of the height before the deviations, of which `coordinates` after the height are those of an
     /// orbit; `limits` are those of the commands and `duration` is that of a cycle. The states of air and elastic joints
-    /// take part in the prediction and are left out of the feedback: they are not measured.
+    /// take part in the prediction and are left out of the feedback: they are not measured. With a `path` place and heading
+    /// beside it are part of the state, and its distances along and across cost as much as a full command each.
     pub fn new(
         w: &OrbitWeights,
+        path: Option<[f64; 2]>,
         all: &[Interval],
         coordinates: usize,
         limits: &[f64],
         duration: f64,
     ) -> Option<Self> {
-        let (n, m) = (all[0].a.nrows() + 1, limits.len());
+        let (deviating, m) = (all[0].a.nrows(), limits.len());
+        let beside = DEVIATIONS + deviating;
+        let n = beside + path.map_or(0, |_| OFF_PATH);
         let mut cost = vec![0.0; n];
-        cost[0] = w.height_integral_m_s.powi(-2);
-        cost[1] = w.height_m.powi(-2);
-        cost[2..5].fill(w.velocity_m_s.powi(-2));
-        cost[5..7].fill(w.angle_deg.to_radians().powi(-2));
-        cost[7..10].fill(w.rate_rad_s.powi(-2));
+        cost[INTEGRAL] = w.height_integral_m_s.powi(-2);
+        for (cost, size) in cost[DEVIATIONS..].iter_mut().zip(w.sizes()) {
+            *cost = size.powi(-2);
+        }
+        for (cost, size) in cost[beside..].iter_mut().zip(path.unwrap_or_default()) {
+            *cost = size.powi(-2);
+        }
         let q = DMatrix::from_diagonal(&cost.into());
         let r = DMatrix::from_diagonal(&limits.iter().map(|l| l.powi(-2)).collect::<Vec<_>>().into());
         let interval = duration / all.len() as f64;
-        let augmented = all.iter().map(|i| {
+        let mean = MeanPath::of(all);
+        let augmented = all.iter().enumerate().map(|(k, i)| {
             let (mut a, mut b) = (DMatrix::zeros(n, n), DMatrix::zeros(n, m));
-            (a[(0, 0)], a[(0, 1)]) = (1.0, interval);
-            a.view_mut((1, 1), (n - 1, n - 1)).copy_from(&i.a);
-            b.view_mut((1, 0), (n - 1, m)).copy_from(&i.b);
+            let at = DEVIATIONS;
+            (a[(INTEGRAL, INTEGRAL)], a[(INTEGRAL, at + Deviations::HEIGHT)]) = (1.0, interval);
+            a.view_mut((at, at), (deviating, deviating)).copy_from(&i.a);
+            b.view_mut((at, 0), (deviating, m)).copy_from(&i.b);
+            if path.is_some() {
+                let (own, by_rest) = mean.beside(i, k);
+                a.view_mut((beside, beside), (OFF_PATH, OFF_PATH)).copy_from(&own);
+                a.view_mut((beside, at), (OFF_PATH, deviating)).copy_from(&(by_rest * &i.ground_a));
+                b.view_mut((beside, 0), (OFF_PATH, m)).copy_from(&(by_rest * &i.ground_b));
+            }
             (a, b)
         });
         let augmented: Vec<_> = augmented.collect();
         let mut p = q.clone();
         let mut gains: Vec<DMatrix<f64>> = vec![DMatrix::zeros(m, n); all.len()];
+        let mut costs = gains.clone();
         for _ in 0..CYCLES {
             let mut change: f64 = 0.0;
             for (k, (a, b)) in augmented.iter().enumerate().rev() {
@@ -59,23 +98,109 @@ impl Feedback {
                 p = &q + a.transpose() * &p * (a - b * &gain);
                 p = (&p + p.transpose()) * 0.5;
                 gains[k] = gain;
+                costs[k].clone_from(&p);
             }
             if change < SETTLED {
-                // Before the coordinates stand the integral and the height.
+                let body = DEVIATIONS + Deviations::BODY;
                 for gain in &mut gains {
-                    (2 + BODY..2 + coordinates).for_each(|column| gain.column_mut(column).fill(0.0));
+                    (body..DEVIATIONS + 1 + coordinates).for_each(|column| gain.column_mut(column).fill(0.0));
                 }
-                return Some(Self(gains));
+                let roots = costs.into_iter().map(root).collect::<Option<_>>()?;
+                return Some(Self { gains: Periodic(gains), roots: Periodic(roots), interval });
             }
         }
         None
     }
 
-    /// That at `cycles` of the gait's phase, linear between phases.
+    /// Commands by deviations at `cycles` of the gait's phase.
     pub fn at(&self, cycles: f64) -> DMatrix<f64> {
+        self.gains.at(cycles)
+    }
+
+    /// The cost of deviations there.
+    pub fn cost(&self, cycles: f64) -> CostToGo {
+        CostToGo { root: self.roots.at(cycles), interval: self.interval }
+    }
+}
+
+impl CostToGo {
+    /// The share `share` of the way from this one to `other`.
+    pub fn towards(self, other: Self, share: f64) -> Self {
+        Self {
+            root: self.root * (1.0 - share) + other.root * share,
+            interval: lerp(self.interval, other.interval, share),
+        }
+    }
+}
+
+impl Periodic {
+    /// That at `cycles` of the gait's phase, linear between phases.
+    fn at(&self, cycles: f64) -> DMatrix<f64> {
         let phase = cycles.rem_euclid(1.0) * self.0.len() as f64;
         let k = (phase as usize).min(self.0.len() - 1);
         let share = phase - k as f64;
         &self.0[k] * (1.0 - share) + &self.0[(k + 1) % self.0.len()] * share
+    }
+}
+
+/// L of P = L L' for a P without negative eigenvalues.
+fn root(mut p: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    for i in 0..p.nrows() {
+        p[(i, i)] += p[(i, i)] * ROUNDING + f64::MIN_POSITIVE;
+    }
+    p.cholesky().map(|factor| factor.unpack())
+}
+
+/// The mean path of an orbit over the ground: an arc of a circle.
+pub(super) struct MeanPath {
+    /// How far the orbit heads off it at equal parts of a cycle, rad.
+    pub off: Vec<f64>,
+    /// Left positive, 1/m.
+    curvature: f64,
+}
+
+impl MeanPath {
+    /// From the headings at equal parts of a cycle and the place at its end: a chord heads half as far from either end
+    /// of its arc as that turns.
+    pub fn new(headings: &[f64], end: [f64; 2]) -> Self {
+        let (parts, first) = (headings.len() - 1, headings[0]);
+        let turned = headings[parts] - first;
+        let begin = end[1].atan2(end[0]) - 0.5 * turned;
+        let course = |k: usize| begin + turned * k as f64 / parts as f64;
+        let off = headings.iter().enumerate().map(|(k, heading)| heading - course(k)).collect();
+        Self { off, curvature: 2.0 * (0.5 * turned).sin() / end[0].hypot(end[1]) }
+    }
+
+    fn of(all: &[Interval]) -> Self {
+        let (mut headings, mut place) = (vec![0.0], [0.0; 2]);
+        for interval in all {
+            let [x, y, turned] = interval.ground;
+            let heading = headings[headings.len() - 1];
+            let (sin, cos) = f64::sin_cos(heading);
+            place = [place[0] + x * cos - y * sin, place[1] + x * sin + y * cos];
+            headings.push(heading + turned);
+        }
+        Self::new(&headings, place)
+    }
+
+    /// Equation: guide.off_path
+    ///
+    /// What is missing along the path, what is off to its left and the heading off it after the interval `k`: by the same
+    /// before it, and by place and heading in heading axes of its begin that deviations and commands add. In axes that go
+    /// with the orbit, p' = C (p + B (e (-y, x) + dp)), e' = e + de, with B from heading axes to those of the path and C by what
+    /// the path turns; beside the path at an arc a further on, e is the heading off the path there and its curvature times a.
+    fn beside(&self, interval: &Interval, k: usize) -> (Matrix3<f64>, Matrix3<f64>) {
+        let [x, y, turned] = interval.ground;
+        let turn = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+        };
+        let turned = turned - (self.off[k + 1] - self.off[k]);
+        let (mut to_orbit, mut to_path) = (Matrix3::identity(), Matrix3::identity());
+        (to_orbit[(2, 0)], to_path[(2, 0)]) = (self.curvature, -self.curvature);
+        let (back, aside) = (to_path * turn(-turned), turn(self.off[k]));
+        let mut own = Matrix3::identity();
+        own.set_column(2, &(aside * Vector3::new(-y, x, 1.0)));
+        (back * own * to_orbit, back * aside)
     }
 }
