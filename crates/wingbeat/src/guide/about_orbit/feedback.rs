@@ -204,3 +204,69 @@ impl MeanPath {
         (back * own * to_orbit, back * aside)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A body that goes on circles of its own, its heading off its course by a swing; how it is beside the first of them.
+    #[test]
+    fn what_is_off_a_path_grows_as_it_does_beside_a_circle() {
+        let (parts, turn, chord) = (4, 0.3, 0.2);
+        let curvature = 2.0 * (0.5 * turn * parts as f64).sin() / {
+            // The chord of all parts.
+            chord * (0.5 * turn * parts as f64).sin() / f64::sin(0.5 * turn)
+        };
+        // Where the body heads off its course at the begins of the parts.
+        let off = |k: usize| [0.1, 0.25, -0.05, 0.15][k % 4];
+        let interval = |k: usize| {
+            let course = 0.5 * turn - off(k);
+            Interval {
+                a: DMatrix::zeros(0, 0),
+                b: DMatrix::zeros(0, 0),
+                ground: [chord * course.cos(), chord * course.sin(), turn + off(k + 1) - off(k)],
+                ground_a: DMatrix::zeros(3, 0),
+                ground_b: DMatrix::zeros(3, 0),
+            }
+        };
+        let all: Vec<_> = (0..parts).map(interval).collect();
+        let mean = MeanPath::of(&all);
+        assert!((mean.curvature - curvature).abs() < 1e-12);
+        let radius = 1.0 / curvature;
+        for k in 0..parts {
+            assert!((mean.off[k] - off(k)).abs() < 1e-12);
+            let (own, _) = mean.beside(&all[k], k);
+            // Of a body beside a circle about the origin that is passed at angle 0 as the interval begins.
+            let after = |[along, cross, heading]: [f64; 3]| {
+                let angle = along / radius;
+                let course = angle + 0.5 * std::f64::consts::PI;
+                let [x, y, turned] = all[k].ground;
+                let (sin, cos) = f64::sin_cos(course + off(k) + heading);
+                let out = radius - cross;
+                let place = [out * angle.cos() + x * cos - y * sin, out * angle.sin() + x * sin + y * cos];
+                let angle = place[1].atan2(place[0]);
+                let heading = course + off(k) + heading + turned;
+                let course = angle + 0.5 * std::f64::consts::PI;
+                [angle * radius, radius - place[0].hypot(place[1]), heading - course - off(k + 1)]
+            };
+            let still = after([0.0; 3]);
+            assert!((still[0] - turn * radius).abs() < 1e-12 && still[1].abs() < 1e-12, "{still:?}");
+            for j in 0..OFF_PATH {
+                let mut begin = [0.0; OFF_PATH];
+                begin[j] = 1e-6;
+                let end = after(begin);
+                for i in 0..OFF_PATH {
+                    let slope = (end[i] - still[i]) / 1e-6;
+                    assert!((slope - own[(i, j)]).abs() < 1e-5, "{k}: {i} by {j}: {slope} {}", own[(i, j)]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_without_rank_has_a_root() {
+        let p = DMatrix::from_row_slice(3, 3, &[4.0, 2.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+        let root = root(p.clone()).unwrap();
+        assert!((&root * root.transpose() - p).amax() < 1e-8);
+    }
+}

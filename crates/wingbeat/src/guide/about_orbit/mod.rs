@@ -67,6 +67,10 @@ impl ControllerSpec for AboutOrbitSpec {
     fn check(&self, task: Task) -> Result<(), Error> {
         self.checked(task.model)?;
         self.tracked(&task)?;
+        if self.predictive.is_some() && task.solver.is_some() {
+            let allowed = "none beside [controller.orbit.predictive], which has the shipped solver";
+            return Err(Error::invalid("solver", "given", allowed));
+        }
         match &self.estimator {
             Some(estimator) => estimator.check(task.sensors.as_ref()).map_err(|e| e.within("estimator")),
             None => Ok(()),

@@ -95,9 +95,15 @@ ranges!(PredictiveSpec {
 });
 
 impl PredictiveSpec {
-    /// All that can be said without the robot; `tracking` says whether a path is followed.
-    pub(super) fn check(&self, tracking: bool) -> Result<(), Error> {
+    /// Checks ranges, and what `robot` must have; `tracking` says whether a path is followed.
+    pub(super) fn check(&self, robot: &Robot, tracking: bool) -> Result<(), Error> {
         self.in_range()?;
+        let longest = 0.1 / robot.frequency_hz();
+        if self.interval_s > longest {
+            let allowed = format!("at most {longest:.5}, a tenth of a cycle");
+            return Err(Error::invalid("interval_s", self.interval_s, allowed));
+        }
+        self.soft_clearance(robot)?;
         let needs = [
             ("cross_m", self.cross_m, tracking, "tracking"),
             ("along_m", self.along_m, self.cross_m.is_some(), "cross_m"),
@@ -108,6 +114,10 @@ impl PredictiveSpec {
             }
         }
         Ok(())
+    }
+
+    fn soft_clearance(&self, robot: &Robot) -> Result<SoftClearance, Error> {
+        SoftClearance::new(robot, "clearance", self.clearance, self.clearance_m, self.clearance_width_m)
     }
 
     /// Distances along and across the path that cost as much as a full command each, if it is in the cost.
@@ -258,21 +268,12 @@ impl<'a> Predictive<'a> {
         weights: &OrbitWeights,
         family: &Family,
     ) -> Result<Self, Error> {
-        let cycle = 1.0 / robot.frequency_hz();
-        if !(spec.interval_s <= 0.1 * cycle) {
-            return Err(Error::invalid(
-                "interval_s",
-                spec.interval_s,
-                format!("at most {:.4}, a tenth of a cycle", 0.1 * cycle),
-            ));
-        }
         let half =
             |c: &Channel| if c.high.is_finite() && c.low.is_finite() { 0.5 * (c.high - c.low) } else { 1.0 };
         let channels = robot.inputs();
         let per_command =
             |(i, c): (usize, &Channel)| if inputs.contains(&i) { 1.0 / c.high } else { LED / half(c) };
         let asked = family.asked(None, 0.0);
-        let (limit, width) = (spec.clearance_m, spec.clearance_width_m);
         let cost = Cost {
             chart: LocalChart::new(robot),
             deviations: deviations.clone(),
@@ -280,7 +281,7 @@ impl<'a> Predictive<'a> {
             path: spec.path(),
             per_command: channels.iter().enumerate().map(per_command).collect(),
             per_change: channels.iter().map(|c| (spec.command_change / half(c)).powi(2)).collect(),
-            clearance: SoftClearance::new(robot, "clearance", spec.clearance, limit, width)?,
+            clearance: spec.soft_clearance(robot)?,
             last: spec.intervals,
             terminal: spec.terminal,
             nodes: (0..=spec.intervals).map(|_| Node { asked: asked.clone(), beside: None }).collect(),

@@ -134,7 +134,7 @@ impl AboutOrbitSpec {
             leg.in_range().map_err(|e| e.within(&format!("legs[{i}]")))?;
         }
         if let Some(predictive) = &self.predictive {
-            predictive.check(self.tracking.is_some()).map_err(|e| e.within("predictive"))?;
+            predictive.check(robot, self.tracking.is_some()).map_err(|e| e.within("predictive"))?;
         }
         self.free(robot, true)?;
         if self.tracking.is_some() {

@@ -268,6 +268,25 @@ mod tests {
     }
 
     #[test]
+    fn a_place_near_one_beside_the_path_is_told_to_first_order() {
+        let mut tracking =
+            tracking("lead_m = 4.0\ncurve = { helix = { radius_m = 4.0, turns = 2.0, rise_m = 1.0 } }");
+        let place = |k: usize| Vec3::new(5.0 + 0.3 * k as f64, 0.8, 0.0);
+        let t = 2.0;
+        (0..9).for_each(|k| drop(tracking.demand(t, place(k), Vec3::new(SPEED, 0.0, 0.0))));
+        let beside = |place: Vec3| tracking.ahead(t, place).beside.unwrap();
+        let here = beside(place(8));
+        assert!(here.station.curvature > 0.1 && here.cross.abs() > 0.1, "{here:?}");
+        for by in [Vec3::new(1e-4, 0.0, 0.0), Vec3::new(0.0, 1e-4, 0.0)] {
+            let moved = beside(place(8) + by);
+            let (along, cross, turned) = here.off(place(8) + by);
+            assert!((along - moved.along).abs() < 1e-7, "{along} {}", moved.along);
+            assert!((cross - moved.cross).abs() < 1e-7, "{cross} {}", moved.cross);
+            assert!((turned + here.heading() - moved.heading()).abs() < 1e-6, "{turned}");
+        }
+    }
+
+    #[test]
     fn a_bank_that_the_path_needs_is_asked_for() {
         let path: PathSpec = toml::from_str("curve = { figure_eight = { radius_m = 2.0 } }").unwrap();
         let spec: TrackingSpec = toml::from_str("bank_limit_deg = 35.0").unwrap();
