@@ -1,6 +1,6 @@
 //! Orbits along the legs of a flight, as references, and the feedback about them.
 
-use super::feedback::{CostToGo, Feedback, MeanPath};
+use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
 use super::predictive::PredictiveSpec;
 use super::schedule::{Place, Schedule, Stretch};
 use super::spec::AboutOrbitSpec;
@@ -28,8 +28,8 @@ const PITCH: f64 = -0.2;
 /// the mean path.
 struct Reference {
     steps: Vec<Vec<f64>>,
-    /// How far it heads off its mean path at every step, rad.
-    off_course: Vec<f64>,
+    /// How far it is off its mean path over the ground at every step.
+    off_path: Vec<[f64; OFF_PATH]>,
     commands: Vec<f64>,
 }
 
@@ -39,8 +39,8 @@ pub(super) struct Asked {
     /// What may deviate.
     pub numbers: Vec<f64>,
     pub commands: Vec<f64>,
-    /// Heading off the mean path, rad.
-    pub off_course: f64,
+    /// Off the mean path: ahead, to its left, m, heading, rad.
+    pub off_path: [f64; OFF_PATH],
 }
 
 /// The references of a stretch in its order, and the shares of it at which there is feedback.
@@ -205,10 +205,14 @@ impl Family {
         let i = (step as usize).min(one.steps.len() - 2);
         let share = step - i as f64;
         let at = |orbit: &Reference, j: usize| lerp(orbit.steps[i][j], orbit.steps[i + 1][j], share);
-        let off = |orbit: &Reference| lerp(orbit.off_course[i], orbit.off_course[i + 1], share);
+        let off = |orbit: &Reference, j: usize| lerp(orbit.off_path[i][j], orbit.off_path[i + 1][j], share);
         let numbers = (0..one.steps[0].len()).map(|j| lerp(at(one, j), at(other, j), between)).collect();
         let commands = one.commands.iter().zip(&other.commands).map(|(a, b)| lerp(*a, *b, between)).collect();
-        Asked { numbers, commands, off_course: lerp(off(one), off(other), between) }
+        Asked {
+            numbers,
+            commands,
+            off_path: std::array::from_fn(|j| lerp(off(one, j), off(other, j), between)),
+        }
     }
 
     /// The orbits on both sides of `place`.
@@ -259,15 +263,16 @@ fn sparse(way: &[usize]) -> impl Iterator<Item = (f64, usize)> {
 impl Reference {
     fn new(cycle: &Cycle, deviations: &Deviations, found: &Found) -> Result<Self, Fault> {
         let (point, climb) = (&found.orbit.point, found.orbit.course.climb);
-        let (mut steps, mut headings) = (Vec::with_capacity(cycle.steps() + 1), Vec::new());
+        let (mut steps, mut ground) = (Vec::with_capacity(cycle.steps() + 1), Vec::new());
         let mut add = |t: f64, x: &[f64]| {
             let mut s = vec![0.0; deviations.len()];
-            headings.push(deviations.of(x, &mut s));
+            let (heading, place) = (deviations.of(x, &mut s), deviations.position());
+            ground.push([x[place], x[place + 1], heading]);
             s[Deviations::HEIGHT] -= climb * t;
             steps.push(s);
         };
         add(0.0, &cycle.start(point));
-        let end = cycle.fly(&point.z, point.pace, &point.inputs, |_, t, x| {
+        cycle.fly(&point.z, point.pace, &point.inputs, |_, t, x| {
             add(t, x);
             Ok(())
         })?;
@@ -275,8 +280,6 @@ impl Reference {
         if let Some((input, value)) = cycle.pacing(point.pace) {
             commands[input] = value;
         }
-        let MeanPath { off: off_course, .. } =
-            MeanPath::new(&headings, [end.displacement[0], end.displacement[1]]);
-        Ok(Self { steps, off_course, commands })
+        Ok(Self { steps, off_path: MeanPath::new(&ground).off, commands })
     }
 }

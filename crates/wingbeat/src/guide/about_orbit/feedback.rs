@@ -153,34 +153,53 @@ fn root(mut p: DMatrix<f64>) -> Option<DMatrix<f64>> {
 
 /// The mean path of an orbit over the ground: an arc of a circle.
 pub(super) struct MeanPath {
-    /// How far the orbit heads off it at equal parts of a cycle, rad.
-    pub off: Vec<f64>,
+    /// At equal parts of a cycle how far the orbit is ahead along it, to its left, m, and heads off it, rad.
+    pub off: Vec<[f64; OFF_PATH]>,
     /// Left positive, 1/m.
     curvature: f64,
 }
 
 impl MeanPath {
-    /// From the headings at equal parts of a cycle and the place at its end: a chord heads half as far from either end
-    /// of its arc as that turns.
-    pub fn new(headings: &[f64], end: [f64; 2]) -> Self {
-        let (parts, first) = (headings.len() - 1, headings[0]);
-        let turned = headings[parts] - first;
-        let begin = end[1].atan2(end[0]) - 0.5 * turned;
-        let course = |k: usize| begin + turned * k as f64 / parts as f64;
-        let off = headings.iter().enumerate().map(|(k, heading)| heading - course(k)).collect();
-        Self { off, curvature: 2.0 * (0.5 * turned).sin() / end[0].hypot(end[1]) }
+    /// From places over the ground and headings at equal parts of a cycle. A chord heads half as far from either end of its
+    /// arc as that turns; the mean over the cycle is neither ahead nor beside.
+    pub fn new(orbit: &[[f64; OFF_PATH]]) -> Self {
+        let parts = orbit.len() - 1;
+        let ([x, y, first], [end_x, end_y, last]) = (orbit[0], orbit[parts]);
+        let (turned, chord) = (last - first, (end_x - x).hypot(end_y - y));
+        let begin = (end_y - y).atan2(end_x - x) - 0.5 * turned;
+        let curvature = 2.0 * (0.5 * turned).sin() / chord;
+        // The length of a chord that turns by an angle, as a share of the arc's.
+        let shorter = |turned: f64| if turned == 0.0 { 1.0 } else { (0.5 * turned).sin() / (0.5 * turned) };
+        let arc = chord / shorter(turned);
+        let off = |(k, [at_x, at_y, heading]): (usize, &[f64; OFF_PATH])| {
+            let share = k as f64 / parts as f64;
+            let (course, chord) = (begin + turned * share, arc * share * shorter(turned * share));
+            let (sin, cos) = (begin + 0.5 * turned * share).sin_cos();
+            let (x, y) = (at_x - x - chord * cos, at_y - y - chord * sin);
+            let (sin, cos) = course.sin_cos();
+            [x * cos + y * sin, y * cos - x * sin, heading - course]
+        };
+        let mut off: Vec<_> = orbit.iter().enumerate().map(off).collect();
+        for axis in 0..2 {
+            let mean = off[..parts].iter().map(|off| off[axis]).sum::<f64>() / parts as f64;
+            off.iter_mut().for_each(|off| off[axis] -= mean);
+        }
+        Self { off, curvature }
     }
 
     fn of(all: &[Interval]) -> Self {
-        let (mut headings, mut place) = (vec![0.0], [0.0; 2]);
+        let mut orbit = vec![[0.0; OFF_PATH]];
         for interval in all {
-            let [x, y, turned] = interval.ground;
-            let heading = headings[headings.len() - 1];
+            let ([dx, dy, turned], [x, y, heading]) = (interval.ground, orbit[orbit.len() - 1]);
             let (sin, cos) = f64::sin_cos(heading);
-            place = [place[0] + x * cos - y * sin, place[1] + x * sin + y * cos];
-            headings.push(heading + turned);
+            orbit.push([x + dx * cos - dy * sin, y + dx * sin + dy * cos, heading + turned]);
         }
-        Self::new(&headings, place)
+        Self::new(&orbit)
+    }
+
+    /// How far it heads off its mean path at the part `k`.
+    fn heads(&self, k: usize) -> f64 {
+        self.off[k][OFF_PATH - 1]
     }
 
     /// Equation: guide.off_path
@@ -195,10 +214,10 @@ impl MeanPath {
             let (sin, cos) = angle.sin_cos();
             Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
         };
-        let turned = turned - (self.off[k + 1] - self.off[k]);
+        let turned = turned - (self.heads(k + 1) - self.heads(k));
         let (mut to_orbit, mut to_path) = (Matrix3::identity(), Matrix3::identity());
         (to_orbit[(2, 0)], to_path[(2, 0)]) = (self.curvature, -self.curvature);
-        let (back, aside) = (to_path * turn(-turned), turn(self.off[k]));
+        let (back, aside) = (to_path * turn(-turned), turn(self.heads(k)));
         let mut own = Matrix3::identity();
         own.set_column(2, &(aside * Vector3::new(-y, x, 1.0)));
         (back * own * to_orbit, back * aside)
@@ -234,7 +253,8 @@ mod tests {
         assert!((mean.curvature - curvature).abs() < 1e-12);
         let radius = 1.0 / curvature;
         for k in 0..parts {
-            assert!((mean.off[k] - off(k)).abs() < 1e-12);
+            assert!(mean.off[k][0].abs() < 1e-12 && mean.off[k][1].abs() < 1e-12, "on a circle itself");
+            assert!((mean.heads(k) - off(k)).abs() < 1e-12);
             let (own, _) = mean.beside(&all[k], k);
             // Of a body beside a circle about the origin that is passed at angle 0 as the interval begins.
             let after = |[along, cross, heading]: [f64; 3]| {

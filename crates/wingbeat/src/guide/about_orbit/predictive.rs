@@ -198,10 +198,11 @@ impl Cost<'_> {
         let (own, off_path) = e[DEVIATIONS..].split_at_mut(asked.numbers.len());
         let heading = self.deviations.of(state, own);
         own.iter_mut().zip(&asked.numbers).for_each(|(e, asked)| *e -= S::from(*asked));
-        if let (Some(beside), [along, cross, off]) = (beside, off_path) {
-            let turned;
-            (*along, *cross, turned) = beside.off(Vec3::from_slice(&state[self.deviations.position()..]));
-            *off = angle_error(heading - turned, beside.heading() + asked.off_course);
+        if let Some(beside) = beside {
+            let [ahead, left, heads] = asked.off_path;
+            let (along, cross, turned) = beside.off(Vec3::from_slice(&state[self.deviations.position()..]));
+            let off = angle_error(heading - turned, beside.heading() + heads);
+            off_path.copy_from_slice(&[along - ahead, cross - left, off]);
         }
     }
 }
