@@ -273,7 +273,9 @@ mod tests {
             tracking("lead_m = 4.0\ncurve = { helix = { radius_m = 4.0, turns = 2.0, rise_m = 1.0 } }");
         let place = |k: usize| Vec3::new(5.0 + 0.3 * k as f64, 0.8, 0.0);
         let t = 2.0;
-        (0..9).for_each(|k| drop(tracking.demand(t, place(k), Vec3::new(SPEED, 0.0, 0.0))));
+        for k in 0..9 {
+            tracking.demand(t, place(k), Vec3::new(SPEED, 0.0, 0.0));
+        }
         let beside = |place: Vec3| tracking.ahead(t, place).beside.unwrap();
         let here = beside(place(8));
         assert!(here.station.curvature > 0.1 && here.cross.abs() > 0.1, "{here:?}");
