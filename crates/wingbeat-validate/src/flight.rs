@@ -37,7 +37,9 @@ pub const CASES: &[Case] = &[
     Case { id: "flight.climb", quick: false, run: || flown(&CLIMB) },
     Case { id: "flight.dive_pullout", quick: false, run: || flown(&DIVE) },
     Case { id: "flight.decelerate", quick: false, run: || flown(&DECELERATE) },
-    Case { id: "flight.path_figure8", quick: false, run: path::rows },
+    Case { id: "flight.predictive_20g", quick: true, run: || flown(&PREDICTIVE45_20G) },
+    Case { id: "flight.path_figure8", quick: false, run: || path::rows(path::EIGHT) },
+    Case { id: "flight.predictive_figure8", quick: false, run: || path::rows(path::PLANNED) },
     Case { id: "flight.hover_guarded", quick: false, run: hover::rows },
     Case { id: "flight.estimator", quick: true, run: estimator::rows },
 ];
@@ -100,6 +102,8 @@ const PASSIVE30_20G: Asked = asked(shipped!("passive_bank30_20g", "passive_20g_m
 const CLIMB: Asked = asked(shipped!("climb", "cruise_20g_margin"), 30e-3, 0.0);
 const DIVE: Asked = asked(shipped!("dive_pullout", "cruise_20g_margin"), 30e-3, 0.0);
 const DECELERATE: Asked = asked(shipped!("decelerate", "cruise_beta_margin"), 25e-3, 0.0);
+
+const PREDICTIVE45_20G: Asked = asked(shipped!("predictive_20g", "cruise_20g_margin"), 30e-3, 45.0);
 
 const fn asked(of: Shipped, height: f64, roll_deg: f64) -> Asked {
     Asked { of, height, roll_deg }

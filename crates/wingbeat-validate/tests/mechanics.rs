@@ -31,6 +31,11 @@ fn a_turn_at_15_deg_keeps_its_height_and_its_bank() {
 }
 
 #[test]
+fn a_turn_at_45_deg_by_a_plan_keeps_its_height_and_its_bank() {
+    assert_passing("flight.predictive_20g", 5);
+}
+
+#[test]
 fn a_turn_by_instruments_and_a_hover_keep_what_is_asked() {
     assert_passing("flight.estimator", 10);
     assert_passing("flight.hover_guarded", 5);

@@ -1,4 +1,4 @@
-//! Flight along a path: the figure of eight of 20 g in gusts.
+//! Flight along a path: the figure of eight of 20 g in gusts, by a regulator and by a plan.
 
 use std::ops::ControlFlow;
 
@@ -8,21 +8,24 @@ use super::SATURATED;
 use crate::shipped::{Shipped, scenario, shipped};
 use crate::{Error, Row};
 
-const EIGHT: Shipped = shipped!("path_figure8", "cruise_20g_margin");
+/// By the bank that the distance across asks of the regulator.
+pub const EIGHT: Shipped = shipped!("path_figure8", "cruise_20g_margin");
+/// By a plan whose cost holds the distances.
+pub const PLANNED: Shipped = shipped!("predictive_figure8", "cruise_20g_margin");
 /// Largest distance across the path, root mean square, m.
 const CROSS: f64 = 0.15;
 
 /// The comparisons: still air, then gusts of .3 m/s along each axis.
-pub fn rows() -> Result<Vec<Row>, Error> {
-    let mut rows = flown("still", &["air.gust_m_s=0.0"])?;
-    rows.extend(flown("gusts", &["air.gust_m_s=0.3"])?);
+pub fn rows(of: Shipped) -> Result<Vec<Row>, Error> {
+    let mut rows = flown(of, "still", &["air.gust_m_s=0.0"])?;
+    rows.extend(flown(of, "gusts", &["air.gust_m_s=0.3"])?);
     Ok(rows)
 }
 
-fn flown(name: &str, overrides: &[&str]) -> Result<Vec<Row>, Error> {
-    let Run { summary, .. } = scenario(EIGHT, overrides)?.fly(|_| ControlFlow::Continue(()))?;
+fn flown(of: Shipped, name: &str, overrides: &[&str]) -> Result<Vec<Row>, Error> {
+    let Run { summary, .. } = scenario(of, overrides)?.fly(|_| ControlFlow::Continue(()))?;
     let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
-        let id = format!("flight.path_figure8.{name}.{end}");
+        let id = format!("flight.{}.{name}.{end}", of.0);
         Row::judged(&id, "what is asked of the flight", metric, value, limit, unit)
     };
     let missing = || Error::reference("summary", "no path".to_string());

@@ -2,14 +2,12 @@
 
 use super::manoeuvre::{Manoeuvre, angle_error};
 use super::mpc::{MpcSpec, Weights};
+use super::soft_clearance::SoftClearance;
 use crate::Error;
 use crate::math::Scalar;
 use crate::ocp::realtime::Tracking;
 use crate::plant::{Channel, LocalChart, Plant, Role};
 use std::sync::Arc;
-
-/// Most clearances of a plant that a controller may watch.
-const MAX_CLEARANCES: usize = 16;
 
 /// The paper's cost J = sum (z - z_ref)' C (z - z_ref), z = [roll, pitch, w],
 /// on the nodes after the first, with a small cost on the inputs at all nodes; and the soft limits of the clearances.
@@ -25,11 +23,7 @@ pub struct AttitudeTracking<'a, P: Plant> {
     change_weights: Vec<f64>,
     /// Largest rate per input, per second.
     rate_limits: Vec<f64>,
-    /// Number of clearances with a soft limit.
-    clearances: usize,
-    /// Their limit, and the width over which it is rounded off, m.
-    clearance: f64,
-    clearance_width: f64,
+    clearance: SoftClearance,
     /// The last node.
     last: usize,
 }
@@ -42,6 +36,7 @@ impl<'a, P: Plant> AttitudeTracking<'a, P> {
         let rate = Role::AngularRate(0).place(chart.states());
         let half_range = |c: &Channel| 0.5 * (c.high - c.low);
         let inputs = plant.inputs();
+        let (weight, limit, width) = (spec.weights.clearance, spec.clearance_m, spec.clearance_width_m);
         Ok(Self {
             manoeuvre,
             weights: spec.weights.clone(),
@@ -52,47 +47,16 @@ impl<'a, P: Plant> AttitudeTracking<'a, P> {
                 .map(|c| (spec.weights.input_change / half_range(c)).powi(2))
                 .collect(),
             rate_limits: spec.rate_limits(inputs)?,
-            clearances: soft_limits(plant, spec)?,
-            clearance: spec.clearance_m,
-            clearance_width: spec.clearance_width_m,
+            clearance: SoftClearance::new(plant, "weights.clearance", weight, limit, width)?,
             last: spec.intervals,
             chart,
         })
-    }
-
-    /// Weight times the smooth positive part of what each clearance is short of its limit. Where the model cannot
-    /// be evaluated it has none: its rates refuse the state.
-    ///
-    /// Equation: guide.soft_clearance
-    fn shortfalls<S: Scalar>(&self, t: f64, x: &[S], r: &mut [S]) {
-        let mut clearances = [S::ZERO; MAX_CLEARANCES];
-        let clearances = &mut clearances[..self.clearances];
-        if self.chart.clear(S::from(t), x, clearances).is_err() {
-            return r.fill(S::ZERO);
-        }
-        for (r, c) in r.iter_mut().zip(clearances) {
-            *r = (-*c + self.clearance).smooth_positive(self.clearance_width) * self.weights.clearance;
-        }
-    }
-}
-
-/// Number of clearances under the soft limit.
-fn soft_limits<P: Plant>(plant: &P, spec: &MpcSpec) -> Result<usize, Error> {
-    if spec.weights.clearance == 0.0 {
-        return Ok(0);
-    }
-    match plant.clearances().len() {
-        count @ 1..=MAX_CLEARANCES => Ok(count),
-        count => {
-            let allowed = format!("0 for a robot with {count} clearances; with 1 to {MAX_CLEARANCES} any");
-            Err(Error::invalid("weights.clearance", spec.weights.clearance, allowed))
-        }
     }
 }
 
 impl<P: Plant> Tracking for AttitudeTracking<'_, P> {
     fn residuals(&self, node: usize) -> usize {
-        self.input_weights.len() + if node == 0 { 0 } else { 5 + self.clearances }
+        self.input_weights.len() + if node == 0 { 0 } else { 5 + self.clearance.count }
     }
 
     fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]) {
@@ -112,9 +76,7 @@ impl<P: Plant> Tracking for AttitudeTracking<'_, P> {
         for (i, weight) in rates.into_iter().enumerate() {
             outputs[2 + i] = (x[self.rate + i] - reference.w[i]) * (weight * factor);
         }
-        if self.clearances > 0 {
-            self.shortfalls(t, x, &mut outputs[5..]);
-        }
+        self.clearance.shortfalls(&self.chart, t, x, &mut outputs[5..]);
     }
 
     fn change_weight(&self, input: usize) -> f64 {

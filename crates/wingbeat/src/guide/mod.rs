@@ -12,7 +12,9 @@ mod manoeuvre;
 mod mpc;
 pub(crate) mod path;
 mod playback;
+mod receding;
 mod roll_in;
+mod soft_clearance;
 mod stand;
 mod told;
 mod turn;
@@ -22,7 +24,7 @@ const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
 
 pub(crate) use about_orbit::gains_of;
-pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, TrackingSpec};
+pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, PredictiveSpec, Terminal, TrackingSpec};
 pub use attitude_tracking::AttitudeTracking;
 pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};
 pub use hover::HoverSpec;

@@ -3,9 +3,10 @@
 use super::attitude_tracking::AttitudeTracking;
 use super::controllers::{ControllerSpec, Task};
 use super::manoeuvre::Manoeuvre;
+use super::receding::{self, Receding};
 use super::told::Told;
 use crate::Error;
-use crate::ocp::realtime::{HorizonSolver, Plan, RealTime, Settings};
+use crate::ocp::realtime::{HorizonSolver, RealTime, Settings};
 use crate::plant::{Channel, LocalChart, Plant};
 use crate::range::{Range, ranges};
 use crate::require;
@@ -13,10 +14,10 @@ use crate::simulate::{Column, Controller, Estimator, Measurement, TrueState, Upd
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Longest horizon, and most iterations of an update.
-const MAX_INTERVALS: usize = 100;
+pub(super) const MAX_INTERVALS: usize = 100;
 
 /// Horizon and cost of the controller.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -83,7 +84,7 @@ pub struct Weights {
 }
 
 /// *Choice.*
-fn clearance_width() -> f64 {
+pub(super) fn clearance_width() -> f64 {
     1e-3
 }
 
@@ -171,13 +172,7 @@ impl MpcSpec {
 /// It plans from the state that its estimator `E` makes of the measurement, with the horizon solver `H`.
 pub struct Mpc<'a, P: Plant, E = TrueState, H = RealTime> {
     tracking: AttitudeTracking<'a, P>,
-    solver: H,
-    /// The plan to go on with when an update comes late.
-    previous: Plan,
-    deadline: Option<Duration>,
-    iterations: usize,
-    last_update: Option<f64>,
-    local: Vec<f64>,
+    receding: Receding<H>,
     estimator: E,
     estimate: Vec<f64>,
     applied: Vec<f64>,
@@ -221,57 +216,19 @@ where
             ..Settings::new(spec.intervals, spec.interval_s)
         };
         let solver = make(chart, &tracking, settings)?;
+        let plan = solver.plan().clone();
         Ok(Self {
-            local: vec![0.0; chart.states().len()],
+            receding: Receding::new(solver, plan, spec.deadline_s, spec.iterations),
             estimator,
             estimate: vec![0.0; plant.states().len()],
             applied: vec![0.0; plant.inputs().len()],
             tracking,
-            previous: solver.plan().clone(),
-            solver,
-            deadline: spec.deadline_s.map(|s| Duration::try_from_secs_f64(s).unwrap_or(Duration::MAX)),
-            iterations: spec.iterations,
-            last_update: None,
         })
     }
 
     /// The solver with its plan, in the chart of the last update.
     pub fn solver(&self) -> &H {
-        &self.solver
-    }
-
-    /// Centres the chart at the measured attitude and moves the plan's states over.
-    fn recenter(&mut self, x: &[f64], nodes: usize) {
-        let chart = &mut self.tracking.chart;
-        let old = chart.reference();
-        chart.center_at(x);
-        for k in 0..nodes {
-            chart.adopt(old, self.solver.plan_mut().state_mut(k));
-        }
-        chart.localise(x, &mut self.local);
-    }
-
-    /// Solves for the plan from the state `x` at `t`; the deadline counts from `begun`.
-    fn replan(&mut self, t: f64, x: &[f64], begun: Instant) -> Update {
-        if let Some(last) = self.last_update {
-            self.solver.shift(&self.tracking.chart, t - last);
-            let nodes = self.solver.plan().nodes();
-            self.recenter(x, nodes);
-        } else {
-            self.recenter(x, 0);
-            self.solver.reset(&self.tracking.chart, &self.local);
-        }
-        self.last_update = Some(t);
-        self.previous.clone_from(self.solver.plan());
-        let status = self.solver.solve(&self.tracking.chart, &self.tracking, t, &self.local, self.iterations);
-        if !status.updated() {
-            return Update::Kept;
-        }
-        if self.deadline.is_some_and(|limit| begun.elapsed() > limit) {
-            self.solver.plan_mut().clone_from(&self.previous);
-            return Update::Late;
-        }
-        Update::Fresh
+        &self.receding.solver
     }
 }
 
@@ -283,32 +240,31 @@ where
 {
     fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
         let begun = Instant::now();
-        self.solver.plan().input_at(t, &mut self.applied);
+        self.receding.solver.plan().input_at(t, &mut self.applied);
         let mut x = std::mem::take(&mut self.estimate);
         let estimated = self.estimator.estimate(t, measurement, &self.applied, &mut x);
-        let update = estimated.map_or(Update::Kept, |()| self.replan(t, &x, begun));
+        let update = estimated.map_or(Update::Kept, |()| {
+            self.receding.follow(&mut self.tracking.chart, t, &x);
+            self.receding.improve(&self.tracking.chart, &self.tracking, t, begun)
+        });
         self.estimate = x;
         update
     }
 
     fn input(&self, t: f64, u: &mut [f64]) {
-        self.solver.plan().input_at(t, u);
+        self.receding.solver.plan().input_at(t, u);
     }
 
     fn columns(&self) -> Vec<Column> {
-        let last = self.solver.plan().nodes() - 1;
+        let last = self.receding.solver.plan().nodes() - 1;
         let angles = ["roll", "pitch", "yaw"].map(|a| Column::new(format!("plan_{a}_{last}"), "rad", "WB"));
-        let measures = ["iterations", "qp_changes", "active_limits", "stationarity", "defect"];
-        let measures = measures.map(|m| Column::new(format!("solver_{m}"), "", ""));
-        angles.into_iter().chain(measures).collect()
+        angles.into_iter().chain(receding::columns()).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
-        let (plan, statistics) = (self.solver.plan(), self.solver.statistics());
+        let plan = self.receding.solver.plan();
         let end = plan.state(plan.nodes() - 1);
         row.extend(self.tracking.chart.rotation_matrix(end).roll_pitch_yaw().0);
-        let counts = [statistics.iterations, statistics.qp_changes, statistics.active];
-        row.extend(counts.map(|c| c as f64));
-        row.extend([statistics.stationarity, statistics.defect]);
+        row.extend(receding::measures(&self.receding.solver.statistics()));
     }
 }

@@ -1,6 +1,6 @@
 //! The flow over a cycle, with exact derivatives.
 
-use super::section::{Direction, ROLL, Section};
+use super::section::{Direction, Section};
 use crate::math::{Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace};
 use crate::plant::{Early, Fault, Plant};
 use crate::robot::Robot;
@@ -184,7 +184,7 @@ impl<'a> Cycle<'a> {
         let steps = Steps::new(S::ZERO, duration * (1.0 / self.steps as f64), self.steps);
         let mut work = Workspace::new(x.len(), RK4.b.len());
         // The trapezoidal rule.
-        let mut rolls = z[ROLL] * 0.5;
+        let mut rolls = z[Section::ROLL] * 0.5;
         let mut seen = |k: usize, t: S, x: &[S]| {
             let weight = if k == self.steps { 0.5 } else { 1.0 };
             rolls += self.section.roll(x) * weight;

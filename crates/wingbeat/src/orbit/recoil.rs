@@ -33,7 +33,7 @@ pub(super) fn recoil(
     free: &[Free],
     mut point: Point,
 ) -> Result<Point, Failure> {
-    let mut pitch = point.z[4];
+    let mut pitch = point.z[Section::PITCH];
     for _ in 0..SETTLING {
         settle(cycle, course, pitch, &mut point)?;
     }
@@ -55,7 +55,7 @@ pub(super) fn recoil(
         let longest = step.iter().zip(sizes).map(|(s, size)| s.abs() / size).fold(0.0, f64::max);
         let share = (LONGEST / longest).min(1.0);
         pitch += share * step[0];
-        point.z[4] += share * step[0];
+        point.z[Section::PITCH] += share * step[0];
         free.iter().zip(&step[1..]).for_each(|(free, step)| point.moved(free, share * step));
         for _ in 0..AFTER_STEP {
             settle(cycle, course, pitch, &mut point)?;
@@ -77,7 +77,7 @@ fn slopes(cycle: &Cycle, free: &[Free], point: &Point, here: [f64; 3]) -> Result
     for column in 0..3 {
         let mut beside = point.clone();
         match column {
-            0 => beside.z[4] += DIFFERENCE,
+            0 => beside.z[Section::PITCH] += DIFFERENCE,
             _ => beside.moved(&free[column - 1], DIFFERENCE),
         }
         for (row, (there, here)) in drift(cycle, &beside)?.into_iter().zip(here).enumerate() {
@@ -101,7 +101,7 @@ fn settle(cycle: &Cycle, course: &Course, pitch: f64, point: &mut Point) -> Resu
     })?;
     let asked = [course.speed, course.climb, pitch, 0.0];
     let begin = point.z.clone();
-    point.z[BODY..].copy_from_slice(&end.z[BODY..]);
+    point.z[Section::BODY..].copy_from_slice(&end.z[Section::BODY..]);
     for ((&i, mean), asked) in DRIFTING.iter().zip(means).zip(asked) {
         let mean = mean + 0.5 * begin[i] / steps - 0.5 * (end.z[i] - begin[i]);
         point.z[i] = asked + begin[i] - mean;
@@ -109,9 +109,6 @@ fn settle(cycle: &Cycle, course: &Course, pitch: f64, point: &mut Point) -> Resu
     symmetrise(section.symmetric(), &mut point.z);
     Ok(())
 }
-
-/// Coordinates of the body.
-const BODY: usize = 8;
 
 /// Leaves only what is alike on both sides.
 fn symmetrise(symmetric: &[Direction], z: &mut [f64]) {

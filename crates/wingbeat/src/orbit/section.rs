@@ -4,6 +4,7 @@ use crate::Error;
 use crate::math::{Mat3, Quat, Scalar, Vec3};
 use crate::plant::Plant;
 use crate::robot::{Layout, Robot};
+use std::ops::Range;
 
 /// A direction in the coordinates: numbers of coordinates with their shares.
 pub type Direction = Vec<(usize, f64)>;
@@ -12,8 +13,6 @@ pub type Direction = Vec<(usize, f64)>;
 const BODY: usize = 8;
 const BODY_NAMES: [&str; BODY] =
     ["v_H_x", "v_H_y", "v_H_z", "roll", "pitch", "w_WB_B_x", "w_WB_B_y", "w_WB_B_z"];
-/// The roll among the coordinates.
-pub(super) const ROLL: usize = 3;
 /// Those of flight in the plane of symmetry.
 const LONGITUDINAL: [usize; 4] = [0, 2, 4, 6];
 const LATERAL: [usize; 4] = [1, 3, 5, 7];
@@ -30,6 +29,17 @@ pub struct Section {
 }
 
 impl Section {
+    /// Places of the velocity among the coordinates.
+    pub const VELOCITY: Range<usize> = 0..3;
+    /// Place of the roll.
+    pub const ROLL: usize = 3;
+    /// Place of the pitch.
+    pub const PITCH: usize = 4;
+    /// Places of the angular rate.
+    pub const RATE: Range<usize> = 5..BODY;
+    /// Number of those of the body, which are the first.
+    pub const BODY: usize = BODY;
+
     /// Coordinates of `robot`.
     ///
     /// # Errors
@@ -65,6 +75,11 @@ impl Section {
             symmetric: body(LONGITUDINAL).into_iter().chain(side(1.0)).collect(),
             antisymmetric: body(LATERAL).into_iter().chain(side(-1.0)).collect(),
         })
+    }
+
+    /// Where the states of the robot are.
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// Number of coordinates.
@@ -106,9 +121,9 @@ impl Section {
     pub fn state<S: Scalar>(&self, z: &[S], structure: &[S], x: &mut [S]) {
         let l = &self.layout;
         x[l.position..l.position + 3].fill(S::ZERO);
-        Quat::from_roll_pitch_yaw(z[3], z[4], S::ZERO).store_wxyz(&mut x[l.attitude..]);
-        x[l.velocity..l.velocity + 3].copy_from_slice(&z[..3]);
-        x[l.rate..l.rate + 3].copy_from_slice(&z[5..BODY]);
+        Quat::from_roll_pitch_yaw(z[Self::ROLL], z[Self::PITCH], S::ZERO).store_wxyz(&mut x[l.attitude..]);
+        x[l.velocity..l.velocity + 3].copy_from_slice(&z[Self::VELOCITY]);
+        x[l.rate..l.rate + 3].copy_from_slice(&z[Self::RATE]);
         x[l.structure..l.joints].copy_from_slice(structure);
         x[l.joints..l.len].copy_from_slice(&z[BODY..]);
     }
@@ -124,8 +139,8 @@ impl Section {
         let [roll, pitch, yaw] = Quat::from_wxyz(&x[l.attitude..]).matrix().roll_pitch_yaw().0;
         let heading = Mat3::rotation_z(-yaw);
         (heading * Vec3::from_slice(&x[l.velocity..])).store(z);
-        (z[3], z[4]) = (roll, pitch);
-        z[5..BODY].copy_from_slice(&x[l.rate..l.rate + 3]);
+        (z[Self::ROLL], z[Self::PITCH]) = (roll, pitch);
+        z[Self::RATE].copy_from_slice(&x[l.rate..l.rate + 3]);
         z[BODY..].copy_from_slice(&x[l.joints..l.len]);
         yaw
     }

@@ -6,6 +6,7 @@ use wingbeat::math::{GRAVITY, RK4, Workspace};
 use wingbeat::orbit::{Course, Section, intervals};
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::scenario::{Document, Scenario, Trimmed};
+use wingbeat::simulate::{Controller, Measurement};
 
 fn scenario(name: &str, overrides: &[&str]) -> Scenario {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenarios/{name}.toml"));
@@ -298,4 +299,70 @@ fn intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit() {
     let last = values("t").len() - 1;
     assert!(values("orbit_height_error")[last].abs() < 0.01, "{}", values("orbit_height_error")[last]);
     assert!(values("roll")[last].abs() < 0.02, "{}", values("roll")[last]);
+}
+
+/// Commands of the first update of the controller of `scenario` from the state `x` at the begin.
+fn commands(scenario: &Scenario, x: &[f64]) -> Vec<f64> {
+    let mut controller: Box<dyn Controller + '_> = scenario.controller().unwrap().unwrap();
+    let updated = controller.update(0.0, &Measurement::new(0.0, scenario.robot().states(), x));
+    assert_eq!(updated, wingbeat::simulate::Update::Fresh);
+    let mut u = vec![0.0; scenario.robot().inputs().len()];
+    controller.input(0.0, &mut u);
+    u
+}
+
+/// A plan of one interval whose commands do not change over it has the cost of the regulator: what it does about small
+/// deviations, and that it does nothing on the orbit, follows from the regulator's cost at its end.
+#[test]
+fn near_an_orbit_a_short_plan_asks_what_the_regulator_does() {
+    let found =
+        scenario("cruise_20g", &["trim.free=['stroke', 'twist']", "robot.gait.fourier.frequency_hz=5.8592"]);
+    let trimmed = found.trim(&mut |_| ControlFlow::Continue(())).unwrap();
+    // The regulator adds up its cost over twentieths of a cycle.
+    let interval = 1.0 / (20.0 * 5.8592);
+    let with = |predictive: &str| {
+        let controller = format!(
+            "controller.orbit={{period_s=0.0085, speed_m_s=3.787, free=['stroke', 'twist', 'swing']{predictive}}}"
+        );
+        let document = Document::text("orbit.toml", &trimmed.files[0].1).unwrap().set(controller);
+        Scenario::new(document).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let regulator = with("");
+    let plan = |rest: &str| with(&format!(", predictive={{interval_s={interval}, {rest}}}"));
+    let short = plan("intervals=1, command_change=1e4");
+    let (orbit, robot) = (regulator.start(), regulator.robot());
+    let limits: Vec<f64> = robot.inputs().iter().map(|c| c.high).collect();
+    let apart = |a: &[f64], b: &[f64]| {
+        let each = a.iter().zip(b).zip(&limits).map(|((a, b), limit)| ((a - b) / limit).abs());
+        each.fold(0.0, f64::max)
+    };
+    let asked = commands(&regulator, &orbit);
+    for (name, planned) in [("short", &short), ("long", &plan("intervals=5"))] {
+        let off = apart(&commands(planned, &orbit), &asked);
+        assert!(off < 1e-3, "{name}: on the orbit the plan is off by {off} of the limits");
+    }
+    // Size of the deviation, and share of the commands that the integration of an interval in one step may miss. A yaw rate asks
+    // for little: a tenth of what a roll rate does.
+    let states = [
+        ("p_WB_z", 1e-4, 0.01),
+        ("v_WB_W_x", 1e-3, 0.01),
+        ("v_WB_W_y", 1e-3, 0.01),
+        ("v_WB_W_z", 1e-3, 0.01),
+        ("w_WB_B_x", 1e-2, 0.01),
+        ("w_WB_B_y", 1e-2, 0.01),
+        ("w_WB_B_z", 1e-2, 0.1),
+        ("displacement_stroke_left", 1e-3, 0.01),
+        ("rate_twist_right", 1e-2, 0.01),
+    ];
+    for (name, size, missed) in states {
+        let mut moved = orbit.clone();
+        moved[state(&regulator, name)] += size;
+        let [fed, planned] = [&regulator, &short].map(|s| {
+            let (on, off) = (commands(s, &orbit), commands(s, &moved));
+            off.iter().zip(on).map(|(off, on)| off - on).collect::<Vec<f64>>()
+        });
+        let largest = apart(&fed, &vec![0.0; fed.len()]);
+        let off = apart(&planned, &fed);
+        assert!(off < missed * largest, "{name}: off by {off} of {largest}");
+    }
 }

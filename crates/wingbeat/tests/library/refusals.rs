@@ -69,7 +69,7 @@ const KINDS: [(&str, Build, &[&str]); 5] = [
 ];
 
 /// Documents with the tables that no shipped one has: a file, and what is set in it.
-const TABLES: [(&str, &[&str]); 14] = [
+const TABLES: [(&str, &[&str]); 15] = [
     (
         "scenarios/glider.toml",
         &[
@@ -83,6 +83,12 @@ const TABLES: [(&str, &[&str]); 14] = [
         ],
     ),
     ("scenarios/path_figure8.toml", &["path.curve={line={length_m=30.0}}"]),
+    (
+        "scenarios/predictive_figure8.toml",
+        &["controller.orbit.predictive={intervals=5, interval_s=0.009, iterations=2, deadline_s=0.005, \
+             terminal=\"none\", command_change=0.1, clearance=100.0, clearance_m=0.01, clearance_width_m=0.001, \
+             cross_m=0.1, along_m=0.3}"],
+    ),
     ("scenarios/path_figure8.toml", &["path.curve={lane_change={length_m=10.0, aside_m=-1.5}}"]),
     (
         "scenarios/path_figure8.toml",

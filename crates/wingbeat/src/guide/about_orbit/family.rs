@@ -1,12 +1,13 @@
 //! Orbits along the legs of a flight, as references, and the feedback about them.
 
-use super::feedback::Feedback;
+use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
+use super::predictive::PredictiveSpec;
 use super::schedule::{Place, Schedule, Stretch};
 use super::spec::AboutOrbitSpec;
 use crate::Error;
 use crate::math::interpolation::lerp;
 use crate::orbit::{
-    Course, Cycle, Deviations, Failure, Found, Free, PARTS, Point, intervals, search, search_from,
+    Course, Cycle, Deviations, Failure, Found, Free, PARTS, Point, Section, intervals, search, search_from,
 };
 use crate::parallel;
 use crate::plant::{Fault, Plant};
@@ -27,7 +28,19 @@ const PITCH: f64 = -0.2;
 /// the mean path.
 struct Reference {
     steps: Vec<Vec<f64>>,
+    /// How far it is off its mean path over the ground at every step.
+    off_path: Vec<[f64; OFF_PATH]>,
     commands: Vec<f64>,
+}
+
+/// What is asked at a phase.
+#[derive(Clone, Debug)]
+pub(super) struct Asked {
+    /// What may deviate.
+    pub numbers: Vec<f64>,
+    pub commands: Vec<f64>,
+    /// Off the mean path: ahead, to its left, m, heading, rad.
+    pub off_path: [f64; OFF_PATH],
 }
 
 /// The references of a stretch in its order, and the shares of it at which there is feedback.
@@ -62,9 +75,9 @@ impl Search<'_> {
     fn first(&mut self, course: &Course) -> Result<(), Failure> {
         let robot = self.cycle.robot();
         let mut z = vec![0.0; self.cycle.section().len()];
-        (z[0], z[4]) = (course.speed, PITCH);
+        (z[Section::VELOCITY.start], z[Section::PITCH]) = (course.speed, PITCH);
         let joints = robot.start_coordinates();
-        z[8..][..joints.len()].copy_from_slice(&joints);
+        z[Section::BODY..][..joints.len()].copy_from_slice(&joints);
         let guess = Point { z, pace: 1.0, inputs: vec![0.0; robot.inputs().len()] };
         let found = search(self.cycle, course, &self.straight, guess, &mut go_on)?;
         self.take(found)?;
@@ -162,7 +175,8 @@ impl Family {
             let orbit = &found[orbit].orbit;
             let intervals = intervals(cycle, &orbit.point, PHASES, inputs)?;
             let coordinates = cycle.section().len();
-            Ok(Feedback::new(&spec.weights, &intervals, coordinates, &limits, orbit.end.duration))
+            let path = spec.predictive.as_ref().and_then(PredictiveSpec::path);
+            Ok(Feedback::new(&spec.weights, path, &intervals, coordinates, &limits, orbit.end.duration))
         });
         let missing = || Error::invalid("weights", "given", "weights with which the feedback settles");
         let feedback = made
@@ -183,17 +197,22 @@ impl Family {
         &self.start
     }
 
-    /// The reference at `place` and `cycles` of the gait's phase: deviating numbers and commands.
-    pub fn asked(&self, place: Option<Place>, cycles: f64) -> (Vec<f64>, Vec<f64>) {
+    /// The reference at `place` and `cycles` of the gait's phase.
+    pub fn asked(&self, place: Option<Place>, cycles: f64) -> Asked {
         let Between(one, other, between) = self.between(place);
         let (one, other) = (&self.references[one], &self.references[other]);
         let step = cycles.rem_euclid(1.0) * (one.steps.len() - 1) as f64;
         let i = (step as usize).min(one.steps.len() - 2);
-        let at =
-            |orbit: &Reference, j: usize| lerp(orbit.steps[i][j], orbit.steps[i + 1][j], step - i as f64);
+        let share = step - i as f64;
+        let at = |orbit: &Reference, j: usize| lerp(orbit.steps[i][j], orbit.steps[i + 1][j], share);
+        let off = |orbit: &Reference, j: usize| lerp(orbit.off_path[i][j], orbit.off_path[i + 1][j], share);
         let numbers = (0..one.steps[0].len()).map(|j| lerp(at(one, j), at(other, j), between)).collect();
         let commands = one.commands.iter().zip(&other.commands).map(|(a, b)| lerp(*a, *b, between)).collect();
-        (numbers, commands)
+        Asked {
+            numbers,
+            commands,
+            off_path: std::array::from_fn(|j| lerp(off(one, j), off(other, j), between)),
+        }
     }
 
     /// The orbits on both sides of `place`.
@@ -207,12 +226,27 @@ impl Family {
 
     /// The feedback there, linear between the orbits about which it was made.
     pub fn gain(&self, place: Option<Place>, cycles: f64) -> DMatrix<f64> {
-        let Some(Place { stretch, share }) = place else { return self.feedback[0].at(cycles) };
+        match self.made(place) {
+            (one, None) => one.at(cycles),
+            (one, Some((other, share))) => one.at(cycles) * (1.0 - share) + other.at(cycles) * share,
+        }
+    }
+
+    /// The cost of deviations from there on, likewise.
+    pub fn cost(&self, place: Option<Place>, cycles: f64) -> CostToGo {
+        match self.made(place) {
+            (one, None) => one.cost(cycles),
+            (one, Some((other, share))) => one.cost(cycles).towards(other.cost(cycles), share),
+        }
+    }
+
+    /// Feedback about an orbit at `place`, or before it and after it with how far it is from the one to the other.
+    fn made(&self, place: Option<Place>) -> (&Feedback, Option<(&Feedback, f64)>) {
+        let Some(Place { stretch, share }) = place else { return (&self.feedback[0], None) };
         let made = &self.ways[stretch].feedback;
         let k = made.partition_point(|(at, _)| *at <= share).clamp(1, made.len() - 1);
         let ((from, one), (to, other)) = (made[k - 1], made[k]);
-        let between = (share - from) / (to - from);
-        self.feedback[one].at(cycles) * (1.0 - between) + self.feedback[other].at(cycles) * between
+        (&self.feedback[one], Some((&self.feedback[other], (share - from) / (to - from))))
     }
 }
 
@@ -229,11 +263,12 @@ fn sparse(way: &[usize]) -> impl Iterator<Item = (f64, usize)> {
 impl Reference {
     fn new(cycle: &Cycle, deviations: &Deviations, found: &Found) -> Result<Self, Fault> {
         let (point, climb) = (&found.orbit.point, found.orbit.course.climb);
-        let mut steps = Vec::with_capacity(cycle.steps() + 1);
+        let (mut steps, mut ground) = (Vec::with_capacity(cycle.steps() + 1), Vec::new());
         let mut add = |t: f64, x: &[f64]| {
             let mut s = vec![0.0; deviations.len()];
-            deviations.of(cycle, x, &mut s);
-            s[0] -= climb * t;
+            let (heading, place) = (deviations.of(x, &mut s), deviations.position());
+            ground.push([x[place], x[place + 1], heading]);
+            s[Deviations::HEIGHT] -= climb * t;
             steps.push(s);
         };
         add(0.0, &cycle.start(point));
@@ -245,6 +280,6 @@ impl Reference {
         if let Some((input, value)) = cycle.pacing(point.pace) {
             commands[input] = value;
         }
-        Ok(Self { steps, commands })
+        Ok(Self { steps, off_path: MeanPath::new(&ground).off, commands })
     }
 }

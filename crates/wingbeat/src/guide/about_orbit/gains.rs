@@ -1,14 +1,15 @@
 //! The feedback that holds an orbit, as a table.
 
 use super::family::PHASES;
-use super::feedback::{BODY, Feedback};
+use super::feedback::{DEVIATIONS, Feedback};
 use super::spec::OrbitWeights;
-use crate::orbit::{Cycle, Deviations, Orbit, intervals};
+use crate::orbit::{Cycle, Deviations, Orbit, Section, intervals};
 use crate::plant::{Fault, Plant};
 use std::fmt::Write;
 
 /// Units of the integral of the height, the height and the coordinates of the body.
-const UNITS: [&str; 2 + BODY] = ["m s", "m", "m/s", "m/s", "m/s", "rad", "rad", "rad/s", "rad/s", "rad/s"];
+const UNITS: [&str; DEVIATIONS + Deviations::BODY] =
+    ["m s", "m", "m/s", "m/s", "m/s", "rad", "rad", "rad/s", "rad/s", "rad/s"];
 
 /// The periodic regulator about `orbit` by all inputs but that of the crank, as comma-separated values: of every phase (share of the cycle) a row for each
 /// input, of every deviation that is fed back a column with its unit. The command is that of the orbit less the sum of gains times
@@ -18,7 +19,8 @@ const UNITS: [&str; 2 + BODY] = ["m s", "m", "m/s", "m/s", "m/s", "rad", "rad", 
 /// The [`Fault`] that makes the model unusable on the way.
 pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<Option<String>, Fault> {
     let robot = cycle.robot();
-    let elements = Deviations::new(cycle).moved().to_vec();
+    let deviations = Deviations::new(cycle);
+    let (elements, from) = (deviations.moved(), DEVIATIONS + deviations.elements_from());
     let (commands, rest) = (robot.inputs().len(), robot.rest_gains());
     let moves = |input: &usize| elements.iter().any(|element| rest[element * commands + input] != 0.0);
     let inputs: Vec<usize> = (0..commands).filter(moves).collect();
@@ -28,11 +30,11 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
     let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
     let coordinates = cycle.section().len();
     let all = intervals(cycle, &orbit.point, PHASES, &inputs)?;
-    let Some(feedback) = Feedback::new(weights, &all, coordinates, &limits, orbit.end.duration) else {
+    let Some(feedback) = Feedback::new(weights, None, &all, coordinates, &limits, orbit.end.duration) else {
         return Ok(None);
     };
     let mut told: Vec<(usize, String)> = Vec::new();
-    let body = cycle.section().names().iter().take(BODY).map(String::as_str);
+    let body = cycle.section().names().iter().take(Section::BODY).map(String::as_str);
     for (column, name) in ["height_integral", "height"].into_iter().chain(body).enumerate() {
         told.push((column, format!("{name} [{}]", UNITS[column])));
     }
@@ -41,7 +43,7 @@ pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<
         for (k, element) in elements.iter().enumerate() {
             let channel = &robot.states()[structure + offset + element];
             let unit = if channel.unit.is_empty() { "1" } else { channel.unit };
-            told.push((2 + coordinates + rates + k, format!("{} [{unit}]", channel.name)));
+            told.push((from + rates + k, format!("{} [{unit}]", channel.name)));
         }
     }
     let mut table = String::from("phase,input");

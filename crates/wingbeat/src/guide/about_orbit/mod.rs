@@ -4,27 +4,33 @@ mod ahead;
 mod family;
 mod feedback;
 mod gains;
+mod predictive;
 mod schedule;
 mod spec;
 mod tracking;
 
 pub(crate) use gains::gains_of;
+pub use predictive::{PredictiveSpec, Terminal};
 pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
 
 use super::controllers::{ControllerSpec, Prepared, Task};
 use super::inertial::Inertial;
+use super::receding;
 use crate::Error;
 use crate::math::Vec3;
-use crate::orbit::{Cycle, Deviations, Free};
+use crate::orbit::{Deviations, Free};
 use crate::plant::Plant;
 use crate::robot::Robot;
 use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
 use ahead::Ahead;
-use family::Family;
-use schedule::Schedule;
+use family::{Asked, Family};
+use feedback::{DEVIATIONS, INTEGRAL};
+use predictive::{Height, Predictive};
+use schedule::{Place, Schedule};
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use std::time::Instant;
 use tracking::{Demand, Tracking};
 
 /// Largest height off at which the integral of the height grows, m.
@@ -33,7 +39,6 @@ const INTEGRATED: f64 = 0.1;
 /// The controller.
 struct AboutOrbit<'a> {
     robot: &'a Robot,
-    cycle: Cycle<'a>,
     period: f64,
     deviations: Deviations,
     schedule: Schedule,
@@ -42,6 +47,8 @@ struct AboutOrbit<'a> {
     tracking: Option<Tracking>,
     /// Numbers of the inputs that are fed back.
     inputs: Vec<usize>,
+    /// The plan, where commands are planned.
+    predictive: Option<Predictive<'a>>,
     estimator: Box<dyn Estimator + 'a>,
     /// The state as it is known.
     x: Vec<f64>,
@@ -60,6 +67,10 @@ impl ControllerSpec for AboutOrbitSpec {
     fn check(&self, task: Task) -> Result<(), Error> {
         self.checked(task.model)?;
         self.tracked(&task)?;
+        if self.predictive.is_some() && task.solver.is_some() {
+            let allowed = "none beside [controller.orbit.predictive], which has the shipped solver";
+            return Err(Error::invalid("solver", "given", allowed));
+        }
         match &self.estimator {
             Some(estimator) => estimator.check(task.sensors.as_ref()).map_err(|e| e.within("estimator")),
             None => Ok(()),
@@ -89,7 +100,12 @@ impl ControllerSpec for AboutOrbitSpec {
             Some(family) => family,
             None => Arc::new(Family::new(self, &cycle, &schedule, &inputs)?),
         };
-        let (_, held) = family.asked(None, 0.0);
+        let deviations = Deviations::new(&cycle);
+        let predictive = self.predictive.as_ref().map(|spec| {
+            let made = Predictive::new(robot, &deviations, &inputs, spec, &self.weights, &family);
+            made.map_err(|e| e.within("predictive"))
+        });
+        let Asked { commands: held, .. } = family.asked(None, 0.0);
         let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
             None => Box::new(Ahead::new(robot)),
             Some(spec) => {
@@ -104,17 +120,17 @@ impl ControllerSpec for AboutOrbitSpec {
         Ok(Box::new(AboutOrbit {
             robot,
             period: self.period_s,
-            deviations: Deviations::new(&cycle),
+            deviations,
             schedule,
             family,
             tracking,
             inputs,
+            predictive: predictive.transpose()?,
             estimator,
             x: vec![0.0; robot.states().len()],
             integral: 0.0,
             held,
             seen: [0.0; 4],
-            cycle,
         }))
     }
 }
@@ -124,7 +140,9 @@ impl AboutOrbitSpec {
     fn tracked(&self, task: &Task) -> Result<Option<Tracking>, Error> {
         let Some(spec) = self.tracking else { return Ok(None) };
         let path = spec.checked(task.path.as_ref(), self.speed_m_s).map_err(|e| e.within("tracking"))?;
-        Ok(Some(Tracking::new(spec, path, self.speed_m_s, self.period_s)))
+        let planned = self.predictive.as_ref();
+        let left = planned.map_or([false; 2], |spec| [spec.cross_m, spec.along_m].map(|size| size.is_some()));
+        Ok(Some(Tracking::new(spec, path, self.speed_m_s, self.period_s, left)))
     }
 
     /// Numbers of the inputs that are fed back.
@@ -150,44 +168,61 @@ fn cycles(robot: &Robot, t: f64, x: &[f64]) -> f64 {
     (robot.phase(t) - robot.phase(0.0) + paced) / TAU
 }
 
-impl Controller for AboutOrbit<'_> {
-    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
-        if self.estimator.estimate(t, measurement, &self.held, &mut self.x).is_err() {
-            return Update::Kept;
-        }
-        let x = &self.x;
-        let cycles = cycles(self.robot, t, x);
-        let (place, height, faster) = match &mut self.tracking {
-            None => (self.schedule.place(t), self.schedule.height(t), 0.0),
-            Some(tracking) => {
-                let layout = self.robot.layout();
-                let [position, velocity] =
-                    [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
-                let Demand { place, height, faster } = tracking.demand(t, position, velocity);
-                (Some(place), height, faster)
-            }
-        };
-        let (asked, mut commands) = self.family.asked(place, cycles);
-        let mut s = vec![0.0; self.deviations.len()];
-        self.deviations.of(&self.cycle, x, &mut s);
-        let mut error: Vec<f64> = s.iter().zip(&asked).map(|(s, asked)| s - asked).collect();
-        error[0] -= height;
-        error[1] -= faster;
-        if error[0].abs() < INTEGRATED {
-            self.integral += error[0] * self.period;
-        }
+impl AboutOrbit<'_> {
+    /// The regulator's commands for deviations `error` from what is asked.
+    fn regulate(&mut self, place: Option<Place>, cycles: f64, asked: Asked, error: &[f64]) {
         let gain = self.family.gain(place, cycles);
+        let mut commands = asked.commands;
         for (row, &input) in self.inputs.iter().enumerate() {
-            let fed: f64 = error.iter().enumerate().map(|(j, e)| gain[(row, j + 1)] * e).sum();
-            commands[input] -= gain[(row, 0)] * self.integral + fed;
+            let fed: f64 = error.iter().enumerate().map(|(j, e)| gain[(row, DEVIATIONS + j)] * e).sum();
+            commands[input] -= gain[(row, INTEGRAL)] * self.integral + fed;
         }
         for (command, channel) in commands.iter_mut().zip(self.robot.inputs()) {
             *command = channel.clamp(*command);
         }
         self.held = commands;
-        self.seen =
-            [place.map_or(0.0, |place| place.stretch as f64 + place.share), error[0], error[4], error[5]];
-        Update::Fresh
+    }
+}
+
+impl Controller for AboutOrbit<'_> {
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
+        let begun = Instant::now();
+        if self.estimator.estimate(t, measurement, &self.held, &mut self.x).is_err() {
+            return Update::Kept;
+        }
+        let x = &self.x;
+        let cycles = cycles(self.robot, t, x);
+        let layout = self.robot.layout();
+        let [position, velocity] = [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
+        let Demand { place, height, faster, .. } = match &mut self.tracking {
+            None => self.schedule.demand(t),
+            Some(tracking) => tracking.demand(t, position, velocity),
+        };
+        let asked = self.family.asked(place, cycles);
+        let mut s = vec![0.0; self.deviations.len()];
+        self.deviations.of(x, &mut s);
+        let mut error: Vec<f64> = s.iter().zip(&asked.numbers).map(|(s, asked)| s - asked).collect();
+        error[Deviations::HEIGHT] -= height;
+        error[Deviations::VELOCITY.start] -= faster;
+        let off = error[Deviations::HEIGHT];
+        if off.abs() < INTEGRATED {
+            self.integral += off * self.period;
+        }
+        let done = place.map_or(0.0, |place| place.stretch as f64 + place.share);
+        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH]];
+        let Some(predictive) = &mut self.predictive else {
+            self.regulate(place, cycles, asked, &error);
+            return Update::Fresh;
+        };
+        let (schedule, tracking) = (&self.schedule, self.tracking.as_ref());
+        let demand = |t: f64, place: Vec3| {
+            tracking.map_or_else(|| schedule.demand(t), |tracking| tracking.ahead(t, place))
+        };
+        let height = Height { error: off, integral: self.integral };
+        let update = predictive.update(t, &self.x, height, &self.family, demand, begun);
+        // Commands are held, and those of a plan are linear in time.
+        predictive.plan().input_at(t + 0.5 * self.period, &mut self.held);
+        update
     }
 
     fn input(&self, _: f64, u: &mut [f64]) {
@@ -202,12 +237,14 @@ impl Controller for AboutOrbit<'_> {
             Column::new("orbit_pitch_error", "rad", "WB"),
         ];
         let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
-        own.into_iter().chain(path).chain(self.estimator.columns()).collect()
+        let solver = self.predictive.iter().flat_map(|_| receding::columns());
+        own.into_iter().chain(path).chain(self.estimator.columns()).chain(solver).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
         row.extend(self.seen);
         row.extend(self.tracking.iter().flat_map(Tracking::numbers));
         self.estimator.diagnostics(row);
+        row.extend(self.predictive.iter().flat_map(|p| receding::measures(&p.statistics())));
     }
 }

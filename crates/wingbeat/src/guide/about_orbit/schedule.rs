@@ -1,5 +1,6 @@
 //! When which course is flown.
 
+use super::tracking::Demand;
 use crate::orbit::Course;
 
 /// Courses after another.
@@ -43,6 +44,11 @@ impl Schedule {
     pub fn place(&self, t: f64) -> Option<Place> {
         let stretch = self.stretches.partition_point(|stretch| stretch.start <= t).checked_sub(1)?;
         Some(Place { stretch, share: self.stretches[stretch].share(t) })
+    }
+
+    /// What is asked at the time `t`.
+    pub fn demand(&self, t: f64) -> Demand {
+        Demand { place: self.place(t), height: self.height(t), faster: 0.0, beside: None }
     }
 
     /// Height of the mean path at the time `t` above that at 0, m.

@@ -1,10 +1,11 @@
 //! What `[controller.orbit]` says.
 
+use super::predictive::PredictiveSpec;
 use super::schedule::{Schedule, Stretch};
 use super::tracking::TrackingSpec;
 use crate::Error;
 use crate::guide::inertial::EstimatorSpec;
-use crate::orbit::{Course, Cycle, Free};
+use crate::orbit::{Course, Cycle, Deviations, Free};
 use crate::range::{Range, ranges};
 use crate::robot::Robot;
 use serde::{Deserialize, Serialize};
@@ -41,6 +42,9 @@ pub struct AboutOrbitSpec {
     /// How `[path]` is followed, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingSpec>,
+    /// Commands by a plan over the coming strokes that keeps within their limits, in place of the regulator's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predictive: Option<PredictiveSpec>,
 }
 
 /// A smooth way from one steady flight to another; what is not given stays.
@@ -82,6 +86,19 @@ pub struct OrbitWeights {
     pub rate_rad_s: f64,
 }
 
+impl OrbitWeights {
+    /// Those of the deviations of the body in their order.
+    pub(super) fn sizes(&self) -> [f64; Deviations::BODY] {
+        let mut sizes = [0.0; Deviations::BODY];
+        sizes[Deviations::HEIGHT] = self.height_m;
+        sizes[Deviations::VELOCITY].fill(self.velocity_m_s);
+        (sizes[Deviations::ROLL], sizes[Deviations::PITCH]) =
+            (self.angle_deg.to_radians(), self.angle_deg.to_radians());
+        sizes[Deviations::RATE].fill(self.rate_rad_s);
+        sizes
+    }
+}
+
 impl Default for OrbitWeights {
     fn default() -> Self {
         Self { height_m: 0.03, height_integral_m_s: 0.03, velocity_m_s: 0.5, angle_deg: 6.0, rate_rad_s: 5.0 }
@@ -115,6 +132,9 @@ impl AboutOrbitSpec {
         self.weights.in_range().map_err(|e| e.within("weights"))?;
         for (i, leg) in self.legs.iter().enumerate() {
             leg.in_range().map_err(|e| e.within(&format!("legs[{i}]")))?;
+        }
+        if let Some(predictive) = &self.predictive {
+            predictive.check(robot, self.tracking.is_some()).map_err(|e| e.within("predictive"))?;
         }
         self.free(robot, true)?;
         if self.tracking.is_some() {

@@ -2,8 +2,8 @@
 
 use super::schedule::{Place, Schedule, Stretch};
 use crate::Error;
-use crate::guide::path::{Path, PathSpec};
-use crate::math::{GRAVITY, Vec3};
+use crate::guide::path::{self, Path, PathSpec, Station};
+use crate::math::{GRAVITY, Scalar, Vec3};
 use crate::orbit::Course;
 use crate::range::{Range, ranges};
 use crate::simulate::Column;
@@ -69,11 +69,40 @@ ranges!(TrackingSpec {
 /// What the path asks of the regulator.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Demand {
-    pub place: Place,
-    /// Height of the path, m.
+    pub place: Option<Place>,
+    /// Height of the mean path, m.
     pub height: f64,
     /// Speed beyond that of the orbits, m/s.
     pub faster: f64,
+    /// The path, where one is followed.
+    pub beside: Option<Beside>,
+}
+
+/// A place beside a path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside {
+    /// Where the path is nearest to it.
+    station: Station,
+    /// Arc from where the path should be followed by now to there, m; negative where it is missing.
+    along: f64,
+    /// Distance to the left of the path, m.
+    cross: f64,
+}
+
+impl Beside {
+    /// Heading of the path, rad.
+    pub fn heading(&self) -> f64 {
+        self.station.heading
+    }
+
+    /// Of a place near this one the arc from where the path should be followed by now, the distance to its left, m, and
+    /// what the path turns up to there, rad; exact to first order.
+    pub fn off<S: Scalar>(&self, place: Vec3<S>) -> (S, S, S) {
+        let Station { curvature, .. } = self.station;
+        let (ahead, cross) = self.station.offset(place);
+        let arc = ahead * path::stretch(curvature * self.cross).recip();
+        (arc + self.along, cross, arc * curvature)
+    }
 }
 
 /// What was found of the path at the last update.
@@ -92,6 +121,8 @@ pub(super) struct Tracking {
     path: Path,
     speed: f64,
     period: f64,
+    /// Whether distances across and along the path are left to what follows it.
+    left: [bool; 2],
     seen: Seen,
 }
 
@@ -126,8 +157,9 @@ impl TrackingSpec {
 }
 
 impl Tracking {
-    pub fn new(spec: TrackingSpec, path: Path, speed: f64, period: f64) -> Self {
-        Self { spec, path, speed, period, seen: Seen::default() }
+    /// `path` at `speed`, with an update every `period` s; of `left` the distances across and along it ask for nothing.
+    pub fn new(spec: TrackingSpec, path: Path, speed: f64, period: f64, left: [bool; 2]) -> Self {
+        Self { spec, path, speed, period, left, seen: Seen::default() }
     }
 
     /// Columns of [`numbers`](Self::numbers).
@@ -159,14 +191,32 @@ impl Tracking {
         let (_, growth) = station.offset(station.place + velocity);
         let ahead = self.path.at(beside.arc + speed * spec.lead_s).curvature;
         let aside = spec.cross_rad_s * (2.0 * spec.damping * growth + spec.cross_rad_s * beside.cross);
+        let aside = if self.left[0] { 0.0 } else { aside };
         let limit = spec.bank_limit_deg.to_radians();
         let bank = ((aside - ahead * speed * speed) / GRAVITY).atan().clamp(-limit, limit);
         let bank = self.seen.bank + (bank - self.seen.bank) * (1.0 - (-self.period / spec.smooth_s).exp());
         let along = beside.arc - speed * t;
-        let faster = (-spec.along_per_s * along).clamp(-spec.faster_m_s, spec.faster_m_s);
         self.seen = Seen { arc: beside.arc, cross: beside.cross, along, bank, nearest: station.place };
-        let place = Place { stretch: usize::from(bank < 0.0), share: bank.abs() / limit };
-        Demand { place, height: station.place[2], faster }
+        self.asked(station, along, beside.cross)
+    }
+
+    /// What it asks at the time `t` after the last update of a robot at `place` then; the bank stays.
+    pub fn ahead(&self, t: f64, place: Vec3) -> Demand {
+        let beside = self.path.beside(place, self.seen.arc);
+        self.asked(self.path.at(beside.arc), beside.arc - self.speed * t, beside.cross)
+    }
+
+    /// What is asked at a station beside which the robot is, with the bank and the speed of the last update.
+    fn asked(&self, station: Station, along: f64, cross: f64) -> Demand {
+        let (spec, bank) = (&self.spec, self.seen.bank);
+        let faster = (-spec.along_per_s * self.seen.along).clamp(-spec.faster_m_s, spec.faster_m_s);
+        let share = bank.abs() / spec.bank_limit_deg.to_radians();
+        Demand {
+            place: Some(Place { stretch: usize::from(bank < 0.0), share }),
+            height: station.place[2],
+            faster: if self.left[1] { 0.0 } else { faster },
+            beside: Some(Beside { station, along, cross }),
+        }
     }
 }
 
@@ -181,7 +231,7 @@ mod tests {
         let path: PathSpec = toml::from_str(path).unwrap();
         let spec: TrackingSpec =
             toml::from_str("bank_limit_deg = 35.0\nlead_s = 0.0\nsmooth_s = 0.01").unwrap();
-        Tracking::new(spec, spec.checked(Some(&path), SPEED).unwrap(), SPEED, PERIOD)
+        Tracking::new(spec, spec.checked(Some(&path), SPEED).unwrap(), SPEED, PERIOD, [false; 2])
     }
 
     /// A point that turns as its bank says, from `aside` of the path's begin for `time` s; its distances across.
@@ -191,6 +241,7 @@ mod tests {
         let step = |k: usize| {
             let velocity = Vec3::new(heading.cos(), heading.sin(), 0.0) * SPEED;
             let Demand { place: at, faster, .. } = tracking.demand(k as f64 * PERIOD, place, velocity);
+            let at = at.unwrap();
             let bank = if at.stretch == 0 { at.share * limit } else { -at.share * limit };
             place += velocity * (PERIOD * (SPEED + faster) / SPEED);
             heading -= GRAVITY * bank.tan() / SPEED * PERIOD;
@@ -214,6 +265,27 @@ mod tests {
         let eight = flown(tracking("lead_m = 4.0\ncurve = { figure_eight = { radius_m = 4.0 } }"), 0.0, 14.0);
         let largest = eight.iter().fold(0.0, |most: f64, e| most.max(e.abs()));
         assert!(largest < 0.03, "{largest}");
+    }
+
+    #[test]
+    fn a_place_near_one_beside_the_path_is_told_to_first_order() {
+        let mut tracking =
+            tracking("lead_m = 4.0\ncurve = { helix = { radius_m = 4.0, turns = 2.0, rise_m = 1.0 } }");
+        let place = |k: usize| Vec3::new(5.0 + 0.3 * k as f64, 0.8, 0.0);
+        let t = 2.0;
+        for k in 0..9 {
+            tracking.demand(t, place(k), Vec3::new(SPEED, 0.0, 0.0));
+        }
+        let beside = |place: Vec3| tracking.ahead(t, place).beside.unwrap();
+        let here = beside(place(8));
+        assert!(here.station.curvature > 0.1 && here.cross.abs() > 0.1, "{here:?}");
+        for by in [Vec3::new(1e-4, 0.0, 0.0), Vec3::new(0.0, 1e-4, 0.0)] {
+            let moved = beside(place(8) + by);
+            let (along, cross, turned) = here.off(place(8) + by);
+            assert!((along - moved.along).abs() < 1e-7, "{along} {}", moved.along);
+            assert!((cross - moved.cross).abs() < 1e-7, "{cross} {}", moved.cross);
+            assert!((turned + here.heading() - moved.heading()).abs() < 1e-6, "{turned}");
+        }
     }
 
     #[test]

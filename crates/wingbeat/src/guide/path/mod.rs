@@ -5,8 +5,8 @@ mod curve;
 pub use curve::{CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, PointsSpec};
 
 use crate::Error;
-use crate::math::Vec3;
 use crate::math::interpolation::lerp;
+use crate::math::{Scalar, Vec3};
 use crate::range::{Range, ranges};
 use serde::{Deserialize, Serialize};
 
@@ -122,7 +122,7 @@ impl Path {
             let station = self.at(arc);
             let (along, cross) = station.offset(place);
             // Newton for (place - P(s)) . T(s) = 0, whose slope is -(1 - curvature cross).
-            let step = along / (1.0 - station.curvature * cross).max(0.2);
+            let step = along / stretch(station.curvature * cross);
             arc += step.clamp(-0.5, 0.5);
             if step.abs() < 1e-9 {
                 break;
@@ -132,10 +132,16 @@ impl Path {
     }
 }
 
+/// Way along a line beside a path per way along the path, from the product of curvature and distance: 1 less that, and no
+/// less than keeps clear of the centre.
+pub(super) fn stretch(aside: f64) -> f64 {
+    (1.0 - aside).max(0.2)
+}
+
 impl Station {
     /// `place` from the station, along its tangent and to its left, m.
-    pub fn offset(&self, place: Vec3) -> (f64, f64) {
-        let ([x, y, _], (s, c)) = ((place - self.place).0, self.heading.sin_cos());
+    pub fn offset<S: Scalar>(&self, place: Vec3<S>) -> (S, S) {
+        let ([x, y, _], (s, c)) = ((place - Vec3::constant(self.place)).0, self.heading.sin_cos());
         (x * c + y * s, y * c - x * s)
     }
 }
