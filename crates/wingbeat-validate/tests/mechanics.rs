@@ -22,7 +22,7 @@ fn linkage_and_bodies_agree() {
 
 #[test]
 fn periodic_flights_close_and_hold_as_their_multipliers_say() {
-    assert_passing("trim", 63);
+    assert_passing("trim", 139);
 }
 
 #[test]
