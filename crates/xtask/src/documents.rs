@@ -40,7 +40,11 @@ fn banking_turns() -> bool {
     let turn = "scenarios/banking_turn.toml";
     shown("banking turn", &[turn], Some("banking_turn.png"))
         && shown("banking turn, full", &[turn, "--set", "aero.preset=full"], None)
-        && shown("turn that carries its weight", &["scenarios/bank30_20g.toml"], Some("bank30_20g.png"))
+        && shown(
+            "turn that carries its weight",
+            &["scenarios/bank30_20g_lev.toml"],
+            Some("bank30_20g_lev.png"),
+        )
 }
 
 /// Flies what `arguments` say, puts its table at `mark` and the picture of its path into the file `picture`.
