@@ -1,7 +1,6 @@
 //! What a calibration is worth in flight: truth and model under the same inputs, before and after the fit, and what the model
 //! could reach at all.
 
-use super::planned;
 use super::{all_clean, measured, no_answer, shipped, truth};
 use crate::{Error, Row};
 use nalgebra::DMatrix;
@@ -34,10 +33,10 @@ const PARTS: usize = 28;
 /// Step of a central difference, in parts of a number's size.
 const STEP: f64 = 1e-3;
 /// Models that are fitted, none of them the truth: preset and law. The first is the paper's.
-const STRUCTURES: [[&str; 2]; 4] =
+pub(super) const STRUCTURES: [[&str; 2]; 4] =
     [["paper", "linear"], ["paper", "stall"], ["paper", "lev"], ["full", "stall"]];
 /// The truth.
-const TRUTH: [&str; 2] = ["full", "lev"];
+pub(super) const TRUTH: [&str; 2] = ["full", "lev"];
 /// Numbers of a truth of the first structure: the right model.
 const RIGHT: [(&str, f64); 6] = [
     ("surfaces.wing.section_slope", 5.2),
@@ -254,22 +253,22 @@ fn plan(discrepancy: bool) -> Plan {
 }
 
 /// Numbers of the robot by name; the encoder's lag is the rig's.
-fn named(parameters: &[Parameter], values: &[f64]) -> Vec<(String, f64)> {
+pub(super) fn named(parameters: &[Parameter], values: &[f64]) -> Vec<(String, f64)> {
     let all = parameters.iter().zip(values).map(|(parameter, value)| (parameter.name.clone(), *value));
     all.filter(|(name, _)| name != "gait.phase_rad").collect()
 }
 
 /// A structure of the model fitted to the seven runs.
-struct Calibrated {
-    structure: [&'static str; 2],
-    parameters: Vec<Parameter>,
-    values: Vec<f64>,
+pub(super) struct Calibrated {
+    pub structure: [&'static str; 2],
+    pub parameters: Vec<Parameter>,
+    pub values: Vec<f64>,
     /// Error in runs left out, in parts of what was measured.
     left_out: f64,
 }
 
 /// `structures` fitted to the same samples of a truth.
-fn calibrated(
+pub(super) fn calibrated(
     truth_is: [&str; 2],
     numbers: &[(String, f64)],
     structures: &[[&'static str; 2]],
@@ -336,7 +335,7 @@ fn ratios(
 }
 
 /// Numbers up to 20 % off those that the fit begins with.
-fn drawn(parameters: &[Parameter]) -> Vec<Vec<(String, f64)>> {
+pub(super) fn drawn(parameters: &[Parameter]) -> Vec<Vec<(String, f64)>> {
     let draw = |draw: usize| {
         let mut random = Random::stream(29, draw as u64);
         let one = |parameter: &Parameter| {
@@ -362,9 +361,6 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         let drawn = drawn(parameters);
         let [preset, law] = structure;
         let runs = format!("{preset}, {law} (left out {:.1} %), numbers of the seven runs", 100.0 * left_out);
-        if k == 0 || k == chosen {
-            rows.extend(planned::rows(TRUTH, *structure, &drawn, &named(parameters, values))?);
-        }
         let mut fits = vec![(runs, "", values.clone())];
         if k == 0 {
             let (ends, _) = bound(&flown, model, end, ones_of_end())?;

@@ -4,7 +4,7 @@ mod degenerate;
 mod flight;
 mod gradient;
 mod next_run;
-mod planned;
+pub(crate) mod planned;
 mod recovers;
 mod scherer;
 mod wrong_model;
@@ -31,6 +31,7 @@ pub const LONG: &[Case] = &[
     Case { id: "calibrate.wrong_model", quick: false, run: wrong_model::rows },
     Case { id: "calibrate.next_run", quick: false, run: next_run::rows },
     Case { id: "calibrate.flight", quick: false, run: flight::rows },
+    Case { id: "calibrate.flight.planned", quick: false, run: planned::rows },
 ];
 
 fn no_answer(error: impl ToString) -> Error {

@@ -6,6 +6,7 @@ use wingbeat_figures::chart::{Axis, Chart, Look, Series, grid};
 use super::{HALF, SMALL, chart};
 use crate::Error;
 use crate::body::{crank_angles, tree_accelerations};
+use crate::calibrate::planned::{Plans, plans};
 use crate::math::error_of_rk4;
 use crate::ocp::collocation_errors;
 use crate::rig::processed_run;
@@ -123,4 +124,24 @@ pub fn replay() -> Result<Figure, Error> {
         panel("power of the joints against the air [W/kg]", |instant| instant.power),
     ];
     Ok(grid("replay", charts, 1, HALF))
+}
+
+/// Where the banking turn of the truth ends, planned by models of two structures.
+pub fn planned() -> Result<Figure, Error> {
+    let panel = |plans: &Plans| {
+        let [own, fitted, before] = plans.ends();
+        let series = vec![
+            Series::new("20 draws +-20 %", before, Look::Crosses, 0),
+            Series::new("air of the seven runs", fitted, Look::Circles, 1),
+            Series::reference("planned by the truth", own),
+        ];
+        let [preset, law] = plans.structure;
+        chart(
+            format!("planned by {preset}, {law}"),
+            Axis::new("forward [m]"),
+            Axis::new("to the left [m]"),
+            series,
+        )
+    };
+    Ok(grid("planned", plans()?.iter().map(panel).collect(), 2, HALF))
 }
