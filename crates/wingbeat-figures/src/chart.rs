@@ -56,10 +56,10 @@ pub enum Look {
     Crosses,
 }
 
-/// Points with their name in the legend; series of one name look alike.
+/// Points with their name in the legend.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Name in the legend; none when empty.
+    /// Name in the legend; none when empty. Series of one name and look stand there once.
     pub name: String,
     /// (x, y) in drawing order.
     pub points: Vec<(f64, f64)>,
@@ -276,7 +276,7 @@ fn range(chart: &Chart, axis: &Axis, of: impl Fn(&(f64, f64), (f64, f64)) -> [f6
 fn legend(scene: &mut Scene, charts: &[Chart]) {
     let mut kinds: Vec<&Series> = Vec::new();
     for series in charts.iter().flat_map(|chart| &chart.series).filter(|series| !series.name.is_empty()) {
-        if kinds.iter().all(|known| known.name != series.name) {
+        if kinds.iter().all(|known| known.name != series.name || known.look != series.look) {
             kinds.push(series);
         }
     }

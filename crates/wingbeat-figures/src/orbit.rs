@@ -92,7 +92,8 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
         .filter_map(|column| Some((column.name.strip_prefix("share_")?, column.values.as_slice())))
         .collect();
     let name = |row: usize| -> &str {
-        let most = shares.iter().max_by(|a, b| a.1[row].total_cmp(&b.1[row]));
+        // Of both sides' equal shares the left one's name.
+        let most = shares.iter().rev().max_by(|a, b| a.1[row].total_cmp(&b.1[row]));
         match most {
             Some((_, values)) if values[row] == 0.0 => "heading",
             Some((name, _)) if re[row].hypot(im[row]) >= NAMED => name,

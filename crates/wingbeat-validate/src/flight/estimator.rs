@@ -14,7 +14,9 @@ const HEIGHT: f64 = 0.04;
 const ROLL: f64 = 1.0;
 /// Share of normal errors within three standard deviations, less a margin: choice.
 const WITHIN: f64 = 0.98;
-/// From when on roll is judged, s: half a second after the turn's end is reached.
+/// When the turn begins, s.
+const TURNING: f64 = 2.0;
+/// From when on roll is judged by what the turn ends in, s: half a second after the turn's end is reached.
 const TURNED: f64 = 4.0;
 
 /// The comparisons: in the turn, then in level flight.
@@ -28,8 +30,13 @@ fn flown(name: &str, overrides: &[&str], roll_deg: f64) -> Result<Vec<Row>, Erro
     let Run { record, summary, .. } = scenario(ESTIMATOR, overrides)?.fly(|_| ControlFlow::Continue(()))?;
     let (t, roll) = (values(&record, "t")?, values(&record, "roll")?);
     let turned = &roll[t.partition_point(|at| *at < TURNED)..];
-    let square = turned.iter().map(|roll| (roll.to_degrees() - roll_deg).powi(2)).sum::<f64>();
-    let off = (square / turned.len() as f64).sqrt();
+    let rms = |of: &[f64]| (of.iter().map(|x| x * x).sum::<f64>() / of.len() as f64).sqrt();
+    let off = rms(&turned.iter().map(|roll| roll.to_degrees() - roll_deg).collect::<Vec<_>>());
+    // What is asked at each instant is what the estimate has, less how far that is off.
+    let (estimated, error) = (values(&record, "estimate_roll")?, values(&record, "orbit_roll_error")?);
+    let through: Vec<f64> = (t.partition_point(|at| *at < TURNING)..t.len())
+        .map(|k| (roll[k] - estimated[k] + error[k]).to_degrees())
+        .collect();
     let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
         let id = format!("flight.estimator.{name}.{end}");
         Row::judged(&id, "what is asked of the flight", metric, value, limit, unit)
@@ -43,6 +50,13 @@ fn flown(name: &str, overrides: &[&str], roll_deg: f64) -> Result<Vec<Row>, Erro
     Ok(vec![
         row("height", "largest error of the true height from 2 s on", height, HEIGHT, "m"),
         row("roll", "rms error of the true roll from 4 s on", off, ROLL, "deg"),
+        row(
+            "roll_through",
+            "rms error of the true roll from 2 s on against that asked",
+            rms(&through),
+            ROLL,
+            "deg",
+        ),
         row("saturated", "share of commands at a limit", saturated, SATURATED, ""),
         row("clearance", "3 mm of skin less the least clearance", SKIN - least, 0.0, "m"),
         row(

@@ -9,10 +9,13 @@ use crate::shipped::{Shipped, shipped};
 use crate::{Error, Row};
 
 /// Level flights whose orbits are flown.
-const FLOWN: [Shipped; 8] = [
+const FLOWN: [Shipped; 11] = [
     shipped!("cruise_20g", "cruise_20g"),
     shipped!("cruise_44g", "cruise_44g"),
     shipped!("cruise_beta", "cruise_beta"),
+    shipped!("cruise_20g_lev", "cruise_20g_lev"),
+    shipped!("cruise_44g_lev", "cruise_44g_lev"),
+    shipped!("cruise_beta_lev", "cruise_beta_lev"),
     shipped!("cruise_linkage", "cruise_linkage"),
     shipped!("cruise_20g_margin", "cruise_20g_margin"),
     shipped!("passive_20g", "passive_20g"),

@@ -5,9 +5,9 @@ use crate::plant::{Channel, Plant};
 use crate::robot::Robot;
 use crate::simulate::{Estimator, Measurement, NoEstimate, Stepper};
 
-/// Takes every channel that is told for the model's state of that name. States of the air that nobody tells follow the model
-/// under the commands that were in force: the air of a robot whose controller knows another model of it, or lags that no sensor
-/// sees.
+/// Takes every channel that is told for the model's state of that name. The states of the air are told all or none: where those that
+/// are told are not the model's own, name by name and none besides, as with another law or another number of strips, whose states
+/// of one name belong to other places, all of the model's follow the model under the commands that were in force.
 pub struct Told<'a> {
     robot: &'a Robot,
     model: Stepper<&'a Robot>,
@@ -26,7 +26,15 @@ impl<'a> Told<'a> {
 
     fn places(&self, channels: &[Channel]) -> Vec<Option<usize>> {
         let place = |state: &Channel| channels.iter().position(|channel| channel.name == state.name);
-        self.robot.states().iter().map(place).collect()
+        let mut places: Vec<Option<usize>> = self.robot.states().iter().map(place).collect();
+        let aero = self.robot.layout().aero;
+        let known = places[..aero].iter().flatten().count();
+        let own_air =
+            places[aero..].iter().all(Option::is_some) && channels.len() == known + places.len() - aero;
+        if !own_air {
+            places[aero..].fill(None);
+        }
+        places
     }
 }
 

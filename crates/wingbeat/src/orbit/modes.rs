@@ -153,15 +153,20 @@ pub fn floquet(cycle: &Cycle, orbit: &Orbit) -> Result<Modes, Fault> {
     Ok(Modes { modes, coupling })
 }
 
-/// What counts as one of the coordinate `i`: velocities a share of the speed, angles 1 rad, rates that of the crank, of the
-/// air's washes the speed too.
+/// What counts as one of the coordinate `i`: velocities a share of the speed V, angles 1 rad, rates the crank's; of the air's states
+/// by their units V, V^2, circulations the V^2 over the crank's rate of a cycle's travel, shares 1.
 fn scale(cycle: &Cycle, orbit: &Orbit, i: usize) -> f64 {
+    let (speed, rate) = (orbit.course.speed, cycle.rate(orbit.point.pace));
     match (i, cycle.section().kind(i)) {
-        (0..3, _) | (_, "air") => orbit.course.speed,
-        (5..8, _) => cycle.rate(orbit.point.pace),
-        (_, "joint") if cycle.section().names()[i].starts_with("coordinate_rate") => {
-            cycle.rate(orbit.point.pace)
-        }
+        (0..3, _) => speed,
+        (5..8, _) => rate,
+        (_, "air") => match cycle.section().unit(cycle.robot(), i) {
+            "m/s" => speed,
+            "m2/s" => speed * speed / rate,
+            "m2/s2" => speed * speed,
+            _ => 1.0,
+        },
+        (_, "joint") if cycle.section().names()[i].starts_with("coordinate_rate") => rate,
         _ => 1.0,
     }
 }

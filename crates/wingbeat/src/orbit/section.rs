@@ -111,6 +111,11 @@ impl Section {
         }
     }
 
+    /// Unit of the coordinate `i` of a joint or the air of `robot`.
+    pub fn unit<'r>(&self, robot: &'r Robot, i: usize) -> &'r str {
+        robot.states()[self.layout.joints + i - BODY].unit
+    }
+
     /// Share of `direction` in the coordinates `z`.
     pub fn along<S: Scalar>(direction: &[(usize, f64)], z: &[S]) -> S {
         let sum = direction.iter().fold(S::ZERO, |sum, (i, share)| sum + z[*i] * *share);

@@ -118,6 +118,16 @@ fn an_air_that_nobody_tells_follows_the_model() {
     let run = fly(&other);
     assert!(other.robot().states().len() != other.model().states().len());
     assert!(run.summary.completed() && run.summary.aero_preset == "full" && run.summary.lift_law == "lev");
+    // States of the same names in another place: those of 16 strips are not told to a model of 9.
+    let strips = |n: usize| turn(&["aero.preset=full", "aero.law=stall", &format!("aero.full.strips={n}")]);
+    let (few, many) = (strips(9), strips(16));
+    let (states, mut waving) = (many.robot().states(), many.start());
+    let first = few.model().layout().aero;
+    waving[first..].iter_mut().enumerate().for_each(|(i, x)| *x = 1.0 + i as f64);
+    let mut of_few = vec![0.0; few.model().states().len()];
+    Known::new(few.model()).estimate(0.0, &Measurement::new(0.0, states, &waving), &u, &mut of_few).unwrap();
+    assert_eq!(of_few[..first], waving[..first]);
+    assert!(of_few[first..].iter().all(|x| *x == 0.0));
     let start = own.start();
     let untold = Measurement::new(0.0, &robot.states()[..aero - 1], &start[..aero - 1]);
     let refused = Known::new(robot).estimate(0.0, &untold, &u, &mut x).unwrap_err();

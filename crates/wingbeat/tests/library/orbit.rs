@@ -178,6 +178,8 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
         |along: &str, to: f64| refused(&[&format!("trim.family={{along={along:?}, to={to:?}, steps=2}}")]);
     let told = family("robot.body.mas_kg", 0.02);
     assert!(told.contains("trim.family.along") && told.contains("mean robot.body.mass_kg"), "{told}");
+    let told = family("air.wind_m_s[0]", 1.0);
+    assert!(told.contains("trim.family.along") && told.contains("still air"), "{told}");
     let told = family("robot.surfaces[0].cd0", -0.1);
     assert!(told.contains("trim.family.to") && told.contains("0 or more"), "{told}");
     // Ten times the mass at the frequency of the gait: the regulators do not reach that far.

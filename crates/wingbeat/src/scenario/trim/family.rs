@@ -143,6 +143,10 @@ impl Scenario {
         let last = asked.scenario(family.to);
         let last = last
             .map_err(|e| invalid("to", family.to.to_string(), format!("what the scenario allows ({e})")))?;
+        let still = last.in_still_air();
+        still.map_err(|e| {
+            invalid("along", format!("{:?}", family.along), format!("another key: with it {e}"))
+        })?;
         if last.model.states().len() != self.model.states().len() {
             let allowed = "a key that leaves the states of the robot and its air as many as they are";
             return Err(invalid("along", format!("{:?}", family.along), allowed.into()));

@@ -100,10 +100,7 @@ impl Scenario {
     /// The same without any search of gaits.
     fn trim_orbit(&self, observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>) -> Result<Trimmed, Error> {
         let spec = self.trim_spec()?;
-        if self.model.mean_wind().norm() > 0.0 {
-            let allowed = "still air: speeds are those over the ground";
-            return Err(Error::invalid("air.wind_m_s", format!("{:?}", self.spec.air.wind_m_s), allowed));
-        }
+        self.in_still_air()?;
         let cycle = self.cycle()?;
         let family = spec.family.as_ref().map(|family| self.family(spec, family)).transpose()?;
         let mut orbits = 0;
@@ -147,6 +144,14 @@ impl Scenario {
                 .collect(),
             summary,
         })
+    }
+
+    fn in_still_air(&self) -> Result<(), Error> {
+        if self.model.mean_wind().norm() > 0.0 {
+            let allowed = "still air: speeds are those over the ground";
+            return Err(Error::invalid("air.wind_m_s", format!("{:?}", self.spec.air.wind_m_s), allowed));
+        }
+        Ok(())
     }
 
     /// What `[trim]` asks.
