@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde::Serialize;
 use wingbeat::scenario::RunName;
 use wingbeat_io::shortest;
-use wingbeat_validate::figures::PICTURES;
+use wingbeat_validate::figures::{PICTURES, SLOW_PICTURES};
 use wingbeat_validate::{Case, LongCase, Row, Selection, select, select_long};
 
 use crate::args::Validate;
@@ -151,8 +151,11 @@ fn fill(folder: &RunFolder, rows: &[Row], summary: &Summary) -> Result<(), Error
 
 /// Draws what `cases` compare; what cannot be drawn is said and left out.
 fn draw(folder: &RunFolder, cases: &[&Case], interrupt: &Interrupt) -> Result<(), Error> {
-    let pictures: Vec<_> =
-        PICTURES.iter().filter(|p| cases.iter().any(|case| p.cases.contains(&case.id))).collect();
+    let pictures: Vec<_> = PICTURES
+        .iter()
+        .chain(SLOW_PICTURES)
+        .filter(|p| cases.iter().any(|case| p.cases.contains(&case.id)))
+        .collect();
     if pictures.is_empty() {
         return Ok(());
     }

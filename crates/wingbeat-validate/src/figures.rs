@@ -58,8 +58,11 @@ pub const PICTURES: &[Picture] = &[
     Picture { name: "replay", cases: &["trim.replay"], draw: rest::replay },
     Picture { name: "orders", cases: &["math.rk4_order", "ocp.hermite_simpson_order"], draw: rest::orders },
     Picture { name: "pipeline", cases: &["rig.pipeline_recovers_truth"], draw: rest::pipeline },
-    Picture { name: "planned", cases: &["calibrate.flight.planned"], draw: rest::planned },
 ];
+
+/// Those of comparisons that take minutes.
+pub const SLOW_PICTURES: &[Picture] =
+    &[Picture { name: "planned", cases: &["calibrate.flight.planned"], draw: rest::planned }];
 
 /// Height of a panel of small multiples, px.
 const SMALL: f64 = 165.0;
@@ -111,7 +114,7 @@ mod tests {
     #[test]
     fn every_figure_shows_cases_that_exist() {
         let cases = [crate::cases(), crate::slow_cases()].concat();
-        for picture in PICTURES {
+        for picture in PICTURES.iter().chain(SLOW_PICTURES) {
             for id in picture.cases {
                 assert!(cases.iter().any(|case| case.id == *id), "{}: no case {id}", picture.name);
             }
