@@ -1,18 +1,14 @@
-//! What a calibration is worth in flight: truth and model under the same inputs, before and after the fit, and what the model
-//! could reach at all.
+//! What a calibration is worth in flight: truth and model under the same inputs, before and after the fit.
 
+use super::stroke::Turn;
 use super::{all_clean, measured, no_answer, shipped, truth};
 use crate::{Error, Row};
-use nalgebra::DMatrix;
-use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::math::Random;
-use wingbeat::scenario::Scenario;
+use wingbeat::scenario::{ParameterSpec, Scenario};
 use wingbeat::simulate::{Controller, Measurement, Record, Update};
-use wingbeat_calibrate::{
-    Error as Fault, Layout, Model, Observed, Parameter, Plan, Problem, Progress, Rival, solve, solve_problem,
-};
+use wingbeat_calibrate::{Parameter, Plan, Progress, Rival, solve};
 
 /// Draws of the numbers before the fit.
 const DRAWS: usize = 20;
@@ -22,16 +18,11 @@ const OFF: f64 = 0.2;
 const CYCLE: f64 = 0.286;
 /// Period of the controller, s: that of the scenario.
 const PERIOD: f64 = 0.005;
-/// Speeds at the start of the flights, m/s: that of the scenario, and that of the runs.
+/// Speeds at the start of the flights of the Beta, which falls at 3.5 Hz, m/s: that of the scenario, and that of the runs.
 const SPEEDS: [f64; 2] = [1.5, 0.8];
-/// What counts as one where the ends of flights are fitted: rad and m/s. *Choice.*
-const ONE: [f64; 2] = [TAU / 360.0, 0.02];
-/// The same where their loads are, in parts of the rms of those of the truth. *Choice.*
-const LOAD: f64 = 0.1;
-/// Parts of a stroke over which loads are taken. *Choice.*
-const PARTS: usize = 28;
-/// Step of a central difference, in parts of a number's size.
-const STEP: f64 = 1e-3;
+/// Strokes of the turn that carries its weight: begin, s; where; what ids end with.
+const STROKES: [(f64, &str, &str); 3] =
+    [(1.5, "level", ".level"), (2.0, "entering the turn", ".entering"), (3.5, "in the turn", ".turning")];
 /// Models that are fitted, none of them the truth: preset and law. The first is the paper's.
 pub(super) const STRUCTURES: [[&str; 2]; 4] =
     [["paper", "linear"], ["paper", "stall"], ["paper", "lev"], ["full", "stall"]];
@@ -103,21 +94,6 @@ fn end(record: &Record) -> Result<Vec<f64>, Error> {
     ["roll", "pitch", "yaw", "v_WB_W_x", "v_WB_W_y", "v_WB_W_z"].iter().map(last).collect()
 }
 
-/// What rates (rad/s) and velocities (m/s) gain in each part of the stroke: the loads that act in it.
-fn gains(record: &Record) -> Result<Vec<f64>, Error> {
-    let time = column(record, "t")?;
-    let edge = |part: usize| {
-        let t = CYCLE * part as f64 / PARTS as f64;
-        time.partition_point(|own| *own < t - 1e-9).min(time.len() - 1)
-    };
-    let mut gains = Vec::new();
-    for name in ["w_WB_B_x", "w_WB_B_y", "w_WB_B_z", "v_WB_W_x", "v_WB_W_y", "v_WB_W_z"] {
-        let values = column(record, name)?;
-        gains.extend((0..PARTS).map(|part| values[edge(part + 1)] - values[edge(part)]));
-    }
-    Ok(gains)
-}
-
 fn column<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], Error> {
     let values = record.values(name).filter(|values| !values.is_empty());
     values.ok_or_else(|| no_answer(format!("no column {name}")))
@@ -126,9 +102,6 @@ fn column<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], Error> {
 fn norm(of: &[f64]) -> f64 {
     of.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
-
-/// What is looked at of a flight.
-type Of = fn(&Record) -> Result<Vec<f64>, Error>;
 
 /// A flight of the truth over one stroke, from one speed.
 struct Flown {
@@ -143,109 +116,15 @@ impl Flown {
         Ok(Self { speed, record: run.record })
     }
 
-    /// What `of` says of the model with these numbers under the same inputs, less what it says of the truth.
-    fn apart(&self, structure: [&str; 2], numbers: &[(String, f64)], of: Of) -> Result<Vec<f64>, Error> {
+    /// Attitude, rad, and velocity, m/s, by which they are apart.
+    fn off(&self, structure: [&str; 2], numbers: &[(String, f64)]) -> Result<[f64; 2], Error> {
         let model = scenario(self.speed, structure, numbers)?;
         let mut again = Again::of(&self.record);
         let run = model.fly_with(&mut again, PERIOD, model.sensors(), |_| ControlFlow::Continue(()));
-        let (own, truth) = (of(&run.map_err(no_answer)?.record)?, of(&self.record)?);
-        Ok(own.iter().zip(truth).map(|(own, truth)| own - truth).collect())
-    }
-
-    /// Attitude, rad, and velocity, m/s, by which they are apart.
-    fn off(&self, structure: [&str; 2], numbers: &[(String, f64)]) -> Result<[f64; 2], Error> {
-        let apart = self.apart(structure, numbers, end)?;
+        let (own, truth) = (end(&run.map_err(no_answer)?.record)?, end(&self.record)?);
+        let apart: Vec<f64> = own.iter().zip(truth).map(|(own, truth)| own - truth).collect();
         Ok([norm(&apart[..3]), norm(&apart[3..])])
     }
-}
-
-/// Flights as what is fitted: how far the model is from the truth after each.
-struct Flights<'a> {
-    flown: &'a [Flown],
-    structure: [&'a str; 2],
-    parameters: &'a [Parameter],
-    of: Of,
-}
-
-impl Model for Flights<'_> {
-    fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Fault> {
-        let apart = self.flown[run].apart(self.structure, &named(self.parameters, values), self.of);
-        apart.map_err(|error| Fault::data("flight", error.to_string()))
-    }
-    fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Fault> {
-        let by = |k: usize| {
-            let Parameter { low, high, .. } = self.parameters[k];
-            let step = STEP * self.parameters[k].scale();
-            let [low, high] = [-step, step].map(|by| (values[k] + by).clamp(low, high));
-            let at = |value: f64| {
-                let mut moved = values.to_vec();
-                moved[k] = value;
-                self.predict(run, &moved)
-            };
-            let (above, below) = (at(high)?, at(low)?);
-            Ok(above.iter().zip(&below).map(|(above, below)| (above - below) / (high - low)).collect())
-        };
-        (0..values.len()).map(by).collect()
-    }
-}
-
-/// What counts as one of a number of `end`.
-fn ones_of_end() -> Vec<f64> {
-    (0..6).map(|i| ONE[i / 3]).collect()
-}
-
-/// What counts as one of a number of `gains`: a part of the rms of all three rates or velocities of all flights.
-fn ones_of_gains(flown: &[Flown]) -> Result<Vec<f64>, Error> {
-    let all = flown.iter().map(|flown| gains(&flown.record)).collect::<Result<Vec<_>, _>>()?;
-    let count = 3 * PARTS;
-    let rms = |three: usize| {
-        let own = all.iter().flat_map(|gains| &gains[three * count..(three + 1) * count]);
-        LOAD * (own.map(|x| x * x).sum::<f64>() / (all.len() * count) as f64).sqrt()
-    };
-    Ok((0..2 * count).map(|i| rms(i / count)).collect())
-}
-
-/// The numbers with which `of` fits the flights themselves best, from `start`, and what is left in parts of `ones`.
-fn bound(
-    flown: &[Flown],
-    Calibrated { structure, parameters, values: start, .. }: &Calibrated,
-    of: Of,
-    ones: Vec<f64>,
-) -> Result<(Vec<f64>, f64), Error> {
-    let channels = ones.len();
-    let layout = Layout { channels, harmonics: 0 };
-    let observed = |flown: &Flown| Observed {
-        name: format!("{} m/s", flown.speed),
-        layout,
-        cycles: vec![vec![0.0; channels]; 2],
-        weights: vec![1.0; 2],
-        mean: vec![0.0; channels],
-        sample_noise: DMatrix::zeros(channels, channels),
-        samples_per_cycle: 1.0,
-        left_out: 0,
-        oddities: Vec::new(),
-        frequency_hz: 3.5,
-        held_out: false,
-        unmeasured: Vec::new(),
-        common: Default::default(),
-    };
-    let runs: Vec<Observed> = flown.iter().map(observed).collect();
-    let one = DMatrix::from_fn(channels, channels, |i, j| if i == j { ones[i].powi(2) } else { 0.0 });
-    let own: Vec<Parameter> = parameters
-        .iter()
-        .zip(start)
-        .map(|(parameter, start)| Parameter { start: *start, prior: None, ..parameter.clone() })
-        .collect();
-    let model = Flights { flown, structure: *structure, parameters, of };
-    let problem = Problem::with_noise(&model, &runs, &own, vec![vec![one]; runs.len()]).map_err(no_answer)?;
-    let watch = &mut |_: &Progress| ControlFlow::Continue(());
-    let values = solve_problem(problem, &plan(false), &mut (), watch).map_err(no_answer)?.values;
-    let mut left = 0.0;
-    for run in 0..flown.len() {
-        let apart = model.predict(run, &values).map_err(no_answer)?;
-        left += apart.iter().zip(&ones).map(|(x, one)| (x / one).powi(2)).sum::<f64>();
-    }
-    Ok((values, (left / (flown.len() * channels) as f64).sqrt()))
 }
 
 fn plan(discrepancy: bool) -> Plan {
@@ -256,6 +135,26 @@ fn plan(discrepancy: bool) -> Plan {
 pub(super) fn named(parameters: &[Parameter], values: &[f64]) -> Vec<(String, f64)> {
     let all = parameters.iter().zip(values).map(|(parameter, value)| (parameter.name.clone(), *value));
     all.filter(|(name, _)| name != "gait.phase_rad").collect()
+}
+
+/// The numbers of a law, which are fitted with those that the calibration names.
+fn of_law(law: &str) -> Vec<ParameterSpec> {
+    let number = |name: &str, low: f64, high: f64| ParameterSpec {
+        name: format!("surfaces.wing.{name}"),
+        start: None,
+        low: Some(low),
+        high: Some(high),
+        prior: None,
+        held: false,
+        stage: 1,
+    };
+    let all = [number("stall_angle_rad", 0.05, 1.2), number("critical_suction", 0.01, 1.0)];
+    let count = match law {
+        "lev" => 2,
+        "stall" => 1,
+        _ => 0,
+    };
+    all.into_iter().take(count).collect()
 }
 
 /// A structure of the model fitted to the seven runs.
@@ -281,7 +180,9 @@ pub(super) fn calibrated(
     let targets = truth(&calibration)?;
     let runs = measured(&calibration, &targets, &all_clean(&targets)?, 1)?;
     let one = |structure: &[&'static str; 2]| {
-        let own = calibration.structure(&on_rig(aero(*structure)), &|_, _| None).map_err(no_answer)?;
+        let mut own = shipped("seven_runs.toml", &["structures=[]"])?;
+        own.spec.parameters.extend(of_law(structure[1]));
+        let own = own.structure(&on_rig(aero(*structure)), &|_, _| None).map_err(no_answer)?;
         let watch = &mut |_: &Progress| ControlFlow::Continue(());
         let solved =
             solve(&own.model, &runs, &own.parameters, &plan(true), &mut (), watch).map_err(no_answer)?;
@@ -304,7 +205,8 @@ fn right_model() -> Result<Vec<Row>, Error> {
     let (drawn, after) = (drawn(parameters), named(parameters, values));
     let mut worst = [0.0_f64; 2];
     for flown in flown(STRUCTURES[0], &numbers)? {
-        let ratio = ratios(&flown, *structure, &drawn, &after)?;
+        let off = |numbers: &[(String, f64)]| flown.off(*structure, numbers);
+        let [_, ratio] = ratios(&off, &drawn, &after)?;
         worst = [worst[0].max(ratio[0]), worst[1].max(ratio[1])];
     }
     let source = "own truth (paper, linear, other numbers) and the same model under its inputs, one stroke";
@@ -321,17 +223,16 @@ pub(super) fn median(mut of: Vec<f64>) -> f64 {
     0.5 * (of[(of.len() - 1) / 2] + of[of.len() / 2])
 }
 
-/// After over before for attitude and velocity, median over the draws, from one speed.
-fn ratios(
-    flown: &Flown,
-    structure: [&str; 2],
-    drawn: &[Vec<(String, f64)>],
-    after: &[(String, f64)],
-) -> Result<[f64; 2], Error> {
-    let after = flown.off(structure, after)?;
-    let before = wingbeat::parallel::map(drawn, |_, numbers| flown.off(structure, numbers));
+/// By how much a model with these numbers is off the truth: angle, rad, and velocity, m/s.
+type Off<'a> = dyn Fn(&[(String, f64)]) -> Result<[f64; 2], Error> + Sync + 'a;
+
+/// How far the model is off after the fit, and that over before: the median over the draws.
+fn ratios(off: &Off, drawn: &[Vec<(String, f64)>], after: &[(String, f64)]) -> Result<[[f64; 2]; 2], Error> {
+    let after = off(after)?;
+    let before = wingbeat::parallel::map(drawn, |_, numbers| off(numbers));
     let before = before.into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok([0, 1].map(|i| median(before.iter().map(|before| after[i] / before[i]).collect())))
+    let over = |i: usize| median(before.iter().map(|before| after[i] / before[i]).collect());
+    Ok([after, [over(0), over(1)]])
 }
 
 /// Numbers up to 20 % off those that the fit begins with.
@@ -347,61 +248,60 @@ pub(super) fn drawn(parameters: &[Parameter]) -> Vec<Vec<(String, f64)>> {
     (0..DRAWS).map(draw).collect()
 }
 
-/// Medians over twenty draws of what is left after the fit, in parts of before; judged is the structure that predicts the seven runs
-/// best, each left out.
+/// Rows of a structure in one flight.
+fn rows_of(model: &Calibrated, flight: &str, suffix: &str, off: &Off) -> Result<[Row; 2], Error> {
+    let Calibrated { structure: [preset, law], parameters, values, left_out } = model;
+    let [after, ratio] = ratios(off, &drawn(parameters), &named(parameters, values))?;
+    let source = "own truth (full, lev) and another model under its inputs, one stroke";
+    let fit = format!("{preset}, {law} (left out {:.1} %), numbers of the seven runs", 100.0 * left_out);
+    let median = "median after over before, 20 draws +-20 %";
+    let id = format!("calibrate.flight.{preset}_{law}{suffix}");
+    let attitude = format!("attitude {flight}, {fit}: {median}; {:.2} deg after", after[0].to_degrees());
+    let velocity = format!("velocity: the same; {:.3} m/s after", after[1]);
+    Ok([
+        Row::shown(&id, source, &attitude, ratio[0], ""),
+        Row::shown(&format!("{id}.velocity"), source, &velocity, ratio[1], ""),
+    ])
+}
+
+/// Medians over twenty draws of what is left after the fit, in parts of before. Judged is the structure that predicts the seven runs
+/// best, each left out, by the worst of three strokes of a turn that carries its weight.
 pub fn rows() -> Result<Vec<Row>, Error> {
     let all = calibrated(TRUTH, &[], &STRUCTURES)?;
-    let flown = flown(TRUTH, &[])?;
-    let chosen = (0..all.len()).min_by(|a, b| all[*a].left_out.total_cmp(&all[*b].left_out)).unwrap_or(0);
-    let source = "own truth (full, lev) and another model under its inputs, one stroke";
+    let chosen = all.iter().min_by(|a, b| a.left_out.total_cmp(&b.left_out));
+    let chosen = chosen.ok_or_else(|| no_answer("no structure"))?.structure;
+    let (turn, falling) = (Turn::new()?, flown(TRUTH, &[])?);
     let mut rows = right_model()?;
-    for (k, model) in all.iter().enumerate() {
-        let Calibrated { structure, parameters, values, left_out } = model;
-        let nominal: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
-        let drawn = drawn(parameters);
-        let [preset, law] = structure;
-        let runs = format!("{preset}, {law} (left out {:.1} %), numbers of the seven runs", 100.0 * left_out);
-        let mut fits = vec![(runs, "", values.clone())];
-        if k == 0 {
-            let (ends, _) = bound(&flown, model, end, ones_of_end())?;
-            let name = format!("{preset}, {law}, numbers of the ends of these flights themselves");
-            fits.push((name, ".bound", ends));
+    let source = "own truth (full, lev), its air found again, under its own inputs, one stroke";
+    for (begin, when, suffix) in STROKES {
+        let own = turn.off(begin, TRUTH, &[])?;
+        let attitude = format!("attitude {when}, the truth itself");
+        let id = format!("calibrate.flight.itself{suffix}");
+        rows.push(Row::shown(&id, source, &attitude, own[0].to_degrees(), "deg"));
+        rows.push(Row::shown(&format!("{id}.velocity"), source, "velocity: the same", own[1], "m/s"));
+    }
+    for model in &all {
+        let mut worst = [0.0_f64; 2];
+        for (begin, when, suffix) in STROKES {
+            let own = rows_of(model, when, suffix, &|numbers| turn.off(begin, model.structure, numbers))?;
+            worst.iter_mut().zip(&own).for_each(|(worst, row)| *worst = worst.max(row.value));
+            rows.extend(own);
         }
-        let (loads, left) = bound(&flown, model, gains, ones_of_gains(&flown)?)?;
-        let left = 100.0 * LOAD * left;
-        let name = format!(
-            "{preset}, {law}, numbers of the loads of these flights themselves, of which {left:.0} % are left"
-        );
-        fits.push((name, ".loads", loads));
-        for (flown, at) in flown.iter().zip(["", ".runs_speed"]) {
-            let plain = flown.off(*structure, &named(parameters, &nominal))?;
-            for (name, kind, fitted) in &fits {
-                let numbers = named(parameters, fitted);
-                let after = flown.off(*structure, &numbers)?;
-                let ratio = ratios(flown, *structure, &drawn, &numbers)?;
-                let attitude = format!(
-                    "attitude from {} m/s, {name}: median after over before, 20 draws +-20 %; {:.2} deg after, {:.2} \
-                     deg without draws",
-                    flown.speed,
-                    after[0].to_degrees(),
-                    plain[0].to_degrees()
-                );
-                let velocity = format!(
-                    "velocity: the same; {:.3} m/s after, {:.3} m/s without draws",
-                    after[1], plain[1]
-                );
-                let judged = k == chosen && at.is_empty() && kind.is_empty();
-                let own = if judged { String::new() } else { format!(".{preset}_{law}") };
-                let id = format!("calibrate.flight{own}{at}{kind}");
-                let velocity_id = format!("{id}.velocity");
-                if judged {
-                    rows.push(Row::judged(&id, source, &attitude, ratio[0], 1.0 / 3.0, ""));
-                    rows.push(Row::judged(&velocity_id, source, &velocity, ratio[1], 1.0 / 3.0, ""));
-                } else {
-                    rows.push(Row::shown(&id, source, &attitude, ratio[0], ""));
-                    rows.push(Row::shown(&velocity_id, source, &velocity, ratio[1], ""));
-                }
-            }
+        if model.structure == chosen {
+            let source = "own truth (full, lev) and another model under its inputs, one stroke";
+            let [preset, law] = chosen;
+            let metric = format!(
+                "{preset}, {law}: median after over before, 20 draws +-20 %, the worst of three strokes"
+            );
+            let judged = |id: &str, what: &str, value: f64| {
+                Row::judged(id, source, &format!("{what}, {metric}"), value, 1.0 / 3.0, "")
+            };
+            rows.push(judged("calibrate.flight", "attitude", worst[0]));
+            rows.push(judged("calibrate.flight.velocity", "velocity", worst[1]));
+        }
+        for (flown, suffix) in falling.iter().zip([".falling", ".falling_slowly"]) {
+            let when = format!("falling from {} m/s", flown.speed);
+            rows.extend(rows_of(model, &when, suffix, &|numbers| flown.off(model.structure, numbers))?);
         }
     }
     Ok(rows)

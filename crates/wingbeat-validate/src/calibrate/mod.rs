@@ -7,6 +7,7 @@ mod next_run;
 pub(crate) mod planned;
 mod recovers;
 mod scherer;
+mod stroke;
 mod wrong_model;
 mod yeo;
 

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::scenario::Scenario;
 
-/// The models that plan: the paper's, and of those that are not the truth's the one that says the seven runs best.
+/// The models that plan: the paper's, and the strips of the truth with the law of a quasi-steady section.
 const PLANNING: [[&str; 2]; 2] = [STRUCTURES[0], STRUCTURES[3]];
 
 /// What a flight came to: rms errors of roll and pitch, deg; where it ended, m.
@@ -80,7 +80,7 @@ impl Plans {
     }
 }
 
-/// The turns that are planned by the paper's structure and by the one that says the seven runs best. Of the numbers those of the
+/// The turns that are planned by the two structures. Of the numbers those of the
 /// air count: the masses are another robot's.
 pub fn plans() -> Result<Vec<Plans>, Error> {
     let of_air = |numbers: &[(String, f64)]| -> Vec<(String, f64)> {
