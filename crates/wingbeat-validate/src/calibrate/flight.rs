@@ -1,5 +1,6 @@
 //! What a calibration is worth in flight: truth and model under the same inputs, before and after the fit.
 
+use super::learned::Learned;
 use super::stroke::Turn;
 use super::{all_clean, measured, no_answer, shipped, truth};
 use crate::{Error, Row};
@@ -138,7 +139,7 @@ pub(super) fn named(parameters: &[Parameter], values: &[f64]) -> Vec<(String, f6
 }
 
 /// The numbers of a law, which are fitted with those that the calibration names.
-fn of_law(law: &str) -> Vec<ParameterSpec> {
+pub(super) fn of_law(law: &str) -> Vec<ParameterSpec> {
     let number = |name: &str, low: f64, high: f64| ParameterSpec {
         name: format!("surfaces.wing.{name}"),
         start: None,
@@ -206,8 +207,7 @@ fn right_model() -> Result<Vec<Row>, Error> {
     let mut worst = [0.0_f64; 2];
     for flown in flown(STRUCTURES[0], &numbers)? {
         let off = |numbers: &[(String, f64)]| flown.off(*structure, numbers);
-        let [_, ratio] = ratios(&off, &drawn, &after)?;
-        worst = [worst[0].max(ratio[0]), worst[1].max(ratio[1])];
+        worst = worse(worst, over_before(off(&after)?, &off, &drawn)?);
     }
     let source = "own truth (paper, linear, other numbers) and the same model under its inputs, one stroke";
     let metric = "median after over before, 20 draws +-20 %, the worse of 1.5 and 0.8 m/s";
@@ -226,13 +226,16 @@ pub(super) fn median(mut of: Vec<f64>) -> f64 {
 /// By how much a model with these numbers is off the truth: angle, rad, and velocity, m/s.
 type Off<'a> = dyn Fn(&[(String, f64)]) -> Result<[f64; 2], Error> + Sync + 'a;
 
-/// How far the model is off after the fit, and that over before: the median over the draws.
-fn ratios(off: &Off, drawn: &[Vec<(String, f64)>], after: &[(String, f64)]) -> Result<[[f64; 2]; 2], Error> {
-    let after = off(after)?;
+/// `after` over what the model is off with each of the drawn numbers: the median.
+fn over_before(after: [f64; 2], off: &Off, drawn: &[Vec<(String, f64)>]) -> Result<[f64; 2], Error> {
     let before = wingbeat::parallel::map(drawn, |_, numbers| off(numbers));
     let before = before.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let over = |i: usize| median(before.iter().map(|before| after[i] / before[i]).collect());
-    Ok([after, [over(0), over(1)]])
+    Ok([0, 1].map(|i| median(before.iter().map(|before| after[i] / before[i]).collect())))
+}
+
+/// The larger of each; no number where there is none.
+fn worse(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| if a[i].is_nan() || b[i].is_nan() { f64::NAN } else { a[i].max(b[i]) })
 }
 
 /// Numbers up to 20 % off those that the fit begins with.
@@ -251,7 +254,8 @@ pub(super) fn drawn(parameters: &[Parameter]) -> Vec<Vec<(String, f64)>> {
 /// Rows of a structure in one flight.
 fn rows_of(model: &Calibrated, flight: &str, suffix: &str, off: &Off) -> Result<[Row; 2], Error> {
     let Calibrated { structure: [preset, law], parameters, values, left_out } = model;
-    let [after, ratio] = ratios(off, &drawn(parameters), &named(parameters, values))?;
+    let after = off(&named(parameters, values))?;
+    let ratio = over_before(after, off, &drawn(parameters))?;
     let source = "own truth (full, lev) and another model under its inputs, one stroke";
     let fit = format!("{preset}, {law} (left out {:.1} %), numbers of the seven runs", 100.0 * left_out);
     let median = "median after over before, 20 draws +-20 %";
@@ -264,6 +268,32 @@ fn rows_of(model: &Calibrated, flight: &str, suffix: &str, off: &Off) -> Result<
     ])
 }
 
+/// The same with what the fitted model leaves on nine stands of the robot that flies, learned and flown beside it.
+fn with_learned(model: &Calibrated, turn: &Turn) -> Result<Vec<Row>, Error> {
+    let Calibrated { structure, parameters, values, .. } = model;
+    let [preset, law] = structure;
+    let learned = Learned::new(model)?;
+    let (fitted, before) = (named(parameters, values), drawn(parameters));
+    let source = "own truth (full, lev) and another model with a learned wrench under its inputs, one stroke";
+    let mut rows = Vec::new();
+    for (begin, when, suffix) in STROKES {
+        let after = turn.off(begin, *structure, &fitted, Some(&learned))?;
+        let off = |numbers: &[(String, f64)]| turn.off(begin, *structure, numbers, None);
+        let ratio = over_before(after, &off, &before)?;
+        let id = format!("calibrate.flight.{preset}_{law}.learned{suffix}");
+        let attitude = format!(
+            "attitude {when}, {preset}, {law}, numbers of the seven runs and a wrench learned on nine stands, of which it leaves {:.0} %: \
+             median after over before; {:.2} deg after",
+            100.0 * learned.left,
+            after[0].to_degrees()
+        );
+        let velocity = format!("velocity: the same; {:.3} m/s after", after[1]);
+        rows.push(Row::shown(&id, source, &attitude, ratio[0], ""));
+        rows.push(Row::shown(&format!("{id}.velocity"), source, &velocity, ratio[1], ""));
+    }
+    Ok(rows)
+}
+
 /// Medians over twenty draws of what is left after the fit, in parts of before. Judged is the structure that predicts the seven runs
 /// best, each left out, by the worst of three strokes of a turn that carries its weight.
 pub fn rows() -> Result<Vec<Row>, Error> {
@@ -274,7 +304,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let mut rows = right_model()?;
     let source = "own truth (full, lev), its air found again, under its own inputs, one stroke";
     for (begin, when, suffix) in STROKES {
-        let own = turn.off(begin, TRUTH, &[])?;
+        let own = turn.off(begin, TRUTH, &[], None)?;
         let attitude = format!("attitude {when}, the truth itself");
         let id = format!("calibrate.flight.itself{suffix}");
         rows.push(Row::shown(&id, source, &attitude, own[0].to_degrees(), "deg"));
@@ -283,8 +313,9 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     for model in &all {
         let mut worst = [0.0_f64; 2];
         for (begin, when, suffix) in STROKES {
-            let own = rows_of(model, when, suffix, &|numbers| turn.off(begin, model.structure, numbers))?;
-            worst.iter_mut().zip(&own).for_each(|(worst, row)| *worst = worst.max(row.value));
+            let own =
+                rows_of(model, when, suffix, &|numbers| turn.off(begin, model.structure, numbers, None))?;
+            worst = worse(worst, [own[0].value, own[1].value]);
             rows.extend(own);
         }
         if model.structure == chosen {
@@ -299,6 +330,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             rows.push(judged("calibrate.flight", "attitude", worst[0]));
             rows.push(judged("calibrate.flight.velocity", "velocity", worst[1]));
         }
+        rows.extend(with_learned(model, &turn)?);
         for (flown, suffix) in falling.iter().zip([".falling", ".falling_slowly"]) {
             let when = format!("falling from {} m/s", flown.speed);
             rows.extend(rows_of(model, &when, suffix, &|numbers| flown.off(model.structure, numbers))?);

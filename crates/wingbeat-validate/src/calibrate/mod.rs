@@ -3,6 +3,7 @@
 mod degenerate;
 mod flight;
 mod gradient;
+mod learned;
 mod next_run;
 pub(crate) mod planned;
 mod recovers;

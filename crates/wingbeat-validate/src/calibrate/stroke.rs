@@ -1,11 +1,12 @@
 //! One stroke of a turn that carries its weight, flown by the truth and followed by a model.
 
 use super::flight::{TRUTH, aero, set};
+use super::learned::Learned;
 use super::no_answer;
 use crate::Error;
 use std::ops::ControlFlow;
 use std::path::Path;
-use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace};
+use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace, Wrench};
 use wingbeat::plant::Plant;
 use wingbeat::robot::BodyMotion;
 use wingbeat::scenario::Scenario;
@@ -80,13 +81,14 @@ impl Turn {
 
     /// Angle, rad, and velocity, m/s, by which a model is off the truth after the stroke that begins at `begin`.
     ///
-    /// Body and structure begin as the truth's. The model's air, which has other states than the truth's, is what follows when the
+    /// `learned` acts on the body beside the model. Body and structure begin as the truth's. The model's air, which has other states than the truth's, is what follows when the
     /// model is carried along the recorded motion for some strokes before.
     pub fn off(
         &self,
         begin: f64,
         structure: [&str; 2],
         numbers: &[(String, f64)],
+        learned: Option<&Learned>,
     ) -> Result<[f64; 2], Error> {
         let scenario = turn(structure, numbers)?;
         let (robot, record) = (scenario.robot(), &self.record);
@@ -117,8 +119,16 @@ impl Turn {
         x.extend(&carried[l.aero - l.structure..]);
         let mut work = Workspace::new(x.len(), RK4.b.len());
         for k in 0..STEPS {
-            let rates =
-                |t: f64, x: &[f64], dx: &mut [f64]| robot.rates(t, x, &inputs(t)?, dx).map_err(no_answer);
+            let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
+                let beyond = learned.map_or(Vec::new(), |learned| {
+                    let attitude = Quat::from_wxyz(&x[l.attitude..]).matrix();
+                    let velocity = attitude.transpose_mul(Vec3::from_slice(&x[l.velocity..]));
+                    let mut beyond = vec![Wrench::ZERO; robot.bearers()];
+                    beyond[robot.bearers() - 1] = learned.wrench(robot.phase(t), velocity);
+                    beyond
+                });
+                robot.rates_beyond(t, x, &inputs(t)?, &beyond, dx).map_err(no_answer)
+            };
             RK4.step(rates, begin + k as f64 * h, h, &mut x, &mut work)?;
         }
         let truth = body(record, begin + self.cycle)?;
