@@ -1,6 +1,6 @@
 //! What a fitted model leaves of the loads of a robot on the stand, learned by phase and velocity, to be flown beside it.
 
-use super::flight::{Calibrated, TRUTH, aero};
+use super::flight::{Calibrated, TRUTH, aero, of_law};
 use super::{all_clean, measured, no_answer, shipped, truth};
 use crate::Error;
 use nalgebra::DMatrix;
@@ -8,11 +8,9 @@ use std::path::Path;
 use wingbeat::math::{Mat3, Vec3, Wrench};
 use wingbeat_calibrate::{Layout, Model};
 
-/// Speeds of the wind, m/s, and pitches, deg, of the stands: about those of the turn.
+/// Speeds of the wind, m/s, and pitches, deg, of the stands: about those of the turn. *Choice.*
 const SPEEDS: [f64; 3] = [4.2, 4.8, 5.4];
 const PITCHES: [f64; 3] = [-20.0, -8.0, 4.0];
-/// Frequency of the gait that flies, Hz.
-const FREQUENCY: f64 = 7.957;
 /// Channels that do not vanish where both wings are alike and the air comes from ahead.
 const LONGITUDINAL: [usize; 3] = [0, 2, 4];
 /// Functions of the velocity.
@@ -23,19 +21,21 @@ fn functions(u: f64, w: f64) -> [f64; FUNCTIONS] {
     [1.0, u, w, u * u, u * w, w * w]
 }
 
-/// A wrench on the body by phase of the stroke and velocity against the air. A fit.
+/// A wrench on the body by phase of the stroke and velocity against the air, as the cell shows it after its resonance and filter. A
+/// *fit*; its form is a *choice*.
 pub(super) struct Learned {
     layout: Layout,
-    /// What the encoder lags behind the gait by the fit, rad: cycles of the cell begin at its zero.
+    /// `gait.phase_rad` of the fit, rad: by the model the gait is that far ahead of the encoder, at whose zero the cell's cycles begin.
     lag: f64,
     /// By longitudinal channel, part of the cycle, function of the velocity.
     coefficients: Vec<[f64; FUNCTIONS]>,
-    /// What it leaves of what was measured beyond the model on the stands it was learned from: share of the rms.
+    /// What it leaves of what was measured beyond the model on a stand that is left out: share of the rms.
     pub left: f64,
 }
 
-/// Overrides that put the robot that flies on nine stands; the tare is taken in still air, before the tunnel runs.
-fn stands() -> [String; 2] {
+/// Overrides that put the robot that flies on nine stands, its gait at `frequency` (Hz), on a cell without bias and drift: a tare would
+/// take what the wind does to the wings at rest away.
+fn stands(frequency: f64) -> [String; 2] {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let (run, robot) =
         (root.join("rigs/identification/still_air.toml"), root.join("robots/cruise_beta_lev.toml"));
@@ -44,8 +44,9 @@ fn stands() -> [String; 2] {
             format!("rig.robot={}", robot.display()),
             "rig.cell.calibration=SI-50-0.5".into(),
             "rig.cell.bias=[0, 0, 0, 0, 0, 0]".into(),
+            "rig.cell.drift_per_s=[0, 0, 0, 0, 0, 0]".into(),
             "process.steps.tare=false".into(),
-            format!("frequency_hz={FREQUENCY}"),
+            format!("frequency_hz={frequency}"),
             "hold.each_s=3.0".into(),
             format!("hold.tilts_deg=[[0.0, {pitch:?}]]"),
             format!("wind_m_s=[{:?}, 0.0, 0.0]", -speed),
@@ -64,21 +65,15 @@ impl Learned {
     ///
     /// # Errors
     /// Stands that cannot be simulated.
-    pub fn new(model: &Calibrated) -> Result<Self, Error> {
+    pub fn new(model: &Calibrated, frequency: f64) -> Result<Self, Error> {
         let on_rig = |keys: [String; 2]| keys.map(|key| format!("rig.{key}"));
-        let [runs, passes] = stands();
+        let [runs, passes] = stands(frequency);
         let truth_is = format!("truth.set={:?}", on_rig(aero(TRUTH)));
         let mut calibration =
             shipped("seven_runs.toml", &["structures=[]", "starts=1", &truth_is, &runs, &passes])?;
         let targets = truth(&calibration)?;
         let observed = measured(&calibration, &targets, &all_clean(&targets)?, 1)?;
-        for name in model.parameters.iter().map(|parameter| &parameter.name) {
-            if !calibration.spec.parameters.iter().any(|own| own.name == *name) {
-                calibration.spec.parameters.extend(
-                    super::flight::of_law(model.structure[1]).into_iter().filter(|own| own.name == *name),
-                );
-            }
-        }
+        calibration.spec.parameters.extend(of_law(model.structure[1]));
         let own = calibration.structure(&on_rig(aero(model.structure)), &|_, _| None).map_err(no_answer)?;
         let layout = observed[0].layout;
         let mut left = Vec::new();
@@ -97,6 +92,8 @@ impl Learned {
             .collect();
         let matrix = DMatrix::from_fn(points.len(), FUNCTIONS, |i, j| points[i][j]);
         let inverse = matrix.pseudo_inverse(1e-9).map_err(no_answer)?;
+        // A stand left out is missed by r/(1 - h), r what is left of it, h its own weight in what is said of it.
+        let weight_of = |i: usize| (0..FUNCTIONS).map(|j| points[i][j] * inverse[(j, i)]).sum::<f64>();
         let (mut coefficients, mut rest, mut whole) = (Vec::new(), 0.0, 0.0);
         for channel in LONGITUDINAL {
             // For the share that is left, 1 N and .1 N m are alike.
@@ -106,9 +103,9 @@ impl Learned {
                 let of: [f64; FUNCTIONS] = std::array::from_fn(|j| {
                     values.iter().enumerate().map(|(i, value)| inverse[(j, i)] * value).sum()
                 });
-                for (value, point) in values.iter().zip(&points) {
+                for (i, (value, point)) in values.iter().zip(&points).enumerate() {
                     let said: f64 = of.iter().zip(point).map(|(a, b)| a * b).sum();
-                    rest += (weight * (value - said)).powi(2) * Layout::share(part);
+                    rest += (weight * (value - said) / (1.0 - weight_of(i))).powi(2) * Layout::share(part);
                     whole += (weight * value).powi(2) * Layout::share(part);
                 }
                 coefficients.push(of);

@@ -80,8 +80,7 @@ impl Plans {
     }
 }
 
-/// The turns that are planned by the two structures. Of the numbers those of the
-/// air count: the masses are another robot's.
+/// The turns that are planned by the two structures. Of the numbers those of the air count: the masses are another robot's.
 pub fn plans() -> Result<Vec<Plans>, Error> {
     let of_air = |numbers: &[(String, f64)]| -> Vec<(String, f64)> {
         numbers.iter().filter(|(name, _)| name.starts_with("surfaces.")).cloned().collect()

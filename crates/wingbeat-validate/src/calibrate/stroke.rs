@@ -14,7 +14,7 @@ use wingbeat::simulate::Record;
 
 /// Period of the truth's record, s: its step.
 const RECORD: f64 = 2e-4;
-/// Strokes over which the model's air follows the recorded motion before the one that is compared.
+/// Strokes over which the model's air follows the recorded motion before the one that is compared. *Choice.*
 const BEFORE: usize = 3;
 /// Steps of a stroke.
 const STEPS: usize = 600;
@@ -37,6 +37,9 @@ fn at(record: &Record, name: &str, t: f64) -> Result<f64, Error> {
             .ok_or_else(|| no_answer(format!("no column {name}")))
     };
     let (time, values) = (column("t")?, column(name)?);
+    if !(time[0]..=time[time.len() - 1]).contains(&t) {
+        return Err(no_answer(format!("the flight has no {t} s")));
+    }
     let next = time.partition_point(|own| *own < t).clamp(1, time.len() - 1);
     let share = (t - time[next - 1]) / (time[next] - time[next - 1]);
     Ok(values[next - 1] + share * (values[next] - values[next - 1]))
@@ -73,16 +76,23 @@ pub(super) struct Turn {
 }
 
 impl Turn {
+    /// Flies it.
     pub fn new() -> Result<Self, Error> {
         let truth = turn(TRUTH, &[])?;
         let cycle = 1.0 / truth.robot().frequency_hz();
         Ok(Self { record: truth.fly(|_| ControlFlow::Continue(())).map_err(no_answer)?.record, cycle })
     }
 
+    /// Frequency of the gait, Hz.
+    pub fn frequency_hz(&self) -> f64 {
+        1.0 / self.cycle
+    }
+
     /// Angle, rad, and velocity, m/s, by which a model is off the truth after the stroke that begins at `begin`.
     ///
-    /// `learned` acts on the body beside the model. Body and structure begin as the truth's. The model's air, which has other states than the truth's, is what follows when the
-    /// model is carried along the recorded motion for some strokes before.
+    /// `learned` acts on the body beside the model. Body and structure begin as the truth's. The model's air, which has other states
+    /// than the truth's, is what follows when the model is carried along the recorded motion for some strokes before. The crank is
+    /// taken to run evenly: this turn does not command it.
     pub fn off(
         &self,
         begin: f64,
