@@ -253,6 +253,20 @@ pub(super) fn drawn(parameters: &[Parameter]) -> Vec<Vec<(String, f64)>> {
     (0..DRAWS).map(draw).collect()
 }
 
+/// What is asked of a structure, by the worst of the strokes.
+fn judged(kind: &str, [preset, law]: [&str; 2], worst: [f64; 2]) -> [Row; 2] {
+    let source = "own truth (full, lev) and another model under its inputs, one stroke";
+    let with = if kind.is_empty() { "" } else { " with a learned wrench" };
+    let metric = format!(
+        "{preset}, {law}{with}: median after over before, 20 draws +-20 %, the worst of three strokes"
+    );
+    ["attitude", "velocity"].map(|what| {
+        let (end, value) = if what == "attitude" { ("", worst[0]) } else { (".velocity", worst[1]) };
+        let id = format!("calibrate.flight{kind}{end}");
+        Row::judged(&id, source, &format!("{what}, {metric}"), value, 1.0 / 3.0, "")
+    })
+}
+
 /// Rows of a structure in one flight.
 fn rows_of(model: &Calibrated, flight: &str, suffix: &str, off: &Off) -> Result<[Row; 2], Error> {
     let Calibrated { structure: [preset, law], parameters, values, left_out } = model;
@@ -327,19 +341,13 @@ pub fn rows() -> Result<Vec<Row>, Error> {
             worst = worse(worst, [own[0].value, own[1].value]);
             rows.extend(own);
         }
+        let learned = with_learned(model, &turn)?;
         if model.structure == chosen {
-            let source = "own truth (full, lev) and another model under its inputs, one stroke";
-            let [preset, law] = chosen;
-            let metric = format!(
-                "{preset}, {law}: median after over before, 20 draws +-20 %, the worst of three strokes"
-            );
-            let judged = |id: &str, what: &str, value: f64| {
-                Row::judged(id, source, &format!("{what}, {metric}"), value, 1.0 / 3.0, "")
-            };
-            rows.push(judged("calibrate.flight", "attitude", worst[0]));
-            rows.push(judged("calibrate.flight.velocity", "velocity", worst[1]));
+            let all = learned.chunks(2).map(|pair| [pair[0].value, pair[1].value]);
+            rows.extend(judged("", chosen, worst));
+            rows.extend(judged(".learned", chosen, all.fold([0.0; 2], worse)));
         }
-        rows.extend(with_learned(model, &turn)?);
+        rows.extend(learned);
         for (flown, suffix) in falling.iter().zip([".falling", ".falling_slowly"]) {
             let when = format!("falling from {} m/s", flown.speed);
             rows.extend(rows_of(model, &when, suffix, &|numbers| flown.off(model.structure, numbers))?);
