@@ -2,7 +2,7 @@
 
 use crate::measured::{Pass, observed};
 use crate::truth::clean;
-use crate::{CaseTarget, Error, Observed, Parameter, Plan, RigModel, RigTarget, data};
+use crate::{CaseTarget, Error, Observed, Parameter, Plan, RigModel, RigTarget, RunRole, data};
 use std::path::Path;
 use wingbeat::parallel;
 use wingbeat::scenario::{
@@ -77,16 +77,31 @@ impl Calibration {
         Wrong { place, key: key.into(), value: Some(value), problem, against: Vec::new() }.into()
     }
 
+    /// The override `text` of the list at `key`, its number `i`, with the file that it names seen from this one.
+    fn seen_from_here(&self, key: &str, i: usize, text: &str) -> String {
+        let file = |(name, value): (&str, &str)| {
+            let value = value.trim().trim_matches(['"', '\'']);
+            let names_a_file = RigRun::FILES.contains(&name.trim()) && !value.starts_with('{');
+            let folder = self.document.folder(&format!("{key}[{i}]"));
+            names_a_file.then(|| format!("{}={}", name.trim(), folder.join(value).display()))
+        };
+        text.split_once('=').and_then(file).unwrap_or_else(|| text.to_owned())
+    }
+
+    /// The overrides of the list at `key`.
+    fn overrides(&self, key: &str, texts: &[String]) -> Vec<String> {
+        texts.iter().enumerate().map(|(i, text)| self.seen_from_here(key, i, text)).collect()
+    }
+
     /// The same error with the lines of this file in place of overrides that stand in its lists at `keys`.
     fn placed(&self, error: ConfigError, keys: &[String]) -> ConfigError {
         let place = |text: &str| {
-            let lists = keys.iter().flat_map(|key| {
-                (0..).map(move |i| format!("{key}[{i}]")).map_while(|key| self.document.written(&key))
-            });
-            let same = |written: &str| {
-                let written = written.trim_matches(['"', '\'']);
-                written == text || written.strip_prefix(OF_RIG) == Some(text)
+            let written = |key: &str, i: usize| {
+                let (written, place) = self.document.written(&format!("{key}[{i}]"))?;
+                Some((self.seen_from_here(key, i, written.trim_matches(['"', '\''])), place))
             };
+            let lists = keys.iter().flat_map(|key| (0..).map_while(|i| written(key, i)));
+            let same = |written: &str| written == text || written.strip_prefix(OF_RIG) == Some(text);
             let mut found = lists.filter(|(written, _)| same(written)).map(|(_, place)| place);
             found.next()
         };
@@ -166,8 +181,9 @@ impl Calibration {
         let mut runs: Vec<(RigRun, String)> = Vec::new();
         for (key, spec) in list {
             let document = self.document.part(&format!("{key}.run"))?;
-            let document = document.overridden(&spec.set).overridden(&set.texts);
-            let keys: Vec<String> = set.keys.iter().cloned().chain([format!("{key}.set")]).collect();
+            let own = format!("{key}.set");
+            let document = document.overridden(&self.overrides(&own, &spec.set)).overridden(&set.texts);
+            let keys: Vec<String> = set.keys.iter().cloned().chain([own]).collect();
             let run = RigRun::new(document, translate).map_err(|error| self.placed(error, &keys))?;
             let name = spec.name.clone().unwrap_or_else(|| run.spec.name.clone());
             if runs.iter().any(|(_, other)| *other == name) {
@@ -214,16 +230,17 @@ impl Calibration {
     /// Bad runs; parameters that the model has not.
     pub fn structure(&self, other: &[String], translate: Translate) -> Result<Structure, Failure> {
         let structures = (0..self.spec.structures.len()).map(|k| format!("structures[{k}].set"));
+        let model = self.model();
         let set = Overrides {
-            texts: [self.spec.model.as_slice(), other].concat(),
-            keys: std::iter::once("model".into()).chain(structures).collect(),
+            texts: [model.texts.as_slice(), other].concat(),
+            keys: model.keys.into_iter().chain(structures).collect(),
         };
         let runs = self.runs(("runs", &self.spec.runs), &set, translate)?;
         self.built(self.targets(runs)?, self.cases(&set)?)
     }
 
     fn model(&self) -> Overrides {
-        Overrides { texts: self.spec.model.clone(), keys: vec!["model".into()] }
+        Overrides { texts: self.overrides("model", &self.spec.model), keys: vec!["model".into()] }
     }
 
     /// The candidates for a next run: those that the file names, then those of its designs that can be planned; and why the
@@ -313,7 +330,7 @@ impl Calibration {
         let passes = self.passes(structure, translate, read)?;
         let one = |k: usize, passes: &Vec<Pass>| {
             let target = &structure.model.targets[k];
-            observed(target, passes, self.spec.runs[k].held_out, self.spec.robust)
+            observed(target, passes, RunRole::of(&self.spec.runs[k]), self.spec.robust)
         };
         let all: Result<Vec<Observed>, Error> = parallel::map(&passes, one).into_iter().collect();
         let mut all = all?;
@@ -326,7 +343,7 @@ impl Calibration {
                     .map_err(|what| self.wrong_file(&key, what))
             };
             let files = spec.data.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
-            all.push(target.observed(&files, spec.held_out, self.spec.robust)?);
+            all.push(target.observed(&files, RunRole::of_case(spec), self.spec.robust)?);
         }
         Ok(all)
     }
@@ -337,7 +354,8 @@ impl Calibration {
     /// Bad runs.
     pub fn truth(&self, translate: Translate) -> Result<Vec<RigTarget>, Failure> {
         let Some(truth) = &self.spec.truth else { return Ok(Vec::new()) };
-        let set = Overrides { texts: truth.set.clone(), keys: vec!["truth.set".into()] };
+        let set =
+            Overrides { texts: self.overrides("truth.set", &truth.set), keys: vec!["truth.set".into()] };
         let runs = self.runs(("runs", &self.spec.runs), &set, translate)?;
         Ok(self.targets(runs)?)
     }
@@ -382,8 +400,12 @@ impl Calibration {
     }
 
     /// The other structures that the file asks for.
-    pub fn structures(&self) -> &[StructureOfModel] {
-        &self.spec.structures
+    pub fn structures(&self) -> Vec<StructureOfModel> {
+        let one = |(k, structure): (usize, &StructureOfModel)| StructureOfModel {
+            name: structure.name.clone(),
+            set: self.overrides(&format!("structures[{k}].set"), &structure.set),
+        };
+        self.spec.structures.iter().enumerate().map(one).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! From a calibration file to what was found.
 
 use crate::found::Found;
+use crate::residual::Stands;
 use crate::{
     Calibration, Failure, Information, Keep, Linear, NextRun, Observed, Plan, Problem, Progress, Rival,
     Solved, Structure, Watch, checked, data, solve,
@@ -34,7 +35,9 @@ impl Calibration {
         let structure = self.structure(&[], &urdf_as_toml)?;
         let runs = self.observed(&structure, &urdf_as_toml, &data::read)?;
         let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
-        let cautions = checked(&structure, &runs, &values)?;
+        let mut cautions = checked(&structure, &runs, &values)?;
+        let stands = Stands::of(&structure.model, &runs)?;
+        cautions.extend(stands.iter().flat_map(Stands::cautions));
         let problem = Problem::new(&structure.model, &runs, &structure.parameters)?;
         let at = Linear::at(&problem, &problem.fitted(), &values)?;
         self.check_stages(&problem, &at)?;

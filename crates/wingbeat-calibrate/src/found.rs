@@ -1,8 +1,8 @@
 //! What a calibration found, as numbers.
 
 use crate::{
-    Calibration, Error, Fit, Information, Label, NORMAL_95, NextRun, Observed, PHASES, Parameter, Predicted,
-    Profile, Rival, Solved, Structure, channel_name, phase_of, rms,
+    Calibration, Error, Fit, Information, Label, LearnedResidual, NORMAL_95, NextRun, Observed, PHASES,
+    Parameter, Predicted, Profile, Rival, RunRole, Solved, Structure, channel_name, phase_of, rms,
 };
 use wingbeat::simulate::{Column, Record};
 
@@ -58,6 +58,8 @@ pub struct Found {
     pub rivals: Vec<Rival>,
     /// Candidates for a next run.
     pub next: Vec<NextRun>,
+    /// What the model leaves of the runs whose role it is, learned.
+    pub residual: Option<LearnedResidual>,
     /// What is odd of the samples.
     pub cautions: Vec<String>,
 }
@@ -96,6 +98,9 @@ impl Found {
             })
         };
         let own = Rival::of("as calibrated", runs, solved)?;
+        let found: Vec<FoundRun> = (0..runs.len()).map(one).collect::<Result<_, _>>()?;
+        let said = |run: usize| Ok(found[run].after.cycle.clone());
+        let residual = LearnedResidual::of(&structure.model, runs, &solved.values, &said)?;
         Ok(Self {
             name: calibration.spec.name.clone(),
             model: calibration.spec.model.clone(),
@@ -113,11 +118,12 @@ impl Found {
             starts: solved.starts.iter().map(|start| start.fit.clone()).collect(),
             chi_squared: solved.chi_squared,
             discrepancy: solved.problem.discrepancy.clone(),
-            runs: (0..runs.len()).map(one).collect::<Result<_, _>>()?,
+            runs: found,
             left_out: solved.left_out()?,
             information,
             rivals: vec![own],
             next: Vec::new(),
+            residual,
             cautions,
         })
     }
@@ -129,12 +135,19 @@ impl Found {
 
     /// Runs that are only predicted.
     pub fn held_out(&self) -> impl Iterator<Item = &FoundRun> {
-        self.runs.iter().filter(|run| run.observed.held_out)
+        self.runs.iter().filter(|run| run.observed.role == RunRole::HeldOut)
     }
 
     /// Runs that were fitted.
     pub fn fitted(&self) -> impl Iterator<Item = &FoundRun> {
-        self.runs.iter().filter(|run| !run.observed.held_out)
+        self.runs.iter().filter(|run| run.observed.role == RunRole::Fitted)
+    }
+
+    /// Numbers of the cycle of run `run` with the learned wrench, where it is learned from that run.
+    pub fn with_residual(&self, run: usize) -> Option<&[f64]> {
+        let residual = self.residual.as_ref()?;
+        let place = residual.runs.iter().position(|(own, _)| *own == run)?;
+        Some(&residual.predicted[place])
     }
 
     /// Names of the channels.

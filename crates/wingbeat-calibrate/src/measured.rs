@@ -1,7 +1,7 @@
 //! From samples of the load cell to the cycles of a run; what is wrong with samples, and what would be right.
 
 use crate::bins::Bins;
-use crate::observed::Common;
+use crate::observed::{Common, RunRole};
 use crate::rig::RigTarget;
 use crate::tare::{Rest, Tare, clock, rest, share};
 use crate::{Error, Layout, Observed, Tilts, project};
@@ -53,12 +53,7 @@ struct Cycles {
 ///
 /// # Errors
 /// Samples that cannot be those of the run, with what would be right.
-pub fn observed(
-    target: &RigTarget,
-    passes: &[Pass],
-    held_out: bool,
-    robust: bool,
-) -> Result<Observed, Error> {
+pub fn observed(target: &RigTarget, passes: &[Pass], role: RunRole, robust: bool) -> Result<Observed, Error> {
     for (k, pass) in passes.iter().enumerate() {
         let same = |other: &&Pass| other.channels == pass.channels;
         if let Some(other) = passes[..k].iter().find(same) {
@@ -93,7 +88,7 @@ pub fn observed(
         left_out,
         oddities,
         frequency_hz,
-        held_out,
+        role,
         unmeasured: Vec::new(),
         common: Common {
             groups: if target.tilts().is_some() { of.clone() } else { Vec::new() },

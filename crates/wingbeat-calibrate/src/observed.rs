@@ -2,6 +2,7 @@
 
 use crate::Layout;
 use nalgebra::DMatrix;
+use wingbeat::scenario::{CalibratedCaseSpec, CalibratedRunSpec};
 
 /// Distance beyond which a cycle counts less, in deviations (Huber 1964: 95 % efficient on normal noise).
 const HUBER: f64 = 1.345;
@@ -10,6 +11,33 @@ const ROUNDS: usize = 8;
 /// Cycles beyond one for each channel and each mean that tell a scatter whose inverse weighs: with fewer the estimates so weighed have
 /// no variance (`estimated_weights`).
 pub const SPARE: usize = 2;
+
+/// What a run is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RunRole {
+    /// The numbers are fitted to it.
+    #[default]
+    Fitted,
+    /// It is only predicted.
+    HeldOut,
+    /// What the fitted model leaves of it is learned.
+    Residual,
+}
+
+impl RunRole {
+    /// Of a run as a calibration names it.
+    pub fn of(run: &CalibratedRunSpec) -> Self {
+        match run {
+            CalibratedRunSpec { residual: true, .. } => Self::Residual,
+            CalibratedRunSpec { held_out: true, .. } => Self::HeldOut,
+            _ => Self::Fitted,
+        }
+    }
+    /// Of a case.
+    pub fn of_case(case: &CalibratedCaseSpec) -> Self {
+        if case.held_out { Self::HeldOut } else { Self::Fitted }
+    }
+}
 
 /// The cycles of a run.
 #[derive(Clone, Debug)]
@@ -34,8 +62,8 @@ pub struct Observed {
     pub oddities: Vec<String>,
     /// Frequency that was measured, Hz.
     pub frequency_hz: f64,
-    /// True for a run that is only predicted.
-    pub held_out: bool,
+    /// What the run is for.
+    pub role: RunRole,
     /// Channels that were not measured: their numbers say nothing.
     pub unmeasured: Vec<usize>,
     /// Errors that cycles share.

@@ -1,7 +1,7 @@
 //! What is fitted to what, and how its differences weigh.
 
 use crate::observed::{SPARE, scatter};
-use crate::{Error, Layout, Observed, RigTarget};
+use crate::{Error, Layout, Observed, RigTarget, RunRole};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use wingbeat::parallel;
@@ -278,7 +278,7 @@ impl<'a> Problem<'a> {
 
     /// Runs that are fitted.
     pub fn fitted(&self) -> Vec<usize> {
-        (0..self.runs.len()).filter(|run| !self.runs[*run].held_out).collect()
+        (0..self.runs.len()).filter(|run| self.runs[*run].role == RunRole::Fitted).collect()
     }
 
     /// What the model says of the runs `of`.

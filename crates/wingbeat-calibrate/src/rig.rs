@@ -5,7 +5,7 @@ use crate::{CaseTarget, Error, Layout, Model, PHASES, phase_of, project};
 use std::f64::consts::TAU;
 use wingbeat::math::Vec3;
 use wingbeat::plant::Fault;
-use wingbeat::rig::carrier::{Carrier, Mount};
+use wingbeat::rig::carrier::{Carrier, Mount, carried_frames};
 use wingbeat::rig::cell::{CellSpec, six, wrench};
 use wingbeat::rig::{Instants, Wrenches};
 use wingbeat::scenario::RigRun;
@@ -128,6 +128,11 @@ impl RigTarget {
     /// What carries the robot.
     pub fn carrier(&self) -> &Carrier {
         &self.carrier
+    }
+    /// Velocity of the body's point `place`, the mount as drawn, against the mean wind at `t`, m/s in B.
+    pub fn velocity(&self, place: Vec3, t: f64) -> Vec3 {
+        let (_, body) = carried_frames(&self.carrier.tool(t), &self.drawn);
+        body.pose.rotation.transpose_mul(body.point_velocity(place) - self.run.robot.mean_wind())
     }
     /// Begin and end of what is averaged, s.
     pub fn window(&self) -> (f64, f64) {
@@ -265,7 +270,7 @@ pub fn in_cell(mount: &Mount, layout: Layout, cycle: &[f64]) -> Vec<f64> {
 }
 
 /// Whether the robot at rest stands in a wind.
-fn in_wind(run: &RigRun) -> bool {
+pub fn in_wind(run: &RigRun) -> bool {
     run.robot.mean_wind() != Vec3::ZERO
 }
 
@@ -273,22 +278,37 @@ fn in_wind(run: &RigRun) -> bool {
 ///
 /// Equation: calibrate.cell_response
 pub fn respond(cell: &CellSpec, frequency: f64, layout: Layout, cycle: &mut [f64]) {
+    each_harmonic(layout, cycle, |k| response(cell, frequency, k));
+}
+
+/// The load before the cell of which it shows these harmonics: [`respond`] undone.
+pub fn beyond_cell(cell: &CellSpec, frequency: f64, layout: Layout, cycle: &mut [f64]) {
+    each_harmonic(layout, cycle, |k| inverse(response(cell, frequency, k)));
+}
+
+/// What the cell makes of harmonic `k`: a complex number.
+fn response(cell: &CellSpec, frequency: f64, k: usize) -> [f64; 2] {
     let step = 1.0 / cell.rate_hz;
+    let w = TAU * frequency * k as f64;
+    let ratio = k as f64 * frequency / cell.resonance_hz;
+    // 1 / (1 - r^2 + 2 i z r), and the filter's keep/(1 - keep e^-iwT) of samples.
+    let resonance = inverse([1.0 - ratio * ratio, 2.0 * cell.resonance_damping * ratio]);
+    let keep = (-TAU * cell.filter_hz * step).exp();
+    let (sin, cos) = (w * step).sin_cos();
+    let filter = inverse([(1.0 - keep * cos) / (1.0 - keep), keep * sin / (1.0 - keep)]);
+    // The load is held over a step, which delays it by half of one; its sample is taken at the end of the step.
+    let hold = [(0.5 * w * step).cos(), (0.5 * w * step).sin()];
+    times(times(resonance, filter), hold)
+}
+
+/// Multiplies the harmonics of all channels.
+fn each_harmonic(layout: Layout, cycle: &mut [f64], factor: impl Fn(usize) -> [f64; 2]) {
     for k in 1..=layout.harmonics {
-        let w = TAU * frequency * k as f64;
-        let ratio = k as f64 * frequency / cell.resonance_hz;
-        // 1 / (1 - r^2 + 2 i z r), and the filter's keep/(1 - keep e^-iwT) of samples.
-        let resonance = inverse([1.0 - ratio * ratio, 2.0 * cell.resonance_damping * ratio]);
-        let keep = (-TAU * cell.filter_hz * step).exp();
-        let (sin, cos) = (w * step).sin_cos();
-        let filter = inverse([(1.0 - keep * cos) / (1.0 - keep), keep * sin / (1.0 - keep)]);
-        // The load is held over a step, which delays it by half of one; its sample is taken at the end of the step.
-        let hold = [(0.5 * w * step).cos(), (0.5 * w * step).sin()];
-        let response = times(times(resonance, filter), hold);
+        let factor = factor(k);
         for channel in 0..layout.channels {
             let (i, j) = (layout.at(channel, 2 * k - 1), layout.at(channel, 2 * k));
             // c cos + s sin is the real part of (c - i s) e^{i phase}.
-            let [re, im] = times([cycle[i], -cycle[j]], response);
+            let [re, im] = times([cycle[i], -cycle[j]], factor);
             (cycle[i], cycle[j]) = (re, -im);
         }
     }

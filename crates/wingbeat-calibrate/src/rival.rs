@@ -3,7 +3,7 @@
 use crate::design::{Candidate, largest, rank};
 use crate::observed::{Common, sized};
 use crate::problem::group;
-use crate::{Error, Layout, Observed, Problem, RigTarget, Solved, Structure, channel_name, rms};
+use crate::{Error, Layout, Observed, Problem, RigTarget, RunRole, Solved, Structure, channel_name, rms};
 use nalgebra::DMatrix;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -54,7 +54,7 @@ impl Rival {
     pub fn of(name: &str, runs: &[Observed], solved: &Solved) -> Result<Self, Error> {
         let (left_out_rms, left_out_share) = shares(runs, &solved.left_out()?);
         let mut held = Vec::new();
-        for run in (0..runs.len()).filter(|run| runs[*run].held_out) {
+        for run in (0..runs.len()).filter(|run| runs[*run].role == RunRole::HeldOut) {
             let predicted = solved.problem.model.predict(run, &solved.values)?;
             held.push((run, rms(&runs[run], &predicted)));
         }
@@ -114,7 +114,7 @@ impl NextRun {
                 weights: vec![1.0; cycles],
                 cycles: vec![mean.clone(); cycles],
                 mean,
-                held_out: false,
+                role: RunRole::Fitted,
                 left_out: 0,
                 ..template.clone()
             })

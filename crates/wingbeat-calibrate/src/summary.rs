@@ -2,7 +2,7 @@
 
 use crate::data::{DataFile, Files};
 use crate::found::{Found, FoundRun};
-use crate::{Fit, Label, NextRun, Rival, rms, student_95};
+use crate::{Fit, Label, LearnedChannel, LearnedResidual, NextRun, Rival, RunRole, rms, student_95};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -71,6 +71,7 @@ impl Found {
                 .collect(),
             structures: self.rivals.clone(),
             next_run: self.next.clone(),
+            residual: self.residual.as_ref().map(|residual| SummaryResidual::of(residual, self)),
             cautions: self.cautions.clone(),
             data: files.0.clone(),
         }
@@ -116,6 +117,8 @@ pub struct CalibrationSummary {
     left_out: BTreeMap<String, BTreeMap<String, f64>>,
     structures: Vec<Rival>,
     next_run: Vec<NextRun>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    residual: Option<SummaryResidual>,
     cautions: Vec<String>,
     data: Vec<DataFile>,
 }
@@ -147,10 +150,45 @@ struct Rmse {
 struct SummaryRun {
     name: String,
     held_out: bool,
+    residual: bool,
     cycles: usize,
     left_out_cycles: usize,
     effective_cycles: f64,
     frequency_hz: f64,
+}
+
+/// What the model leaves of runs, learned.
+#[derive(Serialize)]
+struct SummaryResidual {
+    runs: Vec<String>,
+    /// Velocity of each run against the air, m/s in B.
+    velocities_m_s: Vec<[f64; 3]>,
+    terms: Vec<String>,
+    channels: BTreeMap<String, SummaryLearned>,
+}
+
+#[derive(Serialize)]
+struct SummaryLearned {
+    /// Rms of what the model leaves.
+    left: f64,
+    /// What is missed of it of a run left out, in parts of it.
+    missed: f64,
+    told: bool,
+}
+
+impl SummaryResidual {
+    fn of(residual: &LearnedResidual, found: &Found) -> Self {
+        let channel = |channel: &LearnedChannel| {
+            let own = SummaryLearned { left: channel.left, missed: channel.missed, told: channel.is_told() };
+            (channel.name.clone(), own)
+        };
+        Self {
+            runs: residual.runs.iter().map(|(run, _)| found.runs[*run].observed.name.clone()).collect(),
+            velocities_m_s: residual.runs.iter().map(|(_, velocity)| velocity.0).collect(),
+            terms: residual.spec.terms.clone(),
+            channels: residual.channels.iter().map(channel).collect(),
+        }
+    }
 }
 
 impl SummaryRun {
@@ -158,7 +196,8 @@ impl SummaryRun {
         let observed = &run.observed;
         Self {
             name: observed.name.clone(),
-            held_out: observed.held_out,
+            held_out: observed.role == RunRole::HeldOut,
+            residual: observed.role == RunRole::Residual,
             cycles: observed.cycles.len(),
             left_out_cycles: observed.left_out,
             effective_cycles: observed.effective(),

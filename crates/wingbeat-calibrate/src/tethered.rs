@@ -1,7 +1,7 @@
 //! Cases of a tethered wing as a model of cycles, and their samples.
 
 use crate::bins::Bins;
-use crate::observed::Common;
+use crate::observed::{Common, RunRole};
 use crate::{Error, Layout, Observed, project};
 use std::f64::consts::TAU;
 use wingbeat::plant::Fault;
@@ -92,7 +92,7 @@ impl CaseTarget {
     pub fn observed(
         &self,
         files: &[(String, Record)],
-        held_out: bool,
+        role: RunRole,
         robust: bool,
     ) -> Result<Observed, Error> {
         let mut bins = Bins::new();
@@ -155,7 +155,7 @@ impl CaseTarget {
             left_out,
             oddities: Vec::new(),
             frequency_hz: self.case.measured_frequency(),
-            held_out,
+            role,
             unmeasured: (0..LOADS.len()).filter(|channel| !measured.contains(channel)).collect(),
             common: Common::default(),
         };

@@ -2,7 +2,7 @@
 
 use crate::data::Files;
 use crate::found::Found;
-use crate::{Information, Parameter, rms};
+use crate::{Information, Parameter, RunRole, rms};
 
 /// The information table as text: what the runs tell of the parameters before they are fitted.
 pub fn information(of: &Information, parameters: &[Parameter]) -> String {
@@ -109,6 +109,7 @@ pub fn report(found: &Found) -> String {
     text += &format!("cost from each start: {}\n\n", costs.join(", "));
     text += &runs(found);
     text += &structures(found);
+    text += &learned(found);
     text += &next_run(found);
     for caution in &found.cautions {
         text += &format!("\nnote: {caution}\n");
@@ -152,7 +153,11 @@ fn runs(found: &Found) -> String {
     text.push('\n');
     for run in &found.runs {
         let (before, after) = (rms(&run.observed, &run.before), rms(&run.observed, &run.after.cycle));
-        let held = if run.observed.held_out { " (held out)" } else { "" };
+        let held = match run.observed.role {
+            RunRole::Fitted => "",
+            RunRole::HeldOut => " (held out)",
+            RunRole::Residual => " (residual)",
+        };
         text += &format!("{:<34}", format!("{}{held}", run.observed.name));
         for (before, after) in before.iter().zip(&after) {
             let told = format!("{before:.5} -> {after:.5}");
@@ -201,11 +206,31 @@ fn structures(found: &Found) -> String {
     text
 }
 
-/// The numbers as a file that `robot.numbers` names; `commit` is that of the program.
-pub fn numbers(found: &Found, files: &Files, commit: &str) -> String {
+/// What the learned wrench says of the runs that it is learned from.
+fn learned(found: &Found) -> String {
+    let Some(residual) = &found.residual else { return String::new() };
     let mut text = format!(
-        "# Numbers of robot and rig, calibrated: wingbeat {} ({commit}), calibration {}.\n\
-         # Of the model {}. In a scenario: --set robot.numbers=FILE; on the rig: --set rig.robot.numbers=FILE.\n",
+        "\nwhat the model leaves of {} runs, learned by phase and velocity ({}):\n{:<34}{:>14}{:>14}\n",
+        residual.runs.len(),
+        residual.spec.terms.join(", "),
+        "",
+        "left, rms",
+        "run left out"
+    );
+    for channel in &residual.channels {
+        let told = if channel.is_told() { "" } else { "  not told, left out" };
+        let missed = format!("{:.1} %", 100.0 * channel.missed);
+        text += &format!("{:<34}{:>14.5}{missed:>14}{told}\n", channel.name, channel.left);
+    }
+    text += "(left: rms of what the model leaves over the runs; run left out: what is missed of it of a run that it is not learned from)\n";
+    text
+}
+
+/// Where a file of the run folder is from: `commit` is that of the program, `key` the key that names the file.
+fn origin(found: &Found, files: &Files, (commit, what, key): (&str, &str, &str)) -> String {
+    let mut text = format!(
+        "# {what}: wingbeat {} ({commit}), calibration {}.\n\
+         # Of the model {}. In a scenario: --set robot.{key}=FILE; on the rig: --set rig.robot.{key}=FILE.\n",
         env!("CARGO_PKG_VERSION"),
         found.name,
         if found.model.is_empty() { "as the runs give it".into() } else { found.model.join(", ") },
@@ -216,6 +241,35 @@ pub fn numbers(found: &Found, files: &Files, commit: &str) -> String {
     if files.0.is_empty() {
         text += "# data simulated by the calibration's own truth\n";
     }
+    text
+}
+
+/// The learned wrench as a file that `robot.residual` names, none where no channel is told; `commit` is that of the program.
+pub fn residual(found: &Found, files: &Files, commit: &str) -> Option<String> {
+    let spec = &found.residual.as_ref().filter(|residual| !residual.spec.loads.is_empty())?.spec;
+    let mut text = origin(found, files, (commit, "What the model leaves of measured loads", "residual"));
+    text += "# It belongs to the numbers of numbers.toml: give both.\n";
+    text += &format!(
+        "preset = {:?}\nlaw = {:?}\nfrequency_hz = {:?}\nplace_m = {:?}\nlow_m_s = {:?}\nhigh_m_s = {:?}\nterms = {:?}\n\n[loads]\n",
+        spec.preset.as_deref().unwrap_or_default(),
+        spec.law.as_deref().unwrap_or_default(),
+        spec.frequency_hz,
+        spec.place_m,
+        spec.low_m_s,
+        spec.high_m_s,
+        spec.terms
+    );
+    for (channel, rows) in &spec.loads {
+        text += &format!("{channel} = [\n");
+        rows.iter().for_each(|row| text += &format!("  {row:?},\n"));
+        text += "]\n";
+    }
+    Some(text)
+}
+
+/// The numbers as a file that `robot.numbers` names; `commit` is that of the program.
+pub fn numbers(found: &Found, files: &Files, commit: &str) -> String {
+    let mut text = origin(found, files, (commit, "Numbers of robot and rig, calibrated", "numbers"));
     for (k, parameter) in found.parameters.iter().enumerate() {
         text += &format!(
             "{:?} = {:?} # standard error {:.3e}, {}\n",

@@ -6,8 +6,8 @@ use wingbeat::rig::cell::{CellSpec, LoadCell};
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::measured::{Pass, observed};
 use wingbeat_calibrate::{
-    Calibration, Layout, Observed, Progress, RigTarget, Structure, checked, clean, expected_noise, respond,
-    solve,
+    Calibration, Layout, Observed, Progress, RigTarget, RunRole, Structure, checked, clean, expected_noise,
+    respond, solve,
 };
 
 fn shipped(name: &str, overrides: &[&str]) -> Calibration {
@@ -31,7 +31,7 @@ fn first() -> (Calibration, Structure, Vec<Pass>) {
 }
 
 fn see(target: &RigTarget, passes: &[Pass]) -> Result<Observed, String> {
-    observed(target, passes, false, true).map_err(|error| error.to_string())
+    observed(target, passes, RunRole::Fitted, true).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn swapped_axes_and_shifted_phases_are_found_and_proposed() {
     let told = |change: &dyn Fn(&mut Pass)| {
         let mut changed = passes.clone();
         changed.iter_mut().for_each(change);
-        let runs = [observed(target, &changed, false, true).unwrap()];
+        let runs = [observed(target, &changed, RunRole::Fitted, true).unwrap()];
         checked(&structure, &runs, &values).map_err(|error| error.to_string())
     };
     assert_eq!(told(&|_| {}), Ok(Vec::new()));

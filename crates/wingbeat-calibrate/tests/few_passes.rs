@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::measured::{Pass, observed};
-use wingbeat_calibrate::{Calibration, Clean, Error, Model, Progress, clean, solve, student_95};
+use wingbeat_calibrate::{Calibration, Clean, Error, Model, Progress, RunRole, clean, solve, student_95};
 
 /// Seeds of the noise.
 const SEEDS: u64 = 60;
@@ -70,7 +70,7 @@ fn standard_errors_of_three_passes_are_those_of_many_seeds() {
         let run = |k: usize| {
             let pass = |pass: usize| made[k].pass(&targets[k], spec, 7919 * seed + 1000 * k as u64, pass);
             let passes: Vec<Pass> = (0..spec.passes).map(|number| pass(number).unwrap()).collect();
-            observed(&targets[k], &passes, false, true).unwrap()
+            observed(&targets[k], &passes, RunRole::Fitted, true).unwrap()
         };
         let runs: Vec<_> = all.clone().map(run).collect();
         let watch = &mut |_: &Progress| ControlFlow::Continue(());

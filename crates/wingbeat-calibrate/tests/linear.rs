@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use wingbeat::math::Random;
 use wingbeat_calibrate::design::rank;
 use wingbeat_calibrate::{
-    Error, Information, Label, Layout, Linear, Model, Observed, Parameter, Plan, Problem, Progress, Solved,
-    solve,
+    Error, Information, Label, Layout, Linear, Model, Observed, Parameter, Plan, Problem, Progress, RunRole,
+    Solved, solve,
 };
 
 const LAYOUT: Layout = Layout { channels: 2, harmonics: 3 };
@@ -64,7 +64,7 @@ fn observed(means: &[Vec<f64>], noise: f64, seed: u64) -> Vec<Observed> {
             left_out: 0,
             oddities: Vec::new(),
             frequency_hz: 3.5,
-            held_out: false,
+            role: RunRole::Fitted,
             unmeasured: Vec::new(),
             common: Default::default(),
         };
@@ -143,7 +143,7 @@ fn bands_hold_a_run_unlike_those_fitted() {
         mean.iter_mut().zip(&wrong).for_each(|(x, wrong)| *x += grown * wrong);
     }
     let mut runs = observed(&means, 0.001, 1);
-    runs[4].held_out = true;
+    runs[4].role = RunRole::HeldOut;
     let solved = solved(&model, &runs, &parameters);
     let predicted = solved.predicted(4).unwrap();
     let (covered, half) = (predicted.coverage(&runs[4], &predicted.deviations), predicted.half_widths());
@@ -179,14 +179,14 @@ fn a_next_run_promises_what_it_brings() {
     let (model, parameters) = (Sums::new(4, 3, 7), parameters(3));
     let means = means(&model, &[2.0, -1.0, 0.5]);
     let mut runs = observed(&means, 0.1, 3);
-    runs[2].held_out = true;
-    runs[3].held_out = true;
+    runs[2].role = RunRole::HeldOut;
+    runs[3].role = RunRole::HeldOut;
     let first = solved(&model, &runs, &parameters);
     let problem = Problem::new(&model, &runs, &parameters).unwrap();
     let promised = rank(&first, &problem).unwrap();
     let best = promised.iter().find(|candidate| candidate.index >= 2).unwrap();
     let mut more = runs.clone();
-    more[best.index].held_out = false;
+    more[best.index].role = RunRole::Fitted;
     let then = solved(&model, &more, &parameters);
     let ratio = best.errors[best.parameter] / then.errors()[best.parameter];
     assert!((ratio - 1.0).abs() < 0.3, "{ratio}");

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::measured::{Pass, observed};
-use wingbeat_calibrate::{Calibration, Information, Linear, Problem, Progress, clean, solve};
+use wingbeat_calibrate::{Calibration, Information, Linear, Problem, Progress, RunRole, clean, solve};
 
 /// Seeds of the noise.
 const SEEDS: u64 = 30;
@@ -37,7 +37,7 @@ fn standard_errors_of_what_tilts_tell_are_those_of_many_seeds() {
     for seed in 0..SEEDS {
         let passes: Vec<Pass> =
             (0..spec.passes).map(|pass| made.pass(&targets[0], spec, 1 + seed, pass).unwrap()).collect();
-        let runs = [observed(&targets[0], &passes, false, true).unwrap()];
+        let runs = [observed(&targets[0], &passes, RunRole::Fitted, true).unwrap()];
         let watch = &mut |_: &Progress| ControlFlow::Continue(());
         let plan = calibration.plan();
         let solved = solve(&structure.model, &runs, &structure.parameters, &plan, &mut (), watch).unwrap();

@@ -146,7 +146,8 @@ pub struct Plan {
 ///
 /// Prints first which run and channel informs which number, and refuses what the runs cannot tell. The folder holds
 /// calibration.toml (as resolved), numbers.toml (the result, for `--set robot.numbers=FILE` of `fly`, `--set
-/// rig.robot.numbers=FILE` of `rig`), report.md, summary.json, information.csv, record.parquet (measured and predicted cycles
+/// rig.robot.numbers=FILE` of `rig`), residual.toml where runs with `residual = true` tell what the fitted model leaves of their loads (for
+/// `robot.residual`, beside the numbers), report.md, summary.json, information.csv, record.parquet (measured and predicted cycles
 /// with their bands), manifest.json and figures. An interrupted calibration goes on when the same command is given again.
 /// What the numbers mean: docs/calibration.md.
 #[derive(Debug, Args)]

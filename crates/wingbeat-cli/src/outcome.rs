@@ -122,5 +122,9 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ];
         rows.splice(past..past, shares);
     }
+    if let Some(beyond) = summary.beyond_residual_fraction {
+        let past = rows.iter().position(|row| row.0 == "strips past stall").map_or(rows.len(), |i| i + 1);
+        rows.insert(past, ("beyond robot.residual", None, share(beyond), "% of the time"));
+    }
     rows
 }

@@ -36,6 +36,8 @@ pub struct Overlay {
     pub after: Vec<f64>,
     /// Low and high end of the 95 % band.
     pub band: Vec<(f64, f64)>,
+    /// Predicted with the fit and the wrench that is learned of what it leaves.
+    pub with_residual: Option<Vec<f64>>,
 }
 
 /// Measured cycles of a run, before and after the fit, with the 95 % band.
@@ -52,11 +54,13 @@ pub fn overlay(channels: Vec<Overlay>) -> Figure {
                 (phase[k], low, high)
             });
             let bands = vec![band.collect()];
-            let curves = vec![
+            let with_residual = channel.with_residual.as_deref().map(closed);
+            let mut curves = vec![
                 Curve::new("before", &phase, closed(&channel.before), 1),
                 Curve::new("after", &phase, closed(&channel.after), 0).whole(),
                 Curve::reference("measured", &phase, closed(&channel.measured)),
             ];
+            curves.extend(with_residual.map(|values| Curve::new("with residual", &phase, values, 2)));
             Panel { bands, ..Panel::new(channel.title, curves) }
         })
         .collect();

@@ -6,9 +6,9 @@ use crate::{refused, wait};
 use pyo3::prelude::*;
 use wingbeat_calibrate::{Calibration, Files, words};
 
-/// What the runs tell, as text, the record of cycles, the numbers as TOML, the report and the summary as JSON; of the information alone
-/// only the first.
-type Fitted<'py> = (String, Option<(Vec<Named<'py>>, String, String, String)>);
+/// What the runs tell, as text; the record of cycles, numbers and learned wrench as TOML, the report and the summary as JSON: none of it
+/// of the information alone.
+type Fitted<'py> = (String, Option<(Vec<Named<'py>>, (String, String), String, String)>);
 
 /// Fits the numbers of a calibration file, or says what its runs tell of them.
 #[pyfunction]
@@ -26,10 +26,14 @@ pub fn calibrate<'py>(py: Python<'py>, document: &Document, information: bool) -
         let found = prepared.fit(&mut (), &mut |_| stop.flow())?;
         let record = found.record()?;
         let numbers = words::numbers(&found, &files, "Python package");
+        let residual = words::residual(&found, &files, "Python package").unwrap_or_default();
         let summary = serde_json::to_string(&found.summary(&files));
-        Ok::<_, wingbeat_calibrate::Failure>((told, Some((record, numbers, words::report(&found), summary))))
+        Ok::<_, wingbeat_calibrate::Failure>((
+            told,
+            Some((record, (numbers, residual), words::report(&found), summary)),
+        ))
     })?;
     let (told, found) = done.map_err(refused)?;
-    let Some((record, numbers, report, summary)) = found else { return Ok((told, None)) };
-    Ok((told, Some((columns(py, record), numbers, report, summary.map_err(refused)?))))
+    let Some((record, files, report, summary)) = found else { return Ok((told, None)) };
+    Ok((told, Some((columns(py, record), files, report, summary.map_err(refused)?))))
 }

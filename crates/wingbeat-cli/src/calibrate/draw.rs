@@ -1,7 +1,7 @@
 //! The figures of a calibration.
 
 use wingbeat::rig::cell::CHANNELS;
-use wingbeat_calibrate::{Found, FoundRun, Layout};
+use wingbeat_calibrate::{Found, FoundRun, Layout, PHASES, phase_of};
 use wingbeat_figures::calibration::{
     Overlay, ProfileCurve, Spectrum, correlations, information, overlay, profiles, residual_spectra,
 };
@@ -28,9 +28,9 @@ pub fn draw(folder: &RunFolder, found: &Found) -> Result<(), Error> {
     let rows =
         told_by.runs.iter().flat_map(|run| channels.iter().map(move |channel| format!("{run} {channel}")));
     told(write_figure(&figures, &information(rows.collect(), names, told_by.alone.clone())));
-    for run in &found.runs {
+    for (number, run) in found.runs.iter().enumerate() {
         let own = folder.folder(&format!("figures/{}", run.observed.name))?;
-        told(write_figure(&own, &overlay(overlays(run))));
+        told(write_figure(&own, &overlay(overlays(run, found.with_residual(number)))));
     }
     Ok(())
 }
@@ -41,7 +41,8 @@ fn title(channel: usize) -> String {
     format!("{name} [{unit}]")
 }
 
-fn overlays(run: &FoundRun) -> Vec<Overlay> {
+/// `with_residual` are numbers of the cycle with the learned wrench.
+fn overlays(run: &FoundRun, with_residual: Option<&[f64]>) -> Vec<Overlay> {
     let curves = run.curves();
     let channel = |channel: usize| {
         let of = |which: usize| curves.iter().map(|at| at[channel][which]).collect::<Vec<f64>>();
@@ -51,6 +52,9 @@ fn overlays(run: &FoundRun) -> Vec<Overlay> {
             before: of(1),
             after: of(2),
             band: of(3).into_iter().zip(of(4)).collect(),
+            with_residual: with_residual.map(|cycle| {
+                (0..PHASES).map(|k| run.observed.layout.value(cycle, channel, phase_of(k))).collect()
+            }),
         }
     };
     (0..run.observed.layout.channels).filter(|c| run.observed.is_measured(*c)).map(channel).collect()

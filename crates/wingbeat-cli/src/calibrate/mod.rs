@@ -126,6 +126,9 @@ fn watched(
 fn write(folder: &RunFolder, found: &Found, files: &Files) -> Result<(), Error> {
     folder.write_json("summary.json", &found.summary(files))?;
     folder.write("numbers.toml", &words::numbers(found, files, env!("WINGBEAT_COMMIT")))?;
+    if let Some(residual) = words::residual(found, files, env!("WINGBEAT_COMMIT")) {
+        folder.write("residual.toml", &residual)?;
+    }
     folder.write("report.md", &words::report(found))?;
     folder.write("information.csv", &words::information_csv(found))?;
     write_parquet(&folder.file("record.parquet"), &found.record().map_err(Failure::from)?)?;

@@ -27,6 +27,9 @@ pub struct Key {
     pub default: String,
 }
 
+/// What may stand in a file of its own and is part of a robot: no kind of document.
+const PART: &str = "/ResidualSpec";
+
 /// The keys of a kind of document.
 pub fn keys(kind: DocumentKind) -> Vec<Key> {
     let schema = kind.schema();
@@ -97,7 +100,8 @@ impl<'a> Walk<'a> {
         for choice in list(value, "oneOf") {
             self.table(self.resolved(choice), path, choice["description"].as_str());
         }
-        if !is_file(value) {
+        let is_part = |choice: &Value| choice["$ref"].as_str().is_some_and(|name| name.ends_with(PART));
+        if !is_file(value) || list(value, "anyOf").iter().any(is_part) {
             let tables = list(value, "anyOf").iter().map(|choice| self.resolved(choice));
             let tables: Vec<&Value> = tables.filter(|table| table["properties"].is_object()).collect();
             tables.into_iter().for_each(|table| self.table(table, path, None));

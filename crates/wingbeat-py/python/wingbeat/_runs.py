@@ -140,6 +140,8 @@ class Calibrated:
     """The report as the program prints it."""
     numbers: str = field(repr=False)
     """The fitted numbers as TOML: write it to a file that ``robot.numbers`` names."""
+    residual: str = field(default="", repr=False)
+    """The wrench learned of runs with ``residual = true`` as TOML, for a file that ``robot.residual`` names; empty without such runs."""
 
     @property
     def values(self) -> dict[str, float]:
@@ -304,8 +306,8 @@ def calibrate(
     told, found = _wingbeat.calibrate(made, information)
     if found is None:
         return Calibrated(None, {}, told, "", "")
-    record, numbers, report, summary = found
-    return Calibrated(Record(record), json.loads(summary), told, report, numbers)
+    record, (numbers, residual), report, summary = found
+    return Calibrated(Record(record), json.loads(summary), told, report, numbers, residual)
 
 
 def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[Bench]:

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use wingbeat_calibrate::{
     Error as Fault, Information, Label, Layout, Linear, Model, Observed, Parameter, Plan, Problem, Progress,
-    correlations, solve,
+    RunRole, correlations, solve,
 };
 
 /// Lift of a section in the quasi-steady theory of thin plates, L = rho/2 a0 U^2 c angle: density and slope enter by their
@@ -47,7 +47,7 @@ fn refusal() -> Result<Option<String>, Error> {
         left_out: 0,
         oddities: Vec::new(),
         frequency_hz: 3.5,
-        held_out: false,
+        role: RunRole::Fitted,
         unmeasured: Vec::new(),
         common: Default::default(),
     };

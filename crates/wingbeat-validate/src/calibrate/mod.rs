@@ -1,9 +1,9 @@
 //! Calibration: exact slopes, recovery of a truth, what cannot be told, a model that is wrong, the next run.
 
 mod degenerate;
+mod fitted;
 mod flight;
 mod gradient;
-mod learned;
 mod next_run;
 pub(crate) mod planned;
 mod recovers;
@@ -17,7 +17,7 @@ use std::path::Path;
 use crate::{Case, Error};
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::measured::{Pass, observed};
-use wingbeat_calibrate::{Calibration, Clean, Observed, RigTarget, Structure, clean};
+use wingbeat_calibrate::{Calibration, Clean, Observed, RigTarget, RunRole, Structure, clean};
 
 /// The comparisons that take seconds.
 pub const CASES: &[Case] = &[
@@ -75,7 +75,7 @@ fn measured(
         let own = seed.wrapping_mul(7919).wrapping_add(1000 * k as u64);
         let passes = (0..spec.passes).map(|pass| clean[k].pass(&targets[k], spec, own, pass));
         let passes = passes.collect::<Result<Vec<Pass>, _>>()?;
-        observed(&targets[k], &passes, calibration.spec.runs[k].held_out, calibration.spec.robust)
+        observed(&targets[k], &passes, RunRole::of(&calibration.spec.runs[k]), calibration.spec.robust)
     };
     let indices: Vec<usize> = (0..targets.len()).collect();
     let all: Result<Vec<Observed>, wingbeat_calibrate::Error> =

@@ -5,7 +5,7 @@ use crate::{Error, Row};
 use std::ops::ControlFlow;
 use wingbeat::math::Random;
 use wingbeat_calibrate::design::largest;
-use wingbeat_calibrate::{NextRun, Observed, Plan, Progress, solve};
+use wingbeat_calibrate::{NextRun, Observed, Plan, Progress, RunRole, solve};
 
 /// Random runs that the designed one is held against.
 const RANDOM: usize = 20;
@@ -79,7 +79,10 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let (own, targets) = (structure(&bringing)?, truth(&bringing)?);
     let all = measured(&bringing, &targets, &all_clean(&targets)?, 3)?;
     let found = |k: usize| -> Result<f64, Error> {
-        let held = |(i, run): (usize, &Observed)| Observed { held_out: i > 1 && i != k, ..run.clone() };
+        let held = |(i, run): (usize, &Observed)| Observed {
+            role: if i > 1 && i != k { RunRole::HeldOut } else { RunRole::Fitted },
+            ..run.clone()
+        };
         let runs: Vec<Observed> = all.iter().enumerate().map(held).collect();
         let watch = &mut |_: &Progress| ControlFlow::Continue(());
         let solved = solve(&own.model, &runs, &own.parameters, &plan, &mut (), watch).map_err(no_answer)?;

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use wingbeat::aero::SurfaceNumbers;
 use wingbeat_calibrate::{
     Error as Fault, Information, Layout, Linear, Model, Observed, Parameter, Plan, Problem, Progress,
-    solve_problem,
+    RunRole, solve_problem,
 };
 
 /// One number a point: its mean thrust coefficient.
@@ -79,7 +79,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         left_out: 0,
         oddities: Vec::new(),
         frequency_hz: 5.0,
-        held_out: false,
+        role: RunRole::Fitted,
         unmeasured: Vec::new(),
         common: Default::default(),
     };

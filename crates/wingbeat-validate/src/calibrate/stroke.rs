@@ -1,14 +1,13 @@
 //! One stroke of a turn that carries its weight, flown by the truth and followed by a model.
 
-use super::flight::{TRUTH, aero, set};
-use super::learned::Learned;
+use super::fitted::{TRUTH, aero, set, with_residual};
 use super::no_answer;
 use crate::Error;
 use std::ops::ControlFlow;
 use std::path::Path;
-use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace, Wrench};
+use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace};
 use wingbeat::plant::Plant;
-use wingbeat::robot::BodyMotion;
+use wingbeat::robot::{BodyMotion, ResidualSpec};
 use wingbeat::scenario::Scenario;
 use wingbeat::simulate::Record;
 
@@ -20,11 +19,16 @@ const BEFORE: usize = 3;
 const STEPS: usize = 600;
 
 /// The turn at 15 deg of bank of the robot with the Beta's masses, which carries its weight under the truth.
-fn turn(structure: [&str; 2], numbers: &[(String, f64)]) -> Result<Scenario, Error> {
+fn turn(
+    structure: [&str; 2],
+    numbers: &[(String, f64)],
+    residual: Option<&ResidualSpec>,
+) -> Result<Scenario, Error> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/bank15_beta_lev.toml");
     let mut overrides = vec!["flight.duration_s=4.0".to_owned(), format!("flight.record_every_s={RECORD}")];
     overrides.extend(aero(structure));
-    overrides.extend(set("robot.numbers", numbers));
+    overrides.extend(set(numbers));
+    overrides.extend(residual.map(with_residual).transpose()?);
     Scenario::load(&file, &overrides).map_err(no_answer)
 }
 
@@ -78,19 +82,14 @@ pub(super) struct Turn {
 impl Turn {
     /// Flies it.
     pub fn new() -> Result<Self, Error> {
-        let truth = turn(TRUTH, &[])?;
+        let truth = turn(TRUTH, &[], None)?;
         let cycle = 1.0 / truth.robot().frequency_hz();
         Ok(Self { record: truth.fly(|_| ControlFlow::Continue(())).map_err(no_answer)?.record, cycle })
     }
 
-    /// Frequency of the gait, Hz.
-    pub fn frequency_hz(&self) -> f64 {
-        1.0 / self.cycle
-    }
-
     /// Angle, rad, and velocity, m/s, by which a model is off the truth after the stroke that begins at `begin`.
     ///
-    /// `learned` acts on the body beside the model. Body and structure begin as the truth's. The model's air, which has other states
+    /// `residual` acts on the body beside the model. Body and structure begin as the truth's. The model's air, which has other states
     /// than the truth's, is what follows when the model is carried along the recorded motion for some strokes before. The crank is
     /// taken to run evenly: this turn does not command it.
     pub fn off(
@@ -98,9 +97,9 @@ impl Turn {
         begin: f64,
         structure: [&str; 2],
         numbers: &[(String, f64)],
-        learned: Option<&Learned>,
+        residual: Option<&ResidualSpec>,
     ) -> Result<[f64; 2], Error> {
-        let scenario = turn(structure, numbers)?;
+        let scenario = turn(structure, numbers, residual)?;
         let (robot, record) = (scenario.robot(), &self.record);
         let l = robot.layout();
         let inputs = |t: f64| -> Result<Vec<f64>, Error> {
@@ -129,16 +128,8 @@ impl Turn {
         x.extend(&carried[l.aero - l.structure..]);
         let mut work = Workspace::new(x.len(), RK4.b.len());
         for k in 0..STEPS {
-            let rates = |t: f64, x: &[f64], dx: &mut [f64]| {
-                let beyond = learned.map_or(Vec::new(), |learned| {
-                    let attitude = Quat::from_wxyz(&x[l.attitude..]).matrix();
-                    let velocity = attitude.transpose_mul(Vec3::from_slice(&x[l.velocity..]));
-                    let mut beyond = vec![Wrench::ZERO; robot.bearers()];
-                    beyond[robot.bearers() - 1] = learned.wrench(robot.phase(t), velocity);
-                    beyond
-                });
-                robot.rates_beyond(t, x, &inputs(t)?, &beyond, dx).map_err(no_answer)
-            };
+            let rates =
+                |t: f64, x: &[f64], dx: &mut [f64]| robot.rates(t, x, &inputs(t)?, dx).map_err(no_answer);
             RK4.step(rates, begin + k as f64 * h, h, &mut x, &mut work)?;
         }
         let truth = body(record, begin + self.cycle)?;

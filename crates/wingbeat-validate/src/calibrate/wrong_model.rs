@@ -5,7 +5,8 @@ use crate::{Error, Row};
 use std::ops::ControlFlow;
 use wingbeat::math::Random;
 use wingbeat_calibrate::{
-    Layout, Model, NORMAL_95, Observed, PHASES, Plan, Progress, Solved, channel_name, phase_of, rms, solve,
+    Layout, Model, NORMAL_95, Observed, PHASES, Plan, Progress, RunRole, Solved, channel_name, phase_of, rms,
+    solve,
 };
 
 /// Draws of the starts.
@@ -95,7 +96,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
     let calibration = shipped("seven_runs.toml", &["structures=[]", "starts=1"])?;
     let (mut own, targets) = (structure(&calibration)?, truth(&calibration)?);
     let runs = measured(&calibration, &targets, &all_clean(&targets)?, 1)?;
-    let held: Vec<usize> = (0..runs.len()).filter(|run| runs[*run].held_out).collect();
+    let held: Vec<usize> = (0..runs.len()).filter(|run| runs[*run].role == RunRole::HeldOut).collect();
     let nominal = own.parameters.clone();
     let plan = Plan { starts: 1, spread: 0.0, seed: 0, discrepancy: true };
     let channels = runs[0].layout.channels;

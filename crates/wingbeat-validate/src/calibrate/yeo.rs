@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use wingbeat::aero::SurfaceNumbers;
 use wingbeat_calibrate::{
-    Error as Fault, Layout, Model, Observed, Parameter, Plan, Problem, Progress, solve_problem,
+    Error as Fault, Layout, Model, Observed, Parameter, Plan, Problem, Progress, RunRole, solve_problem,
 };
 
 /// Three strips of taps, six harmonics: the digitised series hold no more.
@@ -90,7 +90,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         left_out: 0,
         oddities: Vec::new(),
         frequency_hz: 3.3,
-        held_out: false,
+        role: RunRole::Fitted,
         unmeasured: Vec::new(),
         common: Default::default(),
     };

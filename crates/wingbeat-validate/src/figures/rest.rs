@@ -126,22 +126,16 @@ pub fn replay() -> Result<Figure, Error> {
     Ok(grid("replay", charts, 1, HALF))
 }
 
-/// Where the banking turn of the truth ends, planned by models of two structures.
+/// Where turns of the truth end, planned by other models.
 pub fn planned() -> Result<Figure, Error> {
     let panel = |plans: &Plans| {
         let [own, fitted, before] = plans.ends();
         let series = vec![
-            Series::new("20 draws +-20 %", before, Look::Crosses, 0),
-            Series::new("air of the seven runs", fitted, Look::Circles, 1),
+            Series::new("draws +-20 %", before, Look::Crosses, 0),
+            Series::new("as calibrated", fitted, Look::Circles, 1),
             Series::reference("planned by the truth", own),
         ];
-        let [preset, law] = plans.structure;
-        chart(
-            format!("planned by {preset}, {law}"),
-            Axis::new("forward [m]"),
-            Axis::new("to the left [m]"),
-            series,
-        )
+        chart(plans.title(), Axis::new("forward [m]"), Axis::new("to the left [m]"), series)
     };
     Ok(grid("planned", plans()?.iter().map(panel).collect(), 2, HALF))
 }

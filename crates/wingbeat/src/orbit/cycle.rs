@@ -272,7 +272,10 @@ impl<'a> Cycle<'a> {
     /// Name, unit and range of what is free.
     pub(super) fn described(&self, free: &Free) -> (String, &'static str, [f64; 2]) {
         match free {
-            Free::Frequency => ("frequency".into(), "Hz", [0.2, 100.0]),
+            Free::Frequency => {
+                let range = self.robot.residual_frequencies().unwrap_or([0.2, 100.0]);
+                ("frequency".into(), "Hz", range)
+            }
             Free::Inputs(direction) => {
                 let channel = &self.robot.inputs()[direction[0].0];
                 (channel.name.clone(), channel.unit, [channel.low, channel.high])

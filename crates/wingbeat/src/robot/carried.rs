@@ -40,7 +40,7 @@ impl<S: Scalar> BodyMotion<S> {
 pub struct CarriedLoads<S: Scalar = f64> {
     /// Aerodynamic loads of the surfaces by source.
     pub air: StripLoads<S>,
-    /// Drag of the body.
+    /// Drag of the body with what `robot.residual` says.
     pub body_drag: Wrench<S>,
     /// Weight.
     pub gravity: Wrench<S>,
@@ -150,19 +150,22 @@ impl<P: Scalar> Robot<P> {
         moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
         let mut carriers = Carriers::none(&still);
         carriers.follow(&base, &self.carriers, &moving, wind_dot);
-        let (x, dx) = (&x[structure..], &mut dx[structure..]);
+        let (structure_state, x) = x.split_at(structure);
+        let dx = &mut dx[structure..];
         let mut loads = Loads::default();
         let mut external = self.air_loads(&carriers, wind, x, dx, &mut loads);
         external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += of_numbers(beyond));
         seen(&carriers, &loads);
-        let body_drag = self.body_drag(v - wind);
+        let body_drag = self.body_load(clock, (structure_state, u), (v - wind, body.rate));
         Ok(CarriedLoads {
             air: loads.by_source(),
             body_drag,
             gravity: self.mechanism.tree.gravity(gravity, &links),
             inertia: self.momentum_reaction(body.rate, &links, imposed),
             torques: self.joint_torques(&links, imposed, &external, gravity),
-            air_power: air_power(&base, &links, &external) + body_drag.force.dot(v),
+            air_power: air_power(&base, &links, &external)
+                + body_drag.force.dot(v)
+                + body_drag.moment.dot(body.rate),
             stalled: self.stalled(&loads),
             center_of_mass: self.mechanism.tree.center_of_mass(&links),
             joints,

@@ -186,7 +186,8 @@ impl<P: Scalar> Robot<P> {
         let tree = &self.mechanism.tree;
         let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(w, links);
         let g_b = self.gravity(attitude);
-        let mut body = tree.weight(g_b, first_moment) + self.body_drag(v - wind) + -bias;
+        let mut body =
+            tree.weight(g_b, first_moment) + self.body_load(clock, (structure, u), (v - wind, w)) + -bias;
         if !self.thrusters.is_empty() {
             body += self.thrust(structure);
         }

@@ -17,6 +17,7 @@ mod numbers;
 mod observe;
 mod placement;
 mod regulators;
+mod residual;
 mod sections;
 mod skeleton;
 mod spec;
@@ -30,13 +31,14 @@ pub use mirror::Mirror;
 pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying, bounds};
 pub use observe::Observation;
 pub use placement::{PanelNumbers, PlacementNumbers};
+pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
 #[cfg(feature = "schema")]
 pub(crate) use spec::file_or_numbers;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
-    JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, RobotSpec, StopSpec,
-    StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
+    JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, ResidualSpec,
+    RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 pub(crate) use spec::{check_number, is_of_rig};
 pub use stance::Stance;
@@ -52,6 +54,7 @@ use arrayvec::ArrayVec;
 use clearance::Clearances;
 use joints::{CRANK, Displaced, Placed};
 use mechanism::Mechanism;
+use std::sync::Arc;
 use surface::Covering;
 
 /// Largest number of structure elements.
@@ -108,6 +111,8 @@ pub struct Robot<P: Scalar = f64> {
     /// Of the air that the body's drag takes, kg/m3.
     density: P,
     wind: Wind<P>,
+    /// What the models of the air leave of measured loads.
+    residual: Option<Arc<Residual>>,
     layout: Layout,
     states: Vec<Channel>,
     inputs: Vec<Channel>,
@@ -149,8 +154,10 @@ impl Robot {
         let air_states = covering.aero.states();
         let layout = Layout::new(elements.len(), mechanism.coordinates.len(), motor.is_some(), air_states);
         let response = spec.structure.build().map_err(|e| e.within("structure"))?;
+        let residual =
+            spec.residual.as_ref().map(Residual::new).transpose().map_err(|e| e.within("residual"))?;
         let inputs = regulators::channels(&spec.structure, &elements).map_err(|e| e.within("structure"))?;
-        Ok(Self {
+        let robot = Self {
             phase_rate: joints::phase_rate(&spec.gait),
             phase_start,
             motor,
@@ -160,6 +167,7 @@ impl Robot {
             drag_area: Vec3(spec.body.drag_area_m2),
             density: air.density,
             wind: air.wind,
+            residual: residual.map(Arc::new),
             layout,
             states: layout.channels(&elements, &mechanism, &covering.aero),
             inputs,
@@ -168,7 +176,9 @@ impl Robot {
             covering,
             clearances: Clearances::new(spec, &mechanism)?,
             mechanism,
-        })
+        };
+        spec.residual.iter().try_for_each(|residual| robot.check_residual(residual))?;
+        Ok(robot)
     }
 
     /// Where each part of the state lies.

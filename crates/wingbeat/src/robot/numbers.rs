@@ -265,6 +265,7 @@ impl Robot {
             drag_area: numbers.drag_area,
             density: numbers.density,
             wind: self.wind.map(P::from),
+            residual: self.residual.clone(),
             layout: self.layout,
             states: self.states.clone(),
             inputs: self.inputs.clone(),

@@ -37,8 +37,10 @@ pub struct Observation {
     pub dissipation: f64,
     /// Aerodynamic loads summed over the strips of all surfaces, by source, in B about the body origin.
     pub air: StripLoads<f64>,
-    /// Drag of the body, in B.
+    /// Drag of the body with what `robot.residual` says, in B.
     pub body_drag: Wrench<f64>,
+    /// Whether the wings are beyond the velocities at which `robot.residual` was measured; none without one.
+    pub beyond_residual: Option<bool>,
     /// Wrench of the thrusters, in B.
     pub thrust: Wrench<f64>,
     /// Gravity, in B.
@@ -115,7 +117,9 @@ impl Robot {
         let mut strips = Loads::default();
         let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
         external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += *beyond);
-        let body_drag = self.body_drag(e.base.velocity - wind);
+        let structure = &x[self.layout.structure..];
+        let body_drag =
+            self.body_load(&Jet::new(t, 1.0, 0.0), (structure, u), (e.base.velocity - wind, e.base.rate));
         let g = self.gravity(e.attitude);
         let torques = self.joint_torques(&links, body, &external, g);
         let tree = &self.mechanism.tree;
@@ -125,7 +129,6 @@ impl Robot {
                 (spring, joints[joint], self.rest_displaced(c, &x[self.layout.structure..]))
             })
         };
-        let structure = &x[self.layout.structure..];
         let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
         self.response.displacements(structure, u, &mut displacements);
         let phase = self.phase_of(&Jet::new(t, 1.0, 0.0), structure, &displacements);
@@ -144,13 +147,15 @@ impl Robot {
                 + tree.potential_energy(g, &links, datum)
                 + springs().map(|(spring, joint, y)| spring.energy(joint.x, y)).sum::<f64>(),
             air_power: super::carried::air_power(&base, &links, &external)
-                + body_drag.force.dot(e.base.velocity),
+                + body_drag.force.dot(e.base.velocity)
+                + body_drag.moment.dot(e.base.rate),
             dissipation: springs().map(|(spring, joint, _)| spring.dissipation(joint.d)).sum(),
             inertia: self.momentum_reaction(e.base.rate, &links, body),
             joints: joints.iter().map(|j| j.x).collect(),
             torques: torques.to_vec(),
             air: strips.by_source(),
             body_drag,
+            beyond_residual: self.beyond_residual([e.base.velocity - wind, e.base.rate], phase.d),
             thrust: self.thrust(structure),
             gravity: tree.gravity(g, &links),
             strips,

@@ -3,7 +3,7 @@
 use super::RunName;
 use crate::Error;
 use crate::range::{Range, ranges};
-use crate::robot::bounds;
+use crate::robot::{MOST_HARMONICS, bounds};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -116,7 +116,7 @@ impl DesignSpec {
                 set.push(format!("{key}={value}"));
             }
             let (run, name) = (self.run.clone(), Some(words.join(" ")));
-            CalibratedRunSpec { run, name, set, data: Vec::new(), held_out: false }
+            CalibratedRunSpec { run, name, set, data: Vec::new(), held_out: false, residual: false }
         };
         (0..self.count()).map(one).collect()
     }
@@ -170,6 +170,10 @@ pub struct CalibratedRunSpec {
     /// True for a run that is only predicted.
     #[serde(default)]
     pub held_out: bool,
+    /// True for a run that is not fitted, and of which is learned what the fitted model leaves of its loads: residual.toml, for
+    /// `robot.residual`. Such runs beat at one frequency, each at one velocity against the air.
+    #[serde(default)]
+    pub residual: bool,
 }
 
 /// A case of a tethered wing in a calibration.
@@ -246,7 +250,7 @@ pub struct TruthSpec {
 }
 
 ranges!(CalibrationSpec {
-    harmonics: Range::between(1.0, 40.0),
+    harmonics: Range::between(1.0, MOST_HARMONICS as f64),
     steps_per_cycle: Range::between(32.0, 4000.0),
     starts: Range::between(1.0, 100.0),
     start_spread: Range::between(0.0, 1.0),
@@ -302,7 +306,15 @@ impl CalibrationSpec {
         self.run_name()?;
         self.in_range()?;
         self.truth.as_ref().map_or(Ok(()), |truth| truth.in_range().map_err(|e| e.within("truth")))?;
-        let held = self.runs.iter().map(|run| run.held_out);
+        if let Some(k) = self.runs.iter().position(|run| run.held_out && run.residual) {
+            let allowed = "not beside residual = true: a run is predicted alone or learned from";
+            return Err(Error::invalid(format!("runs[{k}].held_out"), true, allowed));
+        }
+        if let Some(k) = self.candidates.iter().position(|run| run.residual) {
+            let allowed = "no residual = true among candidates: a next run is one that is fitted";
+            return Err(Error::invalid(format!("candidates[{k}].residual"), true, allowed));
+        }
+        let held = self.runs.iter().map(|run| run.held_out || run.residual);
         if held.chain(self.cases.iter().map(|case| case.held_out)).all(|held| held) {
             let given = format!("{} runs and {} cases", self.runs.len(), self.cases.len());
             return Err(Error::invalid("runs", given, "a run or a case that is fitted"));

@@ -34,11 +34,13 @@ pub struct Mismatch {
     pub profile_drag: f64,
     /// Factor on their drag broadside to the wind, cd90.
     pub broadside_drag: f64,
-    /// Aerodynamics of the flown robot, in place of `aero`: another preset, law or grid. What the controller is not told of the air
+    /// Aerodynamics of the flown robot, in place of `aero`: another preset, law or grid. `robot.residual` belongs to `aero` and is left
+    /// out. What the controller is not told of the air
     /// that it knows follows its own model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aero: Option<AeroSpec>,
     /// Numbers of the flown robot by name, in place of `robot.numbers`; an empty table for those of the robot's file.
+    /// `robot.residual` belongs to `robot.numbers` and is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub numbers: Option<BTreeMap<String, f64>>,
 }
@@ -116,6 +118,9 @@ impl Mismatch {
         let mut real = robot.clone();
         if let Some(numbers) = &self.numbers {
             real.numbers.clone_from(numbers);
+        }
+        if self.aero.is_some() || self.numbers.is_some() {
+            real.residual = None;
         }
         real.scale_inertias(self.mass, self.inertia);
         real.scale_gait(self.gait_amplitude);

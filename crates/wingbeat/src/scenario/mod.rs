@@ -67,6 +67,8 @@ pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_sti
 pub use rig_truth::RigTruthSpec;
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;
+#[cfg(feature = "schema")]
+pub(crate) use schema::file_or;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
@@ -101,7 +103,7 @@ use std::path::Path;
 use step_error::StepError;
 
 /// Keys of a scenario that name a file to be put in their place.
-const INCLUDES: [&str; 2] = ["robot", "robot.numbers"];
+const INCLUDES: [&str; 3] = ["robot", "robot.numbers", "robot.residual"];
 /// What an override may change of a case of which numbers are published: it flies as before.
 const BESIDE_THE_CASE: [&str; 4] = ["name", "paper", "flight.record_every_s", "flight.record_strips_every_s"];
 
@@ -427,6 +429,7 @@ impl Scenario {
             stall_fraction: recorded.stall_fraction,
             separated_fraction: recorded.separated_fraction,
             suction_lost_fraction: recorded.suction_lost_fraction,
+            beyond_residual_fraction: recorded.beyond_residual_fraction,
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
         };

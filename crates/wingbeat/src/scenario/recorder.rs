@@ -37,6 +37,8 @@ pub struct Recorded {
     /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
+    /// Share of the samples beyond the velocities of `robot.residual`; none without one.
+    pub beyond_residual_fraction: Option<f64>,
 }
 
 /// Samples of a flight as they become a [`Record`].
@@ -48,6 +50,8 @@ pub struct Recorder<'a> {
     incidence: Vec<f64>,
     /// Sums of separated and suction_lost over the same strips.
     shares: [f64; 2],
+    /// Samples beyond the velocities of `robot.residual`, and all of those that tell.
+    beyond: [f64; 2],
     strips: Option<Strips>,
 }
 
@@ -86,6 +90,7 @@ impl<'a> Recorder<'a> {
             row: Vec::with_capacity(width),
             incidence: Vec::new(),
             shares: [0.0; 2],
+            beyond: [0.0; 2],
             strips: samples_per_strips.map(strips),
         })
     }
@@ -125,6 +130,10 @@ impl<'a> Recorder<'a> {
         for (sum, column) in self.shares.iter_mut().zip(columns) {
             *sum += column[..o.strips.strips].iter().sum::<f64>();
         }
+        if let Some(beyond) = o.beyond_residual {
+            self.beyond[0] += f64::from(u8::from(beyond));
+            self.beyond[1] += 1.0;
+        }
         if let Some(strips) = &mut self.strips {
             if strips.due == 0 {
                 let instant = [t, o.phase];
@@ -154,6 +163,7 @@ impl<'a> Recorder<'a> {
         Recorded {
             separated_fraction,
             suction_lost_fraction,
+            beyond_residual_fraction: (self.beyond[1] > 0.0).then(|| self.beyond[0] / self.beyond[1]),
             record: self.record,
             strips: self.strips.map(|strips| strips.recorder.finish()),
             stall_fraction,

@@ -12,9 +12,6 @@ use crate::rig::{Deviations, Experiment, Outcome, Pose, RigNumbers};
 use crate::robot::Robot;
 use std::path::Path;
 
-/// Keys of a run that name a file to be put in their place, outer ones first.
-const INCLUDES: [&str; 4] = ["rig", "rig.robot", "rig.robot.numbers", "rig.arm"];
-
 /// A checked run.
 #[derive(Debug)]
 pub struct RigRun {
@@ -40,6 +37,9 @@ pub struct RigRun {
 }
 
 impl RigRun {
+    /// Keys of a run that name a file to be put in their place, outer ones first.
+    pub const FILES: [&str; 5] = ["rig", "rig.robot", "rig.robot.numbers", "rig.robot.residual", "rig.arm"];
+
     /// Reads, merges and checks a run; `overrides` are `key=value`.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl RigRun {
     /// # Errors
     /// Messages with the place, the key, the value given and what is allowed.
     pub fn new(document: Document, translate: Translate) -> Result<Self, ConfigError> {
-        let document = document.merged(&INCLUDES, translate)?;
+        let document = document.merged(&RigRun::FILES, translate)?;
         let spec: RigRunSpec = document.parse()?;
         let resolved = document.resolved()?;
         Self::build(spec, resolved, document.clone()).map_err(|error| document.explain(&error))

@@ -305,6 +305,9 @@ impl RigRunSpec {
     /// The robot in the rig's air, with this run's wind and frequency.
     pub(super) fn robot(&self) -> Result<Robot, Error> {
         let mut robot = self.rig.robot.clone();
+        if self.lattice.is_some() {
+            robot.residual = None;
+        }
         match self.frequency_hz {
             Some(f) if f > 0.0 => robot.gait.set_frequency_hz(f),
             _ => {}

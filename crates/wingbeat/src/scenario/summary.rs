@@ -96,6 +96,10 @@ pub struct Summary {
     pub separated_fraction: f64,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
     pub suction_lost_fraction: f64,
+    /// Share of the samples in which the wings are beyond the velocities at which `robot.residual` was measured, where its wrench stays as
+    /// it is at their ends. Missing without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_residual_fraction: Option<f64>,
     /// Share of input samples within 1 % of their range of a limit.
     pub input_saturation_fraction: f64,
     /// Least of all clearances over the records of the whole flight, m; negative where parts pass through each
@@ -246,6 +250,7 @@ pub(super) struct Context<'a> {
     pub stall_fraction: f64,
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
+    pub beyond_residual_fraction: Option<f64>,
     /// Time between updates of the controller, s.
     pub period_s: Option<f64>,
     /// Estimate of the error of the steps, m.
@@ -314,6 +319,7 @@ impl Summary {
             stall_fraction: context.stall_fraction,
             separated_fraction: context.separated_fraction,
             suction_lost_fraction: context.suction_lost_fraction,
+            beyond_residual_fraction: context.beyond_residual_fraction,
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),

@@ -75,8 +75,10 @@ impl Sweep {
     /// Messages with the place, the key, the value given and what is allowed.
     pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
         // What is run is read here, once: all runs are of the same, and the sweep holds it.
-        let document = document
-            .merged(&["scenario", "scenario.robot", "scenario.robot.numbers", "case"], &|_, _| None)?;
+        let document = document.merged(
+            &["scenario", "scenario.robot", "scenario.robot.numbers", "scenario.robot.residual", "case"],
+            &|_, _| None,
+        )?;
         let spec: SweepSpec = document.parse()?;
         let resolved = document.resolved()?;
         let of = spec.check().map_err(|error| document.explain(&error))?;

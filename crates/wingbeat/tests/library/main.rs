@@ -18,6 +18,7 @@ mod multibody;
 mod orbit;
 mod power;
 mod refusals;
+mod residual;
 mod rig;
 mod robot;
 mod side_by_side;

@@ -4,6 +4,7 @@ mod clearance;
 mod drive;
 mod gait;
 mod link;
+mod residual;
 mod structure;
 mod surface;
 mod thruster;
@@ -13,6 +14,7 @@ pub use clearance::{CapsuleSpec, ClearanceSpec};
 pub use drive::{DriveSpec, MotorSpec};
 pub use gait::GaitSpec;
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
+pub use residual::ResidualSpec;
 pub use structure::{ElementSpec, RegulatorSpec, StructureSpec};
 pub use surface::{PanelSpec, SurfaceSpec};
 pub use thruster::ThrusterSpec;
@@ -63,6 +65,11 @@ pub struct RobotSpec {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[cfg_attr(feature = "schema", schemars(schema_with = "file_or_numbers"))]
     pub numbers: BTreeMap<String, f64>,
+    /// A wrench that acts on the body beside the loads of the surfaces: what their model leaves of measured loads; or a file of it, as
+    /// `wingbeat calibrate` writes it. A `[lattice]` flies without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "crate::scenario::file_or::<ResidualSpec>"))]
+    pub residual: Option<ResidualSpec>,
 }
 
 /// Central body; lengths from the body origin in FLU axes.
@@ -146,6 +153,9 @@ impl RobotSpec {
         self.drive.build().map_err(|e| e.within("drive"))?;
         self.structure.check().map_err(|e| e.within("structure"))?;
         self.check_thrusters()?;
+        if let Some(residual) = &self.residual {
+            residual.check().map_err(|e| e.within("residual"))?;
+        }
         self.numbers.iter().try_for_each(|(name, value)| check_number(name, *value))
     }
 

@@ -107,6 +107,13 @@ impl Scenario {
         if start.roll_deg != 0.0 {
             return Err(Error::invalid("start.roll_deg", start.roll_deg, "0: both wings move alike"));
         }
+        let [low, high] = spec.frequency_hz;
+        if let Some([least, most]) = self.model.residual_frequencies().filter(|[l, m]| low < *l || high > *m)
+        {
+            let allowed = format!("{least:.4} to {most:.4}, where robot.residual was measured");
+            return Err(Error::invalid("plan.least_power.frequency_hz", format!("[{low}, {high}]"), allowed)
+                .against(["robot.residual.frequency_hz"]));
+        }
         let (pitch, yaw) = (start.pitch_deg.to_radians(), start.yaw_deg.to_radians());
         let stand = Stand::new(&self.model, Vec3(start.velocity_m_s), yaw)?;
         let problem = LeastPower::new(stand, pitch, spec).map_err(|e| e.within("plan.least_power"))?;
@@ -146,7 +153,8 @@ impl Scenario {
         Ok(Planned { record, summary: PlanSummary::LeastPower(Box::new(summary)), files })
     }
 
-    /// The commands on the same robot under the other preset; none where that cannot be built or evaluated.
+    /// The commands on the same robot under the other preset; none where that cannot be built or evaluated, or
+    /// where a wrench belongs to the model.
     fn replay_other(
         &self,
         flapping: Flapping,
@@ -154,6 +162,9 @@ impl Scenario {
         storage: f64,
     ) -> Option<OtherReplay> {
         let preset = if self.spec.aero.preset == Preset::Full { Preset::Paper } else { Preset::Full };
+        if self.spec.robot.residual.is_some() {
+            return None;
+        }
         let document = self.document.clone().set(format!("aero.preset=\"{}\"", preset.name()));
         let other = Scenario::new(document).ok()?;
         let start = &self.spec.start;
