@@ -31,7 +31,7 @@ pub use segment::segment_distance;
 pub use space::{Mat3, Quat, Vec3};
 pub use spline::CubicSpline;
 pub(crate) use tape::Tape;
-pub use wrench::Wrench;
+pub use wrench::{CHANNELS, Wrench};
 
 /// Standard gravity, m/s2 (CGPM 1901).
 pub const GRAVITY: f64 = 9.80665;

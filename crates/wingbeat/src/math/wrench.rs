@@ -3,6 +3,10 @@
 use super::{Over, Scalar, Vec3};
 use std::ops::{Add, AddAssign, Neg};
 
+/// Names of the six channels of a wrench, forces then moments, with units.
+pub const CHANNELS: [(&str, &str); 6] =
+    [("Fx", "N"), ("Fy", "N"), ("Fz", "N"), ("Tx", "N m"), ("Ty", "N m"), ("Tz", "N m")];
+
 /// Force (N) and moment about the body origin (N m), resolved in the body frame B.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench<S: Scalar> {

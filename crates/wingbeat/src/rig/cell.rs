@@ -5,9 +5,7 @@ use crate::math::{Random, Vec3, Wrench};
 use crate::range::{Range, ranges};
 use serde::{Deserialize, Serialize};
 
-/// Names of the six channels, with units.
-pub const CHANNELS: [(&str, &str); 6] =
-    [("Fx", "N"), ("Fy", "N"), ("Fz", "N"), ("Tx", "N m"), ("Ty", "N m"), ("Tz", "N m")];
+pub use crate::math::CHANNELS;
 
 /// Calibrations of the Nano17 (ATI Industrial Automation, Nano17 data sheet).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

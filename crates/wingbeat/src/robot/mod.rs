@@ -33,14 +33,14 @@ pub use observe::Observation;
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
-#[cfg(feature = "schema")]
-pub(crate) use spec::file_or_numbers;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, ResidualSpec,
     RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
 pub(crate) use spec::{check_number, is_of_rig};
+#[cfg(feature = "schema")]
+pub(crate) use spec::{file_or, file_or_numbers};
 pub use stance::Stance;
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;

@@ -3,8 +3,7 @@
 use super::Robot;
 use super::spec::ResidualSpec;
 use crate::Error;
-use crate::math::{Jet, Meets, Scalar, Vec3, Wrench};
-use crate::rig::cell::CHANNELS;
+use crate::math::{CHANNELS, Jet, Meets, Scalar, Vec3, Wrench};
 use arrayvec::ArrayVec;
 use std::f64::consts::TAU;
 

@@ -67,8 +67,6 @@ pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_sti
 pub use rig_truth::RigTruthSpec;
 #[cfg(feature = "schema")]
 pub use schema::DocumentKind;
-#[cfg(feature = "schema")]
-pub(crate) use schema::file_or;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };

@@ -92,11 +92,7 @@ impl DocumentKind {
     }
 }
 
-/// The name of a file that holds a `T`, or the `T` itself.
-pub fn file_or<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
-    let table = generator.subschema_for::<T>();
-    json_schema!({ "anyOf": [{ "type": "string" }, table] })
-}
+pub(super) use crate::robot::file_or;
 
 impl JsonSchema for Named {
     fn schema_name() -> Cow<'static, str> {

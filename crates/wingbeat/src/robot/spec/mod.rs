@@ -68,7 +68,7 @@ pub struct RobotSpec {
     /// A wrench that acts on the body beside the loads of the surfaces: what their model leaves of measured loads; or a file of it, as
     /// `wingbeat calibrate` writes it. A `[lattice]` flies without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(schema_with = "crate::scenario::file_or::<ResidualSpec>"))]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "file_or::<ResidualSpec>"))]
     pub residual: Option<ResidualSpec>,
 }
 
@@ -113,6 +113,15 @@ impl BodySpec {
 pub(crate) fn file_or_numbers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let numbers = serde_json::json!({ "type": "object", "additionalProperties": { "type": "number" } });
     schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers] })
+}
+
+/// The name of a file that holds a `T`, or the `T` itself.
+#[cfg(feature = "schema")]
+pub(crate) fn file_or<T: schemars::JsonSchema>(
+    generator: &mut schemars::SchemaGenerator,
+) -> schemars::Schema {
+    let table = generator.subschema_for::<T>();
+    schemars::json_schema!({ "anyOf": [{ "type": "string" }, table] })
 }
 
 /// Whether a number is one of the rig that carries the robot.

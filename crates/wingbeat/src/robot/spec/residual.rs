@@ -1,8 +1,8 @@
 //! What a model of the air leaves of measured loads, as a file says it.
 
 use crate::Error;
+use crate::math::CHANNELS;
 use crate::range::{Range, ranges};
-use crate::rig::cell::CHANNELS;
 use crate::robot::residual::{MOST_HARMONICS, MOST_TERMS, Term};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
