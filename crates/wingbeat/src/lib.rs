@@ -17,42 +17,20 @@
 //! ```
 //!
 //! A document comes from a file, a text or a value; [`scenario::Doors`] adds manoeuvres, controllers and solvers of
-//! one's own to those that a scenario may name. Below the scenario each room stands by itself: a wing in prescribed motion
+//! one's own to those that a scenario may name. Below the scenario each part stands by itself: a wing in prescribed motion
 //! ([`tether`]), one aerodynamic model ([`aero::Surfaces`]), a tree of links ([`body::Tree`]), a robot as a system of
 //! differential equations ([`robot::Robot`]), collocation and real-time control of any plant ([`ocp`]).
 //!
-//! The rooms form a ladder: a room uses only rooms named before it here.
+//! This crate holds no code: each name below is a crate, or a module of one, that can be used without those above it.
 
-mod error;
-mod names;
-mod range;
-
-pub mod parallel;
-
-pub mod math;
-pub mod plant;
-
-pub mod aero;
-
-pub mod body;
-
-pub mod robot;
-
-pub mod ocp;
-
-pub mod simulate;
-
-pub mod orbit;
-
-pub mod guide;
-
-pub mod rig;
-
-pub mod tether;
-
-pub mod scenario;
-
-pub mod learn;
-
-pub use error::Error;
-pub(crate) use error::require;
+pub use wingbeat_aero as aero;
+pub use wingbeat_config as scenario;
+pub use wingbeat_config::learn;
+pub use wingbeat_flight::{guide, orbit, simulate, tether};
+pub use wingbeat_math as math;
+pub use wingbeat_math::{Error, parallel};
+pub use wingbeat_ocp as ocp;
+pub use wingbeat_ocp::plant;
+pub use wingbeat_rig as rig;
+pub use wingbeat_robot as robot;
+pub use wingbeat_robot::body;

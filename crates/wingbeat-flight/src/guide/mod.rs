@@ -1,0 +1,45 @@
+//! Guidance: what to fly, the predictive controller that flies it, and
+//! manoeuvres planned offline.
+
+mod about_orbit;
+mod attitude_tracking;
+mod controllers;
+mod history;
+mod hover;
+mod inertial;
+mod least_power;
+mod manoeuvre;
+mod mpc;
+pub mod path;
+mod playback;
+mod receding;
+mod roll_in;
+mod soft_clearance;
+mod stand;
+mod told;
+mod turn;
+
+/// Most intervals of the first mesh of a plan, and most meshes.
+const MAX_INTERVALS: usize = 500;
+const MAX_MESHES: usize = 20;
+
+pub use about_orbit::gains_of;
+pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, PredictiveSpec, Terminal, TrackingSpec};
+pub use attitude_tracking::AttitudeTracking;
+pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};
+pub use hover::HoverSpec;
+pub use inertial::EstimatorSpec;
+pub use least_power::CYCLES;
+pub use least_power::{LeastPower, LeastPowerSpec, Means};
+pub use manoeuvre::angle_error;
+pub use manoeuvre::{Manoeuvre, Reference};
+pub use mpc::{Mpc, MpcSpec, Weights};
+pub use path::{
+    Beside, CurveSpec, FigureEightSpec, HelixSpec, LaneChangeSpec, LineSpec, Path, PathSpec, PointsSpec,
+    Station,
+};
+pub use playback::{HeldCommands, Playback};
+pub use roll_in::{RollIn, RollInSpec, TrackingCost};
+pub use stand::{Flapping, Stand};
+pub use told::Told;
+pub use turn::{Track, Turn};

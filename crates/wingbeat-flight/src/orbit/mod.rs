@@ -1,0 +1,28 @@
+//! Periodic flight: orbits of a robot whose crank turns at a constant rate, how they are found, whether they hold.
+//!
+//! An orbit returns after a cycle to the state it began with, but for its place and heading: level and climbing flight
+//! are periodic up to a displacement, turns up to a rotation about the vertical too (relative periodic orbits).
+//! Unknown are the state at phase 0 ([`Section`]) and the numbers that may be chosen ([`Free`]); asked is a
+//! [`Course`]. [`search`] finds the orbit by a recoil start and Newton's method on exact derivatives of the flow over
+//! a cycle; [`floquet`] tells how small disturbances grow.
+
+mod course;
+mod cycle;
+mod failure;
+mod linear;
+mod measure;
+mod modes;
+mod newton;
+mod recoil;
+mod section;
+
+pub use course::Course;
+pub use cycle::PARTS;
+pub use cycle::{Cycle, End, Free, Point};
+pub use failure::Failure;
+pub use linear::{Deviations, Interval, intervals};
+pub use measure::{Measures, SKIN, StripAreas, measure};
+pub use modes::{Mode, Modes, Sector, floquet};
+pub use newton::{Found, Orbit, search};
+pub use newton::{Tangent, search_from, search_near};
+pub use section::{Direction, Section};

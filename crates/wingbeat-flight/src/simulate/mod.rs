@@ -1,0 +1,33 @@
+//! Simulation: the stepper that advances every system, the flight of a plant
+//! under a controller behind sensors, the record of a run.
+
+mod coupled;
+mod estimator;
+mod fly;
+mod instruments;
+mod record;
+mod secant;
+mod sensitive;
+mod sensors;
+mod side_by_side;
+mod stepper;
+mod strips;
+mod system;
+mod together;
+
+pub use coupled::{Bears, Beyond, Steers, step_in};
+pub use coupled::{Coupling, Fineness, Flow, fly_in};
+pub use estimator::{Estimator, NoEstimate, TrueState};
+pub use fly::{AtRest, Controller, Flight, Sample, Schedule, Update, fly};
+pub use instruments::{
+    AirspeedSpec, HeightSpec, InertialSpec, Instrument, Motion, Places, Quantity, Reading,
+};
+pub use record::{Column, Record};
+pub use sensitive::{Sensitive, Varied, packed};
+pub use sensors::{Measurement, SensorSpec, Sensors};
+pub use side_by_side::{Seat, fly_side_by_side};
+pub use stepper::{Saved, Stepper};
+pub use strips::AXES;
+pub use strips::{StripMotion, StripRecorder};
+pub use system::{Driver, Ending, Held, Moment, Observed, Sizes, System};
+pub use together::Together;

@@ -1,0 +1,20 @@
+//! A wing in prescribed motion in a wind, without a robot: hinges and body
+//! follow given functions of time; loads come out.
+
+mod comparison;
+mod coordinate;
+mod cycle;
+mod power;
+mod recorder;
+mod run;
+mod sensitivity;
+mod wing;
+
+pub use comparison::cycle_of;
+pub use comparison::{CycleFit, PHASES, fit, smooth};
+pub use coordinate::Coordinate;
+pub use cycle::{CycleMean, Periodicity};
+pub use recorder::TetherRun;
+pub use run::{Clock, Motion, Reference, Tether};
+pub use sensitivity::CycleWrenches;
+pub use wing::{Hinge, HingeKind, Side, TetheredBody, Wing};

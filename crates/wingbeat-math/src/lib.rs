@@ -1,0 +1,42 @@
+//! Scalars, frames and rotations, interpolation, Runge-Kutta tables, small solves.
+
+mod angle;
+mod dual;
+mod error;
+pub mod interpolation;
+mod jet;
+mod lanes;
+pub mod linear;
+pub mod multifrontal;
+pub mod names;
+mod over;
+pub mod parallel;
+mod random;
+pub mod range;
+mod room;
+mod runge_kutta;
+mod scalar;
+mod segment;
+mod space;
+mod spline;
+mod tape;
+mod wrench;
+
+pub use angle::{unwrapped, whole_turns};
+pub use dual::Dual;
+pub use error::{Error, require};
+pub use jet::Jet;
+pub use lanes::{Double4, Lanes, Single8};
+pub use over::{Meets, Over, lift};
+pub use random::Random;
+pub use room::{append, append_copies};
+pub use runge_kutta::{Dynamics, RK4, Steps, Tableau, Workspace};
+pub use scalar::Scalar;
+pub use segment::segment_distance;
+pub use space::{Mat3, Quat, Vec3};
+pub use spline::CubicSpline;
+pub use tape::Tape;
+pub use wrench::{CHANNELS, Wrench};
+
+/// Standard gravity, m/s2 (CGPM 1901).
+pub const GRAVITY: f64 = 9.80665;
