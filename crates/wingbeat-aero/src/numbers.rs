@@ -69,7 +69,7 @@ impl<P: Scalar> SurfaceNumbers<P> {
         }
     }
 
-    /// All of them by name, as [`Robot::numbers`](wingbeat_robot::Robot::numbers) calls them behind the surface's.
+    /// All of them by name, as `Robot::numbers` calls them behind the name of the surface.
     pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
         let section = [
             ("density_kg_m3", &mut self.density),
