@@ -2,7 +2,7 @@
 //! copy of its own.
 
 use super::{Aero, Loads, SectionMotion, Surfaces};
-use wingbeat_math::Vec3;
+use wingbeat_math::{Dual, Vec3};
 use wingbeat_ocp::plant::Early;
 
 impl Aero {
@@ -21,6 +21,14 @@ impl Aero {
         self.evaluate(sections, wind, x, dx, loads);
     }
 
+    /// The rates alone, as [`evaluate_sum`](Self::evaluate_sum) finds them, in plain numbers.
+    ///
+    /// # Panics
+    /// As `evaluate_sum`.
+    pub fn rates_in_numbers(&self, sections: &[SectionMotion<f64>], wind: Vec3, x: &[f64], dx: &mut [f64]) {
+        self.evaluate_sum(&sections, wind, x, dx, None);
+    }
+
     /// [`evaluate`](Self::evaluate) with the derivatives that one pass of a [`Linearisation`](wingbeat_ocp::plant::Linearisation)
     /// carries.
     ///
@@ -33,6 +41,23 @@ impl Aero {
         x: &[Early],
         dx: &mut [Early],
         loads: &mut Loads<Early>,
+    ) {
+        self.evaluate(sections, wind, x, dx, loads);
+    }
+}
+
+impl Aero<Dual<4>> {
+    /// [`evaluate`](Self::evaluate) with the derivatives by four numbers of the model.
+    ///
+    /// # Panics
+    /// As `evaluate`.
+    pub fn evaluate_in_varying(
+        &self,
+        sections: &[SectionMotion<Dual<4>>],
+        wind: Vec3<Dual<4>>,
+        x: &[Dual<4>],
+        dx: &mut [Dual<4>],
+        loads: &mut Loads<Dual<4>>,
     ) {
         self.evaluate(sections, wind, x, dx, loads);
     }

@@ -278,13 +278,13 @@ impl Scenario {
     /// # Errors
     /// [`Error::Invalid`] when the controller's settings are out of range.
     pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
-        match self.controller()? {
-            Some(mut controller) => self.fly_under(&mut controller, self.sensors(), &self.schedule, observe),
-            None => {
-                let mut held = HeldCommands(self.held_commands());
-                self.fly_under(&mut held, self.sensors(), &self.schedule, observe)
-            }
-        }
+        self.fly_under(&mut self.pilot()?, self.sensors(), &self.schedule, observe)
+    }
+
+    /// The scenario's controller; without one, the commands that the start holds.
+    fn pilot(&self) -> Result<Box<dyn Controller + '_>, Error> {
+        let held = || Box::new(HeldCommands(self.held_commands())) as Box<dyn Controller>;
+        Ok(self.controller()?.unwrap_or_else(held))
     }
 
     /// Flies the scenario's robot from its start under a controller of one's own, updated every

@@ -73,7 +73,7 @@ impl Scenario {
                 },
             })
             .collect();
-        let flights = fly_side_by_side(|t, x, u, dx| robot.state_rates::<Double4>(t, x, u, dx), seats);
+        let flights = fly_side_by_side(|t, x, u, dx| robot.rates_side_by_side(t, x, u, dx), seats);
         let summary = |((scenario, recorder), flight): ((&&Self, Recorder), _)| {
             scenario.summarise(&recorder.finish(), &flight, &scenario.schedule, None)
         };

@@ -129,7 +129,7 @@ impl<const STAGES: usize> Tableau<STAGES> {
     /// The first that `dynamics` gives; a step that fails in its slope leaves `x` as it began.
     pub fn integrate<S: Scalar, E>(
         &self,
-        dynamics: &mut impl Dynamics<S, E>,
+        dynamics: &mut dyn Dynamics<S, E>,
         steps: Steps<S>,
         x: &mut [S],
         work: &mut Workspace<S>,

@@ -13,7 +13,7 @@ use wingbeat_math::Error;
 use wingbeat_math::{Jet, Mat3, Quat, Random, Scalar, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_robot::body::MotorWork;
-use wingbeat_robot::{BodyMotion, CarriedLoads, Robot, Stance};
+use wingbeat_robot::{BodyMotion, CarriedLoads, Compiled, Robot, Stance};
 
 /// A run ready to be simulated.
 #[derive(Debug)]
@@ -187,7 +187,7 @@ impl Experiment<'_> {
     }
 
     /// Loads of `robot` on `mount` at `t`, and the motion of the cell; what both carry derivatives of.
-    pub(super) fn carried<S: Scalar>(
+    pub(super) fn carried<S: Compiled>(
         &self,
         robot: &Robot<S>,
         (mount, numbers): (&Mount<S>, &RigNumbers<S>),
@@ -195,7 +195,7 @@ impl Experiment<'_> {
         dx: &mut [S],
     ) -> Result<(FrameMotion, CarriedLoads<S>), Fault> {
         let (cell, clock, body) = self.motion(mount, numbers, t);
-        let loads = robot.carried(&clock, &body, x, u, dx)?;
+        let loads = S::carried(robot, &clock, &body, x, u, dx)?;
         Ok((cell, loads))
     }
 

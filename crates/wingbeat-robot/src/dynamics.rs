@@ -10,7 +10,9 @@ use arrayvec::ArrayVec;
 use std::ops::Range;
 use wingbeat_aero::ImpulseRates;
 use wingbeat_math::linear::solve_symmetric_leading;
-use wingbeat_math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, append_copies, lift};
+use wingbeat_math::{
+    Double4, GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Single8, Vec3, Wrench, append_copies, lift,
+};
 use wingbeat_ocp::plant::{Channel, Early, Fault, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
 
 /// Everything one evaluation computes on the way to the rates; what the states of the air do
@@ -102,6 +104,24 @@ impl Plant for Robot {
         dx: &mut [Late],
     ) -> Result<(), Fault> {
         self.rates_by_late(t, early, late, u, dx)
+    }
+    fn rates_in_double4(
+        &self,
+        t: Double4,
+        x: &[Double4],
+        u: &[Double4],
+        dx: &mut [Double4],
+    ) -> Result<(), Fault> {
+        self.state_rates(t, x, u, dx)
+    }
+    fn rates_in_single8(
+        &self,
+        t: Single8,
+        x: &[Single8],
+        u: &[Single8],
+        dx: &mut [Single8],
+    ) -> Result<(), Fault> {
+        self.state_rates(t, x, u, dx)
     }
 }
 

@@ -28,6 +28,7 @@ mod thrust;
 
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
+pub use compiled::{Compiled, CycleScalar};
 pub use mirror::Mirror;
 pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying, bounds};
 pub use observe::Observation;

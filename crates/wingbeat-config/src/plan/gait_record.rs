@@ -62,7 +62,7 @@ impl Replay<'_> {
 
     fn loads(&self, at: Moment, dx: &mut [f64]) -> Result<CarriedLoads, Fault> {
         let (clock, body) = (self.stand.clock(at.t, &self.flapping), self.stand.body(self.flapping.pitch));
-        self.stand.robot().carried(&clock, &body, at.x, at.u, dx)
+        self.stand.robot().carried_in_numbers(&clock, &body, at.x, at.u, dx)
     }
 
     fn columns(&self) -> Vec<Column> {

@@ -7,12 +7,12 @@ use crate::{Chosen, Scenario, ScenarioSpec};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use wingbeat_flight::guide::{HeldCommands, Playback, RollIn, RollInSpec, Turn};
+use wingbeat_flight::guide::{Playback, RollIn, RollInSpec, Turn};
 use wingbeat_flight::simulate::{Controller, Sample, Schedule, Sensors, fly};
 use wingbeat_math::Error;
 use wingbeat_ocp::nlp::Program;
 use wingbeat_ocp::plant::{Fault, Plant};
-use wingbeat_ocp::{Collocation, Interpolant, Optimum, Progress, Scheme, Transcribed};
+use wingbeat_ocp::{Interpolant, Optimum, Progress};
 
 /// Samples of the record over the planned manoeuvre.
 const SAMPLES: usize = 200;
@@ -62,64 +62,8 @@ impl Scenario {
         spec: &RollInSpec,
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Planned, Error> {
-        match (self.controller()?, self.controller()?) {
-            (Some(approach), Some(again)) => self.roll_in(spec, approach, again, observe),
-            _ => {
-                let held = || HeldCommands(self.held_commands());
-                self.roll_in(spec, held(), held(), observe)
-            }
-        }
-    }
-
-    /// Hands the roll-in of `[plan.roll_in]` on its first mesh to `see`, with the start of the first guess: objective,
-    /// constraints and their derivatives, for any solver of nonlinear programs.
-    ///
-    /// # Errors
-    /// A scenario without such a plan, or that does not fly up to its start.
-    pub fn roll_in_program(&self, see: &mut dyn FnMut(&mut dyn Program, &[f64])) -> Result<(), Error> {
-        let Some(PlanSpec::RollIn(spec)) = &self.spec.plan else {
-            return Err(Error::invalid("plan.roll_in", "absent", "a [plan.roll_in]"));
-        };
-        let (problem, _) = match self.controller()? {
-            Some(mut approach) => self.approached(spec, &mut approach)?,
-            None => self.approached(spec, &mut HeldCommands(self.held_commands()))?,
-        };
-        let guess = problem.first_guess().map_err(broken)?;
-        let mesh = Transcribed::uniform(Scheme::hermite_simpson(), spec.intervals);
-        let mut program = Collocation::new(&problem, mesh, &guess);
-        let start = program.unknowns(&guess);
-        see(&mut program, &start);
-        Ok(())
-    }
-
-    /// The roll-in from the state to which `approach` flies, and its settings with the time at which it does.
-    fn approached<C: Controller>(
-        &self,
-        spec: &RollInSpec,
-        approach: &mut C,
-    ) -> Result<(RollIn<'_, wingbeat_robot::Robot>, RollInSpec), Error> {
-        let mut x = self.start_of(&self.model);
-        let steps = (spec.start_s / self.schedule.step).round() as usize;
-        let schedule = Schedule { steps, ..self.schedule };
-        let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
-        let go_on = |_: &Sample, _: &C| Ok(ControlFlow::Continue(()));
-        let flight = fly(model, &mut sensors, approach, &schedule, &mut x, go_on);
-        flight.ending.check().map_err(broken)?;
-        let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
-        let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec)
-            .map_err(|e| e.within("plan.roll_in"))?;
-        Ok((problem, spec))
-    }
-
-    fn roll_in<C: Controller>(
-        &self,
-        spec: &RollInSpec,
-        mut approach: C,
-        again: C,
-        observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<Planned, Error> {
-        let (problem, spec) = self.approached(spec, &mut approach)?;
-        let starts = problem.plan(observe).map_err(broken)?;
+        let (problem, spec) = self.approached(spec)?;
+        let starts = problem.planned(observe).map_err(broken)?;
         let several = (spec.starts > 1).then(|| starts.words());
         let optimum = starts.best;
         let mut summary = self.roll_in_summary(&spec, &optimum);
@@ -131,8 +75,8 @@ impl Scenario {
                 files: Vec::new(),
             });
         };
-        summary.resimulation_error = solution
-            .resimulate(&problem, CHECK_STEPS)
+        summary.resimulation_error = problem
+            .resimulated(&solution, CHECK_STEPS)
             .map_err(broken)?
             .into_iter()
             .zip(wingbeat_ocp::OptimalControl::setup(&problem).states)
@@ -141,7 +85,7 @@ impl Scenario {
         if let Some(end) = solution.points.x.last() {
             summary.final_angles_deg = problem.angles(end).map(f64::to_degrees);
         }
-        let (Recorded { record, stall_fraction, .. }, angles) = self.fly_plan(&solution, again)?;
+        let (Recorded { record, stall_fraction, .. }, angles) = self.fly_plan(&solution)?;
         summary.stall_fraction = Some(stall_fraction);
         summary.flown_angles_deg = angles.map(f64::to_degrees);
         let planned = Crossing::since(&record, self.model.clearances(), spec.start_s);
@@ -156,12 +100,38 @@ impl Scenario {
         Ok(Planned { record: Some(record), summary: PlanSummary::RollIn(Box::new(summary)), files })
     }
 
-    /// Flies approach and planned inputs; the record and the last angles.
-    fn fly_plan<C: Controller>(
+    /// Hands the roll-in of `[plan.roll_in]` on its first mesh to `see`, with the start of the first guess: objective,
+    /// constraints and their derivatives, for any solver of nonlinear programs.
+    ///
+    /// # Errors
+    /// A scenario without such a plan, or that does not fly up to its start.
+    pub fn roll_in_program(&self, see: &mut dyn FnMut(&mut dyn Program, &[f64])) -> Result<(), Error> {
+        let Some(PlanSpec::RollIn(spec)) = &self.spec.plan else {
+            return Err(Error::invalid("plan.roll_in", "absent", "a [plan.roll_in]"));
+        };
+        self.approached(spec)?.0.see_program(see).map_err(broken)
+    }
+
+    /// The roll-in from the state to which the controller flies, and its settings with the time at which it does.
+    fn approached(
         &self,
-        solution: &Interpolant,
-        approach: C,
-    ) -> Result<(Recorded, [f64; 3]), Error> {
+        spec: &RollInSpec,
+    ) -> Result<(RollIn<'_, wingbeat_robot::Robot>, RollInSpec), Error> {
+        let mut x = self.start_of(&self.model);
+        let steps = (spec.start_s / self.schedule.step).round() as usize;
+        let schedule = Schedule { steps, ..self.schedule };
+        let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
+        let go_on = |_: &Sample, _: &Box<dyn Controller + '_>| Ok(ControlFlow::Continue(()));
+        let flight = fly(model, &mut sensors, &mut self.pilot()?, &schedule, &mut x, go_on);
+        flight.ending.check().map_err(broken)?;
+        let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
+        let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec)
+            .map_err(|e| e.within("plan.roll_in"))?;
+        Ok((problem, spec))
+    }
+
+    /// Flies approach and planned inputs; the record and the last angles.
+    fn fly_plan(&self, solution: &Interpolant) -> Result<(Recorded, [f64; 3]), Error> {
         let points = &solution.points;
         let (first, last) = (points.t[0], points.t[points.t.len() - 1]);
         // The approach must be the one that was planned from: the same steps.
@@ -169,7 +139,7 @@ impl Scenario {
         let steps_per_sample = ((last - first) / SAMPLES as f64 / step).floor().max(1.0) as usize;
         let schedule = Schedule { steps: (last / step).ceil() as usize, steps_per_sample, ..self.schedule };
         let steps = schedule.steps;
-        let mut player = Playback::new(approach, points.t.clone(), points.u.clone());
+        let mut player = Playback::new(self.pilot()?, points.t.clone(), points.u.clone());
         let mut recorder = Recorder::new(
             &self.model,
             self.manoeuvre(),

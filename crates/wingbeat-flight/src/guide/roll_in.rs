@@ -12,10 +12,13 @@ use wingbeat_math::Scalar;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
 use wingbeat_ocp::interior_point::Options;
+use wingbeat_ocp::nlp::Program;
 use wingbeat_ocp::plant::{Channel, Fault, LocalChart, Plant, Role};
 use wingbeat_ocp::{
-    Ends, Instant, Limits, OptimalControl, Progress, Refinement, Setup, Starts, Trajectory, optimise_from,
+    Collocation, Ends, Instant, Interpolant, Limits, OptimalControl, Progress, Refinement, Scheme, Setup,
+    Starts, Trajectory, Transcribed, optimise_from,
 };
+use wingbeat_robot::Robot;
 
 /// Steps per second of the flight with resting regulators that serves as the guess.
 const GUESS_RATE: f64 = 2000.0;
@@ -237,6 +240,38 @@ impl<'a, P: Plant> RollIn<'a, P> {
     /// Roll, pitch and yaw of a local state, rad.
     pub fn angles(&self, local: &[f64]) -> [f64; 3] {
         self.chart.rotation_matrix(local).roll_pitch_yaw().0
+    }
+}
+
+/// Compiled once, in this crate, for robots.
+impl RollIn<'_, Robot> {
+    /// [`plan`](Self::plan) of a robot.
+    ///
+    /// # Errors
+    /// Those of `plan`.
+    pub fn planned(&self, observer: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Starts, Fault> {
+        self.plan(observer)
+    }
+
+    /// [`Interpolant::resimulate`] of a robot's plan.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a state that the model refuses.
+    pub fn resimulated(&self, plan: &Interpolant, steps: usize) -> Result<Vec<f64>, Fault> {
+        plan.resimulate(self, steps)
+    }
+
+    /// Hands the problem on its first mesh to `see`, with the start of the first guess.
+    ///
+    /// # Errors
+    /// The [`Fault`] of the flight that is the guess.
+    pub fn see_program(&self, see: &mut dyn FnMut(&mut dyn Program, &[f64])) -> Result<(), Fault> {
+        let guess = self.first_guess()?;
+        let mesh = Transcribed::uniform(Scheme::hermite_simpson(), self.spec.intervals);
+        let mut program = Collocation::new(self, mesh, &guess);
+        let start = program.unknowns(&guess);
+        see(&mut program, &start);
+        Ok(())
     }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use wingbeat_math::{Dynamics, Jet, Quat, RK4, Scalar, Steps, Vec3, Workspace};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
-use wingbeat_robot::Robot;
+use wingbeat_robot::{CycleScalar, Robot};
 
 /// Steps of a cycle are a multiple of this number, so that it has as many equal parts.
 pub const PARTS: usize = 20;
@@ -96,10 +96,10 @@ pub(super) struct Flow<'a, S: Scalar, F> {
     pub each: F,
 }
 
-impl<S: Scalar, F: FnMut(usize, S, &[S]) -> Result<(), Fault>> Dynamics<S, Fault> for Flow<'_, S, F> {
+impl<S: CycleScalar, F: FnMut(usize, S, &[S]) -> Result<(), Fault>> Dynamics<S, Fault> for Flow<'_, S, F> {
     fn slope(&mut self, t: S, x: &[S], dx: &mut [S]) -> Result<(), Fault> {
         let clock = Jet::new(t * self.pace, self.pace, S::ZERO);
-        self.robot.rates_by_clock(t, &clock, x, self.u, dx)
+        S::rates_by_clock(self.robot, t, &clock, x, self.u, dx)
     }
     fn after_step(&mut self, k: usize, t: S, x: &mut [S]) -> Result<ControlFlow<()>, Fault> {
         let a = self.robot.layout().attitude;
@@ -172,7 +172,7 @@ impl<'a> Cycle<'a> {
     ///
     /// # Errors
     /// The [`Fault`] that makes the model unusable on the way.
-    pub fn fly<S: Scalar>(
+    pub fn fly<S: CycleScalar>(
         &self,
         z: &[S],
         pace: S,

@@ -4,7 +4,7 @@ use super::Stepper;
 use super::system::upright;
 use std::ops::{ControlFlow, Deref};
 use wingbeat_math::{Dynamics, Lanes, RK4, Steps, Workspace};
-use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_ocp::plant::{Fault, Plant, PlantLanes};
 
 /// Room to step up to [`Lanes::WIDTH`] steppers of one plant at once, by the steps of [`Stepper::step`] with inputs held.
 ///
@@ -17,7 +17,7 @@ pub struct Together<S: Lanes> {
     work: Workspace<S>,
 }
 
-impl<S: Lanes> Together<S> {
+impl<S: PlantLanes> Together<S> {
     /// Room for plants of so many states and inputs.
     pub fn new(states: usize, inputs: usize) -> Self {
         Self { x: vec![S::ZERO; states], u: vec![S::ZERO; inputs], work: Workspace::new(states, RK4.b.len()) }
@@ -64,9 +64,9 @@ struct Run<'a, S, P> {
     u: &'a [S],
 }
 
-impl<S: Lanes, P: Plant> Dynamics<S, Fault> for Run<'_, S, P> {
+impl<S: PlantLanes, P: Plant> Dynamics<S, Fault> for Run<'_, S, P> {
     fn slope(&mut self, t: S, x: &[S], dx: &mut [S]) -> Result<(), Fault> {
-        self.plant.rates(t, x, self.u, dx)
+        S::rates_of(self.plant, t, x, self.u, dx)
     }
 
     fn after_step(&mut self, _: usize, _: S, x: &mut [S]) -> Result<ControlFlow<()>, Fault> {

@@ -191,7 +191,7 @@ impl Tether {
     pub fn evaluate(&self, t: f64, x: &[f64], dx: &mut [f64], loads: &mut Loads<f64>) {
         let sections = self.sections(t);
         let count = self.aero.arcs().len();
-        self.aero.evaluate(&sections[..count], self.wind, x, dx, loads);
+        self.aero.evaluate_in_numbers(&sections[..count], self.wind, x, dx, loads);
     }
 
     /// The states of still air in which the wing has always moved as it does at first.
@@ -234,7 +234,7 @@ impl System for Tether {
     }
     fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
         let count = self.aero.arcs().len();
-        self.aero.evaluate_sum(&&self.sections(at.t)[..count], self.wind, at.x, dx, None);
+        self.aero.rates_in_numbers(&self.sections(at.t)[..count], self.wind, at.x, dx);
         Ok(())
     }
 }

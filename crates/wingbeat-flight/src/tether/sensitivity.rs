@@ -144,7 +144,7 @@ impl Varied<TOGETHER> for VariedWing<'_> {
         rates: &mut [Varying],
     ) -> Result<[Varying; 6], Fault> {
         let mut loads = Loads::default();
-        self.aero.evaluate(&self.sections(t), self.wind(), x, rates, &mut loads);
+        self.aero.evaluate_in_varying(&self.sections(t), self.wind(), x, rates, &mut loads);
         Ok(self.of.in_body(t, &loads, &self.weights))
     }
 }

@@ -8,7 +8,7 @@ pub use chart::LocalChart;
 pub use linearise::{Early, Late, Linearisation};
 
 use std::ops::Range;
-use wingbeat_math::{Over, Scalar, lift};
+use wingbeat_math::{Double4, Lanes, Over, Scalar, Single8, lift};
 
 /// What a channel means, whatever its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -208,7 +208,7 @@ pub trait Plant: Sync {
         self.rates(S::from(t), &x[..early.len() + late.len()], &inputs[..u.len()], dx)
     }
 
-    /// [`rates`](Self::rates) in plain numbers. This and the next two are what simulators and linearisations call: a plant with
+    /// [`rates`](Self::rates) in plain numbers. This and those below are what simulators and linearisations call: a plant with
     /// long equations that writes them again for its own type, as they stand here, is compiled once in its own crate and not
     /// again in each that flies it.
     ///
@@ -237,6 +237,53 @@ pub trait Plant: Sync {
         dx: &mut [Late],
     ) -> Result<(), Fault> {
         self.rates_by_late(t, early, late, u, dx)
+    }
+    /// [`rates`](Self::rates) of four plants in lanes of double precision.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_double4(
+        &self,
+        t: Double4,
+        x: &[Double4],
+        u: &[Double4],
+        dx: &mut [Double4],
+    ) -> Result<(), Fault> {
+        self.rates(t, x, u, dx)
+    }
+    /// [`rates`](Self::rates) of eight plants in lanes of single precision.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_single8(
+        &self,
+        t: Single8,
+        x: &[Single8],
+        u: &[Single8],
+        dx: &mut [Single8],
+    ) -> Result<(), Fault> {
+        self.rates(t, x, u, dx)
+    }
+}
+
+/// Lanes in which plants are stepped, each by the rates that the crate of the plant has compiled for them.
+pub trait PlantLanes: Lanes {
+    /// [`Plant::rates`] in these lanes.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_of<P: Plant>(plant: &P, t: Self, x: &[Self], u: &[Self], dx: &mut [Self]) -> Result<(), Fault>;
+}
+
+impl PlantLanes for Double4 {
+    fn rates_of<P: Plant>(plant: &P, t: Self, x: &[Self], u: &[Self], dx: &mut [Self]) -> Result<(), Fault> {
+        plant.rates_in_double4(t, x, u, dx)
+    }
+}
+
+impl PlantLanes for Single8 {
+    fn rates_of<P: Plant>(plant: &P, t: Self, x: &[Self], u: &[Self], dx: &mut [Self]) -> Result<(), Fault> {
+        plant.rates_in_single8(t, x, u, dx)
     }
 }
 

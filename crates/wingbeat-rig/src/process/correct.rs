@@ -381,7 +381,7 @@ impl Corrector<'_> {
         memory.u.resize(self.robot.inputs().len(), 0.0);
         memory.dx.resize(memory.x.len(), 0.0);
         let Memory { x, u, dx, .. } = memory;
-        let loads = self.robot.carried(&clock, &BodyMotion::from(body), x, u, dx)?;
+        let loads = self.robot.carried_in_numbers(&clock, &BodyMotion::from(body), x, u, dx)?;
         Ok((loads.gravity, loads.inertia))
     }
 }

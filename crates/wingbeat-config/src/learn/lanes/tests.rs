@@ -4,7 +4,7 @@ use super::*;
 use crate::Scenario;
 use std::path::Path;
 use wingbeat_math::Random;
-use wingbeat_ocp::plant::Plant;
+use wingbeat_ocp::plant::{Plant, PlantLanes};
 
 type Robots = Vec<Stepper<Arc<Robot>>>;
 
@@ -46,7 +46,7 @@ fn robots(scenario: &Scenario, count: usize) -> Robots {
 }
 
 /// Steps the robots of `order` at once, as many steps of 1 ms as asked.
-fn together<S: Lanes>(robots: &mut Robots, order: &[usize], steps: usize) {
+fn together<S: PlantLanes>(robots: &mut Robots, order: &[usize], steps: usize) {
     let plant = robots[0].system();
     let mut together = Together::<S>::new(plant.states().len(), plant.inputs().len());
     let mut all: Vec<Option<&mut Stepper<_>>> = robots.iter_mut().map(Some).collect();
@@ -106,7 +106,7 @@ fn lanes_fly_as_robots_alone() {
     }
 }
 
-fn keeps_to_itself<S: Lanes>(name: &str, overrides: &[&str]) {
+fn keeps_to_itself<S: PlantLanes>(name: &str, overrides: &[&str]) {
     let scenario = scenario(name, overrides);
     let states = |order: &[usize], spoil: Option<(usize, usize, f64)>| -> Vec<Vec<u64>> {
         let mut robots = robots(&scenario, 4);
