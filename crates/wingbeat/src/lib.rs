@@ -28,6 +28,7 @@ mod names;
 mod range;
 
 pub mod parallel;
+pub mod processor;
 
 pub mod math;
 pub mod plant;
