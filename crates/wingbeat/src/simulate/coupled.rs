@@ -168,16 +168,16 @@ pub(crate) trait Steers {
 }
 
 /// Steers as decided: nobody sees it.
-struct Tried<'a, D>(&'a D);
+struct Tried<'a>(&'a dyn Steers);
 
 /// Steers as decided and shows all but the last end of its steps; its first is the step `first` of all.
-struct Kept<'a, D> {
-    steering: &'a mut D,
+struct Kept<'a> {
+    steering: &'a mut dyn Steers,
     first: usize,
     steps: usize,
 }
 
-impl<D: Steers> Driver<Beyond> for Tried<'_, D> {
+impl Driver<Beyond> for Tried<'_> {
     fn inputs(&self, t: f64, u: &mut [f64]) {
         self.0.planned(t, u);
     }
@@ -186,7 +186,7 @@ impl<D: Steers> Driver<Beyond> for Tried<'_, D> {
     }
 }
 
-impl<D: Steers> Driver<Beyond> for Kept<'_, D> {
+impl Driver<Beyond> for Kept<'_> {
     fn inputs(&self, t: f64, u: &mut [f64]) {
         self.steering.planned(t, u);
     }
@@ -226,7 +226,7 @@ pub(crate) fn step_in<B: Bears>(
     flow: &mut dyn Flow,
     stepper: &mut Stepper<&B>,
     steps: (f64, usize),
-    steering: &mut impl Steers,
+    steering: &mut dyn Steers,
 ) -> (Ending, Coupling) {
     let step = flow.every() as f64 * steps.0;
     let mut coupled = Coupled { flow, coupling: Coupling { step, ..Coupling::default() } };
@@ -245,7 +245,7 @@ impl Coupled<'_> {
         &mut self,
         stepper: &mut Stepper<&B>,
         (step, steps): (f64, usize),
-        steering: &mut impl Steers,
+        steering: &mut dyn Steers,
     ) -> Result<Ending, Fault> {
         let (every, mut taken) = (self.flow.every(), 0);
         let mut loads = self.asked(stepper)?;

@@ -192,7 +192,7 @@ impl<R: Deref<Target: System>> Stepper<R> {
         &mut self,
         dt: f64,
         steps: usize,
-        driver: &mut impl Driver<<R::Target as System>::Memory>,
+        driver: &mut dyn Driver<<R::Target as System>::Memory>,
     ) -> Ending {
         self.count_steps(dt, 0);
         let began = self.clock.first;
@@ -212,16 +212,16 @@ impl<R: Deref<Target: System>> Stepper<R> {
 }
 
 /// A run as the integrator sees it.
-struct Run<'a, S: System + ?Sized, D> {
+struct Run<'a, S: System + ?Sized> {
     system: &'a S,
     memory: &'a mut S::Memory,
     u: &'a mut [f64],
     clock: &'a mut Steps,
     began: usize,
-    driver: &'a mut D,
+    driver: &'a mut dyn Driver<S::Memory>,
 }
 
-impl<S: System + ?Sized, D: Driver<S::Memory>> Run<'_, S, D> {
+impl<S: System + ?Sized> Run<'_, S> {
     fn set_inputs(&mut self, t: f64) {
         self.driver.inputs(t, self.u);
         self.system.limit(self.u);
@@ -236,7 +236,7 @@ impl<S: System + ?Sized, D: Driver<S::Memory>> Run<'_, S, D> {
     }
 }
 
-impl<S: System + ?Sized, D: Driver<S::Memory>> Dynamics<f64, Fault> for Run<'_, S, D> {
+impl<S: System + ?Sized> Dynamics<f64, Fault> for Run<'_, S> {
     fn slope(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
         self.set_inputs(t);
         self.system.slope(Moment { t, x, u: self.u, memory: self.memory }, dx)
