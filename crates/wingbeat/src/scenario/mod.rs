@@ -278,12 +278,14 @@ impl Scenario {
     ///
     /// # Errors
     /// [`Error::Invalid`] when the controller's settings are out of range.
-    pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
+    pub fn fly(&self, mut observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
         match self.controller()? {
-            Some(mut controller) => self.fly_under(&mut controller, self.sensors(), &self.schedule, observe),
+            Some(mut controller) => {
+                self.fly_under(&mut *controller, self.sensors(), &self.schedule, &mut observe)
+            }
             None => {
                 let mut held = HeldCommands(self.held_commands());
-                self.fly_under(&mut held, self.sensors(), &self.schedule, observe)
+                self.fly_under(&mut held, self.sensors(), &self.schedule, &mut observe)
             }
         }
     }
@@ -345,11 +347,11 @@ impl Scenario {
         controller: &mut C,
         period_s: f64,
         sensors: Sensors,
-        observe: impl FnMut(&Sample) -> ControlFlow<()>,
+        mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let period = whole("period_s", period_s, self.schedule.step, "steps of")?;
         let schedule = Schedule { steps_per_update: Some(period), ..self.schedule };
-        self.fly_under(controller, sensors, &schedule, observe)
+        self.fly_under(controller, sensors, &schedule, &mut observe)
     }
 
     /// What the scenario's controller is told of the robot.
@@ -360,12 +362,13 @@ impl Scenario {
         }
     }
 
-    fn fly_under<C: Controller>(
+    /// Compiled once, whoever steers and watches.
+    fn fly_under<'c>(
         &self,
-        controller: &mut C,
+        controller: &mut (dyn Controller + 'c),
         mut sensors: Sensors,
         schedule: &Schedule,
-        mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
+        observe: &mut dyn FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut lattice = self.lattice()?;
@@ -374,7 +377,7 @@ impl Scenario {
         let mut recorder =
             Recorder::new(&self.robot, self.manoeuvre(), controller, rows, self.samples_per_strips)?;
         let mut x = self.start();
-        let see = |sample: &Sample, controller: &C| {
+        let see = |sample: &Sample, controller: &(dyn Controller + 'c)| {
             recorder.sample(sample, controller)?;
             if let Some(error) = &mut error {
                 error.see(sample);

@@ -1,6 +1,6 @@
 //! Robots in air that is stepped beside them and bears on them together with their motion.
 
-use super::fly::{Controller, Flight, Pilot, Sample, Schedule};
+use super::fly::{Controller, Flight, Observer, Pilot, Sample, Schedule};
 use super::secant::Secant;
 use super::sensors::Sensors;
 use super::stepper::Stepper;
@@ -204,15 +204,16 @@ impl Driver<Beyond> for Kept<'_> {
 /// weight. The controller's updates lie on ends of steps of the air.
 ///
 /// Equation: robot.coupling
-pub fn fly_in<C: Controller>(
+pub fn fly_in<C: Controller + ?Sized>(
     robot: &Robot,
     flow: &mut dyn Flow,
     sensors: &mut Sensors,
     controller: &mut C,
     schedule: &Schedule,
     x: &mut [f64],
-    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+    mut observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 ) -> (Flight, Coupling) {
+    let observe: Observer<C> = &mut observe;
     let mut pilot = Pilot::new(robot, sensors, controller, schedule, observe);
     let system = Beside(robot);
     let mut stepper = Stepper::new(&system, 0.0, x);

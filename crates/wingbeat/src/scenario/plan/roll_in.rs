@@ -62,13 +62,13 @@ impl Scenario {
         spec: &RollInSpec,
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Planned, Error> {
-        match (self.controller()?, self.controller()?) {
-            (Some(approach), Some(again)) => self.roll_in(spec, approach, again, observe),
-            _ => {
-                let held = || HeldCommands(self.held_commands());
-                self.roll_in(spec, held(), held(), observe)
-            }
-        }
+        let (approach, again) = (self.controller_or_held()?, self.controller_or_held()?);
+        self.roll_in(spec, approach, again, observe)
+    }
+
+    /// The scenario's controller, or its commands held.
+    fn controller_or_held(&self) -> Result<Box<dyn Controller + '_>, Error> {
+        Ok(self.controller()?.unwrap_or_else(|| Box::new(HeldCommands(self.held_commands()))))
     }
 
     /// Hands the roll-in of `[plan.roll_in]` on its first mesh to `see`, with the start of the first guess: objective,
@@ -80,10 +80,7 @@ impl Scenario {
         let Some(PlanSpec::RollIn(spec)) = &self.spec.plan else {
             return Err(Error::invalid("plan.roll_in", "absent", "a [plan.roll_in]"));
         };
-        let (problem, _) = match self.controller()? {
-            Some(mut approach) => self.approached(spec, &mut approach)?,
-            None => self.approached(spec, &mut HeldCommands(self.held_commands()))?,
-        };
+        let (problem, _) = self.approached(spec, &mut *self.controller_or_held()?)?;
         let guess = problem.first_guess().map_err(broken)?;
         let mesh = Transcribed::uniform(Scheme::hermite_simpson(), spec.intervals);
         let mut program = Collocation::new(&problem, mesh, &guess);
@@ -93,16 +90,16 @@ impl Scenario {
     }
 
     /// The roll-in from the state to which `approach` flies, and its settings with the time at which it does.
-    fn approached<C: Controller>(
+    fn approached<'c>(
         &self,
         spec: &RollInSpec,
-        approach: &mut C,
+        approach: &mut (dyn Controller + 'c),
     ) -> Result<(RollIn<'_, crate::robot::Robot>, RollInSpec), Error> {
         let mut x = self.start_of(&self.model);
         let steps = (spec.start_s / self.schedule.step).round() as usize;
         let schedule = Schedule { steps, ..self.schedule };
         let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
-        let go_on = |_: &Sample, _: &C| Ok(ControlFlow::Continue(()));
+        let go_on = |_: &Sample, _: &(dyn Controller + 'c)| Ok(ControlFlow::Continue(()));
         let flight = fly(model, &mut sensors, approach, &schedule, &mut x, go_on);
         flight.ending.check().map_err(broken)?;
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
@@ -111,14 +108,14 @@ impl Scenario {
         Ok((problem, spec))
     }
 
-    fn roll_in<C: Controller>(
-        &self,
+    fn roll_in<'a>(
+        &'a self,
         spec: &RollInSpec,
-        mut approach: C,
-        again: C,
+        mut approach: Box<dyn Controller + 'a>,
+        again: Box<dyn Controller + 'a>,
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Planned, Error> {
-        let (problem, spec) = self.approached(spec, &mut approach)?;
+        let (problem, spec) = self.approached(spec, &mut *approach)?;
         let starts = problem.plan(observe).map_err(broken)?;
         let several = (spec.starts > 1).then(|| starts.words());
         let optimum = starts.best;
@@ -157,10 +154,10 @@ impl Scenario {
     }
 
     /// Flies approach and planned inputs; the record and the last angles.
-    fn fly_plan<C: Controller>(
-        &self,
+    fn fly_plan<'a>(
+        &'a self,
         solution: &Interpolant,
-        approach: C,
+        approach: Box<dyn Controller + 'a>,
     ) -> Result<(Recorded, [f64; 3]), Error> {
         let points = &solution.points;
         let (first, last) = (points.t[0], points.t[points.t.len() - 1]);
