@@ -2,19 +2,13 @@
 
 mod args;
 mod calibrate;
-mod error;
 mod fly;
-mod interrupt;
-mod manifest;
 mod new;
 mod outcome;
 mod plan;
-mod progress;
 #[cfg(test)]
 mod reference;
 mod rig;
-mod run_folder;
-mod say;
 mod show;
 mod sweep;
 mod tether;
@@ -28,18 +22,9 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use wingbeat::scenario::DocumentKind;
+use wingbeat_program::{error, interrupt, manifest, progress, run_folder, say};
 
 use args::{Arguments, Command};
-
-/// Keeps what a decoder of another library says when it fails on a damaged file from the user: it becomes an error.
-fn silence_decoders() {
-    let usual = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |panic| {
-        if std::thread::current().name() != Some(wingbeat_io::DECODER) {
-            usual(panic);
-        }
-    }));
-}
 
 /// The JSON Schema of a kind of document as a file has it.
 fn schema_text(kind: DocumentKind) -> String {
@@ -47,8 +32,7 @@ fn schema_text(kind: DocumentKind) -> String {
 }
 
 fn main() -> ExitCode {
-    silence_decoders();
-    let outcome = match Arguments::parse().command {
+    wingbeat_program::run(|| match Arguments::parse().command {
         Command::Fly(arguments) => fly::fly(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Tether(arguments) => tether::tether(&arguments),
@@ -58,17 +42,8 @@ fn main() -> ExitCode {
         Command::Trim(arguments) => trim::trim(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Show(arguments) => show::show(&arguments),
-        Command::Validate(arguments) => validate::validate(&arguments),
+        Command::Validate(_) => validate::validate(),
         Command::New(arguments) => new::new(&arguments),
         Command::Schema(arguments) => say::say(&schema_text(arguments.kind)),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            if !error.is_silent() {
-                say::note(&format!("error: {error}"));
-            }
-            ExitCode::from(error.exit_code())
-        }
-    }
+    })
 }

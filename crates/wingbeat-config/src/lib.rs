@@ -277,14 +277,13 @@ impl Scenario {
     ///
     /// # Errors
     /// [`Error::Invalid`] when the controller's settings are out of range.
-    pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
-        self.fly_under(&mut self.pilot()?, self.sensors(), &self.schedule, observe)
+    pub fn fly(&self, mut observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
+        self.fly_under(&mut *self.pilot()?, self.sensors(), &self.schedule, &mut observe)
     }
 
     /// The scenario's controller; without one, the commands that the start holds.
     fn pilot(&self) -> Result<Box<dyn Controller + '_>, Error> {
-        let held = || Box::new(HeldCommands(self.held_commands())) as Box<dyn Controller>;
-        Ok(self.controller()?.unwrap_or_else(held))
+        Ok(self.controller()?.unwrap_or_else(|| Box::new(HeldCommands(self.held_commands()))))
     }
 
     /// Flies the scenario's robot from its start under a controller of one's own, updated every
@@ -344,11 +343,11 @@ impl Scenario {
         controller: &mut C,
         period_s: f64,
         sensors: Sensors,
-        observe: impl FnMut(&Sample) -> ControlFlow<()>,
+        mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let period = whole("period_s", period_s, self.schedule.step, "steps of")?;
         let schedule = Schedule { steps_per_update: Some(period), ..self.schedule };
-        self.fly_under(controller, sensors, &schedule, observe)
+        self.fly_under(controller, sensors, &schedule, &mut observe)
     }
 
     /// What the scenario's controller is told of the robot.
@@ -359,12 +358,13 @@ impl Scenario {
         }
     }
 
-    fn fly_under<C: Controller>(
+    /// Compiled once, whoever steers and watches.
+    fn fly_under<'c>(
         &self,
-        controller: &mut C,
+        controller: &mut (dyn Controller + 'c),
         mut sensors: Sensors,
         schedule: &Schedule,
-        mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
+        observe: &mut dyn FnMut(&Sample) -> ControlFlow<()>,
     ) -> Result<Run, Error> {
         let rows = schedule.steps / schedule.steps_per_sample + 1;
         let mut lattice = self.lattice()?;
@@ -373,7 +373,7 @@ impl Scenario {
         let mut recorder =
             Recorder::new(&self.robot, self.manoeuvre(), controller, rows, self.samples_per_strips)?;
         let mut x = self.start();
-        let see = |sample: &Sample, controller: &C| {
+        let see = |sample: &Sample, controller: &(dyn Controller + 'c)| {
             recorder.sample(sample, controller)?;
             if let Some(error) = &mut error {
                 error.see(sample);

@@ -65,10 +65,10 @@ struct Strips {
 impl<'a> Recorder<'a> {
     /// An empty record of `robot` under `controller` with room for `rows` samples; with
     /// `samples_per_strips` the strips at every so many of them. What the `manoeuvre` asks is written last.
-    pub fn new<C: Controller>(
+    pub fn new(
         robot: &'a Robot,
         manoeuvre: Option<&'a dyn Manoeuvre>,
-        controller: &C,
+        controller: &dyn Controller,
         rows: usize,
         samples_per_strips: Option<usize>,
     ) -> Result<Self, Error> {
@@ -96,7 +96,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Appends a sample and the controller's diagnostics.
-    pub fn sample<C: Controller>(&mut self, sample: &Sample, controller: &C) -> Result<(), Fault> {
+    pub fn sample(&mut self, sample: &Sample, controller: &dyn Controller) -> Result<(), Fault> {
         let Sample { t, x, u, beyond, .. } = *sample;
         let o = self.robot.observe_beyond(t, x, u, beyond)?;
         let layout = self.robot.layout();

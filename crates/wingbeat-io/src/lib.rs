@@ -6,7 +6,12 @@ pub mod samples;
 mod table;
 mod thrift;
 pub mod trajectory;
+#[cfg(feature = "urdf")]
 mod urdf;
+#[cfg(not(feature = "urdf"))]
+#[path = "without_urdf.rs"]
+mod urdf;
+#[cfg(feature = "urdf")]
 mod xml_depth;
 
 pub use parquet::{ParquetWriter, read_parquet, read_parquet_columns, write_parquet};
@@ -74,6 +79,15 @@ fn text(path: &Path) -> Result<String, Error> {
         true => Ok(text),
         false => Err(Error::format(path, format!("more than {LARGEST_TEXT} bytes, the most that is read"))),
     }
+}
+
+/// What is said of a file of a kind that this build does not read.
+#[cfg(not(all(feature = "hdf5", feature = "npz", feature = "urdf", feature = "yaml")))]
+fn not_built(kind: &str) -> String {
+    format!(
+        "{kind}, which this build does not read; `cargo build --release -p wingbeat-cli --features formats` makes one \
+         that does"
+    )
 }
 
 /// Name of the threads in which decoders of other libraries run: some panic on damaged files, which becomes an error.

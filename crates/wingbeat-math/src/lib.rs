@@ -11,6 +11,7 @@ pub mod multifrontal;
 pub mod names;
 mod over;
 pub mod parallel;
+pub mod processor;
 mod random;
 pub mod range;
 mod room;

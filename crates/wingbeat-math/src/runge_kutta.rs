@@ -123,7 +123,8 @@ impl<S: Scalar, E, F: FnMut(S, &[S], &mut [S]) -> Result<(), E>> Dynamics<S, E> 
 
 impl<const STAGES: usize> Tableau<STAGES> {
     /// Takes `steps` with the state `x`: the one place that advances a state step after step.
-    /// True when all were taken, false when `dynamics` stopped before.
+    /// True when all were taken, false when `dynamics` stopped before. Compiled once for all that moves: a call by reference is
+    /// nothing beside a slope.
     ///
     /// # Errors
     /// The first that `dynamics` gives; a step that fails in its slope leaves `x` as it began.

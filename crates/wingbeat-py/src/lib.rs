@@ -35,6 +35,15 @@ fn whole(key: &str, given: &Bound<PyAny>, allowed: &str) -> PyResult<usize> {
 
 #[pymodule(name = "_wingbeat")]
 mod module {
+    use pyo3::exceptions::PyImportError;
+    use pyo3::prelude::*;
+
+    /// Refuses a processor that the extension was not built for.
+    #[pymodule_init]
+    fn begin(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        wingbeat::processor::lacks().map_or(Ok(()), |lacks| Err(PyImportError::new_err(lacks)))
+    }
+
     #[pymodule_export]
     use super::calibrate::calibrate;
     #[pymodule_export]

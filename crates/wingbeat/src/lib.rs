@@ -28,7 +28,7 @@ pub use wingbeat_config as scenario;
 pub use wingbeat_config::learn;
 pub use wingbeat_flight::{guide, orbit, simulate, tether};
 pub use wingbeat_math as math;
-pub use wingbeat_math::{Error, parallel};
+pub use wingbeat_math::{Error, parallel, processor};
 pub use wingbeat_ocp as ocp;
 pub use wingbeat_ocp::plant;
 pub use wingbeat_rig as rig;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::report::Tally;
 use crate::tools;
 
 /// Writes again what is generated: docs/cli.md, docs/reference.md, docs/schema, the tables of
@@ -12,8 +13,7 @@ use crate::tools;
 /// pictures of README.md.
 pub fn write() -> bool {
     // The tests build the program too, with the features that they take.
-    let build = tools::cargo(&["test", "--release", "--quiet", "--workspace", "--no-run"]);
-    tools::succeeds(build) && reference() && banking_turns() && six_flights() && comparisons()
+    tools::tests_built() && reference() && banking_turns() && six_flights() && comparisons()
 }
 
 /// Writes docs/cli.md, docs/reference.md, docs/schema and the tables of docs/sections.md again.
@@ -146,7 +146,7 @@ fn comparisons() -> bool {
 }
 
 /// The rows that a file of `wingbeat validate` holds.
-pub fn rows_of(file: &Path) -> Option<Vec<Value>> {
+fn rows_of(file: &Path) -> Option<Vec<Value>> {
     serde_json::from_str(&fs::read_to_string(file).ok()?).ok()
 }
 
@@ -170,10 +170,23 @@ fn page(run: &Path) -> bool {
     pictures().is_ok()
 }
 
+/// The comparisons that `which` chooses, their rows in `file`, and the numbers of docs/validation.md beside theirs.
+pub fn compared(file: &str, which: &[&str]) -> Tally {
+    let file = tools::root().join(file);
+    let path = file.to_string_lossy();
+    let mut tally = Tally::of(tools::wingbeat(&[&["validate", "--quiet", "--json", &path], which].concat()));
+    let stale = rows_of(&file).map(|rows| stale(&rows)).unwrap_or_default();
+    for what in &stale {
+        println!("docs/validation.md is stale, run `cargo xtask docs`: {what}");
+    }
+    tally.failed += stale.len();
+    tally
+}
+
 /// What the tables of docs/validation.md say otherwise than `rows`, which may be some of all.
 ///
 /// Numbers agree within two per cent; below 1e-4 they are rounding and need only stay there.
-pub fn stale(rows: &[Value]) -> Vec<String> {
+fn stale(rows: &[Value]) -> Vec<String> {
     let page = fs::read_to_string(tools::root().join("docs/validation.md")).unwrap_or_default();
     rows.iter().filter_map(|row| disagreement(row, &page)).collect()
 }

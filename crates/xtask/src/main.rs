@@ -1,10 +1,12 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `reference`, `bench`, `peers`, `fuzz`, `hostile`,
-//! `advisories`, `python`, `soak`, `paper`.
+//! `advisories`, `python`, `soak`, `paper`, `long`.
 
+mod copies;
 mod dependencies;
 mod documents;
 mod fuzz;
 mod hostile;
+mod long;
 mod paper;
 mod peers;
 mod python;
@@ -20,6 +22,8 @@ cargo xtask TASK
 
   test    format, lints, all tests, the Python package, licences, bans and sources of dependencies, quick comparisons; what
           .ci/run calls
+  long    [NAME...] what takes hours: the commands of docs/paper.md, the recorder for ten minutes, all hostile cases, all
+          comparisons, fuzzing, and the other programs where they are installed; docs/testing.md lists both
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
           and the pictures of README.md; flies and compares everything, a quarter of an hour
   reference  of these docs/cli.md, docs/reference.md, docs/schema and the tables of docs/sections.md alone
@@ -46,6 +50,7 @@ fn main() -> ExitCode {
         "test" => test::test(),
         "docs" => documents::write(),
         "reference" => documents::reference(),
+        "long" => long::long(&arguments[1..]),
         "bench" => tools::succeeds(tools::cargo(&["bench", "--workspace", "--bench", "running_times"])),
         "fuzz" => fuzz::fuzz(&arguments[1..]),
         "hostile" => hostile::hostile(&arguments[1..]),

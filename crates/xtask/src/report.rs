@@ -1,6 +1,9 @@
 //! The account of checks that passed and failed.
 
+use std::process::Command;
 use std::time::{Duration, Instant};
+
+use crate::tools;
 
 /// Checks done so far, by step.
 #[derive(Default)]
@@ -28,6 +31,16 @@ impl Tally {
     /// One check.
     pub fn one(passed: bool) -> Self {
         Self { passed: usize::from(passed), failed: usize::from(!passed) }
+    }
+
+    /// The checks that the command's output counts; a failure that it does not count is one.
+    pub fn of(command: Command) -> Self {
+        let mut tally = Self::default();
+        let success = tools::lines(command, |line| tally.add(line));
+        if !success && tally.failed == 0 {
+            tally.failed = 1;
+        }
+        tally
     }
 
     /// Adds what a line like `test result: ok. 3 passed; 0 failed; ...` or `3 passed, 0 failed` says.

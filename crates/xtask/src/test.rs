@@ -1,9 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
-use std::process::Command;
-
 use crate::report::{Account, Tally};
-use crate::{dependencies, documents, hostile, python, soak, tools};
+use crate::{copies, dependencies, documents, hostile, python, soak, tools};
 
 /// Length of the soak test; `cargo xtask soak` takes ten minutes.
 const SOAK_SECONDS: u64 = 10;
@@ -21,7 +19,10 @@ pub fn test() -> bool {
         Tally::one(tools::succeeds(pages))
     });
     // What follows runs the program that the tests have built: built alone it would take other features.
-    account.step("tests", || counted(&["test", "--release", "--workspace", "--no-fail-fast"]));
+    // The examples are part of the tests of the library; built by themselves each would take the models once more.
+    account.step("tests", || counted(&[&["test"], &tools::TESTS[..], &["--no-fail-fast"]].concat()));
+    account.step("doc tests", || counted(&["test", "--release", "--workspace", "--doc", "--no-fail-fast"]));
+    account.step("copies", copies::check);
     // So does this: the extension is packed as it lies there.
     account.step("python", python::check);
     account.step("hostile", hostile::quick);
@@ -33,15 +34,7 @@ pub fn test() -> bool {
 
 /// The quick comparisons, and the numbers of docs/validation.md beside theirs.
 fn comparisons() -> Tally {
-    let file = tools::root().join("target/quick.json");
-    let path = file.to_string_lossy();
-    let mut tally = tallied(tools::wingbeat(&["validate", "--quick", "--quiet", "--json", &path]));
-    let stale = documents::rows_of(&file).map(|rows| documents::stale(&rows)).unwrap_or_default();
-    for what in &stale {
-        println!("docs/validation.md is stale, run `cargo xtask docs`: {what}");
-    }
-    tally.failed += stale.len();
-    tally
+    documents::compared("target/quick.json", &["--quick"])
 }
 
 fn one(arguments: &[&str]) -> Tally {
@@ -50,15 +43,5 @@ fn one(arguments: &[&str]) -> Tally {
 
 /// The checks that the output of cargo counts.
 fn counted(arguments: &[&str]) -> Tally {
-    tallied(tools::cargo(arguments))
-}
-
-/// The checks that the command's output counts; a failure that it does not count is one.
-fn tallied(command: Command) -> Tally {
-    let mut tally = Tally::default();
-    let success = tools::lines(command, |line| tally.add(line));
-    if !success && tally.failed == 0 {
-        tally.failed = 1;
-    }
-    tally
+    Tally::of(tools::cargo(arguments))
 }

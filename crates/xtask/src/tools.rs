@@ -21,6 +21,14 @@ pub fn wingbeat(arguments: &[&str]) -> Command {
     command
 }
 
+/// What is built and run of tests by themselves, all with the same features.
+pub const TESTS: [&str; 5] = ["--release", "--workspace", "--lib", "--bins", "--tests"];
+
+/// Builds the tests, and with them the programs and the Python extension; true when that succeeds.
+pub fn tests_built() -> bool {
+    succeeds(cargo(&[&["test", "--quiet", "--no-run"], &TESTS[..]].concat()))
+}
+
 /// Builds the program; true when that succeeds.
 pub fn built() -> bool {
     succeeds(cargo(&["build", "--release", "--quiet", "--workspace"]))

@@ -125,8 +125,8 @@ fn watched(
 /// Everything into the folder.
 fn write(folder: &RunFolder, found: &Found, files: &Files) -> Result<(), Error> {
     folder.write_json("summary.json", &found.summary(files))?;
-    folder.write("numbers.toml", &words::numbers(found, files, env!("WINGBEAT_COMMIT")))?;
-    if let Some(residual) = words::residual(found, files, env!("WINGBEAT_COMMIT")) {
+    folder.write("numbers.toml", &words::numbers(found, files, wingbeat_program::COMMIT))?;
+    if let Some(residual) = words::residual(found, files, wingbeat_program::COMMIT) {
         folder.write("residual.toml", &residual)?;
     }
     folder.write("report.md", &words::report(found))?;

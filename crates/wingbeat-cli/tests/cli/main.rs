@@ -11,6 +11,7 @@ mod rig_plan;
 mod rig_process;
 mod sweep;
 mod tether;
+#[cfg(unix)]
 mod validate;
 mod wake;
 mod wake_flight;

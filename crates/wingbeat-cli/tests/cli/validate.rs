@@ -1,49 +1,49 @@
-//! `wingbeat validate`.
+//! `wingbeat validate` hands over to the program of the comparisons.
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use crate::{entries, scratch, wingbeat};
+use crate::scratch;
 
-#[test]
-fn a_comparison_leaves_its_rows_and_its_figure() {
-    let folder = scratch("validate-whole");
-    let arguments = ["validate", "--only", "linkage", "--quiet", "--out", "a"];
-    let output = wingbeat(&folder, &arguments);
-    assert!(output.status.success(), "{output:?}");
-    let names = ["figures", "manifest.json", "rows.csv", "rows.json", "summary.json"];
-    assert_eq!(entries(&folder.join("a")), names);
-    assert_eq!(entries(&folder.join("a/figures")), ["linkage.png", "linkage.svg"]);
-    let rows = fs::read_to_string(folder.join("a/rows.csv")).unwrap();
-    assert!(rows.starts_with("id,source,metric,unit,value,limit,pass\nlinkage.cycle,"), "{rows}");
-    assert!(fs::read_to_string(folder.join("a/summary.json")).unwrap().contains("\"passed\": 1"));
-
-    let again = wingbeat(&folder, &arguments);
-    assert_eq!(again.status.code(), Some(2), "{again:?}");
-    assert!(String::from_utf8_lossy(&again.stderr).contains("--force"), "{again:?}");
-    assert_eq!(entries(&folder), ["a"]);
+/// A copy of the program in `folder`, where no other program stands.
+fn copied(folder: &Path) -> PathBuf {
+    let program = folder.join("wingbeat");
+    fs::copy(env!("CARGO_BIN_EXE_wingbeat"), &program).unwrap();
+    program
 }
 
 #[test]
-fn an_unknown_comparison_leaves_nothing() {
-    let folder = scratch("validate-unknown");
-    let output = wingbeat(&folder, &["validate", "--only", "linkag", "--out", "a"]);
-    assert_eq!(output.status.code(), Some(2));
+fn a_program_alone_says_how_the_comparisons_are_had() {
+    let folder = scratch("validate-alone");
+    let output = Command::new(copied(&folder)).args(["validate", "--only", "linkage"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
     let message = String::from_utf8_lossy(&output.stderr);
-    assert!(message.contains("linkag: no such comparison") && message.contains("linkage.cycle"), "{message}");
-    assert!(entries(&folder).is_empty());
+    assert!(message.contains("`cargo build --release -p wingbeat-validate`"), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
 }
 
 #[test]
-fn a_long_comparison_is_run_when_it_is_asked_for() {
-    let folder = scratch("validate-long");
-    let output = wingbeat(&folder, &["validate", "--only", "flight.draws"]);
-    assert_eq!(output.status.code(), Some(2));
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(message.contains("flight.draws: it takes minutes and is run with --long"), "{message}");
-    let output = wingbeat(&folder, &["validate", "--long", "--only", "flight.drawn"]);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        message.contains("no such comparison") && message.contains("flight.draws.level_20g"),
-        "{message}"
-    );
+fn arguments_and_exit_code_pass_unchanged() {
+    let folder = scratch("validate-beside");
+    let beside = folder.join("wingbeat-validate");
+    fs::write(&beside, "#!/bin/sh\necho \"$$ $*\"\nexit 7\n").unwrap();
+    fs::set_permissions(&beside, fs::Permissions::from_mode(0o755)).unwrap();
+    let mut command = Command::new(copied(&folder));
+    let arguments = ["validate", "--only", "linkage", "--quick", "--quiet", "--json", "a file.json"];
+    let child = command.args(arguments).stdout(std::process::Stdio::piped()).spawn().unwrap();
+    // The same process, so that signals reach the comparisons.
+    let said = format!("{} --only linkage --quick --quiet --json a file.json\n", child.id());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(7), "{output:?}");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), said);
+}
+
+#[test]
+fn what_the_comparisons_do_not_take_is_refused_before() {
+    let folder = scratch("validate-refused");
+    let output = Command::new(copied(&folder)).args(["validate", "--onyl", "linkage"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--only"), "{output:?}");
 }

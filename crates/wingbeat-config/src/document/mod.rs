@@ -8,7 +8,6 @@
 mod error;
 mod explain;
 mod limits;
-mod placeholder;
 mod read;
 mod source;
 mod tree;

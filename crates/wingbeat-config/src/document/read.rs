@@ -1,25 +1,22 @@
 //! From the tree of a document to a type of the library: every complaint carries its path, and all are collected.
 
+mod access;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-use serde::de::value::StrDeserializer;
-use serde::de::{
-    self, DeserializeOwned, DeserializeSeed, EnumAccess, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
-    VariantAccess, Visitor,
-};
-use serde::{Deserializer, forward_to_deserialize_any};
+use serde::de::{self, DeserializeOwned, Deserializer, Unexpected, Visitor};
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::placeholder::Placeholder;
 use super::tree::dotted;
+use access::{Choice, Entries, Items};
 
-/// Methods for a type that any value is asked for: a placeholder answers where one stands.
+/// Methods for a type that any value is asked for: zero, or what there is of the kind, answers where a placeholder stands.
 macro_rules! typed {
-    ($($method:ident)*) => {$(
+    ($($method:ident => $visit:ident($($value:expr)?);)*) => {$(
         fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Complaint> {
-            if self.replaced() { Placeholder.$method(visitor) } else { self.deserialize_any(visitor) }
+            if self.replaced { visitor.$visit($($value)?) } else { self.deserialize_any(visitor) }
         }
     )*};
 }
@@ -54,7 +51,7 @@ pub fn read<T: DeserializeOwned>(node: &Spanned<DeValue<'_>>, path: &str) -> Res
     let mut mended = Mended::default();
     let mut complaints = Vec::new();
     loop {
-        let reader = Reader { node, path: path.into(), mended: &mended };
+        let reader = Reader::of(node, path.into(), &mended);
         match T::deserialize(reader) {
             Ok(value) if complaints.is_empty() => return Ok(value),
             Ok(_) => return Err(complaints),
@@ -163,29 +160,92 @@ fn in_words(expected: &str) -> String {
     }
 }
 
-/// A value of the tree with its path.
+/// A value of the tree with its path. A placeholder becomes whatever is asked for, zero of every type, of a choice the first: it stands
+/// for what is missing or wrong while the rest is read. One type for both, as what serde derives is compiled for every type that reads.
 struct Reader<'a, 'i> {
-    node: &'a Spanned<DeValue<'i>>,
+    /// None of what is missing.
+    node: Option<&'a Spanned<DeValue<'i>>>,
+    /// Whether a placeholder stands in its place.
+    replaced: bool,
     path: String,
     mended: &'a Mended,
 }
 
 impl<'a, 'i> Reader<'a, 'i> {
+    fn of(node: &'a Spanned<DeValue<'i>>, path: String, mended: &'a Mended) -> Self {
+        Self { node: Some(node), replaced: mended.replaced.contains(&path), path, mended }
+    }
+
     fn below(&self, node: &'a Spanned<DeValue<'i>>, path: String) -> Self {
-        Self { node, path, mended: self.mended }
+        Self::of(node, path, self.mended)
     }
 
-    /// What `visit` says, with this value's path where it has none.
-    fn located<T>(self, visit: impl FnOnce(&Self) -> Result<T, Complaint>) -> Result<T, Complaint> {
-        visit(&self).map_err(|complaint| complaint.at(&self.path))
+    /// What is missing below.
+    fn placeholder(&self) -> Self {
+        Self { node: None, replaced: true, path: String::new(), mended: self.mended }
     }
 
-    fn replaced(&self) -> bool {
-        self.mended.replaced.contains(&self.path)
+    /// The value, where it is not replaced.
+    fn value(&self) -> Option<&'a DeValue<'i>> {
+        self.node.filter(|_| !self.replaced).map(Spanned::get_ref)
     }
 
-    fn scalar<'de, V: Visitor<'de>>(&self, visitor: V) -> Result<V::Value, Complaint> {
-        match self.node.get_ref() {
+    /// A complaint with this value's path where it has none; one of a placeholder belongs to what is above.
+    fn placed(&self, complaint: Complaint) -> Complaint {
+        if self.replaced { complaint } else { complaint.at(&self.path) }
+    }
+
+    /// The complaint that this value should be `allowed`.
+    fn should_be(&self, allowed: String) -> Complaint {
+        Complaint::new(Fault::Value(allowed)).at(&self.path)
+    }
+
+    /// The entries of a table with these keys.
+    fn entries(&self, keys: &'static [&'static str]) -> Result<Entries<'_, 'a, 'i>, Complaint> {
+        match self.value() {
+            None => Ok(Entries::placeholders(self, keys)),
+            Some(DeValue::Table(_)) => Ok(Entries::new(self)),
+            Some(_) => Err(self.should_be("a table".into())),
+        }
+    }
+
+    /// The items of a list of this length.
+    fn items(&self, length: usize) -> Result<Items<'_, 'a, 'i>, Complaint> {
+        match self.value() {
+            None => Ok(Items { reader: self, next: 0, placeholders: Some(length) }),
+            Some(DeValue::Array(items)) if items.len() == length => Ok(Items::new(self)),
+            Some(_) => Err(self.should_be(format!("a list of length {length}"))),
+        }
+    }
+
+    /// The choice among these variants.
+    fn choice(&self, variants: &'static [&'static str]) -> Result<Choice<'_, 'a, 'i>, Complaint> {
+        match self.value() {
+            None => {
+                let name = variants.first().copied().unwrap_or_default();
+                Ok(Choice { reader: self, name, inside: None })
+            }
+            Some(DeValue::String(text)) => Ok(Choice { reader: self, name: text, inside: None }),
+            Some(DeValue::Table(table)) => {
+                let ignored = |key: &str| self.mended.ignored.contains(&dotted(&self.path, key));
+                let mut kept = table.iter().filter(|(key, _)| !ignored(key.get_ref()));
+                match (kept.next(), kept.next()) {
+                    (Some((key, value)), None) => {
+                        Ok(Choice { reader: self, name: key.get_ref(), inside: Some(value) })
+                    }
+                    _ => {
+                        let keys = table.keys().map(|key| key.get_ref());
+                        Err(Complaint::new(not_one_of(keys, variants)).at(&self.path))
+                    }
+                }
+            }
+            Some(_) => Err(self.should_be(format!("one of {}", variants.join(", ")))),
+        }
+    }
+
+    /// The value as it is, replaced or not.
+    fn any<'de, V: Visitor<'de>>(&self, node: &'a DeValue<'i>, visitor: V) -> Result<V::Value, Complaint> {
+        match node {
             DeValue::String(text) => visitor.visit_str(text),
             DeValue::Boolean(value) => visitor.visit_bool(*value),
             DeValue::Float(float) => match float.as_str().parse() {
@@ -201,7 +261,7 @@ impl<'a, 'i> Reader<'a, 'i> {
                 Err(_) => Err(Complaint::new(Fault::Value("a whole number of fewer digits".into()))),
             },
             DeValue::Datetime(time) => visitor.visit_string(time.to_string()),
-            DeValue::Array(_) => visitor.visit_seq(Items { reader: self, next: 0 }),
+            DeValue::Array(_) => visitor.visit_seq(Items::new(self)),
             DeValue::Table(_) => visitor.visit_map(Entries::new(self)),
         }
     }
@@ -211,22 +271,63 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     type Error = Complaint;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Complaint> {
-        self.located(|reader| reader.scalar(visitor))
+        match self.node {
+            Some(node) => self.any(node.get_ref(), visitor).map_err(|complaint| complaint.at(&self.path)),
+            None => visitor.visit_f64(0.0),
+        }
     }
 
-    forward_to_deserialize_any! {
-        unit unit_struct identifier ignored_any
+    fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Complaint> {
+        if self.node.is_none() { visitor.visit_unit() } else { self.deserialize_any(visitor) }
+    }
+
+    fn deserialize_unit_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Complaint> {
+        self.deserialize_any(visitor)
+    }
+
+    fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Complaint> {
+        if self.node.is_none() { visitor.visit_str("") } else { self.deserialize_any(visitor) }
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Complaint> {
+        self.deserialize_unit(visitor)
     }
 
     typed! {
-        deserialize_bool deserialize_i8 deserialize_i16 deserialize_i32 deserialize_i64 deserialize_i128
-        deserialize_u8 deserialize_u16 deserialize_u32 deserialize_u64 deserialize_u128
-        deserialize_f32 deserialize_f64 deserialize_char deserialize_str deserialize_string
-        deserialize_bytes deserialize_byte_buf deserialize_seq deserialize_map
+        deserialize_bool => visit_bool(false);
+        deserialize_char => visit_char('0');
+        deserialize_str => visit_str("");
+        deserialize_string => visit_str("");
+        deserialize_bytes => visit_bytes(&[]);
+        deserialize_byte_buf => visit_bytes(&[]);
+        deserialize_i8 => visit_i8(0);
+        deserialize_i16 => visit_i16(0);
+        deserialize_i32 => visit_i32(0);
+        deserialize_i64 => visit_i64(0);
+        deserialize_i128 => visit_i128(0);
+        deserialize_u8 => visit_u8(0);
+        deserialize_u16 => visit_u16(0);
+        deserialize_u32 => visit_u32(0);
+        deserialize_u64 => visit_u64(0);
+        deserialize_u128 => visit_u128(0);
+        deserialize_f32 => visit_f32(0.0);
+        deserialize_f64 => visit_f64(0.0);
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Complaint> {
+        if self.replaced { self.deserialize_tuple(0, visitor) } else { self.deserialize_any(visitor) }
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Complaint> {
+        if self.replaced { self.deserialize_struct("", &[], visitor) } else { self.deserialize_any(visitor) }
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Complaint> {
-        if self.replaced() { visitor.visit_none() } else { visitor.visit_some(self) }
+        if self.replaced { visitor.visit_none() } else { visitor.visit_some(self) }
     }
 
     fn deserialize_newtype_struct<V: Visitor<'de>>(
@@ -238,13 +339,8 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Complaint> {
-        if self.replaced() {
-            return Placeholder.deserialize_tuple(length, visitor);
-        }
-        self.located(|reader| match reader.node.get_ref() {
-            DeValue::Array(items) if items.len() == length => reader.scalar(visitor),
-            _ => Err(Complaint::new(Fault::Value(format!("a list of length {length}")))),
-        })
+        let items = self.items(length)?;
+        visitor.visit_seq(items).map_err(|complaint| self.placed(complaint))
     }
 
     fn deserialize_tuple_struct<V: Visitor<'de>>(
@@ -258,42 +354,22 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
 
     fn deserialize_struct<V: Visitor<'de>>(
         self,
-        name: &'static str,
+        _: &'static str,
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Complaint> {
-        if self.replaced() {
-            return Placeholder.deserialize_struct(name, fields, visitor);
-        }
-        self.located(|reader| match reader.node.get_ref() {
-            DeValue::Table(_) => reader.scalar(visitor),
-            _ => Err(Complaint::new(Fault::Value("a table".into()))),
-        })
+        let entries = self.entries(fields)?;
+        visitor.visit_map(entries).map_err(|complaint| self.placed(complaint))
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
         self,
-        name: &'static str,
+        _: &'static str,
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Complaint> {
-        if self.replaced() {
-            return Placeholder.deserialize_enum(name, variants, visitor);
-        }
-        self.located(|reader| match reader.node.get_ref() {
-            DeValue::String(text) => visitor.visit_enum(Choice { reader, name: text, inside: None }),
-            DeValue::Table(table) => {
-                let ignored = |key: &str| reader.mended.ignored.contains(&dotted(&reader.path, key));
-                let mut kept = table.iter().filter(|(key, _)| !ignored(key.get_ref()));
-                match (kept.next(), kept.next()) {
-                    (Some((key, value)), None) => {
-                        visitor.visit_enum(Choice { reader, name: key.get_ref(), inside: Some(value) })
-                    }
-                    _ => Err(Complaint::new(not_one_of(table.keys().map(|key| key.get_ref()), variants))),
-                }
-            }
-            _ => Err(Complaint::new(Fault::Value(format!("one of {}", variants.join(", "))))),
-        })
+        let choice = self.choice(variants)?;
+        visitor.visit_enum(choice).map_err(|complaint| self.placed(complaint))
     }
 }
 
@@ -302,118 +378,4 @@ fn not_one_of<K: AsRef<str>>(mut keys: impl Iterator<Item = K>, variants: &[&str
     let unknown = keys.find(|key| !variants.contains(&key.as_ref()));
     let known = unknown.map(|key| Fault::Unknown(key.as_ref().into(), names(variants)));
     known.unwrap_or_else(|| Fault::Value(format!("one of {}, alone", variants.join(", "))))
-}
-
-/// The items of a list.
-struct Items<'r, 'a, 'i> {
-    reader: &'r Reader<'a, 'i>,
-    next: usize,
-}
-
-impl<'de> SeqAccess<'de> for Items<'_, '_, '_> {
-    type Error = Complaint;
-
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Complaint> {
-        let items = self.reader.node.get_ref().as_array();
-        let Some(item) = items.and_then(|items| items.get(self.next)) else { return Ok(None) };
-        let path = format!("{}[{}]", self.reader.path, self.next);
-        self.next += 1;
-        seed.deserialize(self.reader.below(item, path)).map(Some)
-    }
-
-    fn size_hint(&self) -> Option<usize> {
-        self.reader.node.get_ref().as_array().map(|items| items.len() - self.next.min(items.len()))
-    }
-}
-
-/// The entries of a table, then those that are missing.
-struct Entries<'r, 'a, 'i> {
-    reader: &'r Reader<'a, 'i>,
-    entries: Box<dyn Iterator<Item = (String, Option<&'a Spanned<DeValue<'i>>>)> + 'a>,
-    current: Option<(String, Option<&'a Spanned<DeValue<'i>>>)>,
-}
-
-impl<'r, 'a, 'i> Entries<'r, 'a, 'i> {
-    fn new(reader: &'r Reader<'a, 'i>) -> Self {
-        let (mended, path) = (reader.mended, reader.path.clone());
-        let added = mended.added.get(&path).into_iter().flatten().map(|name| (name.clone(), None));
-        let table = reader.node.get_ref().as_table().into_iter().flat_map(|table| table.iter());
-        let known = table
-            .map(|(key, value)| (key.get_ref().to_string(), Some(value)))
-            .filter(move |(key, _)| !mended.ignored.contains(&dotted(&path, key)));
-        Self { reader, entries: Box::new(known.chain(added)), current: None }
-    }
-}
-
-impl<'de> MapAccess<'de> for Entries<'_, '_, '_> {
-    type Error = Complaint;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Complaint> {
-        self.current = self.entries.next();
-        let Some((key, _)) = &self.current else { return Ok(None) };
-        let key: StrDeserializer<'_, Complaint> = key.as_str().into_deserializer();
-        seed.deserialize(key).map(Some)
-    }
-
-    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Complaint> {
-        match self.current.take() {
-            Some((key, Some(node))) => {
-                seed.deserialize(self.reader.below(node, dotted(&self.reader.path, &key)))
-            }
-            _ => seed.deserialize(Placeholder),
-        }
-    }
-}
-
-/// A variant by its name, with what it holds.
-struct Choice<'r, 'a, 'i> {
-    reader: &'r Reader<'a, 'i>,
-    name: &'r str,
-    inside: Option<&'a Spanned<DeValue<'i>>>,
-}
-
-impl<'a, 'i> Choice<'_, 'a, 'i> {
-    fn inside(self) -> Result<Reader<'a, 'i>, Complaint> {
-        let node = self.inside.ok_or_else(|| {
-            Complaint::new(Fault::Value(format!("a table {} with what belongs to it", self.name)))
-        })?;
-        Ok(self.reader.below(node, dotted(&self.reader.path, self.name)))
-    }
-}
-
-impl<'de> EnumAccess<'de> for Choice<'_, '_, '_> {
-    type Error = Complaint;
-    type Variant = Self;
-
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), Complaint> {
-        let name: StrDeserializer<'_, Complaint> = self.name.into_deserializer();
-        Ok((seed.deserialize(name)?, self))
-    }
-}
-
-impl<'de> VariantAccess<'de> for Choice<'_, '_, '_> {
-    type Error = Complaint;
-
-    fn unit_variant(self) -> Result<(), Complaint> {
-        match self.inside {
-            None => Ok(()),
-            Some(_) => Err(Complaint::new(Fault::Value(format!("\"{}\" alone", self.name)))),
-        }
-    }
-
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Complaint> {
-        seed.deserialize(self.inside()?)
-    }
-
-    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Complaint> {
-        self.inside()?.deserialize_tuple(length, visitor)
-    }
-
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Complaint> {
-        self.inside()?.deserialize_struct("", fields, visitor)
-    }
 }

@@ -121,8 +121,8 @@ impl Scenario {
         let steps = (spec.start_s / self.schedule.step).round() as usize;
         let schedule = Schedule { steps, ..self.schedule };
         let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
-        let go_on = |_: &Sample, _: &Box<dyn Controller + '_>| Ok(ControlFlow::Continue(()));
-        let flight = fly(model, &mut sensors, &mut self.pilot()?, &schedule, &mut x, go_on);
+        let go_on = |_: &Sample, _: &(dyn Controller + '_)| Ok(ControlFlow::Continue(()));
+        let flight = fly(model, &mut sensors, &mut *self.pilot()?, &schedule, &mut x, go_on);
         flight.ending.check().map_err(broken)?;
         let spec = RollInSpec { start_s: steps as f64 * self.schedule.step, ..spec.clone() };
         let problem = RollIn::new(&self.model, &x, self.model.strokes(), &spec)

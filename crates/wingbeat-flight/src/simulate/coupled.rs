@@ -1,6 +1,6 @@
 //! Robots in air that is stepped beside them and bears on them together with their motion.
 
-use super::fly::{Controller, Flight, Pilot, Sample, Schedule};
+use super::fly::{Controller, Flight, Observer, Pilot, Sample, Schedule};
 use super::secant::Secant;
 use super::sensors::Sensors;
 use super::stepper::Stepper;
@@ -168,16 +168,16 @@ pub trait Steers {
 }
 
 /// Steers as decided: nobody sees it.
-struct Tried<'a, D>(&'a D);
+struct Tried<'a>(&'a dyn Steers);
 
 /// Steers as decided and shows all but the last end of its steps; its first is the step `first` of all.
-struct Kept<'a, D> {
-    steering: &'a mut D,
+struct Kept<'a> {
+    steering: &'a mut dyn Steers,
     first: usize,
     steps: usize,
 }
 
-impl<D: Steers> Driver<Beyond> for Tried<'_, D> {
+impl Driver<Beyond> for Tried<'_> {
     fn inputs(&self, t: f64, u: &mut [f64]) {
         self.0.planned(t, u);
     }
@@ -186,7 +186,7 @@ impl<D: Steers> Driver<Beyond> for Tried<'_, D> {
     }
 }
 
-impl<D: Steers> Driver<Beyond> for Kept<'_, D> {
+impl Driver<Beyond> for Kept<'_> {
     fn inputs(&self, t: f64, u: &mut [f64]) {
         self.steering.planned(t, u);
     }
@@ -204,15 +204,16 @@ impl<D: Steers> Driver<Beyond> for Kept<'_, D> {
 /// weight. The controller's updates lie on ends of steps of the air.
 ///
 /// Equation: robot.coupling
-pub fn fly_in<C: Controller>(
+pub fn fly_in<C: Controller + ?Sized>(
     robot: &Robot,
     flow: &mut dyn Flow,
     sensors: &mut Sensors,
     controller: &mut C,
     schedule: &Schedule,
     x: &mut [f64],
-    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+    mut observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 ) -> (Flight, Coupling) {
+    let observe: Observer<C> = &mut observe;
     let mut pilot = Pilot::new(robot, sensors, controller, schedule, observe);
     let system = Beside(robot);
     let mut stepper = Stepper::new(&system, 0.0, x);
@@ -226,7 +227,7 @@ pub fn step_in<B: Bears>(
     flow: &mut dyn Flow,
     stepper: &mut Stepper<&B>,
     steps: (f64, usize),
-    steering: &mut impl Steers,
+    steering: &mut dyn Steers,
 ) -> (Ending, Coupling) {
     let step = flow.every() as f64 * steps.0;
     let mut coupled = Coupled { flow, coupling: Coupling { step, ..Coupling::default() } };
@@ -245,7 +246,7 @@ impl Coupled<'_> {
         &mut self,
         stepper: &mut Stepper<&B>,
         (step, steps): (f64, usize),
-        steering: &mut impl Steers,
+        steering: &mut dyn Steers,
     ) -> Result<Ending, Fault> {
         let (every, mut taken) = (self.flow.every(), 0);
         let mut loads = self.asked(stepper)?;

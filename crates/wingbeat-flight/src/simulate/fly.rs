@@ -115,14 +115,15 @@ pub struct Flight {
 /// channels, quaternion renormalised every step.
 ///
 /// `observe` sees every sample, the first at t = 0, and may stop the flight.
-pub fn fly<P: Plant, C: Controller>(
+pub fn fly<P: Plant, C: Controller + ?Sized>(
     plant: &P,
     sensors: &mut Sensors,
     controller: &mut C,
     schedule: &Schedule,
     x: &mut [f64],
-    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+    mut observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 ) -> Flight {
+    let observe: Observer<C> = &mut observe;
     let mut pilot = Pilot::new(plant, sensors, controller, schedule, observe);
     let mut stepper = Stepper::new(plant, 0.0, x);
     let ending = stepper.run(schedule.step, schedule.steps, &mut pilot);
@@ -130,8 +131,11 @@ pub fn fly<P: Plant, C: Controller>(
     pilot.flight(ending, stepper.time())
 }
 
+/// Who sees the samples of a flight, whatever it does with them.
+pub(super) type Observer<'a, C> = &'a mut dyn FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>;
+
 /// A controller behind its sensors at the stepper's wheel.
-pub(super) struct Pilot<'a, P, C, O> {
+pub(super) struct Pilot<'a, P, C: ?Sized, O> {
     pub plant: &'a P,
     sensors: &'a mut Sensors,
     controller: &'a mut C,
@@ -143,7 +147,7 @@ pub(super) struct Pilot<'a, P, C, O> {
     late: usize,
 }
 
-impl<'a, P, C, O> Pilot<'a, P, C, O> {
+impl<'a, P, C: ?Sized, O> Pilot<'a, P, C, O> {
     /// At the wheel from now on.
     pub fn new(
         plant: &'a P,
@@ -179,7 +183,7 @@ impl<'a, P, C, O> Pilot<'a, P, C, O> {
     }
 }
 
-impl<P: Plant, C: Controller, O> Driver<()> for Pilot<'_, P, C, O>
+impl<P: Plant, C: Controller + ?Sized, O> Driver<()> for Pilot<'_, P, C, O>
 where
     O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 {
@@ -197,7 +201,7 @@ where
     }
 }
 
-impl<P, C: Controller, O> Steers for Pilot<'_, P, C, O>
+impl<P, C: Controller + ?Sized, O> Steers for Pilot<'_, P, C, O>
 where
     O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
 {

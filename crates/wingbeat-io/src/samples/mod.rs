@@ -72,7 +72,7 @@ use hdf5::read as hierarchical;
 
 #[cfg(not(feature = "hdf5"))]
 fn hierarchical(table: Table) -> Result<Table, Error> {
-    Err(table.bad("an HDF5 file, which this build does not read: build with --features hdf5"))
+    Err(table.bad(crate::not_built("an HDF5 or MATLAB 7.3 file")))
 }
 
 fn of_parquet(mut table: Table) -> Result<Table, Error> {

@@ -5,7 +5,9 @@ use std::io::{BufReader, Read};
 use super::numbers::Kind;
 use super::opened;
 use super::table::{Shape, Table};
-use crate::{Error, MOST_COLUMNS};
+use crate::Error;
+#[cfg(feature = "npz")]
+use crate::MOST_COLUMNS;
 
 /// First bytes of an npy file.
 pub const MAGIC: &[u8] = b"\x93NUMPY";
@@ -21,6 +23,13 @@ pub fn read_npy(mut table: Table) -> Result<Table, Error> {
 }
 
 /// Every array of an npz archive.
+#[cfg(not(feature = "npz"))]
+pub fn read_npz(table: Table) -> Result<Table, Error> {
+    Err(table.bad(crate::not_built("a NumPy npz archive")))
+}
+
+/// Every array of an npz archive.
+#[cfg(feature = "npz")]
 pub fn read_npz(mut table: Table) -> Result<Table, Error> {
     let path = table.path.clone();
     let (file, _) = opened(&path)?;

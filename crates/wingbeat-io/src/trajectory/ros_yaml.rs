@@ -67,8 +67,7 @@ pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
             "not a trajectory_msgs/JointTrajectory: more than {DEEPEST} brackets open at once"
         ));
     }
-    let message: Message = serde_yaml_ng::from_str(text)
-        .map_err(|error| format!("not a trajectory_msgs/JointTrajectory: {error}"))?;
+    let message = message(text)?;
     let time = |p: &Point| p.time_from_start.sec as f64 + 1e-9 * p.time_from_start.nanosec as f64;
     let times: Vec<f64> = message.points.iter().map(time).collect();
     let step = equal_step(&times)?;
@@ -89,6 +88,16 @@ pub fn parse_ros_yaml(text: &str) -> Result<Imported, String> {
     let mut imported = Imported { trajectory, warnings: Vec::new() };
     to_radians(&mut imported, Some(Unit::Radians));
     Ok(imported)
+}
+
+#[cfg(feature = "yaml")]
+fn message(text: &str) -> Result<Message, String> {
+    serde_yaml_ng::from_str(text).map_err(|error| format!("not a trajectory_msgs/JointTrajectory: {error}"))
+}
+
+#[cfg(not(feature = "yaml"))]
+fn message(_: &str) -> Result<Message, String> {
+    Err(crate::not_built("a ROS 2 trajectory (YAML)"))
 }
 
 /// Brackets that may be open at once: the parser's time grows with the square, and the message needs 1.
@@ -123,7 +132,7 @@ pub(super) fn equal_step(times: &[f64]) -> Result<f64, String> {
     Ok(step)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "yaml"))]
 mod tests {
     use super::super::tests::{near, sample};
     use super::*;

@@ -140,7 +140,6 @@ fn a_cut_fortran_array_names_a_sample_that_it_has() {
 }
 
 #[test]
-#[cfg(feature = "hdf5")]
 fn groups_of_hdf5_that_hold_themselves_end() {
     let bytes = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/samples/groups.h5")).unwrap();
     // Entries of symbol tables: offset of the name, then the address of the object. Each is made the root group.

@@ -78,7 +78,6 @@ fn variables_of_matlab() {
 }
 
 #[test]
-#[cfg(feature = "hdf5")]
 fn datasets_of_hdf5_and_of_matlab_73() {
     let lines = CHANNELS.iter().map(|(c, _)| format!("{c} = \"run/1/{c}\"\n")).collect::<String>();
     let run = format!("[columns]\nt = \"run/1/clock\"\n{lines}");

@@ -35,7 +35,7 @@ impl Manifest {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            git_commit: env!("WINGBEAT_COMMIT"),
+            git_commit: crate::COMMIT,
             command: env::args_os().map(|word| word.to_string_lossy().into_owned()).collect(),
             seed,
             started_unix_s: now.saturating_sub(wall).as_secs_f64(),

@@ -1,0 +1,8 @@
+//! Files written and read back, those of other programs, and those made to harm.
+
+#[cfg(feature = "formats")]
+mod hostile;
+mod parquet;
+#[cfg(feature = "formats")]
+mod samples;
+mod table;

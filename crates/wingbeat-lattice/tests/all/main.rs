@@ -1,0 +1,5 @@
+//! The lattice by itself, along flights and below runs on the rig.
+
+mod coupled;
+mod physics;
+mod rig;

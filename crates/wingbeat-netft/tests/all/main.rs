@@ -1,0 +1,4 @@
+//! The recorder against boxes on the loopback.
+
+mod loopback;
+mod other_box;
