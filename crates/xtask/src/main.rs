@@ -5,6 +5,8 @@ mod dependencies;
 mod documents;
 mod fuzz;
 mod hostile;
+#[cfg(test)]
+mod pages;
 mod paper;
 mod peers;
 mod python;
@@ -21,7 +23,7 @@ cargo xtask TASK
   test    format, lints, all tests, the Python package, licences, bans and sources of dependencies, quick comparisons; what
           .ci/run calls
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
-          and the pictures of README.md; flies and compares everything, a quarter of an hour
+          and the pictures of docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
   reference  of these docs/cli.md, docs/reference.md, docs/schema and the tables of docs/sections.md alone
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
