@@ -32,11 +32,8 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/planning.md",
     "docs/python.md",
     "docs/rig.md",
-    "docs/robots.md",
-    "docs/runs.md",
     "docs/sections.md",
     "docs/sources.md",
-    "docs/tether.md",
     "docs/trim.md",
     "docs/wake.md",
 ];
