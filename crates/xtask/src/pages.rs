@@ -33,7 +33,6 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/rig.md",
     "docs/sections.md",
     "docs/sources.md",
-    "docs/trim.md",
     "docs/wake.md",
 ];
 
