@@ -23,8 +23,6 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/calibration_results.md",
     "docs/dependencies.md",
     "docs/extending.md",
-    "docs/flight.md",
-    "docs/flight_paths.md",
     "docs/gaits.md",
     "docs/paper.md",
     "docs/performance.md",
@@ -150,7 +148,8 @@ fn sentences(text: &str) -> Vec<String> {
         }
     }
     let ended = |paragraph: &String| -> Vec<String> {
-        let marked = paragraph.replace(". ", ".\n").replace("? ", "?\n").replace("! ", "!\n");
+        let marked =
+            paragraph.replace(".** ", ".**\n").replace(". ", ".\n").replace("? ", "?\n").replace("! ", "!\n");
         marked.lines().map(|sentence| sentence.trim().to_owned()).collect()
     };
     paragraphs.iter().flat_map(ended).collect()
