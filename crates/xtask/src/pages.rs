@@ -27,8 +27,6 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/paper.md",
     "docs/performance.md",
     "docs/planning.md",
-    "docs/python.md",
-    "docs/rig.md",
     "docs/sections.md",
     "docs/sources.md",
     "docs/wake.md",
