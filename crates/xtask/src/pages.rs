@@ -24,7 +24,6 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/dependencies.md",
     "docs/extending.md",
     "docs/gaits.md",
-    "docs/paper.md",
     "docs/performance.md",
     "docs/planning.md",
     "docs/sections.md",
