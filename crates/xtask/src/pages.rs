@@ -25,8 +25,6 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/extending.md",
     "docs/gaits.md",
     "docs/performance.md",
-    "docs/planning.md",
-    "docs/sections.md",
     "docs/sources.md",
     "docs/wake.md",
 ];
