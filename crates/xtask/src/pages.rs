@@ -26,7 +26,6 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/gaits.md",
     "docs/performance.md",
     "docs/sources.md",
-    "docs/wake.md",
 ];
 
 /// Words that a reader of the field does not know in that sense, and what to write.
