@@ -23,7 +23,6 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/calibration_results.md",
     "docs/dependencies.md",
     "docs/extending.md",
-    "docs/gaits.md",
     "docs/performance.md",
     "docs/sources.md",
 ];
