@@ -22,8 +22,6 @@ const NOT_YET_PLAIN: &[&str] = &[
     "docs/ARCHITECTURE.md",
     "docs/dependencies.md",
     "docs/extending.md",
-    "docs/performance.md",
-    "docs/sources.md",
 ];
 
 /// Words that a reader of the field does not know in that sense, and what to write.
