@@ -9,8 +9,7 @@ use crate::report::Tally;
 use crate::tools;
 
 /// Writes again what is generated: docs/cli.md, docs/reference.md, docs/schema, the tables of
-/// docs/sections.md, docs/validation.md, the tables and the
-/// pictures of README.md.
+/// docs/sections.md, docs/validation.md, the tables and the pictures of docs/banking_turn.md and docs/flight.md.
 pub fn write() -> bool {
     // The tests build the program too, with the features that they take.
     tools::tests_built() && reference() && banking_turns() && six_flights() && comparisons()
@@ -34,21 +33,26 @@ pub fn reference() -> bool {
     tools::succeeds(reference) && tools::succeeds(sections)
 }
 
+/// The page of the paper's turn, which shows the turn under all presets and laws.
+const TURN_PAGE: &str = "docs/banking_turn.md";
+
 /// Flies the banking turn with both aerodynamic presets and a turn that carries its weight, and puts tables and
-/// pictures into the README.
+/// pictures into their pages.
 fn banking_turns() -> bool {
     let turn = "scenarios/banking_turn.toml";
-    shown("banking turn", &[turn], Some("banking_turn.png"))
-        && shown("banking turn, full", &[turn, "--set", "aero.preset=full"], None)
+    shown(TURN_PAGE, "banking turn", &[turn], Some("banking_turn.png"))
+        && shown(TURN_PAGE, "banking turn, full", &[turn, "--set", "aero.preset=full"], None)
         && shown(
+            "docs/flight.md",
             "turn that carries its weight",
             &["scenarios/bank30_20g_lev.toml"],
             Some("bank30_20g_lev.png"),
         )
 }
 
-/// Flies what `arguments` say, puts its table at `mark` and the picture of its path into the file `picture`.
-fn shown(mark: &str, arguments: &[&str], picture: Option<&str>) -> bool {
+/// Flies what `arguments` say, puts its table at `mark` of the document `page` and the picture of its path into the
+/// file `picture`.
+fn shown(page: &str, mark: &str, arguments: &[&str], picture: Option<&str>) -> bool {
     let root = tools::root();
     let run = root.join("target/shown");
     let _ = fs::remove_dir_all(&run);
@@ -62,13 +66,13 @@ fn shown(mark: &str, arguments: &[&str], picture: Option<&str>) -> bool {
             .and_then(|()| fs::copy(run.join("figures/path.png"), images.join(picture)))
             .is_ok()
     });
-    copied && put(mark, &format!("```text\n{table}\n```"))
+    copied && put_into(page, mark, &format!("```text\n{table}\n```"))
 }
 
 /// Starting phases of the flights under other laws, rad: what these move is not a result.
 const PHASES: [&str; 3] = ["0.0", "1e-9", "-1e-9"];
 
-/// Flies the banking turn with both presets under every lift law, and puts what becomes of it into the README.
+/// Flies the banking turn with both presets under every lift law, and puts the results into its page.
 fn six_flights() -> bool {
     let mut text = String::from(
         "| preset | law | status | roll, mean / rms error, deg | pitch, mean / rms error, deg | altitude, m | inputs at a limit | clearance, mm | separated | suction lost |\n\
@@ -82,7 +86,7 @@ fn six_flights() -> bool {
         }
         text += &flight_row(preset, law, &flights);
     }
-    put("six flights", &text)
+    put_into(TURN_PAGE, "six flights", &text)
 }
 
 /// The summary of a flight.
@@ -135,14 +139,14 @@ fn untimed(table: &str) -> String {
     table.lines().filter(|line| !timed(line)).collect::<Vec<_>>().join("\n")
 }
 
-/// Runs every comparison, puts the table into the README, and the page with its figures into docs.
+/// Runs every comparison, and puts the page with its figures into docs.
 fn comparisons() -> bool {
     let run = tools::root().join("target/validation");
     let mut command = tools::wingbeat(&["validate", "--force", "--out"]);
     let _ = fs::create_dir_all(tools::root().join("target"));
     command.arg(&run);
     tools::succeeds(command);
-    rows_of(&run.join("rows.json")).is_some_and(|rows| put("validation", &markdown(&rows))) && page(&run)
+    page(&run)
 }
 
 /// The rows that a file of `wingbeat validate` holds.
@@ -207,34 +211,6 @@ fn disagreement(row: &Value, page: &str) -> Option<String> {
     (!agrees).then(|| format!("{id} is now {} with limit {}", row["value"], row["limit"]))
 }
 
-/// The rows as a Markdown table.
-fn markdown(rows: &[Value]) -> String {
-    let mut text = String::from("| id | source | metric | value | limit |\n|---|---|---|---:|---:|");
-    for row in rows {
-        let words = |key: &str| row[key].as_str().unwrap_or("").replace('|', "\\|");
-        let limit = row["limit"].as_f64().map_or("-".into(), number);
-        let value = row["value"].as_f64().map_or("-".into(), number);
-        let failed = if row["pass"] == false { " **fails**" } else { "" };
-        text += &format!(
-            "\n| {} | {} | {} | {value}{failed} | {limit} |",
-            words("id"),
-            words("source"),
-            words("metric")
-        );
-    }
-    text
-}
-
-fn number(value: f64) -> String {
-    let size = value.abs();
-    if size == 0.0 || (1e-3..1e5).contains(&size) { format!("{value:.4}") } else { format!("{value:.1e}") }
-}
-
-/// Puts `text` between the marks `<!-- name -->` and `<!-- end -->` of README.md.
-fn put(name: &str, text: &str) -> bool {
-    put_into("README.md", name, text)
-}
-
 /// Puts `text` between the marks `<!-- name -->` and `<!-- end -->` of the document at `path`.
 pub fn put_into(path: &str, name: &str, text: &str) -> bool {
     let path = tools::root().join(path);
@@ -277,14 +253,5 @@ mod tests {
             untimed("roll 15 deg\nupdates past their period 9\nupdate, median 1 ms\nreal-time factor 3"),
             "roll 15 deg"
         );
-    }
-
-    #[test]
-    fn a_number_without_limit_is_only_shown() {
-        let rows: Vec<Value> = serde_json::from_str(
-            r#"[{"id":"a","source":"s","metric":"m","value":2e-9,"limit":null,"pass":true}]"#,
-        )
-        .unwrap();
-        assert!(markdown(&rows).ends_with("| a | s | m | 2.0e-9 | - |"));
     }
 }

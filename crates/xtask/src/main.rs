@@ -7,6 +7,8 @@ mod documents;
 mod fuzz;
 mod hostile;
 mod long;
+#[cfg(test)]
+mod pages;
 mod paper;
 mod peers;
 mod python;
@@ -25,7 +27,7 @@ cargo xtask TASK
   long    [NAME...] what takes hours: the commands of docs/paper.md, the recorder for ten minutes, all hostile cases, all
           comparisons, fuzzing, and the other programs where they are installed; docs/testing.md lists both
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
-          and the pictures of README.md; flies and compares everything, a quarter of an hour
+          and the pictures of docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
   reference  of these docs/cli.md, docs/reference.md, docs/schema and the tables of docs/sections.md alone
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are

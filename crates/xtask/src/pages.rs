@@ -1,0 +1,231 @@
+//! Checks of README.md and of the pages in docs: length, links, the book's table of contents, plain English.
+
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use crate::tools;
+
+/// The most lines of README.md.
+const README_LINES: usize = 120;
+
+/// The most lines of a page that is written by hand.
+const PAGE_LINES: usize = 300;
+
+/// The most words of a sentence.
+const SENTENCE_WORDS: usize = 35;
+
+/// Pages that the code writes; their text is that of its doc comments.
+const GENERATED: [&str; 3] = ["docs/cli.md", "docs/reference.md", "docs/validation.md"];
+
+/// Pages whose prose is not yet plain English; one that has become so must leave the list.
+const NOT_YET_PLAIN: &[&str] = &[
+    "docs/ARCHITECTURE.md",
+    "docs/extending.md",
+];
+
+/// Words that a reader of the field does not know in that sense, and what to write.
+const PRIVATE_WORDS: [(&str, &str); 7] = [
+    ("told", "reported, given or distinguished"),
+    ("hang on", "depend on"),
+    ("hangs on", "depends on"),
+    ("one's own", "your own"),
+    ("the begin", "the start"),
+    ("refused are", "a sentence with subject and verb"),
+    ("carried air", "added mass"),
+];
+
+/// README.md and all pages in docs, as paths from the root.
+fn pages() -> Vec<String> {
+    let mut found = vec!["README.md".to_owned()];
+    let mut folders = vec![PathBuf::from("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(tools::root().join(&folder)).unwrap() {
+            let path = folder.join(entry.unwrap().file_name());
+            if tools::root().join(&path).is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "md") {
+                found.push(path.to_string_lossy().into_owned());
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The text of a page, by its path from the root.
+fn text(page: &str) -> String {
+    fs::read_to_string(tools::root().join(page)).unwrap()
+}
+
+/// The lines outside of fenced blocks.
+fn prose(text: &str) -> impl Iterator<Item = &str> {
+    let mut fenced = false;
+    text.lines().filter(move |line| {
+        let fence = line.trim_start().starts_with("```");
+        fenced ^= fence;
+        !fence && !fenced
+    })
+}
+
+/// A line without what stands between backticks.
+fn without_code(line: &str) -> String {
+    line.split('`').step_by(2).collect::<Vec<_>>().join("x")
+}
+
+/// The targets of the links of a page.
+fn links(text: &str) -> Vec<String> {
+    let target = |rest: &str| rest.split(')').next().unwrap_or("").to_owned();
+    let of_line = |line: &str| without_code(line).split("](").skip(1).map(target).collect::<Vec<_>>();
+    prose(text).flat_map(of_line).collect()
+}
+
+/// The anchors of a page's headings, as GitHub and mdbook make them.
+fn anchors(text: &str) -> Vec<String> {
+    let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    let anchor = |title: &str| {
+        title.trim().to_lowercase().chars().filter(kept).map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    prose(text)
+        .filter(|line| line.starts_with('#'))
+        .map(|line| anchor(line.trim_start_matches('#')))
+        .collect()
+}
+
+/// The path from the root that a link of `page` leads to; none where it leaves the repository.
+fn resolved(page: &str, target: &str) -> Option<String> {
+    let mut path = Path::new(page).parent()?.to_path_buf();
+    for part in Path::new(target).components() {
+        match part {
+            Component::ParentDir => path.pop().then_some(())?,
+            part => path.push(part),
+        }
+    }
+    Some(path.to_string_lossy().into_owned())
+}
+
+/// What is wrong with a link of `page`.
+fn broken(page: &str, link: &str) -> Option<String> {
+    if link.contains("://") {
+        return None;
+    }
+    let (target, anchor) = link.split_once('#').unwrap_or((link, ""));
+    let file = if target.is_empty() { page.to_owned() } else { resolved(page, target)? };
+    if !tools::root().join(&file).exists() {
+        return Some(format!("{page}: {link} leads nowhere"));
+    }
+    if page.starts_with("docs/") && !file.starts_with("docs/") {
+        return Some(format!("{page}: {link} leaves the book"));
+    }
+    let missing = !anchor.is_empty() && !anchors(&text(&file)).iter().any(|known| known == anchor);
+    missing.then(|| format!("{page}: {link}: {file} has no such heading"))
+}
+
+/// The sentences of a page, without tables, headings, comments and indented blocks.
+fn sentences(text: &str) -> Vec<String> {
+    let item = |line: &str| {
+        let start = line.trim_start();
+        start.starts_with("- ") || start.split_once(". ").is_some_and(|(n, _)| n.parse::<u8>().is_ok())
+    };
+    let mut paragraphs = vec![String::new()];
+    for line in prose(text) {
+        let apart = line.trim().is_empty() || line.starts_with(['|', '#', '<']) || line.starts_with("    ");
+        if apart || item(line) {
+            paragraphs.push(String::new());
+        }
+        if let (false, Some(last)) = (apart, paragraphs.last_mut()) {
+            *last += &format!("{} ", without_code(line));
+        }
+    }
+    let ended = |paragraph: &String| -> Vec<String> {
+        let marked =
+            paragraph.replace(".** ", ".**\n").replace(". ", ".\n").replace("? ", "?\n").replace("! ", "!\n");
+        marked.lines().map(|sentence| sentence.trim().to_owned()).collect()
+    };
+    paragraphs.iter().flat_map(ended).collect()
+}
+
+/// Sentences that are too long and words that a reader does not know, in a page.
+fn unplain(page: &str, text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for sentence in sentences(text) {
+        let words = sentence.split_whitespace().count();
+        if words > SENTENCE_WORDS {
+            found.push(format!("{page}: a sentence of {words} words: {sentence}"));
+        }
+        let lower = sentence.to_lowercase();
+        let has = |word: &str| {
+            let apart = |c: Option<char>| c.is_none_or(|c| !c.is_alphanumeric());
+            lower.match_indices(word).any(|(i, _)| {
+                apart(lower[..i].chars().next_back()) && apart(lower[i + word.len()..].chars().next())
+            })
+        };
+        for (word, better) in PRIVATE_WORDS.iter().filter(|(word, _)| has(word)) {
+            found.push(format!("{page}: {word:?}, write {better}: {sentence}"));
+        }
+    }
+    found
+}
+
+#[test]
+fn no_page_is_long() {
+    for page in pages() {
+        let (lines, most) =
+            (text(&page).lines().count(), if page == "README.md" { README_LINES } else { PAGE_LINES });
+        assert!(
+            lines <= most || GENERATED.contains(&page.as_str()),
+            "{page} has {lines} lines, allowed are {most}"
+        );
+    }
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    let found: Vec<String> = pages()
+        .iter()
+        .flat_map(|page| {
+            links(&text(page)).into_iter().filter_map(|link| broken(page, &link)).collect::<Vec<_>>()
+        })
+        .collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn the_book_holds_every_page() {
+    let summary = "docs/SUMMARY.md";
+    let listed: Vec<String> =
+        links(&text(summary)).iter().filter_map(|link| resolved(summary, link)).collect();
+    let pages = pages();
+    let missing: Vec<&String> = pages
+        .iter()
+        .filter(|page| page.starts_with("docs/") && *page != summary && !listed.contains(page))
+        .collect();
+    assert!(missing.is_empty(), "not in {summary}: {missing:?}");
+}
+
+#[test]
+fn prose_is_plain() {
+    let (mut found, mut plain) = (Vec::new(), Vec::new());
+    for page in pages().iter().filter(|page| !GENERATED.contains(&page.as_str())) {
+        let here = unplain(page, &text(page));
+        match (NOT_YET_PLAIN.contains(&page.as_str()), here.is_empty()) {
+            (true, true) => plain.push(page.clone()),
+            (true, false) => {}
+            (false, _) => found.extend(here),
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    assert!(plain.is_empty(), "now plain, to be taken from the list of those that are not yet: {plain:?}");
+}
+
+#[test]
+fn links_anchors_and_sentences_are_read() {
+    let page =
+        "# A & B, c\n\nSee [x](y.md#z) and `[no](link)`.\nNext told one. Two words\n\n```\n[n](o)\n```\n";
+    assert_eq!(links(page), ["y.md#z"]);
+    assert_eq!(anchors(page), ["a--b-c"]);
+    let read = sentences(page);
+    assert!(read.iter().any(|sentence| sentence == "Two words"), "{read:?}");
+    assert_eq!(unplain("p", page).len(), 1);
+    assert_eq!(unplain("p", &"word ".repeat(36)).len(), 1);
+    assert_eq!(resolved("docs/a/b.md", "../c.md"), Some("docs/c.md".into()));
+}
