@@ -174,11 +174,11 @@ impl Summary {
         let range = |of: Option<[f64; 2]>| of.map_or(String::new(), |[a, b]| format!("{a:.4} to {b:.4}"));
         for (name, c) in &self.envelope_against_simulation {
             text += &format!(
-                "{name:8}{:12.5}{:12.5}{:13.4}{:12.3}{:>22}{:>22}\n",
+                "{name:8}{:12.5}{:12.5}{:13.4}{:>12}{:>22}{:>22}\n",
                 c.rmse,
                 c.range,
                 c.correlation,
-                c.peak_ratio,
+                ratio(c.peak_ratio),
                 range(self.ranges.get(name).map(|of| of.measured)),
                 range(self.ranges.get(name).and_then(|of| of.simulation))
             );
@@ -221,6 +221,11 @@ impl RunNumbers {
         }
         text
     }
+}
+
+/// A ratio of peaks; none where the model has no load to speak of.
+fn ratio(of: f64) -> String {
+    if of.abs() < 1e4 { format!("{of:.3}") } else { "-".into() }
 }
 
 fn weighing(name: &str, weighed: &Weighed) -> String {
