@@ -6,8 +6,8 @@
     not(all(target_feature = "avx2", target_feature = "fma"))
 ))]
 compile_error!(
-    "wingbeat is compiled without AVX2 and FMA: it would be several times slower, and its numbers would differ in their last \
-     bits. Set the flags in .cargo/config.toml at the root of your own workspace:\n\n\
+    "wingbeat is compiled without AVX2 and FMA: it would be slower, and its numbers would differ in their last bits. \
+     Set the flags in .cargo/config.toml at the root of your own workspace:\n\n\
      [target.'cfg(target_arch = \"x86_64\")']\n\
      rustflags = [\"-C\", \"target-cpu=x86-64-v3\"]\n\n\
      or switch on the feature `portable` of wingbeat, for processors without AVX2 and FMA."

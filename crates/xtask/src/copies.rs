@@ -13,15 +13,15 @@ struct Limit {
     most: usize,
 }
 
-/// Limits that the program keeps to. The first three are to become 12, 12 and 4.
+/// Limits of the program with all formats. The aim is 12, 12 and 4; the program without formats has 5, 13 and 112.
 const LIMITS: [Limit; 3] = [
     Limit { name: "Tableau::integrate", holds: ["11runge_kutta", "9integrate17h"], most: 12 },
-    Limit { name: "Stepper::run", holds: ["Stepper$LT$", "3run17h"], most: 30 },
-    Limit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 110 },
+    Limit { name: "Stepper::run", holds: ["Stepper$LT$", "3run17h"], most: 14 },
+    Limit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 180 },
 ];
 
-/// Most code, MB. It is to become 16.
-const MOST_CODE: f64 = 22.0;
+/// Most code with all formats, MB. The aim is 16; the program without formats has 16.5.
+const MOST_CODE: f64 = 20.0;
 
 /// Counts the copies in the program that was built.
 pub fn check() -> Tally {

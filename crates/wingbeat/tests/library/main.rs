@@ -17,6 +17,8 @@ mod mechanism;
 mod multibody;
 mod orbit;
 mod power;
+#[cfg(target_arch = "x86_64")]
+mod processor;
 mod refusals;
 mod residual;
 mod rig;
