@@ -1,0 +1,410 @@
+//! Preset `paper`: the unsteady lifting line of both wings and the body strip,
+//! in nodal-circulation form.
+//!
+//! The state per node is the circulation G [m2/s] and two Wagner lags l1, l2
+//! [m/s], ordered [G of all nodes, l1 of all, l2 of all], nodes from left tip
+//! to right tip. The paper's Fourier coefficients a_n follow from G by a sine
+//! transform; unlike them G needs no division by the airspeed and loses no
+//! term when the airspeed changes.
+//!
+//! Preset `as_printed` keeps the paper's equations (1) to (4) as they stand: the first state of a node is
+//! g = sum a_n sin(n theta), the series at the node, and G = a0 c0 U g / 2 with one airspeed U for the wing.
+
+mod flow;
+mod layout;
+mod nodes;
+mod printed;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+pub use settings::LiftingLineSettings;
+
+use super::law::Polar;
+use super::section::{Section, SectionForce, ZeroLift};
+use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench};
+use flow::Flow;
+use layout::Layout;
+use nodes::Node;
+use std::f64::consts::PI;
+use wingbeat_math::Error;
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_ocp::plant::Channel;
+
+/// Jones' two-term fit of Wagner's function (NACA Rep. 681, 1940): weights.
+pub const JONES_WEIGHTS: [f64; 2] = [0.165, 0.335];
+/// Jones' rates per semi-chord of travel.
+pub const JONES_RATES: [f64; 2] = [0.0455, 0.3];
+
+/// The unsteady lifting line; constant after construction.
+#[derive(Clone, Debug)]
+pub struct LiftingLine<P: Scalar = f64> {
+    settings: LiftingLineSettings,
+    layout: Layout<P>,
+    nodes: Vec<Node<P>>,
+    zero_lift: ZeroLift<P>,
+    polar: Polar<P>,
+    numbers: SurfaceNumbers<P>,
+    /// Weight of the wash that acts at once.
+    at_once: P,
+    /// Lift slope of the section over that of a thin plate.
+    slope_share: P,
+}
+
+/// What the lags leave of the weight of the wash.
+fn at_once<P: Scalar>(numbers: &SurfaceNumbers<P>) -> P {
+    numbers.lags.iter().fold(P::ONE, |rest, lag| rest - lag.weight)
+}
+
+impl LiftingLine {
+    /// The lifting line of a planform.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is outside its range.
+    pub fn new(planform: &Planform, settings: LiftingLineSettings) -> Result<Self, Error> {
+        settings.check()?;
+        let numbers = SurfaceNumbers { outline: Some(planform.clone()), ..settings.numbers() };
+        Self::laid(Layout::smooth(planform, &settings)?, numbers, settings)
+    }
+
+    /// The lifting line of a planform with kinks and hinges: nodes stand for cells that end at the hinges, arcs of
+    /// the half wing, m, and hold the means of the chord.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is outside its range or there are too few nodes for the hinges.
+    pub fn hinged(
+        planform: &Planform,
+        hinge_arcs: &[f64],
+        settings: LiftingLineSettings,
+    ) -> Result<Self, Error> {
+        settings.check()?;
+        let outline = Some(planform.clone());
+        let numbers = SurfaceNumbers { outline, hinges: hinge_arcs.to_vec(), ..settings.numbers() };
+        Self::laid(Layout::hinged(planform, hinge_arcs, &settings)?, numbers, settings)
+    }
+
+    /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is outside its range.
+    pub fn with_chords(
+        half_span: f64,
+        chord: impl Fn(f64) -> f64,
+        settings: LiftingLineSettings,
+    ) -> Result<Self, Error> {
+        settings.check()?;
+        Self::laid(Layout::of_chords(half_span, chord, &settings), settings.numbers(), settings)
+    }
+}
+
+impl<P: Scalar> LiftingLine<P> {
+    fn laid(
+        layout: Layout<P>,
+        numbers: SurfaceNumbers<P>,
+        settings: LiftingLineSettings,
+    ) -> Result<Self, Error> {
+        Ok(Self {
+            nodes: layout.cells.iter().map(|cell| Node::new(cell, &numbers)).collect(),
+            zero_lift: ZeroLift::new(numbers.zero_lift_angle),
+            polar: Polar::new(settings.section.law, &numbers),
+            at_once: at_once(&numbers),
+            slope_share: numbers.section_slope / (2.0 * PI),
+            layout,
+            numbers,
+            settings,
+        })
+    }
+
+    /// The same line with other numbers than the settings say.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the nodes do not fit an outline.
+    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<LiftingLine<Q>, Error> {
+        let layout = match &numbers.outline {
+            None => self.layout.map(|number| Q::from(number.value())),
+            Some(outline) if self.layout.alternating => Layout::smooth(outline, &self.settings)?,
+            Some(outline) => Layout::hinged(outline, &numbers.hinges, &self.settings)?,
+        };
+        LiftingLine::laid(layout, numbers.clone(), self.settings)
+    }
+
+    /// The numbers in use.
+    pub fn numbers(&self) -> &SurfaceNumbers<P> {
+        &self.numbers
+    }
+    /// What it was made of.
+    pub fn settings(&self) -> &LiftingLineSettings {
+        &self.settings
+    }
+    /// Where [`SectionMotion`]s are wanted: arc coordinates of the nodes, m, left (positive) to right; of preset
+    /// `as_printed` also the middle of the wing, behind them.
+    pub fn arcs(&self) -> &[P] {
+        &self.layout.arcs
+    }
+    /// Arc coordinates of the nodes, m.
+    pub fn node_arcs(&self) -> &[P] {
+        &self.layout.arcs[..self.nodes.len()]
+    }
+    /// Quadrature weights of the nodes for quantities that vanish at the tips
+    /// like the circulation, m.
+    pub fn widths(&self) -> &[P] {
+        &self.layout.widths
+    }
+    /// Number of nodes.
+    pub fn strips(&self) -> usize {
+        self.nodes.len()
+    }
+    /// Number of states: three per node, and those of the law.
+    pub fn states(&self) -> usize {
+        (3 + self.settings.section.law.states().len()) * self.nodes.len()
+    }
+    /// Names and units of the states, in order.
+    pub fn channels(&self) -> Vec<Channel> {
+        let first = if self.settings.as_printed { ("series", "") } else { ("circulation", "m2/s") };
+        let own = [first, ("lag1", "m/s"), ("lag2", "m/s")];
+        own.into_iter()
+            .chain(self.settings.section.law.states().iter().map(|state| (state.name, state.unit)))
+            .flat_map(|(name, unit)| {
+                (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
+            })
+            .collect()
+    }
+
+    /// Wash (m/s, along the normal) that the trailing vorticity of the
+    /// circulation `gamma` induces at node `i`: -sum_j D_ij G_j. D of even angles vanishes
+    /// between different nodes an even number apart.
+    ///
+    /// Equation: aero.lifting_line.induced_wash
+    #[inline(always)]
+    fn induced_wash<S: Scalar + Meets<P>>(&self, i: usize, gamma: &[S]) -> S {
+        let row = &self.layout.influence[i * gamma.len()..(i + 1) * gamma.len()];
+        if !self.layout.alternating {
+            return -(0..gamma.len()).fold(S::ZERO, |sum, j| sum + gamma[j] * row[j]);
+        }
+        let mut sum = gamma[i] * row[i];
+        for j in ((i + 1) % 2..gamma.len()).step_by(2) {
+            sum += gamma[j] * row[j];
+        }
+        -sum
+    }
+
+    /// State rates for airspeed (m/s) and wash of motion (m/s) given at each
+    /// node, attached flow, without any regularisation. Writes the effective
+    /// wash: the lift per span is rho U G + rho c G' = rho U a0 (c/2) w_eff.
+    /// Preset `as_printed` knows one airspeed: that of every node.
+    pub fn rates_in_wash<S: Scalar + Meets<P>>(
+        &self,
+        airspeed: &[S],
+        wash: &[S],
+        x: &[S],
+        dx: &mut [S],
+        effective_wash: &mut [S],
+    ) {
+        let m = self.strips();
+        for i in 0..m {
+            let w = wash[i] + self.wake_wash(i, airspeed[i], &x[..m]);
+            effective_wash[i] = self.lag(i, airspeed[i], w, x, dx);
+            dx[i] = self.circulation_rate(i, airspeed[i], effective_wash[i], x[i]);
+        }
+    }
+
+    /// Wagner lags of node `i`: l_k' = eps_k (U/b) (w - l_k); returns the
+    /// effective wash (1 - psi_1 - psi_2) w + psi_1 l_1 + psi_2 l_2
+    /// (Duhamel's integral of Wagner's function with Jones' fit).
+    ///
+    /// Equation: aero.lifting_line.lags
+    #[inline(always)]
+    fn lag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        i: usize,
+        speed: G,
+        w: S,
+        x: &[S],
+        dx: &mut [S],
+    ) -> S {
+        let (node, m) = (&self.nodes[i], self.strips());
+        let mut effective = w * self.at_once;
+        for k in 0..2 {
+            let lag = x[(k + 1) * m + i];
+            dx[(k + 1) * m + i] = (w - lag) * (speed * node.lag_rates[k]);
+            effective += lag * self.numbers.lags[k].weight;
+        }
+        effective
+    }
+
+    /// G' = (U/c) (a0 c w_eff / 2 - G): the unsteady Kutta-Joukowski lift
+    /// rho (U G + c G') equals Duhamel's.
+    ///
+    /// Equation: aero.lifting_line.circulation
+    #[inline]
+    fn circulation_rate<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        i: usize,
+        speed: G,
+        effective_wash: S,
+        gamma: S,
+    ) -> S {
+        let node = &self.nodes[i];
+        if self.settings.as_printed {
+            return self.printed_rate(i, speed, effective_wash, gamma);
+        }
+        (effective_wash * node.circulation - gamma) * (speed * node.inverse_chord)
+    }
+
+    /// State rates and loads. `sections` at [`arcs`](Self::arcs), `wind` is the
+    /// velocity of the air resolved in B. See [`Loads`] for the body acceleration.
+    pub fn evaluate<S: Scalar + Meets<P>>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) {
+        loads.strips = 0;
+        (loads.wrench, loads.added_mass) = self.append(sections, wind, x, dx, loads);
+    }
+
+    /// Writes the loads by node behind the strips that `loads` holds; returns the sum.
+    pub(super) fn append<S: Scalar + Meets<P>>(
+        &self,
+        sections: &(impl Sections<S> + ?Sized),
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) -> (Wrench<S>, [[S; 6]; 6]) {
+        let mut wrench = Wrench::ZERO;
+        let mut added_mass = [[S::ZERO; 6]; 6];
+        let first = loads.strips;
+        let stream = self.stream(sections, wind);
+        for i in 0..self.strips() {
+            let node = &self.nodes[i];
+            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
+            let flow = self.flow(i, &section, stream, x, dx);
+            let at = first + i;
+            loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
+            loads.incidence[at] = flow.wash.atan2(section.uc);
+            loads.wash[at] = flow.wash;
+            loads.wash_of_others[at] = S::ZERO;
+            loads.separated[at] = S::ONE - flow.attached;
+            loads.suction_lost[at] = flow.edge.map_or(S::ZERO, |edge| S::ONE - edge.held);
+            loads.circulation[at] = self.circulation(stream, x[i]);
+            loads.quarter_chord[at] = sections.section(i).point(0.25);
+            wrench += loads.strip[at].total();
+        }
+        mirror_upper(&mut added_mass);
+        loads.strips = first + self.strips();
+        (wrench, added_mass)
+    }
+
+    /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
+    /// added-mass matrix. The states may carry more derivatives than the motion. `coupling` receives
+    /// what the coordinates of `sections` take.
+    pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        sections: &(impl Sections<G> + ?Sized),
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        mut coupling: Option<Coupling<G, S>>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        let mut sum = (Wrench::ZERO, [[G::ZERO; 6]; 6]);
+        let (wrench, added_mass) = &mut sum;
+        let stream = self.stream(sections, wind);
+        for i in 0..self.strips() {
+            let node = &self.nodes[i];
+            let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
+            let flow = self.flow(i, &section, stream, x, dx);
+            let force = flow.lift(node)
+                + self.profile_drag(node, &section, &flow)
+                + self.carried_air(node, &section, flow.speed, added_mass);
+            let load = section.wrench(force);
+            *wrench += load;
+            if let Some(coupling) = &mut coupling {
+                let (mass, inertia) = self.carried_masses(node);
+                section.add_coupled_inertia(mass, inertia, i, sections, self.zero_lift, coupling.mass);
+                coupling.strips[i] = load;
+            }
+        }
+        mirror_upper(added_mass);
+        sum
+    }
+
+    /// Forces of one node by source.
+    #[inline]
+    fn by_source<S: Scalar + Meets<P>>(
+        &self,
+        node: &Node<P>,
+        section: &Section<S>,
+        flow: &Flow<S, S>,
+        added_mass: &mut [[S; 6]; 6],
+    ) -> StripLoads<S> {
+        let lift = section.wrench(flow.lift(node));
+        let circulatory = match self.settings.as_printed {
+            true => lift,
+            false => section.wrench(flow.lift_without_turning(node)),
+        };
+        StripLoads {
+            circulatory,
+            induced_drag: Wrench {
+                force: lift.force - circulatory.force,
+                moment: lift.moment - circulatory.moment,
+            },
+            added_mass: section.wrench(self.carried_air(node, section, flow.speed, added_mass)),
+            profile_drag: section.wrench(self.profile_drag(node, section, flow)),
+        }
+    }
+
+    #[inline]
+    fn profile_drag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        node: &Node<P>,
+        section: &Section<G>,
+        flow: &Flow<G, S>,
+    ) -> SectionForce<S> {
+        let set = &self.settings;
+        let delta2 = set.regularisation_m_s * set.regularisation_m_s;
+        let drag =
+            self.numbers.drag().section(set.section.law, section.uc, section.w_half, flow.attached, delta2);
+        let ahead = (S::from(0.5) - drag.centre) * (node.half_chord * 2.0);
+        SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
+    }
+
+    /// Force and couple of the carried air, its inertia added to the matrix.
+    #[inline(always)]
+    fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        node: &Node<P>,
+        section: &Section<G>,
+        speed: G,
+        matrix: &mut [[G; 6]; 6],
+    ) -> SectionForce<S> {
+        let (mass, inertia) = self.carried_masses(node);
+        let turned = if self.settings.section.section_moment { node.mass } else { P::ZERO };
+        let mut force = section.added_mass(mass);
+        force.nose_up = section.section_moment(turned, node.half_chord, speed);
+        section.add_inertia(mass, inertia, matrix);
+        force.lifted()
+    }
+
+    /// Mass (kg) of the air that a node carries along its normal, and inertia (kg m2) of the air that
+    /// it turns.
+    #[inline]
+    fn carried_masses(&self, node: &Node<P>) -> (P, P) {
+        let set = &self.settings;
+        let mass = if set.section.added_mass { node.mass } else { P::ZERO };
+        let turned = if set.section.section_moment { node.mass } else { P::ZERO };
+        (mass, turned * node.half_chord * node.half_chord / 8.0)
+    }
+}
+
+/// Copies the upper triangle to the lower one.
+#[inline]
+fn mirror_upper<S: Scalar>(matrix: &mut [[S; 6]; 6]) {
+    for i in 1..6 {
+        for j in 0..i {
+            matrix[i][j] = matrix[j][i];
+        }
+    }
+}

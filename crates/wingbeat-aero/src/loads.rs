@@ -1,0 +1,223 @@
+//! Aerodynamic loads, named by source.
+
+use super::MAX_STRIPS;
+use arrayvec::ArrayVec;
+use wingbeat_math::{Over, Scalar, Vec3, Wrench};
+use wingbeat_ocp::plant::MAX_DEGREES;
+
+/// Where a load on a wing or a robot comes from: the one list of names of columns, sums and curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadSource {
+    /// Lift of the bound and shed vorticity.
+    Circulatory,
+    /// Turning of that force by the wash of wake and lags.
+    InducedDrag,
+    /// Reaction of the accelerated air.
+    AddedMass,
+    /// Skin friction and separation of the wing.
+    ProfileDrag,
+    /// Drag of the body.
+    BodyDrag,
+    /// Weight.
+    Gravity,
+    /// Minus the rate of momentum of body and links.
+    Inertia,
+}
+
+impl LoadSource {
+    /// Sources of a strip's loads, in the order of [`StripLoads::parts`].
+    pub const STRIP: [Self; 4] = [Self::Circulatory, Self::InducedDrag, Self::AddedMass, Self::ProfileDrag];
+    /// All sources: those of the strips, then those of the rest of the robot.
+    pub const ALL: [Self; 7] = [
+        Self::Circulatory,
+        Self::InducedDrag,
+        Self::AddedMass,
+        Self::ProfileDrag,
+        Self::BodyDrag,
+        Self::Gravity,
+        Self::Inertia,
+    ];
+
+    /// Name as written in columns.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Circulatory => "circulatory",
+            Self::InducedDrag => "induced_drag",
+            Self::AddedMass => "added_mass",
+            Self::ProfileDrag => "profile_drag",
+            Self::BodyDrag => "body_drag",
+            Self::Gravity => "gravity",
+            Self::Inertia => "inertia",
+        }
+    }
+
+    /// True for a force of the air.
+    pub fn is_of_air(self) -> bool {
+        !matches!(self, Self::Gravity | Self::Inertia)
+    }
+}
+
+/// What a model's circulation per strip is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Circulation {
+    /// The bound circulation.
+    Bound,
+    /// A sum of wash lags fitted to the loads, 25 % off the bound circulation at k = .5: no picture of the wake.
+    LagSum,
+}
+
+impl Circulation {
+    /// Name as written in columns.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bound => "circulation",
+            Self::LagSum => "circulation_lag_sum",
+        }
+    }
+}
+
+/// Loads of one strip by source.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StripLoads<S: Scalar> {
+    /// Lift of the bound and shed vorticity, perpendicular to the wind the
+    /// section meets by its own motion.
+    pub circulatory: Wrench<S>,
+    /// What the wash of wake and lags adds by turning that force: induced drag.
+    pub induced_drag: Wrench<S>,
+    /// Reaction of the accelerated air, with the section moment of pitching.
+    pub added_mass: Wrench<S>,
+    /// Skin friction and separation, along the wind.
+    pub profile_drag: Wrench<S>,
+}
+
+impl<S: Scalar> StripLoads<S> {
+    /// Sum over the sources.
+    pub fn total(&self) -> Wrench<S> {
+        self.circulatory + self.induced_drag + self.added_mass + self.profile_drag
+    }
+
+    /// The loads in the order of [`LoadSource::STRIP`].
+    pub fn parts(&self) -> [Wrench<S>; LoadSource::STRIP.len()] {
+        [self.circulatory, self.induced_drag, self.added_mass, self.profile_drag]
+    }
+
+    /// The same with `rest` behind: body drag, gravity and inertia, in the order of [`LoadSource::ALL`].
+    pub fn parts_with(&self, rest: [Wrench<S>; 3]) -> [Wrench<S>; LoadSource::ALL.len()] {
+        let ([a, b, c, d], [e, f, g]) = (self.parts(), rest);
+        [a, b, c, d, e, f, g]
+    }
+}
+
+impl<S: Scalar> std::ops::AddAssign for StripLoads<S> {
+    fn add_assign(&mut self, o: Self) {
+        self.circulatory += o.circulatory;
+        self.induced_drag += o.induced_drag;
+        self.added_mass += o.added_mass;
+        self.profile_drag += o.profile_drag;
+    }
+}
+
+/// What coordinates beyond the six of the body take from a surface.
+#[derive(Debug)]
+pub struct Coupling<'a, G: Scalar, S: Scalar> {
+    /// Mass matrix on [acceleration of the body origin; angular acceleration; second rates of the
+    /// coordinates]; its rows and columns 6.. grow by the added mass.
+    pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
+    /// Load of each strip about the body origin, in B, accelerations of body and coordinates left out.
+    pub strips: &'a mut [Wrench<S>],
+    /// Where states follow the impulse of the air: what their rates lack.
+    pub impulses: Option<&'a mut ImpulseRates<G>>,
+}
+
+/// How the rates of followed impulses fall with accelerations that the sections leave out: those of the body origin, angular
+/// ones, and second rates of the coordinates.
+#[derive(Clone, Debug, Default)]
+pub struct ImpulseRates<G: Scalar> {
+    /// Where the states of the surface at hand begin among all.
+    pub(super) first_state: usize,
+    pub(super) rows: ArrayVec<ImpulseRow<G>, MAX_STRIPS>,
+}
+
+/// The row of one state.
+#[derive(Clone, Debug)]
+pub(super) struct ImpulseRow<G> {
+    pub state: usize,
+    pub by: [G; MAX_DEGREES],
+}
+
+impl<G: Scalar> ImpulseRates<G> {
+    /// None yet.
+    pub const fn none() -> Self {
+        Self { first_state: 0, rows: ArrayVec::new_const() }
+    }
+
+    /// Completes the rates `dx` of the states of all surfaces by the accelerations found.
+    pub fn complete<S: Over<G>>(&self, accelerations: &[S], dx: &mut [S]) {
+        for row in &self.rows {
+            let mut lacking = S::ZERO;
+            for (acceleration, by) in accelerations.iter().zip(row.by) {
+                lacking = acceleration.fused(by, lacking);
+            }
+            dx[row.state] -= lacking;
+        }
+    }
+}
+
+/// Loads of the whole wing.
+///
+/// The body acceleration may still be unknown when the loads are computed:
+/// with s = [acceleration of the body origin; angular acceleration] (inertial,
+/// in B) beyond what the sections' accelerations hold, the true wrench is
+/// `wrench - added_mass s`.
+#[derive(Clone, Copy, Debug)]
+pub struct Loads<S: Scalar> {
+    /// Sum over strips and sources.
+    pub wrench: Wrench<S>,
+    /// Added-mass matrix on [acceleration; angular acceleration], symmetric, about the body origin.
+    pub added_mass: [[S; 6]; 6],
+    /// Strips from left tip to right tip; the first `strips` are valid.
+    pub strip: [StripLoads<S>; MAX_STRIPS],
+    /// Incidence that each strip meets, wash included, rad.
+    pub incidence: [S; MAX_STRIPS],
+    /// Wash along the normal that each strip meets at 3/4 chord, m/s.
+    pub wash: [S; MAX_STRIPS],
+    /// Wash along the normal by other surfaces at 3/4 chord of each strip, m/s; part of `wash`.
+    pub wash_of_others: [S; MAX_STRIPS],
+    /// Circulation of each strip, m2/s; what it is worth says [`Circulation`].
+    pub circulation: [S; MAX_STRIPS],
+    /// Share of each strip's flow that is separated.
+    pub separated: [S; MAX_STRIPS],
+    /// Share of the linear leading-edge suction of each strip that the edge does not hold.
+    pub suction_lost: [S; MAX_STRIPS],
+    /// Point at 1/4 chord of each control section, in the frame of the sections, m.
+    pub quarter_chord: [Vec3<S>; MAX_STRIPS],
+    /// Number of strips.
+    pub strips: usize,
+}
+
+impl<S: Scalar> Default for Loads<S> {
+    fn default() -> Self {
+        Self {
+            wrench: Wrench::ZERO,
+            added_mass: [[S::ZERO; 6]; 6],
+            strip: [StripLoads::default(); MAX_STRIPS],
+            incidence: [S::ZERO; MAX_STRIPS],
+            wash: [S::ZERO; MAX_STRIPS],
+            wash_of_others: [S::ZERO; MAX_STRIPS],
+            circulation: [S::ZERO; MAX_STRIPS],
+            separated: [S::ZERO; MAX_STRIPS],
+            suction_lost: [S::ZERO; MAX_STRIPS],
+            quarter_chord: [Vec3::ZERO; MAX_STRIPS],
+            strips: 0,
+        }
+    }
+}
+
+impl<S: Scalar> Loads<S> {
+    /// Sum over strips by source.
+    pub fn by_source(&self) -> StripLoads<S> {
+        let mut sum = StripLoads::default();
+        self.strip[..self.strips].iter().for_each(|strip| sum += *strip);
+        sum
+    }
+}

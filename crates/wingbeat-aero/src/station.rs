@@ -1,0 +1,101 @@
+//! The motion of one wing section, the only thing aerodynamics hears of the structure.
+
+use wingbeat_math::{Meets, Scalar, Vec3};
+
+/// Motion of one chord line. All vectors are resolved in the body frame B;
+/// positions are from the body origin; velocities and accelerations are
+/// inertial (relative to W). SI units.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SectionMotion<S: Scalar> {
+    /// Leading edge.
+    pub le: Vec3<S>,
+    /// Trailing edge.
+    pub te: Vec3<S>,
+    /// Velocity of the leading edge.
+    pub v_le: Vec3<S>,
+    /// Velocity of the trailing edge.
+    pub v_te: Vec3<S>,
+    /// Acceleration of the leading edge.
+    pub a_le: Vec3<S>,
+    /// Acceleration of the trailing edge.
+    pub a_te: Vec3<S>,
+    /// Unit vector along the span of the section's link, from left tip to right
+    /// tip, perpendicular to the chord line.
+    pub span: Vec3<S>,
+    /// Angular rate of the section's link.
+    pub w: Vec3<S>,
+    /// Angular acceleration of the section's link.
+    pub alpha: Vec3<S>,
+}
+
+/// Where the motions of a wing's sections come from: a slice, or whoever can
+/// tell them one by one, so that they need not all be kept.
+pub trait Sections<S: Scalar> {
+    /// Motion of section `i`, counted from the left tip.
+    fn section(&self, i: usize) -> SectionMotion<S>;
+    /// Number of coordinates, beyond the six of the body, whose second rates the motions leave out.
+    fn coordinates(&self) -> usize {
+        0
+    }
+    /// How section `i` moves per unit rate of `coordinate`.
+    fn field(&self, _i: usize, _coordinate: usize) -> SectionField<S> {
+        SectionField::default()
+    }
+}
+
+/// Velocities of a chord line per unit rate of a coordinate, in B.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SectionField<S: Scalar> {
+    /// Of the leading edge.
+    pub le: Vec3<S>,
+    /// Of the trailing edge.
+    pub te: Vec3<S>,
+}
+
+impl<S: Scalar> SectionField<S> {
+    /// The field that lies the share `x` of the way to another.
+    #[inline]
+    pub fn mixed<P: Scalar>(&self, other: &Self, x: P) -> Self
+    where
+        S: Meets<P>,
+    {
+        Self { le: along(self.le, other.le, x), te: along(self.te, other.te, x) }
+    }
+    /// Velocity of mid chord along `normal`, and rate of nose-up pitch of a chord 1/`inverse_chord` m long, whose own
+    /// normal is `upward`.
+    #[inline]
+    pub fn heave_and_pitch(&self, [normal, upward]: [Vec3<S>; 2], inverse_chord: S) -> (S, S) {
+        let heave = (self.le + self.te).dot(normal) * 0.5;
+        (heave, -((self.te - self.le).dot(upward) * inverse_chord))
+    }
+}
+
+impl<S: Scalar, T: AsRef<[SectionMotion<S>]> + ?Sized> Sections<S> for T {
+    #[inline]
+    fn section(&self, i: usize) -> SectionMotion<S> {
+        self.as_ref()[i]
+    }
+}
+
+impl<S: Scalar> SectionMotion<S> {
+    /// Position at the chord fraction `x` (0 leading edge, 1 trailing edge).
+    #[inline]
+    pub fn point(&self, x: f64) -> Vec3<S> {
+        along(self.le, self.te, x)
+    }
+    /// Velocity at the chord fraction `x`.
+    #[inline]
+    pub fn velocity(&self, x: f64) -> Vec3<S> {
+        along(self.v_le, self.v_te, x)
+    }
+    /// Acceleration at the chord fraction `x`.
+    #[inline]
+    pub fn acceleration(&self, x: f64) -> Vec3<S> {
+        along(self.a_le, self.a_te, x)
+    }
+}
+
+#[inline]
+fn along<P: Scalar, S: Scalar + Meets<P>>(a: Vec3<S>, b: Vec3<S>, x: P) -> Vec3<S> {
+    a * S::from(P::ONE - x) + b * S::from(x)
+}

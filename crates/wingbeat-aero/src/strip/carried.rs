@@ -1,0 +1,230 @@
+//! The air that the strips carry along: its impulse by the motion of the wing, and its inertia.
+
+use super::influence::{Column, dot, multiply, multiply_transposed};
+use super::{Flow, StripModel};
+use crate::{ImpulseRates, ImpulseRow, Sections};
+use arrayvec::ArrayVec;
+use wingbeat_math::{Meets, Scalar};
+use wingbeat_ocp::plant::{MAX_COORDINATES, MAX_DEGREES};
+
+/// What drives the carried air at 1/2 chord of a strip: its normal acceleration per acceleration
+/// and angular acceleration of the body (6), the wash there, m/s, and its rate, m/s2.
+type Drive<S> = [S; 8];
+
+impl<P: Scalar> StripModel<P> {
+    /// What A0^-1 leaves of the motion, the impulse of the carried air and its inertia.
+    pub(super) fn carry_air<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
+        let drives = self.drives(flow);
+        let mut rate_left = [S::ZERO; N];
+        for i in 0..N {
+            let left = self.left_at(i, flow, &drives);
+            (flow.half_left[i], rate_left[i]) = (left[6], left[7]);
+            let mass = if self.settings.section.added_mass { self.tables.mass[i] } else { P::ZERO };
+            for r in 0..6 {
+                let driven = drives[i][r] * mass;
+                for c in 0..6 {
+                    flow.added_mass[r][c] = left[c].mul_add(driven, flow.added_mass[r][c]);
+                }
+            }
+        }
+        if self.settings.section.added_mass {
+            self.impulses_of_motion(flow, &rate_left);
+        }
+        self.finish_added_mass(flow);
+    }
+
+    fn drives<S: Scalar + Meets<P>, const N: usize>(&self, flow: &Flow<S, N>) -> [Drive<S>; N] {
+        let strips = &flow.strips;
+        let mut drives = [[S::ZERO; 8]; N];
+        for i in 0..N {
+            let normal = strips.normal.get(i);
+            let ([a, b, c], [d, e, f]) = (normal.0, strips.half.get(i).cross(normal).0);
+            drives[i] = [a, b, c, d, e, f, strips.wash_half[i], strips.wash_half_rate[i]];
+        }
+        drives
+    }
+
+    /// Row `i` of A0^-1 times the drives.
+    #[inline(always)]
+    fn left_at<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        flow: &Flow<S, N>,
+        drives: &[Drive<S>; N],
+    ) -> Drive<S> {
+        let mut left = [S::ZERO; 8];
+        for j in 0..self.settings.strips {
+            for k in 0..8 {
+                left[k] = drives[j][k].mul_add(flow.relief[j][i], left[k]);
+            }
+        }
+        left
+    }
+
+    /// P = B w12 + rho dy ma A0^-1 [K (D - Y) + R Y], with B the symmetric part of rho dy ma A0^-1 (reciprocity).
+    /// Sets the first part and its rate, the rate of A0 left out: see aero.strip.followed_impulse.
+    ///
+    /// Equation: aero.strip.impulse
+    fn impulses_of_motion<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &mut Flow<S, N>,
+        rate_left: &Column<S, N>,
+    ) {
+        let by_half = self.reciprocal(flow, &flow.strips.wash_half);
+        let by_rate = self.reciprocal(flow, &flow.strips.wash_half_rate);
+        for i in 0..N {
+            let mass = self.tables.mass[i];
+            flow.impulse[i] = (flow.half_left[i] * mass + by_half[i]) * 0.5;
+            flow.impulse_rate[i] = (rate_left[i] * mass + by_rate[i]) * 0.5;
+        }
+    }
+
+    /// Adds the rows and columns 6.. of the added-mass matrix, on the second rates of the coordinates
+    /// of `sections`: as the body's own, with J the normal velocity at 1/2 chord per unit rate.
+    pub(super) fn couple<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        sections: &dyn Sections<S>,
+        matrix: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
+    ) {
+        let (strips, count) = (&flow.strips, sections.coordinates());
+        let mut fields = ArrayVec::<[Column<S, N>; 2], MAX_COORDINATES>::new();
+        for c in 0..count {
+            let (heave, pitch) = self.heave_and_pitch(flow, sections, c);
+            let carried = self.symmetric_impulse(flow, &heave);
+            let mut turned = pitch;
+            for i in 0..N {
+                let b = self.tables.chord[i] * 0.5;
+                let mass =
+                    if self.settings.section.section_moment { self.section_mass(i, flow) } else { S::ZERO };
+                turned[i] *= mass * (b * b * 0.125);
+            }
+            let mut add = |k: usize, share: S| {
+                matrix[6 + c][k] += share;
+                if k != 6 + c {
+                    matrix[k][6 + c] += share;
+                }
+            };
+            for i in 0..self.settings.strips {
+                let (normal, across) = (strips.normal.get(i), strips.across.get(i));
+                let moment = strips.half.get(i).cross(normal);
+                for k in 0..3 {
+                    add(k, normal[k] * carried[i]);
+                    add(3 + k, moment[k] * carried[i] + across[k] * turned[i]);
+                }
+            }
+            fields.push([heave, pitch]);
+            for (other, [heave, pitch]) in fields.iter().enumerate() {
+                add(6 + other, dot(heave, &carried) + dot(pitch, &turned));
+            }
+        }
+    }
+
+    /// Adds B J for the strips whose impulses are followed: how their forces fall with the accelerations of the body and of
+    /// the coordinates of `sections`, J as for [`couple`](Self::couple).
+    pub(super) fn follow<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        sections: &dyn Sections<S>,
+        rates: &mut ImpulseRates<S>,
+    ) {
+        let (drives, count, n) = (self.drives(flow), sections.coordinates(), self.settings.strips);
+        let first = rates.rows.len();
+        let rows = (0..n).map(|i| ImpulseRow {
+            state: rates.first_state + self.followed_states() + i,
+            by: [S::ZERO; MAX_DEGREES],
+        });
+        rates.rows.extend(rows);
+        for c in 0..6 + count {
+            let field = match c.checked_sub(6) {
+                None => std::array::from_fn(|i| drives[i][c]),
+                Some(coordinate) => self.heave_and_pitch(flow, sections, coordinate).0,
+            };
+            let carried = self.symmetric_impulse(flow, &field);
+            for (row, carried) in rates.rows[first..].iter_mut().zip(carried) {
+                row.by[c] = carried;
+            }
+        }
+    }
+
+    /// Normal velocity at 1/2 chord and pitch rate of every strip per unit rate of a coordinate.
+    fn heave_and_pitch<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        sections: &dyn Sections<S>,
+        coordinate: usize,
+    ) -> (Column<S, N>, Column<S, N>) {
+        let (strips, mut heave, mut pitch) = (&flow.strips, [S::ZERO; N], [S::ZERO; N]);
+        let mut left = sections.field(0, coordinate);
+        for i in 0..self.settings.strips {
+            let right = sections.field(i + 1, coordinate);
+            let inverse_chord = ((strips.half.get(i) - strips.quarter.get(i)).norm() * 4.0).recip();
+            let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
+            let normals = [normal, self.zero_lift.upward(chordwise, normal)];
+            let field = left.mixed(&right, self.tables.fraction[i]);
+            (heave[i], pitch[i]) = field.heave_and_pitch(normals, inverse_chord);
+            left = right;
+        }
+        (heave, pitch)
+    }
+
+    /// The symmetric part of rho dy ma A0^-1 times `v`; nothing without added mass.
+    fn symmetric_impulse<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        v: &Column<S, N>,
+    ) -> Column<S, N> {
+        if !self.settings.section.added_mass {
+            return [S::ZERO; N];
+        }
+        let (left, mut sum) = (multiply(&flow.relief, v, self.settings.strips), self.reciprocal(flow, v));
+        for i in 0..N {
+            sum[i] = (left[i] * self.tables.mass[i] + sum[i]) * 0.5;
+        }
+        sum
+    }
+
+    /// The transpose of rho dy ma A0^-1 times `v`.
+    fn reciprocal<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        v: &Column<S, N>,
+    ) -> Column<S, N> {
+        let mut weighted = *v;
+        for i in 0..N {
+            weighted[i] *= self.tables.mass[i];
+        }
+        multiply_transposed(&flow.relief, &weighted, self.settings.strips)
+    }
+
+    /// M = sym(J' rho dy ma A0^-1 J) with J = [n; r x n] per strip, plus the pitch inertia of the
+    /// sections; `flow` holds the first part before it is made symmetric.
+    ///
+    /// Equation: aero.strip.added_mass_matrix
+    fn finish_added_mass<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
+        if self.settings.section.section_moment {
+            let across = &flow.strips.across.0;
+            let mut turned = *across;
+            for i in 0..N {
+                let b = self.tables.chord[i] * 0.5;
+                let inertia = self.section_mass(i, flow) * (b * b * 0.125);
+                for axis in &mut turned {
+                    axis[i] *= inertia;
+                }
+            }
+            for r in 0..3 {
+                for c in 0..3 {
+                    flow.added_mass[3 + r][3 + c] += dot(&turned[r], &across[c]);
+                }
+            }
+        }
+        // In place: a copy of what has just been written piece by piece waits for its pieces.
+        let matrix = &mut flow.added_mass;
+        for r in 0..6 {
+            for c in 0..r {
+                let mean = (matrix[r][c] + matrix[c][r]) * 0.5;
+                (matrix[r][c], matrix[c][r]) = (mean, mean);
+            }
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! Where the strips lie on the wing and what of them never changes.
+
+use crate::Planform;
+use std::f64::consts::PI;
+use wingbeat_math::Error;
+use wingbeat_math::Scalar;
+use wingbeat_math::interpolation::piecewise_linear;
+
+/// Constants of the strips, from left tip to right tip.
+#[derive(Clone, Debug)]
+pub(super) struct Grid<P = f64> {
+    /// Arc coordinates of the edges, m, positive on the left wing.
+    pub arcs: Vec<P>,
+    /// Arc coordinates of the control sections, m.
+    pub control_arcs: Vec<P>,
+    /// Place of the control section between the strip's edges, 0 to 1.
+    pub fraction: Vec<P>,
+    /// Whether there is wing, not a gap.
+    pub covered: Vec<bool>,
+    /// Leading and trailing edge at the edges of the strips, m ahead of the hinge line.
+    pub outline: Vec<(P, P)>,
+    /// Chord, m.
+    pub chord: Vec<P>,
+    /// Width perpendicular to the chord, m.
+    pub width: Vec<P>,
+    /// Cosine of the sweep of the half-chord line.
+    pub cos_half: Vec<P>,
+    /// Cosine of the sweep of the three-quarter-chord line.
+    pub cos_three_quarter: Vec<P>,
+    /// Mean chord, m.
+    pub mean_chord: P,
+    /// Arc span over mean chord.
+    pub aspect: P,
+}
+
+impl<P: Scalar> Grid<P> {
+    pub fn new(planform: &Planform<P>, strips: usize, hinge_arcs: &[P]) -> Result<Self, Error> {
+        let (edges, fraction) = spacing(planform, strips, hinge_arcs)?;
+        let arcs: Vec<P> = edges.iter().map(|s| -*s).collect();
+        let outline: Vec<(P, P)> = arcs.iter().map(|&s| planform.edges(s)).collect();
+        // The chord direction is -x on the flat planform: widths are differences of arc.
+        let width: Vec<P> = arcs.windows(2).map(|a| a[0] - a[1]).collect();
+        let chord: Vec<P> = (0..strips)
+            .map(|i| {
+                let at = |j: usize| outline[j].0 - outline[j].1;
+                at(i) + fraction[i] * (at(i + 1) - at(i))
+            })
+            .collect();
+        let cosine = |x: f64| -> Vec<P> {
+            let ahead = |(le, te): (P, P)| le + (te - le) * x;
+            (0..strips)
+                .map(|i| {
+                    let run = ahead(outline[i + 1]) - ahead(outline[i]);
+                    width[i] / width[i].hypot(run)
+                })
+                .collect()
+        };
+        let control_arcs: Vec<P> = (0..strips).map(|i| arcs[i] - fraction[i] * width[i]).collect();
+        let covered: Vec<bool> = control_arcs.iter().map(|s| planform.covers(*s)).collect();
+        let kept = |i: usize| if covered[i] { width[i] } else { P::ZERO };
+        let area = chord.iter().enumerate().fold(P::ZERO, |sum, (i, c)| sum + *c * kept(i));
+        let span = (0..strips).fold(P::ZERO, |sum, i| sum + kept(i));
+        let mean_chord = area / span;
+        Ok(Self {
+            control_arcs,
+            fraction,
+            cos_half: cosine(0.5),
+            cos_three_quarter: cosine(0.75),
+            mean_chord,
+            aspect: span / mean_chord,
+            covered,
+            arcs,
+            outline,
+            chord,
+            width,
+        })
+    }
+}
+
+impl<P: Scalar> Grid<P> {
+    /// Half width of the narrower strip beside each edge, at most half the chord, m: a core that grows
+    /// with a wide strip would reach its own bound vortex.
+    pub fn half_widths(&self) -> impl Iterator<Item = P> {
+        let last = self.width.len() - 1;
+        let least = |a: P, b: P| if b < a { b } else { a };
+        let half = move |i: usize| least(self.width[i], self.chord[i]) * 0.5;
+        (0..=last + 1).map(move |j| least(half(j.min(last)), half(j.saturating_sub(1))))
+    }
+}
+
+/// A stretch of arc with its strips, from the right tip on.
+struct Piece<P> {
+    from: P,
+    to: P,
+    strips: usize,
+}
+
+/// The pieces of wing and the gaps between them: strips by length on the pieces, one on each
+/// gap, and in the middle what is left.
+fn pieces<P: Scalar>(planform: &Planform<P>, strips: usize) -> Result<Vec<Piece<P>>, Error> {
+    let (tip, gaps) = (planform.half_span(), planform.gaps());
+    let mut bounds: Vec<P> = gaps.iter().flat_map(|g| [g.from_arc_m, g.to_arc_m]).collect();
+    bounds.retain(|s| s.value() > 0.0);
+    bounds.push(tip);
+    let for_wing =
+        (strips as f64 - 2.0 * gaps.len() as f64).max(0.0) / (2.0 * planform.covered_half_span().value());
+    let side = bounds.windows(2).map(|b| {
+        let covered = planform.covers((b[0] + b[1]) * 0.5);
+        let share = if covered { (for_wing * (b[1] - b[0]).value()).floor().max(1.0) } else { 1.0 };
+        Piece { from: b[0], to: b[1], strips: share as usize }
+    });
+    let side: Vec<Piece<P>> = side.collect();
+    let outer: usize = 2 * side.iter().map(|p| p.strips).sum::<usize>();
+    if outer >= strips {
+        return Err(Error::invalid("strips", strips, format!("at least {}: one on every piece", outer + 1)));
+    }
+    let mirrored = |p: &Piece<P>| Piece { from: -p.to, to: -p.from, strips: p.strips };
+    let mut all: Vec<Piece<P>> = side.iter().rev().map(mirrored).collect();
+    all.push(Piece { from: -bounds[0], to: bounds[0], strips: strips - outer });
+    all.extend(side);
+    Ok(all)
+}
+
+/// Arc coordinates of the strip edges from the right tip to the left one, and the place of the
+/// control point in each strip.
+///
+/// # Errors
+/// [`Error::Invalid`] when a hinge lies beyond the tip or the strips are too few for hinges and gaps.
+pub fn spacing<P: Scalar>(
+    planform: &Planform<P>,
+    strips: usize,
+    hinge_arcs: &[P],
+) -> Result<(Vec<P>, Vec<P>), Error> {
+    let pieces = pieces(planform, strips)?;
+    let tip = planform.half_span();
+    let mut hinges = Vec::new();
+    for (k, &arc) in hinge_arcs.iter().enumerate() {
+        let at = planform.coordinates(arc);
+        if !(arc.value() >= 0.0 && at.iter().all(|s| s.abs() < tip)) {
+            let allowed = format!("0 to less than the half span {}", tip.value());
+            return Err(
+                Error::invalid(format!("hinge_arcs_m[{k}]"), arc.value(), allowed).against(["half_span"])
+            );
+        }
+        // Edges are laid from the right tip, where the arc coordinate is negative, to the left one.
+        hinges.extend(at.iter().map(|s| -*s));
+    }
+    hinges.sort_by(|a: &P, b: &P| a.value().total_cmp(&b.value()));
+    hinges.dedup_by(|a, b| *a == *b);
+    let (mut edges, mut fractions) = (Vec::with_capacity(strips + 1), Vec::with_capacity(strips));
+    for piece in &pieces {
+        if planform.covers((piece.from + piece.to) * 0.5) {
+            let (edge, fraction) = piece.spacing(&hinges, strips).map_err(|e| {
+                let arcs = (0..hinge_arcs.len()).map(|k| format!("hinge_arcs_m[{k}]"));
+                e.against(arcs).against(["half_span"])
+            })?;
+            edges.extend(edge);
+            fractions.extend(fraction);
+        } else {
+            // Between the outermost edges of its neighbours.
+            let step = (piece.to - piece.from) / piece.strips as f64;
+            edges.extend((1..piece.strips).map(|j| piece.from + step * j as f64));
+            fractions.extend(std::iter::repeat_n(P::from(0.5), piece.strips));
+        }
+    }
+    Ok((edges, fractions))
+}
+
+impl<P: Scalar> Piece<P> {
+    /// Strip edges and the place of the control point in each strip: with t = (s - middle) over
+    /// the half length, edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)),
+    /// i = 1..N; a piecewise-linear map of the angle puts an edge on each hinge.
+    ///
+    /// Equation: aero.strip.spacing
+    fn spacing(&self, hinges: &[P], strips: usize) -> Result<(Vec<P>, Vec<P>), Error> {
+        let n = self.strips as f64;
+        let edge: Vec<f64> = (0..=self.strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();
+        let middle = (1..=self.strips).map(|i| i as f64 * PI / (n + 1.0));
+        let (from, to) = self.hinge_map(&edge, hinges, strips)?;
+        let moved = |angle: f64| -piecewise_linear(&from, &to, P::from(angle)).cos();
+        let edge: Vec<P> = edge.into_iter().map(moved).collect();
+        let between = |(t, e): (P, &[P])| (t - e[0]) / (e[1] - e[0]);
+        let fraction = middle.map(moved).zip(edge.windows(2)).map(between).collect();
+        let (centre, half) = self.middle();
+        Ok((edge.iter().map(|t| centre + half * *t).collect(), fraction))
+    }
+
+    /// Its middle, and half its length, m.
+    fn middle(&self) -> (P, P) {
+        ((self.from + self.to) * 0.5, (self.to - self.from) * 0.5)
+    }
+
+    /// Knots of the angle map: an edge moves onto each hinge.
+    fn hinge_map(&self, edge: &[f64], hinges: &[P], strips: usize) -> Result<(Vec<P>, Vec<P>), Error> {
+        let (centre, half) = self.middle();
+        let inside = hinges.iter().filter(|s| **s > self.from && **s < self.to);
+        let angles: Vec<P> = inside.map(|s| (-(*s - centre) / half).acos()).collect();
+        let values: Vec<f64> = angles.iter().map(|angle| angle.value()).collect();
+        let Some(taken) = self.hinge_edges(edge, &values) else {
+            let allowed = "enough that every hinge has an edge of its own";
+            return Err(Error::invalid("strips", strips, allowed));
+        };
+        let knots = |at: Vec<P>| std::iter::once(P::ZERO).chain(at).chain([P::from(PI)]).collect();
+        Ok((knots(taken.iter().map(|&j| P::from(edge[j])).collect()), knots(angles)))
+    }
+
+    /// The edge of each hinge: in increasing order with the least squared difference of angle, the same
+    /// on both sides of the plane of symmetry. The outermost edges stay at the ends of the piece.
+    fn hinge_edges(&self, edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
+        let last = edge.len() - 1;
+        let paired = |(a, b): (&f64, &f64)| (a + b - PI).abs() < 1e-9;
+        let middle = self.from.value() + self.to.value();
+        let alike = angles.iter().zip(angles.iter().rev()).all(paired);
+        // A one-sided surface has its hinges where they are.
+        let one_sided = middle == 0.0 && !alike;
+        let lean = if one_sided { angles.iter().map(|angle| angle - 0.5 * PI).sum() } else { middle };
+        let alone = |angles: &[f64]| -> Option<Vec<usize>> {
+            in_order(&edge[1..last], angles).map(|taken| taken.iter().map(|j| j + 1).collect())
+        };
+        if lean < 0.0 || (one_sided && lean == 0.0) {
+            return alone(angles);
+        }
+        let mirrored = |taken: &[usize]| -> Vec<usize> { taken.iter().rev().map(|j| last - j).collect() };
+        if lean > 0.0 {
+            let other: Vec<f64> = angles.iter().rev().map(|angle| PI - angle).collect();
+            return alone(&other).map(|taken| mirrored(&taken));
+        }
+        let side = angles.len() / 2;
+        let mut middle = Vec::new();
+        let mut first_past = edge.len() / 2;
+        if angles.len() % 2 == 1 {
+            // With an odd number of strips there is no edge in the middle: one of the two beside it.
+            let nearer = |j: usize| (edge[j] - angles[side]).abs();
+            middle.push(if nearer(last / 2) <= nearer(last.div_ceil(2)) {
+                last / 2
+            } else {
+                last.div_ceil(2)
+            });
+            first_past = last / 2;
+        }
+        let left = in_order(edge.get(1..first_past).unwrap_or(&[]), &angles[..side])?;
+        let left: Vec<usize> = left.iter().map(|j| j + 1).collect();
+        Some([&left[..], &middle, &mirrored(&left)].concat())
+    }
+}
+
+/// Sums of squared angles, rad2, that differ by less are the same: the choice must not depend on rounding.
+const TIE: f64 = 1e-12;
+
+/// Indices of `edge` for each of `angles`, increasing, with the least sum of squared differences.
+fn in_order(edge: &[f64], angles: &[f64]) -> Option<Vec<usize>> {
+    // The least sum, and the indices, of the angles so far with the last one at each edge or before.
+    let mut best = vec![Some((0.0, Vec::new())); edge.len() + 1];
+    for angle in angles {
+        let mut next: Vec<Option<(f64, Vec<usize>)>> = vec![None; edge.len() + 1];
+        for (j, e) in edge.iter().enumerate() {
+            let here = best[j].as_ref().map(|(sum, taken)| {
+                (sum + (e - angle).powi(2), taken.iter().copied().chain([j]).collect::<Vec<_>>())
+            });
+            next[j + 1] = match (next[j].clone(), here) {
+                (Some(before), Some(here)) => Some(if here.0 < before.0 - TIE { here } else { before }),
+                (before, here) => here.or(before),
+            };
+        }
+        best = next;
+    }
+    best.pop()?.map(|(_, taken)| taken)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PlanformStation, Span};
+
+    /// Aerobat's outline with its shoulders and elbows.
+    fn aerobat(strips: usize) -> Result<Grid, Error> {
+        let rows = [
+            [0.0, 0.0635, -0.0956],
+            [0.0707, 0.0765, -0.111],
+            [0.1547, 0.118, 0.0171],
+            [0.2027, 0.101, 0.081],
+        ];
+        let stations = rows.map(|[arc_m, leading_edge_m, trailing_edge_m]| PlanformStation {
+            arc_m,
+            leading_edge_m,
+            trailing_edge_m,
+        });
+        Grid::new(&Planform::new(&stations)?, strips, &[0.0207, 0.0707])
+    }
+
+    #[test]
+    fn hinges_take_edges_in_order_and_alike_on_both_sides() {
+        for strips in [6, 7, 8, 9, 10, 12, 13, 14, 16, 32] {
+            let grid = aerobat(strips).unwrap();
+            for (a, b) in grid.arcs.iter().zip(grid.arcs.iter().rev()) {
+                assert!((a + b).abs() < 1e-15, "{strips} strips: {a} and {b}");
+            }
+            for (a, b) in grid.control_arcs.iter().zip(grid.control_arcs.iter().rev()) {
+                assert!((a + b).abs() < 1e-15, "{strips} strips: control at {a} and {b}");
+            }
+            assert!(grid.width.iter().all(|width| *width > 0.0), "{strips} strips");
+            for hinge in [0.0207, 0.0707] {
+                let on_hinge = grid.arcs.iter().filter(|arc| (arc.abs() - hinge).abs() < 1e-15).count();
+                assert_eq!(on_hinge, 2, "{strips} strips, hinge at {hinge}");
+            }
+        }
+        let refused = aerobat(4).unwrap_err().to_string();
+        assert!(refused.starts_with("strips = 4") && refused.contains("every hinge"), "{refused}");
+    }
+
+    #[test]
+    fn hinges_of_one_sided_surfaces_mirror_each_other() {
+        let stations =
+            [0.0, 0.2].map(|arc_m| PlanformStation { arc_m, leading_edge_m: 0.02, trailing_edge_m: -0.03 });
+        let half = |span: Span, hinges: &[f64]| {
+            Grid::new(&Planform::new(&stations).unwrap().spanning(span).unwrap(), 8, hinges).unwrap()
+        };
+        for hinges in [&[0.05][..], &[0.1], &[0.03, 0.15], &[0.02, 0.08, 0.1]] {
+            let [left, right] = [Span::Left, Span::Right].map(|span| half(span, hinges));
+            for (a, b) in left.arcs.iter().zip(right.arcs.iter().rev()) {
+                assert!((a + b).abs() < 1e-15, "{hinges:?}: {a} and {b}");
+            }
+            for hinge in hinges {
+                assert!(
+                    left.arcs.iter().any(|arc| (arc + 0.1 - hinge).abs() < 1e-15),
+                    "{hinge} of {hinges:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_nearest_edges_are_taken_where_they_are_in_order() {
+        let edge = [0.1, 0.5, 1.0, 1.6];
+        assert_eq!(in_order(&edge, &[0.45, 1.1]), Some(vec![1, 2]));
+        // Both are nearest to 0.5: the pair with the least squares.
+        assert_eq!(in_order(&edge, &[0.52, 0.6]), Some(vec![1, 2]));
+        assert_eq!(in_order(&edge, &[0.3, 0.5]), Some(vec![0, 1]));
+        assert_eq!(in_order(&edge[..1], &[0.3, 0.5]), None);
+        assert_eq!(in_order(&[], &[]), Some(vec![]));
+    }
+}

@@ -1,0 +1,449 @@
+//! Wash of bound vortices, trailing legs and wake on all strips at once.
+//!
+//! Matrices are stored by columns: `m[j][i]` is the wash of strip j on strip i,
+//! so that the inner loops run over strips without a gap and vectorise.
+
+use super::cores::{Cores, EdgeCores, StripCores};
+use super::motion::{Edge, Strips, Vectors, Wakes};
+use std::f64::consts::PI;
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
+
+/// A number per strip.
+pub(super) type Column<S, const N: usize> = [S; N];
+/// A number per pair of strips, `m[source][target]`.
+pub(super) type Matrix<S, const N: usize> = [[S; N]; N];
+
+pub(super) const INVERSE_4PI: f64 = 0.25 / PI;
+/// Smallest squared distance to the end of a vortex over its squared core radius.
+pub(super) const NEAREST: f64 = 1e-6;
+
+/// Where the wash is taken, and of what direction: points and the lines n through them. Lengths are over the mean
+/// chord, so that their high powers stay far from the ends of the numbers.
+pub(super) struct Targets<'a, P: Scalar, S: Scalar, const N: usize> {
+    cores: &'a Cores<P>,
+    /// 3/4 and 1/4 chord points.
+    control: Vectors<S, N>,
+    bound: Vectors<S, N>,
+    /// Normals over 4 pi, with their moments about the origin at both points.
+    normal: Vectors<S, N>,
+    control_moment: Vectors<S, N>,
+    bound_moment: Vectors<S, N>,
+}
+
+/// A straight line as direction and moment about the origin (Pluecker coordinates).
+#[derive(Clone, Copy)]
+pub(super) struct Line<S: Scalar> {
+    pub direction: Vec3<S>,
+    pub moment: Vec3<S>,
+}
+
+/// Normal wash of the trailing vortex of one edge, of unit strength, on all strips.
+struct Trailing<S, const N: usize> {
+    /// Distance of the control points to the edge's bound point and trailing edge.
+    to_bound: Column<S, N>,
+    to_trailing: Column<S, N>,
+    /// From the bound point to the trailing edge.
+    leg: Column<S, N>,
+    /// From the trailing edge to infinity.
+    wake: Column<S, N>,
+    /// Half the wash far behind, taken at the 1/4 chord points.
+    far: Column<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Trailing<S, N> {
+    const ZERO: Self = {
+        let zero = [S::ZERO; N];
+        Self { to_bound: zero, to_trailing: zero, leg: zero, wake: zero, far: zero }
+    };
+}
+
+/// Normal wash of a strip's vortex of unit strength on all strips.
+pub(super) struct Wash<'a, S, const N: usize> {
+    /// Closed ring from the quarter chord to the trailing edge.
+    pub ring: &'a mut Matrix<S, N>,
+    /// The horseshoe: ring and wake together.
+    pub horseshoe: &'a mut Matrix<S, N>,
+    /// Half the wash far behind (Munk): the wash that turns the force.
+    pub far: &'a mut Matrix<S, N>,
+}
+
+/// A quotient whose division waits, so that several share one.
+#[derive(Clone, Copy)]
+pub(super) struct Ratio<S> {
+    above: S,
+    below: S,
+}
+
+/// x / y, falling to zero below the core: x y / (y^2 + core4).
+#[inline(always)]
+pub(super) fn cored<S: Scalar>(x: S, y: S, core4: S) -> Ratio<S> {
+    Ratio { above: x * y, below: y.mul_add(y, core4) }
+}
+
+/// x / y, falling to zero where y is less than the core: x y^3 / (y^4 + core4).
+///
+/// Equation: aero.strip.core
+#[inline(always)]
+fn faded<P, S: Scalar + Meets<P>>(x: S, y: S, core4: P) -> Ratio<S> {
+    let y2 = y.squared();
+    Ratio { above: x * (y2 * y), below: y2.squared_add(S::from(core4)) }
+}
+
+/// a b + r1.r2 = ((a + b)^2 - d^2) / 2 at the distances a and b from the ends of a segment of length d: by its
+/// smallness the wash of the segment grows.
+#[inline(always)]
+pub(super) fn segment_square<S: Scalar>(d2: S, [a, b]: [S; 2]) -> S {
+    (a + b).squared_add(-d2) * 0.5
+}
+
+/// The wash of [`segment`] with the core of [`faded`].
+#[inline(always)]
+fn faded_segment<P, S: Scalar + Meets<P>>(turn: S, d2: S, ends: [S; 2], core4: P) -> Ratio<S> {
+    if S::CARRIES {
+        let [a, b] = ends;
+        let inverse = segment_square(d2, ends).faded_inverse(S::from(core4));
+        return Ratio { above: turn * (a + b) * inverse, below: a * b };
+    }
+    segment(turn, d2, ends, |x, y| faded(x, y, core4))
+}
+
+/// a . b + c with fused products.
+#[inline(always)]
+fn fused<S: Scalar>(a: Vec3<S>, b: Vec3<S>, c: S) -> S {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul_add(b[2], c)))
+}
+
+/// a . a + c with fused products.
+#[inline(always)]
+fn fused_square<S: Scalar>(a: Vec3<S>, c: S) -> S {
+    a[0].squared_add(a[1].squared_add(a[2].squared_add(c)))
+}
+
+impl<S: Scalar> Line<S> {
+    /// Along `direction` through `point`.
+    #[inline(always)]
+    pub fn new(point: Vec3<S>, direction: Vec3<S>) -> Self {
+        Self { direction, moment: point.cross(direction) }
+    }
+    /// n . (d x r) for r from this line, of direction d, to a point on the line n.
+    #[inline(always)]
+    pub fn turn(&self, n: &Self) -> S {
+        fused(self.direction, n.moment, fused(self.moment, n.direction, S::ZERO))
+    }
+}
+
+/// Normal velocity of a straight vortex of unit strength along `d`, 4 pi `turn` = n . (d x r)
+/// with r from the vortex to the target, at the distances a and b from its ends:
+/// n . (d x r) (a + b) / (4 pi a b (a b + r1.r2)), regular on the extension of the segment;
+/// 2 (a b + r1.r2) = (a + b)^2 - d^2. `core` makes the last quotient.
+///
+/// Equation: aero.strip.segment
+#[inline(always)]
+pub(super) fn segment<S: Scalar>(
+    turn: S,
+    d2: S,
+    [a, b]: [S; 2],
+    core: impl FnOnce(S, S) -> Ratio<S>,
+) -> Ratio<S> {
+    let Ratio { above, below } = core(turn * (a + b), segment_square(d2, [a, b]));
+    Ratio { above, below: below * (a * b) }
+}
+
+impl<S: Scalar> Ratio<S> {
+    #[inline(always)]
+    fn quotient(self) -> S {
+        self.above / self.below
+    }
+}
+
+/// Both quotients by one division, where the numbers have room for it.
+#[inline(always)]
+pub(super) fn divide<S: Scalar>(p: Ratio<S>, q: Ratio<S>) -> (S, S) {
+    if S::NARROW {
+        return (p.quotient(), q.quotient());
+    }
+    let inverse = (p.below * q.below).recip();
+    (p.above * q.below * inverse, q.above * p.below * inverse)
+}
+
+impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
+    pub fn new(strips: &Strips<S, N>, cores: &'a Cores<P>) -> Self {
+        let zero = Vectors::ZERO;
+        let (mut control, mut bound, mut normal) = (zero, zero, zero);
+        let (mut control_moment, mut bound_moment) = (zero, zero);
+        for i in 0..N {
+            let n = strips.normal.get(i).scaled(cores.strength * INVERSE_4PI);
+            let at = |points: &Vectors<S, N>| points.get(i).scaled(cores.scale);
+            let (p, q) = (at(&strips.three_quarter), at(&strips.quarter));
+            normal.set(i, n);
+            control.set(i, p);
+            bound.set(i, q);
+            control_moment.set(i, p.cross(n));
+            bound_moment.set(i, q.cross(n));
+        }
+        Self { cores, control, bound, normal, control_moment, bound_moment }
+    }
+
+    /// Edge `j` as seen from here.
+    #[inline(always)]
+    fn edge(&self, wakes: &Wakes<S, N>, j: usize) -> Edge<S> {
+        let Edge { bound, trailing, wake } = wakes.edge(j);
+        let scale = self.cores.scale;
+        Edge { bound: bound.scaled(scale), trailing: trailing.scaled(scale), wake }
+    }
+
+    /// The normal of strip `i` through its 3/4 chord point, over 4 pi.
+    #[inline(always)]
+    fn at_control(&self, i: usize) -> Line<S> {
+        Line { direction: self.normal.get(i), moment: self.control_moment.get(i) }
+    }
+
+    /// Leg along the chord, semi-infinite vortex u x r / (4 pi |r| (|r| - u.r)) from the
+    /// trailing edge along u, and, far behind, half of the two-dimensional vortex
+    /// u x r / (2 pi |r_perp|^2).
+    ///
+    /// Equation: aero.strip.trailing_vortex
+    fn trailing(&self, edge: &Edge<S>, cores: &EdgeCores<P>, out: &mut Trailing<S, N>) {
+        let (u, chord) = (edge.wake, edge.trailing - edge.bound);
+        let chord2 = chord.norm_squared();
+        let (leg, wake) = (Line::new(edge.bound, chord), Line::new(edge.trailing, u));
+        let behind = Line::new(edge.bound, u);
+        let (u_trailing, u_bound) = (u.dot(edge.trailing), u.dot(edge.bound));
+        let least = S::from(cores.least);
+        for i in 0..N {
+            let (p, n) = (self.control.get(i), self.at_control(i));
+            let (ra, rt) = (p - edge.bound, p - edge.trailing);
+            let (a, b) = (fused_square(ra, least).sqrt(), fused_square(rt, least).sqrt());
+            let leg = faded_segment(leg.turn(&n), chord2, [a, b], cores.leg[i]);
+            let behind_edge = b * (b + u_trailing - fused(u, p, S::ZERO));
+            let wake_turn = wake.turn(&n);
+            let q = self.bound.get(i);
+            let r = q - edge.bound;
+            let ahead = fused(q, u, -u_bound);
+            let n = Line { direction: n.direction, moment: self.bound_moment.get(i) };
+            let (far_turn, beside2) = (behind.turn(&n), fused_square(r, -ahead.squared()));
+            out.to_bound[i] = a;
+            out.to_trailing[i] = b;
+            if S::CARRIES {
+                out.leg[i] = leg.quotient();
+                out.wake[i] = wake_turn * behind_edge.faded_inverse(S::from(cores.wake[i]));
+                out.far[i] = far_turn * beside2.faded_inverse(S::from(cores.far[i]));
+                continue;
+            }
+            let wake = faded(wake_turn, behind_edge, cores.wake[i]);
+            let far = faded(far_turn, beside2, cores.far[i]);
+            if S::NARROW {
+                (out.leg[i], out.wake[i], out.far[i]) = (leg.quotient(), wake.quotient(), far.quotient());
+                continue;
+            }
+            let (both, far) = divide(Ratio { above: S::ONE, below: leg.below * wake.below }, far);
+            out.leg[i] = leg.above * wake.below * both;
+            out.wake[i] = wake.above * leg.below * both;
+            out.far[i] = far;
+        }
+    }
+
+    /// Wash of the rings and horseshoes between the edges of the first `n` strips, and far behind.
+    pub fn wash(&self, wakes: &Wakes<S, N>, n: usize, out: &mut Wash<'_, S, N>) {
+        let cores = self.cores;
+        let mut beside = [Trailing::ZERO; 2];
+        let mut edges = [self.edge(wakes, 0); 2];
+        self.trailing(&edges[0], &cores.edges[0], &mut beside[0]);
+        for j in 0..n {
+            edges = [edges[1], self.edge(wakes, j + 1)];
+            self.trailing(&edges[1], &cores.edges[j + 1], &mut beside[(j + 1) % 2]);
+            let (left, right) = (&beside[j % 2], &beside[(j + 1) % 2]);
+            let (ring, horseshoe, far) = (&mut out.ring[j], &mut out.horseshoe[j], &mut out.far[j]);
+            if S::CARRIES {
+                self.strip(&edges, left, right, &cores.strips[j], ring, horseshoe, far);
+            } else {
+                self.strip_apart(&edges, left, right, &cores.strips[j], ring, horseshoe, far);
+            }
+        }
+    }
+
+    /// As [`strip`](Self::strip), of plain numbers. The columns come one by one, to a function that stays one: only as arguments
+    /// are they known to lie apart, without which a loop over twelve strips is not vectorised.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
+    fn strip_apart(
+        &self,
+        edges: &[Edge<S>; 2],
+        left: &Trailing<S, N>,
+        right: &Trailing<S, N>,
+        cores: &StripCores<P>,
+        ring: &mut Column<S, N>,
+        horseshoe: &mut Column<S, N>,
+        far: &mut Column<S, N>,
+    ) {
+        self.strip(edges, left, right, cores, ring, horseshoe, far);
+    }
+
+    /// Columns of the strip between two edges.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what is written lies apart from what is read")]
+    fn strip(
+        &self,
+        edges: &[Edge<S>; 2],
+        left: &Trailing<S, N>,
+        right: &Trailing<S, N>,
+        cores: &StripCores<P>,
+        ring: &mut Column<S, N>,
+        horseshoe: &mut Column<S, N>,
+        far: &mut Column<S, N>,
+    ) {
+        let [ahead, behind] = [edges[1].bound - edges[0].bound, edges[0].trailing - edges[1].trailing];
+        let lines = [Line::new(edges[0].bound, ahead), Line::new(edges[1].trailing, behind)];
+        let lengths = [ahead.norm_squared(), behind.norm_squared()];
+        for i in 0..N {
+            let n = self.at_control(i);
+            let ends = [left.to_bound[i], right.to_bound[i]];
+            let front = segment(lines[0].turn(&n), lengths[0], ends, |x, y| faded(x, y, cores.front[i]));
+            let ends = [right.to_trailing[i], left.to_trailing[i]];
+            let rear = segment(lines[1].turn(&n), lengths[1], ends, |x, y| faded(x, y, cores.rear[i]));
+            let (front, rear) = divide(front, rear);
+            let open = front + right.leg[i] - left.leg[i];
+            ring[i] = open + rear;
+            horseshoe[i] = open + right.wake[i] - left.wake[i];
+            far[i] = right.far[i] - left.far[i];
+        }
+    }
+}
+
+/// sum_j m[j] v[j], over the first `n` sources.
+#[inline(always)]
+pub(super) fn multiply<G: Scalar, S: Over<G>, const N: usize>(
+    m: &Matrix<G, N>,
+    v: &Column<S, N>,
+    n: usize,
+) -> Column<S, N> {
+    let mut sum = [S::ZERO; N];
+    for j in 0..n {
+        for i in 0..N {
+            sum[i] = v[j].fused(m[j][i], sum[i]);
+        }
+    }
+    sum
+}
+
+/// v . m[j] for each of the first `n` sources; zero beyond.
+#[inline(always)]
+pub(super) fn multiply_transposed<S: Scalar, const N: usize>(
+    m: &Matrix<S, N>,
+    v: &Column<S, N>,
+    n: usize,
+) -> Column<S, N> {
+    let mut sum = [S::ZERO; N];
+    for j in 0..n {
+        sum[j] = dot(&m[j], v);
+    }
+    sum
+}
+
+/// a . b.
+#[inline(always)]
+pub(super) fn dot<S: Scalar, const N: usize>(a: &Column<S, N>, b: &Column<S, N>) -> S {
+    let mut lanes = [S::ZERO; 4];
+    let (a, b) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
+    for i in 0..a.len() {
+        for k in 0..4 {
+            lanes[k] = a[i][k].mul_add(b[i][k], lanes[k]);
+        }
+    }
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+}
+
+/// Sum over all lanes.
+#[inline(always)]
+pub(super) fn sum<S: Scalar, const N: usize>(a: &Column<S, N>) -> S {
+    let mut lanes = [S::ZERO; 4];
+    for a in a.chunks_exact(4) {
+        for k in 0..4 {
+            lanes[k] += a[k];
+        }
+    }
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+}
+
+/// Inverse of the leading `n` x `n` block of `m` by Gauss-Jordan elimination in place,
+/// two unknowns at a time, without exchanges. The matrices met here are positive definite up to
+/// a diagonal scaling, for which this is stable (Golub & Van Loan, Matrix Computations, 4.2.2).
+/// `N` is even.
+#[inline(never)]
+pub(super) fn invert<S: Scalar, const N: usize>(m: &mut Matrix<S, N>, n: usize) {
+    if n % 2 == 1 {
+        // An unknown of its own makes the number even.
+        m.iter_mut().for_each(|column| column[n] = S::ZERO);
+        m[n][..n].fill(S::ZERO);
+        m[n][n] = S::ONE;
+    }
+    for k in (0..n).step_by(2) {
+        let pair = [m[k], m[k + 1]];
+        let block = inverse_of_pair([[pair[0][k], pair[1][k]], [pair[0][k + 1], pair[1][k + 1]]]);
+        let [p, q] = &pair;
+        for (j, other) in m.iter_mut().enumerate().take(n) {
+            if j / 2 == k / 2 {
+                continue;
+            }
+            let (a, b) = (other[k], other[k + 1]);
+            let f = -block[0][0].mul_add(a, block[0][1] * b);
+            let g = -block[1][0].mul_add(a, block[1][1] * b);
+            for i in 0..N {
+                other[i] = q[i].mul_add(g, p[i].mul_add(f, other[i]));
+            }
+            // In place of what is eliminated.
+            (other[k], other[k + 1]) = (f, g);
+        }
+        for c in 0..2 {
+            for i in 0..N {
+                m[k + c][i] = pair[1][i].mul_add(block[1][c], pair[0][i] * block[0][c]);
+            }
+            (m[k + c][k], m[k + c][k + 1]) = (block[0][c], block[1][c]);
+        }
+    }
+}
+
+/// Inverse of a 2 x 2 matrix by rows.
+#[inline(always)]
+fn inverse_of_pair<S: Scalar>([[a, b], [c, d]]: [[S; 2]; 2]) -> [[S; 2]; 2] {
+    let inverse = a.mul_add(d, -(b * c)).recip();
+    [[d * inverse, -(b * inverse)], [-(c * inverse), a * inverse]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_inverse_times_the_matrix_is_one() {
+        for n in [1, 5, 6, 8] {
+            let mut m: Matrix<f64, 8> =
+                std::array::from_fn(|j| std::array::from_fn(|i| 0.1 * ((3 * i + 5 * j) as f64).sin()));
+            for i in 0..8 {
+                m[i][i] += 1.0;
+            }
+            let original = m;
+            invert(&mut m, n);
+            for j in 0..n {
+                let mut column = m[j];
+                column[n..].fill(0.0);
+                let product = multiply(&original, &column, n);
+                for i in 0..n {
+                    assert!((product[i] - f64::from(u8::from(i == j))).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_segment_is_half_a_line_vortex_on_each_side() {
+        let (target, ends) = (Vec3::new(0.3, 2.0, 0.0), [1e4, -1e4].map(|y| Vec3::new(0.0, y, 0.0)));
+        let along = ends[1] - ends[0];
+        let distances = ends.map(|end| (target - end).norm());
+        let turn = Line::new(ends[0], along).turn(&Line::new(target, Vec3::new(0.0, 0.0, INVERSE_4PI)));
+        let Ratio { above, below } = faded_segment(turn, along.norm_squared(), distances, 1e-12);
+        let value = above / below;
+        assert!((value.abs() / (1.0 / (2.0 * PI * 0.3)) - 1.0).abs() < 1e-6);
+        assert!(value > 0.0);
+    }
+}

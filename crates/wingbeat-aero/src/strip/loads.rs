@@ -1,0 +1,240 @@
+//! Forces and moments of the strips from their washes and impulses.
+
+use super::influence::{Column, sum};
+use super::motion::{Strips, Vectors};
+use super::response::{LeadingEdges, Response};
+use super::{Flow, StripModel};
+use crate::section::{SectionForce, pitch_suction, suction_share};
+use crate::{Loads, StripLoads, Wrench};
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
+
+/// Forces in the planes of all sections, N, and how far ahead of mid chord they act, m.
+#[derive(Clone, Copy)]
+struct InPlane<S: Scalar, const N: usize> {
+    chordwise: Column<S, N>,
+    normal: Column<S, N>,
+    ahead: Column<S, N>,
+}
+
+impl<S: Scalar, const N: usize> InPlane<S, N> {
+    const ZERO: Self = Self { chordwise: [S::ZERO; N], normal: [S::ZERO; N], ahead: [S::ZERO; N] };
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> SectionForce<S> {
+        SectionForce::in_plane(self.chordwise[i], self.normal[i], self.ahead[i])
+    }
+}
+
+/// Forces of all strips by source.
+struct Forces<S: Scalar, const N: usize> {
+    /// As the wash of wake and lags turns it.
+    lift: InPlane<S, N>,
+    drag: InPlane<S, N>,
+}
+
+/// Where the lift points.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Directed {
+    /// As the wash of motion alone directs it.
+    Plainly,
+    /// As the wash of wake and lags turns it.
+    Turned,
+}
+
+impl<G: Scalar, const N: usize> Strips<G, N> {
+    /// A force of section `i` as a wrench about the body origin.
+    #[inline(always)]
+    fn wrench<S: Over<G>>(&self, i: usize, force: SectionForce<S>) -> Wrench<S> {
+        force.wrench(self.half.get(i), self.chordwise.get(i), self.normal.get(i), self.across.get(i))
+    }
+}
+
+impl<P: Scalar> StripModel<P> {
+    /// Sum of the loads of all strips; `loads` receives them by strip and source, `by_strip` their sums.
+    pub(super) fn load_strips<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        response: &Response<S, N>,
+        loads: Option<&mut Loads<S>>,
+        by_strip: Option<&mut [Wrench<S>]>,
+    ) -> Wrench<S> {
+        let strips = &flow.strips;
+        let forces = Forces {
+            lift: self.circulatory(strips, response, Directed::Turned),
+            drag: self.profile_drag(strips, &response.attached),
+        };
+        let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
+        for i in 0..N {
+            let total = forces.lift.at(i) + self.carried_air(i, flow, response) + forces.drag.at(i);
+            let wrench = strips.wrench(i, total);
+            force.set(i, wrench.force);
+            moment.set(i, wrench.moment);
+        }
+        if let Some(out) = by_strip {
+            for (i, load) in out.iter_mut().enumerate().take(self.settings.strips) {
+                *load = Wrench { force: force.get(i), moment: moment.get(i) };
+            }
+        }
+        if let Some(loads) = loads {
+            self.break_down(flow, response, &forces, loads);
+        }
+        let total = |of: &Vectors<S, N>| Vec3([sum(&of.0[0]), sum(&of.0[1]), sum(&of.0[2])]);
+        Wrench { force: total(&force), moment: total(&moment) }
+    }
+
+    /// Writes the loads by strip and source.
+    fn break_down<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        response: &Response<S, N>,
+        forces: &Forces<S, N>,
+        loads: &mut Loads<S>,
+    ) {
+        let first = loads.strips;
+        loads.strips = first + self.settings.strips;
+        let plain = self.circulatory(&flow.strips, response, Directed::Plainly);
+        for i in 0..self.settings.strips {
+            let at = first + i;
+            let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
+            let circulatory = wrench(plain.at(i));
+            loads.strip[at] = StripLoads {
+                circulatory,
+                induced_drag: wrench(forces.lift.at(i)) + -circulatory,
+                added_mass: wrench(self.carried_air(i, flow, response)),
+                profile_drag: wrench(forces.drag.at(i)),
+            };
+            if self.grid.covered[i] {
+                loads.incidence[at] = response.lift_wash[i].atan2(S::from(flow.strips.along[i]));
+            }
+            loads.wash[at] = response.wash[i];
+            loads.separated[at] = S::ONE - response.attached[i];
+            loads.suction_lost[at] = response.edges.as_ref().map_or(S::ZERO, |e| S::ONE - e.held[i]);
+            loads.circulation[at] = response.circulation[i];
+            loads.quarter_chord[at] = flow.strips.quarter.get(i).lifted();
+        }
+    }
+
+    /// Forces at 1/4 chord, N, as the wash of motion alone directs them, or as the wash of
+    /// wake and lags turns them.
+    /// F = rho dy g lw [V |uc|/Ve n - W s e_c], Ve = sqrt(uc^2 + W^2 + delta^2), with the attached
+    /// share of the lift, of which the suction s takes another share; so it does of what pitching adds.
+    ///
+    /// Equation: aero.strip.force
+    fn circulatory<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        response: &Response<S, N>,
+        directed: Directed,
+    ) -> InPlane<S, N> {
+        let (attached, delta2) = (&response.attached, self.floor * self.floor);
+        let (mut lift, mut pitching) = ([S::ZERO; N], [S::ZERO; N]);
+        let slope_share = self.tables.slope_share;
+        for i in 0..N {
+            let (wash, lift_wash) = (response.wash[i], response.lift_wash[i]);
+            lift[i] = lift_wash * attached[i] * self.tables.lift_scale[i];
+            if self.settings.section.pitch_suction {
+                let section = (self.tables.mass[i], slope_share, self.tables.chord[i] * 0.5);
+                pitching[i] = pitch_suction(section, strips.pitch[i], wash, lift_wash) * attached[i];
+            }
+        }
+        let turned = directed == Directed::Turned && self.settings.force_tilt;
+        let mut wash = response.turning_wash;
+        if !turned {
+            for i in 0..N {
+                wash[i] = S::from(strips.wash[i]);
+            }
+        }
+        let (mut force, mut shares) = (InPlane::ZERO, [S::ZERO; N]);
+        for i in 0..N {
+            let along2 = strips.along[i].squared() + delta2;
+            let inverse = (wash[i].squared() + along2).sqrt().recip();
+            let suction = suction_share(inverse * strips.along[i]);
+            shares[i] = if response.edges.is_none() { suction * attached[i] } else { suction };
+            force.chordwise[i] = -((lift[i] * wash[i] + pitching[i]) * shares[i]);
+            force.normal[i] = lift[i] * (strips.speed[i] * along2.sqrt()) * inverse;
+            force.ahead[i] = S::from(self.tables.chord[i] * 0.25);
+        }
+        if let Some(edges) = &response.edges {
+            self.cap_suction(strips, response, edges, &shares, &mut force);
+        }
+        force
+    }
+
+    /// What law `lev` makes of the linear forces: the held share h of the suction stays, with it that share of the
+    /// carried air's own chord force P q, which is part of the suction, and the vortex pushes along the normal.
+    fn cap_suction<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        response: &Response<S, N>,
+        edges: &LeadingEdges<S, N>,
+        shares: &Column<S, N>,
+        force: &mut InPlane<S, N>,
+    ) {
+        for i in 0..N {
+            let (attached, held) = (response.attached[i], edges.held[i]);
+            force.chordwise[i] *= held;
+            force.normal[i] += edges.vortex[i] * attached * self.tables.drag_scale[i];
+            if self.settings.section.pitch_suction {
+                let carried = response.impulse[i] * strips.pitch[i];
+                force.chordwise[i] -= carried * (S::ONE - shares[i] * attached * held);
+            }
+        }
+    }
+
+    /// Profile drag of the sections in the wind of motion.
+    fn profile_drag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        attached: &Column<S, N>,
+    ) -> InPlane<S, N> {
+        let (law, drag, delta2) = (self.settings.section.law, self.numbers.drag(), self.floor * self.floor);
+        let mut force = InPlane::ZERO;
+        for i in 0..N {
+            let section = drag.section(law, strips.along[i], strips.wash_half[i], attached[i], delta2);
+            force.chordwise[i] = section.chordwise * self.tables.drag_scale[i];
+            force.normal[i] = section.normal * self.tables.drag_scale[i];
+            force.ahead[i] = (S::from(0.5) - section.centre) * self.tables.chord[i];
+        }
+        force
+    }
+
+    /// Force of the carried air at 1/2 chord, and its couple: F = d(P n)/dt, the impulse carried
+    /// across (Kirchhoff) and the moment of the pitching section
+    /// -rho dy ma f [(b/2) V q + (b^2/8) q'], f the normal speed left of a unit one.
+    ///
+    /// Equation: aero.strip.carried_air
+    #[inline(always)]
+    fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        flow: &Flow<G, N>,
+        response: &Response<S, N>,
+    ) -> SectionForce<S> {
+        let (strips, impulse) = (&flow.strips, response.impulse[i]);
+        let normal_rate = strips.normal_rate.get(i);
+        let mut force = SectionForce {
+            chordwise: impulse * normal_rate.dot(strips.chordwise.get(i)),
+            normal: response.impulse_rate[i],
+            across: impulse * normal_rate.dot(strips.across.get(i)),
+            nose_up: S::ZERO,
+            about_chord: impulse * strips.drift[i],
+        };
+        if self.settings.section.section_moment {
+            let b = self.tables.chord[i] * 0.5;
+            let moment =
+                strips.speed[i] * strips.pitch[i] * (b * 0.5) + strips.pitch_rate[i] * (b * b * 0.125);
+            force.nose_up = S::from(-(moment * self.section_mass(i, flow)));
+        }
+        force
+    }
+
+    /// Added mass that resists pitching of the section, kg.
+    #[inline(always)]
+    pub(super) fn section_mass<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        flow: &Flow<S, N>,
+    ) -> S {
+        flow.unit_left[i] * self.tables.mass[i]
+    }
+}

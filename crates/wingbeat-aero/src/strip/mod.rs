@@ -1,0 +1,349 @@
+//! Preset `full`: a strip model with three-dimensional, delayed wash.
+//!
+//! Every strip carries two or three lags of the wash on its chord and one or two of the wash of
+//! the wake. The potential jump on the chord, not only the circulation, induces
+//! a three-dimensional wash, which makes lift and added mass drop together at
+//! low aspect ratio; flow is tangent at 3/4 chord under the true horseshoes of
+//! the folded, moving wing. Valid for attached flow, aspect ratio 3 and more.
+
+mod carried;
+mod constants;
+mod cores;
+mod grid;
+mod influence;
+mod loads;
+mod motion;
+mod mutual;
+mod response;
+mod settings;
+mod tables;
+
+pub use constants::Lags;
+pub use grid::spacing;
+pub(super) use mutual::{ARRIVAL_LAGS, Others, Source, Vortices};
+pub use settings::{LagSet, StripSettings};
+
+use crate::law::Polar;
+use crate::section::ZeroLift;
+use crate::{Coupling, Loads, MAX_STRIPS, Planform, SectionMotion, Sections, SurfaceNumbers, Wrench};
+use cores::Cores;
+use grid::Grid;
+use influence::{Column, Matrix, Targets, Wash, invert, multiply};
+use motion::{Edges, Strips, Wakes};
+use tables::Tables;
+use wingbeat_math::Error;
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_ocp::plant::Channel;
+
+/// The strip model of a wing. Sections are the edges between strips.
+#[derive(Clone, Debug)]
+pub struct StripModel<P: Scalar = f64> {
+    settings: StripSettings,
+    grid: Grid<P>,
+    zero_lift: ZeroLift<P>,
+    polar: Polar<P>,
+    numbers: SurfaceNumbers<P>,
+    lags: &'static Lags,
+    /// Smoothing speed, m/s.
+    floor: f64,
+    tables: Tables<P>,
+    cores: Cores<P>,
+}
+
+/// What the strips know of the air at one instant, whatever the lags hold.
+struct Flow<S: Scalar, const N: usize> {
+    strips: Strips<S, N>,
+    /// Wash of horseshoes without the own two-dimensional part, 1/m.
+    remainder: Matrix<S, N>,
+    /// Half the wash far behind, 1/m.
+    far: Matrix<S, N>,
+    /// Inverse of A0 = 1 - doublet diag(d): the wash which motion leaves on the chord.
+    relief: Matrix<S, N>,
+    /// What is left of the wash at 1/2 chord, m/s.
+    half_left: Column<S, N>,
+    /// Normal speed left by a unit normal speed of the whole wing.
+    unit_left: Column<S, N>,
+    /// Normal impulse of the air by the motion alone, N s, and its rate, N.
+    impulse: Column<S, N>,
+    impulse_rate: Column<S, N>,
+    /// Added-mass matrix on [acceleration; angular acceleration] about the body origin.
+    added_mass: [[S; 6]; 6],
+}
+
+/// What is wanted beside the sum.
+pub(super) struct Wanted<'a, G: Scalar, S: Scalar> {
+    /// Loads by strip and source.
+    pub loads: Option<&'a mut Loads<S>>,
+    /// What the coordinates of the sections take.
+    pub coupling: Option<Coupling<'a, G, S>>,
+}
+
+impl StripModel {
+    /// Lays strips on the planform.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting has no physical meaning or there are too few strips
+    /// for the hinges.
+    pub fn new(planform: &Planform, settings: StripSettings) -> Result<Self, Error> {
+        settings.check()?;
+        let outline = Some(planform.clone());
+        let hinges = settings.hinge_arcs_m.clone();
+        Self::laid(SurfaceNumbers { outline, hinges, ..settings.numbers() }, settings)
+    }
+}
+
+impl<P: Scalar> StripModel<P> {
+    fn laid(numbers: SurfaceNumbers<P>, settings: StripSettings) -> Result<Self, Error> {
+        let Some(planform) = &numbers.outline else {
+            return Err(Error::invalid("planform", "none", "an outline"));
+        };
+        let grid = Grid::new(planform, settings.strips, &numbers.hinges)?;
+        let lags = settings.lags.lags();
+        Ok(Self {
+            tables: Tables::new(&grid, &settings, &numbers, lags),
+            cores: Cores::new(&grid, settings.vortex_core),
+            floor: settings.regularisation_m_s,
+            zero_lift: ZeroLift::new(numbers.zero_lift_angle),
+            polar: Polar::new(settings.section.law, &numbers),
+            numbers,
+            lags,
+            grid,
+            settings,
+        })
+    }
+
+    /// The same strips with other numbers than the settings say.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the strips do not fit the outline.
+    pub fn with<Q: Scalar>(&self, numbers: &SurfaceNumbers<Q>) -> Result<StripModel<Q>, Error> {
+        StripModel::laid(numbers.clone(), self.settings.clone())
+    }
+
+    /// The numbers in use.
+    pub fn numbers(&self) -> &SurfaceNumbers<P> {
+        &self.numbers
+    }
+    /// The settings in use.
+    pub fn settings(&self) -> &StripSettings {
+        &self.settings
+    }
+    /// Number of strips.
+    pub fn strips(&self) -> usize {
+        self.settings.strips
+    }
+    /// Number of states: for each wash lag, then for each wake lag, for each state of the
+    /// law and for the impulse where it is followed a block of one value per strip, left tip to right tip.
+    pub fn states(&self) -> usize {
+        self.followed_states() + if self.follows() { self.settings.strips } else { 0 }
+    }
+    /// Whether the impulse of the carried air is followed by states.
+    pub(super) fn follows(&self) -> bool {
+        self.settings.folding_rates && self.settings.section.added_mass
+    }
+    /// Where the followed impulses begin.
+    fn followed_states(&self) -> usize {
+        self.law_states() + self.settings.strips * self.settings.section.law.states().len()
+    }
+    /// Where the states of the law begin.
+    fn law_states(&self) -> usize {
+        self.settings.strips * self.lags.states_per_strip()
+    }
+    /// Arc coordinates, m, of the sections wanted: the edges of the strips from left tip
+    /// (positive) to right tip.
+    pub fn arcs(&self) -> &[P] {
+        &self.grid.arcs
+    }
+    /// Names and units of the states, in order.
+    pub fn channels(&self) -> Vec<Channel> {
+        let wash = (1..=self.lags.rate.len()).map(|k| (format!("wash_lag{k}"), "m/s"));
+        let wake = (1..=self.lags.wake.len()).map(|k| (format!("wake_lag{k}"), "m2/s"));
+        let law = self.settings.section.law.states().iter().map(|state| (state.name.to_owned(), state.unit));
+        let followed = self.follows().then(|| ("impulse".to_owned(), "N s"));
+        wash.chain(wake)
+            .chain(law)
+            .chain(followed)
+            .flat_map(|(name, unit)| {
+                (0..self.strips()).map(move |i| Channel::free(format!("{name}_{i}"), unit, ""))
+            })
+            .collect()
+    }
+    /// Arc coordinates of the control sections, m.
+    pub fn strip_arcs(&self) -> &[P] {
+        &self.grid.control_arcs
+    }
+    /// Widths of the strips, m.
+    pub fn widths(&self) -> &[P] {
+        &self.grid.width
+    }
+    /// Chords of the control sections, m.
+    pub fn chords(&self) -> &[P] {
+        &self.grid.chord
+    }
+
+    /// Loads and state rates.
+    ///
+    /// `sections` are the edges in the order of [`arcs`](Self::arcs), `wind` the
+    /// velocity of the air in B, `x` the states (m/s for wash lags, m2/s for wake
+    /// lags, then those of the law), `dx` receives their rates. The accelerations of the sections leave out what the
+    /// body's own acceleration adds: see [`Loads`].
+    ///
+    /// # Panics
+    /// When a slice is shorter than `arcs()` or `states()` ask for.
+    pub fn evaluate<S: Scalar + Meets<P>>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) {
+        loads.strips = 0;
+        let wanted = Wanted { loads: Some(&mut *loads), coupling: None };
+        (loads.wrench, loads.added_mass) = self.evaluate_among(&sections, wind, x, dx, None, wanted);
+    }
+
+    /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
+    /// added-mass matrix. The lags may carry more derivatives than the motion. `coupling` receives
+    /// what the coordinates of `sections` take.
+    pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        sections: &dyn Sections<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        coupling: Option<Coupling<G, S>>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        self.evaluate_among(sections, wind, x, dx, None, Wanted { loads: None, coupling })
+    }
+
+    /// Place of the control section of strip `i` between its edges, 0 to 1.
+    pub(super) fn fraction(&self, i: usize) -> P {
+        self.grid.fraction[i]
+    }
+
+    /// Sum of the loads, and state rates, of the surface among others; writes the loads by strip behind the
+    /// strips that `loads` holds. Chooses the width of the columns.
+    pub(super) fn evaluate_among<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        sections: &dyn Sections<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        others: Option<Others<'_, P, G, S>>,
+        wanted: Wanted<'_, G, S>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        match self.settings.strips {
+            0..=12 => self.evaluate_in::<G, S, 12>(sections, wind, x, dx, others, wanted),
+            13..=16 => self.evaluate_in::<G, S, 16>(sections, wind, x, dx, others, wanted),
+            _ => self.evaluate_in::<G, S, MAX_STRIPS>(sections, wind, x, dx, others, wanted),
+        }
+    }
+
+    /// The evaluation with columns of `N` lanes, of which `strips()` count.
+    fn evaluate_in<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        sections: &dyn Sections<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        others: Option<Others<'_, P, G, S>>,
+        wanted: Wanted<'_, G, S>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        let mut edges = Edges::<G, N>::ZERO;
+        edges.fill(sections, self.settings.strips);
+        let mut flow = Flow::<G, N>::STILL;
+        self.flow(&edges, wind, &mut flow);
+        let states = self.states();
+        let Wanted { mut loads, coupling } = wanted;
+        let foreign = others.map(|others| self.wash_of_others(&flow.strips, others));
+        if let Some(loads) = loads.as_deref_mut() {
+            self.note_others(foreign.as_ref(), loads);
+        }
+        let response = self.respond(&flow, foreign.as_ref(), &x[..states], &mut dx[..states]);
+        let strips = coupling.map(|Coupling { mass, strips, impulses }| {
+            self.couple(&flow, sections, mass);
+            if let (Some(rates), true) = (impulses, self.follows()) {
+                self.follow(&flow, sections, rates);
+            }
+            strips
+        });
+        (self.load_strips(&flow, &response, loads, strips), flow.added_mass)
+    }
+
+    /// See [`Aero::settle`](crate::Aero::settle).
+    pub(super) fn settle<S: Scalar + Meets<P>>(
+        &self,
+        sections: &dyn Sections<S>,
+        wind: Vec3<S>,
+        x: &mut [S],
+    ) {
+        if !self.follows() {
+            return;
+        }
+        let n = self.settings.strips;
+        let mut edges = Edges::<S, MAX_STRIPS>::ZERO;
+        edges.fill(sections, n);
+        let mut flow = Flow::<S, MAX_STRIPS>::STILL;
+        self.flow(&edges, wind, &mut flow);
+        self.settle_impulse(&flow, x);
+    }
+
+    /// Points, velocities and influence of the wing as it lies and moves now.
+    ///
+    /// R = horseshoe + 1/(pi c cos L_1/2) on the diagonal,
+    /// K = beta (ring + own two-dimensional ring), A0 = 1 - K diag(d).
+    ///
+    /// Equation: aero.strip.remainder
+    #[inline(always)]
+    fn flow<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        edges: &Edges<S, N>,
+        wind: Vec3<S>,
+        flow: &mut Flow<S, N>,
+    ) {
+        let (n, tables) = (self.settings.strips, &self.tables);
+        self.move_strips(edges, wind, &mut flow.strips);
+        let mut wakes = Wakes::ZERO;
+        self.shed_wakes(edges, wind, &mut wakes);
+        let mut wash = Wash { ring: &mut flow.relief, horseshoe: &mut flow.remainder, far: &mut flow.far };
+        Targets::new(&flow.strips, &self.cores).wash(&wakes, n, &mut wash);
+        if !self.settings.wake_wash {
+            flow.remainder = [[S::ZERO; N]; N];
+            flow.far = [[S::ZERO; N]; N];
+        }
+        let beta = if self.settings.doublet_wash { self.lags.doublet } else { 0.0 };
+        for j in 0..n {
+            if self.settings.wake_wash {
+                flow.remainder[j][j] = flow.remainder[j][j] + tables.own_bound[j];
+            }
+            let (doublet, scale) = (&mut flow.relief[j], tables.doublet[j] * -beta);
+            let own = (doublet[j] + tables.own_ring[j]) * scale + 1.0;
+            for i in 0..N {
+                doublet[i] *= scale;
+            }
+            doublet[j] = own;
+        }
+        invert(&mut flow.relief, n);
+        flow.unit_left = multiply(&flow.relief, &[S::ONE; N], n);
+        self.carry_air(flow);
+    }
+}
+
+impl<S: Scalar, const N: usize> Flow<S, N> {
+    /// Nothing moves yet.
+    const STILL: Self = {
+        let (matrix, zero) = ([[S::ZERO; N]; N], [S::ZERO; N]);
+        Self {
+            strips: Strips::ZERO,
+            remainder: matrix,
+            far: matrix,
+            relief: matrix,
+            half_left: zero,
+            unit_left: zero,
+            impulse: zero,
+            impulse_rate: zero,
+            added_mass: [[S::ZERO; 6]; 6],
+        }
+    };
+}

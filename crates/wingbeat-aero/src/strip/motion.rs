@@ -1,0 +1,373 @@
+//! Points, velocities and directions of edges and strips at one instant.
+
+use super::StripModel;
+use super::influence::Column;
+use crate::section::ZeroLift;
+use crate::{SectionMotion, Sections};
+use wingbeat_math::{Meets, Scalar, Vec3};
+
+/// Speed over the general floor below which the wake has no direction of its own
+/// and leaves along the chord: a wing that reverses in still air turns its wake by and by.
+const WAKE_FLOOR: f64 = 5.0;
+
+/// A vector per strip, by component.
+#[derive(Clone, Copy)]
+pub(super) struct Vectors<S, const N: usize>(pub [[S; N]; 3]);
+
+impl<S: Scalar, const N: usize> Vectors<S, N> {
+    pub const ZERO: Self = Self([[S::ZERO; N]; 3]);
+
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Vec3<S> {
+        Vec3([self.0[0][i], self.0[1][i], self.0[2][i]])
+    }
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, v: Vec3<S>) {
+        let [x, y, z] = v.0;
+        (self.0[0][i], self.0[1][i], self.0[2][i]) = (x, y, z);
+    }
+}
+
+/// Ends of a chord line with their velocities and accelerations.
+#[derive(Clone, Copy)]
+pub(super) struct ChordLine<S: Scalar> {
+    le: Vec3<S>,
+    te: Vec3<S>,
+    v_le: Vec3<S>,
+    v_te: Vec3<S>,
+    a_le: Vec3<S>,
+    a_te: Vec3<S>,
+}
+
+impl<S: Scalar> From<&SectionMotion<S>> for ChordLine<S> {
+    #[inline(always)]
+    fn from(s: &SectionMotion<S>) -> Self {
+        Self { le: s.le, te: s.te, v_le: s.v_le, v_te: s.v_te, a_le: s.a_le, a_te: s.a_te }
+    }
+}
+
+/// A chord line per strip: its left or its right edge.
+#[derive(Clone, Copy)]
+struct ChordLines<S: Scalar, const N: usize>([Vectors<S, N>; 6]);
+
+impl<S: Scalar, const N: usize> ChordLines<S, N> {
+    const ZERO: Self = Self([Vectors::ZERO; 6]);
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> ChordLine<S> {
+        let [le, te, v_le, v_te, a_le, a_te] = &self.0;
+        ChordLine {
+            le: le.get(i),
+            te: te.get(i),
+            v_le: v_le.get(i),
+            v_te: v_te.get(i),
+            a_le: a_le.get(i),
+            a_te: a_te.get(i),
+        }
+    }
+    #[inline(always)]
+    fn set(&mut self, i: usize, line: &ChordLine<S>) {
+        let parts = [line.le, line.te, line.v_le, line.v_te, line.a_le, line.a_te];
+        for k in 0..parts.len() {
+            self.0[k].set(i, parts[k]);
+        }
+    }
+}
+
+/// The edges of all strips; lanes beyond the last strip repeat it.
+pub(super) struct Edges<S: Scalar, const N: usize> {
+    left: ChordLines<S, N>,
+    right: ChordLines<S, N>,
+    last: ChordLine<S>,
+}
+
+impl<S: Scalar, const N: usize> Edges<S, N> {
+    pub const ZERO: Self = {
+        let zero = Vec3::ZERO;
+        let last = ChordLine { le: zero, te: zero, v_le: zero, v_te: zero, a_le: zero, a_te: zero };
+        Self { left: ChordLines::ZERO, right: ChordLines::ZERO, last }
+    };
+
+    /// Takes the edges of `n` strips.
+    #[inline(always)]
+    pub fn fill(&mut self, sections: &dyn Sections<S>, n: usize) {
+        for j in 0..=n {
+            let line = ChordLine::from(&sections.section(j));
+            if j < n {
+                self.left.set(j, &line);
+            }
+            if j > 0 {
+                self.right.set(j - 1, &line);
+            }
+            self.last = line;
+        }
+        let before = self.left.get(n - 1);
+        for i in n..N {
+            self.left.set(i, &before);
+            self.right.set(i, &self.last);
+        }
+    }
+}
+
+/// An edge between strips: the bound vortex bends at `bound`, the wake leaves at `trailing`.
+#[derive(Clone, Copy)]
+pub(super) struct Edge<S: Scalar> {
+    /// Quarter-chord point.
+    pub bound: Vec3<S>,
+    /// Trailing edge.
+    pub trailing: Vec3<S>,
+    /// Direction in which the wake leaves.
+    pub wake: Vec3<S>,
+}
+
+impl<S: Scalar> Edge<S> {
+    /// The wake leaves with the wind that the trailing edge meets, turned so that
+    /// it never runs forward over the wing:
+    /// u = unit(v + e_c g), g = smooth max(0, |v|/4 + delta - v.e_c).
+    ///
+    /// Equation: aero.strip.wake_direction
+    #[inline(always)]
+    fn new(line: &ChordLine<S>, wind: Vec3<S>, floor: f64) -> Self {
+        let air = wind - line.v_te;
+        let chord = line.te - line.le;
+        let chordwise = chord.unit();
+        let least = (air.norm_squared() + floor * floor).sqrt() * 0.25 + floor;
+        let turn = (least - air.dot(chordwise)).smooth_positive(floor);
+        let bound = line.le + chord.scaled(0.25);
+        Self { bound, trailing: line.te, wake: (air + chordwise * turn).unit() }
+    }
+}
+
+/// Vortex lines of all edges: left edge of each strip, and the last edge.
+pub(super) struct Wakes<S: Scalar, const N: usize> {
+    bound: Vectors<S, N>,
+    trailing: Vectors<S, N>,
+    wake: Vectors<S, N>,
+    strips: usize,
+    last: Edge<S>,
+}
+
+impl<S: Scalar, const N: usize> Wakes<S, N> {
+    pub const ZERO: Self = {
+        let (vectors, zero) = (Vectors::ZERO, Vec3::ZERO);
+        let last = Edge { bound: zero, trailing: zero, wake: zero };
+        Self { bound: vectors, trailing: vectors, wake: vectors, strips: 0, last }
+    };
+
+    /// Edge `j`, 0 to the number of strips.
+    #[inline(always)]
+    pub fn edge(&self, j: usize) -> Edge<S> {
+        if j == self.strips {
+            return self.last;
+        }
+        Edge { bound: self.bound.get(j), trailing: self.trailing.get(j), wake: self.wake.get(j) }
+    }
+}
+
+/// The control section of a strip.
+#[derive(Clone, Copy)]
+struct Strip<S: Scalar> {
+    quarter: Vec3<S>,
+    half: Vec3<S>,
+    three_quarter: Vec3<S>,
+    normal: Vec3<S>,
+    normal_rate: Vec3<S>,
+    chordwise: Vec3<S>,
+    across: Vec3<S>,
+    drift: S,
+    wash: S,
+    wash_half: S,
+    wash_half_rate: S,
+    along: S,
+    speed: S,
+    pitch: S,
+    pitch_rate: S,
+}
+
+impl<S: Scalar> Strip<S> {
+    /// The strip between two edges, its control section at `fraction`.
+    ///
+    /// Equation: aero.strip.kinematics
+    #[inline(always)]
+    fn new<P: Scalar>(
+        [a, b]: [&ChordLine<S>; 2],
+        fraction: P,
+        wind: Vec3<S>,
+        floor: f64,
+        zero_lift: ZeroLift<P>,
+    ) -> Self
+    where
+        S: Meets<P>,
+    {
+        let mix = |p: Vec3<S>, q: Vec3<S>| p + (q - p).scaled(fraction);
+        let (le, v_le, a_le) = (mix(a.le, b.le), mix(a.v_le, b.v_le), mix(a.a_le, b.a_le));
+        let chord = mix(a.te, b.te) - le;
+        let chord_rate = mix(a.v_te, b.v_te) - v_le;
+        let chord_change = mix(a.a_te, b.a_te) - a_le;
+
+        let line = (b.le - a.le) + (b.te - a.te);
+        let line_rate = (b.v_le - a.v_le) + (b.v_te - a.v_te);
+        let inverse_chord = chord.norm().recip();
+        let forward = chord * inverse_chord;
+        let area = chord.cross(line);
+        let area_rate = chord_rate.cross(line) + chord.cross(line_rate);
+        let inverse_area = area.norm().recip();
+        let upward = area * inverse_area;
+        let turning = area_rate * inverse_area;
+        let upward_rate = turning - upward * turning.dot(upward);
+        let across = upward.cross(forward);
+        let (chordwise, normal) = zero_lift.turned(forward, upward);
+        let normal_rate = zero_lift.turned_rate(upward_rate, || {
+            let swinging = chord_rate * inverse_chord;
+            swinging - forward * swinging.dot(forward)
+        });
+
+        let air_half = wind - (v_le + chord_rate.scaled(0.5));
+        let air = air_half - chord_rate.scaled(0.25);
+        let (wash, along) = (air.dot(normal), air.dot(chordwise));
+        Self {
+            quarter: le + chord.scaled(0.25),
+            half: le + chord.scaled(0.5),
+            three_quarter: le + chord.scaled(0.75),
+            normal,
+            normal_rate,
+            chordwise,
+            across,
+            drift: -air_half.dot(across),
+            wash,
+            wash_half: air_half.dot(normal),
+            wash_half_rate: air_half.dot(normal_rate) - (a_le + chord_change.scaled(0.5)).dot(normal),
+            along,
+            speed: (wash * wash + along * along + floor * floor).sqrt(),
+            pitch: -chord_rate.dot(upward) * inverse_chord,
+            pitch_rate: -(chord_change.dot(upward) + chord_rate.dot(upward_rate)) * inverse_chord,
+        }
+    }
+}
+
+/// The control sections of all strips.
+pub(super) struct Strips<S: Scalar, const N: usize> {
+    /// Points at 1/4, 1/2 and 3/4 chord.
+    pub quarter: Vectors<S, N>,
+    pub half: Vectors<S, N>,
+    pub three_quarter: Vectors<S, N>,
+    /// Unit normals towards the upper side, and their rates.
+    pub normal: Vectors<S, N>,
+    pub normal_rate: Vectors<S, N>,
+    /// Unit vectors along the zero-lift lines towards the trailing edge.
+    pub chordwise: Vectors<S, N>,
+    /// Unit vectors across the sections: the axes of nose-up pitch.
+    pub across: Vectors<S, N>,
+    /// Velocity across the section relative to the air at 1/2 chord, m/s.
+    pub drift: Column<S, N>,
+    /// Normal wash at 3/4 and 1/2 chord by motion and wind, m/s.
+    pub wash: Column<S, N>,
+    pub wash_half: Column<S, N>,
+    /// Rate of `wash_half` from the accelerations known, m/s2.
+    pub wash_half_rate: Column<S, N>,
+    /// Chordwise and smooth speed of the air at 3/4 chord, m/s.
+    pub along: Column<S, N>,
+    pub speed: Column<S, N>,
+    /// Pitch rate, rad/s, and its rate, rad/s2.
+    pub pitch: Column<S, N>,
+    pub pitch_rate: Column<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Strips<S, N> {
+    /// Nothing moves yet.
+    pub const ZERO: Self = {
+        let (vectors, zero) = (Vectors::ZERO, [S::ZERO; N]);
+        Self {
+            quarter: vectors,
+            half: vectors,
+            three_quarter: vectors,
+            normal: vectors,
+            normal_rate: vectors,
+            chordwise: vectors,
+            across: vectors,
+            drift: zero,
+            wash: zero,
+            wash_half: zero,
+            wash_half_rate: zero,
+            along: zero,
+            speed: zero,
+            pitch: zero,
+            pitch_rate: zero,
+        }
+    };
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, strip: &Strip<S>) {
+        self.quarter.set(i, strip.quarter);
+        self.half.set(i, strip.half);
+        self.three_quarter.set(i, strip.three_quarter);
+        self.normal.set(i, strip.normal);
+        self.normal_rate.set(i, strip.normal_rate);
+        self.chordwise.set(i, strip.chordwise);
+        self.across.set(i, strip.across);
+        self.drift[i] = strip.drift;
+        self.wash[i] = strip.wash;
+        self.wash_half[i] = strip.wash_half;
+        self.wash_half_rate[i] = strip.wash_half_rate;
+        self.along[i] = strip.along;
+        self.speed[i] = strip.speed;
+        self.pitch[i] = strip.pitch;
+        self.pitch_rate[i] = strip.pitch_rate;
+    }
+}
+
+impl<P: Scalar> StripModel<P> {
+    /// Motion of all strips.
+    #[inline(never)]
+    pub(super) fn move_strips<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        edges: &Edges<S, N>,
+        wind: Vec3<S>,
+        out: &mut Strips<S, N>,
+    ) {
+        // Each case a loop of its own, so that both vectorise.
+        match self.zero_lift {
+            ZeroLift::Chord => self.move_each(edges, wind, ZeroLift::Chord, out),
+            inclined => self.move_each(edges, wind, inclined, out),
+        }
+    }
+
+    #[inline(always)]
+    fn move_each<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        edges: &Edges<S, N>,
+        wind: Vec3<S>,
+        zero_lift: ZeroLift<P>,
+        out: &mut Strips<S, N>,
+    ) {
+        for i in 0..N {
+            let (a, b) = (edges.left.get(i), edges.right.get(i));
+            let fraction = self.tables.fraction[i];
+            out.set(i, &Strip::new([&a, &b], fraction, wind, self.floor, zero_lift));
+        }
+    }
+
+    /// Vortex lines of all edges.
+    #[inline(never)]
+    pub(super) fn shed_wakes<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        edges: &Edges<S, N>,
+        wind: Vec3<S>,
+        out: &mut Wakes<S, N>,
+    ) {
+        for j in 0..N {
+            let edge = self.vortex_line(&edges.left.get(j), wind);
+            out.bound.set(j, edge.bound);
+            out.trailing.set(j, edge.trailing);
+            out.wake.set(j, edge.wake);
+        }
+        out.last = self.vortex_line(&edges.last, wind);
+        out.strips = self.settings.strips;
+    }
+
+    /// The vortex line of one edge.
+    #[inline(always)]
+    pub(super) fn vortex_line<S: Scalar + Meets<P>>(&self, line: &ChordLine<S>, wind: Vec3<S>) -> Edge<S> {
+        Edge::new(line, wind, WAKE_FLOOR * self.floor)
+    }
+}

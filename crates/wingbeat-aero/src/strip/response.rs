@@ -1,0 +1,434 @@
+//! From lags and motion to washes, state rates and impulses.
+
+use super::constants::FOLLOWING_TIME;
+use super::influence::{Column, multiply};
+use super::motion::Strips;
+use super::mutual::Foreign;
+use super::{Flow, StripModel};
+use crate::LagNumbers;
+use crate::law::{Attachment, Polar, lev};
+use crate::section::suction_share;
+use wingbeat_math::{Dual, Meets, Over, Scalar};
+
+/// Linear sums over the lags of each strip.
+#[derive(Clone, Copy)]
+pub(super) struct Lagged<S: Scalar, const N: usize> {
+    /// sum gamma_k l_k, m/s.
+    wash: Column<S, N>,
+    /// sum q_k l_k, m/s.
+    jump: Column<S, N>,
+    /// sum a_m y_m, m2/s.
+    delayed: Column<S, N>,
+}
+
+/// What the lags hold on each strip, and later its rates.
+pub(super) struct LagSums<S: Scalar, const N: usize> {
+    /// Circulation, m2/s.
+    pub circulation: Column<S, N>,
+    /// Potential jump left on the chord by the lags, over the chord, m2/s.
+    pub jump: Column<S, N>,
+    /// Circulation as the wash of the wake sees it, m2/s.
+    pub delayed: Column<S, N>,
+}
+
+/// Washes and impulses of the strips.
+pub(super) struct Response<S: Scalar, const N: usize> {
+    /// Circulation, m2/s.
+    pub circulation: Column<S, N>,
+    /// Share of the lift that stays attached.
+    pub attached: Column<S, N>,
+    /// Wash at 3/4 chord, m/s.
+    pub wash: Column<S, N>,
+    /// Lift wash, m/s.
+    pub lift_wash: Column<S, N>,
+    /// Lift wash with the part that only turns the force, m/s.
+    pub turning_wash: Column<S, N>,
+    /// What law `lev` says of the leading edges.
+    pub edges: Option<LeadingEdges<S, N>>,
+    /// Normal impulse of the air on each strip, N s, and its rate, N.
+    pub impulse: Column<S, N>,
+    pub impulse_rate: Column<S, N>,
+}
+
+/// The leading edges under law `lev`.
+pub(super) struct LeadingEdges<S: Scalar, const N: usize> {
+    /// Share of the linear suction that they hold.
+    pub held: Column<S, N>,
+    /// Normal force of the vortex over `drag_scale`, m2/s2.
+    pub vortex: Column<S, N>,
+}
+
+impl<P: Scalar> StripModel<P> {
+    /// Linear sums over the lags.
+    #[inline(always)]
+    pub(super) fn lagged<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S]) -> Lagged<S, N> {
+        let (n, lags) = (self.settings.strips, self.lags);
+        let zero = [S::ZERO; N];
+        let mut sums = Lagged { wash: zero, jump: zero, delayed: zero };
+        let (wash, wake) = x.split_at(lags.rate.len() * n);
+        for (k, block) in wash.chunks_exact(n).enumerate() {
+            let (circulation, jump) = (lags.circulation[k], self.tables.jump_weights[k]);
+            for i in 0..n.min(N) {
+                sums.wash[i] += block[i] * circulation;
+                sums.jump[i] += block[i] * jump;
+            }
+        }
+        for (k, weight) in lags.wake.iter().enumerate() {
+            let block = &wake[k * n..][..n];
+            for i in 0..n.min(N) {
+                sums.delayed[i] += block[i] * *weight;
+            }
+        }
+        sums
+    }
+
+    /// Gamma = s g (sum gamma_k l_k), D = s (g - d) (sum q_k l_k), Y = a0 Gamma + sum a_m y_m,
+    /// where s is the share of the circulation that stays attached.
+    ///
+    /// Equation: aero.strip.lag_sums
+    pub(super) fn lag_sums<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        lagged: &Lagged<S, N>,
+        attached: &Column<S, N>,
+    ) -> LagSums<S, N> {
+        let mut sums = LagSums { circulation: lagged.wash, jump: lagged.jump, delayed: lagged.delayed };
+        for i in 0..N {
+            sums.circulation[i] *= attached[i] * self.tables.slope[i];
+            sums.jump[i] *= attached[i] * self.tables.jump[i];
+            // What is left in a gap's lags has no wing to shed it.
+            sums.delayed[i] *= self.tables.covered[i];
+            sums.delayed[i] += sums.circulation[i] * self.lags.wake_at_once;
+        }
+        sums
+    }
+
+    /// Rates of the sums, the speeds held.
+    fn lag_sum_rates<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        lagged: Lagged<S, N>,
+        attached: &Column<S, N>,
+        x: &[S],
+        dx: &[S],
+    ) -> LagSums<S, N> {
+        let mut rates = self.lag_sums(&self.lagged(dx), attached);
+        let (n, strips) = (self.settings.strips, &flow.strips);
+        let attached_rate = match self.settings.section.law.about().attachment {
+            Attachment::Whole => return rates,
+            Attachment::AtOnce => std::array::from_fn(|i| {
+                let polar = self.polar.map(|number| Dual::<1, S>::constant(S::from(number)));
+                let state =
+                    |k: usize| Dual::<1, S> { re: x[k * n + i.min(n - 1)], eps: [dx[k * n + i.min(n - 1)]] };
+                let held = |speed: G| Dual::<1, S>::constant(S::from(speed));
+                self.attached(&polar, held(strips.along[i]), held(strips.wash[i]), state).eps[0]
+            }),
+            Attachment::Lagging { state, .. } => self.law_column(dx, state).map(|rate| -rate),
+        };
+        let more = self.lag_sums(&Lagged { delayed: [S::ZERO; N], ..lagged }, &attached_rate);
+        for i in 0..N {
+            rates.circulation[i] += more.circulation[i];
+            rates.jump[i] += more.jump[i];
+            rates.delayed[i] += more.delayed[i];
+        }
+        rates
+    }
+
+    /// Share of the lift of each strip that stays attached.
+    pub(super) fn attached_shares<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        x: &[S],
+    ) -> Column<S, N> {
+        let n = self.settings.strips;
+        match self.settings.section.law.about().attachment {
+            Attachment::Whole => [S::ONE; N],
+            Attachment::AtOnce => {
+                let mut shares = [S::ONE; N];
+                for i in 0..N {
+                    let state = |k: usize| x[k * n + i.min(n - 1)];
+                    shares[i] = self.attached(&self.polar, strips.along[i], strips.wash[i], state);
+                }
+                shares
+            }
+            Attachment::Lagging { state, .. } => {
+                let mut shares = self.law_column(x, state);
+                for i in 0..N {
+                    shares[i] = S::ONE - shares[i];
+                }
+                shares
+            }
+        }
+    }
+
+    /// State `k` of the law on each strip, of `x` or its rates; zero beyond the last strip.
+    fn law_column<S: Scalar + Meets<P>, const N: usize>(&self, x: &[S], k: usize) -> Column<S, N> {
+        let n = self.settings.strips;
+        let mut column = [S::ZERO; N];
+        column[..n].copy_from_slice(&x[self.law_states() + k * n..][..n]);
+        column
+    }
+
+    /// Share of the lift that stays attached at the chordwise speed `along`, the wash of motion
+    /// `wash` and the wash lags `state(k)`, from the mean square of what the section meets now
+    /// and has met: (w34^2 + sum gamma_k l_k^2) / 2. The two vanish together only at rest, so
+    /// that a section broadside on does not count as attached while its lags change sign.
+    ///
+    /// Equation: aero.strip.attached_share
+    #[inline]
+    fn attached<Q: Scalar, G: Scalar, S: Over<G> + Meets<Q>>(
+        &self,
+        polar: &Polar<Q>,
+        along: G,
+        wash: G,
+        state: impl Fn(usize) -> S,
+    ) -> S {
+        let weights = self.lags.circulation.iter().enumerate();
+        let lagged2 = weights.fold(S::ZERO, |sum, (k, weight)| sum + state(k).squared() * *weight);
+        let wash2 = (lagged2 + wash.squared()) * 0.5;
+        let sine2 = wash2 / (wash2 + (along.squared() + self.floor * self.floor));
+        polar.attached_share(sine2)
+    }
+
+    /// A0^-1 [K (D - Y) + R Y]: what is left on the chord of the wash of what the lags hold.
+    /// K = (1 - A0) / d, so that A0^-1 K v = A0^-1 (v/d) - v/d.
+    fn held_left<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        sums: &LagSums<S, N>,
+    ) -> Column<S, N> {
+        let n = self.settings.strips;
+        let mut open = [S::ZERO; N];
+        for i in 0..N {
+            open[i] = (sums.jump[i] - sums.delayed[i]) * self.tables.inverse_doublet[i];
+        }
+        let mut held = multiply(&flow.remainder, &sums.delayed, n);
+        for i in 0..N {
+            held[i] += open[i];
+        }
+        let mut left = multiply(&flow.relief, &held, n);
+        for i in 0..N {
+            left[i] -= open[i];
+        }
+        left
+    }
+
+    /// The impulse of the air on each strip, P: see [`carry_air`](Self::carry_air) for the part by the motion.
+    fn impulse<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        held_left: &Column<S, N>,
+    ) -> Column<S, N> {
+        let mut impulse = *held_left;
+        for i in 0..N {
+            impulse[i] = impulse[i] * self.tables.mass[i] + flow.impulse[i];
+        }
+        impulse
+    }
+
+    /// P^' = F + (P - P^)/T: the followed impulse P^, driven by the force F of the impulse P whose influence
+    /// coefficients are held, is drawn to P. Its rate is the force: over a cycle its mean vanishes, whatever F leaves out,
+    /// and what F leaves out is left out faster than T only. Replaces impulse and force.
+    ///
+    /// Equation: aero.strip.followed_impulse
+    fn follow_impulse<S: Scalar, const N: usize>(
+        &self,
+        x: &[S],
+        dx: &mut [S],
+        impulse: &mut Column<S, N>,
+        force: &mut Column<S, N>,
+    ) {
+        let at = self.followed_states();
+        let (followed, rates) = (&x[at..], &mut dx[at..]);
+        for i in 0..followed.len().min(N) {
+            rates[i] = force[i] + (impulse[i] - followed[i]) * (1.0 / FOLLOWING_TIME);
+            (impulse[i], force[i]) = (followed[i], rates[i]);
+        }
+    }
+
+    /// Sets the followed impulses to those of the air, as if the wing had moved on as it does.
+    pub(super) fn settle_impulse<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<S, N>,
+        x: &mut [S],
+    ) {
+        let attached = self.attached_shares(&flow.strips, x);
+        let sums = self.lag_sums(&self.lagged(x), &attached);
+        let impulse = self.impulse(flow, &self.held_left(flow, &sums));
+        x[self.followed_states()..].iter_mut().zip(impulse).for_each(|(x, impulse)| *x = impulse);
+    }
+
+    /// Washes, state rates and impulses.
+    ///
+    /// A0 w3 = K (d w12 + D - Y) + R Y; w = w34 + w3, both winds of motion raised by the
+    /// wash of other surfaces; l_k' = e_k V/b (w - l_k); y_m' = V/tau_m (Gamma - y_m).
+    ///
+    /// Equation: aero.strip.wash
+    #[inline(always)]
+    pub(super) fn respond<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        foreign: Option<&Foreign<S, N>>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> Response<S, N> {
+        let lagged = self.lagged(x);
+        let attached = self.attached_shares(&flow.strips, x);
+        let sums = self.lag_sums(&lagged, &attached);
+        let held_left = self.held_left(flow, &sums);
+        let mut wash = [S::ZERO; N];
+        for i in 0..N {
+            let of_motion = flow.strips.wash[i] + flow.half_left[i] - flow.strips.wash_half[i];
+            wash[i] = held_left[i] + of_motion;
+        }
+        if let Some(foreign) = foreign {
+            // K d = 1 - A0 leaves A0^-1 of a wind that is the same along the chord.
+            let left = multiply(&flow.relief, &foreign.at_control, self.settings.strips);
+            for i in 0..N {
+                wash[i] += left[i];
+            }
+        }
+        let lift_wash = self.advance_lags(flow, &wash, &sums.circulation, x, dx);
+        let turning_wash = self.turning_wash(flow, foreign, &sums, &lift_wash);
+        let law = self.settings.section.law.about();
+        if let Attachment::Lagging { state, chords } = law.attachment {
+            self.advance_separation(&flow.strips, &lift_wash, (state, chords), x, dx);
+        }
+        let edges =
+            law.edge_vortex.then(|| self.advance_edges(&flow.strips, [&lift_wash, &turning_wash], x, dx));
+        let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
+        if self.settings.section.added_mass {
+            let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
+            let held_rate_left = self.held_left(flow, &rates);
+            impulse = self.impulse(flow, &held_left);
+            for i in 0..N {
+                impulse_rate[i] = held_rate_left[i] * self.tables.mass[i] + flow.impulse_rate[i];
+            }
+            if self.follows() {
+                self.follow_impulse(x, dx, &mut impulse, &mut impulse_rate);
+            }
+        }
+        Response {
+            turning_wash,
+            edges,
+            circulation: sums.circulation,
+            attached,
+            wash,
+            lift_wash,
+            impulse,
+            impulse_rate,
+        }
+    }
+
+    /// Rates of the lags; returns the lift wash w/2 + sum psi_k l_k.
+    fn advance_lags<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        wash: &Column<S, N>,
+        circulation: &Column<S, N>,
+        x: &[S],
+        dx: &mut [S],
+    ) -> Column<S, N> {
+        let (n, lags) = (self.settings.strips, self.lags);
+        let speed = &flow.strips.speed;
+        let mut lift_wash = *wash;
+        for i in 0..N {
+            lift_wash[i] *= self.tables.at_once;
+        }
+        for (k, block) in x.chunks_exact(n).enumerate() {
+            let rates = &mut dx[k * n..][..n];
+            if let Some(LagNumbers { weight, rate }) = self.numbers.lags.get(k) {
+                for i in 0..n.min(N) {
+                    lift_wash[i] += block[i] * *weight;
+                    rates[i] = (wash[i] - block[i]) * (speed[i] * (*rate * self.tables.turnover[i]));
+                }
+            } else if let Some(inverse) = self.tables.inverse_wake_length.get(k - lags.rate.len()) {
+                for i in 0..n.min(N) {
+                    rates[i] = (circulation[i] - block[i]) * (speed[i] * *inverse);
+                }
+            }
+        }
+        lift_wash
+    }
+
+    /// Rates of the leading edges' vortices, and what the edges do. The linear suction over rho c dy / 2 is
+    /// a0 cos L [lw W - b q lw + (b q/2)^2], the wash at the edge lw - b q/2; in reversed flow there is none.
+    ///
+    /// Equation: aero.strip.edge_suction
+    fn advance_edges<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        [lift_wash, turning_wash]: [&Column<S, N>; 2],
+        x: &[S],
+        dx: &mut [S],
+    ) -> LeadingEdges<S, N> {
+        let (n, at, delta2) = (self.settings.strips, self.law_states(), self.floor * self.floor);
+        let mut edges = LeadingEdges { held: [S::ONE; N], vortex: self.law_column(x, 0) };
+        for i in 0..n {
+            let (along, speed, lw) = (strips.along[i], strips.speed[i], lift_wash[i]);
+            let turn = if self.settings.section.pitch_suction {
+                strips.pitch[i] * (self.tables.chord[i] * 0.25)
+            } else {
+                G::ZERO
+            };
+            let wind2 = lw.squared() + (along.squared() + delta2);
+            let forward = suction_share(wind2.sqrt().recip() * along);
+            let square = lw * (turning_wash[i] - turn * 2.0) + turn.squared();
+            let suction = square * forward * self.tables.edge_slope[i];
+            let edge = lev::edge(&self.polar, suction, lw - turn, speed.squared(), self.floor);
+            edges.held[i] = edge.held;
+            let rate = speed * (self.tables.turnover[i] * 0.5);
+            dx[at + i] = lev::vortex_rate(edges.vortex[i], edge.lost, rate);
+        }
+        edges
+    }
+
+    /// Rates of the separated shares, the `state` of the law that follows in so many `chords` of travel the incidence
+    /// of the lift wash.
+    fn advance_separation<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        lift_wash: &Column<S, N>,
+        (state, chords): (usize, f64),
+        x: &[S],
+        dx: &mut [S],
+    ) {
+        let (n, delta2) = (self.settings.strips, self.floor * self.floor);
+        let at = self.law_states() + state * n;
+        for i in 0..n {
+            let lw2 = lift_wash[i].squared();
+            let sine2 = lw2 / (lw2 + (strips.along[i].squared() + delta2));
+            let rate = strips.speed[i] * (self.tables.turnover[i] * 0.5);
+            dx[at + i] = self.polar.separation_rate(x[at + i], sine2, rate, chords);
+        }
+    }
+
+    /// W = lw + (T - R)(2/3 Y + 1/3 Gamma): the wash that turns the force takes the trailing
+    /// vortices at the bound vortex, half of their wash far behind (Munk), in place
+    /// of 3/4 chord; so does what other surfaces wash there.
+    ///
+    /// Equation: aero.strip.turning_wash
+    fn turning_wash<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        flow: &Flow<G, N>,
+        foreign: Option<&Foreign<S, N>>,
+        sums: &LagSums<S, N>,
+        lift_wash: &Column<S, N>,
+    ) -> Column<S, N> {
+        let n = self.settings.strips;
+        let mut seen = [S::ZERO; N];
+        for i in 0..N {
+            seen[i] = sums.delayed[i] * (2.0 / 3.0) + sums.circulation[i] * (1.0 / 3.0);
+        }
+        let (far, near) = (multiply(&flow.far, &seen, n), multiply(&flow.remainder, &seen, n));
+        let mut wash = *lift_wash;
+        for i in 0..N {
+            wash[i] += far[i] - near[i];
+        }
+        if let Some(foreign) = foreign {
+            for i in 0..N {
+                wash[i] += foreign.at_bound[i] - foreign.at_control[i];
+            }
+        }
+        wash
+    }
+}

@@ -1,0 +1,95 @@
+//! What can be chosen in the strip model; each ingredient is a switch, so that
+//! its effect can be shown.
+
+use super::constants::{FIVE_LAGS, Lags, THREE_LAGS};
+use crate::{MAX_STRIPS, SectionSettings, SurfaceNumbers};
+use serde::{Deserialize, Serialize};
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+
+/// Which set of lags the model carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LagSet {
+    /// Two wash lags, one wake lag: three states per strip.
+    #[default]
+    Three,
+    /// Three wash lags, two wake lags: five states per strip; circulation
+    /// within 8 % instead of 25 %.
+    Five,
+}
+
+impl LagSet {
+    /// The constants of the set.
+    pub fn lags(self) -> &'static Lags {
+        match self {
+            LagSet::Three => &THREE_LAGS,
+            LagSet::Five => &FIVE_LAGS,
+        }
+    }
+}
+
+/// Settings of [`StripModel`](super::StripModel).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StripSettings {
+    /// Number of strips over both wings and body.
+    pub strips: usize,
+    /// Arc coordinates of the half wing that must have a strip edge (hinges), m.
+    pub hinge_arcs_m: Vec<f64>,
+    /// Speed below which directions lose their meaning, m/s; smooths every root.
+    pub regularisation_m_s: f64,
+    /// Lags carried per strip.
+    pub lags: LagSet,
+    /// Three-dimensional wash of bound and shed circulation; off: strips of an
+    /// infinite wing.
+    pub wake_wash: bool,
+    /// Three-dimensional wash of the potential jump on the chord.
+    pub doublet_wash: bool,
+    /// Rates of that wash as the wing folds and the wake turns, in the force of the carried air: one state more per strip. Without
+    /// them that force has a mean over a cycle, 4 to 5 % of the lift of Aerobat on its stand; without added mass there is none.
+    pub folding_rates: bool,
+    /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
+    /// two pass on the flat wing: 0.01 to 0.5.
+    pub vortex_core: f64,
+    /// Turning of the force by the wash of wake and lags: induced drag.
+    pub force_tilt: bool,
+    /// Section and air.
+    pub section: SectionSettings,
+}
+
+impl Default for StripSettings {
+    fn default() -> Self {
+        Self {
+            strips: 16,
+            hinge_arcs_m: Vec::new(),
+            regularisation_m_s: 0.02,
+            lags: LagSet::Three,
+            wake_wash: true,
+            doublet_wash: true,
+            folding_rates: false,
+            vortex_core: 0.3,
+            force_tilt: true,
+            section: SectionSettings::default(),
+        }
+    }
+}
+
+ranges!(StripSettings {
+    strips: Range::between(1.0, MAX_STRIPS as f64),
+    regularisation_m_s: Range::POSITIVE,
+    vortex_core: Range::between(0.01, 0.5),
+});
+
+impl StripSettings {
+    /// The numbers that may carry derivatives, as set.
+    pub fn numbers(&self) -> SurfaceNumbers {
+        self.section.numbers(self.lags.lags().numbers())
+    }
+
+    /// Refuses values without physical meaning.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        self.section.check()
+    }
+}

@@ -1,0 +1,104 @@
+//! What of each strip never changes, padded so that loops over lanes need no end.
+
+use super::grid::Grid;
+use super::{Lags, StripSettings};
+use crate::{MAX_STRIPS, MAX_WASH_LAGS, SurfaceNumbers};
+use arrayvec::ArrayVec;
+use std::f64::consts::PI;
+use wingbeat_math::Scalar;
+
+/// A constant per strip, left tip to right tip, padded.
+pub(super) type Table<P = f64> = [P; MAX_STRIPS];
+
+/// Constants of the strips. Extra lanes repeat the last strip; what scales a force or a mass is
+/// zero there, so that sums may run over all lanes.
+#[derive(Clone, Debug)]
+pub(super) struct Tables<P: Scalar> {
+    /// One on the wing, zero in a gap.
+    pub covered: Table<P>,
+    /// Place of the control section between the strip's edges, 0 to 1.
+    pub fraction: Table<P>,
+    /// Chord, m.
+    pub chord: Table<P>,
+    /// One over the half chord, 1/m.
+    pub turnover: Table<P>,
+    /// Lift slope of the section over that of a thin plate.
+    pub slope_share: P,
+    /// Circulation over lift wash a0 b cos(sweep), m.
+    pub slope: Table<P>,
+    /// Potential jump over the wash that the lags leave on the chord, m: what the circulation has beyond the chord
+    /// doublet, so that the two are one in steady flow; 2 pi b cos(sweep) / 1.5 of a thin plate.
+    pub jump: Table<P>,
+    /// Chord doublet over wash, pi b cos(sweep) / 1.5, m.
+    pub doublet: Table<P>,
+    /// Its inverse, 1/m; zero in a gap.
+    pub inverse_doublet: Table<P>,
+    /// Own two-dimensional wash of the bound vortex, 1/m.
+    pub own_bound: Table<P>,
+    /// Own two-dimensional wash of bound vortex and trailing edge, 1/m.
+    pub own_ring: Table<P>,
+    /// Circulatory force over wash and speed, rho dy a0 b cos(sweep), kg/m.
+    pub lift_scale: Table<P>,
+    /// Profile drag over speed squared and coefficient, rho c dy / 2, kg/m.
+    pub drag_scale: Table<P>,
+    /// Leading-edge suction over wash squared and `drag_scale`: a0 cos(sweep).
+    pub edge_slope: Table<P>,
+    /// Share of the wing's area.
+    pub share: Table<P>,
+    /// Added mass as part of an infinite wing, kg.
+    pub mass: Table<P>,
+    /// Weight of the wash that acts at once in the lift wash: 1/2 with the weights that the set of lags has.
+    pub at_once: P,
+    /// Weights of the lags in the potential jump left on the chord.
+    pub jump_weights: ArrayVec<P, MAX_WASH_LAGS>,
+    /// One over the lengths over which the wake lags act, 1/m.
+    pub inverse_wake_length: Vec<P>,
+}
+
+impl<P: Scalar> Tables<P> {
+    pub fn new(grid: &Grid<P>, settings: &StripSettings, numbers: &SurfaceNumbers<P>, lags: &Lags) -> Self {
+        let last = settings.strips - 1;
+        let (chord, cos, cos34) = (&grid.chord, &grid.cos_half, &grid.cos_three_quarter);
+        let repeated = |f: &dyn Fn(usize) -> P| -> Table<P> { std::array::from_fn(|i| f(i.min(last))) };
+        // What a gap carries is nothing: its neighbours then shed at its two borders.
+        let carried = |f: &dyn Fn(usize) -> P| repeated(&|i| if grid.covered[i] { f(i) } else { P::ZERO });
+        let scale = |f: &dyn Fn(usize) -> P| -> Table<P> {
+            let value = carried(&|i| grid.width[i] * f(i));
+            std::array::from_fn(|i| if i > last { P::ZERO } else { numbers.density * value[i] })
+        };
+        let covered = (0..=last).filter(|i| grid.covered[*i]);
+        let area = covered.fold(P::ZERO, |sum, i| sum + chord[i] * grid.width[i]);
+        let half_slope = numbers.section_slope * 0.5;
+        let delay_scale = grid.mean_chord * grid.aspect.powf(lags.exponent);
+        Self {
+            covered: carried(&|_| P::ONE),
+            fraction: repeated(&|i| grid.fraction[i]),
+            chord: repeated(&|i| chord[i]),
+            turnover: repeated(&|i| P::from(2.0) / chord[i]),
+            slope_share: numbers.section_slope / (2.0 * PI),
+            slope: carried(&|i| chord[i] * cos[i]).map(|width| half_slope * width),
+            jump: carried(&|i| chord[i] * cos[i]).map(|width| (half_slope - PI / 3.0) * width),
+            doublet: carried(&|i| chord[i] * PI * cos[i] / 3.0),
+            inverse_doublet: carried(&|i| P::from(3.0) / (chord[i] * PI * cos[i])),
+            own_bound: repeated(&|i| (chord[i] * PI * cos[i]).recip()),
+            own_ring: repeated(&|i| {
+                (chord[i] * PI * cos[i]).recip() + P::from(2.0) / (chord[i] * PI * cos34[i])
+            }),
+            lift_scale: scale(&|i| chord[i] * cos[i]).map(|scale| half_slope * scale),
+            drag_scale: scale(&|i| chord[i] * 0.5),
+            edge_slope: carried(&|i| cos[i]).map(|cosine| numbers.section_slope * cosine),
+            share: std::array::from_fn(|i| {
+                if i > last || !grid.covered[i] { P::ZERO } else { chord[i] * grid.width[i] / area }
+            }),
+            mass: scale(&|i| chord[i] * PI * chord[i] * cos[i] / 4.0)
+                .map(|mass| mass * numbers.added_mass_scale),
+            at_once: numbers
+                .lags
+                .iter()
+                .zip(lags.lift)
+                .fold(P::from(0.5), |rest, (lag, weight)| rest - (lag.weight - *weight)),
+            jump_weights: numbers.lags.iter().enumerate().map(|(k, lag)| lags.jump(k, lag)).collect(),
+            inverse_wake_length: lags.wake_delay.iter().map(|t| (delay_scale * *t).recip()).collect(),
+        }
+    }
+}

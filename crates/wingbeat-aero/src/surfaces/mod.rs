@@ -1,0 +1,380 @@
+//! The surfaces of one robot: wings, tails, fins, each with its own preset, strips and law.
+//!
+//! The surfaces stand one behind the other in everything that goes in and out: sections, states,
+//! strips. One surface alone is evaluated as it is, to the last bit.
+//!
+//! Surfaces of preset `full` wash over each other: what is bound at once, what has been shed when it
+//! arrives, told by states of each pair that follow the states of the surfaces. Preset `paper` neither sees
+//! others nor is seen: its lifting line is planar by definition. No surface feels the air that another
+//! carries along (added mass between surfaces): in two dimensions a tail of .6 chords, one chord behind a wing that
+//! is accelerated, would feel .042 of its own added mass, the wing .015 of its own from the tail's.
+//!
+//! Strips end a little short of the outline, as at a tip. Two surfaces whose outlines abut leave a slit, which costs
+//! a wing cut in two halves of eight strips a tenth of its lift; placed so that their last edges meet they lift like
+//! one wing within two per cent.
+
+use super::strip::{ARRIVAL_LAGS, Others, Source, Vortices};
+use super::{
+    Aero, Coupling, Loads, MAX_STRIPS, MAX_SURFACES, SectionField, SectionMotion, Sections, SurfaceNumbers,
+    Wrench,
+};
+use std::ops::Range;
+use wingbeat_math::Error;
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_ocp::plant::Channel;
+
+/// One surface and its place among the others.
+#[derive(Clone, Debug)]
+pub struct Surface<P: Scalar = f64> {
+    name: String,
+    aero: Aero<P>,
+    sections: Range<usize>,
+    strips: Range<usize>,
+    states: Range<usize>,
+    /// The surfaces that wash over it, and the states that carry their circulation here.
+    sources: Vec<Source<P>>,
+    arrivals: Range<usize>,
+}
+
+impl<P: Scalar> Surface<P> {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+    /// Its preset, law and strips.
+    pub fn aero(&self) -> &Aero<P> {
+        &self.aero
+    }
+    /// Its sections among those of all surfaces.
+    pub fn sections(&self) -> Range<usize> {
+        self.sections.clone()
+    }
+    /// Its strips among those of all surfaces, as in [`Loads`].
+    pub fn strips(&self) -> Range<usize> {
+        self.strips.clone()
+    }
+    /// Its own states among all.
+    pub fn states(&self) -> Range<usize> {
+        self.states.clone()
+    }
+}
+
+/// Up to [`MAX_SURFACES`] surfaces with at most [`MAX_STRIPS`] strips together.
+#[derive(Clone, Debug)]
+pub struct Surfaces<P: Scalar = f64> {
+    surfaces: Vec<Surface<P>>,
+    arcs: Vec<P>,
+    strip_arcs: Vec<P>,
+}
+
+impl From<Aero> for Surfaces {
+    /// The one surface `wing`.
+    fn from(aero: Aero) -> Self {
+        let mut surfaces = Self { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() };
+        surfaces.add("wing".into(), aero);
+        surfaces
+    }
+}
+
+impl Surfaces {
+    /// Named surfaces in the given order.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when there are too many, too many strips, or two of one name.
+    pub fn new(surfaces: impl IntoIterator<Item = (String, Aero)>) -> Result<Self, Error> {
+        let mut all = Self { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() };
+        for (name, aero) in surfaces {
+            if name.is_empty() || all.surfaces.iter().any(|other| other.name == name) {
+                let key = format!("surfaces[{}].name", all.surfaces.len());
+                return Err(Error::invalid(key, format!("\"{name}\""), "a name of its own"));
+            }
+            all.add(name, aero);
+        }
+        let (count, strips) = (all.surfaces.len(), all.strips());
+        if count > MAX_SURFACES {
+            return Err(Error::invalid("surfaces", count, format!("at most {MAX_SURFACES} surfaces")));
+        }
+        if strips > MAX_STRIPS {
+            let given = format!("{strips} strips of all surfaces");
+            return Err(Error::invalid("surfaces", given, format!("at most {MAX_STRIPS}")));
+        }
+        all.pair();
+        Ok(all)
+    }
+}
+
+impl<P: Scalar> Surfaces<P> {
+    /// Lets every surface that can see the others.
+    fn pair(&mut self) {
+        let shedding = |(k, surface): (usize, &Surface<P>)| {
+            let source = surface.aero.source(surface.sections.start, surface.strips.start)?;
+            Some((k, source))
+        };
+        let sources: Vec<(usize, Source<P>)> =
+            self.surfaces.iter().enumerate().filter_map(shedding).collect();
+        let mut first = self.own_states();
+        for (k, surface) in self.surfaces.iter_mut().enumerate() {
+            if sources.iter().any(|(own, _)| *own == k) {
+                let others = sources.iter().filter(|(own, _)| *own != k);
+                surface.sources = others.map(|(_, source)| source.clone()).collect();
+            }
+            let count: usize = surface.sources.iter().map(Source::arrivals).sum();
+            surface.arrivals = first..first + count;
+            first += count;
+        }
+    }
+
+    fn add(&mut self, name: String, aero: Aero<P>) {
+        let after = |first: usize, count: usize| first..first + count;
+        let states = self.own_states();
+        let surface = Surface {
+            sections: after(self.arcs.len(), aero.arcs().len()),
+            strips: after(self.strip_arcs.len(), aero.strips()),
+            states: after(states, aero.states()),
+            sources: Vec::new(),
+            arrivals: 0..0,
+            name,
+            aero,
+        };
+        self.arcs.extend_from_slice(surface.aero.arcs());
+        self.strip_arcs.extend_from_slice(surface.aero.strip_arcs());
+        self.surfaces.push(surface);
+    }
+
+    /// The same surfaces with other numbers than their settings say, one set for each.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when strips or nodes do not fit an outline.
+    ///
+    /// # Panics
+    /// When there are not as many.
+    pub fn with<Q: Scalar>(&self, numbers: &[SurfaceNumbers<Q>]) -> Result<Surfaces<Q>, Error> {
+        assert_eq!(numbers.len(), self.surfaces.len(), "numbers of every surface");
+        let mut all = Surfaces { surfaces: Vec::new(), arcs: Vec::new(), strip_arcs: Vec::new() };
+        for (surface, numbers) in self.surfaces.iter().zip(numbers) {
+            all.add(surface.name.clone(), surface.aero.with(numbers)?);
+        }
+        all.pair();
+        Ok(all)
+    }
+
+    /// Number of states of the surfaces themselves.
+    fn own_states(&self) -> usize {
+        self.surfaces.last().map_or(0, |surface| surface.states.end)
+    }
+
+    /// The surfaces in order.
+    pub fn surfaces(&self) -> &[Surface<P>] {
+        &self.surfaces
+    }
+    /// The surface with the given strip of all.
+    ///
+    /// # Panics
+    /// When there is no such strip.
+    pub fn of_strip(&self, strip: usize) -> &Surface<P> {
+        let owns = |surface: &&Surface<P>| surface.strips.contains(&strip);
+        self.surfaces.iter().find(owns).expect("a strip of one of the surfaces")
+    }
+    /// Arc coordinates where [`SectionMotion`]s are wanted, m: those of [`Aero::arcs`] for each surface in turn.
+    pub fn arcs(&self) -> &[P] {
+        &self.arcs
+    }
+    /// Arc coordinates of the strips' middles on their surfaces, m.
+    pub fn strip_arcs(&self) -> &[P] {
+        &self.strip_arcs
+    }
+    /// Number of strips.
+    pub fn strips(&self) -> usize {
+        self.strip_arcs.len()
+    }
+    /// Number of states: of each surface in turn, then those that carry circulation to each surface from
+    /// each of the others.
+    pub fn states(&self) -> usize {
+        self.own_states() + self.surfaces.iter().map(|surface| surface.arrivals.len()).sum::<usize>()
+    }
+    /// Names and units of the states, in order. Names of all surfaces but the first begin with the surface's;
+    /// what travels is called `tail_from_wing_lag1_0`.
+    pub fn channels(&self) -> Vec<Channel> {
+        let prefixed = |(k, surface): (usize, &Surface<P>)| {
+            let mut channels = surface.aero.channels();
+            if k > 0 {
+                channels.iter_mut().for_each(|c| c.name = format!("{}_{}", surface.name, c.name));
+            }
+            channels
+        };
+        let own = self.surfaces.iter().enumerate().flat_map(prefixed);
+        own.chain(self.surfaces.iter().flat_map(|surface| self.arriving(surface))).collect()
+    }
+    /// Names and units of what travels to a surface.
+    fn arriving(&self, surface: &Surface<P>) -> Vec<Channel> {
+        let from = |source: &Source<P>| {
+            let name = format!("{}_from_{}_lag", surface.name, self.of_strip(source.first_strip).name);
+            let strips = source.arrivals() / ARRIVAL_LAGS;
+            (0..source.arrivals())
+                .map(|i| Channel::free(format!("{name}{}_{}", i / strips + 1, i % strips), "m2/s", ""))
+                .collect::<Vec<_>>()
+        };
+        surface.sources.iter().flat_map(from).collect()
+    }
+    /// The state that stands for state `i` in the mirror image, each surface being its own image.
+    pub fn mirrored(&self, i: usize) -> usize {
+        for surface in &self.surfaces {
+            if surface.states.contains(&i) {
+                return surface.states.start + surface.aero.mirrored(i - surface.states.start);
+            }
+            let mut first = surface.arrivals.start;
+            for source in &surface.sources {
+                if (first..first + source.arrivals()).contains(&i) {
+                    return first + source.mirrored(i - first);
+                }
+                first += source.arrivals();
+            }
+        }
+        i
+    }
+
+    /// Whether states of a surface follow the impulse of its air.
+    #[inline]
+    pub fn follow_impulses(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.aero.follows_impulse())
+    }
+
+    /// As [`Aero::settle`] for all surfaces.
+    pub fn settle<S: Scalar + Meets<P>>(&self, sections: &impl Sections<S>, wind: Vec3<S>, x: &mut [S]) {
+        for surface in &self.surfaces {
+            let own = Following { all: sections, first: surface.sections.start };
+            surface.aero.settle(&own, wind, &mut x[surface.states()]);
+        }
+    }
+
+    /// State rates and loads of the sections at [`arcs`](Self::arcs) in air that moves with `wind`
+    /// (resolved in B). See [`Loads`] for the body acceleration.
+    pub fn evaluate<S: Scalar + Meets<P>>(
+        &self,
+        sections: &[SectionMotion<S>],
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) {
+        if let [only] = &self.surfaces[..] {
+            return only.aero.evaluate(sections, wind, x, dx, loads);
+        }
+        loads.strips = 0;
+        let vortices = self.vortices(&sections, wind, x);
+        let mut sum = Sum::ZERO;
+        for surface in &self.surfaces {
+            let (own, states) = (&sections[surface.sections()], surface.states());
+            let (dx, arriving) = dx.split_at_mut(self.own_states());
+            let others = self.others(surface, &vortices, x, arriving);
+            sum.add(surface.aero.append(&own, wind, &x[states.clone()], &mut dx[states], others, loads));
+        }
+        (loads.wrench, loads.added_mass) = (sum.wrench, sum.added_mass);
+    }
+
+    /// The vortices of the surfaces that others can see.
+    fn vortices<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        sections: &impl Sections<G>,
+        wind: Vec3<G>,
+        x: &[S],
+    ) -> Vortices<G, S> {
+        let mut vortices = Vortices::NONE;
+        for surface in &self.surfaces {
+            if let (Aero::Strip(model), false) = (&surface.aero, surface.sources.is_empty()) {
+                let own = Following { all: sections, first: surface.sections.start };
+                let place = [surface.sections.start, surface.strips.start];
+                model.shed(&own, wind, &x[surface.states()], place, &mut vortices);
+            }
+        }
+        vortices
+    }
+
+    /// What `surface` sees; `arriving` are the rates behind those of the surfaces' own states.
+    fn others<'a, G: Scalar, S: Scalar>(
+        &self,
+        surface: &'a Surface<P>,
+        vortices: &'a Vortices<G, S>,
+        x: &'a [S],
+        arriving: &'a mut [S],
+    ) -> Option<Others<'a, P, G, S>> {
+        if surface.sources.is_empty() {
+            return None;
+        }
+        let (at, own) = (surface.arrivals.clone(), self.own_states());
+        let dx = &mut arriving[at.start - own..at.end - own];
+        Some(Others { vortices, sources: &surface.sources, x: &x[at], dx })
+    }
+
+    /// As [`evaluate`](Self::evaluate) for the sum alone: the wrench and the
+    /// added-mass matrix. The states may carry more derivatives than the motion. `coupling` receives
+    /// what the coordinates of `sections` take from all surfaces.
+    pub fn evaluate_sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        sections: &impl Sections<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        mut coupling: Option<Coupling<'_, G, S>>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        if let [only] = &self.surfaces[..] {
+            // As one of several, so that there is one copy of the model for either case.
+            return only.aero.sum(&Following { all: sections, first: 0 }, wind, x, dx, None, coupling);
+        }
+        let vortices = self.vortices(sections, wind, x);
+        let mut sum = Sum::ZERO;
+        for surface in &self.surfaces {
+            let own = Following { all: sections, first: surface.sections.start };
+            let states = surface.states();
+            let (dx, arriving) = dx.split_at_mut(self.own_states());
+            let others = self.others(surface, &vortices, x, arriving);
+            let coupling = coupling.as_mut().map(|all| {
+                let mut impulses = all.impulses.as_deref_mut();
+                if let Some(impulses) = impulses.as_mut() {
+                    impulses.first_state = states.start;
+                }
+                Coupling { mass: &mut *all.mass, strips: &mut all.strips[surface.strips()], impulses }
+            });
+            sum.add(surface.aero.sum(&own, wind, &x[states.clone()], &mut dx[states], others, coupling));
+        }
+        (sum.wrench, sum.added_mass)
+    }
+}
+
+/// The sections of all surfaces from one on.
+struct Following<'a, T: ?Sized> {
+    all: &'a T,
+    first: usize,
+}
+
+impl<S: Scalar, T: Sections<S> + ?Sized> Sections<S> for Following<'_, T> {
+    #[inline(always)]
+    fn section(&self, i: usize) -> SectionMotion<S> {
+        self.all.section(self.first + i)
+    }
+    fn coordinates(&self) -> usize {
+        self.all.coordinates()
+    }
+    fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
+        self.all.field(self.first + i, coordinate)
+    }
+}
+
+/// Wrench and added mass of the surfaces so far.
+struct Sum<G: Scalar, S: Scalar> {
+    wrench: Wrench<S>,
+    added_mass: [[G; 6]; 6],
+}
+
+impl<G: Scalar, S: Scalar> Sum<G, S> {
+    const ZERO: Self = Self { wrench: Wrench::ZERO, added_mass: [[G::ZERO; 6]; 6] };
+
+    fn add(&mut self, (wrench, added_mass): (Wrench<S>, [[G; 6]; 6])) {
+        self.wrench += wrench;
+        for i in 0..6 {
+            for j in 0..6 {
+                self.added_mass[i][j] += added_mass[i][j];
+            }
+        }
+    }
+}

@@ -1,0 +1,319 @@
+//! A configuration from files, texts, values and overrides, and where each of its values came from.
+//!
+//! All texts lie one after another in one numbering of bytes, so that the span of a value says which line of which
+//! text it stands in, or which override. Schemas read from a document use `deny_unknown_fields` and, for a choice of
+//! kinds, serde's external tagging (`[gait.fourier]`): internal tags, `flatten` and untagged enums hide the types and
+//! with them what is missing.
+
+mod error;
+mod explain;
+mod limits;
+mod placeholder;
+mod read;
+mod source;
+mod tree;
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::DeValue;
+
+pub use error::{ConfigError, Other, Place, Problem, Wrong};
+pub use limits::{largest, text_of, unit};
+pub use source::Translate;
+use source::{Origin, Sources};
+use wingbeat_math::Error;
+pub use wingbeat_math::names::nearest_names;
+use wingbeat_math::names::one_of;
+
+/// A configuration: a file, a text or a value, what is put into it, and overrides.
+///
+/// ```
+/// use wingbeat_config::Document;
+///
+/// let robot = Document::text("robot", "mass_kg = 0.02\ncolours = [\"red\"]")?;
+/// let document = Document::text("flight", "name = \"up\"")?.put("robot", robot)?.set("robot.mass_kg=0.03");
+///
+/// #[derive(serde::Deserialize)]
+/// #[serde(deny_unknown_fields)]
+/// struct Robot {
+///     mass_kg: f64,
+///     colours: Vec<String>,
+/// }
+///
+/// #[derive(serde::Deserialize)]
+/// #[serde(deny_unknown_fields)]
+/// struct Flight {
+///     name: String,
+///     robot: Robot,
+/// }
+///
+/// let flight: Flight = document.parse()?;
+/// assert_eq!((flight.name.as_str(), flight.robot.mass_kg), ("up", 0.03));
+/// assert_eq!(flight.robot.colours, ["red"]);
+///
+/// let refused = document.set("robot.mass=1").parse::<Flight>().err().map(|error| error.to_string());
+/// let expected = "--set robot.mass=1: unknown key robot.mass = 1: did you mean mass_kg? allowed is mass_kg, colours";
+/// assert_eq!(refused.as_deref(), Some(expected));
+/// # Ok::<(), wingbeat_config::ConfigError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    sources: Sources,
+    /// Overrides that are not yet applied: files that the document names come before them.
+    overrides: Vec<String>,
+}
+
+impl Document {
+    /// The TOML file `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not TOML.
+    pub fn file(path: &Path) -> Result<Self, ConfigError> {
+        let mut document = Self::default();
+        document.sources.read_file(path, &[], None)?;
+        Ok(document)
+    }
+
+    /// A TOML text; errors call it `name`. Paths in it are seen from the working folder.
+    ///
+    /// # Errors
+    /// A text that is not TOML.
+    pub fn text(name: &str, toml: &str) -> Result<Self, ConfigError> {
+        let mut document = Self::default();
+        document.sources.read(Origin::Text(name.into()), toml.into(), &[])?;
+        Ok(document)
+    }
+
+    /// A value that can be serialised, such as a [`ScenarioSpec`](super::ScenarioSpec); errors call it `name`.
+    ///
+    /// # Errors
+    /// A value that TOML cannot hold.
+    pub fn value(name: &str, value: &impl Serialize) -> Result<Self, ConfigError> {
+        let toml = toml::to_string(value).map_err(|error| {
+            let what = format!("cannot be written as TOML: {error}");
+            Wrong::new(Place::Value(name.into()), "", None, Problem::File(what))
+        })?;
+        let mut document = Self::default();
+        document.sources.read(Origin::Value(name.into()), toml, &[])?;
+        Ok(document)
+    }
+
+    /// This document with `other` under `key`, in place of what stands there.
+    ///
+    /// # Errors
+    /// A key that is inside a value that is no table.
+    pub fn put(mut self, key: &str, other: Self) -> Result<Self, ConfigError> {
+        self.sources.put(other.sources, &tree::steps(key))?;
+        let key = key.to_owned();
+        self.overrides.extend(other.overrides.into_iter().map(|text| format!("{key}.{text}")));
+        Ok(self)
+    }
+
+    /// This document with an override, `a.b.c=value` or `list[0].c=value`, which is read last.
+    ///
+    /// The value is TOML, or else text: `law=stall` means `law="stall"`.
+    #[must_use]
+    pub fn set(mut self, text: impl Into<String>) -> Self {
+        self.overrides.push(text.into());
+        self
+    }
+
+    /// This document with several [overrides](Self::set).
+    #[must_use]
+    pub fn overridden(mut self, texts: &[String]) -> Self {
+        self.overrides.extend_from_slice(texts);
+        self
+    }
+
+    /// The TOML file `path` with the files named by `includes` and with `overrides`.
+    ///
+    /// # Errors
+    /// Those of [`file`](Self::file) and [`merged`](Self::merged).
+    pub fn load(path: &Path, overrides: &[String], includes: &[&str]) -> Result<Self, ConfigError> {
+        Self::file(path)?.overridden(overrides).merged(includes, &|_, _| None)
+    }
+
+    /// This document with the file named by each key of `includes` in the place of its name (relative to the file
+    /// that names it; a table there stays), and with its overrides. Files that `translate` knows need not be TOML.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not TOML, an override that names no place, a number that is not finite
+    /// or beyond any meaning of the unit that its key ends with.
+    pub fn merged(mut self, includes: &[&str], translate: Translate) -> Result<Self, ConfigError> {
+        let key_of = |text: &str| text.split('=').next().unwrap_or_default().trim().to_owned();
+        let overrides = std::mem::take(&mut self.overrides);
+        for key in includes {
+            let mut named = overrides.iter().filter(|text| key_of(text) == *key);
+            named.try_for_each(|text| self.sources.read_override(text))?;
+            self.include(key, translate)?;
+        }
+        let mut rest = overrides.iter().filter(|text| !includes.contains(&key_of(text).as_str()));
+        rest.try_for_each(|text| self.sources.read_override(text))?;
+        self.refuse_immense()?;
+        Ok(self)
+    }
+
+    /// The document as a `T`.
+    ///
+    /// # Errors
+    /// All keys that are unknown, missing or of the wrong type.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
+        if !self.overrides.is_empty() {
+            return self.clone().merged(&[], &|_, _| None)?.parse();
+        }
+        self.parse_at("")
+    }
+
+    /// What stands at `key` of the merged document as a `T`.
+    ///
+    /// # Errors
+    /// All keys below that are unknown, missing or of the wrong type; nothing at `key`.
+    pub fn parse_at<T: DeserializeOwned>(&self, key: &str) -> Result<T, ConfigError> {
+        let tree = self.sources.tree()?;
+        let Some(node) = tree::follow(&tree, key) else {
+            return Err(Wrong { problem: Problem::MissingKey, ..self.blame(&tree, key) }.into());
+        };
+        read::read(node, key).map_err(|complaints| explain::form(&self.sources, &tree, &complaints))
+    }
+
+    /// Says where the value that `error` refuses was given.
+    pub fn explain(&self, error: &Error) -> ConfigError {
+        self.sources.tree().map_or_else(|broken| broken, |tree| explain::value(&self.sources, &tree, error))
+    }
+
+    /// The merged configuration as TOML, keys in alphabetical order.
+    ///
+    /// # Errors
+    /// Those of [`Document::parse`].
+    pub fn resolved(&self) -> Result<String, ConfigError> {
+        Ok(self.parse::<toml::Table>()?.to_string())
+    }
+
+    /// True when overrides change nothing of the merged document but what stands at `keys`.
+    pub fn overridden_only_at(&self, keys: &[&str]) -> bool {
+        let written = Self { sources: self.sources.as_written(), overrides: Vec::new() };
+        let besides = |document: &Self| {
+            let mut table = document.parse::<toml::Table>().ok()?;
+            keys.iter().for_each(|key| tree::remove(&mut table, &tree::steps(key)));
+            Some(table)
+        };
+        besides(self) == besides(&written)
+    }
+
+    /// The files read: the first one and those it names.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.sources.files()
+    }
+
+    /// The folder from which the value at `key` sees paths: that of its file; empty where it is in none.
+    pub fn folder(&self, key: &str) -> PathBuf {
+        let found = |tree: &Spanned<DeValue>| tree::follow(tree, key).map(|value| value.span().start);
+        let at = self.sources.tree().ok().and_then(|tree| found(&tree));
+        at.map(|at| self.sources.folder(at)).unwrap_or_default()
+    }
+
+    /// The document that stands at `key`: a table, or the file that a text there names.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not TOML, another value than a table or the name of a file.
+    pub fn part(&self, key: &str) -> Result<Self, ConfigError> {
+        let tree = self.sources.tree()?;
+        match tree::follow(&tree, key).map(Spanned::get_ref) {
+            Some(DeValue::Table(_)) => {
+                Ok(Self { sources: self.sources.part(&tree::steps(key)), overrides: self.overrides.clone() })
+            }
+            Some(DeValue::String(name)) => {
+                let mut document = Self::default();
+                let path = source::joined(&self.folder(key), name);
+                document.sources.read_file(&path, &[], Some(self.blame(&tree, key)))?;
+                Ok(document)
+            }
+            _ => {
+                let problem = Problem::Value("the name of a file, or a table".into());
+                Err(Wrong { problem, ..self.blame(&tree, key) }.into())
+            }
+        }
+    }
+
+    /// An error about the value at `key`.
+    fn blame(&self, tree: &Spanned<DeValue>, key: &str) -> Wrong {
+        let span = tree::follow(tree, key).unwrap_or(tree).span();
+        let given = Some(self.sources.text(&span));
+        Wrong::new(self.sources.place(span.start), key, given, Problem::Value(String::new()))
+    }
+
+    /// The paths of all numbers, in the order of the tree.
+    pub fn numbers(&self) -> Vec<String> {
+        let mut paths = Vec::new();
+        if let Ok(tree) = self.sources.tree() {
+            tree::walk(&tree, &mut |path, value| {
+                if matches!(value.get_ref(), DeValue::Integer(_) | DeValue::Float(_)) {
+                    paths.push(path.to_owned());
+                }
+            });
+        }
+        paths
+    }
+
+    /// The value at `key` as written, cut to one line, and where; none where it is not given.
+    pub fn written(&self, key: &str) -> Option<(String, Place)> {
+        let tree = self.sources.tree().ok()?;
+        let span = tree::follow(&tree, key)?.span();
+        Some((self.sources.text(&span), self.sources.place(span.start)))
+    }
+
+    /// The number at `key`.
+    ///
+    /// # Errors
+    /// What is allowed, where there is none.
+    pub fn number(&self, key: &str) -> Result<f64, String> {
+        let written = self.written(key).and_then(|(text, _)| text.replace('_', "").parse().ok());
+        written.ok_or_else(|| {
+            format!("a key of the scenario with a number, one {}", one_of(key, &self.numbers()))
+        })
+    }
+
+    fn include(&mut self, key: &str, translate: Translate) -> Result<(), ConfigError> {
+        let tree = self.sources.tree()?;
+        let Some(value) = tree::follow(&tree, key) else { return Ok(()) };
+        let Some(name) = value.get_ref().as_str() else { return Ok(()) };
+        let (blame, steps) = (self.blame(&tree, key), tree::steps(key));
+        let folder = self.sources.folder(value.span().start);
+        let (file, part) = name.split_once('#').map_or((name, None), |(file, part)| (file, Some(part)));
+        let path = source::joined(&folder, file);
+        let whole = source::joined(&folder, name);
+        match translate(&path, part) {
+            Some(text) => self.sources.read_text(&path, text, &steps, Some(blame)),
+            None => self.sources.read_file(&whole, &steps, Some(blame)),
+        }
+    }
+
+    fn refuse_immense(&self) -> Result<(), ConfigError> {
+        let immense = |path: &str, text: &str| {
+            !text.replace('_', "").parse::<f64>().is_ok_and(|number| number.abs() <= limits::largest(path))
+        };
+        let number = |value: &DeValue| match value {
+            DeValue::Float(float) => Some(float.as_str().to_owned()),
+            DeValue::Integer(whole) if whole.radix() == 10 => Some(whole.as_str().to_owned()),
+            _ => None,
+        };
+        let tree = self.sources.tree()?;
+        let mut found = None;
+        tree::walk(&tree, &mut |path, value| {
+            let fits = number(value.get_ref()).is_none_or(|text| !immense(path, &text));
+            if found.is_none() && !fits && !path.ends_with("seed") {
+                found = Some((path.to_owned(), value.span()));
+            }
+        });
+        found.map_or(Ok(()), |(key, span)| {
+            let (place, given) = (self.sources.place(span.start), Some(self.sources.text(&span)));
+            let largest = limits::largest(&key);
+            let allowed = if largest < 1e5 { largest.to_string() } else { format!("{largest:e}") };
+            let problem = Problem::Value(format!("a finite number, {allowed} or less in magnitude"));
+            Err(Wrong::new(place, key, given, problem).into())
+        })
+    }
+}

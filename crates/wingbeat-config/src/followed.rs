@@ -1,0 +1,37 @@
+//! How well a flight followed its path.
+
+use super::summary::mean;
+use serde::Serialize;
+use wingbeat_flight::simulate::Record;
+
+/// Errors from the path from the settling time on, as the controller measured them at its updates.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PathSummary {
+    /// Root mean square of the distance across the path, m.
+    pub cross_rms_m: f64,
+    /// Largest distance across, m.
+    pub cross_max_m: f64,
+    /// Root mean square of the arc ahead of or behind what time and speed ask, m.
+    pub along_rms_m: f64,
+    /// Largest of it, m.
+    pub along_max_m: f64,
+    /// Arc of the path flown by the end, over the ground, m.
+    pub arc_m: f64,
+}
+
+impl PathSummary {
+    /// Of the rows from `first` on; none where no path was followed.
+    pub fn new(record: &Record, first: usize) -> Option<Self> {
+        let column = |name: &str| record.values(name).and_then(|values| values.get(first..));
+        let (cross, along) = (column("path_cross")?, column("path_along")?);
+        let rms = |values: &[f64]| mean(&values.iter().map(|v| v * v).collect::<Vec<_>>()).map(f64::sqrt);
+        let largest = |values: &[f64]| values.iter().map(|v| v.abs()).reduce(f64::max);
+        Some(Self {
+            cross_rms_m: rms(cross)?,
+            cross_max_m: largest(cross)?,
+            along_rms_m: rms(along)?,
+            along_max_m: largest(along)?,
+            arc_m: *column("path_arc")?.last()?,
+        })
+    }
+}

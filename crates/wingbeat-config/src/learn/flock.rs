@@ -1,0 +1,374 @@
+//! Robots side by side under one task.
+
+use super::lanes::{MOST_LANES, Precision, Side};
+use super::{Task, View};
+use crate::Scenario;
+use arrayvec::ArrayVec;
+use std::sync::Arc;
+use wingbeat_flight::simulate::Stepper;
+use wingbeat_math::Error;
+use wingbeat_math::Random;
+use wingbeat_math::parallel;
+use wingbeat_math::require;
+use wingbeat_ocp::plant::Plant;
+use wingbeat_robot::Robot;
+
+/// Time between two actions, s.
+pub const PERIOD_S: f64 = 0.005;
+/// Integration step, s: the attitude of the banking turn is exact to 1e-6 rad after a second.
+pub const STEP_S: f64 = 0.001;
+/// Most robots of a flock.
+const MAX_ROBOTS: usize = 1 << 16;
+
+/// What a step of a flock tells: one row per robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// Observations, robot after robot.
+    pub observations: Vec<f64>,
+    /// Rewards.
+    pub rewards: Vec<f64>,
+    /// Terms of the rewards, robot after robot.
+    pub terms: Vec<f64>,
+    /// Episodes that have failed.
+    pub terminated: Vec<bool>,
+    /// Episodes that were cut off at their end.
+    pub truncated: Vec<bool>,
+}
+
+/// Robots of one scenario under one task, stepped several at once in the lanes of vector registers. What becomes of each
+/// depends, to the bit, on its seed and its actions alone: a single robot is a lane of one.
+pub struct Flock {
+    robot: Arc<Robot>,
+    task: Arc<dyn Task>,
+    members: Vec<Member>,
+    /// One for each group of neighbours that are stepped at once.
+    sides: Vec<Side>,
+    precision: Precision,
+    start: Vec<f64>,
+    threads: usize,
+    /// Actions of an episode.
+    longest: usize,
+}
+
+/// One robot.
+struct Member {
+    robot: Stepper<Arc<Robot>>,
+    action: Vec<f64>,
+    inputs: Vec<f64>,
+    seed: u64,
+    spread: f64,
+    /// Episodes begun since the seed was given.
+    episode: u64,
+    /// Time of the stepper at the start of the episode, s.
+    begun: f64,
+    /// Actions since then.
+    count: usize,
+    over: bool,
+}
+
+/// What a robot tells of a step.
+struct Row<'a> {
+    observation: &'a mut [f64],
+    reward: &'a mut f64,
+    terms: &'a mut [f64],
+    terminated: &'a mut bool,
+    truncated: &'a mut bool,
+}
+
+impl Flock {
+    /// `count` robots of the scenario, stepped on up to `threads` cores (0: all) with numbers of the given precision.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for no robots or too many.
+    pub fn new(
+        scenario: &Scenario,
+        task: Arc<dyn Task>,
+        count: usize,
+        threads: usize,
+        precision: Precision,
+    ) -> Result<Self, Error> {
+        require::between("count", count, 1, MAX_ROBOTS)?;
+        let robot = Arc::new(scenario.robot().clone());
+        let start = scenario.start();
+        let inputs = robot.inputs().len();
+        let member = || Member {
+            robot: Stepper::new(robot.clone(), 0.0, &start),
+            action: vec![0.0; inputs],
+            inputs: vec![0.0; inputs],
+            seed: 0,
+            spread: 0.0,
+            episode: 0,
+            begun: 0.0,
+            count: 0,
+            over: false,
+        };
+        let longest = (task.duration_s() / PERIOD_S).round().max(1.0) as usize;
+        let (members, groups) = ((0..count).map(|_| member()).collect(), count.div_ceil(precision.lanes()));
+        let sides = (0..groups).map(|_| Side::new(precision, start.len(), inputs)).collect();
+        Ok(Self { members, sides, precision, robot, task, start, threads, longest })
+    }
+
+    /// Number of robots.
+    pub fn count(&self) -> usize {
+        self.members.len()
+    }
+    /// Numbers of an action.
+    pub fn actions(&self) -> usize {
+        self.robot.inputs().len()
+    }
+    /// Numbers of an observation.
+    pub fn observations(&self) -> usize {
+        self.task.observation().len()
+    }
+    /// The task.
+    pub fn task(&self) -> &dyn Task {
+        &*self.task
+    }
+    /// The robot and time since the start of its episode, s.
+    ///
+    /// # Panics
+    /// When there is no such robot.
+    pub fn member(&self, number: usize) -> (&Stepper<Arc<Robot>>, f64) {
+        let member = &self.members[number];
+        (&member.robot, member.robot.time() - member.begun)
+    }
+
+    /// Starts all anew, each from its seed; the start varies by `spread` times what is usual, at 0 it is that of the
+    /// scenario. The observations.
+    ///
+    /// # Panics
+    /// When there is not one seed per robot.
+    pub fn reset(&mut self, seeds: &[u64], spread: f64) -> Vec<f64> {
+        assert_eq!(seeds.len(), self.members.len(), "one seed per robot");
+        for (member, seed) in self.members.iter_mut().zip(seeds) {
+            (member.seed, member.spread, member.episode) = (*seed, spread, 0);
+        }
+        self.again()
+    }
+
+    /// Starts all on their next episodes. The observations.
+    pub fn again(&mut self) -> Vec<f64> {
+        let mut observations = vec![0.0; self.count() * self.observations()];
+        let rows = observations.chunks_mut(self.task.observation().len());
+        for (member, row) in self.members.iter_mut().zip(rows) {
+            member.begin(&self.start, &*self.task);
+            self.task.observe(&member.view(), row);
+        }
+        observations
+    }
+
+    /// A step of all robots under actions in [-1, 1], robot after robot, kept within. Where an episode was over
+    /// the next one begins instead: its action is not used, its reward is 0.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for actions of another number, or that are not finite.
+    pub fn step(&mut self, actions: &[f64]) -> Result<Batch, Error> {
+        let (count, inputs) = (self.count(), self.actions());
+        if actions.len() != count * inputs {
+            let allowed = format!("{}, {inputs} of each of {count}", count * inputs);
+            return Err(Error::invalid("actions", format!("{} numbers", actions.len()), allowed));
+        }
+        if let Some(place) = actions.iter().position(|action| !action.is_finite()) {
+            let key = format!("actions[{}][{}]", place / inputs, place % inputs);
+            return Err(Error::invalid(key, actions[place], "a finite number"));
+        }
+        let (seen, terms) = (self.observations(), self.task.terms().len());
+        let mut batch = Batch {
+            observations: vec![0.0; count * seen],
+            rewards: vec![0.0; count],
+            terms: vec![0.0; count * terms],
+            terminated: vec![false; count],
+            truncated: vec![false; count],
+        };
+        let rows = batch.observations.chunks_mut(seen).zip(batch.terms.chunks_mut(terms));
+        let flags = batch.terminated.iter_mut().zip(&mut batch.truncated);
+        let rows = rows.zip(&mut batch.rewards).zip(flags);
+        let row = |(((observation, terms), reward), (terminated, truncated))| Row {
+            observation,
+            reward,
+            terms,
+            terminated,
+            truncated,
+        };
+        let mut rows: Vec<Row> = rows.map(row).collect();
+        let lanes = self.precision.lanes();
+        let groups = self.members.chunks_mut(lanes).zip(actions.chunks(lanes * inputs));
+        let groups = groups.zip(rows.chunks_mut(lanes)).zip(&mut self.sides);
+        let mut groups: Vec<_> =
+            groups.map(|(((members, actions), rows), side)| Group { members, actions, rows, side }).collect();
+        let course = Course { task: &*self.task, start: &self.start, longest: self.longest };
+        parallel::chunks(&mut groups, self.threads, |group| group.step(&course));
+        Ok(batch)
+    }
+}
+
+impl Member {
+    fn view(&self) -> View<'_> {
+        let (robot, x) = (self.robot.system(), self.robot.state());
+        let phase =
+            robot.layout().crank.map_or_else(|| robot.phase(self.robot.time()), |[angle, _]| x[angle]);
+        View { t: self.count as f64 * PERIOD_S, phase, x, action: &self.action }
+    }
+
+    /// The start of the next episode: the gait begins at any phase where the start varies.
+    fn begin(&mut self, start: &[f64], task: &dyn Task) {
+        let mut random = Random::stream(self.seed, self.episode);
+        let mut x = start.to_vec();
+        self.begun = 0.0;
+        if self.spread > 0.0 {
+            task.vary(&mut x, self.spread, &mut random);
+            let frequency = self.robot.system().frequency_hz();
+            self.begun = if frequency > 0.0 { random.unit() / frequency } else { 0.0 };
+        }
+        self.robot.reset(self.begun, &x);
+        self.action.fill(0.0);
+        (self.count, self.over) = (0, false);
+        self.episode += 1;
+    }
+
+    /// Takes the action; false, and the next episode begun, where an episode was over.
+    fn take(&mut self, action: &[f64], course: &Course) -> bool {
+        if self.over {
+            self.begin(course.start, course.task);
+            return false;
+        }
+        for (held, action) in self.action.iter_mut().zip(action) {
+            *held = action.clamp(-1.0, 1.0);
+        }
+        let channels = self.robot.system().inputs();
+        for ((input, action), channel) in self.inputs.iter_mut().zip(&self.action).zip(channels) {
+            *input = 0.5 * (channel.low + channel.high) + 0.5 * (channel.high - channel.low) * action;
+        }
+        self.robot.set_inputs(&self.inputs);
+        true
+    }
+
+    /// Tells of the step that was taken.
+    fn tell(&mut self, row: &mut Row, course: &Course) {
+        let whole = self.robot.check().is_ok();
+        self.count += 1;
+        if !whole {
+            // The numbers of a state that cannot be evaluated say nothing: the last observation is that of the start.
+            self.robot.reset(self.begun, course.start);
+        }
+        let (view, task) = (self.view(), course.task);
+        task.observe(&view, row.observation);
+        if whole {
+            task.reward(&view, row.terms);
+            *row.reward = row.terms.iter().sum();
+        }
+        *row.terminated = !whole || task.failed(&view);
+        *row.truncated = !*row.terminated && self.count >= course.longest;
+        self.over = *row.terminated || *row.truncated;
+    }
+}
+
+/// What all robots have before them.
+struct Course<'a> {
+    task: &'a dyn Task,
+    start: &'a [f64],
+    longest: usize,
+}
+
+/// Robots that are stepped at once.
+struct Group<'a, 'r> {
+    members: &'a mut [Member],
+    actions: &'a [f64],
+    rows: &'a mut [Row<'r>],
+    side: &'a mut Side,
+}
+
+impl Group<'_, '_> {
+    fn step(&mut self, course: &Course) {
+        let mut moving = ArrayVec::<_, MOST_LANES>::new();
+        let inputs = self.actions.len() / self.members.len();
+        for (member, action) in self.members.iter_mut().zip(self.actions.chunks(inputs)) {
+            moving.push(member.take(action, course));
+        }
+        let steppers = self.members.iter_mut().zip(&moving).filter(|(_, moving)| **moving);
+        let steppers: ArrayVec<_, MOST_LANES> = steppers.map(|(member, _)| &mut member.robot).collect();
+        self.side.step(steppers, STEP_S, (PERIOD_S / STEP_S).round() as usize);
+        for ((member, row), moved) in self.members.iter_mut().zip(self.rows.iter_mut()).zip(moving) {
+            if moved {
+                member.tell(row, course);
+            } else {
+                course.task.observe(&member.view(), row.observation);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learn::BankingTurn;
+    use std::path::Path;
+
+    fn flock(count: usize, threads: usize) -> Flock {
+        exact(count, threads, Precision::Double)
+    }
+
+    fn exact(count: usize, threads: usize, precision: Precision) -> Flock {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
+        let scenario = Scenario::load(&path, &["flight.duration_s=0.02".into()]).unwrap();
+        let task = Arc::new(BankingTurn::of(&scenario).unwrap());
+        Flock::new(&scenario, task, count, threads, precision).unwrap()
+    }
+
+    /// What robot `number` of `count` tells of six steps.
+    fn told(count: usize, threads: usize, number: usize) -> Vec<(Vec<f64>, f64, bool, bool)> {
+        let mut flock = flock(count, threads);
+        let seeds: Vec<u64> = (0..count).map(|i| (7 + i - number) as u64).collect();
+        let start = flock.reset(&seeds, 1.0);
+        let seen = flock.observations();
+        let mut all = vec![(start[number * seen..][..seen].to_vec(), 0.0, false, false)];
+        for step in 0..6 {
+            let action = |robot: usize| ((step + robot - number) as f64).sin();
+            let actions: Vec<f64> = (0..count).flat_map(|robot| [action(robot + 20); 8]).collect();
+            let batch = flock.step(&actions).unwrap();
+            let row = batch.observations[number * seen..][..seen].to_vec();
+            all.push((row, batch.rewards[number], batch.terminated[number], batch.truncated[number]));
+        }
+        all
+    }
+
+    #[test]
+    fn a_robot_does_not_know_its_neighbours() {
+        let alone = told(1, 1, 0);
+        assert_eq!(told(3, 1, 1), alone);
+        assert_eq!(told(5, 2, 4), alone);
+    }
+
+    #[test]
+    fn an_episode_is_cut_off_at_its_end_and_the_next_one_begins_a_step_later() {
+        let told = told(1, 1, 0);
+        let flags: Vec<bool> = told.iter().map(|(.., truncated)| *truncated).collect();
+        assert_eq!(flags, [false, false, false, false, true, false, false]);
+        assert!(told[5].1 == 0.0 && told[6].1 > 0.0 && told[5].0 != told[0].0);
+    }
+
+    #[test]
+    fn actions_are_kept_within_and_refused_by_their_place() {
+        let mut flock = flock(2, 1);
+        flock.reset(&[1, 2], 0.0);
+        let mut actions = vec![7.0; 16];
+        assert_eq!(flock.step(&actions).unwrap().observations[31..39], [1.0; 8]);
+        actions[9] = f64::NAN;
+        let refused = flock.step(&actions).unwrap_err().to_string();
+        assert!(refused.starts_with("actions[1][1] = NaN"), "{refused}");
+        assert!(flock.step(&actions[..3]).unwrap_err().to_string().contains("16, 8 of each of 2"));
+    }
+
+    #[test]
+    fn without_spread_the_start_is_that_of_the_scenario() {
+        let mut flock = flock(2, 1);
+        let rows = flock.reset(&[1, 2], 0.0);
+        assert_eq!(rows[..39], rows[39..]);
+        let step = |flock: &mut Flock| flock.step(&[0.0; 16]).unwrap();
+        let (first, again) = (step(&mut flock), {
+            flock.again();
+            step(&mut flock)
+        });
+        assert_eq!(first, again);
+    }
+}

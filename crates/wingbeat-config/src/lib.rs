@@ -1,0 +1,456 @@
+//! TOML to checked objects: the only place where strings become things.
+
+mod build;
+mod calibration;
+mod chosen;
+mod document;
+mod doors;
+mod estimate;
+mod followed;
+mod hovered;
+mod judge;
+mod lattice;
+mod mismatch;
+mod motion_table;
+mod name;
+mod plan;
+mod recorder;
+mod rig;
+mod rig_model;
+mod rig_process;
+mod rig_simulated;
+mod rig_spec;
+mod rig_statement;
+mod rig_together;
+mod rig_truth;
+mod schema;
+mod shared;
+mod side_by_side;
+mod spec;
+mod step_error;
+mod summary;
+mod sweep;
+mod sweep_row;
+mod sweep_spec;
+mod tether;
+mod tether_compare;
+mod tether_converge;
+mod tether_spec;
+mod trim;
+
+pub use calibration::{
+    CalibratedCaseSpec, CalibratedRunSpec, CalibrationSpec, DesignSpec, ParameterSpec, StructureOfModel,
+    TruthSpec, VariedSpec,
+};
+pub use chosen::{Chosen, Named};
+pub use document::{
+    ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, nearest_names, text_of, unit,
+};
+pub use doors::Doors;
+pub use estimate::EstimateSummary;
+pub use followed::PathSummary;
+pub use hovered::HoverSummary;
+pub use lattice::{LatticeSpec, LatticeSummary, LatticeTask, MakeLattice};
+pub use mismatch::Mismatch;
+pub use motion_table::{Smoothed, TableBy, TableSpec};
+pub use name::RunName;
+pub use plan::{
+    GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
+};
+pub use rig::RigRun;
+pub use rig_model::Modelled;
+pub use rig_process::{Processed, Weighed};
+pub use rig_simulated::SimulatedRun;
+pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, RigSpec};
+pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
+pub use rig_truth::RigTruthSpec;
+pub use schema::DocumentKind;
+pub use spec::{
+    AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
+};
+pub use summary::{ControllerSummary, FlightStatus, Summary};
+pub use sweep::{Sweep, SweepOf};
+pub use sweep_row::SweepRows;
+pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
+pub use tether::{TetherCase, TetherSummary};
+pub use tether_compare::{CompareSpec, Compared, Comparison};
+pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
+pub use tether_spec::{
+    ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,
+    TetheredBodySpec, TetheredWingSpec, WindSpec,
+};
+pub use trim::{
+    Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, SearchProgress, SearchSpec, SearchSummary,
+    Searched, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
+};
+
+use build::{Built, whole};
+use doors::Choice;
+use recorder::{Recorded, Recorder};
+use std::ops::ControlFlow;
+use std::path::Path;
+use step_error::StepError;
+use wingbeat_aero::Aero;
+use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared};
+use wingbeat_flight::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly, fly_in};
+use wingbeat_math::Error;
+use wingbeat_math::{Quat, Vec3};
+use wingbeat_ocp::plant::{Channel, Plant};
+use wingbeat_robot::Robot;
+
+/// Keys of a scenario that name a file to be put in their place.
+const INCLUDES: [&str; 3] = ["robot", "robot.numbers", "robot.residual"];
+/// What an override may change of a case of which numbers are published: it flies as before.
+const BESIDE_THE_CASE: [&str; 4] = ["name", "paper", "flight.record_every_s", "flight.record_strips_every_s"];
+
+/// A checked scenario, ready to fly.
+#[derive(Debug)]
+pub struct Scenario {
+    /// What the files and overrides said.
+    pub spec: ScenarioSpec,
+    /// The merged configuration as TOML; flies the same flight.
+    pub resolved: String,
+    document: Document,
+    choice: Choice,
+    robot: Robot,
+    model: Robot,
+    schedule: Schedule,
+    samples_per_strips: Option<usize>,
+    /// What its controller shares with others.
+    prepared: Option<Prepared>,
+}
+
+/// A flown scenario.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Time histories.
+    pub record: Record,
+    /// Loads of the strips, one row per strip and instant,
+    /// where `flight.record_strips_every_s` asks for them.
+    pub strips: Option<Record>,
+    /// Numbers to compare.
+    pub summary: Summary,
+}
+
+impl Scenario {
+    /// Reads, merges and checks a scenario file; `overrides` are `key=value`.
+    ///
+    /// # Errors
+    /// One message with file, line, key, the value given and what is allowed.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
+        Self::new(Document::file(path)?.overridden(overrides))
+    }
+
+    /// Merges and checks a scenario from files or memory. Its key `robot` names a file, or holds the robot.
+    ///
+    /// ```no_run
+    /// use std::path::Path;
+    /// use wingbeat_config::{Document, Scenario, ScenarioSpec};
+    ///
+    /// // From a file, the robot from another one than it names.
+    /// let robot = Document::file(Path::new("robots/aerobat_beta.toml"))?;
+    /// let document = Document::file(Path::new("scenarios/glide.toml"))?.put("robot", robot)?;
+    /// let scenario = Scenario::new(document.set("air.wind_m_s=[-1.0, 0.0, 0.0]"))?;
+    ///
+    /// // From what is in memory.
+    /// let mut spec: ScenarioSpec = scenario.spec.clone();
+    /// spec.flight.duration_s = 0.5;
+    /// spec.robot.body.mass_kg *= 1.1;
+    /// let heavier = Scenario::new(Document::value("heavier", &spec)?)?;
+    /// let run = heavier.fly(|_| std::ops::ControlFlow::Continue(()))?;
+    /// println!("{} m down", -run.summary.altitude_change_m);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Messages with the place, the key, the value given and what is allowed.
+    pub fn new(document: Document) -> Result<Self, ConfigError> {
+        Self::open(document, &Doors::shipped())
+    }
+
+    /// As [`new`](Self::new), with manoeuvres, controllers and horizon solvers of one's own.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), and what those kinds refuse.
+    pub fn open(document: Document, doors: &Doors) -> Result<Self, ConfigError> {
+        let document = document.merged(&INCLUDES, &|_, _| None)?;
+        let mut spec: ScenarioSpec = document.parse()?;
+        let mut resolved: toml::Table = document.parse()?;
+        if spec.paper.is_some() && !document.overridden_only_at(&BESIDE_THE_CASE) {
+            spec.paper = None;
+            resolved.remove("paper");
+        }
+        let resolved = resolved.to_string();
+        let choice = doors.choose(&spec, &document)?;
+        match spec.build(&choice) {
+            Ok(Built { robot, model, schedule, samples_per_strips }) => Ok(Self {
+                spec,
+                resolved,
+                document,
+                choice,
+                robot,
+                model,
+                schedule,
+                samples_per_strips,
+                prepared: None,
+            }),
+            Err(error) => Err(document.explain(&error)),
+        }
+    }
+
+    /// Says where the value that `error` refuses was given.
+    pub fn explain(&self, error: &Error) -> ConfigError {
+        self.document.explain(error)
+    }
+
+    /// The robot that flies, in its air.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The robot and air as the controller knows them.
+    pub fn model(&self) -> &Robot {
+        &self.model
+    }
+
+    /// Commands that the start holds.
+    fn held_commands(&self) -> Vec<f64> {
+        let given = |channel: &Channel| self.spec.start.commands.get(&channel.name).copied();
+        self.robot.inputs().iter().map(|channel| given(channel).unwrap_or(0.0)).collect()
+    }
+
+    /// State at t = 0: at the origin, structure at rest under the commands that the start holds, still wake but for what
+    /// the start says.
+    pub fn start(&self) -> Vec<f64> {
+        self.start_of(&self.robot)
+    }
+
+    /// The same of `robot`.
+    fn start_of(&self, robot: &Robot) -> Vec<f64> {
+        let (start, layout) = (&self.spec.start, robot.layout());
+        let mut x = vec![0.0; layout.len];
+        let [roll, pitch, yaw] = [start.roll_deg, start.pitch_deg, start.yaw_deg].map(f64::to_radians);
+        Quat::from_roll_pitch_yaw(roll, pitch, yaw).store_wxyz(&mut x[layout.attitude..]);
+        Vec3(start.velocity_m_s).store(&mut x[layout.velocity..]);
+        let coordinates = robot.start_coordinates();
+        x[layout.joints..][..coordinates.len()].copy_from_slice(&coordinates);
+        Vec3(start.rate_rad_s).store(&mut x[layout.rate..]);
+        let held = self.held_commands();
+        let gains = robot.rest_gains();
+        for (y, gains) in x[layout.structure..].iter_mut().zip(gains.chunks_exact(held.len().max(1))) {
+            *y = gains.iter().zip(&held).map(|(gain, held)| gain * held).sum();
+        }
+        let say = |x: &mut [f64]| {
+            for (channel, x) in robot.states().iter().zip(x).skip(layout.joints) {
+                *x = start.states.get(&channel.name).copied().unwrap_or(*x);
+            }
+        };
+        say(&mut x);
+        // A fault here is that of the first step, which tells it.
+        if robot.settle(0.0, &mut x, &held).is_ok() {
+            say(&mut x);
+        }
+        x
+    }
+
+    /// The scenario's controller at the start of a flight, if it has one.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the offending key.
+    pub fn controller(&self) -> Result<Option<Box<dyn Controller + '_>>, Error> {
+        self.spec.controller(&self.choice, &self.model, self.prepared.clone())
+    }
+
+    /// What its controller shares with others of the same model; none where that is nothing, or refused.
+    fn prepare(&self) -> Option<Prepared> {
+        let task = self.spec.task(&self.choice, &self.model);
+        self.choice.controller.as_ref()?.prepare(task).ok().flatten()
+    }
+
+    /// What the scenario flies, if it says.
+    pub fn manoeuvre(&self) -> Option<&dyn Manoeuvre> {
+        self.choice.manoeuvre.as_deref()
+    }
+
+    /// Flies the scenario. `observe` sees every recorded sample and may stop the flight.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the controller's settings are out of range.
+    pub fn fly(&self, observe: impl FnMut(&Sample) -> ControlFlow<()>) -> Result<Run, Error> {
+        match self.controller()? {
+            Some(mut controller) => self.fly_under(&mut controller, self.sensors(), &self.schedule, observe),
+            None => {
+                let mut held = HeldCommands(self.held_commands());
+                self.fly_under(&mut held, self.sensors(), &self.schedule, observe)
+            }
+        }
+    }
+
+    /// Flies the scenario's robot from its start under a controller of one's own, updated every
+    /// `period_s` (whole steps) with what `sensors` tell; record and summary stay in memory.
+    /// `observe` sees every recorded sample and may stop the flight.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the period is no whole number of steps, or a column of the
+    /// controller has a name that the record has already.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use wingbeat_ocp::plant::{Plant, Role};
+    /// use wingbeat_config::Scenario;
+    /// use wingbeat_flight::simulate::{Controller, Measurement, Update};
+    ///
+    /// /// Lifts the lower wing in proportion to roll and roll rate.
+    /// struct Leveller {
+    ///     left: usize,
+    ///     right: usize,
+    ///     stroke: f64,
+    /// }
+    ///
+    /// impl Controller for Leveller {
+    ///     fn update(&mut self, _t: f64, measurement: &Measurement) -> Update {
+    ///         let (Some(q), Some(w)) = (measurement.attitude(), measurement.vector(Role::AngularRate))
+    ///         else {
+    ///             return Update::Kept;
+    ///         };
+    ///         let roll = q.matrix().roll_pitch_yaw()[0];
+    ///         self.stroke = 0.5 * roll + 0.02 * w[0];
+    ///         Update::Fresh
+    ///     }
+    ///     fn input(&self, _t: f64, u: &mut [f64]) {
+    ///         u.fill(0.0);
+    ///         (u[self.left], u[self.right]) = (-self.stroke, self.stroke);
+    ///     }
+    /// }
+    ///
+    /// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml");
+    /// let scenario = Scenario::load(path.as_ref(), &["flight.duration_s=0.1".into()])?;
+    /// let input = |name: &str| scenario.robot().inputs().iter().position(|input| input.name == name);
+    /// let mut own = Leveller {
+    ///     left: input("command_shoulder_left").expect("a shoulder"),
+    ///     right: input("command_shoulder_right").expect("a shoulder"),
+    ///     stroke: 0.0,
+    /// };
+    /// let inertial_unit =
+    ///     scenario.sensors().only(|role| matches!(role, Role::Attitude(_) | Role::AngularRate(_)));
+    /// let run = scenario.fly_with(&mut own, 0.005, inertial_unit, |_| ControlFlow::Continue(()))?;
+    /// assert_eq!((run.summary.controller.updates, run.summary.controller.failures), (20, 0));
+    /// assert!(run.record.values("roll").is_some_and(|roll| roll.len() == 101));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn fly_with<C: Controller>(
+        &self,
+        controller: &mut C,
+        period_s: f64,
+        sensors: Sensors,
+        observe: impl FnMut(&Sample) -> ControlFlow<()>,
+    ) -> Result<Run, Error> {
+        let period = whole("period_s", period_s, self.schedule.step, "steps of")?;
+        let schedule = Schedule { steps_per_update: Some(period), ..self.schedule };
+        self.fly_under(controller, sensors, &schedule, observe)
+    }
+
+    /// What the scenario's controller is told of the robot.
+    pub fn sensors(&self) -> Sensors {
+        match &self.spec.sensors {
+            Some(spec) => Sensors::of(&self.robot, spec, self.schedule.step, self.spec.seed),
+            None => Sensors::perfect(&self.robot),
+        }
+    }
+
+    fn fly_under<C: Controller>(
+        &self,
+        controller: &mut C,
+        mut sensors: Sensors,
+        schedule: &Schedule,
+        mut observe: impl FnMut(&Sample) -> ControlFlow<()>,
+    ) -> Result<Run, Error> {
+        let rows = schedule.steps / schedule.steps_per_sample + 1;
+        let mut lattice = self.lattice()?;
+        // The steps of the robot alone are not those of the flight in a lattice.
+        let mut error = lattice.is_none().then(|| StepError::new(&self.robot, schedule));
+        let mut recorder =
+            Recorder::new(&self.robot, self.manoeuvre(), controller, rows, self.samples_per_strips)?;
+        let mut x = self.start();
+        let see = |sample: &Sample, controller: &C| {
+            recorder.sample(sample, controller)?;
+            if let Some(error) = &mut error {
+                error.see(sample);
+            }
+            Ok(observe(sample))
+        };
+        let (robot, sensors) = (&self.robot, &mut sensors);
+        let (flight, coupling) = match &mut lattice {
+            None => (fly(robot, sensors, controller, schedule, &mut x, see), None),
+            Some(flow) => {
+                let flow = flow.as_mut();
+                let (flight, coupling) = fly_in(robot, flow, sensors, controller, schedule, &mut x, see);
+                (flight, Some(LatticeSummary::new(coupling)))
+            }
+        };
+        let error = error.and_then(|error| error.at_end(flight.duration));
+        let recorded = recorder.finish();
+        let mut summary = self.summarise(&recorded, &flight, schedule, error);
+        summary.lattice = coupling;
+        summary.warnings.extend(coupling.iter().flat_map(LatticeSummary::cautions));
+        Ok(Run { record: recorded.record, strips: recorded.strips, summary })
+    }
+
+    /// A word for all surfaces of `robot`: where they differ each after its surface's name, without any `plain`.
+    fn named(&self, robot: &Robot, plain: &str, word: impl Fn(&Aero) -> &'static str) -> String {
+        let words: Vec<(&str, &str)> = robot.surfaces().map(|(name, aero)| (name, word(aero))).collect();
+        match words.first() {
+            None => plain.into(),
+            Some((_, first)) if words.iter().all(|(_, word)| word == first) => (*first).into(),
+            _ => words.iter().map(|(name, word)| format!("{name} {word}")).collect::<Vec<_>>().join(", "),
+        }
+    }
+
+    fn summarise(
+        &self,
+        recorded: &Recorded,
+        flight: &Flight,
+        schedule: &Schedule,
+        step_error_m: Option<f64>,
+    ) -> Summary {
+        let context = summary::Context {
+            manoeuvre: self.manoeuvre(),
+            goal: self.spec.goal.as_ref(),
+            inputs: self.robot.inputs(),
+            clearances: self.robot.clearances(),
+            preset: self
+                .named(&self.robot, self.spec.flown_aero().preset.name(), |aero| aero.preset().name()),
+            law: self.named(&self.robot, self.spec.flown_aero().law.name(), |aero| aero.law().name()),
+            stalled: recorded.stalled.clone(),
+            stall_fraction: recorded.stall_fraction,
+            separated_fraction: recorded.separated_fraction,
+            suction_lost_fraction: recorded.suction_lost_fraction,
+            beyond_residual_fraction: recorded.beyond_residual_fraction,
+            period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
+            step_error_m,
+        };
+        Summary::new(&recorded.record, flight, &context)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn published_numbers_stand_only_beside_their_own_case() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
+        let published = |overrides: &[&str]| {
+            let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
+            let scenario = Scenario::load(&path, &overrides).unwrap();
+            assert_eq!(scenario.spec.paper.is_some(), scenario.resolved.contains("[paper]"));
+            scenario.spec.paper.is_some()
+        };
+        assert!(published(&[]));
+        assert!(published(&["name=again", "flight.record_every_s=2e-3", "paper.roll_deg=14.0"]));
+        assert!(published(&["aero.preset=paper"]));
+        assert!(!published(&["aero.preset=full"]));
+        assert!(!published(&["flight.duration_s=0.1"]));
+        assert!(!published(&["name=again", "robot.body.mass_kg=0.03"]));
+    }
+}

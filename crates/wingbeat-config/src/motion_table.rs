@@ -1,0 +1,199 @@
+//! Motion from a table in a CSV file: by time or by phase, scaled, smoothed.
+
+use super::{CoordinateSpec, ReadTable};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use wingbeat_flight::simulate::Record;
+use wingbeat_flight::tether::Coordinate;
+use wingbeat_math::CubicSpline;
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require;
+
+/// Most harmonics of a smoothed table. *Choice.*
+const MOST_HARMONICS: usize = 64;
+/// Most samples times harmonics of a smoothed table: a fit of them takes about a second. *Choice.*
+const MOST_FITTED: usize = 10_000_000;
+
+/// Columns of a CSV file: `t` (s) or `phase` (cycles), and one with the coordinate.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct TableSpec {
+    /// The file, relative to the case file.
+    pub file: PathBuf,
+    /// Name of the coordinate's column.
+    pub column: String,
+    /// Which column says when.
+    #[serde(default)]
+    pub by: TableBy,
+    /// Whether it repeats; else it goes straight on beyond its ends. By phase, or with `harmonics`, it always does.
+    #[serde(default)]
+    pub periodic: bool,
+    /// Factor on the coordinate.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// Frequency of the motion in a table by time, Hz, where it is not the case's: the case runs through the table at
+    /// its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequency_hz: Option<f64>,
+    /// Number of harmonics that stand in place of the table, fitted by least squares to all of its cycles: noise
+    /// would else be differentiated twice. What they leave is printed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub harmonics: Option<usize>,
+}
+
+/// The column of a table that says when.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TableBy {
+    /// Column `t`, s.
+    #[default]
+    Time,
+    /// Column `phase`, cycles.
+    Phase,
+}
+
+impl TableBy {
+    /// Name of the column.
+    pub fn column(self) -> &'static str {
+        match self {
+            Self::Time => "t",
+            Self::Phase => "phase",
+        }
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// What a fit of harmonics leaves of a table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Smoothed {
+    /// Key of the coordinate.
+    pub key: String,
+    /// Number of harmonics.
+    pub harmonics: usize,
+    /// Number of samples.
+    pub samples: usize,
+    /// Root of the mean square of table less fit, in the unit of the key, scale included.
+    pub residual_rms: f64,
+    /// Largest magnitude of it.
+    pub residual_largest: f64,
+}
+
+impl CoordinateSpec {
+    /// The coordinate in its own unit, and what smoothing left; tables are sought in `folder`.
+    pub(super) fn build(
+        &self,
+        frequency_hz: f64,
+        folder: &dyn Fn() -> PathBuf,
+        read: ReadTable,
+    ) -> Result<(Coordinate, Option<Smoothed>), Error> {
+        Ok(match self {
+            Self::Constant(value) => (Coordinate::Constant(*value), None),
+            Self::Fourier(f) => {
+                let (cos, sin) = (f.cos.clone(), f.sin.clone());
+                (Coordinate::Fourier { frequency_hz, mean: f.mean, cos, sin }, None)
+            }
+            Self::Table(table) => {
+                table.build(frequency_hz, &folder(), read).map_err(|e| e.within("table"))?
+            }
+        })
+    }
+}
+
+ranges!(TableSpec { frequency_hz: Range::POSITIVE, harmonics: Range::between(1.0, MOST_HARMONICS as f64) });
+
+impl TableSpec {
+    /// A table by time of one cycle at the case's frequency.
+    pub fn repeating(file: PathBuf, column: &str) -> Self {
+        let (by, column) = (TableBy::Time, column.to_owned());
+        Self { file, column, by, periodic: true, scale: 1.0, frequency_hz: None, harmonics: None }
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        require::finite("scale", &[self.scale])?;
+        self.in_range()?;
+        let Some(frequency) = self.frequency_hz else { return Ok(()) };
+        if self.by == TableBy::Phase {
+            let error =
+                Error::invalid("frequency_hz", frequency, "none: a phase has no frequency of its own");
+            return Err(error.against(["by"]));
+        }
+        if !self.repeats() {
+            let allowed = "only of a table that repeats: with periodic = true, or harmonics";
+            return Err(Error::invalid("frequency_hz", frequency, allowed).against(["periodic"]));
+        }
+        Ok(())
+    }
+
+    fn repeats(&self) -> bool {
+        self.periodic || self.by == TableBy::Phase || self.harmonics.is_some()
+    }
+
+    /// The factor that turns the table's column of when into time at the case's frequency, s.
+    fn pace(&self, frequency_hz: f64) -> f64 {
+        match self.by {
+            TableBy::Phase => 1.0 / frequency_hz,
+            TableBy::Time => self.frequency_hz.map_or(1.0, |own| own / frequency_hz),
+        }
+    }
+
+    fn build(
+        &self,
+        frequency_hz: f64,
+        folder: &Path,
+        read: ReadTable,
+    ) -> Result<(Coordinate, Option<Smoothed>), Error> {
+        self.check()?;
+        let path = folder.join(&self.file);
+        let record = read(&path).map_err(|what| Error::invalid("file", path.display(), what))?;
+        let pace = self.pace(frequency_hz);
+        let t: Vec<f64> = column(&record, self.by.column(), "file")?.iter().map(|t| t * pace).collect();
+        let y: Vec<f64> = column(&record, &self.column, "column")?.iter().map(|y| y * self.scale).collect();
+        if let Some(count) = self.harmonics {
+            if t.len().saturating_mul(count) > MOST_FITTED {
+                let allowed = format!("at most {MOST_FITTED} over the {} samples of the table", t.len());
+                return Err(Error::invalid("harmonics", count, allowed).against(["file"]));
+            }
+            let (coordinate, left) = smoothed(frequency_hz, &t, &y, count).ok_or_else(|| {
+                let allowed = format!("fewer: the {} samples of the table do not determine so many", t.len());
+                Error::invalid("harmonics", count, allowed).against(["file"])
+            })?;
+            return Ok((coordinate, Some(left)));
+        }
+        let spline = match self.repeats() {
+            true => closed(&t, &y, 1.0 / frequency_hz),
+            false => CubicSpline::natural(&t, &y),
+        };
+        let refused = |error: Error| Error::invalid("file", path.display(), error.to_string());
+        Ok((Coordinate::Table(spline.map_err(refused)?), None))
+    }
+}
+
+/// The column `name`; `key` is what asks for it.
+fn column<'a>(record: &'a Record, name: &str, key: &str) -> Result<&'a [f64], Error> {
+    let names = || record.columns().iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ");
+    record.values(name).ok_or_else(|| Error::invalid(key, name, format!("one of {}", names())))
+}
+
+/// A periodic spline; a last sample that is the first of the next cycle goes.
+fn closed(t: &[f64], y: &[f64], period: f64) -> Result<CubicSpline, Error> {
+    match t {
+        [first, inner @ .., last] if (last - first - period).abs() < 1e-6 * period => {
+            CubicSpline::periodic(&t[..=inner.len()], &y[..=inner.len()], period)
+        }
+        _ => CubicSpline::periodic(t, y, period),
+    }
+}
+
+fn smoothed(frequency_hz: f64, t: &[f64], y: &[f64], harmonics: usize) -> Option<(Coordinate, Smoothed)> {
+    let fit = Coordinate::fitted(frequency_hz, t, y, harmonics)?;
+    let left = t.iter().zip(y).map(|(t, y)| y - fit.at(*t).x);
+    let (square, residual_largest) =
+        left.fold((0.0, 0.0_f64), |(square, most), left| (square + left * left, most.max(left.abs())));
+    let (samples, residual_rms) = (t.len(), (square / t.len() as f64).sqrt());
+    Some((fit, Smoothed { key: String::new(), harmonics, samples, residual_rms, residual_largest }))
+}

@@ -1,0 +1,220 @@
+//! From an observed robot to the columns of a record.
+
+use wingbeat_aero::{LiftLaw, LoadSource};
+use wingbeat_flight::guide::Manoeuvre;
+use wingbeat_flight::simulate::{AXES, Column, Controller, Moment, Observed, Record, Sample, StripRecorder};
+use wingbeat_math::Error;
+use wingbeat_math::{Mat3, Vec3, Wrench};
+use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_robot::{Observation, Robot};
+
+/// Lines of a surface recorded at each end of its panels.
+const LINES: [&str; 3] = ["hinge", "leading", "trailing"];
+/// Columns of force and moment by source.
+pub(super) fn source_columns() -> impl Iterator<Item = Column> {
+    let axes = |kind: &'static str, source: &'static str, unit: &'static str| {
+        AXES.map(move |a| Column::new(format!("{kind}_{source}_{a}"), unit, "B"))
+    };
+    let names = LoadSource::ALL.iter().map(|source| source.name());
+    names.flat_map(move |s| axes("force", s, "N").into_iter().chain(axes("moment", s, "N m")))
+}
+
+/// Numbers of [`source_columns`].
+pub(super) fn source_values(parts: &[Wrench<f64>; LoadSource::ALL.len()]) -> impl Iterator<Item = f64> {
+    parts.iter().flat_map(|w| w.force.0.into_iter().chain(w.moment.0))
+}
+
+/// The records of a flight.
+pub struct Recorded {
+    /// One row per sample.
+    pub record: Record,
+    /// One row per strip and instant, where asked for.
+    pub strips: Option<Record>,
+    /// Share of strips past the stall angle over all samples.
+    pub stall_fraction: f64,
+    /// Laws under which strips were past the stall angle, with their shares of all samples.
+    pub stalled: Vec<(LiftLaw, f64)>,
+    /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
+    pub separated_fraction: f64,
+    pub suction_lost_fraction: f64,
+    /// Share of the samples beyond the velocities of `robot.residual`; none without one.
+    pub beyond_residual_fraction: Option<f64>,
+}
+
+/// Samples of a flight as they become a [`Record`].
+pub struct Recorder<'a> {
+    robot: &'a Robot,
+    manoeuvre: Option<&'a dyn Manoeuvre>,
+    record: Record,
+    row: Vec<f64>,
+    incidence: Vec<f64>,
+    /// Sums of separated and suction_lost over the same strips.
+    shares: [f64; 2],
+    /// Samples beyond the velocities of `robot.residual`, and all of those that tell.
+    beyond: [f64; 2],
+    strips: Option<Strips>,
+}
+
+/// Loads of the strips at every so many samples.
+struct Strips {
+    recorder: StripRecorder,
+    every: usize,
+    due: usize,
+}
+
+impl<'a> Recorder<'a> {
+    /// An empty record of `robot` under `controller` with room for `rows` samples; with
+    /// `samples_per_strips` the strips at every so many of them. What the `manoeuvre` asks is written last.
+    pub fn new<C: Controller>(
+        robot: &'a Robot,
+        manoeuvre: Option<&'a dyn Manoeuvre>,
+        controller: &C,
+        rows: usize,
+        samples_per_strips: Option<usize>,
+    ) -> Result<Self, Error> {
+        let strips = |every: usize| Strips {
+            recorder: StripRecorder::new(robot.surfaces().map(|(_, aero)| aero), "rad", rows.div_ceil(every)),
+            every,
+            due: 0,
+        };
+        let mut columns = columns(robot);
+        columns.extend(controller.columns());
+        if manoeuvre.is_some() {
+            columns.extend(["roll_reference", "pitch_reference"].map(|n| Column::new(n, "rad", "WB")));
+        }
+        let width = columns.len();
+        Ok(Self {
+            robot,
+            manoeuvre,
+            record: Record::new(columns, rows)?,
+            row: Vec::with_capacity(width),
+            incidence: Vec::new(),
+            shares: [0.0; 2],
+            beyond: [0.0; 2],
+            strips: samples_per_strips.map(strips),
+        })
+    }
+
+    /// Appends a sample and the controller's diagnostics.
+    pub fn sample<C: Controller>(&mut self, sample: &Sample, controller: &C) -> Result<(), Fault> {
+        let Sample { t, x, u, beyond, .. } = *sample;
+        let o = self.robot.observe_beyond(t, x, u, beyond)?;
+        let layout = self.robot.layout();
+        let position = Vec3::from_slice(&x[layout.position..]);
+        let mut row = std::mem::take(&mut self.row);
+        row.clear();
+        row.extend([t, o.phase]);
+        row.extend(o.attitude.roll_pitch_yaw().0);
+        row.extend(&o.joints);
+        row.extend(&o.torques);
+        row.extend([o.power, o.drive_power, o.regulator_power]);
+        row.extend(o.motor.iter().flat_map(|m| [m.shaft_torque, m.shaft_power, m.electrical_power]));
+        row.extend(source_values(&o.parts()));
+        if !self.robot.thrusters().is_empty() {
+            row.extend(o.thrust.force.0.into_iter().chain(o.thrust.moment.0));
+        }
+        row.extend((position + o.attitude * o.center_of_mass).0);
+        row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
+        row.extend(o.incidence());
+        row.extend(&o.clearances);
+        row.extend(u);
+        row.extend(x);
+        controller.diagnostics(&mut row);
+        let asked = self.manoeuvre.map(|manoeuvre| manoeuvre.reference(t));
+        row.extend(asked.into_iter().flat_map(|asked| [asked.roll, asked.pitch]));
+        let recorded = self.record.append_finite(&row);
+        self.row = row;
+        recorded?;
+        self.incidence.extend(o.incidence());
+        let columns = [&o.strips.separated, &o.strips.suction_lost];
+        for (sum, column) in self.shares.iter_mut().zip(columns) {
+            *sum += column[..o.strips.strips].iter().sum::<f64>();
+        }
+        if let Some(beyond) = o.beyond_residual {
+            self.beyond[0] += f64::from(u8::from(beyond));
+            self.beyond[1] += 1.0;
+        }
+        if let Some(strips) = &mut self.strips {
+            if strips.due == 0 {
+                let instant = [t, o.phase];
+                strips.recorder.append(instant, &o.strips, &[], Mat3::IDENTITY, Vec3::ZERO);
+                strips.due = strips.every;
+            }
+            strips.due -= 1;
+        }
+        Ok(())
+    }
+
+    /// What was recorded.
+    pub fn finish(self) -> Recorded {
+        let surfaces = self.robot.surfaces();
+        let limits: Vec<(LiftLaw, f64)> = surfaces
+            .flat_map(|(_, aero)| std::iter::repeat_n((aero.law(), aero.stall_angle()), aero.strips()))
+            .collect();
+        let count = self.incidence.len().max(1) as f64;
+        let past = |law: LiftLaw| {
+            let samples = self.incidence.iter().zip(limits.iter().cycle());
+            samples.filter(|(a, (of, limit))| *of == law && a.abs() > *limit).count() as f64 / count
+        };
+        let stalled = LiftLaw::ALL.map(|law| (law, past(law)));
+        let stall_fraction = stalled.iter().map(|(_, share)| share).sum();
+        let stalled = stalled.into_iter().filter(|(_, share)| *share > 0.0).collect();
+        let [separated_fraction, suction_lost_fraction] = self.shares.map(|sum| sum / count);
+        Recorded {
+            separated_fraction,
+            suction_lost_fraction,
+            beyond_residual_fraction: (self.beyond[1] > 0.0).then(|| self.beyond[0] / self.beyond[1]),
+            record: self.record,
+            strips: self.strips.map(|strips| strips.recorder.finish()),
+            stall_fraction,
+            stalled,
+        }
+    }
+}
+
+impl Observed for Robot {
+    type Observation = Observation;
+
+    fn observed(&self, at: Moment) -> Result<Observation, Fault> {
+        self.observe(at.t, at.x, at.u)
+    }
+}
+
+/// Columns of the coordinates of all joints, then of their efforts.
+pub(super) fn joint_columns(robot: &Robot) -> impl Iterator<Item = Column> {
+    let units = |i: usize| robot.tree().kind(i).units();
+    let coordinates = robot.joint_names().enumerate().map(move |(i, n)| Column::new(n, units(i)[0], ""));
+    let efforts = robot.joint_names().enumerate();
+    coordinates.chain(efforts.map(move |(i, n)| Column::new(format!("torque_{n}"), units(i)[2], "")))
+}
+
+fn columns(robot: &Robot) -> Vec<Column> {
+    let column = |name: String, unit: &str, frame: &str| Column::new(name, unit, frame);
+    let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
+    columns.extend(["roll", "pitch", "yaw"].map(|n| Column::new(n, "rad", "WB")));
+    columns.extend(joint_columns(robot));
+    columns.extend(["joint_power", "drive_power", "regulator_power"].map(|n| Column::new(n, "W", "")));
+    if robot.motor().is_some() {
+        let motor = [("motor_torque", "N m"), ("motor_power", "W"), ("electrical_power", "W")];
+        columns.extend(motor.map(|(name, unit)| Column::new(name, unit, "")));
+    }
+    columns.extend(source_columns());
+    if !robot.thrusters().is_empty() {
+        columns.extend(AXES.map(|a| column(format!("thrust_{a}"), "N", "B")));
+        columns.extend(AXES.map(|a| column(format!("thrust_moment_{a}"), "N m", "B")));
+    }
+    columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
+    for point in robot.outline_names() {
+        for line in LINES {
+            columns.extend(AXES.map(|a| column(format!("{line}_{point}_{a}"), "m", "W")));
+        }
+    }
+    for (i, (name, aero)) in robot.surfaces().enumerate() {
+        let prefix = if i == 0 { String::new() } else { format!("{name}_") };
+        columns.extend((0..aero.strips()).map(|i| column(format!("{prefix}incidence_{i}"), "rad", "")));
+    }
+    columns.extend(robot.clearances().iter().map(Column::from));
+    columns.extend(robot.inputs().iter().map(Column::from));
+    columns.extend(robot.states().iter().map(Column::from));
+    columns
+}

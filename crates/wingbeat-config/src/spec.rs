@@ -1,0 +1,361 @@
+//! What a scenario file says, before it is checked and built.
+
+use super::chosen::{Chosen, Named};
+use super::lattice::LatticeSpec;
+use super::mismatch::Mismatch;
+use super::plan::PlanSpec;
+use super::trim::TrimSpec;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use wingbeat_aero::{
+    CRITICAL_SUCTION, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings, ZERO_LIFT_ANGLE,
+};
+use wingbeat_flight::guide::{MpcSpec, PathSpec, Turn};
+use wingbeat_flight::simulate::SensorSpec;
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require;
+use wingbeat_robot::RobotSpec;
+
+/// A flight: robot, air, start, manoeuvre, controller.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioSpec {
+    /// Name; the run folder is called after it.
+    pub name: String,
+    /// Seed of everything random: gust, sensor noise.
+    #[serde(default)]
+    pub seed: u64,
+    /// The robot; a scenario names its file.
+    #[schemars(schema_with = "crate::schema::file_or::<RobotSpec>")]
+    pub robot: RobotSpec,
+    /// Air.
+    pub air: AirSpec,
+    /// Aerodynamic model.
+    pub aero: AeroSpec,
+    /// The vortex lattice in place of the model's attached flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<LatticeSpec>,
+    /// State at t = 0.
+    #[serde(default)]
+    pub start: StartSpec,
+    /// Clock.
+    pub flight: FlightSpec,
+    /// What to fly; needed by a predictive controller.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub manoeuvre: Option<Chosen<Turn>>,
+    /// The periodic flight that `wingbeat trim` looks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trim: Option<TrimSpec>,
+    /// What is flown along; needed by a controller that tracks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathSpec>,
+    /// What `wingbeat plan` plans.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan: Option<PlanSpec>,
+    /// The controller; without it every regulator rests.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller: Option<Chosen<MpcSpec>>,
+    /// Horizon solver of the predictive controller, if not the shipped one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solver: Option<Named>,
+    /// Sensors between robot and controller; without them the state is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<SensorSpec>,
+    /// How the flown robot differs from the one the controller knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mismatch: Option<Mismatch>,
+    /// What counts as held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<GoalSpec>,
+    /// Published numbers of this very case, printed beside the run's. An override of anything but `name`, `paper` and what
+    /// is recorded makes it another case: then they are left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paper: Option<PaperResults>,
+}
+
+/// Air.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct AirSpec {
+    /// Density, kg/m3.
+    pub density_kg_m3: f64,
+    /// Wind velocity in W, m/s.
+    #[serde(default)]
+    pub wind_m_s: [f64; 3],
+    /// Largest gust along each axis, m/s; the controller does not know of it.
+    #[serde(default)]
+    pub gust_m_s: f64,
+    /// Gusts at stated times, of which the controller does not know either.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gusts: Vec<GustSpec>,
+}
+
+/// A gust at a stated time: a velocity that swells and goes, (1 - cos) / 2 of its largest, the same everywhere.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct GustSpec {
+    /// Begin, s.
+    pub start_s: f64,
+    /// From begin to end, s.
+    pub duration_s: f64,
+    /// Largest velocity, in the middle of that time, in W, m/s.
+    pub velocity_m_s: [f64; 3],
+}
+
+impl AirSpec {
+    /// Checks ranges.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        require::finite("wind_m_s", &self.wind_m_s)?;
+        let mut gusts = self.gusts.iter().enumerate();
+        let one = |gust: &GustSpec| {
+            gust.in_range().and_then(|()| require::finite("velocity_m_s", &gust.velocity_m_s))
+        };
+        gusts.try_for_each(|(i, gust)| one(gust).map_err(|e| e.within(&format!("gusts[{i}]"))))
+    }
+}
+
+/// Aerodynamic model.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct AeroSpec {
+    /// Which model.
+    #[serde(default)]
+    pub preset: Preset,
+    /// Lift law.
+    pub law: LiftLaw,
+    /// Incidence beyond which a strip counts as stalled, and at which laws `stall` and `lev` have their largest
+    /// attached lift, deg; where a surface says none of its own.
+    #[serde(default = "default_stall_angle")]
+    pub stall_angle_deg: f64,
+    /// Leading-edge suction parameter A0 beyond which the edge holds no more suction, for law `lev`; where a surface
+    /// says none of its own.
+    #[serde(default = "default_critical_suction")]
+    pub critical_suction: f64,
+    /// Incidence of the chord at which the section bears no lift, deg, negative with camber upward; where a surface says
+    /// none of its own.
+    #[serde(default = "default_zero_lift_angle")]
+    pub zero_lift_angle_deg: f64,
+    /// Lift slope of the section in plane flow, 1/rad; where a surface says none of its own.
+    #[serde(default = "default_lift_slope")]
+    pub lift_slope_per_rad: f64,
+    /// Reaction of the accelerated air. Preset `as_printed` has none, nor any of the next two.
+    #[serde(default = "yes")]
+    pub added_mass: bool,
+    /// Moment of pitching about the quarter chord.
+    #[serde(default = "yes")]
+    pub section_moment: bool,
+    /// Leading-edge suction that the sections' rate of pitch adds.
+    #[serde(default = "yes")]
+    pub pitch_suction: bool,
+    /// Settings of presets `paper` and `as_printed`.
+    #[serde(default)]
+    pub paper: PaperAeroSpec,
+    /// Settings of preset `full`.
+    #[serde(default)]
+    pub full: FullAeroSpec,
+}
+
+/// Settings of preset `paper`.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put_known(wingbeat_aero::LiftingLineSettings::RANGES))]
+#[serde(deny_unknown_fields, default)]
+pub struct PaperAeroSpec {
+    /// Interior nodes over the full span.
+    pub nodes: usize,
+    /// Airspeed below which flow quantities are rounded off, m/s.
+    pub regularisation_m_s: f64,
+    /// Smallest chord, m.
+    pub chord_floor_m: f64,
+    /// Whether nodes stand for cells between the hinges, with means of the chord, instead of even angles;
+    /// not under `as_printed`.
+    pub cells: bool,
+}
+
+impl Default for PaperAeroSpec {
+    fn default() -> Self {
+        Self { nodes: 12, regularisation_m_s: 0.1, chord_floor_m: 0.01, cells: false }
+    }
+}
+
+/// Settings of preset `full`; each ingredient can be left out to show its effect.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put_known(StripSettings::RANGES))]
+#[serde(deny_unknown_fields, default)]
+pub struct FullAeroSpec {
+    /// Strips over both wings and body.
+    pub strips: usize,
+    /// Airspeed below which flow quantities are rounded off, m/s.
+    pub regularisation_m_s: f64,
+    /// Lags carried per strip.
+    pub lags: LagSet,
+    /// Three-dimensional wash of bound and shed circulation.
+    pub wake_wash: bool,
+    /// Three-dimensional wash of the potential jump on the chord.
+    pub doublet_wash: bool,
+    /// Rates of that wash as the wing folds and the wake turns, in the force of the carried air: one state more per strip. Without
+    /// them that force has a mean over a cycle, 4 to 5 % of the lift of Aerobat on its stand; without added mass there is none.
+    pub folding_rates: bool,
+    /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
+    /// two pass on the flat wing: 0.01 to 0.5.
+    pub vortex_core: f64,
+    /// Turning of the force by the wash of wake and lags: induced drag.
+    pub force_tilt: bool,
+}
+
+impl Default for FullAeroSpec {
+    fn default() -> Self {
+        let set = StripSettings::default();
+        Self {
+            strips: set.strips,
+            regularisation_m_s: set.regularisation_m_s,
+            lags: set.lags,
+            wake_wash: set.wake_wash,
+            doublet_wash: set.doublet_wash,
+            folding_rates: set.folding_rates,
+            vortex_core: set.vortex_core,
+            force_tilt: set.force_tilt,
+        }
+    }
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn default_stall_angle() -> f64 {
+    STALL_ANGLE.default
+}
+
+fn default_critical_suction() -> f64 {
+    CRITICAL_SUCTION.default
+}
+
+fn default_zero_lift_angle() -> f64 {
+    ZERO_LIFT_ANGLE.default
+}
+
+fn default_lift_slope() -> f64 {
+    LIFT_SLOPE.default
+}
+
+/// State at t = 0; what is not given is 0.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct StartSpec {
+    /// Velocity v_WB_W, m/s.
+    pub velocity_m_s: [f64; 3],
+    /// Roll, deg; positive is right wing down.
+    pub roll_deg: f64,
+    /// Pitch, deg; negative is nose up.
+    pub pitch_deg: f64,
+    /// Heading, deg.
+    pub yaw_deg: f64,
+    /// Phase of the gait, rad.
+    pub phase_rad: f64,
+    /// Angular rate w_WB_B, rad/s.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub rate_rad_s: [f64; 3],
+    /// States of elastic joints and of the air by the names of their columns, in the unit of the column; what is not
+    /// given starts at rest.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub states: BTreeMap<String, f64>,
+    /// Commands in force from the start by the names of their columns: the structure starts displaced by them, and without
+    /// a controller they are held.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub commands: BTreeMap<String, f64>,
+}
+
+fn is_zero(vector: &[f64; 3]) -> bool {
+    *vector == [0.0; 3]
+}
+
+/// Clock.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct FlightSpec {
+    /// Duration, s.
+    pub duration_s: f64,
+    /// Integration step, s.
+    pub step_s: f64,
+    /// Time between records, s.
+    pub record_every_s: f64,
+    /// Time between records of the loads of every strip, s: whole records; without it there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub record_strips_every_s: Option<f64>,
+    /// Whether the wings flap; else they stay at the starting phase.
+    #[serde(default = "yes")]
+    pub flapping: bool,
+}
+
+/// What counts as held, from `settle_s` on.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct GoalSpec {
+    /// Start of the means, s; a flight that ends before is not judged.
+    pub settle_s: f64,
+    /// Largest root mean square of roll minus reference, deg.
+    pub roll_within_deg: f64,
+    /// Largest root mean square of pitch minus reference, deg.
+    pub pitch_within_deg: f64,
+    /// Largest difference of the altitude from that at the start, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub altitude_within_m: Option<f64>,
+    /// Least and largest mean speed over the ground, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_between_m_s: Option<[f64; 2]>,
+    /// Least clearance over the whole flight, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
+}
+
+ranges!(AeroSpec {
+    stall_angle_deg: STALL_ANGLE.range,
+    critical_suction: CRITICAL_SUCTION.range,
+    zero_lift_angle_deg: ZERO_LIFT_ANGLE.range,
+    lift_slope_per_rad: LIFT_SLOPE.range,
+});
+ranges!(AirSpec { density_kg_m3: Range::POSITIVE, gust_m_s: Range::NOT_NEGATIVE });
+ranges!(GustSpec { start_s: Range::NOT_NEGATIVE, duration_s: Range::POSITIVE });
+ranges!(FlightSpec {
+    duration_s: Range::POSITIVE,
+    step_s: Range::POSITIVE,
+    record_every_s: Range::POSITIVE,
+    record_strips_every_s: Range::POSITIVE,
+});
+ranges!(GoalSpec {
+    settle_s: Range::NOT_NEGATIVE,
+    roll_within_deg: Range::POSITIVE,
+    pitch_within_deg: Range::POSITIVE,
+    altitude_within_m: Range::POSITIVE,
+});
+
+impl GoalSpec {
+    pub(super) fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        self.speed_between_m_s.map_or(Ok(()), |speeds| require::range("speed_between_m_s", speeds))
+    }
+}
+
+/// Published numbers.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PaperResults {
+    /// Roll in the turn, deg.
+    pub roll_deg: f64,
+    /// Pitch, deg.
+    pub pitch_deg: f64,
+    /// Oscillation of pitch, from and to, deg.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pitch_oscillation_deg: Option<[f64; 2]>,
+    /// Distance along x, m.
+    pub distance_x_m: f64,
+    /// Distance along y, m, without sign.
+    pub distance_y_m: f64,
+}

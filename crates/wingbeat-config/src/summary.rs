@@ -1,0 +1,466 @@
+//! The numbers of a flight that are compared.
+
+use super::estimate::{EstimateSummary, Estimated};
+use super::followed::PathSummary;
+use super::hovered::HoverSummary;
+use super::judge::Verdict;
+use super::lattice::LatticeSummary;
+use super::spec::GoalSpec;
+use serde::Serialize;
+use wingbeat_aero::LiftLaw;
+use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
+use wingbeat_flight::simulate::{Ending, Flight, Record};
+use wingbeat_ocp::plant::{Channel, Fault};
+
+/// `summary.json` of a flight. What is optional is taken from the goal's settling
+/// time (2 s without a goal) on, and missing when the flight ended before.
+/// Pitch is FLU: negative is nose up.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// `ok`, `off_target`, `not_judged`, `not_finite`, `fault`, `stopped`.
+    pub status: FlightStatus,
+    /// Why, when the status is not `ok`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// What the goal asked and was judged, by key; empty without a goal.
+    pub judged: Vec<&'static str>,
+    /// What the goal asked and could not be judged, by key.
+    pub not_judged: Vec<&'static str>,
+    /// Simulated time, s.
+    pub duration_s: f64,
+    /// Simulated over wall time.
+    pub real_time_factor: f64,
+    /// Travel along world x, m.
+    pub distance_x_m: f64,
+    /// Travel along world y, m; left is positive.
+    pub distance_y_m: f64,
+    /// Climb, m; negative is sink.
+    pub altitude_change_m: f64,
+    /// Largest |height - reference| from the settling time on, as the controller measured it, m; under
+    /// `[controller.orbit]`. With an estimator the true height counts, at the updates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height_max_error_m: Option<f64>,
+    /// How well an estimator knew the flight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<EstimateSummary>,
+    /// How well the path was followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathSummary>,
+    /// How still the robot hovered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hover: Option<HoverSummary>,
+    /// Mean roll, deg.
+    pub roll_mean_deg: Option<f64>,
+    /// Root mean square of roll minus reference, deg: that of the manoeuvre; without one that of the orbit at the same
+    /// phase, as the controller measured it; level without either.
+    pub roll_rms_error_deg: Option<f64>,
+    /// Largest |roll - reference|, deg.
+    pub roll_max_error_deg: Option<f64>,
+    /// Mean pitch, deg.
+    pub pitch_mean_deg: Option<f64>,
+    /// Root mean square of pitch minus reference, deg, likewise.
+    pub pitch_rms_error_deg: Option<f64>,
+    /// Largest |pitch - reference|, deg.
+    pub pitch_max_error_deg: Option<f64>,
+    /// Half of the pitch range, deg.
+    pub pitch_half_amplitude_deg: Option<f64>,
+    /// Change of heading over the whole flight, deg; left is positive.
+    pub yaw_change_deg: f64,
+    /// Mean power of the drive on the joints, W: what turning the crank takes.
+    pub drive_power_w: Option<f64>,
+    /// Mean power of the regulators on the joints, W: what displacing the structure takes.
+    pub regulator_power_w: Option<f64>,
+    /// Mean of what the drive gives alone, W: what comes back from the joints counts as lost.
+    pub drive_power_given_w: Option<f64>,
+    /// Mean of what the regulators give alone, W: what actuators pay that cannot take back.
+    pub regulator_power_given_w: Option<f64>,
+    /// Mean mechanical power of the motor's shaft, W, where a motor turns the crank.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motor_power_w: Option<f64>,
+    /// Mean electrical power of the motor, W.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub electrical_power_w: Option<f64>,
+    /// Range of the crank's rate over its mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crank_ripple: Option<f64>,
+    /// Aerodynamic preset.
+    pub aero_preset: String,
+    /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<LatticeSummary>,
+    /// Lift law.
+    pub lift_law: String,
+    /// Share of strips beyond the stall angle, over all samples.
+    pub stall_fraction: f64,
+    /// Mean separated share of the flow over strips and samples.
+    pub separated_fraction: f64,
+    /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
+    pub suction_lost_fraction: f64,
+    /// Share of the samples in which the wings are beyond the velocities at which `robot.residual` was measured, where its wrench stays as
+    /// it is at their ends. Missing without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_residual_fraction: Option<f64>,
+    /// Share of input samples within 1 % of their range of a limit.
+    pub input_saturation_fraction: f64,
+    /// Least of all clearances over the records of the whole flight, m; negative where parts pass through each
+    /// other, or a wing through the middle plane. Missing for a robot without clearances.
+    pub least_clearance_m: Option<f64>,
+    /// Share of the records in which a clearance is below zero.
+    pub crossing_fraction: Option<f64>,
+    /// Estimate of the error of the integration in the last position, m: what two steps differ from one of twice
+    /// the length, over 15, at instants of the flight, summed up to its end. Feedback and growth are not in it.
+    pub step_error_m: Option<f64>,
+    /// Cautions that a reader must know.
+    pub warnings: Vec<String>,
+    /// Controller timing and failures.
+    pub controller: ControllerSummary,
+}
+
+/// How a flight went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FlightStatus {
+    /// Flown to the end, goal met.
+    Ok,
+    /// Flown to the end, goal missed.
+    OffTarget,
+    /// Flown to the end, a goal is given, and what it asks could not be judged.
+    NotJudged,
+    /// A number became infinite or none.
+    NotFinite,
+    /// The model could not be evaluated.
+    Fault,
+    /// Stopped from outside.
+    Stopped,
+}
+
+/// Timing and failures of the controller.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ControllerSummary {
+    /// Updates asked for.
+    pub updates: usize,
+    /// Updates that failed and kept the previous plan.
+    pub failures: usize,
+    /// Updates that took longer than the period by the wall clock, or missed their deadline and kept the previous
+    /// plan.
+    pub late: usize,
+    /// Time between updates, s; none without a controller.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period_s: Option<f64>,
+    /// Wall time of an update, microseconds.
+    pub median_us: f64,
+    /// 99th percentile.
+    pub p99_us: f64,
+    /// 99.9th percentile.
+    pub p999_us: f64,
+    /// Longest.
+    pub max_us: f64,
+}
+
+impl ControllerSummary {
+    /// Order statistics of the update times.
+    pub fn new(flight: &Flight, period_s: Option<f64>) -> Self {
+        let mut us: Vec<f64> = flight.updates.iter().map(|d| d.as_secs_f64() * 1e6).collect();
+        us.sort_by(f64::total_cmp);
+        let quantile = |q: f64| match us.len() {
+            0 => 0.0,
+            n => us[((n as f64 * q).ceil() as usize).clamp(1, n) - 1],
+        };
+        Self {
+            updates: us.len(),
+            failures: flight.failures,
+            late: flight
+                .late
+                .max(us.iter().filter(|us| period_s.is_some_and(|period| **us > 1e6 * period)).count()),
+            period_s,
+            median_us: quantile(0.5),
+            p99_us: quantile(0.99),
+            p999_us: quantile(0.999),
+            max_us: quantile(1.0),
+        }
+    }
+}
+
+/// The part of a flight's record that the summary averages.
+struct Settled<'a> {
+    record: &'a Record,
+    first: usize,
+}
+
+impl Settled<'_> {
+    fn column(&self, name: &str) -> &[f64] {
+        self.record.values(name).map_or(&[], |v| &v[self.first.min(v.len())..])
+    }
+    /// The angle `name` minus its reference at every sample, rad: that of the manoeuvre, or of the orbit, or level.
+    fn errors(&self, name: &str, context: &Context, angle: impl Fn(Reference) -> f64) -> Vec<f64> {
+        let about_orbit = self.column(&format!("orbit_{name}_error"));
+        if context.manoeuvre.is_none() && !about_orbit.is_empty() {
+            return about_orbit.to_vec();
+        }
+        let samples = self.column(name).iter().zip(self.column("t"));
+        samples.map(|(&is, &t)| angle_error(is, context.reference(t).map_or(0.0, &angle))).collect()
+    }
+    fn mean_deg(&self, name: &str) -> Option<f64> {
+        mean(self.column(name)).map(f64::to_degrees)
+    }
+}
+
+/// Mean; missing where there are no values.
+pub(super) fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Mean of the positive part.
+pub(super) fn given(power: &[f64]) -> Option<f64> {
+    mean(&power.iter().map(|power| power.max(0.0)).collect::<Vec<f64>>())
+}
+
+fn rms_deg(errors: &[f64]) -> Option<f64> {
+    let squares: Vec<f64> = errors.iter().map(|e| e * e).collect();
+    mean(&squares).map(|m| m.sqrt().to_degrees())
+}
+
+fn largest_deg(errors: &[f64]) -> Option<f64> {
+    errors.iter().map(|e| e.abs()).reduce(f64::max).map(f64::to_degrees)
+}
+
+/// Range over mean.
+fn ripple(rates: &[f64]) -> Option<f64> {
+    let low = rates.iter().copied().reduce(f64::min)?;
+    let high = rates.iter().copied().reduce(f64::max)?;
+    Some((high - low) / mean(rates)?)
+}
+
+fn half_range_deg(angles: &[f64]) -> Option<f64> {
+    let low = angles.iter().copied().reduce(f64::min)?;
+    let high = angles.iter().copied().reduce(f64::max)?;
+    Some((0.5 * (high - low)).to_degrees())
+}
+
+/// What the summary needs beside record and flight.
+pub(super) struct Context<'a> {
+    pub manoeuvre: Option<&'a dyn Manoeuvre>,
+    pub goal: Option<&'a GoalSpec>,
+    pub inputs: &'a [Channel],
+    pub clearances: &'a [Channel],
+    pub preset: String,
+    pub law: String,
+    /// Laws under which strips were past the stall angle, with their shares of all samples.
+    pub stalled: Vec<(LiftLaw, f64)>,
+    pub stall_fraction: f64,
+    pub separated_fraction: f64,
+    pub suction_lost_fraction: f64,
+    pub beyond_residual_fraction: Option<f64>,
+    /// Time between updates of the controller, s.
+    pub period_s: Option<f64>,
+    /// Estimate of the error of the steps, m.
+    pub step_error_m: Option<f64>,
+}
+
+impl Context<'_> {
+    fn reference(&self, t: f64) -> Option<Reference> {
+        self.manoeuvre.map(|m| m.reference(t))
+    }
+}
+
+/// Start of the means where no goal says it, s; half of a flight at most.
+const SETTLE: f64 = 2.0;
+
+impl Summary {
+    pub(super) fn new(record: &Record, flight: &Flight, context: &Context) -> Self {
+        let settle = context.goal.map_or(SETTLE.min(0.5 * flight.duration), |g| g.settle_s);
+        let t = record.values("t").unwrap_or_default();
+        let settled = Settled { record, first: t.partition_point(|&t| t < settle) };
+        let change = |name| match record.values(name) {
+            Some([first, .., last]) => last - first,
+            _ => 0.0,
+        };
+        let roll_errors = settled.errors("roll", context, |reference| reference.roll);
+        let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
+        let crossing = Crossing::new(record, context.clearances);
+        let estimated = Estimated::new(record, settled.first);
+        let mut summary = Self {
+            status: FlightStatus::Ok,
+            reason: None,
+            judged: Vec::new(),
+            not_judged: Vec::new(),
+            duration_s: flight.duration,
+            real_time_factor: flight.duration / flight.wall.as_secs_f64(),
+            distance_x_m: change("p_WB_x"),
+            distance_y_m: change("p_WB_y"),
+            altitude_change_m: change("p_WB_z"),
+            height_max_error_m: match &estimated {
+                Some(estimated) => {
+                    record.values("orbit_height_error").and_then(|off| estimated.height_error(off))
+                }
+                None => settled.column("orbit_height_error").iter().map(|e| e.abs()).reduce(f64::max),
+            },
+            path: PathSummary::new(record, settled.first),
+            hover: HoverSummary::new(record, settled.first),
+            estimate: estimated.as_ref().and_then(Estimated::summary),
+            roll_mean_deg: settled.mean_deg("roll"),
+            roll_rms_error_deg: rms_deg(&roll_errors),
+            roll_max_error_deg: largest_deg(&roll_errors),
+            pitch_mean_deg: settled.mean_deg("pitch"),
+            pitch_rms_error_deg: rms_deg(&pitch_errors),
+            pitch_max_error_deg: largest_deg(&pitch_errors),
+            pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
+            yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
+            drive_power_w: mean(settled.column("drive_power")),
+            regulator_power_w: mean(settled.column("regulator_power")),
+            drive_power_given_w: given(settled.column("drive_power")),
+            regulator_power_given_w: given(settled.column("regulator_power")),
+            motor_power_w: mean(settled.column("motor_power")),
+            electrical_power_w: mean(settled.column("electrical_power")),
+            crank_ripple: ripple(settled.column("crank_rate")),
+            aero_preset: context.preset.clone(),
+            lattice: None,
+            lift_law: context.law.clone(),
+            stall_fraction: context.stall_fraction,
+            separated_fraction: context.separated_fraction,
+            suction_lost_fraction: context.suction_lost_fraction,
+            beyond_residual_fraction: context.beyond_residual_fraction,
+            input_saturation_fraction: saturation(record, context.inputs),
+            least_clearance_m: crossing.as_ref().map(|c| c.least_m),
+            crossing_fraction: crossing.as_ref().map(|c| c.fraction),
+            step_error_m: context.step_error_m,
+            warnings: warnings(context, crossing.as_ref()),
+            controller: ControllerSummary::new(flight, context.period_s),
+        };
+        (summary.status, summary.reason) = summary.judge(record, flight, context);
+        if summary.status == FlightStatus::NotJudged {
+            summary.warnings.extend(summary.reason.clone());
+        }
+        summary
+    }
+
+    /// True when the whole duration was flown.
+    pub fn completed(&self) -> bool {
+        matches!(self.status, FlightStatus::Ok | FlightStatus::OffTarget | FlightStatus::NotJudged)
+    }
+
+    fn judge(
+        &mut self,
+        record: &Record,
+        flight: &Flight,
+        context: &Context,
+    ) -> (FlightStatus, Option<String>) {
+        match flight.ending {
+            Ending::Fault(Fault::NotRecorded { column, time }) => {
+                let name = record.columns().get(column).map_or("a column", |column| column.name.as_str());
+                return (FlightStatus::NotFinite, Some(format!("{name} is not finite at t = {time:.4} s")));
+            }
+            Ending::Fault(fault) if fault.is_not_finite() => {
+                return (FlightStatus::NotFinite, Some(fault.to_string()));
+            }
+            Ending::Fault(fault) => {
+                return (FlightStatus::Fault, Some(format!("{fault}, after {:.4} s", flight.duration)));
+            }
+            Ending::Stopped => return (FlightStatus::Stopped, Some("stopped from outside".into())),
+            Ending::Complete => {}
+        }
+        let Some(goal) = context.goal else { return (FlightStatus::Ok, None) };
+        let verdict = Verdict::new(self, record, goal, context.manoeuvre.is_some());
+        (self.judged, self.not_judged) = (verdict.judged, verdict.not_judged);
+        if !verdict.missed.is_empty() {
+            return (FlightStatus::OffTarget, Some(verdict.missed.join("; ")));
+        }
+        match verdict.why {
+            Some(why) => {
+                (FlightStatus::NotJudged, Some(format!("not judged: {}; {why}", self.not_judged.join(", "))))
+            }
+            None => (FlightStatus::Ok, None),
+        }
+    }
+}
+
+/// Sum of the steps of an angle, each the short way round.
+fn unwrapped_change(angles: &[f64]) -> f64 {
+    angles.windows(2).map(|a| angle_error(a[1], a[0])).sum()
+}
+
+/// Part of its range within which an input counts as on a limit.
+const LIMIT_BAND: f64 = 0.01;
+
+/// Share of input samples within 1 % of their range of a limit.
+fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
+    let (mut on, mut all) = (0, 0);
+    for input in inputs {
+        let (values, band) =
+            (record.values(&input.name).unwrap_or(&[]), LIMIT_BAND * (input.high - input.low));
+        all += values.len();
+        on += values.iter().filter(|&&v| v <= input.low + band || v >= input.high - band).count();
+    }
+    on as f64 / (all as f64).max(1.0)
+}
+
+/// How close the parts of a robot come over a record.
+pub(super) struct Crossing {
+    /// Least of all clearances, m.
+    pub least_m: f64,
+    /// Share of the rows in which one is below zero.
+    pub fraction: f64,
+    /// The clearance that is the least.
+    name: String,
+}
+
+impl Crossing {
+    /// Of the columns `clearances`; none where there are no rows or columns.
+    pub fn new(record: &Record, clearances: &[Channel]) -> Option<Self> {
+        Self::since(record, clearances, f64::NEG_INFINITY)
+    }
+
+    /// The same from the time `start` (s) on.
+    pub fn since(record: &Record, clearances: &[Channel], start: f64) -> Option<Self> {
+        let t = record.values("t")?;
+        let first = t.partition_point(|&t| t < start);
+        let columns = clearances.iter().filter_map(|c| Some((&c.name, &record.values(&c.name)?[first..])));
+        let columns: Vec<(&String, &[f64])> = columns.collect();
+        let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+        let (name, least_m) = columns
+            .iter()
+            .map(|(name, values)| ((*name).clone(), least(values)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let rows = t.len() - first;
+        let crossing = (0..rows).filter(|&row| columns.iter().any(|(_, values)| values[row] < 0.0)).count();
+        (rows > 0).then(|| Self { least_m, fraction: crossing as f64 / rows as f64, name })
+    }
+
+    /// What to say of it.
+    fn warning(&self) -> Option<String> {
+        let Self { least_m, fraction, name } = self;
+        (*least_m < 0.0).then(|| {
+            format!(
+                "{name} falls to {:.1} mm and is negative {:.1} % of the time: parts of the robot pass through each other or through the middle plane of the body",
+                1e3 * least_m,
+                100.0 * fraction
+            )
+        })
+    }
+}
+
+/// Estimate of the error of the steps above which there is a caution, m. *Choice.*
+const STEP_ERROR: f64 = 0.01;
+/// Estimate above which it says no more than that the steps do not hold the flight, m. *Choice.*
+const LOST: f64 = 100.0;
+
+fn warnings(context: &Context, crossing: Option<&Crossing>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if let Some(error) = context.step_error_m.filter(|error| !(*error <= STEP_ERROR)) {
+        let by = if error < LOST { format!("{error:.2} m") } else { format!("more than {LOST} m") };
+        warnings.push(format!(
+            "the steps of the integration are too long: their error is estimated to move the end of the flight by \
+             {by}; shorten flight.step_s"
+        ));
+    }
+    for (law, share) in &context.stalled {
+        if let Some(what) = law.about().beyond_stall {
+            let (law, share) = (law.name(), 100.0 * share);
+            warnings.push(format!(
+                "{share:.0} % of strip samples are past the stall angle under lift law `{law}`, {what}"
+            ));
+        }
+    }
+    warnings.extend(crossing.and_then(Crossing::warning));
+    warnings
+}

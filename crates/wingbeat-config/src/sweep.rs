@@ -1,0 +1,322 @@
+//! Many runs of one scenario or case with keys drawn at random or from a grid.
+
+use super::document::{ConfigError, Document, Place, Problem, Wrong};
+use super::shared::Shared;
+use super::sweep_spec::{Draw, Hold, Sampling, SweepSpec};
+use super::{PaperResults, ReadTable, Scenario, TetherCase};
+use std::path::Path;
+use std::sync::Arc;
+use wingbeat_math::Error;
+use wingbeat_math::Random;
+
+/// A checked sweep.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// What the file said.
+    pub spec: SweepSpec,
+    /// What is run.
+    pub of: SweepOf,
+    /// The sweep as TOML, what is run inside; makes the same runs.
+    pub resolved: String,
+    document: Document,
+    inner: Document,
+    /// Part of its range by draw and run, of a Latin hypercube.
+    parts: Vec<Vec<usize>>,
+    pub(super) shared: Arc<Shared>,
+}
+
+/// What a sweep runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SweepOf {
+    /// Flights of a scenario.
+    Flights(Hold),
+    /// Runs of a tethered wing.
+    Cases,
+}
+
+impl SweepOf {
+    fn key(self) -> &'static str {
+        match self {
+            Self::Flights(_) => "scenario",
+            Self::Cases => "case",
+        }
+    }
+}
+
+impl Sweep {
+    /// Reads and checks a sweep file and its scenario or case; `read` reads the tables of a case.
+    ///
+    /// # Errors
+    /// One message with file, line, key, the value given and what is allowed.
+    pub fn load(path: &Path, overrides: &[String], read: ReadTable) -> Result<Self, ConfigError> {
+        Self::new(Document::file(path)?.overridden(overrides), read)
+    }
+
+    /// Checks a sweep from files or memory. Its key `scenario` or `case` names a file, or holds what is run.
+    ///
+    /// ```no_run
+    /// use std::path::Path;
+    /// use wingbeat_config::{Document, Sweep};
+    ///
+    /// let text = r#"
+    /// name = "gusts"
+    /// runs = 20
+    /// draws = [{ key = "air.gust_m_s", low = 0.0, high = 0.5 }]
+    /// hold = { roll_within_deg = 5.0, pitch_within_deg = 10.0 }
+    /// "#;
+    /// let scenario = Document::file(Path::new("scenarios/banking_turn.toml"))?;
+    /// let no_tables = &|_: &Path| Err("no tables here".to_owned());
+    /// let sweep = Sweep::new(Document::text("gusts", text)?.put("scenario", scenario)?, no_tables)?;
+    /// assert_eq!(sweep.values(3).len(), 1);
+    /// # Ok::<(), wingbeat_config::ConfigError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Messages with the place, the key, the value given and what is allowed.
+    pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
+        // What is run is read here, once: all runs are of the same, and the sweep holds it.
+        let document = document.merged(
+            &["scenario", "scenario.robot", "scenario.robot.numbers", "scenario.robot.residual", "case"],
+            &|_, _| None,
+        )?;
+        let spec: SweepSpec = document.parse()?;
+        let resolved = document.resolved()?;
+        let of = spec.check().map_err(|error| document.explain(&error))?;
+        let inner = document.part(of.key())?;
+        let parts = spec.parts();
+        let shared = Arc::default();
+        let sweep = Self { spec, of, resolved, document, inner, parts, shared };
+        sweep.check_draws(read)?;
+        Ok(sweep)
+    }
+
+    /// What is published of the scenario of its flights.
+    pub fn paper(&self) -> Option<PaperResults> {
+        self.inner.parse::<super::ScenarioSpec>().ok()?.paper
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> usize {
+        self.spec.count()
+    }
+
+    /// The values drawn for run `run`, in the order of the draws: random numbers are from
+    /// a stream of its own for every run, so that order and interruption do not matter. Of a grid the last draw varies
+    /// fastest.
+    pub fn values(&self, run: usize) -> Vec<f64> {
+        let mut random = Random::stream(self.spec.seed, run as u64);
+        let (mut left, mut grid) = (self.runs(), run);
+        let mut value = |(k, draw): (usize, &Draw)| match self.spec.sampling {
+            Sampling::Random => draw.share(random.unit()),
+            Sampling::LatinHypercube => {
+                draw.share((self.parts[k][run] as f64 + random.unit()) / self.runs() as f64)
+            }
+            Sampling::Grid => {
+                let points = draw.count();
+                left /= points;
+                let place = grid / left;
+                grid %= left;
+                draw.at(place)
+            }
+        };
+        self.spec.draws.iter().enumerate().map(&mut value).collect()
+    }
+
+    /// What run `run` runs, with its values.
+    fn drawn(&self, run: usize) -> Document {
+        let draws = self.spec.draws.iter().zip(self.values(run));
+        draws.fold(self.inner.clone(), |document, (d, v)| document.set(drawn(d, v)))
+    }
+
+    /// The scenario of flight `run`.
+    ///
+    /// # Errors
+    /// A drawn key that the scenario does not know, or refuses.
+    pub fn scenario(&self, run: usize) -> Result<Scenario, ConfigError> {
+        let seed = self.spec.seed + run as u64;
+        Scenario::new(self.drawn(run).set(format!("seed={seed}")))
+    }
+
+    /// The case of run `run`.
+    ///
+    /// # Errors
+    /// A drawn key that the case does not know, or refuses.
+    pub fn case(&self, run: usize, read: ReadTable) -> Result<TetherCase, ConfigError> {
+        TetherCase::new(self.drawn(run), read)
+    }
+
+    /// The sweep as TOML, each table of its case under the name that `name` gives for its file, beside the sweep.
+    ///
+    /// # Errors
+    /// A sweep that TOML cannot hold.
+    pub fn kept(&self, read: ReadTable, name: impl Fn(&Path) -> String) -> Result<String, ConfigError> {
+        if self.of != SweepOf::Cases {
+            return Ok(self.resolved.clone());
+        }
+        let case = TetherCase::new(self.inner.clone(), read)?.kept(name)?;
+        let spec = SweepSpec { case: None, ..self.spec.clone() };
+        Document::value("sweep", &spec)?.put("case", Document::text("case", &case)?)?.resolved()
+    }
+
+    /// Builds what is run, and then with both ends of every draw and a value between, one at a time.
+    fn check_draws(&self, read: ReadTable) -> Result<(), ConfigError> {
+        let built = |document: Document| match self.of {
+            SweepOf::Flights(_) => {
+                let scenario = Scenario::new(document)?;
+                scenario.without_lattice().map_err(|error| scenario.explain(&error))
+            }
+            SweepOf::Cases => TetherCase::new(document, read).map(drop),
+        };
+        built(self.inner.clone())?;
+        for (i, draw) in self.spec.draws.iter().enumerate() {
+            for (end, value) in draw.tried() {
+                let given = drawn(draw, value);
+                let outcome = built(self.inner.clone().set(given.as_str()));
+                outcome.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), &end))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// An error about the drawn value `given` as one about the end of the draw, or about its key.
+    fn blamed(&self, error: ConfigError, given: &str, draw: &str, end: &str) -> ConfigError {
+        let here = Place::Override(given.into());
+        let by_draw = |one: &&Wrong| one.place == here || one.against.iter().any(|o| o.place == here);
+        let Some(wrong) = error.all().iter().find(by_draw) else { return error };
+        let end = if matches!(wrong.problem, Problem::Value(_)) { end } else { "key" };
+        let key = format!("{draw}.{end}");
+        let value = self.document.written(&key).map_or(String::new(), |(value, _)| value);
+        let allowed = format!("what the {} allows ({error})", self.of.key());
+        self.document.explain(&Error::invalid(key, value, allowed))
+    }
+}
+
+/// Below this whole numbers are floats without a gap.
+const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// The override of one draw: without a fraction a whole number, which keys of either kind take.
+fn drawn(draw: &Draw, value: f64) -> String {
+    if let Some(word) = draw.word(value) {
+        return format!("{}={word}", draw.key);
+    }
+    match value.fract() == 0.0 && value.abs() < LARGEST_WHOLE {
+        true => format!("{}={value}", draw.key),
+        false => format!("{}={value:?}", draw.key),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sweep() -> Sweep {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sweeps/banking_turn_robustness.toml");
+        Sweep::load(&path, &[], NO_TABLES).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    const NO_TABLES: ReadTable = &|_: &Path| Err(String::new());
+
+    fn of_case(more: &str) -> Sweep {
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+        let text = format!(
+            "name = \"map\"\n{more}\n[[draws]]\nkey = \"time.frequency_hz\"\nlow = 2.0\nhigh = 4.0\n[[draws]]\n\
+             key = \"wing.hinges[0].angle_deg.fourier.sin[0]\"\nlow = 10.0\nhigh = 40.0\n"
+        );
+        let document = Document::text("map", &text).unwrap();
+        Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES).unwrap()
+    }
+
+    #[test]
+    fn a_grid_has_every_combination_and_a_hypercube_every_part_once() {
+        let points = "sampling = \"grid\"\ndraws = [\
+             { key = \"time.frequency_hz\", low = 2.0, high = 4.0, points = 3 },\
+             { key = \"wind.speed_m_s\", low = 1.0, high = 2.0, points = 2 }]";
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+        let document = Document::text("map", &format!("name = \"map\"\n{points}\n")).unwrap();
+        let document = document.put("case", Document::file(&case).unwrap()).unwrap();
+        let grid = Sweep::new(document, NO_TABLES).unwrap();
+        let values: Vec<Vec<f64>> = (0..grid.runs()).map(|run| grid.values(run)).collect();
+        assert_eq!(values, [[2.0, 1.0], [2.0, 2.0], [3.0, 1.0], [3.0, 2.0], [4.0, 1.0], [4.0, 2.0]]);
+        assert_eq!(grid.case(3, NO_TABLES).unwrap().spec.wind.speed_m_s, 2.0);
+        let [low, high] = [0.1, 0.7].map(Some);
+        let tenths = Draw { key: String::new(), low, high, points: Some(8), values: Vec::new() };
+        assert_eq!((tenths.at(0), tenths.at(7)), (0.1, 0.7));
+
+        let cube = of_case("runs = 20\nsampling = \"latin_hypercube\"\nseed = 3");
+        for k in 0..2 {
+            let [low, high] = cube.spec.draws[k].ends();
+            let part = |run: usize| ((cube.values(run)[k] - low) / (high - low) * 20.0) as usize;
+            let mut parts: Vec<usize> = (0..20).map(part).collect();
+            parts.sort_unstable();
+            assert_eq!(parts, (0..20).collect::<Vec<_>>());
+        }
+        let orders: Vec<bool> = (0..20).map(|run| cube.parts[0][run] == cube.parts[1][run]).collect();
+        assert!(orders.iter().filter(|same| **same).count() < 10);
+    }
+
+    #[test]
+    fn whole_numbers_are_drawn_from_a_grid_of_them() {
+        let drawn = |sampling: &str| {
+            let key = "key = \"time.steps_per_cycle\", low = 32.0, high = 96";
+            let text = format!("name = \"steps\"\n{}", sampling.replace("KEY", key));
+            let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+            let document = Document::text("steps", &text).unwrap();
+            Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES)
+        };
+        let grid = drawn("sampling = \"grid\"\ndraws = [{ KEY, points = 3 }]").unwrap();
+        assert_eq!(grid.case(1, NO_TABLES).unwrap().spec.time.steps_per_cycle, 64);
+        for other in ["sampling = \"grid\"\ndraws = [{ KEY, points = 4 }]", "runs = 3\ndraws = [{ KEY }]"] {
+            let message = drawn(other).unwrap_err().to_string();
+            assert!(message.contains("time.steps_per_cycle"), "{message}");
+        }
+    }
+
+    #[test]
+    fn lists_are_drawn_by_their_values() {
+        let drawn = |draws: &str| {
+            let text = format!("name = \"laws\"\nruns = 12\nsampling = \"latin_hypercube\"\n{draws}");
+            let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+            let document = Document::text("laws", &text).unwrap();
+            Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES)
+        };
+        let laws = "draws = [{ key = \"aero.law\", values = [\"linear\", \"stall\", \"lev\"] }, \
+                    { key = \"aero.full.strips\", values = [12, 16] }]";
+        let sweep = drawn(laws).unwrap();
+        let count = |k: usize, v: f64| (0..12).filter(|&run| sweep.values(run)[k] == v).count();
+        assert_eq!([0.0, 1.0, 2.0].map(|law| count(0, law)), [4, 4, 4]);
+        assert_eq!([12.0, 16.0].map(|strips| count(1, strips)), [6, 6]);
+        let stalling = (0..12).find(|&run| sweep.values(run)[0] == 1.0).unwrap();
+        assert_eq!(sweep.case(stalling, NO_TABLES).unwrap().spec.aero.law.name(), "stall");
+        for (bad, key) in [
+            ("draws = [{ key = \"aero.law\", values = [\"linear\", \"still\"] }]", "key"),
+            ("draws = [{ key = \"aero.law\", values = [\"linear\", 1.0] }]", "values"),
+            ("draws = [{ key = \"aero.law\", values = [\"linear\"], low = 1.0 }]", "low"),
+            ("draws = [{ key = \"wind.speed_m_s\", low = 1.0 }]", "high"),
+        ] {
+            let message = drawn(bad).unwrap_err().to_string();
+            assert!(message.contains(&format!("draws[0].{key}")), "{message}");
+        }
+    }
+
+    #[test]
+    fn draws_lie_in_their_ranges_and_belong_to_their_flight() {
+        let sweep = sweep();
+        let later = sweep.values(41);
+        for run in 0..50 {
+            for (draw, value) in sweep.spec.draws.iter().zip(sweep.values(run)) {
+                let [low, high] = draw.ends();
+                assert!((low..=high).contains(&value), "{} = {value}", draw.key);
+            }
+        }
+        assert_eq!(sweep.values(41), later);
+        assert_ne!(sweep.values(42), later);
+    }
+
+    #[test]
+    fn the_flown_robot_differs_and_the_known_one_does_not() {
+        let sweep = sweep();
+        let (a, b) = (sweep.scenario(0).unwrap(), sweep.scenario(1).unwrap());
+        assert_eq!(a.model().mass(), b.model().mass());
+        assert!(a.robot().mass() != b.robot().mass());
+    }
+}

@@ -1,0 +1,496 @@
+//! From a case file to a tethered wing and its summary.
+
+use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
+use super::{ConfigError, CoordinateSpec, Document, Smoothed};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use wingbeat_aero::{Aero, Planform, SurfaceNumbers};
+use wingbeat_flight::simulate::Ending;
+use wingbeat_flight::tether::{
+    CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing,
+};
+use wingbeat_math::Error;
+use wingbeat_math::Vec3;
+use wingbeat_math::names::one_of;
+use wingbeat_ocp::plant::Fault;
+use wingbeat_robot::{SurfaceOutline, check_number};
+
+/// The folder from which the path at a key is seen.
+type Folder<'a> = &'a dyn Fn(&str) -> PathBuf;
+
+/// A checked case, ready to run.
+#[derive(Debug)]
+pub struct TetherCase {
+    /// What the file and overrides said.
+    pub spec: TetherSpec,
+    /// The merged configuration as TOML.
+    pub resolved: String,
+    /// The wing in its wind.
+    pub tether: Tether,
+    /// What fits of harmonics left of the tables.
+    pub smoothed: Vec<Smoothed>,
+    pub(super) document: Document,
+}
+
+impl TetherCase {
+    /// Reads, merges and checks a case file; `overrides` are `key=value`, `read`
+    /// reads the tables it names.
+    ///
+    /// # Errors
+    /// One message with file, line, key, the value given and what is allowed.
+    pub fn load(path: &Path, overrides: &[String], read: ReadTable) -> Result<Self, ConfigError> {
+        Self::new(Document::file(path)?.overridden(overrides), read)
+    }
+
+    /// Merges and checks a case from files or memory. Tables are sought from the file that names them, or from the
+    /// working folder.
+    ///
+    /// ```
+    /// use wingbeat_config::{Document, TetherCase};
+    ///
+    /// let case = r#"
+    /// name = "plate"
+    /// wing.planform = [
+    ///     { arc_m = 0.0, leading_edge_m = 0.25, trailing_edge_m = -0.75 },
+    ///     { arc_m = 2.0, leading_edge_m = 0.25, trailing_edge_m = -0.75 },
+    /// ]
+    /// body.nose_up_deg.constant = 4.0
+    /// wind = { speed_m_s = 1.0, density_kg_m3 = 1.225 }
+    /// aero.law = "linear"
+    /// time = { frequency_hz = 0.5, cycles = 1, steps_per_cycle = 16 }
+    /// "#;
+    /// let no_tables = &|_: &std::path::Path| Err("no tables here".to_owned());
+    /// let case = TetherCase::new(Document::text("plate", case)?, no_tables)?;
+    /// let run = case.tether.run(|_| std::ops::ControlFlow::Continue(()));
+    /// assert_eq!(run.loads.rows(), 17);
+    ///
+    /// let mut spec = case.spec.clone();
+    /// spec.wing.cd0 = -1.0;
+    /// let refused = TetherCase::new(Document::value("spec", &spec)?, no_tables).map(drop);
+    /// let message = refused.map_err(|error| error.to_string());
+    /// assert_eq!(message, Err("spec: wing.cd0 = -1.0: allowed is a finite number, 0 or more".into()));
+    /// # Ok::<(), wingbeat_config::ConfigError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Messages with the place, the key, the value given and what is allowed.
+    pub fn new(document: Document, read: ReadTable) -> Result<Self, ConfigError> {
+        let document = document.merged(&["numbers"], &|_, _| None)?;
+        let spec: TetherSpec = document.parse()?;
+        let resolved = document.resolved()?;
+        let built = spec.build(&|key| document.folder(key), read);
+        let (tether, smoothed) = built.map_err(|error| document.explain(&error))?;
+        Ok(Self { spec, resolved, tether, smoothed, document })
+    }
+
+    /// The case as TOML, each table under the name that `name` gives for its file, beside the case.
+    ///
+    /// # Errors
+    /// A case that TOML cannot hold.
+    pub fn kept(&self, name: impl Fn(&Path) -> String) -> Result<String, ConfigError> {
+        let mut spec = self.spec.clone();
+        let hinges = spec.wing.hinges.iter_mut().enumerate();
+        let hinges = hinges.map(|(i, hinge)| (format!("wing.hinges[{i}].angle_deg"), &mut hinge.angle_deg));
+        let body = &mut spec.body;
+        let body = [
+            ("body.surge_m", &mut body.surge_m),
+            ("body.heave_m", &mut body.heave_m),
+            ("body.nose_up_deg", &mut body.nose_up_deg),
+            ("body.roll_deg", &mut body.roll_deg),
+        ];
+        for (key, coordinate) in hinges.chain(body.map(|(key, coordinate)| (key.to_owned(), coordinate))) {
+            if let CoordinateSpec::Table(table) = coordinate {
+                let folder = self.document.folder(&format!("{key}.table.file"));
+                table.file = name(&folder.join(&table.file)).into();
+            }
+        }
+        Document::value("case", &spec)?.resolved()
+    }
+
+    /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps.
+    pub fn summary(&self, run: &TetherRun, step_change: Option<f64>) -> TetherSummary {
+        let resolved = step_change.is_none_or(|change| change <= UNRESOLVED);
+        let law = self.tether.aero.law();
+        let share = 100.0 * run.stall_fraction;
+        let limit = self.tether.aero.stall_angle().to_degrees();
+        let past = format!("{share:.1} % of the strips of the last cycle are past {limit:.0} deg");
+        let warning = law.about().beyond_stall.map(|what| format!("{past} under law {}, {what}", law.name()));
+        let unrepeated = run.periodicity.as_ref().and_then(unrepeated);
+        TetherSummary {
+            status: match run.ending {
+                Ending::Complete if !resolved => "not_resolved".into(),
+                Ending::Complete if unrepeated.is_some() => "not_periodic".into(),
+                Ending::Complete => "ok".into(),
+                Ending::Stopped => "stopped".into(),
+                Ending::Fault(fault) if fault.is_not_finite() => format!("not_finite: {fault}"),
+                Ending::Fault(fault) => format!("failed: {fault}"),
+            },
+            name: self.spec.name.clone(),
+            preset: self.spec.aero.preset.name(),
+            lift_law: law.name(),
+            stall_fraction: run.stall_fraction,
+            step_change,
+            separated_fraction: run.separated_fraction,
+            suction_lost_fraction: run.suction_lost_fraction,
+            mean_lift_n: run.mean("force_wind_lift"),
+            mean_thrust_n: run.mean("thrust"),
+            mean_power_w: run.mean("power"),
+            propulsive_efficiency: run.efficiency,
+            periodicity: run.periodicity.clone(),
+            smoothed: self.smoothed.clone(),
+            warnings: warning
+                .filter(|_| run.stall_fraction > 0.0)
+                .into_iter()
+                .chain(unrepeated)
+                .chain(step_change.and_then(|change| self.coarse(change)))
+                .collect(),
+            cycle: run.means.clone(),
+        }
+    }
+}
+
+/// The numbers of a tethered run.
+#[derive(Clone, Debug, Serialize)]
+pub struct TetherSummary {
+    /// `ok`, `not_periodic` (the last cycle differs from the one before), `not_resolved` (the loads depend on the
+    /// steps), `stopped`, or what failed.
+    pub status: String,
+    /// Name of the case.
+    pub name: String,
+    /// Aerodynamic preset.
+    pub preset: &'static str,
+    /// Lift law.
+    pub lift_law: &'static str,
+    /// Share of strips past the stall angle over the last cycle.
+    pub stall_fraction: f64,
+    /// Mean separated share of the flow over the strips of the last cycle.
+    pub separated_fraction: f64,
+    /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
+    pub suction_lost_fraction: f64,
+    /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
+    /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
+    pub step_change: Option<f64>,
+    /// Mean lift over the last cycle, N.
+    pub mean_lift_n: Option<f64>,
+    /// Mean force against the wind over the last cycle, N.
+    pub mean_thrust_n: Option<f64>,
+    /// Mean power that the motion gives to the air over the last cycle, W.
+    pub mean_power_w: Option<f64>,
+    /// Mean thrust times wind speed over mean power; negative where the wing drags.
+    pub propulsive_efficiency: Option<f64>,
+    /// How far the last cycle is from the one before; none of a single cycle.
+    pub periodicity: Option<Periodicity>,
+    /// What fits of harmonics left of the tables.
+    pub smoothed: Vec<Smoothed>,
+    /// What to beware of.
+    pub warnings: Vec<String>,
+    /// Means and ranges over the last cycle.
+    pub cycle: Vec<CycleMean>,
+}
+
+/// Change of a mean or half a range from cycle to cycle above which a run is not periodic. *Choice.*
+const UNREPEATED: f64 = 0.01;
+
+/// The caution that the last cycle is not like the one before.
+fn unrepeated(periodicity: &Periodicity) -> Option<String> {
+    let Periodicity { change, quantity } = periodicity;
+    (!(*change <= UNREPEATED)).then(|| {
+        let percent = 100.0 * change;
+        format!(
+            "the last cycle is not like the one before: {quantity} changes by {percent:.2} % of the largest of its \
+             kind: take more cycles, unless the motion does not repeat"
+        )
+    })
+}
+
+/// Change of the means with other steps above which there is a caution. *Choice.*
+pub(super) const STEP_CHANGE: f64 = 0.02;
+/// Change above which a run is not resolved. *Choice.*
+const UNRESOLVED: f64 = 0.5;
+
+impl TetherCase {
+    /// How much the mean loads of `run` depend on its steps: their change against the run with half the steps per
+    /// cycle and, where that is large, against the one with twice as many, which tells whether this one or that
+    /// coarse one is at fault. None for a run that did not end. `simulate` makes the other runs.
+    ///
+    /// # Errors
+    /// Those of `simulate`.
+    pub fn step_change<E>(
+        &self,
+        run: &TetherRun,
+        mut simulate: impl FnMut(&Tether) -> Result<TetherRun, E>,
+    ) -> Result<Option<f64>, E> {
+        if !matches!(run.ending, Ending::Complete) {
+            return Ok(None);
+        }
+        let steps = self.tether.clock.steps_per_cycle;
+        let mut against = |steps| Ok(change(&run.means, &simulate(&self.tether.stepped(steps))?.means));
+        let coarse = against((steps / 2).max(2))?;
+        if coarse <= STEP_CHANGE || self.tether.stepped(2 * steps).check().is_err() {
+            return Ok(Some(coarse));
+        }
+        against(2 * steps).map(Some)
+    }
+
+    /// The caution that the steps are too long.
+    fn coarse(&self, change: f64) -> Option<String> {
+        let steps = self.spec.time.steps_per_cycle;
+        (!(change <= STEP_CHANGE)).then(|| {
+            let change = if change.is_finite() { 100.0 * change } else { f64::INFINITY };
+            format!(
+                "with other steps than time.steps_per_cycle = {steps} the mean loads change by {change:.3e} % of \
+                 their range: take more steps per cycle"
+            )
+        })
+    }
+}
+
+/// The largest change of a mean between two runs, forces and moments each by the largest of their kind, in the run
+/// where that is smaller: the other may have grown without bound.
+fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
+    let of = |kind: &str| {
+        let rows = |means: &[CycleMean]| -> Vec<CycleMean> {
+            means.iter().filter(|row| row.name.starts_with(kind)).cloned().collect()
+        };
+        let (one, other) = (rows(one), rows(other));
+        let largest =
+            |rows: &[CycleMean]| rows.iter().map(|r| r.low.abs().max(r.high.abs())).fold(0.0, f64::max);
+        let scale = largest(&one).min(largest(&other));
+        let apart: Vec<f64> = one.iter().zip(&other).map(|(a, b)| (a.mean - b.mean).abs()).collect();
+        match apart.iter().any(|apart| apart.is_nan()) {
+            true => f64::NAN,
+            false if scale > 0.0 => apart.into_iter().fold(0.0, f64::max) / scale,
+            false => 0.0,
+        }
+    };
+    let (force, moment) = (of("force_wind_"), of("moment_"));
+    if force.is_nan() || moment.is_nan() { f64::NAN } else { force.max(moment) }
+}
+
+/// What the names of the wing's own numbers begin with.
+const OWN: &str = "surfaces.wing.";
+/// The number of the air.
+const AIR_DENSITY: &str = "air.density_kg_m3";
+/// What the names of numbers begin with that a wing alone has not.
+const ELSEWHERE: [&str; 8] =
+    ["body.", "links.", "linkage.", "structure.", "gait.", "motor.", "mount.", "crank."];
+
+/// What a surface calls the number that is called `name` here; none of what a wing alone has not.
+fn own(name: &str) -> Option<&str> {
+    match name.strip_prefix(OWN) {
+        None if name == AIR_DENSITY => Some("density_kg_m3"),
+        None if ELSEWHERE.iter().any(|of| name.starts_with(of)) => None,
+        other => Some(other.unwrap_or("")),
+    }
+}
+
+/// Those numbers of a wing and its air that are no outline, as the surface calls them: planform and hinges are the case's own.
+fn own_numbers(numbers: &mut SurfaceNumbers) -> Vec<(String, &mut f64)> {
+    let mut named = numbers.by_name();
+    named.retain(|(known, _)| !known.ends_with("_m"));
+    named
+}
+
+/// What the number that a surface calls `own` is called here.
+fn full(own: &str) -> String {
+    if own == "density_kg_m3" { AIR_DENSITY.into() } else { format!("{OWN}{own}") }
+}
+
+/// A model with those of the numbers `to` that are its own.
+fn renumbered<'a>(aero: &Aero, to: impl Iterator<Item = (&'a str, f64)>) -> Result<Aero, Error> {
+    let mut numbers = aero.numbers().clone();
+    for (name, value) in to {
+        check_number(name, value)?;
+        let Some(own) = own(name) else { continue };
+        let mut named = own_numbers(&mut numbers);
+        match named.iter_mut().find(|(known, _)| known == own) {
+            Some((_, number)) => **number = value,
+            None => {
+                let known: Vec<String> = named.iter().map(|(known, _)| full(known)).collect();
+                return Err(Error::invalid("numbers", format!("{name:?}"), one_of(name, &known)));
+            }
+        }
+    }
+    aero.with(&numbers)
+}
+
+impl TetherCase {
+    /// Says where the value that `error` refuses was given.
+    pub fn explain(&self, error: &Error) -> ConfigError {
+        self.document.explain(error)
+    }
+
+    /// Names and values of the numbers that `numbers` may give, as a robot calls those of its wing and air.
+    pub fn named_numbers(&self) -> Vec<(String, f64)> {
+        let mut numbers = self.tether.aero.numbers().clone();
+        own_numbers(&mut numbers).into_iter().map(|(own, value)| (full(&own), *value)).collect()
+    }
+
+    /// The wing in its wind with other numbers; those of what a wing alone has not do not count.
+    ///
+    /// # Errors
+    /// A number that the wing has not, or that cannot be.
+    pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Tether, Error> {
+        let aero = renumbered(&self.tether.aero, to.iter().copied())?;
+        Ok(Tether { aero, ..self.tether.clone() })
+    }
+
+    /// The derivatives of the loads of `tether` over its last cycle by the numbers called `keys`, in their order; no load depends on
+    /// what a wing alone has not.
+    ///
+    /// # Errors
+    /// A number that the wing has not; a fault of the model.
+    pub fn differentiated(
+        &self,
+        tether: &Tether,
+        keys: &[&str],
+    ) -> Result<Result<Vec<CycleWrenches>, Fault>, Error> {
+        let owned: Vec<Option<&str>> = keys.iter().map(|key| own(key)).collect();
+        let varied: Vec<&str> = owned.iter().copied().flatten().collect();
+        Ok(tether.differentiated(&varied)?.map(|found| {
+            let mut found = found.into_iter();
+            let none = || vec![[0.0; 6]; tether.clock.steps_per_cycle];
+            owned.iter().map(|own| own.and_then(|_| found.next()).unwrap_or_else(none)).collect()
+        }))
+    }
+}
+
+impl TetherSpec {
+    fn build(&self, folder: Folder, read: ReadTable) -> Result<(Tether, Vec<Smoothed>), Error> {
+        self.check()?;
+        let (motion, smoothed) = self.motion(folder, read)?;
+        let clock = self.time.clock();
+        let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
+        let outer = self.wing.hinges.iter().enumerate().filter(|(_, hinge)| hinge.arc_m > 0.0);
+        let (keys, arcs): (Vec<String>, Vec<f64>) =
+            outer.map(|(i, hinge)| (format!("wing.hinges[{i}].arc_m"), hinge.arc_m)).unzip();
+        let wing = self.wing.build(planform.clone())?;
+        let mut names = vec![
+            ("half_span".to_owned(), format!("wing.{}", self.wing.tip_key())),
+            ("gaps".into(), "wing.gaps".into()),
+            ("drag".into(), "wing".into()),
+            ("density_kg_m3".into(), "wind.density_kg_m3".into()),
+        ];
+        names.extend(keys.into_iter().enumerate().map(|(k, key)| (format!("hinge_arcs_m[{k}]"), key)));
+        let outline = SurfaceOutline {
+            name: "wing".into(),
+            key: "wing".into(),
+            planform: planform.clone(),
+            hinges: arcs,
+            cd0: self.wing.cd0,
+            cd90: self.wing.cd90,
+            section: self.wing.section,
+            preset: None,
+            law: None,
+            strips: None,
+        };
+        let aero = self.numbered(self.aero.build(&outline, self.wind.density_kg_m3, &names)?)?;
+        let halves = if self.wing.side == Side::Both { 1.0 } else { 0.5 };
+        let area = planform.area() * halves;
+        let tether = Tether {
+            reference: Reference {
+                density_kg_m3: aero.numbers().density,
+                speed_m_s: self.reference.speed_m_s.unwrap_or(self.wind.speed_m_s),
+                area_m2: self.reference.area_m2.unwrap_or(area),
+                chord_m: self
+                    .reference
+                    .chord_m
+                    .unwrap_or(area / (2.0 * halves * planform.covered_half_span())),
+            },
+            wing,
+            motion,
+            aero,
+            wind: self.wind.velocity(),
+            side: self.wing.side,
+            clock,
+        };
+        let speed = if self.reference.speed_m_s.is_some() { "reference.speed_m_s" } else { "wind.speed_m_s" };
+        let names = [("air", "wind"), ("reference.speed_m_s", speed), ("hinges", "wing.hinges")];
+        tether.check().map_err(|e| e.renamed(&names))?;
+        Ok((tether, smoothed))
+    }
+
+    /// The wing's model with those of `numbers` that are its own; those of bodies, gait and rig do not count.
+    fn numbered(&self, aero: Aero) -> Result<Aero, Error> {
+        renumbered(&aero, self.numbers.iter().map(|(name, value)| (name.as_str(), *value)))
+    }
+
+    fn motion(&self, folder: Folder, read: ReadTable) -> Result<(Motion, Vec<Smoothed>), Error> {
+        let frequency = self.time.frequency_hz;
+        let degree = 1.0_f64.to_radians();
+        let body = &self.body;
+        let mut smoothed = Vec::new();
+        let mut build = |spec: &super::CoordinateSpec, key: &str, factor| {
+            let folder = || folder(&format!("{key}.table.file"));
+            let (coordinate, left) = spec.build(frequency, &folder, read).map_err(|e| e.within(key))?;
+            smoothed.extend(left.map(|left| Smoothed { key: key.into(), ..left }));
+            Ok(coordinate.scaled(factor))
+        };
+        let surge = build(&body.surge_m, "body.surge_m", 1.0)?;
+        let heave = build(&body.heave_m, "body.heave_m", 1.0)?;
+        let nose_up = build(&body.nose_up_deg, "body.nose_up_deg", degree)?;
+        let roll = build(&body.roll_deg, "body.roll_deg", degree)?;
+        let hinge = |(i, h): (usize, &super::HingeSpec)| {
+            Ok((h.name.clone(), build(&h.angle_deg, &format!("wing.hinges[{i}].angle_deg"), degree)?))
+        };
+        let hinges = self.wing.hinges.iter().enumerate().map(hinge).collect::<Result<_, Error>>()?;
+        Ok((Motion { surge, heave, nose_up, roll, axis_ahead_m: body.pitch_axis_ahead_m, hinges }, smoothed))
+    }
+}
+
+impl TetheredWingSpec {
+    /// The planform with its gaps.
+    fn outline(&self) -> Result<Planform, Error> {
+        Planform::new(&self.planform)?.with_gaps(&self.gaps)
+    }
+
+    /// The key that says how long the half wing is.
+    fn tip_key(&self) -> String {
+        format!("planform[{}].arc_m", self.planform.len().saturating_sub(1))
+    }
+
+    fn build(&self, planform: Planform) -> Result<Wing, Error> {
+        let hinge = |h: &super::HingeSpec| Hinge {
+            kind: h.kind,
+            side: h.side,
+            arc_m: h.arc_m,
+            to_arc_m: h.to_arc_m,
+            ahead_m: h.ahead_m,
+        };
+        let built = Wing::new(planform, self.hinges.iter().map(hinge).collect());
+        built.map_err(|e| e.renamed(&[("half_span", self.tip_key())]).within("wing"))
+    }
+}
+
+impl WindSpec {
+    /// Velocity of the air in W, m/s.
+    fn velocity(&self) -> Vec3 {
+        let (up, level) = self.incidence_deg.to_radians().sin_cos();
+        let (side, ahead) = self.sideslip_deg.to_radians().sin_cos();
+        Vec3::new(-level * ahead, -level * side, up) * self.speed_m_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_grew_without_bound_is_far_from_one_that_did_not() {
+        let row = |name: &str, mean: f64, high: f64| CycleMean {
+            name: name.into(),
+            unit: "N".into(),
+            mean,
+            low: 0.0,
+            high,
+            mean_change: None,
+            amplitude_change: None,
+        };
+        let good = [row("force_wind_lift", 1.0, 2.0), row("moment_y", 0.1, 0.2)];
+        let near = [row("force_wind_lift", 1.01, 2.0), row("moment_y", 0.1, 0.2)];
+        let wild = [row("force_wind_lift", 3e32, 3e33), row("moment_y", 0.1, 0.2)];
+        assert!((change(&good, &near) - 0.005).abs() < 1e-12);
+        assert!(change(&wild, &good) > 1e30 && change(&good, &wild) > 1e30);
+        assert!(change(&good, &[row("force_wind_lift", f64::NAN, 2.0), row("moment_y", 0.1, 0.2)]).is_nan());
+    }
+}

@@ -1,0 +1,214 @@
+//! The loads of a case beside a measured file.
+
+use super::{ConfigError, TableBy, TetherCase};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use wingbeat_flight::simulate::{Column, Record};
+use wingbeat_flight::tether::{CycleFit, PHASES, TetherRun, cycle_of, fit, smooth};
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+
+/// How a measured file is read.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields, default)]
+pub struct CompareSpec {
+    /// Which column says when.
+    pub by: TableBy,
+    /// Frequency of the measured motion, Hz, where it is not the case's; of a file by time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency_hz: Option<f64>,
+    /// Columns of the file by the columns of the loads that they are compared with, as `force_z = "Fz"`. Without any,
+    /// columns of one name.
+    pub channels: BTreeMap<String, String>,
+    /// Factors on the columns of the file, by the columns of the loads: their unit and sign, `force_z = -1e-3` where the file has
+    /// mN downwards.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub scale: BTreeMap<String, f64>,
+}
+
+/// Sizes of a factor from one unit to another: nN and GN are the ends.
+const FACTORS: RangeInclusive<f64> = 1e-9..=1e9;
+
+ranges!(CompareSpec { frequency_hz: Range::POSITIVE });
+
+impl CompareSpec {
+    pub(super) fn is_empty(&self) -> bool {
+        self.by == TableBy::Time
+            && self.frequency_hz.is_none()
+            && self.channels.is_empty()
+            && self.scale.is_empty()
+    }
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        for (our, factor) in &self.scale {
+            if !FACTORS.contains(&factor.abs()) {
+                let allowed = format!("{:e} to {:e}, of either sign", FACTORS.start(), FACTORS.end());
+                return Err(Error::invalid(format!("scale.{our}"), factor, allowed));
+            }
+        }
+        let Some(frequency) = self.frequency_hz else { return Ok(()) };
+        if self.by == TableBy::Phase {
+            let error =
+                Error::invalid("frequency_hz", frequency, "none: a phase has no frequency of its own");
+            return Err(error.against(["by"]));
+        }
+        self.in_range()
+    }
+}
+
+/// A computed column beside a measured one.
+#[derive(Clone, Debug, Serialize)]
+pub struct Compared {
+    /// Column of the loads.
+    pub computed: String,
+    /// Column of the file.
+    pub measured: String,
+    /// Whole cycles measured.
+    pub cycles: usize,
+    /// Lag at the frequency of the measured motion, s; none of a file by phase.
+    pub lag_s: Option<f64>,
+    /// Lag, gain, offset and what is left.
+    #[serde(flatten)]
+    pub fit: CycleFit,
+}
+
+/// A comparison with a file.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// One per channel.
+    pub channels: Vec<Compared>,
+    /// Over the phase: `measured_*`, `low_*`, `high_*`, `computed_*`, `fitted_*` of each channel.
+    pub cycle: Record,
+}
+
+impl TetherCase {
+    /// The channels that a measured file and the loads have in common: columns of the loads with those of the file.
+    ///
+    /// # Errors
+    /// A channel that one of them has not; none at all.
+    pub fn channels(&self, measured: &Record) -> Result<Vec<(String, String)>, ConfigError> {
+        let found = self.found_channels(measured);
+        found.map_err(|error| self.document.explain(&error.within("compare")))
+    }
+
+    fn found_channels(&self, measured: &Record) -> Result<Vec<(String, String)>, Error> {
+        let loads = self.tether.columns()?;
+        let names = |columns: &[Column]| {
+            let names = columns.iter().map(|column| column.name.clone());
+            names.filter(|name| !["t", "phase"].contains(&name.as_str())).collect::<Vec<_>>()
+        };
+        let (ours, theirs) = (names(loads.columns()), names(measured.columns()));
+        if let Some((our, factor)) = self.spec.compare.scale.iter().find(|(our, _)| !ours.contains(our)) {
+            let allowed = format!("under a column of the loads: {}", ours.join(", "));
+            return Err(Error::invalid(format!("scale.{our}"), factor, allowed));
+        }
+        if self.spec.compare.channels.is_empty() {
+            let both: Vec<_> = ours
+                .into_iter()
+                .filter(|name| theirs.contains(name))
+                .map(|name| (name.clone(), name))
+                .collect();
+            if both.is_empty() {
+                let allowed =
+                    format!("column of the loads = column of the file; it has {}", theirs.join(", "));
+                return Err(Error::invalid("channels", "none, and no column of one name", allowed));
+            }
+            return Ok(both);
+        }
+        for (our, their) in &self.spec.compare.channels {
+            let key = format!("channels.{our}");
+            if !ours.contains(our) {
+                return Err(Error::invalid(
+                    key,
+                    their,
+                    format!("under a column of the loads: {}", ours.join(", ")),
+                ));
+            }
+            if !theirs.contains(their) {
+                return Err(Error::invalid(
+                    key,
+                    their,
+                    format!("a column of the file: {}", theirs.join(", ")),
+                ));
+            }
+        }
+        Ok(self.spec.compare.channels.clone().into_iter().collect())
+    }
+
+    /// The phase of the measured rows, cycles.
+    ///
+    /// # Errors
+    /// No column that says when, or one that does not ascend.
+    pub fn measured_phase(&self, measured: &Record) -> Result<Vec<f64>, Error> {
+        let spec = &self.spec.compare;
+        let name = spec.by.column();
+        let when = measured.values(name).ok_or_else(|| {
+            let names: Vec<_> = measured.columns().iter().map(|column| column.name.as_str()).collect();
+            Error::invalid("columns", names.join(", "), format!("one called {name} among them (compare.by)"))
+        })?;
+        if let Some(row) = (1..when.len()).find(|row| when[*row] <= when[row - 1]) {
+            let key = format!("row {} of the data, column {name}", row + 1);
+            return Err(Error::invalid(key, when[row], format!("more than {} before it", when[row - 1])));
+        }
+        let pace = match spec.by {
+            TableBy::Phase => 1.0,
+            TableBy::Time => self.measured_frequency(),
+        };
+        Ok(when.iter().map(|when| pace * when).collect())
+    }
+
+    /// Column `theirs` of a measured file in the unit and with the sign of the column `ours` of the loads.
+    pub fn measured_values(&self, measured: &Record, ours: &str, theirs: &str) -> Vec<f64> {
+        let factor = self.spec.compare.scale.get(ours).copied().unwrap_or(1.0);
+        measured.values(theirs).unwrap_or_default().iter().map(|value| factor * value).collect()
+    }
+
+    /// Frequency of the measured motion, Hz.
+    pub fn measured_frequency(&self) -> f64 {
+        self.spec.compare.frequency_hz.unwrap_or(self.spec.time.frequency_hz)
+    }
+
+    /// Compares the last cycle of a run with the measured one. `channels` are those of [`channels`](Self::channels).
+    ///
+    /// # Errors
+    /// Those of [`measured_phase`](Self::measured_phase); less than a cycle measured or computed; a column that does
+    /// not vary.
+    pub fn compare(
+        &self,
+        run: &TetherRun,
+        measured: &Record,
+        channels: &[(String, String)],
+    ) -> Result<Comparison, Error> {
+        let phase = self.measured_phase(measured)?;
+        let even: Vec<f64> = (0..PHASES).map(|i| i as f64 / PHASES as f64).collect();
+        let mut columns = vec![Column { values: even.clone(), ..Column::new("phase", "cycles", "") }];
+        let mut compared = Vec::new();
+        for (ours, theirs) in channels {
+            let values = self.measured_values(measured, ours, theirs);
+            let cycle = cycle_of(&phase, &values).map_err(|e| e.renamed(&[("process.window_s", theirs)]))?;
+            let computed = run.last_cycle(ours).unwrap_or_default();
+            let named = [("measured", theirs), ("computed", ours)];
+            let fit = fit(&cycle.mean, computed).map_err(|e| e.renamed(&named))?;
+            let curve = smooth(computed)?;
+            let drawn = |lag: f64| even.iter().map(|phase| curve.at(phase - lag).x).collect::<Vec<_>>();
+            let fitted = drawn(fit.lag_cycles).iter().map(|c| fit.offset + fit.gain * c).collect();
+            let unit = run.loads.column(ours).map_or("", |column| column.unit.as_str());
+            for (kind, unit, values) in [
+                ("measured", "", cycle.mean),
+                ("low", "", cycle.low),
+                ("high", "", cycle.high),
+                ("computed", unit, drawn(0.0)),
+                ("fitted", "", fitted),
+            ] {
+                columns.push(Column { values, ..Column::new(format!("{kind}_{ours}"), unit, "") });
+            }
+            let lag_s =
+                (self.spec.compare.by == TableBy::Time).then(|| fit.lag_cycles / self.measured_frequency());
+            let (computed, measured) = (ours.clone(), theirs.clone());
+            compared.push(Compared { computed, measured, cycles: cycle.cycles, lag_s, fit });
+        }
+        Ok(Comparison { channels: compared, cycle: Record::new(columns, PHASES)? })
+    }
+}

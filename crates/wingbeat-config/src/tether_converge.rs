@@ -1,0 +1,296 @@
+//! How much the numbers of a case depend on its strips and steps.
+
+use super::tether::STEP_CHANGE;
+use super::{ConfigError, ReadTable, TetherCase};
+use serde::Serialize;
+use std::ops::ControlFlow;
+use wingbeat_aero::{MAX_STRIPS, Preset};
+use wingbeat_flight::simulate::Ending;
+use wingbeat_flight::tether::{CycleMean, TetherRun};
+use wingbeat_math::Error;
+use wingbeat_math::parallel;
+
+/// Levels of strips and of steps.
+const LEVELS: usize = 3;
+/// Least strips, or nodes, and steps per cycle of a level.
+const LEAST: (usize, usize) = (3, 8);
+/// Share of the largest force or power below which a mean counts as that share. *Choice.*
+const FLOOR: f64 = 0.1;
+/// Change over the largest below which two values are the same but for rounding. *Choice.*
+const ROUNDING: f64 = 1e-9;
+
+/// Strips and steps per cycle of the table, coarse to fine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Levels {
+    /// Strips, or nodes of preset `paper`.
+    pub strips: [usize; LEVELS],
+    /// Steps per cycle.
+    pub steps_per_cycle: [usize; LEVELS],
+}
+
+/// One run of the table; not-a-number where it failed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ConvergenceRun {
+    /// Strips, or nodes of preset `paper`.
+    pub strips: usize,
+    /// Steps per cycle.
+    pub steps_per_cycle: usize,
+    /// Mean lift over the last cycle, N.
+    pub mean_lift_n: f64,
+    /// Mean thrust, N.
+    pub mean_thrust_n: f64,
+    /// Largest lift, N.
+    pub peak_lift_n: f64,
+    /// Mean power that the motion gives to the air, W.
+    pub mean_power_w: f64,
+    /// Largest lift or drag (N) and power (W).
+    #[serde(skip)]
+    scales: [f64; 2],
+}
+
+/// Names of the quantities of a cell.
+pub const QUANTITIES: [&str; 4] = ["mean_lift_n", "mean_thrust_n", "peak_lift_n", "mean_power_w"];
+
+impl ConvergenceRun {
+    /// Of a run; none when it did not end.
+    pub fn of(strips: usize, steps_per_cycle: usize, run: &TetherRun) -> Self {
+        let row = |name: &str| {
+            run.means.iter().find(|row| row.name == name && matches!(run.ending, Ending::Complete))
+        };
+        let mean = |name: &str| row(name).map_or(f64::NAN, |row| row.mean);
+        let largest = |name: &str| row(name).map_or(0.0, CycleMean::largest);
+        Self {
+            strips,
+            steps_per_cycle,
+            mean_lift_n: mean("force_wind_lift"),
+            mean_thrust_n: mean("thrust"),
+            peak_lift_n: row("force_wind_lift").map_or(f64::NAN, |row| row.high),
+            mean_power_w: mean("power"),
+            scales: [largest("force_wind_lift").max(largest("thrust")), largest("power")],
+        }
+    }
+
+    /// The quantities, by [`QUANTITIES`].
+    pub fn values(&self) -> [f64; QUANTITIES.len()] {
+        [self.mean_lift_n, self.mean_thrust_n, self.peak_lift_n, self.mean_power_w]
+    }
+}
+
+/// How one quantity converges.
+#[derive(Clone, Debug, Serialize)]
+pub struct Spread {
+    /// Its name, with the unit at its end.
+    pub quantity: &'static str,
+    /// Its value with most strips and steps.
+    pub finest: f64,
+    /// Observed order in the strips, with most steps; none where the three values do not approach one.
+    pub order_strips: Option<f64>,
+    /// Observed order in the steps, with most strips.
+    pub order_steps: Option<f64>,
+    /// Largest less smallest with the two finer levels of both, over the finest value, or over a tenth of the largest
+    /// force or power where that is more.
+    pub spread: f64,
+}
+
+/// The table and what it says.
+#[derive(Clone, Debug, Serialize)]
+pub struct Convergence {
+    /// `converged` or `not_converged`.
+    pub status: &'static str,
+    /// Why.
+    pub verdict: String,
+    /// Largest spread of all quantities.
+    pub spread: f64,
+    /// Strips and steps.
+    #[serde(flatten)]
+    pub levels: Levels,
+    /// Orders and spread by quantity.
+    pub quantities: Vec<Spread>,
+    /// The runs, strips slowest.
+    pub cells: Vec<ConvergenceRun>,
+}
+
+impl TetherCase {
+    /// Half, once and twice the case's strips and steps; a quarter, half and once where twice is not allowed.
+    ///
+    /// # Errors
+    /// Fewer strips or steps than can be halved.
+    pub fn levels(&self) -> Result<Levels, ConfigError> {
+        let (key, strips) = self.strips();
+        let steps = self.spec.time.steps_per_cycle;
+        for (key, given, least) in [(key, strips, LEAST.0), ("time.steps_per_cycle", steps, LEAST.1)] {
+            if given < 2 * least {
+                let allowed = format!("{} or more where convergence is asked for", 2 * least);
+                return Err(self.document.explain(&Error::invalid(key, given, allowed)));
+            }
+        }
+        let finer = self.tether.stepped(2 * steps).check().is_ok();
+        Ok(Levels {
+            strips: ladder(strips, 2 * strips <= MAX_STRIPS, LEAST.0),
+            steps_per_cycle: ladder(steps, finer, LEAST.1),
+        })
+    }
+
+    /// The key of the number of strips, or of nodes, and what it is.
+    fn strips(&self) -> (&'static str, usize) {
+        let aero = &self.spec.aero;
+        match aero.preset {
+            Preset::Full => ("aero.full.strips", aero.full.strips),
+            Preset::Paper | Preset::AsPrinted => ("aero.paper.nodes", aero.paper.nodes),
+        }
+    }
+
+    /// Runs the case with every combination of strips and steps, on all cores; `done` is told of each run. `watch` may
+    /// end the work: then there is no table.
+    ///
+    /// # Errors
+    /// Those of [`levels`](Self::levels) and [`refined`](Self::refined).
+    pub fn converge(
+        &self,
+        read: ReadTable,
+        watch: &(dyn Fn() -> ControlFlow<()> + Sync),
+        mut done: impl FnMut(usize),
+    ) -> Result<Option<Convergence>, ConfigError> {
+        let levels = self.levels()?;
+        let refined = |(strips, steps)| Ok((strips, steps, self.refined(strips, steps, read)?));
+        let cells = levels.cells().into_iter().map(refined).collect::<Result<Vec<_>, ConfigError>>()?;
+        let mut runs = vec![None; cells.len()];
+        // The longest first, so that no core waits for the last one.
+        let order: Vec<usize> = (0..cells.len()).rev().collect();
+        let mut count = 0;
+        parallel::each(
+            &order,
+            |_, &cell| {
+                let (strips, steps, case) = &cells[cell];
+                ConvergenceRun::of(*strips, *steps, &case.tether.run(|_| watch()))
+            },
+            |index, run| {
+                runs[order[index]] = Some(run);
+                count += 1;
+                done(count);
+                watch()
+            },
+        );
+        let runs: Vec<ConvergenceRun> = runs.into_iter().flatten().collect();
+        let whole = watch().is_continue() && runs.len() == cells.len();
+        Ok(whole.then(|| Convergence::new(levels, runs)))
+    }
+
+    /// The same case with other strips and steps per cycle.
+    ///
+    /// # Errors
+    /// What the case refuses with them.
+    pub fn refined(&self, strips: usize, steps: usize, read: ReadTable) -> Result<Self, ConfigError> {
+        let (key, _) = self.strips();
+        let document = self.document.clone().set(format!("{key}={strips}"));
+        Self::new(document.set(format!("time.steps_per_cycle={steps}")), read)
+    }
+}
+
+/// Three levels about `own`, the last of them twice it where `doubled`.
+fn ladder(own: usize, doubled: bool, least: usize) -> [usize; LEVELS] {
+    let fine = if doubled { 2 * own } else { own };
+    let coarse = (fine / 4).max(least);
+    let middle = (fine / 2).max(coarse + 1);
+    [coarse, middle, fine.max(middle + 1)]
+}
+
+impl Levels {
+    /// Strips and steps of every run, strips slowest.
+    pub fn cells(&self) -> Vec<(usize, usize)> {
+        self.strips.into_iter().flat_map(|strips| self.steps_per_cycle.map(|steps| (strips, steps))).collect()
+    }
+}
+
+impl Convergence {
+    /// What the runs of all cells say, in the order of [`Levels::cells`].
+    pub fn new(levels: Levels, cells: Vec<ConvergenceRun>) -> Self {
+        let value = |strips: usize, steps: usize, k: usize| cells[strips * LEVELS + steps].values()[k];
+        let fine = LEVELS - 1;
+        let of = |k: usize| {
+            let scale = cells[cells.len() - 1].scales[usize::from(k == QUANTITIES.len() - 1)];
+            let by_strips = std::array::from_fn(|i| value(i, fine, k));
+            let by_steps = std::array::from_fn(|i| value(fine, i, k));
+            Spread {
+                quantity: QUANTITIES[k],
+                finest: value(fine, fine, k),
+                order_strips: observed_order(levels.strips, by_strips, scale),
+                order_steps: observed_order(levels.steps_per_cycle, by_steps, scale),
+                spread: spread(
+                    [(fine, fine), (fine - 1, fine), (fine, fine - 1), (fine - 1, fine - 1)]
+                        .map(|(strips, steps)| value(strips, steps, k)),
+                    scale,
+                ),
+            }
+        };
+        let quantities: Vec<Spread> = (0..QUANTITIES.len()).map(of).collect();
+        let worst = quantities.iter().max_by(|a, b| a.spread.total_cmp(&b.spread));
+        let (spread, name) = worst.map_or((f64::NAN, ""), |worst| (worst.spread, worst.quantity));
+        let converged = spread <= STEP_CHANGE;
+        let ([_, few, many], [_, long, short]) = (levels.strips, levels.steps_per_cycle);
+        let verdict = format!(
+            "{few} to {many} strips and {long} to {short} steps per cycle spread by {:.2} % at most ({name}); \
+             {} is {:.0} %",
+            100.0 * spread,
+            if converged { "allowed" } else { "the limit" },
+            100.0 * STEP_CHANGE
+        );
+        let status = if converged { "converged" } else { "not_converged" };
+        Self { status, verdict, spread, levels, quantities, cells }
+    }
+}
+
+/// Range of the values over the first, or over a share of `scale`; infinite where a run failed.
+fn spread(values: [f64; 4], scale: f64) -> f64 {
+    if values.iter().any(|value| !value.is_finite()) {
+        return f64::INFINITY;
+    }
+    let (low, high) = values.iter().fold((values[0], values[0]), |(l, h), v| (l.min(*v), h.max(*v)));
+    let size = values[0].abs().max(FLOOR * scale);
+    if size > 0.0 { (high - low) / size } else { 0.0 }
+}
+
+/// The order p with which values at `counts` approach one: f = f0 + C n^-p through all three.
+///
+/// Equation: tether.observed_order
+fn observed_order(counts: [usize; LEVELS], values: [f64; LEVELS], scale: f64) -> Option<f64> {
+    const SOUGHT: (f64, f64) = (0.1, 12.0);
+    let [first, second] = [values[0] - values[1], values[1] - values[2]];
+    let told = second.abs() > ROUNDING * scale && first.is_finite() && second.is_finite();
+    let ratio = first / second;
+    let [a, b, c] = counts.map(|count| count as f64);
+    let of = |p: f64| (a.powf(-p) - b.powf(-p)) / (b.powf(-p) - c.powf(-p));
+    let (mut low, mut high) = SOUGHT;
+    if !(told && ratio >= of(low) && ratio <= of(high)) {
+        return None;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if of(middle) < ratio { low = middle } else { high = middle }
+    }
+    Some(0.5 * (low + high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_orders_are_observed() {
+        for counts in [[8, 16, 32], [6, 12, 24], [3, 5, 9]] {
+            for order in [0.5, 1.0, 2.0, 4.0] {
+                let values = counts.map(|n: usize| 0.7 - 0.3 * (n as f64).powf(-order));
+                assert!((observed_order(counts, values, 1.0).unwrap() - order).abs() < 1e-6);
+            }
+        }
+        assert_eq!(observed_order([8, 16, 32], [1.0, 2.0, 1.5], 1.0), None);
+        assert_eq!(observed_order([8, 16, 32], [1.0; 3], 1.0), None);
+    }
+
+    #[test]
+    fn levels_end_at_what_is_allowed() {
+        assert_eq!(ladder(16, true, 3), [8, 16, 32]);
+        assert_eq!(ladder(24, false, 3), [6, 12, 24]);
+        assert_eq!(ladder(3, true, 3), [3, 4, 6]);
+    }
+}

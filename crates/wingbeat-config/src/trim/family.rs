@@ -1,0 +1,212 @@
+//! Orbits along a parameter.
+
+use super::spec::{FamilySpec, TrimSpec};
+use super::{Scenario, TrimSummary};
+use crate::{ConfigError, Document};
+use std::ops::ControlFlow;
+use wingbeat_flight::orbit::{Cycle, Failure, Found, Point, floquet, measure, search_from};
+use wingbeat_flight::simulate::{Column, Record};
+use wingbeat_math::Error;
+use wingbeat_ocp::plant::{Fault, Plant};
+
+/// Columns before that of the key and those of the commands: name and unit.
+const COLUMNS: [(&str, &str); 11] = [
+    ("speed_m_s", "m/s"),
+    ("climb_m_s", "m/s"),
+    ("bank_deg", "deg"),
+    ("frequency_hz", "Hz"),
+    ("power_w_kg", "W/kg"),
+    ("pitch_mean_deg", "deg"),
+    ("stall_fraction_12", ""),
+    ("stall_fraction_20", ""),
+    ("least_clearance_m", "m"),
+    ("largest_multiplier", ""),
+    ("lift_over_weight", ""),
+];
+/// Keys of the course, which have columns of their own.
+const COURSE: [&str; 3] = ["trim.speed_m_s", "trim.climb_m_s", "trim.bank_deg"];
+/// Halvings of a step from orbit to orbit before the family ends: *choice*.
+const HALVINGS: usize = 3;
+
+/// A family to be followed.
+pub(super) struct Family {
+    /// The scenario without its family.
+    document: Document,
+    key: String,
+    from: f64,
+    to: f64,
+    steps: usize,
+}
+
+/// Why a family ended.
+#[derive(thiserror::Error, Debug)]
+enum Ended {
+    #[error(transparent)]
+    Failure(#[from] Failure),
+    #[error(transparent)]
+    Refused(#[from] ConfigError),
+    #[error(transparent)]
+    Invalid(#[from] Error),
+}
+
+impl From<Fault> for Ended {
+    fn from(fault: Fault) -> Self {
+        Self::Failure(fault.into())
+    }
+}
+
+/// The last orbit of a family that is being followed.
+struct Walk<'f> {
+    family: &'f Family,
+    at: f64,
+    point: Point,
+    /// The orbit before it.
+    before: Option<(f64, Point)>,
+}
+
+impl Family {
+    /// The scenario at `value`.
+    fn scenario(&self, value: f64) -> Result<Scenario, ConfigError> {
+        Scenario::new(self.document.clone().set(format!("{}={value:?}", self.key)))
+    }
+}
+
+impl Walk<'_> {
+    /// The orbit at `value` from the last one, or along the secant of the last two.
+    fn step(
+        &mut self,
+        value: f64,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<(Scenario, Found), Ended> {
+        let scenario = self.family.scenario(value)?;
+        let (course, free) = scenario.asked_of_orbit()?;
+        let cycle = scenario.cycle()?;
+        let secant = self.before.as_ref().map(|(at, point)| {
+            let ahead = (value - self.at) / (self.at - at);
+            self.point.beyond(point, ahead)
+        });
+        let guesses = secant.into_iter().chain([self.point.clone()]);
+        let mut found = Err(Failure::Stopped);
+        for guess in guesses {
+            let guess = if course.turns() { guess } else { guess.alike(&cycle) };
+            found = search_from(&cycle, &course, &free, guess, tell);
+            if matches!(found, Ok(_) | Err(Failure::Stopped)) {
+                break;
+            }
+        }
+        drop(cycle);
+        Ok((scenario, found?))
+    }
+
+    /// The orbit at `value`, by steps halved up to `halvings` times.
+    fn reach(
+        &mut self,
+        value: f64,
+        halvings: usize,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<(Scenario, Found), Ended> {
+        match self.step(value, tell) {
+            Ok((scenario, found)) => {
+                let before = std::mem::replace(&mut self.point, found.orbit.point.clone());
+                self.before = Some((std::mem::replace(&mut self.at, value), before));
+                Ok((scenario, found))
+            }
+            Err(Ended::Failure(failure)) if failure != Failure::Stopped && halvings > 0 => {
+                self.reach(0.5 * (self.at + value), halvings - 1, tell)?;
+                self.reach(value, halvings - 1, tell)
+            }
+            Err(ended) => Err(ended),
+        }
+    }
+}
+
+impl Scenario {
+    /// The family that `spec` asks for; its last orbit's scenario is tried.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] at `trim.family`.
+    pub(super) fn family(&self, spec: &TrimSpec, family: &FamilySpec) -> Result<Family, Error> {
+        let own = format!("trim.{}", family.along);
+        let key = if COURSE.contains(&own.as_str()) { own } else { family.along.clone() };
+        let alone = TrimSpec { family: None, search: None, ..spec.clone() };
+        let alone = super::ScenarioSpec { trim: Some(alone), ..self.spec.clone() };
+        let invalid = |end: &str, value: String, allowed: String| {
+            Error::invalid(format!("trim.family.{end}"), value, allowed)
+        };
+        let refused = |error: ConfigError| invalid("along", format!("{:?}", family.along), error.to_string());
+        let document = Document::value("family", &alone).map_err(refused)?;
+        let from = document.number(&key).map_err(|key| {
+            let allowed = format!("speed_m_s, climb_m_s, bank_deg, or {key}");
+            invalid("along", format!("{:?}", family.along), allowed)
+        })?;
+        let asked = Family { document, key, from, to: family.to, steps: family.steps };
+        let last = asked.scenario(family.to);
+        let last = last
+            .map_err(|e| invalid("to", family.to.to_string(), format!("what the scenario allows ({e})")))?;
+        let still = last.in_still_air();
+        still.map_err(|e| {
+            invalid("along", format!("{:?}", family.along), format!("another key: with it {e}"))
+        })?;
+        if last.model.states().len() != self.model.states().len() {
+            let allowed = "a key that leaves the states of the robot and its air as many as they are";
+            return Err(invalid("along", format!("{:?}", family.along), allowed.into()));
+        }
+        Ok(asked)
+    }
+
+    /// Orbits from `found` on along `family`; where it ends before, the summary says why.
+    pub(super) fn follow(
+        &self,
+        family: &Family,
+        found: &Found,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+        summary: &mut TrimSummary,
+    ) -> Result<Record, Error> {
+        let changes = (!COURSE.contains(&family.key.as_str())).then(|| Column::new(&family.key, "", ""));
+        let columns = COLUMNS.iter().map(|(name, unit)| Column::new(*name, *unit, ""));
+        let columns = columns.chain(changes.clone()).chain(self.model.inputs().iter().map(Column::from));
+        let mut record = Record::new(columns.collect(), family.steps + 1)?;
+        let mut row = |scenario: &Scenario, value: f64, found: &Found| -> Result<(), Ended> {
+            let numbers = scenario.family_row(&scenario.cycle()?, found)?;
+            let value = changes.iter().map(|_| value);
+            let inputs = found.orbit.point.inputs.iter().copied();
+            let row: Vec<f64> = numbers.into_iter().chain(value).chain(inputs).collect();
+            record.append(&row);
+            Ok(())
+        };
+        let mut walk = Walk { family, at: family.from, point: found.orbit.point.clone(), before: None };
+        let mut ended = row(self, family.from, found).err();
+        for k in 1..=family.steps {
+            if ended.is_some() {
+                break;
+            }
+            let value = family.from + (family.to - family.from) * k as f64 / family.steps as f64;
+            let reached = walk.reach(value, HALVINGS, tell);
+            ended = reached.and_then(|(scenario, found)| row(&scenario, value, &found)).err();
+        }
+        if let Some(reason) = ended {
+            summary.family_ended = Some(format!("past {} = {:.6}: {reason}", family.key, walk.at));
+        }
+        summary.family_orbits = Some(record.rows());
+        Ok(record)
+    }
+
+    /// The numbers of [`COLUMNS`].
+    fn family_row(&self, cycle: &Cycle, found: &Found) -> Result<[f64; COLUMNS.len()], Fault> {
+        let (orbit, course) = (&found.orbit, &found.orbit.course);
+        let (measures, modes) = (measure(cycle, orbit, &self.strip_areas())?, floquet(cycle, orbit)?);
+        Ok([
+            course.speed,
+            course.climb,
+            course.bank.to_degrees(),
+            1.0 / orbit.end.duration,
+            measures.power / self.model.mass(),
+            measures.mean_angles[1].to_degrees(),
+            measures.stalled[0],
+            measures.stalled[1],
+            measures.least_clearance.unwrap_or(f64::NAN),
+            modes.largest(),
+            measures.lift_over_weight,
+        ])
+    }
+}

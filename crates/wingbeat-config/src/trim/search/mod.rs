@@ -1,0 +1,342 @@
+//! Search of gaits: the one that flies the orbit that `[trim]` asks for on the least power, at the lowest frequency or
+//! with the largest payload.
+
+mod descent;
+mod gaits;
+mod quadratic;
+mod spec;
+
+pub use descent::Ended;
+pub use spec::{Goal, LimitsSpec, SearchSpec, VarySpec};
+
+use super::super::{ConfigError, Document, Scenario};
+use super::{TrimProgress, Trimmed};
+use descent::{Descent, KEPT, Seen, descend};
+use gaits::{Gait, Gaits};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use wingbeat_flight::simulate::{Column, Record};
+use wingbeat_math::Error;
+use wingbeat_math::Random;
+
+/// Columns of a start before those of the varied numbers, with their units.
+const COLUMNS: [(&str, &str); 14] = [
+    ("start", ""),
+    ("ended", ""),
+    ("kept", ""),
+    ("iterations", ""),
+    ("violation", ""),
+    ("objective", ""),
+    ("frequency_hz", "Hz"),
+    ("speed_m_s", "m/s"),
+    ("power_w_kg", "W/kg"),
+    ("stall_fraction_12", ""),
+    ("stall_fraction_20", ""),
+    ("least_clearance_m", "m"),
+    ("largest_multiplier", ""),
+    ("mass_kg", "kg"),
+];
+/// Halvings of a start's distance from the scenario's own gait until there is an orbit.
+const HALVINGS: usize = 6;
+/// Objectives closer than this, relative, count as one minimum.
+const ALIKE: f64 = 1e-3;
+
+/// What a search tells on the way.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchProgress {
+    /// Start, from 0.
+    pub start: usize,
+    /// Iteration, from 1.
+    pub iteration: usize,
+    /// Power over the mass, W/kg.
+    pub power_w_kg: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Worst limit missed, in its scale.
+    pub violation: f64,
+}
+
+/// What `summary.json` says of a search.
+#[derive(Clone, Debug, Serialize)]
+pub struct SearchSummary {
+    /// What was to be best.
+    pub goal: Goal,
+    /// Number of starts.
+    pub starts: usize,
+    /// Starts whose gait keeps to the limits.
+    pub kept: usize,
+    /// Minima among them: objectives that differ by more than a thousandth.
+    pub minima: usize,
+    /// Number of the best start, from 0.
+    pub best: usize,
+    /// How it ended.
+    pub ended: &'static str,
+    /// Its iterations.
+    pub iterations: usize,
+    /// The worst limit that it misses, in its scale: 10 mm of clearance, .1 of a share or a multiplier, the frequency, the
+    /// power.
+    pub violation: f64,
+    /// The varied numbers.
+    pub values: BTreeMap<String, f64>,
+}
+
+/// A search of gaits of a scenario, ready to be made start by start.
+pub struct GaitSearch<'a> {
+    scenario: &'a Scenario,
+    spec: &'a SearchSpec,
+    gaits: Gaits<'a>,
+    /// Shares of the scenario's own gait, and its orbit.
+    own: Vec<f64>,
+    first: Seen<Gait>,
+}
+
+/// A search that was made.
+#[derive(Debug)]
+pub struct Searched {
+    /// A row for each start, in their order.
+    pub starts: Record,
+    /// The scenario of the best gait, on its orbit.
+    pub best: Scenario,
+    /// What the search came to.
+    pub summary: SearchSummary,
+}
+
+impl Searched {
+    /// Trims the best gait; with the table of the starts, and the robot with its gait as `robot.toml`.
+    ///
+    /// # Errors
+    /// A setting that is out of range.
+    pub fn trim(
+        self,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Result<Trimmed, ConfigError> {
+        let Self { starts, best, summary: search } = self;
+        let mut trimmed = best.trim(observe)?;
+        let robot = toml::to_string(&best.spec.robot)
+            .map_err(|error| best.explain(&Error::invalid("robot", error, "a robot that TOML can hold")))?;
+        trimmed.files.push(("robot.toml", robot));
+        trimmed.starts = Some(starts);
+        let summary = &mut trimmed.summary;
+        if search.kept == 0 && summary.reason.is_none() {
+            summary.status = "limits_missed";
+            summary.reason = Some(format!(
+                "no gait keeps to trim.search.limits; the nearest misses one by {:.4} of its scale, {}",
+                search.violation, search.ended
+            ));
+        }
+        summary.search = Some(search);
+        Ok(trimmed)
+    }
+}
+
+impl Scenario {
+    /// The search that `[trim.search]` asks for; none where there is none.
+    ///
+    /// # Errors
+    /// A key that the scenario does not know, or refuses; no orbit of the scenario's own gait.
+    pub fn gait_search(&self) -> Result<Option<GaitSearch<'_>>, ConfigError> {
+        let Some(spec) = self.spec.trim.as_ref().and_then(|trim| trim.search.as_ref()) else {
+            return Ok(None);
+        };
+        let mut alone = self.spec.clone();
+        alone.trim.iter_mut().for_each(|trim| trim.search = None);
+        let document = Document::value("gait", &alone)?;
+        let mut own = Vec::with_capacity(spec.vary.len());
+        for (i, vary) in spec.vary.iter().enumerate() {
+            own.push(self.own_share(&document, i, vary)?);
+        }
+        let mut gaits = Gaits::new(spec, document);
+        match gaits.first(&own) {
+            Ok(first) => Ok(Some(GaitSearch { scenario: self, spec, gaits, own, first })),
+            Err(reason) => {
+                let allowed =
+                    format!("one that begins at a gait with an orbit; the robot's own has none: {reason}");
+                Err(self.explain(&Error::invalid("trim.search", "a search", allowed)))
+            }
+        }
+    }
+
+    /// The share of its range at which a varied number stands; both ends are tried.
+    fn own_share(&self, document: &Document, i: usize, vary: &VarySpec) -> Result<f64, ConfigError> {
+        let refused = |end: &str, value: String, allowed: String| {
+            self.explain(&Error::invalid(format!("trim.search.vary[{i}].{end}"), value, allowed))
+        };
+        let key = format!("{:?}", vary.key);
+        let value = document.number(&vary.key).map_err(|allowed| refused("key", key, allowed))?;
+        for (end, at) in [("low", vary.low), ("high", vary.high)] {
+            let tried = Self::new(document.clone().set(format!("{}={at:?}", vary.key)));
+            if let Err(error) = tried {
+                return Err(refused(end, at.to_string(), format!("what the scenario allows ({error})")));
+            }
+        }
+        if value < vary.low || value > vary.high {
+            let end = if value < vary.low { "low" } else { "high" };
+            let given = if value < vary.low { vary.low } else { vary.high };
+            return Err(refused(
+                end,
+                given.to_string(),
+                format!("a range that holds the scenario's own {value}"),
+            ));
+        }
+        Ok(vary.share(value))
+    }
+}
+
+impl GaitSearch<'_> {
+    /// The columns of a row, still empty.
+    pub fn columns(&self) -> Vec<Column> {
+        let varied = self.spec.vary.iter().map(|vary| Column::new(vary.key.clone(), "", ""));
+        COLUMNS.iter().map(|(name, unit)| Column::new(*name, *unit, "")).chain(varied).collect()
+    }
+
+    /// Whether `row` can be that of a start of the search.
+    pub fn has_row(&self, row: &[f64]) -> bool {
+        row.len() == COLUMNS.len() + self.spec.vary.len() && row[0] >= 0.0 && row[0] < self.spec.starts as f64
+    }
+
+    /// Number of starts.
+    pub fn starts(&self) -> usize {
+        self.spec.starts
+    }
+
+    /// Searches from the starts of which there is no row in `rows`; `keep` gets the row of each as soon as it is known. None
+    /// where `tell` stopped it.
+    ///
+    /// # Errors
+    /// What `keep` says; a start, or a best gait, without an orbit.
+    pub fn all<E: From<ConfigError>>(
+        &self,
+        mut rows: Vec<Vec<f64>>,
+        keep: &mut dyn FnMut(&[f64]) -> Result<(), E>,
+        tell: &mut dyn FnMut(SearchProgress) -> ControlFlow<()>,
+    ) -> Result<Option<Searched>, E> {
+        let refused = |what: String, allowed: &str| {
+            E::from(self.scenario.explain(&Error::invalid("trim.search", what, allowed)))
+        };
+        for start in 0..self.starts() {
+            if rows.iter().any(|row| row[0] == start as f64) {
+                continue;
+            }
+            let mut stopped = false;
+            let row = self.row(start, &mut |at| {
+                let flow = tell(at);
+                stopped |= flow.is_break();
+                flow
+            });
+            match row {
+                Some(row) => {
+                    keep(&row)?;
+                    rows.push(row);
+                }
+                None if stopped => return Ok(None),
+                None => return Err(refused(format!("start {start}"), "a start beside a gait with an orbit")),
+            }
+        }
+        rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut starts = Record::new(self.columns(), rows.len())
+            .map_err(|error| E::from(self.scenario.explain(&error)))?;
+        rows.iter().for_each(|row| starts.append(row));
+        let (best, summary) =
+            self.best(&starts).map_err(|reason| refused(reason, "a best gait with an orbit"))?;
+        Ok(Some(Searched { starts, best, summary }))
+    }
+
+    /// Searches from start `start`: a pure function of the scenario and the number. `tell` may stop it; then there is no row.
+    pub fn row(
+        &self,
+        start: usize,
+        tell: &mut dyn FnMut(SearchProgress) -> ControlFlow<()>,
+    ) -> Option<Vec<f64>> {
+        let (x, seen) = self.begin(start)?;
+        let descent = descend(&self.gaits, x, seen, self.spec.iterations, &mut |iteration, seen| {
+            let facts = &seen.more.facts;
+            tell(SearchProgress {
+                start,
+                iteration,
+                power_w_kg: facts.power_per_mass,
+                frequency_hz: facts.frequency,
+                violation: seen.violation(),
+            })
+        })?;
+        Some(self.told(start, &descent))
+    }
+
+    /// Where start `start` begins: beside the own gait, as near as it needs to be for an orbit.
+    fn begin(&self, start: usize) -> Option<(Vec<f64>, Seen<Gait>)> {
+        let mut random = Random::stream(self.spec.seed, start as u64);
+        let spread = if start == 0 { 0.0 } else { self.spec.spread };
+        let beside: Vec<f64> = self.own.iter().map(|_| spread * random.between(-1.0, 1.0)).collect();
+        (0..=HALVINGS).find_map(|k| {
+            let share = if k == HALVINGS { 0.0 } else { 0.5f64.powi(k as i32) };
+            let x: Vec<f64> =
+                self.own.iter().zip(&beside).map(|(own, by)| (own + share * by).clamp(0.0, 1.0)).collect();
+            let seen = self.gaits.reached(&x, &self.own, &self.first).ok()?;
+            Some((x, seen))
+        })
+    }
+
+    fn told(&self, start: usize, descent: &Descent<Gait>) -> Vec<f64> {
+        let Descent { x, seen, iterations, ended } = descent;
+        let facts = &seen.more.facts;
+        let violation = seen.violation();
+        let ended = Ended::ALL.iter().position(|e| e == ended).unwrap_or(Ended::ALL.len());
+        let numbers = [
+            start as f64,
+            ended as f64,
+            f64::from(u8::from(violation <= KEPT && facts.stalled_beyond <= 0.0)),
+            *iterations as f64,
+            violation,
+            seen.objective,
+            facts.frequency,
+            facts.speed,
+            facts.power_per_mass,
+            facts.stalled[0],
+            facts.stalled[1],
+            facts.clearance,
+            facts.multiplier,
+            facts.mass,
+        ];
+        let varied = self.spec.vary.iter().zip(x).map(|(vary, x)| vary.at(*x));
+        numbers.into_iter().chain(varied).collect()
+    }
+
+    /// The best of the rows, on its orbit: the lowest objective among those that keep to the limits, else the one that
+    /// misses them least.
+    ///
+    /// # Errors
+    /// Why its orbit is not found again.
+    pub fn best(&self, record: &Record) -> Result<(Scenario, SearchSummary), String> {
+        let column = |name: &str| record.values(name).unwrap_or_default();
+        let (kept, objective, violation) = (column("kept"), column("objective"), column("violation"));
+        let order = |i: usize| if kept[i] == 1.0 { (0, objective[i]) } else { (1, violation[i]) };
+        let best = (0..record.rows())
+            .min_by(|&a, &b| order(a).0.cmp(&order(b).0).then(order(a).1.total_cmp(&order(b).1)))
+            .ok_or("no start")?;
+        let values: Vec<f64> = record.columns()[COLUMNS.len()..].iter().map(|c| c.values[best]).collect();
+        let x: Vec<f64> = self.spec.vary.iter().zip(&values).map(|(vary, v)| vary.share(*v)).collect();
+        let found = self.gaits.reached(&x, &self.own, &self.first)?;
+        let scenario = self.gaits.scenario(0, &x)?;
+        let cycle = scenario.cycle().map_err(|error| error.to_string())?;
+        let point = &found.more.points[0];
+        let end = cycle.end(point).map_err(|fault| fault.to_string())?;
+        let spec = scenario.on_orbit(&cycle, point, end.duration);
+        let document = Document::value("gait", &spec).map_err(|error| error.to_string())?;
+        let mut good: Vec<f64> =
+            (0..record.rows()).filter(|&i| kept[i] == 1.0).map(|i| objective[i]).collect();
+        good.sort_by(f64::total_cmp);
+        let apart = |pair: &[f64]| pair[1] - pair[0] > ALIKE * pair[0].abs().max(pair[1].abs());
+        let summary = SearchSummary {
+            goal: self.spec.goal,
+            starts: record.rows(),
+            kept: good.len(),
+            minima: usize::from(!good.is_empty()) + good.windows(2).filter(|pair| apart(pair)).count(),
+            best: column("start")[best] as usize,
+            ended: Ended::ALL.get(column("ended")[best] as usize).map_or("", |ended| ended.words()),
+            iterations: column("iterations")[best] as usize,
+            violation: violation[best],
+            values: self.spec.vary.iter().zip(values).map(|(vary, v)| (vary.key.clone(), v)).collect(),
+        };
+        Ok((Scenario::new(document).map_err(|error| error.to_string())?, summary))
+    }
+}

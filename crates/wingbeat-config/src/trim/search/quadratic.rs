@@ -1,0 +1,146 @@
+//! The quadratic program of a step.
+
+use super::descent::Slopes;
+use nalgebra::{DMatrix, DVector};
+use std::ops::ControlFlow;
+use std::time::Duration;
+use wingbeat_ocp::interior_point::{Options, solve};
+use wingbeat_ocp::nlp::{Derivatives, EvaluationError, Program, Structure};
+use wingbeat_ocp::plant::Channel;
+
+/// A step and the multipliers of the limits.
+pub(super) struct Step {
+    pub d: Vec<f64>,
+    pub multipliers: Vec<f64>,
+    /// What the model of objective and limits says the merit falls by.
+    pub gain: f64,
+}
+
+/// Equation: trim.search_step
+///
+/// min g d + d B d / 2 + weight s,  limits + A d <= s,  s >= 0,  |d| <= radius,  0 <= x + d <= 1
+struct Quadratic<'a> {
+    slopes: &'a Slopes,
+    hessian: &'a DMatrix<f64>,
+    weight: f64,
+    variables: Vec<Channel>,
+    constraints: Vec<Channel>,
+}
+
+/// The step from `x` with shares in 0 to 1, no longer than `radius` in any; `None` where the solver finds none.
+pub(super) fn step(
+    x: &[f64],
+    (limits, slopes): (&[f64], &Slopes),
+    hessian: &DMatrix<f64>,
+    weight: f64,
+    radius: f64,
+) -> Option<Step> {
+    let mut variables: Vec<Channel> =
+        x.iter().map(|x| Channel::limited("step", "", "", (-radius).max(-x), radius.min(1.0 - x))).collect();
+    variables.push(Channel::limited("excess", "", "", 0.0, f64::INFINITY));
+    let constraints =
+        limits.iter().map(|c| Channel::limited("limit", "", "", f64::NEG_INFINITY, -c)).collect();
+    let mut program = Quadratic { slopes, hessian, weight, variables, constraints };
+    let excess = |d: &[f64]| {
+        let ahead = limits.iter().zip(&slopes.limits).map(|(c, row)| c + dot(row, d));
+        ahead.fold(0.0, f64::max)
+    };
+    let n = x.len();
+    let none = vec![0.0; n];
+    let mut start = none.clone();
+    start.push(excess(&none) + 0.1);
+    let options = Options {
+        tolerance: 1e-8,
+        complementarity: 1e-9,
+        iterations: 200,
+        time: Duration::from_secs(10),
+        ..Options::default()
+    };
+    let solution = solve(&mut program, &start, &options, &mut |_| ControlFlow::Continue(()));
+    if !solution.status.is_success() {
+        return None;
+    }
+    let d = solution.x[..n].to_vec();
+    let v = DVector::from_column_slice(&d);
+    let model = dot(&slopes.objective, &d) + 0.5 * v.dot(&(hessian * &v));
+    let gain = weight * (excess(&none) - excess(&d)) - model;
+    Some(Step { d, multipliers: solution.multipliers, gain })
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+impl Program for Quadratic<'_> {
+    fn variables(&self) -> &[Channel] {
+        &self.variables
+    }
+    fn constraints(&self) -> &[Channel] {
+        &self.constraints
+    }
+    fn structure(&self) -> Structure {
+        let (n, m) = (self.variables.len(), self.constraints.len());
+        Structure {
+            jacobian: (0..m).flat_map(|i| (0..n).map(move |j| (i, j))).collect(),
+            hessian: (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).collect(),
+            variable_block: vec![0; n],
+            constraint_block: vec![0; m],
+        }
+    }
+    fn evaluate(&mut self, x: &[f64], constraints: &mut [f64]) -> Result<f64, EvaluationError> {
+        let (d, excess) = (&x[..x.len() - 1], x[x.len() - 1]);
+        for (value, row) in constraints.iter_mut().zip(&self.slopes.limits) {
+            *value = dot(row, d) - excess;
+        }
+        let v = DVector::from_column_slice(d);
+        Ok(dot(&self.slopes.objective, d) + 0.5 * v.dot(&(self.hessian * &v)) + self.weight * excess)
+    }
+    fn differentiate(
+        &mut self,
+        x: &[f64],
+        weight: f64,
+        _: &[f64],
+        out: &mut Derivatives,
+    ) -> Result<(), EvaluationError> {
+        let n = x.len() - 1;
+        let curved = self.hessian * DVector::from_column_slice(&x[..n]);
+        for (i, gradient) in out.gradient[..n].iter_mut().enumerate() {
+            *gradient = self.slopes.objective[i] + curved[i];
+        }
+        out.gradient[n] = self.weight;
+        for (row, slopes) in out.jacobian.chunks_exact_mut(n + 1).zip(&self.slopes.limits) {
+            row[..n].copy_from_slice(slopes);
+            row[n] = -1.0;
+        }
+        let pairs = (0..=n).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        for (value, (i, j)) in out.hessian.iter_mut().zip(pairs) {
+            *value = if i < n { weight * self.hessian[(i, j)] } else { 0.0 };
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// min -d1 + d1^2 / 2 + 2 d2 with d1 + d2 >= 0.1 from (.5, .5).
+    #[test]
+    fn a_step_is_where_its_conditions_say() {
+        let slopes = Slopes { objective: vec![-1.0, 2.0], limits: vec![vec![-1.0, -1.0]] };
+        let hessian = DMatrix::from_row_slice(2, 2, &[10.0, 0.0, 0.0, 10.0]);
+        // Free of the limit the step is (.1, -.2); on it d = (.1 + m/10, -.2 + m/10) with the multiplier m = 1.
+        let step = step(&[0.5, 0.5], (&[0.1], &slopes), &hessian, 100.0, 0.4).unwrap();
+        assert!((step.d[0] - 0.2).abs() < 1e-6 && (step.d[1] + 0.1).abs() < 1e-6, "{:?}", step.d);
+        assert!((step.multipliers[0] - 1.0).abs() < 1e-5, "{:?}", step.multipliers);
+        // It mends the limit by .1 and costs -.2 - .2 + (.4 + .1) / 2.
+        assert!((step.gain - (10.0 + 0.4 - 0.25)).abs() < 1e-5, "{}", step.gain);
+    }
+
+    #[test]
+    fn limits_beyond_reach_are_met_as_far_as_the_radius_goes() {
+        let slopes = Slopes { objective: vec![0.0], limits: vec![vec![-1.0]] };
+        let step = step(&[0.5], (&[1.0], &slopes), &DMatrix::identity(1, 1), 100.0, 0.1).unwrap();
+        assert!((step.d[0] - 0.1).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,106 @@
+//! What `wingbeat trim` is asked.
+
+use super::search::SearchSpec;
+use serde::{Deserialize, Serialize};
+use wingbeat_flight::orbit::{Course, Free};
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_robot::Robot;
+
+/// The periodic flight that `wingbeat trim` looks for, beginning from the scenario's start and the robot's gait.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct TrimSpec {
+    /// Mean speed along the ground, m/s.
+    pub speed_m_s: f64,
+    /// Mean climb, m/s; negative descends.
+    #[serde(default)]
+    pub climb_m_s: f64,
+    /// Bank of a turn with the yaw rate g tan(bank)/V, which is its mean roll, deg; positive is right wing down. 0 flies
+    /// straight.
+    #[serde(default)]
+    pub bank_deg: f64,
+    /// What may be chosen: `frequency`, and held commands by the name of their regulator; `twist` stands for
+    /// `twist_left` and `twist_right`, which move alike in straight flight and each by itself in a turn. Straight flight takes
+    /// the first two, a turn four or more and of them the least commands that fly it.
+    pub free: Vec<String>,
+    /// Integration step at the robot's own frequency, s; a cycle keeps its number of steps.
+    #[serde(default = "step")]
+    pub step_s: f64,
+    /// Orbits along a parameter, from the one asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub family: Option<FamilySpec>,
+    /// The gait that does something best, in place of the robot's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchSpec>,
+}
+
+fn step() -> f64 {
+    5e-4
+}
+
+/// Orbits along a parameter.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct FamilySpec {
+    /// What changes: `speed_m_s`, `climb_m_s` or `bank_deg` of `trim`, or any key of the scenario that holds a number, such as
+    /// `robot.body.mass_kg`.
+    pub along: String,
+    /// Its value in the last orbit, in the unit of the key.
+    pub to: f64,
+    /// Number of orbits after the first.
+    pub steps: usize,
+}
+
+ranges!(TrimSpec {
+    speed_m_s: Range::between(0.1, 100.0),
+    climb_m_s: Range::between(-50.0, 50.0),
+    bank_deg: Range::inside(-80.0, 80.0),
+    step_s: Range::over(0.0, 0.01),
+});
+ranges!(FamilySpec { to: Range::between(-1e9, 1e9), steps: Range::between(1.0, 1000.0) });
+
+impl TrimSpec {
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        if let Some(family) = &self.family {
+            family.in_range().map_err(|e| e.within("family"))?;
+        }
+        let Some(search) = &self.search else { return Ok(()) };
+        search.check().map_err(|e| e.within("search"))?;
+        if self.bank_deg != 0.0 {
+            let allowed = "0: gaits are searched in straight flight";
+            return Err(Error::invalid("bank_deg", self.bank_deg, allowed).against(["search"]));
+        }
+        Ok(())
+    }
+
+    /// The course asked.
+    pub(super) fn course(&self) -> Course {
+        Course { speed: self.speed_m_s, climb: self.climb_m_s, bank: self.bank_deg.to_radians() }
+    }
+
+    /// What is free: in straight flight the first two, of which pairs move alike; in a turn all, each by itself.
+    pub(super) fn free(&self, robot: &Robot, turning: bool) -> Result<Vec<Free>, Error> {
+        let mut all = Vec::new();
+        let names = if turning { self.free.len() } else { self.free.len().min(2) };
+        for (i, name) in self.free[..names].iter().enumerate() {
+            let key = format!("trim.free[{i}]");
+            if self.free[..i].contains(name) {
+                return Err(Error::invalid(key, format!("{name:?}"), "each name once"));
+            }
+            all.extend(
+                Free::named(robot, name, turning)
+                    .ok_or_else(|| Error::invalid(key, format!("{name:?}"), Free::names(robot).join(", ")))?,
+            );
+        }
+        let needed = if turning { 4 } else { 2 };
+        if all.len() < needed || (!turning && all.len() != needed) {
+            let allowed = if turning { "four numbers or more for a turn" } else { "two for straight flight" };
+            return Err(Error::invalid("trim.free", format!("{:?}", self.free), allowed));
+        }
+        Ok(all)
+    }
+}

@@ -1,0 +1,207 @@
+//! `summary.json` of a trimmed flight.
+
+use super::search::SearchSummary;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use wingbeat_flight::orbit::{Cycle, Found, Measures, Mode, Modes, SKIN};
+use wingbeat_math::GRAVITY;
+use wingbeat_ocp::plant::Plant;
+use wingbeat_robot::Robot;
+
+/// A Floquet multiplier and its mode.
+#[derive(Clone, Debug, Serialize)]
+pub struct Multiplier {
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+    /// Magnitude: by what a small disturbance grows over a cycle.
+    pub size: f64,
+    /// Rate of growth, 1/s.
+    pub growth_per_s: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// `longitudinal`, `lateral`, or of a turn `coupled`.
+    pub sector: &'static str,
+    /// Coordinate with the largest share of the mode; `heading` for the neutral one.
+    pub label: String,
+}
+
+impl From<&Mode> for Multiplier {
+    fn from(mode: &Mode) -> Self {
+        Self {
+            re: mode.multiplier[0],
+            im: mode.multiplier[1],
+            size: mode.size(),
+            growth_per_s: mode.growth,
+            frequency_hz: mode.frequency,
+            sector: mode.sector.name(),
+            label: mode.label.clone(),
+        }
+    }
+}
+
+/// `summary.json` of `wingbeat trim`. What an orbit alone can tell is missing where none was found.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct TrimSummary {
+    /// `ok`; `not_found`; or `limits_missed` where no gait of a search keeps to its limits.
+    pub status: &'static str,
+    /// Why no orbit was found.
+    pub reason: Option<String>,
+    /// Frequency of the gait, Hz.
+    pub frequency_hz: Option<f64>,
+    /// Mean speed, m/s.
+    pub speed_m_s: f64,
+    /// Mean climb, m/s.
+    pub climb_m_s: f64,
+    /// Bank that the rate of turn asks for, deg.
+    pub bank_deg: f64,
+    /// Rate of the heading, rad/s, positive to the left.
+    pub yaw_rate_rad_s: f64,
+    /// Mean upward force of the air over the weight.
+    pub lift_over_weight: Option<f64>,
+    /// Mean force of the air across the plane of symmetry over the weight, positive to the left; a coordinated turn has none.
+    pub side_force_over_weight: Option<f64>,
+    /// Mean of the positive part of the total power of the driven joints, W.
+    pub power_w: Option<f64>,
+    /// That over the mass, W/kg.
+    pub power_w_kg: Option<f64>,
+    /// Sum over the driven joints of the means of their positive powers over the mass, W/kg.
+    pub separate_power_w_kg: Option<f64>,
+    /// Mean power with its negative part over the mass, W/kg.
+    pub net_power_w_kg: Option<f64>,
+    /// Mean power of the twist joints, W.
+    pub twist_power_w: Option<f64>,
+    /// Mean power of the regulators, W.
+    pub regulator_power_w: Option<f64>,
+    /// Frequency times the vertical way of the tip against the body over the speed.
+    pub strouhal: Option<f64>,
+    /// Share of U^2 c dy dt beyond 12 deg of incidence.
+    pub stall_fraction_12: Option<f64>,
+    /// The same beyond 20 deg.
+    pub stall_fraction_20: Option<f64>,
+    /// Share of strips and time beyond 12 and 20 deg, all strips alike.
+    pub stalled_strips: Option<[f64; 2]>,
+    /// Mean share of separated flow, weighted by U^2 c dy.
+    pub separated_fraction: Option<f64>,
+    /// Mean share of the leading edge's suction that law `lev` takes away, weighted alike.
+    pub suction_lost_fraction: Option<f64>,
+    /// Least of all clearances over the cycle, m.
+    pub least_clearance_m: Option<f64>,
+    /// Mean roll, deg; positive is right wing down.
+    pub roll_mean_deg: Option<f64>,
+    /// Mean pitch, deg; negative is nose up.
+    pub pitch_mean_deg: Option<f64>,
+    /// Half of the swing of the pitch, deg.
+    pub pitch_half_amplitude_deg: Option<f64>,
+    /// Vertical swing of the body origin, peak to peak, m.
+    pub heave_m: Option<f64>,
+    /// Held commands, in the unit of the regulator.
+    pub commands: BTreeMap<String, f64>,
+    /// Floquet multipliers, the largest first.
+    pub multipliers: Vec<Multiplier>,
+    /// Largest |multiplier| without the heading's.
+    pub largest_multiplier: Option<f64>,
+    /// Largest derivative that leads from flight in the plane of symmetry out of it, or back; straight flight only.
+    pub sector_coupling: Option<f64>,
+    /// Whether no multiplier but the heading's exceeds 1.
+    pub stable: Option<bool>,
+    /// Largest condition missed, in SI units.
+    pub residual: Option<f64>,
+    /// Iterations of Newton's method.
+    pub iterations: Option<usize>,
+    /// Runge-Kutta steps of a cycle.
+    pub steps: usize,
+    /// Wall time of recoil start and Newton's method, s.
+    pub search_s: f64,
+    /// Aerodynamic preset.
+    pub aero_preset: String,
+    /// Lift law.
+    pub lift_law: String,
+    /// Orbits of the family, the first included.
+    pub family_orbits: Option<usize>,
+    /// Why the family ended before its last orbit.
+    pub family_ended: Option<String>,
+    /// What the search of its gait came to.
+    pub search: Option<SearchSummary>,
+    /// What the orbit needs that lies outside of what the model was tested for, or that no wing can do.
+    pub outside: Vec<String>,
+}
+
+/// Share of the wing beyond 12 deg at which an orbit counts as outside of the lift laws: choice.
+const STALLED: f64 = 0.5;
+
+impl TrimSummary {
+    /// Fills in what the orbit tells.
+    pub(super) fn found(&mut self, cycle: &Cycle, found: &Found, measures: &Measures, modes: &Modes) {
+        let mass = cycle.robot().mass();
+        let orbit = &found.orbit;
+        self.status = "ok";
+        self.frequency_hz = Some(1.0 / orbit.end.duration);
+        self.lift_over_weight = Some(measures.lift_over_weight);
+        self.side_force_over_weight = Some(measures.side_force_over_weight);
+        self.power_w = Some(measures.power);
+        self.power_w_kg = Some(measures.power / mass);
+        self.separate_power_w_kg = Some(measures.separate_power / mass);
+        self.net_power_w_kg = Some(measures.net_power / mass);
+        self.twist_power_w = Some(measures.twist_power);
+        self.regulator_power_w = Some(measures.regulator_power);
+        self.strouhal = Some(measures.strouhal);
+        [self.stall_fraction_12, self.stall_fraction_20] = measures.stalled.map(Some);
+        self.stalled_strips = Some(measures.stalled_strips);
+        [self.separated_fraction, self.suction_lost_fraction] = measures.separated.map(Some);
+        self.least_clearance_m = measures.least_clearance;
+        [self.roll_mean_deg, self.pitch_mean_deg] = measures.mean_angles.map(|a| Some(a.to_degrees()));
+        let [low, high] = measures.pitch;
+        self.pitch_half_amplitude_deg = Some(0.5 * (high - low).to_degrees());
+        self.heave_m = Some(measures.heave);
+        let inputs = cycle.robot().inputs().iter().zip(&orbit.point.inputs);
+        self.commands = inputs.map(|(channel, value)| (channel.name.clone(), *value)).collect();
+        self.multipliers = modes.modes.iter().map(Multiplier::from).collect();
+        self.largest_multiplier = Some(modes.largest());
+        self.sector_coupling = (!orbit.course.turns()).then_some(modes.coupling);
+        self.stable = Some(modes.stable());
+        self.residual = Some(found.residual);
+        self.iterations = Some(found.iterations);
+        self.outside = outside(measures, orbit.course.speed, hover_wash(cycle.robot()));
+    }
+}
+
+/// The wash below a hovering robot, m/s, by momentum theory: sqrt(m g / (2 rho A)), A the circle of the span of its widest surface
+/// (Leishman 2006, Principles of Helicopter Aerodynamics, 2.2).
+///
+/// Equation: trim.hover_wash
+fn hover_wash(robot: &Robot) -> Option<f64> {
+    let widths = robot.surfaces().filter_map(|(_, aero)| {
+        let numbers = aero.numbers();
+        Some((numbers.outline.as_ref()?.half_span(), numbers.density))
+    });
+    let (half_span, density) = widths.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((robot.mass() * GRAVITY / (2.0 * density * PI * half_span * half_span)).sqrt())
+}
+
+fn outside(measures: &Measures, speed: f64, wash: Option<f64>) -> Vec<String> {
+    let mut reasons = Vec::new();
+    if let Some(wash) = wash.filter(|wash| speed < *wash) {
+        reasons.push(format!(
+            "{speed:.2} m/s is slower than the wash of {wash:.2} m/s that carries its weight in hover: the wake has no stream to leave by"
+        ));
+    }
+    let [beyond, _] = measures.stalled;
+    if beyond > STALLED {
+        let share = 100.0 * beyond;
+        reasons
+            .push(format!("{share:.0} % of U^2 c dy beyond 12 deg: no lift law was tested so far in stall"));
+    }
+    if let Some(least) = measures.least_clearance
+        && least < SKIN
+    {
+        reasons.push(format!(
+            "clearance {:.1} mm, {:.0} mm of skin not taken off: the wings touch",
+            1e3 * least,
+            1e3 * SKIN
+        ));
+    }
+    reasons
+}

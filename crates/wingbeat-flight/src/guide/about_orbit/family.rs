@@ -1,0 +1,285 @@
+//! Orbits along the legs of a flight, as references, and the feedback about them.
+
+use super::feedback::{CostToGo, Feedback, MeanPath, OFF_PATH};
+use super::predictive::PredictiveSpec;
+use super::schedule::{Place, Schedule, Stretch};
+use super::spec::AboutOrbitSpec;
+use crate::orbit::{
+    Course, Cycle, Deviations, Failure, Found, Free, PARTS, Point, Section, intervals, search, search_from,
+};
+use nalgebra::DMatrix;
+use std::ops::ControlFlow;
+use wingbeat_math::Error;
+use wingbeat_math::interpolation::lerp;
+use wingbeat_math::parallel;
+use wingbeat_ocp::plant::{Fault, Plant};
+
+/// Phases of a cycle at which the feedback is made.
+pub const PHASES: usize = PARTS;
+/// Largest steps from orbit to orbit: of the bank, rad, of speed and climb, m/s.
+const BANK_STEP: f64 = 0.05;
+const SPEED_STEP: f64 = 0.1;
+/// Orbits from one whose feedback is made to the next.
+const SPARSE: usize = 6;
+/// Guess of the mean pitch, rad.
+const PITCH: f64 = -0.2;
+
+/// An orbit as a reference: what may deviate, at every step of a cycle, and the commands held. Heights are those above
+/// the mean path.
+struct Reference {
+    steps: Vec<Vec<f64>>,
+    /// How far it is off its mean path over the ground at every step.
+    off_path: Vec<[f64; OFF_PATH]>,
+    commands: Vec<f64>,
+}
+
+/// What is asked at a phase.
+#[derive(Clone, Debug)]
+pub(super) struct Asked {
+    /// What may deviate.
+    pub numbers: Vec<f64>,
+    pub commands: Vec<f64>,
+    /// Off the mean path: ahead, to its left, m, heading, rad.
+    pub off_path: [f64; OFF_PATH],
+}
+
+/// The references of a stretch in its order, and the shares of it at which there is feedback.
+struct Way {
+    references: Vec<usize>,
+    feedback: Vec<(f64, usize)>,
+}
+
+/// Orbits and feedback.
+pub(super) struct Family {
+    references: Vec<Reference>,
+    feedback: Vec<Feedback>,
+    ways: Vec<Way>,
+    /// State at phase 0 of the first orbit.
+    start: Vec<f64>,
+}
+
+/// Two of a list and how far from the one to the other.
+struct Between(usize, usize, f64);
+
+/// What is found of the ways before the references are made.
+struct Search<'a> {
+    cycle: &'a Cycle<'a>,
+    straight: Vec<Free>,
+    turning: Vec<Free>,
+    found: Vec<Found>,
+    ways: Vec<Vec<usize>>,
+}
+
+impl Search<'_> {
+    /// The first orbit, in straight flight.
+    fn first(&mut self, course: &Course) -> Result<(), Failure> {
+        let robot = self.cycle.robot();
+        let mut z = vec![0.0; self.cycle.section().len()];
+        (z[Section::VELOCITY.start], z[Section::PITCH]) = (course.speed, PITCH);
+        let joints = robot.start_coordinates();
+        z[Section::BODY..][..joints.len()].copy_from_slice(&joints);
+        let guess = Point { z, pace: 1.0, inputs: vec![0.0; robot.inputs().len()] };
+        let found = search(self.cycle, course, &self.straight, guess, &mut go_on)?;
+        self.take(found)?;
+        Ok(())
+    }
+
+    /// The orbits along `stretch`, from the last that was found.
+    fn along(&mut self, schedule: &Schedule, stretch: &Stretch) -> Result<(), Failure> {
+        if let Some(back) = schedule.back(stretch).filter(|&back| back < self.ways.len()) {
+            let way = self.ways[back].iter().rev().copied().collect();
+            self.ways.push(way);
+            return Ok(());
+        }
+        let last = self.ways.last().filter(|_| !schedule.fan);
+        let begin = last.map_or(0, |way| way[way.len() - 1]);
+        let (from, to) = (stretch.from, stretch.to);
+        let steps = [
+            (to.bank - from.bank).abs() / BANK_STEP,
+            (to.speed - from.speed).abs() / SPEED_STEP,
+            (to.climb - from.climb).abs() / SPEED_STEP,
+        ];
+        let count = steps.into_iter().fold(1.0, f64::max).ceil() as usize;
+        let mut way = vec![begin];
+        for k in 1..=count {
+            let share = k as f64 / count as f64;
+            let course = Course {
+                speed: lerp(from.speed, to.speed, share),
+                climb: lerp(from.climb, to.climb, share),
+                bank: lerp(from.bank, to.bank, share),
+            };
+            let free = if course.turns() { &self.turning } else { &self.straight };
+            let last = &self.found[way[k - 1]].orbit.point;
+            // The secant of the last two orbits predicts the next; the first step out of straight flight has none.
+            let before = (k > 1).then(|| &self.found[way[k - 2]].orbit.point);
+            let guess = before.map_or_else(|| last.clone(), |before| last.beyond(before, 1.0));
+            let next = search_from(self.cycle, &course, free, guess, &mut go_on)
+                .or_else(|_| search_from(self.cycle, &course, free, last.clone(), &mut go_on))?;
+            way.push(self.take(next)?);
+        }
+        self.ways.push(way);
+        Ok(())
+    }
+
+    /// Keeps an orbit whose crank can be paced.
+    fn take(&mut self, found: Found) -> Result<usize, Failure> {
+        if let Some((input, value)) = self.cycle.pacing(found.orbit.point.pace) {
+            let channel = &self.cycle.robot().inputs()[input];
+            let (low, high) = (channel.low, channel.high);
+            if !(value >= low && value <= high) {
+                let (name, unit) = (channel.name.clone(), channel.unit);
+                return Err(Failure::Range { name, value, unit, low, high });
+            }
+        }
+        self.found.push(found);
+        Ok(self.found.len() - 1)
+    }
+}
+
+fn go_on(_: usize, _: f64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+impl Family {
+    /// Orbits along `schedule`, and feedback by `inputs` about every few of them.
+    pub fn new(
+        spec: &AboutOrbitSpec,
+        cycle: &Cycle,
+        schedule: &Schedule,
+        inputs: &[usize],
+    ) -> Result<Self, Error> {
+        let robot = cycle.robot();
+        let (straight, turning) = (spec.free(robot, false)?, spec.free(robot, true)?);
+        let mut search = Search { cycle, straight, turning, found: Vec::new(), ways: Vec::new() };
+        let none = |key: &str| {
+            let key = key.to_string();
+            move |failure: Failure| {
+                Error::invalid(key, failure, "a flight of which the gait has an orbit, with what is free")
+            }
+        };
+        search.first(&schedule.first).map_err(none("speed_m_s"))?;
+        for (i, stretch) in schedule.stretches.iter().enumerate() {
+            search.along(schedule, stretch).map_err(none(&format!("legs[{i}]")))?;
+        }
+        let Search { found, ways, .. } = search;
+        let broken = |fault: Fault| Error::invalid("", fault, "orbits that can be flown");
+        let deviations = Deviations::new(cycle);
+        let references = found.iter().map(|found| Reference::new(cycle, &deviations, found));
+        let references = references.collect::<Result<Vec<_>, _>>().map_err(broken)?;
+        let mut about: Vec<usize> = ways.iter().flat_map(|way| sparse(way).map(|(_, orbit)| orbit)).collect();
+        about.push(0);
+        about.sort_unstable();
+        about.dedup();
+        let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
+        let made = parallel::map(&about, |_, &orbit| {
+            let orbit = &found[orbit].orbit;
+            let intervals = intervals(cycle, &orbit.point, PHASES, inputs)?;
+            let coordinates = cycle.section().len();
+            let path = spec.predictive.as_ref().and_then(PredictiveSpec::path);
+            Ok(Feedback::new(&spec.weights, path, &intervals, coordinates, &limits, orbit.end.duration))
+        });
+        let missing = || Error::invalid("weights", "given", "weights with which the feedback settles");
+        let feedback = made
+            .into_iter()
+            .map(|made| made.map_err(broken).and_then(|feedback| feedback.ok_or_else(missing)))
+            .collect::<Result<Vec<_>, _>>()?;
+        let place = |orbit: usize| about.partition_point(|other| *other < orbit);
+        let ways = ways.iter().map(|way| Way {
+            references: way.clone(),
+            feedback: sparse(way).map(|(share, orbit)| (share, place(orbit))).collect(),
+        });
+        let start = cycle.start(&found[0].orbit.point);
+        Ok(Self { references, feedback, ways: ways.collect(), start })
+    }
+
+    /// The state at phase 0 of the orbit of the begin.
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// The reference at `place` and `cycles` of the gait's phase.
+    pub fn asked(&self, place: Option<Place>, cycles: f64) -> Asked {
+        let Between(one, other, between) = self.between(place);
+        let (one, other) = (&self.references[one], &self.references[other]);
+        let step = cycles.rem_euclid(1.0) * (one.steps.len() - 1) as f64;
+        let i = (step as usize).min(one.steps.len() - 2);
+        let share = step - i as f64;
+        let at = |orbit: &Reference, j: usize| lerp(orbit.steps[i][j], orbit.steps[i + 1][j], share);
+        let off = |orbit: &Reference, j: usize| lerp(orbit.off_path[i][j], orbit.off_path[i + 1][j], share);
+        let numbers = (0..one.steps[0].len()).map(|j| lerp(at(one, j), at(other, j), between)).collect();
+        let commands = one.commands.iter().zip(&other.commands).map(|(a, b)| lerp(*a, *b, between)).collect();
+        Asked {
+            numbers,
+            commands,
+            off_path: std::array::from_fn(|j| lerp(off(one, j), off(other, j), between)),
+        }
+    }
+
+    /// The orbits on both sides of `place`.
+    fn between(&self, place: Option<Place>) -> Between {
+        let Some(Place { stretch, share }) = place else { return Between(0, 0, 0.0) };
+        let way = &self.ways[stretch].references;
+        let at = share * (way.len() - 1) as f64;
+        let k = (at as usize).min(way.len() - 2);
+        Between(way[k], way[k + 1], at - k as f64)
+    }
+
+    /// The feedback there, linear between the orbits about which it was made.
+    pub fn gain(&self, place: Option<Place>, cycles: f64) -> DMatrix<f64> {
+        match self.made(place) {
+            (one, None) => one.at(cycles),
+            (one, Some((other, share))) => one.at(cycles) * (1.0 - share) + other.at(cycles) * share,
+        }
+    }
+
+    /// The cost of deviations from there on, likewise.
+    pub fn cost(&self, place: Option<Place>, cycles: f64) -> CostToGo {
+        match self.made(place) {
+            (one, None) => one.cost(cycles),
+            (one, Some((other, share))) => one.cost(cycles).towards(other.cost(cycles), share),
+        }
+    }
+
+    /// Feedback about an orbit at `place`, or before it and after it with how far it is from the one to the other.
+    fn made(&self, place: Option<Place>) -> (&Feedback, Option<(&Feedback, f64)>) {
+        let Some(Place { stretch, share }) = place else { return (&self.feedback[0], None) };
+        let made = &self.ways[stretch].feedback;
+        let k = made.partition_point(|(at, _)| *at <= share).clamp(1, made.len() - 1);
+        let ((from, one), (to, other)) = (made[k - 1], made[k]);
+        (&self.feedback[one], Some((&self.feedback[other], (share - from) / (to - from))))
+    }
+}
+
+/// Every few orbits of a way, the first and the last too, with their shares of it.
+fn sparse(way: &[usize]) -> impl Iterator<Item = (f64, usize)> {
+    let steps = way.len() - 1;
+    let parts = steps.div_ceil(SPARSE);
+    (0..=parts).map(move |i| {
+        let k = i * steps / parts;
+        (k as f64 / steps as f64, way[k])
+    })
+}
+
+impl Reference {
+    fn new(cycle: &Cycle, deviations: &Deviations, found: &Found) -> Result<Self, Fault> {
+        let (point, climb) = (&found.orbit.point, found.orbit.course.climb);
+        let (mut steps, mut ground) = (Vec::with_capacity(cycle.steps() + 1), Vec::new());
+        let mut add = |t: f64, x: &[f64]| {
+            let mut s = vec![0.0; deviations.len()];
+            let (heading, place) = (deviations.of(x, &mut s), deviations.position());
+            ground.push([x[place], x[place + 1], heading]);
+            s[Deviations::HEIGHT] -= climb * t;
+            steps.push(s);
+        };
+        add(0.0, &cycle.start(point));
+        cycle.fly(&point.z, point.pace, &point.inputs, |_, t, x| {
+            add(t, x);
+            Ok(())
+        })?;
+        let mut commands = point.inputs.clone();
+        if let Some((input, value)) = cycle.pacing(point.pace) {
+            commands[input] = value;
+        }
+        Ok(Self { steps, off_path: MeanPath::new(&ground).off, commands })
+    }
+}

@@ -1,0 +1,292 @@
+//! Periodic feedback about an orbit.
+
+use super::spec::OrbitWeights;
+use crate::orbit::{Deviations, Interval};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use wingbeat_math::interpolation::lerp;
+
+/// Cycles after which the feedback of an orbit must have settled.
+const CYCLES: usize = 80;
+/// Change of the feedback over a cycle at which it has, relative.
+const SETTLED: f64 = 1e-5;
+/// Place of the integral of the height in the state of the regulator, and from which on the deviations are.
+pub const INTEGRAL: usize = 0;
+pub const DEVIATIONS: usize = 1;
+/// Share of itself that is added to the cost of each deviation alone, so that rounding leaves the costs a root.
+const ROUNDING: f64 = 1e-10;
+
+/// Numbers of the state of a regulator that knows a path: after the deviations come what is missing along the path,
+/// what is off to its left, m, and the heading off that of the orbit along the path, rad.
+pub const OFF_PATH: usize = 3;
+
+/// A matrix at each phase, linear in between.
+#[derive(Clone, Debug)]
+struct Periodic(Vec<DMatrix<f64>>);
+
+/// Commands by deviations, the integral of the height first, and the least cost from deviations on.
+#[derive(Clone, Debug)]
+pub(super) struct Feedback {
+    gains: Periodic,
+    roots: Periodic,
+    interval: f64,
+}
+
+/// The cost of deviations from an orbit until they are gone: |L' s|^2.
+pub(super) struct CostToGo {
+    /// L.
+    pub root: DMatrix<f64>,
+    /// Time between the updates over which the regulator sums its cost, s.
+    pub interval: f64,
+}
+
+impl Feedback {
+    /// Equation: guide.periodic_regulator
+    ///
+    /// Feedback K_k at each phase that minimises sum s' Q s + u' R u over all time: backwards over cycles
+    /// K = (R + B'PB)^-1 B'PA, P = Q + A'P(A - B K) until K is the same a cycle earlier; `None` where it does not settle. The
+    /// state is the integral of the height before the deviations, of which `coordinates` after the height are those of an
+    /// orbit; `limits` are those of the commands and `duration` is that of a cycle. The states of air and elastic joints
+    /// take part in the prediction and are left out of the feedback: they are not measured. With a `path` place and heading
+    /// beside it are part of the state, and its distances along and across cost as much as a full command each.
+    pub fn new(
+        w: &OrbitWeights,
+        path: Option<[f64; 2]>,
+        all: &[Interval],
+        coordinates: usize,
+        limits: &[f64],
+        duration: f64,
+    ) -> Option<Self> {
+        let (deviating, m) = (all[0].a.nrows(), limits.len());
+        let beside = DEVIATIONS + deviating;
+        let n = beside + path.map_or(0, |_| OFF_PATH);
+        let mut cost = vec![0.0; n];
+        cost[INTEGRAL] = w.height_integral_m_s.powi(-2);
+        for (cost, size) in cost[DEVIATIONS..].iter_mut().zip(w.sizes()) {
+            *cost = size.powi(-2);
+        }
+        for (cost, size) in cost[beside..].iter_mut().zip(path.unwrap_or_default()) {
+            *cost = size.powi(-2);
+        }
+        let q = DMatrix::from_diagonal(&cost.into());
+        let r = DMatrix::from_diagonal(&limits.iter().map(|l| l.powi(-2)).collect::<Vec<_>>().into());
+        let interval = duration / all.len() as f64;
+        let mean = MeanPath::of(all);
+        let augmented = all.iter().enumerate().map(|(k, i)| {
+            let (mut a, mut b) = (DMatrix::zeros(n, n), DMatrix::zeros(n, m));
+            let at = DEVIATIONS;
+            (a[(INTEGRAL, INTEGRAL)], a[(INTEGRAL, at + Deviations::HEIGHT)]) = (1.0, interval);
+            a.view_mut((at, at), (deviating, deviating)).copy_from(&i.a);
+            b.view_mut((at, 0), (deviating, m)).copy_from(&i.b);
+            if path.is_some() {
+                let (own, by_rest) = mean.beside(i, k);
+                a.view_mut((beside, beside), (OFF_PATH, OFF_PATH)).copy_from(&own);
+                a.view_mut((beside, at), (OFF_PATH, deviating)).copy_from(&(by_rest * &i.ground_a));
+                b.view_mut((beside, 0), (OFF_PATH, m)).copy_from(&(by_rest * &i.ground_b));
+            }
+            (a, b)
+        });
+        let augmented: Vec<_> = augmented.collect();
+        let mut p = q.clone();
+        let mut gains: Vec<DMatrix<f64>> = vec![DMatrix::zeros(m, n); all.len()];
+        let mut costs = gains.clone();
+        for _ in 0..CYCLES {
+            let mut change: f64 = 0.0;
+            for (k, (a, b)) in augmented.iter().enumerate().rev() {
+                let pb = &p * b;
+                let gain = (&r + b.transpose() * &pb).cholesky()?.solve(&(pb.transpose() * a));
+                change = change.max((&gain - &gains[k]).amax() / gain.amax());
+                p = &q + a.transpose() * &p * (a - b * &gain);
+                p = (&p + p.transpose()) * 0.5;
+                gains[k] = gain;
+                costs[k].clone_from(&p);
+            }
+            if change < SETTLED {
+                let body = DEVIATIONS + Deviations::BODY;
+                for gain in &mut gains {
+                    (body..DEVIATIONS + 1 + coordinates).for_each(|column| gain.column_mut(column).fill(0.0));
+                }
+                let roots = costs.into_iter().map(root).collect::<Option<_>>()?;
+                return Some(Self { gains: Periodic(gains), roots: Periodic(roots), interval });
+            }
+        }
+        None
+    }
+
+    /// Commands by deviations at `cycles` of the gait's phase.
+    pub fn at(&self, cycles: f64) -> DMatrix<f64> {
+        self.gains.at(cycles)
+    }
+
+    /// The cost of deviations there.
+    pub fn cost(&self, cycles: f64) -> CostToGo {
+        CostToGo { root: self.roots.at(cycles), interval: self.interval }
+    }
+}
+
+impl CostToGo {
+    /// The share `share` of the way from this one to `other`.
+    pub fn towards(self, other: Self, share: f64) -> Self {
+        Self {
+            root: self.root * (1.0 - share) + other.root * share,
+            interval: lerp(self.interval, other.interval, share),
+        }
+    }
+}
+
+impl Periodic {
+    /// That at `cycles` of the gait's phase, linear between phases.
+    fn at(&self, cycles: f64) -> DMatrix<f64> {
+        let phase = cycles.rem_euclid(1.0) * self.0.len() as f64;
+        let k = (phase as usize).min(self.0.len() - 1);
+        let share = phase - k as f64;
+        &self.0[k] * (1.0 - share) + &self.0[(k + 1) % self.0.len()] * share
+    }
+}
+
+/// L of P = L L' for a P without negative eigenvalues.
+fn root(mut p: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    for i in 0..p.nrows() {
+        p[(i, i)] += p[(i, i)] * ROUNDING + f64::MIN_POSITIVE;
+    }
+    p.cholesky().map(|factor| factor.unpack())
+}
+
+/// The mean path of an orbit over the ground: an arc of a circle.
+pub(super) struct MeanPath {
+    /// At equal parts of a cycle how far the orbit is ahead along it, to its left, m, and heads off it, rad.
+    pub off: Vec<[f64; OFF_PATH]>,
+    /// Left positive, 1/m.
+    curvature: f64,
+}
+
+impl MeanPath {
+    /// From places over the ground and headings at equal parts of a cycle. A chord heads half as far from either end of its
+    /// arc as that turns; the mean over the cycle is neither ahead nor beside.
+    pub fn new(orbit: &[[f64; OFF_PATH]]) -> Self {
+        let parts = orbit.len() - 1;
+        let ([x, y, first], [end_x, end_y, last]) = (orbit[0], orbit[parts]);
+        let (turned, chord) = (last - first, (end_x - x).hypot(end_y - y));
+        let begin = (end_y - y).atan2(end_x - x) - 0.5 * turned;
+        let curvature = 2.0 * (0.5 * turned).sin() / chord;
+        // The length of a chord that turns by an angle, as a share of the arc's.
+        let shorter = |turned: f64| if turned == 0.0 { 1.0 } else { (0.5 * turned).sin() / (0.5 * turned) };
+        let arc = chord / shorter(turned);
+        let off = |(k, [at_x, at_y, heading]): (usize, &[f64; OFF_PATH])| {
+            let share = k as f64 / parts as f64;
+            let (course, chord) = (begin + turned * share, arc * share * shorter(turned * share));
+            let (sin, cos) = (begin + 0.5 * turned * share).sin_cos();
+            let (x, y) = (at_x - x - chord * cos, at_y - y - chord * sin);
+            let (sin, cos) = course.sin_cos();
+            [x * cos + y * sin, y * cos - x * sin, heading - course]
+        };
+        let mut off: Vec<_> = orbit.iter().enumerate().map(off).collect();
+        for axis in 0..2 {
+            let mean = off[..parts].iter().map(|off| off[axis]).sum::<f64>() / parts as f64;
+            off.iter_mut().for_each(|off| off[axis] -= mean);
+        }
+        Self { off, curvature }
+    }
+
+    fn of(all: &[Interval]) -> Self {
+        let mut orbit = vec![[0.0; OFF_PATH]];
+        for interval in all {
+            let ([dx, dy, turned], [x, y, heading]) = (interval.ground, orbit[orbit.len() - 1]);
+            let (sin, cos) = f64::sin_cos(heading);
+            orbit.push([x + dx * cos - dy * sin, y + dx * sin + dy * cos, heading + turned]);
+        }
+        Self::new(&orbit)
+    }
+
+    /// How far it heads off its mean path at the part `k`.
+    fn heads(&self, k: usize) -> f64 {
+        self.off[k][OFF_PATH - 1]
+    }
+
+    /// Equation: guide.off_path
+    ///
+    /// What is missing along the path, what is off to its left and the heading off it after the interval `k`: by the same
+    /// before it, and by place and heading in heading axes of its begin that deviations and commands add. In axes that go
+    /// with the orbit, p' = C (p + B (e (-y, x) + dp)), e' = e + de, with B from heading axes to those of the path and C by what
+    /// the path turns; beside the path at an arc a further on, e is the heading off the path there and its curvature times a.
+    fn beside(&self, interval: &Interval, k: usize) -> (Matrix3<f64>, Matrix3<f64>) {
+        let [x, y, turned] = interval.ground;
+        let turn = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+        };
+        let turned = turned - (self.heads(k + 1) - self.heads(k));
+        let (mut to_orbit, mut to_path) = (Matrix3::identity(), Matrix3::identity());
+        (to_orbit[(2, 0)], to_path[(2, 0)]) = (self.curvature, -self.curvature);
+        let (back, aside) = (to_path * turn(-turned), turn(self.heads(k)));
+        let mut own = Matrix3::identity();
+        own.set_column(2, &(aside * Vector3::new(-y, x, 1.0)));
+        (back * own * to_orbit, back * aside)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A body that goes on circles of its own, its heading off its course by a swing; how it is beside the first of them.
+    #[test]
+    fn what_is_off_a_path_grows_as_it_does_beside_a_circle() {
+        let (parts, turn, chord) = (4, 0.3, 0.2);
+        let curvature = 2.0 * (0.5 * turn * parts as f64).sin() / {
+            // The chord of all parts.
+            chord * (0.5 * turn * parts as f64).sin() / f64::sin(0.5 * turn)
+        };
+        // Where the body heads off its course at the begins of the parts.
+        let off = |k: usize| [0.1, 0.25, -0.05, 0.15][k % 4];
+        let interval = |k: usize| {
+            let course = 0.5 * turn - off(k);
+            Interval {
+                a: DMatrix::zeros(0, 0),
+                b: DMatrix::zeros(0, 0),
+                ground: [chord * course.cos(), chord * course.sin(), turn + off(k + 1) - off(k)],
+                ground_a: DMatrix::zeros(3, 0),
+                ground_b: DMatrix::zeros(3, 0),
+            }
+        };
+        let all: Vec<_> = (0..parts).map(interval).collect();
+        let mean = MeanPath::of(&all);
+        assert!((mean.curvature - curvature).abs() < 1e-12);
+        let radius = 1.0 / curvature;
+        for k in 0..parts {
+            assert!(mean.off[k][0].abs() < 1e-12 && mean.off[k][1].abs() < 1e-12, "on a circle itself");
+            assert!((mean.heads(k) - off(k)).abs() < 1e-12);
+            let (own, _) = mean.beside(&all[k], k);
+            // Of a body beside a circle about the origin that is passed at angle 0 as the interval begins.
+            let after = |[along, cross, heading]: [f64; 3]| {
+                let angle = along / radius;
+                let course = angle + 0.5 * std::f64::consts::PI;
+                let [x, y, turned] = all[k].ground;
+                let (sin, cos) = f64::sin_cos(course + off(k) + heading);
+                let out = radius - cross;
+                let place = [out * angle.cos() + x * cos - y * sin, out * angle.sin() + x * sin + y * cos];
+                let angle = place[1].atan2(place[0]);
+                let heading = course + off(k) + heading + turned;
+                let course = angle + 0.5 * std::f64::consts::PI;
+                [angle * radius, radius - place[0].hypot(place[1]), heading - course - off(k + 1)]
+            };
+            let still = after([0.0; 3]);
+            assert!((still[0] - turn * radius).abs() < 1e-12 && still[1].abs() < 1e-12, "{still:?}");
+            for j in 0..OFF_PATH {
+                let mut begin = [0.0; OFF_PATH];
+                begin[j] = 1e-6;
+                let end = after(begin);
+                for i in 0..OFF_PATH {
+                    let slope = (end[i] - still[i]) / 1e-6;
+                    assert!((slope - own[(i, j)]).abs() < 1e-5, "{k}: {i} by {j}: {slope} {}", own[(i, j)]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_without_rank_has_a_root() {
+        let p = DMatrix::from_row_slice(3, 3, &[4.0, 2.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+        let root = root(p.clone()).unwrap();
+        assert!((&root * root.transpose() - p).amax() < 1e-8);
+    }
+}

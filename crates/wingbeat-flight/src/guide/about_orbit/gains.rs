@@ -1,0 +1,63 @@
+//! The feedback that holds an orbit, as a table.
+
+use super::family::PHASES;
+use super::feedback::{DEVIATIONS, Feedback};
+use super::spec::OrbitWeights;
+use crate::orbit::{Cycle, Deviations, Orbit, Section, intervals};
+use std::fmt::Write;
+use wingbeat_ocp::plant::{Fault, Plant};
+
+/// Units of the integral of the height, the height and the coordinates of the body.
+const UNITS: [&str; DEVIATIONS + Deviations::BODY] =
+    ["m s", "m", "m/s", "m/s", "m/s", "rad", "rad", "rad/s", "rad/s", "rad/s"];
+
+/// The periodic regulator about `orbit` by all inputs but that of the crank, as comma-separated values: of every phase (share of the cycle) a row for each
+/// input, of every deviation that is fed back a column with its unit. The command is that of the orbit less the sum of gains times
+/// deviations. None where nothing is fed back or the regulator does not settle.
+///
+/// # Errors
+/// The [`Fault`] that makes the model unusable on the way.
+pub fn gains_of(cycle: &Cycle, orbit: &Orbit, weights: &OrbitWeights) -> Result<Option<String>, Fault> {
+    let robot = cycle.robot();
+    let deviations = Deviations::new(cycle);
+    let (elements, from) = (deviations.moved(), DEVIATIONS + deviations.elements_from());
+    let (commands, rest) = (robot.inputs().len(), robot.rest_gains());
+    let moves = |input: &usize| elements.iter().any(|element| rest[element * commands + input] != 0.0);
+    let inputs: Vec<usize> = (0..commands).filter(moves).collect();
+    if inputs.is_empty() {
+        return Ok(None);
+    }
+    let limits: Vec<f64> = inputs.iter().map(|i| robot.inputs()[*i].high).collect();
+    let coordinates = cycle.section().len();
+    let all = intervals(cycle, &orbit.point, PHASES, &inputs)?;
+    let Some(feedback) = Feedback::new(weights, None, &all, coordinates, &limits, orbit.end.duration) else {
+        return Ok(None);
+    };
+    let mut told: Vec<(usize, String)> = Vec::new();
+    let body = cycle.section().names().iter().take(Section::BODY).map(String::as_str);
+    for (column, name) in ["height_integral", "height"].into_iter().chain(body).enumerate() {
+        told.push((column, format!("{name} [{}]", UNITS[column])));
+    }
+    let (structure, strokes) = (robot.layout().structure, robot.strokes().len());
+    for (rates, offset) in [(0, 0), (elements.len(), strokes)] {
+        for (k, element) in elements.iter().enumerate() {
+            let channel = &robot.states()[structure + offset + element];
+            let unit = if channel.unit.is_empty() { "1" } else { channel.unit };
+            told.push((from + rates + k, format!("{} [{unit}]", channel.name)));
+        }
+    }
+    let mut table = String::from("phase,input");
+    told.iter().for_each(|(_, name)| table += &format!(",{name}"));
+    table += "\n";
+    for phase in 0..PHASES {
+        let gain = feedback.at(phase as f64 / PHASES as f64);
+        for (row, &input) in inputs.iter().enumerate() {
+            let _ = write!(table, "{},{}", phase as f64 / PHASES as f64, robot.inputs()[input].name);
+            for (column, _) in &told {
+                let _ = write!(table, ",{:e}", gain[(row, *column)]);
+            }
+            table += "\n";
+        }
+    }
+    Ok(Some(table))
+}

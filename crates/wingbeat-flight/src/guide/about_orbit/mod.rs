@@ -1,0 +1,250 @@
+//! Flight about orbits: references by the phase of the gait, and periodic feedback.
+
+mod ahead;
+mod family;
+mod feedback;
+mod gains;
+mod predictive;
+mod schedule;
+mod spec;
+mod tracking;
+
+pub(crate) use gains::gains_of;
+pub use predictive::{PredictiveSpec, Terminal};
+pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
+pub use tracking::TrackingSpec;
+
+use super::controllers::{ControllerSpec, Prepared, Task};
+use super::inertial::Inertial;
+use super::receding;
+use crate::orbit::{Deviations, Free};
+use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
+use ahead::Ahead;
+use family::{Asked, Family};
+use feedback::{DEVIATIONS, INTEGRAL};
+use predictive::{Height, Predictive};
+use schedule::{Place, Schedule};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use std::time::Instant;
+use tracking::{Demand, Tracking};
+use wingbeat_math::Error;
+use wingbeat_math::Vec3;
+use wingbeat_ocp::plant::Plant;
+use wingbeat_robot::Robot;
+
+/// Largest height off at which the integral of the height grows, m.
+const INTEGRATED: f64 = 0.1;
+
+/// The controller.
+struct AboutOrbit<'a> {
+    robot: &'a Robot,
+    period: f64,
+    deviations: Deviations,
+    schedule: Schedule,
+    family: Arc<Family>,
+    /// The path, where one is followed.
+    tracking: Option<Tracking>,
+    /// Numbers of the inputs that are fed back.
+    inputs: Vec<usize>,
+    /// The plan, where commands are planned.
+    predictive: Option<Predictive<'a>>,
+    estimator: Box<dyn Estimator + 'a>,
+    /// The state as it is known.
+    x: Vec<f64>,
+    /// Integral of the height's deviation, m s.
+    integral: f64,
+    held: Vec<f64>,
+    /// What the last update found: legs done, deviations of height, roll and pitch.
+    seen: [f64; 4],
+}
+
+impl ControllerSpec for AboutOrbitSpec {
+    fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    fn check(&self, task: Task) -> Result<(), Error> {
+        self.checked(task.model)?;
+        self.tracked(&task)?;
+        if self.predictive.is_some() && task.solver.is_some() {
+            let allowed = "none beside [controller.orbit.predictive], which has the shipped solver";
+            return Err(Error::invalid("solver", "given", allowed));
+        }
+        match &self.estimator {
+            Some(estimator) => estimator.check(task.sensors.as_ref()).map_err(|e| e.within("estimator")),
+            None => Ok(()),
+        }
+    }
+
+    fn follows_path(&self) -> bool {
+        self.tracking.is_some()
+    }
+
+    fn reads_instruments(&self) -> bool {
+        self.estimator.is_some()
+    }
+
+    fn prepare(&self, task: Task) -> Result<Option<Prepared>, Error> {
+        let (cycle, schedule) = self.checked(task.model)?;
+        let family = Family::new(self, &cycle, &schedule, &self.inputs(task.model)?)?;
+        Ok(Some(Arc::new(family)))
+    }
+
+    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+        let robot = task.model;
+        let (cycle, schedule) = self.checked(robot)?;
+        let tracking = self.tracked(&task)?;
+        let inputs = self.inputs(robot)?;
+        let family = match task.prepared.and_then(|prepared| prepared.downcast().ok()) {
+            Some(family) => family,
+            None => Arc::new(Family::new(self, &cycle, &schedule, &inputs)?),
+        };
+        let deviations = Deviations::new(&cycle);
+        let predictive = self.predictive.as_ref().map(|spec| {
+            let made = Predictive::new(robot, &deviations, &inputs, spec, &self.weights, &family);
+            made.map_err(|e| e.within("predictive"))
+        });
+        let Asked { commands: held, .. } = family.asked(None, 0.0);
+        let estimator: Box<dyn Estimator + 'a> = match &self.estimator {
+            None => Box::new(Ahead::new(robot)),
+            Some(spec) => {
+                let sensors = task.sensors.unwrap_or_default();
+                spec.check(Some(&sensors)).map_err(|e| e.within("estimator"))?;
+                let start = family.start().to_vec();
+                let filter = Inertial::new(*spec, &sensors, robot, cycle.section().clone(), start);
+                let allowed = "instruments that tell the state of this robot";
+                Box::new(filter.ok_or_else(|| Error::invalid("estimator", "given", allowed))?)
+            }
+        };
+        Ok(Box::new(AboutOrbit {
+            robot,
+            period: self.period_s,
+            deviations,
+            schedule,
+            family,
+            tracking,
+            inputs,
+            predictive: predictive.transpose()?,
+            estimator,
+            x: vec![0.0; robot.states().len()],
+            integral: 0.0,
+            held,
+            seen: [0.0; 4],
+        }))
+    }
+}
+
+impl AboutOrbitSpec {
+    /// The path of `task` as it is to be followed, if it is.
+    fn tracked(&self, task: &Task) -> Result<Option<Tracking>, Error> {
+        let Some(spec) = self.tracking else { return Ok(None) };
+        let path = spec.checked(task.path.as_ref(), self.speed_m_s).map_err(|e| e.within("tracking"))?;
+        let planned = self.predictive.as_ref();
+        let left = planned.map_or([false; 2], |spec| [spec.cross_m, spec.along_m].map(|size| size.is_some()));
+        Ok(Some(Tracking::new(spec, path, self.speed_m_s, self.period_s, left)))
+    }
+
+    /// Numbers of the inputs that are fed back.
+    fn inputs(&self, robot: &Robot) -> Result<Vec<usize>, Error> {
+        let mut inputs: Vec<usize> = self.free(robot, true)?.iter().flat_map(numbers).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        Ok(inputs)
+    }
+}
+
+/// Numbers of the inputs that are free.
+fn numbers(free: &Free) -> Vec<usize> {
+    match free {
+        Free::Frequency => Vec::new(),
+        Free::Inputs(direction) => direction.iter().map(|(i, _)| *i).collect(),
+    }
+}
+
+/// Cycles of the gait since phase 0 of the orbits, which is where the robot's gait starts.
+fn cycles(robot: &Robot, t: f64, x: &[f64]) -> f64 {
+    let paced = robot.pacer().map_or(0.0, |pacer| x[robot.layout().structure + pacer.element]);
+    (robot.phase(t) - robot.phase(0.0) + paced) / TAU
+}
+
+impl AboutOrbit<'_> {
+    /// The regulator's commands for deviations `error` from what is asked.
+    fn regulate(&mut self, place: Option<Place>, cycles: f64, asked: Asked, error: &[f64]) {
+        let gain = self.family.gain(place, cycles);
+        let mut commands = asked.commands;
+        for (row, &input) in self.inputs.iter().enumerate() {
+            let fed: f64 = error.iter().enumerate().map(|(j, e)| gain[(row, DEVIATIONS + j)] * e).sum();
+            commands[input] -= gain[(row, INTEGRAL)] * self.integral + fed;
+        }
+        for (command, channel) in commands.iter_mut().zip(self.robot.inputs()) {
+            *command = channel.clamp(*command);
+        }
+        self.held = commands;
+    }
+}
+
+impl Controller for AboutOrbit<'_> {
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
+        let begun = Instant::now();
+        if self.estimator.estimate(t, measurement, &self.held, &mut self.x).is_err() {
+            return Update::Kept;
+        }
+        let x = &self.x;
+        let cycles = cycles(self.robot, t, x);
+        let layout = self.robot.layout();
+        let [position, velocity] = [layout.position, layout.velocity].map(|i| Vec3::from_slice(&x[i..]));
+        let Demand { place, height, faster, .. } = match &mut self.tracking {
+            None => self.schedule.demand(t),
+            Some(tracking) => tracking.demand(t, position, velocity),
+        };
+        let asked = self.family.asked(place, cycles);
+        let mut s = vec![0.0; self.deviations.len()];
+        self.deviations.of(x, &mut s);
+        let mut error: Vec<f64> = s.iter().zip(&asked.numbers).map(|(s, asked)| s - asked).collect();
+        error[Deviations::HEIGHT] -= height;
+        error[Deviations::VELOCITY.start] -= faster;
+        let off = error[Deviations::HEIGHT];
+        if off.abs() < INTEGRATED {
+            self.integral += off * self.period;
+        }
+        let done = place.map_or(0.0, |place| place.stretch as f64 + place.share);
+        self.seen = [done, off, error[Deviations::ROLL], error[Deviations::PITCH]];
+        let Some(predictive) = &mut self.predictive else {
+            self.regulate(place, cycles, asked, &error);
+            return Update::Fresh;
+        };
+        let (schedule, tracking) = (&self.schedule, self.tracking.as_ref());
+        let demand = |t: f64, place: Vec3| {
+            tracking.map_or_else(|| schedule.demand(t), |tracking| tracking.ahead(t, place))
+        };
+        let height = Height { error: off, integral: self.integral };
+        let update = predictive.update(t, &self.x, height, &self.family, demand, begun);
+        // Commands are held, and those of a plan are linear in time.
+        predictive.plan().input_at(t + 0.5 * self.period, &mut self.held);
+        update
+    }
+
+    fn input(&self, _: f64, u: &mut [f64]) {
+        u.copy_from_slice(&self.held);
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        let own = [
+            Column::new("orbit_legs", "", ""),
+            Column::new("orbit_height_error", "m", "W"),
+            Column::new("orbit_roll_error", "rad", "WB"),
+            Column::new("orbit_pitch_error", "rad", "WB"),
+        ];
+        let path = self.tracking.as_ref().map_or(Vec::new(), Tracking::columns);
+        let solver = self.predictive.iter().flat_map(|_| receding::columns());
+        own.into_iter().chain(path).chain(self.estimator.columns()).chain(solver).collect()
+    }
+
+    fn diagnostics(&self, row: &mut Vec<f64>) {
+        row.extend(self.seen);
+        row.extend(self.tracking.iter().flat_map(Tracking::numbers));
+        self.estimator.diagnostics(row);
+        row.extend(self.predictive.iter().flat_map(|p| receding::measures(&p.statistics())));
+    }
+}

@@ -1,0 +1,305 @@
+//! An extended Kalman filter of a flapping robot: inertial unit, height and airspeed against the nominal model.
+
+mod linear;
+mod spec;
+
+pub use spec::EstimatorSpec;
+
+use super::history::History;
+use crate::orbit::Section;
+use crate::simulate::{
+    AXES, Column, Estimator, Instrument, Measurement, NoEstimate, Places, Quantity, Reading, SensorSpec,
+    Stepper,
+};
+use linear::{Linear, Row, Square, erring, grown};
+use nalgebra::SMatrix;
+use wingbeat_math::{Dual, Quat, Vec3};
+use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_robot::Robot;
+
+/// Errors of the body: height, rotation (3), velocity (3), angular rate (3).
+const BODY: usize = 10;
+/// Biases, one of each instrument; they stand after the body.
+const BIASES: usize = 8;
+const BIAS: usize = BODY;
+/// What the model misses: acceleration and angular acceleration, last.
+const MISSED: usize = 6;
+const BELIEVED: usize = BODY + BIASES + MISSED;
+
+/// Longest piece of flight with one linearisation, and longest step of the model, s.
+const PIECE: f64 = 2.5e-3;
+const STEP: f64 = 5e-4;
+/// Rounding of times, s.
+const ROUNDING: f64 = 1e-9;
+
+/// Numbers that the regulator feeds back, as they are recorded: height, then the body's coordinates of the section.
+const SEEN: usize = 9;
+const NAMES: [(&str, &str, &str); SEEN] = [
+    ("height", "m", "W"),
+    ("forward", "m/s", ""),
+    ("leftward", "m/s", ""),
+    ("upward", "m/s", "W"),
+    ("roll", "rad", "WB"),
+    ("pitch", "rad", "WB"),
+    ("w_WB_B_x", "rad/s", "B"),
+    ("w_WB_B_y", "rad/s", "B"),
+    ("w_WB_B_z", "rad/s", "B"),
+];
+/// Kinds of readings.
+const KINDS: [&str; 4] = ["rate", "force", "height", "airspeed"];
+
+/// What is believed at one time.
+#[derive(Clone)]
+struct State {
+    /// s.
+    t: f64,
+    /// State of the model; what is no body's follows the model.
+    x: Vec<f64>,
+    biases: [f64; BIASES],
+    missed: [f64; MISSED],
+    /// Covariance of the errors.
+    p: Square,
+}
+
+/// The filter. Readings are taken in when all that were read before have arrived: what is believed for good lags by the
+/// longest delay. From there a copy goes on to now, by what has arrived already, then by the model alone.
+pub(super) struct Inertial<'a> {
+    robot: &'a Robot,
+    section: Section,
+    places: Places,
+    instruments: Vec<Instrument>,
+    /// Longest delay, s.
+    delay: f64,
+    spec: EstimatorSpec,
+    history: History,
+    model: Stepper<&'a Robot>,
+    /// What is believed for good.
+    behind: State,
+    /// Readings not yet taken in for good, in the order in which they were read.
+    readings: Vec<Reading>,
+    /// What is believed now.
+    now: State,
+    /// Squares of the newest innovations over their variances, means over the axes.
+    surprise: [f64; KINDS.len()],
+}
+
+impl<'a> Inertial<'a> {
+    /// A filter that believes the flight to begin in the state `x`; `None` where instruments are missing.
+    pub fn new(
+        spec: EstimatorSpec,
+        sensors: &SensorSpec,
+        robot: &'a Robot,
+        section: Section,
+        x: Vec<f64>,
+    ) -> Option<Self> {
+        let (places, instruments) = (Places::of(robot.states())?, sensors.instruments());
+        if instruments.len() != BIASES {
+            return None;
+        }
+        let mut deviations = [0.0; BELIEVED];
+        deviations[0] = spec.height_m;
+        deviations[1..4].fill(spec.angle_deg.to_radians());
+        deviations[4..7].fill(spec.velocity_m_s);
+        deviations[7..10].fill(spec.rate_rad_s);
+        for (deviation, instrument) in deviations[BIAS..].iter_mut().zip(&instruments) {
+            *deviation = instrument.bias;
+        }
+        deviations[BIAS + BIASES..][..3].fill(spec.missed_m_s2);
+        deviations[BIAS + BIASES + 3..].fill(spec.missed_rad_s2);
+        let p = Square::from_diagonal(&Row::from_iterator(deviations.iter().map(|d| d * d)));
+        let behind = State { t: 0.0, x, biases: [0.0; BIASES], missed: [0.0; MISSED], p };
+        Some(Self {
+            section,
+            places,
+            delay: instruments.iter().map(|i| i.delay).fold(0.0, f64::max),
+            instruments,
+            spec,
+            history: History::default(),
+            model: Stepper::new(robot, 0.0, &behind.x),
+            now: behind.clone(),
+            behind,
+            readings: Vec::new(),
+            surprise: [1.0; KINDS.len()],
+            robot,
+        })
+    }
+
+    /// Flies `state` on to `until`.
+    fn advance(&mut self, state: &mut State, until: f64) -> Result<(), Fault> {
+        while until - state.t > ROUNDING {
+            let Some((commands, change)) = self.history.at(state.t + ROUNDING) else { return Ok(()) };
+            let commands = commands.to_vec();
+            let end = until.min(change).min(state.t + PIECE);
+            self.piece(state, &commands, end)?;
+        }
+        Ok(())
+    }
+
+    /// A piece of it: the linearisation is that of its middle.
+    ///
+    /// Equation: guide.inertial_predict
+    fn piece(&mut self, state: &mut State, u: &[f64], end: f64) -> Result<(), Fault> {
+        let length = end - state.t;
+        self.fly(state, u, 0.5 * length)?;
+        let linear = Linear::new(self.robot, &self.places, state.t, &state.x, u, &state.missed)?;
+        self.fly(state, u, 0.5 * length)?;
+        state.t = end;
+        let growth = grown(&linear.rates(self.spec.missed_s), length);
+        state.p = growth * state.p * growth.transpose();
+        let (stays, missed) = ((-length / self.spec.missed_s).exp(), BIAS + BIASES);
+        for i in 0..MISSED {
+            let deviation = if i < 3 { self.spec.missed_m_s2 } else { self.spec.missed_rad_s2 };
+            state.p[(missed + i, missed + i)] += deviation * deviation * (1.0 - stays * stays);
+            state.missed[i] *= stays;
+        }
+        Ok(())
+    }
+
+    /// Flies the model for `length` s; what it misses is added at the end.
+    fn fly(&mut self, state: &mut State, u: &[f64], length: f64) -> Result<(), Fault> {
+        let steps = (length / STEP - ROUNDING).ceil().max(1.0);
+        self.model.reset(state.t, &state.x);
+        self.model.set_inputs(u);
+        (0..steps as usize).try_for_each(|_| self.model.step(length / steps).map(drop))?;
+        state.t += length;
+        state.x.copy_from_slice(self.model.state());
+        let attitude = Quat::from_wxyz(&state.x[self.places.attitude..]).matrix();
+        let velocity = attitude * Vec3::from_slice(&state.missed) * length;
+        for i in 0..3 {
+            state.x[self.places.velocity + i] += velocity[i];
+            state.x[self.places.rate + i] += state.missed[3 + i] * length;
+        }
+        Ok(())
+    }
+
+    /// Takes in `readings` of one instant, one after another about one linearisation.
+    ///
+    /// Equation: guide.inertial_update
+    fn take_in(&mut self, state: &mut State, readings: &[Reading]) -> Result<(), Fault> {
+        let Some((commands, _)) = self.history.at(state.t + ROUNDING) else { return Ok(()) };
+        let linear = Linear::new(self.robot, &self.places, state.t, &state.x, commands, &state.missed)?;
+        let mut errors = Row::zeros();
+        let (mut squares, mut counts) = ([0.0; KINDS.len()], [0.0; KINDS.len()]);
+        for reading in readings {
+            let (i, instrument) = (reading.instrument, &self.instruments[reading.instrument]);
+            let (expected, by_errors) = linear.reading(i, instrument, state.biases[i]);
+            let innovation = reading.value - expected - by_errors.dot(&errors);
+            let spread = state.p * by_errors;
+            let variance = by_errors.dot(&spread) + instrument.noise * instrument.noise;
+            if variance > 0.0 {
+                errors += spread * (innovation / variance);
+                state.p -= spread * spread.transpose() / variance;
+                let kind = kind(instrument.quantity);
+                squares[kind] += innovation * innovation / variance;
+                counts[kind] += 1.0;
+            }
+        }
+        state.p = (state.p + state.p.transpose()) * 0.5;
+        state.correct(&self.places, &errors);
+        for (surprise, (square, count)) in self.surprise.iter_mut().zip(squares.iter().zip(counts)) {
+            if count > 0.0 {
+                *surprise = square / count;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes in all `readings`, which come in the order of time, each when it was read.
+    fn follow(&mut self, state: &mut State, readings: &[Reading]) -> Result<(), Fault> {
+        for together in readings.chunk_by(|a, b| b.taken - a.taken < ROUNDING) {
+            self.advance(state, together[0].taken)?;
+            self.take_in(state, together)?;
+        }
+        Ok(())
+    }
+
+    /// What is believed at `t`.
+    fn believe(&mut self, t: f64, arrived: &[Reading]) -> Result<State, Fault> {
+        self.readings.extend(arrived);
+        self.readings.sort_by(|a, b| a.taken.total_cmp(&b.taken));
+        let mut readings = std::mem::take(&mut self.readings);
+        let settled = readings.partition_point(|r| r.taken <= t - self.delay + ROUNDING);
+        let mut behind = self.behind.clone();
+        self.follow(&mut behind, &readings[..settled])?;
+        let mut now = behind.clone();
+        self.follow(&mut now, &readings[settled..])?;
+        self.advance(&mut now, t)?;
+        self.history.forget(behind.t);
+        readings.drain(..settled);
+        (self.behind, self.readings) = (behind, readings);
+        Ok(now)
+    }
+
+    /// The numbers of the state that are fed back, and their standard deviations.
+    fn seen(&self) -> ([f64; SEEN], [f64; SEEN]) {
+        let x = erring::<BODY>(&self.places, &self.now.x);
+        let mut coordinates = vec![Dual::constant(0.0); self.section.len()];
+        self.section.coordinates(&x, &mut coordinates);
+        let all: [Dual<BODY>; SEEN] =
+            std::array::from_fn(|i| if i == 0 { x[self.places.height] } else { coordinates[i - 1] });
+        let of_body: SMatrix<f64, BODY, BODY> = self.now.p.fixed_view::<BODY, BODY>(0, 0).into();
+        let deviation = all.map(|number| {
+            let row = SMatrix::<f64, BODY, 1>::from(number.eps);
+            row.dot(&(of_body * row)).max(0.0).sqrt()
+        });
+        (all.map(|number| number.re), deviation)
+    }
+}
+
+/// Place of a quantity among [`KINDS`].
+fn kind(quantity: Quantity) -> usize {
+    match quantity {
+        Quantity::Rate(_) => 0,
+        Quantity::Force(_) => 1,
+        Quantity::Height => 2,
+        Quantity::Airspeed => 3,
+    }
+}
+
+impl Estimator for Inertial<'_> {
+    fn estimate(
+        &mut self,
+        t: f64,
+        measurement: &Measurement,
+        u: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), NoEstimate> {
+        self.history.note(t, u);
+        self.now = self.believe(t, measurement.readings())?;
+        x.copy_from_slice(&self.now.x);
+        Ok(())
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        let seen = NAMES.map(|(name, unit, frame)| Column::new(format!("estimate_{name}"), unit, frame));
+        let deviations =
+            NAMES.map(|(name, unit, frame)| Column::new(format!("estimate_deviation_{name}"), unit, frame));
+        let bias = |instrument: &Instrument| match instrument.quantity {
+            Quantity::Rate(axis) => Column::new(format!("estimate_bias_rate_{}", AXES[axis]), "rad/s", "B"),
+            Quantity::Force(axis) => Column::new(format!("estimate_bias_force_{}", AXES[axis]), "m/s2", "B"),
+            Quantity::Height => Column::new("estimate_bias_height", "m", "W"),
+            Quantity::Airspeed => Column::new("estimate_bias_airspeed", "m/s", "B"),
+        };
+        let missed = AXES.map(|axis| Column::new(format!("estimate_missed_{axis}"), "m/s2", "B"));
+        let turning = AXES.map(|axis| Column::new(format!("estimate_missed_turning_{axis}"), "rad/s2", "B"));
+        let surprise = KINDS.map(|kind| Column::new(format!("estimate_innovation_{kind}"), "", ""));
+        std::iter::once(Column::new("estimate_t", "s", ""))
+            .chain(seen)
+            .chain(deviations)
+            .chain(self.instruments.iter().map(bias))
+            .chain(missed)
+            .chain(turning)
+            .chain(surprise)
+            .collect()
+    }
+
+    fn diagnostics(&self, row: &mut Vec<f64>) {
+        let (seen, deviations) = self.seen();
+        row.push(self.now.t);
+        row.extend(seen);
+        row.extend(deviations);
+        row.extend(self.now.biases);
+        row.extend(self.now.missed);
+        row.extend(self.surprise);
+    }
+}

@@ -1,0 +1,268 @@
+//! Model predictive control of attitude by direct collocation.
+
+use super::attitude_tracking::AttitudeTracking;
+use super::controllers::{ControllerSpec, Task};
+use super::manoeuvre::Manoeuvre;
+use super::receding::{self, Receding};
+use super::told::Told;
+use crate::simulate::{Column, Controller, Estimator, Measurement, TrueState, Update};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Instant;
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require;
+use wingbeat_ocp::plant::{Channel, LocalChart, Plant};
+use wingbeat_ocp::realtime::{HorizonSolver, RealTime, Settings};
+
+/// Longest horizon, and most iterations of an update.
+pub(super) const MAX_INTERVALS: usize = 100;
+
+/// Horizon and cost of the controller.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct MpcSpec {
+    /// Time between updates, s.
+    pub period_s: f64,
+    /// Intervals of the horizon.
+    pub intervals: usize,
+    /// Length of an interval, s.
+    pub interval_s: f64,
+    /// Iterations of sequential quadratic programming per update.
+    pub iterations: usize,
+    /// The plan's first input is the last one applied; else it may jump.
+    #[serde(default)]
+    pub continuous_input: bool,
+    /// Largest rate of inputs by their channel, in its unit per second; the
+    /// others have none. Needs `continuous_input`: a jump has no finite rate.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub input_rate_per_s: BTreeMap<String, f64>,
+    /// An update that takes longer by the wall clock is dropped and counted, s;
+    /// without it none is. A flight with a deadline does not repeat to the bit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deadline_s: Option<f64>,
+    /// Clearance below which the soft limit `weights.clearance` counts, m.
+    #[serde(default)]
+    pub clearance_m: f64,
+    /// Width over which that limit is rounded off, m: within it the limit is felt already.
+    #[serde(default = "clearance_width")]
+    pub clearance_width_m: f64,
+    /// Weights.
+    pub weights: Weights,
+}
+
+/// Weights of the residuals; the cost holds their squares.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// Roll error, per rad.
+    pub roll: f64,
+    /// Pitch error, per rad.
+    pub pitch: f64,
+    /// Angular-rate error, per rad/s.
+    pub rate: f64,
+    /// Angular-rate error about each body axis, per rad/s, in place of `rate`: with roll and pitch the roots of the five
+    /// diagonal entries of the paper's C.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_axes: Option<[f64; 3]>,
+    /// Input, per half of its range.
+    pub input: f64,
+    /// Change of the input over an interval, per half of its range.
+    #[serde(default)]
+    pub input_change: f64,
+    /// Clearance short of `clearance_m`, per m, at the nodes after the first; 0 for none.
+    #[serde(default)]
+    pub clearance: f64,
+    /// Factor on the state residuals of the last node: the terminal cost.
+    #[serde(default = "one")]
+    pub terminal: f64,
+}
+
+/// *Choice.*
+pub(super) fn clearance_width() -> f64 {
+    1e-3
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl ControllerSpec for MpcSpec {
+    fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+        let allowed = "a manoeuvre to fly: add [manoeuvre]";
+        let manoeuvre = task.manoeuvre.ok_or_else(|| Error::invalid("", "given", allowed))?;
+        Ok(match task.solver {
+            None => Box::new(Mpc::with(task.model, manoeuvre, self, Told::new(task.model), RealTime::new)?),
+            Some(solver) => {
+                let make = |chart: &_, tracking: &_, settings| {
+                    solver.build(chart, tracking, settings).map_err(|e| e.within("solver"))
+                };
+                Box::new(Mpc::with(task.model, manoeuvre, self, Told::new(task.model), make)?)
+            }
+        })
+    }
+}
+
+ranges!(MpcSpec {
+    period_s: Range::POSITIVE,
+    intervals: Range::between(1.0, MAX_INTERVALS as f64),
+    interval_s: Range::POSITIVE,
+    iterations: Range::between(1.0, MAX_INTERVALS as f64),
+    deadline_s: Range::POSITIVE,
+    clearance_width_m: Range::POSITIVE,
+    input_rate_per_s: Range::POSITIVE,
+});
+impl Weights {
+    /// Weight of the angular-rate error about each body axis, per rad/s.
+    pub fn rates(&self) -> [f64; 3] {
+        self.rate_axes.unwrap_or([self.rate; 3])
+    }
+}
+
+ranges!(Weights {
+    roll: Range::NOT_NEGATIVE,
+    pitch: Range::NOT_NEGATIVE,
+    rate: Range::NOT_NEGATIVE,
+    rate_axes: Range::NOT_NEGATIVE,
+    input: Range::POSITIVE,
+    input_change: Range::NOT_NEGATIVE,
+    clearance: Range::NOT_NEGATIVE,
+    terminal: Range::NOT_NEGATIVE,
+});
+
+impl MpcSpec {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        self.weights.in_range().map_err(|e| e.within("weights"))?;
+        require::finite("clearance_m", &[self.clearance_m])?;
+        if !self.input_rate_per_s.is_empty() && !self.continuous_input {
+            let allowed = "true where input_rate_per_s is given: an input that jumps has no finite rate";
+            return Err(Error::invalid("continuous_input", false, allowed));
+        }
+        Ok(())
+    }
+
+    /// The rate limit of each input of a plant, infinite where none is given.
+    pub(super) fn rate_limits(&self, inputs: &[Channel]) -> Result<Vec<f64>, Error> {
+        let known = |name: &String| inputs.iter().any(|c| c.name == *name);
+        if let Some((name, rate)) = self.input_rate_per_s.iter().find(|(name, _)| !known(name)) {
+            let names: Vec<&str> = inputs.iter().map(|c| c.name.as_str()).collect();
+            let allowed = format!("the inputs {}", names.join(", "));
+            return Err(Error::invalid(format!("input_rate_per_s.{name}"), rate, allowed));
+        }
+        let limit = |c: &Channel| self.input_rate_per_s.get(&c.name).copied().unwrap_or(f64::INFINITY);
+        Ok(inputs.iter().map(limit).collect())
+    }
+}
+
+/// Predictive controller of any plant with an attitude and an angular rate among its states.
+/// It plans from the state that its estimator `E` makes of the measurement, with the horizon solver `H`.
+pub struct Mpc<'a, P: Plant, E = TrueState, H = RealTime> {
+    tracking: AttitudeTracking<'a, P>,
+    receding: Receding<H>,
+    estimator: E,
+    estimate: Vec<f64>,
+    applied: Vec<f64>,
+}
+
+impl<'a, P: Plant> Mpc<'a, P> {
+    /// A controller of `plant` for a manoeuvre that takes what is measured for the true state and plans
+    /// with [`RealTime`].
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when a setting is out of range, or the plant has no
+    /// attitude or angular rate.
+    pub fn new(plant: &'a P, manoeuvre: Arc<dyn Manoeuvre>, spec: &MpcSpec) -> Result<Self, Error> {
+        Self::with(plant, manoeuvre, spec, TrueState, RealTime::new)
+    }
+}
+
+impl<'a, P, E, H> Mpc<'a, P, E, H>
+where
+    P: Plant,
+    E: Estimator,
+    H: HorizonSolver<LocalChart<'a, P>, AttitudeTracking<'a, P>>,
+{
+    /// A controller of `plant` for a manoeuvre behind an estimator of its state, with the solver that
+    /// `make` makes for its chart, cost and horizon.
+    ///
+    /// # Errors
+    /// Those of [`new`](Mpc::new) and of `make`.
+    pub fn with(
+        plant: &'a P,
+        manoeuvre: Arc<dyn Manoeuvre>,
+        spec: &MpcSpec,
+        estimator: E,
+        make: impl FnOnce(&LocalChart<'a, P>, &AttitudeTracking<'a, P>, Settings) -> Result<H, Error>,
+    ) -> Result<Self, Error> {
+        spec.check()?;
+        let tracking = AttitudeTracking::new(plant, manoeuvre, spec)?;
+        let chart = &tracking.chart;
+        let settings = Settings {
+            hold_first_input: spec.continuous_input,
+            ..Settings::new(spec.intervals, spec.interval_s)
+        };
+        let solver = make(chart, &tracking, settings)?;
+        let plan = solver.plan().clone();
+        Ok(Self {
+            receding: Receding::new(solver, plan, spec.deadline_s, spec.iterations),
+            estimator,
+            estimate: vec![0.0; plant.states().len()],
+            applied: vec![0.0; plant.inputs().len()],
+            tracking,
+        })
+    }
+
+    /// The solver with its plan, in the chart of the last update.
+    pub fn solver(&self) -> &H {
+        &self.receding.solver
+    }
+}
+
+impl<'a, P, E, H> Controller for Mpc<'a, P, E, H>
+where
+    P: Plant,
+    E: Estimator,
+    H: HorizonSolver<LocalChart<'a, P>, AttitudeTracking<'a, P>>,
+{
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
+        let begun = Instant::now();
+        self.receding.solver.plan().input_at(t, &mut self.applied);
+        let mut x = std::mem::take(&mut self.estimate);
+        let estimated = self.estimator.estimate(t, measurement, &self.applied, &mut x);
+        let update = estimated.map_or(Update::Kept, |()| {
+            self.receding.follow(&mut self.tracking.chart, t, &x);
+            self.receding.improve(&self.tracking.chart, &self.tracking, t, begun)
+        });
+        self.estimate = x;
+        update
+    }
+
+    fn input(&self, t: f64, u: &mut [f64]) {
+        self.receding.solver.plan().input_at(t, u);
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        let last = self.receding.solver.plan().nodes() - 1;
+        let angles = ["roll", "pitch", "yaw"].map(|a| Column::new(format!("plan_{a}_{last}"), "rad", "WB"));
+        angles.into_iter().chain(receding::columns()).collect()
+    }
+
+    fn diagnostics(&self, row: &mut Vec<f64>) {
+        let plan = self.receding.solver.plan();
+        let end = plan.state(plan.nodes() - 1);
+        row.extend(self.tracking.chart.rotation_matrix(end).roll_pitch_yaw().0);
+        row.extend(receding::measures(&self.receding.solver.statistics()));
+    }
+}

@@ -1,0 +1,94 @@
+//! A plan that moves on with the flight: what predictive controllers share.
+
+use crate::simulate::{Column, Update};
+use std::time::{Duration, Instant};
+use wingbeat_ocp::plant::{LocalChart, Plant};
+use wingbeat_ocp::realtime::{HorizonSolver, Plan, Statistics, Tracking};
+
+/// Names of the solver's measures, as [`measures`] has them.
+const MEASURES: [&str; 5] = ["iterations", "qp_changes", "active_limits", "stationarity", "defect"];
+
+/// A horizon solver with its plan, in the chart of the last update.
+pub(super) struct Receding<H> {
+    pub solver: H,
+    /// The plan to go on with when an update comes late.
+    previous: Plan,
+    deadline: Option<Duration>,
+    iterations: usize,
+    last_update: Option<f64>,
+    local: Vec<f64>,
+}
+
+impl<H> Receding<H> {
+    /// `solver`, whose plan is `previous`; an update that takes longer than `deadline_s` is dropped.
+    pub fn new(solver: H, previous: Plan, deadline_s: Option<f64>, iterations: usize) -> Self {
+        Self {
+            deadline: deadline_s.map(|s| Duration::try_from_secs_f64(s).unwrap_or(Duration::MAX)),
+            iterations,
+            last_update: None,
+            local: vec![0.0; previous.horizon.states],
+            previous,
+            solver,
+        }
+    }
+
+    /// Moves the plan on to `t` and centres `chart` at the state `x` of the plant; false at the first update, which
+    /// finds a plan that rests there.
+    pub fn follow<'a, P: Plant, T: Tracking>(
+        &mut self,
+        chart: &mut LocalChart<'a, P>,
+        t: f64,
+        x: &[f64],
+    ) -> bool
+    where
+        H: HorizonSolver<LocalChart<'a, P>, T>,
+    {
+        let last = self.last_update.replace(t);
+        if let Some(last) = last {
+            self.solver.shift(chart, t - last);
+        }
+        let old = chart.reference();
+        chart.center_at(x);
+        chart.localise(x, &mut self.local);
+        if last.is_none() {
+            self.solver.reset(chart, &self.local);
+            return false;
+        }
+        let plan = self.solver.plan_mut();
+        (0..plan.nodes()).for_each(|k| chart.adopt(old, plan.state_mut(k)));
+        true
+    }
+
+    /// Solves for the plan at `t`, to which it was moved; the deadline counts from `begun`.
+    pub fn improve<P: Plant, T: Tracking>(
+        &mut self,
+        plant: &P,
+        tracking: &T,
+        t: f64,
+        begun: Instant,
+    ) -> Update
+    where
+        H: HorizonSolver<P, T>,
+    {
+        self.previous.clone_from(self.solver.plan());
+        let status = self.solver.solve(plant, tracking, t, &self.local, self.iterations);
+        if !status.updated() {
+            return Update::Kept;
+        }
+        if self.deadline.is_some_and(|limit| begun.elapsed() > limit) {
+            self.solver.plan_mut().clone_from(&self.previous);
+            return Update::Late;
+        }
+        Update::Fresh
+    }
+}
+
+/// Columns of [`measures`].
+pub(super) fn columns() -> impl Iterator<Item = Column> {
+    MEASURES.into_iter().map(|m| Column::new(format!("solver_{m}"), "", ""))
+}
+
+/// What a solver tells of its last update.
+pub(super) fn measures(s: &Statistics) -> [f64; MEASURES.len()] {
+    [s.iterations as f64, s.qp_changes as f64, s.active as f64, s.stationarity, s.defect]
+}

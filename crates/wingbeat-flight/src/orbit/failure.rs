@@ -1,0 +1,61 @@
+//! Why there is no orbit.
+
+use wingbeat_ocp::plant::Fault;
+
+/// Why a search ended without an orbit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Failure {
+    /// The model could not be evaluated on the way.
+    #[error("the model could not be evaluated: {0}")]
+    Fault(#[from] Fault),
+    /// Newton's matrix is singular.
+    #[error(
+        "the conditions do not depend on what is free: singular matrix in iteration {iteration}, residual {residual:.2e}"
+    )]
+    Singular {
+        /// Iteration, from 1.
+        iteration: usize,
+        /// Largest condition missed.
+        residual: f64,
+    },
+    /// Newton's method stopped before the conditions held.
+    #[error(
+        "not converged: residual {residual:.2e} after {iterations} iterations, the worst condition is {condition}"
+    )]
+    NotConverged {
+        /// Iterations taken.
+        iterations: usize,
+        /// Largest condition missed.
+        residual: f64,
+        /// Its name.
+        condition: String,
+    },
+    /// A number left its range.
+    #[error("{name} = {value:.4} {unit} is outside {low:.4} to {high:.4}")]
+    Range {
+        /// Name of the number.
+        name: String,
+        /// Where it went.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// Least allowed.
+        low: f64,
+        /// Largest allowed.
+        high: f64,
+    },
+    /// Left and right differ: flight straight ahead was looked for as if they did not.
+    #[error(
+        "left and right differ: over the cycle that was found {condition} is missed by {missed:.2e}, and orbits straight ahead are looked for in \
+         the plane of symmetry alone"
+    )]
+    Asymmetric {
+        /// What differs after the cycle from before it, SI.
+        missed: f64,
+        /// Its name.
+        condition: String,
+    },
+    /// The search was stopped.
+    #[error("stopped")]
+    Stopped,
+}

@@ -1,0 +1,380 @@
+//! Newton's method on the conditions of an orbit.
+
+use super::course::Course;
+use super::cycle::{Cycle, End, Free, Point};
+use super::failure::Failure;
+use super::recoil::recoil;
+use super::section::{Direction, Section};
+use nalgebra::{DMatrix, DVector};
+use std::ops::ControlFlow;
+use wingbeat_math::Scalar;
+
+/// Most iterations of Newton's method.
+const ITERATIONS: usize = 30;
+/// Largest condition missed at which an orbit counts as found: m/s, rad, rad/s, and the units of the air's states.
+const TOLERANCE: f64 = 1e-11;
+/// The same of an orbit in longer steps, from which that in the steps asked is found.
+const COARSE: f64 = 1e-6;
+/// Halvings of a step that does not lessen the residual.
+const HALVINGS: usize = 8;
+/// By how much a step with the derivatives of an earlier point must lessen the residual for the next to keep them.
+const KEPT: f64 = 0.4;
+/// Weight of the state against what is free in a step of least norm.
+const STATE_WEIGHT: f64 = 1e4;
+
+/// An orbit.
+#[derive(Clone, Debug)]
+pub struct Orbit {
+    /// State at phase 0 and what is held.
+    pub point: Point,
+    /// What it flies.
+    pub course: Course,
+    /// Where a cycle ends.
+    pub end: End,
+}
+
+/// An orbit and how it was found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The orbit.
+    pub orbit: Orbit,
+    /// Largest condition missed.
+    pub residual: f64,
+    /// Iterations of Newton's method.
+    pub iterations: usize,
+}
+
+/// Names of the conditions beyond those on the state.
+const BEYOND: [&str; 4] = ["mean speed", "mean climb", "growth of the heading", "mean roll"];
+
+/// The conditions of a course.
+struct Conditions<'a> {
+    course: &'a Course,
+    directions: Vec<Direction>,
+}
+
+impl<'a> Conditions<'a> {
+    fn new(cycle: &Cycle, course: &'a Course) -> Self {
+        let section = cycle.section();
+        let mut directions = section.symmetric().to_vec();
+        if course.turns() {
+            directions.extend_from_slice(section.antisymmetric());
+        }
+        Self { course, directions }
+    }
+
+    /// Number of conditions beyond those on the state.
+    fn beyond(&self) -> usize {
+        if self.course.turns() { 4 } else { 2 }
+    }
+
+    /// Equation: orbit.conditions
+    ///
+    /// What is missed: the state that returns, in heading axes; mean speed and climb; of a turn the growth of the
+    /// heading over a cycle of T s, the chord of its path V T sin(a)/a, a = yaw rate T / 2, and the mean roll.
+    fn missed<S: Scalar>(&self, z: &[S], end: &End<S>) -> Vec<S> {
+        let returns = self.directions.iter().map(|d| Section::along(d, &end.z) - Section::along(d, z));
+        let [x, y, up] = end.displacement.0;
+        let duration = end.duration;
+        let per_time = duration.recip();
+        let climb = up * per_time - self.course.climb;
+        if !self.course.turns() {
+            return returns.chain([x * per_time - self.course.speed, climb]).collect();
+        }
+        let speed = (x * x + y * y).sqrt() * per_time - self.course.chord_speed(duration);
+        let heading = end.heading - duration * self.course.yaw_rate();
+        let roll = end.mean_roll - self.course.bank;
+        returns.chain([speed, climb, heading, roll]).collect()
+    }
+
+    fn name(&self, cycle: &Cycle, i: usize) -> String {
+        match self.directions.get(i) {
+            Some(direction) => format!("the return of {}", cycle.section().names()[direction[0].0]),
+            None => BEYOND[i - self.directions.len()].into(),
+        }
+    }
+}
+
+/// Solves a square or wide system in the sense of the least norm; `None` when it is singular.
+pub(super) fn solve(matrix: &[f64], rows: usize, columns: usize, rhs: &[f64]) -> Option<Vec<f64>> {
+    let a = DMatrix::from_row_slice(rows, columns, matrix);
+    let b = DVector::from_column_slice(rhs);
+    if rows == columns {
+        return a.lu().solve(&b).map(|x| x.as_slice().to_vec());
+    }
+    let gram = &a * a.transpose();
+    Some((a.transpose() * gram.lu().solve(&b)?).as_slice().to_vec())
+}
+
+/// Finds the orbit of `course` by a recoil start from `guess` and Newton's method, first in steps twice as long. The first
+/// two of `free` are what the start turns; a turn is not started this way but followed from level flight.
+///
+/// # Errors
+/// The [`Failure`] that names what stood in the way.
+pub fn search(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    guess: Point,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<Found, Failure> {
+    if let Some(coarse) = cycle.coarser() {
+        match started(&coarse, course, free, guess.clone(), COARSE, observe) {
+            Ok((found, tangent)) => {
+                let near = search_near(cycle, course, free, found.orbit.point, &tangent);
+                if let Ok(near) = near {
+                    return Ok(Found { iterations: found.iterations + near.iterations, ..near });
+                }
+            }
+            Err(Failure::Stopped) => return Err(Failure::Stopped),
+            Err(_) => {}
+        }
+    }
+    started(cycle, course, free, guess, TOLERANCE, observe).map(|(found, _)| found)
+}
+
+/// [`search`] in the steps of `cycle`, to a largest condition missed of `tolerance`.
+fn started(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    guess: Point,
+    tolerance: f64,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<(Found, Tangent), Failure> {
+    // From close by Newton's method needs no other start.
+    match newton(cycle, course, free, guess.clone(), tolerance, observe) {
+        Ok(found) => return Ok(found),
+        Err(Failure::Stopped) => return Err(Failure::Stopped),
+        Err(_) => {}
+    }
+    let started = recoil(cycle, course, free, guess)?;
+    newton(cycle, course, free, started, tolerance, observe)
+}
+
+/// Finds the orbit of `course` from `point` by Newton's method on exact derivatives of the flow over a cycle; with more
+/// free numbers than conditions by steps of least norm in them, each measured by half of its range.
+///
+/// # Errors
+/// The [`Failure`] that names what stood in the way.
+pub fn search_from(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    point: Point,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<Found, Failure> {
+    newton(cycle, course, free, point, TOLERANCE, observe).map(|(found, _)| found)
+}
+
+/// [`search_from`] to a largest condition missed of `tolerance`; with the derivatives that led there.
+fn newton(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    mut point: Point,
+    tolerance: f64,
+    observe: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<(Found, Tangent), Failure> {
+    let conditions = Conditions::new(cycle, course);
+    let (states, rows) = (conditions.directions.len(), conditions.directions.len() + conditions.beyond());
+    let columns = states + free.len();
+    if columns < rows {
+        return Err(Failure::Singular { iteration: 0, residual: f64::INFINITY });
+    }
+    let mut residual = f64::INFINITY;
+    let mut worst = 0;
+    for iteration in 1..=ITERATIONS {
+        let (missed, jacobian) =
+            cycle.differentiate(&point, &conditions.directions, free, |z, end| conditions.missed(z, end))?;
+        (worst, residual) = largest(&missed);
+        if observe(iteration, residual).is_break() {
+            return Err(Failure::Stopped);
+        }
+        let tangent = Tangent::new(cycle, states, free, &jacobian);
+        if residual <= tolerance {
+            return Ok((finished(cycle, course, free, point, residual, iteration)?, tangent));
+        }
+        let singular = Failure::Singular { iteration, residual };
+        let step = tangent.step(&missed).ok_or(singular.clone())?;
+        let Some((next, left)) = shortened(cycle, &conditions, free, &point, &step, residual) else {
+            let condition = conditions.name(cycle, worst);
+            return Err(Failure::NotConverged { iterations: iteration, residual, condition });
+        };
+        let (next, left) = followed(cycle, &conditions, free, &tangent, (next, left), tolerance, &singular)?;
+        point = next;
+        if left <= tolerance {
+            return Ok((finished(cycle, course, free, point, left, iteration)?, tangent));
+        }
+    }
+    Err(Failure::NotConverged { iterations: ITERATIONS, residual, condition: conditions.name(cycle, worst) })
+}
+
+/// Derivatives of the conditions of a course at a point, by the coordinates and what is free: with them orbits close by
+/// are found at the cost of plain cycles.
+#[derive(Clone, Debug)]
+pub struct Tangent {
+    /// By rows, every column times its weight.
+    matrix: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Tangent {
+    /// The derivatives at `point`.
+    ///
+    /// # Errors
+    /// The [`Failure`] of a model that cannot be evaluated.
+    pub fn at(cycle: &Cycle, course: &Course, free: &[Free], point: &Point) -> Result<Self, Failure> {
+        let conditions = Conditions::new(cycle, course);
+        let missed = |z: &[_], end: &End<_>| conditions.missed(z, end);
+        let (_, jacobian) = cycle.differentiate(point, &conditions.directions, free, missed)?;
+        Ok(Self::new(cycle, conditions.directions.len(), free, &jacobian))
+    }
+
+    fn new(cycle: &Cycle, states: usize, free: &[Free], jacobian: &[Vec<f64>]) -> Self {
+        let of_free = free.iter().map(|free| cycle.size(free));
+        let weights: Vec<f64> = std::iter::repeat_n(STATE_WEIGHT, states).chain(of_free).collect();
+        let matrix = jacobian.iter().flat_map(|row| row.iter().zip(&weights).map(|(a, w)| a * w)).collect();
+        Self { matrix, weights }
+    }
+
+    /// The step that takes off what is `missed`; `None` where the matrix is singular.
+    fn step(&self, missed: &[f64]) -> Option<Vec<f64>> {
+        let rhs: Vec<f64> = missed.iter().map(|m| -m).collect();
+        let step = solve(&self.matrix, missed.len(), self.weights.len(), &rhs)?;
+        Some(step.iter().zip(&self.weights).map(|(s, w)| s * w).collect())
+    }
+}
+
+/// Finds the orbit of `course` from `point`, which lies close to it, with derivatives of an orbit close by; where they
+/// do not point well any more, with its own ([`search_from`]).
+///
+/// # Errors
+/// The [`Failure`] that names what stood in the way.
+pub fn search_near(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    point: Point,
+    tangent: &Tangent,
+) -> Result<Found, Failure> {
+    let conditions = Conditions::new(cycle, course);
+    let left = conditions.missed(&point.z, &cycle.end(&point)?);
+    let singular = Failure::Singular { iteration: 0, residual: largest(&left).1 };
+    let (point, left) = followed(cycle, &conditions, free, tangent, (point, left), TOLERANCE, &singular)?;
+    if left <= TOLERANCE {
+        return finished(cycle, course, free, point, left, 0);
+    }
+    search_from(cycle, course, free, point, &mut |_, _| ControlFlow::Continue(()))
+}
+
+/// While the derivatives still point well, further steps cost a cycle of plain numbers: the point after them and the
+/// largest condition missed there.
+fn followed(
+    cycle: &Cycle,
+    conditions: &Conditions,
+    free: &[Free],
+    tangent: &Tangent,
+    (mut point, mut left): (Point, Vec<f64>),
+    tolerance: f64,
+    singular: &Failure,
+) -> Result<(Point, f64), Failure> {
+    loop {
+        in_range(cycle, free, &point)?;
+        let before = largest(&left).1;
+        if before <= tolerance {
+            return Ok((point, before));
+        }
+        let step = tangent.step(&left).ok_or_else(|| singular.clone())?;
+        let Some((next, then)) = shortened(cycle, conditions, free, &point, &step, before) else {
+            return Ok((point, before));
+        };
+        let now = largest(&then).1;
+        (point, left) = (next, then);
+        if now > KEPT * before {
+            return Ok((point, now));
+        }
+    }
+}
+
+/// The point after the largest share of `step` that lessens the residual.
+fn shortened(
+    cycle: &Cycle,
+    conditions: &Conditions,
+    free: &[Free],
+    point: &Point,
+    step: &[f64],
+    residual: f64,
+) -> Option<(Point, Vec<f64>)> {
+    let mut share = 1.0;
+    for _ in 0..HALVINGS {
+        let mut next = point.clone();
+        for (direction, step) in conditions.directions.iter().zip(step) {
+            direction.iter().for_each(|(i, part)| next.z[*i] += part * share * step);
+        }
+        let of_free = &step[conditions.directions.len()..];
+        free.iter().zip(of_free).for_each(|(free, step)| next.moved(free, share * step));
+        if next.pace > 0.0
+            && let Ok(end) = cycle.end(&next)
+        {
+            let missed = conditions.missed(&next.z, &end);
+            if largest(&missed).1 < residual {
+                return Some((next, missed));
+            }
+        }
+        share *= 0.5;
+    }
+    None
+}
+
+fn finished(
+    cycle: &Cycle,
+    course: &Course,
+    free: &[Free],
+    point: Point,
+    residual: f64,
+    iterations: usize,
+) -> Result<Found, Failure> {
+    in_range(cycle, free, &point)?;
+    let end = cycle.end(&point)?;
+    returns_sidewise(cycle, course, &point, &end)?;
+    Ok(Found { orbit: Orbit { point, course: *course, end }, residual, iterations })
+}
+
+/// Largest difference over a cycle of what is zero where left and right are alike, SI.
+const SIDEWISE: f64 = 1e-8;
+
+/// That a cycle straight ahead, found in the directions in which left and right do the same, returns in the others too.
+fn returns_sidewise(cycle: &Cycle, course: &Course, point: &Point, end: &End<f64>) -> Result<(), Failure> {
+    if course.turns() {
+        return Ok(());
+    }
+    let directions = cycle.section().antisymmetric();
+    let missed: Vec<f64> =
+        directions.iter().map(|d| Section::along(d, &end.z) - Section::along(d, &point.z)).collect();
+    let (worst, missed) = largest(&missed);
+    if missed <= SIDEWISE {
+        return Ok(());
+    }
+    let condition = format!("the return of {}", cycle.section().names()[directions[worst][0].0]);
+    Err(Failure::Asymmetric { missed, condition })
+}
+
+/// The largest of the numbers and its place.
+fn largest(missed: &[f64]) -> (usize, f64) {
+    missed.iter().enumerate().fold((0, 0.0), |(at, most), (i, m)| {
+        if m.abs() > most || !m.is_finite() { (i, m.abs()) } else { (at, most) }
+    })
+}
+
+/// That what is free keeps to its limits.
+fn in_range(cycle: &Cycle, free: &[Free], point: &Point) -> Result<(), Failure> {
+    for free in free {
+        let (name, unit, [low, high]) = cycle.described(free);
+        let value = cycle.value(free, point);
+        if !(value >= low && value <= high) {
+            return Err(Failure::Range { name, value, unit, low, high });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,402 @@
+//! Robots in air that is stepped beside them and bears on them together with their motion.
+
+use super::fly::{Controller, Flight, Pilot, Sample, Schedule};
+use super::secant::Secant;
+use super::sensors::Sensors;
+use super::stepper::Stepper;
+use super::system::{Driver, Ending, Moment, Sizes, System, upright};
+use arrayvec::ArrayVec;
+use std::ops::ControlFlow;
+use wingbeat_math::{GRAVITY, Vec3, Wrench};
+use wingbeat_ocp::plant::Fault;
+use wingbeat_robot::body::MAX_LINKS;
+use wingbeat_robot::{Robot, Stance};
+
+/// Loads on links and body.
+type OnLinks = ArrayVec<Wrench<f64>, { MAX_LINKS + 1 }>;
+
+/// Air that is stepped beside a robot: it takes the place of all that the robot's own models say of attached flow, profile drag is
+/// theirs.
+pub trait Flow {
+    /// Steps of the flight that one step of the air takes.
+    fn every(&self) -> usize;
+
+    /// Length with which moments are compared with forces, m.
+    fn length(&self) -> f64;
+
+    /// Loads of the air on links and body at its next instant, `t` s, if the robot is then as it is `at`: as
+    /// [`Robot::rates_beyond`] takes them, those of attached flow whole. The first instant is the begin.
+    ///
+    /// # Errors
+    /// [`Fault::Flow`].
+    fn loads(&mut self, t: f64, at: &Stance) -> Result<Vec<Wrench<f64>>, Fault>;
+
+    /// Goes on from what was asked for last to the instant after it.
+    fn keep(&mut self);
+
+    /// How fine the steps so far were.
+    fn fineness(&self) -> Fineness;
+}
+
+/// Way of the surfaces' trailing edges through the air in a step, rms over edges and steps in which they moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fineness {
+    /// In chords of a panel; 0 where nothing moved.
+    pub panels: f64,
+    /// In radii of the wake's cores.
+    pub cores: f64,
+}
+
+/// How the motion of a robot and the air beside it were brought together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coupling {
+    /// Step of the air, s.
+    pub step: f64,
+    /// Steps of the air.
+    pub steps: usize,
+    /// States of the robot that were tried.
+    pub iterations: usize,
+    /// Most of them in a step.
+    pub most: usize,
+    /// How fine the steps were.
+    pub fineness: Fineness,
+}
+
+/// Change of a load below which motion and air agree, weights.
+const TOLERANCE: f64 = 1e-6;
+/// Most states tried for one step. *Choice.*
+const MOST: usize = 40;
+
+/// What the air bears beyond the robot's models, straight from the begin of a step of the air to its end.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Beyond {
+    from: f64,
+    length: f64,
+    ends: [Vec<Wrench<f64>>; 2],
+}
+
+impl Beyond {
+    /// At `t` s.
+    pub fn at(&self, t: f64) -> OnLinks {
+        let share = (t - self.from) / self.length;
+        let between = |(a, b): (&Wrench<f64>, &Wrench<f64>)| Wrench {
+            force: a.force + (b.force - a.force) * share,
+            moment: a.moment + (b.moment - a.moment) * share,
+        };
+        self.ends[0].iter().zip(&self.ends[1]).map(between).collect()
+    }
+}
+
+/// A system that moves a robot, with loads of the air beside it in its memory.
+pub(crate) trait Bears: System<Memory = Beyond> {
+    /// The robot.
+    fn robot(&self) -> &Robot;
+
+    /// How the robot is in the state `x` at `t` s.
+    fn stance(&self, t: f64, x: &[f64]) -> Stance;
+
+    /// As [`Robot::attached_loads`].
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    fn attached_loads(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        beyond: &[Wrench<f64>],
+    ) -> Result<Vec<Wrench<f64>>, Fault>;
+}
+
+/// A robot in flight.
+struct Beside<'a>(&'a Robot);
+
+impl System for Beside<'_> {
+    type Memory = Beyond;
+
+    fn sizes(&self) -> Sizes {
+        self.0.sizes()
+    }
+    fn slope(&self, at: Moment<Beyond>, dx: &mut [f64]) -> Result<(), Fault> {
+        self.0.rates_beyond(at.t, at.x, at.u, &at.memory.at(at.t), dx)
+    }
+    fn limit(&self, u: &mut [f64]) {
+        self.0.limit(u);
+    }
+    fn advance(&self, _: f64, _: f64, x: &mut [f64], _: &[f64], _: &mut Beyond) -> Result<(), Fault> {
+        upright(self.0, x);
+        Ok(())
+    }
+}
+
+impl Bears for Beside<'_> {
+    fn robot(&self) -> &Robot {
+        self.0
+    }
+    fn stance(&self, t: f64, x: &[f64]) -> Stance {
+        self.0.stance(t, x)
+    }
+    fn attached_loads(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        beyond: &[Wrench<f64>],
+    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        self.0.attached_loads(t, x, u, beyond)
+    }
+}
+
+/// Who steers a system that bears loads of the air, and watches it; `k` counts its steps.
+pub(crate) trait Steers {
+    /// Decides anew before step `k`.
+    fn update(&mut self, _k: usize, _t: f64, _x: &[f64]) {}
+
+    /// Writes what is decided for the time `t`; what it leaves alone stays as it was.
+    fn planned(&self, _t: f64, _u: &mut [f64]) {}
+
+    /// Sees the system before step `k`, or after the last, under the loads `beyond`, and stops by `Break`.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a system that cannot be looked at.
+    fn see(
+        &mut self,
+        k: usize,
+        at: (f64, &[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+    ) -> Result<ControlFlow<()>, Fault>;
+}
+
+/// Steers as decided: nobody sees it.
+struct Tried<'a, D>(&'a D);
+
+/// Steers as decided and shows all but the last end of its steps; its first is the step `first` of all.
+struct Kept<'a, D> {
+    steering: &'a mut D,
+    first: usize,
+    steps: usize,
+}
+
+impl<D: Steers> Driver<Beyond> for Tried<'_, D> {
+    fn inputs(&self, t: f64, u: &mut [f64]) {
+        self.0.planned(t, u);
+    }
+    fn observe(&mut self, _: usize, _: Moment<Beyond>) -> Result<ControlFlow<()>, Fault> {
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
+impl<D: Steers> Driver<Beyond> for Kept<'_, D> {
+    fn inputs(&self, t: f64, u: &mut [f64]) {
+        self.steering.planned(t, u);
+    }
+    fn observe(&mut self, k: usize, at: Moment<Beyond>) -> Result<ControlFlow<()>, Fault> {
+        if k == self.steps {
+            return Ok(ControlFlow::Continue(()));
+        }
+        self.steering.see(self.first + k, (at.t, at.x, at.u), &at.memory.at(at.t))
+    }
+}
+
+/// As [`fly`](super::fly), in the air `flow`. Every step of the air its loads at the end and the motion that leads there are found
+/// together: the loads of the robot's own models, the reaction of accelerated air among them, act at every instant as they are, and
+/// what the air bears beyond them, straight over the step, is changed until at its end the sum is the load of the air, to 1e-6 of the
+/// weight. The controller's updates lie on ends of steps of the air.
+///
+/// Equation: robot.coupling
+pub fn fly_in<C: Controller>(
+    robot: &Robot,
+    flow: &mut dyn Flow,
+    sensors: &mut Sensors,
+    controller: &mut C,
+    schedule: &Schedule,
+    x: &mut [f64],
+    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+) -> (Flight, Coupling) {
+    let mut pilot = Pilot::new(robot, sensors, controller, schedule, observe);
+    let system = Beside(robot);
+    let mut stepper = Stepper::new(&system, 0.0, x);
+    let (ending, coupling) = step_in(flow, &mut stepper, (schedule.step, schedule.steps), &mut pilot);
+    x.copy_from_slice(stepper.state());
+    (pilot.flight(ending, stepper.time()), coupling)
+}
+
+/// `steps` steps of `step` s in the air `flow`, as [`fly_in`] says.
+pub(crate) fn step_in<B: Bears>(
+    flow: &mut dyn Flow,
+    stepper: &mut Stepper<&B>,
+    steps: (f64, usize),
+    steering: &mut impl Steers,
+) -> (Ending, Coupling) {
+    let step = flow.every() as f64 * steps.0;
+    let mut coupled = Coupled { flow, coupling: Coupling { step, ..Coupling::default() } };
+    let ending = coupled.run(stepper, steps, steering).unwrap_or_else(Ending::Fault);
+    let fineness = coupled.flow.fineness();
+    (ending, Coupling { fineness, ..coupled.coupling })
+}
+
+struct Coupled<'a> {
+    flow: &'a mut dyn Flow,
+    coupling: Coupling,
+}
+
+impl Coupled<'_> {
+    fn run<B: Bears>(
+        &mut self,
+        stepper: &mut Stepper<&B>,
+        (step, steps): (f64, usize),
+        steering: &mut impl Steers,
+    ) -> Result<Ending, Fault> {
+        let (every, mut taken) = (self.flow.every(), 0);
+        let mut loads = self.asked(stepper)?;
+        self.flow.keep();
+        // All begins at once: what air and motion agree on at the end of the first step holds from its begin on.
+        let mut begin: Option<Vec<Wrench<f64>>> = None;
+        let mut before: Option<Vec<Wrench<f64>>> = None;
+        loop {
+            let t = stepper.time();
+            steering.update(taken, t, stepper.state());
+            let mut u = stepper.inputs().to_vec();
+            steering.planned(t, &mut u);
+            stepper.set_inputs(&u);
+            let settled = begin.take().map(|begin| self.settled(stepper, &loads, begin)).transpose()?;
+            let known = settled.clone().unwrap_or_else(|| vec![Wrench::ZERO; loads.len()]);
+            if taken == steps {
+                let (x, u) = (stepper.state().to_vec(), stepper.inputs().to_vec());
+                let flow = steering.see(taken, (t, &x, &u), &known)?;
+                return Ok(if flow.is_break() { Ending::Stopped } else { Ending::Complete });
+            }
+            let goes_on = |(now, before): (&Wrench<f64>, &Wrench<f64>)| Wrench {
+                force: now.force * 2.0 - before.force,
+                moment: now.moment * 2.0 - before.moment,
+            };
+            let guess = match &before {
+                Some(before) => known.iter().zip(before).map(goes_on).collect(),
+                None => known.clone(),
+            };
+            let saved = stepper.save();
+            let length = every as f64 * step;
+            let mut memory = Beyond { from: t, length, ends: [known.clone(), guess] };
+            let (mut secant, mut tried) = (Secant::default(), 0);
+            loop {
+                stepper.restore(&saved);
+                stepper.memory_mut().clone_from(&memory);
+                stepper.run(step, every, &mut Tried(&*steering)).check()?;
+                loads = self.asked(stepper)?;
+                tried += 1;
+                let found = self.beyond(stepper, &loads, &memory.ends[1])?;
+                if self.apart(stepper, &memory.ends[1], &found) <= TOLERANCE {
+                    break;
+                }
+                if tried == MOST {
+                    let why = "its loads and the motion do not agree; try a shorter lattice.step_s, or lattice.crossing where parts of \
+                               the robot pass through each other";
+                    return Err(Fault::Flow { time: stepper.time(), why });
+                }
+                let next = self.next(stepper, &mut secant, &memory.ends[1], &found);
+                if settled.is_none() {
+                    memory.ends[0].clone_from(&next);
+                }
+                memory.ends[1] = next;
+            }
+            self.flow.keep();
+            self.coupling.steps += 1;
+            self.coupling.iterations += tried;
+            self.coupling.most = self.coupling.most.max(tried);
+            stepper.restore(&saved);
+            stepper.memory_mut().clone_from(&memory);
+            let now = every.min(steps - taken);
+            let ending = stepper.run(step, now, &mut Kept { steering, first: taken, steps: now });
+            if ending != Ending::Complete {
+                return Ok(ending);
+            }
+            taken += now;
+            if now < every {
+                let beyond = memory.at(stepper.time());
+                let own = own_loads(stepper, &beyond)?;
+                loads = beyond.iter().zip(own).map(|(load, own)| *load + own).collect();
+            }
+            before = settled;
+            begin = Some(memory.at(stepper.time()).to_vec());
+        }
+    }
+
+    /// Loads of the air where the stepper is.
+    fn asked<B: Bears>(&mut self, stepper: &Stepper<&B>) -> Result<Vec<Wrench<f64>>, Fault> {
+        let (t, x) = (stepper.time(), stepper.state());
+        self.flow.loads(t, &stepper.system().stance(t, x))
+    }
+
+    /// What the air bears beyond the robot's models where the stepper is, its loads being `loads`, while `beyond` acts.
+    fn beyond<B: Bears>(
+        &self,
+        stepper: &Stepper<&B>,
+        loads: &[Wrench<f64>],
+        beyond: &[Wrench<f64>],
+    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        let own = own_loads(stepper, beyond)?;
+        Ok(loads.iter().zip(own).map(|(load, own)| *load + -own).collect())
+    }
+
+    /// That at which the sum is `loads` in the state as it is: the robot's own models feel the acceleration.
+    fn settled<B: Bears>(
+        &self,
+        stepper: &Stepper<&B>,
+        loads: &[Wrench<f64>],
+        mut guess: Vec<Wrench<f64>>,
+    ) -> Result<Vec<Wrench<f64>>, Fault> {
+        let mut secant = Secant::default();
+        for _ in 0..MOST {
+            let found = self.beyond(stepper, loads, &guess)?;
+            if self.apart(stepper, &guess, &found) <= TOLERANCE {
+                return Ok(guess);
+            }
+            guess = self.next(stepper, &mut secant, &guess, &found);
+        }
+        Err(Fault::Flow { time: stepper.time(), why: "no acceleration fits its loads" })
+    }
+
+    /// The guess after `guess`, at which `found` was found.
+    fn next<B: Bears>(
+        &self,
+        stepper: &Stepper<&B>,
+        secant: &mut Secant,
+        guess: &[Wrench<f64>],
+        found: &[Wrench<f64>],
+    ) -> Vec<Wrench<f64>> {
+        let [force, moment] = self.units(stepper);
+        let next = secant.next(&self.numbers(stepper, guess), &self.numbers(stepper, found));
+        let load = |n: &[f64]| Wrench {
+            force: Vec3::new(n[0], n[1], n[2]) * force,
+            moment: Vec3::new(n[3], n[4], n[5]) * moment,
+        };
+        next.chunks_exact(6).map(load).collect()
+    }
+
+    /// Units of force and moment.
+    fn units<B: Bears>(&self, stepper: &Stepper<&B>) -> [f64; 2] {
+        let weight = stepper.system().robot().mass() * GRAVITY;
+        [weight, weight * self.flow.length()]
+    }
+
+    fn numbers<B: Bears>(&self, stepper: &Stepper<&B>, loads: &[Wrench<f64>]) -> Vec<f64> {
+        let [force, moment] = self.units(stepper);
+        let of = |load: &Wrench<f64>| {
+            load.force.0.map(|f| f / force).into_iter().chain(load.moment.0.map(|m| m / moment))
+        };
+        loads.iter().flat_map(of).collect()
+    }
+
+    /// Largest difference.
+    fn apart<B: Bears>(&self, stepper: &Stepper<&B>, one: &[Wrench<f64>], other: &[Wrench<f64>]) -> f64 {
+        let (one, other) = (self.numbers(stepper, one), self.numbers(stepper, other));
+        // What is no number is no agreement.
+        let far = |(a, b): (&f64, &f64)| if (a - b).is_finite() { (a - b).abs() } else { f64::INFINITY };
+        one.iter().zip(&other).map(far).fold(0.0, f64::max)
+    }
+}
+
+/// Loads of the robot's own models where the stepper is, while `beyond` acts.
+fn own_loads<B: Bears>(stepper: &Stepper<&B>, beyond: &[Wrench<f64>]) -> Result<Vec<Wrench<f64>>, Fault> {
+    stepper.system().attached_loads(stepper.time(), stepper.state(), stepper.inputs(), beyond)
+}

@@ -1,0 +1,236 @@
+//! The flight of a plant: sensors, controller and clock around the stepper.
+
+use super::coupled::Steers;
+use super::record::Column;
+use super::sensors::{Measurement, Sensors};
+use super::stepper::Stepper;
+use super::system::{Driver, Ending, Moment};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+use wingbeat_math::Wrench;
+use wingbeat_ocp::plant::{Fault, Plant};
+
+/// What decides the plant's inputs.
+pub trait Controller {
+    /// Plans anew at time `t` from what is measured. A failure leaves the previous plan in force.
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update;
+    /// Writes the planned inputs at time `t`, the very function the plan was made with.
+    fn input(&self, t: f64, u: &mut [f64]);
+    /// Columns of [`diagnostics`](Self::diagnostics).
+    fn columns(&self) -> Vec<Column> {
+        Vec::new()
+    }
+    /// Appends what the last update tells of itself, one number per column.
+    /// Nothing that depends on the wall clock, so that records repeat.
+    fn diagnostics(&self, _row: &mut Vec<f64>) {}
+}
+
+impl<C: Controller + ?Sized> Controller for Box<C> {
+    fn update(&mut self, t: f64, measurement: &Measurement) -> Update {
+        (**self).update(t, measurement)
+    }
+    fn input(&self, t: f64, u: &mut [f64]) {
+        (**self).input(t, u);
+    }
+    fn columns(&self) -> Vec<Column> {
+        (**self).columns()
+    }
+    fn diagnostics(&self, row: &mut Vec<f64>) {
+        (**self).diagnostics(row);
+    }
+}
+
+/// How an update of the controller ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// A new plan is in force.
+    Fresh,
+    /// The update failed; the previous plan goes on.
+    Kept,
+    /// The update came after its deadline; the previous plan goes on.
+    Late,
+}
+
+/// The controller that leaves every regulator at rest.
+#[derive(Clone, Copy, Debug)]
+pub struct AtRest;
+
+impl Controller for AtRest {
+    fn update(&mut self, _: f64, _: &Measurement) -> Update {
+        Update::Fresh
+    }
+    fn input(&self, _: f64, u: &mut [f64]) {
+        u.fill(0.0);
+    }
+}
+
+/// The clock of a flight: whole steps between updates and between samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Schedule {
+    /// Integration step, s.
+    pub step: f64,
+    /// Number of steps.
+    pub steps: usize,
+    /// Steps between controller updates; `None` never updates.
+    pub steps_per_update: Option<usize>,
+    /// Steps between samples.
+    pub steps_per_sample: usize,
+}
+
+/// The plant at one instant, as it is recorded.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Time, s.
+    pub t: f64,
+    /// State.
+    pub x: &'a [f64],
+    /// Inputs in force.
+    pub u: &'a [f64],
+    /// Loads on links and body from beyond the robot's own models, as [`Robot::rates_beyond`](wingbeat_robot::Robot::rates_beyond)
+    /// takes them.
+    pub beyond: &'a [Wrench<f64>],
+    /// Wall time since the flight began.
+    pub elapsed: Duration,
+}
+
+/// A flown flight without its samples.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// How it ended.
+    pub ending: Ending,
+    /// Time reached, s.
+    pub duration: f64,
+    /// Wall time of the loop.
+    pub wall: Duration,
+    /// Wall time of each controller update.
+    pub updates: Vec<Duration>,
+    /// Updates that failed and kept the previous plan.
+    pub failures: usize,
+    /// Updates that came late and kept the previous plan.
+    pub late: usize,
+}
+
+/// Flies `plant` from `x` (state at t = 0, left at the final state) under
+/// `controller`, which knows of it what `sensors` tell: the steps of a [`Stepper`], inputs limited by the plant's
+/// channels, quaternion renormalised every step.
+///
+/// `observe` sees every sample, the first at t = 0, and may stop the flight.
+pub fn fly<P: Plant, C: Controller>(
+    plant: &P,
+    sensors: &mut Sensors,
+    controller: &mut C,
+    schedule: &Schedule,
+    x: &mut [f64],
+    observe: impl FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+) -> Flight {
+    let mut pilot = Pilot::new(plant, sensors, controller, schedule, observe);
+    let mut stepper = Stepper::new(plant, 0.0, x);
+    let ending = stepper.run(schedule.step, schedule.steps, &mut pilot);
+    x.copy_from_slice(stepper.state());
+    pilot.flight(ending, stepper.time())
+}
+
+/// A controller behind its sensors at the stepper's wheel.
+pub(super) struct Pilot<'a, P, C, O> {
+    pub plant: &'a P,
+    sensors: &'a mut Sensors,
+    controller: &'a mut C,
+    schedule: &'a Schedule,
+    observe: O,
+    start: Instant,
+    updates: Vec<Duration>,
+    failures: usize,
+    late: usize,
+}
+
+impl<'a, P, C, O> Pilot<'a, P, C, O> {
+    /// At the wheel from now on.
+    pub fn new(
+        plant: &'a P,
+        sensors: &'a mut Sensors,
+        controller: &'a mut C,
+        schedule: &'a Schedule,
+        observe: O,
+    ) -> Self {
+        let updates = schedule.steps_per_update.map_or(0, |n| schedule.steps / n + 1);
+        Self {
+            plant,
+            sensors,
+            controller,
+            schedule,
+            observe,
+            start: Instant::now(),
+            updates: Vec::with_capacity(updates),
+            failures: 0,
+            late: 0,
+        }
+    }
+
+    /// The flight that ended so at the time `duration`, s.
+    pub fn flight(self, ending: Ending, duration: f64) -> Flight {
+        Flight {
+            ending,
+            duration,
+            wall: self.start.elapsed(),
+            updates: self.updates,
+            failures: self.failures,
+            late: self.late,
+        }
+    }
+}
+
+impl<P: Plant, C: Controller, O> Driver<()> for Pilot<'_, P, C, O>
+where
+    O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+{
+    fn decide(&mut self, k: usize, t: f64, x: &[f64]) {
+        self.update(k, t, x);
+    }
+
+    fn inputs(&self, t: f64, u: &mut [f64]) {
+        self.controller.input(t, u);
+    }
+
+    fn observe(&mut self, k: usize, at: Moment) -> Result<ControlFlow<()>, Fault> {
+        self.sensors.watch(k, self.plant, at.t, at.x, at.u)?;
+        self.see(k, (at.t, at.x, at.u), &[])
+    }
+}
+
+impl<P, C: Controller, O> Steers for Pilot<'_, P, C, O>
+where
+    O: FnMut(&Sample, &C) -> Result<ControlFlow<()>, Fault>,
+{
+    /// Lets the controller plan anew before step `k`, where that is due.
+    fn update(&mut self, k: usize, t: f64, x: &[f64]) {
+        let due = self.schedule.steps_per_update.is_some_and(|n| k.is_multiple_of(n));
+        if k == self.schedule.steps || !due {
+            return;
+        }
+        let begun = Instant::now();
+        match self.controller.update(t, &self.sensors.measure(t, x)) {
+            Update::Fresh => {}
+            Update::Kept => self.failures += 1,
+            Update::Late => self.late += 1,
+        }
+        self.updates.push(begun.elapsed());
+    }
+
+    fn planned(&self, t: f64, u: &mut [f64]) {
+        self.controller.input(t, u);
+    }
+
+    /// Shows the sample before step `k`, where one is due.
+    fn see(
+        &mut self,
+        k: usize,
+        (t, x, u): (f64, &[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+    ) -> Result<ControlFlow<()>, Fault> {
+        if !k.is_multiple_of(self.schedule.steps_per_sample) {
+            return Ok(ControlFlow::Continue(()));
+        }
+        let sample = Sample { t, x, u, beyond, elapsed: self.start.elapsed() };
+        (self.observe)(&sample, self.controller)
+    }
+}

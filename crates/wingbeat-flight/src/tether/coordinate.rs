@@ -1,0 +1,151 @@
+//! One coordinate as a function of time.
+
+use wingbeat_math::linear::{lu_factor, lu_solve};
+use wingbeat_math::{CubicSpline, Jet, Scalar};
+
+/// Pivot of the normal equations, over the number of samples, below which they do not determine a harmonic; samples
+/// that lie evenly have 1/2. *Choice.*
+const UNDETERMINED: f64 = 1e-6;
+
+/// A coordinate with its rate and acceleration at any time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coordinate {
+    /// Always the same.
+    Constant(f64),
+    /// `mean + sum_n cos[n] cos((n+1) 2 pi f t) + sin[n] sin((n+1) 2 pi f t)`.
+    Fourier {
+        /// Frequency f of the first harmonic, Hz.
+        frequency_hz: f64,
+        /// Mean.
+        mean: f64,
+        /// Cosine amplitudes from the first harmonic on.
+        cos: Vec<f64>,
+        /// Sine amplitudes from the first harmonic on.
+        sin: Vec<f64>,
+    },
+    /// A table through which a smooth curve is drawn.
+    Table(CubicSpline),
+}
+
+impl Coordinate {
+    /// Value, rate and acceleration at `t` s.
+    pub fn at(&self, t: f64) -> Jet<f64> {
+        match self {
+            Self::Constant(value) => Jet::from(*value),
+            Self::Fourier { frequency_hz, mean, cos, sin } => {
+                let rate = std::f64::consts::TAU * frequency_hz;
+                let harmonic = |n: usize| {
+                    let order = (n + 1) as f64;
+                    Jet::new(order * rate * t, order * rate, 0.0).sin_cos()
+                };
+                let mut sum = Jet::from(*mean);
+                for n in 0..cos.len().max(sin.len()) {
+                    let (s, c) = harmonic(n);
+                    sum += c * cos.get(n).copied().unwrap_or(0.0) + s * sin.get(n).copied().unwrap_or(0.0);
+                }
+                sum
+            }
+            Self::Table(spline) => spline.at(t),
+        }
+    }
+
+    /// The harmonics up to `count` of `frequency_hz` nearest to the samples `y` at the times `t` (s), by least squares;
+    /// none where the samples do not determine them.
+    ///
+    /// Equation: tether.harmonics
+    pub fn fitted(frequency_hz: f64, t: &[f64], y: &[f64], count: usize) -> Option<Self> {
+        let size = 2 * count + 1;
+        let (mut right, mut sums) = (vec![0.0; size], vec![(0.0, 0.0); size]);
+        for (t, y) in t.iter().zip(y) {
+            let phase = std::f64::consts::TAU * (frequency_hz * t).fract();
+            let (step_sin, step_cos) = phase.sin_cos();
+            let (mut cos, mut sin) = (1.0, 0.0);
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum = (sum.0 + cos, sum.1 + sin);
+                if k <= count {
+                    right[k] += cos * y;
+                    right[if k > 0 { count + k } else { 0 }] += sin * y;
+                }
+                (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+            }
+        }
+        let mut normal = normal(&sums);
+        let mut pivots = vec![0; size];
+        let known = lu_factor(&mut normal, size, &mut pivots)
+            && (0..size).all(|i| normal[i * size + i].abs() > UNDETERMINED * y.len() as f64);
+        known.then(|| {
+            lu_solve(&normal, size, &pivots, &mut right, 1);
+            let (cos, sin) = (right[1..=count].to_vec(), right[count + 1..].to_vec());
+            Self::Fourier { frequency_hz, mean: right[0], cos, sin }
+        })
+    }
+
+    /// The coordinate in another unit.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        let all = |v: Vec<f64>| v.into_iter().map(|a| a * factor).collect();
+        match self {
+            Self::Constant(value) => Self::Constant(value * factor),
+            Self::Fourier { frequency_hz, mean, cos, sin } => {
+                Self::Fourier { frequency_hz, mean: mean * factor, cos: all(cos), sin: all(sin) }
+            }
+            Self::Table(spline) => Self::Table(spline.scaled(factor)),
+        }
+    }
+}
+
+/// Sums of the products of 1, cos(k x) and sin(k x), k up to n, from those of cos(k x) and sin(k x), k up to 2 n.
+fn normal(sums: &[(f64, f64)]) -> Vec<f64> {
+    let (size, count) = (sums.len(), sums.len() / 2);
+    let cos = |k: usize| sums[k].0;
+    let product = |i: usize, j: usize| match (i.checked_sub(count + 1), j.checked_sub(count + 1)) {
+        (None, None) => cos(i.abs_diff(j)) + cos(i + j),
+        (Some(m), Some(n)) => cos(m.abs_diff(n)) - cos(m + n + 2),
+        (None, Some(n)) => mixed(sums, i, n + 1),
+        (Some(m), None) => mixed(sums, j, m + 1),
+    };
+    (0..size * size).map(|at| 0.5 * product(at / size, at % size)).collect()
+}
+
+/// Twice the sum of cos(m x) sin(n x).
+fn mixed(sums: &[(f64, f64)], m: usize, n: usize) -> f64 {
+    let apart = sums[m.abs_diff(n)].1;
+    sums[m + n].1 + if n < m { -apart } else { apart }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn harmonics_are_found_in_uneven_samples_of_several_cycles() {
+        let exact =
+            Coordinate::Fourier { frequency_hz: 3.5, mean: 0.1, cos: vec![0.3, -0.2], sin: vec![0.0, 0.4] };
+        let t: Vec<f64> = (0..90).map(|i| 0.011 * f64::from(i) + 0.003 * f64::from(i % 4)).collect();
+        let y: Vec<f64> = t.iter().map(|t| exact.at(*t).x).collect();
+        let found = Coordinate::fitted(3.5, &t, &y, 4).unwrap();
+        assert!(t.iter().all(|t| (found.at(t + 0.07).dd - exact.at(t + 0.07).dd).abs() < 1e-8));
+        // A quarter of the cycle alone tells four harmonics from one another as little as one sample.
+        assert_eq!(Coordinate::fitted(0.25, &t, &y, 4), None);
+        assert_eq!(Coordinate::fitted(3.5, &t[..1], &y[..1], 1), None);
+    }
+
+    #[test]
+    fn rates_are_the_derivatives() {
+        let fourier = Coordinate::Fourier {
+            frequency_hz: 3.5,
+            mean: 0.1,
+            cos: vec![0.3, -0.2],
+            sin: vec![0.0, 0.4, 0.1],
+        };
+        let x: Vec<f64> = (0..12).map(|i| i as f64 / 40.0).collect();
+        let y: Vec<f64> = x.iter().map(|x| (20.0 * x).sin()).collect();
+        let table = Coordinate::Table(CubicSpline::periodic(&x, &y, 0.3).unwrap());
+        for coordinate in [fourier, table.scaled(2.0)] {
+            let h = 1e-5;
+            let [a, b, c] = [0.137 - h, 0.137, 0.137 + h].map(|t| coordinate.at(t));
+            assert!(((c.x - a.x) / (2.0 * h) - b.d).abs() < 1e-5);
+            assert!(((c.d - a.d) / (2.0 * h) - b.dd).abs() < 1e-3);
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Time stepping of a tethered wing.
+
+use super::recorder::Recorder;
+use super::{Coordinate, Side, TetherRun, TetheredBody, Wing};
+use crate::simulate::{Held, Moment, Observed, Record, Sizes, Stepper, System};
+use std::ops::ControlFlow;
+use wingbeat_aero::{Aero, Loads, MAX_STRIPS, SectionMotion};
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require;
+use wingbeat_math::{Jet, Vec3};
+use wingbeat_ocp::plant::Fault;
+
+/// Most steps of one run.
+const MAX_STEPS: usize = 500_000;
+/// Most rows of strips of a run: about half a GB in memory.
+const MAX_STRIP_ROWS: usize = 2_000_000;
+
+/// Cycles and steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Cycles per second; of a motion that is not periodic, one over its duration.
+    pub frequency_hz: f64,
+    /// Number of cycles from rest.
+    pub cycles: usize,
+    /// Steps per cycle.
+    pub steps_per_cycle: usize,
+}
+
+ranges!(Clock { frequency_hz: Range::POSITIVE, cycles: Range::from(1.0), steps_per_cycle: Range::from(8.0) });
+
+impl Clock {
+    /// Step, s.
+    pub fn step(&self) -> f64 {
+        1.0 / (self.frequency_hz * self.steps_per_cycle as f64)
+    }
+    /// Number of steps.
+    pub fn steps(&self) -> usize {
+        self.cycles * self.steps_per_cycle
+    }
+    /// Position in the cycle at step `step`, cycles in [0, 1).
+    pub fn phase(&self, step: usize) -> f64 {
+        (step % self.steps_per_cycle) as f64 / self.steps_per_cycle as f64
+    }
+}
+
+/// Motion of body and hinges over time, with a name for each hinge.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Forward, m.
+    pub surge: Coordinate,
+    /// Up, m.
+    pub heave: Coordinate,
+    /// Nose up, rad.
+    pub nose_up: Coordinate,
+    /// Right wing down, rad.
+    pub roll: Coordinate,
+    /// Place of the pitch axis ahead of the hinge line, m.
+    pub axis_ahead_m: f64,
+    /// Name and angle (rad) of each hinge of the wing, in order.
+    pub hinges: Vec<(String, Coordinate)>,
+}
+
+impl Motion {
+    /// At rest at the origin, without hinges.
+    pub fn at_rest() -> Self {
+        let still = || Coordinate::Constant(0.0);
+        let hinges = Vec::new();
+        Self { surge: still(), heave: still(), nose_up: still(), roll: still(), axis_ahead_m: 0.0, hinges }
+    }
+
+    /// The body at time `t`.
+    pub fn body(&self, t: f64) -> TetheredBody<f64> {
+        TetheredBody {
+            surge: self.surge.at(t),
+            heave: self.heave.at(t),
+            nose_up: self.nose_up.at(t),
+            roll: self.roll.at(t),
+            axis_ahead_m: self.axis_ahead_m,
+        }
+    }
+
+    /// The hinge angles at time `t`, rad.
+    pub fn angles(&self, t: f64) -> Vec<Jet<f64>> {
+        self.hinges.iter().map(|(_, angle)| angle.at(t)).collect()
+    }
+}
+
+/// Scales of the coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// Density, kg/m3.
+    pub density_kg_m3: f64,
+    /// Speed, m/s.
+    pub speed_m_s: f64,
+    /// Area, m2.
+    pub area_m2: f64,
+    /// Length of the pitching-moment coefficient, m.
+    pub chord_m: f64,
+}
+
+/// A wing in prescribed motion in a uniform wind.
+#[derive(Clone, Debug)]
+pub struct Tether {
+    /// Geometry.
+    pub wing: Wing,
+    /// Motion.
+    pub motion: Motion,
+    /// Aerodynamic model of the wing's planform.
+    pub aero: Aero,
+    /// Velocity of the air in W, m/s.
+    pub wind: Vec3,
+    /// Whose loads count: a half alone has a mirror plane at its root.
+    pub side: Side,
+    /// Scales of the coefficients.
+    pub reference: Reference,
+    /// Cycles and steps.
+    pub clock: Clock,
+}
+
+impl Tether {
+    /// Checks what the parts cannot check by themselves.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when an angle per hinge is missing or a scale or the
+    /// clock is out of range.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.motion.hinges.len() != self.wing.hinges().len() {
+            let allowed = format!("{}: one angle per hinge", self.wing.hinges().len());
+            return Err(Error::invalid("hinges", self.motion.hinges.len(), allowed));
+        }
+        Recorder::columns(self)?;
+        self.clock.in_range().map_err(|e| e.within("time"))?;
+        let positive = [
+            ("reference.speed_m_s", self.reference.speed_m_s),
+            ("air.density_kg_m3", self.reference.density_kg_m3),
+        ];
+        for (key, value) in positive {
+            require::positive(key, value)?;
+        }
+        let steps = self.clock.cycles.saturating_mul(self.clock.steps_per_cycle);
+        if steps > MAX_STEPS {
+            let allowed = format!("at most {MAX_STEPS} steps; these make {steps}");
+            let error = Error::invalid("time.cycles", self.clock.cycles, allowed);
+            return Err(error.against(["time.steps_per_cycle"]));
+        }
+        let rows = steps.saturating_mul(self.aero.strips());
+        if rows > MAX_STRIP_ROWS {
+            let allowed = format!("at most {MAX_STRIP_ROWS} rows of steps times strips; these make {rows}");
+            let error = Error::invalid("time.cycles", self.clock.cycles, allowed);
+            return Err(error.against(["time.steps_per_cycle"]));
+        }
+        Ok(())
+    }
+
+    /// The columns of the loads, without rows.
+    ///
+    /// # Errors
+    /// Two hinges of one name.
+    pub fn columns(&self) -> Result<Record, Error> {
+        Recorder::columns(self)
+    }
+
+    /// The same with other steps per cycle.
+    pub fn stepped(&self, steps_per_cycle: usize) -> Self {
+        Self { clock: Clock { steps_per_cycle, ..self.clock }, ..self.clone() }
+    }
+
+    /// What share of the loads of each strip counts: a half alone has a mirror plane at its root.
+    pub(super) fn strip_weights(&self) -> Vec<f64> {
+        let weight = |arc: &f64| match self.side {
+            Side::Both => 1.0,
+            _ if *arc == 0.0 => 0.5,
+            half if half.holds(arc.signum()) => 1.0,
+            _ => 0.0,
+        };
+        self.aero.strip_arcs().iter().map(weight).collect()
+    }
+
+    /// Sections of the wing at time `t`, in W.
+    pub(super) fn sections(&self, t: f64) -> [SectionMotion<f64>; MAX_STRIPS + 1] {
+        let (body, angles) = (self.motion.body(t).frame(), self.motion.angles(t));
+        let mut sections = [SectionMotion::default(); MAX_STRIPS + 1];
+        for (section, &arc) in sections.iter_mut().zip(self.aero.arcs()) {
+            *section = self.wing.section(arc, &body, &angles);
+        }
+        sections
+    }
+
+    /// State rates and loads in W about W's origin.
+    pub fn evaluate(&self, t: f64, x: &[f64], dx: &mut [f64], loads: &mut Loads<f64>) {
+        let sections = self.sections(t);
+        let count = self.aero.arcs().len();
+        self.aero.evaluate(&sections[..count], self.wind, x, dx, loads);
+    }
+
+    /// The states of still air in which the wing has always moved as it does at first.
+    pub fn start(&self) -> Vec<f64> {
+        let mut x = vec![0.0; self.aero.states()];
+        self.settle(0.0, &mut x);
+        x
+    }
+
+    /// Sets states that follow the impulse of the air to that impulse: see [`Aero::settle`].
+    pub fn settle(&self, t: f64, x: &mut [f64]) {
+        self.aero.settle(&&self.sections(t)[..self.aero.arcs().len()], self.wind, x);
+    }
+
+    /// Runs all cycles from rest with the fourth-order Runge-Kutta method.
+    /// `progress` hears the share done and may stop the run.
+    ///
+    /// # Panics
+    /// When [`check`](Self::check) would refuse two hinges of one name.
+    pub fn run(&self, mut progress: impl FnMut(f64) -> ControlFlow<()>) -> TetherRun {
+        let mut recorder = Recorder::new(self);
+        let steps = self.clock.steps();
+        let mut watch = Held(|step: usize, at: Moment| {
+            recorder.sample(self, step, &self.observed(at)?)?;
+            let done = step as f64 / steps as f64;
+            Ok(if step < steps { progress(done) } else { ControlFlow::Continue(()) })
+        });
+        let mut stepper = Stepper::new(self, 0.0, &self.start());
+        let ending = stepper.run(self.clock.step(), steps, &mut watch);
+        recorder.finish(self, ending)
+    }
+}
+
+/// The states are those of the air; the motion is given, so that there are no inputs.
+impl System for Tether {
+    type Memory = ();
+
+    fn sizes(&self) -> Sizes {
+        Sizes { states: self.aero.states(), inputs: 0 }
+    }
+    fn slope(&self, at: Moment, dx: &mut [f64]) -> Result<(), Fault> {
+        let count = self.aero.arcs().len();
+        self.aero.evaluate_sum(&&self.sections(at.t)[..count], self.wind, at.x, dx, None);
+        Ok(())
+    }
+}
+
+impl Observed for Tether {
+    /// Loads in W about W's origin.
+    type Observation = Loads<f64>;
+
+    fn observed(&self, at: Moment) -> Result<Loads<f64>, Fault> {
+        let (mut dx, mut loads) = (vec![0.0; at.x.len()], Loads::default());
+        self.evaluate(at.t, at.x, &mut dx, &mut loads);
+        match dx.iter().position(|rate| !rate.is_finite()) {
+            Some(state) => Err(Fault::NotFinite { state, time: at.t }),
+            None => Ok(loads),
+        }
+    }
+}

@@ -1,0 +1,438 @@
+//! Derivatives of long functions: the operations are recorded once, then one
+//! forward and one backward sweep give the Jacobian and the Hessian of a
+//! weighted sum of the outputs, exactly, at a cost that does not grow with the
+//! number of outputs (Griewank & Walther 2008, ch. 5, forward over reverse).
+
+use super::Scalar;
+use std::cell::RefCell;
+use std::cmp::Ordering;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// Directions swept together.
+const LANES: usize = 8;
+/// Node number of a constant.
+const CONSTANT: u32 = u32::MAX;
+
+/// One operation: its operands, its slopes and its curvatures
+/// (d2/da2, d2/dadb, d2/db2).
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    parents: [u32; 2],
+    slope: [f64; 2],
+    curvature: [f64; 3],
+    curved: bool,
+}
+
+thread_local! {
+    static RECORDING: RefCell<Vec<Node>> = const { RefCell::new(Vec::new()) };
+}
+
+/// A number whose operations are being recorded on this thread.
+#[derive(Clone, Copy, Debug)]
+pub struct Traced {
+    value: f64,
+    node: u32,
+}
+
+impl Traced {
+    fn constant(value: f64) -> Self {
+        Self { value, node: CONSTANT }
+    }
+
+    fn push(value: f64, node: Node) -> Self {
+        RECORDING.with_borrow_mut(|nodes| {
+            nodes.push(node);
+            Self { value, node: (nodes.len() - 1) as u32 }
+        })
+    }
+
+    #[inline]
+    fn unary(self, value: f64, slope: f64, curvature: f64) -> Self {
+        if self.node == CONSTANT {
+            return Self::constant(value);
+        }
+        let node = Node {
+            parents: [self.node, CONSTANT],
+            slope: [slope, 0.0],
+            curvature: [curvature, 0.0, 0.0],
+            curved: curvature != 0.0,
+        };
+        Self::push(value, node)
+    }
+
+    #[inline]
+    fn binary(self, o: Self, value: f64, slope: [f64; 2], curvature: [f64; 3]) -> Self {
+        match (self.node, o.node) {
+            (CONSTANT, CONSTANT) => Self::constant(value),
+            (_, CONSTANT) => self.unary(value, slope[0], curvature[0]),
+            (CONSTANT, _) => o.unary(value, slope[1], curvature[2]),
+            (a, b) => {
+                let curved = curvature != [0.0; 3];
+                Self::push(value, Node { parents: [a, b], slope, curvature, curved })
+            }
+        }
+    }
+}
+
+impl Default for Traced {
+    fn default() -> Self {
+        Self::constant(0.0)
+    }
+}
+impl From<f64> for Traced {
+    fn from(x: f64) -> Self {
+        Self::constant(x)
+    }
+}
+impl PartialEq for Traced {
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+impl PartialOrd for Traced {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        self.value.partial_cmp(&other.value)
+    }
+}
+impl Neg for Traced {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.unary(-self.value, -1.0, 0.0)
+    }
+}
+impl Add for Traced {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        self.binary(o, self.value + o.value, [1.0, 1.0], [0.0; 3])
+    }
+}
+impl Sub for Traced {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        self.binary(o, self.value - o.value, [1.0, -1.0], [0.0; 3])
+    }
+}
+impl Mul for Traced {
+    type Output = Self;
+    fn mul(self, o: Self) -> Self {
+        self.binary(o, self.value * o.value, [o.value, self.value], [0.0, 1.0, 0.0])
+    }
+}
+impl Div for Traced {
+    type Output = Self;
+    fn div(self, o: Self) -> Self {
+        let r = 1.0 / o.value;
+        let q = self.value * r;
+        self.binary(o, q, [r, -q * r], [0.0, -r * r, 2.0 * q * r * r])
+    }
+}
+impl Add<f64> for Traced {
+    type Output = Self;
+    fn add(self, o: f64) -> Self {
+        Self { value: self.value + o, node: self.node }
+    }
+}
+impl Sub<f64> for Traced {
+    type Output = Self;
+    fn sub(self, o: f64) -> Self {
+        Self { value: self.value - o, node: self.node }
+    }
+}
+impl Mul<f64> for Traced {
+    type Output = Self;
+    fn mul(self, o: f64) -> Self {
+        self.unary(self.value * o, o, 0.0)
+    }
+}
+impl Div<f64> for Traced {
+    type Output = Self;
+    fn div(self, o: f64) -> Self {
+        self * (1.0 / o)
+    }
+}
+impl Add<Traced> for f64 {
+    type Output = Traced;
+    fn add(self, o: Traced) -> Traced {
+        o + self
+    }
+}
+impl Sub<Traced> for f64 {
+    type Output = Traced;
+    fn sub(self, o: Traced) -> Traced {
+        -o + self
+    }
+}
+impl Mul<Traced> for f64 {
+    type Output = Traced;
+    fn mul(self, o: Traced) -> Traced {
+        o * self
+    }
+}
+impl Div<Traced> for f64 {
+    type Output = Traced;
+    fn div(self, o: Traced) -> Traced {
+        o.recip() * self
+    }
+}
+impl AddAssign for Traced {
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+impl SubAssign for Traced {
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+impl MulAssign for Traced {
+    fn mul_assign(&mut self, o: Self) {
+        *self = *self * o;
+    }
+}
+impl MulAssign<f64> for Traced {
+    fn mul_assign(&mut self, o: f64) {
+        *self = *self * o;
+    }
+}
+
+impl Scalar for Traced {
+    const ZERO: Self = Self { value: 0.0, node: CONSTANT };
+    const ONE: Self = Self { value: 1.0, node: CONSTANT };
+
+    fn value(self) -> f64 {
+        self.value
+    }
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        let slope = 0.5 / root;
+        self.unary(root, slope, -0.5 * slope / self.value)
+    }
+    fn exp(self) -> Self {
+        let e = self.value.exp();
+        self.unary(e, e, e)
+    }
+    fn ln(self) -> Self {
+        let r = 1.0 / self.value;
+        self.unary(self.value.ln(), r, -r * r)
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let (s, c) = self.value.sin_cos();
+        (self.unary(s, c, -s), self.unary(c, -s, -c))
+    }
+    fn tanh(self) -> Self {
+        let t = self.value.tanh();
+        let slope = 1.0 - t * t;
+        self.unary(t, slope, -2.0 * t * slope)
+    }
+    fn atan2(self, x: Self) -> Self {
+        let (y, x_) = (self.value, x.value);
+        let inverse = 1.0 / (y * y + x_ * x_);
+        let i2 = inverse * inverse;
+        let cross = (y * y - x_ * x_) * i2;
+        let slope = [x_ * inverse, -y * inverse];
+        let bend = 2.0 * x_ * y * i2;
+        self.binary(x, y.atan2(x_), slope, [-bend, cross, bend])
+    }
+    fn recip(self) -> Self {
+        let r = 1.0 / self.value;
+        self.unary(r, -r * r, 2.0 * r * r * r)
+    }
+    fn is_finite(self) -> bool {
+        self.value.is_finite()
+    }
+    fn is_zero(self) -> bool {
+        self.node == CONSTANT && self.value == 0.0
+    }
+}
+
+/// A recorded function and the scratch of its sweeps; reused point after point
+/// without allocation once it has grown.
+#[derive(Clone, Debug, Default)]
+pub struct Tape {
+    nodes: Vec<Node>,
+    inputs: usize,
+    outputs: Vec<Traced>,
+    traced: Vec<Traced>,
+    live: Vec<bool>,
+    adjoint: Vec<f64>,
+    tangent: Vec<[f64; LANES]>,
+    bend: Vec<[f64; LANES]>,
+}
+
+impl Tape {
+    /// Records `f(inputs, outputs)` at a point and writes the output values.
+    pub fn record<E>(
+        &mut self,
+        inputs: &[f64],
+        outputs: &mut [f64],
+        f: impl FnOnce(&[Traced], &mut [Traced]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.inputs = inputs.len();
+        self.nodes.clear();
+        RECORDING.with_borrow_mut(|nodes| std::mem::swap(nodes, &mut self.nodes));
+        self.traced.clear();
+        self.traced.extend(inputs.iter().map(|&value| {
+            let source = Node { parents: [CONSTANT; 2], slope: [0.0; 2], curvature: [0.0; 3], curved: false };
+            Traced::push(value, source)
+        }));
+        self.outputs.clear();
+        self.outputs.resize(outputs.len(), Traced::ZERO);
+        let result = f(&self.traced, &mut self.outputs);
+        RECORDING.with_borrow_mut(|nodes| std::mem::swap(nodes, &mut self.nodes));
+        for (out, traced) in outputs.iter_mut().zip(&self.outputs) {
+            *out = traced.value;
+        }
+        result
+    }
+
+    /// The Jacobian (row-major outputs x inputs) and the Hessian of
+    /// sum_i weights_i output_i (row-major inputs x inputs).
+    pub fn second_order(&mut self, weights: &[f64], jacobian: &mut [f64], hessian: &mut [f64]) {
+        self.sweep_adjoints(weights);
+        let n = self.inputs;
+        for first in (0..n).step_by(LANES) {
+            self.sweep_forward(first);
+            self.store_jacobian(first, jacobian);
+            self.sweep_backward();
+            for i in 0..n {
+                for j in first..(first + LANES).min(n) {
+                    hessian[i * n + j] = self.bend[i][j - first];
+                }
+            }
+        }
+    }
+
+    fn store_jacobian(&self, first: usize, jacobian: &mut [f64]) {
+        let n = self.inputs;
+        for (row, output) in jacobian.chunks_exact_mut(n).zip(&self.outputs) {
+            for j in first..(first + LANES).min(n) {
+                row[j] =
+                    if output.node == CONSTANT { 0.0 } else { self.tangent[output.node as usize][j - first] };
+            }
+        }
+    }
+
+    /// Derivatives of every node along inputs first .. first + LANES.
+    fn sweep_forward(&mut self, first: usize) {
+        let n = self.inputs;
+        self.tangent.clear();
+        self.tangent.resize(self.nodes.len(), [0.0; LANES]);
+        for lane in 0..LANES.min(n - first) {
+            self.tangent[first + lane][lane] = 1.0;
+        }
+        for (i, node) in self.nodes.iter().enumerate().skip(n) {
+            let a = self.tangent[node.parents[0] as usize];
+            let mut t = a.map(|x| x * node.slope[0]);
+            if node.parents[1] != CONSTANT {
+                add_scaled(&mut t, node.slope[1], &self.tangent[node.parents[1] as usize]);
+            }
+            self.tangent[i] = t;
+        }
+    }
+
+    /// d (weighted sum) / d node, and which nodes it depends on.
+    fn sweep_adjoints(&mut self, weights: &[f64]) {
+        self.adjoint.clear();
+        self.adjoint.resize(self.nodes.len(), 0.0);
+        self.live.clear();
+        self.live.resize(self.nodes.len(), false);
+        for (output, w) in self.outputs.iter().zip(weights) {
+            if output.node != CONSTANT && *w != 0.0 {
+                self.adjoint[output.node as usize] += w;
+                self.live[output.node as usize] = true;
+            }
+        }
+        for i in (self.inputs..self.nodes.len()).rev() {
+            if !self.live[i] {
+                continue;
+            }
+            let (node, adjoint) = (self.nodes[i], self.adjoint[i]);
+            for (parent, slope) in node.parents.into_iter().zip(node.slope) {
+                if parent != CONSTANT {
+                    self.adjoint[parent as usize] += slope * adjoint;
+                    self.live[parent as usize] = true;
+                }
+            }
+        }
+    }
+
+    /// Derivatives of the adjoints along the lanes of the last forward sweep.
+    fn sweep_backward(&mut self) {
+        self.bend.clear();
+        self.bend.resize(self.nodes.len(), [0.0; LANES]);
+        for i in (self.inputs..self.nodes.len()).rev() {
+            if !self.live[i] {
+                continue;
+            }
+            let (node, adjoint, bend) = (&self.nodes[i], self.adjoint[i], self.bend[i]);
+            let [a, b] = node.parents;
+            let (a, two) = (a as usize, b != CONSTANT);
+            add_scaled(&mut self.bend[a], node.slope[0], &bend);
+            if two {
+                add_scaled(&mut self.bend[b as usize], node.slope[1], &bend);
+            }
+            if !node.curved {
+                continue;
+            }
+            let [caa, cab, cbb] = node.curvature.map(|c| c * adjoint);
+            let ta = self.tangent[a];
+            add_scaled(&mut self.bend[a], caa, &ta);
+            if two {
+                let tb = self.tangent[b as usize];
+                add_scaled(&mut self.bend[a], cab, &tb);
+                add_scaled(&mut self.bend[b as usize], cab, &ta);
+                add_scaled(&mut self.bend[b as usize], cbb, &tb);
+            }
+        }
+    }
+}
+
+/// y += a x
+#[inline]
+fn add_scaled(y: &mut [f64; LANES], a: f64, x: &[f64; LANES]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Dual;
+
+    fn every_operation<S: Scalar>(x: &[S], out: &mut [S]) {
+        let [a, b, c] = [x[0], x[1], x[2]];
+        let (s, co) = (a * b).sin_cos();
+        out[0] = s / (co + 2.0) + (a * a + c * c).sqrt() * b.exp() - c.ln();
+        out[1] = a.atan2(b * c) + (b - c * 0.5).tanh() * c.recip() - a / b;
+        out[2] = S::from(4.0);
+        out[0] *= a + 1.0;
+    }
+
+    #[test]
+    fn tape_agrees_with_nested_duals() {
+        let (x, w) = ([0.7, -1.3, 0.9], [0.4, -2.1, 1.0]);
+        let mut tape = Tape::default();
+        let (mut out, mut jacobian, mut hessian) = ([0.0; 3], [0.0; 9], [0.0; 9]);
+        for _ in 0..2 {
+            let record = |x: &[Traced], out: &mut [Traced]| {
+                every_operation(x, out);
+                Ok::<(), ()>(())
+            };
+            tape.record(&x, &mut out, record).unwrap();
+            tape.second_order(&w, &mut jacobian, &mut hessian);
+        }
+        type Second = Dual<3, Dual<3>>;
+        let xs: [Second; 3] = std::array::from_fn(|i| Dual::variable(Dual::variable(x[i], i), i));
+        let mut ys = [Second::ZERO; 3];
+        every_operation(&xs, &mut ys);
+        for i in 0..3 {
+            assert!((out[i] - ys[i].value()).abs() < 1e-14);
+            for j in 0..3 {
+                assert!((jacobian[3 * i + j] - ys[i].eps[j].re).abs() < 1e-13);
+                let second: f64 = (0..3).map(|k| w[k] * ys[k].eps[i].eps[j]).sum();
+                assert!((hessian[3 * i + j] - second).abs() < 1e-12, "{i} {j}");
+            }
+        }
+    }
+}

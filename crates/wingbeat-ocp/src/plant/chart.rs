@@ -1,0 +1,213 @@
+//! A local three-component attitude in place of the quaternion.
+
+use super::{Channel, Early, Fault, Late, MAX_STATES, Plant, Role};
+use arrayvec::ArrayVec;
+use std::ops::Range;
+use wingbeat_math::{Mat3, Over, Quat, Scalar, Vec3, append, append_copies, lift};
+
+/// The plant seen in a chart around a reference attitude: q_WB = q_ref exp(d),
+/// with the rotation vector d (rad, body axes) in place of the quaternion, so
+/// that the plan has as many states as degrees of freedom.
+///
+/// Regular for |d| < 2 pi; re-centre it at every plan.
+pub struct LocalChart<'a, P: Plant> {
+    plant: &'a P,
+    reference: Quat,
+    states: Vec<Channel>,
+}
+
+impl<'a, P: Plant> LocalChart<'a, P> {
+    /// A chart of `plant` centred at no rotation.
+    pub fn new(plant: &'a P) -> Self {
+        let mut states = plant.states().to_vec();
+        if let Some(a) = plant.attitude() {
+            let axis =
+                |(i, name)| Channel::free(format!("rotation_{name}"), "rad", "B").of(Role::Rotation(i));
+            states.splice(a..a + 4, ["x", "y", "z"].into_iter().enumerate().map(axis));
+        }
+        Self { plant, reference: Quat::IDENTITY, states }
+    }
+
+    /// Centres the chart at the attitude of the plant state `x`.
+    pub fn center_at(&mut self, x: &[f64]) {
+        if let Some(a) = self.plant.attitude() {
+            self.reference = Quat::from_wxyz(&x[a..]).normalized();
+        }
+    }
+
+    /// The attitude at which the chart is centred.
+    pub fn reference(&self) -> Quat {
+        self.reference
+    }
+
+    /// Index of the rotation vector in the local state, if the plant has an attitude.
+    pub fn rotation(&self) -> Option<usize> {
+        self.plant.attitude()
+    }
+
+    /// R_WB of a local state.
+    pub fn rotation_matrix<S: Scalar>(&self, local: &[S]) -> Mat3<S> {
+        match self.plant.attitude() {
+            Some(a) => self.attitude_of(local, a).matrix(),
+            None => Mat3::IDENTITY,
+        }
+    }
+
+    /// Local coordinates of the plant state `x`.
+    pub fn localise(&self, x: &[f64], local: &mut [f64]) {
+        let Some(a) = self.plant.attitude() else {
+            local.copy_from_slice(x);
+            return;
+        };
+        local[..a].copy_from_slice(&x[..a]);
+        (self.reference.conjugate() * Quat::from_wxyz(&x[a..])).log().store(&mut local[a..]);
+        local[a + 3..].copy_from_slice(&x[a + 4..]);
+    }
+
+    /// Local coordinates in this chart of a state given in a chart centred at `center`.
+    pub fn adopt(&self, center: Quat, local: &mut [f64]) {
+        if let Some(a) = self.plant.attitude() {
+            let turned = self.reference.conjugate() * center * Quat::exp(Vec3::from_slice(&local[a..]));
+            turned.log().store(&mut local[a..]);
+        }
+    }
+
+    /// Plant state of the local coordinates.
+    pub fn globalise<S: Scalar>(&self, local: &[S], x: &mut [S]) {
+        let Some(a) = self.plant.attitude() else {
+            x.copy_from_slice(local);
+            return;
+        };
+        x[..a].copy_from_slice(&local[..a]);
+        self.attitude_of(local, a).store_wxyz(&mut x[a..]);
+        x[a + 4..].copy_from_slice(&local[a + 3..]);
+    }
+
+    /// As [`globalise`](Self::globalise) into room not yet filled, the attitude being at `a`.
+    fn extend_globally<S: Scalar>(&self, local: &[S], a: usize, x: &mut States<S>) {
+        let n = local.len() + 1;
+        assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
+        let Quat { w, v } = self.attitude_of(local, a);
+        for values in [&local[..a], &[w, v[0], v[1], v[2]], &local[a + 3..]] {
+            append(x, values);
+        }
+    }
+
+    fn attitude_of<S: Scalar>(&self, local: &[S], a: usize) -> Quat<S> {
+        Quat::constant(self.reference) * Quat::exp(Vec3::from_slice(&local[a..]))
+    }
+}
+
+/// Room for the states of a plant, or their rates, of which no more is written than there are.
+type States<S> = ArrayVec<S, MAX_STATES>;
+
+/// `n` rates, all zero.
+fn rest<S: Scalar>(rates: &mut States<S>, n: usize) {
+    assert!(n <= MAX_STATES, "{n} states exceed the chart's capacity {MAX_STATES}");
+    append_copies(rates, S::ZERO, n);
+}
+
+/// Rate of the rotation vector d of q = q_ref exp(d) for the angular rate w in
+/// the rotated axes: d' = w + (d x w)/2 + k d x (d x w),
+/// k = 1/a^2 - (1 + cos a)/(2 a sin a), a = |d| (Bortz 1971, eq. 8).
+pub fn rotation_vector_rate<S: Scalar>(d: Vec3<S>, w: Vec3<S>) -> Vec3<S> {
+    let a2 = d.norm_squared();
+    let k = if a2.value() < 1e-4 {
+        S::from(1.0 / 12.0) + a2 * (1.0 / 720.0) + a2 * a2 * (1.0 / 30240.0)
+    } else {
+        let a = a2.sqrt();
+        let (s, c) = a.sin_cos();
+        a2.recip() - (c + 1.0) / (a * s * 2.0)
+    };
+    let dw = d.cross(w);
+    w + dw * S::from(0.5) + d.cross(dw) * k
+}
+
+impl<P: Plant> Plant for LocalChart<'_, P> {
+    fn states(&self) -> &[Channel] {
+        &self.states
+    }
+    fn inputs(&self) -> &[Channel] {
+        self.plant.inputs()
+    }
+    fn rates<S: Scalar>(&self, t: S, local: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+        self.localised(local, 0, dx, |x, dx| self.plant.rates(t, x, u, dx))
+    }
+    fn clearances(&self) -> &[Channel] {
+        self.plant.clearances()
+    }
+    fn clear<S: Scalar>(&self, t: S, local: &[S], values: &mut [S]) -> Result<(), Fault> {
+        let Some(a) = self.plant.attitude() else {
+            return self.plant.clear(t, local, values);
+        };
+        let mut x = States::new();
+        self.extend_globally(local, a, &mut x);
+        self.plant.clear(t, &x, values)
+    }
+    fn unfelt_states(&self) -> Range<usize> {
+        self.plant.unfelt_states()
+    }
+    fn late_states(&self) -> usize {
+        self.plant.late_states() - usize::from(self.plant.attitude().is_some())
+    }
+    fn rates_by_late<S: Over<f64>>(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[S],
+        u: &[f64],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        self.localised(early, late.len(), dx, |x, dx| self.plant.rates_by_late(t, x, late, u, dx))
+    }
+    fn rates_in_numbers(&self, t: f64, local: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        self.localised(local, 0, dx, |x, dx| self.plant.rates_in_numbers(t, x, u, dx))
+    }
+    fn rates_in_early(&self, t: f64, local: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        self.localised(local, 0, dx, |x, dx| self.plant.rates_in_early(t, x, u, dx))
+    }
+    fn rates_in_late(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[Late],
+        u: &[f64],
+        dx: &mut [Late],
+    ) -> Result<(), Fault> {
+        self.localised(early, late.len(), dx, |x, dx| self.plant.rates_in_late(t, x, late, u, dx))
+    }
+}
+
+impl<P: Plant> LocalChart<'_, P> {
+    /// Rates of the coordinates `local`, and of `beyond` states after them, from the `rates` of the plant.
+    #[inline(always)]
+    fn localised<G: Scalar, S: Over<G>>(
+        &self,
+        local: &[G],
+        beyond: usize,
+        dx: &mut [S],
+        rates: impl FnOnce(&[G], &mut [S]) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        let Some(a) = self.plant.attitude() else {
+            return rates(local, dx);
+        };
+        let (mut x, mut plant_dx) = (States::new(), States::new());
+        self.extend_globally(local, a, &mut x);
+        rest(&mut plant_dx, x.len() + beyond);
+        rates(&x, &mut plant_dx)?;
+        localise_rates(a, &x, local, &plant_dx, dx);
+        Ok(())
+    }
+}
+
+/// Rates of the local coordinates from those of the plant's state `x`, whose attitude is at `a`.
+fn localise_rates<G: Scalar, S: Over<G>>(a: usize, x: &[G], local: &[G], rates: &[S], dx: &mut [S]) {
+    let (mut attitude, mut rotation) = ([S::ZERO; 4], [S::ZERO; 3]);
+    lift(&x[a..], &mut attitude);
+    lift(&local[a..], &mut rotation);
+    dx[..a].copy_from_slice(&rates[..a]);
+    // w = 2 vec(q* q') undoes q' = q (0, w)/2.
+    let half_w = (Quat::from_wxyz(&attitude).conjugate() * Quat::from_wxyz(&rates[a..])).v;
+    rotation_vector_rate(Vec3(rotation), half_w * S::from(2.0)).store(&mut dx[a..]);
+    dx[a + 3..].copy_from_slice(&rates[a + 4..]);
+}

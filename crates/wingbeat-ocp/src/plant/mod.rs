@@ -1,0 +1,249 @@
+//! What a controller and a simulator need to know of a system: its states and
+//! inputs by name, its rates, and their exact derivatives. Nothing here knows a wing.
+
+mod chart;
+mod linearise;
+
+pub use chart::LocalChart;
+pub use linearise::{Early, Late, Linearisation};
+
+use std::ops::Range;
+use wingbeat_math::{Over, Scalar, lift};
+
+/// What a channel means, whatever its name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Role {
+    /// Nothing that others need to know.
+    #[default]
+    Other,
+    /// Component of the position p_WB along an axis of W: 0, 1, 2.
+    Position(usize),
+    /// Component of the attitude quaternion q_WB: w, x, y, z.
+    Attitude(usize),
+    /// Component of a rotation vector in place of the quaternion, along an axis of B.
+    Rotation(usize),
+    /// Component of the velocity v_WB_W along an axis of W.
+    Velocity(usize),
+    /// Component of the angular rate w_WB_B along an axis of B.
+    AngularRate(usize),
+    /// Displacement of a structure element, by its number.
+    Displacement(usize),
+    /// Rate of a structure element's displacement, by its number.
+    DisplacementRate(usize),
+    /// Coordinate of an elastic or free joint, by its number among them.
+    Coordinate(usize),
+    /// Rate of that coordinate.
+    CoordinateRate(usize),
+    /// Angle of the crank under a motor.
+    Crank,
+    /// Rate of that crank.
+    CrankRate,
+    /// State of the air.
+    Air,
+    /// Command to a regulator of the structure, by its number.
+    Command(usize),
+}
+
+impl Role {
+    /// Place of the channel of this role.
+    pub fn place(self, channels: &[Channel]) -> Option<usize> {
+        channels.iter().position(|channel| channel.role == self)
+    }
+}
+
+/// One named component of a state or input, with its meaning, unit, frame and limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Name, unique within its vector, e.g. `shoulder_left`.
+    pub name: String,
+    /// SI unit, e.g. `m/s`; empty when dimensionless.
+    pub unit: &'static str,
+    /// Frame in which the component is resolved, e.g. `W`; empty when it has none.
+    pub frame: &'static str,
+    /// Lower limit.
+    pub low: f64,
+    /// Upper limit.
+    pub high: f64,
+    /// What it means.
+    pub role: Role,
+}
+
+impl Channel {
+    /// A channel without limits.
+    pub fn free(name: impl Into<String>, unit: &'static str, frame: &'static str) -> Self {
+        Self::limited(name, unit, frame, f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    /// A channel limited to [low, high].
+    pub fn limited(
+        name: impl Into<String>,
+        unit: &'static str,
+        frame: &'static str,
+        low: f64,
+        high: f64,
+    ) -> Self {
+        Self { name: name.into(), unit, frame, low, high, role: Role::Other }
+    }
+
+    /// The channel with its meaning.
+    #[must_use]
+    pub fn of(self, role: Role) -> Self {
+        Self { role, ..self }
+    }
+
+    /// `value` limited to the channel's range.
+    #[inline]
+    pub fn clamp<S: Scalar>(&self, value: S) -> S {
+        value.clamped(self.low, self.high)
+    }
+
+    /// True when `value` lies on or beyond a limit.
+    pub fn saturated(&self, value: f64) -> bool {
+        value <= self.low || value >= self.high
+    }
+}
+
+/// Why a model could not be evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// A closed linkage came too close to the pose where it no longer assembles.
+    #[error("linkage loop {closure}: singularity margin {margin:.5} is below {limit}")]
+    LinkageSingular {
+        /// Loop number, 1 to 3.
+        closure: usize,
+        /// 1 - |cos| of the loop's elbow.
+        margin: f64,
+        /// Smallest margin allowed.
+        limit: f64,
+    },
+    /// The mass matrix is not positive definite.
+    #[error("mass matrix is not positive definite at t = {time:.4} s")]
+    MassMatrix {
+        /// Time, s.
+        time: f64,
+    },
+    /// The air beside the robot could not be stepped.
+    #[error("at t = {time:.4} s the air beside the robot cannot be stepped: {why}")]
+    Flow {
+        /// Time, s.
+        time: f64,
+        /// Why.
+        why: &'static str,
+    },
+    /// A rate is not finite.
+    #[error("state {state} has a rate that is not finite at t = {time:.4} s")]
+    NotFinite {
+        /// Index of the state.
+        state: usize,
+        /// Time, s.
+        time: f64,
+    },
+    /// A number to be recorded is not finite.
+    #[error("column {column} of the record is not finite at t = {time:.4} s")]
+    NotRecorded {
+        /// Index of the column.
+        column: usize,
+        /// Time, s.
+        time: f64,
+    },
+}
+
+impl Fault {
+    /// True when the model went on to numbers that are none.
+    pub fn is_not_finite(&self) -> bool {
+        matches!(self, Self::NotFinite { .. } | Self::NotRecorded { .. })
+    }
+}
+
+/// A dynamical system dx/dt = f(t, x, u).
+pub trait Plant: Sync {
+    /// The states, in order.
+    fn states(&self) -> &[Channel];
+    /// The inputs, in order. Their limits are the only copy of the stroke limits.
+    fn inputs(&self) -> &[Channel];
+    /// Index of the attitude quaternion q_WB (w, x, y, z) in the state, if any.
+    fn attitude(&self) -> Option<usize> {
+        None
+    }
+    /// Writes dx/dt. Pure, and allocates nothing.
+    fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault>;
+
+    /// The distances between parts that should not meet, in order; none where nothing can.
+    fn clearances(&self) -> &[Channel] {
+        &[]
+    }
+    /// Writes those distances, smooth in state and time and never above the true ones; negative where the parts
+    /// pass through each other. Pure, and allocates nothing.
+    fn clear<S: Scalar>(&self, _t: S, _x: &[S], _values: &mut [S]) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// States that no rate depends on, so that derivatives by them are zero and need no evaluation: the place of a robot in air
+    /// that is alike everywhere. All of them come before the attitude and the late states.
+    fn unfelt_states(&self) -> Range<usize> {
+        0..0
+    }
+
+    /// Index of the first late state. Late states enter only the end of an evaluation, so that
+    /// derivatives by them need not follow the rest; all of them come after the others.
+    fn late_states(&self) -> usize {
+        self.states().len()
+    }
+    /// As [`rates`](Self::rates) where only the `late` states carry derivatives.
+    ///
+    /// # Panics
+    /// Where a plant leaves it to `rates` and has more than [`MAX_STATES`] states or inputs.
+    fn rates_by_late<S: Over<f64>>(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[S],
+        u: &[f64],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        let (mut x, mut inputs) = ([S::ZERO; MAX_STATES], [S::ZERO; MAX_STATES]);
+        lift(early, &mut x);
+        x[early.len()..][..late.len()].copy_from_slice(late);
+        lift(u, &mut inputs);
+        self.rates(S::from(t), &x[..early.len() + late.len()], &inputs[..u.len()], dx)
+    }
+
+    /// [`rates`](Self::rates) in plain numbers. This and the next two are what simulators and linearisations call: a plant with
+    /// long equations that writes them again for its own type, as they stand here, is compiled once in its own crate and not
+    /// again in each that flies it.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_numbers(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        self.rates(t, x, u, dx)
+    }
+    /// [`rates`](Self::rates) with the derivatives by early states and inputs that one pass of a [`Linearisation`] carries.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_early(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        self.rates(Early::from(t), x, u, dx)
+    }
+    /// [`rates_by_late`](Self::rates_by_late) with the derivatives by late states that one pass of a [`Linearisation`] carries.
+    ///
+    /// # Errors
+    /// Those of `rates`.
+    fn rates_in_late(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[Late],
+        u: &[f64],
+        dx: &mut [Late],
+    ) -> Result<(), Fault> {
+        self.rates_by_late(t, early, late, u, dx)
+    }
+}
+
+/// Most coordinates of a body's structure that its dynamics decide, beyond the six of the body.
+pub const MAX_COORDINATES: usize = 16;
+/// Order of the mass matrix of body and coordinates.
+pub const MAX_DEGREES: usize = 6 + MAX_COORDINATES;
+
+/// Largest state of which the parts are put together on the stack.
+pub const MAX_STATES: usize = 160;

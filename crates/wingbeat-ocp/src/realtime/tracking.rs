@@ -1,0 +1,54 @@
+//! What a plan is asked to follow.
+
+use wingbeat_math::Scalar;
+
+/// A least-squares cost on the nodes of the horizon, and what limits it beyond
+/// the plant's own channels:
+///
+/// J = sum_k |r(k, t_k, x_k, u_k)|^2 + sum_k sum_j c_j (u_{j,k+1} - u_{j,k})^2.
+pub trait Tracking {
+    /// Number of residuals at `node`, 0 to the number of intervals.
+    fn residuals(&self, node: usize) -> usize;
+
+    /// Writes the residuals of `node` at the time `t`, s; `r` has the length
+    /// given by [`residuals`](Self::residuals).
+    fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]);
+
+    /// Weight c_j on the squared change of input `j` over each interval.
+    fn change_weight(&self, _input: usize) -> f64 {
+        0.0
+    }
+
+    /// Largest rate r_j of input `j`, per second: |u_{j,k+1} - u_{j,k}| <= r_j h
+    /// on every interval. Infinite: no limit.
+    fn rate_limit(&self, _input: usize) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Linear limits on states and inputs, held at every node after the first.
+    fn limits(&self) -> &[LinearLimit] {
+        &[]
+    }
+}
+
+/// One component of the stage's vector [x, u].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Component {
+    /// State of this index.
+    State(usize),
+    /// Input of this index.
+    Input(usize),
+}
+
+/// low <= sum_i c_i component_i <= high.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearLimit {
+    /// Name for messages.
+    pub name: String,
+    /// Components and their coefficients.
+    pub terms: Vec<(Component, f64)>,
+    /// Lower limit.
+    pub low: f64,
+    /// Upper limit.
+    pub high: f64,
+}

@@ -1,0 +1,416 @@
+//! Tare, drift, weight and inertia, and the change to the body frame.
+
+use crate::arm::{MAX_JOINTS, SerialArm};
+use crate::carrier::{Carrier, Mount, carried_frames};
+use crate::cell::{CHANNELS, six, wrench};
+use crate::{FrameMotion, Pose};
+use serde::{Deserialize, Serialize};
+use wingbeat_flight::simulate::Record;
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::{GRAVITY, Jet, Quat, Vec3, Wrench, unwrapped};
+use wingbeat_ocp::plant::{Fault, Plant};
+use wingbeat_robot::{BodyMotion, Robot};
+
+/// Which corrections are made; each can be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields, default)]
+pub struct Steps {
+    /// Take the offset of the rest before the run away.
+    pub tare: bool,
+    /// Take the slope of that rest away.
+    pub drift: bool,
+    /// Take the weight of mount and robot away.
+    pub gravity: bool,
+    /// Take the inertia of the mount away.
+    pub mount_inertia: bool,
+    /// Take the inertia of body and wings away: what is left is aerodynamic.
+    pub robot_inertia: bool,
+    /// Turn the wrench to the body frame, about the body's origin; else it stays in the cell's.
+    pub body_frame: bool,
+    /// Cut-off of the zero-phase filter in multiples of the flapping frequency; 0 leaves it out.
+    pub cutoff_multiple: f64,
+}
+
+ranges!(Steps { cutoff_multiple: Range::NOT_NEGATIVE });
+
+impl Default for Steps {
+    fn default() -> Self {
+        Self {
+            tare: true,
+            drift: true,
+            gravity: true,
+            mount_inertia: true,
+            robot_inertia: false,
+            body_frame: true,
+            cutoff_multiple: 16.0,
+        }
+    }
+}
+
+/// Raw channels with the motion under them, one entry per sample at equal steps of
+/// time. Missing samples are not-a-number.
+#[derive(Clone, Debug, Default)]
+pub struct Samples<'a> {
+    /// Time, s; the run begins at 0, rest lies before.
+    pub time: Vec<f64>,
+    /// Fx .. Tz in the cell frame, N and N m.
+    pub channels: [Vec<f64>; 6],
+    /// Stroke phase, rad, without jumps and gaps; empty when there is no encoder.
+    pub phase: Vec<f64>,
+    /// Status words of the box; empty when there are none.
+    pub status: Vec<f64>,
+    motion: Motion<'a>,
+}
+
+/// Where the motion of the tool comes from.
+#[derive(Clone, Debug, Default)]
+enum Motion<'a> {
+    /// It stands upright.
+    #[default]
+    Still,
+    /// Columns q, dq, ddq of every joint; empty where a rate is not recorded.
+    Joints(Vec<[Vec<f64>; 3]>),
+    /// Columns of the quaternion of a stand.
+    Stand([Vec<f64>; 4]),
+    /// What the run itself plans.
+    Carried(&'a Carrier),
+}
+
+/// Motion of the tool at one sample: of the arm's joints, or of a stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Posture {
+    Joints([Jet; MAX_JOINTS]),
+    Stand(Pose<Jet>),
+}
+
+impl<'a> Samples<'a> {
+    /// Takes the columns t, Fx .. Tz (or `prefix` before them), phase, status, and q, dq,
+    /// ddq of the joints or the quaternion of a stand.
+    ///
+    /// # Errors
+    /// A column that is missing, with the ones that are there.
+    pub fn from_record(record: Record, prefix: &str) -> Result<Self, Error> {
+        let mut columns = record.into_columns();
+        let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+        let mut taken = |name: &str| {
+            let index = names.iter().position(|known| known == name)?;
+            Some(std::mem::take(&mut columns[index].values))
+        };
+        let missing =
+            |name: &str| Error::invalid("record.column", name, format!("one of {}", names.join(", ")));
+        let mut channels: [Vec<f64>; 6] = Default::default();
+        for (channel, (name, _)) in channels.iter_mut().zip(CHANNELS) {
+            let name = format!("{prefix}{name}");
+            *channel = taken(&name).ok_or_else(|| missing(&name))?;
+        }
+        let mut joints = Vec::new();
+        while let Some(q) = taken(&format!("q{}", joints.len() + 1)).filter(|_| joints.len() < MAX_JOINTS) {
+            let j = joints.len() + 1;
+            let rates = ["dq", "ddq"].map(|name| taken(&format!("{name}{j}")).unwrap_or_default());
+            let [first, second] = rates;
+            joints.push([q, first, second]);
+        }
+        let quaternion = ["quat_w", "quat_x", "quat_y", "quat_z"].map(|name| taken(name).unwrap_or_default());
+        let motion = match (joints.is_empty(), quaternion[0].is_empty()) {
+            (false, _) => Motion::Joints(joints),
+            (_, false) => Motion::Stand(quaternion),
+            _ => Motion::Still,
+        };
+        Ok(Self {
+            time: taken("t").ok_or_else(|| missing("t"))?,
+            phase: taken("phase").map_or(Vec::new(), unwrapped),
+            status: taken("status").unwrap_or_default(),
+            motion,
+            channels,
+        })
+    }
+
+    /// Samples of a run that `carrier` moves.
+    pub fn carried(time: Vec<f64>, channels: [Vec<f64>; 6], phase: Vec<f64>, carrier: &'a Carrier) -> Self {
+        Self { time, channels, phase, status: Vec::new(), motion: Motion::Carried(carrier) }
+    }
+
+    /// The motion of the run's own carrier, where the record does not hold it.
+    pub fn carried_by(&mut self, carrier: &'a Carrier) {
+        self.motion = Motion::Carried(carrier);
+    }
+
+    fn posture(&self, row: usize) -> Posture {
+        let at = |column: &[f64]| column.get(row).copied().unwrap_or(0.0);
+        match &self.motion {
+            Motion::Still => Posture::Stand(Pose::constant(&Pose::IDENTITY)),
+            Motion::Joints(joints) => Posture::Joints(std::array::from_fn(|j| {
+                joints.get(j).map_or(Jet::default(), |[q, dq, ddq]| Jet::new(at(q), at(dq), at(ddq)))
+            })),
+            Motion::Stand(columns) => {
+                let q = [0, 1, 2, 3].map(|i| at(&columns[i]));
+                let upright = q.iter().all(|x| *x == 0.0);
+                let attitude = if upright { Quat::IDENTITY } else { Quat::from_wxyz(&q) };
+                Posture::Stand(Pose::constant(&Pose { rotation: attitude.matrix(), ..Pose::IDENTITY }))
+            }
+            Motion::Carried(carrier) => {
+                let t = self.time[row];
+                match carrier.joints(t) {
+                    Some(joints) => Posture::Joints(joints),
+                    None => Posture::Stand(Pose::constant(&carrier.tool(t).values())),
+                }
+            }
+        }
+    }
+
+    /// True when no channel misses at `row`.
+    pub fn is_whole(&self, row: usize) -> bool {
+        self.channels.iter().all(|channel| channel[row].is_finite())
+    }
+
+    /// Takes the samples of `rows` out: they count as missing.
+    pub fn leave_out(&mut self, rows: &[usize]) {
+        for channel in &mut self.channels {
+            rows.iter().for_each(|row| channel[*row] = f64::NAN);
+        }
+    }
+
+    /// Samples per second.
+    pub fn rate(&self) -> f64 {
+        let span = self.time.last().unwrap_or(&0.0) - self.time.first().unwrap_or(&0.0);
+        (self.time.len().saturating_sub(1)) as f64 / span
+    }
+
+    /// Index of the first sample at or after `t`.
+    pub fn index(&self, t: f64) -> usize {
+        self.time.partition_point(|x| *x < t - 1e-9)
+    }
+}
+
+/// The model by which weight and inertia are taken away.
+#[derive(Debug)]
+pub struct Corrector<'a> {
+    /// The robot; still air suffices.
+    pub robot: &'a Robot,
+    /// The arm; none on a stand.
+    pub arm: Option<&'a SerialArm>,
+    /// Mount and cell.
+    pub mount: &'a Mount,
+    /// What is done.
+    pub steps: Steps,
+    /// Flapping frequency, Hz.
+    pub frequency: f64,
+}
+
+/// Wrenches of the robot in the body frame, and what was taken away.
+#[derive(Clone, Debug, Default)]
+pub struct Corrected {
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// Stroke phase, rad; empty when there is no encoder.
+    pub phase: Vec<f64>,
+    /// Fx .. Tz about the body origin in B (or the cell's in C), N and N m.
+    pub channels: [Vec<f64>; 6],
+    /// The same before the filter.
+    pub unfiltered: [Vec<f64>; 6],
+    /// Tare offsets of the channels in C at t = 0.
+    pub offset: [f64; 6],
+    /// Drift of the channels in C, per s.
+    pub slope: [f64; 6],
+    /// Samples per second.
+    pub rate: f64,
+}
+
+impl Corrector<'_> {
+    /// Corrects, turns and filters the samples, in their own memory as far as that goes: there may be millions.
+    ///
+    /// # Errors
+    /// No rest before the run although tare or drift is asked for; a cut-off
+    /// above half the rate. Faults of the model come back as such.
+    pub fn correct(&self, mut samples: Samples) -> Result<Result<Corrected, Fault>, Error> {
+        let mut out = Corrected { rate: samples.rate(), ..Default::default() };
+        let mut memory = Memory::default();
+        if (self.steps.tare || self.steps.drift)
+            && let Err(fault) = self.tare(&samples, &mut memory, &mut out)?
+        {
+            return Ok(Err(fault));
+        }
+        for row in 0..samples.time.len() {
+            if !samples.is_whole(row) {
+                samples.channels.iter_mut().for_each(|channel| channel[row] = f64::NAN);
+                continue;
+            }
+            let model = match self.model(&samples, row, &mut memory) {
+                Ok(model) => six(&model.removed),
+                Err(fault) => return Ok(Err(fault)),
+            };
+            let t = samples.time[row];
+            let raw = std::array::from_fn(|i| {
+                samples.channels[i][row] - out.offset[i] - out.slope[i] * t - model[i]
+            });
+            let turned = if self.steps.body_frame { six(&self.mount.to_body(&wrench(raw))) } else { raw };
+            for (channel, value) in samples.channels.iter_mut().zip(turned) {
+                channel[row] = value;
+            }
+        }
+        if self.steps.cutoff_multiple > 0.0 && self.frequency > 0.0 {
+            let cutoff = self.steps.cutoff_multiple * self.frequency;
+            let filter = super::Butterworth::new(cutoff, out.rate)?;
+            out.channels = samples.channels.each_ref().map(|channel| filter.apply_between_gaps(channel));
+        } else {
+            out.channels = samples.channels.clone();
+        }
+        (out.time, out.phase, out.unfiltered) = (samples.time, samples.phase, samples.channels);
+        Ok(Ok(out))
+    }
+
+    /// Offset and slope of each channel over the rest, less the weight that the model expects there.
+    fn tare(
+        &self,
+        samples: &Samples,
+        memory: &mut Memory,
+        out: &mut Corrected,
+    ) -> Result<Result<(), Fault>, Error> {
+        let rest = samples.index(0.0);
+        // The filter and resonance of the box settle within the first part of the rest.
+        let rows: Vec<usize> = (rest / 8..rest).filter(|row| samples.is_whole(*row)).collect();
+        if rows.len() < 16 {
+            return Err(Error::invalid(
+                "record.t",
+                format!("{} samples before 0", rows.len()),
+                "a rest of 16 samples or more for the tare: process.input.start_s says when the run begins; \
+                 without a rest set process.steps.tare and drift to false",
+            ));
+        }
+        let time: Vec<f64> = rows.iter().map(|row| samples.time[*row]).collect();
+        let mut unloaded: [Vec<f64>; 6] = Default::default();
+        for row in &rows {
+            let weight = match self.model(samples, *row, memory) {
+                Ok(model) => six(&model.weight),
+                Err(fault) => return Ok(Err(fault)),
+            };
+            for (i, y) in unloaded.iter_mut().enumerate() {
+                y.push(samples.channels[i][*row] - weight[i]);
+            }
+        }
+        for (i, y) in unloaded.iter().enumerate() {
+            let (offset, slope) = tare_line(&time, y);
+            if self.steps.drift {
+                (out.offset[i], out.slope[i]) = (offset, slope);
+            } else {
+                out.offset[i] = y.iter().sum::<f64>() / y.len() as f64;
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    /// What the model says of a sample; that of the last one where posture and clock are the same.
+    fn model(&self, samples: &Samples, row: usize, memory: &mut Memory) -> Result<Model, Fault> {
+        let asked = (samples.posture(row), self.clock(samples, row));
+        match &memory.last {
+            Some((same, model)) if *same == asked => Ok(*model),
+            _ => {
+                let model = self.new_model(&asked, memory)?;
+                memory.last = Some((asked, model));
+                Ok(model)
+            }
+        }
+    }
+
+    fn new_model(&self, (posture, clock): &(Posture, Jet), memory: &mut Memory) -> Result<Model, Fault> {
+        let (cell, body) = carried_frames(&self.tool(posture), self.mount);
+        let loads = self.robot_loads(&body, *clock, memory)?;
+        let still = FrameMotion {
+            velocity: Default::default(),
+            acceleration: Default::default(),
+            rate: Default::default(),
+            angular_acceleration: Default::default(),
+            ..cell
+        };
+        let mount_weight = self.mount.wrench(&still);
+        let mount_inertia = self.mount.wrench(&cell) + -mount_weight;
+        let weight = self.mount.to_cell(&loads.0) + mount_weight;
+        let mut removed = Wrench::ZERO;
+        if self.steps.gravity {
+            removed += weight;
+        }
+        if self.steps.mount_inertia {
+            removed += mount_inertia;
+        }
+        if self.steps.robot_inertia {
+            removed += self.mount.to_cell(&loads.1);
+        }
+        Ok(Model { weight, removed })
+    }
+
+    /// The gait's clock from the encoder: time, rate and its slope.
+    fn clock(&self, samples: &Samples, row: usize) -> Jet {
+        let n = samples.phase.len();
+        if n < 3 || self.frequency <= 0.0 {
+            return Jet::default();
+        }
+        let w = std::f64::consts::TAU * self.frequency;
+        let k = row.clamp(1, n - 2);
+        let h = samples.time[k + 1] - samples.time[k];
+        let p = |i: usize| (samples.phase[i] - samples.phase[0]) / w;
+        let rate = (p(k + 1) - p(k - 1)) / (2.0 * h);
+        Jet::new(p(row), rate, (p(k + 1) - 2.0 * p(k) + p(k - 1)) / (h * h))
+    }
+
+    /// Weight of the robot at `row`, in C, and the direction of gravity, m/s2 in C.
+    pub fn robot_weight(&self, samples: &Samples, row: usize) -> Result<(Wrench<f64>, Vec3), Fault> {
+        let (cell, body) = carried_frames(&self.tool(&samples.posture(row)), self.mount);
+        let loads = self.robot_loads(&body, self.clock(samples, row), &mut Memory::default())?;
+        let down = cell.pose.rotation.transpose_mul(Vec3([0.0, 0.0, -GRAVITY]));
+        Ok((self.mount.to_cell(&loads.0), down))
+    }
+
+    fn tool(&self, posture: &Posture) -> Pose<Jet> {
+        match (posture, self.arm) {
+            (Posture::Joints(q), Some(arm)) => arm.tool_pose(q),
+            (Posture::Joints(_), None) => Pose::constant(&Pose::IDENTITY),
+            (Posture::Stand(pose), _) => *pose,
+        }
+    }
+
+    /// Weight and inertia of the robot about the body origin, in B.
+    fn robot_loads(
+        &self,
+        body: &FrameMotion,
+        clock: Jet,
+        memory: &mut Memory,
+    ) -> Result<(Wrench<f64>, Wrench<f64>), Fault> {
+        memory.x.resize(self.robot.carried_states(), 0.0);
+        memory.u.resize(self.robot.inputs().len(), 0.0);
+        memory.dx.resize(memory.x.len(), 0.0);
+        let Memory { x, u, dx, .. } = memory;
+        let loads = self.robot.carried(&clock, &BodyMotion::from(body), x, u, dx)?;
+        Ok((loads.gravity, loads.inertia))
+    }
+}
+
+/// What is kept from sample to sample: room for the model's states, and its last answer.
+#[derive(Debug, Default)]
+struct Memory {
+    x: Vec<f64>,
+    u: Vec<f64>,
+    dx: Vec<f64>,
+    last: Option<((Posture, Jet), Model)>,
+}
+
+/// What the model says of one sample, in C.
+#[derive(Clone, Copy, Debug)]
+struct Model {
+    weight: Wrench<f64>,
+    removed: Wrench<f64>,
+}
+
+/// Least-squares line through (t, y): value at t = 0 and slope.
+pub fn tare_line(t: &[f64], y: &[f64]) -> (f64, f64) {
+    let n = t.len() as f64;
+    let (mt, my) = (t.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+    let (mut tt, mut ty) = (0.0, 0.0);
+    for (t, y) in t.iter().zip(y) {
+        tt += (t - mt) * (t - mt);
+        ty += (t - mt) * (y - my);
+    }
+    let slope = if tt > 0.0 { ty / tt } else { 0.0 };
+    (my - slope * mt, slope)
+}

@@ -1,0 +1,133 @@
+//! Coordinates that the dynamics decide: elastic and free joints, cranks under a motor. Loads meet
+//! them by virtual work.
+
+use super::MAX_LINKS;
+use super::dynamics::BaseAcceleration;
+use super::motion::LinkMotion;
+use super::tree::Tree;
+use arrayvec::ArrayVec;
+use wingbeat_math::{Meets, Over, Scalar, Vec3, Wrench};
+use wingbeat_ocp::plant::MAX_DEGREES;
+
+/// What the rate of one coordinate does through one joint.
+#[derive(Clone, Copy, Debug)]
+struct Share<S: Scalar> {
+    coordinate: usize,
+    /// Links that move, as bits.
+    links: u64,
+    /// Their motion about the body origin per unit rate, in B.
+    field: BaseAcceleration<S>,
+}
+
+/// The coordinates at one instant: how each moves the links, resolved in B about the body origin.
+#[derive(Clone, Debug)]
+pub struct Coordinates<S: Scalar = f64> {
+    count: usize,
+    shares: ArrayVec<Share<S>, MAX_LINKS>,
+}
+
+impl<S: Scalar> Coordinates<S> {
+    /// No coordinate.
+    #[inline]
+    pub fn none() -> Self {
+        Self { count: 0, shares: ArrayVec::new() }
+    }
+
+    /// Number of coordinates.
+    #[inline]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Lets the rate of `coordinate` turn `joint` of `tree` at `ratio` times itself.
+    ///
+    /// # Panics
+    /// When a tree's joint is added more often than there are links.
+    pub fn add_joint<P: Scalar>(
+        &mut self,
+        coordinate: usize,
+        tree: &Tree<P>,
+        joint: usize,
+        ratio: S,
+        motions: &[LinkMotion<S>],
+    ) {
+        let BaseAcceleration { origin, angular } = tree.nodes[joint].field(&motions[joint]);
+        let field = BaseAcceleration { origin: origin * ratio, angular: angular * ratio };
+        self.count = self.count.max(coordinate + 1);
+        self.shares.push(Share { coordinate, links: tree.nodes[joint].carried, field });
+    }
+
+    /// Motion of `link` (None: the base) about the body origin per unit rate of `coordinate`, in B.
+    pub fn field(&self, coordinate: usize, link: Option<usize>) -> BaseAcceleration<S> {
+        let moves = |s: &&Share<S>| s.coordinate == coordinate && link.is_some_and(|l| s.links >> l & 1 == 1);
+        let still = BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO };
+        self.shares.iter().filter(moves).fold(still, |sum, s| sum.plus(&s.field, S::ONE))
+    }
+
+    /// Adds the generalised forces of `wrench` on `link` (about the body origin, in B) to `forces`,
+    /// one per coordinate: Q_c = field_c . wrench.
+    pub fn project<T: Over<S>>(&self, link: usize, wrench: &Wrench<T>, forces: &mut [T]) {
+        for share in self.shares.iter().filter(|s| s.links >> link & 1 == 1) {
+            forces[share.coordinate] += share.field.power(wrench);
+        }
+    }
+
+    /// The field of all coordinates with the rates `rates` on `link`, in B.
+    pub fn combined(&self, link: usize, rates: &[S]) -> BaseAcceleration<S> {
+        let still = BaseAcceleration { origin: Vec3::ZERO, angular: Vec3::ZERO };
+        let moving = self.shares.iter().filter(|s| s.links >> link & 1 == 1);
+        moving.fold(still, |sum, s| sum.plus(&s.field, rates[s.coordinate]))
+    }
+}
+
+impl<S: Scalar> BaseAcceleration<S> {
+    /// This field plus `k` times another.
+    #[inline]
+    fn plus(&self, other: &Self, k: S) -> Self {
+        Self { origin: self.origin + other.origin * k, angular: self.angular + other.angular * k }
+    }
+}
+
+impl<P: Scalar> Tree<P> {
+    /// Equation: body.coordinate_inertia
+    ///
+    /// Rows and columns 6.. of the mass matrix on [acceleration of the body origin; angular
+    /// acceleration; second rates of the coordinates], M_cx = sum over links of F_c . I F_x with the
+    /// fields F, added to `mass`; and weight less reaction, F_c . (m g - bias), added to `forces`
+    /// (composite rigid bodies: Featherstone 2008, section 6.2, projected on the coordinates).
+    ///
+    /// `motions` comes from [`Tree::motions`] with no second rates of the coordinates; `g_b` is
+    /// gravity in B.
+    pub fn coordinate_inertia<S: Scalar + Meets<P>>(
+        &self,
+        motions: &[LinkMotion<S>],
+        g_b: Vec3<S>,
+        coordinates: &Coordinates<S>,
+        mass: &mut [[S; MAX_DEGREES]; MAX_DEGREES],
+        forces: &mut [S],
+    ) {
+        for (link, (node, motion)) in self.nodes.iter().zip(motions).enumerate() {
+            let Some(inertia) = &node.inertia else { continue };
+            let reaction = inertia.reaction(motion);
+            let weight = g_b.scaled(inertia.mass);
+            let load = Wrench { force: weight, moment: reaction.com.cross(weight) } + -reaction.bias;
+            coordinates.project(link, &load, forces);
+            for row in &coordinates.shares {
+                if row.links >> link & 1 == 0 {
+                    continue;
+                }
+                let needed = reaction.inertial(inertia.mass, &row.field);
+                let r = 6 + row.coordinate;
+                for i in 0..3 {
+                    mass[r][i] += needed.force[i];
+                    mass[i][r] += needed.force[i];
+                    mass[r][i + 3] += needed.moment[i];
+                    mass[i + 3][r] += needed.moment[i];
+                }
+                for column in coordinates.shares.iter().filter(|s| s.links >> link & 1 == 1) {
+                    mass[r][6 + column.coordinate] += column.field.power(&needed);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! A direct-current motor that turns a crank through a gearbox.
+
+use wingbeat_math::{Meets, Scalar};
+
+/// Share of the stall torque over which the corner of the gearbox's friction is rounded off.
+const TORQUE_ROUNDING: f64 = 1e-3;
+/// Share of the no-load speed over which the friction changes its direction.
+const SPEED_ROUNDING: f64 = 1e-3;
+
+/// A motor with a straight torque-speed line, its gearbox, and what turns with them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor<P = f64> {
+    /// Torque of the shaft held still at full supply, N m.
+    pub stall_torque: P,
+    /// Speed of the free shaft at full supply, rad/s.
+    pub no_load_speed: P,
+    /// Turns of the shaft per turn of the crank.
+    pub gear_ratio: P,
+    /// Share of the power that passes the gearbox, in (0, 1], either way.
+    pub efficiency: P,
+    /// Inertia of rotor and crank about the crank's axis, kg m2.
+    pub inertia: P,
+}
+
+/// What a motor does at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorWork {
+    /// Angle of the crank, rad.
+    pub crank_angle: f64,
+    /// Rate of the crank, rad/s.
+    pub crank_rate: f64,
+    /// Torque on the crank behind the gearbox, N m; part of it accelerates rotor and crank.
+    pub crank_torque: f64,
+    /// Torque of the motor's shaft, N m.
+    pub shaft_torque: f64,
+    /// Mechanical power of the shaft, W.
+    pub shaft_power: f64,
+    /// Electrical power V I, W; negative where the motor feeds its supply.
+    pub electrical_power: f64,
+    /// Kinetic energy of rotor and crank, J.
+    pub energy: f64,
+}
+
+impl<P: Scalar> Motor<P> {
+    /// Equation: body.motor_line
+    ///
+    /// Torque of the shaft, N m, at the crank's rate (rad/s) under the share `supply` of the supply
+    /// voltage: tau = tau_s (s - w / w_0), w = N w_crank. By the constants of the motor tau = k_t I,
+    /// V = R I + k_t w: tau_s = k_t V / R and w_0 = V / k_t.
+    pub fn shaft_torque<S: Scalar + Meets<P>>(&self, crank_rate: S, supply: S) -> S {
+        (supply - crank_rate * (self.gear_ratio / self.no_load_speed)) * self.stall_torque
+    }
+
+    /// Equation: body.gearbox
+    ///
+    /// Torque on the crank, N m: N tau less the friction of the gearbox, which takes the share
+    /// 1 - eta of the power that enters it, from the motor or from the crank,
+    /// N [tau - s ((1 - eta) p + (1/eta - 1) n)], s the sign of the rate, p and n the positive parts of s tau
+    /// and -s tau, all smooth. The torque that accelerates the rotor passes without friction.
+    pub fn crank_torque<S: Scalar + Meets<P>>(&self, crank_rate: S, supply: S) -> S {
+        let torque = self.shaft_torque(crank_rate, supply);
+        let width = self.no_load_speed / self.gear_ratio * SPEED_ROUNDING;
+        let sign = crank_rate / (crank_rate * crank_rate + width * width).sqrt();
+        let along = torque * sign;
+        let rounding = self.stall_torque * TORQUE_ROUNDING;
+        let positive = |x: S| (x + (x * x + rounding * rounding).sqrt()) * 0.5;
+        let friction =
+            positive(along) * (-self.efficiency + 1.0) + positive(-along) * (self.efficiency.recip() - 1.0);
+        (torque - sign * friction) * self.gear_ratio
+    }
+}
+
+impl Motor {
+    /// All that it does at the crank's angle (rad) and rate (rad/s). The electrical power is
+    /// V I = s tau w_0.
+    pub fn work(&self, crank_angle: f64, crank_rate: f64, supply: f64) -> MotorWork {
+        let shaft_torque = self.shaft_torque(crank_rate, supply);
+        MotorWork {
+            crank_angle,
+            crank_rate,
+            crank_torque: self.crank_torque(crank_rate, supply),
+            shaft_torque,
+            shaft_power: shaft_torque * crank_rate * self.gear_ratio,
+            electrical_power: supply * shaft_torque * self.no_load_speed,
+            energy: 0.5 * self.inertia * crank_rate * crank_rate,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wingbeat_math::Dual;
+
+    const MOTOR: Motor =
+        Motor { stall_torque: 2e-3, no_load_speed: 3000.0, gear_ratio: 50.0, efficiency: 0.7, inertia: 1e-5 };
+
+    #[test]
+    fn the_gearbox_takes_its_share_either_way() {
+        for (rate, supply) in [(20.0, 1.0), (40.0, 0.5), (-20.0, -1.0), (-20.0, 1.0)] {
+            let work = MOTOR.work(0.0, rate, supply);
+            let crank = work.crank_torque * rate;
+            let passed =
+                if work.shaft_power > 0.0 { crank / work.shaft_power } else { work.shaft_power / crank };
+            assert!((passed - 0.7).abs() < 1e-4, "{rate} {supply}: {passed}");
+            assert!(crank < work.shaft_power);
+        }
+        let ideal = Motor { efficiency: 1.0, ..MOTOR };
+        assert_eq!(ideal.crank_torque(20.0, 1.0), 50.0 * ideal.shaft_torque(20.0, 1.0));
+    }
+
+    #[test]
+    fn the_line_runs_from_stall_to_no_load_and_heat_is_what_the_winding_takes() {
+        assert_eq!(MOTOR.shaft_torque(0.0, 1.0), 2e-3);
+        assert!(MOTOR.shaft_torque(60.0, 1.0).abs() < 1e-15);
+        let (kt, ohm, volt) = (1e-3, 1.5, 3.0);
+        let motor = Motor { stall_torque: kt * volt / ohm, no_load_speed: volt / kt, ..MOTOR };
+        for supply in [1.0, 0.6] {
+            let work = motor.work(0.0, 31.0, supply);
+            let current = work.shaft_torque / kt;
+            assert!((work.electrical_power - supply * volt * current).abs() < 1e-12);
+            let heat = work.electrical_power - work.shaft_power;
+            assert!((heat - ohm * current * current).abs() < 1e-12, "{heat}");
+        }
+    }
+
+    #[test]
+    fn torque_is_smooth_through_standstill_and_no_load() {
+        for rate in [0.0, 0.02, 59.99, 60.0, 60.05] {
+            let torque = |rate: f64| MOTOR.crank_torque(rate, 1.0);
+            let h = 1e-7;
+            let difference = (torque(rate + h) - torque(rate - h)) / (2.0 * h);
+            let exact = MOTOR.crank_torque(Dual::<1>::variable(rate, 0), Dual::ONE).eps[0];
+            assert!((difference - exact).abs() < 1e-5 * exact.abs(), "{rate}: {difference} {exact}");
+        }
+    }
+}

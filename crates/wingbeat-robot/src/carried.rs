@@ -1,0 +1,382 @@
+//! The robot with its body carried along a given motion: on a test rig, in a tunnel, on a stand.
+
+use super::drive::Ratios;
+use super::dynamics::{System, of_numbers};
+use super::sections::Carriers;
+use super::surface::External;
+use super::{Joints, Links, Robot};
+use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, Momentum, joint_power};
+use arrayvec::ArrayVec;
+use wingbeat_aero::{LoadSource, Loads, MAX_STRIPS, StripLoads};
+use wingbeat_math::{Jet, Mat3, Meets, Quat, Scalar, Vec3, Wrench};
+use wingbeat_ocp::plant::{Fault, MAX_COORDINATES};
+
+/// Motion that something outside imposes on the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyMotion<S: Scalar = f64> {
+    /// R_WB.
+    pub attitude: Mat3<S>,
+    /// v_WB_W, m/s.
+    pub velocity: Vec3<S>,
+    /// w_WB_B, rad/s.
+    pub rate: Vec3<S>,
+    /// Acceleration of the body origin in W, m/s2.
+    pub acceleration: Vec3<S>,
+    /// Derivative of `rate` in B, rad/s2.
+    pub angular_acceleration: Vec3<S>,
+}
+
+impl<S: Scalar> BodyMotion<S> {
+    /// At constant velocity (m/s in W) without turning.
+    pub fn steady(attitude: Mat3<S>, velocity: Vec3<S>) -> Self {
+        let zero = Vec3::ZERO;
+        Self { attitude, velocity, rate: zero, acceleration: zero, angular_acceleration: zero }
+    }
+}
+
+/// Loads on what carries the robot, by source, in B about the body origin; and
+/// what the joints do.
+#[derive(Clone, Debug, Default)]
+pub struct CarriedLoads<S: Scalar = f64> {
+    /// Aerodynamic loads of the surfaces by source.
+    pub air: StripLoads<S>,
+    /// Drag of the body with what `robot.residual` says.
+    pub body_drag: Wrench<S>,
+    /// Weight.
+    pub gravity: Wrench<S>,
+    /// Minus the rate of momentum of body and links.
+    pub inertia: Wrench<S>,
+    /// Joint coordinates with rates and accelerations, rad or m; order of the tree.
+    pub joints: ArrayVec<Jet<S>, MAX_LINKS>,
+    /// Joint efforts, N m or N.
+    pub torques: ArrayVec<S, MAX_LINKS>,
+    /// Power that surfaces and body take from the air, W.
+    pub air_power: S,
+    /// Centre of mass from the body origin, in B, m.
+    pub center_of_mass: Vec3<S>,
+    /// Share of the strips past their stall angle.
+    pub stalled: f64,
+}
+
+impl<S: Scalar> CarriedLoads<S> {
+    /// The wrench that the robot exerts on its carrier.
+    pub fn total(&self) -> Wrench<S> {
+        self.air.total() + self.body_drag + self.gravity + self.inertia
+    }
+    /// The loads in the order of [`LoadSource::ALL`].
+    pub fn parts(&self) -> [Wrench<S>; LoadSource::ALL.len()] {
+        self.air.parts_with([self.body_drag, self.gravity, self.inertia])
+    }
+    /// Mechanical power of the joints, W.
+    pub fn joint_power(&self) -> S {
+        joint_power(&self.torques, &self.joints)
+    }
+    /// Moment of the air about the centre of mass, in B, N m.
+    pub fn trim_moment(&self) -> Vec3<S> {
+        let air = self.air.total() + self.body_drag;
+        air.moment - self.center_of_mass.cross(air.force)
+    }
+}
+
+impl<P: Scalar> Robot<P> {
+    /// Number of states of a carried robot: structure, then aerodynamics.
+    pub fn carried_states(&self) -> usize {
+        self.layout.len - self.layout.structure
+    }
+
+    /// Loads with the body moving as `body`, structure and aerodynamics in the
+    /// state `x` and the inputs `u`; `dx` receives the rates of `x`. `clock` is the
+    /// gait's time with its rate, 1 while flapping at the full frequency, and the rate's slope; a
+    /// motor receives its rate as the share of the supply voltage.
+    ///
+    /// Newton-Euler: carrier + air + drag + gravity = rate of momentum, so the
+    /// carrier bears air + drag + gravity + inertia.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    ///
+    /// Equation: robot.carried_wrench
+    pub fn carried<S: Scalar + Meets<P>>(
+        &self,
+        clock: &Jet<S>,
+        body: &BodyMotion<S>,
+        x: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<CarriedLoads<S>, Fault> {
+        self.carry(clock, body, (x, u), &[], dx, |_, _| ())
+    }
+
+    /// The same with the loads `beyond` on links and body from beyond the surfaces' models, which [`CarriedLoads::air`] lacks; `seen`
+    /// is shown the loads of the strips and what they ride on.
+    #[inline(always)]
+    pub(super) fn carry<S: Scalar + Meets<P>>(
+        &self,
+        clock: &Jet<S>,
+        body: &BodyMotion<S>,
+        (x, u): (&[S], &[S]),
+        beyond: &[Wrench<f64>],
+        dx: &mut [S],
+        seen: impl FnOnce(&Carriers<S>, &Loads<S>),
+    ) -> Result<CarriedLoads<S>, Fault> {
+        let (elements, structure) = (self.layout.joints - self.layout.structure, self.structure_states());
+        let (mut joints, mut links) = (Joints::new(), Links::new());
+        let mut ratios = Ratios::new();
+        self.joints(clock, &x[..structure], u, &mut dx[..elements], &mut joints, &mut ratios)?;
+        let v = body.attitude.transpose_mul(body.velocity);
+        self.links(&joints, v, body.rate, &mut links);
+        let imposed = BaseAcceleration {
+            origin: body.attitude.transpose_mul(body.acceleration),
+            angular: body.angular_acceleration,
+        };
+        let base = LinkMotion::base(v, body.rate).accelerated(&imposed);
+        let mut coordinates = Coordinates::none();
+        self.coordinates(&links, &ratios, &mut coordinates);
+        let (wind, wind_dot) = self.wind(clock.x, body.attitude);
+        let gravity = self.gravity(body.attitude);
+        let still = Coordinates::none();
+        if coordinates.count() > 0 {
+            let mut moving = Links::new();
+            moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
+            let mut carriers = Carriers::none(&coordinates);
+            carriers.follow(&base, &self.carriers, &moving, wind_dot);
+            let second_rates = self
+                .second_rates(&moving, &carriers, gravity, (wind, clock.d), (x, beyond), dx)
+                .ok_or(Fault::MassMatrix { time: clock.x.value() })?;
+            self.store_coordinate_rates(&x[..structure], &second_rates, &mut dx[elements..structure]);
+            self.let_go(&mut joints, &mut links, &coordinates, &ratios, &second_rates);
+        }
+        let mut moving = Links::new();
+        moving.extend(links.iter().map(|link| link.accelerated(&imposed)));
+        let mut carriers = Carriers::none(&still);
+        carriers.follow(&base, &self.carriers, &moving, wind_dot);
+        let (structure_state, x) = x.split_at(structure);
+        let dx = &mut dx[structure..];
+        let mut loads = Loads::default();
+        let mut external = self.air_loads(&carriers, wind, x, dx, &mut loads);
+        external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += of_numbers(beyond));
+        seen(&carriers, &loads);
+        let body_drag = self.body_load(clock, (structure_state, u), (v - wind, body.rate));
+        Ok(CarriedLoads {
+            air: loads.by_source(),
+            body_drag,
+            gravity: self.mechanism.tree.gravity(gravity, &links),
+            inertia: self.momentum_reaction(body.rate, &links, imposed),
+            torques: self.joint_torques(&links, imposed, &external, gravity),
+            air_power: air_power(&base, &links, &external)
+                + body_drag.force.dot(v)
+                + body_drag.moment.dot(body.rate),
+            stalled: self.stalled(&loads),
+            center_of_mass: self.mechanism.tree.center_of_mass(&links),
+            joints,
+        })
+    }
+
+    /// Sets states that follow the impulse of the air to that impulse: the wings have always moved as they do.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn settle_carried<S: Scalar + Meets<P>>(
+        &self,
+        clock: &Jet<S>,
+        body: &BodyMotion<S>,
+        x: &mut [S],
+        u: &[S],
+    ) -> Result<(), Fault> {
+        if !self.covering.aero.follow_impulses() {
+            return Ok(());
+        }
+        let (structure, air) = x.split_at_mut(self.structure_states());
+        let (mut joints, mut links, mut ratios) = (Joints::new(), Links::new(), Ratios::new());
+        self.joints(clock, structure, u, &mut structure.to_vec(), &mut joints, &mut ratios)?;
+        let v = body.attitude.transpose_mul(body.velocity);
+        self.links(&joints, v, body.rate, &mut links);
+        let (wind, wind_dot) = self.wind(clock.x, body.attitude);
+        let still = Coordinates::none();
+        let mut carriers = Carriers::none(&still);
+        carriers.follow(&LinkMotion::base(v, body.rate), &self.carriers, &links, wind_dot);
+        self.covering.settle(&carriers, wind, air);
+        Ok(())
+    }
+
+    /// Share of the strips whose incidence is past their stall angle.
+    fn stalled<S: Scalar>(&self, loads: &Loads<S>) -> f64 {
+        let surfaces = self.covering.aero.surfaces().iter().map(|surface| surface.aero());
+        let limits = surfaces.flat_map(|aero| std::iter::repeat_n(aero.stall_angle(), aero.strips()));
+        let strips = loads.incidence[..loads.strips].iter().zip(limits);
+        strips.filter(|(incidence, limit)| incidence.value().abs() > *limit).count() as f64
+            / loads.strips.max(1) as f64
+    }
+
+    /// Number of states of the structure: elements, elastic joints, crank.
+    fn structure_states(&self) -> usize {
+        self.layout.aero - self.layout.structure
+    }
+
+    /// Second rates of elastic joints and crank with the body's acceleration imposed; `moving` and
+    /// `carriers` hold it. `wind` and `supply`: velocity of the air, the motor's share of its voltage; `beyond` as for `carry`.
+    fn second_rates<S: Scalar + Meets<P>>(
+        &self,
+        moving: &[LinkMotion<S>],
+        carriers: &Carriers<S>,
+        gravity: Vec3<S>,
+        (wind, supply): (Vec3<S>, S),
+        (x, beyond): (&[S], &[Wrench<f64>]),
+        dx: &mut [S],
+    ) -> Option<[S; MAX_COORDINATES]> {
+        let structure = self.structure_states();
+        let mut system = System::<S, S>::new();
+        self.mechanism.tree.coordinate_inertia(
+            moving,
+            gravity,
+            carriers.coordinates,
+            &mut system.mass,
+            &mut system.forces,
+        );
+        self.add_efforts(&x[..structure], supply, &mut system);
+        self.add_beyond(beyond, carriers, &mut system.forces);
+        // The rates of the air are those of the loads that follow, with these second rates.
+        system.add_air(self, carriers, (wind, None), &x[structure..], &mut dx[structure..]);
+        let degrees = system.solve(None, carriers.coordinates.count())?;
+        Some(std::array::from_fn(|c| degrees[6 + c]))
+    }
+
+    /// Gives elastic joints, what the crank turns, and the links the second rates found.
+    pub(super) fn let_go<S: Scalar + Meets<P>>(
+        &self,
+        joints: &mut Joints<S>,
+        links: &mut Links<S>,
+        coordinates: &Coordinates<S>,
+        ratios: &Ratios<S>,
+        second_rates: &[S],
+    ) {
+        for (&joint, rate) in self.mechanism.coordinates.iter().zip(second_rates) {
+            joints[joint].dd = *rate;
+        }
+        if self.motor.is_some() {
+            let turning = second_rates[self.degrees() - 1];
+            joints.iter_mut().zip(ratios).for_each(|(joint, ratio)| joint.dd += *ratio * turning);
+        }
+        for (i, link) in links.iter_mut().enumerate() {
+            *link = link.accelerated(&coordinates.combined(i, second_rates));
+        }
+    }
+
+    /// Loads of all strips, `loads`, and of the links that bear them.
+    pub(super) fn air_loads<S: Scalar + Meets<P>>(
+        &self,
+        carriers: &Carriers<S>,
+        wind: Vec3<S>,
+        x: &[S],
+        dx: &mut [S],
+        loads: &mut Loads<S>,
+    ) -> External<S> {
+        let covering = &self.covering;
+        covering.aero.evaluate(&covering.motions(carriers), wind, x, dx, loads);
+        let totals: ArrayVec<Wrench<S>, MAX_STRIPS> =
+            loads.strip[..loads.strips].iter().map(StripLoads::total).collect();
+        let mut external = External::new();
+        external.extend(std::iter::repeat_n(Wrench::ZERO, self.mechanism.tree.links() + 1));
+        covering.share(&covering.riding(carriers), &totals, &mut external);
+        external
+    }
+
+    /// Minus the rate of momentum of body and links about the body origin, in B.
+    pub(super) fn momentum_reaction<S: Scalar + Meets<P>>(
+        &self,
+        w: Vec3<S>,
+        links: &[LinkMotion<S>],
+        base: BaseAcceleration<S>,
+    ) -> Wrench<S> {
+        let (mass, bias) = self.mechanism.tree.inertia_and_bias(w, links);
+        let mut acceleration = [S::ZERO; 6];
+        base.origin.store(&mut acceleration);
+        base.angular.store(&mut acceleration[3..]);
+        let row = |i: usize| (0..6).fold(S::ZERO, |sum, j| sum + mass[i][j] * acceleration[j]);
+        let force = Vec3::new(row(0), row(1), row(2));
+        let moment = Vec3::new(row(3), row(4), row(5));
+        -(Wrench { force, moment } + bias)
+    }
+
+    /// Kinetic energy plus potential energy above z = 0, J, of body and links with the body
+    /// origin at `p_WB` (m).
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn carried_energy<S: Scalar + Meets<P>>(
+        &self,
+        clock: &Jet<S>,
+        body: &BodyMotion<S>,
+        position: Vec3<S>,
+        x: &[S],
+        u: &[S],
+    ) -> Result<S, Fault> {
+        let structure = self.structure_states();
+        let (mut joints, mut links) = (Joints::new(), Links::new());
+        let mut ratios = Ratios::new();
+        self.joints(clock, &x[..structure], u, &mut x[..structure].to_vec(), &mut joints, &mut ratios)?;
+        let v = body.attitude.transpose_mul(body.velocity);
+        self.links(&joints, v, body.rate, &mut links);
+        let datum = -body.attitude.transpose_mul(position);
+        let tree = &self.mechanism.tree;
+        let potential = tree.potential_energy(self.gravity(body.attitude), &links, datum);
+        Ok(tree.kinetic_energy(v, body.rate, &links) + potential)
+    }
+}
+
+impl Robot {
+    /// Sets states that follow the impulse of the air to that impulse, of a robot in flight at (t, x, u).
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn settle(&self, t: f64, x: &mut [f64], u: &[f64]) -> Result<(), Fault> {
+        let l = &self.layout;
+        let body = BodyMotion {
+            rate: Vec3::from_slice(&x[l.rate..]),
+            ..BodyMotion::steady(
+                Quat::from_wxyz(&x[l.attitude..]).matrix(),
+                Vec3::from_slice(&x[l.velocity..]),
+            )
+        };
+        self.settle_carried(&Jet::new(t, 1.0, 0.0), &body, &mut x[l.structure..], u)
+    }
+
+    /// Momentum of body and links about the origin of W, resolved in B, with the
+    /// body origin at `p_WB` (m) and the structure at rest.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn carried_momentum(
+        &self,
+        clock: &Jet,
+        body: &BodyMotion,
+        position: Vec3,
+    ) -> Result<Momentum, Fault> {
+        let mut structure = vec![0.0; self.structure_states()];
+        if self.motor.is_some() {
+            let phase = *clock * self.phase_rate + self.phase_start;
+            let (crank, rate) = (structure.len() - 1 - self.degrees(), structure.len() - 1);
+            (structure[crank], structure[rate]) = (phase.x, phase.d);
+        }
+        let u = vec![0.0; self.inputs.len()];
+        let (mut joints, mut links) = (Joints::new(), Links::new());
+        self.joints(clock, &structure, &u, &mut structure.clone(), &mut joints, &mut Ratios::new())?;
+        let v = body.attitude.transpose_mul(body.velocity);
+        self.links(&joints, v, body.rate, &mut links);
+        Ok(self.mechanism.tree.momentum(v, body.rate, &links, -body.attitude.transpose_mul(position)))
+    }
+}
+
+/// Power of the loads on body and links, W: sum of F . v + T . w with F, T, v at the body origin, `base` last in
+/// `external`. With it the joints' power is the rate of the energy of body and links.
+///
+/// Equation: robot.air_power
+pub(super) fn air_power<S: Scalar>(
+    base: &LinkMotion<S>,
+    links: &[LinkMotion<S>],
+    external: &[Wrench<S>],
+) -> S {
+    links.iter().chain([base]).zip(external).fold(S::ZERO, |sum, (link, load)| {
+        sum + load.force.dot(link.velocity_at(Vec3::ZERO)) + load.moment.dot(link.rate)
+    })
+}

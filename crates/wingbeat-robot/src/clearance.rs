@@ -1,0 +1,248 @@
+//! How far the parts of a robot stay from one another.
+
+use super::mechanism::{BODY, Mechanism, SIDES, mirrored};
+use super::placement::corners;
+use super::spec::{CapsuleSpec, LinkSide, RobotSpec};
+use super::{Joints, Links, Robot};
+use crate::body::LinkMotion;
+use wingbeat_math::Error;
+use wingbeat_math::{Jet, Scalar, Vec3, segment_distance};
+use wingbeat_ocp::plant::{Channel, Fault};
+
+/// Width of the smooth minimum, m: it lies below the least of n distances by at most ln n widths.
+const WIDTH: f64 = 1e-3;
+
+/// A corner of a surface on a link of one side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub link: usize,
+    /// In the link's frame, m.
+    pub place: Vec3,
+    /// 1 on the left side, -1 on the right.
+    pub side: f64,
+}
+
+/// The room that a link takes.
+#[derive(Clone, Copy, Debug)]
+struct Capsule {
+    /// `None` is the body.
+    link: Option<usize>,
+    /// In the link's frame, m.
+    ends: [Vec3; 2],
+    radius: f64,
+}
+
+/// Parts that should stay clear of each other.
+#[derive(Clone, Debug)]
+enum Apart {
+    /// Both halves of a surface, of the middle plane of the body.
+    Halves(Vec<Corner>),
+    /// Capsules, two by two.
+    Capsules(Vec<[Capsule; 2]>),
+}
+
+/// What a robot's clearances are between, each with its channel.
+#[derive(Clone, Debug)]
+pub(super) struct Clearances {
+    pub channels: Vec<Channel>,
+    parts: Vec<Apart>,
+}
+
+impl Clearances {
+    /// Those of the symmetric surfaces whose halves ride on links of either side, then those the file names.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key of the robot file.
+    pub fn new(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Self, Error> {
+        let mut found = Self { channels: Vec::new(), parts: Vec::new() };
+        for surface in spec.all_surfaces() {
+            let corners = corners(&surface, mechanism)?;
+            if !corners.is_empty() {
+                found.add(format!("{}_middle", surface.name), Apart::Halves(corners));
+            }
+        }
+        let capsules = Capsule::all(spec, mechanism);
+        for (i, pair) in spec.clearances.iter().enumerate() {
+            let [one, other] = &pair.between;
+            let name = format!("{one}_{other}");
+            let key = format!("clearances[{i}].between");
+            let pairs = pairs(&key, [one, other], &capsules, mechanism)?;
+            if !found.add(name, Apart::Capsules(pairs)) {
+                return Err(Error::invalid(
+                    key,
+                    format!("{:?}", pair.between),
+                    "parts not yet named together",
+                ));
+            }
+        }
+        Ok(found)
+    }
+
+    /// False when the name is taken.
+    fn add(&mut self, name: String, parts: Apart) -> bool {
+        let channel = Channel::free(format!("clearance_{name}"), "m", "B");
+        let fresh = self.channels.iter().all(|c| c.name != channel.name);
+        self.channels.push(channel);
+        self.parts.push(parts);
+        fresh
+    }
+
+    /// The least distance of each.
+    pub fn least(&self, links: &[LinkMotion]) -> impl Iterator<Item = f64> {
+        self.parts.iter().map(|parts| {
+            let mut least = f64::INFINITY;
+            parts.distances(links, |d| least = least.min(d));
+            least
+        })
+    }
+}
+
+impl Capsule {
+    fn new(spec: &CapsuleSpec, link: Option<usize>, mirror: f64) -> Self {
+        let ends = [spec.from_m, spec.to_m].map(|end| mirrored(end, mirror));
+        Self { link, ends, radius: spec.radius_m }
+    }
+
+    /// Of body and links.
+    fn all(spec: &RobotSpec, mechanism: &Mechanism) -> Vec<Self> {
+        let wing = spec.wing.iter().flat_map(|w| [("shoulder", &w.proximal), ("twist", &w.distal)]);
+        let wing = wing.map(|(name, link)| (name, LinkSide::Mirrored, &link.capsule));
+        let links = spec.links.iter().map(|l| (l.name.as_str(), l.side, &l.capsule));
+        let mut found: Vec<Self> = spec.body.capsule.iter().map(|c| Self::new(c, None, 1.0)).collect();
+        let tree = &mechanism.tree;
+        for (name, side, capsule) in wing.chain(links) {
+            let Some(capsule) = capsule else { continue };
+            match side {
+                LinkSide::Single => found.push(Self::new(capsule, tree.find(name), 1.0)),
+                LinkSide::Mirrored => {
+                    for (end, mirror) in SIDES.into_iter().zip([1.0, -1.0]) {
+                        found.push(Self::new(capsule, tree.find(&format!("{name}{end}")), mirror));
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// Its segment from the body origin, in B.
+    fn segment<S: Scalar>(&self, links: &[LinkMotion<S>]) -> [Vec3<S>; 2] {
+        self.ends.map(|end| self.link.map_or(Vec3::constant(end), |link| links[link].point(end)))
+    }
+}
+
+/// The capsules of both parts, two by two; a mirrored pair with itself is left with right.
+fn pairs(
+    key: &str,
+    between: [&str; 2],
+    capsules: &[Capsule],
+    mechanism: &Mechanism,
+) -> Result<Vec<[Capsule; 2]>, Error> {
+    let of = |name: &str| -> Result<Vec<Capsule>, Error> {
+        let mut links = vec![mechanism.link_on(key, name, 0)?, mechanism.link_on(key, name, 1)?];
+        links.dedup();
+        let capsule = |link: Option<usize>| {
+            let allowed = format!("{BODY} or links with a capsule");
+            let found = capsules.iter().find(|c| c.link == link).copied();
+            found.ok_or_else(|| Error::invalid(key, format!("{name:?}"), allowed))
+        };
+        links.into_iter().map(capsule).collect()
+    };
+    let (ones, others) = (of(between[0])?, of(between[1])?);
+    let mut pairs: Vec<[Capsule; 2]> = Vec::new();
+    for one in &ones {
+        for other in &others {
+            let known = |p: &[Capsule; 2]| p[0].link == other.link && p[1].link == one.link;
+            if one.link != other.link && !pairs.iter().any(known) {
+                pairs.push([*one, *other]);
+            }
+        }
+    }
+    if pairs.is_empty() {
+        return Err(Error::invalid(key, format!("{between:?}"), "two parts"));
+    }
+    Ok(pairs)
+}
+
+impl Apart {
+    /// Hands every distance to `each`, m: of a corner to the middle plane, positive on its own side; between
+    /// two capsules that of their segments less the radii.
+    ///
+    /// Equation: robot.clearance
+    fn distances<S: Scalar>(&self, links: &[LinkMotion<S>], mut each: impl FnMut(S)) {
+        match self {
+            Self::Halves(corners) => {
+                corners.iter().for_each(|c| each(links[c.link].point(c.place)[1] * c.side));
+            }
+            Self::Capsules(pairs) => {
+                for [one, other] in pairs {
+                    let apart = segment_distance(one.segment(links), other.segment(links));
+                    each(apart - (one.radius + other.radius));
+                }
+            }
+        }
+    }
+}
+
+/// Smooth minimum -w ln sum exp(-d/w) of distances as they come.
+struct SmoothMinimum<S> {
+    /// The least so far, and the sum of exp((least - d)/w).
+    least: S,
+    sum: S,
+}
+
+impl<S: Scalar> SmoothMinimum<S> {
+    fn new() -> Self {
+        Self { least: S::from(f64::INFINITY), sum: S::ZERO }
+    }
+
+    fn add(&mut self, d: S) {
+        if self.sum.value() == 0.0 {
+            (self.least, self.sum) = (d, S::ONE);
+        } else if d < self.least {
+            self.sum = self.sum * ((d - self.least) * (1.0 / WIDTH)).exp() + 1.0;
+            self.least = d;
+        } else {
+            self.sum += ((self.least - d) * (1.0 / WIDTH)).exp();
+        }
+    }
+
+    /// Equation: robot.smooth_clearance
+    fn value(&self) -> S {
+        self.least - self.sum.ln() * WIDTH
+    }
+}
+
+impl Robot {
+    /// Smooth clearances at `t` s, m, in the order of
+    /// [`Plant::clearances`](wingbeat_ocp::plant::Plant::clearances), into `values`: at most
+    /// 1 mm times ln n below the least of the n distances of a pair, never above it. `structure` holds the states of
+    /// the structure elements, then those of elastic joints. Allocates nothing.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the gait unusable there.
+    pub fn smooth_clearances<S: Scalar>(&self, t: S, structure: &[S], values: &mut [S]) -> Result<(), Fault> {
+        let links = self.posed(t, structure)?;
+        for (value, parts) in values.iter_mut().zip(&self.clearances.parts) {
+            let mut minimum = SmoothMinimum::new();
+            parts.distances(&links, |d| minimum.add(d));
+            *value = minimum.value();
+        }
+        Ok(())
+    }
+
+    /// The clearances themselves at `t` s, m; `structure` as for [`smooth_clearances`](Self::smooth_clearances).
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the gait unusable there.
+    pub fn least_clearances(&self, t: f64, structure: &[f64]) -> Result<Vec<f64>, Fault> {
+        Ok(self.clearances.least(&self.posed(t, structure)?).collect())
+    }
+
+    /// Places of the links, at rest.
+    fn posed<S: Scalar>(&self, t: S, structure: &[S]) -> Result<Links<S>, Fault> {
+        let (mut joints, mut links) = (Joints::new(), Links::new());
+        self.rest(&Jet::new(t, S::ZERO, S::ZERO), structure, &mut joints)?;
+        self.links(&joints, Vec3::ZERO, Vec3::ZERO, &mut links);
+        Ok(links)
+    }
+}

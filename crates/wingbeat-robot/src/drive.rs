@@ -1,0 +1,190 @@
+//! The crank of the gait under its drive, and what drive and regulators give to the joints.
+
+use super::joints::Displaced;
+use super::mechanism::{Drive, Spring};
+use super::{Joints, MAX_ELEMENTS, Robot};
+use crate::body::{Coordinates, LinkMotion, MAX_LINKS, Motor, MotorWork};
+use arrayvec::ArrayVec;
+use wingbeat_math::{Jet, Meets, Scalar};
+use wingbeat_ocp::plant::Fault;
+
+/// dq/dphase of every joint, the displacements of the structure held; empty at a constant rate.
+pub(super) type Ratios<S> = ArrayVec<S, MAX_LINKS>;
+
+impl<P: Scalar> Robot<P> {
+    /// Coordinates that the dynamics decide: elastic and free joints, then the crank under a motor.
+    #[inline]
+    pub(super) fn degrees(&self) -> usize {
+        self.mechanism.coordinates.len() + usize::from(self.motor.is_some())
+    }
+
+    /// The motor that turns the crank, if the crank does not turn at a constant rate.
+    pub fn motor(&self) -> Option<&Motor<P>> {
+        self.motor.as_ref()
+    }
+
+    /// Phase of the gait with its rate: the crank's under a motor, whose acceleration is left out.
+    /// `structure` as for [`Robot::joints`].
+    #[inline(always)]
+    pub(super) fn crank<S: Scalar + Meets<P>>(&self, clock: &Jet<S>, structure: &[S]) -> Jet<S> {
+        if self.motor.is_none() {
+            let Jet { x, d, dd } = *clock;
+            let (rate, start) = (self.phase_rate, self.phase_start);
+            return Jet::new(x * rate + start, d * rate, dd * rate);
+        }
+        let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
+        Jet::new(states[count - 1], states[2 * count - 1], S::ZERO)
+    }
+
+    /// Phase of the gait as far as elements displace the crank.
+    #[inline(always)]
+    pub(super) fn phase_of<S: Scalar + Meets<P>>(
+        &self,
+        clock: &Jet<S>,
+        structure: &[S],
+        displacements: &[Jet<S>],
+    ) -> Jet<S> {
+        let mut phase = self.crank(clock, structure);
+        for (i, element) in self.elements.iter().enumerate() {
+            if element.moves.iter().any(|moved| matches!(moved, Displaced::Crank)) {
+                phase += displacements[i];
+            }
+        }
+        phase
+    }
+
+    /// Coordinates of the driven joints at the phase `phase`, the structure displaced: a joint of mean m and
+    /// series q(phase) is at m + (1 + s) (q - m) + y.
+    ///
+    /// Equation: robot.scaled_series
+    #[inline(always)]
+    pub(super) fn driven<S: Scalar + Meets<P>>(
+        &self,
+        phase: Jet<S>,
+        displacements: &[Jet<S>],
+        joints: &mut Joints<S>,
+    ) -> Result<(), Fault> {
+        self.drive(phase, displacements, joints)?;
+        for (i, element) in self.elements.iter().enumerate() {
+            for moved in &element.moves {
+                let Displaced::Scale(joint) = *moved else { continue };
+                if let Drive::Series(series, _) = &self.mechanism.drives[joint] {
+                    let swing = joints[joint].shifted(-series.mean_rad);
+                    joints[joint] += swing * displacements[i];
+                }
+            }
+        }
+        for (i, element) in self.elements.iter().enumerate() {
+            for moved in &element.moves {
+                if let Displaced::Joint(joint) = *moved {
+                    joints[joint] += displacements[i];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Equation: robot.crank_ratios
+    ///
+    /// Ratios dq_j/dphase of the joints to the crank, the displacements held: what one unit of the
+    /// crank's rate turns or slides each joint, so that by virtual work the crank bears
+    /// sum_j dq_j/dphase tau_j.
+    pub(super) fn ratios<S: Scalar + Meets<P>>(
+        &self,
+        phase: S,
+        displacements: &[Jet<S>],
+        ratios: &mut Ratios<S>,
+    ) -> Result<(), Fault> {
+        let mut held = [Jet::ZERO; MAX_ELEMENTS];
+        for (held, y) in held.iter_mut().zip(displacements) {
+            held.x = y.x;
+        }
+        let mut turned = Joints::new();
+        self.driven(Jet::new(phase, S::ONE, S::ZERO), &held, &mut turned)?;
+        ratios.extend(turned.iter().map(|q| q.d));
+        Ok(())
+    }
+
+    /// How far elements displace the rest of the spring of the coordinate `c`: a displacement, of any type.
+    #[inline]
+    pub(super) fn rest_displaced<T: Copy + Default + std::ops::AddAssign>(
+        &self,
+        c: usize,
+        displacements: &[T],
+    ) -> T {
+        let mut sum = T::default();
+        for (element, y) in self.elements.iter().zip(displacements) {
+            if element.moves.contains(&Displaced::Rest(self.mechanism.coordinates[c])) {
+                sum += *y;
+            }
+        }
+        sum
+    }
+
+    /// Adds the crank to the coordinates, the last of them.
+    pub(super) fn add_crank<S: Scalar + Meets<P>>(
+        &self,
+        links: &[LinkMotion<S>],
+        ratios: &Ratios<S>,
+        coordinates: &mut Coordinates<S>,
+    ) {
+        for (joint, drive) in self.mechanism.drives.iter().enumerate() {
+            if drive.cranked() {
+                let crank = self.mechanism.coordinates.len();
+                coordinates.add_joint(crank, &self.mechanism.tree, joint, ratios[joint], links);
+            }
+        }
+    }
+}
+
+impl Robot {
+    /// Power that the efforts of the joints take from drive and regulators, W, by virtual work:
+    /// a joint's rate is dq/dphase phase' by the drive and, the phase held, that of its displacements by
+    /// the regulators.
+    ///
+    /// Equation: robot.power_split
+    pub(super) fn power_split(
+        &self,
+        phase: Jet,
+        structure: &[f64],
+        displacements: &[Jet; MAX_ELEMENTS],
+        torques: &[f64],
+    ) -> Result<[f64; 2], Fault> {
+        let (mut ratios, mut displaced) = (Ratios::new(), Joints::new());
+        self.ratios(phase.x, displacements, &mut ratios)?;
+        self.driven(Jet::new(phase.x, 0.0, 0.0), displacements, &mut displaced)?;
+        let drive: f64 = torques.iter().zip(&ratios).map(|(torque, ratio)| torque * ratio).sum();
+        let regulators: f64 = torques.iter().zip(&displaced).map(|(torque, q)| torque * q.d).sum();
+        Ok([drive * phase.d, regulators + self.rest_power(structure, displacements)])
+    }
+
+    /// Power that moves the rests of the springs, W: -k (q - rest) rest' of each.
+    pub(super) fn rest_power(&self, structure: &[f64], displacements: &[Jet; MAX_ELEMENTS]) -> f64 {
+        let states = &structure[2 * self.elements.len()..];
+        let moved = |(c, spring): (usize, &Spring)| {
+            let Jet { x, d, .. } = self.rest_displaced(c, displacements);
+            -(states[c] - spring.numbers.rest - x) * spring.numbers.stiffness * d
+        };
+        self.mechanism.springs().enumerate().map(moved).sum()
+    }
+
+    /// What the motor does, the crank at `phase`, at a share of its supply voltage.
+    pub(super) fn motor_work(&self, phase: Jet, supply: f64) -> Option<MotorWork> {
+        self.motor.map(|motor| motor.work(phase.x, phase.d, supply))
+    }
+
+    /// Phase of the gait of the carried robot in the state `x`, and what the motor does where one turns the crank;
+    /// `clock` as for [`Robot::carried`].
+    pub fn carried_crank(&self, clock: &Jet, x: &[f64]) -> (f64, Option<MotorWork>) {
+        let phase = self.crank(clock, x);
+        (phase.x, self.motor_work(phase, clock.d))
+    }
+}
+
+impl<P: Scalar> Drive<P> {
+    /// Whether the crank turns the joint.
+    #[inline]
+    pub(super) fn cranked(&self) -> bool {
+        matches!(self, Self::Series(..) | Self::Linkage(..))
+    }
+}

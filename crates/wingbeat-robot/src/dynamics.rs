@@ -1,0 +1,437 @@
+//! Equations of motion: driven joints follow gait and structure exactly; the body's acceleration and
+//! the second rates of elastic joints and of a crank under a motor come from one solve.
+
+use super::drive::Ratios;
+use super::sections::Carriers;
+use super::surface::{Coupled, External};
+use super::{Joints, Links, Robot};
+use crate::body::{Coordinates, LinkMotion};
+use arrayvec::ArrayVec;
+use std::ops::Range;
+use wingbeat_aero::ImpulseRates;
+use wingbeat_math::linear::solve_symmetric_leading;
+use wingbeat_math::{GRAVITY, Jet, Mat3, Meets, Over, Quat, Scalar, Vec3, Wrench, append_copies, lift};
+use wingbeat_ocp::plant::{Channel, Early, Fault, Late, MAX_COORDINATES, MAX_DEGREES, Plant};
+
+/// Everything one evaluation computes on the way to the rates; what the states of the air do
+/// not enter is in `G`.
+pub(super) struct Evaluation<G: Scalar, S: Over<G> = G> {
+    /// R_WB.
+    pub attitude: Mat3<G>,
+    /// Joint coordinates, rates and accelerations, without the second rates of elastic joints.
+    pub joints: Joints<G>,
+    /// Links with the body's own acceleration and those second rates left out.
+    pub links: Links<G>,
+    /// The body as a link.
+    pub base: LinkMotion<G>,
+    /// How elastic joints and crank move the links.
+    pub coordinates: Coordinates<G>,
+    /// Ratios of the joints to a crank under a motor.
+    pub ratios: Ratios<G>,
+    /// Acceleration of the body origin and angular acceleration, inertial, in B.
+    pub acceleration: [S; 6],
+    /// Second rates of elastic joints and crank.
+    pub second_rates: ArrayVec<S, MAX_COORDINATES>,
+}
+
+impl<G: Scalar, S: Over<G>> Evaluation<G, S> {
+    /// Room for an evaluation, which is large and so filled in place.
+    #[inline(always)]
+    pub fn empty() -> Self {
+        Self {
+            attitude: Mat3::IDENTITY,
+            joints: Joints::new(),
+            links: Links::new(),
+            base: LinkMotion::REST,
+            coordinates: Coordinates::none(),
+            ratios: Ratios::new(),
+            acceleration: [S::ZERO; 6],
+            second_rates: ArrayVec::new(),
+        }
+    }
+}
+
+impl Plant for Robot {
+    fn states(&self) -> &[Channel] {
+        &self.states
+    }
+    fn inputs(&self) -> &[Channel] {
+        &self.inputs
+    }
+    fn attitude(&self) -> Option<usize> {
+        Some(self.layout.attitude)
+    }
+    fn clearances(&self) -> &[Channel] {
+        &self.clearances.channels
+    }
+    fn clear<S: Scalar>(&self, t: S, x: &[S], values: &mut [S]) -> Result<(), Fault> {
+        self.smooth_clearances(t, &x[self.layout.structure..], values)
+    }
+    fn unfelt_states(&self) -> Range<usize> {
+        self.layout.position..self.layout.position + 3
+    }
+    fn late_states(&self) -> usize {
+        self.layout.aero
+    }
+    fn rates<S: Scalar>(&self, t: S, x: &[S], u: &[S], dx: &mut [S]) -> Result<(), Fault> {
+        self.state_rates(t, x, u, dx)
+    }
+    fn rates_by_late<S: Over<f64>>(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[S],
+        u: &[f64],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        let clock = Jet::new(t, 1.0, 0.0);
+        self.evaluate_parts(t, &clock, early, late, u, &[], dx, &mut Evaluation::empty())
+    }
+    fn rates_in_numbers(&self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) -> Result<(), Fault> {
+        self.rates(t, x, u, dx)
+    }
+    fn rates_in_early(&self, t: f64, x: &[Early], u: &[Early], dx: &mut [Early]) -> Result<(), Fault> {
+        self.rates(Early::from(t), x, u, dx)
+    }
+    fn rates_in_late(
+        &self,
+        t: f64,
+        early: &[f64],
+        late: &[Late],
+        u: &[f64],
+        dx: &mut [Late],
+    ) -> Result<(), Fault> {
+        self.rates_by_late(t, early, late, u, dx)
+    }
+}
+
+impl<P: Scalar> Robot<P> {
+    /// dx/dt at (t, x, u) into `dx`, as [`Plant::rates`], of a robot whose numbers may carry derivatives.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn state_rates<S: Scalar + Meets<P>>(
+        &self,
+        t: S,
+        x: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        self.rates_by_clock(t, &Jet::new(t, S::ONE, S::ZERO), x, u, dx)
+    }
+
+    /// Rates and all that led to them.
+    #[inline(always)]
+    pub(super) fn evaluate<S: Scalar + Meets<P>>(
+        &self,
+        t: S,
+        x: &[S],
+        u: &[S],
+        beyond: &[Wrench<f64>],
+        dx: &mut [S],
+        out: &mut Evaluation<S>,
+    ) -> Result<(), Fault> {
+        let (early, air) = x.split_at(self.layout.aero);
+        self.evaluate_parts(t, &Jet::new(t, S::ONE, S::ZERO), early, air, u, beyond, dx, out)
+    }
+
+    /// Rates at the time `t` of a robot whose gait is at the time `clock`: its crank may run faster or slower than
+    /// by the gait's frequency, and may carry derivatives by its pace.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn rates_by_clock<S: Scalar + Meets<P>>(
+        &self,
+        t: S,
+        clock: &Jet<S>,
+        x: &[S],
+        u: &[S],
+        dx: &mut [S],
+    ) -> Result<(), Fault> {
+        let (early, air) = x.split_at(self.layout.aero);
+        self.evaluate_parts(t, clock, early, air, u, &[], dx, &mut Evaluation::empty())
+    }
+
+    /// The same, given the states of body and structure and those of the air, under the loads `beyond` of links and body.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "time, state and inputs in their parts")]
+    fn evaluate_parts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        t: G,
+        clock: &Jet<G>,
+        x: &[G],
+        air: &[S],
+        u: &[G],
+        beyond: &[Wrench<f64>],
+        dx: &mut [S],
+        out: &mut Evaluation<G, S>,
+    ) -> Result<(), Fault> {
+        let l = &self.layout;
+        let q = Quat::from_wxyz(&x[l.attitude..]);
+        let attitude = q.matrix();
+        let v_w = Vec3::from_slice(&x[l.velocity..]);
+        let w = Vec3::from_slice(&x[l.rate..]);
+        let v = attitude.transpose_mul(v_w);
+
+        let structure = &x[l.structure..];
+        let Evaluation { joints, links, base, coordinates, ratios, second_rates, .. } = out;
+        self.joints(clock, structure, u, &mut dx[l.structure..l.joints], joints, ratios)?;
+        self.links(joints, v, w, links);
+        *base = LinkMotion::base(v, w);
+        self.coordinates(links, ratios, coordinates);
+
+        let (wind, wind_dot) = self.wind(t, attitude);
+        let mut carriers = Carriers::none(coordinates);
+        carriers.follow(base, &self.carriers, links, wind_dot);
+        let tree = &self.mechanism.tree;
+        let (ref mut mass, bias, first_moment) = tree.inertia_bias_and_moment(w, links);
+        let g_b = self.gravity(attitude);
+        let mut body =
+            tree.weight(g_b, first_moment) + self.body_load(clock, (structure, u), (v - wind, w)) + -bias;
+        if !self.thrusters.is_empty() {
+            body += self.thrust(structure);
+        }
+        for load in beyond {
+            body += of_numbers(load);
+        }
+        let states = (structure, air, &mut dx[l.aero..]);
+        let acceleration = self
+            .acceleration((mass, body, beyond), &carriers, links, (wind, g_b), states, second_rates)
+            .ok_or(Fault::MassMatrix { time: t.value() })?;
+
+        v_w.lifted().store(&mut dx[l.position..]);
+        let mut turning = [G::ZERO; 4];
+        q.rate(w).store_wxyz(&mut turning);
+        lift(&turning, &mut dx[l.attitude..]);
+        attitude.times(Vec3::from_slice(&acceleration)).store(&mut dx[l.velocity..]);
+        Vec3::from_slice(&acceleration[3..]).store(&mut dx[l.rate..]);
+        self.store_coordinate_rates(structure, second_rates, &mut dx[l.joints..l.aero]);
+        (out.attitude, out.acceleration) = (attitude, acceleration);
+        Ok(())
+    }
+
+    /// Acceleration of the body origin and angular acceleration in B under the wrench `body` of all but the air and the
+    /// air's; `mass` is that of body and links, `beyond` the part of the wrench that links bear. Fills the rates of the air, the
+    /// last of `states`, and the second rates of the coordinates. `None` when the mass matrix is not positive definite.
+    #[inline(always)]
+    fn acceleration<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        (mass, body, beyond): (&mut [[G; 6]; 6], Wrench<G>, &[Wrench<f64>]),
+        carriers: &Carriers<G>,
+        links: &[LinkMotion<G>],
+        (wind, g_b): (Vec3<G>, Vec3<G>),
+        (structure, air, air_rates): (&[G], &[S], &mut [S]),
+        second_rates: &mut ArrayVec<S, MAX_COORDINATES>,
+    ) -> Option<[S; 6]> {
+        let coordinates = carriers.coordinates;
+        let follows = self.covering.aero.follow_impulses();
+        if coordinates.count() == 0 && !follows {
+            let (load, ref added) = self.covering.sum(carriers, wind, air, air_rates, None);
+            let net = load + body.lifted();
+            add(mass, added);
+            let mut rhs = [S::ZERO; 6];
+            net.force.store(&mut rhs);
+            net.moment.store(&mut rhs[3..]);
+            return solve_symmetric_leading(6, mass, rhs);
+        }
+        let mut system = System::new();
+        let System { mass: matrix, forces, .. } = &mut system;
+        self.mechanism.tree.coordinate_inertia(links, g_b, coordinates, matrix, forces);
+        self.add_efforts(structure, G::ONE, &mut system);
+        self.add_beyond(beyond, carriers, &mut system.forces);
+        let mut impulses = ImpulseRates::none();
+        let lacking = follows.then_some(&mut impulses);
+        let mut net = system.add_air(self, carriers, (wind, lacking), air, air_rates);
+        add(&mut system.mass, mass);
+        net += body.lifted();
+        let degrees = system.solve(Some(net), coordinates.count())?;
+        impulses.complete(&degrees[..6 + coordinates.count()], air_rates);
+        second_rates.extend(degrees[6..][..coordinates.count()].iter().copied());
+        Some(std::array::from_fn(|i| degrees[i]))
+    }
+
+    /// Motion of the links with the joints at `joints`, the body moving with `v` and `w` in B.
+    #[inline(always)]
+    pub(super) fn links<S: Scalar + Meets<P>>(
+        &self,
+        joints: &Joints<S>,
+        v: Vec3<S>,
+        w: Vec3<S>,
+        links: &mut Links<S>,
+    ) {
+        append_copies(links, LinkMotion::REST, joints.len());
+        self.mechanism.tree.motions(joints, v, w, links);
+    }
+
+    /// How elastic joints and a crank under a motor move the links.
+    #[inline]
+    pub(super) fn coordinates<S: Scalar + Meets<P>>(
+        &self,
+        links: &[LinkMotion<S>],
+        ratios: &Ratios<S>,
+        coordinates: &mut Coordinates<S>,
+    ) {
+        for (c, &joint) in self.mechanism.coordinates.iter().enumerate() {
+            coordinates.add_joint(c, &self.mechanism.tree, joint, S::ONE, links);
+        }
+        if self.motor.is_some() {
+            self.add_crank(links, ratios, coordinates);
+        }
+    }
+
+    /// Adds what the loads `beyond` on the links are along the coordinates.
+    pub(super) fn add_beyond<G: Scalar>(
+        &self,
+        beyond: &[Wrench<f64>],
+        carriers: &Carriers<G>,
+        forces: &mut [G],
+    ) {
+        for (link, load) in beyond.iter().enumerate().take(self.mechanism.tree.links()) {
+            carriers.project(link, &of_numbers::<G>(load), forces);
+        }
+    }
+
+    /// Adds the efforts of springs, dampers and motor to the forces on the coordinates, and the inertia
+    /// of the motor; `structure` as for [`Robot::joints`], `supply` the share of the voltage that the motor
+    /// receives.
+    pub(super) fn add_efforts<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        structure: &[G],
+        supply: G,
+        system: &mut System<G, S>,
+    ) {
+        let (count, states) = (self.degrees(), &structure[2 * self.elements.len()..]);
+        for (c, spring) in self.mechanism.springs().enumerate() {
+            let moved = self.rest_displaced(c, structure);
+            system.forces[c] += spring.effort(states[c], states[count + c], moved);
+        }
+        if let Some(motor) = &self.motor {
+            system.forces[count - 1] += motor.crank_torque(states[2 * count - 1], supply);
+            system.mass[5 + count][5 + count] += G::from(motor.inertia);
+        }
+    }
+
+    /// Rates of the coordinates and their rates; `structure` as for [`Robot::joints`].
+    pub(super) fn store_coordinate_rates<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        structure: &[G],
+        second_rates: &[S],
+        dx: &mut [S],
+    ) {
+        let count = self.degrees();
+        lift(&structure[2 * self.elements.len() + count..][..count], dx);
+        dx[count..].copy_from_slice(&second_rates[..count]);
+    }
+
+    /// Velocity and acceleration of the air, resolved in B.
+    #[inline]
+    pub(super) fn wind<S: Scalar + Meets<P>>(&self, t: S, attitude: Mat3<S>) -> (Vec3<S>, Vec3<S>) {
+        let (velocity, acceleration) = self.wind.at(t);
+        (attitude.transpose_mul(velocity), attitude.transpose_mul(acceleration))
+    }
+
+    /// Gravity in B, m/s2.
+    #[inline]
+    pub(super) fn gravity<S: Scalar>(&self, attitude: Mat3<S>) -> Vec3<S> {
+        attitude.transpose_mul(Vec3::new(S::ZERO, S::ZERO, S::from(-GRAVITY)))
+    }
+
+    /// Drag of the body at its origin, F_i = -rho/2 A_i |v_i| v_i along each body
+    /// axis; `v` is the velocity against the air, in B.
+    #[inline]
+    pub(super) fn body_drag<S: Scalar + Meets<P>>(&self, v: Vec3<S>) -> Wrench<S> {
+        let mut drag = Wrench::ZERO;
+        for i in 0..3 {
+            let scale = self.density * self.drag_area[i] * -0.5;
+            drag.force[i] = v[i] * v[i].smooth_abs(DRAG_WIDTH) * scale;
+        }
+        drag
+    }
+}
+
+/// A load in another type.
+pub(super) fn of_numbers<S: Scalar>(load: &Wrench<f64>) -> Wrench<S> {
+    Wrench { force: load.force.each(S::from), moment: load.moment.each(S::from) }
+}
+
+/// Speed below which the body's drag is rounded off, m/s.
+const DRAG_WIDTH: f64 = 1e-3;
+
+/// Adds the leading 6 x 6 block.
+#[inline]
+fn add<S: Scalar, const N: usize>(mass: &mut [[S; N]; N], block: &[[S; 6]; 6]) {
+    for i in 0..6 {
+        for j in 0..6 {
+            mass[i][j] += block[i][j];
+        }
+    }
+}
+
+/// Mass matrix and forces of body and coordinates.
+pub(super) struct System<G: Scalar, S: Over<G>> {
+    pub mass: [[G; MAX_DEGREES]; MAX_DEGREES],
+    /// Forces on the coordinates that the states of the air do not enter.
+    pub forces: [G; MAX_COORDINATES],
+    /// Forces of the air on the coordinates.
+    of_air: [S; MAX_COORDINATES],
+}
+
+impl<G: Scalar, S: Over<G>> System<G, S> {
+    pub fn new() -> Self {
+        Self {
+            mass: [[G::ZERO; MAX_DEGREES]; MAX_DEGREES],
+            forces: [G::ZERO; MAX_COORDINATES],
+            of_air: [S::ZERO; MAX_COORDINATES],
+        }
+    }
+
+    /// Adds the added mass of all surfaces and their forces on the coordinates of `carriers`; returns
+    /// their wrench on the whole. `wind` comes with room for what the rates of followed impulses lack.
+    pub fn add_air<P: Scalar>(
+        &mut self,
+        robot: &Robot<P>,
+        carriers: &Carriers<G>,
+        (wind, impulses): (Vec3<G>, Option<&mut ImpulseRates<G>>),
+        x: &[S],
+        dx: &mut [S],
+    ) -> Wrench<S>
+    where
+        G: Meets<P>,
+        S: Meets<P>,
+    {
+        let links = robot.mechanism.tree.links();
+        let mut external = External::<S>::new();
+        external.extend(std::iter::repeat_n(Wrench::ZERO, links + 1));
+        let coupled = Some(Coupled { mass: &mut self.mass, external: &mut external, impulses });
+        let (net, ref added) = robot.covering.sum(carriers, wind, x, dx, coupled);
+        add(&mut self.mass, added);
+        for (link, load) in external.iter().enumerate().take(links) {
+            carriers.project(link, load, &mut self.of_air);
+        }
+        net
+    }
+
+    /// Accelerations of the body under the wrench `net` (all of them zero where it is imposed: `None`)
+    /// and second rates of `count` coordinates. `None` when the matrix is not positive definite.
+    pub fn solve(mut self, net: Option<Wrench<S>>, count: usize) -> Option<[S; MAX_DEGREES]> {
+        let mut rhs = [S::ZERO; MAX_DEGREES];
+        match net {
+            Some(net) => {
+                net.force.store(&mut rhs);
+                net.moment.store(&mut rhs[3..]);
+            }
+            None => {
+                for i in 0..6 {
+                    for j in 0..6 + count {
+                        (self.mass[i][j], self.mass[j][i]) = (G::ZERO, G::ZERO);
+                    }
+                    self.mass[i][i] = G::ONE;
+                }
+            }
+        }
+        for c in 0..count {
+            rhs[6 + c] = self.of_air[c] + self.forces[c];
+        }
+        solve_symmetric_leading(6 + count, &mut self.mass, rhs)
+    }
+}

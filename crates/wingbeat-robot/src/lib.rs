@@ -1,0 +1,348 @@
+//! The flying robot: body and aerodynamics meet here and nowhere else. Stations
+//! carry geometry down to the surfaces, loads come back up by name.
+
+mod air;
+mod beyond;
+mod carried;
+mod chord_lines;
+mod clearance;
+mod compiled;
+mod drive;
+mod dynamics;
+mod joints;
+mod lanes;
+mod mechanism;
+mod mirror;
+mod numbers;
+mod observe;
+mod placement;
+mod regulators;
+mod residual;
+mod sections;
+mod skeleton;
+mod spec;
+mod stance;
+mod surface;
+mod thrust;
+
+pub use air::{Air, Pulse, Wind};
+pub use carried::{BodyMotion, CarriedLoads};
+pub use mirror::Mirror;
+pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying, bounds};
+pub use observe::Observation;
+pub use placement::{PanelNumbers, PlacementNumbers};
+pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
+pub use skeleton::{LinkPlace, Outline, Skeleton};
+pub use spec::{
+    BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
+    JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, ResidualSpec,
+    RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
+};
+pub(crate) use spec::{check_number, is_of_rig};
+pub(crate) use spec::{file_or, file_or_numbers};
+pub use stance::Stance;
+pub use surface::SurfaceOutline;
+pub use thrust::Thruster;
+
+use crate::body::{LinkMotion, MAX_LINKS, Motor, Response, Tree};
+use arrayvec::ArrayVec;
+use clearance::Clearances;
+use joints::{CRANK, Displaced, Placed};
+use mechanism::Mechanism;
+use std::sync::Arc;
+use surface::Covering;
+use wingbeat_aero::{Aero, Surfaces};
+use wingbeat_math::Error;
+use wingbeat_math::{Jet, Scalar, Vec3};
+use wingbeat_ocp::plant::{Channel, MAX_COORDINATES, Role};
+
+/// Largest number of structure elements.
+pub const MAX_ELEMENTS: usize = 16;
+
+/// Coordinates of all joints with rates and accelerations.
+pub(crate) type Joints<S> = ArrayVec<Jet<S>, MAX_LINKS>;
+/// Motion of all links.
+pub(crate) type Links<S> = ArrayVec<LinkMotion<S>, MAX_LINKS>;
+
+/// Index of the state's parts.
+#[derive(Clone, Copy, Debug)]
+pub struct Layout {
+    /// Position p_WB, m (3).
+    pub position: usize,
+    /// Attitude q_WB, w x y z (4).
+    pub attitude: usize,
+    /// Velocity v_WB_W, m/s (3).
+    pub velocity: usize,
+    /// Angular rate w_WB_B, rad/s (3).
+    pub rate: usize,
+    /// Displacements of the structure elements (n), then their rates (n).
+    pub structure: usize,
+    /// Coordinates of the elastic and free joints and, where a motor turns it, the angle of the crank as
+    /// the last of them (m); then their rates (m).
+    pub joints: usize,
+    /// Angle and rate of the crank under a motor.
+    pub crank: Option<[usize; 2]>,
+    /// States of the surfaces, one after another.
+    pub aero: usize,
+    /// Number of states.
+    pub len: usize,
+}
+
+/// A robot in air, as a [`Plant`](wingbeat_ocp::plant::Plant). Inputs are the
+/// regulators omega of the structure elements. Its numbers are of type `P`, so that they may carry derivatives:
+/// [`Robot::varied`].
+#[derive(Clone, Debug)]
+pub struct Robot<P: Scalar = f64> {
+    mechanism: Mechanism<P>,
+    phase_rate: P,
+    phase_start: P,
+    motor: Option<Motor<P>>,
+    response: Response<P>,
+    /// How far each element is displaced at rest.
+    strokes: Vec<[f64; 2]>,
+    elements: Vec<Placed>,
+    thrusters: Vec<Thruster>,
+    covering: Covering<P>,
+    clearances: Clearances,
+    /// Links that carry surfaces.
+    carriers: Vec<usize>,
+    drag_area: Vec3<P>,
+    /// Of the air that the body's drag takes, kg/m3.
+    density: P,
+    wind: Wind<P>,
+    /// What the models of the air leave of measured loads.
+    residual: Option<Arc<Residual>>,
+    layout: Layout,
+    states: Vec<Channel>,
+    inputs: Vec<Channel>,
+}
+
+/// The regulator that paces the crank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pacer {
+    /// Number of the element whose displacement is the phase of the gait beyond that at a constant rate, rad.
+    pub element: usize,
+    /// Number of the input.
+    pub input: usize,
+    /// Steady rate of the crank beyond the gait's per unit of the command.
+    pub gain: f64,
+}
+
+impl Robot {
+    /// Builds a robot from its specification and an aerodynamic model of each of its surfaces, in the
+    /// order of [`RobotSpec::outlines`]; the gait's phase at t = 0 is `phase_start`, rad.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the offending key of the robot file.
+    ///
+    /// # Panics
+    /// When there is not one model per surface.
+    pub fn new(spec: &RobotSpec, aero: Vec<Aero>, air: Air, phase_start: f64) -> Result<Self, Error> {
+        spec.check()?;
+        let (own, spec) = (spec, &spec.with_thrusts());
+        let mechanism = Mechanism::new(spec)?;
+        let elements = Placed::all(spec, &mechanism)?;
+        let carriers = carriers(spec, &mechanism)?;
+        let covering = Covering::new(spec, &mechanism, &carriers, aero)?;
+        let motor = motor(spec, &mechanism)?;
+        if let (Some(_), Some(i)) = (motor, elements.iter().position(|e| e.moves.contains(&Displaced::Crank)))
+        {
+            let allowed = "joints: a motor turns the crank";
+            return Err(Error::invalid(format!("structure.elements[{i}].moves"), CRANK, allowed));
+        }
+        let air_states = covering.aero.states();
+        let layout = Layout::new(elements.len(), mechanism.coordinates.len(), motor.is_some(), air_states);
+        let response = spec.structure.build().map_err(|e| e.within("structure"))?;
+        let residual =
+            spec.residual.as_ref().map(Residual::new).transpose().map_err(|e| e.within("residual"))?;
+        let inputs = regulators::channels(&spec.structure, &elements).map_err(|e| e.within("structure"))?;
+        let robot = Self {
+            phase_rate: joints::phase_rate(&spec.gait),
+            phase_start,
+            motor,
+            response,
+            strokes: regulators::strokes(&spec.structure, &elements, &inputs),
+            carriers,
+            drag_area: Vec3(spec.body.drag_area_m2),
+            density: air.density,
+            wind: air.wind,
+            residual: residual.map(Arc::new),
+            layout,
+            states: layout.channels(&elements, &mechanism, &covering.aero),
+            inputs,
+            thrusters: Thruster::all(&own.thrusters, own.structure.elements.len()),
+            elements,
+            covering,
+            clearances: Clearances::new(spec, &mechanism)?,
+            mechanism,
+        };
+        spec.residual.iter().try_for_each(|residual| robot.check_residual(residual))?;
+        Ok(robot)
+    }
+
+    /// Where each part of the state lies.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+    /// Body, links and joints.
+    pub fn tree(&self) -> &Tree {
+        &self.mechanism.tree
+    }
+    /// Names of the joints, in the order of the tree.
+    pub fn joint_names(&self) -> impl Iterator<Item = &str> {
+        (0..self.tree().links()).map(|i| self.tree().name(i))
+    }
+    /// Total mass, kg.
+    pub fn mass(&self) -> f64 {
+        self.mechanism.tree.mass()
+    }
+    /// The surfaces with their aerodynamic models.
+    pub fn surfaces(&self) -> impl Iterator<Item = (&str, &Aero)> {
+        self.covering.aero.surfaces().iter().map(|s| (s.name(), s.aero()))
+    }
+    /// Names of the ends of all panels, surface after surface, as [`Observation::outlines`] has them; of
+    /// surfaces beyond the first with the surface's name before.
+    pub fn outline_names(&self) -> Vec<String> {
+        self.covering.laid.iter().enumerate().flat_map(|(i, s)| s.outline_names(i == 0)).collect()
+    }
+    /// How far each structure element is displaced by held commands within their limits, rad or m.
+    pub fn strokes(&self) -> &[[f64; 2]] {
+        &self.strokes
+    }
+    /// Velocity of the air without its gust, m/s in W.
+    pub fn mean_wind(&self) -> Vec3 {
+        self.wind.mean()
+    }
+    /// Velocity of the air over time.
+    pub fn wind_over_time(&self) -> &Wind {
+        &self.wind
+    }
+    /// The same robot, its gait's frequency times `pace`.
+    #[must_use]
+    pub fn paced(&self, pace: f64) -> Self {
+        Self { phase_rate: self.phase_rate * pace, ..self.clone() }
+    }
+    /// Displacements of the elements at rest per unit of the held commands, a row for each element; none of what
+    /// follows its command with its rate.
+    pub fn rest_gains(&self) -> Vec<f64> {
+        self.response.rest()
+    }
+    /// Whether the coordinate of the joint `joint` is a state.
+    pub fn is_elastic(&self, joint: usize) -> bool {
+        self.mechanism.coordinates.contains(&joint)
+    }
+    /// Whether the joint `joint` twists a wing: it turns a link of one side, which carries a surface, about its span.
+    pub fn is_twist(&self, joint: usize) -> bool {
+        let sided = self.mechanism.twins[joint] != joint;
+        sided && self.tree().turns_about_y(joint) && self.carriers.contains(&joint)
+    }
+    /// The regulator that paces the crank, if there is one.
+    pub fn pacer(&self) -> Option<Pacer> {
+        let element = self.elements.iter().position(|e| e.moves.contains(&Displaced::Crank))?;
+        let gain = |input: &usize| self.response.command_gain(element, *input);
+        let input = (0..self.inputs.len()).find(|input| gain(input) != 0.0)?;
+        let damping = -self.response.state_gain(element, self.elements.len() + element);
+        (damping > 0.0).then(|| Pacer { element, input, gain: gain(&input) / damping })
+    }
+    /// Flapping frequency of the gait, Hz; a motor starts with it.
+    pub fn frequency_hz(&self) -> f64 {
+        self.phase_rate / std::f64::consts::TAU
+    }
+    /// Flapping phase at time `t` at a constant rate, rad.
+    pub fn phase(&self, t: f64) -> f64 {
+        self.phase_start + self.phase_rate * t
+    }
+}
+
+impl<P: Scalar> Robot<P> {
+    /// Where the states of elastic and free joints and crank start, from [`Layout::joints`] to
+    /// [`Layout::aero`]: the joints at rest, the crank at the starting phase and the gait's frequency.
+    pub fn start_coordinates(&self) -> Vec<P> {
+        let crank = |state: P| self.motor.map(|_| state);
+        let still = self.mechanism.springs().map(|_| P::ZERO);
+        let joints = self.mechanism.springs().map(|s| P::from(s.start)).chain(crank(self.phase_start));
+        joints.chain(still).chain(crank(self.phase_rate)).collect()
+    }
+    /// States of the carried robot as it hangs still in still air: elements without displacement, joints where they
+    /// start, and the crank of a motor standing at the starting phase.
+    pub fn carried_still(&self) -> Vec<P> {
+        let mut x = vec![P::ZERO; self.carried_states()];
+        let mut joints = self.start_coordinates();
+        if self.motor.is_some() {
+            joints.pop();
+            joints.push(P::ZERO);
+        }
+        x[self.layout.joints - self.layout.structure..][..joints.len()].copy_from_slice(&joints);
+        x
+    }
+}
+
+/// The motor, if there is one, of a gait that moves something.
+fn motor(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Option<Motor>, Error> {
+    let motor = spec.drive.build().map_err(|e| e.within("drive"))?;
+    if motor.is_some() && !mechanism.drives.iter().any(mechanism::Drive::cranked) {
+        return Err(Error::invalid("drive.motor", "given", "a motor only where a gait drives joints"));
+    }
+    if motor.is_some() && mechanism.coordinates.len() == MAX_COORDINATES {
+        let allowed = format!("at most {} elastic or free joints beside a motor", MAX_COORDINATES - 1);
+        return Err(Error::invalid("drive.motor", "given", allowed));
+    }
+    Ok(motor)
+}
+
+/// The links that carry surfaces, ascending.
+fn carriers(spec: &RobotSpec, mechanism: &Mechanism) -> Result<Vec<usize>, Error> {
+    let mut carriers = Vec::new();
+    for (surface, outline) in spec.all_surfaces().zip(spec.outlines()?) {
+        for (i, panel) in surface.panels.iter().enumerate() {
+            let key = format!("{}.panels[{i}].link", outline.key);
+            for side in 0..2 {
+                carriers.extend(mechanism.link_on(&key, &panel.link, side)?);
+            }
+        }
+    }
+    carriers.sort_unstable();
+    carriers.dedup();
+    Ok(carriers)
+}
+
+impl Layout {
+    fn new(elements: usize, coordinates: usize, motor: bool, aero_states: usize) -> Self {
+        let joints = 13 + 2 * elements;
+        let degrees = coordinates + usize::from(motor);
+        let aero = joints + 2 * degrees;
+        let crank = motor.then_some([joints + degrees - 1, aero - 1]);
+        let len = aero + aero_states;
+        Self { position: 0, attitude: 3, velocity: 7, rate: 10, structure: 13, joints, crank, aero, len }
+    }
+
+    fn channels(&self, elements: &[Placed], mechanism: &Mechanism, air: &Surfaces) -> Vec<Channel> {
+        let axes = |name: &'static str, unit, frame, of: &'static str, role: fn(usize) -> Role| {
+            let axes = of.chars().enumerate();
+            axes.map(move |(i, axis)| Channel::free(format!("{name}_{axis}"), unit, frame).of(role(i)))
+        };
+        let element = |prefix: &'static str, of: usize, role: fn(usize) -> Role| {
+            let channel = move |e: &Placed| Channel::free(format!("{prefix}_{}", e.name), e.units[of], "");
+            elements.iter().enumerate().map(move |(i, e)| channel(e).of(role(i)))
+        };
+        let joint = |prefix: &'static str, of: usize, role: fn(usize) -> Role| {
+            let tree = &mechanism.tree;
+            let named = move |i: usize| (format!("{prefix}_{}", tree.name(i)), tree.kind(i).units()[of]);
+            let named = mechanism.coordinates.iter().map(move |&i| named(i)).enumerate();
+            named.map(move |(k, (name, unit))| Channel::free(name, unit, "").of(role(k)))
+        };
+        let crank = |name, unit, role| self.crank.map(|_| Channel::free(name, unit, "").of(role));
+        axes("p_WB", "m", "W", "xyz", Role::Position)
+            .chain(axes("quat", "", "WB", "wxyz", Role::Attitude))
+            .chain(axes("v_WB_W", "m/s", "W", "xyz", Role::Velocity))
+            .chain(axes("w_WB_B", "rad/s", "B", "xyz", Role::AngularRate))
+            .chain(element("displacement", 0, Role::Displacement))
+            .chain(element("rate", 1, Role::DisplacementRate))
+            .chain(joint("coordinate", 0, Role::Coordinate))
+            .chain(crank("crank_angle", "rad", Role::Crank))
+            .chain(joint("coordinate_rate", 1, Role::CoordinateRate))
+            .chain(crank("crank_rate", "rad/s", Role::CrankRate))
+            .chain(air.channels().into_iter().map(|c| c.of(Role::Air)))
+            .collect()
+    }
+}

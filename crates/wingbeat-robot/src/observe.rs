@@ -1,0 +1,211 @@
+//! What is worth seeing of a flight at one instant: angles, named forces, power.
+
+use super::dynamics::Evaluation;
+use super::sections::{Carriers, Section};
+use super::surface::External;
+use super::{Joints, Links, MAX_ELEMENTS, Robot};
+use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, joint_power};
+use arrayvec::ArrayVec;
+use wingbeat_aero::{LoadSource, Loads, StripLoads};
+use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
+use wingbeat_ocp::plant::Fault;
+
+/// One instant of a flight.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// R_WB.
+    pub attitude: Mat3,
+    /// Joint coordinates, rad or m; order of the tree.
+    pub joints: Vec<f64>,
+    /// Joint efforts, N m or N.
+    pub torques: Vec<f64>,
+    /// Phase of the gait, rad.
+    pub phase: f64,
+    /// Mechanical power of the driven joints, W: that of the drive and that of the regulators.
+    pub power: f64,
+    /// Part of it that the drive gives, turning the crank, W.
+    pub drive_power: f64,
+    /// Part of it that the regulators give, displacing the structure, W.
+    pub regulator_power: f64,
+    /// The motor, where one turns the crank.
+    pub motor: Option<MotorWork>,
+    /// Kinetic energy plus potential energy above z = 0 and in the springs of elastic joints, J.
+    pub energy: f64,
+    /// Power that the surfaces and the body take from the air, W.
+    pub air_power: f64,
+    /// Power that the dampers of elastic joints take, W.
+    pub dissipation: f64,
+    /// Aerodynamic loads summed over the strips of all surfaces, by source, in B about the body origin.
+    pub air: StripLoads<f64>,
+    /// Drag of the body with what `robot.residual` says, in B.
+    pub body_drag: Wrench<f64>,
+    /// Whether the wings are beyond the velocities at which `robot.residual` was measured; none without one.
+    pub beyond_residual: Option<bool>,
+    /// Wrench of the thrusters, in B.
+    pub thrust: Wrench<f64>,
+    /// Gravity, in B.
+    pub gravity: Wrench<f64>,
+    /// Inertia: minus the rate of momentum of body and links, in B. With the
+    /// forces above it sums to zero (d'Alembert).
+    pub inertia: Wrench<f64>,
+    /// Loads, incidence, circulation and place of the strips of all surfaces in turn, in B about the
+    /// body origin.
+    pub strips: Loads<f64>,
+    /// Centre of mass from the body origin, in B, m.
+    pub center_of_mass: Vec3,
+    /// For each surface the ends of its panels, left to right: hinge-line point, leading and trailing
+    /// edge, from the body origin, in B, m.
+    pub outlines: Vec<Vec<[Vec3; 3]>>,
+    /// Clearances, m, in the order of [`Plant::clearances`](wingbeat_ocp::plant::Plant::clearances): exact, not rounded off.
+    pub clearances: Vec<f64>,
+}
+
+/// A robot with all its accelerations.
+pub(super) struct Moving {
+    /// What led to its rates.
+    pub e: Evaluation<f64>,
+    /// Joint coordinates with their second rates.
+    pub joints: Joints<f64>,
+    /// The links without the body's own acceleration.
+    pub links: Links<f64>,
+    /// That acceleration.
+    pub body: BaseAcceleration<f64>,
+    /// The body as a link, accelerated.
+    pub base: LinkMotion,
+    /// The links with the body's acceleration.
+    pub moving: Links<f64>,
+    /// Velocity of the air and its rate, in B.
+    pub wind: [Vec3; 2],
+}
+
+impl Observation {
+    /// The loads of air, body drag, gravity and inertia in the order of [`LoadSource::ALL`].
+    pub fn parts(&self) -> [Wrench<f64>; LoadSource::ALL.len()] {
+        self.air.parts_with([self.body_drag, self.gravity, self.inertia])
+    }
+
+    /// Incidence of each strip, wash included, rad; surface after surface.
+    pub fn incidence(&self) -> impl Iterator<Item = f64> {
+        self.strips.incidence[..self.strips.strips].iter().copied()
+    }
+}
+
+impl Robot {
+    /// Looks at the robot at (t, x, u).
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn observe(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Observation, Fault> {
+        self.look(t, x, u, &[])
+    }
+
+    /// The same with loads on links and body from beyond the surfaces' models, which [`Observation::air`] lacks.
+    pub(super) fn look(
+        &self,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        beyond: &[Wrench<f64>],
+    ) -> Result<Observation, Fault> {
+        let mut dx = vec![0.0; x.len()];
+        let Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] } =
+            self.moving((t, x, u), beyond, &mut dx)?;
+        let still = Coordinates::none();
+        let mut carriers = Carriers::none(&still);
+        carriers.follow(&base, &self.carriers, &moving, wind_dot);
+        let aero = self.layout.aero;
+        let mut strips = Loads::default();
+        let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
+        external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += *beyond);
+        let structure = &x[self.layout.structure..];
+        let body_drag =
+            self.body_load(&Jet::new(t, 1.0, 0.0), (structure, u), (e.base.velocity - wind, e.base.rate));
+        let g = self.gravity(e.attitude);
+        let torques = self.joint_torques(&links, body, &external, g);
+        let tree = &self.mechanism.tree;
+        let springs = || {
+            let springs = self.mechanism.springs().zip(&self.mechanism.coordinates).enumerate();
+            springs.map(|(c, (spring, &joint))| {
+                (spring, joints[joint], self.rest_displaced(c, &x[self.layout.structure..]))
+            })
+        };
+        let mut displacements = [Jet::ZERO; MAX_ELEMENTS];
+        self.response.displacements(structure, u, &mut displacements);
+        let phase = self.phase_of(&Jet::new(t, 1.0, 0.0), structure, &displacements);
+        let [drive_power, regulator_power] = self.power_split(phase, structure, &displacements, &torques)?;
+        let rest_power = self.rest_power(structure, &displacements);
+        let datum = -e.attitude.transpose_mul(Vec3::from_slice(&x[self.layout.position..]));
+        Ok(Observation {
+            attitude: e.attitude,
+            phase: phase.x,
+            drive_power,
+            regulator_power,
+            motor: self.motor_work(phase, 1.0),
+            power: joint_power(&torques, &joints) + rest_power
+                - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
+            energy: tree.kinetic_energy(e.base.velocity, e.base.rate, &links)
+                + tree.potential_energy(g, &links, datum)
+                + springs().map(|(spring, joint, y)| spring.energy(joint.x, y)).sum::<f64>(),
+            air_power: super::carried::air_power(&base, &links, &external)
+                + body_drag.force.dot(e.base.velocity)
+                + body_drag.moment.dot(e.base.rate),
+            dissipation: springs().map(|(spring, joint, _)| spring.dissipation(joint.d)).sum(),
+            inertia: self.momentum_reaction(e.base.rate, &links, body),
+            joints: joints.iter().map(|j| j.x).collect(),
+            torques: torques.to_vec(),
+            air: strips.by_source(),
+            body_drag,
+            beyond_residual: self.beyond_residual([e.base.velocity - wind, e.base.rate], phase.d),
+            thrust: self.thrust(structure),
+            gravity: tree.gravity(g, &links),
+            strips,
+            center_of_mass: tree.center_of_mass(&links),
+            outlines: self.outlines(&e.base, &links),
+            clearances: self.clearances.least(&links).collect(),
+        })
+    }
+
+    /// The robot with its accelerations at (t, x, u) under the loads `beyond`; `dx` receives the rates.
+    pub(super) fn moving(
+        &self,
+        (t, x, u): (f64, &[f64], &[f64]),
+        beyond: &[Wrench<f64>],
+        dx: &mut [f64],
+    ) -> Result<Moving, Fault> {
+        let mut e = Evaluation::empty();
+        self.evaluate(t, x, u, beyond, dx, &mut e)?;
+        let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
+        self.let_go(&mut joints, &mut links, &e.coordinates, &e.ratios, &e.second_rates);
+        let body = BaseAcceleration::from_slice(&e.acceleration);
+        let base = e.base.accelerated(&body);
+        let moving = links.iter().map(|link| link.accelerated(&body)).collect();
+        let (wind, wind_dot) = self.wind(t, e.attitude);
+        Ok(Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] })
+    }
+
+    /// Ends of the panels of every surface.
+    fn outlines(&self, base: &LinkMotion, links: &[LinkMotion]) -> Vec<Vec<[Vec3; 3]>> {
+        let place = |(_, s): &(String, Section)| {
+            let link = s.link.map_or(base, |i| &links[i]);
+            let [le, te] = s.edges(link);
+            [s.hinge_point(link), le, te]
+        };
+        self.covering.laid.iter().map(|surface| surface.outline.iter().map(place).collect()).collect()
+    }
+}
+
+impl<P: Scalar> Robot<P> {
+    /// Efforts that the joints need: `links` without the base's own acceleration,
+    /// which is `body`; `external` the loads of the air on them; `g` is gravity in B.
+    pub(super) fn joint_torques<S: Scalar + Meets<P>>(
+        &self,
+        links: &[LinkMotion<S>],
+        body: BaseAcceleration<S>,
+        external: &External<S>,
+        g: Vec3<S>,
+    ) -> ArrayVec<S, MAX_LINKS> {
+        let mut torques: ArrayVec<S, MAX_LINKS> = links.iter().map(|_| S::ZERO).collect();
+        self.mechanism.tree.joint_torques(links, body, g, external, &mut torques);
+        torques
+    }
+}

@@ -1,0 +1,225 @@
+//! Where the sections of a surface ride: its panels on links.
+
+use super::clearance::Corner;
+use super::mechanism::Mechanism;
+use super::sections::Section;
+use super::spec::{PanelSpec, SurfaceSpec};
+use wingbeat_aero::{Planform, Span};
+use wingbeat_math::Error;
+use wingbeat_math::{Scalar, Vec3};
+
+/// Where a panel lies on its link; of a symmetric surface that of the left half.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PanelNumbers<P: Scalar = f64> {
+    /// Arc length from the root at which it begins, m.
+    pub from_arc: P,
+    /// Its begin in the link's frame, m.
+    pub origin: Vec3<P>,
+    /// Along the span from the root on, in the link's frame; its length does not matter.
+    pub direction: Vec3<P>,
+}
+
+/// Numbers of a surface's place on its links.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacementNumbers<P: Scalar = f64> {
+    /// Shift of the outline forward, m.
+    pub shift: P,
+    /// Of its panels, from the root on.
+    pub panels: Vec<PanelNumbers<P>>,
+}
+
+impl<P: Scalar> PlacementNumbers<P> {
+    /// The same numbers in another type, `f` of each.
+    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> PlacementNumbers<Q> {
+        let vector = |v: Vec3<P>| v.each(f);
+        let panel = |p: &PanelNumbers<P>| PanelNumbers {
+            from_arc: f(p.from_arc),
+            origin: vector(p.origin),
+            direction: vector(p.direction),
+        };
+        PlacementNumbers { shift: f(self.shift), panels: self.panels.iter().map(panel).collect() }
+    }
+
+    /// All of them by their keys; the first panel begins at the root by definition.
+    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
+        let mut all = vec![("planform_shift_m".to_string(), &mut self.shift)];
+        for (i, PanelNumbers { from_arc, origin, direction }) in self.panels.iter_mut().enumerate() {
+            if i > 0 {
+                all.push((format!("panels[{i}].from_arc_m"), from_arc));
+            }
+            for (key, vector) in [("origin_m", origin), ("direction", direction)] {
+                let parts = vector.0.iter_mut().enumerate();
+                all.extend(parts.map(|(k, part)| (format!("panels[{i}].{key}[{k}]"), part)));
+            }
+        }
+        all
+    }
+}
+
+/// A stretch of one half of a surface on a link.
+#[derive(Clone, Copy, Debug)]
+struct Panel<P: Scalar = f64> {
+    from_arc: P,
+    link: Option<usize>,
+    /// Begin in the link's frame, m.
+    origin: Vec3<P>,
+    /// Unit vector of the span from the root on, in the link's frame.
+    along: Vec3<P>,
+}
+
+impl<P: Scalar> Panel<P> {
+    /// That of one half, `mirror` 1 on the left and -1 on the right.
+    fn new(numbers: &PanelNumbers<P>, link: Option<usize>, mirror: f64) -> Self {
+        let across = |v: Vec3<P>| Vec3([v[0], v[1] * mirror, v[2]]);
+        let along = across(numbers.direction);
+        Self {
+            from_arc: numbers.from_arc,
+            link,
+            origin: across(numbers.origin),
+            along: along * along.norm().recip(),
+        }
+    }
+
+    /// The point `x` m ahead of the line of the panel at the arc length `arc`, in the link's frame.
+    fn point(&self, arc: P, x: P) -> Vec3<P> {
+        self.origin + self.along * (arc - self.from_arc) + Vec3([x, P::ZERO, P::ZERO])
+    }
+}
+
+/// Geometry of a surface on its links.
+#[derive(Clone, Debug)]
+pub(super) struct Placement<P: Scalar = f64> {
+    pub(super) planform: Planform<P>,
+    shift: P,
+    /// Panels of the left and right half, from the root on.
+    panels: [Vec<Panel<P>>; 2],
+}
+
+impl Placement {
+    pub(super) fn new(spec: &SurfaceSpec, mechanism: &Mechanism) -> Result<Self, Error> {
+        let links = |side: usize| -> Result<Vec<Option<usize>>, Error> {
+            let link =
+                |(i, p): (usize, &PanelSpec)| mechanism.link_on(&format!("panels[{i}].link"), &p.link, side);
+            spec.panels.iter().enumerate().map(link).collect()
+        };
+        // A one-sided surface lies where it is written; its side only orders its strips.
+        let right = links(usize::from(spec.span == Span::Symmetric))?;
+        Ok(Self::laid(spec.outline()?, &spec.placement(), &[links(0)?, right]))
+    }
+}
+
+impl SurfaceSpec {
+    /// Where it says that its panels lie.
+    pub(super) fn placement(&self) -> PlacementNumbers {
+        let panel = |p: &PanelSpec| PanelNumbers {
+            from_arc: p.from_arc_m,
+            origin: Vec3(p.origin_m),
+            direction: Vec3(p.direction),
+        };
+        PlacementNumbers { shift: self.planform_shift_m, panels: self.panels.iter().map(panel).collect() }
+    }
+}
+
+impl<P: Scalar> Placement<P> {
+    /// An outline on panels, whose links of both halves are `links`.
+    pub(super) fn laid(
+        planform: Planform<P>,
+        numbers: &PlacementNumbers<P>,
+        links: &[Vec<Option<usize>>; 2],
+    ) -> Self {
+        let mirror = if planform.span() == Span::Symmetric { [1.0, -1.0] } else { [1.0, 1.0] };
+        let half = |side: usize| {
+            let panels = numbers.panels.iter().zip(&links[side]);
+            panels.map(|(panel, link)| Panel::new(panel, *link, mirror[side])).collect()
+        };
+        Self { planform, shift: numbers.shift, panels: [half(0), half(1)] }
+    }
+
+    /// The links of the panels of both halves.
+    pub(super) fn links(&self) -> [Vec<Option<usize>>; 2] {
+        [0, 1].map(|side| self.panels[side].iter().map(|panel| panel.link).collect())
+    }
+
+    /// The section at the arc coordinate `s`, m. A section on a hinge belongs to the inner link.
+    pub(super) fn section(&self, s: P, carriers: &[usize]) -> Section<P> {
+        let (leading, trailing) = self.planform.edges(s);
+        let (arc, left) = (self.planform.from_root(s), self.planform.on_left(s));
+        let panels = &self.panels[usize::from(!left)];
+        let passed = panels.iter().skip(1).filter(|p| self.planform.beyond(arc, p.from_arc)).count();
+        let panel = &panels[passed];
+        let edge = |x: P| panel.point(arc, x + self.shift);
+        let carrier = panel.link.and_then(|link| carriers.iter().position(|c| *c == link));
+        let across = if left { -panel.along } else { panel.along };
+        Section::new(panel.link, carrier, [edge(leading), edge(trailing)], across)
+    }
+}
+
+impl Placement {
+    /// Corners of panel `i` of one half (0 left, 1 right) on `link`: both edges at its ends, at the stations in
+    /// between and at the ends of gaps. Between them the outline is straight.
+    fn panel_corners(&self, i: usize, half: usize, link: usize) -> impl Iterator<Item = Corner> {
+        let panel = self.panels[half][i];
+        let tip = self.planform.station_arcs().last().copied().unwrap_or_default();
+        let end = self.panels[half].get(i + 1).map_or(tip, |next| next.from_arc);
+        let side = if half == 0 { 1.0 } else { -1.0 };
+        let gaps = self.planform.gaps().iter().flat_map(|g| [g.from_arc_m, g.to_arc_m]);
+        let inner = self.planform.station_arcs().iter().copied().chain(gaps);
+        let inner = inner.filter(move |&arc| arc > panel.from_arc && arc < end);
+        let arcs = [panel.from_arc, end].into_iter().chain(inner).filter(|&arc| self.planform.covers(arc));
+        arcs.flat_map(move |arc| {
+            let (leading, trailing) = self.planform.edges(arc);
+            let corner = |x: f64| Corner { link, place: panel.point(arc, x + self.shift), side };
+            [corner(leading), corner(trailing)]
+        })
+    }
+
+    /// Arc coordinates of stations, ends of gaps and hinges from left to right, m.
+    pub(super) fn stations(&self) -> Vec<f64> {
+        let hinges = self.panels[0].iter().skip(1).map(|panel| panel.from_arc);
+        let gaps = self.planform.gaps().iter().flat_map(|gap| [gap.from_arc_m, gap.to_arc_m]);
+        let arcs = self.planform.station_arcs().iter().copied().chain(hinges).chain(gaps);
+        let mut all: Vec<f64> = arcs.flat_map(|arc| self.planform.coordinates(arc)).collect();
+        all.sort_by(|a, b| b.total_cmp(a));
+        all.dedup();
+        all
+    }
+
+    /// Ends of the panels from left to right: arc coordinate and name.
+    pub(super) fn ends(&self, panels: &[PanelSpec]) -> Vec<(f64, String)> {
+        let named = |s: f64, name: &str| match (self.planform.span(), s >= 0.0) {
+            (Span::Symmetric, true) => (s, format!("left_{name}")),
+            (Span::Symmetric, false) => (s, format!("right_{name}")),
+            _ => (s, name.to_string()),
+        };
+        let begin = |p: &PanelSpec| p.name.clone().unwrap_or_else(|| p.link.clone());
+        let inner = panels[1..].iter().map(|p| (p.from_arc_m, begin(p)));
+        let root = (self.planform.span() != Span::Symmetric).then(|| (0.0, "root".to_string()));
+        let tip = (self.planform.half_span(), "tip".to_string());
+        let tip = if root.is_some() { (2.0 * tip.0, tip.1) } else { tip };
+        let arcs = root.into_iter().chain(inner).chain([tip]);
+        let at = |(arc, name): (f64, String)| {
+            self.planform.coordinates(arc).into_iter().map(move |s| (s, name.clone()))
+        };
+        let mut ends: Vec<(f64, String)> = arcs.flat_map(at).map(|(s, name)| named(s, &name)).collect();
+        ends.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ends
+    }
+}
+
+/// Corners of both halves of a symmetric surface, where these ride on links of their own side; none otherwise.
+pub(super) fn corners(spec: &SurfaceSpec, mechanism: &Mechanism) -> Result<Vec<Corner>, Error> {
+    let placement = Placement::new(spec, mechanism)?;
+    let mut corners = Vec::new();
+    if spec.span == Span::Symmetric {
+        let links = |i: usize| [0, 1].map(|half| placement.panels[half][i].link);
+        for i in 0..spec.panels.len() {
+            let [Some(left), Some(right)] = links(i) else { continue };
+            // A link on both sides carries its surface across the plane.
+            if left != right {
+                corners.extend(placement.panel_corners(i, 0, left));
+                corners.extend(placement.panel_corners(i, 1, right));
+            }
+        }
+    }
+    Ok(corners)
+}

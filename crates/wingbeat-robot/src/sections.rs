@@ -1,0 +1,193 @@
+//! Sections of surfaces riding on body and links.
+
+use crate::body::{Coordinates, LinkMotion, MAX_LINKS};
+use arrayvec::ArrayVec;
+use wingbeat_aero::{SectionField, SectionMotion, Sections};
+use wingbeat_math::{Meets, Over, Scalar, Vec3, Wrench, append_copies};
+
+/// One section of a surface fixed to the body or a link.
+#[derive(Clone, Copy, Debug)]
+pub struct Section<P: Scalar = f64> {
+    /// Link index; `None` rides on the body.
+    pub link: Option<usize>,
+    /// Place of the link among those that carry surfaces.
+    carrier: Option<usize>,
+    /// Leading edge in the link's frame, m.
+    le: Vec3<P>,
+    /// Trailing edge in the link's frame, m.
+    te: Vec3<P>,
+    /// Unit vector across the section, from left tip to right tip, in the link's frame; `None` is -y.
+    across: Option<Vec3<P>>,
+}
+
+impl<P: Scalar> Section<P> {
+    /// A section with leading and trailing edge `edges` (m), which differ in x alone, and the unit
+    /// vector `across` it, in the frame of `link`, the `carrier`-th of those that carry surfaces.
+    pub fn new(link: Option<usize>, carrier: Option<usize>, edges: [Vec3<P>; 2], across: Vec3<P>) -> Self {
+        let to_the_right = Vec3([P::ZERO, -P::ONE, P::ZERO]);
+        let across = (!(across - to_the_right).is_zero()).then_some(across);
+        Self { link, carrier, le: edges[0], te: edges[1], across }
+    }
+}
+
+impl Section {
+    /// The hinge line of the section, from the body origin.
+    pub fn hinge_point(&self, link: &LinkMotion<f64>) -> Vec3 {
+        link.point(Vec3::new(0.0, self.le[1], self.le[2]))
+    }
+
+    /// Leading and trailing edge, from the body origin.
+    pub fn edges(&self, link: &LinkMotion<f64>) -> [Vec3; 2] {
+        [link.point(self.le), link.point(self.te)]
+    }
+}
+
+/// Position, velocity and acceleration of a point, or their change along a line.
+#[derive(Clone, Copy)]
+struct Track<S: Scalar> {
+    p: Vec3<S>,
+    v: Vec3<S>,
+    a: Vec3<S>,
+}
+
+/// Motion of the points of a link: the track of its origin, and its change along the axes of
+/// the link, which for a rigid body is linear.
+#[derive(Clone, Copy)]
+struct Carrier<S: Scalar> {
+    origin: Track<S>,
+    along: [Track<S>; 3],
+    rate: Vec3<S>,
+    rate_dot: Vec3<S>,
+}
+
+impl<S: Scalar> Track<S> {
+    const ZERO: Self = Self { p: Vec3::ZERO, v: Vec3::ZERO, a: Vec3::ZERO };
+
+    /// The track of the point `x` m further along `axis`.
+    #[inline(always)]
+    fn shifted<P: Copy>(&self, axis: &Self, x: P) -> Self
+    where
+        S: Meets<P>,
+    {
+        Self { p: self.p + axis.p.scaled(x), v: self.v + axis.v.scaled(x), a: self.a + axis.a.scaled(x) }
+    }
+}
+
+impl<S: Scalar> Carrier<S> {
+    const ZERO: Self =
+        Self { origin: Track::ZERO, along: [Track::ZERO; 3], rate: Vec3::ZERO, rate_dot: Vec3::ZERO };
+
+    /// Along a fixed direction e of the link: v = w x e, a = w' x e + w x (w x e). Written in place: a copy of what has just
+    /// been written piece by piece waits for its pieces.
+    #[inline(always)]
+    fn follow(&mut self, link: &LinkMotion<S>, wind_dot: Vec3<S>) {
+        self.origin = Track { p: link.position, v: link.velocity, a: link.acceleration - wind_dot };
+        for (axis, along) in self.along.iter_mut().enumerate() {
+            let direction = link.rotation.column(axis);
+            let sweep = link.rate.cross(direction);
+            let bend = link.rate_dot.cross(direction) + link.rate.cross(sweep);
+            *along = Track { p: direction, v: sweep, a: bend };
+        }
+        (self.rate, self.rate_dot) = (link.rate, link.rate_dot);
+    }
+
+    #[inline(always)]
+    fn section<P: Scalar>(&self, section: &Section<P>) -> SectionMotion<S>
+    where
+        S: Meets<P>,
+    {
+        let [x, y, z] = section.le.0;
+        let mut root = self.origin.shifted(&self.along[1], y);
+        if !z.is_zero() {
+            root = root.shifted(&self.along[2], z);
+        }
+        let (le, te) = (root.shifted(&self.along[0], x), root.shifted(&self.along[0], section.te[0]));
+        let span = match section.across {
+            None => -self.along[1].p,
+            Some(across) => self.along[1].p.scaled(across[1]) + self.along[2].p.scaled(across[2]),
+        };
+        SectionMotion {
+            le: le.p,
+            te: te.p,
+            v_le: le.v,
+            v_te: te.v,
+            a_le: le.a,
+            a_te: te.a,
+            span,
+            w: self.rate,
+            alpha: self.rate_dot,
+        }
+    }
+}
+
+/// Body and links that carry surfaces, at one instant; accelerations
+/// against air that itself accelerates with `wind_dot` (resolved in B), so that the added mass
+/// feels the gust.
+pub(super) struct Carriers<'a, S: Scalar> {
+    base: Carrier<S>,
+    links: ArrayVec<Carrier<S>, MAX_LINKS>,
+    /// Coordinates whose second rates the accelerations leave out.
+    pub coordinates: &'a Coordinates<S>,
+}
+
+impl<'a, S: Scalar> Carriers<'a, S> {
+    /// Room for them, which is large and so filled in place.
+    #[inline(always)]
+    pub fn none(coordinates: &'a Coordinates<S>) -> Self {
+        Self { base: Carrier::ZERO, links: ArrayVec::new(), coordinates }
+    }
+
+    /// Takes the body and the links `carriers`.
+    #[inline(always)]
+    pub fn follow(
+        &mut self,
+        base: &LinkMotion<S>,
+        carriers: &[usize],
+        links: &[LinkMotion<S>],
+        wind_dot: Vec3<S>,
+    ) {
+        self.base.follow(base, wind_dot);
+        append_copies(&mut self.links, Carrier::ZERO, carriers.len());
+        for i in 0..carriers.len() {
+            self.links[i].follow(&links[carriers[i]], wind_dot);
+        }
+    }
+}
+
+impl<S: Scalar> Carriers<'_, S> {
+    /// Adds the forces of `load` on `link` along the coordinates.
+    pub fn project<T: Over<S>>(&self, link: usize, load: &Wrench<T>, forces: &mut [T]) {
+        self.coordinates.project(link, load, forces);
+    }
+}
+
+/// The sections of a surface, one by one.
+pub(super) struct Riding<'a, P: Scalar, S: Scalar> {
+    pub sections: &'a [Section<P>],
+    pub carriers: &'a Carriers<'a, S>,
+}
+
+impl<P: Scalar, S: Scalar + Meets<P>> Riding<'_, P, S> {
+    /// The section number `i`.
+    pub fn at(&self, i: usize) -> SectionMotion<S> {
+        self.section(i)
+    }
+}
+
+impl<P: Scalar, S: Scalar + Meets<P>> Sections<S> for Riding<'_, P, S> {
+    #[inline(always)]
+    fn section(&self, i: usize) -> SectionMotion<S> {
+        let section = &self.sections[i];
+        let carriers = self.carriers;
+        section.carrier.map_or(&carriers.base, |carrier| &carriers.links[carrier]).section(section)
+    }
+    #[inline]
+    fn coordinates(&self) -> usize {
+        self.carriers.coordinates.count()
+    }
+    fn field(&self, i: usize, coordinate: usize) -> SectionField<S> {
+        let field = self.carriers.coordinates.field(coordinate, self.sections[i].link);
+        let SectionMotion { le, te, .. } = self.section(i);
+        SectionField { le: field.at(le), te: field.at(te) }
+    }
+}

@@ -1,0 +1,103 @@
+//! The robot as a drawing needs it: links, joints, centres of mass and outlines at one instant.
+
+use super::Robot;
+use super::dynamics::Evaluation;
+use super::sections::Section;
+use crate::body::{JointKind, LinkMotion};
+use wingbeat_math::{Mat3, Vec3};
+use wingbeat_ocp::plant::Fault;
+
+/// One link in B.
+#[derive(Clone, Debug)]
+pub struct LinkPlace {
+    /// Its name, that of its joint.
+    pub name: String,
+    /// The link that carries it; none for the body.
+    pub parent: Option<usize>,
+    /// Whether its joint turns or slides.
+    pub kind: JointKind,
+    /// Origin of the link: its joint, m.
+    pub origin: Vec3,
+    /// R_BL.
+    pub rotation: Mat3,
+    /// Axis of the joint, a unit vector.
+    pub axis: Vec3,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass, m.
+    pub com: Vec3,
+}
+
+/// A surface at its stations, from left tip to right tip.
+#[derive(Clone, Debug)]
+pub struct Outline {
+    /// Name.
+    pub name: String,
+    /// Leading and trailing edge, from the body origin, m.
+    pub ribs: Vec<[Vec3; 2]>,
+    /// Whether there is surface between one rib and the next.
+    pub covered: Vec<bool>,
+}
+
+/// The robot at one instant, in B.
+#[derive(Clone, Debug)]
+pub struct Skeleton {
+    /// Links in the order of the tree.
+    pub links: Vec<LinkPlace>,
+    /// Mass of the body, kg, and its centre, m.
+    pub body: (f64, Vec3),
+    /// Centre of mass of all, m.
+    pub center_of_mass: Vec3,
+    /// The surfaces.
+    pub outlines: Vec<Outline>,
+}
+
+impl Robot {
+    /// The robot at (t, x, u).
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn skeleton(&self, t: f64, x: &[f64], u: &[f64]) -> Result<Skeleton, Fault> {
+        let (mut dx, mut e) = (vec![0.0; x.len()], Evaluation::empty());
+        self.evaluate(t, x, u, &[], &mut dx, &mut e)?;
+        let (tree, links) = (&self.mechanism.tree, &e.links);
+        let numbers = tree.numbers();
+        let place = |i: usize| {
+            let (motion, body) = (&links[i], &numbers[i + 1]);
+            LinkPlace {
+                name: tree.name(i).into(),
+                parent: tree.parent(i),
+                kind: tree.kind(i),
+                origin: motion.position,
+                rotation: motion.rotation,
+                axis: tree.axis(i, motion),
+                mass: body.mass,
+                com: motion.point(body.com),
+            }
+        };
+        let edges = |s: &Section| s.edges(s.link.map_or(&e.base, |i: usize| &links[i] as &LinkMotion));
+        let outline = |laid: &super::surface::Laid| Outline {
+            name: laid.name.clone(),
+            ribs: laid.ribs.iter().map(edges).collect(),
+            covered: laid.covered.clone(),
+        };
+        Ok(Skeleton {
+            links: (0..tree.links()).map(place).collect(),
+            body: (numbers[0].mass, numbers[0].com),
+            center_of_mass: tree.center_of_mass(links),
+            outlines: self.covering.laid.iter().map(outline).collect(),
+        })
+    }
+
+    /// The robot with its body at rest, `t` s after the start of its gait, regulators at rest.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    pub fn at_rest(&self, t: f64) -> Result<Skeleton, Fault> {
+        let mut x = vec![0.0; self.layout.len];
+        x[self.layout.attitude] = 1.0;
+        let coordinates = self.start_coordinates();
+        x[self.layout.joints..][..coordinates.len()].copy_from_slice(&coordinates);
+        self.skeleton(t, &x, &vec![0.0; self.inputs.len()])
+    }
+}

@@ -1,0 +1,94 @@
+//! How the joints are driven over the flapping cycle.
+
+use crate::body::{FourierSeries, LinkageDimensions};
+use serde::{Deserialize, Serialize};
+use wingbeat_math::Error;
+use wingbeat_math::require::not_negative;
+
+/// What turns the driven joints.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum GaitSpec {
+    /// Joint coordinates as Fourier series of the phase.
+    Fourier {
+        /// Flapping frequency, Hz; 0 holds the wings still.
+        frequency_hz: f64,
+        /// Shoulder of `wing`, positive raises it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        shoulder: Option<FourierSeries>,
+        /// Elbow of `wing`, positive raises the outer wing.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        elbow: Option<FourierSeries>,
+    },
+    /// Joint angles from the closed linkage of the computational structure.
+    Linkage {
+        /// Crank frequency, Hz; 0 holds the wings still.
+        frequency_hz: f64,
+        /// Dimensions of the linkage.
+        #[serde(default)]
+        dimensions: Box<LinkageDimensions>,
+    },
+}
+
+impl Default for GaitSpec {
+    /// Nothing flaps.
+    fn default() -> Self {
+        Self::Fourier { frequency_hz: 0.0, shoulder: None, elbow: None }
+    }
+}
+
+impl GaitSpec {
+    /// Flapping frequency, Hz.
+    pub fn frequency_hz(&self) -> f64 {
+        match self {
+            Self::Fourier { frequency_hz, .. } | Self::Linkage { frequency_hz, .. } => *frequency_hz,
+        }
+    }
+
+    /// The key under which a robot file gives it.
+    pub(crate) fn kind(&self) -> &'static str {
+        match self {
+            Self::Fourier { .. } => "fourier",
+            Self::Linkage { .. } => "linkage",
+        }
+    }
+
+    /// Flaps at another frequency, Hz.
+    pub fn set_frequency_hz(&mut self, hz: f64) {
+        match self {
+            Self::Fourier { frequency_hz, .. } | Self::Linkage { frequency_hz, .. } => *frequency_hz = hz,
+        }
+    }
+
+    /// Multiplies the amplitudes; of a linkage, its crank.
+    pub(super) fn scale(&mut self, factor: f64) {
+        match self {
+            Self::Fourier { shoulder, elbow, .. } => {
+                for harmonic in [shoulder, elbow].into_iter().flatten().flat_map(|s| &mut s.harmonics) {
+                    harmonic.amplitude_rad *= factor;
+                }
+            }
+            Self::Linkage { dimensions, .. } => dimensions.l1_m *= factor,
+        }
+    }
+
+    /// `winged`: whether there is a `wing` whose shoulder and elbow it drives.
+    pub(super) fn check(&self, winged: bool) -> Result<(), Error> {
+        not_negative(&format!("{}.frequency_hz", self.kind()), self.frequency_hz())?;
+        let Self::Fourier { shoulder, elbow, .. } = self else { return Ok(()) };
+        for (key, series) in [("fourier.shoulder", shoulder), ("fourier.elbow", elbow)] {
+            match (winged, series) {
+                (true, None) => {
+                    return Err(Error::invalid(key, "missing", "a Fourier series: the robot has a [wing]"));
+                }
+                (false, Some(_)) => {
+                    let allowed = "nothing: without a [wing] each link brings its series in `driven`";
+                    return Err(Error::invalid(key, "given", allowed));
+                }
+                (_, Some(series)) => series.check().map_err(|e| e.within(key))?,
+                (false, None) => {}
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,253 @@
+//! What a robot file says, before it is checked and built.
+
+mod clearance;
+mod drive;
+mod gait;
+mod link;
+mod residual;
+mod structure;
+mod surface;
+mod thruster;
+mod wing;
+
+pub use clearance::{CapsuleSpec, ClearanceSpec};
+pub use drive::{DriveSpec, MotorSpec};
+pub use gait::GaitSpec;
+pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
+pub use residual::ResidualSpec;
+pub use structure::{ElementSpec, RegulatorSpec, StructureSpec};
+pub use surface::{PanelSpec, SurfaceSpec};
+pub use thruster::ThrusterSpec;
+pub use wing::{WingLinkSpec, WingSpec};
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require::{finite, principal_inertias};
+
+/// A robot: body, links with their joints, surfaces, gait, structure. `wing` stands for the links
+/// and the surface of a pair of two-panelled wings.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobotSpec {
+    /// Name.
+    pub name: String,
+    /// Central body.
+    pub body: BodySpec,
+    /// A pair of wings of two panels each, with sweep, shoulder, elbow and twist joints; the left one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wing: Option<WingSpec>,
+    /// Links, each after its parent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub links: Vec<LinkSpec>,
+    /// Lifting surfaces beside that of `wing`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<SurfaceSpec>,
+    /// Parts whose clearance is watched, beside the halves of symmetric surfaces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clearances: Vec<ClearanceSpec>,
+    /// What drives the joints over the flapping cycle.
+    #[serde(default)]
+    pub gait: GaitSpec,
+    /// What turns the crank of the gait.
+    #[serde(default, skip_serializing_if = "DriveSpec::is_constant")]
+    pub drive: DriveSpec,
+    /// Small propellers on the body; not beside regulators or matrices of the structure.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub thrusters: Vec<ThrusterSpec>,
+    /// Response of the structure to its regulators.
+    #[serde(default)]
+    pub structure: StructureSpec,
+    /// Numbers by name, `"surfaces.wing.cd0" = 0.03`, in place of those that follow from the other keys; or a file of such
+    /// numbers, as `wingbeat calibrate` writes it. Numbers of the rig (`mount.`, `crank.`) count on the rig alone.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(schema_with = "file_or_numbers")]
+    pub numbers: BTreeMap<String, f64>,
+    /// A wrench that acts on the body beside the loads of the surfaces: what their model leaves of measured loads; or a file of it, as
+    /// `wingbeat calibrate` writes it. A `[lattice]` flies without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "file_or::<ResidualSpec>")]
+    pub residual: Option<ResidualSpec>,
+}
+
+/// Central body; lengths from the body origin in FLU axes.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct BodySpec {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m.
+    #[serde(default)]
+    pub com_m: [f64; 3],
+    /// Principal inertias about the centre of mass along x, y, z, kg m2.
+    pub inertia_kg_m2: [f64; 3],
+    /// Drag areas of the body along x, y, z, m2: F_i = -rho/2 A_i |v_i| v_i.
+    #[serde(default)]
+    pub drag_area_m2: [f64; 3],
+    /// Room it takes, from the body origin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capsule: Option<CapsuleSpec>,
+}
+
+ranges!(BodySpec {
+    mass_kg: Range::POSITIVE,
+    inertia_kg_m2: Range::NOT_NEGATIVE,
+    drag_area_m2: Range::NOT_NEGATIVE,
+});
+
+impl BodySpec {
+    fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        finite("com_m", &self.com_m)?;
+        self.capsule.iter().try_for_each(CapsuleSpec::check)?;
+        principal_inertias("inertia_kg_m2", self.inertia_kg_m2)
+    }
+}
+
+/// The name of a file of numbers, or the numbers.
+pub(crate) fn file_or_numbers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let numbers = serde_json::json!({ "type": "object", "additionalProperties": { "type": "number" } });
+    schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers] })
+}
+
+/// The name of a file that holds a `T`, or the `T` itself.
+pub(crate) fn file_or<T: schemars::JsonSchema>(
+    generator: &mut schemars::SchemaGenerator,
+) -> schemars::Schema {
+    let table = generator.subschema_for::<T>();
+    schemars::json_schema!({ "anyOf": [{ "type": "string" }, table] })
+}
+
+/// Whether a number is one of the rig that carries the robot.
+pub(crate) fn is_of_rig(name: &str) -> bool {
+    ["mount.", "crank."].iter().any(|of| name.starts_with(of))
+}
+
+/// Refuses a number out of its bounds, and the frequency, which is the gait's.
+pub(crate) fn check_number(name: &str, value: f64) -> Result<(), Error> {
+    let given = || format!("{name:?} = {value}");
+    if name == "gait.phase_rate_rad_s" {
+        return Err(Error::invalid("numbers", given(), "the frequency where the gait has it"));
+    }
+    let [low, high] = super::bounds(name);
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::invalid("numbers", given(), format!("{low} to {high}")))
+}
+
+impl RobotSpec {
+    /// Checks what the types alone do not: ranges, names, clashes.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
+        self.body.check().map_err(|e| e.within("body"))?;
+        if let Some(wing) = &self.wing {
+            wing.check().map_err(|e| e.within("wing"))?;
+        }
+        for (i, link) in self.links.iter().enumerate() {
+            link.check(&self.gait).map_err(|e| e.within(&format!("links[{i}]")))?;
+        }
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            surface.check().map_err(|e| e.within(&format!("surfaces[{i}]")))?;
+        }
+        self.gait.check(self.wing.is_some()).map_err(|e| e.within("gait"))?;
+        self.drive.build().map_err(|e| e.within("drive"))?;
+        self.structure.check().map_err(|e| e.within("structure"))?;
+        self.check_thrusters()?;
+        if let Some(residual) = &self.residual {
+            residual.check().map_err(|e| e.within("residual"))?;
+        }
+        self.numbers.iter().try_for_each(|(name, value)| check_number(name, *value))
+    }
+
+    fn check_thrusters(&self) -> Result<(), Error> {
+        for (i, thruster) in self.thrusters.iter().enumerate() {
+            thruster.check().map_err(|e| e.within(&format!("thrusters[{i}]")))?;
+            let others = self.structure.elements.iter().map(|e| &e.name);
+            if others.chain(self.thrusters[..i].iter().map(|t| &t.name)).any(|name| *name == thruster.name) {
+                let (key, allowed) = (format!("thrusters[{i}].name"), "each name once, elements among them");
+                return Err(Error::invalid(key, format!("{:?}", thruster.name), allowed));
+            }
+        }
+        let s = &self.structure;
+        let elements = s.elements.len() + self.thrusters.len();
+        if elements > super::MAX_ELEMENTS {
+            let allowed = format!("with the structure's elements at most {}", super::MAX_ELEMENTS);
+            return Err(Error::invalid("thrusters", elements, allowed));
+        }
+        let matrices = s.a.is_some() || s.stiffness_per_s2.is_some();
+        if !self.thrusters.is_empty() && (matrices || !s.regulators.is_empty()) {
+            let allowed = "no thrusters beside regulators or matrices of the structure";
+            return Err(Error::invalid("thrusters", "given", allowed));
+        }
+        Ok(())
+    }
+
+    /// The same with the thrusters among the elements, after the others.
+    pub(super) fn with_thrusts(&self) -> Self {
+        let mut all = self.clone();
+        let thrusts = self.thrusters.iter().enumerate().map(|(i, thruster)| thruster.element(i));
+        all.structure.elements.extend(thrusts);
+        all
+    }
+
+    /// The numbers given by name that are the robot's own.
+    pub(crate) fn own_numbers(&self) -> Vec<(&str, f64)> {
+        let own = self.numbers.iter().filter(|(name, _)| !is_of_rig(name));
+        own.map(|(name, value)| (name.as_str(), *value)).collect()
+    }
+
+    /// Multiplies the masses and the inertias of body and links.
+    pub fn scale_inertias(&mut self, mass: f64, inertia: f64) {
+        let wing = self.wing.iter_mut().flat_map(|w| [&mut w.proximal, &mut w.distal]);
+        let wing = wing.map(|l| (&mut l.mass_kg, &mut l.inertia_kg_m2));
+        let links = self.links.iter_mut().map(|l| (&mut l.mass_kg, &mut l.inertia_kg_m2));
+        let body = (&mut self.body.mass_kg, &mut self.body.inertia_kg_m2);
+        for (m, i) in wing.chain(links).chain([body]) {
+            *m *= mass;
+            i.iter_mut().for_each(|i| *i *= inertia);
+        }
+        for (name, number) in &mut self.numbers {
+            let scale = if name.ends_with("mass_kg") { mass } else { inertia };
+            if name.ends_with("mass_kg") || name.contains("inertia_kg_m2") {
+                *number *= scale;
+            }
+        }
+    }
+
+    /// Multiplies the drag of the surfaces along the wind and broadside to it.
+    pub fn scale_drag(&mut self, along: f64, broadside: f64) {
+        for surface in &mut self.surfaces {
+            surface.cd0 *= along;
+            surface.cd90 = surface.cd90.map(|cd90| cd90 * broadside);
+        }
+        if let Some(wing) = &mut self.wing {
+            wing.cd0 *= along;
+            wing.cd90 *= broadside;
+        }
+        for (name, number) in &mut self.numbers {
+            let end = name.rsplit('.').next();
+            *number *= if end == Some("cd0") { along } else { 1.0 };
+            *number *= if end == Some("cd90") { broadside } else { 1.0 };
+        }
+    }
+
+    /// Stops the flapping and whatever motor turns the crank.
+    pub fn hold_still(&mut self) {
+        self.gait.set_frequency_hz(0.0);
+        self.drive = DriveSpec::default();
+    }
+
+    /// Multiplies the amplitudes of the gait; of a linkage, its crank.
+    pub fn scale_gait(&mut self, amplitude: f64) {
+        self.gait.scale(amplitude);
+        let series = self.links.iter_mut().filter_map(|l| l.driven.as_mut());
+        for harmonic in series.flat_map(|d| &mut d.harmonics) {
+            harmonic.amplitude_rad *= amplitude;
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Lifting surfaces.
+
+use serde::{Deserialize, Serialize};
+use wingbeat_aero::{
+    CD0, CD90, Gap, LiftLaw, MAX_STRIPS, Planform, PlanformStation, Preset, SectionSpec, Span,
+};
+use wingbeat_math::Error;
+use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::require::finite;
+
+/// A lifting surface: an outline by arc length, laid over links from the root to the tip.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceSpec {
+    /// Name.
+    pub name: String,
+    /// `symmetric` about the middle plane, its outline that of the left half; or one-sided, `left` with
+    /// the tip to the left (or upward) and `right`.
+    #[serde(default)]
+    pub span: Span,
+    /// Profile drag coefficient along the wind at zero incidence.
+    #[serde(default)]
+    pub cd0: f64,
+    /// Additional drag coefficient broadside to the wind; where not given 0 under law `linear`, that of a flat
+    /// plate under laws that separate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cd90: Option<f64>,
+    /// What its section asks of its law ([sections.md](sections.md)), where it differs from the scenario's.
+    #[serde(default, skip_serializing_if = "SectionSpec::is_empty")]
+    pub section: SectionSpec,
+    /// Aerodynamic model; that of the scenario where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preset: Option<Preset>,
+    /// Lift law; that of the scenario where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<LiftLaw>,
+    /// Strips, or nodes of preset `paper`; those of the scenario where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strips: Option<usize>,
+    /// Shift of the outline along x, m.
+    #[serde(default)]
+    pub planform_shift_m: f64,
+    /// Outline by arc length from the root.
+    pub planform: Vec<PlanformStation>,
+    /// Where there is no surface, by the same arc; preset `full` only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<Gap>,
+    /// The links that carry it, from the root on.
+    pub panels: Vec<PanelSpec>,
+}
+
+/// A stretch of a surface that rides on one link.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PanelSpec {
+    /// Name of its begin in the columns of a record; that of the link where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// `body` or a link; of a mirrored pair the name of the pair in a symmetric surface.
+    pub link: String,
+    /// Arc length at which it begins, m; it ends where the next begins.
+    #[serde(default)]
+    pub from_arc_m: f64,
+    /// Place of its begin in the frame of the link, m; edges lie ahead of it along x.
+    #[serde(default)]
+    pub origin_m: [f64; 3],
+    /// Direction of the span from the root on, in the frame of the link, across x; any length above 0.
+    #[serde(default = "left")]
+    pub direction: [f64; 3],
+}
+
+fn left() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+ranges!(SurfaceSpec { cd0: CD0.range, cd90: CD90.range, strips: Range::between(1.0, MAX_STRIPS as f64) });
+
+impl SurfaceSpec {
+    /// The outline.
+    pub fn outline(&self) -> Result<Planform, Error> {
+        Planform::new(&self.planform)?.with_gaps(&self.gaps)?.spanning(self.span)
+    }
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        self.in_range()?;
+        self.section.check().map_err(|e| e.within("section"))?;
+        finite("planform_shift_m", &[self.planform_shift_m])?;
+        if self.panels.is_empty() {
+            return Err(Error::invalid("panels", "[]", "at least one panel"));
+        }
+        self.outline()?;
+        let tip = self.planform.last().map_or(0.0, |s| s.arc_m);
+        for (i, panel) in self.panels.iter().enumerate() {
+            panel.check().map_err(|e| e.within(&format!("panels[{i}]")))?;
+            let before = i.checked_sub(1).map(|b| self.panels[b].from_arc_m);
+            let good = before.map_or(panel.from_arc_m == 0.0, |b| panel.from_arc_m > b);
+            if !(good && panel.from_arc_m < tip) {
+                let allowed =
+                    before.map_or("0: the root".into(), |b| format!("more than {b}, less than {tip}"));
+                let error = Error::invalid(format!("panels[{i}].from_arc_m"), panel.from_arc_m, allowed);
+                return Err(error.against([format!("planform[{}].arc_m", self.planform.len() - 1)]));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PanelSpec {
+    fn check(&self) -> Result<(), Error> {
+        finite("origin_m", &self.origin_m)?;
+        finite("direction", &self.direction)?;
+        let [x, y, z] = self.direction;
+        if x != 0.0 || !(y * y + z * z > 0.0) {
+            let allowed = "a direction across x: [0, y, z]";
+            let error = Error::invalid("direction", format!("{:?}", self.direction), allowed);
+            return Err(error.against([0, 1, 2].map(|i| format!("direction[{i}]"))));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,102 @@
+//! Where a robot is and how it moves, without its loads.
+
+use super::carried::air_power;
+use super::drive::Ratios;
+use super::sections::{Carriers, Riding, Section};
+use super::{BodyMotion, Joints, Links, Robot};
+use crate::body::{Coordinates, LinkMotion};
+use wingbeat_math::{Jet, Mat3, Quat, Vec3, Wrench};
+use wingbeat_ocp::plant::Fault;
+
+/// What the places and velocities of a robot's surfaces follow from.
+#[derive(Clone, Debug)]
+pub struct Stance {
+    /// The gait's time with its rate.
+    pub clock: Jet,
+    /// R_WB.
+    pub attitude: Mat3,
+    /// p_WB, m.
+    pub origin: Vec3,
+    /// v_WB_W, m/s.
+    pub velocity: Vec3,
+    /// w_WB_B, rad/s.
+    pub rate: Vec3,
+    /// States of the structure.
+    pub structure: Vec<f64>,
+}
+
+impl PartialEq for Stance {
+    fn eq(&self, other: &Self) -> bool {
+        let clock = |at: &Self| (at.clock.x, at.clock.d);
+        let body = |at: &Self| (at.attitude, at.origin, at.velocity, at.rate);
+        clock(self) == clock(other) && body(self) == body(other) && self.structure == other.structure
+    }
+}
+
+impl Robot {
+    /// A robot in flight in the state `x` at `t` s.
+    pub fn stance(&self, t: f64, x: &[f64]) -> Stance {
+        let l = &self.layout;
+        Stance {
+            clock: Jet::new(t, 1.0, 0.0),
+            attitude: Quat::from_wxyz(&x[l.attitude..]).matrix(),
+            origin: Vec3::from_slice(&x[l.position..]),
+            velocity: Vec3::from_slice(&x[l.velocity..]),
+            rate: Vec3::from_slice(&x[l.rate..]),
+            structure: x[l.structure..l.aero].to_vec(),
+        }
+    }
+
+    /// A robot that is carried in the state `x`, its body's origin at `origin` and moving as `body`.
+    pub fn carried_stance(&self, clock: &Jet, origin: Vec3, body: &BodyMotion, x: &[f64]) -> Stance {
+        Stance {
+            clock: *clock,
+            attitude: body.attitude,
+            origin,
+            velocity: body.velocity,
+            rate: body.rate,
+            structure: x[..self.layout.aero - self.layout.structure].to_vec(),
+        }
+    }
+
+    /// Power that loads on links and body, in B about the body's origin and the body's last, give to a robot as it is `at`, W.
+    ///
+    /// # Errors
+    /// The [`Fault`] that makes the model unusable there.
+    ///
+    /// Equation: robot.air_power
+    pub fn power_of(&self, at: &Stance, loads: &[Wrench<f64>]) -> Result<f64, Fault> {
+        let (base, links) = self.moving_at(at)?;
+        Ok(air_power(&base, &links, loads))
+    }
+
+    /// Body and links of a robot as it is `at`, accelerations left out.
+    fn moving_at(&self, at: &Stance) -> Result<(LinkMotion, Links<f64>), Fault> {
+        let velocity = at.attitude.transpose_mul(at.velocity);
+        let inputs = vec![0.0; self.inputs.len()];
+        let mut rates = vec![0.0; self.layout.joints - self.layout.structure];
+        let (mut joints, mut ratios) = (Joints::new(), Ratios::new());
+        self.joints(&at.clock, &at.structure, &inputs, &mut rates, &mut joints, &mut ratios)?;
+        let mut links = Links::new();
+        self.links(&joints, velocity, at.rate, &mut links);
+        Ok((LinkMotion::base(velocity, at.rate), links))
+    }
+
+    /// `then` with the sections of the surface number `surface` at the arc coordinates `arcs`, riding on links whose accelerations
+    /// are left out.
+    pub(super) fn riding_at<T>(
+        &self,
+        at: &Stance,
+        surface: usize,
+        arcs: &[f64],
+        then: impl FnOnce(&Riding<f64, f64>) -> T,
+    ) -> Result<T, Fault> {
+        let (base, links) = self.moving_at(at)?;
+        let still = Coordinates::none();
+        let mut carriers = Carriers::none(&still);
+        carriers.follow(&base, &self.carriers, &links, Vec3::ZERO);
+        let placement = &self.covering.laid[surface].placement;
+        let sections: Vec<Section> = arcs.iter().map(|s| placement.section(*s, &self.carriers)).collect();
+        Ok(then(&Riding { sections: &sections, carriers: &carriers }))
+    }
+}

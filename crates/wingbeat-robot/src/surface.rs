@@ -1,0 +1,365 @@
+//! Surfaces laid over links: where their sections ride, and which links bear the loads of the strips.
+
+use super::mechanism::Mechanism;
+use super::placement::{Placement, PlacementNumbers};
+use super::sections::{Carriers, Riding, Section};
+use super::spec::{PanelSpec, RobotSpec, SurfaceSpec, WingSpec};
+use crate::body::MAX_LINKS;
+use arrayvec::ArrayVec;
+use wingbeat_aero::{
+    Aero, CD90, Coupling, ImpulseRates, LiftLaw, MAX_SECTIONS, MAX_STRIPS, Planform, Preset, ProfileDrag,
+    SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
+};
+use wingbeat_math::Error;
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_ocp::plant::MAX_DEGREES;
+
+/// What a scenario needs to know of a surface to choose its aerodynamic model.
+#[derive(Clone, Debug)]
+pub struct SurfaceOutline {
+    /// Name.
+    pub name: String,
+    /// Key in the robot file.
+    pub key: String,
+    /// Outline.
+    pub planform: Planform,
+    /// Arc lengths from the root at which it passes from link to link, m.
+    pub hinges: Vec<f64>,
+    /// Profile drag coefficient along the wind.
+    pub cd0: f64,
+    /// That of the plate broadside on, where given.
+    pub cd90: Option<f64>,
+    /// What it says of its section.
+    pub section: SectionSpec,
+    /// Aerodynamic model asked for.
+    pub preset: Option<Preset>,
+    /// Lift law asked for.
+    pub law: Option<LiftLaw>,
+    /// Strips or nodes asked for.
+    pub strips: Option<usize>,
+}
+
+impl SurfaceOutline {
+    /// Profile drag under `law`: one that separates needs a force broadside, by default that of a flat plate.
+    pub fn drag(&self, law: LiftLaw) -> ProfileDrag {
+        let plate = if law.separates() { CD90.default } else { 0.0 };
+        ProfileDrag { cd0: self.cd0, cd90: self.cd90.unwrap_or(plate) }
+    }
+}
+
+impl RobotSpec {
+    /// The surfaces in order: that of `wing`, then the others.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key of the robot file.
+    pub fn outlines(&self) -> Result<Vec<SurfaceOutline>, Error> {
+        let wing = self.wing.as_ref().map(|w| ("wing".into(), w.surface()));
+        let others = self.surfaces.iter().enumerate().map(|(i, s)| (format!("surfaces[{i}]"), s.clone()));
+        let outline = |(key, surface): (String, SurfaceSpec)| {
+            Ok(SurfaceOutline {
+                planform: surface.outline().map_err(|e| e.within(&key))?,
+                hinges: surface.panels[1..].iter().map(|p| p.from_arc_m).collect(),
+                cd0: surface.cd0,
+                cd90: surface.cd90,
+                section: surface.section,
+                preset: surface.preset,
+                law: surface.law,
+                strips: surface.strips,
+                name: surface.name,
+                key,
+            })
+        };
+        wing.into_iter().chain(others).map(outline).collect()
+    }
+
+    /// The surfaces as the file gives them, that of `wing` first.
+    pub(super) fn all_surfaces(&self) -> impl Iterator<Item = SurfaceSpec> {
+        self.wing.iter().map(WingSpec::surface).chain(self.surfaces.iter().cloned())
+    }
+}
+
+impl WingSpec {
+    /// The surface of the pair of wings.
+    pub(super) fn surface(&self) -> SurfaceSpec {
+        let [x, root, z] = self.shoulder_m;
+        let panel = |name: &str, link: &str, from_arc_m: f64, origin_m: [f64; 3]| PanelSpec {
+            name: Some(name.into()),
+            link: link.into(),
+            from_arc_m,
+            origin_m,
+            direction: [0.0, 1.0, 0.0],
+        };
+        SurfaceSpec {
+            name: "wing".into(),
+            span: Span::Symmetric,
+            cd0: self.cd0,
+            cd90: Some(self.cd90),
+            section: self.section,
+            preset: None,
+            law: None,
+            strips: None,
+            planform_shift_m: self.planform_shift_m,
+            planform: self.planform.clone(),
+            gaps: self.gaps.clone(),
+            panels: vec![
+                panel("body", "body", 0.0, [x, 0.0, z]),
+                panel("shoulder", "shoulder", root, [0.0; 3]),
+                panel("elbow", "twist", root + self.proximal.length_m, [0.0; 3]),
+            ],
+        }
+    }
+}
+
+/// Which links bear the load of a strip.
+#[derive(Clone, Copy, Debug)]
+struct Mount<P: Scalar = f64> {
+    /// The link of the control section; `None` is the body.
+    link: Option<usize>,
+    /// Where the edges ride on different links: the sections of both edges, and the share of the second.
+    edges: Option<([usize; 2], P)>,
+}
+
+/// How a surface lies on the robot.
+#[derive(Clone, Debug)]
+pub(super) struct Laid {
+    pub name: String,
+    pub symmetric: bool,
+    /// Sections at the ends of the panels with their names, from left to right.
+    pub outline: Vec<(String, Section)>,
+    /// Its geometry.
+    pub placement: Placement,
+    /// Sections at the stations of the outline, from left to right.
+    pub ribs: Vec<Section>,
+    /// Whether there is surface between one of them and the next.
+    pub covered: Vec<bool>,
+}
+
+/// Adds the sections of a surface and what bears its strips.
+fn ride<P: Scalar>(
+    placement: &Placement<P>,
+    aero: &Aero<P>,
+    carriers: &[usize],
+    sections: &mut Vec<Section<P>>,
+    mounts: &mut Vec<Mount<P>>,
+) {
+    let at = |s: &P| placement.section(*s, carriers);
+    let first = sections.len();
+    sections.extend(aero.arcs().iter().map(at));
+    mounts.extend(aero.strip_arcs().iter().enumerate().map(|(i, s)| {
+        let (edges, share) = aero.strip_sections(i);
+        let edges = edges.map(|edge| first + edge);
+        let apart = sections[edges[0]].link != sections[edges[1]].link;
+        Mount { link: at(s).link, edges: apart.then_some((edges, share)) }
+    }));
+}
+
+/// All surfaces of a robot with their aerodynamic models.
+#[derive(Clone, Debug)]
+pub(super) struct Covering<P: Scalar = f64> {
+    pub aero: Surfaces<P>,
+    pub laid: Vec<Laid>,
+    sections: Vec<Section<P>>,
+    mounts: Vec<Mount<P>>,
+    /// Numbers of the surfaces' places.
+    pub placements: Vec<PlacementNumbers<P>>,
+}
+
+/// Loads on links, and on the body last, about the body origin, in B.
+pub(super) type External<S> = ArrayVec<Wrench<S>, { MAX_LINKS + 1 }>;
+
+impl Laid {
+    /// Names of the ends of the panels, with the surface's name before unless it is the `first`.
+    pub fn outline_names(&self, first: bool) -> Vec<String> {
+        let prefix = if first { String::new() } else { format!("{}_", self.name) };
+        self.outline.iter().map(|(name, _)| format!("{prefix}{name}")).collect()
+    }
+
+    /// Refuses ends of panels that share a name with each other or with those of the surfaces `before`.
+    fn check_names(&self, before: &[Self]) -> Result<(), Error> {
+        let names = self.outline_names(before.is_empty());
+        if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
+            let allowed = "panels of which each end has a name of its own";
+            return Err(Error::invalid("panels", &names[twice], allowed));
+        }
+        let taken = before.iter().enumerate().flat_map(|(i, s)| s.outline_names(i == 0));
+        match taken.into_iter().find(|name| names.contains(name)) {
+            Some(clash) => {
+                let allowed = format!("another name: its panels would share the columns of {clash:?}");
+                Err(Error::invalid("name", &self.name, allowed))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Covering {
+    /// Lays the surfaces of `spec` over `mechanism`, of which `carriers` carry them, with one model each.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key of the surface.
+    pub fn new(
+        spec: &RobotSpec,
+        mechanism: &Mechanism,
+        carriers: &[usize],
+        models: Vec<Aero>,
+    ) -> Result<Self, Error> {
+        let outlines = spec.outlines()?;
+        assert_eq!(outlines.len(), models.len(), "one aerodynamic model per surface");
+        let (mut laid, mut sections, mut mounts) = (Vec::new(), Vec::new(), Vec::new());
+        for ((surface, outline), aero) in spec.all_surfaces().zip(&outlines).zip(&models) {
+            let placement = Placement::new(&surface, mechanism).map_err(|e| e.within(&outline.key))?;
+            let at = |s: &f64| placement.section(*s, carriers);
+            ride(&placement, aero, carriers, &mut sections, &mut mounts);
+            let stations = placement.stations();
+            let placed = Laid {
+                name: surface.name.clone(),
+                symmetric: surface.span == Span::Symmetric,
+                outline: placement
+                    .ends(&surface.panels)
+                    .into_iter()
+                    .map(|(s, name)| (name, at(&s)))
+                    .collect(),
+                ribs: stations.iter().map(at).collect(),
+                covered: stations.windows(2).map(|s| outline.planform.covers(0.5 * (s[0] + s[1]))).collect(),
+                placement,
+            };
+            placed.check_names(&laid).map_err(|e| e.within(&outline.key))?;
+            laid.push(placed);
+        }
+        let named = outlines.into_iter().map(|outline| outline.name).zip(models);
+        let placements = spec.all_surfaces().map(|surface| surface.placement()).collect();
+        Ok(Self { aero: Surfaces::new(named)?, laid, sections, mounts, placements })
+    }
+}
+
+impl<P: Scalar> Covering<P> {
+    /// The same surfaces with other numbers, and on other places of the links, of which `carriers` carry them. What is
+    /// drawn of them stays.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when strips or nodes do not fit an outline.
+    pub fn with<Q: Scalar>(
+        &self,
+        numbers: &[SurfaceNumbers<Q>],
+        placements: &[PlacementNumbers<Q>],
+        carriers: &[usize],
+    ) -> Result<Covering<Q>, Error> {
+        let aero = self.aero.with(numbers)?;
+        let (mut sections, mut mounts) = (Vec::new(), Vec::new());
+        for (((laid, numbers), place), surface) in
+            self.laid.iter().zip(numbers).zip(placements).zip(aero.surfaces())
+        {
+            let drawn = || laid.placement.planform.map(Q::from);
+            let planform = numbers.outline.clone().unwrap_or_else(drawn);
+            let placement = Placement::laid(planform, place, &laid.placement.links());
+            ride(&placement, surface.aero(), carriers, &mut sections, &mut mounts);
+        }
+        Ok(Covering { aero, laid: self.laid.clone(), sections, mounts, placements: placements.to_vec() })
+    }
+
+    /// The sections of all surfaces riding on `carriers`.
+    pub fn riding<'a, S: Scalar + Meets<P>>(&'a self, carriers: &'a Carriers<'a, S>) -> Riding<'a, P, S> {
+        Riding { sections: &self.sections, carriers }
+    }
+
+    /// Sum of the loads and the added mass, with the state rates in `dx`; the coordinates of `carriers`
+    /// take their part in `coupled`.
+    #[inline(always)]
+    pub fn sum<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
+        &self,
+        carriers: &Carriers<G>,
+        wind: Vec3<G>,
+        x: &[S],
+        dx: &mut [S],
+        coupled: Option<Coupled<'_, G, S>>,
+    ) -> (Wrench<S>, [[G; 6]; 6]) {
+        let riding = self.riding(carriers);
+        let Some(Coupled { mass, external, impulses }) = coupled else {
+            return self.aero.evaluate_sum(&riding, wind, x, dx, None);
+        };
+        let mut strips = [Wrench::ZERO; MAX_STRIPS];
+        let coupling = Coupling { mass, strips: &mut strips, impulses };
+        let sum = self.aero.evaluate_sum(&riding, wind, x, dx, Some(coupling));
+        self.share(&riding, &strips, external);
+        sum
+    }
+
+    /// Sets states that follow the impulse of the air to that impulse.
+    pub fn settle<S: Scalar + Meets<P>>(&self, carriers: &Carriers<S>, wind: Vec3<S>, x: &mut [S]) {
+        self.aero.settle(&self.riding(carriers), wind, x);
+    }
+
+    /// Motion of all sections.
+    pub fn motions<S: Scalar + Meets<P>>(
+        &self,
+        carriers: &Carriers<S>,
+    ) -> ArrayVec<SectionMotion<S>, MAX_SECTIONS> {
+        let riding = self.riding(carriers);
+        (0..self.sections.len()).map(|i| riding.section(i)).collect()
+    }
+
+    /// Adds the loads of the strips to the links that bear them.
+    pub fn share<G: Scalar + Meets<P>, S: Over<G>>(
+        &self,
+        riding: &Riding<P, G>,
+        strips: &[Wrench<S>],
+        external: &mut External<S>,
+    ) {
+        let body = external.len() - 1;
+        for (mount, load) in self.mounts.iter().zip(strips) {
+            let own = mount.link.unwrap_or(body);
+            let Some((edges, share)) = mount.edges else {
+                external[own] += *load;
+                continue;
+            };
+            let at = edges.map(|edge| riding.section(edge));
+            let (shares, rest) = between_edges(&at, G::from(share), load);
+            for (edge, load) in edges.into_iter().zip(shares) {
+                external[self.sections[edge].link.unwrap_or(body)] += load;
+            }
+            external[own] += Wrench { force: Vec3::ZERO, moment: rest };
+        }
+    }
+}
+
+/// What the coordinates of the mechanism take from all surfaces.
+pub(super) struct Coupled<'a, G: Scalar, S: Scalar> {
+    /// Mass matrix of body and coordinates.
+    pub mass: &'a mut [[G; MAX_DEGREES]; MAX_DEGREES],
+    /// Loads on the links, the body last.
+    pub external: &'a mut External<S>,
+    /// What the rates of followed impulses lack, where there are any.
+    pub impulses: Option<&'a mut ImpulseRates<G>>,
+}
+
+/// The load of a strip as both of its edges bear it, and the couple about the chord, which the strip's
+/// own link bears. The strip moves with v = (1 - f) v_1 + f v_2 at mid chord and pitches with
+/// q = -[(1 - f) c_1' + f c_2'] . n / c, c_k the chord lines, so that by virtual work the force F acts as
+/// (1 - f) F and f F at both mid chords and the couple T about the strip's axis as (1 - f) T n x c_1 / c and f T n x c_2 / c.
+///
+/// Equation: robot.strip_shares
+pub(super) fn between_edges<G: Scalar, S: Over<G>>(
+    edges: &[SectionMotion<G>; 2],
+    share: G,
+    load: &Wrench<S>,
+) -> ([Wrench<S>; 2], Vec3<S>) {
+    let weights = [G::ONE - share, share];
+    let chords = [edges[0].te - edges[0].le, edges[1].te - edges[1].le];
+    let chord = chords[0].scaled(weights[0]) + chords[1].scaled(weights[1]);
+    let line = (edges[1].le - edges[0].le) + (edges[1].te - edges[0].te);
+    let normal = chord.cross(line).unit();
+    let inverse_chord = chord.norm().recip();
+    let forces: [Wrench<S>; 2] = std::array::from_fn(|k| {
+        let force = load.force.scaled(weights[k]);
+        Wrench { force, moment: edges[k].point(0.5).cross_over(force) }
+    });
+    let couple = load.moment - forces[0].moment - forces[1].moment;
+    let nose_up = (normal.cross(chord) * inverse_chord).dot_over(couple);
+    let mut rest = couple;
+    let shares = std::array::from_fn(|k| {
+        let turning = (normal.cross(chords[k]) * inverse_chord).times(nose_up * weights[k]);
+        rest -= turning;
+        Wrench { force: forces[k].force, moment: forces[k].moment + turning }
+    });
+    (shares, rest)
+}

@@ -1,0 +1,48 @@
+//! Thrusters: forces on the body that follow their commands.
+
+use super::Robot;
+use super::spec::ThrusterSpec;
+use wingbeat_math::{Scalar, Vec3, Wrench};
+
+/// Where a thruster pushes the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thruster {
+    /// Number of the element that is its thrust, and of its command.
+    pub element: usize,
+    /// Place from the body's origin, in B, m.
+    pub place: Vec3,
+    /// Unit vector of the force, in B.
+    pub direction: Vec3,
+}
+
+impl Thruster {
+    /// Thrusters after `elements` of the structure.
+    pub(super) fn all(specs: &[ThrusterSpec], elements: usize) -> Vec<Self> {
+        let one = |(i, spec): (usize, &ThrusterSpec)| Self {
+            element: elements + i,
+            place: Vec3(spec.place_m),
+            direction: Vec3(spec.direction).unit(),
+        };
+        specs.iter().enumerate().map(one).collect()
+    }
+
+    /// Wrench of a unit of thrust about the body's origin, in B.
+    pub fn wrench<S: Scalar>(&self, thrust: S) -> Wrench<S> {
+        Wrench::at(Vec3::constant(self.place), Vec3::constant(self.direction) * thrust)
+    }
+}
+
+impl<P: Scalar> Robot<P> {
+    /// The thrusters.
+    pub fn thrusters(&self) -> &[Thruster] {
+        &self.thrusters
+    }
+
+    /// Wrench of the thrusters on the body, in B about its origin; `structure` holds the displacements of the elements.
+    ///
+    /// Equation: robot.thrust
+    pub(super) fn thrust<S: Scalar>(&self, structure: &[S]) -> Wrench<S> {
+        let each = self.thrusters.iter().map(|thruster| thruster.wrench(structure[thruster.element]));
+        each.fold(Wrench::ZERO, |sum, wrench| sum + wrench)
+    }
+}
