@@ -2,7 +2,7 @@
 
 use crate::measured::{Pass, observed};
 use crate::truth::clean;
-use crate::{CaseTarget, Error, Observed, Parameter, Plan, RigModel, RigTarget, RunRole, data};
+use crate::{CaseTarget, Error, Model, Observed, Parameter, Plan, RigModel, RigTarget, RunRole, data};
 use std::path::Path;
 use wingbeat::parallel;
 use wingbeat::scenario::{
@@ -313,7 +313,9 @@ impl Calibration {
                 stage: spec.stage,
             });
         }
-        Ok(Structure { model: RigModel { targets, cases, names, held }, parameters })
+        let model = RigModel { targets, cases, names, held };
+        model.check(&parameters.iter().map(|parameter| parameter.start).collect::<Vec<_>>())?;
+        Ok(Structure { model, parameters })
     }
 
     /// What was measured in the runs of `structure`; `read` reads a file of samples for a run. Runs without files are

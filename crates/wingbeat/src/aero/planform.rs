@@ -96,6 +96,21 @@ impl Planform {
         })
     }
 
+    /// Checks what [`new`](Self::new) and [`with_gaps`](Self::with_gaps) ask of its numbers.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub fn check(&self) -> Result<(), Error> {
+        let edges = self.leading.iter().zip(&self.trailing);
+        let station = |(&arc_m, (&leading_edge_m, &trailing_edge_m))| PlanformStation {
+            arc_m,
+            leading_edge_m,
+            trailing_edge_m,
+        };
+        let stations: Vec<PlanformStation> = self.arcs.iter().zip(edges).map(station).collect();
+        Self::new(&stations)?.with_gaps(&self.gaps).map(drop)
+    }
+
     /// Leaves out the wing in `gaps`, ascending from the middle; the stations run on across them.
     ///
     /// # Errors

@@ -269,6 +269,32 @@ impl<P: Scalar> Response<P> {
 }
 
 impl Response {
+    /// Multiplies the natural frequencies of the first `elements` elements, their damping ratios kept; of matrices all.
+    pub fn scale_frequency(&mut self, factor: f64, elements: usize) {
+        let square = factor * factor;
+        match self {
+            Self::Uncoupled(all) => {
+                for element in all.iter_mut().take(elements) {
+                    element.stiffness *= square;
+                    element.damping *= factor;
+                    element.rate_gain *= factor;
+                }
+            }
+            Self::Coupled(Coupled { elements: n, commands, state, command }) => {
+                for (state, command) in
+                    state.chunks_exact_mut(2 * *n).zip(command.chunks_exact_mut(*commands))
+                {
+                    let (stiffness, damping) = state.split_at_mut(*n);
+                    // Without stiffness the rate follows its command.
+                    let gain = if stiffness.iter().all(|k| *k == 0.0) { factor } else { square };
+                    stiffness.iter_mut().for_each(|k| *k *= square);
+                    damping.iter_mut().for_each(|c| *c *= factor);
+                    command.iter_mut().for_each(|b| *b *= gain);
+                }
+            }
+        }
+    }
+
     /// Displacements at rest per unit of the held commands, n rows of m: y = K^-1 B_2 omega. Zero for elements that no
     /// stiffness brings to rest, and for all where K is singular beyond them.
     pub fn rest(&self) -> Vec<f64> {

@@ -15,6 +15,7 @@ mod mechanism;
 mod mirror;
 mod numbers;
 mod observe;
+mod physical;
 mod placement;
 mod regulators;
 mod residual;
@@ -28,6 +29,7 @@ mod thrust;
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
+pub(crate) use numbers::share;
 pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying, bounds};
 pub use observe::Observation;
 pub use placement::{PanelNumbers, PlacementNumbers};
@@ -209,6 +211,10 @@ impl Robot {
     /// How far each structure element is displaced by held commands within their limits, rad or m.
     pub fn strokes(&self) -> &[[f64; 2]] {
         &self.strokes
+    }
+    /// Density of the air, kg/m3.
+    pub fn density(&self) -> f64 {
+        self.density
     }
     /// Velocity of the air without its gust, m/s in W.
     pub fn mean_wind(&self) -> Vec3 {

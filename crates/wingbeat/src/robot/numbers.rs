@@ -4,7 +4,7 @@ use super::mechanism::SIDES;
 use super::{PlacementNumbers, Robot};
 use crate::Error;
 use crate::aero::SurfaceNumbers;
-use crate::body::{BodyNumbers, FourierSeries, JointNumbers, LinkageDimensions, Motor, Response};
+use crate::body::{BodyNumbers, FourierSeries, JointNumbers, Linkage, LinkageDimensions, Motor, Response};
 use crate::math::{Dual, Scalar, Vec3};
 use crate::names::one_of;
 
@@ -128,9 +128,7 @@ impl<P: Scalar> Numbers<P> {
     fn by_name<'a>(&'a mut self, robot: &Robot) -> Vec<(String, &'a mut P)> {
         let mut all: Vec<(String, &mut P)> = Vec::new();
         let (tree, joints) = (robot.tree(), &robot.mechanism.coordinates);
-        let names = std::iter::once("body".to_string())
-            .chain((0..tree.links()).map(|link| format!("links.{}", tree.name(link))));
-        for (name, body) in names.zip(&mut self.bodies) {
+        for (name, body) in robot.body_names().zip(&mut self.bodies) {
             all.push((format!("{name}.mass_kg"), &mut body.mass));
             all.extend(along(&name, "com_m", &mut body.com));
             all.extend(along(&name, "inertia_kg_m2", &mut body.moments));
@@ -199,7 +197,7 @@ fn along<'a, P: Scalar>(
 
 /// What of the value at `key` the number called `name` takes: all of it where the key is its name or, without the
 /// side, that of its mirrored pair; less than nothing where the image has the other sign.
-fn share(key: &str, name: &str) -> Option<f64> {
+pub(crate) fn share(key: &str, name: &str) -> Option<f64> {
     if key == name {
         return Some(1.0);
     }
@@ -235,6 +233,12 @@ impl<P: Scalar> Robot<P> {
 }
 
 impl Robot {
+    /// What the bodies are called: the central one, then the links.
+    pub(super) fn body_names(&self) -> impl Iterator<Item = String> {
+        let link = |link: usize| format!("links.{}", self.tree().name(link));
+        std::iter::once("body".to_string()).chain((0..self.tree().links()).map(link))
+    }
+
     /// Names and values of the numbers that may carry derivatives: `links.twist_left.mass_kg`,
     /// `surfaces.wing.cd0`, `air.density_kg_m3`. Several numbers may share one name.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
@@ -315,11 +319,11 @@ impl Robot {
         keys.chunks(TOGETHER).map(batch).collect()
     }
 
-    /// The robot with the numbers called by the keys at these values; keys as for [`varied`](Self::varied).
+    /// The robot's numbers, those called by the keys at these values; keys as for [`varied`](Self::varied).
     ///
     /// # Errors
     /// [`Error::Invalid`] with the names that there are when one is unknown. Values are not checked.
-    pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Self, Error> {
+    pub fn given(&self, to: &[(&str, f64)]) -> Result<Numbers, Error> {
         let mut numbers = self.numbers();
         let mut named = numbers.by_name(self);
         check(to.iter().map(|(key, _)| *key), &named)?;
@@ -330,8 +334,32 @@ impl Robot {
                 }
             }
         }
-        drop(named);
-        self.with(&numbers)
+        Ok(numbers)
+    }
+
+    /// The robot with the numbers called by the keys at these values; keys as for [`varied`](Self::varied).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the names that there are when one is unknown, or with what no robot has:
+    /// [`renumbered`](Self::renumbered).
+    pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Self, Error> {
+        self.renumbered(&self.given(to)?)
+    }
+
+    /// The robot with other numbers, held against what a robot can have.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the name of a number that no robot has.
+    pub fn renumbered(&self, numbers: &Numbers) -> Result<Self, Error> {
+        self.check_numbers(numbers)?;
+        let mut robot = self.with(numbers)?;
+        if let Some(dimensions) =
+            numbers.linkage.as_ref().filter(|_| numbers.linkage != self.numbers().linkage)
+        {
+            let linkage = Linkage::new(dimensions.clone()).map_err(|e| e.within("linkage"))?;
+            robot.mechanism.linkage = Some(Box::new(linkage));
+        }
+        Ok(robot)
     }
 }
 

@@ -111,12 +111,21 @@ impl Placement {
 impl SurfaceSpec {
     /// Where it says that its panels lie.
     pub(super) fn placement(&self) -> PlacementNumbers {
-        let panel = |p: &PanelSpec| PanelNumbers {
-            from_arc: p.from_arc_m,
-            origin: Vec3(p.origin_m),
-            direction: Vec3(p.direction),
-        };
-        PlacementNumbers { shift: self.planform_shift_m, panels: self.panels.iter().map(panel).collect() }
+        PlacementNumbers {
+            shift: self.planform_shift_m,
+            panels: self.panels.iter().map(PanelSpec::numbers).collect(),
+        }
+    }
+}
+
+impl PanelSpec {
+    /// Where it says that it lies.
+    pub(super) fn numbers(&self) -> PanelNumbers {
+        PanelNumbers {
+            from_arc: self.from_arc_m,
+            origin: Vec3(self.origin_m),
+            direction: Vec3(self.direction),
+        }
     }
 }
 

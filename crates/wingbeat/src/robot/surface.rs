@@ -1,5 +1,6 @@
 //! Surfaces laid over links: where their sections ride, and which links bear the loads of the strips.
 
+use super::Robot;
 use super::mechanism::Mechanism;
 use super::placement::{Placement, PlacementNumbers};
 use super::sections::{Carriers, Riding, Section};
@@ -44,6 +45,24 @@ impl SurfaceOutline {
     pub fn drag(&self, law: LiftLaw) -> ProfileDrag {
         let plate = if law.separates() { CD90.default } else { 0.0 };
         ProfileDrag { cd0: self.cd0, cd90: self.cd90.unwrap_or(plate) }
+    }
+}
+
+impl Robot {
+    /// The surfaces of `spec`, of which the robot was built, with the outlines that the robot's numbers say.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key of the robot file.
+    pub fn surface_outlines(&self, spec: &RobotSpec) -> Result<Vec<SurfaceOutline>, Error> {
+        let mut outlines = spec.outlines()?;
+        let placements = self.covering.placements.iter();
+        for ((outline, (_, aero)), placement) in outlines.iter_mut().zip(self.surfaces()).zip(placements) {
+            outline.hinges = placement.panels[1..].iter().map(|panel| panel.from_arc).collect();
+            if let Some(planform) = &aero.numbers().outline {
+                outline.planform.clone_from(planform);
+            }
+        }
+        Ok(outlines)
     }
 }
 

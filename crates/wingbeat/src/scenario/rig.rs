@@ -277,8 +277,11 @@ impl RigRun {
         let task = LatticeTask {
             spec,
             robot: experiment.robot,
-            outlines: self.spec.rig.robot.outlines().map_err(|e| e.within("rig.robot"))?,
-            density_kg_m3: self.spec.rig.air.density_kg_m3,
+            outlines: experiment
+                .robot
+                .surface_outlines(&self.spec.rig.robot)
+                .map_err(|e| e.within("rig.robot"))?,
+            density_kg_m3: experiment.robot.density(),
             every,
             steps: experiment.samples().div_ceil(every),
         };
@@ -324,7 +327,7 @@ impl RigRun {
         named
     }
 
-    /// Robot and rig with other numbers; names as for [`Robot::adjusted`].
+    /// Robot and rig with other numbers; names as for [`Robot::adjusted`]. A fit tries many: the values are not checked.
     ///
     /// # Errors
     /// An unknown name.
@@ -333,7 +336,16 @@ impl RigRun {
             to.iter().copied().partition(|(name, _)| RigNumbers::names_one(name));
         let mut numbers = self.numbers;
         rig.iter().try_for_each(|(name, value)| numbers.set(name, *value))?;
-        Ok((self.robot.adjusted(&robot)?, numbers))
+        Ok((self.robot.with(&self.robot.given(&robot)?)?, numbers))
+    }
+
+    /// Refuses numbers that no robot has, as [`Robot::adjusted`] does.
+    ///
+    /// # Errors
+    /// An unknown name, a value that cannot be.
+    pub fn check(&self, to: &[(&str, f64)]) -> Result<(), Error> {
+        let robot: Vec<_> = to.iter().copied().filter(|(name, _)| !RigNumbers::names_one(name)).collect();
+        self.robot.adjusted(&robot).map(drop)
     }
 }
 

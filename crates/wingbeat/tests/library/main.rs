@@ -15,6 +15,7 @@ mod hover;
 mod linkage;
 mod mechanism;
 mod multibody;
+mod numbers;
 mod orbit;
 mod power;
 mod refusals;

@@ -205,53 +205,10 @@ impl RobotSpec {
         own.map(|(name, value)| (name.as_str(), *value)).collect()
     }
 
-    /// Multiplies the masses and the inertias of body and links.
-    pub fn scale_inertias(&mut self, mass: f64, inertia: f64) {
-        let wing = self.wing.iter_mut().flat_map(|w| [&mut w.proximal, &mut w.distal]);
-        let wing = wing.map(|l| (&mut l.mass_kg, &mut l.inertia_kg_m2));
-        let links = self.links.iter_mut().map(|l| (&mut l.mass_kg, &mut l.inertia_kg_m2));
-        let body = (&mut self.body.mass_kg, &mut self.body.inertia_kg_m2);
-        for (m, i) in wing.chain(links).chain([body]) {
-            *m *= mass;
-            i.iter_mut().for_each(|i| *i *= inertia);
-        }
-        for (name, number) in &mut self.numbers {
-            let scale = if name.ends_with("mass_kg") { mass } else { inertia };
-            if name.ends_with("mass_kg") || name.contains("inertia_kg_m2") {
-                *number *= scale;
-            }
-        }
-    }
-
-    /// Multiplies the drag of the surfaces along the wind and broadside to it.
-    pub fn scale_drag(&mut self, along: f64, broadside: f64) {
-        for surface in &mut self.surfaces {
-            surface.cd0 *= along;
-            surface.cd90 = surface.cd90.map(|cd90| cd90 * broadside);
-        }
-        if let Some(wing) = &mut self.wing {
-            wing.cd0 *= along;
-            wing.cd90 *= broadside;
-        }
-        for (name, number) in &mut self.numbers {
-            let end = name.rsplit('.').next();
-            *number *= if end == Some("cd0") { along } else { 1.0 };
-            *number *= if end == Some("cd90") { broadside } else { 1.0 };
-        }
-    }
-
-    /// Stops the flapping and whatever motor turns the crank.
+    /// Stops the flapping and takes away whatever motor turns the crank, with its numbers.
     pub fn hold_still(&mut self) {
         self.gait.set_frequency_hz(0.0);
         self.drive = DriveSpec::default();
-    }
-
-    /// Multiplies the amplitudes of the gait; of a linkage, its crank.
-    pub fn scale_gait(&mut self, amplitude: f64) {
-        self.gait.scale(amplitude);
-        let series = self.links.iter_mut().filter_map(|l| l.driven.as_mut());
-        for harmonic in series.flat_map(|d| &mut d.harmonics) {
-            harmonic.amplitude_rad *= amplitude;
-        }
+        self.numbers.retain(|name, _| !name.starts_with("motor."));
     }
 }
