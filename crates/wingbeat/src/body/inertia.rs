@@ -2,7 +2,8 @@
 
 use super::motion::LinkMotion;
 use crate::Error;
-use crate::math::{Mat3, Meets, Scalar, Vec3, Wrench};
+use crate::math::{Mat3, Meets, Parameters, Quantity, Scalar, Vec3, Walk, Wrench, polar};
+use crate::range::Range;
 use crate::require;
 
 /// Constant inertia of a rigid body, with its principal axes found once so that
@@ -29,6 +30,25 @@ pub struct BodyNumbers<P: Scalar = f64> {
     pub com: Vec3<P>,
     /// Principal moments about the centre of mass, kg m2: of a diagonal inertia its entries.
     pub moments: Vec3<P>,
+}
+
+/// Mass of a body.
+pub const MASS: Quantity = Quantity::within("kg", Range::NOT_NEGATIVE, 0.0, 1e3);
+/// Principal moment of inertia of a body.
+pub const INERTIA: Quantity = Quantity::within("kg m2", Range::NOT_NEGATIVE, 0.0, 1e6);
+/// A coordinate of a point.
+pub const PLACE: Quantity = Quantity::free("m");
+
+impl<P: Scalar> Parameters<P> for BodyNumbers<P> {
+    type In<Q: Scalar> = BodyNumbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> BodyNumbers<Q> {
+        BodyNumbers {
+            mass: at.number("mass_kg", &MASS, self.mass),
+            com: at.vector("com_m", &polar(PLACE), self.com),
+            moments: at.vector("inertia_kg_m2", &[INERTIA; 3], self.moments),
+        }
+    }
 }
 
 /// A symmetric 3x3 matrix: xx, yy, zz, xy, xz, yz.

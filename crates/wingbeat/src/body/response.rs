@@ -2,7 +2,8 @@
 
 use crate::Error;
 use crate::math::linear::{lu_factor, lu_solve};
-use crate::math::{Jet, Meets, Over, Scalar};
+use crate::math::{Jet, Meets, Over, Parameters, Quantity, Scalar, Walk};
+use crate::range::Range;
 use crate::require;
 use std::f64::consts::TAU;
 
@@ -212,58 +213,76 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// The same response in other numbers, `f` of each.
-    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> Response<Q> {
-        let all = |numbers: &[P]| numbers.iter().map(|number| f(*number)).collect();
-        match self {
-            Self::Uncoupled(elements) => {
-                let element = |e: &Element<P>| Element {
-                    stiffness: f(e.stiffness),
-                    damping: f(e.damping),
-                    rate_gain: f(e.rate_gain),
-                };
-                Response::Uncoupled(elements.iter().map(element).collect())
-            }
-            Self::Coupled(Coupled { elements, commands, state, command }) => Response::Coupled(Coupled {
-                elements: *elements,
-                commands: *commands,
-                state: all(state),
-                command: all(command),
-            }),
-        }
-    }
-
-    /// Its numbers: of independent elements by the key of each, of matrices by row and column of A and B.
-    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
-        let mut all = Vec::new();
-        match self {
-            Self::Uncoupled(elements) => {
-                for (i, element) in elements.iter_mut().enumerate() {
-                    all.push((format!("elements[{i}].stiffness_per_s2"), &mut element.stiffness));
-                    all.push((format!("elements[{i}].damping_per_s"), &mut element.damping));
-                    if !element.rate_gain.is_zero() {
-                        all.push((format!("elements[{i}].rate_gain_per_s"), &mut element.rate_gain));
-                    }
-                }
-            }
-            Self::Coupled(Coupled { elements, commands, state, command }) => {
-                for (key, matrix, width) in [("a", state, 2 * *elements), ("b", command, *commands)] {
-                    for (k, number) in matrix.iter_mut().enumerate() {
-                        let (row, column) = (*elements + k / width, k % width);
-                        all.push((format!("{key}[{row}][{column}]"), number));
-                    }
-                }
-            }
-        }
-        all
-    }
-
     /// Rates [y'; y''] of the state, from the displacements of the same instant.
     pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
         let n = self.elements();
         for i in 0..n {
             rates[i] = S::from(displacements[i].d);
             rates[n + i] = S::from(displacements[i].dd);
+        }
+    }
+}
+
+/// Stiffness per unit inertia.
+const STIFFNESS: Quantity = Quantity::within("1/s2", Range::NOT_NEGATIVE, 0.0, 1e6);
+/// Damping per unit inertia, or what an acceleration gains per unit of a commanded rate.
+const DAMPING: Quantity = Quantity::within("1/s", Range::NOT_NEGATIVE, 0.0, 1e6);
+
+impl<P: Scalar> Parameters<P> for Element<P> {
+    type In<Q: Scalar> = Element<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Element<Q> {
+        Element {
+            stiffness: at.number("stiffness_per_s2", &STIFFNESS, self.stiffness),
+            damping: at.number("damping_per_s", &DAMPING, self.damping),
+            rate_gain: match self.rate_gain.is_zero() {
+                true => at.fixed(self.rate_gain),
+                false => at.number("rate_gain_per_s", &DAMPING, self.rate_gain),
+            },
+        }
+    }
+}
+
+/// Entries of A are called by the states, those of B by state and regulator: `a.rate_left.displacement_left`.
+impl<P: Scalar> Parameters<P> for Coupled<P> {
+    type In<Q: Scalar> = Coupled<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Coupled<Q> {
+        let n = self.elements;
+        let mut entries = |key: &str,
+                           matrix: &[P],
+                           (columns, width): (&str, usize),
+                           unit: fn(usize, usize) -> &'static str| {
+            let entry = |(k, value): (usize, &P)| {
+                let (row, column) = (k / width, k % width);
+                let quantity = Quantity::free(unit(column, n));
+                at.item(key, "states", n + row, |at| {
+                    at.item("", columns, column, |at| at.here(&quantity, *value))
+                })
+            };
+            matrix.iter().enumerate().map(entry).collect()
+        };
+        let of_state = |column, elements| if column < elements { "1/s2" } else { "1/s" };
+        Coupled {
+            elements: n,
+            commands: self.commands,
+            state: entries("a", &self.state, ("states", 2 * n), of_state),
+            command: entries("b", &self.command, ("regulators", self.commands), |_, _| "1/s2"),
+        }
+    }
+}
+
+impl<P: Scalar> Parameters<P> for Response<P> {
+    type In<Q: Scalar> = Response<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Response<Q> {
+        match self {
+            Self::Uncoupled(elements) => {
+                Response::Uncoupled(
+                    at.list(("elements", "elements"), elements, |at, element| element.walk(at)),
+                )
+            }
+            Self::Coupled(coupled) => Response::Coupled(coupled.walk(at)),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::carrier::Mount;
 use super::cell::six;
 use super::numbers::RigNumbers;
 use crate::Error;
-use crate::math::{Vec3, Wrench};
+use crate::math::{Parameters, Vec3, Wrench};
 use crate::plant::Fault;
 use crate::robot::{Robot, TOGETHER, Varying};
 use crate::simulate::{Ending, Held, Moment, Observed, Sensitive, Sizes, Stepper, System, Varied, packed};
@@ -83,13 +83,10 @@ fn looked_at<T: Observed + System<Memory = ()>, R>(
 
 /// The numbers of the rig with those called `keys` as variables.
 fn varied(numbers: &RigNumbers, keys: &[&str]) -> RigNumbers<Varying> {
-    let mut varied = RigNumbers::<Varying>::constant(numbers);
-    for (name, number) in varied.by_name() {
-        for (variable, key) in number.eps.iter_mut().zip(keys) {
-            *variable = f64::from(u8::from(name == *key));
-        }
-    }
-    varied
+    let eps = |name: &str| {
+        std::array::from_fn(|k| f64::from(u8::from(keys.get(k).is_some_and(|key| *key == name))))
+    };
+    numbers.map_named(&|_, _, _| None, Varying::constant, |number, re| Varying { re, eps: eps(number.name) })
 }
 
 /// A run whose states are those of the air with their derivatives.

@@ -2,7 +2,7 @@
 
 use super::{Numbers, Robot};
 use crate::Error;
-use crate::math::Lanes;
+use crate::math::{Lanes, Parameters};
 use std::cell::{Cell, RefCell};
 
 impl Robot {

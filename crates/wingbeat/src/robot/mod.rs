@@ -29,18 +29,18 @@ mod thrust;
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use mirror::Mirror;
-pub(crate) use numbers::share;
-pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying, bounds};
+pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying};
+pub(crate) use numbers::{check_given, former, stands_for};
 pub use observe::Observation;
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
+pub(crate) use spec::is_of_rig;
 pub use spec::{
     BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, ResidualSpec,
     RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
-pub(crate) use spec::{check_number, is_of_rig};
 #[cfg(feature = "schema")]
 pub(crate) use spec::{file_or, file_or_numbers};
 pub use stance::Stance;

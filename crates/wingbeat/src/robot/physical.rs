@@ -4,6 +4,7 @@ use super::Robot;
 use super::numbers::{Numbers, StopNumbers};
 use super::placement::PanelNumbers;
 use crate::Error;
+use crate::math::{Named, Parameters};
 use crate::require::{positive, principal_inertias};
 
 impl Robot {
@@ -12,6 +13,7 @@ impl Robot {
     /// # Errors
     /// [`Error::Invalid`].
     pub(super) fn check_numbers(&self, numbers: &Numbers) -> Result<(), Error> {
+        numbers.named(&self.labels()).iter().try_for_each(Named::check)?;
         self.check_bodies(numbers)?;
         self.check_stops(numbers)?;
         self.check_surfaces(numbers)
@@ -49,7 +51,10 @@ impl Robot {
             outline.check().map_err(within)?;
             let tip = outline.station_arcs().last().copied().unwrap_or_default();
             let panels = placement.panels.iter().enumerate();
-            let key = |i: usize| format!("panels[{i}]");
+            let key = |i: usize| {
+                let label = laid.panel(i);
+                label.map_or_else(|| format!("panels[{i}]"), |name| format!("panels.{name}"))
+            };
             panels
                 .map(|(i, panel)| {
                     (i, panel, i.checked_sub(1).map(|before| placement.panels[before].from_arc))

@@ -11,7 +11,7 @@ use crate::aero::{
     SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
 };
 use crate::body::MAX_LINKS;
-use crate::math::{Meets, Over, Scalar, Vec3};
+use crate::math::{Meets, Over, Parameters, Scalar, Vec3};
 use crate::plant::MAX_DEGREES;
 use arrayvec::ArrayVec;
 
@@ -143,6 +143,8 @@ struct Mount<P: Scalar = f64> {
 pub(super) struct Laid {
     pub name: String,
     pub symmetric: bool,
+    /// Names of the panels, from the root on.
+    pub panels: Vec<String>,
     /// Sections at the ends of the panels with their names, from left to right.
     pub outline: Vec<(String, Section)>,
     /// Its geometry.
@@ -187,6 +189,12 @@ pub(super) struct Covering<P: Scalar = f64> {
 pub(super) type External<S> = ArrayVec<Wrench<S>, { MAX_LINKS + 1 }>;
 
 impl Laid {
+    /// Name of a panel; none where another has it too.
+    pub fn panel(&self, place: usize) -> Option<&str> {
+        let name = self.panels.get(place)?;
+        (self.panels.iter().filter(|other| *other == name).count() == 1).then_some(name)
+    }
+
     /// Names of the ends of the panels, with the surface's name before unless it is the `first`.
     pub fn outline_names(&self, first: bool) -> Vec<String> {
         let prefix = if first { String::new() } else { format!("{}_", self.name) };
@@ -233,6 +241,7 @@ impl Covering {
             let placed = Laid {
                 name: surface.name.clone(),
                 symmetric: surface.span == Span::Symmetric,
+                panels: surface.panels.iter().map(PanelSpec::begin).collect(),
                 outline: placement
                     .ends(&surface.panels)
                     .into_iter()

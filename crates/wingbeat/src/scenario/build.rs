@@ -15,7 +15,7 @@ use crate::math::Vec3;
 use crate::names::one_of;
 use crate::plant::Plant;
 use crate::require;
-use crate::robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, share};
+use crate::robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
 use crate::simulate::{Controller, Schedule, SensorSpec};
 
 /// Largest number of records of a flight: 1 GB in memory.
@@ -320,7 +320,9 @@ pub(super) fn robot(
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
     let robot = Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))?;
-    let mut numbers = robot.given(&spec.own_numbers()).map_err(|e| e.within("robot"))?;
+    let own = spec.own_numbers();
+    let given = robot.check_given(&own).and_then(|()| robot.given(&own));
+    let mut numbers = given.map_err(|e| of_numbers(e, spec).within("robot"))?;
     if let Some(mismatch) = mismatch {
         mismatch.deviate(&mut numbers, spec.structure.elements.len());
     }
@@ -329,7 +331,7 @@ pub(super) fn robot(
 
 /// An error of a number, at the place where `numbers` gives it if they do.
 fn of_numbers(error: Error, spec: &RobotSpec) -> Error {
-    let given = |name: &str| spec.numbers.keys().find(|key| share(key, name).is_some());
+    let given = |name: &str| spec.numbers.keys().find(|key| stands_for(key, name).is_some());
     let quoted = |name: &str| given(name).map(|key| (name.to_owned(), format!("numbers.\"{key}\"")));
     let Error::Invalid { key, against, .. } = &error;
     let places: Vec<_> = std::iter::once(key).chain(against).filter_map(|name| quoted(name)).collect();

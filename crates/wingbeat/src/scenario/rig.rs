@@ -3,7 +3,7 @@
 use super::rig_spec::{HoldSpec, RigRunSpec, RunList};
 use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Translate};
 use crate::Error;
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Named, Vec3};
 use crate::plant::Fault;
 use crate::rig::arm::{LimitProfile, Payload, SerialArm};
 use crate::rig::carrier::{Carrier, Mount};
@@ -322,8 +322,13 @@ impl RigRun {
 
     /// Names and values of the numbers of robot and rig that a fit can find.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
-        let mut named = self.robot.named_numbers();
-        named.extend(self.numbers.named());
+        self.parameters().into_iter().map(|number| (number.name, number.value)).collect()
+    }
+
+    /// The same with what is declared of them.
+    pub fn parameters(&self) -> Vec<Named> {
+        let mut named = self.robot.parameters();
+        named.extend(self.numbers.parameters());
         named
     }
 

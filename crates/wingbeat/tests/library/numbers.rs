@@ -33,7 +33,7 @@ fn a_mismatch_acts_on_numbers_given_by_name() {
         ("cruise_20g.toml", "{'body.inertia_kg_m2[1]'=2.2e-5}", "mismatch.inertia=1.1"),
         (
             "cruise_20g.toml",
-            "{'links.shoulder.series.harmonics[0].amplitude_rad'=0.6}",
+            "{'links.shoulder.driven.harmonics[0].amplitude_rad'=0.6}",
             "mismatch.gait_amplitude=0.9",
         ),
         ("cruise_linkage.toml", "{'linkage.l1_m'=0.0076}", "mismatch.gait_amplitude=0.9"),
@@ -110,4 +110,55 @@ fn held_wings_have_no_motor_and_none_of_its_numbers() {
     let numbers = "robot.numbers={'motor.efficiency'=0.7, 'body.mass_kg'=0.02}";
     let still = shipped("motor_flapper.toml", &[numbers, "flight.flapping=false"]).unwrap();
     assert!(still.robot().named_numbers().iter().all(|(name, _)| !name.starts_with("motor.")));
+}
+
+#[test]
+fn numbers_are_called_by_the_names_of_their_elements_and_panels() {
+    let named = |file: &str| -> Vec<String> {
+        let numbers = shipped(file, &[]).unwrap().robot().named_numbers();
+        numbers.into_iter().map(|(name, _)| name).collect()
+    };
+    let has = |names: &[String], name: &str| names.iter().any(|other| other == name);
+    let of_paper = named("banking_turn_short.toml");
+    for name in ["structure.elements.twist_left.stiffness_per_s2", "surfaces.wing.panels.elbow.from_arc_m"] {
+        assert!(has(&of_paper, name), "{name}: {of_paper:?}");
+    }
+    assert!(has(&named("cruise_20g.toml"), "links.shoulder_left.driven.harmonics[0].amplitude_rad"));
+    let placed = |name: &&String| name.starts_with("structure.elements[") || name.contains("panels[");
+    assert_eq!(of_paper.iter().find(placed), None);
+}
+
+#[test]
+fn a_name_of_before_is_answered_with_that_of_today() {
+    for (file, old, new) in [
+        (
+            "banking_turn_short.toml",
+            "surfaces.wing.panels[2].from_arc_m",
+            "surfaces.wing.panels.elbow.from_arc_m",
+        ),
+        ("banking_turn_short.toml", "surfaces.wing.section_slope", "surfaces.wing.lift_slope_per_rad"),
+        (
+            "cruise_20g.toml",
+            "links.shoulder.series.harmonics[0].amplitude_rad",
+            "links.shoulder.driven.harmonics[0].amplitude_rad",
+        ),
+    ] {
+        let told = shipped(file, &[&format!("robot.numbers={{'{old}'=0.5}}")]).map(drop).unwrap_err();
+        assert!(told.contains(&format!("its new name, \"{new}\"")), "{old}: {told}");
+    }
+    let first = shipped("banking_turn_short.toml", &[]).unwrap();
+    let element = first.spec.robot.structure.elements[0].name.clone();
+    let told =
+        shipped("banking_turn_short.toml", &["robot.numbers={'structure.elements[0].damping_per_s'=60.0}"]);
+    let told = told.map(drop).unwrap_err();
+    assert!(told.contains(&format!("\"structure.elements.{element}.damping_per_s\"")), "{told}");
+}
+
+#[test]
+fn a_sweep_draws_numbers_by_name() {
+    let mass = |value: &str| {
+        let scenario = shipped("glide.toml", &[&format!("robot.numbers.\"body.mass_kg\"={value}")]).unwrap();
+        scenario.robot().named_numbers().into_iter().find(|(name, _)| name == "body.mass_kg").unwrap().1
+    };
+    assert_eq!((mass("0.02"), mass("0.03")), (0.02, 0.03));
 }

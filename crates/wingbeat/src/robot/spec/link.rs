@@ -1,9 +1,10 @@
 //! Links and their joints.
 
+use super::super::numbers::{DAMPING, STIFFNESS, STOP_STIFFNESS};
 use super::{CapsuleSpec, GaitSpec};
 use crate::Error;
-use crate::body::{FourierSeries, Harmonic, JointKind};
-use crate::range::{Range, ranges};
+use crate::body::{FourierSeries, Harmonic, INERTIA, JointKind, MASS};
+use crate::range::ranges;
 use crate::require::{finite, principal_inertias};
 use serde::{Deserialize, Serialize};
 
@@ -157,9 +158,9 @@ pub enum JointSpec<'a> {
     Free,
 }
 
-ranges!(LinkSpec { mass_kg: Range::NOT_NEGATIVE, inertia_kg_m2: Range::NOT_NEGATIVE });
-ranges!(ElasticSpec { stiffness: Range::NOT_NEGATIVE, damping: Range::NOT_NEGATIVE });
-ranges!(StopSpec { stiffness: Range::POSITIVE });
+ranges!(LinkSpec { mass_kg: MASS.range, inertia_kg_m2: INERTIA.range });
+ranges!(ElasticSpec { stiffness: STIFFNESS.range, damping: DAMPING.range });
+ranges!(StopSpec { stiffness: STOP_STIFFNESS.range });
 
 impl LinkSpec {
     /// How the joint moves.

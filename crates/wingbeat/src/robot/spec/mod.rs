@@ -20,7 +20,9 @@ pub use surface::{PanelSpec, SurfaceSpec};
 pub use thruster::ThrusterSpec;
 pub use wing::{WingLinkSpec, WingSpec};
 
+use super::numbers::DRAG_AREA;
 use crate::Error;
+use crate::body::INERTIA;
 use crate::range::{Range, ranges};
 use crate::require::{finite, principal_inertias};
 use serde::{Deserialize, Serialize};
@@ -93,11 +95,7 @@ pub struct BodySpec {
     pub capsule: Option<CapsuleSpec>,
 }
 
-ranges!(BodySpec {
-    mass_kg: Range::POSITIVE,
-    inertia_kg_m2: Range::NOT_NEGATIVE,
-    drag_area_m2: Range::NOT_NEGATIVE,
-});
+ranges!(BodySpec { mass_kg: Range::POSITIVE, inertia_kg_m2: INERTIA.range, drag_area_m2: DRAG_AREA.range });
 
 impl BodySpec {
     fn check(&self) -> Result<(), Error> {
@@ -124,22 +122,12 @@ pub(crate) fn file_or<T: schemars::JsonSchema>(
     schemars::json_schema!({ "anyOf": [{ "type": "string" }, table] })
 }
 
+/// The number that is the gait's frequency.
+const PHASE_RATE: &str = "gait.phase_rate_rad_s";
+
 /// Whether a number is one of the rig that carries the robot.
 pub(crate) fn is_of_rig(name: &str) -> bool {
     ["mount.", "crank."].iter().any(|of| name.starts_with(of))
-}
-
-/// Refuses a number out of its bounds, and the frequency, which is the gait's.
-pub(crate) fn check_number(name: &str, value: f64) -> Result<(), Error> {
-    let given = || format!("{name:?} = {value}");
-    if name == "gait.phase_rate_rad_s" {
-        return Err(Error::invalid("numbers", given(), "the frequency where the gait has it"));
-    }
-    let [low, high] = super::bounds(name);
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(Error::invalid("numbers", given(), format!("{low} to {high}")))
 }
 
 impl RobotSpec {
@@ -162,10 +150,14 @@ impl RobotSpec {
         self.drive.build().map_err(|e| e.within("drive"))?;
         self.structure.check().map_err(|e| e.within("structure"))?;
         self.check_thrusters()?;
-        if let Some(residual) = &self.residual {
-            residual.check().map_err(|e| e.within("residual"))?;
+        self.residual.iter().try_for_each(|residual| residual.check().map_err(|e| e.within("residual")))?;
+        match self.numbers.get(PHASE_RATE) {
+            None => Ok(()),
+            Some(rate) => {
+                let key = format!("numbers.\"{PHASE_RATE}\"");
+                Err(Error::invalid(key, rate, "the frequency where the gait has it"))
+            }
         }
-        self.numbers.iter().try_for_each(|(name, value)| check_number(name, *value))
     }
 
     fn check_thrusters(&self) -> Result<(), Error> {

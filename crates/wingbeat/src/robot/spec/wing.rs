@@ -3,6 +3,7 @@
 use super::CapsuleSpec;
 use crate::Error;
 use crate::aero::{CD0, CD90, Gap, Planform, PlanformStation, SectionSpec};
+use crate::body::INERTIA;
 use crate::range::{Range, ranges};
 use crate::require::{finite, positive, principal_inertias};
 use serde::{Deserialize, Serialize};
@@ -56,11 +57,7 @@ pub struct WingLinkSpec {
 }
 
 ranges!(WingSpec { cd0: CD0.range, cd90: CD90.range });
-ranges!(WingLinkSpec {
-    length_m: Range::POSITIVE,
-    mass_kg: Range::POSITIVE,
-    inertia_kg_m2: Range::NOT_NEGATIVE,
-});
+ranges!(WingLinkSpec { length_m: Range::POSITIVE, mass_kg: Range::POSITIVE, inertia_kg_m2: INERTIA.range });
 
 impl WingSpec {
     /// The planform with its gaps.
