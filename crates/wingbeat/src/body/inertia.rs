@@ -39,10 +39,16 @@ pub const INERTIA: Quantity = Quantity::within("kg m2", Range::NOT_NEGATIVE, 0.0
 /// A coordinate of a point.
 pub const PLACE: Quantity = Quantity::free("m");
 
+/// A link without mass keeps none: its numbers have no names.
 impl<P: Scalar> Parameters<P> for BodyNumbers<P> {
     type In<Q: Scalar> = BodyNumbers<Q>;
 
     fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> BodyNumbers<Q> {
+        if self.mass.is_zero() && self.moments.is_zero() {
+            let mut fixed = |v: Vec3<P>| Vec3(v.0.map(|x| at.fixed(x)));
+            let (com, moments) = (fixed(self.com), fixed(self.moments));
+            return BodyNumbers { mass: at.fixed(self.mass), com, moments };
+        }
         BodyNumbers {
             mass: at.number("mass_kg", &MASS, self.mass),
             com: at.vector("com_m", &polar(PLACE), self.com),

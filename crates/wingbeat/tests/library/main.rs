@@ -6,6 +6,7 @@ mod document;
 mod doors;
 mod drive;
 mod estimator;
+mod every_number;
 mod flight;
 mod flyers;
 mod followed_impulse;
