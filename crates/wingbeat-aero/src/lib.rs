@@ -20,8 +20,8 @@ pub use law::{
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;
 pub use loads::{Circulation, Coupling, ImpulseRates, LoadSource, Loads, StripLoads};
-pub use numbers::{LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
-pub use planform::{Gap, Planform, PlanformStation, Span};
+pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
+pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;
 pub use station::{SectionField, SectionMotion, Sections};
 pub use strip::{LagSet, Lags, StripModel, StripSettings, spacing as lan_spacing};

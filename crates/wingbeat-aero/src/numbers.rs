@@ -1,8 +1,14 @@
 //! The numbers of a surface that may carry derivatives.
 
-use super::{Planform, ProfileDrag};
+use super::planform::COORDINATE;
+use super::{Planform, ProfileDrag, law};
 use arrayvec::ArrayVec;
-use wingbeat_math::Scalar;
+use std::f64::consts::FRAC_PI_2;
+use wingbeat_math::range::Range;
+use wingbeat_math::{Parameters, Quantity, Scalar, Walk};
+
+/// What the density of the air is called, which each surface has for itself.
+pub const AIR_DENSITY: &str = "air.density_kg_m3";
 
 /// Most lags of the wash on a chord.
 pub const MAX_WASH_LAGS: usize = 3;
@@ -50,44 +56,47 @@ impl<P: Scalar> SurfaceNumbers<P> {
     pub fn drag(&self) -> ProfileDrag<P> {
         ProfileDrag { cd0: self.cd0, cd90: self.cd90 }
     }
+}
 
-    /// The same numbers in another type, `f` of each.
-    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> SurfaceNumbers<Q> {
-        let lag = |lag: &LagNumbers<P>| LagNumbers { weight: f(lag.weight), rate: f(lag.rate) };
+/// Density of the air.
+pub const DENSITY: Quantity = Quantity::within("kg/m3", Range::POSITIVE, 1e-3, 1e4);
+// Of the section a fit may find effective numbers that no plate has: what keys give is narrower.
+const SLOPE: Quantity = Quantity::within("1/rad", Range::between(0.1, 20.0), 0.1, 20.0);
+const ZERO_LIFT: Quantity = Quantity::free("rad");
+const CD0: Quantity = Quantity::within("", law::CD0.range, 0.0, 2.0);
+const CD90: Quantity = Quantity::within("", law::CD90.range, 0.0, 10.0);
+const STALL: Quantity = Quantity::within("rad", Range::inside(0.0, FRAC_PI_2), 0.01, 1.5);
+const SUCTION: Quantity = Quantity::within("", Range::over(0.0, 3.0), 1e-3, 3.0);
+const CARRIED: Quantity = Quantity::within("", Range::NOT_NEGATIVE, 0.0, 10.0);
+const LAG: Quantity = Quantity::free("");
+
+impl<P: Scalar> Parameters<P> for SurfaceNumbers<P> {
+    type In<Q: Scalar> = SurfaceNumbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> SurfaceNumbers<Q> {
         SurfaceNumbers {
-            density: f(self.density),
-            section_slope: f(self.section_slope),
-            zero_lift_angle: f(self.zero_lift_angle),
-            cd0: f(self.cd0),
-            cd90: f(self.cd90),
-            stall_angle: f(self.stall_angle),
-            critical_suction: f(self.critical_suction),
-            added_mass_scale: f(self.added_mass_scale),
-            lags: self.lags.iter().map(lag).collect(),
-            outline: self.outline.as_ref().map(|outline| outline.map(&f)),
-            hinges: self.hinges.iter().map(|hinge| f(*hinge)).collect(),
+            density: at.apart(AIR_DENSITY, &DENSITY, self.density),
+            section_slope: at.number("lift_slope_per_rad", &SLOPE, self.section_slope),
+            zero_lift_angle: at.number("zero_lift_angle_rad", &ZERO_LIFT, self.zero_lift_angle),
+            cd0: at.number("cd0", &CD0, self.cd0),
+            cd90: at.number("cd90", &CD90, self.cd90),
+            stall_angle: at.number("stall_angle_rad", &STALL, self.stall_angle),
+            critical_suction: at.number("critical_suction", &SUCTION, self.critical_suction),
+            added_mass_scale: at.number("added_mass_scale", &CARRIED, self.added_mass_scale),
+            lags: at
+                .list(("lags", ""), &self.lags, |at, lag| LagNumbers {
+                    weight: at.number("weight", &LAG, lag.weight),
+                    rate: at.number("rate", &LAG, lag.rate),
+                })
+                .into_iter()
+                .collect(),
+            outline: self.outline.as_ref().map(|outline| outline.walk(at)),
+            hinges: (1..)
+                .zip(&self.hinges)
+                .map(|(i, hinge)| {
+                    at.item("panels", "panels", i, |at| at.number("from_arc_m", &COORDINATE, *hinge))
+                })
+                .collect(),
         }
-    }
-
-    /// All of them by name, as `Robot::numbers` calls them behind the name of the surface.
-    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
-        let section = [
-            ("density_kg_m3", &mut self.density),
-            ("section_slope", &mut self.section_slope),
-            ("zero_lift_angle_rad", &mut self.zero_lift_angle),
-            ("cd0", &mut self.cd0),
-            ("cd90", &mut self.cd90),
-            ("stall_angle_rad", &mut self.stall_angle),
-            ("critical_suction", &mut self.critical_suction),
-            ("added_mass_scale", &mut self.added_mass_scale),
-        ];
-        let lags = self.lags.iter_mut().enumerate().flat_map(|(k, LagNumbers { weight, rate })| {
-            [(format!("lags[{k}].weight"), weight), (format!("lags[{k}].rate"), rate)]
-        });
-        let outline = self.outline.iter_mut().flat_map(Planform::by_name);
-        let hinges = self.hinges.iter_mut().enumerate();
-        let hinges = hinges.map(|(i, hinge)| (format!("panels[{}].from_arc_m", i + 1), hinge));
-        let section = section.into_iter().map(|(key, number)| (key.to_string(), number));
-        section.chain(lags).chain(outline).chain(hinges).collect()
     }
 }

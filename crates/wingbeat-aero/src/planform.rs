@@ -1,8 +1,8 @@
 //! The flat outline of the wing by arc length from the middle.
 
 use wingbeat_math::Error;
-use wingbeat_math::Scalar;
 use wingbeat_math::interpolation::piecewise_linear;
+use wingbeat_math::{Parameters, Quantity, Scalar, Walk};
 
 /// Leading and trailing edge at one spanwise position of the half wing.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -95,6 +95,21 @@ impl Planform {
         })
     }
 
+    /// Checks what [`new`](Self::new) and [`with_gaps`](Self::with_gaps) ask of its numbers.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub fn check(&self) -> Result<(), Error> {
+        let edges = self.leading.iter().zip(&self.trailing);
+        let station = |(&arc_m, (&leading_edge_m, &trailing_edge_m))| PlanformStation {
+            arc_m,
+            leading_edge_m,
+            trailing_edge_m,
+        };
+        let stations: Vec<PlanformStation> = self.arcs.iter().zip(edges).map(station).collect();
+        Self::new(&stations)?.with_gaps(&self.gaps).map(drop)
+    }
+
     /// Leaves out the wing in `gaps`, ascending from the middle; the stations run on across them.
     ///
     /// # Errors
@@ -133,38 +148,35 @@ impl Planform {
     }
 }
 
-impl<P: Scalar> Planform<P> {
-    /// The same outline in other numbers, `f` of each.
-    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> Planform<Q> {
-        let all = |numbers: &[P]| numbers.iter().map(|number| f(*number)).collect();
-        let gap = |g: &Gap<P>| Gap { from_arc_m: f(g.from_arc_m), to_arc_m: f(g.to_arc_m) };
+/// A coordinate of an outline.
+pub const COORDINATE: Quantity = Quantity::free("m");
+
+/// The first arc is zero by definition.
+impl<P: Scalar> Parameters<P> for Planform<P> {
+    type In<Q: Scalar> = Planform<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Planform<Q> {
+        let mut of = |key: &str, numbers: &[P], fixed: usize| {
+            let number = |(i, number): (usize, &P)| match i < fixed {
+                true => at.fixed(*number),
+                false => at.item("planform", "", i, |at| at.number(key, &COORDINATE, *number)),
+            };
+            numbers.iter().enumerate().map(number).collect()
+        };
         Planform {
             span: self.span,
-            arcs: all(&self.arcs),
-            leading: all(&self.leading),
-            trailing: all(&self.trailing),
-            gaps: self.gaps.iter().map(gap).collect(),
+            arcs: of("arc_m", &self.arcs, 1),
+            leading: of("leading_edge_m", &self.leading, 0),
+            trailing: of("trailing_edge_m", &self.trailing, 0),
+            gaps: at.list(("gaps", ""), &self.gaps, |at, gap| Gap {
+                from_arc_m: at.number("from_arc_m", &COORDINATE, gap.from_arc_m),
+                to_arc_m: at.number("to_arc_m", &COORDINATE, gap.to_arc_m),
+            }),
         }
     }
+}
 
-    /// Its numbers by their keys; the first arc is zero by definition.
-    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
-        let Self { arcs, leading, trailing, gaps, .. } = self;
-        let mut all = Vec::new();
-        let edges = [("leading_edge_m", leading), ("trailing_edge_m", trailing)];
-        for (key, numbers, first) in
-            [("arc_m", arcs, 1)].into_iter().chain(edges.map(|(key, of)| (key, of, 0)))
-        {
-            let numbers = numbers.iter_mut().enumerate().skip(first);
-            all.extend(numbers.map(|(i, number)| (format!("planform[{i}].{key}"), number)));
-        }
-        for (i, gap) in gaps.iter_mut().enumerate() {
-            all.push((format!("gaps[{i}].from_arc_m"), &mut gap.from_arc_m));
-            all.push((format!("gaps[{i}].to_arc_m"), &mut gap.to_arc_m));
-        }
-        all
-    }
-
+impl<P: Scalar> Planform<P> {
     /// What the outline is laid out to.
     pub fn span(&self) -> Span {
         self.span

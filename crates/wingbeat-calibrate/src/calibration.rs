@@ -2,8 +2,9 @@
 
 use crate::measured::{Pass, observed};
 use crate::truth::clean;
-use crate::{CaseTarget, Error, Observed, Parameter, Plan, RigModel, RigTarget, RunRole, data};
+use crate::{CaseTarget, Error, Model, Observed, Parameter, Plan, RigModel, RigTarget, RunRole, data};
 use std::path::Path;
+use wingbeat::math::Named;
 use wingbeat::parallel;
 use wingbeat::scenario::{
     CalibratedRunSpec, CalibrationSpec, ConfigError, Document, Place, Problem, RigRun, StructureOfModel,
@@ -279,9 +280,8 @@ impl Calibration {
         let (mut parameters, mut names, mut held) = (Vec::new(), Vec::new(), Vec::new());
         for (k, spec) in self.spec.parameters.iter().enumerate() {
             let key = |end: &str| format!("parameters[{k}].{end}");
-            let own = known.iter().find(|(name, _)| *name == spec.name).map(|(_, value)| *value);
-            let Some(own) = own else {
-                let names: Vec<&str> = known.iter().map(|(name, _)| name.as_str()).collect();
+            let Some(number) = known.iter().find(|number| number.name == spec.name) else {
+                let names: Vec<&str> = known.iter().map(|number| number.name.as_str()).collect();
                 let near = nearest_names(&spec.name, &names, PROPOSED).join(", ");
                 let count = names.len();
                 let allowed = format!(
@@ -289,7 +289,9 @@ impl Calibration {
                 );
                 return Err(self.explain(&wingbeat::Error::invalid(key("name"), &spec.name, allowed)).into());
             };
-            let [low, high] = spec.bounds();
+            let of_key = |e: wingbeat::Error| e.within(&format!("parameters[{k}]"));
+            spec.check(&number.quantity).map_err(|e| self.explain(&of_key(e)))?;
+            let (own, [low, high]) = (number.value, spec.bounds(&number.quantity));
             if spec.start.is_none() && !(low..=high).contains(&own) {
                 let (end, bound, side) =
                     if own < low { ("low", low, "at most") } else { ("high", high, "at least") };
@@ -313,7 +315,9 @@ impl Calibration {
                 stage: spec.stage,
             });
         }
-        Ok(Structure { model: RigModel { targets, cases, names, held }, parameters })
+        let model = RigModel { targets, cases, names, held };
+        model.check(&parameters.iter().map(|parameter| parameter.start).collect::<Vec<_>>())?;
+        Ok(Structure { model, parameters })
     }
 
     /// What was measured in the runs of `structure`; `read` reads a file of samples for a run. Runs without files are
@@ -396,7 +400,8 @@ impl Calibration {
     pub fn named_numbers(&self, translate: Translate) -> Result<Vec<(String, f64)>, Failure> {
         let model = self.model();
         let runs = self.runs(("runs", &self.spec.runs), &model, translate)?;
-        Ok(known(&self.targets(runs)?, &self.cases(&model)?))
+        let all = known(&self.targets(runs)?, &self.cases(&model)?);
+        Ok(all.into_iter().map(|number| (number.name, number.value)).collect())
     }
 
     /// The other structures that the file asks for.
@@ -417,16 +422,16 @@ struct Overrides {
 
 /// Names and values of all numbers that runs and cases have, each name once; those that both sides of a robot share by their shared name
 /// too.
-fn known(targets: &[RigTarget], cases: &[CaseTarget]) -> Vec<(String, f64)> {
-    let mut known = targets.first().map_or(Vec::new(), |target| target.run.named_numbers());
-    let both: Vec<(String, f64)> = known
+fn known(targets: &[RigTarget], cases: &[CaseTarget]) -> Vec<Named> {
+    let mut known = targets.first().map_or(Vec::new(), |target| target.run.parameters());
+    let both: Vec<Named> = known
         .iter()
-        .filter(|(name, _)| name.contains("_left."))
-        .map(|(name, value)| (name.replacen("_left.", ".", 1), *value))
+        .filter(|number| number.name.contains("_left."))
+        .map(|number| Named { name: number.name.replacen("_left.", ".", 1), ..number.clone() })
         .collect();
-    for (name, value) in both.into_iter().chain(cases.iter().flat_map(|case| case.case.named_numbers())) {
-        if !known.iter().any(|(other, _)| *other == name) {
-            known.push((name, value));
+    for number in both.into_iter().chain(cases.iter().flat_map(|case| case.case.parameters())) {
+        if !known.iter().any(|other| other.name == number.name) {
+            known.push(number);
         }
     }
     known

@@ -270,7 +270,7 @@ fn fit_free(
         let better = loop {
             let next = step(&normal, damping, problem.parameters, &values, free);
             // Where the model has no answer the step was too long.
-            let tried = problem.predictions(of, &next).ok().map(|predictions| {
+            let tried = problem.possible(of, &next).ok().map(|predictions| {
                 let residuals = problem.residuals(of, &predictions);
                 (problem.cost(&residuals, &next), residuals)
             });

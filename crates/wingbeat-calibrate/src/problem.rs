@@ -14,6 +14,14 @@ pub trait Model: Sync {
     /// A model without an answer.
     fn predict(&self, run: usize, values: &[f64]) -> Result<Vec<f64>, Error>;
 
+    /// Refuses values that no robot has.
+    ///
+    /// # Errors
+    /// The first of them.
+    fn check(&self, _values: &[f64]) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// Their derivatives by each parameter.
     ///
     /// # Errors
@@ -281,7 +289,16 @@ impl<'a> Problem<'a> {
         (0..self.runs.len()).filter(|run| self.runs[*run].role == RunRole::Fitted).collect()
     }
 
-    /// What the model says of the runs `of`.
+    /// What the model says of the runs `of` with these values, if a robot can have them.
+    ///
+    /// # Errors
+    /// Values that no robot has; a model without an answer.
+    pub fn possible(&self, of: &[usize], values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        self.model.check(values)?;
+        self.predictions(of, values)
+    }
+
+    /// What the model says of the runs `of` with these values.
     ///
     /// # Errors
     /// A model without an answer.

@@ -353,6 +353,11 @@ impl Model for RigModel {
         }
     }
 
+    fn check(&self, values: &[f64]) -> Result<(), Error> {
+        let Some(target) = self.targets.first() else { return Ok(()) };
+        Ok(target.run.check(&self.numbers(values))?)
+    }
+
     fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         match self.targets.get(run) {
             Some(target) => target.slopes(&self.numbers(values), self.names.len()),

@@ -16,7 +16,7 @@ use wingbeat_math::Vec3;
 use wingbeat_math::names::one_of;
 use wingbeat_math::require;
 use wingbeat_ocp::plant::Plant;
-use wingbeat_robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind};
+use wingbeat_robot::{Air, Pulse, Robot, RobotSpec, SurfaceOutline, Wind, stands_for};
 
 /// Largest number of records of a flight: 1 GB in memory.
 const MAX_SAMPLES: usize = 500_000;
@@ -51,10 +51,14 @@ impl ScenarioSpec {
         self.check()?;
         let model = self.known_robot()?;
         let own_air = self.mismatch.as_ref().is_some_and(|mismatch| mismatch.aero.is_some());
+        let own_numbers = self.mismatch.as_ref().is_some_and(|mismatch| mismatch.numbers.is_some());
         let robot = self.flown_robot().map_err(|error| {
             let Error::Invalid { key, .. } = &error;
             if own_air && key.starts_with("aero.") {
                 return error.within("mismatch");
+            }
+            if own_numbers && key.starts_with("robot.numbers.") {
+                return error.renamed(&[("robot.numbers", "mismatch.numbers")]);
             }
             let allowed = format!("what leaves a robot that can be built; with it {error}");
             Error::invalid("mismatch", "given", allowed)
@@ -173,7 +177,6 @@ impl ScenarioSpec {
     /// The robot that flies: mismatch and gust included.
     fn flown_robot(&self) -> Result<Robot, Error> {
         let mismatch = self.mismatch.clone().unwrap_or_default();
-        let density = self.air.density_kg_m3 * mismatch.density;
         let pulse = |gust: &GustSpec| Pulse {
             start: gust.start_s,
             duration: gust.duration_s,
@@ -185,13 +188,14 @@ impl ScenarioSpec {
         if self.lattice.is_some() {
             real.residual = None;
         }
-        self.robot_in(&real, self.flown_aero(), Air { density, wind })
+        let air = Air { density: self.air.density_kg_m3, wind };
+        self.robot_in(&real, self.flown_aero(), air, Some(&mismatch))
     }
 
     /// The robot as its controller knows it.
     fn known_robot(&self) -> Result<Robot, Error> {
         let wind = Wind::steady(Vec3(self.air.wind_m_s));
-        self.robot_in(&self.robot, &self.aero, Air { density: self.air.density_kg_m3, wind })
+        self.robot_in(&self.robot, &self.aero, Air { density: self.air.density_kg_m3, wind }, None)
     }
 
     /// The aerodynamics of the robot that flies.
@@ -199,12 +203,18 @@ impl ScenarioSpec {
         self.mismatch.as_ref().and_then(|mismatch| mismatch.aero.as_ref()).unwrap_or(&self.aero)
     }
 
-    fn robot_in(&self, spec: &RobotSpec, aero: &AeroSpec, air: Air) -> Result<Robot, Error> {
+    fn robot_in(
+        &self,
+        spec: &RobotSpec,
+        aero: &AeroSpec,
+        air: Air,
+        mismatch: Option<&Mismatch>,
+    ) -> Result<Robot, Error> {
         let mut spec = spec.clone();
         if !self.flight.flapping {
             spec.hold_still();
         }
-        robot(&spec, aero, air, self.start.phase_rad)
+        robot(&spec, aero, air, self.start.phase_rad, mismatch)
     }
 
     /// Whole samples between the records of the strips.
@@ -282,8 +292,15 @@ pub(super) fn whole(key: &str, time: f64, unit: f64, units: &str) -> Result<usiz
     Err(Error::invalid(key, time, format!("a whole number of {units} {unit} s, at least one")))
 }
 
-/// A robot in air; keys of errors begin with `robot`, `aero` and `air`.
-pub(super) fn robot(spec: &RobotSpec, aero: &AeroSpec, air: Air, phase: f64) -> Result<Robot, Error> {
+/// A robot in air, with the numbers that its file gives by name, and then as the `mismatch` has it; keys of errors begin with
+/// `robot`, `aero` and `air`.
+pub(super) fn robot(
+    spec: &RobotSpec,
+    aero: &AeroSpec,
+    air: Air,
+    phase: f64,
+    mismatch: Option<&Mismatch>,
+) -> Result<Robot, Error> {
     spec.check().map_err(|e| e.within("robot"))?;
     let outlines = spec.outlines().map_err(|e| e.within("robot"))?;
     let model = |outline: &SurfaceOutline| {
@@ -302,8 +319,23 @@ pub(super) fn robot(spec: &RobotSpec, aero: &AeroSpec, air: Air, phase: f64) -> 
         aero.build(outline, air.density, &names)
     };
     let models = outlines.iter().map(model).collect::<Result<_, _>>()?;
-    let robot = Robot::new(spec, models, air, phase);
-    robot.and_then(|robot| robot.adjusted(&spec.own_numbers())).map_err(|e| e.within("robot"))
+    let robot = Robot::new(spec, models, air, phase).map_err(|e| e.within("robot"))?;
+    let own = spec.own_numbers();
+    let given = robot.check_given(&own).and_then(|()| robot.given(&own));
+    let mut numbers = given.map_err(|e| of_numbers(e, spec).within("robot"))?;
+    if let Some(mismatch) = mismatch {
+        mismatch.deviate(&mut numbers, spec.structure.elements.len());
+    }
+    robot.renumbered(&numbers).map_err(|e| of_numbers(e, spec).within("robot"))
+}
+
+/// An error of a number, at the place where `numbers` gives it if they do.
+fn of_numbers(error: Error, spec: &RobotSpec) -> Error {
+    let given = |name: &str| spec.numbers.keys().find(|key| stands_for(key, name).is_some());
+    let quoted = |name: &str| given(name).map(|key| (name.to_owned(), format!("numbers.\"{key}\"")));
+    let Error::Invalid { key, against, .. } = &error;
+    let places: Vec<_> = std::iter::once(key).chain(against).filter_map(|name| quoted(name)).collect();
+    error.renamed(&places)
 }
 
 impl AeroSpec {

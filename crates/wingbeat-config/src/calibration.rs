@@ -4,8 +4,9 @@ use super::RunName;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use wingbeat_math::Error;
+use wingbeat_math::Quantity;
 use wingbeat_math::range::{Range, ranges};
-use wingbeat_robot::{MOST_HARMONICS, bounds};
+use wingbeat_robot::MOST_HARMONICS;
 
 /// A calibration: numbers of robot and rig fitted to runs on the load cell.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -307,7 +308,6 @@ impl CalibrationSpec {
             return Err(Error::invalid("parameters", given, "one that is not held"));
         }
         for (k, parameter) in self.parameters.iter().enumerate() {
-            parameter.check().map_err(|e| e.within(&format!("parameters[{k}]")))?;
             if self.parameters[..k].iter().any(|other| other.name == parameter.name) {
                 return Err(Error::invalid(
                     format!("parameters[{k}].name"),
@@ -382,19 +382,23 @@ const INERTIA: [&str; 3] = ["mass_kg", "com_m", "inertia_kg_m2"];
 const AIR: [&str; 2] = ["surfaces.", "air."];
 
 impl ParameterSpec {
-    /// Lowest and highest value.
-    pub fn bounds(&self) -> [f64; 2] {
-        let [low, high] = bounds(&self.name);
+    /// Lowest and highest value of the number that `quantity` declares.
+    pub fn bounds(&self, quantity: &Quantity) -> [f64; 2] {
+        let [low, high] = quantity.given;
         [self.low.unwrap_or(low), self.high.unwrap_or(high)]
     }
 
-    fn check(&self) -> Result<(), Error> {
-        let widest = bounds(&self.name);
+    /// Refuses bounds, a start and a prior that the number that `quantity` declares cannot have.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key.
+    pub fn check(&self, quantity: &Quantity) -> Result<(), Error> {
+        let [lowest, highest] = quantity.given;
         for (key, value) in [("low", self.low), ("high", self.high)] {
             let Some(value) = value else { continue };
-            Range::between(widest[0], widest[1]).check(key, value)?;
+            Range::between(lowest, highest).check(key, value)?;
         }
-        let [low, high] = self.bounds();
+        let [low, high] = self.bounds(quantity);
         if low >= high {
             return Err(Error::invalid("low", low, format!("below {high}")).against(["high"]));
         }

@@ -198,12 +198,11 @@ impl Scenario {
         let (Some(spec), Some(every)) = (&self.spec.lattice, self.spec.lattice_steps(&self.schedule)?) else {
             return Ok(None);
         };
-        let mismatch = self.spec.mismatch.as_ref().map_or(1.0, |mismatch| mismatch.density);
         let task = LatticeTask {
             spec,
             robot: &self.robot,
-            outlines: self.spec.robot.outlines().map_err(|e| e.within("robot"))?,
-            density_kg_m3: self.spec.air.density_kg_m3 * mismatch,
+            outlines: self.robot.surface_outlines(&self.spec.robot).map_err(|e| e.within("robot"))?,
+            density_kg_m3: self.robot.density(),
             every,
             steps: self.schedule.steps.div_ceil(every),
         };

@@ -4,11 +4,12 @@ use super::AeroSpec;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use wingbeat_math::Error;
+use wingbeat_math::Vec3;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
-use wingbeat_robot::RobotSpec;
+use wingbeat_robot::{Numbers, RobotSpec};
 
-/// Factors and shifts applied to the flown robot alone, and an air of its own.
+/// Factors and shifts of the flown robot alone, which act on it as its file and `robot.numbers` say it, and an air of its own.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields, default)]
@@ -112,7 +113,7 @@ impl Mismatch {
         self.in_range()
     }
 
-    /// The robot as it really is.
+    /// What the flown robot's file says: numbers of its own take the place of those of the known robot.
     pub fn apply(&self, robot: &RobotSpec) -> RobotSpec {
         let mut real = robot.clone();
         if let Some(numbers) = &self.numbers {
@@ -121,13 +122,29 @@ impl Mismatch {
         if self.aero.is_some() || self.numbers.is_some() {
             real.residual = None;
         }
-        real.scale_inertias(self.mass, self.inertia);
-        real.scale_gait(self.gait_amplitude);
-        for (i, shift) in [self.com_x_m, self.com_y_m, self.com_z_m].into_iter().enumerate() {
-            real.body.com_m[i] += shift;
-        }
-        real.scale_drag(self.profile_drag, self.broadside_drag);
-        real.structure.scale_frequency(self.regulator_bandwidth);
         real
+    }
+
+    /// Makes the numbers of the flown robot of those that its file and `numbers` give it. Of the structure's elements the
+    /// first `elements` are no thrusters.
+    pub(super) fn deviate(&self, numbers: &mut Numbers, elements: usize) {
+        numbers.density *= self.density;
+        for surface in &mut numbers.surfaces {
+            surface.density *= self.density;
+            surface.cd0 *= self.profile_drag;
+            surface.cd90 *= self.broadside_drag;
+        }
+        for body in &mut numbers.bodies {
+            body.mass *= self.mass;
+            body.moments = body.moments * self.inertia;
+        }
+        numbers.bodies[0].com += Vec3::new(self.com_x_m, self.com_y_m, self.com_z_m);
+        for harmonic in numbers.series.iter_mut().flat_map(|(series, _)| &mut series.harmonics) {
+            harmonic.amplitude_rad *= self.gait_amplitude;
+        }
+        if let Some(dimensions) = &mut numbers.linkage {
+            dimensions.l1_m *= self.gait_amplitude;
+        }
+        numbers.response.scale_frequency(self.regulator_bandwidth, elements);
     }
 }

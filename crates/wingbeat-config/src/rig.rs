@@ -4,7 +4,7 @@ use super::rig_spec::{HoldSpec, RigRunSpec, RunList};
 use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Translate};
 use std::path::Path;
 use wingbeat_math::Error;
-use wingbeat_math::{Mat3, Vec3};
+use wingbeat_math::{Mat3, Named, Vec3};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_rig::arm::{LimitProfile, Payload, SerialArm};
 use wingbeat_rig::carrier::{Carrier, Mount};
@@ -277,8 +277,11 @@ impl RigRun {
         let task = LatticeTask {
             spec,
             robot: experiment.robot,
-            outlines: self.spec.rig.robot.outlines().map_err(|e| e.within("rig.robot"))?,
-            density_kg_m3: self.spec.rig.air.density_kg_m3,
+            outlines: experiment
+                .robot
+                .surface_outlines(&self.spec.rig.robot)
+                .map_err(|e| e.within("rig.robot"))?,
+            density_kg_m3: experiment.robot.density(),
             every,
             steps: experiment.samples().div_ceil(every),
         };
@@ -319,12 +322,17 @@ impl RigRun {
 
     /// Names and values of the numbers of robot and rig that a fit can find.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
-        let mut named = self.robot.named_numbers();
-        named.extend(self.numbers.named());
+        self.parameters().into_iter().map(|number| (number.name, number.value)).collect()
+    }
+
+    /// The same with what is declared of them.
+    pub fn parameters(&self) -> Vec<Named> {
+        let mut named = self.robot.parameters();
+        named.extend(self.numbers.parameters());
         named
     }
 
-    /// Robot and rig with other numbers; names as for [`Robot::adjusted`].
+    /// Robot and rig with other numbers; names as for [`Robot::adjusted`]. A fit tries many: the values are not checked.
     ///
     /// # Errors
     /// An unknown name.
@@ -333,7 +341,16 @@ impl RigRun {
             to.iter().copied().partition(|(name, _)| RigNumbers::names_one(name));
         let mut numbers = self.numbers;
         rig.iter().try_for_each(|(name, value)| numbers.set(name, *value))?;
-        Ok((self.robot.adjusted(&robot)?, numbers))
+        Ok((self.robot.with(&self.robot.given(&robot)?)?, numbers))
+    }
+
+    /// Refuses numbers that no robot has, as [`Robot::adjusted`] does.
+    ///
+    /// # Errors
+    /// An unknown name, a value that cannot be.
+    pub fn check(&self, to: &[(&str, f64)]) -> Result<(), Error> {
+        let robot: Vec<_> = to.iter().copied().filter(|(name, _)| !RigNumbers::names_one(name)).collect();
+        self.robot.adjusted(&robot).map(drop)
     }
 }
 

@@ -307,6 +307,6 @@ impl RigRunSpec {
         let rig = &self.rig;
         let wind = Wind::steady(Vec3(self.wind_m_s.unwrap_or(rig.air.wind_m_s)));
         let air = Air { density: rig.air.density_kg_m3, wind };
-        build::robot(&robot, &rig.aero, air, 0.0).map_err(|e| e.within("rig"))
+        build::robot(&robot, &rig.aero, air, 0.0, None).map_err(|e| e.within("rig"))
     }
 }

@@ -8,7 +8,8 @@ use super::trim::TrimSpec;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use wingbeat_aero::{
-    CRITICAL_SUCTION, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings, ZERO_LIFT_ANGLE,
+    CRITICAL_SUCTION, DENSITY, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings,
+    ZERO_LIFT_ANGLE,
 };
 use wingbeat_flight::guide::{MpcSpec, PathSpec, Turn};
 use wingbeat_flight::simulate::SensorSpec;
@@ -321,7 +322,7 @@ ranges!(AeroSpec {
     zero_lift_angle_deg: ZERO_LIFT_ANGLE.range,
     lift_slope_per_rad: LIFT_SLOPE.range,
 });
-ranges!(AirSpec { density_kg_m3: Range::POSITIVE, gust_m_s: Range::NOT_NEGATIVE });
+ranges!(AirSpec { density_kg_m3: DENSITY.range, gust_m_s: Range::NOT_NEGATIVE });
 ranges!(GustSpec { start_s: Range::NOT_NEGATIVE, duration_s: Range::POSITIVE });
 ranges!(FlightSpec {
     duration_s: Range::POSITIVE,

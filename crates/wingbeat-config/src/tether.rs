@@ -4,16 +4,17 @@ use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use wingbeat_aero::{Aero, Planform, SurfaceNumbers};
+use wingbeat_aero::{Aero, Planform};
 use wingbeat_flight::simulate::Ending;
 use wingbeat_flight::tether::{
     CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing,
+    WingNumbers,
 };
 use wingbeat_math::Error;
-use wingbeat_math::Vec3;
 use wingbeat_math::names::one_of;
+use wingbeat_math::{Declared, Named, Parameters, Vec3};
 use wingbeat_ocp::plant::Fault;
-use wingbeat_robot::{SurfaceOutline, check_number};
+use wingbeat_robot::{SurfaceOutline, check_given, former};
 
 /// The folder from which the path at a key is seen.
 type Folder<'a> = &'a dyn Fn(&str) -> PathBuf;
@@ -267,50 +268,34 @@ fn change(one: &[CycleMean], other: &[CycleMean]) -> f64 {
     if force.is_nan() || moment.is_nan() { f64::NAN } else { force.max(moment) }
 }
 
-/// What the names of the wing's own numbers begin with.
-const OWN: &str = "surfaces.wing.";
-/// The number of the air.
-const AIR_DENSITY: &str = "air.density_kg_m3";
 /// What the names of numbers begin with that a wing alone has not.
 const ELSEWHERE: [&str; 8] =
     ["body.", "links.", "linkage.", "structure.", "gait.", "motor.", "mount.", "crank."];
 
-/// What a surface calls the number that is called `name` here; none of what a wing alone has not.
-fn own(name: &str) -> Option<&str> {
-    match name.strip_prefix(OWN) {
-        None if name == AIR_DENSITY => Some("density_kg_m3"),
-        None if ELSEWHERE.iter().any(|of| name.starts_with(of)) => None,
-        other => Some(other.unwrap_or("")),
-    }
-}
-
-/// Those numbers of a wing and its air that are no outline, as the surface calls them: planform and hinges are the case's own.
-fn own_numbers(numbers: &mut SurfaceNumbers) -> Vec<(String, &mut f64)> {
-    let mut named = numbers.by_name();
-    named.retain(|(known, _)| !known.ends_with("_m"));
-    named
-}
-
-/// What the number that a surface calls `own` is called here.
-fn full(own: &str) -> String {
-    if own == "density_kg_m3" { AIR_DENSITY.into() } else { format!("{OWN}{own}") }
+/// Whether the number called `name` is none of those that a wing alone has not.
+fn is_own(name: &str) -> bool {
+    !ELSEWHERE.iter().any(|of| name.starts_with(of))
 }
 
 /// A model with those of the numbers `to` that are its own.
-fn renumbered<'a>(aero: &Aero, to: impl Iterator<Item = (&'a str, f64)>) -> Result<Aero, Error> {
-    let mut numbers = aero.numbers().clone();
-    for (name, value) in to {
-        check_number(name, value)?;
-        let Some(own) = own(name) else { continue };
-        let mut named = own_numbers(&mut numbers);
-        match named.iter_mut().find(|(known, _)| known == own) {
-            Some((_, number)) => **number = value,
-            None => {
-                let known: Vec<String> = named.iter().map(|(known, _)| full(known)).collect();
-                return Err(Error::invalid("numbers", format!("{name:?}"), one_of(name, &known)));
-            }
-        }
+fn renumbered(aero: &Aero, to: &[(&str, f64)]) -> Result<Aero, Error> {
+    let numbers = WingNumbers::of(aero);
+    let known = numbers.named(&|_, _, _| None);
+    for (name, value) in to.iter().filter(|(name, _)| is_own(name)) {
+        let Some(number) = known.iter().find(|number| number.name == *name) else {
+            let names: Vec<&str> = known.iter().map(|number| number.name.as_str()).collect();
+            let allowed =
+                former(name).map_or_else(|| one_of(name, &names), |new| format!("its new name, {new:?}"));
+            return Err(Error::invalid("numbers", format!("{name:?}"), allowed));
+        };
+        check_given(name, &number.quantity, *value)
+            .map_err(|e| e.renamed(&[(*name, format!("numbers.\"{name}\""))]))?;
+        Named { value: *value, ..number.clone() }.check()?;
     }
+    let given = |number: Declared, own| {
+        to.iter().find(|(name, _)| *name == number.name).map_or(own, |(_, value)| *value)
+    };
+    let WingNumbers(numbers) = numbers.map_named(&|_, _, _| None, |own| own, given);
     aero.with(&numbers)
 }
 
@@ -322,8 +307,12 @@ impl TetherCase {
 
     /// Names and values of the numbers that `numbers` may give, as a robot calls those of its wing and air.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
-        let mut numbers = self.tether.aero.numbers().clone();
-        own_numbers(&mut numbers).into_iter().map(|(own, value)| (full(&own), *value)).collect()
+        self.parameters().into_iter().map(|number| (number.name, number.value)).collect()
+    }
+
+    /// The same with what is declared of them.
+    pub fn parameters(&self) -> Vec<Named> {
+        WingNumbers::of(&self.tether.aero).named(&|_, _, _| None)
     }
 
     /// The wing in its wind with other numbers; those of what a wing alone has not do not count.
@@ -331,7 +320,7 @@ impl TetherCase {
     /// # Errors
     /// A number that the wing has not, or that cannot be.
     pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Tether, Error> {
-        let aero = renumbered(&self.tether.aero, to.iter().copied())?;
+        let aero = renumbered(&self.tether.aero, to)?;
         Ok(Tether { aero, ..self.tether.clone() })
     }
 
@@ -345,12 +334,12 @@ impl TetherCase {
         tether: &Tether,
         keys: &[&str],
     ) -> Result<Result<Vec<CycleWrenches>, Fault>, Error> {
-        let owned: Vec<Option<&str>> = keys.iter().map(|key| own(key)).collect();
-        let varied: Vec<&str> = owned.iter().copied().flatten().collect();
+        let varied: Vec<&str> = keys.iter().copied().filter(|key| is_own(key)).collect();
         Ok(tether.differentiated(&varied)?.map(|found| {
             let mut found = found.into_iter();
             let none = || vec![[0.0; 6]; tether.clock.steps_per_cycle];
-            owned.iter().map(|own| own.and_then(|_| found.next()).unwrap_or_else(none)).collect()
+            let one = |key: &&str| is_own(key).then(|| found.next()).flatten().unwrap_or_else(none);
+            keys.iter().map(one).collect()
         }))
     }
 }
@@ -412,7 +401,9 @@ impl TetherSpec {
 
     /// The wing's model with those of `numbers` that are its own; those of bodies, gait and rig do not count.
     fn numbered(&self, aero: Aero) -> Result<Aero, Error> {
-        renumbered(&aero, self.numbers.iter().map(|(name, value)| (name.as_str(), *value)))
+        let given: Vec<(&str, f64)> =
+            self.numbers.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+        renumbered(&aero, &given)
     }
 
     fn motion(&self, folder: Folder, read: ReadTable) -> Result<(Motion, Vec<Smoothed>), Error> {

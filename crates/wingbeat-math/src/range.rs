@@ -15,6 +15,8 @@ pub struct Range {
 }
 
 impl Range {
+    /// Any finite number.
+    pub const FINITE: Self = Self::between(f64::NEG_INFINITY, f64::INFINITY);
     /// Above 0.
     pub const POSITIVE: Self = Self::over(0.0, f64::INFINITY);
     /// 0 or more.
@@ -60,6 +62,7 @@ impl Range {
     fn allowed(&self) -> String {
         let Self { low, high, open } = self;
         match (high.is_finite(), open) {
+            (false, _) if low.is_infinite() => "a finite number".into(),
             (false, [true, _]) => format!("a finite number above {low}"),
             (false, _) => format!("a finite number, {low} or more"),
             (true, [true, false]) => format!("above {low}, at most {high}"),

@@ -4,7 +4,10 @@ use super::carrier::Mount;
 use std::collections::BTreeMap;
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
-use wingbeat_math::{Jet, Mat3, Scalar, Vec3};
+use wingbeat_math::range::Range;
+use wingbeat_math::{Declared, Jet, Mat3, Named, Parameters, Quantity, Scalar, Vec3, Walk};
+use wingbeat_robot::body::{MASS, PLACE};
+use wingbeat_robot::check_given;
 
 /// What a rig is beside what its file draws: how the body sits on the cell, what the mount weighs, how the crank runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +39,13 @@ impl RigNumbers {
         for (name, value) in given.iter().filter(|(name, _)| Self::names_one(name)) {
             self.set(name, *value)?;
         }
+        let known = self.parameters();
+        let given = |number: &Named| given.contains_key(&number.name);
+        known.iter().filter(|number| given(number)).try_for_each(|number| {
+            let key = format!("numbers.\"{}\"", number.name);
+            let checked = check_given(&number.name, &number.quantity, number.value);
+            checked.and_then(|()| number.check()).map_err(|e| e.renamed(&[(&number.name, key)]))
+        })?;
         Ok(self)
     }
 
@@ -44,18 +54,19 @@ impl RigNumbers {
     /// # Errors
     /// An unknown name.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), Error> {
-        let mut named = self.by_name();
-        if let Some((_, number)) = named.iter_mut().find(|(known, _)| known == name) {
-            **number = value;
-            return Ok(());
+        let known = self.parameters();
+        if !known.iter().any(|number| number.name == name) {
+            let known: Vec<&str> = known.iter().map(|number| number.name.as_str()).collect();
+            return Err(Error::invalid("numbers", format!("{name:?}"), one_of(name, &known)));
         }
-        let known: Vec<&str> = named.iter().map(|(name, _)| name.as_str()).collect();
-        Err(Error::invalid("numbers", format!("{name:?}"), one_of(name, &known)))
+        let given = |number: Declared, own| if number.name == name { value } else { own };
+        *self = self.map_named(&|_, _, _| None, |own| own, given);
+        Ok(())
     }
 
-    /// Names and values.
-    pub fn named(&self) -> Vec<(String, f64)> {
-        self.clone().by_name().into_iter().map(|(name, value)| (name, *value)).collect()
+    /// Its numbers with their names and what is declared of them.
+    pub fn parameters(&self) -> Vec<Named> {
+        self.named(&|_, _, _| None)
     }
 
     /// Whether `name` is one of the rig's, not of the robot's.
@@ -64,31 +75,28 @@ impl RigNumbers {
     }
 }
 
+/// Shift of the body beside where the rig has it.
+const SHIFT: Quantity = Quantity::within("m", Range::between(-0.1, 0.1), -0.1, 0.1);
+/// Turn of the body beside the attitude that the rig has.
+const TURN: Quantity = Quantity::within("rad", Range::between(-0.5, 0.5), -0.5, 0.5);
+/// Share of an uneven crank.
+const RIPPLE: Quantity = Quantity::within("rad", Range::between(-0.3, 0.3), -0.3, 0.3);
+
+impl<P: Scalar> Parameters<P> for RigNumbers<P> {
+    type In<Q: Scalar> = RigNumbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> RigNumbers<Q> {
+        RigNumbers {
+            shift: at.vector("mount.shift_m", &[SHIFT; 3], self.shift),
+            turn: at.vector("mount.turn_rad", &[TURN; 3], self.turn),
+            mass: at.number("mount.mass_kg", &MASS, self.mass),
+            com: at.vector("mount.com_m", &[PLACE; 3], self.com),
+            ripple: at.array("crank.ripple_rad", &[RIPPLE; 2], self.ripple),
+        }
+    }
+}
+
 impl<P: Scalar> RigNumbers<P> {
-    /// The same numbers as constants of another scalar.
-    pub fn constant(of: &RigNumbers) -> Self {
-        let vector = Vec3::constant;
-        Self {
-            shift: vector(of.shift),
-            turn: vector(of.turn),
-            mass: P::from(of.mass),
-            com: vector(of.com),
-            ripple: of.ripple.map(P::from),
-        }
-    }
-
-    /// All numbers by name.
-    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
-        let mut all: Vec<(String, &mut P)> = vec![("mount.mass_kg".into(), &mut self.mass)];
-        let vectors = [("shift_m", &mut self.shift), ("turn_rad", &mut self.turn), ("com_m", &mut self.com)];
-        for (key, vector) in vectors {
-            all.extend(vector.0.iter_mut().enumerate().map(|(i, x)| (format!("mount.{key}[{i}]"), x)));
-        }
-        let ripple = self.ripple.iter_mut().enumerate();
-        all.extend(ripple.map(|(i, x)| (format!("crank.ripple_rad[{i}]"), x)));
-        all
-    }
-
     /// The mount with these numbers.
     pub fn mount(&self, drawn: &Mount) -> Mount<P> {
         let [roll, pitch, yaw] = self.turn.0;

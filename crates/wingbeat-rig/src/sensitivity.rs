@@ -9,7 +9,7 @@ use wingbeat_flight::simulate::{
     Ending, Held, Moment, Observed, Sensitive, Sizes, Stepper, System, Varied, packed,
 };
 use wingbeat_math::Error;
-use wingbeat_math::{Vec3, Wrench};
+use wingbeat_math::{Parameters, Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_robot::{Robot, TOGETHER, Varying};
 
@@ -85,13 +85,10 @@ fn looked_at<T: Observed + System<Memory = ()>, R>(
 
 /// The numbers of the rig with those called `keys` as variables.
 fn varied(numbers: &RigNumbers, keys: &[&str]) -> RigNumbers<Varying> {
-    let mut varied = RigNumbers::<Varying>::constant(numbers);
-    for (name, number) in varied.by_name() {
-        for (variable, key) in number.eps.iter_mut().zip(keys) {
-            *variable = f64::from(u8::from(name == *key));
-        }
-    }
-    varied
+    let eps = |name: &str| {
+        std::array::from_fn(|k| f64::from(u8::from(keys.get(k).is_some_and(|key| *key == name))))
+    };
+    numbers.map_named(&|_, _, _| None, Varying::constant, |number, re| Varying { re, eps: eps(number.name) })
 }
 
 /// A run whose states are those of the air with their derivatives.

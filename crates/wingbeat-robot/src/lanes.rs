@@ -3,7 +3,7 @@
 use super::{Numbers, Robot};
 use std::cell::{Cell, RefCell};
 use wingbeat_math::Error;
-use wingbeat_math::Lanes;
+use wingbeat_math::{Lanes, Parameters};
 
 impl Robot {
     /// Whether the numbers of a robot of the same specification but for its [`Numbers`] can stand beside these in lanes:

@@ -16,6 +16,7 @@ mod mechanism;
 mod mirror;
 mod numbers;
 mod observe;
+mod physical;
 mod placement;
 mod regulators;
 mod residual;
@@ -30,7 +31,8 @@ pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
 pub use compiled::{Compiled, CycleScalar};
 pub use mirror::Mirror;
-pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying, bounds};
+pub use numbers::{Numbers, SpringNumbers, StopNumbers, TOGETHER, Varying};
+pub use numbers::{check_given, former, stands_for};
 pub use observe::Observation;
 pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
@@ -40,8 +42,7 @@ pub use spec::{
     JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, ResidualSpec,
     RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
 };
-pub use spec::{check_number, is_of_rig};
-pub use spec::{file_or, file_or_numbers};
+pub use spec::{file_or, file_or_numbers, is_of_rig};
 pub use stance::Stance;
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;
@@ -210,6 +211,10 @@ impl Robot {
     /// How far each structure element is displaced by held commands within their limits, rad or m.
     pub fn strokes(&self) -> &[[f64; 2]] {
         &self.strokes
+    }
+    /// Density of the air, kg/m3.
+    pub fn density(&self) -> f64 {
+        self.density
     }
     /// Velocity of the air without its gust, m/s in W.
     pub fn mean_wind(&self) -> Vec3 {

@@ -2,11 +2,12 @@
 
 use super::mechanism::SIDES;
 use super::{PlacementNumbers, Robot};
-use crate::body::{BodyNumbers, FourierSeries, JointNumbers, LinkageDimensions, Motor, Response};
-use wingbeat_aero::SurfaceNumbers;
+use crate::body::{BodyNumbers, FourierSeries, JointNumbers, Linkage, LinkageDimensions, Motor, Response};
+use wingbeat_aero::{AIR_DENSITY, DENSITY, SurfaceNumbers};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
-use wingbeat_math::{Dual, Scalar, Vec3};
+use wingbeat_math::range::Range;
+use wingbeat_math::{Declared, Dual, Named, Parameters, Quantity, Scalar, Vec3, Walk};
 
 /// Spring and damper of a joint whose coordinate is a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,9 +41,45 @@ impl<P: Scalar> StopNumbers<P> {
     pub(super) fn width(&self) -> P {
         (self.high - self.low) * STOP_ROUNDING
     }
+}
 
-    fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> StopNumbers<Q> {
-        StopNumbers { low: f(self.low), high: f(self.high), stiffness: f(self.stiffness) }
+/// Coordinate of a joint.
+const COORDINATE: Quantity = Quantity::free("rad");
+/// Stiffness of a spring.
+pub(super) const STIFFNESS: Quantity = Quantity::within("N m/rad", Range::NOT_NEGATIVE, 0.0, 1e6);
+/// Damping of a joint.
+pub(super) const DAMPING: Quantity = Quantity::within("N m s/rad", Range::NOT_NEGATIVE, 0.0, 1e6);
+/// Stiffness of a stop.
+pub(super) const STOP_STIFFNESS: Quantity = Quantity { range: Range::POSITIVE, ..STIFFNESS };
+/// Drag area of the body along an axis.
+pub(super) const DRAG_AREA: Quantity = Quantity::within("m2", Range::NOT_NEGATIVE, 0.0, 1e6);
+/// Rate of the gait's phase.
+const PHASE_RATE: Quantity = Quantity::free("rad/s");
+/// Phase of the gait.
+const PHASE: Quantity = Quantity::free("rad");
+
+impl<P: Scalar> Parameters<P> for StopNumbers<P> {
+    type In<Q: Scalar> = StopNumbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> StopNumbers<Q> {
+        StopNumbers {
+            low: at.number("low", &COORDINATE, self.low),
+            high: at.number("high", &COORDINATE, self.high),
+            stiffness: at.number("stiffness", &STOP_STIFFNESS, self.stiffness),
+        }
+    }
+}
+
+impl<P: Scalar> Parameters<P> for SpringNumbers<P> {
+    type In<Q: Scalar> = SpringNumbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> SpringNumbers<Q> {
+        SpringNumbers {
+            stiffness: at.number("stiffness", &STIFFNESS, self.stiffness),
+            damping: at.number("damping", &DAMPING, self.damping),
+            rest: at.number("rest", &COORDINATE, self.rest),
+            stops: self.stops.as_ref().map(|stops| at.within("stops", |at| stops.walk(at))),
+        }
     }
 }
 
@@ -84,133 +121,53 @@ pub struct Numbers<P: Scalar = f64> {
     pub motor: Option<Motor<P>>,
 }
 
-impl<P: Scalar> Numbers<P> {
-    /// The same numbers in another type, `f` of each.
-    pub(super) fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> Numbers<Q> {
-        let vector = |v: Vec3<P>| v.each(f);
-        let body = |b: &BodyNumbers<P>| BodyNumbers {
-            mass: f(b.mass),
-            com: vector(b.com),
-            moments: vector(b.moments),
+impl<P: Scalar> Parameters<P> for Numbers<P> {
+    type In<Q: Scalar> = Numbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Numbers<Q> {
+        let body = |at: &mut Walk<'_, P, Q>, (i, body): (usize, &BodyNumbers<P>)| match i {
+            0 => at.within("body", |at| body.walk(at)),
+            link => at.item("links", "links", link - 1, |at| body.walk(at)),
         };
-        let spring = |s: &SpringNumbers<P>| SpringNumbers {
-            stiffness: f(s.stiffness),
-            damping: f(s.damping),
-            rest: f(s.rest),
-            stops: s.stops.map(|stops| stops.map(f)),
-        };
-        let motor = |m: &Motor<P>| Motor {
-            stall_torque: f(m.stall_torque),
-            no_load_speed: f(m.no_load_speed),
-            gear_ratio: f(m.gear_ratio),
-            efficiency: f(m.efficiency),
-            inertia: f(m.inertia),
-        };
-        let place = |p: &JointNumbers<P>| JointNumbers { origin: vector(p.origin), turn: vector(p.turn) };
+        let surface = |at: &mut Walk<'_, P, Q>, surface: &SurfaceNumbers<P>| surface.walk(at);
+        let placement = |at: &mut Walk<'_, P, Q>, placement: &PlacementNumbers<P>| placement.walk(at);
         Numbers {
-            bodies: self.bodies.iter().map(body).collect(),
-            places: self.places.iter().map(place).collect(),
-            series: self.series.iter().map(|(series, lag)| (series.map(f), f(*lag))).collect(),
-            linkage: self.linkage.as_ref().map(|dimensions| dimensions.map(f)),
-            response: self.response.map(f),
-            springs: self.springs.iter().map(spring).collect(),
-            surfaces: self.surfaces.iter().map(|surface| surface.map(f)).collect(),
-            placements: self.placements.iter().map(|placement| placement.map(f)).collect(),
-            drag_area: vector(self.drag_area),
-            density: f(self.density),
-            phase_rate: f(self.phase_rate),
-            phase_start: f(self.phase_start),
-            motor: self.motor.as_ref().map(motor),
+            bodies: self.bodies.iter().enumerate().map(|of| body(at, of)).collect(),
+            places: at.list(("links", "links"), &self.places, |at, place| place.walk(at)),
+            series: at.list(("links", "series"), &self.series, |at, (series, lag)| {
+                at.within("driven", |at| (series.walk(at), at.number("lag_rad", &PHASE, *lag)))
+            }),
+            linkage: self.linkage.as_ref().map(|linkage| at.within("linkage", |at| linkage.walk(at))),
+            response: at.within("structure", |at| self.response.walk(at)),
+            springs: at.list(("links", "springs"), &self.springs, |at, spring| {
+                at.within("elastic", |at| spring.walk(at))
+            }),
+            surfaces: at.list(("surfaces", "surfaces"), &self.surfaces, surface),
+            placements: at.list(("surfaces", "surfaces"), &self.placements, placement),
+            drag_area: at.within("body", |at| at.vector("drag_area_m2", &[DRAG_AREA; 3], self.drag_area)),
+            density: at.apart(AIR_DENSITY, &DENSITY, self.density),
+            phase_rate: at.number("gait.phase_rate_rad_s", &PHASE_RATE, self.phase_rate),
+            phase_start: at.number("gait.phase_rad", &PHASE, self.phase_start),
+            motor: self.motor.as_ref().map(|motor| at.within("motor", |at| motor.walk(at))),
         }
-    }
-
-    /// All numbers with their names, those of links and surfaces by the names that `robot` gives them.
-    fn by_name<'a>(&'a mut self, robot: &Robot) -> Vec<(String, &'a mut P)> {
-        let mut all: Vec<(String, &mut P)> = Vec::new();
-        let (tree, joints) = (robot.tree(), &robot.mechanism.coordinates);
-        let names = std::iter::once("body".to_string())
-            .chain((0..tree.links()).map(|link| format!("links.{}", tree.name(link))));
-        for (name, body) in names.zip(&mut self.bodies) {
-            all.push((format!("{name}.mass_kg"), &mut body.mass));
-            all.extend(along(&name, "com_m", &mut body.com));
-            all.extend(along(&name, "inertia_kg_m2", &mut body.moments));
-        }
-        for (link, place) in self.places.iter_mut().enumerate() {
-            let name = format!("links.{}", tree.name(link));
-            all.extend(along(&name, "origin_m", &mut place.origin));
-            all.extend(along(&name, "turn_rad", &mut place.turn));
-        }
-        for ((joint, ..), (series, lag)) in robot.mechanism.series().zip(&mut self.series) {
-            let name = format!("links.{}.series", tree.name(joint));
-            all.push((format!("{name}.lag_rad"), lag));
-            all.extend(series.by_name().into_iter().map(|(key, number)| (format!("{name}.{key}"), number)));
-        }
-        if let Some(dimensions) = &mut self.linkage {
-            let named = dimensions.by_name().into_iter();
-            all.extend(named.map(|(key, number)| (format!("linkage.{key}"), number)));
-        }
-        let response = self.response.by_name().into_iter();
-        all.extend(response.map(|(key, number)| (format!("structure.{key}"), number)));
-        for (&joint, spring) in joints.iter().zip(&mut self.springs) {
-            let key = |key: &str| format!("links.{}.elastic.{key}", tree.name(joint));
-            all.push((key("stiffness"), &mut spring.stiffness));
-            all.push((key("damping"), &mut spring.damping));
-            all.push((key("rest"), &mut spring.rest));
-            if let Some(StopNumbers { low, high, stiffness }) = &mut spring.stops {
-                all.push((key("stops.low"), low));
-                all.push((key("stops.high"), high));
-                all.push((key("stops.stiffness"), stiffness));
-            }
-        }
-        for ((name, _), surface) in robot.surfaces().zip(&mut self.surfaces) {
-            for (key, value) in surface.by_name() {
-                let air = key == "density_kg_m3";
-                all.push((if air { format!("air.{key}") } else { format!("surfaces.{name}.{key}") }, value));
-            }
-        }
-        for ((name, _), placement) in robot.surfaces().zip(&mut self.placements) {
-            let named = placement.by_name().into_iter();
-            all.extend(named.map(|(key, number)| (format!("surfaces.{name}.{key}"), number)));
-        }
-        all.extend(along("body", "drag_area_m2", &mut self.drag_area));
-        all.push(("air.density_kg_m3".into(), &mut self.density));
-        all.push(("gait.phase_rate_rad_s".into(), &mut self.phase_rate));
-        all.push(("gait.phase_rad".into(), &mut self.phase_start));
-        if let Some(motor) = &mut self.motor {
-            all.push(("motor.stall_torque_n_m".into(), &mut motor.stall_torque));
-            all.push(("motor.no_load_speed_rad_s".into(), &mut motor.no_load_speed));
-            all.push(("motor.gear_ratio".into(), &mut motor.gear_ratio));
-            all.push(("motor.efficiency".into(), &mut motor.efficiency));
-            all.push(("motor.inertia_kg_m2".into(), &mut motor.inertia));
-        }
-        all
     }
 }
 
-/// The components of a vector by name.
-fn along<'a, P: Scalar>(
-    of: &str,
-    key: &str,
-    vector: &'a mut Vec3<P>,
-) -> impl Iterator<Item = (String, &'a mut P)> {
-    let name = format!("{of}.{key}");
-    vector.0.iter_mut().enumerate().map(move |(i, value)| (format!("{name}[{i}]"), value))
-}
-
-/// What of the value at `key` the number called `name` takes: all of it where the key is its name or, without the
-/// side, that of its mirrored pair; less than nothing where the image has the other sign.
-fn share(key: &str, name: &str) -> Option<f64> {
+/// Whether the value at `key` is that of the number called `name`: its name, or, without the side, that of its mirrored pair. True
+/// within where the number is that of the image.
+pub fn stands_for(key: &str, name: &str) -> Option<bool> {
     if key == name {
-        return Some(1.0);
+        return Some(false);
     }
     let link = name.strip_prefix("links.")?.split('.').next()?;
     let (side, pair) = SIDES.iter().enumerate().find_map(|(i, side)| Some((i, link.strip_suffix(side)?)))?;
-    if key != name.replacen(link, pair, 1) {
-        return None;
-    }
-    // Of polar vectors the part across the plane of symmetry changes sign, of turns those in it.
-    let turned = ["com_m[1]", "origin_m[1]", "turn_rad[0]", "turn_rad[2]"];
-    Some(if side == 1 && turned.iter().any(|end| name.ends_with(end)) { -1.0 } else { 1.0 })
+    (key == name.replacen(link, pair, 1)).then_some(side == 1)
+}
+
+/// What of the value at `key` a number takes: all of it where it is its own, less than nothing where the image has the other sign.
+fn share(key: &str, number: Declared) -> Option<f64> {
+    let image = stands_for(key, number.name)?;
+    Some(if image && number.quantity.turned { -1.0 } else { 1.0 })
 }
 
 impl<P: Scalar> Robot<P> {
@@ -235,10 +192,54 @@ impl<P: Scalar> Robot<P> {
 }
 
 impl Robot {
-    /// Names and values of the numbers that may carry derivatives: `links.twist_left.mass_kg`,
+    /// What the bodies are called: the central one, then the links.
+    pub(super) fn body_names(&self) -> impl Iterator<Item = String> {
+        let link = |link: usize| format!("links.{}", self.tree().name(link));
+        std::iter::once("body".to_string()).chain((0..self.tree().links()).map(link))
+    }
+
+    /// What an item of a list of numbers is called: what its file calls it.
+    pub(super) fn label(&self, kind: &str, within: &str, place: usize) -> Option<&str> {
+        let joint = |joint: usize| self.tree().name(joint);
+        match kind {
+            "links" => Some(joint(place)),
+            "series" => self.mechanism.series().nth(place).map(|(of, ..)| joint(of)),
+            "springs" => self.mechanism.coordinates.get(place).map(|of| joint(*of)),
+            "surfaces" => self.covering.laid.get(place).map(|laid| laid.name.as_str()),
+            "panels" => {
+                let name = within.strip_prefix("surfaces.")?;
+                self.covering.laid.iter().find(|laid| laid.name == name)?.panel(place)
+            }
+            "elements" => self.elements.get(place).map(|element| element.name.as_str()),
+            "regulators" => self.inputs.get(place).map(|input| input.name.as_str()),
+            "states" => self.states.get(self.layout.structure + place).map(|state| state.name.as_str()),
+            _ => None,
+        }
+    }
+
+    /// The same for a walk.
+    pub(super) fn labels(&self) -> impl Fn(&str, &str, usize) -> Option<String> {
+        |kind, within, place| self.label(kind, within, place).map(str::to_owned)
+    }
+
+    /// The numbers that may carry derivatives, with their names and what is declared of them: `links.twist_left.mass_kg`,
     /// `surfaces.wing.cd0`, `air.density_kg_m3`. Several numbers may share one name.
+    pub fn parameters(&self) -> Vec<Named> {
+        self.numbers().named(&self.labels())
+    }
+
+    /// Names and values of the same.
     pub fn named_numbers(&self) -> Vec<(String, f64)> {
-        self.numbers().by_name(self).into_iter().map(|(name, value)| (name, *value)).collect()
+        self.parameters().into_iter().map(|number| (number.name, number.value)).collect()
+    }
+
+    /// Numbers in another scalar: `f` of what is declared of each and its value, `plain` of those that are fixed.
+    fn each_number<Q: Scalar>(
+        &self,
+        plain: impl Fn(f64) -> Q,
+        f: impl FnMut(Declared, f64) -> Q,
+    ) -> Numbers<Q> {
+        self.numbers().map_named(&self.labels(), plain, f)
     }
 
     /// The same robot with other numbers, which may carry derivatives. What has no mass keeps none.
@@ -285,15 +286,11 @@ impl Robot {
 
     /// The same where a variable without a key moves nothing of the robot.
     fn varied_by<const N: usize>(&self, keys: [Option<&str>; N]) -> Result<Robot<Dual<N>>, Error> {
-        let mut values = self.numbers();
-        let mut numbers = values.map(Dual::<N>::constant);
-        let values = values.by_name(self);
-        check(keys.into_iter().flatten(), &values)?;
-        for (name, number) in numbers.by_name(self) {
-            for (variable, key) in number.eps.iter_mut().zip(keys) {
-                *variable = key.and_then(|key| share(key, &name)).unwrap_or(0.0);
-            }
-        }
+        self.check_names(keys.into_iter().flatten())?;
+        let numbers = self.each_number(Dual::<N>::constant, |number, value| {
+            let eps = keys.map(|key| key.and_then(|key| share(key, number)).unwrap_or(0.0));
+            Dual { re: value, eps }
+        });
         self.with(&numbers)
     }
 
@@ -315,57 +312,111 @@ impl Robot {
         keys.chunks(TOGETHER).map(batch).collect()
     }
 
-    /// The robot with the numbers called by the keys at these values; keys as for [`varied`](Self::varied).
+    /// The robot's numbers, those called by the keys at these values; keys as for [`varied`](Self::varied).
     ///
     /// # Errors
     /// [`Error::Invalid`] with the names that there are when one is unknown. Values are not checked.
+    pub fn given(&self, to: &[(&str, f64)]) -> Result<Numbers, Error> {
+        self.check_names(to.iter().map(|(key, _)| *key))?;
+        let given = |number: Declared, value| {
+            let of = |(key, value): &(&str, f64)| Some(share(key, number)? * value);
+            to.iter().rev().find_map(of).unwrap_or(value)
+        };
+        Ok(self.each_number(|value| value, given))
+    }
+
+    /// The robot with the numbers called by the keys at these values; keys as for [`varied`](Self::varied).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the names that there are when one is unknown, or with what no robot has:
+    /// [`renumbered`](Self::renumbered).
     pub fn adjusted(&self, to: &[(&str, f64)]) -> Result<Self, Error> {
-        let mut numbers = self.numbers();
-        let mut named = numbers.by_name(self);
-        check(to.iter().map(|(key, _)| *key), &named)?;
-        for (name, number) in &mut named {
-            for (key, value) in to {
-                if let Some(share) = share(key, name) {
-                    **number = share * value;
-                }
-            }
+        self.check_given(to)?;
+        self.renumbered(&self.given(to)?)
+    }
+
+    /// The robot with other numbers, held against what a robot can have.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the name of a number that no robot has.
+    pub fn renumbered(&self, numbers: &Numbers) -> Result<Self, Error> {
+        self.check_numbers(numbers)?;
+        let mut robot = self.with(numbers)?;
+        if let Some(dimensions) =
+            numbers.linkage.as_ref().filter(|_| numbers.linkage != self.numbers().linkage)
+        {
+            let linkage = Linkage::new(dimensions.clone()).map_err(|e| e.within("linkage"))?;
+            robot.mechanism.linkage = Some(Box::new(linkage));
         }
-        drop(named);
-        self.with(&numbers)
+        Ok(robot)
     }
 }
 
-/// Lowest and highest value that a number may be given, by the end of its name. *Choices*, wide of any robot: they keep a fit
-/// from numbers without meaning.
-const BOUNDS: [(&str, [f64; 2]); 14] = [
-    ("mass_kg", [0.0, 1e3]),
-    ("density_kg_m3", [1e-3, 1e4]),
-    ("section_slope", [0.1, 20.0]),
-    ("cd0", [0.0, 2.0]),
-    ("cd90", [0.0, 10.0]),
-    ("stall_angle_rad", [0.01, 1.5]),
-    ("critical_suction", [1e-3, 3.0]),
-    ("added_mass_scale", [0.0, 10.0]),
-    ("stiffness", [0.0, 1e6]),
-    ("damping", [0.0, 1e6]),
-    ("efficiency", [1e-3, 1.0]),
-    ("shift_m[", [-0.1, 0.1]),
-    ("turn_rad[", [-0.5, 0.5]),
-    ("ripple_rad[", [-0.3, 0.3]),
-];
+impl Robot {
+    /// Refuses keys that name nothing.
+    fn check_names<'a>(&self, mut keys: impl Iterator<Item = &'a str>) -> Result<(), Error> {
+        let known = self.parameters();
+        let unknown = |key: &&str| !known.iter().any(|number| stands_for(key, &number.name).is_some());
+        let Some(unknown) = keys.find(unknown) else { return Ok(()) };
+        let names: Vec<&str> = known.iter().map(|number| number.name.as_str()).collect();
+        let allowed = self
+            .renamed(unknown)
+            .map_or_else(|| one_of(unknown, &names), |new| format!("its new name, {new:?}"));
+        Err(Error::invalid("numbers", format!("{unknown:?}"), allowed))
+    }
 
-/// Lowest and highest value that the number called `name` may be given.
-pub fn bounds(name: &str) -> [f64; 2] {
-    let ends = |end: &str| if end.ends_with('[') { name.contains(end) } else { name.ends_with(end) };
-    let inertia = name.contains("inertia_kg_m2") || name.contains("drag_area_m2");
-    let given = BOUNDS.iter().find(|(end, _)| ends(end)).map(|(_, bounds)| *bounds);
-    given.unwrap_or(if inertia { [0.0, 1e6] } else { [-1e6, 1e6] })
+    /// Refuses values that a number is not given.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub fn check_given(&self, to: &[(&str, f64)]) -> Result<(), Error> {
+        self.check_names(to.iter().map(|(key, _)| *key))?;
+        let known = self.parameters();
+        to.iter().try_for_each(|(key, value)| {
+            let number = known.iter().find(|number| stands_for(key, &number.name).is_some());
+            number.map_or(Ok(()), |number| check_given(key, &number.quantity, *value))
+        })
+    }
+
+    /// The name of today of a number that was called `former`.
+    fn renamed(&self, former: &str) -> Option<String> {
+        let numbers = self.numbers();
+        let by_place = |kind: &str, within: &str, place: usize| match kind {
+            "panels" | "elements" | "regulators" | "states" => None,
+            _ => self.label(kind, within, place).map(str::to_owned),
+        };
+        let today = self.parameters().into_iter().map(|number| number.name);
+        let placed = numbers.named(&by_place);
+        let formerly = self::former(former).unwrap_or_else(|| former.to_owned());
+        let found = placed.iter().zip(today).find_map(|(placed, today)| {
+            let image = stands_for(&formerly, &placed.name)?;
+            let pair = formerly != placed.name && !image;
+            Some(if pair { pair_of(&today) } else { today })
+        })?;
+        (found != former).then_some(found)
+    }
 }
 
-/// Refuses keys that name nothing.
-fn check<'a>(keys: impl IntoIterator<Item = &'a str>, values: &[(String, &mut f64)]) -> Result<(), Error> {
-    let unknown = |key: &&str| !values.iter().any(|(name, _)| share(key, name).is_some());
-    let Some(unknown) = keys.into_iter().find(unknown) else { return Ok(()) };
-    let known: Vec<&str> = values.iter().map(|(name, _)| name.as_str()).collect();
-    Err(Error::invalid("numbers", format!("{unknown:?}"), one_of(unknown, &known)))
+/// Parts of names that numbers once had, and what they are called today. Elements, panels and entries of matrices were once called
+/// by their places.
+const FORMER_KEYS: [(&str, &str); 2] = [(".series.", ".driven."), (".section_slope", ".lift_slope_per_rad")];
+
+/// The name of today of a number of which a part was once called otherwise.
+pub fn former(name: &str) -> Option<String> {
+    let part = |(old, new): &(&str, &str)| name.contains(old).then(|| name.replace(old, new));
+    FORMER_KEYS.iter().find_map(part)
+}
+
+/// The name of a mirrored pair for that of one side.
+fn pair_of(name: &str) -> String {
+    SIDES.iter().fold(name.to_owned(), |name, side| name.replacen(&format!("{side}."), ".", 1))
+}
+
+/// Refuses a value that the number called `name` is not given.
+pub fn check_given(name: &str, quantity: &Quantity, value: f64) -> Result<(), Error> {
+    let [low, high] = quantity.given;
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::invalid(name, value, format!("{low} to {high}")))
 }

@@ -4,9 +4,9 @@ use super::clearance::Corner;
 use super::mechanism::Mechanism;
 use super::sections::Section;
 use super::spec::{PanelSpec, SurfaceSpec};
-use wingbeat_aero::{Planform, Span};
+use wingbeat_aero::{COORDINATE, Planform, Span};
 use wingbeat_math::Error;
-use wingbeat_math::{Scalar, Vec3};
+use wingbeat_math::{Parameters, Quantity, Scalar, Vec3, Walk};
 
 /// Where a panel lies on its link; of a symmetric surface that of the left half.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,31 +28,27 @@ pub struct PlacementNumbers<P: Scalar = f64> {
     pub panels: Vec<PanelNumbers<P>>,
 }
 
-impl<P: Scalar> PlacementNumbers<P> {
-    /// The same numbers in another type, `f` of each.
-    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q + Copy) -> PlacementNumbers<Q> {
-        let vector = |v: Vec3<P>| v.each(f);
-        let panel = |p: &PanelNumbers<P>| PanelNumbers {
-            from_arc: f(p.from_arc),
-            origin: vector(p.origin),
-            direction: vector(p.direction),
-        };
-        PlacementNumbers { shift: f(self.shift), panels: self.panels.iter().map(panel).collect() }
-    }
+/// A component of a direction.
+const DIRECTION: Quantity = Quantity::free("");
 
-    /// All of them by their keys; the first panel begins at the root by definition.
-    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
-        let mut all = vec![("planform_shift_m".to_string(), &mut self.shift)];
-        for (i, PanelNumbers { from_arc, origin, direction }) in self.panels.iter_mut().enumerate() {
-            if i > 0 {
-                all.push((format!("panels[{i}].from_arc_m"), from_arc));
-            }
-            for (key, vector) in [("origin_m", origin), ("direction", direction)] {
-                let parts = vector.0.iter_mut().enumerate();
-                all.extend(parts.map(|(k, part)| (format!("panels[{i}].{key}[{k}]"), part)));
-            }
+/// The first panel begins at the root by definition.
+impl<P: Scalar> Parameters<P> for PlacementNumbers<P> {
+    type In<Q: Scalar> = PlacementNumbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> PlacementNumbers<Q> {
+        let panel = |at: &mut Walk<'_, P, Q>, (i, panel): (usize, &PanelNumbers<P>)| PanelNumbers {
+            from_arc: match i {
+                0 => at.fixed(panel.from_arc),
+                _ => at.number("from_arc_m", &COORDINATE, panel.from_arc),
+            },
+            origin: at.vector("origin_m", &[COORDINATE; 3], panel.origin),
+            direction: at.vector("direction", &[DIRECTION; 3], panel.direction),
+        };
+        let panels = self.panels.iter().enumerate();
+        PlacementNumbers {
+            shift: at.number("planform_shift_m", &COORDINATE, self.shift),
+            panels: panels.map(|p| at.item("panels", "panels", p.0, |at| panel(at, p))).collect(),
         }
-        all
     }
 }
 
@@ -111,12 +107,26 @@ impl Placement {
 impl SurfaceSpec {
     /// Where it says that its panels lie.
     pub(super) fn placement(&self) -> PlacementNumbers {
-        let panel = |p: &PanelSpec| PanelNumbers {
-            from_arc: p.from_arc_m,
-            origin: Vec3(p.origin_m),
-            direction: Vec3(p.direction),
-        };
-        PlacementNumbers { shift: self.planform_shift_m, panels: self.panels.iter().map(panel).collect() }
+        PlacementNumbers {
+            shift: self.planform_shift_m,
+            panels: self.panels.iter().map(PanelSpec::numbers).collect(),
+        }
+    }
+}
+
+impl PanelSpec {
+    /// The name of its begin.
+    pub(super) fn begin(&self) -> String {
+        self.name.clone().unwrap_or_else(|| self.link.clone())
+    }
+
+    /// Where it says that it lies.
+    pub(super) fn numbers(&self) -> PanelNumbers {
+        PanelNumbers {
+            from_arc: self.from_arc_m,
+            origin: Vec3(self.origin_m),
+            direction: Vec3(self.direction),
+        }
     }
 }
 
@@ -191,8 +201,7 @@ impl Placement {
             (Span::Symmetric, false) => (s, format!("right_{name}")),
             _ => (s, name.to_string()),
         };
-        let begin = |p: &PanelSpec| p.name.clone().unwrap_or_else(|| p.link.clone());
-        let inner = panels[1..].iter().map(|p| (p.from_arc_m, begin(p)));
+        let inner = panels[1..].iter().map(|p| (p.from_arc_m, p.begin()));
         let root = (self.planform.span() != Span::Symmetric).then(|| (0.0, "root".to_string()));
         let tip = (self.planform.half_span(), "tip".to_string());
         let tip = if root.is_some() { (2.0 * tip.0, tip.1) } else { tip };

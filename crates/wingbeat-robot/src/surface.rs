@@ -1,5 +1,6 @@
 //! Surfaces laid over links: where their sections ride, and which links bear the loads of the strips.
 
+use super::Robot;
 use super::mechanism::Mechanism;
 use super::placement::{Placement, PlacementNumbers};
 use super::sections::{Carriers, Riding, Section};
@@ -11,7 +12,7 @@ use wingbeat_aero::{
     SectionMotion, SectionSpec, Sections, Span, SurfaceNumbers, Surfaces, Wrench,
 };
 use wingbeat_math::Error;
-use wingbeat_math::{Meets, Over, Scalar, Vec3};
+use wingbeat_math::{Meets, Over, Parameters, Scalar, Vec3};
 use wingbeat_ocp::plant::MAX_DEGREES;
 
 /// What a scenario needs to know of a surface to choose its aerodynamic model.
@@ -44,6 +45,24 @@ impl SurfaceOutline {
     pub fn drag(&self, law: LiftLaw) -> ProfileDrag {
         let plate = if law.separates() { CD90.default } else { 0.0 };
         ProfileDrag { cd0: self.cd0, cd90: self.cd90.unwrap_or(plate) }
+    }
+}
+
+impl Robot {
+    /// The surfaces of `spec`, of which the robot was built, with the outlines that the robot's numbers say.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the key of the robot file.
+    pub fn surface_outlines(&self, spec: &RobotSpec) -> Result<Vec<SurfaceOutline>, Error> {
+        let mut outlines = spec.outlines()?;
+        let placements = self.covering.placements.iter();
+        for ((outline, (_, aero)), placement) in outlines.iter_mut().zip(self.surfaces()).zip(placements) {
+            outline.hinges = placement.panels[1..].iter().map(|panel| panel.from_arc).collect();
+            if let Some(planform) = &aero.numbers().outline {
+                outline.planform.clone_from(planform);
+            }
+        }
+        Ok(outlines)
     }
 }
 
@@ -124,6 +143,8 @@ struct Mount<P: Scalar = f64> {
 pub(super) struct Laid {
     pub name: String,
     pub symmetric: bool,
+    /// Names of the panels, from the root on.
+    pub panels: Vec<String>,
     /// Sections at the ends of the panels with their names, from left to right.
     pub outline: Vec<(String, Section)>,
     /// Its geometry.
@@ -168,6 +189,12 @@ pub(super) struct Covering<P: Scalar = f64> {
 pub(super) type External<S> = ArrayVec<Wrench<S>, { MAX_LINKS + 1 }>;
 
 impl Laid {
+    /// Name of a panel; none where another has it too.
+    pub fn panel(&self, place: usize) -> Option<&str> {
+        let name = self.panels.get(place)?;
+        (self.panels.iter().filter(|other| *other == name).count() == 1).then_some(name)
+    }
+
     /// Names of the ends of the panels, with the surface's name before unless it is the `first`.
     pub fn outline_names(&self, first: bool) -> Vec<String> {
         let prefix = if first { String::new() } else { format!("{}_", self.name) };
@@ -214,6 +241,7 @@ impl Covering {
             let placed = Laid {
                 name: surface.name.clone(),
                 symmetric: surface.span == Span::Symmetric,
+                panels: surface.panels.iter().map(PanelSpec::begin).collect(),
                 outline: placement
                     .ends(&surface.panels)
                     .into_iter()

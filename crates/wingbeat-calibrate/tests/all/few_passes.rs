@@ -34,7 +34,7 @@ fn calibration() -> Calibration {
     let run = |name: &str| format!("[[runs]]\nrun = \"{root}/rigs/runs/{name}.toml\"\n");
     let parameter = |name: &str| format!("[[parameters]]\nname = \"{name}\"\n");
     let names = [
-        "surfaces.wing.section_slope",
+        "surfaces.wing.lift_slope_per_rad",
         "surfaces.wing.cd90",
         "surfaces.wing.added_mass_scale",
         "links.twist.mass_kg",

@@ -10,7 +10,7 @@ use wingbeat_calibrate::{Calibration, Files, Progress};
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// The numbers of the wing that was measured.
 const TRUTH: [(&str, f64); 3] = [
-    ("surfaces.wing.section_slope", 5.4),
+    ("surfaces.wing.lift_slope_per_rad", 5.4),
     ("surfaces.wing.cd0", 0.05),
     ("surfaces.wing.added_mass_scale", 0.8),
 ];
@@ -90,7 +90,7 @@ fn slopes_of_a_case_are_those_of_differences() {
         let preset = format!("aero.preset={preset}");
         let case = case(&[&preset, &format!("aero.law={law}"), "time.steps_per_cycle=96", "wing.cd0=0.02"]);
         let names = [
-            "surfaces.wing.section_slope",
+            "surfaces.wing.lift_slope_per_rad",
             "surfaces.wing.cd0",
             "air.density_kg_m3",
             "surfaces.wing.added_mass_scale",
@@ -125,7 +125,7 @@ fn a_run_on_the_rig_and_a_case_are_fitted_together() {
     );
     let calibration = calibrated(&format!(
         "name = \"both\"\nstarts = 1\nsteps_per_cycle = 100\nmodel = [\"rig.aero.preset=full\", \"rig.aero.law=linear\"]\n[truth]\n\
-         set = [\"rig.aero.preset=full\", \"rig.aero.law=linear\", \"rig.robot.numbers={{\\\"surfaces.wing.section_slope\\\"=5.4, \
+         set = [\"rig.aero.preset=full\", \"rig.aero.law=linear\", \"rig.robot.numbers={{\\\"surfaces.wing.lift_slope_per_rad\\\"=5.4, \
          \\\"surfaces.wing.cd0\\\"=0.05, \\\"surfaces.wing.added_mass_scale\\\"=0.8}}\"]\n{turn}{}{}",
         cases(&data),
         parameters()
@@ -171,7 +171,7 @@ fn refusals_say_where_and_what() {
     let unknown = told(&with("", "[[parameters]]\nname = \"surfaces.wing.cd9\"\n"));
     assert!(unknown.contains("surfaces.wing.cd90") && unknown.contains("--names"), "{unknown}");
     assert!(unknown.len() < 400 && unknown.starts_with("cal:"), "{unknown}");
-    let bounds = told(&with("", "[[parameters]]\nname = \"surfaces.wing.section_slope\"\nhigh = 4.0\n"));
+    let bounds = told(&with("", "[[parameters]]\nname = \"surfaces.wing.lift_slope_per_rad\"\nhigh = 4.0\n"));
     assert!(bounds.contains("section_slope") || bounds.contains("parameters[0].high = 4.0"), "{bounds}");
     assert!(bounds.contains("the model's own value"), "{bounds}");
     let stages = |first: usize, second: usize| {

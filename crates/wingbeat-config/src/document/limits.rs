@@ -43,7 +43,7 @@ const BY_UNIT: [(&str, &str, f64); 22] = [
 /// Unit and largest magnitude of the number at `path`. The unit is that of the innermost key that names one:
 /// `body.nose_up_deg.constant` is an angle.
 fn row(path: &str) -> Option<(&'static str, f64)> {
-    let keys = path.split('.').rev().map(|key| key.split('[').next().unwrap_or_default());
+    let keys = path.split('.').rev().map(|key| key.split(['[', '"']).next().unwrap_or_default());
     let of =
         |key: &str| BY_UNIT.iter().find(|(end, ..)| key.ends_with(end)).map(|(_, unit, most)| (*unit, *most));
     keys.filter(|key| !key.is_empty()).find_map(of)
@@ -89,6 +89,8 @@ mod tests {
         assert_eq!(largest("body.nose_up_deg.fourier.cos[2]"), 3600.0);
         assert_eq!(largest("start.velocity_m_s[0]"), 1e4);
         assert_eq!(largest("robot.body.inertia_kg_m2[1]"), 1e6);
+        assert_eq!(largest("robot.numbers.\"body.com_m[0]\""), 1e4);
+        assert_eq!(largest("robot.numbers.\"body.mass_kg\""), 1e5);
         assert_eq!(largest("draws[0].low"), LARGEST);
         assert_eq!(largest("controller.weights.roll"), LARGEST);
         assert_eq!(

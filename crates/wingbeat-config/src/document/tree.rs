@@ -1,14 +1,17 @@
-//! Paths into a tree of TOML values: `a.b.list[0].c`.
+//! Paths into a tree of TOML values: `a.b.list[0].c`; a name with dots or brackets stands between quotes, `numbers."body.com_m[0]"`.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// The steps of a path: names, and numbers for the items of lists.
 pub fn steps(path: &str) -> Vec<String> {
-    path.split(['.', '['])
-        .map(|step| step.trim_end_matches(']').trim().to_owned())
-        .filter(|s| !s.is_empty())
-        .collect()
+    let plain = |part: &str| -> Vec<String> {
+        let steps = part.split(['.', '[']).map(|step| step.trim_end_matches(']').trim().to_owned());
+        steps.filter(|step| !step.is_empty()).collect()
+    };
+    // Every other part stands between quotes.
+    let parts = path.split('"').enumerate();
+    parts.flat_map(|(i, part)| if i % 2 == 1 { vec![part.to_owned()] } else { plain(part) }).collect()
 }
 
 /// The path of `steps`.
@@ -21,7 +24,8 @@ pub fn path(steps: &[String]) -> String {
 
 /// `table.name`, or `name` alone at the root.
 pub fn dotted(table: &str, name: &str) -> String {
-    if table.is_empty() { name.into() } else { format!("{table}.{name}") }
+    let name = if name.contains(['.', '[']) { format!("\"{name}\"") } else { name.into() };
+    if table.is_empty() { name } else { format!("{table}.{name}") }
 }
 
 /// The value below `parent` called `step`.
@@ -124,5 +128,7 @@ mod tests {
     fn paths_have_names_and_indices() {
         assert_eq!(steps("a.b[2].c"), ["a", "b", "2", "c"]);
         assert_eq!(steps("a.b.2"), ["a", "b", "2"]);
+        assert_eq!(steps("a.\"b.c[0]\".d[1]"), ["a", "b.c[0]", "d", "1"]);
+        assert_eq!(path(&steps("a.\"b.c[0]\"")), "a.\"b.c[0]\"");
     }
 }

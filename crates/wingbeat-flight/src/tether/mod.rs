@@ -4,6 +4,7 @@
 mod comparison;
 mod coordinate;
 mod cycle;
+mod numbers;
 mod power;
 mod recorder;
 mod run;
@@ -14,6 +15,7 @@ pub use comparison::cycle_of;
 pub use comparison::{CycleFit, PHASES, fit, smooth};
 pub use coordinate::Coordinate;
 pub use cycle::{CycleMean, Periodicity};
+pub use numbers::WingNumbers;
 pub use recorder::TetherRun;
 pub use run::{Clock, Motion, Reference, Tether};
 pub use sensitivity::CycleWrenches;

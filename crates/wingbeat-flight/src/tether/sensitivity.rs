@@ -1,12 +1,13 @@
 //! The loads of a tethered wing over its last cycle, with their derivatives by numbers of the wing and its air.
 
 use super::Tether;
+use super::numbers::WingNumbers;
 use crate::simulate::{Ending, Held, Moment, Observed, Sensitive, Sizes, Stepper, System, Varied, packed};
 use std::ops::ControlFlow;
 use wingbeat_aero::{Aero, Loads, SectionMotion};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
-use wingbeat_math::{Scalar, Vec3, Wrench};
+use wingbeat_math::{Declared, Parameters, Scalar, Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_robot::{TOGETHER, Varying};
 
@@ -23,7 +24,7 @@ impl Tether {
         self.last_cycle(self, &self.start(), |t, loads| self.in_body(t, loads, &weights))
     }
 
-    /// The derivatives of [`last_wrenches`](Self::last_wrenches) by the numbers of the surface called `keys`, in their order. They
+    /// The derivatives of [`last_wrenches`](Self::last_wrenches) by the numbers called `keys`, as a robot calls those of its wing, in their order. They
     /// are those of the steps taken, to rounding.
     ///
     /// # Errors
@@ -40,15 +41,17 @@ impl Tether {
     }
 
     fn batch(&self, keys: &[&str]) -> Result<Result<Vec<CycleWrenches>, Fault>, Error> {
-        let mut numbers = self.aero.numbers().map(Varying::constant);
-        for (k, key) in keys.iter().enumerate() {
-            let mut named = numbers.by_name();
-            let Some((_, number)) = named.iter_mut().find(|(name, _)| name == key) else {
-                let names: Vec<&str> = named.iter().map(|(name, _)| name.as_str()).collect();
-                return Err(Error::invalid("numbers", key, one_of(key, &names)));
-            };
-            number.eps[k] = 1.0;
+        let numbers = WingNumbers::of(&self.aero);
+        let known = numbers.named(&|_, _, _| None);
+        let names: Vec<&str> = known.iter().map(|number| number.name.as_str()).collect();
+        if let Some(unknown) = keys.iter().find(|key| !names.contains(key)) {
+            return Err(Error::invalid("numbers", unknown, one_of(unknown, &names)));
         }
+        let eps = |name: &str| {
+            std::array::from_fn(|k| f64::from(u8::from(keys.get(k).is_some_and(|key| *key == name))))
+        };
+        let varied = |number: Declared, re| Varying { re, eps: eps(number.name) };
+        let WingNumbers(numbers) = numbers.map_named(&|_, _, _| None, Varying::constant, varied);
         let wing = VariedWing { of: self, aero: self.aero.with(&numbers)?, weights: self.strip_weights() };
         let mut x = vec![Varying::ZERO; wing.aero.states()];
         wing.aero.settle(&wing.sections(0.0), wing.wind(), &mut x);

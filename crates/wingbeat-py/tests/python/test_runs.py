@@ -152,7 +152,7 @@ def test_a_wake_is_the_programs_wake(program, tmp_path):
 def test_a_calibration_is_the_programs(program, tmp_path):
     file = ROOT / "calibrations/two_runs.toml"
     told = wingbeat.calibrate(file, information=True)
-    assert told.record is None and told.values == {} and "surfaces.wing.section_slope" in told.information
+    assert told.record is None and told.values == {} and "surfaces.wing.lift_slope_per_rad" in told.information
     done = program("calibrate", file, "--quiet", "--out", tmp_path / "fit")
     assert done.returncode == 0, done.stderr
     fitted = wingbeat.calibrate(file)

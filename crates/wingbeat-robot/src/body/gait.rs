@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use wingbeat_math::{Error, require};
-use wingbeat_math::{Jet, Meets, Scalar};
+use wingbeat_math::{Jet, Meets, Parameters, Quantity, Scalar, Walk};
 
 /// Most harmonics of a series.
 pub const MAX_HARMONICS: usize = 64;
@@ -79,22 +79,22 @@ impl<P: Scalar> FourierSeries<P> {
             && harmonics
                 .all(|(a, b)| same(a.amplitude_rad, b.amplitude_rad) && same(a.phase_rad, b.phase_rad))
     }
+}
 
-    /// The same series in other numbers, `f` of each.
-    pub fn map<Q>(&self, f: impl Fn(P) -> Q) -> FourierSeries<Q> {
-        let harmonic =
-            |h: &Harmonic<P>| Harmonic { amplitude_rad: f(h.amplitude_rad), phase_rad: f(h.phase_rad) };
-        FourierSeries { mean_rad: f(self.mean_rad), harmonics: self.harmonics.iter().map(harmonic).collect() }
-    }
+/// An angle, or the length of a joint that slides.
+const ANGLE: Quantity = Quantity::free("rad");
 
-    /// Its numbers by their keys.
-    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
-        let mut all = vec![("mean_rad".to_string(), &mut self.mean_rad)];
-        for (i, harmonic) in self.harmonics.iter_mut().enumerate() {
-            all.push((format!("harmonics[{i}].amplitude_rad"), &mut harmonic.amplitude_rad));
-            all.push((format!("harmonics[{i}].phase_rad"), &mut harmonic.phase_rad));
+impl<P: Scalar> Parameters<P> for FourierSeries<P> {
+    type In<Q: Scalar> = FourierSeries<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> FourierSeries<Q> {
+        FourierSeries {
+            mean_rad: at.number("mean_rad", &ANGLE, self.mean_rad),
+            harmonics: at.list(("harmonics", ""), &self.harmonics, |at, harmonic| Harmonic {
+                amplitude_rad: at.number("amplitude_rad", &ANGLE, harmonic.amplitude_rad),
+                phase_rad: at.number("phase_rad", &ANGLE, harmonic.phase_rad),
+            }),
         }
-        all
     }
 }
 

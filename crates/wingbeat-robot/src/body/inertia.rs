@@ -2,8 +2,9 @@
 
 use super::motion::LinkMotion;
 use wingbeat_math::Error;
+use wingbeat_math::range::Range;
 use wingbeat_math::require;
-use wingbeat_math::{Mat3, Meets, Scalar, Vec3, Wrench};
+use wingbeat_math::{Mat3, Meets, Parameters, Quantity, Scalar, Vec3, Walk, Wrench, polar};
 
 /// Constant inertia of a rigid body, with its principal axes found once so that
 /// turning it into other axes takes two outer products.
@@ -29,6 +30,31 @@ pub struct BodyNumbers<P: Scalar = f64> {
     pub com: Vec3<P>,
     /// Principal moments about the centre of mass, kg m2: of a diagonal inertia its entries.
     pub moments: Vec3<P>,
+}
+
+/// Mass of a body.
+pub const MASS: Quantity = Quantity::within("kg", Range::NOT_NEGATIVE, 0.0, 1e3);
+/// Principal moment of inertia of a body.
+pub const INERTIA: Quantity = Quantity::within("kg m2", Range::NOT_NEGATIVE, 0.0, 1e6);
+/// A coordinate of a point.
+pub const PLACE: Quantity = Quantity::free("m");
+
+/// A link without mass keeps none: its numbers have no names.
+impl<P: Scalar> Parameters<P> for BodyNumbers<P> {
+    type In<Q: Scalar> = BodyNumbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> BodyNumbers<Q> {
+        if self.mass.is_zero() && self.moments.is_zero() {
+            let mut fixed = |v: Vec3<P>| Vec3(v.0.map(|x| at.fixed(x)));
+            let (com, moments) = (fixed(self.com), fixed(self.moments));
+            return BodyNumbers { mass: at.fixed(self.mass), com, moments };
+        }
+        BodyNumbers {
+            mass: at.number("mass_kg", &MASS, self.mass),
+            com: at.vector("com_m", &polar(PLACE), self.com),
+            moments: at.vector("inertia_kg_m2", &[INERTIA; 3], self.moments),
+        }
+    }
 }
 
 /// A symmetric 3x3 matrix: xx, yy, zz, xy, xz, yz.

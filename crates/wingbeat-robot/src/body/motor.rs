@@ -1,6 +1,7 @@
 //! A direct-current motor that turns a crank through a gearbox.
 
-use wingbeat_math::{Meets, Scalar};
+use wingbeat_math::range::Range;
+use wingbeat_math::{Meets, Parameters, Quantity, Scalar, Walk};
 
 /// Share of the stall torque over which the corner of the gearbox's friction is rounded off.
 const TORQUE_ROUNDING: f64 = 1e-3;
@@ -20,6 +21,31 @@ pub struct Motor<P = f64> {
     pub efficiency: P,
     /// Inertia of rotor and crank about the crank's axis, kg m2.
     pub inertia: P,
+}
+
+/// Torque of the shaft held still at full supply.
+pub const STALL_TORQUE: Quantity = Quantity::within("N m", Range::POSITIVE, 0.0, 1e6);
+/// Speed of the free shaft at full supply.
+pub const NO_LOAD_SPEED: Quantity = Quantity::within("rad/s", Range::POSITIVE, 0.0, 1e6);
+/// Turns of the shaft per turn of the crank.
+pub const GEAR_RATIO: Quantity = Quantity::within("", Range::POSITIVE, 0.0, 1e6);
+/// Share of the power that passes the gearbox.
+pub const EFFICIENCY: Quantity = Quantity::within("", Range::over(0.0, 1.0), 1e-3, 1.0);
+/// Inertia of rotor and crank about the crank's axis.
+const CRANK_INERTIA: Quantity = Quantity::within("kg m2", Range::POSITIVE, 0.0, 1e6);
+
+impl<P: Scalar> Parameters<P> for Motor<P> {
+    type In<Q: Scalar> = Motor<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Motor<Q> {
+        Motor {
+            stall_torque: at.number("stall_torque_n_m", &STALL_TORQUE, self.stall_torque),
+            no_load_speed: at.number("no_load_speed_rad_s", &NO_LOAD_SPEED, self.no_load_speed),
+            gear_ratio: at.number("gear_ratio", &GEAR_RATIO, self.gear_ratio),
+            efficiency: at.number("efficiency", &EFFICIENCY, self.efficiency),
+            inertia: at.number("inertia_kg_m2", &CRANK_INERTIA, self.inertia),
+        }
+    }
 }
 
 /// What a motor does at one instant.

@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 use wingbeat_math::Error;
 use wingbeat_math::linear::{lu_factor, lu_solve};
+use wingbeat_math::range::Range;
 use wingbeat_math::require;
-use wingbeat_math::{Jet, Meets, Over, Scalar};
+use wingbeat_math::{Jet, Meets, Over, Parameters, Quantity, Scalar, Walk};
 
 /// [y'; y''] = A [y; y'] + B omega for `n` displacements y and `m` commands omega.
 /// The state is [y; y'], 2n numbers.
@@ -212,52 +213,6 @@ impl<P: Scalar> Response<P> {
         }
     }
 
-    /// The same response in other numbers, `f` of each.
-    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> Response<Q> {
-        let all = |numbers: &[P]| numbers.iter().map(|number| f(*number)).collect();
-        match self {
-            Self::Uncoupled(elements) => {
-                let element = |e: &Element<P>| Element {
-                    stiffness: f(e.stiffness),
-                    damping: f(e.damping),
-                    rate_gain: f(e.rate_gain),
-                };
-                Response::Uncoupled(elements.iter().map(element).collect())
-            }
-            Self::Coupled(Coupled { elements, commands, state, command }) => Response::Coupled(Coupled {
-                elements: *elements,
-                commands: *commands,
-                state: all(state),
-                command: all(command),
-            }),
-        }
-    }
-
-    /// Its numbers: of independent elements by the key of each, of matrices by row and column of A and B.
-    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
-        let mut all = Vec::new();
-        match self {
-            Self::Uncoupled(elements) => {
-                for (i, element) in elements.iter_mut().enumerate() {
-                    all.push((format!("elements[{i}].stiffness_per_s2"), &mut element.stiffness));
-                    all.push((format!("elements[{i}].damping_per_s"), &mut element.damping));
-                    if !element.rate_gain.is_zero() {
-                        all.push((format!("elements[{i}].rate_gain_per_s"), &mut element.rate_gain));
-                    }
-                }
-            }
-            Self::Coupled(Coupled { elements, commands, state, command }) => {
-                for (key, matrix, width) in [("a", state, 2 * *elements), ("b", command, *commands)] {
-                    for (k, number) in matrix.iter_mut().enumerate() {
-                        let (row, column) = (*elements + k / width, k % width);
-                        all.push((format!("{key}[{row}][{column}]"), number));
-                    }
-                }
-            }
-        }
-        all
-    }
-
     /// Rates [y'; y''] of the state, from the displacements of the same instant.
     pub fn rates<G: Scalar, S: Over<G>>(&self, displacements: &[Jet<G>], rates: &mut [S]) {
         let n = self.elements();
@@ -268,7 +223,97 @@ impl<P: Scalar> Response<P> {
     }
 }
 
+/// Stiffness per unit inertia.
+const STIFFNESS: Quantity = Quantity::within("1/s2", Range::NOT_NEGATIVE, 0.0, 1e6);
+/// Damping per unit inertia, or what an acceleration gains per unit of a commanded rate.
+const DAMPING: Quantity = Quantity::within("1/s", Range::NOT_NEGATIVE, 0.0, 1e6);
+
+impl<P: Scalar> Parameters<P> for Element<P> {
+    type In<Q: Scalar> = Element<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Element<Q> {
+        Element {
+            stiffness: at.number("stiffness_per_s2", &STIFFNESS, self.stiffness),
+            damping: at.number("damping_per_s", &DAMPING, self.damping),
+            rate_gain: match self.rate_gain.is_zero() {
+                true => at.fixed(self.rate_gain),
+                false => at.number("rate_gain_per_s", &DAMPING, self.rate_gain),
+            },
+        }
+    }
+}
+
+/// Entries of A are called by the states, those of B by state and regulator: `a.rate_left.displacement_left`.
+impl<P: Scalar> Parameters<P> for Coupled<P> {
+    type In<Q: Scalar> = Coupled<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Coupled<Q> {
+        let n = self.elements;
+        let mut entries = |key: &str,
+                           matrix: &[P],
+                           (columns, width): (&str, usize),
+                           unit: fn(usize, usize) -> &'static str| {
+            let entry = |(k, value): (usize, &P)| {
+                let (row, column) = (k / width, k % width);
+                let quantity = Quantity::free(unit(column, n));
+                at.item(key, "states", n + row, |at| {
+                    at.item("", columns, column, |at| at.here(&quantity, *value))
+                })
+            };
+            matrix.iter().enumerate().map(entry).collect()
+        };
+        let of_state = |column, elements| if column < elements { "1/s2" } else { "1/s" };
+        Coupled {
+            elements: n,
+            commands: self.commands,
+            state: entries("a", &self.state, ("states", 2 * n), of_state),
+            command: entries("b", &self.command, ("regulators", self.commands), |_, _| "1/s2"),
+        }
+    }
+}
+
+impl<P: Scalar> Parameters<P> for Response<P> {
+    type In<Q: Scalar> = Response<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> Response<Q> {
+        match self {
+            Self::Uncoupled(elements) => {
+                Response::Uncoupled(
+                    at.list(("elements", "elements"), elements, |at, element| element.walk(at)),
+                )
+            }
+            Self::Coupled(coupled) => Response::Coupled(coupled.walk(at)),
+        }
+    }
+}
+
 impl Response {
+    /// Multiplies the natural frequencies of the first `elements` elements, their damping ratios kept; of matrices all.
+    pub fn scale_frequency(&mut self, factor: f64, elements: usize) {
+        let square = factor * factor;
+        match self {
+            Self::Uncoupled(all) => {
+                for element in all.iter_mut().take(elements) {
+                    element.stiffness *= square;
+                    element.damping *= factor;
+                    element.rate_gain *= factor;
+                }
+            }
+            Self::Coupled(Coupled { elements: n, commands, state, command }) => {
+                for (state, command) in
+                    state.chunks_exact_mut(2 * *n).zip(command.chunks_exact_mut(*commands))
+                {
+                    let (stiffness, damping) = state.split_at_mut(*n);
+                    // Without stiffness the rate follows its command.
+                    let gain = if stiffness.iter().all(|k| *k == 0.0) { factor } else { square };
+                    stiffness.iter_mut().for_each(|k| *k *= square);
+                    damping.iter_mut().for_each(|c| *c *= factor);
+                    command.iter_mut().for_each(|b| *b *= gain);
+                }
+            }
+        }
+    }
+
     /// Displacements at rest per unit of the held commands, n rows of m: y = K^-1 B_2 omega. Zero for elements that no
     /// stiffness brings to rest, and for all where K is singular beyond them.
     pub fn rest(&self) -> Vec<f64> {

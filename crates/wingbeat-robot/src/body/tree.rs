@@ -2,12 +2,12 @@
 
 use super::MAX_LINKS;
 use super::dynamics::BaseAcceleration;
-use super::inertia::{BodyNumbers, Inertia};
+use super::inertia::{BodyNumbers, Inertia, PLACE};
 use super::joint::Axis;
 use super::motion::LinkMotion;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
-use wingbeat_math::{Mat3, Scalar, Vec3};
+use wingbeat_math::{Mat3, Parameters, Quantity, Scalar, Vec3, Walk, axial, polar};
 
 /// The floating base body.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +91,20 @@ pub struct JointNumbers<P: Scalar = f64> {
     /// Turn of the link's frame beyond its orientation, about the parent's axes: roll, pitch and yaw, rad.
     pub turn: Vec3<P>,
 }
+
+impl<P: Scalar> Parameters<P> for JointNumbers<P> {
+    type In<Q: Scalar> = JointNumbers<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> JointNumbers<Q> {
+        JointNumbers {
+            origin: at.vector("origin_m", &polar(PLACE), self.origin),
+            turn: at.vector("turn_rad", &axial(TURN), self.turn),
+        }
+    }
+}
+
+/// A turn beside how things are drawn.
+const TURN: Quantity = Quantity { given: [-0.5, 0.5], ..Quantity::free("rad") };
 
 /// A floating base and its links. Constant; every evaluation brings its own
 /// scratch and allocates nothing. Masses, inertias and places of joints are of type `P`, so that they may carry derivatives.

@@ -1,6 +1,6 @@
 //! What turns the crank of the gait.
 
-use crate::body::Motor;
+use crate::body::{EFFICIENCY, GEAR_RATIO, Motor, NO_LOAD_SPEED, STALL_TORQUE};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -53,13 +53,13 @@ fn lossless() -> f64 {
 }
 
 ranges!(MotorSpec {
-    stall_torque_n_m: Range::POSITIVE,
-    no_load_speed_rad_s: Range::POSITIVE,
+    stall_torque_n_m: STALL_TORQUE.range,
+    no_load_speed_rad_s: NO_LOAD_SPEED.range,
     torque_constant_n_m_a: Range::POSITIVE,
     resistance_ohm: Range::POSITIVE,
     supply_v: Range::POSITIVE,
-    gear_ratio: Range::POSITIVE,
-    efficiency: Range::over(0.0, 1.0),
+    gear_ratio: GEAR_RATIO.range,
+    efficiency: EFFICIENCY.range,
     rotor_inertia_kg_m2: Range::POSITIVE,
     crank_inertia_kg_m2: Range::NOT_NEGATIVE,
 });

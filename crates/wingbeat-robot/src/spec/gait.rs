@@ -60,18 +60,6 @@ impl GaitSpec {
         }
     }
 
-    /// Multiplies the amplitudes; of a linkage, its crank.
-    pub(super) fn scale(&mut self, factor: f64) {
-        match self {
-            Self::Fourier { shoulder, elbow, .. } => {
-                for harmonic in [shoulder, elbow].into_iter().flatten().flat_map(|s| &mut s.harmonics) {
-                    harmonic.amplitude_rad *= factor;
-                }
-            }
-            Self::Linkage { dimensions, .. } => dimensions.l1_m *= factor,
-        }
-    }
-
     /// `winged`: whether there is a `wing` whose shoulder and elbow it drives.
     pub(super) fn check(&self, winged: bool) -> Result<(), Error> {
         not_negative(&format!("{}.frequency_hz", self.kind()), self.frequency_hz())?;

@@ -1,10 +1,11 @@
 //! Links and their joints.
 
+use super::super::numbers::{DAMPING, STIFFNESS, STOP_STIFFNESS};
 use super::{CapsuleSpec, GaitSpec};
-use crate::body::{FourierSeries, Harmonic, JointKind};
+use crate::body::{FourierSeries, Harmonic, INERTIA, JointKind, MASS};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
-use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::range::ranges;
 use wingbeat_math::require::{finite, principal_inertias};
 
 /// On which side of the plane of symmetry a link lies.
@@ -151,9 +152,9 @@ pub enum JointSpec<'a> {
     Free,
 }
 
-ranges!(LinkSpec { mass_kg: Range::NOT_NEGATIVE, inertia_kg_m2: Range::NOT_NEGATIVE });
-ranges!(ElasticSpec { stiffness: Range::NOT_NEGATIVE, damping: Range::NOT_NEGATIVE });
-ranges!(StopSpec { stiffness: Range::POSITIVE });
+ranges!(LinkSpec { mass_kg: MASS.range, inertia_kg_m2: INERTIA.range });
+ranges!(ElasticSpec { stiffness: STIFFNESS.range, damping: DAMPING.range });
+ranges!(StopSpec { stiffness: STOP_STIFFNESS.range });
 
 impl LinkSpec {
     /// How the joint moves.

@@ -20,6 +20,8 @@ pub use surface::{PanelSpec, SurfaceSpec};
 pub use thruster::ThrusterSpec;
 pub use wing::{WingLinkSpec, WingSpec};
 
+use super::numbers::DRAG_AREA;
+use crate::body::INERTIA;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use wingbeat_math::Error;
@@ -91,11 +93,7 @@ pub struct BodySpec {
     pub capsule: Option<CapsuleSpec>,
 }
 
-ranges!(BodySpec {
-    mass_kg: Range::POSITIVE,
-    inertia_kg_m2: Range::NOT_NEGATIVE,
-    drag_area_m2: Range::NOT_NEGATIVE,
-});
+ranges!(BodySpec { mass_kg: Range::POSITIVE, inertia_kg_m2: INERTIA.range, drag_area_m2: DRAG_AREA.range });
 
 impl BodySpec {
     fn check(&self) -> Result<(), Error> {
@@ -118,22 +116,12 @@ pub fn file_or<T: schemars::JsonSchema>(generator: &mut schemars::SchemaGenerato
     schemars::json_schema!({ "anyOf": [{ "type": "string" }, table] })
 }
 
+/// The number that is the gait's frequency.
+const PHASE_RATE: &str = "gait.phase_rate_rad_s";
+
 /// Whether a number is one of the rig that carries the robot.
 pub fn is_of_rig(name: &str) -> bool {
     ["mount.", "crank."].iter().any(|of| name.starts_with(of))
-}
-
-/// Refuses a number out of its bounds, and the frequency, which is the gait's.
-pub fn check_number(name: &str, value: f64) -> Result<(), Error> {
-    let given = || format!("{name:?} = {value}");
-    if name == "gait.phase_rate_rad_s" {
-        return Err(Error::invalid("numbers", given(), "the frequency where the gait has it"));
-    }
-    let [low, high] = super::bounds(name);
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(Error::invalid("numbers", given(), format!("{low} to {high}")))
 }
 
 impl RobotSpec {
@@ -156,10 +144,14 @@ impl RobotSpec {
         self.drive.build().map_err(|e| e.within("drive"))?;
         self.structure.check().map_err(|e| e.within("structure"))?;
         self.check_thrusters()?;
-        if let Some(residual) = &self.residual {
-            residual.check().map_err(|e| e.within("residual"))?;
+        self.residual.iter().try_for_each(|residual| residual.check().map_err(|e| e.within("residual")))?;
+        match self.numbers.get(PHASE_RATE) {
+            None => Ok(()),
+            Some(rate) => {
+                let key = format!("numbers.\"{PHASE_RATE}\"");
+                Err(Error::invalid(key, rate, "the frequency where the gait has it"))
+            }
         }
-        self.numbers.iter().try_for_each(|(name, value)| check_number(name, *value))
     }
 
     fn check_thrusters(&self) -> Result<(), Error> {
@@ -199,53 +191,10 @@ impl RobotSpec {
         own.map(|(name, value)| (name.as_str(), *value)).collect()
     }
 
-    /// Multiplies the masses and the inertias of body and links.
-    pub fn scale_inertias(&mut self, mass: f64, inertia: f64) {
-        let wing = self.wing.iter_mut().flat_map(|w| [&mut w.proximal, &mut w.distal]);
-        let wing = wing.map(|l| (&mut l.mass_kg, &mut l.inertia_kg_m2));
-        let links = self.links.iter_mut().map(|l| (&mut l.mass_kg, &mut l.inertia_kg_m2));
-        let body = (&mut self.body.mass_kg, &mut self.body.inertia_kg_m2);
-        for (m, i) in wing.chain(links).chain([body]) {
-            *m *= mass;
-            i.iter_mut().for_each(|i| *i *= inertia);
-        }
-        for (name, number) in &mut self.numbers {
-            let scale = if name.ends_with("mass_kg") { mass } else { inertia };
-            if name.ends_with("mass_kg") || name.contains("inertia_kg_m2") {
-                *number *= scale;
-            }
-        }
-    }
-
-    /// Multiplies the drag of the surfaces along the wind and broadside to it.
-    pub fn scale_drag(&mut self, along: f64, broadside: f64) {
-        for surface in &mut self.surfaces {
-            surface.cd0 *= along;
-            surface.cd90 = surface.cd90.map(|cd90| cd90 * broadside);
-        }
-        if let Some(wing) = &mut self.wing {
-            wing.cd0 *= along;
-            wing.cd90 *= broadside;
-        }
-        for (name, number) in &mut self.numbers {
-            let end = name.rsplit('.').next();
-            *number *= if end == Some("cd0") { along } else { 1.0 };
-            *number *= if end == Some("cd90") { broadside } else { 1.0 };
-        }
-    }
-
-    /// Stops the flapping and whatever motor turns the crank.
+    /// Stops the flapping and takes away whatever motor turns the crank, with its numbers.
     pub fn hold_still(&mut self) {
         self.gait.set_frequency_hz(0.0);
         self.drive = DriveSpec::default();
-    }
-
-    /// Multiplies the amplitudes of the gait; of a linkage, its crank.
-    pub fn scale_gait(&mut self, amplitude: f64) {
-        self.gait.scale(amplitude);
-        let series = self.links.iter_mut().filter_map(|l| l.driven.as_mut());
-        for harmonic in series.flat_map(|d| &mut d.harmonics) {
-            harmonic.amplitude_rad *= amplitude;
-        }
+        self.numbers.retain(|name, _| !name.starts_with("motor."));
     }
 }

@@ -106,17 +106,6 @@ impl ElementSpec {
 }
 
 impl StructureSpec {
-    /// Multiplies the natural frequencies, the damping ratios kept. Of full matrices nothing is changed.
-    pub fn scale_frequency(&mut self, factor: f64) {
-        let own = self.elements.iter_mut().flat_map(|e| &mut e.frequency_hz);
-        own.chain(&mut self.frequency_hz).for_each(|f| *f *= factor);
-        let scale = |matrix: &mut Option<Vec<Vec<f64>>>, factor: f64| {
-            matrix.iter_mut().flatten().flatten().for_each(|x| *x *= factor);
-        };
-        scale(&mut self.stiffness_per_s2, factor * factor);
-        scale(&mut self.damping_per_s, factor);
-    }
-
     pub(super) fn check(&self) -> Result<(), Error> {
         let (elements, regulators) = (self.elements.len(), self.regulators.len());
         if elements > MAX_ELEMENTS {

@@ -1,6 +1,7 @@
 //! A pair of wings of two panels each, the left one given.
 
 use super::CapsuleSpec;
+use crate::body::INERTIA;
 use serde::{Deserialize, Serialize};
 use wingbeat_aero::{CD0, CD90, Gap, Planform, PlanformStation, SectionSpec};
 use wingbeat_math::Error;
@@ -54,11 +55,7 @@ pub struct WingLinkSpec {
 }
 
 ranges!(WingSpec { cd0: CD0.range, cd90: CD90.range });
-ranges!(WingLinkSpec {
-    length_m: Range::POSITIVE,
-    mass_kg: Range::POSITIVE,
-    inertia_kg_m2: Range::NOT_NEGATIVE,
-});
+ranges!(WingLinkSpec { length_m: Range::POSITIVE, mass_kg: Range::POSITIVE, inertia_kg_m2: INERTIA.range });
 
 impl WingSpec {
     /// The planform with its gaps.

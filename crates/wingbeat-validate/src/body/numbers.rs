@@ -216,7 +216,8 @@ fn apart(
 ) -> Result<Option<f64>, Error> {
     let step = share * span;
     let moved = |steps: f64| -> Result<Vec<f64>, Error> {
-        Ok(outcome(&robot.adjusted(&[(name, value + steps * step)])?, robot, t)?)
+        let numbers = robot.given(&[(name, value + steps * step)])?;
+        Ok(outcome(&robot.with(&numbers)?, robot, t)?)
     };
     let near = [moved(1.0)?, moved(-1.0)?, moved(2.0)?, moved(-2.0)?];
     let largest = near[0].iter().fold(0.0, |m: f64, value| m.max(value.abs()));

@@ -6,7 +6,7 @@ use wingbeat_calibrate::RigTarget;
 
 /// Numbers of every kind, each with a value to be looked at and the step of a difference.
 const NUMBERS: [(&str, f64, f64); 19] = [
-    ("surfaces.wing.section_slope", 5.6, 1e-3),
+    ("surfaces.wing.lift_slope_per_rad", 5.6, 1e-3),
     ("surfaces.wing.cd0", 0.05, 1e-5),
     ("surfaces.wing.cd90", 1.8, 1e-3),
     ("surfaces.wing.stall_angle_rad", 0.25, 3e-5),

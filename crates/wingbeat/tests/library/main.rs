@@ -6,6 +6,7 @@ mod document;
 mod doors;
 mod drive;
 mod estimator;
+mod every_number;
 mod flight;
 mod flyers;
 mod followed_impulse;
@@ -15,6 +16,7 @@ mod hover;
 mod linkage;
 mod mechanism;
 mod multibody;
+mod numbers;
 mod orbit;
 mod power;
 #[cfg(target_arch = "x86_64")]

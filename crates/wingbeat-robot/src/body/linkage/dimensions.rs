@@ -1,8 +1,8 @@
 //! Dimensions of the linkage as data.
 
 use wingbeat_math::Error;
-use wingbeat_math::require;
-use wingbeat_math::{Jet, Meets, Scalar};
+use wingbeat_math::range::Range;
+use wingbeat_math::{Jet, Meets, Named, Parameters, Quantity, Scalar, Walk};
 
 use serde::{Deserialize, Serialize};
 
@@ -139,73 +139,53 @@ impl<P: Scalar> LinkageDimensions<P> {
             Regulated { nominal: self.l5b_m, factors: self.l5b_range },
         ]
     }
-
-    /// The numbers that decide the pose, by their keys.
-    pub fn by_name(&mut self) -> Vec<(String, &mut P)> {
-        let single = [
-            ("l1_m", &mut self.l1_m),
-            ("l2a_m", &mut self.l2a_m),
-            ("l2b_m", &mut self.l2b_m),
-            ("l2c_m", &mut self.l2c_m),
-            ("l3a_m", &mut self.l3a_m),
-            ("l3b_m", &mut self.l3b_m),
-            ("l3c_m", &mut self.l3c_m),
-            ("a3_deg", &mut self.a3_deg),
-            ("l4_m", &mut self.l4_m),
-            ("l5a_m", &mut self.l5a_m),
-            ("l5b_m", &mut self.l5b_m),
-            ("l5c_m", &mut self.l5c_m),
-            ("l5d_m", &mut self.l5d_m),
-            ("l6_m", &mut self.l6_m),
-            ("l7b_m", &mut self.l7b_m),
-            ("l7c_m", &mut self.l7c_m),
-            ("turned_deg", &mut self.turned_deg),
-        ];
-        let pairs = [
-            ("p1_m", &mut self.p1_m),
-            ("p5_m", &mut self.p5_m),
-            ("p8_m", &mut self.p8_m),
-            ("l3b_range", &mut self.l3b_range),
-            ("l5a_range", &mut self.l5a_range),
-            ("l5b_range", &mut self.l5b_range),
-        ];
-        let mut all: Vec<(String, &mut P)> =
-            single.into_iter().map(|(key, number)| (key.to_string(), number)).collect();
-        for (key, pair) in pairs {
-            all.extend(pair.iter_mut().enumerate().map(|(i, number)| (format!("{key}[{i}]"), number)));
-        }
-        all
-    }
 }
 
-impl<P: Scalar> LinkageDimensions<P> {
-    /// The same dimensions in other numbers, `f` of each.
-    pub fn map<Q: Scalar>(&self, f: impl Fn(P) -> Q) -> LinkageDimensions<Q> {
+/// Length of a link.
+const LENGTH: Quantity = Quantity { range: Range::POSITIVE, ..PLACE };
+/// Coordinate of a joint.
+const PLACE: Quantity = Quantity::free("m");
+/// Angle within a link.
+const ANGLE: Quantity = Quantity::free("deg");
+/// Turn of the whole mechanism.
+const TURN: Quantity = Quantity::within("deg", Range::between(-180.0, 180.0), -180.0, 180.0);
+/// Shortest and longest length of a regulated link as factors.
+const FACTORS: [Quantity; 2] = [
+    Quantity::within("", Range::over(0.0, 1.0), 0.0, 1.0),
+    Quantity::within("", Range::between(1.0, LONGEST), 1.0, LONGEST),
+];
+
+/// The numbers that decide the pose.
+impl<P: Scalar> Parameters<P> for LinkageDimensions<P> {
+    type In<Q: Scalar> = LinkageDimensions<Q>;
+
+    fn walk<Q: Scalar>(&self, at: &mut Walk<'_, P, Q>) -> LinkageDimensions<Q> {
         LinkageDimensions {
-            l1_m: f(self.l1_m),
-            l2a_m: f(self.l2a_m),
-            l2b_m: f(self.l2b_m),
-            l2c_m: f(self.l2c_m),
-            l3a_m: f(self.l3a_m),
-            l3b_m: f(self.l3b_m),
-            l3c_m: f(self.l3c_m),
-            a3_deg: f(self.a3_deg),
-            l4_m: f(self.l4_m),
-            l5a_m: f(self.l5a_m),
-            l5b_m: f(self.l5b_m),
-            l5c_m: f(self.l5c_m),
-            l5d_m: f(self.l5d_m),
-            l6_m: f(self.l6_m),
-            l7a_m: f(self.l7a_m),
-            l7b_m: f(self.l7b_m),
-            l7c_m: f(self.l7c_m),
-            p1_m: self.p1_m.map(&f),
-            p5_m: self.p5_m.map(&f),
-            p8_m: self.p8_m.map(&f),
-            turned_deg: f(self.turned_deg),
-            l3b_range: self.l3b_range.map(&f),
-            l5a_range: self.l5a_range.map(&f),
-            l5b_range: self.l5b_range.map(&f),
+            l1_m: at.number("l1_m", &LENGTH, self.l1_m),
+            l2a_m: at.number("l2a_m", &LENGTH, self.l2a_m),
+            l2b_m: at.number("l2b_m", &PLACE, self.l2b_m),
+            l2c_m: at.number("l2c_m", &PLACE, self.l2c_m),
+            l3a_m: at.number("l3a_m", &LENGTH, self.l3a_m),
+            l3b_m: at.number("l3b_m", &LENGTH, self.l3b_m),
+            l3c_m: at.number("l3c_m", &PLACE, self.l3c_m),
+            a3_deg: at.number("a3_deg", &ANGLE, self.a3_deg),
+            l4_m: at.number("l4_m", &LENGTH, self.l4_m),
+            l5a_m: at.number("l5a_m", &LENGTH, self.l5a_m),
+            l5b_m: at.number("l5b_m", &LENGTH, self.l5b_m),
+            l5c_m: at.number("l5c_m", &PLACE, self.l5c_m),
+            l5d_m: at.number("l5d_m", &PLACE, self.l5d_m),
+            l6_m: at.number("l6_m", &LENGTH, self.l6_m),
+            // No load and no surface knows where the radius ends.
+            l7a_m: at.fixed(self.l7a_m),
+            l7b_m: at.number("l7b_m", &PLACE, self.l7b_m),
+            l7c_m: at.number("l7c_m", &PLACE, self.l7c_m),
+            p1_m: at.array("p1_m", &[PLACE; 2], self.p1_m),
+            p5_m: at.array("p5_m", &[PLACE; 2], self.p5_m),
+            p8_m: at.array("p8_m", &[PLACE; 2], self.p8_m),
+            turned_deg: at.number("turned_deg", &TURN, self.turned_deg),
+            l3b_range: at.array("l3b_range", &FACTORS, self.l3b_range),
+            l5a_range: at.array("l5a_range", &FACTORS, self.l5a_range),
+            l5b_range: at.array("l5b_range", &FACTORS, self.l5b_range),
         }
     }
 }
@@ -220,27 +200,7 @@ impl LinkageDimensions {
 
     /// Checks each dimension by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
-        let positive = [
-            ("l1_m", self.l1_m),
-            ("l2a_m", self.l2a_m),
-            ("l3a_m", self.l3a_m),
-            ("l3b_m", self.l3b_m),
-            ("l4_m", self.l4_m),
-            ("l5a_m", self.l5a_m),
-            ("l5b_m", self.l5b_m),
-            ("l6_m", self.l6_m),
-            ("l7a_m", self.l7a_m),
-        ];
-        positive.iter().try_for_each(|(key, length)| require::positive(key, *length))?;
-        require::between("turned_deg", self.turned_deg, -180.0, 180.0)?;
-        let ranges =
-            [("l3b_range", self.l3b_range), ("l5a_range", self.l5a_range), ("l5b_range", self.l5b_range)];
-        for (key, [low, high]) in ranges {
-            let [first, second] = [0, 1].map(|i| format!("{key}[{i}]"));
-            require::positive(&first, low)?;
-            require::between(&first, low, 0.0, 1.0)?;
-            require::between(&second, high, 1.0, LONGEST)?;
-        }
-        Ok(())
+        LENGTH.range.check("l7a_m", self.l7a_m)?;
+        self.named(&|_, _, _| None).iter().try_for_each(Named::check)
     }
 }

@@ -1,0 +1,271 @@
+//! Every number that a shipped document gives acts: moved by a little it changes what the built robot does.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use wingbeat::math::{Quat, Vec3};
+use wingbeat::plant::Plant;
+use wingbeat::robot::Robot;
+use wingbeat::scenario::{Document, Scenario};
+
+/// Tables whose numbers the built robot and its start show; those of the others only flights, plans and orbits show.
+const SHOWN: [&str; 4] = ["robot.", "air.", "aero.", "start."];
+
+/// Scenarios whose middle of the wing is a gap, or where no strip lies on it.
+const OPEN: &[&str] = &[
+    "aerobat_elastic",
+    "bank15_20g",
+    "bank15_20g_lev",
+    "bank15_beta",
+    "bank15_beta_lev",
+    "banking_turn_beta",
+    "cruise_20g",
+    "cruise_44g",
+    "cruise_44g_lev",
+    "cruise_linkage",
+    "decelerate",
+    "hover_guarded",
+    "passive_20g",
+    "passive_20g_margin",
+    "passive_bank15",
+];
+/// Scenarios whose first station beyond the middle only ends a gap.
+const ENDED: &[&str] = &[
+    "bank15_20g",
+    "bank15_20g_lev",
+    "bank15_beta",
+    "bank15_beta_lev",
+    "cruise_20g",
+    "cruise_44g",
+    "cruise_44g_lev",
+    "cruise_linkage",
+    "decelerate",
+    "hover_guarded",
+    "passive_20g",
+    "passive_20g_margin",
+    "passive_bank15",
+];
+/// Scenarios whose strips do not ride on the panel of the body.
+const BARE: &[&str] = &["aerobat_elastic", "banking_turn_beta", "motor_flapper"];
+/// Scenarios whose law asks for no suction.
+const WITHOUT_LEV: &[&str] = &[
+    "aerobat_elastic",
+    "as_printed_fourier",
+    "as_printed_linkage",
+    "bank15_20g",
+    "bank15_beta",
+    "banking_turn",
+    "banking_turn_beta",
+    "banking_turn_stall",
+    "cruise_20g",
+    "cruise_44g",
+    "cruise_linkage",
+    "decelerate",
+    "four_wings",
+    "glider",
+    "hover_guarded",
+    "motor_flapper",
+    "passive_20g",
+    "passive_20g_margin",
+    "passive_bank15",
+];
+/// Scenarios whose law is linear.
+const LINEAR: &[&str] =
+    &["aerobat_elastic", "as_printed_fourier", "as_printed_linkage", "banking_turn", "glider"];
+/// Scenarios with a linkage within the limits of its regulators.
+const LINKED: &[&str] = &["as_printed_linkage", "banking_turn_beta", "cruise_linkage", "passive_bank15"];
+/// Scenarios of the printed equations, which have neither profile drag nor a scale of the carried air.
+const PRINTED: &[&str] = &["as_printed_fourier", "as_printed_linkage"];
+
+/// Numbers that cannot act in a document, by parts that their keys and their document have, with the reason.
+const STILL_KEYS: &[(&str, &[&str], &str)] = &[
+    (".axis[1]", &[], "a direction has no length"),
+    (".direction[", &["glider"], "a direction has no length"),
+    (".planform[0].", OPEN, "no strip lies there"),
+    (".planform[1].arc_m", ENDED, "the edges run straight on where the gap ends"),
+    (".cd0", PRINTED, "no profile drag"),
+    (".cd90", PRINTED, "no profile drag"),
+];
+
+/// Numbers of a robot that cannot act, by the end of their name, with the reason.
+const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
+    (".direction[1]", &[], "a direction has no length"),
+    (
+        ".direction[2]",
+        &[
+            "aerobat_elastic",
+            "as_printed_fourier",
+            "as_printed_linkage",
+            "banking_turn_beta",
+            "glider",
+            "motor_flapper",
+        ],
+        "no strip rides on the panel, or a direction has no length",
+    ),
+    (".planform[0].", OPEN, "no strip lies there"),
+    (".planform[1].arc_m", ENDED, "the edges run straight on where the gap ends"),
+    (".panels.body.origin_m", BARE, "no strip rides on the body"),
+    (".critical_suction", WITHOUT_LEV, "the law does not ask for it"),
+    (".stall_angle_rad", LINEAR, "the law does not ask for it"),
+    (".added_mass_scale", PRINTED, "no such term"),
+    ("_range[", LINKED, "the regulators keep the lengths within the limits that the file gives them"),
+    (".elevator.driven.lag_rad", &["glider"], "a series without harmonics has no phase"),
+];
+
+/// Factors and shifts that cannot act on a robot, with the reason.
+const STILL_FACTORS: &[(&str, &[&str], &str)] = &[
+    ("profile_drag", PRINTED, "no profile drag"),
+    ("broadside_drag", PRINTED, "no profile drag"),
+    ("regulator_bandwidth", &["four_wings", "hover_guarded"], "no elements but thrusters, or none"),
+    ("gait_amplitude", &["glider"], "nothing flaps"),
+];
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios")
+}
+
+/// Shipped scenarios, of each robot, preset and law one; with every one of them the `whole` list.
+fn scenarios(whole: bool) -> Vec<(String, Document)> {
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder()).unwrap().map(|file| file.unwrap().path()).collect();
+    files.sort();
+    let mut seen = BTreeSet::new();
+    let mut all = Vec::new();
+    for file in files {
+        let document = Document::file(&file).unwrap();
+        let scenario = Scenario::new(document.clone()).unwrap();
+        let spec = &scenario.spec;
+        let make = format!("{} {:?} {:?}", spec.robot.name, spec.aero.preset, spec.aero.law);
+        if seen.insert(make) || whole {
+            // With what the file includes.
+            let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+            all.push((name, Document::text(&file.to_string_lossy(), &scenario.resolved).unwrap()));
+        }
+    }
+    all
+}
+
+/// A state somewhere in flight, elements displaced and all else moving.
+fn flying(robot: &Robot, t: f64) -> Vec<f64> {
+    let l = *robot.layout();
+    let mut x = vec![0.0; l.len];
+    Quat::from_roll_pitch_yaw(0.2, -0.3, 0.4).store_wxyz(&mut x[l.attitude..]);
+    Vec3::new(2.0, 0.1, -0.3).store(&mut x[l.velocity..]);
+    Vec3::new(0.4, -0.8, 0.5).store(&mut x[l.rate..]);
+    let start = robot.start_coordinates();
+    x[l.joints..][..start.len()].copy_from_slice(&start);
+    for (i, (state, channel)) in x.iter_mut().zip(robot.states()).enumerate().skip(l.structure) {
+        let size = if i < l.joints && channel.unit.starts_with('m') { 2e-4 } else { 0.12 };
+        *state += size * (1.7 * (i - l.structure) as f64 + 40.0 * t).sin();
+    }
+    x
+}
+
+/// All that is seen of a robot at three instants of a flight, to the last bit.
+fn look(robot: &Robot) -> String {
+    let mut seen = format!("{:?} {:?} {:?}", robot.inputs(), robot.strokes(), robot.start_coordinates());
+    write!(seen, "{:?}", robot.wind_over_time()).unwrap();
+    let u: Vec<f64> =
+        robot.inputs().iter().enumerate().map(|(i, u)| u.clamp(0.02 * (1.0 + i as f64))).collect();
+    for t in [0.013, 0.05, 0.087] {
+        let x = flying(robot, t);
+        let mut dx = vec![0.0; x.len()];
+        match (robot.rates_in_numbers(t, &x, &u, &mut dx), robot.observe(t, &x, &u)) {
+            (Ok(()), Ok(observed)) => write!(seen, "{dx:?} {observed:?}").unwrap(),
+            (rates, observed) => write!(seen, "{rates:?} {:?}", observed.map(drop)).unwrap(),
+        }
+    }
+    seen
+}
+
+/// All that is seen of the robots of a scenario, or what is refused.
+fn built(document: Document) -> Result<String, String> {
+    let scenario = Scenario::new(document).map_err(|error| error.to_string())?;
+    Ok(format!("{} {} {:?}", look(scenario.robot()), look(scenario.model()), scenario.start()))
+}
+
+/// The value moved by 1 %, a zero by a hundredth of what is usual, a whole number by 1.
+fn moved(text: &str) -> String {
+    let value: f64 = text.replace('_', "").parse().unwrap();
+    match text.contains(['.', 'e', 'E']) {
+        false => format!("{}", value + 1.0),
+        true if value == 0.0 => "0.001".into(),
+        true => format!("{:?}", 1.01 * value),
+    }
+}
+
+/// Whether the reviewed list holds `what` of the document.
+fn listed(list: &[(&str, &[&str], &str)], what: &str, document: &str) -> bool {
+    list.iter().any(|(part, documents, _)| {
+        what.contains(part) && (documents.is_empty() || documents.contains(&document))
+    })
+}
+
+#[test]
+fn every_number_of_every_robot_acts_as_key() {
+    let mut silent = Vec::new();
+    for (name, document) in scenarios(false) {
+        let own = built(document.clone()).unwrap();
+        for key in document.numbers() {
+            if !SHOWN.iter().any(|table| key.starts_with(table)) {
+                continue;
+            }
+            let text = document.written(&key).unwrap().0;
+            let other = built(document.clone().set(format!("{key}={}", moved(&text))));
+            // A refusal tells of the number, too.
+            if other.is_ok_and(|other| other == own) && !listed(STILL_KEYS, &key, &name) {
+                silent.push(format!("{name}: {key} = {text}"));
+            }
+        }
+    }
+    assert!(silent.is_empty(), "{} numbers are silent:\n{}", silent.len(), silent.join("\n"));
+}
+
+#[test]
+fn every_number_of_every_robot_acts_as_parameter() {
+    let mut silent = Vec::new();
+    for (name, document) in scenarios(false) {
+        let scenario = Scenario::new(document).unwrap();
+        let robot = scenario.robot();
+        let own = look(robot);
+        let mut names = BTreeSet::new();
+        for number in robot.parameters() {
+            if !names.insert(number.name.clone()) {
+                continue;
+            }
+            let value = if number.value == 0.0 { 1e-3 } else { 1.01 * number.value };
+            let other = robot.adjusted(&[(&number.name, value)]);
+            if other.is_ok_and(|other| look(&other) == own) && !listed(STILL_PARAMETERS, &number.name, &name)
+            {
+                silent.push(format!("{name}: {} = {}", number.name, number.value));
+            }
+        }
+    }
+    assert!(silent.is_empty(), "{} numbers are silent:\n{}", silent.len(), silent.join("\n"));
+}
+
+#[test]
+fn every_factor_of_a_mismatch_acts() {
+    let mut silent = Vec::new();
+    for (name, document) in scenarios(false) {
+        let own = look(Scenario::new(document.clone()).unwrap().robot());
+        for factor in [
+            "density=1.01",
+            "mass=1.01",
+            "inertia=1.01",
+            "com_x_m=0.001",
+            "com_y_m=0.001",
+            "com_z_m=0.001",
+            "gait_amplitude=1.01",
+            "regulator_bandwidth=1.01",
+            "profile_drag=1.01",
+            "broadside_drag=1.01",
+        ] {
+            let other = Scenario::new(document.clone().set(format!("mismatch.{factor}")));
+            if other.is_ok_and(|other| look(other.robot()) == own) && !listed(STILL_FACTORS, factor, &name) {
+                silent.push(format!("{name}: {factor}"));
+            }
+        }
+    }
+    assert!(silent.is_empty(), "{} factors are silent:\n{}", silent.len(), silent.join("\n"));
+}

@@ -1,0 +1,164 @@
+//! Numbers that a robot is given by name: what they may be, and what a mismatch makes of them.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use wingbeat::scenario::Scenario;
+
+fn shipped(file: &str, overrides: &[&str]) -> Result<Scenario, String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(file);
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
+    Scenario::load(&path, &overrides).map_err(|error| error.to_string())
+}
+
+/// The last row of a flight of .1 s.
+fn end(file: &str, overrides: &[&str]) -> Vec<f64> {
+    let all = [overrides, &["flight.duration_s=0.1"]].concat();
+    let run = shipped(file, &all).unwrap().fly(|_| ControlFlow::Continue(())).unwrap();
+    run.record
+        .columns()
+        .iter()
+        .map(|column| *run.record.values(&column.name).unwrap().last().unwrap())
+        .collect()
+}
+
+#[test]
+fn a_mismatch_acts_on_numbers_given_by_name() {
+    // Scenario, numbers, and the mismatch that shifts or scales them.
+    for (file, numbers, mismatch) in [
+        ("glide.toml", "{'body.com_m[0]'=0.0}", "mismatch.com_x_m=0.02"),
+        ("glide.toml", "{'air.density_kg_m3'=1.2}", "mismatch.density=0.9"),
+        ("glide.toml", "{'surfaces.wing.cd0'=0.03}", "mismatch.profile_drag=1.5"),
+        ("glide.toml", "{'surfaces.wing.cd90'=1.9}", "mismatch.broadside_drag=1.5"),
+        ("glide.toml", "{'body.mass_kg'=0.02}", "mismatch.mass=1.1"),
+        ("cruise_20g.toml", "{'body.inertia_kg_m2[1]'=2.2e-5}", "mismatch.inertia=1.1"),
+        (
+            "cruise_20g.toml",
+            "{'links.shoulder.driven.harmonics[0].amplitude_rad'=0.6}",
+            "mismatch.gait_amplitude=0.9",
+        ),
+        ("cruise_linkage.toml", "{'linkage.l1_m'=0.0076}", "mismatch.gait_amplitude=0.9"),
+    ] {
+        let numbers = format!("robot.numbers={numbers}");
+        let (without, with) = (end(file, &[&numbers]), end(file, &[&numbers, mismatch]));
+        assert_ne!(without, with, "{file}: {mismatch} beside {numbers}");
+    }
+}
+
+/// Name and value of the numbers of the flown robot.
+fn flown(overrides: &[&str]) -> Vec<(String, f64)> {
+    shipped("banking_turn_short.toml", overrides).unwrap().robot().named_numbers()
+}
+
+#[test]
+fn a_bandwidth_scales_stiffness_and_damping_of_a_number_as_of_a_key() {
+    let known = shipped("banking_turn_short.toml", &[]).unwrap();
+    let stiffness = |numbers: &[(String, f64)], end: &str| -> Vec<f64> {
+        let of = numbers.iter().filter(|(name, _)| name.starts_with("structure.") && name.ends_with(end));
+        of.map(|(_, value)| *value).collect()
+    };
+    let named = known.robot().named_numbers();
+    let (name, k) = named.iter().find(|(name, _)| name.ends_with("stiffness_per_s2")).unwrap();
+    let numbers = format!("robot.numbers={{{name:?}={}}}", 2.0 * k);
+    let slow = flown(&["mismatch.regulator_bandwidth=0.5"]);
+    let given = flown(&[&numbers, "mismatch.regulator_bandwidth=0.5"]);
+    for (end, factor) in [("stiffness_per_s2", 0.25), ("damping_per_s", 0.5)] {
+        let (own, slow) = (stiffness(&named, end), stiffness(&slow, end));
+        assert!(own.iter().zip(&slow).all(|(own, slow)| (slow - factor * own).abs() < 1e-12 * own), "{end}");
+        assert_eq!(stiffness(&given, end)[1..], slow[1..]);
+    }
+    assert_eq!(stiffness(&given, "stiffness_per_s2")[0], 0.5 * k);
+}
+
+#[test]
+fn numbers_of_the_mismatch_come_first_and_its_factors_after() {
+    let mass = |overrides: &[&str]| {
+        let numbers = shipped("glide.toml", overrides).unwrap().robot().named_numbers();
+        numbers.iter().find(|(name, _)| name == "body.mass_kg").unwrap().1
+    };
+    let known = "robot.numbers={'body.mass_kg'=0.02}";
+    assert_eq!(mass(&[known, "mismatch.mass=2.0"]), 0.04);
+    assert_eq!(mass(&[known, "mismatch={mass=2.0, numbers={'body.mass_kg'=0.03}}"]), 0.06);
+}
+
+#[test]
+fn numbers_that_no_robot_has_are_refused_where_they_are_given() {
+    let file = std::env::temp_dir().join(format!("wingbeat_numbers_{}.toml", std::process::id()));
+    let inertia = "\"body.mass_kg\" = 0.02\n\"body.inertia_kg_m2[0]\" = 1e-9\n\"body.inertia_kg_m2[1]\" = 1e-9\n\
+                   \"body.inertia_kg_m2[2]\" = 1.0\n";
+    std::fs::write(&file, inertia).unwrap();
+    let of_file = format!("robot.numbers={}", file.display());
+    let refused = |overrides: &[&str]| shipped("glide.toml", overrides).unwrap_err();
+    let told = refused(&[&of_file]);
+    std::fs::remove_file(&file).unwrap();
+    let place = format!("{}:4: robot.numbers.\"body.inertia_kg_m2[2]\" = 1", file.display());
+    assert!(told.contains(&place) && told.contains("sum of the other two"), "{told}");
+
+    let inline = "{'body.inertia_kg_m2[0]'=1e-9, 'body.inertia_kg_m2[1]'=1e-9, 'body.inertia_kg_m2[2]'=1.0}";
+    for (overrides, key) in [
+        (format!("robot.numbers={inline}"), "robot.numbers.\"body.inertia_kg_m2[2]\" = 1"),
+        (format!("mismatch.numbers={inline}"), "mismatch.numbers.\"body.inertia_kg_m2[2]\" = 1"),
+        ("robot.numbers={'surfaces.wing.planform[1].arc_m'=-0.1}".into(), "planform[1].arc_m\" = -0.1"),
+        ("robot.numbers={'body.mass_kg'=0.0}".into(), "robot.numbers.\"body.mass_kg\" = 0"),
+    ] {
+        let told = refused(&[&overrides]);
+        assert!(told.contains(key), "{overrides}: {told}");
+    }
+}
+
+#[test]
+fn held_wings_have_no_motor_and_none_of_its_numbers() {
+    let numbers = "robot.numbers={'motor.efficiency'=0.7, 'body.mass_kg'=0.02}";
+    let still = shipped("motor_flapper.toml", &[numbers, "flight.flapping=false"]).unwrap();
+    assert!(still.robot().named_numbers().iter().all(|(name, _)| !name.starts_with("motor.")));
+}
+
+#[test]
+fn numbers_are_called_by_the_names_of_their_elements_and_panels() {
+    let named = |file: &str| -> Vec<String> {
+        let numbers = shipped(file, &[]).unwrap().robot().named_numbers();
+        numbers.into_iter().map(|(name, _)| name).collect()
+    };
+    let has = |names: &[String], name: &str| names.iter().any(|other| other == name);
+    let of_paper = named("banking_turn_short.toml");
+    for name in ["structure.elements.twist_left.stiffness_per_s2", "surfaces.wing.panels.elbow.from_arc_m"] {
+        assert!(has(&of_paper, name), "{name}: {of_paper:?}");
+    }
+    assert!(has(&named("cruise_20g.toml"), "links.shoulder_left.driven.harmonics[0].amplitude_rad"));
+    let placed = |name: &&String| name.starts_with("structure.elements[") || name.contains("panels[");
+    assert_eq!(of_paper.iter().find(placed), None);
+}
+
+#[test]
+fn a_name_of_before_is_answered_with_that_of_today() {
+    for (file, old, new) in [
+        (
+            "banking_turn_short.toml",
+            "surfaces.wing.panels[2].from_arc_m",
+            "surfaces.wing.panels.elbow.from_arc_m",
+        ),
+        ("banking_turn_short.toml", "surfaces.wing.section_slope", "surfaces.wing.lift_slope_per_rad"),
+        (
+            "cruise_20g.toml",
+            "links.shoulder.series.harmonics[0].amplitude_rad",
+            "links.shoulder.driven.harmonics[0].amplitude_rad",
+        ),
+    ] {
+        let told = shipped(file, &[&format!("robot.numbers={{'{old}'=0.5}}")]).map(drop).unwrap_err();
+        assert!(told.contains(&format!("its new name, \"{new}\"")), "{old}: {told}");
+    }
+    let first = shipped("banking_turn_short.toml", &[]).unwrap();
+    let element = first.spec.robot.structure.elements[0].name.clone();
+    let told =
+        shipped("banking_turn_short.toml", &["robot.numbers={'structure.elements[0].damping_per_s'=60.0}"]);
+    let told = told.map(drop).unwrap_err();
+    assert!(told.contains(&format!("\"structure.elements.{element}.damping_per_s\"")), "{told}");
+}
+
+#[test]
+fn a_sweep_draws_numbers_by_name() {
+    let mass = |value: &str| {
+        let scenario = shipped("glide.toml", &[&format!("robot.numbers.\"body.mass_kg\"={value}")]).unwrap();
+        scenario.robot().named_numbers().into_iter().find(|(name, _)| name == "body.mass_kg").unwrap().1
+    };
+    assert_eq!((mass("0.02"), mass("0.03")), (0.02, 0.03));
+}
