@@ -60,8 +60,8 @@ fn summary() -> String {
 }
 
 impl Held {
-    /// True when a box that runs would be in the way.
-    pub fn has_no_box(&self) -> bool {
+    /// True when a box that still runs must end before the judgement.
+    pub fn ends_the_box(&self) -> bool {
         !self.holds.is_empty()
     }
 

@@ -87,7 +87,7 @@ impl Step {
         if !self.run.is_empty() {
             self.called(place, &kept.offset)?;
         }
-        if self.then.has_no_box() {
+        if self.then.ends_the_box() {
             kept.emulated = None;
         }
         self.then.judge(place)
@@ -174,12 +174,11 @@ impl Step {
     }
 
     fn judge(&self, ended: Ended) -> Judged {
-        let words = |list: &[String]| -> Vec<String> { list.to_vec() };
         let (exit, says) = match &self.refused {
-            Some(says) => (vec![2], words(says)),
-            None => (self.exit.clone(), words(&self.says)),
+            Some(says) => (&[2][..], says),
+            None => (&self.exit[..], &self.says),
         };
-        let ended = ended.exits_with(&exit)?.says(&says)?.prints(&self.prints)?;
+        let ended = ended.exits_with(exit)?.says(says)?.prints(&self.prints)?;
         if let Some(errors) = self.errors {
             let lines = ended.stderr.lines().filter(|line| line.starts_with("error")).count();
             if lines != errors {
