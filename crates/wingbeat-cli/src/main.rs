@@ -28,7 +28,7 @@ use args::{Arguments, Command};
 
 /// The JSON Schema of a kind of document as a file has it.
 fn schema_text(kind: DocumentKind) -> String {
-    format!("{:#}\n", kind.schema())
+    format!("{:#}\n", kind.schema_of_files())
 }
 
 fn main() -> ExitCode {

@@ -1,5 +1,7 @@
 //! JSON Schemas of the documents, from the specs that read them.
 
+mod file;
+
 use std::borrow::Cow;
 
 use schemars::generate::SchemaSettings;
@@ -71,7 +73,7 @@ impl DocumentKind {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The JSON Schema (draft 7, which every editor knows) of such documents: keys, meanings, types, defaults,
+    /// The JSON Schema (draft 7, which every editor knows) of such documents, once they are read: keys, meanings, types, defaults,
     /// and ranges: those of the specs, else the largest magnitudes by unit. What hangs on several keys at once is checked when a document is read.
     pub fn schema(self) -> Value {
         let settings = SchemaSettings::draft07().with_transform(tidy);

@@ -2,10 +2,11 @@
 //! its end hangs on the choices of the model.
 
 use crate::aero_full::{E1, F2, Preset, last_cycle};
+use crate::shipped::scenario;
 use crate::{Case, Error, Row};
 use std::ops::ControlFlow;
 use wingbeat::plant::{Linearisation, Plant};
-use wingbeat::scenario::{Document, Run, Scenario};
+use wingbeat::scenario::{Run, Scenario};
 
 /// The comparisons.
 pub const CASES: &[Case] = &[
@@ -19,14 +20,9 @@ const SOURCE: &str = "own steps of .2, .1 and .05 ms";
 
 /// The turn of `scenarios/banking_turn.toml` with preset `full`.
 pub(crate) fn turn(overrides: &[String]) -> Result<Scenario, Error> {
-    let refused = |e: wingbeat::scenario::ConfigError| Error::reference("banking_turn", e.to_string());
-    let at = |path: &str| concat!(env!("CARGO_MANIFEST_DIR"), "/../../").to_owned() + path;
-    let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml"));
-    let robot = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/aerobat_paper.toml"));
-    let robot = Document::text(&at("robots/aerobat_paper.toml"), robot).map_err(refused)?;
-    let document = Document::text(&at("scenarios/banking_turn.toml"), text).map_err(refused)?;
-    let document = document.put("robot", robot).map_err(refused)?.set("aero.preset=full");
-    Scenario::new(overrides.iter().fold(document, |d, text| d.set(text))).map_err(refused)
+    let all: Vec<&str> =
+        ["aero.preset=full"].into_iter().chain(overrides.iter().map(String::as_str)).collect();
+    scenario("banking_turn", &all)
 }
 
 fn flown(overrides: &[String]) -> Result<Run, Error> {

@@ -16,7 +16,7 @@ use wingbeat::orbit::{Cycle, Direction, Orbit, Point, Section, floquet, measure}
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::scenario::{ConfigError, Scenario, Trimmed};
 
-use crate::shipped::{Shipped, scenario, shipped};
+use crate::shipped::{Shipped, scenario};
 use crate::{Case, Error, LongCase, Row};
 
 /// The comparisons.
@@ -27,26 +27,38 @@ pub const CASES: &[Case] = &[
     Case { id: "trim.drift", quick: false, run: drift::rows },
     Case { id: "trim.replay", quick: false, run: lattice::own },
     Case { id: "trim.random", quick: false, run: random::rows },
-    Case { id: "trim.cruise_20g", quick: false, run: || level::rows(&level::CRUISE_20G) },
-    Case { id: "trim.cruise_20g_lev", quick: false, run: || level::rows(&level::CRUISE_20G_LEV) },
-    Case { id: "trim.cruise_44g", quick: false, run: || level::rows(&level::CRUISE_44G) },
-    Case { id: "trim.cruise_beta", quick: false, run: || level::rows(&level::CRUISE_BETA) },
-    Case { id: "trim.cruise_44g_lev", quick: false, run: || level::rows(&level::CRUISE_44G_LEV) },
-    Case { id: "trim.cruise_beta_lev", quick: false, run: || level::rows(&level::CRUISE_BETA_LEV) },
-    Case { id: "trim.passive_20g", quick: false, run: || level::rows(&level::PASSIVE_20G) },
-    Case { id: "trim.passive_linkage", quick: false, run: || level::rows(&level::PASSIVE_LINKAGE) },
+    Case { id: "trim.cruise_20g", quick: false, run: || level::driven("cruise_20g", 80.0, [6.0, 0.10]) },
+    Case {
+        id: "trim.cruise_20g_lev",
+        quick: false,
+        run: || level::driven("cruise_20g_lev", 80.0, [6.0, 0.10]),
+    },
+    Case { id: "trim.cruise_44g", quick: false, run: || level::driven("cruise_44g", 95.0, [8.0, 0.10]) },
+    Case { id: "trim.cruise_beta", quick: false, run: || level::driven("cruise_beta", 100.0, [10.5, 0.15]) },
+    Case {
+        id: "trim.cruise_44g_lev",
+        quick: false,
+        run: || level::driven("cruise_44g_lev", 95.0, [8.0, 0.10]),
+    },
+    Case {
+        id: "trim.cruise_beta_lev",
+        quick: false,
+        run: || level::driven("cruise_beta_lev", 100.0, [10.5, 0.15]),
+    },
+    Case { id: "trim.passive_20g", quick: false, run: || level::passive("passive_20g", 85.0) },
+    Case { id: "trim.passive_linkage", quick: false, run: || level::passive("passive_linkage", 140.0) },
 ];
 
 /// Those that take minutes.
 pub const LONG: &[LongCase] = &[LongCase { id: "trim.lattice", core_minutes: 5.0, run: lattice::rows }];
 
 /// Level flight of 20 g with a driven twist, and with a twist that the air moves.
-const DRIVEN: Shipped = shipped!("cruise_20g", "cruise_20g");
-const PASSIVE: Shipped = shipped!("passive_20g", "passive_20g");
+const DRIVEN: Shipped = "cruise_20g";
+const PASSIVE: Shipped = "passive_20g";
 
 /// The orbit of a shipped scenario with what `trim` says of it.
 fn trimmed(shipped: Shipped, overrides: &[&str]) -> Result<Trimmed, Error> {
-    let refused = |e: ConfigError| Error::reference(shipped.0, e.to_string());
+    let refused = |e: ConfigError| Error::reference(shipped, e.to_string());
     let trimmed = scenario(shipped, overrides)?.trim(&mut |_| ControlFlow::Continue(())).map_err(refused)?;
     match &trimmed.summary.reason {
         Some(reason) => Err(Error::NoAnswer(reason.clone())),

@@ -8,9 +8,9 @@ use wingbeat::ocp::interior_point::{Options, Solution, Status, solve};
 use wingbeat::ocp::nlp::Program;
 use wingbeat::ocp::{Collocation, Ends, Instant, OptimalControl, Scheme, Setup, Transcribed};
 use wingbeat::plant::Fault;
-use wingbeat::scenario::{Document, Scenario};
 
 use crate::ocp_problems::flapbody::TurnIn;
+use crate::shipped::scenario;
 use crate::{Case, Error, Row, Table, reference_table};
 
 const SOURCE: &str = "CasADi with its own equations and IPOPT, validation/paper_nlp";
@@ -29,14 +29,7 @@ const SERVED: &str = "IPOPT on the functions and derivatives of this program, va
 /// # Errors
 /// A scenario that does not fly up to its start.
 pub fn on_the_robot(see: &mut dyn FnMut(&mut dyn Program, &[f64])) -> Result<(), Error> {
-    let refused = |e: wingbeat::scenario::ConfigError| Error::reference("paper_plan", e.to_string());
-    let at = |path: &str| concat!(env!("CARGO_MANIFEST_DIR"), "/../../").to_owned() + path;
-    let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/paper_plan.toml"));
-    let robot = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/aerobat_paper.toml"));
-    let robot = Document::text(&at("robots/aerobat_paper.toml"), robot).map_err(refused)?;
-    let document = Document::text(&at("scenarios/paper_plan.toml"), text).map_err(refused)?;
-    let scenario = Scenario::new(document.put("robot", robot).map_err(refused)?).map_err(refused)?;
-    Ok(scenario.roll_in_program(see)?)
+    Ok(scenario("paper_plan", &[])?.roll_in_program(see)?)
 }
 
 /// The optimum on the robot beside that of IPOPT.

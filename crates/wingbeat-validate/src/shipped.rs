@@ -1,36 +1,156 @@
 //! Shipped scenarios with their robots, compiled in.
 
+use std::io;
+use std::path::{Path, PathBuf};
+
 use wingbeat::scenario::{ConfigError, Document, Scenario};
 
 use crate::Error;
 
-/// Name of a scenario, its text, name of its robot, its text.
-pub type Shipped = (&'static str, &'static str, &'static str, &'static str);
+/// Name of a shipped scenario.
+pub type Shipped = &'static str;
 
-/// A shipped scenario and the robot that it names.
-macro_rules! shipped {
-    ($scenario:literal, $robot:literal) => {
-        (
-            $scenario,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/", $scenario, ".toml")),
-            $robot,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/", $robot, ".toml")),
-        )
+/// Names and texts of files.
+macro_rules! files {
+    ($($name:literal)*) => {
+        &[$((
+            concat!($name, ".toml"),
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../", $name, ".toml")),
+        )),*]
     };
 }
-pub(crate) use shipped;
+
+/// The shipped scenarios and robots.
+const FILES: &[(&str, &str)] = files![
+    "scenarios/aerobat_elastic"
+    "scenarios/as_printed_fourier"
+    "scenarios/as_printed_fourier_converged"
+    "scenarios/as_printed_linkage"
+    "scenarios/as_printed_linkage_converged"
+    "scenarios/bank15_20g"
+    "scenarios/bank15_20g_lev"
+    "scenarios/bank15_beta"
+    "scenarios/bank15_beta_lev"
+    "scenarios/bank30_20g"
+    "scenarios/bank30_20g_lev"
+    "scenarios/bank30_beta"
+    "scenarios/bank30_beta_lev"
+    "scenarios/bank45_20g"
+    "scenarios/bank45_20g_lev"
+    "scenarios/bank45_beta"
+    "scenarios/bank45_beta_lev"
+    "scenarios/banking_turn"
+    "scenarios/banking_turn_beta"
+    "scenarios/banking_turn_short"
+    "scenarios/banking_turn_stall"
+    "scenarios/climb"
+    "scenarios/cruise_20g"
+    "scenarios/cruise_20g_lev"
+    "scenarios/cruise_20g_margin"
+    "scenarios/cruise_44g"
+    "scenarios/cruise_44g_lev"
+    "scenarios/cruise_beta"
+    "scenarios/cruise_beta_lev"
+    "scenarios/cruise_linkage"
+    "scenarios/decelerate"
+    "scenarios/dive_pullout"
+    "scenarios/estimator_20g"
+    "scenarios/four_wings"
+    "scenarios/gait_search_beta"
+    "scenarios/glide"
+    "scenarios/glider"
+    "scenarios/hover"
+    "scenarios/hover_guarded"
+    "scenarios/least_power_gait"
+    "scenarios/level_20g"
+    "scenarios/linkage_bank15"
+    "scenarios/linkage_bank30"
+    "scenarios/motor_flapper"
+    "scenarios/paper_plan"
+    "scenarios/passive_20g"
+    "scenarios/passive_20g_margin"
+    "scenarios/passive_bank15"
+    "scenarios/passive_bank15_20g"
+    "scenarios/passive_bank30_20g"
+    "scenarios/passive_level_20g"
+    "scenarios/passive_linkage"
+    "scenarios/path_figure8"
+    "scenarios/predictive_20g"
+    "scenarios/predictive_figure8"
+    "scenarios/roll_in"
+    "robots/aerobat_beta"
+    "robots/aerobat_elastic"
+    "robots/aerobat_paper"
+    "robots/aerobat_printed"
+    "robots/cruise_20g"
+    "robots/cruise_20g_lev"
+    "robots/cruise_20g_margin"
+    "robots/cruise_44g"
+    "robots/cruise_44g_lev"
+    "robots/cruise_beta"
+    "robots/cruise_beta_lev"
+    "robots/cruise_beta_margin"
+    "robots/cruise_linkage"
+    "robots/four_wings"
+    "robots/glider"
+    "robots/guarded_20g"
+    "robots/motor_flapper"
+    "robots/passive_20g"
+    "robots/passive_20g_margin"
+    "robots/passive_linkage"
+];
+
+/// A file of those that are compiled in.
+fn text_of(path: &Path) -> io::Result<String> {
+    let found = FILES.iter().find(|(name, _)| path.ends_with(name));
+    found.map(|(_, text)| (*text).to_owned()).ok_or_else(|| io::ErrorKind::NotFound.into())
+}
+
+fn path_of(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file).with_extension("toml")
+}
+
+/// A shipped robot, `aerobat_paper`, with its text changed by `change`.
+///
+/// # Errors
+/// What is refused.
+pub fn robot(name: &str, change: &dyn Fn(String) -> String) -> Result<Document, Error> {
+    let refused = |e: ConfigError| Error::reference(name, e.to_string());
+    Document::among(&path_of(&format!("robots/{name}")), &|path| text_of(path).map(change)).map_err(refused)
+}
+
+/// The document of a shipped scenario, with its robot.
+///
+/// # Errors
+/// What is refused.
+pub fn document(name: &str) -> Result<Document, Error> {
+    let refused = |e: ConfigError| Error::reference(name, e.to_string());
+    let document = Document::among(&path_of(&format!("scenarios/{name}")), &text_of).map_err(refused)?;
+    let of_robot = document.written("robot").map(|(file, _)| file.replace('"', "")).unwrap_or_default();
+    let of_robot = Path::new(&of_robot).file_stem().unwrap_or_default().to_string_lossy();
+    document.put("robot", robot(&of_robot, &|text| text)?).map_err(refused)
+}
 
 /// The scenario, built.
 ///
 /// # Errors
 /// What is refused, with `overrides`.
-pub fn scenario((name, text, robot, of_robot): Shipped, overrides: &[&str]) -> Result<Scenario, Error> {
-    let refused = |e: ConfigError| Error::reference(name, e.to_string());
-    let at = |folder: &str, name: &str| format!("{}/../../{folder}/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let robot = Document::text(&at("robots", robot), of_robot).map_err(refused)?;
-    let document = Document::text(&at("scenarios", name), text)
-        .map_err(refused)?
-        .put("robot", robot)
-        .map_err(refused)?;
-    Scenario::new(overrides.iter().fold(document, |d, text| d.set(*text))).map_err(refused)
+pub fn scenario(name: &str, overrides: &[&str]) -> Result<Scenario, Error> {
+    let document = overrides.iter().fold(document(name)?, |document, text| document.set(*text));
+    Scenario::new(document).map_err(|e| Error::reference(name, e.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_file_is_compiled_in() {
+        for folder in ["scenarios", "robots"] {
+            for entry in path_of(folder).with_extension("").read_dir().unwrap() {
+                let path = entry.unwrap().path();
+                assert!(text_of(&path).is_ok(), "{}", path.display());
+            }
+        }
+    }
 }

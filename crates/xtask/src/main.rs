@@ -35,8 +35,8 @@ cargo xtask TASK
           `peers lattice` steps PteraSoftware's vortex lattice beside ours, `peers steps` MuJoCo's tree without air
           beside the environments
   fuzz    [--seconds 600] [TARGET...] everything that reads what others wrote, each for so long
-  hostile [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits of
-          memory, time and disk
+  hostile [--list] [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits
+          of memory, time and disk; the cases are the lists of crates/xtask/hostile
   advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
   python  test | measure | policies [STEPS [SEED...]]: the tests of the Python package; what it costs; policies trained by
           Stable-Baselines3 beside the predictive controller (installs PyTorch, some GB, into target/tools/policies)

@@ -12,6 +12,12 @@ fn fault(root: &Value, schema: &Value, value: &Value) -> Option<String> {
     if let Some(reference) = schema["$ref"].as_str() {
         return inner(&root["definitions"][reference.rsplit('/').next()?]);
     }
+    if schema["if"].is_object() {
+        let branch = if inner(&schema["if"]).is_none() { "then" } else { "else" };
+        if let Some(why) = inner(&schema[branch]) {
+            return Some(why);
+        }
+    }
     if let Some(why) = choices("allOf").iter().find_map(inner) {
         return Some(why);
     }
@@ -75,14 +81,22 @@ fn properties(root: &Value, schema: &Value, value: &Value) -> Option<String> {
 #[test]
 fn shipped_documents_meet_their_schema_and_misspelt_ones_do_not_by_this_reference() {
     for document in shipped::all() {
-        let schema = document.kind.schema();
-        let mut value = serde_json::to_value(&document.table).unwrap();
-        assert_eq!(fault(&schema, &schema, &value), None, "{}", document.file);
-        value["nmae"] = "x".into();
-        assert!(fault(&schema, &schema, &value).is_some(), "{}", document.file);
+        let (whole, file) = (document.kind.schema(), document.kind.schema_of_files());
+        let written: toml::Table = document.text.parse().unwrap();
+        for (schema, table) in [(whole, &document.table), (file, &written)] {
+            let mut value = serde_json::to_value(table).unwrap();
+            assert_eq!(fault(&schema, &schema, &value), None, "{}", document.file);
+            value["nmae"] = "x".into();
+            assert!(fault(&schema, &schema, &value).is_some(), "{}", document.file);
+        }
     }
     let schema = DocumentKind::Scenario.schema();
     let text = include_str!("../../../../scenarios/banking_turn.toml");
+    let file = DocumentKind::Scenario.schema_of_files();
+    let based = serde_json::json!({ "base": "a.toml", "air": {}, "robot": { "base": "b.toml", "without": ["gait"] } });
+    assert_eq!(fault(&file, &file, &based), None);
+    assert!(fault(&schema, &schema, &based).is_some());
+    assert!(fault(&file, &file, &serde_json::json!({ "name": "a", "air": {} })).is_some());
     for (right, wrong) in [
         ("law = \"linear\"", "law = \"liner\""),
         ("density_kg_m3 = 1.225", "density_kg_m3 = 1e99"),
@@ -95,5 +109,6 @@ fn shipped_documents_meet_their_schema_and_misspelt_ones_do_not_by_this_referenc
         let table: toml::Table = text.replace(right, wrong).parse().unwrap();
         let value = serde_json::to_value(&table).unwrap();
         assert!(fault(&schema, &schema, &value).is_some(), "{wrong}");
+        assert!(fault(&file, &file, &value).is_some(), "{wrong}");
     }
 }

@@ -21,6 +21,14 @@ checks a document whose first line is `#:schema FILE`, with a file of [schema](s
 `_m_s` is m/s. A range is what any document may say; where a meaning says less, less is allowed, and what hangs on
 several keys at once is checked when the document is read. A key without a default is left out where it is not
 wanted. Body axes are FLU: x forward, y left, z up; a positive roll is right wing down, a positive pitch nose *down*.
+
+Any document may be based on another of its kind: `base = \"cruise_20g.toml\"` names a file, relative to the document. The
+base is read first, and what the document says wins. Tables go together key by key; a list replaces that of the base,
+unless every item of both has a `name`. Then an item changes the item of its name, and items with new names follow
+those of the base. `without = [\"links.twist.driven\"]` leaves keys of the base out; an item of a list is called by its name.
+A base may have a base of its own, in a chain of at most 16 files. A table in the place of a file, such as `[robot]`
+in a scenario, is a document too and may have these two keys. An arm has a table `[base]` of its own; an arm that is
+based on another one has the table of that one.
 ";
 
 /// The whole page.

@@ -104,8 +104,10 @@ fn columns_of_flights_and_strips_are_in_the_reference() {
     for document in shipped::all().iter().filter(|d| d.file.starts_with("scenarios/")) {
         // A roll-in begins within the flight.
         // Legs take seconds to find and add no column.
-        let key = document.text.contains("[plan.roll_in]").then_some("plan.roll_in.start_s=0.0");
-        let brief = document.text.contains("[controller.orbit]").then_some("controller.orbit.legs=[]");
+        let has =
+            |table: &str, key: &str| document.table.get(table).and_then(|table| table.get(key)).is_some();
+        let key = has("plan", "roll_in").then_some("plan.roll_in.start_s=0.0");
+        let brief = has("controller", "orbit").then_some("controller.orbit.legs=[]");
         fly(&mut met, &document.file, key.or(brief));
     }
     for key in ["aero.law=lev", "aero.preset=paper"] {

@@ -10,6 +10,8 @@ pub const LARGEST_FILE: u64 = 8 << 20;
 pub const LARGEST_DOCUMENT: usize = 128 << 20;
 /// Most names in a path. *Choice*: the deepest key of a robot has eight.
 pub const DEEPEST: usize = 32;
+/// Most files of which each is based on the next. *Choice*: no shipped document has more than five.
+pub const MOST_BASES: usize = 16;
 /// Largest magnitude of a number whose key names no unit: its powers are finite.
 const LARGEST: f64 = 1e12;
 

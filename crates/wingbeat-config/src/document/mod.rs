@@ -7,11 +7,13 @@
 
 mod error;
 mod explain;
+mod inherit;
 mod limits;
 mod read;
 mod source;
 mod tree;
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -20,6 +22,7 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
+pub(super) use inherit::{BASE, WITHOUT};
 pub use limits::{largest, text_of, unit};
 pub use source::Translate;
 use source::{Origin, Sources};
@@ -66,23 +69,31 @@ pub struct Document {
 }
 
 impl Document {
-    /// The TOML file `path`.
+    /// The TOML file `path`, over the one that its key `base` names, if it has one.
     ///
     /// # Errors
     /// A file that cannot be read or is not TOML.
     pub fn file(path: &Path) -> Result<Self, ConfigError> {
+        Self::among(path, &text_of)
+    }
+
+    /// [`file`](Self::file) where `texts` tells what files hold, such as those that a program has compiled in.
+    ///
+    /// # Errors
+    /// Those of [`file`](Self::file).
+    pub fn among(path: &Path, texts: &dyn Fn(&Path) -> io::Result<String>) -> Result<Self, ConfigError> {
         let mut document = Self::default();
-        document.sources.read_file(path, &[], None)?;
+        document.sources.read_file(path, texts, &[], None)?;
         Ok(document)
     }
 
     /// A TOML text; errors call it `name`. Paths in it are seen from the working folder.
     ///
     /// # Errors
-    /// A text that is not TOML.
+    /// A text that is not TOML, a file which it is based on that cannot be read.
     pub fn text(name: &str, toml: &str) -> Result<Self, ConfigError> {
         let mut document = Self::default();
-        document.sources.read(Origin::Text(name.into()), toml.into(), &[])?;
+        document.sources.read_based(Origin::Text(name.into()), toml.into())?;
         Ok(document)
     }
 
@@ -222,12 +233,14 @@ impl Document {
         let tree = self.sources.tree()?;
         match tree::follow(&tree, key).map(Spanned::get_ref) {
             Some(DeValue::Table(_)) => {
-                Ok(Self { sources: self.sources.part(&tree::steps(key)), overrides: self.overrides.clone() })
+                let mut sources = self.sources.part(&tree::steps(key));
+                sources.read_bases_of_table(&[])?;
+                Ok(Self { sources, overrides: self.overrides.clone() })
             }
             Some(DeValue::String(name)) => {
                 let mut document = Self::default();
                 let path = source::joined(&self.folder(key), name);
-                document.sources.read_file(&path, &[], Some(self.blame(&tree, key)))?;
+                document.sources.read_file(&path, &text_of, &[], Some(self.blame(&tree, key)))?;
                 Ok(document)
             }
             _ => {
@@ -278,15 +291,15 @@ impl Document {
     fn include(&mut self, key: &str, translate: Translate) -> Result<(), ConfigError> {
         let tree = self.sources.tree()?;
         let Some(value) = tree::follow(&tree, key) else { return Ok(()) };
-        let Some(name) = value.get_ref().as_str() else { return Ok(()) };
         let (blame, steps) = (self.blame(&tree, key), tree::steps(key));
+        let Some(name) = value.get_ref().as_str() else { return self.sources.read_bases_of_table(&steps) };
         let folder = self.sources.folder(value.span().start);
         let (file, part) = name.split_once('#').map_or((name, None), |(file, part)| (file, Some(part)));
         let path = source::joined(&folder, file);
         let whole = source::joined(&folder, name);
         match translate(&path, part) {
             Some(text) => self.sources.read_text(&path, text, &steps, Some(blame)),
-            None => self.sources.read_file(&whole, &steps, Some(blame)),
+            None => self.sources.read_file(&whole, &text_of, &steps, Some(blame)),
         }
     }
 

@@ -1,5 +1,8 @@
 //! The texts a document was made of, in one numbering of bytes.
 
+mod base;
+
+use std::io;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
@@ -40,20 +43,43 @@ struct Source {
     toml: String,
     /// The steps to the place in the tree that it takes.
     at: Vec<String>,
+    joins: Joins,
 }
+
+/// How a text comes into the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Joins {
+    /// In the place of what stands there.
+    Instead,
+    /// Below the text before it, which is based on it.
+    Base,
+    /// Below the table that stands there, which is based on it.
+    BaseOfTable,
+}
+
+/// Tells the text of a file.
+pub type Texts<'a> = &'a dyn Fn(&Path) -> io::Result<String>;
 
 /// Tells the TOML of a file of another format, or why it cannot be read; `None` for TOML files.
 /// The second argument is the part of the file asked for: what follows a `#` after its name.
 pub type Translate<'a> = &'a dyn Fn(&Path, Option<&str>) -> Option<Result<String, String>>;
 
 impl Sources {
-    /// Reads a file that takes the place `at`; `blame` is the key that names it, if one does.
-    pub fn read_file(&mut self, path: &Path, at: &[String], blame: Option<Wrong>) -> Result<(), ConfigError> {
-        let text = limits::text_of(path).map_err(|error| error.to_string());
-        self.read_text(path, text, at, blame)
+    /// Reads a file, one of `texts`, that takes the place `at`, and those that it is based on; `blame` is the key
+    /// that names it, if one does.
+    pub fn read_file(
+        &mut self,
+        path: &Path,
+        texts: Texts,
+        at: &[String],
+        blame: Option<Wrong>,
+    ) -> Result<(), ConfigError> {
+        let text = texts(path).map_err(|error| error.to_string());
+        self.read_text(path, text, at, blame)?;
+        self.read_bases(texts)
     }
 
-    /// Takes the `text` of a file, or why there is none, as [`read_file`](Self::read_file) does.
+    /// Takes the `text` of a file, or why there is none, without what it is based on.
     pub fn read_text(
         &mut self,
         path: &Path,
@@ -61,22 +87,21 @@ impl Sources {
         at: &[String],
         blame: Option<Wrong>,
     ) -> Result<(), ConfigError> {
-        let text = text.map_err(|error| match blame {
-            Some(mut blame) => {
-                blame.problem =
-                    Problem::Value(format!("a file that can be read; {}: {error}", path.display()));
-                blame.into()
-            }
-            None => of_place(Place::File(path.into()), error),
-        })?;
+        let text = text.map_err(|error| unreadable(path, &error, blame))?;
         self.read(Origin::File(path.into()), text, at)
+    }
+
+    /// Takes a text and the files that it is based on, as seen from the working folder.
+    pub fn read_based(&mut self, origin: Origin, text: String) -> Result<(), ConfigError> {
+        self.read(origin, text, &[])?;
+        self.read_bases(&limits::text_of)
     }
 
     /// Takes a text.
     pub fn read(&mut self, origin: Origin, text: String, at: &[String]) -> Result<(), ConfigError> {
         let toml = text.clone();
         let at = self.root.iter().chain(at).cloned().collect();
-        self.add(origin, text, &toml, at)?;
+        self.add(origin, text, &toml, at, Joins::Instead)?;
         self.tree().map(drop)
     }
 
@@ -84,7 +109,7 @@ impl Sources {
     pub fn put(&mut self, other: Self, at: &[String]) -> Result<(), ConfigError> {
         for source in other.texts {
             let at = self.root.iter().chain(at).cloned().chain(source.at).collect();
-            self.add(source.origin, source.text, &source.toml[source.start..], at)?;
+            self.add(source.origin, source.text, &source.toml[source.start..], at, source.joins)?;
         }
         self.tree().map(drop)
     }
@@ -103,23 +128,31 @@ impl Sources {
             let what = format!("allowed is a key of at most {} names", limits::DEEPEST);
             return Err(of_place(Place::Override(brief(text)), what));
         }
-        self.add(Origin::Override, text.into(), &toml, at)
+        self.add(Origin::Override, text.into(), &toml, at, Joins::Instead)
     }
 
-    /// The texts as one tree, later ones over earlier ones.
+    /// The texts as one tree, later ones in the place of earlier ones, each over those that it is based on.
     pub fn tree(&self) -> Result<Spanned<DeValue<'_>>, ConfigError> {
         let mut root = Spanned::new(0..0, DeValue::Table(DeTable::new()));
-        for source in &self.texts {
-            let value = source.parse().map_err(|error| {
-                let at = error.span().map_or(source.start, |span| span.start);
-                of_place(self.place(at), format!("not TOML: {}", error.message()))
-            })?;
+        for chain in self.texts.chunk_by(|_, next| next.joins == Joins::Base) {
+            let Some((source, bases)) = chain.split_first() else { continue };
+            let value = match source.joins {
+                Joins::BaseOfTable => self.over_bases(tree::swap(&mut root, &source.at), chain)?,
+                _ => self.over_bases(self.parsed(source)?, bases)?,
+            };
             tree::assign(&mut root, &source.at, value).map_err(|allowed| {
                 let key = tree::path(&source.at);
                 Wrong::new(self.place(source.start), key, None, Problem::Value(allowed))
             })?;
         }
         Ok(tree::taken(root, &self.root))
+    }
+
+    fn parsed<'a>(&self, source: &'a Source) -> Result<Spanned<DeValue<'a>>, ConfigError> {
+        source.parse().map_err(|error| {
+            let at = error.span().map_or(source.start, |span| span.start);
+            of_place(self.place(at), format!("not TOML: {}", error.message()))
+        })
     }
 
     /// The same without overrides.
@@ -175,7 +208,14 @@ impl Sources {
     }
 
     /// Adds a text, moved behind all others.
-    fn add(&mut self, origin: Origin, text: String, toml: &str, at: Vec<String>) -> Result<(), ConfigError> {
+    fn add(
+        &mut self,
+        origin: Origin,
+        text: String,
+        toml: &str,
+        at: Vec<String>,
+        joins: Joins,
+    ) -> Result<(), ConfigError> {
         let start = self.texts.last().map_or(0, |last| last.toml.len().max(last.start + last.text.len()) + 1);
         let taken: usize = self.texts.iter().map(|source| source.toml.len()).sum();
         if taken.saturating_add(start).saturating_add(toml.len()) > limits::LARGEST_DOCUMENT {
@@ -183,7 +223,7 @@ impl Sources {
             return Err(of_place(Place::Override(brief(&text)), what));
         }
         let toml = " ".repeat(start) + toml;
-        self.texts.push(Source { origin, text, start, toml, at });
+        self.texts.push(Source { origin, text, start, toml, at, joins });
         Ok(())
     }
 }
@@ -211,6 +251,13 @@ impl Source {
 /// An override as messages show it: whole, unless it is very long.
 fn shown(text: &str) -> String {
     if text.len() <= 200 { text.into() } else { brief(text) }
+}
+
+/// The error of a file that cannot be read; `blame` is the key that names it, if one does.
+fn unreadable(path: &Path, why: &str, blame: Option<Wrong>) -> ConfigError {
+    let Some(blame) = blame else { return of_place(Place::File(path.into()), why.into()) };
+    let allowed = format!("a file that can be read; {}: {why}", path.display());
+    Wrong { problem: Problem::Value(allowed), ..blame }.into()
 }
 
 fn of_place(place: Place, what: String) -> ConfigError {

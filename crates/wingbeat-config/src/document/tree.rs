@@ -37,6 +37,14 @@ pub fn child<'a, 'i>(parent: &'a DeValue<'i>, step: &str) -> Option<&'a Spanned<
     }
 }
 
+fn child_mut<'a, 'i>(parent: &'a mut DeValue<'i>, step: &str) -> Option<&'a mut Spanned<DeValue<'i>>> {
+    match parent {
+        DeValue::Table(table) => table.get_mut(step),
+        DeValue::Array(items) => items.get_mut(step.parse::<usize>().ok()?),
+        _ => None,
+    }
+}
+
 /// The value at `path` below `root`.
 pub fn follow<'a, 'i>(root: &'a Spanned<DeValue<'i>>, path: &str) -> Option<&'a Spanned<DeValue<'i>>> {
     steps(path).iter().try_fold(root, |value, step| child(value.get_ref(), step))
@@ -73,6 +81,15 @@ fn walk_below<'a, 'i>(
             items.for_each(|(index, value)| walk_below(&format!("{path}[{index}]"), value, visit));
         }
         _ => visit(path, value),
+    }
+}
+
+/// The value at `steps` below `root`, which is left empty there; an empty table where there is none.
+pub fn swap<'i>(root: &mut Spanned<DeValue<'i>>, steps: &[String]) -> Spanned<DeValue<'i>> {
+    let empty = || Spanned::new(0..0, DeValue::Table(DeTable::new()));
+    match steps.iter().try_fold(root, |value, step| child_mut(value.get_mut(), step)) {
+        Some(value) => std::mem::replace(value, empty()),
+        None => empty(),
     }
 }
 

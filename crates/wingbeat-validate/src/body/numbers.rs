@@ -1,27 +1,15 @@
 //! Derivatives of loads and rates by the numbers of a robot, against differences.
 
+use crate::shipped::{Shipped, scenario};
 use crate::{Error, Row};
 use std::collections::BTreeSet;
 use wingbeat::math::{Jet, Mat3, Quat, Scalar, Vec3};
 use wingbeat::plant::{Fault, Plant};
 use wingbeat::robot::{BodyMotion, CarriedLoads, Robot, TOGETHER, Varying};
-use wingbeat::scenario::{ConfigError, Document, Scenario};
-
-macro_rules! shipped {
-    ($scenario:literal, $robot:literal) => {
-        [
-            concat!("scenarios/", $scenario, ".toml"),
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/", $scenario, ".toml")),
-            concat!("robots/", $robot, ".toml"),
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/", $robot, ".toml")),
-        ]
-    };
-}
 
 /// Between them they have every kind of number: motor, series, elastic hinges, matrices of the structure, two surfaces;
 /// and a linkage with independent elements.
-const ROBOTS: [[&str; 4]; 2] =
-    [shipped!("motor_flapper", "motor_flapper"), shipped!("glide", "aerobat_beta")];
+const FLOWN: [Shipped; 2] = ["motor_flapper", "glide"];
 
 /// Instants looked at, s.
 const TIMES: [f64; 3] = [0.03, 0.11, 0.19];
@@ -35,14 +23,10 @@ const SIZES: [(&str, f64); 5] =
 /// Share of the largest result that a number moves by its whole size only by rounding: the length of a direction.
 const NOTHING: f64 = 1e-9;
 
-/// A shipped robot.
-fn robot([path, text, robot_path, robot]: [&str; 4], preset: &str) -> Result<Robot, Error> {
-    let refused = |e: ConfigError| Error::reference("numbers", e.to_string());
-    let at = |path: &str| format!("{}/../../{path}", env!("CARGO_MANIFEST_DIR"));
-    let robot = Document::text(&at(robot_path), robot).map_err(refused)?;
-    let document = Document::text(&at(path), text).map_err(refused)?.put("robot", robot).map_err(refused)?;
-    let document = document.set(format!("aero.preset={preset}")).set("aero.law=lev");
-    Ok(Scenario::new(document.set("flight.flapping=true")).map_err(refused)?.robot().clone())
+/// The robot of a shipped scenario.
+fn robot(flown: Shipped, preset: &str) -> Result<Robot, Error> {
+    let preset = format!("aero.preset={preset}");
+    Ok(scenario(flown, &[&preset, "aero.law=lev", "flight.flapping=true"])?.robot().clone())
 }
 
 /// A state somewhere in flight: elements displaced by a tenth of a radian, or of what lengths are, and all else moving.
@@ -231,9 +215,9 @@ fn apart(
 /// The row.
 pub fn rows() -> Result<Vec<Row>, Error> {
     let mut all = Found { worst: 0.0, name: String::new(), moving: 0, all: 0 };
-    for shipped in ROBOTS {
+    for flown in FLOWN {
         for preset in ["paper", "full"] {
-            let found = compare(&robot(shipped, preset)?)?;
+            let found = compare(&robot(flown, preset)?)?;
             if found.worst > all.worst {
                 (all.worst, all.name) = (found.worst, found.name);
             }

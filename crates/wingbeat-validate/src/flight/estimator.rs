@@ -5,10 +5,10 @@ use std::ops::ControlFlow;
 use wingbeat::scenario::Run;
 
 use super::{SATURATED, SKIN, values};
-use crate::shipped::{Shipped, scenario, shipped};
+use crate::shipped::{Shipped, scenario};
 use crate::{Error, Row};
 
-const ESTIMATOR: Shipped = shipped!("estimator_20g", "cruise_20g_margin");
+const ESTIMATOR: Shipped = "estimator_20g";
 /// Largest error of the height, m, and of the roll, root mean square, deg.
 const HEIGHT: f64 = 0.04;
 const ROLL: f64 = 1.0;

@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use wingbeat::scenario::Run;
 
-use crate::shipped::{Shipped, scenario, shipped};
+use crate::shipped::{Shipped, scenario};
 use crate::{Error, Row};
 
-const HOVER: Shipped = shipped!("hover_guarded", "guarded_20g");
+const HOVER: Shipped = "hover_guarded";
 /// Largest distance from the place, root mean square, m; largest rotation, deg; share of the air's mean force.
 const PLACE: f64 = 0.05;
 const ATTITUDE: f64 = 3.0;

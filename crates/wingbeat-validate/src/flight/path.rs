@@ -5,13 +5,13 @@ use std::ops::ControlFlow;
 use wingbeat::scenario::Run;
 
 use super::SATURATED;
-use crate::shipped::{Shipped, scenario, shipped};
+use crate::shipped::{Shipped, scenario};
 use crate::{Error, Row};
 
 /// By the bank that the distance across asks of the regulator.
-pub const EIGHT: Shipped = shipped!("path_figure8", "cruise_20g_margin");
+pub const EIGHT: Shipped = "path_figure8";
 /// By a plan whose cost holds the distances.
-pub const PLANNED: Shipped = shipped!("predictive_figure8", "cruise_20g_margin");
+pub const PLANNED: Shipped = "predictive_figure8";
 /// Largest distance across the path, root mean square, m.
 const CROSS: f64 = 0.15;
 
@@ -25,7 +25,7 @@ pub fn rows(of: Shipped) -> Result<Vec<Row>, Error> {
 fn flown(of: Shipped, name: &str, overrides: &[&str]) -> Result<Vec<Row>, Error> {
     let Run { summary, .. } = scenario(of, overrides)?.fly(|_| ControlFlow::Continue(()))?;
     let row = |end: &str, metric: &str, value: f64, limit: f64, unit| {
-        let id = format!("flight.{}.{name}.{end}", of.0);
+        let id = format!("flight.{of}.{name}.{end}");
         Row::judged(&id, "what is asked of the flight", metric, value, limit, unit)
     };
     let missing = || Error::reference("summary", "no path".to_string());

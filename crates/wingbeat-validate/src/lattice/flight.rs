@@ -7,6 +7,7 @@
 //!   `full` is within 2 to 3 %. Shown.
 
 use crate::aero_turn::turn;
+use crate::shipped;
 use crate::{Error, Row};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -59,16 +60,11 @@ const FLAPPING: &str = "panels = [{ link = \"shoulder\" }]\n[[links]]\nname = \"
 /// The model glider from its glide, flapping by 6 degrees, six beats and a quarter a second: choices that keep the flow attached.
 fn glider() -> Result<Flown, Error> {
     let refused = |e: wingbeat::scenario::ConfigError| Error::reference("glider", e.to_string());
-    let at = |path: &str| concat!(env!("CARGO_MANIFEST_DIR"), "/../../").to_owned() + path;
-    let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/glider.toml"));
-    let robot = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/glider.toml"));
-    if !robot.contains(RIGID) {
+    let robot = shipped::robot("glider", &|text| text.replace(RIGID, FLAPPING))?;
+    if robot.written("gait").is_none() {
         return Err(Error::reference("glider", "its wing rides elsewhere"));
     }
-    let robot = robot.replace(RIGID, FLAPPING);
-    let robot = Document::text(&at("robots/glider.toml"), &robot).map_err(refused)?;
-    let document = Document::text(&at("scenarios/glider.toml"), text).map_err(refused)?;
-    let document = document.put("robot", robot).map_err(refused)?;
+    let document = shipped::document("glider")?.put("robot", robot).map_err(refused)?;
     let document = document.set("flight.duration_s=0.96").set("flight.record_every_s=1e-3");
     let scenario = Scenario::new(document).map_err(refused)?;
     Ok(Flown { scenario, speed: 9.0, frequency: 6.25, from: 0.2, cycles: 4 })

@@ -5,22 +5,22 @@ use std::ops::ControlFlow;
 use wingbeat::scenario::{ConfigError, Document, Scenario};
 
 use super::trimmed;
-use crate::shipped::{Shipped, shipped};
+use crate::shipped::Shipped;
 use crate::{Error, Row};
 
 /// Level flights whose orbits are flown.
 const FLOWN: [Shipped; 11] = [
-    shipped!("cruise_20g", "cruise_20g"),
-    shipped!("cruise_44g", "cruise_44g"),
-    shipped!("cruise_beta", "cruise_beta"),
-    shipped!("cruise_20g_lev", "cruise_20g_lev"),
-    shipped!("cruise_44g_lev", "cruise_44g_lev"),
-    shipped!("cruise_beta_lev", "cruise_beta_lev"),
-    shipped!("cruise_linkage", "cruise_linkage"),
-    shipped!("cruise_20g_margin", "cruise_20g_margin"),
-    shipped!("passive_20g", "passive_20g"),
-    shipped!("passive_20g_margin", "passive_20g_margin"),
-    shipped!("passive_linkage", "passive_linkage"),
+    "cruise_20g",
+    "cruise_44g",
+    "cruise_beta",
+    "cruise_20g_lev",
+    "cruise_44g_lev",
+    "cruise_beta_lev",
+    "cruise_linkage",
+    "cruise_20g_margin",
+    "passive_20g",
+    "passive_20g_margin",
+    "passive_linkage",
 ];
 /// Cycles for which they are flown.
 const CYCLES: f64 = 10.0;
@@ -33,7 +33,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
 
 /// How far the body is from where the orbit has it after each cycle, at most.
 fn row(shipped: &Shipped) -> Result<Row, Error> {
-    let name = shipped.0;
+    let name = *shipped;
     let refused = |e: ConfigError| Error::reference(name, e.to_string());
     let trimmed = trimmed(*shipped, &[])?;
     let summary = &trimmed.summary;

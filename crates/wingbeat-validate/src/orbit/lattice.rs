@@ -10,19 +10,19 @@ use wingbeat::parallel;
 use wingbeat::scenario::ScenarioSpec;
 
 use super::replay::{Fineness, Instant, Means, Motion, Twisted};
-use crate::shipped::{Shipped, shipped};
+use crate::shipped::Shipped;
 use crate::{Error, Row, Watch};
 
 /// Level flights whose motion is replayed, the first drawn.
 const REPLAYED: [Shipped; 8] = [
-    shipped!("cruise_20g", "cruise_20g"),
-    shipped!("cruise_44g", "cruise_44g"),
-    shipped!("cruise_20g_margin", "cruise_20g_margin"),
-    shipped!("passive_20g", "passive_20g"),
-    shipped!("passive_20g_margin", "passive_20g_margin"),
-    shipped!("cruise_beta", "cruise_beta"),
-    shipped!("cruise_linkage", "cruise_linkage"),
-    shipped!("passive_linkage", "passive_linkage"),
+    "cruise_20g",
+    "cruise_44g",
+    "cruise_20g_margin",
+    "passive_20g",
+    "passive_20g_margin",
+    "cruise_beta",
+    "cruise_linkage",
+    "passive_linkage",
 ];
 
 /// What the rows compare, and what its panels, steps and cores are worth.

@@ -3,11 +3,11 @@
 use wingbeat::orbit::SKIN;
 
 use super::trimmed;
-use crate::shipped::{Shipped, shipped};
+use crate::shipped::Shipped;
 use crate::{Error, Row};
 
 /// What is asked of a gait.
-pub(super) struct Asked {
+struct Asked {
     of: Shipped,
     /// With the scenario's own strips: most power over the mass, W/kg.
     power: f64,
@@ -22,28 +22,18 @@ pub(super) struct Asked {
 /// Room between the skins of wings whose twist is driven, m.
 const DRIVEN_ROOM: f64 = 3e-3;
 
-pub(super) const CRUISE_20G: Asked = driven(shipped!("cruise_20g", "cruise_20g"), 80.0, [6.0, 0.10]);
-pub(super) const CRUISE_20G_LEV: Asked =
-    driven(shipped!("cruise_20g_lev", "cruise_20g_lev"), 80.0, [6.0, 0.10]);
-pub(super) const CRUISE_44G: Asked = driven(shipped!("cruise_44g", "cruise_44g"), 95.0, [8.0, 0.10]);
-pub(super) const CRUISE_BETA: Asked = driven(shipped!("cruise_beta", "cruise_beta"), 100.0, [10.5, 0.15]);
-pub(super) const CRUISE_44G_LEV: Asked =
-    driven(shipped!("cruise_44g_lev", "cruise_44g_lev"), 95.0, [8.0, 0.10]);
-pub(super) const CRUISE_BETA_LEV: Asked =
-    driven(shipped!("cruise_beta_lev", "cruise_beta_lev"), 100.0, [10.5, 0.15]);
-pub(super) const PASSIVE_20G: Asked = passive(shipped!("passive_20g", "passive_20g"), 85.0);
-pub(super) const PASSIVE_LINKAGE: Asked = passive(shipped!("passive_linkage", "passive_linkage"), 140.0);
-
-const fn driven(of: Shipped, power: f64, limits: [f64; 2]) -> Asked {
-    Asked { of, power, driven: Some(limits), room: DRIVEN_ROOM, strips: &[9, 16, 24] }
+/// A gait whose twist is driven: most power, W/kg; highest frequency, Hz, and largest share beyond 20 deg.
+pub(super) fn driven(of: Shipped, power: f64, limits: [f64; 2]) -> Result<Vec<Row>, Error> {
+    rows(&Asked { of, power, driven: Some(limits), room: DRIVEN_ROOM, strips: &[9, 16, 24] })
 }
 
-const fn passive(of: Shipped, power: f64) -> Asked {
-    Asked { of, power, driven: None, room: 0.0, strips: &[9, 16] }
+/// A gait whose twist the air moves: most power, W/kg.
+pub(super) fn passive(of: Shipped, power: f64) -> Result<Vec<Row>, Error> {
+    rows(&Asked { of, power, driven: None, room: 0.0, strips: &[9, 16] })
 }
 
-pub(super) fn rows(asked: &Asked) -> Result<Vec<Row>, Error> {
-    let (name, source) = (asked.of.0, "what is asked of the flight");
+fn rows(asked: &Asked) -> Result<Vec<Row>, Error> {
+    let (name, source) = (asked.of, "what is asked of the flight");
     let (mut rows, mut shown) = (Vec::new(), Vec::new());
     for (i, strips) in asked.strips.iter().enumerate() {
         let flight = trimmed(asked.of, &[&format!("aero.full.strips={strips}")])?.summary;

@@ -130,7 +130,7 @@ impl Motion {
             x,
             dx,
             scenario,
-            name: shipped.0,
+            name: shipped,
         })
     }
 
@@ -485,11 +485,10 @@ impl Sections for Joined {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shipped::shipped;
 
     #[test]
     fn joints_at_rest_give_nothing_to_the_air() {
-        let motion = Motion::of(shipped!("cruise_20g", "cruise_20g")).unwrap().gentler(0.0).unwrap();
+        let motion = Motion::of("cruise_20g").unwrap().gentler(0.0).unwrap();
         let fineness = Fineness { chordwise: 2, spanwise: 12, core: 0.05, twisted: Twisted::Joined(0.0) };
         let [_, lattice] = motion.lattice(fineness).unwrap();
         let strips = motion.strips(&motion.driven(|_| ()).unwrap()).unwrap();

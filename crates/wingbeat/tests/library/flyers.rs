@@ -6,6 +6,7 @@ mod glider;
 use flown::{Flown, fly, scenario, shipped};
 use std::f64::consts::FRAC_PI_2;
 use wingbeat::plant::Plant;
+use wingbeat::scenario::Document;
 
 /// Two pairs in antiphase: what one lifts the other lowers, so that the robot nods where pairs in phase heave.
 #[test]
@@ -230,8 +231,10 @@ fn an_elastic_twist_hinge_gives_way_under_the_air() {
     let preset = ["aero.preset=paper".into(), "aero.law=linear".into()];
     let start = ["start.velocity_m_s=[1.5, 0.0, 0.0]", "start.pitch_deg=-15.0", "flight.duration_s=0.5"];
     let common = || preset.iter().cloned().chain(start.map(String::from));
-    let file =
-        |name: &str| std::fs::read_to_string(flown::root().join(format!("robots/{name}.toml"))).unwrap();
+    let file = |name: &str| {
+        let robot = Document::file(&flown::root().join(format!("robots/{name}.toml"))).unwrap();
+        robot.resolved().unwrap()
+    };
     let elastic = |stiffness: f64| {
         let stiff = [
             format!("robot.links[2].elastic.stiffness={stiffness}"),

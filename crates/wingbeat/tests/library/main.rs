@@ -13,6 +13,7 @@ mod followed_impulse;
 mod full_turn;
 mod gait_search;
 mod hover;
+mod inherit;
 mod linkage;
 mod mechanism;
 mod multibody;

@@ -2,9 +2,7 @@
 
 use std::fs;
 
-use super::case::{Case, Judged, refused};
-use super::place::Place;
-use super::runs::{GLIDE, HOLD, SWEEP};
+use super::case::{Case, refused};
 use crate::tools;
 
 /// Commands whose help says what each option is.
@@ -122,7 +120,7 @@ fn runs(kind: &'static str, words: &'static [&'static str]) -> Case {
 /// Tables carry their units where pandas looks for them.
 fn units(name: &str, words: &'static [&'static str], tables: &'static [&'static str]) -> Case {
     Case::new(8, format!("units_{name}"), move |place| {
-        write(place)?;
+        place.write_texts()?;
         let words: Vec<&str> = words.iter().copied().chain(["--quiet", "--out", "a"]).collect();
         place.run(&words)?.exits(0)?;
         let mut found = place.names("a")?;
@@ -145,7 +143,7 @@ fn units(name: &str, words: &'static [&'static str], tables: &'static [&'static 
 /// Tables in text begin with the names of their columns.
 fn tables() -> Case {
     Case::new(8, "tables_in_text", |place| {
-        write(place)?;
+        place.write_texts()?;
         place.run(&["sweep", "sweep.toml", "--quiet", "--out", "a"])?.exits(0)?;
         let mut found = place.names("a")?;
         found.retain(|name| name.ends_with(".csv"));
@@ -156,10 +154,4 @@ fn tables() -> Case {
             if named { Ok(()) } else { Err(format!("{name} begins with {first}")) }
         })
     })
-}
-
-fn write(place: &Place) -> Judged {
-    place.write("glide.toml", GLIDE)?;
-    place.write("sweep.toml", SWEEP)?;
-    place.write("hold.toml", HOLD)
 }

@@ -1,11 +1,13 @@
 //! `cargo xtask hostile`: what an unlucky or hostile user does, as scripted cases run against the built program.
 //!
 //! Every call of the program runs under limits of memory, file size and time, and is judged on its exit code, on what
-//! it says, on what lies on disk before and after, and that it neither panics nor aborts. A case is one row of a list
-//! ([`case::refused`]) or a short script ([`Case::new`]); the lists are grouped by class, one file for each.
+//! it says, on what lies on disk before and after, and that it neither panics nor aborts. Most cases are data, the lists
+//! of `crates/xtask/hostile` ([`data`]); what needs code is a short script ([`Case::new`]).
 //! A case that cannot be run has failed.
 
 mod case;
+mod data;
+mod judge;
 mod learn;
 mod pictures;
 mod place;
@@ -14,6 +16,8 @@ mod runs;
 mod sizes;
 mod snapshot;
 mod status;
+mod step;
+mod text;
 
 use std::fs;
 use std::path::PathBuf;
@@ -58,6 +62,7 @@ fn cases() -> Vec<Case> {
         readers::cases(),
         pictures::cases(),
         learn::cases(),
+        data::cases(),
     ]
     .into_iter()
     .flatten()
@@ -66,6 +71,10 @@ fn cases() -> Vec<Case> {
 
 /// Runs the cases that `arguments` choose; true when all pass.
 pub fn hostile(arguments: &[String]) -> bool {
+    if arguments.iter().any(|argument| argument == "--list") {
+        cases().iter().for_each(|case| println!("{} {}", case.class, case.name));
+        return true;
+    }
     let Some(choice) = Choice::of(arguments) else { return false };
     let tally = choice.run();
     tally.failed == 0 && tally.passed > 0
@@ -86,7 +95,9 @@ impl Choice {
                 "--class" => choice.class = Some(rest.next()?.parse().ok()?),
                 "--program" => choice.program = std::path::absolute(rest.next()?).ok()?,
                 option if option.starts_with('-') => {
-                    eprintln!("error: no option {option}; there are --quick, --class N, --program FILE");
+                    eprintln!(
+                        "error: no option {option}; there are --list, --quick, --class N, --program FILE"
+                    );
                     return None;
                 }
                 name => choice.names.push(name.into()),

@@ -11,13 +11,16 @@ use std::process::{Child, Command, Stdio};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use serde::Deserialize;
+
 use super::case::Judged;
+use super::data::{GLIDE, HOLD, SWEEP};
 use crate::tools;
 
 /// Most memory of a call, kB of address space.
 const MEMORY_KB: u64 = 1 << 20;
 /// Longest time of a call.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(60);
 /// Longest time from a signal to the end.
 pub const ANSWER: Duration = Duration::from_secs(1);
 /// Most that may lie in the folder of a case, bytes; no single file may become larger.
@@ -37,9 +40,11 @@ pub struct Place {
 pub type State = BTreeMap<PathBuf, String>;
 
 /// Where the standard output goes.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Default, Deserialize, PartialEq)]
+#[serde(rename_all = "snake_case")]
 pub enum Stdout {
     /// It is read.
+    #[default]
     Read,
     /// To a full device.
     Full,
@@ -55,9 +60,9 @@ pub struct Call<'a> {
     arguments: Vec<OsString>,
     folder: PathBuf,
     stdout: Stdout,
-    signal: Option<(&'static str, Duration)>,
+    signal: Option<(String, Duration)>,
     /// What the shell does to its error stream.
-    stderr: &'static str,
+    stderr: String,
     /// Largest file that it may write, blocks of 512 bytes.
     blocks: u64,
 }
@@ -77,7 +82,7 @@ pub struct Ended {
 }
 
 /// `{root}` in `text` as the path of the repository.
-fn placed(text: &str) -> String {
+pub fn placed(text: &str) -> String {
     text.replace("{root}", &tools::root().to_string_lossy())
 }
 
@@ -111,6 +116,12 @@ impl Place {
         let above = path.parent().unwrap_or(&self.folder);
         told(above, fs::create_dir_all(above))?;
         told(&path, fs::write(&path, bytes))
+    }
+
+    /// Writes the short flight, its sweep and the hold.
+    pub fn write_texts(&self) -> Judged {
+        let texts = [("glide.toml", GLIDE), ("sweep.toml", SWEEP), ("hold.toml", HOLD)];
+        texts.into_iter().try_for_each(|(name, text)| self.write(name, text))
     }
 
     /// The text of a file.
@@ -182,7 +193,7 @@ impl Place {
             folder,
             stdout: Stdout::Read,
             signal: None,
-            stderr: "",
+            stderr: String::new(),
             blocks: DISK / 512,
         }
     }
@@ -213,14 +224,14 @@ impl Call<'_> {
     }
 
     /// With its error stream elsewhere, as the shell writes it: `2>/dev/full`, `2>&-`.
-    pub fn stderr(mut self, redirection: &'static str) -> Self {
-        self.stderr = redirection;
+    pub fn stderr(mut self, redirection: &str) -> Self {
+        self.stderr = redirection.into();
         self
     }
 
     /// Sends a signal (`INT`, `TERM`) so long after the start.
-    pub fn signal(mut self, name: &'static str, after: Duration) -> Self {
-        self.signal = Some((name, after));
+    pub fn signal(mut self, name: &str, after: Duration) -> Self {
+        self.signal = Some((name.into(), after));
         self
     }
 
@@ -257,8 +268,8 @@ impl Call<'_> {
     /// Runs it to its end.
     pub fn run(&self) -> Result<Ended, String> {
         let mut running = self.start()?;
-        let Some((name, after)) = self.signal else { return running.end(PATIENCE) };
-        thread::sleep(after);
+        let Some((name, after)) = &self.signal else { return running.end(PATIENCE) };
+        thread::sleep(*after);
         if running.child.try_wait().is_ok_and(|ended| ended.is_some()) {
             let ended = running.end(PATIENCE)?;
             return Err(format!("ended before the signal: {:?} {}", ended.code, ended.stderr.trim()));
@@ -317,24 +328,29 @@ impl Running {
 impl Ended {
     /// It ended by itself with this exit code.
     pub fn exits(self, code: i32) -> Result<Self, String> {
-        if self.code == Some(code) {
+        self.exits_with(&[code])
+    }
+
+    /// It ended with one of these exit codes, -1 for an end by a signal; with any where there are none.
+    pub fn exits_with(self, codes: &[i32]) -> Result<Self, String> {
+        if codes.is_empty() || codes.contains(&self.code.unwrap_or(-1)) {
             return Ok(self);
         }
         let how = self.code.map_or(format!("signal {:?}", self.signal), |code| format!("exit {code}"));
-        Err(format!("{how}, wanted exit {code}: {}", brief(&self.stderr)))
+        Err(format!("{how}, wanted exit {codes:?}: {}", brief(&self.stderr)))
     }
 
     /// Its error stream says each of `words`.
-    pub fn says(self, words: &[&str]) -> Result<Self, String> {
-        match words.iter().find(|word| !self.stderr.contains(&placed(word))) {
+    pub fn says<W: AsRef<str>>(self, words: &[W]) -> Result<Self, String> {
+        match words.iter().map(AsRef::as_ref).find(|word| !self.stderr.contains(&placed(word))) {
             Some(word) => Err(format!("does not say {word:?}: {}", brief(&self.stderr))),
             None => Ok(self),
         }
     }
 
     /// Its output says each of `words`.
-    pub fn prints(self, words: &[&str]) -> Result<Self, String> {
-        match words.iter().find(|word| !self.stdout.contains(&placed(word))) {
+    pub fn prints<W: AsRef<str>>(self, words: &[W]) -> Result<Self, String> {
+        match words.iter().map(AsRef::as_ref).find(|word| !self.stdout.contains(&placed(word))) {
             Some(word) => Err(format!("does not print {word:?}: {}", brief(&self.stdout))),
             None => Ok(self),
         }

@@ -6,13 +6,12 @@ use std::io::Write;
 use flate2::Compression;
 use flate2::write::{DeflateEncoder, ZlibEncoder};
 
-use super::super::place::Place;
-use super::{BENCH, Case, process, refused_file, table};
+use super::{Case, process, refused_file, table};
 use crate::tools;
 
 /// The cases.
 pub fn cases() -> Vec<Case> {
-    [matlab(), numpy(), hierarchical(), text(), endless(), robots()].into_iter().flatten().collect()
+    [matlab(), numpy(), hierarchical(), text(), endless()].into_iter().flatten().collect()
 }
 
 fn words(words: &[u32]) -> Vec<u8> {
@@ -241,96 +240,12 @@ fn text() -> Vec<Case> {
     ]
 }
 
-/// A call that must end at once on what has no end.
+/// A pipe that nobody writes into.
 fn endless() -> Vec<Case> {
-    let zero = |name: &str, arguments: &'static [&'static str]| {
-        Case::new(2, name, move |place: &Place| {
-            let before = place.state()?;
-            place.run(arguments)?.exits(2)?.says(&["not a regular file"])?;
-            place.unchanged(&before)
-        })
-    };
-    let pipe = Case::new(2, "fifo_samples", |place| {
+    vec![Case::new(2, "fifo_samples", |place| {
         let made = std::process::Command::new("mkfifo").arg(place.path("pipe.csv")).status();
         made.map_err(|error| error.to_string())?;
         process(place, "pipe.csv", &[])?.exits(2)?.says(&["pipe.csv", "not a regular file"])?;
         place.holds("", &["pipe.csv"])
-    });
-    vec![
-        zero("zero_samples", &["rig", "process", "/dev/zero", "--run", BENCH]),
-        zero("zero_run", &["rig", "process", "{root}/README.md", "--run", "/dev/zero"]),
-        zero("zero_scenario", &["fly", "/dev/zero"]),
-        zero("zero_robot", &["fly", "{root}/scenarios/glide.toml", "--set", "robot=/dev/zero"]),
-        zero("zero_sweep", &["sweep", "/dev/zero"]),
-        zero("zero_case", &["tether", "/dev/zero"]),
-        zero("zero_rig", &["rig", "plan", BENCH, "--set", "rig=/dev/zero"]),
-        zero("zero_play", &["rig", "emulate", "--play", "/dev/zero"]),
-        pipe,
-    ]
-}
-
-/// A URDF file that is refused by its name.
-fn urdf(
-    name: &str,
-    text: impl Fn() -> String + Send + Sync + 'static,
-    words: &'static [&'static str],
-) -> Case {
-    Case::new(2, name, move |place| {
-        place.write("arm.urdf", &text())?;
-        let before = place.state()?;
-        let arm = format!("rig.arm={}#tool", place.path("arm.urdf").display());
-        let run = "{root}/rigs/runs/roll15_speed07.toml";
-        let set = ["--set", &arm, "--set", "profile=urdf"];
-        let plan = [&["rig", "plan", run, "--out", "plan"][..], &set[..]].concat();
-        place.run(&plan)?.exits(2)?.says(&["arm.urdf"])?.says(words)?;
-        place.unchanged(&before)
-    })
-}
-
-fn robots() -> Vec<Case> {
-    let joint = |kind: &str, limit: &str| {
-        format!(
-            "<robot name='r'><link name='a'/><link name='tool'/><joint name='elbow' type='{kind}'><parent link='a'/>\
-             <child link='tool'/><axis xyz='0 0 1'/>{limit}</joint></robot>"
-        )
-    };
-    let nested = || format!("<robot name='r'>{}{}</robot>", "<a>".repeat(60_000), "</a>".repeat(60_000));
-    let disguised = || format!("<robot name='r'>{}", "<a>/>".repeat(80_000));
-    let entities = || {
-        let mut text = String::from("<!DOCTYPE r [<!ENTITY a \"aaaaaaaaaa\">");
-        for (name, of) in
-            ["b", "c", "d", "e", "f", "g", "h", "i"].iter().zip(["a", "b", "c", "d", "e", "f", "g", "h"])
-        {
-            text += &format!("<!ENTITY {name} \"{}\">", format!("&{of};").repeat(10));
-        }
-        text + "]><robot name='&i;'/>"
-    };
-    let many = || format!("<robot name='r'>{}</robot>", "<link name='a'/>".repeat(100_000));
-    let looped = || {
-        let link = |name: &str| format!("<link name='{name}'/>");
-        let joint = |n: &str, a: &str, b: &str| {
-            format!("<joint name='{n}' type='fixed'><parent link='{a}'/><child link='{b}'/></joint>")
-        };
-        format!(
-            "<robot name='r'>{}{}{}{}</robot>",
-            link("a"),
-            link("tool"),
-            joint("j", "a", "tool"),
-            joint("k", "tool", "a")
-        )
-    };
-    vec![
-        urdf("urdf_nested", nested, &["nested more than 256 deep"]),
-        urdf("urdf_disguised", disguised, &["nested more than 256 deep"]),
-        urdf("urdf_entities", entities, &["DOCTYPE"]),
-        urdf("urdf_many", many, &["100000 links"]),
-        urdf("urdf_loop", looped, &["loop"]),
-        urdf("urdf_no_speed", move || joint("continuous", ""), &["joint elbow: <limit velocity="]),
-        urdf(
-            "urdf_no_room",
-            move || joint("revolute", "<limit lower='1' upper='1' effort='1' velocity='1'/>"),
-            &["joint elbow: <limit lower=\"1\" upper=\"1\">"],
-        ),
-        urdf("urdf_cut", move || joint("revolute", "")[..150].into(), &["not a URDF file"]),
-    ]
+    })]
 }

@@ -1,10 +1,10 @@
 //! Files of others: damaged, lying, immense; recordings and their accounts; large real files.
 
 mod bombs;
-mod boxes;
+pub mod boxes;
 mod files;
 mod large;
-mod pages;
+pub mod pages;
 
 use super::Case;
 use super::case::Judged;
@@ -12,10 +12,7 @@ use super::place::{Ended, Place};
 
 /// The cases.
 pub fn cases() -> Vec<Case> {
-    [bombs::cases(), files::cases(), boxes::cases(), pages::cases(), large::cases()]
-        .into_iter()
-        .flatten()
-        .collect()
+    [bombs::cases(), files::cases(), pages::cases(), large::cases()].into_iter().flatten().collect()
 }
 
 /// The run that measured files are taken to be of.
@@ -59,17 +56,17 @@ fn refused_file(
 }
 
 /// A JSON file of the case's folder.
-fn json(place: &Place, name: &str) -> Result<serde_json::Value, String> {
+pub fn json(place: &Place, name: &str) -> Result<serde_json::Value, String> {
     serde_json::from_str(&place.read(name)?).map_err(|error| format!("{name}: {error}"))
 }
 
 /// A condition with what it was about.
-fn holds(condition: bool, what: impl ToString) -> Judged {
+pub fn holds(condition: bool, what: impl ToString) -> Judged {
     if condition { Ok(()) } else { Err(what.to_string()) }
 }
 
 /// The header of a table of samples in N and N m.
-const HEADER: &str = "time_s,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm";
+pub const HEADER: &str = "time_s,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm";
 
 /// Sample `k` at `rate` of a robot that flaps at 3.5 Hz, hanging from the cell.
 fn sample(k: usize, rate: f64) -> [f64; 7] {
@@ -88,7 +85,7 @@ fn sample(k: usize, rate: f64) -> [f64; 7] {
 }
 
 /// A table of `rows` samples at `rate`.
-fn table(rows: usize, rate: f64, delimiter: char) -> Vec<u8> {
+pub fn table(rows: usize, rate: f64, delimiter: char) -> Vec<u8> {
     use std::io::Write;
     let mut text = HEADER.replace(',', &delimiter.to_string()).into_bytes();
     text.reserve(rows * 100);
