@@ -35,7 +35,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
 fn row(shipped: &Shipped) -> Result<Row, Error> {
     let name = *shipped;
     let refused = |e: ConfigError| Error::reference(name, e.to_string());
-    let trimmed = trimmed(*shipped, &[])?;
+    let trimmed = trimmed(shipped, &[])?;
     let summary = &trimmed.summary;
     let (Some(frequency), Some((_, orbit))) = (summary.frequency_hz, trimmed.files.first()) else {
         return Err(Error::reference(name, "no orbit in what was trimmed"));

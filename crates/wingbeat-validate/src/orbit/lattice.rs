@@ -59,7 +59,7 @@ struct Strips {
 
 impl Strips {
     fn of(shipped: &Shipped) -> Result<Self, Error> {
-        let motion = Motion::of(*shipped)?;
+        let motion = Motion::of(shipped)?;
         let means = |cycle: Vec<Instant>| Means::of(&cycle);
         let own = means(motion.strips(&motion.driven(|_| ())?)?);
         let linear = means(motion.strips(&motion.driven(attached)?)?);
@@ -93,7 +93,7 @@ pub(super) fn own() -> Result<Vec<Row>, Error> {
 }
 
 fn by_strips(shipped: &Shipped) -> Result<Vec<Row>, Error> {
-    let motion = Motion::of(*shipped)?;
+    let motion = Motion::of(shipped)?;
     let replayed = |change: fn(&mut ScenarioSpec)| -> Result<Means, Error> {
         Ok(Means::of(&motion.strips(&motion.driven(change)?)?))
     };
