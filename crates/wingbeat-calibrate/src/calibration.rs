@@ -282,11 +282,15 @@ impl Calibration {
             let key = |end: &str| format!("parameters[{k}].{end}");
             let Some(number) = known.iter().find(|number| number.name == spec.name) else {
                 let names: Vec<&str> = known.iter().map(|number| number.name.as_str()).collect();
-                let near = nearest_names(&spec.name, &names, PROPOSED).join(", ");
-                let count = names.len();
-                let allowed = format!(
-                    "one of {count} names, the nearest {near}; `wingbeat calibrate FILE --names` lists all"
-                );
+                let today = targets.first().and_then(|target| target.run.robot.renamed(&spec.name));
+                let listed = || {
+                    let near = nearest_names(&spec.name, &names, PROPOSED).join(", ");
+                    let count = names.len();
+                    format!(
+                        "one of {count} names, the nearest {near}; `wingbeat calibrate FILE --names` lists all"
+                    )
+                };
+                let allowed = today.map_or_else(listed, |new| format!("its new name, {new:?}"));
                 return Err(self.explain(&wingbeat::Error::invalid(key("name"), &spec.name, allowed)).into());
             };
             let of_key = |e: wingbeat::Error| e.within(&format!("parameters[{k}]"));

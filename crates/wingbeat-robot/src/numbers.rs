@@ -378,8 +378,8 @@ impl Robot {
         })
     }
 
-    /// The name of today of a number that was called `former`.
-    fn renamed(&self, former: &str) -> Option<String> {
+    /// The name of today of a number that was called `former`; none where that is its name, or no number had it.
+    pub fn renamed(&self, former: &str) -> Option<String> {
         let numbers = self.numbers();
         let by_place = |kind: &str, within: &str, place: usize| match kind {
             "panels" | "elements" | "regulators" | "states" => None,
