@@ -69,7 +69,7 @@ pub use schema::DocumentKind;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
-pub use summary::{ControllerSummary, FlightStatus, Summary};
+pub use summary::{ControllerSummary, FlightStatus, LawState, Summary};
 pub use sweep::{Sweep, SweepOf};
 pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
@@ -426,6 +426,7 @@ impl Scenario {
             stall_fraction: recorded.stall_fraction,
             separated_fraction: recorded.separated_fraction,
             suction_lost_fraction: recorded.suction_lost_fraction,
+            law_states: recorded.law_states.clone(),
             beyond_residual_fraction: recorded.beyond_residual_fraction,
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,

@@ -1,6 +1,7 @@
 //! From an observed robot to the columns of a record.
 
-use wingbeat_aero::{LiftLaw, LoadSource};
+use super::summary::{LawState, mean};
+use wingbeat_aero::{LiftLaw, LoadSource, StripState};
 use wingbeat_flight::guide::Manoeuvre;
 use wingbeat_flight::simulate::{AXES, Column, Controller, Record, Sample, StripRecorder};
 use wingbeat_math::Error;
@@ -37,6 +38,8 @@ pub struct Recorded {
     /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
+    /// Means of the states that the laws of the surfaces declare.
+    pub law_states: Vec<LawState>,
     /// Share of the samples beyond the velocities of `robot.residual`; none without one.
     pub beyond_residual_fraction: Option<f64>,
 }
@@ -163,12 +166,40 @@ impl<'a> Recorder<'a> {
         Recorded {
             separated_fraction,
             suction_lost_fraction,
+            law_states: law_states(self.robot, &self.record),
             beyond_residual_fraction: (self.beyond[1] > 0.0).then(|| self.beyond[0] / self.beyond[1]),
             record: self.record,
             strips: self.strips.map(|strips| strips.recorder.finish()),
             stall_fraction,
             stalled,
         }
+    }
+}
+
+/// Means of the states that the laws of the surfaces of `robot` declare, in the order of the surfaces.
+fn law_states(robot: &Robot, record: &Record) -> Vec<LawState> {
+    let mut declared: Vec<&'static StripState> = Vec::new();
+    for state in robot.surfaces().flat_map(|(_, aero)| aero.law().states()) {
+        if !declared.iter().any(|other| other.name == state.name) {
+            declared.push(state);
+        }
+    }
+    declared.into_iter().filter_map(|state| LawState::of(state, robot, record)).collect()
+}
+
+impl LawState {
+    /// Of the columns that `record` has of it; none where nothing was recorded.
+    fn of(state: &'static StripState, robot: &Robot, record: &Record) -> Option<Self> {
+        let carrying = robot
+            .surfaces()
+            .enumerate()
+            .filter(|(_, (_, aero))| aero.law().states().iter().any(|other| other.name == state.name));
+        let names = carrying.flat_map(|(k, (name, aero))| {
+            let prefix = if k == 0 { String::new() } else { format!("{name}_") };
+            (0..aero.strips()).map(move |i| format!("{prefix}{}_{i}", state.name))
+        });
+        let means: Vec<f64> = names.filter_map(|name| mean(record.values(&name)?)).collect();
+        Some(Self { meaning: state.meaning, unit: state.unit, mean: mean(&means)? })
     }
 }
 

@@ -96,6 +96,9 @@ pub struct Summary {
     pub separated_fraction: f64,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
     pub suction_lost_fraction: f64,
+    /// Means of the states that the flown laws declare; not part of the file.
+    #[serde(skip)]
+    pub law_states: Vec<LawState>,
     /// Share of the samples in which the wings are beyond the velocities at which `robot.residual` was measured, where its wrench stays as
     /// it is at their ends. Missing without one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -114,6 +117,17 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// Controller timing and failures.
     pub controller: ControllerSummary,
+}
+
+/// Mean over strips and samples of a state that a lift law declares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LawState {
+    /// What it is.
+    pub meaning: &'static str,
+    /// Unit; empty when it is a share.
+    pub unit: &'static str,
+    /// The mean.
+    pub mean: f64,
 }
 
 /// How a flight went.
@@ -250,6 +264,7 @@ pub(super) struct Context<'a> {
     pub stall_fraction: f64,
     pub separated_fraction: f64,
     pub suction_lost_fraction: f64,
+    pub law_states: Vec<LawState>,
     pub beyond_residual_fraction: Option<f64>,
     /// Time between updates of the controller, s.
     pub period_s: Option<f64>,
@@ -319,6 +334,7 @@ impl Summary {
             stall_fraction: context.stall_fraction,
             separated_fraction: context.separated_fraction,
             suction_lost_fraction: context.suction_lost_fraction,
+            law_states: context.law_states.clone(),
             beyond_residual_fraction: context.beyond_residual_fraction,
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),

@@ -45,7 +45,7 @@ fn panel_of<'a>(panels: &'a mut Vec<Panel>, title: &str, command: &Column) -> &'
 }
 
 /// The element without its side, and the side; an element without one is its own.
-fn pair(element: &str) -> (String, &str) {
+pub(crate) fn pair(element: &str) -> (String, &str) {
     let sides = ["left", "right"];
     let found =
         sides.iter().find_map(|side| Some((element.strip_suffix(side)?.trim_end_matches('_'), *side)));

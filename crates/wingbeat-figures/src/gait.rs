@@ -4,15 +4,11 @@ use wingbeat::simulate::Record;
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
-use crate::{Error, needed, style};
-
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-/// Joints of the left wing, from body to tip.
-const JOINTS: [&str; 4] = ["sweep", "shoulder", "elbow", "twist"];
+use crate::{Error, needed, own_joints, style};
 
 /// Joint angles, power and force over the cycle with their means; the robot's own gait paler, at the same share of its cycle.
 ///
-/// Needs `t`, `<joint>_left`, `drive_power`, `power_to_air`, `force_up`, `force_forward`; draws `own_<column>` where it is there.
+/// Needs `t`, `drive_power`, `power_to_air`, `force_up`, `force_forward`; draws the robot's joints, of pairs the left ones, and `own_<column>` where it is there.
 pub fn gait(record: &Record) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     if t.len() < 2 {
@@ -22,8 +18,9 @@ pub fn gait(record: &Record) -> Result<Figure, Error> {
     let x: Vec<f64> = t.iter().map(|now| (now - t[0]) / period).collect();
     let cycle = Cycle { record, x };
     let mut angles = Vec::new();
-    for (index, joint) in JOINTS.into_iter().enumerate() {
-        angles.extend(cycle.pair(joint, &format!("{joint}_left"), DEGREES, index)?);
+    let turning = own_joints::left(record).filter(|(joint, _)| joint.turns);
+    for (index, (joint, column)) in turning.enumerate() {
+        angles.extend(cycle.pair(&joint.name, &column.name, joint.scale(), index)?);
     }
     let panels = vec![
         Panel::new("joint angles [°], up, forward, nose up", angles),
@@ -79,8 +76,7 @@ mod tests {
 
     #[test]
     fn a_cycle_is_drawn_with_and_without_the_own_gait() {
-        let names =
-            ["t", "sweep_left", "shoulder_left", "elbow_left", "twist_left", "drive_power", "power_to_air"];
+        let names = ["t", "arm_left", "torque_arm_left", "drive_power", "power_to_air"];
         let all = names.into_iter().chain(["force_up", "force_forward"]);
         let column = |name: &str| Column { values: vec![0.0, 0.5, 1.0], ..Column::new(name, "", "") };
         let plain: Vec<Column> = all.map(column).collect();

@@ -18,6 +18,7 @@ mod hover;
 mod joints;
 mod map;
 mod orbit;
+mod own_joints;
 mod panel;
 mod path;
 mod processing;

@@ -7,11 +7,9 @@ use wingbeat::simulate::Record;
 use crate::chart::{Axis, Chart, Look, Series, grid};
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
-use crate::{Error, needed, style};
+use crate::{Error, needed, own_joints, style};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-/// Joints of the left wing, from body to tip.
-const JOINTS: [&str; 4] = ["sweep", "shoulder", "elbow", "twist"];
 /// Incidences beyond which stall is counted, deg.
 const LEVELS: [f64; 5] = [-20.0, -12.0, 0.0, 12.0, 20.0];
 /// Size of a multiplier from which on its mode is named.
@@ -25,7 +23,7 @@ const HEIGHT: f64 = 210.0;
 
 /// Joint angles, incidence of the left wing's strips, attitude, power and clearance over the cycle.
 ///
-/// Needs `t`, `pitch`, `joint_power`, `incidence_0`; draws joints of the left wing and clearances where they are there.
+/// Needs `t`, `pitch`, `joint_power`, `incidence_0`; draws the robot's joints, of pairs the left ones, and clearances where they are there.
 pub fn orbit(record: &Record) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     if t.len() < 2 {
@@ -36,12 +34,13 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
     let scaled = |values: &[f64], factor: f64| values.iter().map(|v| factor * v).collect::<Vec<f64>>();
     let curve =
         |name: String, values: &[f64], factor: f64, i: usize| Curve::new(name, &x, scaled(values, factor), i);
-    let joints = JOINTS.iter().enumerate().filter_map(|(i, joint)| {
-        let values = record
-            .values(&format!("{joint}_left"))
-            .or_else(|| record.values(&format!("coordinate_{joint}_left")))?;
-        Some(curve((*joint).into(), values, DEGREES, i))
-    });
+    let joints = |turns: bool| -> Vec<Curve> {
+        let joints = own_joints::left(record).filter(|(joint, _)| joint.turns == turns).enumerate();
+        joints
+            .map(|(i, (joint, column))| curve(joint.name.clone(), &column.values, joint.scale(), i))
+            .collect()
+    };
+    let (turning, sliding) = (joints(true), joints(false));
     let strips = (0..).map_while(|i| record.values(&format!("incidence_{i}"))).collect::<Vec<_>>();
     needed(record, "incidence_0")?;
     let left = strips.iter().take(strips.len().div_ceil(2)).enumerate();
@@ -55,7 +54,7 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
         })
         .collect();
     let mut panels = vec![
-        Panel::new("joint angles [°], up, forward, nose up", joints.collect()),
+        Panel::new("joint angles [°], up, forward, nose up", turning),
         Panel {
             levels: LEVELS.to_vec(),
             ..Panel::new("incidence [°], lines at 0, 12 and 20", incidences.collect())
@@ -69,6 +68,10 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
             vec![curve("all driven joints".into(), needed(record, "joint_power")?, 1.0, 1)],
         ),
     ];
+    if !sliding.is_empty() {
+        panels.insert(1, Panel::new("joint travel [mm]", sliding));
+    }
+    panels.retain(|panel| !panel.curves.is_empty());
     if !clear.is_empty() {
         panels.push(Panel::new("clearance [mm]", clear));
     }
@@ -208,7 +211,8 @@ mod tests {
 
     #[test]
     fn the_figures_are_drawn_from_what_they_need_and_refuse_less() {
-        let cycle = ["t", "pitch", "joint_power", "incidence_0", "shoulder_left", "clearance_wing"];
+        let cycle =
+            ["t", "pitch", "joint_power", "incidence_0", "arm_left", "torque_arm_left", "clearance_wing"];
         assert_eq!(orbit(&record(&cycle)).unwrap().name, "orbit");
         assert!(matches!(orbit(&record(&cycle[..3])), Err(Error::Column(_))));
         let modes = ["multiplier_re", "multiplier_im", "lateral"];

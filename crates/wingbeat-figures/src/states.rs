@@ -1,19 +1,20 @@
-//! The state figure: roll and pitch with what is asked, heading, position, shoulder and elbow angles over time.
+//! The state figure: roll and pitch with what is asked, heading, position, and the robot's joints over time.
 
 use wingbeat::math::unwrapped;
 use wingbeat::scenario::GoalSpec;
-use wingbeat::simulate::Record;
+use wingbeat::simulate::{Column, Record};
 
+use crate::own_joints::{Joint, moving};
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// Roll and pitch, heading, position, shoulder and elbow angles over time.
+/// Roll and pitch, heading, position, and the robot's joints over time.
 ///
-/// The heading goes on beyond half a turn. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws of `shoulder_left`, `shoulder_right`,
-/// `elbow_left`, `elbow_right` those that are there. Where there are `roll_reference` and `pitch_reference` they are
+/// The heading goes on beyond half a turn. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the joints that
+/// are there and move. Where there are `roll_reference` and `pitch_reference` they are
 /// drawn fine, and about them, from its settling time on, the errors that `goal` allows as a root mean square.
 pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
@@ -44,18 +45,20 @@ pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error>
         Panel::new("heading [°]", vec![heading]),
         Panel::new("position [m]", places.collect::<Result<_, Error>>()?),
     ];
-    for (joint, label) in [("shoulder", "shoulder angle [°]"), ("elbow", "elbow angle [°]")] {
-        let side = |(side, index): (&str, usize)| {
-            let values = scaled(record, &format!("{joint}_{side}"), DEGREES).ok()?;
-            let weight = if index == 0 { style::BROAD } else { style::CURVE };
-            Some(Curve { weight, ..Curve::new(side, t, values, index) })
-        };
-        let sides: Vec<Curve> = style::SIDES.into_iter().filter_map(side).collect();
-        if sides.len() == style::SIDES.len() {
-            panels.push(Panel::new(label, sides));
-        }
-    }
+    panels.extend(moving(record).iter().map(|joint| panel(joint, t)));
     Ok(Figure::new("states", stacked(panels, "time [s]", style::PANEL)))
+}
+
+/// The joint over time; of a pair the left one broad, which the right one may cover.
+fn panel(joint: &Joint, t: &[f64]) -> Panel {
+    let curve = |(number, (side, column)): (usize, &(String, &Column))| {
+        let values = column.values.iter().map(|value| joint.scale() * value).collect();
+        let covered = number == 0 && joint.sides.len() > 1;
+        let weight = if covered { style::BROAD } else { style::CURVE };
+        let index = style::SIDES.iter().find(|(name, _)| name == side).map_or(0, |(_, index)| *index);
+        Curve { weight, ..Curve::new(side, t, values, index) }
+    };
+    Panel::new(joint.title(), joint.sides.iter().enumerate().map(curve).collect())
 }
 
 fn scaled(record: &Record, column: &str, factor: f64) -> Result<Vec<f64>, Error> {

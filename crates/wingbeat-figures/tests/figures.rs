@@ -27,6 +27,7 @@ fn columns() -> Vec<Column> {
         columns.extend(
             [format!("shoulder_{side}"), format!("elbow_{side}")].map(|name| Column::new(name, "rad", "")),
         );
+        columns.extend(["shoulder", "elbow"].map(|j| Column::new(format!("torque_{j}_{side}"), "N m", "")));
         for (element, limit) in [("shoulder", 0.3), ("elbow", 0.5)] {
             let command = Column::new(format!("command_{element}_{side}"), "rad", "");
             columns.push(Column { low: -limit, high: limit, ..command });
@@ -55,7 +56,7 @@ fn row(t: f64) -> Vec<f64> {
     for (_, sign) in SIDES {
         let shoulder = 0.1 + 0.95 * phase.cos();
         let elbow = -0.65 - 0.65 * (phase - 1.25 * TAU / 2.0).cos();
-        row.extend([shoulder, elbow]);
+        row.extend([shoulder, elbow, 0.0, 0.0]);
         for limit in [0.3, 0.5] {
             let command = (sign * 0.4 * (phase / 3.0).sin() * t / 5.0).clamp(-limit, limit);
             row.extend([command, 0.9 * command]);

@@ -16,7 +16,10 @@ pub(super) const LAW: Law = Law {
     name: "lev",
     meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
     parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
-    states: &[StripState { name: "vortex", unit: "m2/s2" }, StripState { name: "separated", unit: "" }],
+    states: &[
+        StripState { name: "vortex", unit: "m2/s2", meaning: "vortex force" },
+        StripState { name: "separated", unit: "", meaning: "flow separated" },
+    ],
     attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
     edge_vortex: true,
     beyond_stall: None,

@@ -97,8 +97,10 @@ pub struct Parameter {
 pub struct StripState {
     /// Name; the number of the strip follows.
     pub name: &'static str,
-    /// Unit; empty when dimensionless.
+    /// Unit; empty when it is a share.
     pub unit: &'static str,
+    /// What it is, as a table of results names it.
+    pub meaning: &'static str,
 }
 
 /// Incidence at which the attached lift is largest.
