@@ -320,8 +320,18 @@ impl Calibration {
             });
         }
         let model = RigModel { targets, cases, names, held };
-        model.check(&parameters.iter().map(|parameter| parameter.start).collect::<Vec<_>>())?;
+        let starts: Vec<f64> = parameters.iter().map(|parameter| parameter.start).collect();
+        model.check(&starts).map_err(|error| self.at_starts(error))?;
         Ok(Structure { model, parameters })
+    }
+
+    /// What the library refuses of the numbers at which the fit starts, with the keys of the parameters that gave them.
+    fn at_starts(&self, error: Error) -> Error {
+        let Error::Refused(refused) = error else { return error };
+        let names = self.spec.parameters.iter().enumerate();
+        let names: Vec<(&str, String)> =
+            names.map(|(k, spec)| (spec.name.as_str(), format!("parameters[{k}].start"))).collect();
+        self.explain(&refused.renamed(&names)).into()
     }
 
     /// What was measured in the runs of `structure`; `read` reads a file of samples for a run. Runs without files are

@@ -354,8 +354,8 @@ impl Model for RigModel {
     }
 
     fn check(&self, values: &[f64]) -> Result<(), Error> {
-        let Some(target) = self.targets.first() else { return Ok(()) };
-        Ok(target.run.check(&self.numbers(values))?)
+        let numbers = self.numbers(values);
+        self.targets.iter().try_for_each(|target| Ok(target.run.check(&numbers)?))
     }
 
     fn slopes(&self, run: usize, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {

@@ -35,8 +35,7 @@ pub struct Mismatch {
     /// Factor on their drag broadside to the wind, cd90.
     pub broadside_drag: f64,
     /// Aerodynamics of the flown robot, in place of `aero`: another preset, law or grid. `robot.residual` belongs to `aero` and is left
-    /// out. What the controller is not told of the air
-    /// that it knows follows its own model.
+    /// out. States of the air that the controller's model has and the flown robot lacks follow that model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aero: Option<AeroSpec>,
     /// Numbers of the flown robot by name, in place of `robot.numbers`; an empty table for those of the robot's file.

@@ -130,7 +130,7 @@ mod tests {
             ("estimator_20g.toml", "controller.orbit.estimator.missed_s=0.11"),
             ("estimator_20g.toml", "air.wind_m_s=[0.0, 0.001, 0.0]"),
             ("path_figure8.toml", "path.lead_m=4.5"),
-            ("path_figure8.toml", "flight.flapping=false"),
+            ("banking_turn.toml", "flight.flapping=false"),
         ] {
             assert_ne!(key(file, &[]), key(file, &[known]), "{known}");
         }

@@ -2,6 +2,8 @@
 
 #[cfg(all(
     target_arch = "x86_64",
+    // Cargo hands its flags to the compiler alone.
+    not(doc),
     not(feature = "portable"),
     not(all(target_feature = "avx2", target_feature = "fma"))
 ))]

@@ -211,7 +211,10 @@ impl Robot {
                 self.covering.laid.iter().find(|laid| laid.name == name)?.panel(place)
             }
             "elements" => self.elements.get(place).map(|element| element.name.as_str()),
-            "regulators" => self.inputs.get(place).map(|input| input.name.as_str()),
+            "regulators" => {
+                let name = self.inputs.get(place)?.name.as_str();
+                Some(name.strip_prefix("command_").unwrap_or(name))
+            }
             "states" => self.states.get(self.layout.structure + place).map(|state| state.name.as_str()),
             _ => None,
         }

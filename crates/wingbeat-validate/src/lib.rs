@@ -1,6 +1,6 @@
 //! Comparisons of wingbeat with published or independent numbers.
 //!
-//! Each room of the library has a module here with its [`Case`]s; a case runs the model and
+//! Each part of the library has a module here with its [`Case`]s; a case runs the model and
 //! returns one [`Row`] per compared number. Reference tables live in `validation/<source>/`.
 
 mod case;
@@ -36,7 +36,7 @@ pub use page::page;
 pub use reference::Table;
 pub use report::{Line, table, to_json};
 
-/// Every case, room by room.
+/// Every case, part by part.
 pub fn cases() -> Vec<&'static Case> {
     [
         math::CASES,

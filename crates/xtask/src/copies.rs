@@ -26,8 +26,8 @@ const MOST_CODE: f64 = 20.0;
 /// Counts the copies in the program that was built.
 pub fn check() -> Tally {
     let Some(program) = fs::read(tools::program()).ok().and_then(Program::of) else {
-        println!("the program is no ELF file with symbols: its copies are not counted");
-        return Tally::default();
+        println!("the program is no ELF file: its copies are not counted");
+        return Tally { failed: usize::from(cfg!(target_os = "linux")), ..Tally::default() };
     };
     let mut tally = Tally::default();
     for limit in &LIMITS {
@@ -40,7 +40,8 @@ pub fn check() -> Tally {
 }
 
 fn judge(tally: &mut Tally, name: &str, value: f64, most: f64, unit: &str) {
-    let passes = value <= most;
+    // None at all means that the symbols are not there, or have other names.
+    let passes = value > 0.0 && value <= most;
     println!("{name:<20} {value:>6.4} {unit}, at most {most}{}", if passes { "" } else { "  FAILED" });
     tally.passed += usize::from(passes);
     tally.failed += usize::from(!passes);

@@ -68,6 +68,10 @@ fn build() -> bool {
     let mut build = Command::new(tool);
     build.args(["build", "--sanitizer", "none", "--codegen-units", "16"]);
     build.args(["--fuzz-dir", "fuzz", "--target-dir", "target/fuzz"]).current_dir(tools::root());
+    // The tool sets the flags of the compiler itself, in place of those of .cargo/config.toml.
+    if cfg!(target_arch = "x86_64") {
+        build.env("RUSTFLAGS", "-C target-cpu=x86-64-v3");
+    }
     tools::succeeds(build)
 }
 

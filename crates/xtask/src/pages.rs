@@ -18,7 +18,7 @@ const SENTENCE_WORDS: usize = 35;
 const GENERATED: [&str; 3] = ["docs/cli.md", "docs/reference.md", "docs/validation.md"];
 
 /// Pages whose prose is not yet plain English; one that has become so must leave the list.
-const NOT_YET_PLAIN: &[&str] = &["docs/extending.md"];
+const NOT_YET_PLAIN: &[&str] = &[];
 
 /// Words that a reader of the field does not know in that sense, and what to write.
 const PRIVATE_WORDS: [(&str, &str); 7] = [

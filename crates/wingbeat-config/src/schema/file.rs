@@ -100,10 +100,10 @@ mod tests {
         assert_eq!(schema["if"]["required"], json!(["base"]));
         assert_eq!(schema["required"], Value::Null);
         assert_eq!(schema["definitions"]["AirSpec.part"]["required"], Value::Null);
-        assert_eq!(schema["properties"]["air"]["$ref"], "#/definitions/AirSpec.part");
+        assert_eq!(schema["properties"]["air"]["allOf"][0]["$ref"], "#/definitions/AirSpec.part");
         let whole = &schema["definitions"]["Document.whole"];
         assert!(whole["required"].as_array().unwrap().contains(&json!("air")));
-        assert_eq!(whole["properties"]["air"]["$ref"], "#/definitions/AirSpec");
+        assert_eq!(whole["properties"]["air"]["allOf"][0]["$ref"], "#/definitions/AirSpec");
         assert_eq!(schema["definitions"]["AirSpec"]["required"], json!(["density_kg_m3"]));
     }
 }

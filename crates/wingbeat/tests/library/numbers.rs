@@ -155,7 +155,7 @@ fn a_name_of_before_is_answered_with_that_of_today() {
 }
 
 #[test]
-fn a_sweep_draws_numbers_by_name() {
+fn overrides_set_numbers_by_name() {
     let mass = |value: &str| {
         let scenario = shipped("glide.toml", &[&format!("robot.numbers.\"body.mass_kg\"={value}")]).unwrap();
         scenario.robot().named_numbers().into_iter().find(|(name, _)| name == "body.mass_kg").unwrap().1

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// What becomes of src/processor.rs, compiled alone for `processor` with `options`.
+/// What becomes of processor.rs, compiled alone for `processor` with `options`.
 fn compiled(processor: &str, options: &[&str]) -> Output {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/processor.rs");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../wingbeat-math/src/processor.rs");
     let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("processor");
     std::fs::create_dir_all(&out).unwrap();
     let mut rustc = Command::new(option_env!("RUSTC").unwrap_or("rustc"));

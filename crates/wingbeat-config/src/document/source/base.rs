@@ -85,8 +85,8 @@ impl Sources {
         let Some((base, further)) = bases.split_first() else { return Ok(own) };
         let below = self.over_bases(self.parsed(base)?, further)?;
         inherit::over(below, own).map_err(|refused| {
-            let key =
-                tree::dotted(&tree::path(base.at.get(self.root.len()..).unwrap_or_default()), &refused.key);
+            let table = tree::path(base.at.get(self.root.len()..).unwrap_or_default());
+            let key = if table.is_empty() { refused.key } else { format!("{table}.{}", refused.key) };
             let given = Some(self.text(&refused.span));
             Wrong::new(self.place(refused.span.start), key, given, Problem::Value(refused.allowed)).into()
         })
