@@ -1,9 +1,13 @@
 //! What the controllers of a sweep's flights share.
 
 use super::Scenario;
-use super::spec::ScenarioSpec;
+use super::chosen::{Chosen, Named};
+use super::spec::{AeroSpec, AirSpec, FlightSpec, ScenarioSpec, StartSpec};
+use serde::Serialize;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use wingbeat_flight::guide::Prepared;
+use wingbeat_flight::guide::{MpcSpec, PathSpec, Prepared, Turn};
+use wingbeat_flight::simulate::SensorSpec;
+use wingbeat_robot::RobotSpec;
 
 /// Most that are kept: a sweep may draw what they are made from.
 const KEPT: usize = 4;
@@ -37,17 +41,103 @@ impl Shared {
     }
 }
 
-/// All that the model and its controller are made from; neither gusts, mismatch nor noise are among it.
+/// All that [`prepare`](wingbeat_flight::guide::ControllerSpec::prepare) can read: its model and its task.
+#[derive(Serialize)]
+struct MadeFrom<'a> {
+    density_kg_m3: f64,
+    wind_m_s: [f64; 3],
+    phase_rad: f64,
+    flapping: bool,
+    robot: &'a RobotSpec,
+    aero: &'a AeroSpec,
+    controller: &'a Chosen<MpcSpec>,
+    manoeuvre: &'a Option<Chosen<Turn>>,
+    solver: &'a Option<Named>,
+    sensors: &'a Option<SensorSpec>,
+    path: &'a Option<PathSpec>,
+}
+
+/// What the controller of `spec` is made from, as text; none without a controller. Every field of the tables is named, so that a new one
+/// does not compile until it is said whether a controller knows of it.
 fn made_from(spec: &ScenarioSpec) -> Option<String> {
-    let ScenarioSpec { robot, air, aero, start, flight, controller, manoeuvre, solver, .. } = spec;
-    let numbers = [air.density_kg_m3, start.phase_rad, air.wind_m_s[0], air.wind_m_s[1], air.wind_m_s[2]];
-    let numbers = numbers.map(f64::to_bits);
-    let tables = [
-        toml::to_string(robot).ok()?,
-        toml::to_string(aero).ok()?,
-        toml::to_string(controller.as_ref()?).ok()?,
-        manoeuvre.as_ref().map_or(Ok(String::new()), toml::to_string).ok()?,
-        solver.as_ref().map_or(Ok(String::new()), toml::to_string).ok()?,
-    ];
-    Some(format!("{numbers:?} {} {}", flight.flapping, tables.join("\n---\n")))
+    let ScenarioSpec {
+        robot,
+        air,
+        aero,
+        start,
+        flight,
+        controller,
+        manoeuvre,
+        solver,
+        sensors,
+        path,
+        // A controller is told neither what happens to the flight nor what is asked of it, nor what else the scenario is used for.
+        name: _,
+        seed: _,
+        lattice: _,
+        mismatch: _,
+        goal: _,
+        trim: _,
+        plan: _,
+        paper: _,
+    } = spec;
+    let AirSpec { density_kg_m3, wind_m_s, gust_m_s: _, gusts: _ } = air;
+    let StartSpec {
+        phase_rad,
+        velocity_m_s: _,
+        roll_deg: _,
+        pitch_deg: _,
+        yaw_deg: _,
+        rate_rad_s: _,
+        states: _,
+        commands: _,
+    } = start;
+    let FlightSpec { flapping, duration_s: _, step_s: _, record_every_s: _, record_strips_every_s: _ } =
+        flight;
+    let made_from = MadeFrom {
+        density_kg_m3: *density_kg_m3,
+        wind_m_s: *wind_m_s,
+        phase_rad: *phase_rad,
+        flapping: *flapping,
+        controller: controller.as_ref()?,
+        robot,
+        aero,
+        manoeuvre,
+        solver,
+        sensors,
+        path,
+    };
+    toml::to_string(&made_from).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Document;
+    use std::path::Path;
+
+    fn key(file: &str, overrides: &[&str]) -> String {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(file);
+        let document = overrides.iter().fold(Document::file(&path).unwrap(), |d, text| d.set(*text));
+        made_from(&Scenario::new(document).unwrap().spec).unwrap()
+    }
+
+    #[test]
+    fn whatever_a_controller_knows_makes_another_one() {
+        for (file, known) in [
+            ("estimator_20g.toml", "sensors.height.bias_m=0.0123"),
+            ("estimator_20g.toml", "robot.body.mass_kg=0.0201"),
+            ("estimator_20g.toml", "controller.orbit.estimator.missed_s=0.11"),
+            ("estimator_20g.toml", "air.wind_m_s=[0.0, 0.001, 0.0]"),
+            ("path_figure8.toml", "path.lead_m=4.5"),
+            ("path_figure8.toml", "flight.flapping=false"),
+        ] {
+            assert_ne!(key(file, &[]), key(file, &[known]), "{known}");
+        }
+        for unknown in
+            ["seed=77", "air.gust_m_s=0.2", "mismatch.density=0.97", "goal.settle_s=1.1", "name=other"]
+        {
+            assert_eq!(key("estimator_20g.toml", &[]), key("estimator_20g.toml", &[unknown]), "{unknown}");
+        }
+    }
 }
