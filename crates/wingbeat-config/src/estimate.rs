@@ -3,7 +3,7 @@
 use super::summary::mean;
 use serde::Serialize;
 use wingbeat_flight::guide::angle_error;
-use wingbeat_flight::simulate::Record;
+use wingbeat_flight::simulate::{Column, Record};
 
 /// Errors of the state as it was estimated, at the updates from the settling time on, against the true one; present where
 /// an estimator reads instruments.
@@ -26,8 +26,9 @@ pub struct EstimateSummary {
     pub normalised_square: f64,
     /// Share of the errors within three of the filter's standard deviations; .997 of normal errors that it knows.
     pub within_3_sigma: f64,
-    /// Mean square of the innovations over their variances: of angular rates, forces, height, airspeed. 1 likewise.
-    pub innovation_square: [f64; 4],
+    /// Mean square of the innovations over their variances: of angular rates, forces, height, airspeed, those that there are. 1
+    /// likewise.
+    pub innovation_square: Vec<f64>,
 }
 
 /// Numbers that are estimated, in the order of the columns.
@@ -79,6 +80,11 @@ impl<'a> Estimated<'a> {
         self.rows.iter().zip(&self.errors).map(|(&row, errors)| (off[row] - errors[0]).abs()).reduce(f64::max)
     }
 
+    /// Columns of the innovations, one for each kind of reading.
+    fn innovations(&self) -> impl Iterator<Item = &Column> {
+        self.record.columns().iter().filter(|column| column.name.starts_with("estimate_innovation_"))
+    }
+
     /// The summary.
     pub fn summary(&self) -> Option<EstimateSummary> {
         let square = |i: usize| mean(&self.errors.iter().map(|e| e[i] * e[i]).collect::<Vec<_>>());
@@ -90,11 +96,8 @@ impl<'a> Estimated<'a> {
         }
         let squares: Vec<f64> = normalised.iter().map(|n| n * n).collect();
         let within = squares.iter().filter(|square| **square <= 9.0).count();
-        let innovation = |kind: &str| {
-            let column = self.record.values(&format!("estimate_innovation_{kind}"))?;
-            mean(&self.rows.iter().map(|&row| column[row]).collect::<Vec<_>>())
-        };
-        let [rate, force, height, airspeed] = ["rate", "force", "height", "airspeed"].map(innovation);
+        let innovation =
+            |column: &Column| mean(&self.rows.iter().map(|&row| column.values[row]).collect::<Vec<_>>());
         Some(EstimateSummary {
             height_rms_m: rms(0, 1)?,
             height_max_m: self.errors.iter().map(|e| e[0].abs()).reduce(f64::max)?,
@@ -104,7 +107,7 @@ impl<'a> Estimated<'a> {
             rate_rms_rad_s: rms(6, 9)?,
             normalised_square: mean(&squares)?,
             within_3_sigma: within as f64 / squares.len() as f64,
-            innovation_square: [rate?, force?, height?, airspeed?],
+            innovation_square: self.innovations().filter_map(innovation).collect(),
         })
     }
 }

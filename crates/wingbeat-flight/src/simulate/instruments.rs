@@ -102,6 +102,35 @@ ranges!(AirspeedSpec {
     bias_m_s: Range::NOT_NEGATIVE,
 });
 
+impl InertialSpec {
+    /// One of small parts, without offsets. *Choice.*
+    fn ordinary() -> Self {
+        Self {
+            place_m: [0.0; 3],
+            every_s: 2.5e-3,
+            delay_s: 0.0,
+            rate_rad_s: 0.02,
+            rate_bias_rad_s: 0.0,
+            force_m_s2: 0.3,
+            force_bias_m_s2: 0.0,
+        }
+    }
+}
+
+impl HeightSpec {
+    /// A rangefinder of small parts, without an offset. *Choice.*
+    fn ordinary() -> Self {
+        Self { every_s: 20e-3, delay_s: 0.0, height_m: 0.01, bias_m: 0.0 }
+    }
+}
+
+impl AirspeedSpec {
+    /// A small pitot tube, without an offset. *Choice.*
+    fn ordinary() -> Self {
+        Self { place_m: [0.0; 3], every_s: 20e-3, delay_s: 0.0, speed_m_s: 0.1, bias_m_s: 0.0 }
+    }
+}
+
 /// What an instrument reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -259,6 +288,14 @@ impl SensorSpec {
             bias: airspeed.bias_m_s,
         }));
         all
+    }
+
+    /// One ordinary sensor of each kind, by the name of its table: what a robot could have.
+    pub(crate) fn examples() -> [(&'static str, Vec<Instrument>); 3] {
+        let imu = Self { imu: Some(InertialSpec::ordinary()), ..Self::default() };
+        let height = Self { height: Some(HeightSpec::ordinary()), ..Self::default() };
+        let airspeed = Self { airspeed: Some(AirspeedSpec::ordinary()), ..Self::default() };
+        [("imu", imu.instruments()), ("height", height.instruments()), ("airspeed", airspeed.instruments())]
     }
 
     /// Refuses instruments out of range.

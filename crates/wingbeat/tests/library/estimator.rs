@@ -178,6 +178,38 @@ fn the_filter_knows_how_well_it_knows() {
 }
 
 #[test]
+fn without_the_airspeed_the_filter_flies_by_its_model() {
+    let mut scenario = scenario(&[]);
+    let sensors = scenario.spec.sensors.as_mut().unwrap();
+    sensors.airspeed = None;
+    let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
+    let estimate = run.summary.estimate.as_ref().unwrap();
+    assert_eq!(estimate.innovation_square.len(), 3);
+    assert!(run.record.values("estimate_innovation_airspeed").is_none());
+    assert!(run.record.values("estimate_bias_airspeed").is_none());
+    assert!(estimate.height_rms_m < 0.015 && estimate.roll_rms_deg < 1.0, "{estimate:?}");
+    assert!(run.summary.completed() && run.summary.height_max_error_m.unwrap() < 0.06);
+}
+
+#[test]
+fn what_no_instrument_tells_is_refused_by_its_name_with_the_sensor_that_would() {
+    let refused = |sensors: SensorSpec| {
+        let mut scenario = scenario(&[LEVEL]);
+        scenario.spec.sensors = Some(sensors);
+        scenario.controller().err().map_or_else(|| panic!("taken"), |error| error.to_string())
+    };
+    let all = scenario(&[]).spec.sensors.unwrap();
+    let message = refused(SensorSpec { height: None, ..all.clone() });
+    assert!(message.contains("do not tell height:") || message.contains("do not tell height;"), "{message}");
+    assert!(message.contains("[sensors.height]") && !message.contains("[sensors.airspeed]"), "{message}");
+    let message = refused(SensorSpec { imu: None, ..all.clone() });
+    assert!(message.contains("roll") && message.contains("leftward"), "{message}");
+    assert!(message.contains("[sensors.imu]"), "{message}");
+    let message = refused(SensorSpec { imu: None, height: None, ..all });
+    assert!(message.contains("height") && message.contains("roll"), "{message}");
+}
+
+#[test]
 fn the_same_seed_reads_the_same_and_another_does_not() {
     let told = |seed: &str| overheard(&scenario(&[LEVEL, "flight.duration_s=0.06", seed])).0;
     assert_eq!(told("seed=3"), told("seed=3"));

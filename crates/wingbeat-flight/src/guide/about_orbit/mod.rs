@@ -15,7 +15,7 @@ pub use spec::{AboutOrbitSpec, LegSpec, OrbitWeights};
 pub use tracking::TrackingSpec;
 
 use super::controllers::{ControllerSpec, Prepared, Task};
-use super::inertial::Inertial;
+use super::inertial;
 use super::receding;
 use crate::orbit::{Deviations, Free};
 use crate::simulate::{Column, Controller, Estimator, Measurement, Update};
@@ -112,9 +112,8 @@ impl ControllerSpec for AboutOrbitSpec {
                 let sensors = task.sensors.unwrap_or_default();
                 spec.check(Some(&sensors)).map_err(|e| e.within("estimator"))?;
                 let start = family.start().to_vec();
-                let filter = Inertial::new(*spec, &sensors, robot, cycle.section().clone(), start);
-                let allowed = "instruments that tell the state of this robot";
-                Box::new(filter.ok_or_else(|| Error::invalid("estimator", "given", allowed))?)
+                let filter = inertial::filter(*spec, &sensors, robot, cycle.section(), start, &held);
+                filter.map_err(|e| e.within("estimator"))?
             }
         };
         Ok(Box::new(AboutOrbit {

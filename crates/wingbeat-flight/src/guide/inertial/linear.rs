@@ -1,17 +1,17 @@
 //! Small errors of a believed flight: how they grow and what instruments see of them.
 
-use super::{BELIEVED, BIAS, BIASES, BODY, MISSED, State};
+use super::{BIAS, BODY, MISSED, State};
 use crate::simulate::{Instrument, Motion, Places};
 use nalgebra::{SMatrix, SVector};
 use wingbeat_math::{Dual, Quat, Scalar, Vec3};
 use wingbeat_ocp::plant::{Early, Fault, Plant};
 use wingbeat_robot::Robot;
 
-/// Errors of a belief: height, rotation in B, velocity in W, angular rate; biases; acceleration and angular acceleration
-/// missed by the model, in B.
-pub(super) type Square = SMatrix<f64, BELIEVED, BELIEVED>;
+/// `N` errors of a belief: height, rotation in B, velocity in W, angular rate; biases, as many as there is room for; acceleration and
+/// angular acceleration missed by the model, in B.
+pub(super) type Square<const N: usize> = SMatrix<f64, N, N>;
 /// One number by those errors.
-pub(super) type Row = SVector<f64, BELIEVED>;
+pub(super) type Row<const N: usize> = SVector<f64, N>;
 
 /// Directions of the body's own errors, then of what is missed.
 type Wide = Dual<{ BODY + MISSED }>;
@@ -68,8 +68,8 @@ impl Linear {
     /// Rates of the errors by the errors; what is missed decays over `lasting` s.
     ///
     /// Equation: guide.inertial_errors
-    pub fn rates(&self, lasting: f64) -> Square {
-        let mut f = Square::zeros();
+    pub fn rates<const N: usize>(&self, lasting: f64) -> Square<N> {
+        let mut f = Square::<N>::zeros();
         f[(0, 6)] = 1.0;
         // d' = dw - w x d of q exp(d) about a believed attitude that turns with w.
         for (j, axis) in [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)]
@@ -81,35 +81,40 @@ impl Linear {
             f[(1 + j, 7 + j)] = 1.0;
         }
         for i in 0..3 {
-            f.set_row(4 + i, &row(&self.motion.acceleration[i]).transpose());
-            f.set_row(7 + i, &row(&self.motion.angular_acceleration[i]).transpose());
+            f.set_row(4 + i, &row::<N>(&self.motion.acceleration[i]).transpose());
+            f.set_row(7 + i, &row::<N>(&self.motion.angular_acceleration[i]).transpose());
         }
-        for i in BIAS + BIASES..BELIEVED {
+        for i in N - MISSED..N {
             f[(i, i)] = -1.0 / lasting;
         }
         f
     }
 
     /// What instrument number `i` would read, its bias being `bias`, and its derivatives by the errors.
-    pub fn reading(&self, i: usize, instrument: &Instrument, bias: f64) -> (f64, Row) {
-        let read = instrument.reads(&self.motion);
-        let mut by_errors = row(&read);
+    pub fn reading<const N: usize>(&self, i: usize, instrument: &Instrument, bias: f64) -> (f64, Row<N>) {
+        let (read, mut by_errors) = self.felt(instrument);
         by_errors[BIAS + i] = 1.0;
-        (read.value() + bias, by_errors)
+        (read + bias, by_errors)
+    }
+
+    /// The same of an instrument without a bias.
+    pub fn felt<const N: usize>(&self, instrument: &Instrument) -> (f64, Row<N>) {
+        let read = instrument.reads(&self.motion);
+        (read.value(), row(&read))
     }
 }
 
 /// Derivatives of a number by the errors.
-fn row(wide: &Wide) -> Row {
+fn row<const N: usize>(wide: &Wide) -> Row<N> {
     let mut row = Row::zeros();
     for (i, slope) in wide.eps.iter().enumerate() {
-        row[if i < BODY { i } else { i + BIASES }] = *slope;
+        row[if i < BODY { i } else { i + N - (BODY + MISSED) }] = *slope;
     }
     row
 }
 
 /// exp(F dt) to the fourth order: |F dt| is a tenth.
-pub(super) fn grown(f: &Square, dt: f64) -> Square {
+pub(super) fn grown<const N: usize>(f: &Square<N>, dt: f64) -> Square<N> {
     let step = f * dt;
     let mut power = Square::identity();
     let mut sum = Square::identity();
@@ -120,9 +125,9 @@ pub(super) fn grown(f: &Square, dt: f64) -> Square {
     sum
 }
 
-impl State {
+impl<const N: usize> State<N> {
     /// Takes in the errors `d`.
-    pub fn correct(&mut self, places: &Places, d: &Row) {
+    pub fn correct(&mut self, places: &Places, d: &Row<N>) {
         let at = |first: usize| Vec3::new(d[first], d[first + 1], d[first + 2]);
         self.x[places.height] += d[0];
         let attitude = Quat::from_wxyz(&self.x[places.attitude..]) * Quat::exp(at(1));
@@ -135,7 +140,7 @@ impl State {
             *bias += d[BIAS + i];
         }
         for (i, missed) in self.missed.iter_mut().enumerate() {
-            *missed += d[BIAS + BIASES + i];
+            *missed += d[N - MISSED + i];
         }
     }
 }
@@ -169,7 +174,7 @@ mod tests {
         Quat::from_roll_pitch_yaw(0.3, -0.2, 0.5).store_wxyz(&mut x[places.attitude..]);
         Vec3::new(4.0, 0.3, -0.5).store(&mut x[places.velocity..]);
         Vec3::new(1.0, -2.0, 0.5).store(&mut x[places.rate..]);
-        let state = |p| State { t: 0.0, x: x.clone(), biases: [0.0; BIASES], missed: [0.0; MISSED], p };
+        let state = |p| State { t: 0.0, x: x.clone(), biases: vec![0.0; 8], missed: [0.0; MISSED], p };
         let u = vec![0.0; robot.inputs().len()];
         let dt = 1e-4;
         let flown = |x: &[f64]| {
@@ -184,10 +189,10 @@ mod tests {
             model.state().to_vec()
         };
         let linear = Linear::new(&robot, &places, 0.5 * dt, &middle, &u, &[0.0; MISSED]).unwrap();
-        let growth = grown(&linear.rates(0.1), dt);
+        let growth: Square<{ BODY + 8 + MISSED }> = grown(&linear.rates(0.1), dt);
         let (size, nominal) = (1e-5, flown(&x));
         for column in 0..BODY {
-            let mut off = state(Square::identity());
+            let mut off = state(Square::<{ BODY + 8 + MISSED }>::identity());
             let mut error = Row::zeros();
             error[column] = size;
             off.correct(&places, &error);

@@ -1,6 +1,8 @@
-//! An extended Kalman filter of a flapping robot: inertial unit, height and airspeed against the nominal model.
+//! An extended Kalman filter of a flapping robot: the readings of the sensors that there are against the nominal
+//! model.
 
 mod linear;
+mod observable;
 mod spec;
 
 pub use spec::EstimatorSpec;
@@ -13,18 +15,23 @@ use crate::simulate::{
 };
 use linear::{Linear, Row, Square, erring, grown};
 use nalgebra::SMatrix;
+use observable::Seen;
+use wingbeat_math::Error;
 use wingbeat_math::{Dual, Quat, Vec3};
 use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_robot::Robot;
 
 /// Errors of the body: height, rotation (3), velocity (3), angular rate (3).
 const BODY: usize = 10;
-/// Biases, one of each instrument; they stand after the body.
-const BIASES: usize = 8;
+/// Where the biases begin, one of each instrument; they stand after the body.
 const BIAS: usize = BODY;
 /// What the model misses: acceleration and angular acceleration, last.
 const MISSED: usize = 6;
-const BELIEVED: usize = BODY + BIASES + MISSED;
+/// Rooms for biases: the filter is compiled for each, and the least that holds the instruments is taken. A bias without an
+/// instrument is 0 and stays it.
+const ROOMS: [usize; 2] = [8, 16];
+const FEW: usize = BODY + ROOMS[0] + MISSED;
+const MANY: usize = BODY + ROOMS[1] + MISSED;
 
 /// Longest piece of flight with one linearisation, and longest step of the model, s.
 const PIECE: f64 = 2.5e-3;
@@ -50,20 +57,20 @@ const KINDS: [&str; 4] = ["rate", "force", "height", "airspeed"];
 
 /// What is believed at one time.
 #[derive(Clone)]
-struct State {
+struct State<const N: usize> {
     /// s.
     t: f64,
     /// State of the model; what is no body's follows the model.
     x: Vec<f64>,
-    biases: [f64; BIASES],
+    biases: Vec<f64>,
     missed: [f64; MISSED],
     /// Covariance of the errors.
-    p: Square,
+    p: Square<N>,
 }
 
 /// The filter. Readings are taken in when all that were read before have arrived: what is believed for good lags by the
 /// longest delay. From there a copy goes on to now, by what has arrived already, then by the model alone.
-pub(super) struct Inertial<'a> {
+struct Inertial<'a, const N: usize> {
     robot: &'a Robot,
     section: Section,
     places: Places,
@@ -74,41 +81,65 @@ pub(super) struct Inertial<'a> {
     history: History,
     model: Stepper<&'a Robot>,
     /// What is believed for good.
-    behind: State,
+    behind: State<N>,
     /// Readings not yet taken in for good, in the order in which they were read.
     readings: Vec<Reading>,
     /// What is believed now.
-    now: State,
+    now: State<N>,
     /// Squares of the newest innovations over their variances, means over the axes.
     surprise: [f64; KINDS.len()],
 }
 
-impl<'a> Inertial<'a> {
-    /// A filter that believes the flight to begin in the state `x`; `None` where instruments are missing.
-    pub fn new(
+/// A filter of the readings of `sensors` that believes the flight to begin in the state `x` under the inputs `u`.
+///
+/// # Errors
+/// [`Error::Invalid`] where the robot is no body in the air, where there are too many instruments, or where what is fed back cannot be
+/// told from their readings.
+pub(super) fn filter<'a>(
+    spec: EstimatorSpec,
+    sensors: &SensorSpec,
+    robot: &'a Robot,
+    section: &Section,
+    x: Vec<f64>,
+    u: &[f64],
+) -> Result<Box<dyn Estimator + 'a>, Error> {
+    let places = Places::of(robot.states())
+        .ok_or_else(|| Error::invalid("", "given", "an estimator of a robot with a body"))?;
+    let instruments = sensors.instruments();
+    Seen { robot, section, places: &places, x: &x, u }.check(&spec, &instruments)?;
+    match instruments.len() {
+        n if n <= ROOMS[0] => {
+            Ok(Box::new(Inertial::<FEW>::new(spec, instruments, places, robot, section.clone(), x)))
+        }
+        n if n <= ROOMS[1] => {
+            Ok(Box::new(Inertial::<MANY>::new(spec, instruments, places, robot, section.clone(), x)))
+        }
+        n => {
+            let allowed = format!("sensors of at most {} numbers", ROOMS[1]);
+            Err(Error::invalid("", format!("beside sensors of {n} numbers"), allowed))
+        }
+    }
+}
+
+impl<'a, const N: usize> Inertial<'a, N> {
+    fn new(
         spec: EstimatorSpec,
-        sensors: &SensorSpec,
+        instruments: Vec<Instrument>,
+        places: Places,
         robot: &'a Robot,
         section: Section,
         x: Vec<f64>,
-    ) -> Option<Self> {
-        let (places, instruments) = (Places::of(robot.states())?, sensors.instruments());
-        if instruments.len() != BIASES {
-            return None;
-        }
-        let mut deviations = [0.0; BELIEVED];
-        deviations[0] = spec.height_m;
-        deviations[1..4].fill(spec.angle_deg.to_radians());
-        deviations[4..7].fill(spec.velocity_m_s);
-        deviations[7..10].fill(spec.rate_rad_s);
+    ) -> Self {
+        let mut deviations = [0.0; N];
+        deviations[..BODY].copy_from_slice(&spec.of_body());
         for (deviation, instrument) in deviations[BIAS..].iter_mut().zip(&instruments) {
             *deviation = instrument.bias;
         }
-        deviations[BIAS + BIASES..][..3].fill(spec.missed_m_s2);
-        deviations[BIAS + BIASES + 3..].fill(spec.missed_rad_s2);
+        deviations[N - MISSED..][..3].fill(spec.missed_m_s2);
+        deviations[N - MISSED + 3..].fill(spec.missed_rad_s2);
         let p = Square::from_diagonal(&Row::from_iterator(deviations.iter().map(|d| d * d)));
-        let behind = State { t: 0.0, x, biases: [0.0; BIASES], missed: [0.0; MISSED], p };
-        Some(Self {
+        let behind = State { t: 0.0, x, biases: vec![0.0; instruments.len()], missed: [0.0; MISSED], p };
+        Self {
             section,
             places,
             delay: instruments.iter().map(|i| i.delay).fold(0.0, f64::max),
@@ -121,11 +152,11 @@ impl<'a> Inertial<'a> {
             readings: Vec::new(),
             surprise: [1.0; KINDS.len()],
             robot,
-        })
+        }
     }
 
     /// Flies `state` on to `until`.
-    fn advance(&mut self, state: &mut State, until: f64) -> Result<(), Fault> {
+    fn advance(&mut self, state: &mut State<N>, until: f64) -> Result<(), Fault> {
         while until - state.t > ROUNDING {
             let Some((commands, change)) = self.history.at(state.t + ROUNDING) else { return Ok(()) };
             let commands = commands.to_vec();
@@ -138,7 +169,7 @@ impl<'a> Inertial<'a> {
     /// A piece of it: the linearisation is that of its middle.
     ///
     /// Equation: guide.inertial_predict
-    fn piece(&mut self, state: &mut State, u: &[f64], end: f64) -> Result<(), Fault> {
+    fn piece(&mut self, state: &mut State<N>, u: &[f64], end: f64) -> Result<(), Fault> {
         let length = end - state.t;
         self.fly(state, u, 0.5 * length)?;
         let linear = Linear::new(self.robot, &self.places, state.t, &state.x, u, &state.missed)?;
@@ -146,7 +177,7 @@ impl<'a> Inertial<'a> {
         state.t = end;
         let growth = grown(&linear.rates(self.spec.missed_s), length);
         state.p = growth * state.p * growth.transpose();
-        let (stays, missed) = ((-length / self.spec.missed_s).exp(), BIAS + BIASES);
+        let (stays, missed) = ((-length / self.spec.missed_s).exp(), N - MISSED);
         for i in 0..MISSED {
             let deviation = if i < 3 { self.spec.missed_m_s2 } else { self.spec.missed_rad_s2 };
             state.p[(missed + i, missed + i)] += deviation * deviation * (1.0 - stays * stays);
@@ -156,7 +187,7 @@ impl<'a> Inertial<'a> {
     }
 
     /// Flies the model for `length` s; what it misses is added at the end.
-    fn fly(&mut self, state: &mut State, u: &[f64], length: f64) -> Result<(), Fault> {
+    fn fly(&mut self, state: &mut State<N>, u: &[f64], length: f64) -> Result<(), Fault> {
         let steps = (length / STEP - ROUNDING).ceil().max(1.0);
         self.model.reset(state.t, &state.x);
         self.model.set_inputs(u);
@@ -175,14 +206,14 @@ impl<'a> Inertial<'a> {
     /// Takes in `readings` of one instant, one after another about one linearisation.
     ///
     /// Equation: guide.inertial_update
-    fn take_in(&mut self, state: &mut State, readings: &[Reading]) -> Result<(), Fault> {
+    fn take_in(&mut self, state: &mut State<N>, readings: &[Reading]) -> Result<(), Fault> {
         let Some((commands, _)) = self.history.at(state.t + ROUNDING) else { return Ok(()) };
         let linear = Linear::new(self.robot, &self.places, state.t, &state.x, commands, &state.missed)?;
-        let mut errors = Row::zeros();
+        let mut errors = Row::<N>::zeros();
         let (mut squares, mut counts) = ([0.0; KINDS.len()], [0.0; KINDS.len()]);
         for reading in readings {
             let (i, instrument) = (reading.instrument, &self.instruments[reading.instrument]);
-            let (expected, by_errors) = linear.reading(i, instrument, state.biases[i]);
+            let (expected, by_errors): (f64, Row<N>) = linear.reading(i, instrument, state.biases[i]);
             let innovation = reading.value - expected - by_errors.dot(&errors);
             let spread = state.p * by_errors;
             let variance = by_errors.dot(&spread) + instrument.noise * instrument.noise;
@@ -205,7 +236,7 @@ impl<'a> Inertial<'a> {
     }
 
     /// Takes in all `readings`, which come in the order of time, each when it was read.
-    fn follow(&mut self, state: &mut State, readings: &[Reading]) -> Result<(), Fault> {
+    fn follow(&mut self, state: &mut State<N>, readings: &[Reading]) -> Result<(), Fault> {
         for together in readings.chunk_by(|a, b| b.taken - a.taken < ROUNDING) {
             self.advance(state, together[0].taken)?;
             self.take_in(state, together)?;
@@ -214,7 +245,7 @@ impl<'a> Inertial<'a> {
     }
 
     /// What is believed at `t`.
-    fn believe(&mut self, t: f64, arrived: &[Reading]) -> Result<State, Fault> {
+    fn believe(&mut self, t: f64, arrived: &[Reading]) -> Result<State<N>, Fault> {
         self.readings.extend(arrived);
         self.readings.sort_by(|a, b| a.taken.total_cmp(&b.taken));
         let mut readings = std::mem::take(&mut self.readings);
@@ -228,6 +259,11 @@ impl<'a> Inertial<'a> {
         readings.drain(..settled);
         (self.behind, self.readings) = (behind, readings);
         Ok(now)
+    }
+
+    /// The kinds of readings that there are.
+    fn kinds(&self) -> impl Iterator<Item = usize> {
+        (0..KINDS.len()).filter(|k| self.instruments.iter().any(|i| kind(i.quantity) == *k))
     }
 
     /// The numbers of the state that are fed back, and their standard deviations.
@@ -256,7 +292,7 @@ fn kind(quantity: Quantity) -> usize {
     }
 }
 
-impl Estimator for Inertial<'_> {
+impl<const N: usize> Estimator for Inertial<'_, N> {
     fn estimate(
         &mut self,
         t: f64,
@@ -282,7 +318,8 @@ impl Estimator for Inertial<'_> {
         };
         let missed = AXES.map(|axis| Column::new(format!("estimate_missed_{axis}"), "m/s2", "B"));
         let turning = AXES.map(|axis| Column::new(format!("estimate_missed_turning_{axis}"), "rad/s2", "B"));
-        let surprise = KINDS.map(|kind| Column::new(format!("estimate_innovation_{kind}"), "", ""));
+        let surprise =
+            self.kinds().map(|kind| Column::new(format!("estimate_innovation_{}", KINDS[kind]), "", ""));
         std::iter::once(Column::new("estimate_t", "s", ""))
             .chain(seen)
             .chain(deviations)
@@ -298,8 +335,8 @@ impl Estimator for Inertial<'_> {
         row.push(self.now.t);
         row.extend(seen);
         row.extend(deviations);
-        row.extend(self.now.biases);
+        row.extend(&self.now.biases);
         row.extend(self.now.missed);
-        row.extend(self.surprise);
+        row.extend(self.kinds().map(|kind| self.surprise[kind]));
     }
 }

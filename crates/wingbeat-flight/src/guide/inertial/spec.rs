@@ -1,11 +1,12 @@
 //! What `[controller.orbit.estimator]` says.
 
+use super::BODY;
 use crate::simulate::SensorSpec;
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 
-/// An extended Kalman filter that makes of inertial unit, height and airspeed the state that the regulator feeds back: its
+/// An extended Kalman filter that makes of the readings of sensors the state that the regulator feeds back: its
 /// model is the nominal robot, with accelerations that the model misses as states of the filter. It starts at the orbit
 /// of the begin.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]
@@ -53,18 +54,25 @@ ranges!(EstimatorSpec {
 });
 
 impl EstimatorSpec {
-    /// Refuses numbers out of range, and sensors of which the filter cannot make a state.
+    /// Standard deviations of the errors of the body at the start.
+    pub(super) fn of_body(&self) -> [f64; BODY] {
+        let mut deviations = [0.0; BODY];
+        deviations[0] = self.height_m;
+        deviations[1..4].fill(self.angle_deg.to_radians());
+        deviations[4..7].fill(self.velocity_m_s);
+        deviations[7..10].fill(self.rate_rad_s);
+        deviations
+    }
+
+    /// Refuses numbers out of range, and an estimator without instruments. Whether they tell enough is found when it is built.
     pub fn check(&self, sensors: Option<&SensorSpec>) -> Result<(), Error> {
         self.in_range()?;
-        let whole = |sensors: &&SensorSpec| {
-            sensors.imu.is_some() && sensors.height.is_some() && sensors.airspeed.is_some()
-        };
-        match sensors.filter(whole) {
+        match sensors.filter(|sensors| sensors.reads()) {
             Some(_) => Ok(()),
             None => Err(Error::invalid(
                 "",
                 "given",
-                "an estimator beside [sensors.imu], [sensors.height] and [sensors.airspeed]",
+                "an estimator beside instruments: [sensors.imu], [sensors.height], [sensors.airspeed]",
             )),
         }
     }
