@@ -134,9 +134,13 @@ mod tests {
         ] {
             assert_ne!(key(file, &[]), key(file, &[known]), "{known}");
         }
-        for unknown in
-            ["seed=77", "air.gust_m_s=0.2", "mismatch.density=0.97", "goal.settle_s=1.1", "name=other"]
-        {
+        for unknown in [
+            "seed=77",
+            "air.gust_m_s=0.2",
+            "mismatch.density=0.97",
+            "goal={settle_s=1.1, roll_within_deg=9.0, pitch_within_deg=9.0}",
+            "name=other",
+        ] {
             assert_eq!(key("estimator_20g.toml", &[]), key("estimator_20g.toml", &[unknown]), "{unknown}");
         }
     }
