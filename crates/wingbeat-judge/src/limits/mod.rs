@@ -1,0 +1,154 @@
+//! The limits that results are held against, one file per kind of result.
+
+pub mod calibration;
+pub mod data;
+pub mod flight;
+pub mod plan;
+pub mod recording;
+pub mod rig;
+pub mod tether;
+pub mod trim;
+
+use crate::status::Status;
+use std::collections::BTreeMap;
+
+/// What kind of result a limit belongs to; the first part of its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// A flight; `wingbeat fly`, the flights of a sweep.
+    Flight,
+    /// A periodic flight; `wingbeat trim`.
+    Trim,
+    /// An optimal control problem; `wingbeat plan`.
+    Plan,
+    /// A wing in prescribed motion; `wingbeat tether`.
+    Tether,
+    /// A fit; `wingbeat calibrate`.
+    Calibration,
+    /// Samples of a load cell as they arrive; `wingbeat rig record`.
+    Recording,
+    /// Samples reduced to phase averages; `wingbeat rig process` and `simulate`.
+    Rig,
+    /// A file of measured motion or loads, whichever verb reads it.
+    Data,
+}
+
+/// On which side of a limit a value may lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// The value may be at most the limit.
+    AtMost,
+    /// The value must be at least the limit.
+    AtLeast,
+}
+
+/// One quantity that is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// Its name, `kind.quantity_unit`; what `[limits]` of a document calls it.
+    pub id: &'static str,
+    /// The side on which a value may lie.
+    pub sense: Sense,
+    /// The limit.
+    pub value: f64,
+    /// Its unit; empty for a pure number.
+    pub unit: &'static str,
+    /// What a result is called that breaks it; `None`: it stays what it is and gets a warning.
+    pub status: Option<Status>,
+    /// What is judged, as the beginning of a sentence: "largest distance from the reference height".
+    pub meaning: &'static str,
+}
+
+impl Limit {
+    /// A value above `value` makes the result `status`.
+    pub const fn at_most(id: &'static str, value: f64, unit: &'static str, status: Status) -> Self {
+        Self { id, sense: Sense::AtMost, value, unit, status: Some(status), meaning: "" }
+    }
+
+    /// A value below `value` makes the result `status`.
+    pub const fn at_least(id: &'static str, value: f64, unit: &'static str, status: Status) -> Self {
+        Self { id, sense: Sense::AtLeast, value, unit, status: Some(status), meaning: "" }
+    }
+
+    /// A value above `value` is worth a warning.
+    pub const fn warn_above(id: &'static str, value: f64, unit: &'static str) -> Self {
+        Self { id, sense: Sense::AtMost, value, unit, status: None, meaning: "" }
+    }
+
+    /// A value below `value` is worth a warning.
+    pub const fn warn_below(id: &'static str, value: f64, unit: &'static str) -> Self {
+        Self { id, sense: Sense::AtLeast, value, unit, status: None, meaning: "" }
+    }
+
+    /// The same limit with what it judges in words.
+    pub const fn on(self, meaning: &'static str) -> Self {
+        Self { meaning, ..self }
+    }
+
+    /// True when `value` lies on the allowed side of `limit`. A value that is not a number never does.
+    pub fn allows(&self, value: f64, limit: f64) -> bool {
+        match self.sense {
+            Sense::AtMost => value <= limit,
+            Sense::AtLeast => value >= limit,
+        }
+    }
+}
+
+/// Every limit, by kind.
+pub fn all() -> impl Iterator<Item = &'static Limit> {
+    let kinds: [&'static [Limit]; 8] = [
+        &flight::ALL,
+        &trim::ALL,
+        &plan::ALL,
+        &tether::ALL,
+        &calibration::ALL,
+        &recording::ALL,
+        &rig::ALL,
+        &data::ALL,
+    ];
+    kinds.into_iter().flatten()
+}
+
+/// The limits of one run: those of the table, and what a document overrides.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Limits {
+    overridden: BTreeMap<&'static str, f64>,
+}
+
+impl Limits {
+    /// The same limits with `value` for the one called `id`.
+    pub fn with(mut self, id: &str, value: f64) -> Result<Self, UnknownLimit> {
+        let limit = all().find(|limit| limit.id == id).ok_or_else(|| UnknownLimit::new(id))?;
+        self.overridden.insert(limit.id, value);
+        Ok(self)
+    }
+
+    /// The value that holds, and whether a document gave it.
+    pub fn of(&self, limit: &Limit) -> (f64, bool) {
+        self.overridden.get(limit.id).map_or((limit.value, false), |value| (*value, true))
+    }
+
+    /// What a document overrides: name and value.
+    pub fn overridden(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.overridden.iter().map(|(id, value)| (*id, *value))
+    }
+}
+
+/// A limit that is not in the table.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{id}: no such limit; the limits of this kind are {known}")]
+pub struct UnknownLimit {
+    /// The name given.
+    pub id: String,
+    /// Names of the same kind, or all where there is no such kind.
+    pub known: String,
+}
+
+impl UnknownLimit {
+    fn new(id: &str) -> Self {
+        let kind = |of: &str| of.split('.').next().map(str::to_owned);
+        let same: Vec<&str> = all().map(|limit| limit.id).filter(|known| kind(known) == kind(id)).collect();
+        let known = if same.is_empty() { all().map(|limit| limit.id).collect() } else { same };
+        Self { id: id.into(), known: known.join(", ") }
+    }
+}

@@ -1,0 +1,172 @@
+//! The verdict on one result, and how it comes about.
+
+use crate::limits::{Limit, Limits, Sense};
+use crate::status::Status;
+use serde::Serialize;
+
+/// One quantity that was held against its limit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judged {
+    /// Name of the limit.
+    pub id: &'static str,
+    /// The value of the result; absent when it is not a finite number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// The limit.
+    pub limit: f64,
+    /// `at_most` or `at_least`.
+    pub allowed: &'static str,
+    /// Unit of both; empty for a pure number.
+    pub unit: &'static str,
+    /// True when the document gave the limit.
+    pub overridden: bool,
+    /// True when the value is allowed.
+    pub met: bool,
+}
+
+/// What a reader of the result must know.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Warning {
+    /// A name that does not change, `kind.what`.
+    pub id: &'static str,
+    /// What was found, why it matters, and what helps.
+    pub text: String,
+    /// How large it is, in the unit that the text names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<f64>,
+    /// The key of the document that mends it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub key: Option<String>,
+}
+
+impl Warning {
+    /// A warning in words.
+    pub fn new(id: &'static str, text: impl Into<String>) -> Self {
+        Self { id, text: text.into(), size: None, key: None }
+    }
+
+    /// The same with its size.
+    pub fn size(self, size: f64) -> Self {
+        Self { size: size.is_finite().then_some(size), ..self }
+    }
+
+    /// The same with the key that mends it.
+    pub fn key(self, key: impl Into<String>) -> Self {
+        Self { key: Some(key.into()), ..self }
+    }
+}
+
+/// The verdict on a result, as `summary.json` has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// What the result is.
+    pub status: Status,
+    /// Why it is not `ok`; absent when it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// What the status rests on.
+    pub judged: Vec<Judged>,
+    /// What a reader must know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Collects findings and gives the verdict.
+#[derive(Clone, Debug)]
+pub struct Judge<'a> {
+    limits: &'a Limits,
+    status: Status,
+    reasons: Vec<(Status, String)>,
+    judged: Vec<Judged>,
+    warnings: Vec<Warning>,
+}
+
+impl<'a> Judge<'a> {
+    /// Nothing found yet.
+    pub fn new(limits: &'a Limits) -> Self {
+        Self { limits, status: Status::Ok, reasons: Vec::new(), judged: Vec::new(), warnings: Vec::new() }
+    }
+
+    /// The limits that hold.
+    pub fn limits(&self) -> &'a Limits {
+        self.limits
+    }
+
+    /// Holds `value` against `limit`; true when it is allowed.
+    pub fn hold(&mut self, limit: &'static Limit, value: f64) -> bool {
+        self.hold_about(limit, value, "")
+    }
+
+    /// The same where words say of what, and what helps: "of channel fx; set `[tare]`".
+    pub fn hold_about(&mut self, limit: &'static Limit, value: f64, about: &str) -> bool {
+        let (bound, overridden) = self.limits.of(limit);
+        let met = limit.allows(value, bound);
+        self.judged.push(Judged {
+            id: limit.id,
+            value: value.is_finite().then_some(value),
+            limit: bound,
+            allowed: match limit.sense {
+                Sense::AtMost => "at_most",
+                Sense::AtLeast => "at_least",
+            },
+            unit: limit.unit,
+            overridden,
+            met,
+        });
+        if !met {
+            let text = words(limit, value, bound, about);
+            match limit.status {
+                Some(status) => self.find(status, text),
+                None => self.warn(Warning::new(limit.id, text).size(value)),
+            }
+        }
+        met
+    }
+
+    /// A finding that no limit measures.
+    pub fn find(&mut self, status: Status, reason: impl Into<String>) {
+        self.status = self.status.max(status);
+        self.reasons.push((status, reason.into()));
+    }
+
+    /// Adds a warning.
+    pub fn warn(&mut self, warning: Warning) {
+        self.warnings.push(warning);
+    }
+
+    /// The verdict: the worst status found, with all reasons, the worst first.
+    pub fn verdict(self) -> Verdict {
+        let Self { status, mut reasons, judged, warnings, .. } = self;
+        reasons.sort_by_key(|(status, _)| std::cmp::Reverse(*status));
+        let reasons: Vec<String> = reasons.into_iter().map(|(_, words)| words).collect();
+        let reason = (!reasons.is_empty()).then(|| reasons.join("; "));
+        Verdict { status, reason, judged, warnings }
+    }
+}
+
+/// What is off, its value, what is allowed.
+fn words(limit: &Limit, value: f64, bound: f64, about: &str) -> String {
+    let unit = if limit.unit.is_empty() { String::new() } else { format!(" {}", limit.unit) };
+    let side = match limit.sense {
+        Sense::AtMost => "at most",
+        Sense::AtLeast => "at least",
+    };
+    let about = if about.is_empty() { String::new() } else { format!(" {about}") };
+    format!(
+        "{}{about} is {}{unit}, allowed is {side} {}{unit} (limits.{})",
+        limit.meaning,
+        number(value),
+        number(bound),
+        limit.id
+    )
+}
+
+/// A number with three digits or so, in powers of ten where it is very large or small.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        _ if value == 0.0 || !value.is_finite() => format!("{value}"),
+        _ if !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),
+        _ if size < 10.0 => format!("{value:.3}").trim_end_matches('0').trim_end_matches('.').to_owned(),
+        _ => format!("{value:.1}").trim_end_matches('0').trim_end_matches('.').to_owned(),
+    }
+}

@@ -1,0 +1,48 @@
+//! How findings become a verdict.
+
+use wingbeat_judge::limits::flight::{ALTITUDE, CROSSING, SATURATION};
+use wingbeat_judge::{Judge, Limits, Status, Warning};
+
+#[test]
+fn the_worst_finding_is_the_status_and_all_reasons_are_kept() {
+    let limits = Limits::default();
+    let mut judge = Judge::new(&limits);
+    assert!(!judge.hold(&ALTITUDE, 6.6) && !judge.hold(&CROSSING, 0.2) && judge.hold(&SATURATION, 0.1));
+    let verdict = judge.verdict();
+    assert_eq!(verdict.status, Status::Outside);
+    let reason = verdict.reason.unwrap();
+    assert!(
+        reason.starts_with("share of the time in which parts pass through each other is 0.2"),
+        "{reason}"
+    );
+    assert!(reason.contains("is 6.6 m, allowed is at most 2 m (limits.flight.altitude_m)"), "{reason}");
+    assert_eq!(verdict.judged.iter().map(|j| j.met).collect::<Vec<_>>(), [false, false, true]);
+}
+
+#[test]
+fn a_value_that_is_no_number_breaks_every_limit() {
+    let limits = Limits::default();
+    let mut judge = Judge::new(&limits);
+    judge.hold(&SATURATION, f64::NAN);
+    let verdict = judge.verdict();
+    assert!(verdict.status == Status::OffTarget && verdict.judged[0].value.is_none());
+}
+
+#[test]
+fn nothing_judged_is_ok_and_warnings_do_not_change_that() {
+    let limits = Limits::default();
+    let mut judge = Judge::new(&limits);
+    judge.warn(Warning::new("data.dead", "channel fx is zero throughout").size(0.0).key("channels"));
+    let verdict = judge.verdict();
+    assert!(verdict.status == Status::Ok && verdict.reason.is_none() && verdict.warnings.len() == 1);
+}
+
+#[test]
+fn statuses_have_their_names_and_exit_codes() {
+    for status in Status::ALL {
+        assert_eq!(status.exit_code() == 0, status == Status::Ok);
+        assert!(!status.meaning().is_empty() && status.to_string() == status.name());
+    }
+    assert_eq!(Status::Interrupted.exit_code(), 130);
+    assert_eq!(Status::OffTarget.exit_code(), 3);
+}
