@@ -1,12 +1,13 @@
-"""Packs the extension that cargo has built and the package around it as a wheel.
+"""Packs the extension and the program that cargo has built, and the package around them, as a wheel.
 
-    python3 pack.py LIBRARY FOLDER
+    python3 pack.py LIBRARY PROGRAM FOLDER
 
-`maturin build` makes the same wheel, but compiles everything once more on its way.
+This is the one way in which a wheel is made: `cargo xtask test` tests it, `cargo xtask python wheel` releases it.
 """
 
 import base64
 import hashlib
+import re
 import sys
 import sysconfig
 import tomllib
@@ -47,16 +48,26 @@ def package(folder: Path) -> list[Path]:
     return found
 
 
-def main(library: Path, out: Path) -> Path:
+def platform(*binaries: bytes) -> str:
+    """The platform of the wheel. On Linux the newest version of glibc that the binaries name decides (PEP 600)."""
+    here = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    if not here.startswith("linux_"):
+        return here
+    versions = [int(minor) for binary in binaries for minor in re.findall(rb"GLIBC_2\.(\d+)", binary)]
+    return f"manylinux_2_{max([17, *versions])}_{here.removeprefix('linux_')}"
+
+
+def main(library: Path, program: Path, out: Path) -> Path:
     """Writes the wheel; its path."""
     project = tomllib.loads((HERE / "pyproject.toml").read_text())["project"]
     version = tomllib.loads((HERE / "../../Cargo.toml").read_text())["workspace"]["package"]["version"]
-    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    name, tag = project["name"], f"cp311-abi3-{platform}"
+    extension, script = library.read_bytes(), program.read_bytes()
+    name, tag = project["name"], f"cp311-abi3-{platform(extension, script)}"
     info = f"{name}-{version}.dist-info"
     source = HERE / "python"
     contents = {str(path.relative_to(source)): path.read_bytes() for path in package(source / name)}
-    contents[f"{name}/_{name}.abi3.so"] = library.read_bytes()
+    contents[f"{name}/_{name}{'.pyd' if library.suffix == '.dll' else '.abi3.so'}"] = extension
+    contents[f"{name}-{version}.data/scripts/{program.name}"] = script
     contents[f"{info}/METADATA"] = metadata(project, version).encode()
     contents[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: pack.py\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
     for licence in sorted((HERE / "../..").glob("LICENSE-*")):
@@ -71,10 +82,10 @@ def main(library: Path, out: Path) -> Path:
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, data in contents.items():
             entry = zipfile.ZipInfo(path, TIME)
-            entry.external_attr = 0o644 << 16
+            entry.external_attr = (0o755 if ".data/scripts/" in path else 0o644) << 16
             archive.writestr(entry, data, zipfile.ZIP_DEFLATED)
     return wheel
 
 
 if __name__ == "__main__":
-    print(main(Path(sys.argv[1]), Path(sys.argv[2])))
+    print(main(*map(Path, sys.argv[1:])))

@@ -38,7 +38,8 @@ cargo xtask TASK
   hostile [--list] [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits
           of memory, time and disk; the cases are the lists of crates/xtask/hostile
   advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
-  python  test | measure | policies [STEPS [SEED...]]: the tests of the Python package; what it costs; policies trained by
+  python  test | wheel | measure | policies [STEPS [SEED...]]: the tests of the Python package; the wheel to be released, in
+          target/wheels (on Linux for glibc 2.28 and later); what the package costs; policies trained by
           Stable-Baselines3 beside the predictive controller (installs PyTorch, some GB, into target/tools/policies)
   paper   every command of docs/paper.md, into target/paper: each ends with the exit code that the page says
   soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat

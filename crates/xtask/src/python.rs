@@ -40,7 +40,7 @@ pub fn check() -> Tally {
 }
 
 /// What may be asked of the package.
-const TASKS: &str = "test, measure [WHAT...], or policies [STEPS [SEED...]]";
+const TASKS: &str = "test, wheel, measure [WHAT...], or policies [STEPS [SEED...]]";
 
 /// Builds the extension and, as a test of the program needs it, the program.
 const BUILD: [&str; 8] =
@@ -57,6 +57,7 @@ pub fn task(arguments: &[String]) -> bool {
         Some("test") => {
             return tools::succeeds(tools::cargo(&BUILD)) && check().failed == 0;
         }
+        Some("wheel") => return release(),
         Some("measure") => ("measure.py", None),
         Some("policies") => ("ppo.py", Some("heavy/requirements.txt")),
         other => {
@@ -83,6 +84,38 @@ pub fn task(arguments: &[String]) -> bool {
     tools::succeeds(run)
 }
 
+/// Oldest glibc on which a released wheel runs: that of Debian 10, RHEL 8 and later (manylinux_2_28).
+const GLIBC: &str = "2.28";
+/// What links against that glibc wherever it runs: the Zig linker and cargo's way to it, from PyPI.
+const LINKER: [&str; 2] = ["ziglang", "cargo-zigbuild"];
+
+/// Makes the wheel to be released, in target/wheels: on Linux for any glibc from `GLIBC` on, elsewhere as the system builds it.
+fn release() -> bool {
+    released().is_some()
+}
+
+fn released() -> Option<PathBuf> {
+    let python = environment("target/tools/wheel")?;
+    let packages = ["--package", "wingbeat-py", "--package", "wingbeat-cli"];
+    let options = [&["--release", "--target-dir", "target/wheel"][..], &packages].concat();
+    if !cfg!(target_os = "linux") {
+        tools::succeeds(tools::cargo(&[&["build"][..], &options].concat())).then_some(())?;
+        return wheel(&python, &tools::root().join("target/wheel/release"));
+    }
+    for package in LINKER {
+        pip(&python, &[], Path::new(package))?;
+    }
+    let triple = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
+    let target = format!("{triple}.{GLIBC}");
+    let mut build = tools::cargo(&[&["zigbuild", "--target", &target][..], &options].concat());
+    let scripts = python.parent()?.to_path_buf();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let paths = std::iter::once(scripts).chain(std::env::split_paths(&path));
+    build.env("PATH", std::env::join_paths(paths).ok()?);
+    tools::succeeds(build).then_some(())?;
+    wheel(&python, &tools::root().join("target/wheel").join(triple).join("release"))
+}
+
 /// The Python of the environment `folder` with what the file `requirements` lists and the package of these sources.
 pub fn with_package(requirements: &Path, folder: &str) -> Option<PathBuf> {
     tools::succeeds(tools::cargo(&BUILD)).then_some(())?;
@@ -91,25 +124,33 @@ pub fn with_package(requirements: &Path, folder: &str) -> Option<PathBuf> {
 
 /// Makes the environment `folder` with what `requirements` lists and the wheel; its Python and the wheel.
 fn installed(requirements: &Path, folder: &str) -> Option<(PathBuf, PathBuf)> {
-    let folder = tools::root().join(folder);
-    let python = folder.join("bin/python");
-    if !python.exists() {
-        let mut make = Command::new("python3");
-        make.args(["-m", "venv"]).arg(&folder);
-        tools::succeeds(make).then_some(())?;
-    }
-    let wheel = wheel(&python)?;
+    let python = environment(folder)?;
+    let wheel = wheel(&python, &tools::root().join("target/release"))?;
     pip(&python, &["--requirement"], requirements)?;
     pip(&python, &["--force-reinstall", "--no-deps"], &wheel)?;
     Some((python, wheel))
 }
 
-/// The wheel of the extension that was built with the tests.
-fn wheel(python: &Path) -> Option<PathBuf> {
+/// Makes the environment `folder` where there is none; its Python.
+fn environment(folder: &str) -> Option<PathBuf> {
+    let folder = tools::root().join(folder);
+    let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    if !python.exists() {
+        let mut make = Command::new("python3");
+        make.args(["-m", "venv"]).arg(&folder);
+        tools::succeeds(make).then_some(())?;
+    }
+    Some(python)
+}
+
+/// The wheel of the extension and the program that lie in the folder `built`.
+fn wheel(python: &Path, built: &Path) -> Option<PathBuf> {
     let root = tools::root();
+    let name = |stem: &str| format!("{}{stem}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let library = [built.join(name("_wingbeat")), built.join("deps").join(name("_wingbeat"))];
     let mut pack = Command::new(python);
-    pack.arg(root.join(CRATE).join("pack.py")).arg(root.join("target/release/deps/lib_wingbeat.so"));
-    pack.arg(root.join("target/wheels"));
+    pack.arg(root.join(CRATE).join("pack.py")).arg(library.iter().find(|path| path.exists())?);
+    pack.arg(built.join(format!("wingbeat{}", std::env::consts::EXE_SUFFIX))).arg(root.join("target/wheels"));
     let wheel = PathBuf::from(tools::output(pack)?.trim());
     let size = std::fs::metadata(&wheel).map_or(0, |data| data.len());
     println!("{}: {:.1} MB", wheel.display(), size as f64 * 1e-6);

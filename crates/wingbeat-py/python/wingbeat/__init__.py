@@ -32,7 +32,8 @@ from wingbeat._runs import (
 )
 from wingbeat._stepper import Stepper
 from wingbeat._sweeps import sweep
-from wingbeat._wingbeat import Measurement
+from wingbeat._verdicts import ResultWarning
+from wingbeat._wingbeat import Measurement, __version__
 
 __all__ = [
     "Bench",
@@ -45,6 +46,7 @@ __all__ = [
     "Plan",
     "Processed",
     "Record",
+    "ResultWarning",
     "Robot",
     "Scenario",
     "Stepper",
@@ -52,6 +54,7 @@ __all__ = [
     "Strips",
     "Trimmed",
     "Wake",
+    "__version__",
     "calibrate",
     "fly",
     "plan",

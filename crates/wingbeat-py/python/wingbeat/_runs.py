@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from os import PathLike, fspath
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 from numpy.typing import ArrayLike
 
 from wingbeat import _wingbeat
+from wingbeat._verdicts import judged
 from wingbeat._documents import Overrides, Scenario, Source, document
 from wingbeat._record import Array, Record, Strips
 
@@ -57,7 +57,7 @@ class Recorded(Told):
 
 @dataclass(frozen=True, kw_only=True)
 class Flight(Recorded):
-    """A flown scenario; its status is ``ok``, ``off_target``, ``not_judged``, ``not_finite``, ``fault`` or ``stopped``."""
+    """A flown scenario; its status is ``ok``, ``not_judged``, ``off_target``, ``outside``, ``not_resolved`` or ``failed``."""
 
     strips: Strips | None
     """Loads of the strips, where ``flight.record_strips_every_s`` asks for them."""
@@ -213,13 +213,13 @@ def fly(
     names = None if sees is None else list(sees)
     record, strips, summary = _wingbeat.fly(native, controller, period_s, names, observe)
     parts = None if strips is None else Strips(Record(strips))
-    return Flight(record=Record(record), strips=parts, summary=json.loads(summary))
+    return Flight(record=Record(record), strips=parts, summary=judged(summary))
 
 
 def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Plan:
     """Plans what the scenario's ``[plan]`` says."""
     record, summary, files = _wingbeat.plan(scenario_of(scenario, overrides)._native)
-    return Plan(record=_given(record), summary=json.loads(summary), files=dict(files))
+    return Plan(record=_given(record), summary=judged(summary), files=dict(files))
 
 
 def trim(
@@ -242,7 +242,7 @@ def trim(
         multipliers=_given(multipliers),
         family=_given(family),
         starts=_given(starts),
-        summary=json.loads(summary),
+        summary=judged(summary),
         files=dict(files),
     )
 
@@ -263,7 +263,7 @@ def tether(
     file = None if compare is None else fspath(compare)
     record, strips, cycle, summary = _wingbeat.tether(made, file, converge)
     parts = Strips(Record(strips))
-    return Moved(record=Record(record), strips=parts, summary=json.loads(summary), cycle=_given(cycle))
+    return Moved(record=Record(record), strips=parts, summary=judged(summary), cycle=_given(cycle))
 
 
 def wake(
@@ -295,7 +295,7 @@ def wake(
     else:
         stepped, summary = _wingbeat.wake_case(document(source, overrides, "case"), asked)
     stretches = [Stretch(name, Record(record), dict(phases)) for name, record, phases in stepped]
-    return Wake(stretches=stretches, summary=json.loads(summary))
+    return Wake(stretches=stretches, summary=judged(summary))
 
 
 def calibrate(
@@ -307,7 +307,7 @@ def calibrate(
     if found is None:
         return Calibrated(None, {}, told, "", "")
     record, (numbers, residual), report, summary = found
-    return Calibrated(Record(record), json.loads(summary), told, report, numbers, residual)
+    return Calibrated(Record(record), judged(summary), told, report, numbers, residual)
 
 
 def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[Bench]:
@@ -315,7 +315,7 @@ def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[B
     texts = _wingbeat.overrides(dict(overrides or {}))
     runs = _wingbeat.rig_simulate(fspath(path), texts)
     return [
-        Bench(name=name, record=_given(record), summary=json.loads(summary))
+        Bench(name=name, record=_given(record), summary=judged(summary))
         for name, record, summary in runs
     ]
 
@@ -333,4 +333,4 @@ def process(
     """
     texts = _wingbeat.overrides(dict(overrides or {}))
     name, record, summary = _wingbeat.rig_process(fspath(samples), fspath(run), texts, window_s)
-    return Processed(name, _given(record), json.loads(summary))
+    return Processed(name, _given(record), judged(summary))

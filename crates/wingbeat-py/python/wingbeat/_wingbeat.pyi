@@ -7,6 +7,8 @@ from typing import Any, TypeAlias, final
 from numpy import bool_, float64
 from numpy.typing import NDArray
 
+__version__: str
+
 _Array: TypeAlias = NDArray[float64]
 _Column: TypeAlias = tuple[str, str, str, float, float, _Array]
 _Asked: TypeAlias = tuple[

@@ -55,6 +55,15 @@ def test_heavy_packages_are_not_imported_unasked():
     assert subprocess.check_output([sys.executable, "-c", code], text=True) == "[]\n"
 
 
+def test_the_wheel_holds_the_program_and_its_version(tmp_path):
+    program = Path(sys.executable).parent / "wingbeat"
+    told = subprocess.run([program, "--version"], capture_output=True, text=True)
+    assert told.returncode == 0 and wingbeat.__version__ in told.stdout, told
+    subprocess.run([program, "new", "case", "case.toml"], cwd=tmp_path, check=True)
+    subprocess.run([program, "tether", "case.toml", "--quiet"], cwd=tmp_path, check=True)
+    assert (tmp_path / "runs/case/summary.json").exists()
+
+
 def test_all_files_come_with_the_package():
     home = Path(wingbeat.__file__).parent
     for folder in ("robots", "scenarios", "cases", "rigs", "sweeps"):

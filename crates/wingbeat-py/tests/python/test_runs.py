@@ -28,6 +28,15 @@ def test_a_flight_is_the_programs_flight(program, tmp_path):
     assert scenario.toml == (tmp_path / "run/scenario.toml").read_text()
 
 
+def test_a_result_warns_of_what_its_summary_says(turn):
+    with pytest.warns(wingbeat.ResultWarning) as told:
+        flight = wingbeat.fly(turn, SHORT)
+    assert [each.message.id for each in told] == [each["id"] for each in flight.summary["warnings"]]
+    limits = {"limits.flight.crossing_fraction": -1.0}
+    with pytest.warns(wingbeat.ResultWarning, match="status.outside: .*limits.flight.crossing_fraction"):
+        assert wingbeat.fly(turn, {**SHORT, **limits}).status == "outside"
+
+
 def test_a_file_a_text_and_a_dictionary_fly_alike(turn):
     file = wingbeat.Scenario(turn, SHORT)
     text = wingbeat.Scenario.from_text(file.toml)

@@ -1,0 +1,30 @@
+"""What a result says of itself, as warnings."""
+
+import json
+import warnings
+from typing import Any
+
+
+class ResultWarning(UserWarning):
+    """What a reader of a result must know; ``id`` is the name that ``summary["warnings"]`` has, or ``status.NAME``."""
+
+    def __init__(self, identity: str, text: str) -> None:
+        super().__init__(f"{identity}: {text}")
+        self.id = identity
+
+
+# Statuses of which nothing needs to be said.
+_QUIET = {"ok", "not_judged", "converged"}
+
+
+def judged(text: str) -> dict[str, Any]:
+    """The summary that ``text`` is; warns of what it warns of, and of a status that is not ``ok``."""
+    summary: dict[str, Any] = json.loads(text)
+    found = summary.get("warnings") or []
+    told = [(each["id"], each["text"]) if isinstance(each, dict) else ("result", each) for each in found]
+    status = str(summary.get("status", "ok"))
+    if status not in _QUIET:
+        told.append((f"status.{status}", str(summary.get("reason") or "see the summary")))
+    for identity, words in told:
+        warnings.warn(ResultWarning(identity, words), stacklevel=3)
+    return summary
