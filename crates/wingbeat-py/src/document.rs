@@ -8,6 +8,55 @@ use std::path::PathBuf;
 use toml::{Table, Value};
 use wingbeat::Error;
 
+/// Most dictionaries and lists in one another. *Choice*: the deepest value of a robot has eight.
+const DEEPEST: usize = 64;
+/// Most values of a dictionary, where 16 letters of a text count as one. *Choice*: as many as the largest file holds.
+const MOST: usize = 500_000;
+
+/// How much more a dictionary may hold: Python's may hold themselves.
+struct Room {
+    depth: usize,
+    left: usize,
+}
+
+impl Room {
+    fn new() -> Self {
+        Self { depth: 0, left: MOST }
+    }
+
+    /// Takes `count` values in `key`.
+    fn take(&mut self, key: &str, count: usize) -> PyResult<()> {
+        let left = self.left.checked_sub(count);
+        self.left =
+            left.ok_or_else(|| refused(format!("{}: allowed are at most {MOST} values in all", brief(key))))?;
+        Ok(())
+    }
+
+    /// Does `work` a level deeper.
+    fn below<R>(&mut self, key: &str, work: impl FnOnce(&mut Self) -> PyResult<R>) -> PyResult<R> {
+        if self.depth == DEEPEST {
+            let what = format!(
+                "allowed are at most {DEEPEST} dictionaries and lists in one another, none in itself"
+            );
+            return Err(refused(format!("{}: {what}", brief(key))));
+        }
+        self.depth += 1;
+        let done = work(self);
+        self.depth -= 1;
+        done
+    }
+}
+
+/// The beginning of a long key.
+fn brief(key: &str) -> String {
+    const SHOWN: usize = 60;
+    if key.chars().count() <= SHOWN {
+        key.to_owned()
+    } else {
+        key.chars().take(SHOWN).chain("...".chars()).collect()
+    }
+}
+
 /// A configuration: a file, a text or a dictionary, what is put into it, and overrides.
 #[pyclass(frozen, module = "wingbeat._wingbeat")]
 pub struct Document(pub wingbeat::scenario::Document);
@@ -29,7 +78,7 @@ impl Document {
     /// A dictionary; errors call it `name`.
     #[staticmethod]
     fn value(name: &str, value: &Bound<PyDict>) -> PyResult<Self> {
-        let table = table(value, name)?;
+        let table = table(value, name, &mut Room::new())?;
         wingbeat::scenario::Document::value(name, &table).map(Self).map_err(refused)
     }
 
@@ -62,33 +111,39 @@ impl Document {
 #[pyfunction]
 pub fn overrides(given: &Bound<PyDict>) -> PyResult<Vec<String>> {
     let mut texts = Vec::new();
-    spread(given, "", &mut texts)?;
+    spread(given, "", &mut texts, &mut Room::new())?;
     Ok(texts)
 }
 
 /// Overrides `key=value` of all that is no dictionary.
-fn spread(overrides: &Bound<PyDict>, above: &str, texts: &mut Vec<String>) -> PyResult<()> {
+fn spread(overrides: &Bound<PyDict>, above: &str, texts: &mut Vec<String>, room: &mut Room) -> PyResult<()> {
     for (key, value) in overrides {
         let key = format!("{above}{}", name(&key)?);
         match value.cast::<PyDict>() {
-            Ok(below) if !below.is_empty() => spread(below, &format!("{key}."), texts)?,
-            _ => texts.push(format!("{key}={}", given(&value, &key)?)),
+            Ok(below) if !below.is_empty() => {
+                room.below(&key, |room| spread(below, &format!("{key}."), texts, room))?;
+            }
+            _ => texts.push(format!("{key}={}", given(&value, &key, room)?)),
         }
     }
     Ok(())
 }
 
 /// A value as it stands in an override: a word without quotes, numbers as Python writes them.
-fn given(value: &Bound<PyAny>, key: &str) -> PyResult<String> {
+fn given(value: &Bound<PyAny>, key: &str, room: &mut Room) -> PyResult<String> {
     if value.is_instance_of::<PyFloat>() {
         // Of Python's own type: the representation of NumPy's names its type.
         return Ok(PyFloat::new(value.py(), value.extract()?).repr()?.to_string());
     }
     if let Ok(list) = value.cast::<PyList>() {
-        let items = list.iter().enumerate().map(|(i, item)| given(&item, &format!("{key}[{i}]")));
-        return Ok(format!("[{}]", items.collect::<PyResult<Vec<_>>>()?.join(", ")));
+        room.take(key, list.len())?;
+        let items = room.below(key, |room| {
+            let items = list.iter().enumerate();
+            items.map(|(i, item)| given(&item, &format!("{key}[{i}]"), room)).collect::<PyResult<Vec<_>>>()
+        })?;
+        return Ok(format!("[{}]", items.join(", ")));
     }
-    Ok(match toml_of(value, key)? {
+    Ok(match toml_of(value, key, room)? {
         Value::String(text) if !key.ends_with(']') && is_word(&text) => text,
         value => value.to_string(),
     })
@@ -104,21 +159,23 @@ fn name(key: &Bound<PyAny>) -> PyResult<String> {
     key.extract().map_err(|_| PyTypeError::new_err("keys are text"))
 }
 
-fn table(dictionary: &Bound<PyDict>, above: &str) -> PyResult<Table> {
-    dictionary
-        .iter()
-        .map(|(key, value)| {
+fn table(dictionary: &Bound<PyDict>, above: &str, room: &mut Room) -> PyResult<Table> {
+    room.take(above, dictionary.len())?;
+    room.below(above, |room| {
+        let entries = dictionary.iter();
+        let entry = |(key, value): (Bound<PyAny>, Bound<PyAny>)| {
             let key = name(&key)?;
-            let value = toml_of(&value, &format!("{above}.{key}"))?;
+            let value = toml_of(&value, &format!("{above}.{key}"), room)?;
             Ok((key, value))
-        })
-        .collect()
+        };
+        entries.map(entry).collect()
+    })
 }
 
 /// A Python value as TOML has it; numbers and arrays of NumPy too.
-fn toml_of(value: &Bound<PyAny>, key: &str) -> PyResult<Value> {
+fn toml_of(value: &Bound<PyAny>, key: &str, room: &mut Room) -> PyResult<Value> {
     if let Ok(dictionary) = value.cast::<PyDict>() {
-        return table(dictionary, key).map(Value::Table);
+        return table(dictionary, key, room).map(Value::Table);
     }
     if value.is_instance_of::<PyBool>() {
         return value.extract().map(Value::Boolean);
@@ -131,21 +188,29 @@ fn toml_of(value: &Bound<PyAny>, key: &str) -> PyResult<Value> {
         return value.extract().map(Value::Float);
     }
     if value.is_instance_of::<PyString>() {
-        return value.extract().map(Value::String);
+        let text: String = value.extract()?;
+        room.take(key, text.len() / 16)?;
+        return Ok(Value::String(text));
     }
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let items = value.try_iter()?.enumerate();
-        return items
-            .map(|(i, item)| toml_of(&item?, &format!("{key}[{i}]")))
-            .collect::<PyResult<_>>()
-            .map(Value::Array);
+        room.take(key, value.len()?)?;
+        return room.below(key, |room| {
+            let items = value.try_iter()?.enumerate();
+            let items = items.map(|(i, item)| toml_of(&item?, &format!("{key}[{i}]"), room));
+            items.collect::<PyResult<_>>().map(Value::Array)
+        });
     }
     // Paths, and the scalars and arrays of NumPy.
     if let Ok(path) = value.call_method0("__fspath__") {
-        return toml_of(&path, key);
+        return room.below(key, |room| toml_of(&path, key, room));
+    }
+    // Before a list is made of them.
+    let size = value.getattr("size").and_then(|size| size.extract::<usize>());
+    if size.is_ok_and(|size| size > room.left) {
+        room.take(key, usize::MAX)?;
     }
     if let Ok(plain) = value.call_method0("tolist") {
-        return toml_of(&plain, key);
+        return room.below(key, |room| toml_of(&plain, key, room));
     }
     let class = value.get_type().name()?;
     Err(PyTypeError::new_err(format!("{key}: a {class} has no place in a configuration")))

@@ -7,7 +7,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use wingbeat::Error;
-use wingbeat::learn::{BankingTurn, Precision, Task, View};
+use wingbeat::learn::{BankingTurn, Precision, SavedRobot, Task, View};
 use wingbeat::plant::Plant;
 
 /// Observations, rewards, terms of the rewards, terminated, truncated.
@@ -21,6 +21,9 @@ type Stepped<'py> = (
 
 /// Corners (m, in W) of the panels of a surface, left to right: hinge line, leading and trailing edge.
 type Outline = Vec<[[f64; 3]; 3]>;
+
+/// State, inputs and clock; action; seed and episode; spread and begin; actions; whether over.
+type Kept = ((Vec<f64>, Vec<f64>, (f64, f64, usize)), Vec<f64>, (u64, u64), (f64, f64), usize, bool);
 
 /// Robots of one scenario under one task.
 #[pyclass(module = "wingbeat._wingbeat")]
@@ -134,6 +137,26 @@ impl Flock {
         let mut terms = vec![0.0; self.0.task().terms().len()];
         self.0.task().reward(&View { t, phase: robot.phase(t), x: &x, action: &action }, &mut terms);
         Ok(terms)
+    }
+
+    /// All that changes, robot after robot: state, inputs and clock; action; seed and episode; spread and begin; actions; whether over.
+    fn save(&self) -> Vec<Kept> {
+        let kept = |one: SavedRobot| {
+            let (x, u, clock) = one.robot.parts();
+            let robot = (x.to_vec(), u.to_vec(), clock);
+            (robot, one.action, (one.seed, one.episode), (one.spread, one.begun), one.count, one.over)
+        };
+        self.0.save().into_iter().map(kept).collect()
+    }
+
+    /// Goes back to what was saved; what follows repeats to the bit.
+    fn restore(&mut self, saved: Vec<Kept>) -> PyResult<()> {
+        let robot = |((x, u, clock), action, (seed, episode), (spread, begun), count, over): Kept| {
+            let robot = wingbeat::simulate::Saved::of_parts(x, u, clock);
+            SavedRobot { robot, action, seed, spread, episode, begun, count, over }
+        };
+        let saved: Vec<SavedRobot> = saved.into_iter().map(robot).collect();
+        self.0.restore(&saved).map_err(refused)
     }
 
     /// Time (s), state and outlines of the surfaces of a robot.

@@ -10,20 +10,54 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use wingbeat::Error;
 use wingbeat::aero::LoadSource;
+use wingbeat::plant::Plant;
 use wingbeat::robot::Robot;
 
 /// Time between two looks for signals. *Choice.*
 const LOOK: Duration = Duration::from_millis(20);
 
-/// All that changes while a robot is stepped.
+/// Longest step, s. *Choice*: a wingbeat of the slowest robots takes ten.
+const LONGEST: f64 = 0.1;
+/// Largest number of a state that steps can go on from, as of a document.
+const LARGEST: f64 = 1e12;
+
+/// State, inputs, and the clock: when it was set, the length of its steps (s), and their number.
+type Parts = (Vec<f64>, Vec<f64>, (f64, f64, usize));
+
+/// All that changes while a robot is stepped, and the scenario that it belongs to.
 #[pyclass(frozen, module = "wingbeat._wingbeat")]
-pub struct Saved(wingbeat::simulate::Saved);
+pub struct Saved {
+    saved: wingbeat::simulate::Saved,
+    scenario: Arc<wingbeat::scenario::Scenario>,
+}
+
+#[pymethods]
+impl Saved {
+    /// What an instance is made of again: its scenario as TOML, and its numbers.
+    fn parts(&self) -> (String, Parts) {
+        let (x, u, clock) = self.saved.parts();
+        (self.scenario.resolved.clone(), (x.to_vec(), u.to_vec(), clock))
+    }
+
+    /// An instance of what `parts` told.
+    #[staticmethod]
+    fn of(scenario: &Scenario, parts: Parts) -> PyResult<Self> {
+        let (x, u, (start, length, first)) = parts;
+        let robot = scenario.0.robot();
+        check("state", &x, robot.states().len())?;
+        check("inputs", &u, robot.inputs().len())?;
+        check("clock", &[start, length], 2)?;
+        let saved = wingbeat::simulate::Saved::of_parts(x, u, (start, length, first));
+        Ok(Self { saved, scenario: scenario.0.clone() })
+    }
+}
 
 /// The robot of a scenario under way: state, clock and inputs.
 #[pyclass(module = "wingbeat._wingbeat")]
 pub struct Stepper {
     stepper: wingbeat::simulate::Stepper<Arc<Robot>>,
     start: Vec<f64>,
+    scenario: Arc<wingbeat::scenario::Scenario>,
 }
 
 #[pymethods]
@@ -31,7 +65,8 @@ impl Stepper {
     #[new]
     fn new(scenario: &Scenario) -> Self {
         let (robot, start) = (Arc::new(scenario.0.robot().clone()), scenario.0.start());
-        Self { stepper: wingbeat::simulate::Stepper::new(robot, 0.0, &start), start }
+        let stepper = wingbeat::simulate::Stepper::new(robot, 0.0, &start);
+        Self { stepper, start, scenario: scenario.0.clone() }
     }
 
     /// Time, s.
@@ -73,6 +108,7 @@ impl Stepper {
     fn reset(&mut self, t: f64, state: Option<PyReadonlyArray1<f64>>) -> PyResult<()> {
         let state = state.map_or_else(|| self.start.clone(), |state| state.as_array().to_vec());
         check("state", &state, self.start.len())?;
+        check("t", &[t], 1)?;
         self.stepper.reset(t, &state);
         Ok(())
     }
@@ -80,8 +116,8 @@ impl Stepper {
     /// Steps of `dt` seconds under the inputs as they are set.
     #[pyo3(signature = (dt=1e-3, steps=1))]
     fn step(&mut self, py: Python, dt: f64, steps: usize) -> PyResult<()> {
-        if !(dt.is_finite() && dt > 0.0) {
-            return Err(refused(Error::invalid("dt", dt, "a finite number above 0")));
+        if !(dt > 0.0 && dt <= LONGEST) {
+            return Err(refused(Error::invalid("dt", dt, format!("above 0, at most {LONGEST} s"))));
         }
         let mut done = 0;
         while done < steps {
@@ -95,6 +131,7 @@ impl Stepper {
                 Ok(())
             });
             outcome.map_err(|fault: wingbeat::plant::Fault| PyRuntimeError::new_err(fault.to_string()))?;
+            self.refuse_lost()?;
             py.check_signals()?;
         }
         Ok(())
@@ -102,12 +139,18 @@ impl Stepper {
 
     /// All that changes, for `restore`.
     fn save(&self) -> Saved {
-        Saved(self.stepper.save())
+        Saved { saved: self.stepper.save(), scenario: self.scenario.clone() }
     }
 
     /// Goes back to what was saved; what follows repeats to the bit.
-    fn restore(&mut self, saved: &Saved) {
-        self.stepper.restore(&saved.0);
+    fn restore(&mut self, saved: &Saved) -> PyResult<()> {
+        let (own, other) = (&self.scenario, &saved.scenario);
+        if !Arc::ptr_eq(own, other) && own.resolved != other.resolved {
+            let of = format!("of {}", other.spec.name);
+            return Err(refused(Error::invalid("saved", of, "what a stepper of the same scenario saved")));
+        }
+        self.stepper.restore(&saved.saved);
+        Ok(())
     }
 
     /// Angles, joints, power and loads by source now.
@@ -134,6 +177,19 @@ impl Stepper {
             all.set_item(format!("moment_{}", source.name()), PyArray1::from_slice(py, &wrench.moment.0))?;
         }
         Ok(all)
+    }
+}
+
+impl Stepper {
+    /// Refuses to go on from numbers that no robot has.
+    fn refuse_lost(&self) -> PyResult<()> {
+        let state = self.stepper.state();
+        let Some(place) = state.iter().position(|value| value.abs() > LARGEST) else { return Ok(()) };
+        let (name, value) = (&self.stepper.system().states()[place].name, state[place]);
+        Err(PyRuntimeError::new_err(format!(
+            "{name} is {value:.1e} at t = {:.4} s: the steps are too long, or the state is none of a flight",
+            self.stepper.time()
+        )))
     }
 }
 

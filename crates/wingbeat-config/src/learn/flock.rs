@@ -5,7 +5,7 @@ use super::{Task, View};
 use crate::Scenario;
 use arrayvec::ArrayVec;
 use std::sync::Arc;
-use wingbeat_flight::simulate::Stepper;
+use wingbeat_flight::simulate::{Saved, Stepper};
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 use wingbeat_math::parallel;
@@ -64,6 +64,27 @@ struct Member {
     /// Actions since then.
     count: usize,
     over: bool,
+}
+
+/// All that changes of one robot while a flock is stepped, as [`Flock::save`] gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedRobot {
+    /// State, inputs and clock.
+    pub robot: Saved,
+    /// Action in force, each in [-1, 1].
+    pub action: Vec<f64>,
+    /// Seed of the episodes.
+    pub seed: u64,
+    /// How much the start varies.
+    pub spread: f64,
+    /// Episodes begun since the seed was given.
+    pub episode: u64,
+    /// Time of the clock at the start of the episode, s.
+    pub begun: f64,
+    /// Actions since then.
+    pub count: usize,
+    /// True when the next step begins the next episode.
+    pub over: bool,
 }
 
 /// What a robot tells of a step.
@@ -131,6 +152,29 @@ impl Flock {
     pub fn member(&self, number: usize) -> (&Stepper<Arc<Robot>>, f64) {
         let member = &self.members[number];
         (&member.robot, member.robot.time() - member.begun)
+    }
+
+    /// All that changes, robot after robot, for [`restore`](Self::restore).
+    pub fn save(&self) -> Vec<SavedRobot> {
+        self.members.iter().map(Member::save).collect()
+    }
+
+    /// Goes back to what was saved; what follows repeats to the bit.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for what another flock saved: another number of robots, states, inputs or actions.
+    pub fn restore(&mut self, saved: &[SavedRobot]) -> Result<(), Error> {
+        let (states, inputs) = (self.start.len(), self.actions());
+        let fits = |one: &SavedRobot| {
+            let (x, u, _) = one.robot.parts();
+            (x.len(), u.len(), one.action.len()) == (states, inputs, inputs)
+        };
+        if saved.len() != self.count() || !saved.iter().all(fits) {
+            let allowed = format!("what a flock of {} robots of this scenario saved", self.count());
+            return Err(Error::invalid("saved", format!("{} robots", saved.len()), allowed));
+        }
+        self.members.iter_mut().zip(saved).for_each(|(member, saved)| member.restore(saved));
+        Ok(())
     }
 
     /// Starts all anew, each from its seed; the start varies by `spread` times what is usual, at 0 it is that of the
@@ -203,6 +247,27 @@ impl Flock {
 }
 
 impl Member {
+    fn save(&self) -> SavedRobot {
+        let Self { robot, action, inputs: _, seed, spread, episode, begun, count, over } = self;
+        SavedRobot {
+            robot: robot.save(),
+            action: action.clone(),
+            seed: *seed,
+            spread: *spread,
+            episode: *episode,
+            begun: *begun,
+            count: *count,
+            over: *over,
+        }
+    }
+
+    fn restore(&mut self, saved: &SavedRobot) {
+        self.robot.restore(&saved.robot);
+        self.action.clone_from(&saved.action);
+        (self.seed, self.spread, self.episode) = (saved.seed, saved.spread, saved.episode);
+        (self.begun, self.count, self.over) = (saved.begun, saved.count, saved.over);
+    }
+
     fn view(&self) -> View<'_> {
         let (robot, x) = (self.robot.system(), self.robot.state());
         let phase =

@@ -20,7 +20,7 @@ mod flock;
 mod lanes;
 mod turn;
 
-pub use flock::{Batch, Flock, PERIOD_S, STEP_S};
+pub use flock::{Batch, Flock, PERIOD_S, STEP_S, SavedRobot};
 pub use lanes::Precision;
 pub use turn::BankingTurn;
 

@@ -14,6 +14,18 @@ pub struct Saved<M = ()> {
     clock: Steps,
 }
 
+impl Saved {
+    /// State, inputs, and the clock as the time at which it was set (s), the length of its steps (s) and their number.
+    pub fn parts(&self) -> (&[f64], &[f64], (f64, f64, usize)) {
+        (&self.x, &self.u, (self.clock.start, self.clock.length, self.clock.first))
+    }
+
+    /// What [`parts`](Self::parts) gave.
+    pub fn of_parts(x: Vec<f64>, u: Vec<f64>, (start, length, first): (f64, f64, usize)) -> Self {
+        Self { x, u, memory: (), clock: Steps { first, ..Steps::new(start, length, 0) } }
+    }
+}
+
 /// A system under way: state, clock, inputs and memory, advanced by classical Runge-Kutta steps.
 /// Holds the system by reference, `Box` or `Arc`. Stepping allocates nothing.
 ///

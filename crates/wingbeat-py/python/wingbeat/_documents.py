@@ -73,6 +73,15 @@ class Robot:
         """The robot with its overrides as a dictionary."""
         return tomllib.loads(self.toml)
 
+    def __eq__(self, other: object) -> bool:
+        return self.toml == other.toml if isinstance(other, Robot) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.toml)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Robot.from_text, (self.toml,)
+
     def __repr__(self) -> str:
         return f"Robot({self.name!r})"
 
@@ -142,6 +151,15 @@ class Scenario:
     def reference(self, t: float) -> tuple[float, float, list[float]] | None:
         """Roll and pitch (rad) and angular rate (rad/s, body axes) that the manoeuvre asks at ``t``."""
         return self._native.reference(t)
+
+    def __eq__(self, other: object) -> bool:
+        return self.toml == other.toml if isinstance(other, Scenario) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.toml)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Scenario.from_text, (self.toml,)
 
     def __repr__(self) -> str:
         return f"Scenario({self.name!r})"

@@ -13,6 +13,13 @@ from wingbeat._record import Array
 from wingbeat._runs import scenario_of
 
 
+def _again(scenario: Scenario, parts: _wingbeat._Parts) -> Stepper:
+    """A stepper as it was pickled."""
+    stepper = Stepper(scenario)
+    stepper._native.restore(_wingbeat.Saved.of(scenario._native, parts))
+    return stepper
+
+
 class Stepper:
     """The robot of a scenario under way: state, clock and inputs, without controller and record.
 
@@ -23,7 +30,11 @@ class Stepper:
     """
 
     def __init__(self, scenario: Scenario | Source, overrides: Overrides | None = None) -> None:
-        self._native = _wingbeat.Stepper(scenario_of(scenario, overrides)._native)
+        self._scenario = scenario_of(scenario, overrides)
+        self._native = _wingbeat.Stepper(self._scenario._native)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self._scenario, self._native.save().parts()[1])
 
     @property
     def t(self) -> float:
@@ -53,7 +64,7 @@ class Stepper:
         self._native.reset(t, None if state is None else np.asarray(state, dtype=np.float64))
 
     def step(self, dt: float = 1e-3, steps: int = 1) -> None:
-        """Takes ``steps`` steps of ``dt`` seconds under the inputs as they are set.
+        """Takes ``steps`` steps of ``dt`` seconds (at most 0.1) under the inputs as they are set.
 
         Raises ``RuntimeError`` where the model cannot be evaluated; the state is then that before the step.
         """
@@ -64,7 +75,7 @@ class Stepper:
         return self._native.save()
 
     def restore(self, saved: _wingbeat.Saved) -> None:
-        """Goes back to what was saved; what follows repeats to the bit."""
+        """Goes back to what a stepper of the same scenario saved; what follows repeats to the bit."""
         self._native.restore(saved)
 
     def observe(self) -> dict[str, Any]:

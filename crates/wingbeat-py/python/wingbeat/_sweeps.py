@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import islice
@@ -25,6 +25,8 @@ Row: TypeAlias = list[float]
 IDENTITY, LOG, DATA = "sweep.toml", "rows.log", "record.parquet"
 # Runs that are given to a scheduler at once.
 WINDOW = 2000
+# Time between two looks for Ctrl-C, s.
+LOOK_S = 0.1
 
 
 @lru_cache(maxsize=4)
@@ -135,15 +137,16 @@ def _local(native: _wingbeat.Sweep, todo: Iterator[list[int]], cores: int | None
     try:
         pending = {pool.submit(native.rows, batch) for batch in islice(todo, WINDOW)}
         while pending:
-            done = next(as_completed(pending))
-            pending.remove(done)
-            yield from done.result()
-            pending |= {pool.submit(native.rows, batch) for batch in islice(todo, 1)}
+            # Looks for Ctrl-C between: a wait without an end hears it only when a run is done.
+            done, pending = wait(pending, LOOK_S, FIRST_COMPLETED)
+            for future in done:
+                yield from future.result()
+            pending |= {pool.submit(native.rows, batch) for batch in islice(todo, len(done))}
     except BaseException:
         native.stop()
+        pool.shutdown(wait=False, cancel_futures=True)
         raise
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    pool.shutdown()
 
 
 @contextmanager

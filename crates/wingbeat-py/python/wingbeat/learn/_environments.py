@@ -72,7 +72,9 @@ class _Flock:
         precision: Precision,
     ) -> None:
         chosen = scenario_of(shipped(task.scenario) if scenario is None else scenario, overrides)
-        self.native = _wingbeat.Flock(chosen._native, task.name, count, threads, precision)
+        self.scenario = chosen
+        self.given = (task.name, count, threads, precision)
+        self.native = _wingbeat.Flock(chosen._native, *self.given)
         self.spread = spread
         self.states = chosen.states
         self.terms = self.native.terms
@@ -83,6 +85,15 @@ class _Flock:
         self.observations = gym.spaces.Box(low, high, dtype=np.float64)
         # Of single precision, as what learns gives them.
         self.actions = gym.spaces.Box(-1.0, 1.0, (len(self.action),), dtype=np.float32)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"native": self.native.save()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        saved = state.pop("native")
+        self.__dict__.update(state)
+        self.native = _wingbeat.Flock(self.scenario._native, *self.given)
+        self.native.restore(saved)
 
     def judged(self, flight: Flight) -> dict[str, Array]:
         """The terms of the reward of a flight at the ends of the steps of an episode."""
