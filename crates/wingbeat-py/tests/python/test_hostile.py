@@ -1,0 +1,119 @@
+"""Arguments of an unlucky or hostile user: none ends the interpreter."""
+
+import pickle
+import signal
+import subprocess
+import sys
+import time
+
+import gymnasium
+import numpy as np
+import pytest
+
+import wingbeat
+import wingbeat.learn  # noqa: F401
+
+LIMITED = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+import numpy as np
+import wingbeat
+class Endless:
+    def tolist(self):
+        return self
+inside = {}
+inside["a"] = inside
+deep = []
+for _ in range(10_000):
+    deep = [deep]
+wide = [0.0] * 1000
+for _ in range(20):
+    wide = [wide] * 100
+values = {"inside": inside, "deep": {"a": deep}, "wide": {"a": wide}, "endless": {"a": Endless()},
+          "array": {"a": np.zeros(5_000_000)}, "text": {"a": "x" * 50_000_000}}
+value = values[sys.argv[1]]
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+for make in (wingbeat.Scenario, wingbeat.Robot,
+             lambda given: wingbeat.Scenario(wingbeat.shipped("scenarios/glide.toml"), given)):
+    try:
+        make(value)
+    except ValueError as error:
+        print(error)
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) >> 10)
+"""
+
+
+@pytest.mark.parametrize("what", ["inside", "deep", "wide", "endless", "array", "text"])
+def test_dictionaries_without_end_are_refused(what):
+    done = subprocess.run([sys.executable, "-c", LIMITED, what], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    *refused, grown = done.stdout.splitlines()
+    assert len(refused) == 3 and all("allowed are at most" in text for text in refused), done.stdout
+    assert int(grown) < 200, f"{grown} MiB"
+
+
+def test_a_stepper_takes_back_its_own_alone(turn):
+    stepper = wingbeat.Stepper(turn)
+    other = wingbeat.Stepper(wingbeat.shipped("scenarios/glide.toml"))
+    with pytest.raises(ValueError, match="saved = of .*: allowed is what a stepper of the same scenario saved"):
+        stepper.restore(other.save())
+    stepper.restore(wingbeat.Stepper(turn).save())
+
+
+def test_a_step_is_none_of_minutes(turn):
+    with pytest.raises(ValueError, match="dt = 1000: allowed is above 0, at most 0.1 s"):
+        wingbeat.Stepper(turn).step(1e3, 1)
+
+
+def test_what_is_pickled_is_equal(turn):
+    scenario = wingbeat.Scenario(turn, {"flight.duration_s": 0.1})
+    assert pickle.loads(pickle.dumps(scenario)) == scenario
+    stepper = wingbeat.Stepper(scenario)
+    stepper.inputs = np.full(8, 0.05)
+    stepper.step(1e-3, 20)
+    again = pickle.loads(pickle.dumps(stepper))
+    for one in (stepper, again):
+        one.step(1e-3, 30)
+    assert stepper.t == again.t
+    assert np.array_equal(stepper.state, again.state)
+
+
+@pytest.mark.parametrize("vector", [False, True])
+def test_environments_are_pickled_with_their_state(vector):
+    name, options = "wingbeat/BankingTurn-v0", {"num_envs": 3, "vectorization_mode": "vector_entry_point"}
+    environment = (gymnasium.make_vec(name, **options) if vector else gymnasium.make(name)).unwrapped
+    environment.reset(seed=3)
+    action = np.full(environment.action_space.shape, 0.2)
+    environment.step(action)
+    again = pickle.loads(pickle.dumps(environment))
+    for _ in range(3):
+        one, other = environment.step(action), again.step(action)
+        assert all(np.array_equal(a, b) for a, b in zip(one[:4], other[:4], strict=True))
+    assert np.array_equal(environment.reset()[0], again.reset()[0])
+
+
+SWEEP = """
+import sys, time, wingbeat
+spec = {"name": "long", "scenario": str(wingbeat.shipped("scenarios/banking_turn.toml")), "sampling": "random", "runs": 20,
+        "draws": [{"key": "air.gust_m_s", "low": 0.0, "high": 0.5}],
+        "hold": {"roll_within_deg": 5.0, "pitch_within_deg": 10.0}}
+print("ready", flush=True)
+try:
+    wingbeat.sweep(spec, out=sys.argv[1])
+except KeyboardInterrupt:
+    print(time.time(), flush=True)
+"""
+
+
+def test_ctrl_c_ends_a_sweep_at_once(tmp_path):
+    with subprocess.Popen(
+        [sys.executable, "-c", SWEEP, tmp_path / "out"], stdout=subprocess.PIPE, text=True
+    ) as child:
+        assert child.stdout.readline() == "ready\n"
+        time.sleep(1.5)
+        sent = time.time()
+        child.send_signal(signal.SIGINT)
+        ended = float(child.stdout.readline())
+        assert child.wait(10) == 0
+    print(f"Ctrl-C in sweep: {ended - sent:.3f} s")
+    assert ended - sent < 1.0
