@@ -13,6 +13,7 @@ pub use spec::{FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
 use verdict::ignored_gusts;
 
+use super::fit::rejected_fit;
 use super::recorder::Recorder;
 use super::{ConfigError, Scenario, ScenarioSpec, StartSpec};
 use std::ops::ControlFlow;
@@ -22,7 +23,6 @@ use wingbeat_flight::orbit::{
     Course, Cycle, Failure, Found, Free, Modes, Orbit, Point, Sector, floquet, measure, search, search_from,
 };
 use wingbeat_flight::simulate::{Column, Record, Sample};
-use wingbeat_judge::Limits;
 use wingbeat_math::Error;
 use wingbeat_math::{Quat, Vec3};
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -134,7 +134,7 @@ impl Scenario {
         };
         let (measures, modes) = measured;
         summary.found(&cycle, &found, &measures, &modes);
-        summary.judge(cycle.robot(), &self.spec.air, &Limits::default());
+        summary.judge(cycle.robot(), &self.spec, &self.limits);
         let family =
             family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
@@ -248,7 +248,10 @@ impl Scenario {
     /// The summary of what is asked.
     fn asked(&self, cycle: &Cycle, spec: &TrimSpec, search: Duration) -> TrimSummary {
         TrimSummary {
-            warnings: ignored_gusts(&self.spec.air).into_iter().collect(),
+            warnings: ignored_gusts(&self.spec.air)
+                .into_iter()
+                .chain(rejected_fit(&self.spec.robot.numbers))
+                .collect(),
             speed_m_s: spec.speed_m_s,
             climb_m_s: spec.climb_m_s,
             bank_deg: spec.bank_deg,

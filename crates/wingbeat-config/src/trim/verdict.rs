@@ -1,14 +1,15 @@
 //! The verdict on a periodic flight.
 
 use super::summary::{TrimSummary, hover_wash};
-use crate::spec::AirSpec;
+use crate::fit::rejected_fit;
+use crate::spec::{AirSpec, ScenarioSpec};
 use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Judge, Limit, Limits, Verdict, Warning};
 use wingbeat_robot::Robot;
 
 impl TrimSummary {
     /// Judges the orbit that was found.
-    pub(super) fn judge(&mut self, robot: &Robot, air: &AirSpec, limits: &Limits) {
+    pub(super) fn judge(&mut self, robot: &Robot, spec: &ScenarioSpec, limits: &Limits) {
         let mut judge = Judge::new(limits);
         let held: [(&'static Limit, Option<f64>); 8] = [
             (&trim::POWER, self.power_w_kg),
@@ -27,7 +28,10 @@ impl TrimSummary {
         }
         let slow = hover_wash(robot).filter(|wash| self.speed_m_s < *wash);
         judge_slow(&mut judge, self.speed_m_s, slow);
-        ignored_gusts(air).into_iter().for_each(|warning| judge.warn(warning));
+        ignored_gusts(&spec.air)
+            .into_iter()
+            .chain(rejected_fit(&spec.robot.numbers))
+            .for_each(|warning| judge.warn(warning));
         self.take(judge.verdict());
     }
 
