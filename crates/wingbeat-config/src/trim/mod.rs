@@ -29,8 +29,8 @@ use wingbeat_ocp::plant::{Fault, Plant};
 
 /// Largest step of the bank from orbit to orbit on the way to a turn, deg.
 const BANK_STEP_DEG: f64 = 3.0;
-/// Most iterations of Newton's method for the orbit asked, all its starts and steps of bank together. *Choice*: shipped
-/// trims take fewer than 40, turns of 45 deg fewer than 150.
+/// Most iterations of Newton's method for the orbit asked, all its starts and steps of bank together. *Choice*: one
+/// start of straight flight takes 120 at most.
 const MOST_ITERATIONS: usize = 200;
 
 /// A trimmed flight.

@@ -1,4 +1,4 @@
-//! Limits of a fit. All values are choices; the shipped calibrations lie well within them.
+//! Limits of a fit. All values are choices.
 
 use super::Limit;
 use crate::status::Status::{OffTarget, SuspectData};
