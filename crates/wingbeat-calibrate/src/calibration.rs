@@ -4,6 +4,7 @@ use crate::measured::{Pass, observed};
 use crate::truth::clean;
 use crate::{CaseTarget, Error, Model, Observed, Parameter, Plan, RigModel, RigTarget, RunRole, data};
 use std::path::Path;
+use wingbeat::judge::Limits;
 use wingbeat::math::Named;
 use wingbeat::parallel;
 use wingbeat::scenario::{
@@ -23,6 +24,7 @@ pub struct Calibration {
     /// The file as merged.
     pub resolved: String,
     document: Document,
+    limits: Limits,
 }
 
 /// Runs of one structure of the model.
@@ -42,7 +44,13 @@ impl Calibration {
         let document = document.merged(&[], &|_, _| None)?;
         let spec: CalibrationSpec = document.parse()?;
         spec.check().map_err(|error| document.explain(&error))?;
-        Ok(Self { spec, resolved: document.resolved()?, document })
+        let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
+        Ok(Self { spec, resolved: document.resolved()?, document, limits })
+    }
+
+    /// What its verdict rests on.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// Says where the value that `error` refuses was given.

@@ -31,6 +31,7 @@ mod tethered;
 mod tilts;
 mod truth;
 mod uncertainty;
+mod verdict;
 pub mod words;
 
 pub use band::Predicted;

@@ -5,10 +5,11 @@ use crate::found::{Found, FoundRun};
 use crate::{Fit, Label, LearnedChannel, LearnedResidual, NextRun, Rival, RunRole, rms, student_95};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use wingbeat::judge::Verdict;
 
 impl Found {
     /// The contents of summary.json.
-    pub fn summary(&self, files: &Files) -> CalibrationSummary {
+    pub fn summary(&self, files: &Files, verdict: &Verdict) -> CalibrationSummary {
         let (mut rmse, mut coverage, mut white, mut widths) =
             (BTreeMap::new(), BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
         for (channel, name) in self.channels().into_iter().enumerate() {
@@ -47,7 +48,7 @@ impl Found {
         let names = self.channels();
         let discrepancy = names.iter().cloned().zip(self.discrepancy.iter().copied()).collect();
         CalibrationSummary {
-            status: "ok",
+            verdict: verdict.clone(),
             parameters: (0..self.values.len()).map(|k| self.parameter(k)).collect(),
             held: self.held.iter().cloned().collect(),
             rmse,
@@ -100,7 +101,8 @@ impl Found {
 /// The contents of summary.json.
 #[derive(Serialize)]
 pub struct CalibrationSummary {
-    status: &'static str,
+    #[serde(flatten)]
+    verdict: Verdict,
     parameters: Vec<SummaryParameter>,
     held: BTreeMap<String, f64>,
     rmse: BTreeMap<String, Rmse>,

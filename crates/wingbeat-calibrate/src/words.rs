@@ -3,6 +3,7 @@
 use crate::data::Files;
 use crate::found::Found;
 use crate::{Information, Parameter, RunRole, rms};
+use wingbeat::judge::Verdict;
 
 /// The information table as text: what the runs tell of the parameters before they are fitted.
 pub fn information(of: &Information, parameters: &[Parameter]) -> String {
@@ -53,20 +54,27 @@ pub fn information_csv(found: &Found) -> String {
 }
 
 /// The report.
-pub fn report(found: &Found) -> String {
+pub fn report(found: &Found, verdict: &Verdict) -> String {
     let mut text = format!("calibration {}: {}\n\n", found.name, found.model.join(", "));
+    text += &format!("status: {}\n", verdict.status);
+    verdict.reason.iter().for_each(|reason| text += &format!("because: {reason}\n"));
+    text.push('\n');
     text += &format!(
         "{:<34}{:>13}{:>13}{:>13}{:>13}  {}\n",
         "", "start", "value", "std. error", "(white)", "profile"
     );
     for (k, parameter) in found.parameters.iter().enumerate() {
         text += &format!(
-            "{:<34}{:>13.6}{:>13.6}{:>13.2e}{:>13.2e}  {}{}\n",
+            "{:<34}{:>13.6}{:>13.6}{:>13.2e}{:>13}  {}{}\n",
             parameter.name,
             parameter.start,
             found.values[k],
             found.errors[k],
-            found.white_errors[k],
+            if found.white_errors[k] > 0.0 {
+                format!("{:.2e}", found.white_errors[k])
+            } else {
+                "none".into()
+            },
             found.label(k).word(),
             if found.values[k] <= parameter.low || found.values[k] >= parameter.high {
                 ", at its bound"
@@ -113,6 +121,9 @@ pub fn report(found: &Found) -> String {
     text += &next_run(found);
     for caution in &found.cautions {
         text += &format!("\nnote: {caution}\n");
+    }
+    for warning in &verdict.warnings {
+        text += &format!("\nwarning ({}): {}\n", warning.id, warning.text);
     }
     text
 }
@@ -268,8 +279,14 @@ pub fn residual(found: &Found, files: &Files, commit: &str) -> Option<String> {
 }
 
 /// The numbers as a file that `robot.numbers` names; `commit` is that of the program.
-pub fn numbers(found: &Found, files: &Files, commit: &str) -> String {
+pub fn numbers(found: &Found, files: &Files, commit: &str, verdict: &Verdict) -> String {
     let mut text = origin(found, files, (commit, "Numbers of robot and rig, calibrated", "numbers"));
+    text += &format!(
+        "verdict = {{ status = {:?}, reason = {:?}, written = \"wingbeat {} ({commit})\" }}\n",
+        verdict.status.name(),
+        verdict.reason.as_deref().unwrap_or_default(),
+        env!("CARGO_PKG_VERSION")
+    );
     for (k, parameter) in found.parameters.iter().enumerate() {
         text += &format!(
             "{:?} = {:?} # standard error {:.3e}, {}\n",

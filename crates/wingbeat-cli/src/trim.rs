@@ -5,6 +5,7 @@ mod search;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
+use wingbeat::judge::Status;
 use wingbeat::scenario::{Scenario, TrimProgress, TrimSummary};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Draw, family, multipliers, orbit};
@@ -82,11 +83,11 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     let printed = say::unless(options.quiet, || {
         format!("{}\nrun folder: {}\n", table(&trimmed.summary), shown.display())
     });
-    match &trimmed.summary.reason {
-        None => printed,
-        Some(reason) => {
-            let status = trimmed.summary.status.into();
-            Err(Error::Failed { status, reason: reason.clone(), folder: shown.into() })
+    match trimmed.summary.status {
+        Status::Ok => printed,
+        status => {
+            let reason = trimmed.summary.reason.clone().unwrap_or_default();
+            Err(Error::Failed { status: status.name().into(), reason, folder: shown.into() })
         }
     }
 }
@@ -152,8 +153,8 @@ fn table(summary: &TrimSummary) -> String {
         let ended = summary.family_ended.as_deref().unwrap_or("to its end");
         text += &format!("{:<28}{orbits} orbits: {ended}\n", "family");
     }
-    for reason in &summary.outside {
-        text += &format!("\nnote: {reason}\n");
+    for warning in &summary.warnings {
+        text += &format!("\nwarning ({}): {}\n", warning.id, warning.text);
     }
     text
 }

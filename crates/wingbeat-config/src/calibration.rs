@@ -1,6 +1,7 @@
 //! What a calibration file says.
 
 use super::RunName;
+use super::verdict_limits::VerdictLimits;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use wingbeat_math::Error;
@@ -61,6 +62,9 @@ pub struct CalibrationSpec {
     /// Runs laid out for the next one, beside `candidates`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub design: Vec<DesignSpec>,
+    /// Limits of the verdict in place of the usual ones, by name: `calibration.phase_deg = 8.0`.
+    #[serde(default, skip_serializing_if = "VerdictLimits::is_empty")]
+    pub limits: VerdictLimits,
 }
 
 /// Runs laid out for the next one: all combinations of what may vary of one run.

@@ -6,6 +6,7 @@ mod chosen;
 mod document;
 mod doors;
 mod estimate;
+mod fit;
 mod flight_verdict;
 mod followed;
 mod hovered;
@@ -402,6 +403,7 @@ impl Scenario {
         summary.lattice = coupling;
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
+        summary.warnings.extend(fit::rejected_fit(&self.spec.robot.numbers));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 

@@ -116,7 +116,7 @@ impl Mismatch {
     pub fn apply(&self, robot: &RobotSpec) -> RobotSpec {
         let mut real = robot.clone();
         if let Some(numbers) = &self.numbers {
-            real.numbers.clone_from(numbers);
+            real.numbers = numbers.clone().into();
         }
         if self.aero.is_some() || self.numbers.is_some() {
             real.residual = None;

@@ -1,5 +1,6 @@
 //! From a case file to a tethered wing and its summary.
 
+use super::fit::rejected_fit;
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
@@ -144,6 +145,7 @@ impl TetherCase {
                 .into_iter()
                 .chain(unrepeated)
                 .chain(step_change.and_then(|change| self.coarse(change)))
+                .chain(rejected_fit(&self.spec.numbers).map(|warning| warning.text))
                 .collect(),
             cycle: run.means.clone(),
         }

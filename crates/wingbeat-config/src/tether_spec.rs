@@ -3,13 +3,13 @@
 use super::motion_table::TableSpec;
 use super::{AeroSpec, CompareSpec, RunName};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::Path;
 use wingbeat_aero::{Gap, PlanformStation, SectionSpec};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{Clock, HingeKind, Side};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
+use wingbeat_robot::GivenNumbers;
 
 /// A wing in prescribed motion in a wind.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -37,9 +37,9 @@ pub struct TetherSpec {
     /// Numbers by name, `"surfaces.wing.cd0" = 0.03` and `"air.density_kg_m3"`, in place of those that follow from the other
     /// keys; or a file of such numbers, as `wingbeat calibrate` writes it. Numbers of what a wing alone has not (`body.`,
     /// `links.`, `gait.`, `mount.`, `crank.`) do not count.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, skip_serializing_if = "GivenNumbers::is_silent")]
     #[schemars(schema_with = "wingbeat_robot::file_or_numbers")]
-    pub numbers: BTreeMap<String, f64>,
+    pub numbers: GivenNumbers,
 }
 
 /// Planform, profile drag and hinges.

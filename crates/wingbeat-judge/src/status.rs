@@ -92,3 +92,10 @@ impl std::fmt::Display for Status {
         f.pad(self.name())
     }
 }
+
+impl Default for Status {
+    /// Nothing was found yet.
+    fn default() -> Self {
+        Self::NotFound
+    }
+}

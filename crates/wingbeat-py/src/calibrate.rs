@@ -24,13 +24,14 @@ pub fn calibrate<'py>(py: Python<'py>, document: &Document, information: bool) -
         }
         prepared.check()?;
         let found = prepared.fit(&mut (), &mut |_| stop.flow())?;
+        let verdict = found.verdict(calibration.limits());
         let record = found.record()?;
-        let numbers = words::numbers(&found, &files, "Python package");
+        let numbers = words::numbers(&found, &files, "Python package", &verdict);
         let residual = words::residual(&found, &files, "Python package").unwrap_or_default();
-        let summary = serde_json::to_string(&found.summary(&files));
+        let summary = serde_json::to_string(&found.summary(&files, &verdict));
         Ok::<_, wingbeat_calibrate::Failure>((
             told,
-            Some((record, (numbers, residual), words::report(&found), summary)),
+            Some((record, (numbers, residual), words::report(&found, &verdict), summary)),
         ))
     })?;
     let (told, found) = done.map_err(refused)?;

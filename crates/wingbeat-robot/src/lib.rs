@@ -38,9 +38,10 @@ pub use placement::{PanelNumbers, PlacementNumbers};
 pub use residual::{MOST_HARMONICS, RESIDUAL_FREQUENCY, Residual, Term};
 pub use skeleton::{LinkPlace, Outline, Skeleton};
 pub use spec::{
-    BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, GaitSpec,
-    JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec, RegulatorSpec, ResidualSpec,
-    RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec, WingSpec,
+    BodySpec, CapsuleSpec, ClearanceSpec, DriveSpec, DrivenSpec, ElasticSpec, ElementSpec, FitVerdict,
+    GaitSpec, GivenNumbers, JointSpec, LinkSide, LinkSpec, LinkageOutput, MotorSpec, PanelSpec,
+    RegulatorSpec, ResidualSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec,
+    WingSpec,
 };
 pub use spec::{file_or, file_or_numbers, is_of_rig};
 pub use stance::Stance;

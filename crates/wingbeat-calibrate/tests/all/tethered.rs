@@ -3,9 +3,11 @@
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use wingbeat::judge::Status;
 use wingbeat::math::Random;
+use wingbeat::robot::GivenNumbers;
 use wingbeat::scenario::{Document, TetherCase};
-use wingbeat_calibrate::{Calibration, Files, Progress};
+use wingbeat_calibrate::{Calibration, Files, Progress, words};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// The numbers of the wing that was measured.
@@ -77,11 +79,63 @@ fn a_case_finds_the_numbers_of_another_tether_run_from_its_csv() {
         assert!((found.parameters[k].start - truth).abs() > 5.0 * error, "{name} begins elsewhere");
     }
     assert!((0.7..1.4).contains(&found.chi_squared), "{}", found.chi_squared);
-    let _ = found.summary(&Files(Vec::new()));
+    let verdict = found.verdict(calibration.limits());
+    assert_eq!(verdict.status, Status::Ok, "{:?}", verdict.reason);
+    assert!(verdict.judged.iter().all(|judged| judged.met));
+    let _ = found.summary(&Files(Vec::new()), &verdict);
+    let numbers = words::numbers(&found, &Files(Vec::new()), "commit", &verdict);
+    let given: GivenNumbers = toml::from_str(&numbers).unwrap();
+    assert!(given.len() == TRUTH.len() && given.verdict.unwrap().is_ok());
     assert!(found.record().is_ok());
     let flipped = text.replace("compare.scale.force_z=-1e-3", "compare.scale.force_z=1e-3");
     let flipped = calibrated(&flipped).prepared().map(drop).unwrap_err().to_string();
     assert!(flipped.contains("Fz is -Fz of the file") && flipped.contains("compare.scale"), "{flipped}");
+}
+
+/// A file of samples of the case that `of` makes of time and force.
+fn made(file: &str, mut of: impl FnMut(f64, f64) -> [f64; 3]) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("wingbeat-calibrate-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let tether = case(&[]);
+    let run = tether.tether.run(|_| ControlFlow::Continue(()));
+    let up = run.last_cycle("force_z").unwrap().to_vec();
+    let mut text = "t,down_mN,drag_N,My\n".to_owned();
+    for k in 0..=CYCLES * up.len() {
+        let t = k as f64 * tether.tether.clock.step();
+        let [down, drag, moment] = of(t, up[k % up.len()]);
+        writeln!(text, "{t},{down},{drag},{moment}").unwrap();
+    }
+    let path = folder.join(file);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// Data that say nothing of the wing are not `ok`, and their numbers carry that.
+#[test]
+fn a_fit_to_what_is_no_measurement_is_not_ok() {
+    let mut random = Random::new(7);
+    let mut noise = |size: f64| size * random.normal();
+    let noisy = made("noise.csv", |_, _| [noise(10.0), noise(0.01), noise(1e-3)]);
+    let mut random = Random::new(8);
+    let mut count = |size: f64| size * random.normal();
+    let constant =
+        made("constant.csv", |_, _| [-500.0 + count(1e-6), 0.1 + count(1e-9), 0.01 + count(1e-10)]);
+    for data in [noisy, constant] {
+        let cd0 = "[[parameters]]\nname = \"surfaces.wing.cd0\"\n";
+        let calibration = calibrated(&format!("name = \"wing\"\nstarts = 1\n{}{cd0}", cases(&data)));
+        let fitted = calibration.prepared().and_then(|prepared| {
+            prepared.check()?;
+            prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(()))
+        });
+        let found = fitted.unwrap_or_else(|error| panic!("{}: {error}", data.display()));
+        let verdict = found.verdict(calibration.limits());
+        assert_eq!(verdict.status, Status::SuspectData, "{}: {verdict:?}", data.display());
+        let reason = verdict.reason.clone().unwrap();
+        assert!(reason.contains("limits.calibration.explained_fraction"), "{reason}");
+        let numbers = words::numbers(&found, &Files(Vec::new()), "commit", &verdict);
+        let given: GivenNumbers = toml::from_str(&numbers).unwrap();
+        assert_eq!(given.verdict.unwrap().status, "suspect_data");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod kept;
 use std::time::Instant;
 
 use serde::Serialize;
+use wingbeat::judge::{Status, Verdict};
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::{Calibration, Failure, Files, Found, Prepared, Progress, words};
 use wingbeat_io::{urdf_as_toml, write_parquet};
@@ -41,13 +42,20 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
         RunFolder::resume(options.out.as_deref(), &name, options.force, ("calibration.toml", &identity))?;
     match found(&calibration, &folder, &interrupt, arguments) {
         Ok(Some(found)) => {
-            write(&folder, &found, &files)?;
+            let verdict = found.verdict(calibration.limits());
+            write(&folder, (&found, &verdict), &files)?;
             interrupt.check()?;
             let path = folder.finish(&Manifest::new(calibration.spec.seed, start.elapsed()))?;
             let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
-            say::unless(options.quiet, || {
-                format!("{}\nrun folder: {}\n", words::report(&found), shown.display())
-            })
+            let report = || format!("{}\nrun folder: {}\n", words::report(&found, &verdict), shown.display());
+            let printed = say::unless(options.quiet, report);
+            match verdict.status {
+                Status::Ok => printed,
+                status => {
+                    let reason = verdict.reason.clone().unwrap_or_default();
+                    Err(Error::Failed { status: status.name().into(), reason, folder: shown.into() })
+                }
+            }
         }
         Ok(None) => {
             folder.discard();
@@ -55,10 +63,10 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
         }
         Err(Error::Calibration(Failure::Other(fault @ wingbeat_calibrate::Error::Model { .. }))) => {
             let reason = fault.to_string();
-            folder.write_json("summary.json", &Failed { status: "fault", reason: &reason })?;
+            folder.write_json("summary.json", &Failed { status: Status::Failed.name(), reason: &reason })?;
             Kept::remove(&folder);
             let path = folder.finish(&Manifest::new(calibration.spec.seed, start.elapsed()))?;
-            Err(Error::Failed { status: "fault".into(), reason, folder: path })
+            Err(Error::Failed { status: Status::Failed.name().into(), reason, folder: path })
         }
         Err(Error::Interrupted) if Kept::open(&folder).count() > 0 => {
             let (done, all) = (Kept::open(&folder).count(), calibration.spec.starts);
@@ -123,13 +131,13 @@ fn watched(
 }
 
 /// Everything into the folder.
-fn write(folder: &RunFolder, found: &Found, files: &Files) -> Result<(), Error> {
-    folder.write_json("summary.json", &found.summary(files))?;
-    folder.write("numbers.toml", &words::numbers(found, files, wingbeat_program::COMMIT))?;
+fn write(folder: &RunFolder, (found, verdict): (&Found, &Verdict), files: &Files) -> Result<(), Error> {
+    folder.write_json("summary.json", &found.summary(files, verdict))?;
+    folder.write("numbers.toml", &words::numbers(found, files, wingbeat_program::COMMIT, verdict))?;
     if let Some(residual) = words::residual(found, files, wingbeat_program::COMMIT) {
         folder.write("residual.toml", &residual)?;
     }
-    folder.write("report.md", &words::report(found))?;
+    folder.write("report.md", &words::report(found, verdict))?;
     folder.write("information.csv", &words::information_csv(found))?;
     write_parquet(&folder.file("record.parquet"), &found.record().map_err(Failure::from)?)?;
     Kept::remove(folder);

@@ -4,13 +4,16 @@ mod family;
 mod search;
 mod spec;
 mod summary;
+mod verdict;
 
 pub use search::{
     Ended, GaitSearch, Goal, LimitsSpec, SearchProgress, SearchSpec, SearchSummary, Searched, VarySpec,
 };
 pub use spec::{FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
+use verdict::ignored_gusts;
 
+use super::fit::rejected_fit;
 use super::recorder::Recorder;
 use super::{ConfigError, Scenario, ScenarioSpec, StartSpec};
 use std::ops::ControlFlow;
@@ -26,6 +29,9 @@ use wingbeat_ocp::plant::{Fault, Plant};
 
 /// Largest step of the bank from orbit to orbit on the way to a turn, deg.
 const BANK_STEP_DEG: f64 = 3.0;
+/// Most iterations of Newton's method for the orbit asked, all its starts and steps of bank together. *Choice*: one
+/// start of straight flight takes 120 at most.
+const MOST_ITERATIONS: usize = 200;
 
 /// A trimmed flight.
 #[derive(Clone, Debug)]
@@ -128,6 +134,7 @@ impl Scenario {
         };
         let (measures, modes) = measured;
         summary.found(&cycle, &found, &measures, &modes);
+        summary.judge(cycle.robot(), &self.spec, &self.limits);
         let family =
             family.map(|family| self.follow(&family, &found, &mut tell, &mut summary)).transpose()?;
         let broken = |fault: Fault| Error::invalid("trim", fault, "an orbit that can be observed");
@@ -178,6 +185,25 @@ impl Scenario {
         cycle: &Cycle,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
     ) -> Result<Result<Found, Failure>, Error> {
+        let mut taken = 0;
+        let mut counted = |iteration: usize, residual: f64| {
+            taken += 1;
+            if taken > MOST_ITERATIONS { ControlFlow::Break(()) } else { tell(iteration, residual) }
+        };
+        let found = self.find_within(cycle, &mut counted)?;
+        let exhausted = taken > MOST_ITERATIONS;
+        Ok(found.map_err(|failure| match failure {
+            Failure::Stopped if exhausted => Failure::Exhausted(MOST_ITERATIONS),
+            other => other,
+        }))
+    }
+
+    /// The same with as many iterations as `tell` lets it have.
+    fn find_within(
+        &self,
+        cycle: &Cycle,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<Result<Found, Failure>, Error> {
         let spec = self.trim_spec()?;
         let guess = self.guess(cycle);
         let course = spec.course();
@@ -222,7 +248,10 @@ impl Scenario {
     /// The summary of what is asked.
     fn asked(&self, cycle: &Cycle, spec: &TrimSpec, search: Duration) -> TrimSummary {
         TrimSummary {
-            status: "not_found",
+            warnings: ignored_gusts(&self.spec.air)
+                .into_iter()
+                .chain(rejected_fit(&self.spec.robot.numbers))
+                .collect(),
             speed_m_s: spec.speed_m_s,
             climb_m_s: spec.climb_m_s,
             bank_deg: spec.bank_deg,

@@ -4,7 +4,8 @@ use super::search::SearchSummary;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use wingbeat_flight::orbit::{Cycle, Found, Measures, Mode, Modes, SKIN};
+use wingbeat_flight::orbit::{Cycle, Found, Measures, Mode, Modes};
+use wingbeat_judge::{Judged, Status, Warning};
 use wingbeat_math::GRAVITY;
 use wingbeat_ocp::plant::Plant;
 use wingbeat_robot::Robot;
@@ -45,10 +46,14 @@ impl From<&Mode> for Multiplier {
 /// `summary.json` of `wingbeat trim`. What an orbit alone can tell is missing where none was found.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct TrimSummary {
-    /// `ok`; `not_found`; or `limits_missed` where no gait of a search keeps to its limits.
-    pub status: &'static str,
-    /// Why no orbit was found.
+    /// The verdict: `ok`; `outside`; `not_found` without an orbit; `off_target` where no gait of a search keeps to its limits.
+    pub status: Status,
+    /// Why the status is not `ok`.
     pub reason: Option<String>,
+    /// What the status rests on: each value with its limit.
+    pub judged: Vec<Judged>,
+    /// What a reader must know.
+    pub warnings: Vec<Warning>,
     /// Frequency of the gait, Hz.
     pub frequency_hz: Option<f64>,
     /// Mean speed, m/s.
@@ -125,19 +130,14 @@ pub struct TrimSummary {
     pub family_ended: Option<String>,
     /// What the search of its gait came to.
     pub search: Option<SearchSummary>,
-    /// What the orbit needs that lies outside of what the model was tested for, or that no wing can do.
-    pub outside: Vec<String>,
 }
-
-/// Share of the wing beyond 12 deg at which an orbit counts as outside of the lift laws: choice.
-const STALLED: f64 = 0.5;
 
 impl TrimSummary {
     /// Fills in what the orbit tells.
     pub(super) fn found(&mut self, cycle: &Cycle, found: &Found, measures: &Measures, modes: &Modes) {
         let mass = cycle.robot().mass();
         let orbit = &found.orbit;
-        self.status = "ok";
+        self.status = Status::Ok;
         self.frequency_hz = Some(1.0 / orbit.end.duration);
         self.lift_over_weight = Some(measures.lift_over_weight);
         self.side_force_over_weight = Some(measures.side_force_over_weight);
@@ -164,7 +164,6 @@ impl TrimSummary {
         self.stable = Some(modes.stable());
         self.residual = Some(found.residual);
         self.iterations = Some(found.iterations);
-        self.outside = outside(measures, orbit.course.speed, hover_wash(cycle.robot()));
     }
 }
 
@@ -172,36 +171,11 @@ impl TrimSummary {
 /// (Leishman 2006, Principles of Helicopter Aerodynamics, 2.2).
 ///
 /// Equation: trim.hover_wash
-fn hover_wash(robot: &Robot) -> Option<f64> {
+pub(super) fn hover_wash(robot: &Robot) -> Option<f64> {
     let widths = robot.surfaces().filter_map(|(_, aero)| {
         let numbers = aero.numbers();
         Some((numbers.outline.as_ref()?.half_span(), numbers.density))
     });
     let (half_span, density) = widths.max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some((robot.mass() * GRAVITY / (2.0 * density * PI * half_span * half_span)).sqrt())
-}
-
-fn outside(measures: &Measures, speed: f64, wash: Option<f64>) -> Vec<String> {
-    let mut reasons = Vec::new();
-    if let Some(wash) = wash.filter(|wash| speed < *wash) {
-        reasons.push(format!(
-            "{speed:.2} m/s is slower than the wash of {wash:.2} m/s that carries its weight in hover: the wake has no stream to leave by"
-        ));
-    }
-    let [beyond, _] = measures.stalled;
-    if beyond > STALLED {
-        let share = 100.0 * beyond;
-        reasons
-            .push(format!("{share:.0} % of U^2 c dy beyond 12 deg: no lift law was tested so far in stall"));
-    }
-    if let Some(least) = measures.least_clearance
-        && least < SKIN
-    {
-        reasons.push(format!(
-            "clearance {:.1} mm, {:.0} mm of skin not taken off: the wings touch",
-            1e3 * least,
-            1e3 * SKIN
-        ));
-    }
-    reasons
 }

@@ -55,6 +55,11 @@ pub enum Failure {
         /// Its name.
         condition: String,
     },
+    /// The search took the most iterations that it may.
+    #[error(
+        "no orbit after {0} iterations of Newton's method: begin nearer to one ([start], robot.gait), or free other numbers"
+    )]
+    Exhausted(usize),
     /// The search was stopped.
     #[error("stopped")]
     Stopped,

@@ -1,6 +1,32 @@
-//! Limits of kind `calibration`.
+//! Limits of a fit. All values are choices.
 
 use super::Limit;
+use crate::status::Status::{OffTarget, SuspectData};
+
+/// What the fit explains of the variation over the cycle. A model that is wrong by 10 % of the loads explains 0.99, one that
+/// is wrong by half of them 0.75.
+pub const EXPLAINED: Limit = Limit::at_least("calibration.explained_fraction", 0.5, "", SuspectData)
+    .on("share of the measured variation over the cycle that the fit explains");
+/// An honest error of the model, of which a reader must know: residuals of a third of the loads.
+pub const MODEL_ERROR: Limit = Limit::warn_below("calibration.model_error_explained_fraction", 0.9, "")
+    .on("the model misses much of the loads: share of the measured variation over the cycle that the fit explains");
+/// Misfit over the noise of the cycles. With a misfit of 10 % of the loads this limit is a noise of 1e-7 of them, which no load
+/// cell resolves: cycles that repeat so well are not measured.
+pub const CHI_SQUARED: Limit = Limit::at_most("calibration.chi_squared", 1e12, "", SuspectData)
+    .on("the cycles repeat better than any cell resolves: chi squared over freedom");
+/// Misfit beyond the noise, after which intervals rest on what the fit estimates of the model's own error.
+pub const BEYOND_NOISE: Limit = Limit::warn_above("calibration.beyond_noise_chi_squared", 4.0, "")
+    .on("the model is wrong beyond the noise of the cycles: chi squared over freedom");
+/// Time shift that is left between measured and fitted cycles; runs are refused beyond it before the fit.
+pub const PHASE: Limit = Limit::at_most("calibration.phase_deg", 5.0, "deg", SuspectData)
+    .on("shift between the measured and the fitted cycle");
+/// Parameters that the fit found: without any, the fit says nothing.
+pub const IDENTIFIED: Limit = Limit::at_least("calibration.identified_fraction", 1e-3, "", OffTarget)
+    .on("share of the parameters that the runs identify");
+/// Parameters of which the runs tell a combination only.
+pub const CORRELATION: Limit =
+    Limit::warn_above("calibration.correlation", 0.98, "").on("largest correlation of two parameters");
 
 /// All of them.
-pub const ALL: [Limit; 0] = [];
+pub const ALL: [Limit; 7] =
+    [EXPLAINED, MODEL_ERROR, CHI_SQUARED, BEYOND_NOISE, PHASE, IDENTIFIED, CORRELATION];

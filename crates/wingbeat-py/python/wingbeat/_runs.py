@@ -87,7 +87,7 @@ class Moved(Recorded):
 
 @dataclass(frozen=True, kw_only=True)
 class Trimmed(Told):
-    """A periodic flight; its status is ``ok`` or ``not_found``, of a search of gaits also ``limits_missed``."""
+    """A periodic flight; its status is ``ok``, ``outside`` or ``not_found``, of a search of gaits also ``off_target``."""
 
     record: Record | None
     """The cycle; none where no orbit was found."""

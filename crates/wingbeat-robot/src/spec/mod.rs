@@ -3,6 +3,7 @@
 mod clearance;
 mod drive;
 mod gait;
+mod given;
 mod link;
 mod residual;
 mod structure;
@@ -13,6 +14,7 @@ mod wing;
 pub use clearance::{CapsuleSpec, ClearanceSpec};
 pub use drive::{DriveSpec, MotorSpec};
 pub use gait::GaitSpec;
+pub use given::{FitVerdict, GivenNumbers};
 pub use link::{DrivenSpec, ElasticSpec, JointSpec, LinkSide, LinkSpec, LinkageOutput, StopSpec};
 pub use residual::ResidualSpec;
 pub use structure::{ElementSpec, RegulatorSpec, StructureSpec};
@@ -23,7 +25,6 @@ pub use wing::{WingLinkSpec, WingSpec};
 use super::numbers::DRAG_AREA;
 use crate::body::INERTIA;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require::{finite, principal_inertias};
@@ -63,9 +64,10 @@ pub struct RobotSpec {
     pub structure: StructureSpec,
     /// Numbers by name, `"surfaces.wing.cd0" = 0.03`, in place of those that follow from the other keys; or a file of such
     /// numbers, as `wingbeat calibrate` writes it. Numbers of the rig (`mount.`, `crank.`) count on the rig alone.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    /// Such a file may carry the `verdict` on its fit: a run that uses numbers of another one than `ok` says so.
+    #[serde(default, skip_serializing_if = "GivenNumbers::is_silent")]
     #[schemars(schema_with = "file_or_numbers")]
-    pub numbers: BTreeMap<String, f64>,
+    pub numbers: GivenNumbers,
     /// A wrench that acts on the body beside the loads of the surfaces: what their model leaves of measured loads; or a file of it, as
     /// `wingbeat calibrate` writes it. A `[lattice]` flies without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -105,8 +107,12 @@ impl BodySpec {
 }
 
 /// The name of a file of numbers, or the numbers.
-pub fn file_or_numbers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-    let numbers = serde_json::json!({ "type": "object", "additionalProperties": { "type": "number" } });
+pub fn file_or_numbers(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let numbers = serde_json::json!({
+        "type": "object",
+        "properties": { "verdict": generator.subschema_for::<FitVerdict>() },
+        "additionalProperties": { "type": "number" }
+    });
     schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers] })
 }
 

@@ -52,7 +52,7 @@ fn a_search_finds_a_gait_that_takes_less_power_within_its_limits() {
     );
     assert!(told.iter().all(|count| *count > 0), "{told:?}");
     let stopped = scenario.trim(&mut |_| ControlFlow::Break(())).unwrap();
-    assert!(stopped.summary.status == "not_found" && stopped.starts.is_none());
+    assert!(stopped.summary.status == wingbeat::judge::Status::NotFound && stopped.starts.is_none());
 }
 
 #[test]

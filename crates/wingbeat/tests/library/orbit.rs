@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use wingbeat::judge::Status;
 use wingbeat::math::{GRAVITY, RK4, Workspace};
 use wingbeat::orbit::{Course, Section, intervals};
 use wingbeat::plant::{Fault, Plant};
@@ -186,13 +187,16 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
     let held = ["trim.free=['stroke', 'twist']", "robot.body.mass_kg=0.19", "trim.step_s=1e-3"];
     let heavy = scenario("cruise_20g", &held);
     let trimmed = heavy.trim(&mut |_| ControlFlow::Continue(())).unwrap();
-    assert_eq!(trimmed.summary.status, "not_found");
+    assert_eq!(trimmed.summary.status, Status::NotFound);
     assert!(trimmed.summary.reason.is_some() && trimmed.files.is_empty());
     // Straight ahead is looked for with left and right alike, and does not return where they are not.
     let beside = scenario("cruise_20g", &["robot.body.com_m=[-0.00062, 0.001, 0.00062]", "trim.step_s=1e-3"]);
     let trimmed = beside.trim(&mut |_| ControlFlow::Continue(())).unwrap();
     let reason = trimmed.summary.reason.unwrap_or_default();
-    assert!(trimmed.summary.status == "not_found" && reason.contains("left and right differ"), "{reason}");
+    assert!(
+        trimmed.summary.status == Status::NotFound && reason.contains("left and right differ"),
+        "{reason}"
+    );
 }
 
 /// A family ends in the orbit that is found at its last value from the scenario's own start, by whatever key it goes; straight
@@ -237,8 +241,36 @@ fn a_hover_is_outside_of_what_the_wake_can_do() {
         hover.spec.robot.surfaces[0].planform.iter().map(|station| station.arc_m).fold(0.0, f64::max);
     let area = std::f64::consts::PI * half_span * half_span;
     let wash = (hover.robot().mass() * GRAVITY / (2.0 * 1.225 * area)).sqrt();
-    let told = trimmed.summary.outside.iter().find(|reason| reason.contains("no stream")).unwrap();
-    assert!(told.starts_with(&format!("0.20 m/s is slower than the wash of {wash:.2} m/s")), "{told}");
+    let told = trimmed.summary.warnings.iter().find(|w| w.id == "trim.slower_than_wash").unwrap();
+    assert_eq!(trimmed.summary.status, Status::Outside, "{:?}", trimmed.summary.reason);
+    assert!(told.text.starts_with(&format!("0.20 m/s is slower than the wash of {wash:.2} m/s")), "{told:?}");
+}
+
+/// What no flyer can do is not `ok`; what flies stays so, and what a periodic flight leaves out is said.
+#[test]
+fn an_orbit_is_judged() {
+    let trim = |overrides: &[&str]| {
+        scenario("cruise_20g", overrides).trim(&mut |_| ControlFlow::Continue(())).unwrap().summary
+    };
+    let well = trim(&[]);
+    assert!(well.status == Status::Ok && well.reason.is_none() && well.warnings.is_empty(), "{well:?}");
+    assert!(well.judged.iter().all(|judged| judged.met) && well.judged.len() == 8);
+
+    let rocket = trim(&["trim.climb_m_s=50"]);
+    let reason = rocket.reason.unwrap();
+    assert!(rocket.status == Status::Outside && reason.contains("limits.trim.power_w_kg"), "{reason}");
+    assert!(reason.contains("limits.trim.clearance_m"), "{reason}");
+
+    let held = trim(&["limits.trim.multiplier=0.5"]);
+    assert!(held.status == Status::OffTarget && held.judged.iter().any(|judged| judged.overridden));
+
+    for gust in ["air.gust_m_s=3", "air.gusts=[{start_s=1.0, duration_s=0.5, velocity_m_s=[0.0, 0.0, 1.0]}]"]
+    {
+        let gusty = trim(&[gust]);
+        assert!(gusty.status == Status::Ok && gusty.power_w_kg == well.power_w_kg);
+        assert_eq!(gusty.warnings[0].id, "trim.gusts_ignored");
+        assert!(gust.starts_with(gusty.warnings[0].key.as_deref().unwrap()));
+    }
 }
 
 #[test]

@@ -17,6 +17,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use wingbeat_flight::simulate::{Column, Record};
+use wingbeat_judge::Status;
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 
@@ -118,12 +119,14 @@ impl Searched {
         trimmed.files.push(("robot.toml", robot));
         trimmed.starts = Some(starts);
         let summary = &mut trimmed.summary;
-        if search.kept == 0 && summary.reason.is_none() {
-            summary.status = "limits_missed";
-            summary.reason = Some(format!(
+        if search.kept == 0 && summary.status < Status::NotFound {
+            let missed = format!(
                 "no gait keeps to trim.search.limits; the nearest misses one by {:.4} of its scale, {}",
                 search.violation, search.ended
-            ));
+            );
+            summary.status = summary.status.max(Status::OffTarget);
+            summary.reason =
+                Some(summary.reason.iter().cloned().chain([missed]).collect::<Vec<_>>().join("; "));
         }
         summary.search = Some(search);
         Ok(trimmed)

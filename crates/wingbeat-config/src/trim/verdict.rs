@@ -1,0 +1,60 @@
+//! The verdict on a periodic flight.
+
+use super::summary::{TrimSummary, hover_wash};
+use crate::fit::rejected_fit;
+use crate::spec::{AirSpec, ScenarioSpec};
+use wingbeat_judge::limits::trim;
+use wingbeat_judge::{Judge, Limit, Limits, Verdict, Warning};
+use wingbeat_robot::Robot;
+
+impl TrimSummary {
+    /// Judges the orbit that was found.
+    pub(super) fn judge(&mut self, robot: &Robot, spec: &ScenarioSpec, limits: &Limits) {
+        let mut judge = Judge::new(limits);
+        let held: [(&'static Limit, Option<f64>); 8] = [
+            (&trim::POWER, self.power_w_kg),
+            (&trim::HIGH_POWER, self.power_w_kg),
+            (&trim::BEYOND_20, self.stall_fraction_20),
+            (&trim::BEYOND_12, self.stall_fraction_12),
+            (&trim::CLEARANCE, self.least_clearance_m),
+            (&trim::SKIN, self.least_clearance_m),
+            (&trim::MULTIPLIER, self.largest_multiplier),
+            (&trim::RESIDUAL, self.residual),
+        ];
+        for (limit, value) in held {
+            if let Some(value) = value {
+                judge.hold(limit, value);
+            }
+        }
+        let slow = hover_wash(robot).filter(|wash| self.speed_m_s < *wash);
+        judge_slow(&mut judge, self.speed_m_s, slow);
+        ignored_gusts(&spec.air)
+            .into_iter()
+            .chain(rejected_fit(&spec.robot.numbers))
+            .for_each(|warning| judge.warn(warning));
+        self.take(judge.verdict());
+    }
+
+    /// Takes a verdict in.
+    pub(super) fn take(&mut self, verdict: Verdict) {
+        (self.status, self.reason) = (verdict.status, verdict.reason);
+        (self.judged, self.warnings) = (verdict.judged, verdict.warnings);
+    }
+}
+
+/// Warns of flight slower than the wash that carries the weight.
+fn judge_slow(judge: &mut Judge, speed: f64, wash: Option<f64>) {
+    let Some(wash) = wash else { return };
+    let text = format!(
+        "{speed:.2} m/s is slower than the wash of {wash:.2} m/s that carries its weight in hover: the wake has no stream to leave by"
+    );
+    judge.warn(Warning::new("trim.slower_than_wash", text).size(speed / wash).key("trim.speed_m_s"));
+}
+
+/// Gusts of the scenario, which no periodic flight can have.
+pub(super) fn ignored_gusts(air: &AirSpec) -> Option<Warning> {
+    let stated = (!air.gusts.is_empty()).then_some("air.gusts");
+    let key = if air.gust_m_s > 0.0 { Some("air.gust_m_s") } else { stated }?;
+    let text = format!("{key} is left out: a periodic flight is that in still air");
+    Some(Warning::new("trim.gusts_ignored", text).size(air.gust_m_s).key(key))
+}
