@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use indicatif::{HumanDuration, ProgressBar};
-use wingbeat::scenario::{Document, FlightStatus, Run, Scenario};
+use wingbeat::judge::Status;
+use wingbeat::scenario::{Document, Run, Scenario};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Asked, Draw, of_flight};
 use wingbeat_io::write_parquet;
@@ -46,9 +47,9 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     let table = || outcome::table(&run.summary, scenario.spec.paper.as_ref());
     let printed = say::unless(options.quiet, || format!("{}\nrun folder: {}\n", table(), shown.display()));
     match run.summary.status {
-        FlightStatus::Ok | FlightStatus::NotJudged => printed,
+        Status::Ok | Status::NotJudged => printed,
         status => Err(Error::Failed {
-            status: outcome::name(status).into(),
+            status: status.name().into(),
             reason: run.summary.reason.unwrap_or_default(),
             folder: shown.into(),
         }),

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use wingbeat::scenario::{FlightStatus, LawState, PaperResults, Summary};
+use wingbeat::judge::{Judged, limits};
+use wingbeat::scenario::{LawState, PaperResults, Summary};
 
 /// A line: what, the paper's number, this run's, and its unit or a remark.
 type Line = (Cow<'static, str>, Option<String>, String, &'static str);
@@ -16,22 +17,21 @@ pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
         text += format!("{name:<24}{published}{value:>9} {unit}").trim_end();
         text.push('\n');
     }
+    text += &overridden(&summary.judged);
     for warning in &summary.warnings {
-        text += &format!("\nnote: {warning}\n");
+        text += &format!("\nwarning ({}): {}\n", warning.id, warning.text);
     }
     text
 }
 
-/// The status as summary.json has it.
-pub fn name(status: FlightStatus) -> &'static str {
-    match status {
-        FlightStatus::Ok => "ok",
-        FlightStatus::OffTarget => "off_target",
-        FlightStatus::NotJudged => "not_judged",
-        FlightStatus::NotFinite => "not_finite",
-        FlightStatus::Fault => "fault",
-        FlightStatus::Stopped => "stopped",
-    }
+/// The limits that the document gives in place of the usual ones, a line each.
+fn overridden(judged: &[Judged]) -> String {
+    let line = |judged: &Judged| {
+        let usual = limits::all().find(|limit| limit.id == judged.id)?.value;
+        let Judged { id, limit, unit, .. } = judged;
+        Some(format!("\nlimit overridden: {id} = {limit} {unit}, usual is {usual} {unit}\n"))
+    };
+    judged.iter().filter(|judged| judged.overridden).filter_map(line).collect()
 }
 
 /// The mean of a state of a lift law; one without a unit is a share.
@@ -53,7 +53,7 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
     let controller = &summary.controller;
     let mut rows: Vec<Line> = vec![
-        ("status".into(), None, name(summary.status).into(), ""),
+        ("status".into(), None, summary.status.name().into(), ""),
         ("roll, mean".into(), of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
         ("roll, rms error".into(), None, settled(summary.roll_rms_error_deg), "deg"),
         (

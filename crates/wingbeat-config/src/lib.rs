@@ -6,9 +6,9 @@ mod chosen;
 mod document;
 mod doors;
 mod estimate;
+mod flight_verdict;
 mod followed;
 mod hovered;
-mod judge;
 mod lattice;
 pub mod learn;
 mod mismatch;
@@ -38,6 +38,7 @@ mod tether_compare;
 mod tether_converge;
 mod tether_spec;
 mod trim;
+mod verdict_limits;
 
 pub use calibration::{
     CalibratedCaseSpec, CalibratedRunSpec, CalibrationSpec, DesignSpec, ParameterSpec, StructureOfModel,
@@ -69,7 +70,7 @@ pub use schema::DocumentKind;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
-pub use summary::{ControllerSummary, FlightStatus, LawState, Summary};
+pub use summary::{ControllerSummary, LawState, Summary};
 pub use sweep::{Sweep, SweepOf};
 pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
@@ -84,6 +85,7 @@ pub use trim::{
     Ended, FamilySpec, GaitSearch, Goal, LimitsSpec, Multiplier, SearchProgress, SearchSpec, SearchSummary,
     Searched, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
 };
+pub use verdict_limits::VerdictLimits;
 
 use build::{Built, whole};
 use doors::Choice;
@@ -94,6 +96,7 @@ use step_error::StepError;
 use wingbeat_aero::Aero;
 use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared};
 use wingbeat_flight::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly, fly_in};
+use wingbeat_judge::{Limits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::{Quat, Vec3};
 use wingbeat_ocp::plant::{Channel, Plant};
@@ -102,7 +105,8 @@ use wingbeat_robot::Robot;
 /// Keys of a scenario that name a file to be put in their place.
 const INCLUDES: [&str; 3] = ["robot", "robot.numbers", "robot.residual"];
 /// What an override may change of a case of which numbers are published: it flies as before.
-const BESIDE_THE_CASE: [&str; 4] = ["name", "paper", "flight.record_every_s", "flight.record_strips_every_s"];
+const BESIDE_THE_CASE: [&str; 5] =
+    ["name", "paper", "limits", "flight.record_every_s", "flight.record_strips_every_s"];
 
 /// A checked scenario, ready to fly.
 #[derive(Debug)]
@@ -117,6 +121,8 @@ pub struct Scenario {
     model: Robot,
     schedule: Schedule,
     samples_per_strips: Option<usize>,
+    /// What its verdict rests on.
+    limits: Limits,
     /// What its controller shares with others.
     prepared: Option<Prepared>,
 }
@@ -183,8 +189,9 @@ impl Scenario {
         }
         let resolved = resolved.to_string();
         let choice = doors.choose(&spec, &document)?;
-        match spec.build(&choice) {
-            Ok(Built { robot, model, schedule, samples_per_strips }) => Ok(Self {
+        match spec.build(&choice).and_then(|built| Ok((built, spec.limits.limits()?))) {
+            Ok((Built { robot, model, schedule, samples_per_strips }, limits)) => Ok(Self {
+                limits,
                 spec,
                 resolved,
                 document,
@@ -393,7 +400,8 @@ impl Scenario {
         let recorded = recorder.finish();
         let mut summary = self.summarise(&recorded, &flight, schedule, error);
         summary.lattice = coupling;
-        summary.warnings.extend(coupling.iter().flat_map(LatticeSummary::cautions));
+        let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
+        summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 
@@ -417,6 +425,7 @@ impl Scenario {
         let context = summary::Context {
             manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),
+            limits: self.limits.clone(),
             inputs: self.robot.inputs(),
             clearances: self.robot.clearances(),
             preset: self

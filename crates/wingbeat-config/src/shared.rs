@@ -79,6 +79,7 @@ fn made_from(spec: &ScenarioSpec) -> Option<String> {
         goal: _,
         trim: _,
         plan: _,
+        limits: _,
         paper: _,
     } = spec;
     let AirSpec { density_kg_m3, wind_m_s, gust_m_s: _, gusts: _ } = air;

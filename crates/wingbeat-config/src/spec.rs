@@ -5,6 +5,7 @@ use super::lattice::LatticeSpec;
 use super::mismatch::Mismatch;
 use super::plan::PlanSpec;
 use super::trim::TrimSpec;
+use super::verdict_limits::VerdictLimits;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use wingbeat_aero::{
@@ -69,6 +70,9 @@ pub struct ScenarioSpec {
     /// What counts as held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<GoalSpec>,
+    /// Limits of the verdict in place of the usual ones, by name: `flight.altitude_m = 3.0`.
+    #[serde(default, skip_serializing_if = "VerdictLimits::is_empty")]
+    pub limits: VerdictLimits,
     /// Published numbers of this very case, printed beside the run's. An override of anything but `name`, `paper` and what
     /// is recorded makes it another case: then they are left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,29 +1,30 @@
 //! The numbers of a flight that are compared.
 
 use super::estimate::{EstimateSummary, Estimated};
+use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
 use super::hovered::HoverSummary;
-use super::judge::Verdict;
 use super::lattice::LatticeSummary;
 use super::spec::GoalSpec;
 use serde::Serialize;
 use wingbeat_aero::LiftLaw;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
-use wingbeat_flight::simulate::{Ending, Flight, Record};
-use wingbeat_ocp::plant::{Channel, Fault};
+use wingbeat_flight::simulate::{Flight, Record};
+use wingbeat_judge::{Judged, Limits, Status, Warning};
+use wingbeat_ocp::plant::Channel;
 
 /// `summary.json` of a flight. What is optional is taken from the goal's settling
 /// time (2 s without a goal) on, and missing when the flight ended before.
 /// Pitch is FLU: negative is nose up.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// `ok`, `off_target`, `not_judged`, `not_finite`, `fault`, `stopped`.
-    pub status: FlightStatus,
+    /// The verdict: `ok`, `not_judged`, `off_target`, `outside`, `not_resolved`, `failed` or `interrupted`.
+    pub status: Status,
     /// Why, when the status is not `ok`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// What the goal asked and was judged, by key; empty without a goal.
-    pub judged: Vec<&'static str>,
+    /// What the status rests on: each value with its limit.
+    pub judged: Vec<Judged>,
     /// What the goal asked and could not be judged, by key.
     pub not_judged: Vec<&'static str>,
     /// Simulated time, s.
@@ -36,6 +37,10 @@ pub struct Summary {
     pub distance_y_m: f64,
     /// Climb, m; negative is sink.
     pub altitude_change_m: f64,
+    /// Mean magnitude of the velocity over the ground, m/s.
+    pub mean_speed_m_s: Option<f64>,
+    /// Mean rate at which height is lost, m/s; negative in a climb.
+    pub sink_rate_m_s: Option<f64>,
     /// Largest |height - reference| from the settling time on, as the controller measured it, m; under
     /// `[controller.orbit]`. With an estimator the true height counts, at the updates.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -113,8 +118,8 @@ pub struct Summary {
     /// Estimate of the error of the integration in the last position, m: what two steps differ from one of twice
     /// the length, over 15, at instants of the flight, summed up to its end. Feedback and growth are not in it.
     pub step_error_m: Option<f64>,
-    /// Cautions that a reader must know.
-    pub warnings: Vec<String>,
+    /// What a reader must know.
+    pub warnings: Vec<Warning>,
     /// Controller timing and failures.
     pub controller: ControllerSummary,
 }
@@ -128,24 +133,6 @@ pub struct LawState {
     pub unit: &'static str,
     /// The mean.
     pub mean: f64,
-}
-
-/// How a flight went.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FlightStatus {
-    /// Flown to the end, goal met.
-    Ok,
-    /// Flown to the end, goal missed.
-    OffTarget,
-    /// Flown to the end, a goal is given, and what it asks could not be judged.
-    NotJudged,
-    /// A number became infinite or none.
-    NotFinite,
-    /// The model could not be evaluated.
-    Fault,
-    /// Stopped from outside.
-    Stopped,
 }
 
 /// Timing and failures of the controller.
@@ -255,6 +242,7 @@ fn half_range_deg(angles: &[f64]) -> Option<f64> {
 pub(super) struct Context<'a> {
     pub manoeuvre: Option<&'a dyn Manoeuvre>,
     pub goal: Option<&'a GoalSpec>,
+    pub limits: Limits,
     pub inputs: &'a [Channel],
     pub clearances: &'a [Channel],
     pub preset: String,
@@ -294,8 +282,9 @@ impl Summary {
         let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
         let crossing = Crossing::new(record, context.clearances);
         let estimated = Estimated::new(record, settled.first);
+        let velocity = mean_velocity(record, settled.first);
         let mut summary = Self {
-            status: FlightStatus::Ok,
+            status: Status::Ok,
             reason: None,
             judged: Vec::new(),
             not_judged: Vec::new(),
@@ -304,6 +293,8 @@ impl Summary {
             distance_x_m: change("p_WB_x"),
             distance_y_m: change("p_WB_y"),
             altitude_change_m: change("p_WB_z"),
+            mean_speed_m_s: velocity.map(|(speed, _)| speed),
+            sink_rate_m_s: velocity.map(|(_, climb)| -climb),
             height_max_error_m: match &estimated {
                 Some(estimated) => {
                     record.values("orbit_height_error").and_then(|off| estimated.height_error(off))
@@ -340,53 +331,27 @@ impl Summary {
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
             step_error_m: context.step_error_m,
-            warnings: warnings(context, crossing.as_ref()),
+            warnings: Vec::new(),
             controller: ControllerSummary::new(flight, context.period_s),
         };
-        (summary.status, summary.reason) = summary.judge(record, flight, context);
-        if summary.status == FlightStatus::NotJudged {
-            summary.warnings.extend(summary.reason.clone());
-        }
+        let flown = Flown {
+            summary: &summary,
+            record,
+            flight,
+            context,
+            crossing: crossing.as_ref(),
+            first: settled.first,
+        };
+        let (verdict, not_judged) = flown.judged(&context.limits);
+        (summary.status, summary.reason) = (verdict.status, verdict.reason);
+        (summary.judged, summary.not_judged) = (verdict.judged, not_judged);
+        summary.warnings = verdict.warnings;
         summary
     }
 
     /// True when the whole duration was flown.
     pub fn completed(&self) -> bool {
-        matches!(self.status, FlightStatus::Ok | FlightStatus::OffTarget | FlightStatus::NotJudged)
-    }
-
-    fn judge(
-        &mut self,
-        record: &Record,
-        flight: &Flight,
-        context: &Context,
-    ) -> (FlightStatus, Option<String>) {
-        match flight.ending {
-            Ending::Fault(Fault::NotRecorded { column, time }) => {
-                let name = record.columns().get(column).map_or("a column", |column| column.name.as_str());
-                return (FlightStatus::NotFinite, Some(format!("{name} is not finite at t = {time:.4} s")));
-            }
-            Ending::Fault(fault) if fault.is_not_finite() => {
-                return (FlightStatus::NotFinite, Some(fault.to_string()));
-            }
-            Ending::Fault(fault) => {
-                return (FlightStatus::Fault, Some(format!("{fault}, after {:.4} s", flight.duration)));
-            }
-            Ending::Stopped => return (FlightStatus::Stopped, Some("stopped from outside".into())),
-            Ending::Complete => {}
-        }
-        let Some(goal) = context.goal else { return (FlightStatus::Ok, None) };
-        let verdict = Verdict::new(self, record, goal, context.manoeuvre.is_some());
-        (self.judged, self.not_judged) = (verdict.judged, verdict.not_judged);
-        if !verdict.missed.is_empty() {
-            return (FlightStatus::OffTarget, Some(verdict.missed.join("; ")));
-        }
-        match verdict.why {
-            Some(why) => {
-                (FlightStatus::NotJudged, Some(format!("not judged: {}; {why}", self.not_judged.join(", "))))
-            }
-            None => (FlightStatus::Ok, None),
-        }
+        self.status < Status::Failed
     }
 }
 
@@ -442,41 +407,9 @@ impl Crossing {
         (rows > 0).then(|| Self { least_m, fraction: crossing as f64 / rows as f64, name })
     }
 
-    /// What to say of it.
-    fn warning(&self) -> Option<String> {
-        let Self { least_m, fraction, name } = self;
-        (*least_m < 0.0).then(|| {
-            format!(
-                "{name} falls to {:.1} mm and is negative {:.1} % of the time: parts of the robot pass through each other or through the middle plane of the body",
-                1e3 * least_m,
-                100.0 * fraction
-            )
-        })
+    /// Where it is the least, for the words of a verdict.
+    pub fn words(&self) -> String {
+        let Self { least_m, name, .. } = self;
+        format!("({name} falls to {:.1} mm)", 1e3 * least_m)
     }
-}
-
-/// Estimate of the error of the steps above which there is a caution, m. *Choice.*
-const STEP_ERROR: f64 = 0.01;
-/// Estimate above which it says no more than that the steps do not hold the flight, m. *Choice.*
-const LOST: f64 = 100.0;
-
-fn warnings(context: &Context, crossing: Option<&Crossing>) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if let Some(error) = context.step_error_m.filter(|error| !(*error <= STEP_ERROR)) {
-        let by = if error < LOST { format!("{error:.2} m") } else { format!("more than {LOST} m") };
-        warnings.push(format!(
-            "the steps of the integration are too long: their error is estimated to move the end of the flight by \
-             {by}; shorten flight.step_s"
-        ));
-    }
-    for (law, share) in &context.stalled {
-        if let Some(what) = law.about().beyond_stall {
-            let (law, share) = (law.name(), 100.0 * share);
-            warnings.push(format!(
-                "{share:.0} % of strip samples are past the stall angle under lift law `{law}`, {what}"
-            ));
-        }
-    }
-    warnings.extend(crossing.and_then(Crossing::warning));
-    warnings
 }

@@ -8,13 +8,15 @@ use serde::Serialize;
 pub enum Status {
     /// Everything that was judged lies within its limit.
     Ok,
+    /// Nothing that was judged breaks its limit, but what the task asks could not be judged.
+    NotJudged,
     /// The task was carried out and missed what it asks.
     OffTarget,
     /// The result lies outside the range in which its model, its fit or its data hold.
     Outside,
     /// The measured data do not say what they are used for.
     SuspectData,
-    /// The result depends on the grid, the step, the iterations or the length, or could not be judged for lack of them.
+    /// The result depends on the grid, the step, the iterations or the length.
     NotResolved,
     /// The motion does not repeat, so that its means over a cycle say nothing.
     NotPeriodic,
@@ -28,8 +30,9 @@ pub enum Status {
 
 impl Status {
     /// All of them, from the best to the worst.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Ok,
+        Self::NotJudged,
         Self::OffTarget,
         Self::Outside,
         Self::SuspectData,
@@ -44,6 +47,7 @@ impl Status {
     pub fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
+            Self::NotJudged => "not_judged",
             Self::OffTarget => "off_target",
             Self::Outside => "outside",
             Self::SuspectData => "suspect_data",
@@ -59,12 +63,13 @@ impl Status {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Ok => "everything that was judged lies within its limit",
+            Self::NotJudged => {
+                "nothing that was judged breaks its limit, but what the task asks could not be judged"
+            }
             Self::OffTarget => "the task was carried out and missed what it asks",
             Self::Outside => "the result lies outside the range in which its model, its fit or its data hold",
             Self::SuspectData => "the measured data do not say what they are used for",
-            Self::NotResolved => {
-                "the result depends on the grid, the step, the iterations or the length, or could not be judged for lack of them"
-            }
+            Self::NotResolved => "the result depends on the grid, the step, the iterations or the length",
             Self::NotPeriodic => "the motion does not repeat, so that its means over a cycle say nothing",
             Self::NotFound => "what was searched for was not found",
             Self::Failed => "the computation or the instrument broke down",
@@ -72,10 +77,10 @@ impl Status {
         }
     }
 
-    /// Exit code of a program whose result this is: 0 for `ok`, 130 for `interrupted`, 3 for all others.
+    /// Exit code of a program whose result this is: 0 for `ok` and `not_judged`, 130 for `interrupted`, 3 for all others.
     pub fn exit_code(self) -> u8 {
         match self {
-            Self::Ok => 0,
+            Self::Ok | Self::NotJudged => 0,
             Self::Interrupted => 130,
             _ => 3,
         }

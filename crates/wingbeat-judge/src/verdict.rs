@@ -99,6 +99,21 @@ impl<'a> Judge<'a> {
     /// The same where words say of what, and what helps: "of channel fx; set `[tare]`".
     pub fn hold_about(&mut self, limit: &'static Limit, value: f64, about: &str) -> bool {
         let (bound, overridden) = self.limits.of(limit);
+        self.take(limit, (bound, overridden), value, about)
+    }
+
+    /// Holds `value` against `bound`, which the document's task states; `limit` says the rest.
+    pub fn hold_to(&mut self, limit: &'static Limit, bound: f64, value: f64) -> bool {
+        self.take(limit, (bound, false), value, "")
+    }
+
+    fn take(
+        &mut self,
+        limit: &'static Limit,
+        (bound, overridden): (f64, bool),
+        value: f64,
+        about: &str,
+    ) -> bool {
         let met = limit.allows(value, bound);
         self.judged.push(Judged {
             id: limit.id,
@@ -151,8 +166,9 @@ fn words(limit: &Limit, value: f64, bound: f64, about: &str) -> String {
         Sense::AtLeast => "at least",
     };
     let about = if about.is_empty() { String::new() } else { format!(" {about}") };
+    let key = if limit.id.starts_with("goal.") { "" } else { "limits." };
     format!(
-        "{}{about} is {}{unit}, allowed is {side} {}{unit} (limits.{})",
+        "{}{about} is {}{unit}, allowed is {side} {}{unit} ({key}{})",
         limit.meaning,
         number(value),
         number(bound),

@@ -27,6 +27,7 @@ pub use wingbeat_aero as aero;
 pub use wingbeat_config as scenario;
 pub use wingbeat_config::learn;
 pub use wingbeat_flight::{guide, orbit, simulate, tether};
+pub use wingbeat_judge as judge;
 pub use wingbeat_math as math;
 pub use wingbeat_math::{Error, parallel, processor};
 pub use wingbeat_ocp as ocp;

@@ -4,7 +4,8 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use wingbeat::aero::LoadSource;
-use wingbeat::scenario::{FlightStatus, Run, Scenario};
+use wingbeat::judge::Status;
+use wingbeat::scenario::{Run, Scenario};
 use wingbeat::simulate::Record;
 
 fn fly(overrides: &[&str]) -> Run {
@@ -18,7 +19,7 @@ fn fly(overrides: &[&str]) -> Run {
 fn the_banking_turn_holds_the_attitude_of_the_paper_and_converges_with_the_step() {
     let run = fly(&["flight.record_every_s=0.005"]);
     let s = &run.summary;
-    assert_eq!(s.status, FlightStatus::Ok, "{:?}", s.reason);
+    assert_eq!(s.status, Status::Ok, "{:?}", s.reason);
     assert!((s.roll_mean_deg.unwrap() - 15.0).abs() < 1.5, "roll {:?}", s.roll_mean_deg);
     assert!((s.pitch_mean_deg.unwrap() + 15.0).abs() < 2.0, "pitch {:?}", s.pitch_mean_deg);
     assert!(s.pitch_half_amplitude_deg.unwrap() < 10.0);

@@ -32,3 +32,4 @@ mod surfaces;
 mod tether;
 mod tether_numbers;
 mod tracking;
+mod verdict;

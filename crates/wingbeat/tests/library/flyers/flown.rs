@@ -3,9 +3,10 @@
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use wingbeat::judge::Status;
 use wingbeat::math::{GRAVITY, Vec3};
 use wingbeat::plant::Plant;
-use wingbeat::scenario::{FlightStatus, Run, Scenario};
+use wingbeat::scenario::{Run, Scenario};
 
 /// The folder of the repository.
 pub fn root() -> PathBuf {
@@ -47,7 +48,7 @@ pub struct Flown {
 /// Flies to the end.
 pub fn fly(scenario: Scenario) -> Flown {
     let run = scenario.fly(|_| ControlFlow::Continue(())).unwrap();
-    assert_eq!(run.summary.status, FlightStatus::Ok, "{:?}", run.summary.reason);
+    assert_eq!(run.summary.status, Status::Ok, "{:?}", run.summary.reason);
     Flown { scenario, run }
 }
 

@@ -1,0 +1,218 @@
+//! The verdict on a flight: its goal, the limits of the task without one, and what a reader must know.
+
+use super::spec::GoalSpec;
+use super::summary::{Context, Crossing, Summary};
+use wingbeat_flight::simulate::{Ending, Flight, Record};
+use wingbeat_judge::limits::flight;
+use wingbeat_judge::{Judge, Limit, Limits, Status, Verdict, Warning};
+use wingbeat_math::Vec3;
+use wingbeat_ocp::plant::Fault;
+
+const GOAL_ROLL: Limit =
+    Limit::at_most("goal.roll_within_deg", 0.0, "deg", Status::OffTarget).on("rms error of roll");
+const GOAL_PITCH: Limit =
+    Limit::at_most("goal.pitch_within_deg", 0.0, "deg", Status::OffTarget).on("rms error of pitch");
+const GOAL_ALTITUDE: Limit =
+    Limit::at_most("goal.altitude_within_m", 0.0, "m", Status::OffTarget).on("change of altitude");
+const GOAL_SLOWEST: Limit =
+    Limit::at_least("goal.speed_between_m_s", 0.0, "m/s", Status::OffTarget).on("mean speed");
+const GOAL_FASTEST: Limit =
+    Limit::at_most("goal.speed_between_m_s", 0.0, "m/s", Status::OffTarget).on("mean speed");
+const GOAL_CLEARANCE: Limit =
+    Limit::at_least("goal.clearance_m", 0.0, "m", Status::OffTarget).on("least clearance");
+
+/// A flight and what is judged of it.
+pub(super) struct Flown<'a> {
+    pub summary: &'a Summary,
+    pub record: &'a Record,
+    pub flight: &'a Flight,
+    pub context: &'a Context<'a>,
+    pub crossing: Option<&'a Crossing>,
+    /// First row that counts as settled.
+    pub first: usize,
+}
+
+/// The verdict, and the keys of the goal that could not be judged.
+pub(super) type Found = (Verdict, Vec<&'static str>);
+
+impl Flown<'_> {
+    /// Judges by the goal, the task and the limits.
+    pub fn judged(&self, limits: &Limits) -> Found {
+        let mut judge = Judge::new(limits);
+        let mut not_judged = Vec::new();
+        match self.broken() {
+            Some((status, reason)) => judge.find(status, reason),
+            None => {
+                not_judged = self.goal(&mut judge);
+                self.task(&mut judge);
+            }
+        }
+        self.model(&mut judge);
+        (judge.verdict(), not_judged)
+    }
+
+    /// Why the flight ended before its time.
+    fn broken(&self) -> Option<(Status, String)> {
+        match self.flight.ending {
+            Ending::Complete => None,
+            Ending::Stopped => Some((Status::Interrupted, "stopped from outside".into())),
+            Ending::Fault(Fault::NotRecorded { column, time }) => {
+                let name =
+                    self.record.columns().get(column).map_or("a column", |column| column.name.as_str());
+                Some((Status::Failed, format!("{name} is not finite at t = {time:.4} s")))
+            }
+            Ending::Fault(fault) if fault.is_not_finite() => Some((Status::Failed, fault.to_string())),
+            Ending::Fault(fault) => {
+                Some((Status::Failed, format!("{fault}, after {:.4} s", self.flight.duration)))
+            }
+        }
+    }
+
+    /// Judges by `[goal]`; returns the keys that could not be judged.
+    fn goal(&self, judge: &mut Judge) -> Vec<&'static str> {
+        let Some(goal) = self.context.goal else { return Vec::new() };
+        let mut open = Vec::new();
+        let mut why = "";
+        for (limit, bound, value, reason) in self.asked(goal) {
+            match value {
+                Some(value) => _ = judge.hold_to(limit, bound, value),
+                None => {
+                    why = reason;
+                    if open.last() != Some(&limit.id) {
+                        open.push(limit.id);
+                    }
+                }
+            }
+        }
+        if !open.is_empty() {
+            let reason = format!("not judged: {}; {why}", open.join(", "));
+            judge.warn(Warning::new("flight.goal_not_judged", &reason).key(open[0]));
+            judge.find(Status::NotJudged, reason);
+        }
+        open
+    }
+
+    /// What the goal asks: limit, bound, value where there is one, and why there may be none.
+    fn asked(&self, goal: &GoalSpec) -> Vec<(&'static Limit, f64, Option<f64>, &'static str)> {
+        const UNSETTLED: &str = "the flight ended before the goal's settling time";
+        let reference = self.context.manoeuvre.is_some();
+        let angle = |value: Option<f64>| value.filter(|_| reference);
+        let why = if reference { UNSETTLED } else { "without [manoeuvre] there is no reference to hold" };
+        let summary = self.summary;
+        let mut asked = vec![
+            (&GOAL_ROLL, goal.roll_within_deg, angle(summary.roll_rms_error_deg), why),
+            (&GOAL_PITCH, goal.pitch_within_deg, angle(summary.pitch_rms_error_deg), why),
+        ];
+        if let Some(within) = goal.altitude_within_m {
+            asked.push((&GOAL_ALTITUDE, within, self.altitude_change(), UNSETTLED));
+        }
+        if let Some([low, high]) = goal.speed_between_m_s {
+            asked.push((&GOAL_SLOWEST, low, summary.mean_speed_m_s, UNSETTLED));
+            asked.push((&GOAL_FASTEST, high, summary.mean_speed_m_s, UNSETTLED));
+        }
+        if let Some(least) = goal.clearance_m {
+            asked.push((&GOAL_CLEARANCE, least, summary.least_clearance_m, "the robot has no clearances"));
+        }
+        asked
+    }
+
+    /// Judges what the goal leaves open by what the controller is there for.
+    fn task(&self, judge: &mut Judge) {
+        let (summary, goal) = (self.summary, self.context.goal);
+        if self.context.period_s.is_none() {
+            self.hold(judge, &flight::FREE_PATH_ANGLE, self.path_angle());
+            return;
+        }
+        let height = summary.height_max_error_m.filter(|_| summary.path.is_none());
+        self.hold(judge, &flight::ALTITUDE, height);
+        if self.tracks_attitude() && goal.is_none() {
+            self.hold(judge, &flight::ATTITUDE, summary.roll_rms_error_deg);
+            self.hold(judge, &flight::ATTITUDE, summary.pitch_rms_error_deg);
+        }
+        self.hold(judge, &flight::PATH, summary.path.as_ref().map(|path| path.cross_max_m));
+        self.hold(judge, &flight::PLACE, summary.hover.as_ref().map(|hover| hover.place_rms_m));
+        let has_height = height.is_some() || summary.path.is_some() || summary.hover.is_some();
+        let asks_height = goal.is_some_and(|goal| goal.altitude_within_m.is_some());
+        if !has_height && !asks_height {
+            self.hold(judge, &flight::PATH_ANGLE, self.path_angle());
+        }
+        if !self.context.inputs.is_empty() {
+            judge.hold(&flight::SATURATION, summary.input_saturation_fraction);
+        }
+        if summary.controller.updates > 0 {
+            let share = summary.controller.failures as f64 / summary.controller.updates as f64;
+            judge.hold(&flight::FAILURES, share);
+        }
+    }
+
+    /// True when there is an attitude to hold: that of an orbit, or of a manoeuvre that has had its time to settle.
+    fn tracks_attitude(&self) -> bool {
+        let orbit = self.record.values("orbit_roll_error").is_some();
+        orbit || (self.context.manoeuvre.is_some() && self.flight.duration > SETTLED)
+    }
+
+    fn hold(&self, judge: &mut Judge, limit: &'static Limit, value: Option<f64>) {
+        if let Some(value) = value {
+            judge.hold(limit, value);
+        }
+    }
+
+    /// Holds the flight against the range in which its model, its fit and its steps are good.
+    fn model(&self, judge: &mut Judge) {
+        if let Some(crossing) = self.crossing {
+            judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
+        }
+        if let Some(beyond) = self.summary.beyond_residual_fraction {
+            judge.hold(&flight::LEAVES_RESIDUAL, beyond);
+            judge.hold(&flight::BEYOND_RESIDUAL, beyond);
+        }
+        if let Some(error) = self.context.step_error_m {
+            judge.hold(&flight::STEP_ERROR, error);
+            judge.hold(&flight::STEPS_LOST, error);
+        }
+        for (law, share) in &self.context.stalled {
+            if let Some(what) = law.about().beyond_stall {
+                let text = format!(
+                    "{:.0} % of strip samples are past the stall angle under lift law `{}`, {what}",
+                    100.0 * share,
+                    law.name()
+                );
+                judge.warn(Warning::new("flight.beyond_stall", text).size(*share).key("aero.law"));
+            }
+        }
+    }
+
+    /// Largest distance from the altitude at the start once settled, m.
+    fn altitude_change(&self) -> Option<f64> {
+        let z = self.record.values("p_WB_z")?;
+        let start = *z.first()?;
+        z.iter().skip(self.first).map(|z| (z - start).abs()).reduce(f64::max)
+    }
+
+    /// Angle between the path and the horizon over the whole flight, deg: height over length on the ground. Missing for a
+    /// flight that is too short to say, or that stays where it is.
+    fn path_angle(&self) -> Option<f64> {
+        if self.flight.duration < SETTLED {
+            return None;
+        }
+        let along = |name: &str| self.record.values(name);
+        let (x, y) = (along("p_WB_x")?, along("p_WB_y")?);
+        let ground: f64 = (1..x.len()).map(|row| (x[row] - x[row - 1]).hypot(y[row] - y[row - 1])).sum();
+        let height = self.summary.altitude_change_m.abs();
+        (ground.max(height) > STAYS).then(|| height.atan2(ground).to_degrees())
+    }
+}
+
+/// Time after which a flight has a path that can be judged, s. *Choice.*
+const SETTLED: f64 = 2.0;
+/// Way below which a flight has no path angle, m. *Choice.*
+const STAYS: f64 = 1.0;
+
+/// Mean magnitude and upward component of the velocity from the row `first` on, m/s.
+pub(super) fn mean_velocity(record: &Record, first: usize) -> Option<(f64, f64)> {
+    let axes = ["x", "y", "z"].map(|axis| record.values(&format!("v_WB_W_{axis}")));
+    let [Some(x), Some(y), Some(z)] = axes else { return None };
+    let rows = x.len().checked_sub(first).filter(|rows| *rows > 0)? as f64;
+    let speed: f64 = (first..x.len()).map(|row| Vec3::new(x[row], y[row], z[row]).norm()).sum();
+    Some((speed / rows, z[first..].iter().sum::<f64>() / rows))
+}

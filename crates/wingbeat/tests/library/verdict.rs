@@ -1,0 +1,93 @@
+//! What a flight is called without a goal of its own.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use wingbeat::judge::Status;
+use wingbeat::scenario::{Scenario, Summary};
+
+fn scenario(name: &str, overrides: &[&str]) -> Result<Scenario, String> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let overrides: Vec<String> = overrides.iter().map(|s| s.to_string()).collect();
+    Scenario::load(&root.join(format!("scenarios/{name}.toml")), &overrides).map_err(|e| e.to_string())
+}
+
+fn fly(name: &str, overrides: &[&str]) -> Summary {
+    scenario(name, overrides).unwrap().fly(|_| ControlFlow::Continue(())).unwrap().summary
+}
+
+fn missed(summary: &Summary) -> Vec<&str> {
+    summary.judged.iter().filter(|judged| !judged.met).map(|judged| judged.id).collect()
+}
+
+/// The controller knows law `lev`; the air that flies is another.
+const OTHER_AIR: &str = "mismatch.aero.law=stall";
+
+#[test]
+fn a_flight_that_falls_is_off_target_without_a_goal() {
+    let lost = fly("bank15_beta_lev", &[OTHER_AIR, "flight.duration_s=6"]);
+    assert!(lost.status >= Status::OffTarget, "{:?}", lost.reason);
+    let missed = missed(&lost);
+    assert!(
+        missed.contains(&"flight.altitude_m") || missed.contains(&"flight.attitude_rms_deg"),
+        "{missed:?}"
+    );
+    let reason = lost.reason.unwrap();
+    assert!(reason.contains("allowed is at most") && reason.contains("limits.flight."), "{reason}");
+}
+
+#[test]
+fn a_flight_that_holds_its_orbit_is_ok_and_says_on_what_that_rests() {
+    let held = fly("bank15_beta_lev", &["flight.duration_s=1.5"]);
+    assert_eq!(held.status, Status::Ok, "{:?}", held.reason);
+    let judged: Vec<&str> = held.judged.iter().map(|judged| judged.id).collect();
+    for id in [
+        "flight.altitude_m",
+        "flight.attitude_rms_deg",
+        "flight.saturation_fraction",
+        "flight.crossing_fraction",
+    ] {
+        assert!(judged.contains(&id), "{id} of {judged:?}");
+    }
+    assert!(missed(&held).is_empty() && held.judged.iter().all(|judged| !judged.overridden));
+}
+
+#[test]
+fn a_document_overrides_a_limit_and_the_verdict_says_so() {
+    let short = ["flight.duration_s=0.3", "limits.flight.altitude_m=1e-9"];
+    let strict = fly("bank15_beta_lev", &short);
+    assert_eq!(strict.status, Status::OffTarget);
+    let height = strict.judged.iter().find(|judged| judged.id == "flight.altitude_m").unwrap();
+    assert!(height.overridden && height.limit == 1e-9 && !height.met);
+    let refused = scenario("glide", &["limits.flight.altitud_m=1.0"]).unwrap_err();
+    assert!(
+        refused.contains("limits.flight.altitud_m") && refused.contains("flight.altitude_m,"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_goal_takes_the_place_of_the_usual_limits_of_its_quantities() {
+    let short = ["flight.duration_s=0.1"];
+    let turn = fly("banking_turn", &short);
+    assert_eq!((turn.status, turn.not_judged.len()), (Status::NotJudged, 2));
+    assert_eq!(turn.status.exit_code(), 0);
+    assert!(turn.warnings.iter().any(|warning| warning.id == "flight.goal_not_judged"));
+    assert!(turn.judged.iter().all(|judged| judged.id != "flight.attitude_rms_deg"));
+}
+
+#[test]
+fn a_free_flight_that_tumbles_gets_a_warning_and_a_glide_none() {
+    let said =
+        |summary: &Summary| summary.warnings.iter().any(|warning| warning.id == "flight.free_path_angle_deg");
+    let fallen = fly("cruise_20g_lev", &[]);
+    assert!(said(&fallen) && fallen.sink_rate_m_s.unwrap() > 3.0, "{:?}", fallen.warnings);
+    let glide = fly("glide", &["flight.duration_s=2.5"]);
+    assert!(!said(&glide) && glide.status == Status::Ok, "{:?}", glide.warnings);
+}
+
+#[test]
+fn wings_that_cross_put_the_flight_outside_of_its_model() {
+    let crossed = fly("cruise_beta_lev", &[]);
+    assert_eq!(crossed.status, Status::Outside, "{:?}", crossed.reason);
+    assert_eq!(missed(&crossed), ["flight.crossing_fraction"]);
+}
