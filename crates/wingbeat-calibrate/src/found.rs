@@ -4,6 +4,7 @@ use crate::{
     Calibration, Error, Fit, Information, Label, LearnedResidual, NORMAL_95, NextRun, Observed, PHASES,
     Parameter, Predicted, Profile, Rival, RunRole, Solved, Structure, channel_name, phase_of, rms,
 };
+use wingbeat::judge::data::Finding;
 use wingbeat::simulate::{Column, Record};
 
 /// A run with what was measured and predicted.
@@ -62,6 +63,8 @@ pub struct Found {
     pub residual: Option<LearnedResidual>,
     /// What is odd of the samples.
     pub cautions: Vec<String>,
+    /// What is wrong with the data of cases.
+    pub findings: Vec<Finding>,
 }
 
 impl Found {
@@ -125,6 +128,7 @@ impl Found {
             next: Vec::new(),
             residual,
             cautions,
+            findings: Vec::new(),
         })
     }
 
