@@ -4,8 +4,9 @@ use crate::found::Found;
 use crate::residual::Stands;
 use crate::{
     Calibration, Failure, Information, Keep, Linear, NextRun, Observed, Plan, Problem, Progress, Rival,
-    Solved, Structure, Watch, checked, data, solve,
+    Solved, Structure, Watch, checked, data, doctor, solve,
 };
+use wingbeat::judge::data::Finding;
 use wingbeat_io::urdf_as_toml;
 
 /// Deviations that a change of a number by its size must make at least for a run to say something of it. *Choice.*
@@ -24,6 +25,8 @@ pub struct Prepared<'a> {
     pub information: Information,
     /// What is odd of the samples.
     pub cautions: Vec<String>,
+    /// What is wrong with the data of cases.
+    pub found: Vec<Finding>,
 }
 
 impl Calibration {
@@ -36,13 +39,14 @@ impl Calibration {
         let runs = self.observed(&structure, &urdf_as_toml, &data::read)?;
         let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
         let mut cautions = checked(&structure, &runs, &values)?;
+        let found = doctor::suspected(&structure, &runs, &values)?;
         let stands = Stands::of(&structure.model, &runs)?;
         cautions.extend(stands.iter().flat_map(Stands::cautions));
         let problem = Problem::new(&structure.model, &runs, &structure.parameters)?;
         let at = Linear::at(&problem, &problem.fitted(), &values)?;
         self.check_stages(&problem, &at)?;
         let information = Information::of(&problem, &at, &values);
-        Ok(Prepared { calibration: self, structure, runs, information, cautions })
+        Ok(Prepared { calibration: self, structure, runs, information, cautions, found })
     }
 }
 
@@ -95,6 +99,7 @@ impl Prepared<'_> {
             solve(&structure.model, &self.runs, &structure.parameters, &self.plan(), keep, &mut *watch)?;
         let (information, cautions) = (self.information.clone(), self.cautions.clone());
         let mut found = Found::of(calibration, structure, &self.runs, &solved, information, cautions)?;
+        found.findings.clone_from(&self.found);
         for rival in calibration.structures() {
             found.rivals.push(self.rival(&rival.name, &rival.set, &solved, watch)?);
         }

@@ -4,7 +4,7 @@ use crate::{
     Calibration, Error, Fit, Information, Label, LearnedResidual, NORMAL_95, NextRun, Observed, PHASES,
     Parameter, Predicted, Profile, Rival, RunRole, Solved, Structure, channel_name, phase_of, rms,
 };
-use wingbeat::judge::Warning;
+use wingbeat::judge::data::Finding;
 use wingbeat::simulate::{Column, Record};
 
 /// A run with what was measured and predicted.
@@ -63,8 +63,8 @@ pub struct Found {
     pub residual: Option<LearnedResidual>,
     /// What is odd of the samples.
     pub cautions: Vec<String>,
-    /// What was found about the data, for the verdict.
-    pub findings: Vec<Warning>,
+    /// What is wrong with the data of cases.
+    pub findings: Vec<Finding>,
 }
 
 impl Found {

@@ -12,6 +12,7 @@ mod calibration;
 mod checks;
 mod data;
 pub mod design;
+mod doctor;
 mod error;
 mod find;
 mod fit;

@@ -87,6 +87,7 @@ pub fn observed(target: &RigTarget, passes: &[Pass], role: RunRole, robust: bool
         samples_per_cycle,
         left_out,
         oddities,
+        found: Vec::new(),
         frequency_hz,
         role,
         unmeasured: Vec::new(),

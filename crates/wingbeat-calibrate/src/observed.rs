@@ -2,6 +2,7 @@
 
 use crate::Layout;
 use nalgebra::DMatrix;
+use wingbeat::judge::data::Finding;
 use wingbeat::scenario::{CalibratedCaseSpec, CalibratedRunSpec};
 
 /// Distance beyond which a cycle counts less, in deviations (Huber 1964: 95 % efficient on normal noise).
@@ -60,6 +61,8 @@ pub struct Observed {
     pub left_out: usize,
     /// What is odd of the samples, in words.
     pub oddities: Vec<String>,
+    /// What is wrong with the samples.
+    pub found: Vec<Finding>,
     /// Frequency that was measured, Hz.
     pub frequency_hz: f64,
     /// What the run is for.

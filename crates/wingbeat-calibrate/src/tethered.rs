@@ -2,7 +2,7 @@
 
 use crate::bins::Bins;
 use crate::observed::{Common, RunRole};
-use crate::{Error, Layout, Observed, project};
+use crate::{Error, Layout, Observed, doctor, project};
 use std::f64::consts::TAU;
 use wingbeat::plant::Fault;
 use wingbeat::scenario::{ConfigError, TetherCase};
@@ -98,6 +98,7 @@ impl CaseTarget {
         let mut bins = Bins::new();
         let (mut cycles, mut left_out, mut samples, mut turns) = (Vec::new(), 0, 0.0, 0.0);
         let mut measured: Option<Vec<usize>> = None;
+        let mut found = Vec::new();
         let mut seen: Vec<(&str, [Vec<f64>; 6])> = Vec::new();
         for (file, record) in files {
             let wrong = |what: String| Error::data(file, what);
@@ -106,12 +107,13 @@ impl CaseTarget {
                 Some(first) if *first != of => {
                     return Err(wrong(format!("has other channels than {}: one case, one list", files[0].0)));
                 }
-                _ => measured = Some(of),
+                _ => measured = Some(of.clone()),
             }
             if let Some((other, _)) = seen.iter().find(|(_, same)| *same == channels) {
                 return Err(wrong(format!("holds the very samples of {other}: one pass counts once")));
             }
             let phase = self.case.measured_phase(record).map_err(|error| wrong(error.to_string()))?;
+            found.extend(doctor::findings(self, file, &phase, (&of, &channels)));
             let snapped = |phase: &f64| {
                 let whole = phase.round();
                 TAU * if (phase - whole).abs() < ROUNDING { whole } else { *phase }
@@ -154,6 +156,7 @@ impl CaseTarget {
             samples_per_cycle: samples / turns,
             left_out,
             oddities: Vec::new(),
+            found,
             frequency_hz: self.case.measured_frequency(),
             role,
             unmeasured: (0..LOADS.len()).filter(|channel| !measured.contains(channel)).collect(),

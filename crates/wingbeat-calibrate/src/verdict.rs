@@ -19,7 +19,7 @@ impl Found {
     /// Judges the fit by `limits`; findings about the data come first.
     pub fn verdict(&self, limits: &Limits) -> Verdict {
         let mut judge = Judge::new(limits);
-        self.findings.iter().for_each(|finding| judge.warn(finding.clone()));
+        self.findings.iter().cloned().for_each(|finding| finding.put(&mut judge));
         for (name, share) in self.explained() {
             judge.hold_about(&calibration::EXPLAINED, share, &format!("in the {name}"));
             judge.hold_about(&calibration::MODEL_ERROR, share, &format!("in the {name}"));

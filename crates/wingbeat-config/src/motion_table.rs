@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::Coordinate;
+use wingbeat_judge::Limits;
+use wingbeat_judge::data::{Channel, Finding, Purpose, Series, examined};
 use wingbeat_math::CubicSpline;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -83,22 +85,39 @@ pub struct Smoothed {
     pub residual_largest: f64,
 }
 
+/// A coordinate as it is run.
+pub(super) struct Built {
+    /// The coordinate in its own unit.
+    pub coordinate: Coordinate,
+    /// What smoothing left of its table.
+    pub smoothed: Option<Smoothed>,
+    /// What is wrong with its table.
+    pub found: Vec<Finding>,
+}
+
+impl Built {
+    fn whole(coordinate: Coordinate) -> Self {
+        Self { coordinate, smoothed: None, found: Vec::new() }
+    }
+}
+
 impl CoordinateSpec {
-    /// The coordinate in its own unit, and what smoothing left; tables are sought in `folder`.
+    /// The coordinate in its own unit, with what its table says; tables are sought in `folder`.
     pub(super) fn build(
         &self,
         frequency_hz: f64,
         folder: &dyn Fn() -> PathBuf,
         read: ReadTable,
-    ) -> Result<(Coordinate, Option<Smoothed>), Error> {
+        limits: &Limits,
+    ) -> Result<Built, Error> {
         Ok(match self {
-            Self::Constant(value) => (Coordinate::Constant(*value), None),
+            Self::Constant(value) => Built::whole(Coordinate::Constant(*value)),
             Self::Fourier(f) => {
                 let (cos, sin) = (f.cos.clone(), f.sin.clone());
-                (Coordinate::Fourier { frequency_hz, mean: f.mean, cos, sin }, None)
+                Built::whole(Coordinate::Fourier { frequency_hz, mean: f.mean, cos, sin })
             }
             Self::Table(table) => {
-                table.build(frequency_hz, &folder(), read).map_err(|e| e.within("table"))?
+                table.build(frequency_hz, &folder(), read, limits).map_err(|e| e.within("table"))?
             }
         })
     }
@@ -146,13 +165,15 @@ impl TableSpec {
         frequency_hz: f64,
         folder: &Path,
         read: ReadTable,
-    ) -> Result<(Coordinate, Option<Smoothed>), Error> {
+        limits: &Limits,
+    ) -> Result<Built, Error> {
         self.check()?;
         let path = folder.join(&self.file);
         let record = read(&path).map_err(|what| Error::invalid("file", path.display(), what))?;
         let pace = self.pace(frequency_hz);
         let t: Vec<f64> = column(&record, self.by.column(), "file")?.iter().map(|t| t * pace).collect();
         let y: Vec<f64> = column(&record, &self.column, "column")?.iter().map(|y| y * self.scale).collect();
+        let found = self.found((frequency_hz, limits), &t, &y);
         if let Some(count) = self.harmonics {
             if t.len().saturating_mul(count) > MOST_FITTED {
                 let allowed = format!("at most {MOST_FITTED} over the {} samples of the table", t.len());
@@ -162,14 +183,43 @@ impl TableSpec {
                 let allowed = format!("fewer: the {} samples of the table do not determine so many", t.len());
                 Error::invalid("harmonics", count, allowed).against(["file"])
             })?;
-            return Ok((coordinate, Some(left)));
+            return Ok(Built { coordinate, smoothed: Some(left), found });
         }
         let spline = match self.repeats() {
             true => closed(&t, &y, 1.0 / frequency_hz),
             false => CubicSpline::natural(&t, &y),
         };
         let refused = |error: Error| Error::invalid("file", path.display(), error.to_string());
-        Ok((Coordinate::Table(spline.map_err(refused)?), None))
+        Ok(Built { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
+    }
+
+    /// What is wrong with a table that repeats, at times `t` (s) of the case. Harmonics take away noise, and ask for no order.
+    fn found(&self, (frequency_hz, limits): (f64, &Limits), t: &[f64], y: &[f64]) -> Vec<Finding> {
+        if !self.repeats() {
+            return Vec::new();
+        }
+        let phase: Vec<f64> = t.iter().map(|t| t * frequency_hz).collect();
+        let own = self.frequency_hz.unwrap_or(frequency_hz);
+        let series = Series {
+            what: &self.file.display().to_string(),
+            phase: &phase,
+            frequency_hz: (self.by == TableBy::Time).then_some(own),
+            channels: vec![Channel { name: &self.column, unit: "(unit of the key)", samples: y }],
+            purpose: Purpose::Motion,
+        };
+        let mended = |id: &str| match id {
+            "data.frequency" => Some("table.frequency_hz".to_owned()),
+            "data.rough" => Some("table.harmonics".to_owned()),
+            _ => None,
+        };
+        let smoothed = |id: &str| self.harmonics.is_some() && ["data.rough", "data.time"].contains(&id);
+        let found = examined(&series, limits).into_iter().filter(|finding| !smoothed(finding.id));
+        found
+            .map(|finding| {
+                let key = mended(finding.id);
+                finding.mended_by(key)
+            })
+            .collect()
     }
 }
 

@@ -11,6 +11,9 @@ use wingbeat_flight::tether::{
     CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing,
     WingNumbers,
 };
+use wingbeat_judge::data::Finding;
+use wingbeat_judge::limits::tether;
+use wingbeat_judge::{Judge, Limits, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::{Declared, Named, Parameters, Vec3};
@@ -31,6 +34,10 @@ pub struct TetherCase {
     pub tether: Tether,
     /// What fits of harmonics left of the tables.
     pub smoothed: Vec<Smoothed>,
+    /// What is wrong with the tables.
+    pub found: Vec<Finding>,
+    /// What the verdict is held against.
+    pub limits: Limits,
     pub(super) document: Document,
 }
 
@@ -80,9 +87,10 @@ impl TetherCase {
         let document = document.merged(&["numbers"], &|_, _| None)?;
         let spec: TetherSpec = document.parse()?;
         let resolved = document.resolved()?;
-        let built = spec.build(&|key| document.folder(key), read);
-        let (tether, smoothed) = built.map_err(|error| document.explain(&error))?;
-        Ok(Self { spec, resolved, tether, smoothed, document })
+        let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
+        let built = spec.build(&|key| document.folder(key), read, &limits);
+        let (tether, Tables { smoothed, found }) = built.map_err(|error| document.explain(&error))?;
+        Ok(Self { spec, resolved, tether, smoothed, found, limits, document })
     }
 
     /// The case as TOML, each table under the name that `name` gives for its file, beside the case.
@@ -111,22 +119,9 @@ impl TetherCase {
 
     /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps.
     pub fn summary(&self, run: &TetherRun, step_change: Option<f64>) -> TetherSummary {
-        let resolved = step_change.is_none_or(|change| change <= UNRESOLVED);
         let law = self.tether.aero.law();
-        let share = 100.0 * run.stall_fraction;
-        let limit = self.tether.aero.stall_angle().to_degrees();
-        let past = format!("{share:.1} % of the strips of the last cycle are past {limit:.0} deg");
-        let warning = law.about().beyond_stall.map(|what| format!("{past} under law {}, {what}", law.name()));
-        let unrepeated = run.periodicity.as_ref().and_then(unrepeated);
         TetherSummary {
-            status: match run.ending {
-                Ending::Complete if !resolved => "not_resolved".into(),
-                Ending::Complete if unrepeated.is_some() => "not_periodic".into(),
-                Ending::Complete => "ok".into(),
-                Ending::Stopped => "stopped".into(),
-                Ending::Fault(fault) if fault.is_not_finite() => format!("not_finite: {fault}"),
-                Ending::Fault(fault) => format!("failed: {fault}"),
-            },
+            verdict: self.verdict(run, step_change),
             name: self.spec.name.clone(),
             preset: self.spec.aero.preset.name(),
             lift_law: law.name(),
@@ -140,24 +135,65 @@ impl TetherCase {
             propulsive_efficiency: run.efficiency,
             periodicity: run.periodicity.clone(),
             smoothed: self.smoothed.clone(),
-            warnings: warning
-                .filter(|_| run.stall_fraction > 0.0)
-                .into_iter()
-                .chain(unrepeated)
-                .chain(step_change.and_then(|change| self.coarse(change)))
-                .chain(rejected_fit(&self.spec.numbers).map(|warning| warning.text))
-                .collect(),
             cycle: run.means.clone(),
         }
     }
+
+    /// What the run is held against, with the tables of its motion.
+    fn verdict(&self, run: &TetherRun, step_change: Option<f64>) -> Verdict {
+        let mut judge = Judge::new(&self.limits);
+        match run.ending {
+            Ending::Complete => {}
+            Ending::Stopped => judge.find(Status::Interrupted, "stopped"),
+            Ending::Fault(fault) if fault.is_not_finite() => {
+                judge.find(Status::Failed, format!("not finite: {fault}"))
+            }
+            Ending::Fault(fault) => judge.find(Status::Failed, fault.to_string()),
+        }
+        if run.ending == Ending::Complete {
+            if let Some(change) = step_change {
+                judge.hold(&tether::STEPS, change);
+            }
+            if let Some(Periodicity { change, quantity }) = &run.periodicity {
+                let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
+                judge.hold_about(&tether::CYCLES, *change, &mend);
+            }
+        }
+        self.stalled(run)
+            .into_iter()
+            .chain(step_change.and_then(|change| self.coarse(change)))
+            .chain(rejected_fit(&self.spec.numbers))
+            .for_each(|warning| judge.warn(warning));
+        self.found.iter().cloned().for_each(|finding| finding.put(&mut judge));
+        judge.verdict()
+    }
+
+    /// The caution that the law does not hold for all of the motion.
+    fn stalled(&self, run: &TetherRun) -> Option<Warning> {
+        let law = self.tether.aero.law();
+        let what = law.about().beyond_stall.filter(|_| run.stall_fraction > 0.0)?;
+        let (share, limit) = (100.0 * run.stall_fraction, self.tether.aero.stall_angle().to_degrees());
+        let text = format!(
+            "{share:.1} % of the strips of the last cycle are past {limit:.0} deg under law {}, {what}",
+            law.name()
+        );
+        Some(Warning::new("tether.stall", text).size(run.stall_fraction).key("aero.law"))
+    }
+}
+
+/// What the tables of a motion say.
+#[derive(Default)]
+struct Tables {
+    smoothed: Vec<Smoothed>,
+    found: Vec<Finding>,
 }
 
 /// The numbers of a tethered run.
 #[derive(Clone, Debug, Serialize)]
 pub struct TetherSummary {
-    /// `ok`, `not_periodic` (the last cycle differs from the one before), `not_resolved` (the loads depend on the
-    /// steps), `stopped`, or what failed.
-    pub status: String,
+    /// What the run is, what that rests on, and what to beware of.
+    #[serde(flatten)]
+    pub verdict: Verdict,
     /// Name of the case.
     pub name: String,
     /// Aerodynamic preset.
@@ -185,31 +221,12 @@ pub struct TetherSummary {
     pub periodicity: Option<Periodicity>,
     /// What fits of harmonics left of the tables.
     pub smoothed: Vec<Smoothed>,
-    /// What to beware of.
-    pub warnings: Vec<String>,
     /// Means and ranges over the last cycle.
     pub cycle: Vec<CycleMean>,
 }
 
-/// Change of a mean or half a range from cycle to cycle above which a run is not periodic. *Choice.*
-const UNREPEATED: f64 = 0.01;
-
-/// The caution that the last cycle is not like the one before.
-fn unrepeated(periodicity: &Periodicity) -> Option<String> {
-    let Periodicity { change, quantity } = periodicity;
-    (!(*change <= UNREPEATED)).then(|| {
-        let percent = 100.0 * change;
-        format!(
-            "the last cycle is not like the one before: {quantity} changes by {percent:.2} % of the largest of its \
-             kind: take more cycles, unless the motion does not repeat"
-        )
-    })
-}
-
 /// Change of the means with other steps above which there is a caution. *Choice.*
 pub(super) const STEP_CHANGE: f64 = 0.02;
-/// Change above which a run is not resolved. *Choice.*
-const UNRESOLVED: f64 = 0.5;
 
 impl TetherCase {
     /// How much the mean loads of `run` depend on its steps: their change against the run with half the steps per
@@ -236,14 +253,15 @@ impl TetherCase {
     }
 
     /// The caution that the steps are too long.
-    fn coarse(&self, change: f64) -> Option<String> {
+    fn coarse(&self, change: f64) -> Option<Warning> {
         let steps = self.spec.time.steps_per_cycle;
         (!(change <= STEP_CHANGE)).then(|| {
-            let change = if change.is_finite() { 100.0 * change } else { f64::INFINITY };
-            format!(
-                "with other steps than time.steps_per_cycle = {steps} the mean loads change by {change:.3e} % of \
+            let percent = if change.is_finite() { 100.0 * change } else { f64::INFINITY };
+            let text = format!(
+                "with other steps than time.steps_per_cycle = {steps} the mean loads change by {percent:.3e} % of \
                  their range: take more steps per cycle"
-            )
+            );
+            Warning::new("tether.steps", text).size(change).key("time.steps_per_cycle")
         })
     }
 }
@@ -347,9 +365,9 @@ impl TetherCase {
 }
 
 impl TetherSpec {
-    fn build(&self, folder: Folder, read: ReadTable) -> Result<(Tether, Vec<Smoothed>), Error> {
+    fn build(&self, folder: Folder, read: ReadTable, limits: &Limits) -> Result<(Tether, Tables), Error> {
         self.check()?;
-        let (motion, smoothed) = self.motion(folder, read)?;
+        let (motion, tables) = self.motion(folder, read, limits)?;
         let clock = self.time.clock();
         let planform = self.wing.outline().map_err(|e| e.within("wing"))?;
         let outer = self.wing.hinges.iter().enumerate().filter(|(_, hinge)| hinge.arc_m > 0.0);
@@ -398,7 +416,7 @@ impl TetherSpec {
         let speed = if self.reference.speed_m_s.is_some() { "reference.speed_m_s" } else { "wind.speed_m_s" };
         let names = [("air", "wind"), ("reference.speed_m_s", speed), ("hinges", "wing.hinges")];
         tether.check().map_err(|e| e.renamed(&names))?;
-        Ok((tether, smoothed))
+        Ok((tether, tables))
     }
 
     /// The wing's model with those of `numbers` that are its own; those of bodies, gait and rig do not count.
@@ -408,16 +426,21 @@ impl TetherSpec {
         renumbered(&aero, &given)
     }
 
-    fn motion(&self, folder: Folder, read: ReadTable) -> Result<(Motion, Vec<Smoothed>), Error> {
+    fn motion(&self, folder: Folder, read: ReadTable, limits: &Limits) -> Result<(Motion, Tables), Error> {
         let frequency = self.time.frequency_hz;
         let degree = 1.0_f64.to_radians();
         let body = &self.body;
-        let mut smoothed = Vec::new();
+        let mut tables = Tables::default();
         let mut build = |spec: &super::CoordinateSpec, key: &str, factor| {
             let folder = || folder(&format!("{key}.table.file"));
-            let (coordinate, left) = spec.build(frequency, &folder, read).map_err(|e| e.within(key))?;
-            smoothed.extend(left.map(|left| Smoothed { key: key.into(), ..left }));
-            Ok(coordinate.scaled(factor))
+            let built = spec.build(frequency, &folder, read, limits).map_err(|e| e.within(key))?;
+            tables.smoothed.extend(built.smoothed.map(|left| Smoothed { key: key.into(), ..left }));
+            let keyed = |finding: Finding| {
+                let whole = finding.key.as_ref().map(|end| format!("{key}.{end}"));
+                finding.mended_by(whole)
+            };
+            tables.found.extend(built.found.into_iter().map(keyed));
+            Ok(built.coordinate.scaled(factor))
         };
         let surge = build(&body.surge_m, "body.surge_m", 1.0)?;
         let heave = build(&body.heave_m, "body.heave_m", 1.0)?;
@@ -427,7 +450,7 @@ impl TetherSpec {
             Ok((h.name.clone(), build(&h.angle_deg, &format!("wing.hinges[{i}].angle_deg"), degree)?))
         };
         let hinges = self.wing.hinges.iter().enumerate().map(hinge).collect::<Result<_, Error>>()?;
-        Ok((Motion { surge, heave, nose_up, roll, axis_ahead_m: body.pitch_axis_ahead_m, hinges }, smoothed))
+        Ok((Motion { surge, heave, nose_up, roll, axis_ahead_m: body.pitch_axis_ahead_m, hinges }, tables))
     }
 }
 

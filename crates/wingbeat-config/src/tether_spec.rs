@@ -1,6 +1,7 @@
 //! What a case file of a tethered wing says.
 
 use super::motion_table::TableSpec;
+use super::verdict_limits::VerdictLimits;
 use super::{AeroSpec, CompareSpec, RunName};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -34,6 +35,9 @@ pub struct TetherSpec {
     /// How a measured file is read that the loads are compared with.
     #[serde(default, skip_serializing_if = "CompareSpec::is_empty")]
     pub compare: CompareSpec,
+    /// Limits of the verdict in place of the usual ones, by name: `data.frequency_fraction = 0.02`.
+    #[serde(default, skip_serializing_if = "VerdictLimits::is_empty")]
+    pub limits: VerdictLimits,
     /// Numbers by name, `"surfaces.wing.cd0" = 0.03` and `"air.density_kg_m3"`, in place of those that follow from the other
     /// keys; or a file of such numbers, as `wingbeat calibrate` writes it. Numbers of what a wing alone has not (`body.`,
     /// `links.`, `gait.`, `mount.`, `crank.`) do not count.

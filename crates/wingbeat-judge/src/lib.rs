@@ -17,8 +17,11 @@
 //! # Ok::<(), wingbeat_judge::UnknownLimit>(())
 //! ```
 //!
+//! Measured data go to [`data`] first, whose findings are held against the limits of kind `data`.
+//!
 //! This crate knows no robot, no file and no verb, so that every other crate can use it.
 
+pub mod data;
 pub mod limits;
 mod status;
 mod verdict;

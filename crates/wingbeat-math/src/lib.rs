@@ -3,6 +3,7 @@
 mod angle;
 mod dual;
 mod error;
+mod harmonics;
 pub mod interpolation;
 mod jet;
 mod lanes;
@@ -27,6 +28,7 @@ mod wrench;
 pub use angle::{unwrapped, whole_turns};
 pub use dual::Dual;
 pub use error::{Error, require};
+pub use harmonics::Harmonics;
 pub use jet::Jet;
 pub use lanes::{Double4, Lanes, Single8};
 pub use over::{Meets, Over, lift};

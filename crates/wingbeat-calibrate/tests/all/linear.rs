@@ -63,6 +63,7 @@ fn observed(means: &[Vec<f64>], noise: f64, seed: u64) -> Vec<Observed> {
             samples_per_cycle: 1000.0,
             left_out: 0,
             oddities: Vec::new(),
+            found: Vec::new(),
             frequency_hz: 3.5,
             role: RunRole::Fitted,
             unmeasured: Vec::new(),

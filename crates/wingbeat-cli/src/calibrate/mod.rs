@@ -6,6 +6,7 @@ mod kept;
 use std::time::Instant;
 
 use serde::Serialize;
+use wingbeat::judge::data::Finding;
 use wingbeat::judge::{Status, Verdict};
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::{Calibration, Failure, Files, Found, Prepared, Progress, words};
@@ -97,6 +98,8 @@ fn found(
     let prepared = calibration.prepared()?;
     interrupt.check()?;
     prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
+    let told = |finding: &Finding| say::note(&format!("warning ({}): {}", finding.id, finding.words()));
+    prepared.found.iter().for_each(told);
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
     prepared.check()?;
     if arguments.information {

@@ -7,6 +7,7 @@ mod tables;
 use std::time::Instant;
 
 use serde::Serialize;
+use wingbeat::judge::{Status, Verdict};
 use wingbeat::scenario::{Compared, Comparison, Convergence, Smoothed, TetherCase, TetherSummary};
 use wingbeat::simulate::Ending;
 use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
@@ -74,17 +75,14 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     let printed =
         say::unless(options.quiet, || format!("{}\nrun folder: {}\n", found.text(), shown.display()));
-    match found.run.ending {
-        Ending::Fault(fault) => {
-            let status = if fault.is_not_finite() { "not_finite" } else { "fault" };
-            Err(Error::Failed { status: status.into(), reason: fault.to_string(), folder: shown.into() })
-        }
-        _ if found.summary.status == "not_resolved" => {
-            let (status, reason) =
-                (found.summary.status, found.summary.warnings.last().cloned().unwrap_or_default());
-            Err(Error::Failed { status, reason, folder: shown.into() })
-        }
-        _ => printed,
+    let Verdict { status, reason, .. } = &found.summary.verdict;
+    match status {
+        Status::Ok => printed,
+        status => Err(Error::Failed {
+            status: status.name().into(),
+            reason: reason.clone().unwrap_or_default(),
+            folder: shown.into(),
+        }),
     }
 }
 
@@ -199,8 +197,8 @@ fn table(summary: &TetherSummary) -> String {
             "{key}: {harmonics} harmonics of {samples} samples leave {residual_rms:.4} rms, {residual_largest:.4} at most\n"
         );
     }
-    for warning in &summary.warnings {
-        text += &format!("\nnote: {warning}\n");
+    for warning in &summary.verdict.warnings {
+        text += &format!("\nwarning ({}): {}\n", warning.id, warning.text);
     }
     text
 }

@@ -247,6 +247,7 @@ impl Scenario {
         let against = Vec3(start.velocity_m_s) - Vec3(air.wind_m_s);
         let along = against[0].hypot(against[1]);
         TetherSpec {
+            limits: Default::default(),
             name: format!("{}-tethered", self.spec.name),
             wing: TetheredWingSpec {
                 planform,

@@ -1,11 +1,6 @@
 //! One coordinate as a function of time.
 
-use wingbeat_math::linear::{lu_factor, lu_solve};
-use wingbeat_math::{CubicSpline, Jet, Scalar};
-
-/// Pivot of the normal equations, over the number of samples, below which they do not determine a harmonic; samples
-/// that lie evenly have 1/2. *Choice.*
-const UNDETERMINED: f64 = 1e-6;
+use wingbeat_math::{CubicSpline, Harmonics, Jet, Scalar};
 
 /// A coordinate with its rate and acceleration at any time.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,33 +46,9 @@ impl Coordinate {
 
     /// The harmonics up to `count` of `frequency_hz` nearest to the samples `y` at the times `t` (s), by least squares;
     /// none where the samples do not determine them.
-    ///
-    /// Equation: tether.harmonics
     pub fn fitted(frequency_hz: f64, t: &[f64], y: &[f64], count: usize) -> Option<Self> {
-        let size = 2 * count + 1;
-        let (mut right, mut sums) = (vec![0.0; size], vec![(0.0, 0.0); size]);
-        for (t, y) in t.iter().zip(y) {
-            let phase = std::f64::consts::TAU * (frequency_hz * t).fract();
-            let (step_sin, step_cos) = phase.sin_cos();
-            let (mut cos, mut sin) = (1.0, 0.0);
-            for (k, sum) in sums.iter_mut().enumerate() {
-                *sum = (sum.0 + cos, sum.1 + sin);
-                if k <= count {
-                    right[k] += cos * y;
-                    right[if k > 0 { count + k } else { 0 }] += sin * y;
-                }
-                (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
-            }
-        }
-        let mut normal = normal(&sums);
-        let mut pivots = vec![0; size];
-        let known = lu_factor(&mut normal, size, &mut pivots)
-            && (0..size).all(|i| normal[i * size + i].abs() > UNDETERMINED * y.len() as f64);
-        known.then(|| {
-            lu_solve(&normal, size, &pivots, &mut right, 1);
-            let (cos, sin) = (right[1..=count].to_vec(), right[count + 1..].to_vec());
-            Self::Fourier { frequency_hz, mean: right[0], cos, sin }
-        })
+        let Harmonics { mean, cos, sin } = Harmonics::fitted(frequency_hz, t, y, count)?;
+        Some(Self::Fourier { frequency_hz, mean, cos, sin })
     }
 
     /// The coordinate in another unit.
@@ -92,25 +63,6 @@ impl Coordinate {
             Self::Table(spline) => Self::Table(spline.scaled(factor)),
         }
     }
-}
-
-/// Sums of the products of 1, cos(k x) and sin(k x), k up to n, from those of cos(k x) and sin(k x), k up to 2 n.
-fn normal(sums: &[(f64, f64)]) -> Vec<f64> {
-    let (size, count) = (sums.len(), sums.len() / 2);
-    let cos = |k: usize| sums[k].0;
-    let product = |i: usize, j: usize| match (i.checked_sub(count + 1), j.checked_sub(count + 1)) {
-        (None, None) => cos(i.abs_diff(j)) + cos(i + j),
-        (Some(m), Some(n)) => cos(m.abs_diff(n)) - cos(m + n + 2),
-        (None, Some(n)) => mixed(sums, i, n + 1),
-        (Some(m), None) => mixed(sums, j, m + 1),
-    };
-    (0..size * size).map(|at| 0.5 * product(at / size, at % size)).collect()
-}
-
-/// Twice the sum of cos(m x) sin(n x).
-fn mixed(sums: &[(f64, f64)], m: usize, n: usize) -> f64 {
-    let apart = sums[m.abs_diff(n)].1;
-    sums[m + n].1 + if n < m { -apart } else { apart }
 }
 
 #[cfg(test)]

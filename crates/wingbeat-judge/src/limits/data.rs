@@ -1,6 +1,70 @@
-//! Limits of kind `data`.
+//! Limits of measured motion and loads, whichever verb reads them.
+//!
+//! Each is a choice. They lie where data of wrong making lie apart from right data that look odd in the corpus of
+//! `tests/all/data.rs`; a reason stands at each.
 
 use super::Limit;
+use crate::status::Status::SuspectData;
+
+/// A value that is no number cannot be averaged.
+pub const NOT_FINITE: Limit = Limit::at_most("data.not_finite_samples", 0.0, "", SuspectData)
+    .on("number of samples without a finite value");
+/// A clock does not go back.
+pub const BACKWARD: Limit = Limit::at_most("data.backward_steps", 0.0, "", SuspectData)
+    .on("number of steps that do not go ahead in time");
+/// Interpolation over a twentieth of the samples moves a mean by less than the noise of a load cell; more does not.
+pub const LOST: Limit = Limit::at_most("data.lost_fraction", 0.05, "", SuspectData)
+    .on("share of the samples that are missing in gaps");
+/// Far below any load cell (1 uN) and any motion that moves air, in N, N m, m, deg or rad.
+pub const TINY: Limit =
+    Limit::at_least("data.smallest_amplitude", 1e-9, "", SuspectData).on("largest magnitude of all channels");
+/// Far above what a wing in a wind tunnel sees, in any of these units.
+pub const HUGE: Limit =
+    Limit::at_most("data.largest_magnitude", 1e9, "", SuspectData).on("largest magnitude");
+/// A load that follows the stroke passes through every value twice a cycle: it stays within one count for less than half of it.
+pub const STUCK: Limit =
+    Limit::at_most("data.stuck_cycles", 0.6, "", SuspectData).on("longest stay within one count, in cycles,");
+/// Noise reaches an extreme once; a smooth top of a quantised load does not end in a step to it.
+pub const CLIPPED: Limit =
+    Limit::at_most("data.clipped_fraction", 0.03, "", SuspectData).on("share of the samples on a flat end");
+/// Of the range of the mean cycle, or of the mean where that is larger: a tare that moves by more changes means and phases.
+pub const DRIFT: Limit = Limit::at_most("data.drift_fraction", 0.2, "", SuspectData)
+    .on("change from begin to end over the range of the cycle");
+/// F statistic of the harmonics against the noise: noise alone has 1 +- 0.4, and reaches 4 less than once in 1e4 files.
+pub const SIGNAL: Limit = Limit::at_least("data.signal_over_noise", 4.0, "", SuspectData)
+    .on("power of the cycle over what the noise makes of it");
+/// A cycle seven times below the noise is lost in what the noise does to the tare and the phase.
+pub const SHARE: Limit = Limit::at_least("data.signal_fraction", 0.02, "", SuspectData)
+    .on("share of the cycle in the power of the channel");
+/// What neither repeats with the cycle nor is noise: with more, means over cycles say little.
+pub const APERIODIC: Limit = Limit::at_most("data.aperiodic_fraction", 0.3, "", SuspectData)
+    .on("share of the power that does not repeat with the cycle");
+/// The tolerance of `calibrate` for the frequency of a run; judged where the data tell it that well.
+pub const FREQUENCY: Limit = Limit::at_most("data.frequency_fraction", 0.01, "", SuspectData)
+    .on("difference of the frequency of the data from the one given");
+/// Noise that adds half to the acceleration adds as much to the loads.
+pub const ROUGH: Limit = Limit::at_most("data.acceleration_noise_fraction", 0.5, "", SuspectData)
+    .on("noise of the acceleration over the acceleration");
+/// A model may be wrong by half and in phase; it does not turn a load round.
+pub const REVERSED: Limit =
+    Limit::at_least("data.correlation_least", -0.7, "", SuspectData).on("correlation with what is computed");
+/// What all changed channels must bring together, in parts of a full correlation, and each at least.
+pub const SWAPPED: Limit = Limit::at_most("data.swap_gain", 0.5, "", SuspectData)
+    .on("correlation that a channel gains as another one");
+/// Slope of the loads and drag differ by this between models; a cell's gain is known to 1 %.
+pub const GAIN: Limit = Limit::warn_above("data.gain_fraction", 0.1, "").on("difference of the gain from 1");
+/// The tolerance of `calibrate` for the phase of a run: what 5 deg do to a drag is as large as the drag of a plate.
+pub const SHIFT: Limit = Limit::at_most("data.shift_deg", 5.0, "deg", SuspectData)
+    .on("phase of the measured cycle against the computed one");
+/// A cycle that no lag makes like the computed one in any channel is of something else.
+pub const UNRELATED: Limit = Limit::at_least("data.best_correlation", 0.3, "", SuspectData)
+    .on("largest correlation of a channel with what is computed");
+/// A channel that moves by a fiftieth of what is computed is not connected.
+pub const DEAD: Limit = Limit::at_least("data.dead_fraction", 0.02, "", SuspectData)
+    .on("range of the measured cycle over that of the computed one");
 
 /// All of them.
-pub const ALL: [Limit; 0] = [];
+pub const ALL: [Limit; 19] = [
+    NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, SHARE, APERIODIC, FREQUENCY,
+    ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD,
+];

@@ -1,4 +1,5 @@
 //! The tests of the crate.
 
+mod data;
 mod limits;
 mod verdict;

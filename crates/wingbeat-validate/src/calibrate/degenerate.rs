@@ -46,6 +46,7 @@ fn refusal() -> Result<Option<String>, Error> {
         samples_per_cycle: 2000.0,
         left_out: 0,
         oddities: Vec::new(),
+        found: Vec::new(),
         frequency_hz: 3.5,
         role: RunRole::Fitted,
         unmeasured: Vec::new(),

@@ -78,6 +78,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         samples_per_cycle: 1.0,
         left_out: 0,
         oddities: Vec::new(),
+        found: Vec::new(),
         frequency_hz: 5.0,
         role: RunRole::Fitted,
         unmeasured: Vec::new(),

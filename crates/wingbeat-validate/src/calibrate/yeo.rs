@@ -89,6 +89,7 @@ pub fn rows() -> Result<Vec<Row>, Error> {
         samples_per_cycle: 100.0,
         left_out: 0,
         oddities: Vec::new(),
+        found: Vec::new(),
         frequency_hz: 3.3,
         role: RunRole::Fitted,
         unmeasured: Vec::new(),

@@ -198,7 +198,7 @@ fn the_last_cycle_is_compared_with_the_one_before() {
     assert_eq!(run("step", &[]).periodicity, None);
     let case = case("flap_f2", &["time.cycles=8"]);
     let run = case.tether.run(|_| ControlFlow::Continue(()));
-    assert_eq!(case.summary(&run, None).status, "ok");
+    assert_eq!(case.summary(&run, None).verdict.status.name(), "ok");
 }
 
 /// A record of the column `name` over `when` at the given points.

@@ -2,6 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use wingbeat::judge::Limits;
+use wingbeat::judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined};
+use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::CycleAverage;
 use wingbeat::scenario::ProcessedRun;
 use wingbeat_calibrate::{Layout, disagreement, in_cell, project};
@@ -31,4 +34,58 @@ fn harmonics(cycles: &[CycleAverage; 6]) -> Option<Vec<f64>> {
     let phase: Vec<f64> = (0..bins + 3).map(|k| TAU * (k as f64 - 1.0) / bins as f64).collect();
     let channels = cycles.each_ref().map(|cycle| (0..bins + 3).map(|k| cycle.mean[at(k)]).collect());
     project(&phase, &channels, 0.0, HARMONICS)
+}
+
+/// What is wrong with the samples of a run, by themselves and beside the model on the measured motion. What is told
+/// as a disagreement with the model too is only noted.
+pub fn findings(one: &ProcessedRun, limits: &Limits) -> Vec<Finding> {
+    let mut found = of_samples(one, limits).unwrap_or_default();
+    found.extend(beside_model(one, limits).unwrap_or_default());
+    found.into_iter().map(keyed).collect()
+}
+
+/// The unfiltered samples of the window; those that are missing are gaps.
+fn of_samples(one: &ProcessedRun, limits: &Limits) -> Option<Vec<Finding>> {
+    let trace = &one.averaged()?.trace;
+    let raw = CHANNELS.iter().map(|(name, _)| trace.values(&format!("raw_{name}")));
+    let raw = raw.collect::<Option<Vec<&[f64]>>>()?;
+    let cycle = trace.values("cycle")?;
+    let whole: Vec<usize> =
+        (0..cycle.len()).filter(|row| raw.iter().all(|channel| channel[*row].is_finite())).collect();
+    let kept = |of: &[f64]| whole.iter().map(|row| of[*row]).collect::<Vec<f64>>();
+    let (phase, raw) = (kept(cycle), raw.into_iter().map(kept).collect::<Vec<_>>());
+    let channel = |((name, unit), samples)| Channel { name, unit, samples };
+    let series = Series {
+        what: one.name(),
+        phase: &phase,
+        frequency_hz: Some(one.run.frequency()),
+        channels: CHANNELS.iter().copied().zip(raw.iter().map(Vec::as_slice)).map(channel).collect(),
+        purpose: Purpose::Loads,
+    };
+    Some(examined(&series, limits))
+}
+
+fn beside_model(one: &ProcessedRun, limits: &Limits) -> Option<Vec<Finding>> {
+    let processed = one.averaged()?;
+    let model = processed.model.as_ref()?;
+    let pair = |(i, (name, unit)): (usize, &(&'static str, &'static str))| Pair {
+        name,
+        unit,
+        measured: &processed.cycles[i].mean,
+        computed: &model.cycles[i].mean,
+    };
+    let pairs: Vec<Pair> = CHANNELS.iter().enumerate().map(pair).collect();
+    Some(compared(one.name(), &pairs, limits).into_iter().map(Finding::noted).collect())
+}
+
+/// The same with the key of the run that mends it.
+fn keyed(finding: Finding) -> Finding {
+    let key = match finding.id {
+        "data.frequency" => Some("frequency_hz"),
+        "data.drift" => Some("process.steps.drift"),
+        "data.reversed" | "data.swapped" | "data.dead" => Some("process.input.columns"),
+        "data.noise" | "data.not_periodic" => Some("process.window_s"),
+        _ => None,
+    };
+    finding.mended_by(key.map(Into::into))
 }

@@ -7,6 +7,7 @@ mod source;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use wingbeat::judge::{Status, Verdict};
 use wingbeat::parallel;
 use wingbeat::scenario::{ProcessedRun, RunName, Together, subtract_still_air, together};
 use wingbeat_figures::{Cell, Figure};
@@ -56,7 +57,17 @@ pub fn process(arguments: &RigProcess) -> Result<(), Error> {
     }
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
-    say::unless(arguments.quiet, || format!("{}results: {}\n", summary.words(), path.display()))
+    let printed =
+        say::unless(arguments.quiet, || format!("{}results: {}\n", summary.words(), path.display()));
+    let Verdict { status, reason, .. } = summary.verdict;
+    match status {
+        Status::Ok => printed,
+        status => Err(Error::Failed {
+            status: status.name().into(),
+            reason: reason.unwrap_or_default(),
+            folder: path,
+        }),
+    }
 }
 
 /// `processed` in a folder, NAME-processed beside a file: where that is, and its name.

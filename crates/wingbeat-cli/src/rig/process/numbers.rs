@@ -4,19 +4,21 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Serialize;
+use wingbeat::judge::{Judge, Limits, Verdict};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{Comparison, Steps};
 use wingbeat::scenario::{Evaluated, ProcessedRun, Together, Weighed};
 use wingbeat_io::samples::Import;
 
 use super::Origin;
-use super::judged::judged;
+use super::judged::{findings, judged};
 
 /// The contents of summary.json.
 #[derive(Serialize)]
 pub struct Summary {
-    /// `ok`: a run that cannot be processed ends the command.
-    status: &'static str,
+    /// What the samples are, what that rests on, and what to beware of.
+    #[serde(flatten)]
+    pub verdict: Verdict,
     /// Steps made, as configured.
     steps: Steps,
     /// Runs whose samples are of a simulated load cell.
@@ -78,7 +80,7 @@ impl Summary {
             Evaluated::Averaged(_) => None,
         });
         Self {
-            status: "ok",
+            verdict: verdict(runs),
             steps: reference.or(runs.first()).map_or(Steps::default(), |one| one.run.spec.process.steps),
             simulated: averaged().filter(|(_, p)| p.is_simulated()).map(|(name, _)| name).collect(),
             simulation: together.filter(|t| t.simulated).map(|t| t.reference.clone()),
@@ -96,6 +98,14 @@ impl Summary {
             static_tilts: weighed.collect(),
         }
     }
+}
+
+/// The verdict on the samples of all runs.
+fn verdict(runs: &[ProcessedRun]) -> Verdict {
+    let limits = Limits::default();
+    let mut judge = Judge::new(&limits);
+    runs.iter().flat_map(|run| findings(run, &limits)).for_each(|finding| finding.put(&mut judge));
+    judge.verdict()
 }
 
 /// What the envelope covers.
@@ -150,6 +160,9 @@ impl Summary {
         }
         for (name, count) in self.saturated.iter().filter(|(_, count)| **count > 0) {
             text += &format!("{name}: {count} samples saturated\n");
+        }
+        for warning in &self.verdict.warnings {
+            text += &format!("warning ({}): {}\n", warning.id, warning.text);
         }
         for (name, weighed) in &self.static_tilts {
             text += &weighing(name, weighed);

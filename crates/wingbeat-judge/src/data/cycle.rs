@@ -1,0 +1,280 @@
+//! What repeats with the cycle, what is noise, and what is neither.
+
+use super::frequency::{self, Frequency};
+use super::{Channel, Finding, Purpose, Series};
+use crate::limits::Limits;
+use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL};
+use wingbeat_math::Harmonics;
+
+/// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
+const HARMONICS: usize = 8;
+/// Samples at least for each number that is fitted. *Choice.*
+const SPARE: usize = 2;
+/// Cycles from which a drift is told from the cycle. *Choice.*
+const FOR_DRIFT: f64 = 2.5;
+/// Points to which long records are averaged, and points in a cycle at least. *Choice*: what they cost is below 1 ms.
+const POINTS: usize = 2048;
+const POINTS_PER_CYCLE: usize = 32;
+/// Deviation of a channel in parts of the largest of its unit below which it is not judged. *Choice.*
+const TELLING: f64 = 0.05;
+/// Share of what does not repeat above which the frequency is sought. *Choice.*
+const SEEKS: f64 = 0.02;
+/// Share of the power that another frequency must explain for it to be believed. *Choice.*
+const EXPLAINS: f64 = 0.5;
+/// Third over second differences of what harmonics leave: white noise has 1.83, a smooth curve less than 1. *Choice.*
+const WHITE: f64 = 1.2;
+
+/// A channel apart: cycle, drift, noise, and what is left.
+struct Parts {
+    /// Variance about the mean.
+    total: f64,
+    /// Variance of the cycle.
+    signal: f64,
+    /// Variance of what changes from sample to sample.
+    white: f64,
+    /// Variance of what is neither.
+    slow: f64,
+    /// Change by the parabola through what the cycle leaves, begin to end at most, and the share of `slow` it is.
+    drift: (f64, f64),
+    /// Largest less least of the cycle.
+    range: f64,
+    mean: f64,
+    /// Numbers fitted, samples.
+    fitted: usize,
+    count: usize,
+}
+
+/// A channel that moves, with its parts.
+struct Apart<'a> {
+    channel: &'a Channel<'a>,
+    at: Condensed,
+    part: Parts,
+    /// What the harmonics leave.
+    left: Vec<f64>,
+}
+
+impl<'a> Apart<'a> {
+    fn of(series: &Series, channel: &'a Channel<'a>, cycles: f64) -> Option<Self> {
+        if channel.samples.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let at = Condensed::of(series.phase, channel.samples, cycles);
+        let (part, left) = Parts::of(&at, cycles)?;
+        (part.total > 0.0).then_some(Self { channel, at, part, left })
+    }
+
+    /// Whether it moves enough beside those of its unit: the noise of a channel without a load may be of any kind.
+    fn is_telling(&self, all: &[Self]) -> bool {
+        let same = all.iter().filter(|other| other.channel.unit == self.channel.unit);
+        let most = same.map(|other| other.part.total).fold(0.0, f64::max);
+        self.part.total > TELLING * TELLING * most
+    }
+}
+
+/// A channel at fewer points.
+struct Condensed {
+    phase: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Condensed {
+    fn of(phase: &[f64], samples: &[f64], cycles: f64) -> Self {
+        let points = POINTS.max(POINTS_PER_CYCLE * cycles.min(1e6) as usize);
+        let size = phase.len().div_ceil(points.max(1)).max(1);
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+        Self {
+            phase: phase.chunks(size).map(mean).collect(),
+            values: samples.chunks(size).map(mean).collect(),
+        }
+    }
+}
+
+/// Findings of all channels.
+pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
+    let cycles = series.cycles();
+    if !(cycles >= 0.9) {
+        return Vec::new();
+    }
+    let apart = |channel| Apart::of(series, channel, cycles);
+    let all: Vec<Apart> = series.channels.iter().filter_map(apart).collect();
+    let mut found = Vec::new();
+    for one in all.iter().filter(|one| one.is_telling(&all)) {
+        found.extend(of_channel(series, one, limits));
+        found.extend(rough(series, one));
+    }
+    if series.purpose == Purpose::Loads {
+        found.extend(without_signal(series, &all));
+    }
+    found
+}
+
+impl Parts {
+    /// Of a channel, and what the harmonics leave of it; none where the samples do not determine them.
+    fn of(at: &Condensed, cycles: f64) -> Option<(Self, Vec<f64>)> {
+        let (phase, values) = (&at.phase, &at.values);
+        let count = values.len();
+        let per_cycle = count as f64 / cycles.max(1.0);
+        let harmonics = HARMONICS.min((per_cycle / (2.0 * SPARE as f64)) as usize);
+        if harmonics == 0 {
+            return None;
+        }
+        let cycle = Harmonics::fitted(1.0, phase, values, harmonics)?;
+        let fitted: Vec<f64> = phase.iter().map(|p| cycle.at(*p)).collect();
+        let left: Vec<f64> = values.iter().zip(&fitted).map(|(x, fit)| x - fit).collect();
+        let mean = values.iter().sum::<f64>() / count as f64;
+        let rest = variance(&left);
+        let steps = left.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+        let white = (0.5 * steps / (count - 1).max(1) as f64).min(rest);
+        let (low, high) = fitted.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+        let drift = if cycles >= FOR_DRIFT { drifted(&left, rest) } else { (0.0, 0.0) };
+        let part = Self {
+            total: variance(values),
+            signal: variance(&fitted),
+            white,
+            slow: (rest - white).max(0.0) * (1.0 - drift.1),
+            drift,
+            range: high - low,
+            mean,
+            fitted: 2 * harmonics,
+            count,
+        };
+        Some((part, left))
+    }
+
+    /// Power of the cycle over what the noise makes of it, each by its degrees of freedom.
+    fn over_noise(&self) -> f64 {
+        let noise = (self.white + self.slow) / (self.count.saturating_sub(self.fitted + 1)).max(1) as f64;
+        self.signal / self.fitted as f64 / noise.max(f64::MIN_POSITIVE)
+    }
+}
+
+fn variance(of: &[f64]) -> f64 {
+    let mean = of.iter().sum::<f64>() / of.len() as f64;
+    of.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / of.len() as f64
+}
+
+/// Change by the straight line and parabola through `left`, and the share of its variance that they are.
+fn drifted(left: &[f64], variance: f64) -> (f64, f64) {
+    let count = left.len() as f64;
+    let at = |k: usize| 2.0 * (k as f64 + 0.5) / count - 1.0;
+    let (mut line, mut bow) = (0.0, 0.0);
+    for (k, x) in left.iter().enumerate() {
+        let u = at(k);
+        line += x * u * 3.0 / count;
+        bow += x * (u * u - 1.0 / 3.0) * 11.25 / count;
+    }
+    let value = |u: f64| line * u + bow * u * u;
+    // The top of the parabola, where it lies within.
+    let top = if bow == 0.0 { 0.0 } else { (-line / (2.0 * bow)).clamp(-1.0, 1.0) };
+    let ends = [value(-1.0), value(1.0), value(top)];
+    let change =
+        ends.iter().copied().fold(f64::MIN, f64::max) - ends.iter().copied().fold(f64::MAX, f64::min);
+    let own = line * line / 3.0 + bow * bow * 4.0 / 45.0;
+    (change, if variance > 0.0 { (own / variance).min(1.0) } else { 0.0 })
+}
+
+fn of_channel(series: &Series, one: &Apart, limits: &Limits) -> Vec<Finding> {
+    let Apart { channel, at, part, .. } = one;
+    let about = || series.about(channel.name);
+    let share = part.slow / part.total;
+    if share > SEEKS
+        && let Some(found) = frequency::estimate(&at.phase, &at.values)
+        && let Some(finding) = other_frequency(series, channel, part, found, limits)
+    {
+        return vec![finding];
+    }
+    let mut found = Vec::new();
+    if series.purpose == Purpose::Loads || series.cycles() >= 2.0 {
+        let text = format!(
+            "{:.0} % of its power neither repeats with the cycle nor is noise: the motion does not repeat, or the \
+             file holds more than the steady part; cut it to that",
+            100.0 * share
+        );
+        found.push(Finding::new("data.not_periodic", &APERIODIC, about(), share, text));
+    }
+    let scale = part.range.max(part.mean.abs());
+    let told = part.drift.0 > 6.0 * (part.white / part.count as f64).sqrt() && part.drift.1 > 0.02;
+    if told && scale > 0.0 {
+        let size = part.drift.0 / scale;
+        let text = format!(
+            "drifts by {:.4} {} from begin to end, {:.0} % of its cycle: means and tare are off; let the cell \
+             warm up, take a rest before and after, or take the drift away before",
+            part.drift.0,
+            channel.unit,
+            100.0 * size
+        );
+        found.push(Finding::new("data.drift", &DRIFT, about(), size, text));
+    }
+    found
+}
+
+/// The finding that the data repeat at another frequency than the one given.
+fn other_frequency(
+    series: &Series,
+    channel: &Channel,
+    part: &Parts,
+    found: Frequency,
+    limits: &Limits,
+) -> Option<Finding> {
+    let Frequency { ratio, error, explained } = found;
+    let size = (ratio - 1.0).abs();
+    let believed = explained > EXPLAINS && explained > part.signal / part.total + SEEKS && size > 4.0 * error;
+    if !(believed && size > limits.of(&FREQUENCY).0) {
+        return None;
+    }
+    let (given, told) = match series.frequency_hz {
+        Some(f) => (format!("{f} Hz"), format!("{:.4} +- {:.4} Hz", ratio * f, error * f)),
+        None => ("a cycle".into(), format!("{:.4} +- {:.4} cycles per cycle", ratio, error)),
+    };
+    let text = format!(
+        "repeats at {told}, but {given} is given for it: harmonics of {given} leave {:.0} % of its power; give the \
+         frequency of the data",
+        100.0 * (part.white + part.slow) / part.total
+    );
+    Some(Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text))
+}
+
+/// The finding that the noise of a motion makes its acceleration.
+fn rough(series: &Series, one: &Apart) -> Option<Finding> {
+    let Apart { channel, at, left, .. } = one;
+    if series.purpose != Purpose::Motion || at.values.len() < 16 || at.values.len() != channel.samples.len() {
+        return None;
+    }
+    let fitted: Vec<f64> = at.values.iter().zip(left).map(|(x, left)| x - left).collect();
+    let (noise, motion) = (differences(left, 2), differences(&fitted, 2));
+    if !(differences(left, 3) > WHITE * noise && motion > 0.0) {
+        return None;
+    }
+    let size = noise / motion;
+    let text = format!(
+        "noise of {:.3} {} makes accelerations of {size:.2} times those of the motion, and loads alike: \
+         a fit of harmonics takes it away",
+        noise / 6.0_f64.sqrt(),
+        channel.unit
+    );
+    Some(Finding::new("data.rough", &ROUGH, series.about(channel.name), size, text))
+}
+
+/// Root mean square of the differences of that order.
+fn differences(of: &[f64], order: usize) -> f64 {
+    let mut of = of.to_vec();
+    for _ in 0..order {
+        of = of.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    }
+    (of.iter().map(|x| x * x).sum::<f64>() / of.len().max(1) as f64).sqrt()
+}
+
+/// The findings that no channel has a cycle.
+fn without_signal(series: &Series, all: &[Apart]) -> Vec<Finding> {
+    let parts = || all.iter().map(|one| &one.part);
+    let Some(best) = parts().max_by(|a, b| a.over_noise().total_cmp(&b.over_noise())) else {
+        return Vec::new();
+    };
+    let most = parts().map(|part| part.signal / part.total).fold(0.0, f64::max);
+    let text = "no channel has a load that repeats with the cycle: noise, or another frequency; check the file, \
+                its columns and the frequency";
+    vec![
+        Finding::new("data.noise", &SIGNAL, series.what, best.over_noise(), text),
+        Finding::new("data.noise", &SHARE, series.what, most, text),
+    ]
+}

@@ -1,0 +1,70 @@
+//! One thing that is wrong with data.
+
+use crate::limits::{Limit, Limits};
+use crate::verdict::{Judge, Warning};
+
+/// What was found of a channel, how large it is, and what mends it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// A name that does not change, `data.what`.
+    pub id: &'static str,
+    /// The limit that it breaks.
+    pub limit: &'static Limit,
+    /// The channel and its file, in words.
+    pub about: String,
+    /// Its size, in the unit of the limit.
+    pub size: f64,
+    /// What was found, why it matters, and what helps.
+    pub text: String,
+    /// The key that mends it, where the reader of the data has one.
+    pub key: Option<String>,
+    /// Whether the data are suspect, or a warning is enough.
+    pub serious: bool,
+}
+
+impl Finding {
+    /// A finding of `size` about a channel.
+    pub(super) fn new(
+        id: &'static str,
+        limit: &'static Limit,
+        about: impl Into<String>,
+        size: f64,
+        text: impl Into<String>,
+    ) -> Self {
+        let serious = limit.status.is_some();
+        Self { id, limit, about: about.into(), size, text: text.into(), key: None, serious }
+    }
+
+    /// Whether it lies beyond its limit.
+    pub(super) fn breaks(&self, limits: &Limits) -> bool {
+        !self.limit.allows(self.size, limits.of(self.limit).0)
+    }
+
+    /// The same with the key that mends it.
+    #[must_use]
+    pub fn mended_by(self, key: Option<String>) -> Self {
+        Self { key: key.or(self.key), ..self }
+    }
+
+    /// The same as a warning, where the reader reports what is found in other words too.
+    #[must_use]
+    pub fn noted(self) -> Self {
+        Self { serious: false, ..self }
+    }
+
+    /// What was found, of what, and the key that mends it.
+    pub fn words(&self) -> String {
+        let key = self.key.as_ref().map_or(String::new(), |key| format!(" ({key})"));
+        format!("{}: {}{key}", self.about, self.text)
+    }
+
+    /// Adds it to a verdict: a warning, and where it is serious the status of its limit.
+    pub fn put(self, judge: &mut Judge) {
+        let warning = Warning::new(self.id, self.words()).size(self.size);
+        let warning = self.key.iter().fold(warning, |warning, key| warning.key(key.clone()));
+        judge.warn(warning);
+        if self.serious {
+            judge.hold_about(self.limit, self.size, &format!("of {}", self.about));
+        }
+    }
+}

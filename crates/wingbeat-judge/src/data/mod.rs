@@ -1,0 +1,96 @@
+//! What measured data say of themselves, and against what is computed: pure functions over channels.
+//!
+//! [`examined`] looks at the samples of a file, [`compared`] at mean cycles beside those of a model.
+//!
+//! ```
+//! use wingbeat_judge::data::{Channel, Purpose, Series, examined};
+//! use wingbeat_judge::{Judge, Limits, Status};
+//!
+//! let phase: Vec<f64> = (0..2000).map(|k| f64::from(k) / 200.0).collect();
+//! let lift: Vec<f64> = phase.iter().map(|p| (6.5 * p).sin()).collect();
+//! let channels = vec![Channel { name: "Fz", unit: "N", samples: &lift }];
+//! let series = Series { what: "pass1.csv", phase: &phase, frequency_hz: Some(5.0), channels, purpose: Purpose::Loads };
+//!
+//! let limits = Limits::default();
+//! let mut judge = Judge::new(&limits);
+//! for finding in examined(&series, &limits) {
+//!     finding.put(&mut judge);
+//! }
+//! let verdict = judge.verdict();
+//! assert_eq!(verdict.status, Status::SuspectData);
+//! assert!(verdict.warnings[0].text.contains("5.17"), "{}", verdict.warnings[0].text);
+//! ```
+
+mod cycle;
+mod finding;
+mod frequency;
+mod reference;
+mod time;
+mod values;
+
+pub use finding::Finding;
+pub use frequency::{Frequency, estimate};
+pub use reference::{Pair, compared};
+
+use crate::limits::Limits;
+
+/// What the channels are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Forces and moments, which follow a stroke.
+    Loads,
+    /// A prescribed motion, which may stop and stay, and is differentiated twice.
+    Motion,
+}
+
+/// A measured channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel<'a> {
+    /// What the file or its reader calls it.
+    pub name: &'a str,
+    /// Unit, for words.
+    pub unit: &'a str,
+    /// Its samples.
+    pub samples: &'a [f64],
+}
+
+/// Channels that were sampled together.
+#[derive(Clone, Debug)]
+pub struct Series<'a> {
+    /// The file, or the key that names it.
+    pub what: &'a str,
+    /// When, in cycles of the frequency that is given for them.
+    pub phase: &'a [f64],
+    /// That frequency, for words; none of a table by phase.
+    pub frequency_hz: Option<f64>,
+    /// The channels, each as long as `phase`.
+    pub channels: Vec<Channel<'a>>,
+    /// What they are.
+    pub purpose: Purpose,
+}
+
+impl Series<'_> {
+    /// Cycles from the first sample to the last.
+    fn cycles(&self) -> f64 {
+        match self.phase {
+            [first, .., last] => last - first,
+            _ => 0.0,
+        }
+    }
+
+    /// A finding about one channel.
+    fn about(&self, channel: &str) -> String {
+        if channel.is_empty() { self.what.into() } else { format!("{channel} of {}", self.what) }
+    }
+}
+
+/// What is wrong with the samples, the channels in their order.
+pub fn examined(series: &Series, limits: &Limits) -> Vec<Finding> {
+    let mut found = time::findings(series);
+    if found.is_empty() {
+        found.extend(values::findings(series, limits));
+        found.extend(cycle::findings(series, limits));
+    }
+    found.retain(|finding| finding.breaks(limits));
+    found
+}

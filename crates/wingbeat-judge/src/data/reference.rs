@@ -1,0 +1,177 @@
+//! Mean cycles beside those that a model computes: reversed, swapped, scaled, shifted, dead.
+
+use super::Finding;
+use crate::limits::Limits;
+use crate::limits::data::{DEAD, GAIN, REVERSED, SHIFT, SWAPPED, UNRELATED};
+
+/// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
+/// symmetry is computed as rounding.
+const TELLING: f64 = 0.05;
+/// Correlation above which a gain means something, and one above which a lag does. *Choice.*
+const ALIKE: [f64; 2] = [0.97, 0.8];
+/// Correlation above which a channel is another one. *Choice.*
+const ANOTHER: f64 = 0.9;
+
+/// A measured cycle and a computed one, at the same even phases.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<'a> {
+    /// Name of the channel.
+    pub name: &'a str,
+    /// Unit of both; channels of one unit are compared in size.
+    pub unit: &'a str,
+    /// What was measured.
+    pub measured: &'a [f64],
+    /// What is computed.
+    pub computed: &'a [f64],
+}
+
+/// What a pair says.
+struct Told {
+    /// Computed range over the largest of the unit.
+    share: f64,
+    /// Ranges.
+    measured: f64,
+    computed: f64,
+    /// Correlation as they are, and at the best lag.
+    now: f64,
+    best: f64,
+    /// The best lag, deg; positive where the measured cycle is behind.
+    lag_deg: f64,
+    /// Slope of measured over computed.
+    gain: f64,
+}
+
+/// What of the measured cycles of `what` cannot be those that are computed.
+pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
+    let told: Vec<Told> = pairs.iter().map(|pair| Told::of(pair, pairs)).collect();
+    let telling: Vec<(&Pair, &Told)> =
+        pairs.iter().zip(&told).filter(|(_, told)| told.share > TELLING && told.computed > 0.0).collect();
+    let about = |pair: &Pair| format!("{} of {what}", pair.name);
+    let mut found = swapped(what, &telling);
+    if !found.iter().any(|finding| finding.breaks(limits)) {
+        found.extend(telling.iter().map(|(pair, told)| reversed(about(pair), told)));
+        found.extend(telling.iter().map(|(pair, told)| dead(about(pair), pair, told)));
+        found.extend(telling.iter().filter_map(|(pair, told)| scaled(about(pair), told)));
+        found.extend(shifted(what, &telling));
+        found.extend(unrelated(what, &telling));
+    }
+    found.retain(|finding| finding.breaks(limits));
+    found
+}
+
+impl Told {
+    fn of(pair: &Pair, all: &[Pair]) -> Self {
+        let same = all.iter().filter(|other| other.unit == pair.unit);
+        let most = same.map(|other| range(other.computed)).fold(0.0, f64::max);
+        let count = pair.measured.len();
+        let at = |lag: usize| correlation(pair.measured, pair.computed, lag);
+        let best =
+            (0..count).map(|lag| (lag, at(lag))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+        let lag = 360.0 * best.0 as f64 / count.max(1) as f64;
+        let spread = |of: &[f64]| moment(of, of, 0).max(f64::MIN_POSITIVE);
+        Self {
+            share: range(pair.computed) / most.max(f64::MIN_POSITIVE),
+            measured: range(pair.measured),
+            computed: range(pair.computed),
+            now: at(0),
+            best: best.1,
+            lag_deg: if lag > 180.0 { lag - 360.0 } else { lag },
+            gain: moment(pair.measured, pair.computed, best.0) / spread(pair.computed),
+        }
+    }
+}
+
+fn range(of: &[f64]) -> f64 {
+    let (low, high) = of.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    (high - low).max(0.0)
+}
+
+/// Mean product of two cycles about their means, `b` later by `lag` phases.
+fn moment(a: &[f64], b: &[f64], lag: usize) -> f64 {
+    let count = a.len().min(b.len());
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    (0..count).map(|k| (a[k] - mean_a) * (b[(k + count - lag) % count] - mean_b)).sum::<f64>() / count as f64
+}
+
+fn correlation(a: &[f64], b: &[f64], lag: usize) -> f64 {
+    let size = (moment(a, a, 0) * moment(b, b, 0)).sqrt();
+    if size > 0.0 { moment(a, b, lag) / size } else { 0.0 }
+}
+
+fn reversed(about: String, told: &Told) -> Finding {
+    let text = format!(
+        "has a correlation of {:.2} with what is computed: its sign is reversed, or its column is another one",
+        told.now
+    );
+    Finding::new("data.reversed", &REVERSED, about, told.now, text)
+}
+
+fn dead(about: String, pair: &Pair, told: &Told) -> Finding {
+    let text = format!(
+        "moves by {:.3e} {} where {:.3e} are computed: the channel is dead, or its unit is another one",
+        told.measured, pair.unit, told.computed
+    );
+    Finding::new("data.dead", &DEAD, about, told.measured / told.computed, text)
+}
+
+fn scaled(about: String, told: &Told) -> Option<Finding> {
+    let text = format!(
+        "is {:.3} times what is computed, and has its shape: a wrong gain looks like this, and so does a wrong \
+         slope or density; weigh a known mass on the cell to tell them apart",
+        told.gain
+    );
+    (told.best > ALIKE[0] && told.measured > DEAD.value * told.computed)
+        .then(|| Finding::new("data.scaled", &GAIN, about, (told.gain - 1.0).abs(), text))
+}
+
+/// The lag on which the channels agree, by the power that they lend it.
+fn shifted(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+    let alike: Vec<&Told> =
+        telling.iter().map(|(_, told)| *told).filter(|told| told.best > ALIKE[1]).collect();
+    let weight: f64 = alike.iter().map(|told| told.share.powi(2)).sum();
+    if alike.is_empty() {
+        return None;
+    }
+    let lag = alike.iter().map(|told| told.share.powi(2) * told.lag_deg).sum::<f64>() / weight;
+    let text = format!(
+        "is {:.1} deg {} what is computed: a shift of phase turns inertia and lift into drag; mend the time of the \
+         first sample, or fit the phase",
+        lag.abs(),
+        if lag > 0.0 { "behind" } else { "ahead of" }
+    );
+    Some(Finding::new("data.shift", &SHIFT, what, lag.abs(), text))
+}
+
+fn unrelated(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
+    let sizes = telling.iter().map(|(_, told)| told.now.abs().max(told.best));
+    let best = sizes.fold(f64::NAN, f64::max);
+    let text = format!(
+        "no channel resembles what is computed at any phase (largest correlation {best:.2}): it is of another run, or noise"
+    );
+    (!telling.is_empty()).then(|| Finding::new("data.unrelated", &UNRELATED, what, best, text))
+}
+
+/// Channels of one unit that would each fit another one much better, as a permutation.
+fn swapped(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+    let of = |i: usize, j: usize| match telling[i].0.unit == telling[j].0.unit {
+        true => correlation(telling[i].0.measured, telling[j].0.computed, 0).abs(),
+        false => 0.0,
+    };
+    let all = || 0..telling.len();
+    let best = |i: usize| all().max_by(|a, b| of(i, *a).total_cmp(&of(i, *b))).unwrap_or(i);
+    let to: Vec<usize> = all().map(best).collect();
+    let whole = all().all(|j| to.contains(&j));
+    let moved = all().filter(|i| whole && to[*i] != *i && of(*i, to[*i]) > ANOTHER);
+    moved
+        .map(|i| {
+            let (name, other) = (telling[i].0.name, telling[to[i]].0.name);
+            let text = format!(
+                "fits {other} (correlation {:.2}) and not {name} ({:.2}): channels are swapped",
+                of(i, to[i]),
+                of(i, i)
+            );
+            Finding::new("data.swapped", &SWAPPED, format!("{name} of {what}"), of(i, to[i]) - of(i, i), text)
+        })
+        .collect()
+}

@@ -1,0 +1,162 @@
+//! What the values of a channel say by themselves: not finite, tiny, huge, constant, stuck, clipped.
+
+use super::{Channel, Finding, Purpose, Series};
+use crate::limits::Limits;
+use crate::limits::data::{CLIPPED, HUGE, NOT_FINITE, STUCK, TINY};
+
+/// Counts that a channel must span elsewhere for a stay within one of them to be odd. *Choice.*
+const SPAN: f64 = 8.0;
+/// Samples that a flat end must hold in a row. *Choice*: a cycle that repeats exactly has two.
+const ROW: usize = 4;
+/// A flat end must hold so many times the samples of the band below it. A quantised sine, the flattest smooth top,
+/// has 2.4. *Choice.*
+const STEEP: f64 = 5.0;
+/// Width of that band in parts of the range. *Choice.*
+const BAND: f64 = 1.0 / 200.0;
+
+/// Least and largest value and the least step between values that follow one another.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent {
+    pub low: f64,
+    pub high: f64,
+    pub count: f64,
+}
+
+impl Extent {
+    /// Of finite samples; `None` where one is not.
+    pub fn of(samples: &[f64]) -> Option<Self> {
+        let mut of = Self { low: f64::INFINITY, high: f64::NEG_INFINITY, count: f64::INFINITY };
+        let mut before = f64::NAN;
+        for x in samples {
+            if !x.is_finite() {
+                return None;
+            }
+            of = Self { low: of.low.min(*x), high: of.high.max(*x), count: of.count };
+            let step = (x - before).abs();
+            // Rounding of a decimal number is no step.
+            if step > 1e-9 * x.abs() && step < of.count {
+                of.count = step;
+            }
+            before = *x;
+        }
+        (!samples.is_empty()).then_some(of)
+    }
+
+    pub fn range(self) -> f64 {
+        self.high - self.low
+    }
+}
+
+/// What is wrong with the values.
+pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
+    let extents: Vec<Option<Extent>> =
+        series.channels.iter().map(|channel| Extent::of(channel.samples)).collect();
+    let mut found = Vec::new();
+    for (channel, extent) in series.channels.iter().zip(&extents) {
+        match extent {
+            None => found.extend(not_finite(series, channel)),
+            Some(extent) => found.extend(of_channel(series, channel, *extent, limits)),
+        }
+    }
+    found.extend(nothing(series, &extents));
+    found
+}
+
+fn not_finite(series: &Series, channel: &Channel) -> Option<Finding> {
+    let count = channel.samples.iter().filter(|x| !x.is_finite()).count();
+    let text = format!("{count} samples are not finite: cut them out of the file");
+    (count > 0)
+        .then(|| Finding::new("data.not_finite", &NOT_FINITE, series.about(channel.name), count as f64, text))
+}
+
+fn of_channel(series: &Series, channel: &Channel, extent: Extent, limits: &Limits) -> Vec<Finding> {
+    let about = || series.about(channel.name);
+    let largest = extent.high.abs().max(extent.low.abs());
+    let text = format!("the largest value is {largest:.3e} {}: check the unit and the scale", channel.unit);
+    let huge = Finding::new("data.huge", &HUGE, about(), largest, text);
+    let mut found = vec![huge];
+    if series.purpose == Purpose::Loads && extent.range() > 0.0 {
+        found.extend(stuck(series, channel, extent));
+        found.extend(clipped(series, channel, extent, limits));
+    }
+    found
+}
+
+/// Channels of which none moves, or none that moves is of a size that can be measured.
+fn nothing(series: &Series, extents: &[Option<Extent>]) -> Option<Finding> {
+    let known: Vec<Extent> = extents.iter().copied().collect::<Option<_>>()?;
+    let many = series.phase.len() > 1 && !known.is_empty();
+    let most = known.iter().map(|extent| extent.high.abs().max(extent.low.abs())).fold(0.0, f64::max);
+    if many && series.purpose == Purpose::Loads && known.iter().all(|extent| extent.range() == 0.0) {
+        let names: Vec<&str> = series.channels.iter().map(|channel| channel.name).collect();
+        let text = format!(
+            "{} never change: is the cell connected, is it the right file, and are these the right columns?",
+            names.join(", ")
+        );
+        return Some(Finding::new("data.dead", &TINY, series.what, 0.0, text));
+    }
+    let text = format!("the largest value of all channels is {most:.1e}: check the unit and the scale");
+    (most > 0.0).then(|| Finding::new("data.tiny", &TINY, series.what, most, text))
+}
+
+/// The longest stay within one count of a channel that spans many.
+fn stuck(series: &Series, channel: &Channel, extent: Extent) -> Option<Finding> {
+    if extent.range() < SPAN * extent.count {
+        return None;
+    }
+    let (from, to) = longest_stay(channel.samples, extent.count);
+    let cycles = series.phase[to] - series.phase[from];
+    let text = format!(
+        "stays within {:.3e} {} for {cycles:.2} cycles from sample {} on, though it moves by {:.3e} elsewhere: \
+         the channel was stuck; leave that part out",
+        extent.count,
+        channel.unit,
+        from + 1,
+        extent.range()
+    );
+    Some(Finding::new("data.stuck", &STUCK, series.about(channel.name), cycles, text))
+}
+
+/// First and last sample of the longest stretch whose values lie within `count` of its first.
+fn longest_stay(samples: &[f64], count: f64) -> (usize, usize) {
+    let (mut best, mut from) = ((0, 0), 0);
+    let within = 1.0001 * count;
+    for (k, x) in samples.iter().enumerate() {
+        if (x - samples[from]).abs() > within {
+            from = k;
+        } else if k - from > best.1 - best.0 {
+            best = (from, k);
+        }
+    }
+    best
+}
+
+/// The share of the samples on a flat end that the values below do not lead to.
+fn clipped(series: &Series, channel: &Channel, extent: Extent, limits: &Limits) -> Option<Finding> {
+    let band = (BAND * extent.range()).max(1.5 * extent.count);
+    let mut worst: Option<(f64, f64)> = None;
+    for end in [extent.high, extent.low] {
+        let (mut at, mut near, mut row, mut rows) = (0_usize, 0_usize, 0_usize, 0_usize);
+        for x in channel.samples {
+            let on = *x == end;
+            near += usize::from(!on && (x - end).abs() <= band);
+            row = if on { row + 1 } else { 0 };
+            rows = rows.max(row);
+            at += usize::from(on);
+        }
+        let share = at as f64 / channel.samples.len() as f64;
+        let flat = rows >= ROW && at as f64 > STEEP * near as f64;
+        if flat && worst.is_none_or(|(most, _)| share > most) {
+            worst = Some((share, end));
+        }
+    }
+    let (share, end) = worst?;
+    let text = format!(
+        "{:.1} % of the samples stand at {end:.6} {}: clipped, so that means and harmonics are too small; \
+         take a wider range, or leave those cycles out (limit {} %)",
+        100.0 * share,
+        channel.unit,
+        100.0 * limits.of(&CLIPPED).0
+    );
+    Some(Finding::new("data.clipped", &CLIPPED, series.about(channel.name), share, text))
+}

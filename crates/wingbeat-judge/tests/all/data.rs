@@ -1,0 +1,392 @@
+//! The doctor: right data that look odd pass, wrong data are found, each limit from both sides.
+
+use std::f64::consts::TAU;
+use wingbeat_judge::data::{Channel, Finding, Pair, Purpose, Series, compared, estimate, examined};
+use wingbeat_judge::{Judge, Limits, Status};
+
+/// Even numbers from -1 to 1, without a crate.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// A load over `cycles` cycles at `rate` samples in each.
+#[derive(Clone)]
+struct Load {
+    cycles: f64,
+    rate: usize,
+    mean: f64,
+    size: f64,
+    /// Amplitude of the second and third harmonic.
+    more: [f64; 2],
+    noise: f64,
+    count: f64,
+    /// Frequency over the one given.
+    ratio: f64,
+}
+
+impl Default for Load {
+    fn default() -> Self {
+        Self {
+            cycles: 10.0,
+            rate: 200,
+            mean: 0.1,
+            size: 1.0,
+            more: [0.3, 0.1],
+            noise: 0.02,
+            count: 0.0,
+            ratio: 1.0,
+        }
+    }
+}
+
+impl Load {
+    fn phase(&self) -> Vec<f64> {
+        (0..(self.cycles * self.rate as f64) as usize).map(|k| k as f64 / self.rate as f64).collect()
+    }
+
+    fn at(&self, phase: f64) -> f64 {
+        let p = TAU * self.ratio * phase;
+        self.mean
+            + self.size * (p.cos() + self.more[0] * (2.0 * p + 0.4).sin() + self.more[1] * (3.0 * p).cos())
+    }
+
+    fn samples(&self, seed: u64) -> Vec<f64> {
+        let mut noise = Noise(seed);
+        let one = |p: &f64| {
+            let x = self.at(*p) + self.noise * 1.73 * noise.next();
+            if self.count > 0.0 { (x / self.count).round() * self.count } else { x }
+        };
+        self.phase().iter().map(one).collect()
+    }
+}
+
+type Data = (Vec<f64>, Vec<Vec<f64>>, Purpose);
+
+fn loads(load: &Load) -> Data {
+    (load.phase(), vec![load.samples(1), load.samples(2)], Purpose::Loads)
+}
+
+fn changed(load: &Load, change: impl Fn(usize, f64) -> f64) -> Data {
+    let mut data = loads(load);
+    data.1[0].iter_mut().enumerate().for_each(|(k, x)| *x = change(k, *x));
+    data
+}
+
+fn motion(load: &Load) -> Data {
+    (load.phase(), vec![load.samples(3)], Purpose::Motion)
+}
+
+fn found(data: &Data) -> Vec<Finding> {
+    let names = ["Fx", "Fz", "Ty"];
+    let channels = data.1.iter().zip(names);
+    let channels = channels.map(|(samples, name)| Channel { name, unit: "N", samples }).collect();
+    let series =
+        Series { what: "pass1.csv", phase: &data.0, frequency_hz: Some(5.0), channels, purpose: data.2 };
+    examined(&series, &Limits::default())
+}
+
+fn ids(found: &[Finding]) -> Vec<&'static str> {
+    found.iter().map(|finding| finding.id).collect()
+}
+
+/// Data that look odd and are right.
+fn right() -> Vec<(&'static str, Data)> {
+    let usual = Load::default;
+    let uneven = |data: Data| {
+        let mut noise = Noise(9);
+        let step = data.0[1];
+        (data.0.iter().map(|p| p + 0.4 * step * noise.next()).collect(), data.1, data.2)
+    };
+    let exact = |load: Load| Load { noise: 0.0, ..load };
+    let pulse = |k: usize, _: f64| {
+        let p = (k as f64 / 200.0).fract();
+        (-((p - 0.5) / 0.08).powi(2)).exp()
+    };
+    vec![
+        ("usual", loads(&usual())),
+        ("one_cycle", loads(&Load { cycles: 1.0, ..usual() })),
+        ("two_cycles", loads(&Load { cycles: 2.0, ..usual() })),
+        ("part_of_a_cycle_more", loads(&Load { cycles: 3.4, ..usual() })),
+        ("many_cycles", loads(&Load { cycles: 400.0, rate: 50, ..usual() })),
+        ("seven_khz", loads(&Load { cycles: 35.0, rate: 2000, ..usual() })),
+        ("few_samples", loads(&Load { rate: 24, cycles: 20.0, ..usual() })),
+        ("exact", loads(&exact(usual()))),
+        ("exact_and_alike", loads(&exact(Load { rate: 40, more: [0.0, 0.0], ..usual() }))),
+        ("strong_harmonics", loads(&Load { more: [2.0, 1.5], ..usual() })),
+        ("second_harmonic_alone", loads(&Load { more: [30.0, 0.0], size: 0.1, ..usual() })),
+        ("strong_mean", loads(&Load { mean: 50.0, size: 0.05, noise: 0.01, ..usual() })),
+        ("noise_as_large", loads(&Load { noise: 1.0, cycles: 40.0, ..usual() })),
+        ("noise_three_times", loads(&Load { noise: 3.0, cycles: 100.0, ..usual() })),
+        ("nano17_counts", loads(&Load { count: 1.0 / 320.0, size: 0.1, noise: 0.001, ..usual() })),
+        ("coarse_counts", loads(&Load { count: 0.1, noise: 0.0, ..usual() })),
+        ("coarse_counts_with_noise", loads(&Load { count: 0.1, noise: 0.05, ..usual() })),
+        ("milli_newtons", loads(&Load { size: 800.0, mean: 30.0, noise: 10.0, ..usual() })),
+        ("micro_newton_metres", loads(&Load { size: 2e-6, mean: 1e-6, noise: 1e-7, ..usual() })),
+        ("uneven_time", uneven(loads(&usual()))),
+        ("uneven_time_few", uneven(loads(&Load { rate: 40, ..usual() }))),
+        ("zero_by_symmetry", changed(&usual(), |_, _| 0.0)),
+        ("constant_beside_a_load", changed(&usual(), |_, _| 0.25)),
+        ("noise_beside_a_load", changed(&usual(), |k, _| 0.01 * Noise(k as u64 * 77_777).next())),
+        ("one_count_beside_a_load", changed(&usual(), |k, _| ((k / 7) % 2) as f64 / 320.0)),
+        ("small_drift", changed(&usual(), |k, x| x + 0.2 * k as f64 / 2000.0)),
+        ("small_bow", changed(&usual(), |k, x| x + 0.2 * (k as f64 / 2000.0).powi(2))),
+        ("pulses", changed(&exact(usual()), pulse)),
+        (
+            "pulses_with_noise",
+            changed(&usual(), move |k, x| pulse(k, x) + 0.01 * Noise(k as u64 * 31).next()),
+        ),
+        ("amplitude_that_breathes", changed(&usual(), |k, x| x * (1.0 + 0.1 * (k as f64 / 700.0).sin()))),
+        ("jitter_of_phase", changed(&usual(), |k, x| x + 0.05 * (k as f64 / 150.0).sin())),
+        ("some_samples_lost", {
+            let (phase, channels, purpose) = loads(&usual());
+            let kept = |of: &Vec<f64>| -> Vec<f64> {
+                of.iter().enumerate().filter(|(k, _)| !(600..640).contains(k)).map(|(_, x)| *x).collect()
+            };
+            (kept(&phase), channels.iter().map(kept).collect(), purpose)
+        }),
+        ("motion", motion(&exact(Load { cycles: 1.0, size: 30.0, ..usual() }))),
+        ("motion_of_twenty_samples", motion(&exact(Load { cycles: 1.0, rate: 20, size: 30.0, ..usual() }))),
+        ("motion_of_several_cycles", motion(&exact(Load { size: 30.0, ..usual() }))),
+        ("motion_rounded", motion(&Load { size: 30.0, noise: 0.0, count: 0.001, cycles: 1.0, ..usual() })),
+        ("motion_held", (usual().phase(), vec![vec![4.0; 2000]], Purpose::Motion)),
+        ("motion_with_little_noise", motion(&Load { size: 30.0, noise: 0.002, rate: 100, ..usual() })),
+        ("half_a_cycle", loads(&Load { cycles: 0.5, ..usual() })),
+    ]
+}
+
+/// Data that are wrong, and what is to be found.
+fn wrong() -> Vec<(&'static str, &'static str, Data)> {
+    let usual = Load::default;
+    let lost = |every: usize| {
+        let (phase, channels, purpose) = loads(&usual());
+        let kept = move |of: &Vec<f64>| -> Vec<f64> {
+            of.iter().enumerate().filter(|(k, _)| k % every >= every / 4).map(|(_, x)| *x).collect()
+        };
+        (kept(&phase), channels.iter().map(kept).collect::<Vec<_>>(), purpose)
+    };
+    let all = |data: Data, change: &dyn Fn(f64) -> f64| {
+        let channels = data.1.iter().map(|x| x.iter().map(|x| change(*x)).collect()).collect();
+        (data.0, channels, data.2)
+    };
+    let noise = |cycles: f64, rate: usize| loads(&Load { size: 0.0, cycles, rate, ..usual() });
+    let back = |data: Data| {
+        let mut phase = data.0;
+        phase.swap(500, 501);
+        (phase, data.1, data.2)
+    };
+    vec![
+        ("constant", "data.dead", all(loads(&usual()), &|_| 0.3)),
+        ("zero", "data.dead", all(loads(&usual()), &|_| 0.0)),
+        ("tiny", "data.tiny", all(loads(&usual()), &|x| 1e-300 * x)),
+        ("small", "data.tiny", all(loads(&usual()), &|x| 1e-11 * x)),
+        ("huge", "data.huge", all(loads(&usual()), &|x| 1e12 * x)),
+        ("not_a_number", "data.not_finite", changed(&usual(), |k, x| if k == 7 { f64::NAN } else { x })),
+        ("infinite", "data.not_finite", changed(&usual(), |k, x| if k > 1990 { f64::INFINITY } else { x })),
+        ("stuck", "data.stuck", changed(&usual(), |k, x| if (400..700).contains(&k) { 0.5 } else { x })),
+        ("stuck_to_the_end", "data.stuck", changed(&usual(), |k, x| if k > 1500 { 0.5 } else { x })),
+        (
+            "stuck_with_a_count",
+            "data.stuck",
+            changed(&Load { count: 0.01, ..usual() }, |k, x| {
+                if (400..700).contains(&k) { 0.5 + 0.01 * (k / 3 % 2) as f64 } else { x }
+            }),
+        ),
+        ("clipped_high", "data.clipped", changed(&usual(), |_, x| x.min(0.8))),
+        ("clipped_low", "data.clipped", changed(&usual(), |_, x| x.max(-0.7))),
+        ("clipped_both", "data.clipped", changed(&usual(), |_, x| x.clamp(-0.6, 0.6))),
+        ("clipped_counts", "data.clipped", changed(&Load { count: 0.01, ..usual() }, |_, x| x.min(0.8))),
+        ("drift", "data.drift", changed(&usual(), |k, x| x + 1.5 * k as f64 / 2000.0)),
+        ("drift_down", "data.drift", changed(&usual(), |k, x| x - 1.2 * k as f64 / 2000.0)),
+        ("bow", "data.drift", changed(&usual(), |k, x| x + 3.0 * (k as f64 / 1000.0 - 1.0).powi(2))),
+        (
+            "bow_of_three_cycles",
+            "data.drift",
+            changed(&Load { cycles: 3.0, ..usual() }, |k, x| x + 2.0 * (k as f64 / 300.0 - 1.0).powi(2)),
+        ),
+        ("noise", "data.noise", noise(10.0, 200)),
+        ("noise_of_seven_khz", "data.noise", noise(35.0, 2000)),
+        ("noise_of_few_cycles", "data.noise", noise(2.0, 100)),
+        ("noise_of_many", "data.noise", noise(300.0, 40)),
+        ("faster", "data.frequency", loads(&Load { ratio: 1.04, ..usual() })),
+        ("slower", "data.frequency", loads(&Load { ratio: 0.93, ..usual() })),
+        ("half_as_fast", "data.frequency", loads(&Load { ratio: 0.5, ..usual() })),
+        ("a_bit_faster", "data.frequency", loads(&Load { ratio: 1.015, cycles: 40.0, ..usual() })),
+        ("faster_of_two_cycles", "data.frequency", loads(&Load { ratio: 1.2, cycles: 2.5, ..usual() })),
+        (
+            "never_repeats",
+            "data.not_periodic",
+            changed(&usual(), |k, x| x * (k as f64 / 90.0 + (k as f64 / 300.0).powi(2)).sin()),
+        ),
+        ("fades", "data.not_periodic", changed(&usual(), |k, x| x * (-(k as f64) / 120.0).exp())),
+        ("a_quarter_lost", "data.lost", lost(40)),
+        ("bursts_lost", "data.lost", lost(400)),
+        ("time_back", "data.time", back(loads(&usual()))),
+        ("time_still", "data.time", {
+            let (p, c, u) = loads(&usual());
+            (vec![0.25; p.len()], c, u)
+        }),
+        ("time_not_a_number", "data.time", {
+            let (mut p, c, u) = loads(&usual());
+            p[3] = f64::NAN;
+            (p, c, u)
+        }),
+        (
+            "rough_motion",
+            "data.rough",
+            motion(&Load { size: 30.0, noise: 0.3, rate: 100, cycles: 1.0, ..usual() }),
+        ),
+        (
+            "rough_motion_of_several",
+            "data.rough",
+            motion(&Load { size: 30.0, noise: 0.15, rate: 140, ..usual() }),
+        ),
+        (
+            "motion_of_another_frequency",
+            "data.frequency",
+            motion(&Load { size: 30.0, noise: 0.0, ratio: 1.04, ..usual() }),
+        ),
+    ]
+}
+
+#[test]
+fn right_data_that_look_odd_pass() {
+    let all = right();
+    let judged: Vec<String> = all
+        .iter()
+        .map(|(name, data)| (name, found(data)))
+        .filter(|(_, found)| !found.is_empty())
+        .map(|(name, found)| format!("{name}: {:?}", found.iter().map(Finding::words).collect::<Vec<_>>()))
+        .collect();
+    assert!(all.len() >= 30 && judged.is_empty(), "of {}: {judged:#?}", all.len());
+}
+
+#[test]
+fn wrong_data_are_found_by_name() {
+    let all = wrong();
+    let missed: Vec<String> = all
+        .iter()
+        .map(|(name, id, data)| (name, id, found(data)))
+        .filter(|(_, id, found)| !ids(found).contains(id))
+        .map(|(name, id, found)| format!("{name}: {:?} for {id}", ids(&found)))
+        .collect();
+    assert!(all.len() >= 30 && missed.is_empty(), "of {}: {missed:#?}", all.len());
+}
+
+#[test]
+fn a_limit_lies_between_what_passes_and_what_does_not() {
+    let drift = |size: f64| changed(&Load::default(), move |k, x| x + size * k as f64 / 2000.0);
+    let stuck =
+        |n: usize| changed(&Load::default(), move |k, x| if (400..400 + n).contains(&k) { 0.5 } else { x });
+    let ratio = |ratio: f64| loads(&Load { ratio, cycles: 60.0, ..Load::default() });
+    let lost = |n: usize| {
+        let (phase, channels, purpose) = loads(&Load::default());
+        let kept = move |of: &Vec<f64>| -> Vec<f64> {
+            of.iter().enumerate().filter(|(k, _)| !(600..600 + n).contains(k)).map(|(_, x)| *x).collect()
+        };
+        (kept(&phase), channels.iter().map(kept).collect::<Vec<_>>(), purpose)
+    };
+    let rough = |noise: f64| motion(&Load { size: 30.0, noise, rate: 100, cycles: 1.0, ..Load::default() });
+    for (id, below, above) in [
+        ("data.drift", drift(0.35), drift(0.6)),
+        ("data.stuck", stuck(110), stuck(130)),
+        ("data.frequency", ratio(1.009), ratio(1.011)),
+        ("data.lost", lost(95), lost(110)),
+        ("data.rough", rough(0.02), rough(0.06)),
+    ] {
+        assert!(!ids(&found(&below)).contains(&id), "{id}: {:?}", found(&below));
+        assert!(ids(&found(&above)).contains(&id), "{id}: {:?}", found(&above));
+    }
+}
+
+#[test]
+fn a_frequency_is_estimated_with_its_error() {
+    for (ratio, cycles, noise) in [(1.04, 10.0, 0.1), (0.8, 4.0, 0.3), (1.0, 50.0, 1.0), (0.5, 20.0, 0.02)] {
+        let load = Load { ratio, cycles, noise, ..Load::default() };
+        let of = estimate(&load.phase(), &load.samples(5)).unwrap();
+        assert!((of.ratio - ratio).abs() < 5.0 * of.error + 2e-3 / cycles, "{ratio}: {of:?}");
+        assert!(of.error < 0.01 && of.explained > 0.3, "{of:?}");
+    }
+    assert_eq!(estimate(&[0.0, 0.5], &[1.0, 2.0]), None);
+}
+
+/// A cycle of 360 phases, later by `lag` deg.
+fn cycle(load: &Load, lag: usize) -> Vec<f64> {
+    (0..360).map(|k| load.at((k + 360 - lag) as f64 / 360.0)).collect()
+}
+
+fn beside(measured: &[Vec<f64>; 3]) -> Vec<Finding> {
+    let names = ["Fx", "Fz", "Ty"];
+    let own = [
+        Load::default(),
+        Load { size: 0.15, more: [6.0, 0.0], ..Load::default() },
+        Load { size: 0.01, more: [-0.5, 0.3], ..Load::default() },
+    ];
+    let computed = own.map(|load| cycle(&load, 0));
+    let pairs: Vec<Pair> = (0..3)
+        .map(|i| Pair {
+            name: names[i],
+            unit: if i == 2 { "N m" } else { "N" },
+            measured: &measured[i],
+            computed: &computed[i],
+        })
+        .collect();
+    compared("pass1.csv", &pairs, &Limits::default())
+}
+
+#[test]
+fn what_is_computed_judges_sign_order_gain_and_phase() {
+    let own = [
+        Load::default(),
+        Load { size: 0.15, more: [6.0, 0.0], ..Load::default() },
+        Load { size: 0.01, more: [-0.5, 0.3], ..Load::default() },
+    ];
+    let at = |lag: usize| own.clone().map(|load| cycle(&load, lag));
+    let times = |i: usize, by: f64| {
+        let mut all = at(0);
+        all[i].iter_mut().for_each(|x| *x *= by);
+        all
+    };
+    let [fx, fz, ty] = at(0);
+    assert!(beside(&at(0)).is_empty() && beside(&at(4)).is_empty() && beside(&times(0, 1.08)).is_empty());
+    for (id, measured) in [
+        ("data.reversed", times(0, -1.0)),
+        ("data.reversed", times(2, -0.7)),
+        ("data.scaled", times(1, 1.15)),
+        ("data.scaled", times(0, 0.85)),
+        ("data.dead", times(2, 0.001)),
+        ("data.dead", [fx.clone(), vec![0.1; 360], ty.clone()]),
+        ("data.shift", at(9)),
+        ("data.shift", at(352)),
+        ("data.swapped", [fz, fx, ty]),
+    ] {
+        assert!(ids(&beside(&measured)).contains(&id), "{id}: {:?}", beside(&measured));
+    }
+    let mut noise = Noise(4);
+    let other = at(0).map(|x| x.iter().map(|_| noise.next()).collect::<Vec<f64>>());
+    assert!(ids(&beside(&other)).contains(&"data.unrelated"), "{:?}", beside(&other));
+}
+
+#[test]
+fn a_serious_finding_is_a_status_and_a_warning_that_a_limit_takes_back() {
+    let data = changed(&Load::default(), |k, x| x + 0.9 * k as f64 / 2000.0);
+    let limits = Limits::default();
+    let mut judge = Judge::new(&limits);
+    let finding = found(&data).remove(0).mended_by(Some("process.steps.drift".into()));
+    finding.clone().put(&mut judge);
+    let verdict = judge.verdict();
+    assert_eq!(verdict.status, Status::SuspectData);
+    assert_eq!(verdict.warnings[0].key.as_deref(), Some("process.steps.drift"));
+    assert!(verdict.reason.unwrap().contains("limits.data.drift_fraction"));
+    let mut judge = Judge::new(&limits);
+    finding.noted().put(&mut judge);
+    assert_eq!(judge.verdict().status, Status::Ok);
+    let wider = Limits::default().with("data.drift_fraction", 1.0).unwrap();
+    let channels = vec![Channel { name: "Fx", unit: "N", samples: &data.1[0] }];
+    let series = Series { what: "a", phase: &data.0, frequency_hz: None, channels, purpose: Purpose::Loads };
+    assert!(examined(&series, &wider).is_empty());
+}

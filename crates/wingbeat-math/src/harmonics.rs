@@ -1,0 +1,82 @@
+//! Harmonics of samples by least squares.
+
+use crate::linear::{lu_factor, lu_solve};
+use std::f64::consts::TAU;
+
+/// Pivot of the normal equations, over the number of samples, below which they do not determine a harmonic; samples
+/// that lie evenly have 1/2. *Choice.*
+const UNDETERMINED: f64 = 1e-6;
+
+/// `mean + sum_n cos[n] cos((n+1) 2 pi f t) + sin[n] sin((n+1) 2 pi f t)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Harmonics {
+    /// Mean.
+    pub mean: f64,
+    /// Cosine amplitudes from the first harmonic on.
+    pub cos: Vec<f64>,
+    /// Sine amplitudes from the first harmonic on.
+    pub sin: Vec<f64>,
+}
+
+impl Harmonics {
+    /// The harmonics up to `count` of `frequency` nearest to the samples `y` at `t`, by least squares; none where the
+    /// samples do not determine them.
+    ///
+    /// Equation: tether.harmonics
+    pub fn fitted(frequency: f64, t: &[f64], y: &[f64], count: usize) -> Option<Self> {
+        let size = 2 * count + 1;
+        let (mut right, mut sums) = (vec![0.0; size], vec![(0.0, 0.0); size]);
+        for (t, y) in t.iter().zip(y) {
+            let phase = TAU * (frequency * t).fract();
+            let (step_sin, step_cos) = phase.sin_cos();
+            let (mut cos, mut sin) = (1.0, 0.0);
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum = (sum.0 + cos, sum.1 + sin);
+                if k <= count {
+                    right[k] += cos * y;
+                    right[if k > 0 { count + k } else { 0 }] += sin * y;
+                }
+                (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+            }
+        }
+        let mut normal = normal(&sums);
+        let mut pivots = vec![0; size];
+        let known = lu_factor(&mut normal, size, &mut pivots)
+            && (0..size).all(|i| normal[i * size + i].abs() > UNDETERMINED * y.len() as f64);
+        known.then(|| {
+            lu_solve(&normal, size, &pivots, &mut right, 1);
+            let (cos, sin) = (right[1..=count].to_vec(), right[count + 1..].to_vec());
+            Self { mean: right[0], cos, sin }
+        })
+    }
+
+    /// The sum at `cycles` of the fundamental.
+    pub fn at(&self, cycles: f64) -> f64 {
+        let (step_sin, step_cos) = (TAU * cycles.fract()).sin_cos();
+        let (mut c, mut s, mut sum) = (step_cos, step_sin, self.mean);
+        for (cos, sin) in self.cos.iter().zip(&self.sin) {
+            sum += cos * c + sin * s;
+            (c, s) = (c * step_cos - s * step_sin, s * step_cos + c * step_sin);
+        }
+        sum
+    }
+}
+
+/// Sums of the products of 1, cos(k x) and sin(k x), k up to n, from those of cos(k x) and sin(k x), k up to 2 n.
+fn normal(sums: &[(f64, f64)]) -> Vec<f64> {
+    let (size, count) = (sums.len(), sums.len() / 2);
+    let cos = |k: usize| sums[k].0;
+    let product = |i: usize, j: usize| match (i.checked_sub(count + 1), j.checked_sub(count + 1)) {
+        (None, None) => cos(i.abs_diff(j)) + cos(i + j),
+        (Some(m), Some(n)) => cos(m.abs_diff(n)) - cos(m + n + 2),
+        (None, Some(n)) => mixed(sums, i, n + 1),
+        (Some(m), None) => mixed(sums, j, m + 1),
+    };
+    (0..size * size).map(|at| 0.5 * product(at / size, at % size)).collect()
+}
+
+/// Twice the sum of cos(m x) sin(n x).
+fn mixed(sums: &[(f64, f64)], m: usize, n: usize) -> f64 {
+    let apart = sums[m.abs_diff(n)].1;
+    sums[m + n].1 + if n < m { -apart } else { apart }
+}
