@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use wingbeat::scenario::DocumentKind;
 use wingbeat_lattice::course::Asked;
 use wingbeat_program::comparisons::Comparisons;
@@ -397,9 +397,43 @@ pub struct RigEmulate {
     /// Number before the first record of a stream and of the box's own count, to see numbers wrap
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub sequence: u32,
+    /// How records are numbered
+    #[arg(long, value_name = "HOW", value_enum, default_value = "counted")]
+    pub numbers: EmulatedNumbers,
+    /// What records say of the loads
+    #[arg(long, value_name = "WHAT", value_enum, default_value = "measured")]
+    pub loads: EmulatedLoads,
     /// Seed of the faults
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
+}
+
+/// How an emulated box numbers its records.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum EmulatedNumbers {
+    /// As the box does
+    Counted,
+    /// At random
+    Random,
+    /// Backward, samples too
+    Backward,
+    /// Always the same, samples too
+    Frozen,
+    /// With the same number of the sample
+    FrozenSamples,
+}
+
+/// What an emulated box says of the loads.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum EmulatedLoads {
+    /// What the cell feels
+    Measured,
+    /// Zero
+    Zero,
+    /// Fz as it was at the begin
+    StuckFz,
+    /// All as they were at the begin
+    Frozen,
 }
 
 /// What may be added to the box's ports.

@@ -93,9 +93,22 @@ pub fn draw(
     for draw in draws {
         interrupt.check()?;
         let drawn = draw(record, asked).and_then(|figure| wingbeat_figures::write(&figures, &figure));
-        if let Err(error) = drawn {
-            say::note(&format!("a figure is left out: {error}"));
-        }
+        left_out(drawn)?;
     }
     Ok(())
+}
+
+/// A figure that cannot be drawn is left out with a note.
+///
+/// # Errors
+/// A figure that cannot be written: the disk is full, and what follows would not be whole.
+pub fn left_out(drawn: Result<(), wingbeat_figures::Error>) -> Result<(), Error> {
+    match drawn {
+        Err(wingbeat_figures::Error::File { path, source }) => Err(Error::File { path, source }),
+        Err(error) => {
+            say::note(&format!("a figure is left out: {error}"));
+            Ok(())
+        }
+        Ok(()) => Ok(()),
+    }
 }

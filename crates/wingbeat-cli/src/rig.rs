@@ -2,6 +2,7 @@
 
 mod display;
 mod emulate;
+mod faults;
 mod pictures;
 mod plan;
 mod process;

@@ -280,7 +280,7 @@ impl<'a> Session<'a> {
     fn row(&mut self, row: &Row, observe: &mut impl FnMut(Option<&Row>) -> bool) -> bool {
         let restarts = self.report.account.restarts;
         if !self.report.account.take(&row.record, row.arrival_ns()) {
-            return true;
+            return observe(None);
         }
         if self.report.account.restarts > restarts {
             self.clock = ClockFit::default();

@@ -5,32 +5,27 @@ use wingbeat_calibrate::{Found, FoundRun, Layout, PHASES, phase_of};
 use wingbeat_figures::calibration::{
     Overlay, ProfileCurve, Spectrum, correlations, information, overlay, profiles, residual_spectra,
 };
-use wingbeat_figures::{Error as Undrawn, write as write_figure};
+use wingbeat_figures::write as write_figure;
 
 use crate::error::Error;
 use crate::run_folder::RunFolder;
-use crate::say;
 
 /// Draws what can be drawn; what cannot is said and left out.
 pub fn draw(folder: &RunFolder, found: &Found) -> Result<(), Error> {
     let figures = folder.folder("figures")?;
-    let told = |outcome: Result<(), Undrawn>| {
-        if let Err(error) = outcome {
-            say::note(&format!("a figure is left out: {error}"));
-        }
-    };
+    let told = crate::fly::left_out;
     let names: Vec<String> = found.parameters.iter().map(|parameter| parameter.name.clone()).collect();
-    told(write_figure(&figures, &correlations(&names, found.correlations.clone())));
-    told(write_figure(&figures, &profiles(profile_curves(found))));
-    told(write_figure(&figures, &residual_spectra(spectra(found))));
+    told(write_figure(&figures, &correlations(&names, found.correlations.clone())))?;
+    told(write_figure(&figures, &profiles(profile_curves(found))))?;
+    told(write_figure(&figures, &residual_spectra(spectra(found))))?;
     let told_by = &found.information;
     let channels = found.channels();
     let rows =
         told_by.runs.iter().flat_map(|run| channels.iter().map(move |channel| format!("{run} {channel}")));
-    told(write_figure(&figures, &information(rows.collect(), names, told_by.alone.clone())));
+    told(write_figure(&figures, &information(rows.collect(), names, told_by.alone.clone())))?;
     for (number, run) in found.runs.iter().enumerate() {
         let own = folder.folder(&format!("figures/{}", run.observed.name))?;
-        told(write_figure(&own, &overlay(overlays(run, found.with_residual(number)))));
+        told(write_figure(&own, &overlay(overlays(run, found.with_residual(number)))))?;
     }
     Ok(())
 }

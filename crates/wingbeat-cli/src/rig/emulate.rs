@@ -5,9 +5,9 @@ use std::time::Duration;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
 use wingbeat_io::read_parquet_columns;
-use wingbeat_netft::{Emulator, Faults, Sent, Signal};
+use wingbeat_netft::{Emulator, Faults, Loads, Numbers, Sent, Signal};
 
-use crate::args::RigEmulate;
+use crate::args::{EmulatedLoads, EmulatedNumbers, RigEmulate};
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::say::say;
@@ -51,6 +51,8 @@ pub fn emulate(arguments: &RigEmulate) -> Result<(), Error> {
         jump_after: arguments.jump_after,
         pace: arguments.pace,
         sequence: arguments.sequence,
+        numbers: numbers(arguments.numbers),
+        loads: loads(arguments.loads),
         seed: arguments.seed,
     };
     let emulator = Emulator::start(arguments.bind, arguments.port_offset, signal, faults).map_err(
@@ -64,6 +66,25 @@ pub fn emulate(arguments: &RigEmulate) -> Result<(), Error> {
         std::thread::sleep(Duration::from_millis(100));
     }
     say(&words(&emulator.sent()))
+}
+
+fn numbers(asked: EmulatedNumbers) -> Numbers {
+    match asked {
+        EmulatedNumbers::Counted => Numbers::Counted,
+        EmulatedNumbers::Random => Numbers::Random,
+        EmulatedNumbers::Backward => Numbers::Backward,
+        EmulatedNumbers::Frozen => Numbers::Frozen,
+        EmulatedNumbers::FrozenSamples => Numbers::FrozenSamples,
+    }
+}
+
+fn loads(asked: EmulatedLoads) -> Loads {
+    match asked {
+        EmulatedLoads::Measured => Loads::Measured,
+        EmulatedLoads::Zero => Loads::Zero,
+        EmulatedLoads::StuckFz => Loads::StuckFz,
+        EmulatedLoads::Frozen => Loads::Frozen,
+    }
 }
 
 /// One line per count, `name value`.

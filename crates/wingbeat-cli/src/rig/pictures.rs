@@ -6,7 +6,6 @@ use wingbeat_figures::{Drawing, Figure, joint_histories};
 
 use crate::error::Error;
 use crate::run_folder::RunFolder;
-use crate::say;
 
 /// Snapshots, evenly over the motion.
 const SNAPSHOTS: usize = 7;
@@ -19,9 +18,7 @@ pub fn draw(folder: &RunFolder, run: &RigRun, plan: &Plan) -> Result<(), Error> 
     let joints = joint_histories(&run.arm, &plan.trajectory, &run.profile, plan.measured);
     let snapshots = snapshots(run, plan).map_err(wingbeat_figures::Error::Picture);
     for figure in [Ok(joints), snapshots] {
-        if let Err(error) = figure.and_then(|figure| wingbeat_figures::write(&place, &figure)) {
-            say::note(&format!("a figure is left out: {error}"));
-        }
+        crate::fly::left_out(figure.and_then(|figure| wingbeat_figures::write(&place, &figure)))?;
     }
     Ok(())
 }

@@ -18,6 +18,9 @@ use crate::say;
 
 /// Points between the poses of the Web App's list.
 const POSE_EVERY: usize = 50;
+/// Largest angle of a present pose, deg: ten thousand turns, beyond which a joint without end is not known to a
+/// thousandth of a degree.
+const LARGEST_DEG: f64 = 3.6e6;
 
 /// Plans every run and writes its trajectory in the arm's formats.
 pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
@@ -25,8 +28,7 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let (options, file) = (&arguments.runs.run, &arguments.runs.file);
     let runs = runs::load(file, &options.overrides)?;
-    let from: Option<Vec<f64>> =
-        arguments.from_deg.as_ref().map(|from| from.iter().map(|deg| deg.to_radians()).collect());
+    let from = arguments.from_deg.as_deref().map(present).transpose()?;
     let name = named_after(file, options.out.as_deref())?;
     let folder = RunFolder::create(options.out.as_deref(), &name, options.force)?;
     let plans = parallel::map(&runs, |_, run| run.plan().map_err(|error| run.explain(&error)));
@@ -61,6 +63,16 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
     match refusals.is_empty() {
         true => printed,
         false => Err(Error::Failed { status: "refused".into(), reason: refusals.join("\n"), folder: path }),
+    }
+}
+
+/// The present pose in rad.
+fn present(from_deg: &[f64]) -> Result<Vec<f64>, Error> {
+    match from_deg.iter().find(|deg| deg.is_nan() || deg.abs() > LARGEST_DEG) {
+        Some(deg) => {
+            Err(Error::Input(format!("--from-deg {deg}: allowed are angles of at most {LARGEST_DEG} deg")))
+        }
+        None => Ok(from_deg.iter().map(|deg| deg.to_radians()).collect()),
     }
 }
 

@@ -8,6 +8,7 @@ use wingbeat::rig::netft::{RDT_PORT, Scale};
 use wingbeat_netft::{Ending, Options, Report, read_config_while};
 
 use super::display::Display;
+use super::faults::Alarm;
 use super::recorded::{self, RAW, Summary};
 use crate::args::RigRecord;
 use crate::error::Error;
@@ -38,9 +39,13 @@ pub fn record(arguments: &RigRecord) -> Result<(), Error> {
     let folder = RunFolder::resume_measured(&arguments.out, arguments.force, (IDENTITY, &identity))?;
     interrupt.patient();
     let mut display = Display::new(scale, arguments.frequency, arguments.quiet);
+    let mut alarm = Alarm::new();
     let report = wingbeat_netft::record(&options, &scale, folder.partial(), RAW, |row| {
         if let Some(row) = row {
             display.see(row);
+        }
+        for line in alarm.see(row) {
+            display.bar.suspend(|| say::note(&line));
         }
         interrupt.flow().is_continue()
     });
@@ -59,6 +64,9 @@ pub fn record(arguments: &RigRecord) -> Result<(), Error> {
     done.map_err(|why| unfinished(&folder, &why))?;
     let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
     display.bar.finish_and_clear();
+    for warning in &summary.verdict.warnings {
+        say::note(&format!("warning ({}): {}", warning.id, warning.text));
+    }
     let printed = say::unless(arguments.quiet, || format!("{text}recording: {}\n", path.display()));
     ended(&summary, path).and(printed)
 }
@@ -123,8 +131,6 @@ fn unfinished(folder: &RunFolder, why: &dyn std::fmt::Display) -> Error {
 }
 
 fn ended(summary: &Summary, folder: PathBuf) -> Result<(), Error> {
-    match &summary.reason {
-        None => Ok(()),
-        Some(reason) => Err(Error::Failed { status: summary.status.clone(), reason: reason.clone(), folder }),
-    }
+    let Some(reason) = summary.verdict.reason.clone() else { return Ok(()) };
+    Err(Error::Failed { status: summary.verdict.status.name().into(), reason, folder })
 }

@@ -8,8 +8,11 @@ use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::netft::{APART_S, Account, BOX_RATE, Scale};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_io::ParquetWriter;
+use wingbeat_judge::limits::recording;
+use wingbeat_judge::{Judge, Limits, Status, Verdict};
 use wingbeat_netft::{Config, Ending, ROW_BYTES, Report, Row, Timeline, logs, read_log};
 
+use super::faults::{self, Signs};
 use crate::error::Error;
 use crate::run_folder::RunFolder;
 
@@ -21,10 +24,9 @@ const PART: usize = 1 << 16;
 /// The account of a recording. Counts of records are of all its raw logs, other counts of the last start.
 #[derive(Debug, Serialize)]
 pub struct Summary {
-    /// `ok`, `silent` (at the end), or `clock`: the records are not as many as the clock says.
-    pub status: String,
-    /// Why, when not `ok`.
-    pub reason: Option<String>,
+    /// Whether it can be used, and what that rests on.
+    #[serde(flatten)]
+    pub verdict: Verdict,
     /// Begin and end, s.
     pub window_s: (f64, f64),
     /// Records written.
@@ -46,7 +48,7 @@ pub struct Summary {
     /// Leaps of the box's numbers.
     pub jumps: u64,
     /// Records with a warning status.
-    pub warnings: u64,
+    pub status_warnings: u64,
     /// Records with a saturated channel.
     pub saturated: u64,
     /// Records with a serious status.
@@ -90,10 +92,6 @@ pub struct ByClock {
     pub unaccounted: f64,
 }
 
-/// Share of the records by which count and clock may differ beside [`APART_S`] (*choice*).
-const TOLERANCE: f64 = 0.01;
-/// Share by which the rate of arrival may differ from the one stated (*choice*), where it was seen for [`SEEN`].
-const RATE_TOLERANCE: f64 = 0.1;
 /// Time for which a rate must be seen to be judged.
 const SEEN: Duration = Duration::from_millis(200);
 
@@ -108,30 +106,25 @@ impl ByClock {
         Self { stated_rate_hz: rate, wall_s, tail_s, expected, unaccounted }
     }
 
-    /// Status and reason, when something is wrong.
-    fn verdict(&self, report: &Report) -> Option<(&'static str, String)> {
+    /// Holds it against the limits.
+    fn judge(&self, report: &Report, judge: &mut Judge) {
         let Self { stated_rate_hz, wall_s, tail_s, expected, unaccounted } = *self;
-        if report.ending == Ending::Silent || tail_s > APART_S {
-            return Some(("silent", format!("the box stopped sending {tail_s:.1} s before the end")));
+        let told = judge.hold(&recording::SILENT_END, tail_s);
+        if report.ending == Ending::Silent && told {
+            judge.find(Status::Failed, format!("the box stopped sending {tail_s:.1} s before the end"));
         }
-        if unaccounted.abs() > APART_S * stated_rate_hz + TOLERANCE * expected {
-            return Some((
-                "clock",
-                format!(
-                    "{expected:.0} records should be there by the clock ({stated_rate_hz} Hz over {wall_s:.2} s), but \
-                     {:.0} came or are booked as missing",
-                    expected - unaccounted
-                ),
-            ));
+        let there = expected - unaccounted;
+        let about = format!(
+            "({expected:.0} should be there by the clock, {stated_rate_hz} Hz over {wall_s:.2} s, and {there:.0} are)"
+        );
+        let beyond = (unaccounted.abs() - APART_S * stated_rate_hz).max(0.0) / expected.max(1.0);
+        judge.hold_about(&recording::UNACCOUNTED, beyond, &about);
+        if report.rate_span >= SEEN && report.rate_hz > 0.0 {
+            let rate = report.rate_hz;
+            let about =
+                format!("(records came at {rate:.0} Hz by the clock; the box states {stated_rate_hz} Hz)");
+            judge.hold_about(&recording::RATE, (rate / stated_rate_hz - 1.0).abs(), &about);
         }
-        let rate = report.rate_hz;
-        let seen = report.rate_span >= SEEN && rate > 0.0;
-        (seen && (rate / stated_rate_hz - 1.0).abs() > RATE_TOLERANCE).then(|| {
-            (
-                "clock",
-                format!("records came at {rate:.0} Hz by the clock; the box states {stated_rate_hz} Hz"),
-            )
-        })
     }
 }
 
@@ -150,6 +143,7 @@ pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<Sum
     let empty = || Record::new(columns(), PART);
     let mut file = ParquetWriter::create(&folder.file("record.parquet"), &empty()?)?;
     let (mut part, mut account, mut line) = (empty()?, Account::default(), Timeline::default());
+    let mut signs = Signs::default();
     let mut first: Option<Row> = None;
     let (mut begin, mut end, mut last_ns) = (0.0_f64, 0.0_f64, 0);
     let logs = logs(folder.partial(), RAW).map_err(input)?;
@@ -157,6 +151,7 @@ pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<Sum
         for row in read_log(log).map_err(input)? {
             let row = row.map_err(input)?;
             account.take_new(&row.record, row.arrival_ns());
+            signs.see(&row);
             last_ns = last_ns.max(row.arrival_ns());
             let t = line.time(&row);
             (begin, end) = (begin.min(t), end.max(t));
@@ -172,7 +167,19 @@ pub fn write(folder: &RunFolder, report: &Report, config: &Config) -> Result<Sum
     let span = first.map_or(0.0, |first| (last_ns as f64 - first.arrival_ns() as f64) * 1e-9);
     let whole = report.rows == account.received;
     let by_clock = ByClock::of(report, &account, config.rate_hz, span, whole);
-    Ok(Summary::new(report, &account, by_clock, (begin, end), logs.len()))
+    let verdict = verdict(report, &account, &by_clock, &signs);
+    Ok(Summary::new(verdict, report, &account, by_clock, (begin, end), logs.len()))
+}
+
+/// The verdict on a recording: its counts, the clock and its loads.
+fn verdict(report: &Report, account: &Account, by_clock: &ByClock, signs: &Signs) -> Verdict {
+    let limits = Limits::default();
+    let mut judge = Judge::new(&limits);
+    by_clock.judge(report, &mut judge);
+    faults::judge(account, &mut judge);
+    faults::judge_stream(&report.account, &mut judge);
+    signs.judge(account.received, &mut judge);
+    judge.verdict()
 }
 
 /// The columns of a recording.
@@ -206,11 +213,16 @@ fn cells(row: &Row, t: f64, first: &Row, scale: &Scale) -> Vec<f64> {
 }
 
 impl Summary {
-    fn new(report: &Report, account: &Account, by_clock: ByClock, window_s: (f64, f64), logs: usize) -> Self {
-        let verdict = by_clock.verdict(report);
+    fn new(
+        verdict: Verdict,
+        report: &Report,
+        account: &Account,
+        by_clock: ByClock,
+        window_s: (f64, f64),
+        logs: usize,
+    ) -> Self {
         Self {
-            status: verdict.as_ref().map_or("ok", |(status, _)| status).into(),
-            reason: verdict.map(|(_, reason)| reason),
+            verdict,
             by_clock,
             jumps: account.jumps,
             window_s,
@@ -222,7 +234,7 @@ impl Summary {
             restarts: account.restarts,
             unsent: account.unsent,
             reboots: account.reboots,
-            warnings: account.warnings,
+            status_warnings: account.warnings,
             saturated: account.saturated,
             serious: account.serious,
             duplicates: report.account.duplicates,
@@ -253,7 +265,7 @@ impl Summary {
             self.duplicates,
             self.reordered,
             self.malformed,
-            self.warnings,
+            self.status_warnings,
             self.saturated,
             self.serious,
             self.stalls,
@@ -302,22 +314,25 @@ mod tests {
     }
 
     /// Status of a recording of `seconds` with so many records of 7 kHz, none of them booked as missing.
-    fn status(seconds: f64, records: u64, rate: f64, tail: f64) -> Option<&'static str> {
+    fn status(seconds: f64, records: u64, rate: f64, tail: f64) -> Status {
         let mut account = Account::default();
         account.received = records;
         let report = report(rate, tail);
-        ByClock::of(&report, &account, Some(7000.0), seconds, true).verdict(&report).map(|(status, _)| status)
+        let limits = Limits::default();
+        let mut judge = Judge::new(&limits);
+        ByClock::of(&report, &account, Some(7000.0), seconds, true).judge(&report, &mut judge);
+        judge.verdict().status
     }
 
     #[test]
     fn count_and_clock_agree_within_the_tolerance_stated() {
-        assert_eq!(status(10.0, 70_000, 7000.0, 0.0), None);
+        assert_eq!(status(10.0, 70_000, 7000.0, 0.0), Status::Ok);
         // Half a second and 1 %: 3500 + 700.
-        assert_eq!(status(10.0, 66_000, 7000.0, 0.0), None);
-        assert_eq!(status(10.0, 65_500, 7000.0, 0.0), Some("clock"));
-        assert_eq!(status(10.0, 75_000, 7000.0, 0.0), Some("clock"));
-        assert_eq!(status(10.0, 70_000, 7000.0, 0.6), Some("silent"));
+        assert_eq!(status(10.0, 66_000, 7000.0, 0.0), Status::Ok);
+        assert_eq!(status(10.0, 65_500, 7000.0, 0.0), Status::SuspectData);
+        assert_eq!(status(10.0, 75_000, 7000.0, 0.0), Status::SuspectData);
+        assert_eq!(status(10.0, 70_000, 7000.0, 0.6), Status::Failed);
         // A second at a fifth of the rate is within half a second of records, yet not at the rate stated.
-        assert_eq!(status(0.3, 2100, 1400.0, 0.0), Some("clock"));
+        assert_eq!(status(0.3, 2100, 1400.0, 0.0), Status::SuspectData);
     }
 }

@@ -83,9 +83,10 @@ fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
 pub fn text(groups: &[Group]) -> String {
     let cell = |[low, middle, high]: [f64; 3]| format!("{middle:.2} ({low:.2} to {high:.2})");
     let mut text = format!(
-        "{:<22}{:>8}{:>6}  {:<27}{:<27}{:<27}{}\n",
+        "{:<22}{:>8}{:>10}{:>6}  {:<27}{:<27}{:<27}{}\n",
         "end point",
         "flights",
+        "completed",
         "held",
         "x, median (5 to 95 %) m",
         "y, left is positive",
@@ -94,9 +95,10 @@ pub fn text(groups: &[Group]) -> String {
     );
     for group in groups {
         text += &format!(
-            "{:<22}{:>8}{:>6}  {:<27}{:<27}{:<27}{}\n",
+            "{:<22}{:>8}{:>10}{:>6}  {:<27}{:<27}{:<27}{}\n",
             group.name,
             group.flights,
+            group.completed,
             group.held,
             cell(group.distance_x_m),
             cell(group.distance_y_m),

@@ -149,9 +149,7 @@ fn draw(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(), Error>
         SweepOf::Cases => vec![cases::drawn(record, sweep)],
     };
     for drawn in drawn {
-        if let Err(error) = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)) {
-            say::note(&format!("a figure is left out: {error}"));
-        }
+        crate::fly::left_out(drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)))?;
     }
     Ok(())
 }

@@ -130,9 +130,7 @@ impl Found {
         drawn.extend(self.comparison.as_ref().map(comparison));
         for drawn in drawn {
             let outcome = drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure));
-            if let Err(error) = outcome {
-                say::note(&format!("a figure is left out: {error}"));
-            }
+            crate::fly::left_out(outcome)?;
         }
         Ok(())
     }

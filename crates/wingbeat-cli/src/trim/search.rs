@@ -7,7 +7,6 @@ use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::progress;
 use crate::run_folder::RunFolder;
-use crate::say;
 use crate::sweep::log::Log;
 
 /// Searches from the starts that are left and writes their table.
@@ -41,14 +40,9 @@ pub fn searched(
     let record = &searched.starts;
     write_csv(&folder.file("starts.csv"), record)?;
     write_parquet(&folder.file("starts.parquet"), record)?;
-    match wingbeat_figures::starts(record) {
-        Ok(figure) => {
-            if let Err(error) = wingbeat_figures::write(&folder.folder("figures")?, &figure) {
-                say::note(&format!("a figure is left out: {error}"));
-            }
-        }
-        Err(error) => say::note(&format!("a figure is left out: {error}")),
-    }
+    let figures = folder.folder("figures")?;
+    let drawn = wingbeat_figures::starts(record);
+    crate::fly::left_out(drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)))?;
     log.remove()?;
     Ok(searched)
 }

@@ -6,7 +6,6 @@ use wingbeat_lattice::course::{PHASES, Shot, Watch};
 
 use crate::error::Error;
 use crate::run_folder::RunFolder;
-use crate::say;
 
 /// Distance of the frontal plane behind the rearmost trailing edge, chords. *Choice.*
 const BEHIND: f64 = 0.5;
@@ -41,9 +40,7 @@ pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
     let planes = (!cuts.is_empty()).then(|| frontal_planes(&cuts, &notes, SPREAD * chord));
     for figure in drawn.into_iter().chain(planes) {
         let outcome = figure.and_then(|figure| wingbeat_figures::write(&figures, &figure));
-        if let Err(error) = outcome {
-            say::note(&format!("a figure is left out: {error}"));
-        }
+        crate::fly::left_out(outcome)?;
     }
     Ok(())
 }

@@ -133,3 +133,18 @@ fn an_arm_may_be_a_urdf_file() {
         assert!(!folder.join("b").exists(), "{name}");
     }
 }
+
+#[test]
+fn a_present_pose_beyond_all_turns_is_refused() {
+    let folder = crate::scratch("rig_plan_far");
+    let run = crate::root().join("rigs/runs/bench.toml");
+    for far in ["1e300,0,0,0,0,0", "0,0,0,0,0,nan"] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_wingbeat"));
+        command.args(["rig", "plan"]).arg(&run).args(["--from-deg", far, "--out", "plan"]);
+        let output = command.current_dir(&folder).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains("--from-deg") && !text.contains("panicked"), "{text}");
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
+}

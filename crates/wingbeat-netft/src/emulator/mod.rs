@@ -37,6 +37,36 @@ impl Signal {
     }
 }
 
+/// How the box numbers its records.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Numbers {
+    /// By one and by the samples between, as the box does.
+    #[default]
+    Counted,
+    /// The number of the record is random.
+    Random,
+    /// Both count backward.
+    Backward,
+    /// Both stand still.
+    Frozen,
+    /// The count of samples stands still.
+    FrozenSamples,
+}
+
+/// What the records say of the loads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Loads {
+    /// What the cell feels.
+    #[default]
+    Measured,
+    /// Nothing at all.
+    Zero,
+    /// Fz as it was at the begin.
+    StuckFz,
+    /// What the first record said.
+    Frozen,
+}
+
 /// Misbehaviour: shares are probabilities per record or datagram.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Faults {
@@ -70,6 +100,10 @@ pub struct Faults {
     pub pace: f64,
     /// Number before the first record of a stream and of the box's own count, to see numbers wrap.
     pub sequence: u32,
+    /// How records are numbered.
+    pub numbers: Numbers,
+    /// What records say of the loads.
+    pub loads: Loads,
     /// Seed of all this.
     pub seed: u64,
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use wingbeat::math::Random;
 use wingbeat::rig::netft::{Command, RECORD_BYTES, RdtRecord, Request};
 
-use super::{Faults, SCALE, Sent, Signal};
+use super::{Faults, Loads, Numbers, SCALE, Sent, Signal};
 
 /// Records of a buffered datagram.
 const PACK: usize = 28;
@@ -144,13 +144,38 @@ impl Stream {
         self.books.jumps += u64::from(leaps);
         client.rdt_sequence = client.rdt_sequence.wrapping_add(if leaps { JUMP } else { 1 });
         client.ft_sequence = client.ft_sequence.wrapping_add(step);
+        let (rdt_sequence, ft_sequence) = self.numbers(client);
         let wrench = self.signal.at(client.ft_sequence);
         let loaded = std::array::from_fn(|i| wrench[i] - self.offset[i]);
         RdtRecord {
-            rdt_sequence: client.rdt_sequence,
-            ft_sequence: client.ft_sequence,
+            rdt_sequence,
+            ft_sequence,
             status: self.status(),
-            counts: SCALE.counts(loaded),
+            counts: SCALE.counts(self.loads(loaded)),
+        }
+    }
+
+    /// The numbers that a record carries.
+    fn numbers(&mut self, client: &Client) -> (u32, u32) {
+        let (rdt, ft, first) = (client.rdt_sequence, client.ft_sequence, self.faults.sequence);
+        match self.faults.numbers {
+            Numbers::Counted => (rdt, ft),
+            Numbers::Random => (self.random.bits() as u32, ft),
+            Numbers::Backward => (0_u32.wrapping_sub(rdt), 0_u32.wrapping_sub(ft)),
+            Numbers::Frozen => (first.wrapping_add(1), first),
+            Numbers::FrozenSamples => (rdt, first),
+        }
+    }
+
+    /// The loads that a record carries.
+    fn loads(&self, measured: [f64; 6]) -> [f64; 6] {
+        let [fx, fy, _, tx, ty, tz] = measured;
+        let first = self.signal.at(0);
+        match self.faults.loads {
+            Loads::Measured => measured,
+            Loads::Zero => [0.0; 6],
+            Loads::StuckFz => [fx, fy, first[2], tx, ty, tz],
+            Loads::Frozen => first,
         }
     }
 
