@@ -75,8 +75,8 @@ class Plan(Told):
 
 @dataclass(frozen=True, kw_only=True)
 class Moved(Recorded):
-    """A wing that was moved in a wind: loads by source and motion; its status is ``ok``, ``not_periodic``, ``not_resolved``
-    or what failed.
+    """A wing that was moved in a wind: loads by source and motion; its status is ``ok``, ``suspect_data``, ``not_resolved``,
+    ``not_periodic`` or ``failed``.
     """
 
     strips: Strips
