@@ -62,7 +62,15 @@ fn a_coordinate_may_be_a_table() {
 }
 
 /// `flap_f2` in few steps.
-const BRIEF: [&str; 4] = ["--set", "time.steps_per_cycle=48", "--set", "time.cycles=2"];
+const BRIEF: [&str; 6] = [
+    "--set",
+    "time.steps_per_cycle=48",
+    "--set",
+    "time.cycles=2",
+    // Two cycles from rest are not alike.
+    "--set",
+    "limits.tether.cycle_change_fraction=0.1",
+];
 
 fn summary(run: &Path) -> serde_json::Value {
     serde_json::from_str(&fs::read_to_string(run.join("summary.json")).unwrap()).unwrap()
