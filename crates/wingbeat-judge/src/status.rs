@@ -16,10 +16,10 @@ pub enum Status {
     Outside,
     /// The measured data do not say what they are used for.
     SuspectData,
-    /// The result depends on the grid, the step, the iterations or the length.
-    NotResolved,
     /// The motion does not repeat, so that its means over a cycle say nothing.
     NotPeriodic,
+    /// The result depends on the grid, the step, the iterations or the length.
+    NotResolved,
     /// What was searched for was not found.
     NotFound,
     /// The computation or the instrument broke down.
@@ -36,8 +36,8 @@ impl Status {
         Self::OffTarget,
         Self::Outside,
         Self::SuspectData,
-        Self::NotResolved,
         Self::NotPeriodic,
+        Self::NotResolved,
         Self::NotFound,
         Self::Failed,
         Self::Interrupted,

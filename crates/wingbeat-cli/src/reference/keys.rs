@@ -100,7 +100,10 @@ impl<'a> Walk<'a> {
         for choice in list(value, "oneOf") {
             self.table(self.resolved(choice), path, choice["description"].as_str());
         }
-        let is_part = |choice: &Value| choice["$ref"].as_str().is_some_and(|name| name.ends_with(PART));
+        let is_part = |choice: &Value| {
+            choice["additionalProperties"].is_object()
+                || choice["$ref"].as_str().is_some_and(|name| name.ends_with(PART))
+        };
         if !is_file(value) || list(value, "anyOf").iter().any(is_part) {
             let tables = list(value, "anyOf").iter().map(|choice| self.resolved(choice));
             let tables: Vec<&Value> = tables.filter(|table| table["properties"].is_object()).collect();
