@@ -82,7 +82,7 @@ def main(library: Path, program: Path, out: Path) -> Path:
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, data in contents.items():
             entry = zipfile.ZipInfo(path, TIME)
-            entry.external_attr = (0o755 if ".data/scripts/" in path else 0o644) << 16
+            entry.external_attr = (0o100755 if ".data/scripts/" in path else 0o100644) << 16
             archive.writestr(entry, data, zipfile.ZIP_DEFLATED)
     return wheel
 

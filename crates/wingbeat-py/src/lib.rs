@@ -41,7 +41,8 @@ mod module {
     /// Refuses a processor that the extension was not built for.
     #[pymodule_init]
     fn begin(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        // Not `add`, which would put the name into `__all__`.
+        module.setattr("__version__", env!("CARGO_PKG_VERSION"))?;
         wingbeat::processor::lacks().map_or(Ok(()), |lacks| Err(PyImportError::new_err(lacks)))
     }
 

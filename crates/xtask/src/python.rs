@@ -148,10 +148,10 @@ fn environment(folder: &str) -> Option<PathBuf> {
 /// The wheel of the extension and the program that lie in the folder `built`.
 fn wheel(python: &Path, built: &Path) -> Option<PathBuf> {
     let root = tools::root();
-    let name = |stem: &str| format!("{}{stem}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    let library = [built.join(name("_wingbeat")), built.join("deps").join(name("_wingbeat"))];
+    // Cargo puts it there whether it was built or tested; the copy one folder up is that of the last build alone.
+    let library = format!("{}_wingbeat{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let mut pack = Command::new(python);
-    pack.arg(root.join(CRATE).join("pack.py")).arg(library.iter().find(|path| path.exists())?);
+    pack.arg(root.join(CRATE).join("pack.py")).arg(built.join("deps").join(library));
     pack.arg(built.join(format!("wingbeat{}", std::env::consts::EXE_SUFFIX))).arg(root.join("target/wheels"));
     let wheel = PathBuf::from(tools::output(pack)?.trim());
     let size = std::fs::metadata(&wheel).map_or(0, |data| data.len());

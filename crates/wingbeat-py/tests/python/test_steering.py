@@ -80,7 +80,7 @@ def test_observers_see_every_sample_and_end_a_flight(turn):
 
     flight = wingbeat.fly(turn, SHORT, observe=observe)
     assert times == pytest.approx(np.arange(11) * 1e-3)
-    assert (flight.status, flight.record.rows) == ("stopped", 11)
+    assert (flight.status, flight.record.rows) == ("interrupted", 11)
 
 
 def test_a_stepper_repeats_to_the_bit(turn):
