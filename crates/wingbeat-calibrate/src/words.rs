@@ -123,7 +123,7 @@ pub fn report(found: &Found, verdict: &Verdict) -> String {
         text += &format!("\nnote: {caution}\n");
     }
     for warning in &verdict.warnings {
-        text += &format!("\nwarning ({}): {}\n", warning.id, warning.text);
+        text += &format!("\n{warning}\n");
     }
     text
 }

@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use indicatif::{HumanDuration, ProgressBar};
-use wingbeat::judge::Status;
 use wingbeat::scenario::{Document, Run, Scenario};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Asked, Draw, of_flight};
@@ -46,14 +45,8 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     let table = || outcome::table(&run.summary, scenario.spec.paper.as_ref());
     let printed = say::unless(options.quiet, || format!("{}\nrun folder: {}\n", table(), shown.display()));
-    match run.summary.status {
-        Status::Ok | Status::NotJudged => printed,
-        status => Err(Error::Failed {
-            status: status.name().into(),
-            reason: run.summary.reason.unwrap_or_default(),
-            folder: shown.into(),
-        }),
-    }
+    Error::unless_usable(run.summary.status, run.summary.reason.as_deref(), shown)?;
+    printed
 }
 
 fn simulate(scenario: &Scenario, interrupt: &Interrupt, quiet: bool) -> Result<Run, Error> {

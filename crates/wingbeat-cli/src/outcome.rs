@@ -19,7 +19,7 @@ pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
     }
     text += &overridden(&summary.judged);
     for warning in &summary.warnings {
-        text += &format!("\nwarning ({}): {}\n", warning.id, warning.text);
+        text += &format!("\n{warning}\n");
     }
     text
 }

@@ -5,7 +5,6 @@ mod search;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
-use wingbeat::judge::Status;
 use wingbeat::scenario::{Scenario, TrimProgress, TrimSummary};
 use wingbeat::simulate::Record;
 use wingbeat_figures::{Draw, family, multipliers, orbit};
@@ -83,13 +82,8 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     let printed = say::unless(options.quiet, || {
         format!("{}\nrun folder: {}\n", table(&trimmed.summary), shown.display())
     });
-    match trimmed.summary.status {
-        Status::Ok => printed,
-        status => {
-            let reason = trimmed.summary.reason.clone().unwrap_or_default();
-            Err(Error::Failed { status: status.name().into(), reason, folder: shown.into() })
-        }
-    }
+    Error::unless_usable(trimmed.summary.status, trimmed.summary.reason.as_deref(), shown)?;
+    printed
 }
 
 fn table(summary: &TrimSummary) -> String {
@@ -154,7 +148,7 @@ fn table(summary: &TrimSummary) -> String {
         text += &format!("{:<28}{orbits} orbits: {ended}\n", "family");
     }
     for warning in &summary.warnings {
-        text += &format!("\nwarning ({}): {}\n", warning.id, warning.text);
+        text += &format!("\n{warning}\n");
     }
     text
 }

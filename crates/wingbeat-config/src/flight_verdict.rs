@@ -120,21 +120,21 @@ impl Flown<'_> {
     fn task(&self, judge: &mut Judge) {
         let (summary, goal) = (self.summary, self.context.goal);
         if self.context.period_s.is_none() {
-            self.hold(judge, &flight::FREE_PATH_ANGLE, self.path_angle());
+            judge.hold_if(&flight::FREE_PATH_ANGLE, self.path_angle());
             return;
         }
         let height = summary.height_max_error_m.filter(|_| summary.path.is_none());
-        self.hold(judge, &flight::ALTITUDE, height);
+        judge.hold_if(&flight::ALTITUDE, height);
         if self.tracks_attitude() && goal.is_none() {
-            self.hold(judge, &flight::ATTITUDE, summary.roll_rms_error_deg);
-            self.hold(judge, &flight::ATTITUDE, summary.pitch_rms_error_deg);
+            judge.hold_if(&flight::ATTITUDE, summary.roll_rms_error_deg);
+            judge.hold_if(&flight::ATTITUDE, summary.pitch_rms_error_deg);
         }
-        self.hold(judge, &flight::PATH, summary.path.as_ref().map(|path| path.cross_max_m));
-        self.hold(judge, &flight::PLACE, summary.hover.as_ref().map(|hover| hover.place_rms_m));
+        judge.hold_if(&flight::PATH, summary.path.as_ref().map(|path| path.cross_max_m));
+        judge.hold_if(&flight::PLACE, summary.hover.as_ref().map(|hover| hover.place_rms_m));
         let has_height = height.is_some() || summary.path.is_some() || summary.hover.is_some();
         let asks_height = goal.is_some_and(|goal| goal.altitude_within_m.is_some());
         if !has_height && !asks_height {
-            self.hold(judge, &flight::PATH_ANGLE, self.path_angle());
+            judge.hold_if(&flight::PATH_ANGLE, self.path_angle());
         }
         if !self.context.inputs.is_empty() {
             judge.hold(&flight::SATURATION, summary.input_saturation_fraction);
@@ -148,13 +148,7 @@ impl Flown<'_> {
     /// True when there is an attitude to hold: that of an orbit, or of a manoeuvre that has had its time to settle.
     fn tracks_attitude(&self) -> bool {
         let orbit = self.record.values("orbit_roll_error").is_some();
-        orbit || (self.context.manoeuvre.is_some() && self.flight.duration > SETTLED)
-    }
-
-    fn hold(&self, judge: &mut Judge, limit: &'static Limit, value: Option<f64>) {
-        if let Some(value) = value {
-            judge.hold(limit, value);
-        }
+        orbit || (self.context.manoeuvre.is_some() && self.flight.duration >= SETTLED)
     }
 
     /// Holds the flight against the range in which its model, its fit and its steps are good.

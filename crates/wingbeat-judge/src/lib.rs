@@ -26,6 +26,6 @@ pub mod limits;
 mod status;
 mod verdict;
 
-pub use limits::{Kind, Limit, Limits, Sense, UnknownLimit};
+pub use limits::{Limit, Limits, Sense, UnknownLimit};
 pub use status::Status;
 pub use verdict::{Judge, Judged, Verdict, Warning};

@@ -56,6 +56,12 @@ impl Warning {
     }
 }
 
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "warning ({}): {}", self.id, self.text)
+    }
+}
+
 /// The verdict on a result, as `summary.json` has it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
@@ -86,11 +92,6 @@ impl<'a> Judge<'a> {
         Self { limits, status: Status::Ok, reasons: Vec::new(), judged: Vec::new(), warnings: Vec::new() }
     }
 
-    /// The limits that hold.
-    pub fn limits(&self) -> &'a Limits {
-        self.limits
-    }
-
     /// Holds `value` against `limit`; true when it is allowed.
     pub fn hold(&mut self, limit: &'static Limit, value: f64) -> bool {
         self.hold_about(limit, value, "")
@@ -100,6 +101,13 @@ impl<'a> Judge<'a> {
     pub fn hold_about(&mut self, limit: &'static Limit, value: f64, about: &str) -> bool {
         let (bound, overridden) = self.limits.of(limit);
         self.take(limit, (bound, overridden), value, about)
+    }
+
+    /// Holds `value` against `limit` where there is one.
+    pub fn hold_if(&mut self, limit: &'static Limit, value: Option<f64>) {
+        if let Some(value) = value {
+            self.hold(limit, value);
+        }
     }
 
     /// Holds `value` against `bound`, which the document's task states; `limit` says the rest.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use wingbeat::judge::Status;
 use wingbeat::scenario::ConfigError;
 
 /// Why a command ended without success.
@@ -60,6 +61,18 @@ pub enum Error {
 }
 
 impl Error {
+    /// How a command ends whose result is kept in `folder`: without an error where its status lets the result be used.
+    pub fn unless_usable(status: Status, reason: Option<&str>, folder: &Path) -> Result<(), Self> {
+        match status.exit_code() {
+            0 => Ok(()),
+            _ => Err(Self::Failed {
+                status: status.name().into(),
+                reason: reason.unwrap_or_default().into(),
+                folder: folder.into(),
+            }),
+        }
+    }
+
     /// A file that could not be read or written.
     pub fn file(path: &Path, source: std::io::Error) -> Self {
         Self::File { path: path.into(), source }

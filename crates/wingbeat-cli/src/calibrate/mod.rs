@@ -50,13 +50,8 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
             let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
             let report = || format!("{}\nrun folder: {}\n", words::report(&found, &verdict), shown.display());
             let printed = say::unless(options.quiet, report);
-            match verdict.status {
-                Status::Ok => printed,
-                status => {
-                    let reason = verdict.reason.clone().unwrap_or_default();
-                    Err(Error::Failed { status: status.name().into(), reason, folder: shown.into() })
-                }
-            }
+            Error::unless_usable(verdict.status, verdict.reason.as_deref(), shown)?;
+            printed
         }
         Ok(None) => {
             folder.discard();
@@ -98,7 +93,7 @@ fn found(
     let prepared = calibration.prepared()?;
     interrupt.check()?;
     prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
-    let told = |finding: &Finding| say::note(&format!("warning ({}): {}", finding.id, finding.words()));
+    let told = |finding: &Finding| say::note(&finding.warning().to_string());
     prepared.found.iter().for_each(told);
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
     prepared.check()?;

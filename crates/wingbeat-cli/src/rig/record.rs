@@ -65,7 +65,7 @@ pub fn record(arguments: &RigRecord) -> Result<(), Error> {
     let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
     display.bar.finish_and_clear();
     for warning in &summary.verdict.warnings {
-        say::note(&format!("warning ({}): {}", warning.id, warning.text));
+        say::note(&warning.to_string());
     }
     let printed = say::unless(arguments.quiet, || format!("{text}recording: {}\n", path.display()));
     ended(&summary, path).and(printed)
@@ -131,6 +131,5 @@ fn unfinished(folder: &RunFolder, why: &dyn std::fmt::Display) -> Error {
 }
 
 fn ended(summary: &Summary, folder: PathBuf) -> Result<(), Error> {
-    let Some(reason) = summary.verdict.reason.clone() else { return Ok(()) };
-    Err(Error::Failed { status: summary.verdict.status.name().into(), reason, folder })
+    Error::unless_usable(summary.verdict.status, summary.verdict.reason.as_deref(), &folder)
 }

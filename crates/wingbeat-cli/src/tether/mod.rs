@@ -7,7 +7,7 @@ mod tables;
 use std::time::Instant;
 
 use serde::Serialize;
-use wingbeat::judge::{Status, Verdict};
+use wingbeat::judge::Verdict;
 use wingbeat::scenario::{Compared, Comparison, Convergence, Smoothed, TetherCase, TetherSummary};
 use wingbeat::simulate::Ending;
 use wingbeat::tether::{CycleMean, Periodicity, TetherRun};
@@ -76,14 +76,8 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let printed =
         say::unless(options.quiet, || format!("{}\nrun folder: {}\n", found.text(), shown.display()));
     let Verdict { status, reason, .. } = &found.summary.verdict;
-    match status {
-        Status::Ok => printed,
-        status => Err(Error::Failed {
-            status: status.name().into(),
-            reason: reason.clone().unwrap_or_default(),
-            folder: shown.into(),
-        }),
-    }
+    Error::unless_usable(*status, reason.as_deref(), shown)?;
+    printed
 }
 
 /// What a run gave, and what it was held against.
@@ -196,7 +190,7 @@ fn table(summary: &TetherSummary) -> String {
         );
     }
     for warning in &summary.verdict.warnings {
-        text += &format!("\nwarning ({}): {}\n", warning.id, warning.text);
+        text += &format!("\n{warning}\n");
     }
     text
 }

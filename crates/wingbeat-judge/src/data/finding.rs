@@ -58,11 +58,15 @@ impl Finding {
         format!("{}: {}{key}", self.about, self.text)
     }
 
+    /// It as a warning.
+    pub fn warning(&self) -> Warning {
+        let warning = Warning::new(self.id, self.words()).size(self.size);
+        self.key.iter().fold(warning, |warning, key| warning.key(key.clone()))
+    }
+
     /// Adds it to a verdict: a warning, and where it is serious the status of its limit.
     pub fn put(self, judge: &mut Judge) {
-        let warning = Warning::new(self.id, self.words()).size(self.size);
-        let warning = self.key.iter().fold(warning, |warning, key| warning.key(key.clone()));
-        judge.warn(warning);
+        judge.warn(self.warning());
         if self.serious {
             judge.hold_about(self.limit, self.size, &format!("of {}", self.about));
         }

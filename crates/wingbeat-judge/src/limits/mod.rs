@@ -3,35 +3,12 @@
 pub mod calibration;
 pub mod data;
 pub mod flight;
-pub mod plan;
 pub mod recording;
-pub mod rig;
 pub mod tether;
 pub mod trim;
 
 use crate::status::Status;
 use std::collections::BTreeMap;
-
-/// What kind of result a limit belongs to; the first part of its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
-    /// A flight; `wingbeat fly`, the flights of a sweep.
-    Flight,
-    /// A periodic flight; `wingbeat trim`.
-    Trim,
-    /// An optimal control problem; `wingbeat plan`.
-    Plan,
-    /// A wing in prescribed motion; `wingbeat tether`.
-    Tether,
-    /// A fit; `wingbeat calibrate`.
-    Calibration,
-    /// Samples of a load cell as they arrive; `wingbeat rig record`.
-    Recording,
-    /// Samples reduced to phase averages; `wingbeat rig process` and `simulate`.
-    Rig,
-    /// A file of measured motion or loads, whichever verb reads it.
-    Data,
-}
 
 /// On which side of a limit a value may lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,16 +73,8 @@ impl Limit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 8] = [
-        &flight::ALL,
-        &trim::ALL,
-        &plan::ALL,
-        &tether::ALL,
-        &calibration::ALL,
-        &recording::ALL,
-        &rig::ALL,
-        &data::ALL,
-    ];
+    let kinds: [&'static [Limit]; 6] =
+        [&flight::ALL, &trim::ALL, &tether::ALL, &calibration::ALL, &recording::ALL, &data::ALL];
     kinds.into_iter().flatten()
 }
 
@@ -126,11 +95,6 @@ impl Limits {
     /// The value that holds, and whether a document gave it.
     pub fn of(&self, limit: &Limit) -> (f64, bool) {
         self.overridden.get(limit.id).map_or((limit.value, false), |value| (*value, true))
-    }
-
-    /// What a document overrides: name and value.
-    pub fn overridden(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        self.overridden.iter().map(|(id, value)| (*id, *value))
     }
 }
 

@@ -7,7 +7,7 @@ mod source;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use wingbeat::judge::{Status, Verdict};
+use wingbeat::judge::Verdict;
 use wingbeat::parallel;
 use wingbeat::scenario::{ProcessedRun, RunName, Together, subtract_still_air, together};
 use wingbeat_figures::{Cell, Figure};
@@ -60,14 +60,8 @@ pub fn process(arguments: &RigProcess) -> Result<(), Error> {
     let printed =
         say::unless(arguments.quiet, || format!("{}results: {}\n", summary.words(), path.display()));
     let Verdict { status, reason, .. } = summary.verdict;
-    match status {
-        Status::Ok => printed,
-        status => Err(Error::Failed {
-            status: status.name().into(),
-            reason: reason.unwrap_or_default(),
-            folder: path,
-        }),
-    }
+    Error::unless_usable(status, reason.as_deref(), &path)?;
+    printed
 }
 
 /// `processed` in a folder, NAME-processed beside a file: where that is, and its name.

@@ -162,7 +162,7 @@ impl Summary {
             text += &format!("{name}: {count} samples saturated\n");
         }
         for warning in &self.verdict.warnings {
-            text += &format!("warning ({}): {}\n", warning.id, warning.text);
+            text += &format!("{warning}\n");
         }
         for (name, weighed) in &self.static_tilts {
             text += &weighing(name, weighed);
