@@ -1,13 +1,14 @@
 //! `cargo xtask long`: what takes hours and so does not run before every change.
 
 use crate::report::{Account, Tally};
-use crate::{documents, fuzz, hostile, paper, peers, soak, tools};
+use crate::{documents, fuzz, hostile, paper, peers, python, soak, tools};
 
 /// A task by its name.
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 6] = [
+const TASKS: [Task; 7] = [
+    ("tests", tests),
     ("paper", || Tally::one(paper::run())),
     ("soak", || Tally::one(soak::soak(&[]))),
     ("hostile", || Tally::one(hostile::hostile(&[]))),
@@ -44,6 +45,17 @@ fn chosen(name: &str, arguments: &[String]) -> bool {
         return name != "peers" || tools::root().join("target/peers").is_dir();
     }
     arguments.iter().any(|asked| asked == name)
+}
+
+/// The tests that `cargo xtask test` leaves out, Python's too.
+fn tests() -> Tally {
+    let mut tally = Tally::of(tools::cargo(
+        &[&["test"], &tools::TESTS[..], &["--no-fail-fast", "--", "--ignored"]].concat(),
+    ));
+    let python = python::check(true);
+    tally.passed += python.passed;
+    tally.failed += python.failed;
+    tally
 }
 
 /// Every comparison, those that take minutes too, and the numbers of docs/validation.md beside theirs.

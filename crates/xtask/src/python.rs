@@ -9,8 +9,9 @@ use crate::tools;
 /// The crate of the package.
 const CRATE: &str = "crates/wingbeat-py";
 
-/// Packs the extension that the tests have built, installs the wheel into target/tools/python and tests it there.
-pub fn check() -> Tally {
+/// Packs the extension that the tests have built, installs the wheel into target/tools/python and tests it there, by the tests that are
+/// marked `long` or by the others.
+pub fn check(long: bool) -> Tally {
     let Some((python, _)) = installed(&requirements(), "target/tools/python") else {
         return Tally::one(false);
     };
@@ -25,6 +26,7 @@ pub fn check() -> Tally {
         "no:cacheprovider",
         "tests/python",
     ]);
+    tests.args(["-m", if long { "long" } else { "not long" }]);
     tests.current_dir(tools::root().join(CRATE)).env("WINGBEAT_PROGRAM", tools::program());
     // Byte code of what the tests import, and of nothing else, is written, and not beside the sources.
     tests.env_remove("PYTHONDONTWRITEBYTECODE");
@@ -57,7 +59,7 @@ fn requirements() -> PathBuf {
 pub fn task(arguments: &[String]) -> bool {
     let (script, heavy) = match arguments.first().map(String::as_str) {
         Some("test") => {
-            return tools::succeeds(tools::cargo(&BUILD)) && check().failed == 0;
+            return tools::succeeds(tools::cargo(&BUILD)) && check(false).failed == 0;
         }
         Some("wheel") => return release(),
         Some("measure") => ("measure.py", None),

@@ -21,8 +21,8 @@ pub fn wingbeat(arguments: &[&str]) -> Command {
     command
 }
 
-/// What is built and run of tests by themselves, all with the same features.
-pub const TESTS: [&str; 5] = ["--release", "--workspace", "--lib", "--bins", "--tests"];
+/// What is built and run of tests by themselves, all with the same features: what has `test = true`, and the programs.
+pub const TESTS: [&str; 3] = ["--release", "--workspace", "--tests"];
 
 /// Builds the tests, and with them the programs and the Python extension; true when that succeeds.
 pub fn tests_built() -> bool {

@@ -51,6 +51,7 @@ fn calibration() -> Calibration {
 
 /// Three runs of three passes: 24 cycles beyond their means tell the noise of six channels.
 #[test]
+#[ignore = "long: cargo xtask long tests"]
 fn standard_errors_of_three_passes_are_those_of_many_seeds() {
     let calibration = calibration();
     let structure = calibration.structure(&[], &|_: &Path, _| None).unwrap();

@@ -93,6 +93,7 @@ fn a_known_wrench_is_found_again() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask long tests"]
 fn runs_that_do_not_tell_it_are_refused() {
     let refused = |stands: &[String]| found(stands, BEYOND).err().unwrap();
     let few = refused(&[stand(0.8, -5.0, ""), stand(1.2, -5.0, ""), stand(1.6, -5.0, "")]);

@@ -26,6 +26,7 @@ fn calibration() -> Calibration {
 /// The noise of the rest goes with the tare into all attitudes of a pass, and with its slope, over six times the rest's length, far more
 /// than the scatter within them.
 #[test]
+#[ignore = "long: cargo xtask long tests"]
 fn standard_errors_of_what_tilts_tell_are_those_of_many_seeds() {
     let calibration = calibration();
     let structure = calibration.structure(&[], &|_: &Path, _| None).unwrap();

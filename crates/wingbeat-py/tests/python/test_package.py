@@ -25,6 +25,7 @@ def test_the_stub_is_that_of_the_extension():
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.long
 def test_package_and_examples_are_typed():
     done = mypy("mypy", "--strict", "--config-file", "pyproject.toml", "-p", "wingbeat")
     assert done.returncode == 0, done.stdout

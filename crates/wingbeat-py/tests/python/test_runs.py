@@ -159,7 +159,9 @@ def test_a_wake_is_the_programs_wake(program, tmp_path):
 
 
 def test_a_calibration_is_the_programs(program, tmp_path):
-    file = ROOT / "calibrations/two_runs.toml"
+    file = tmp_path / "coarse.toml"
+    base = ROOT / "calibrations/two_runs.toml"
+    file.write_text(f'name = "coarse"\nbase = "{base}"\nstarts = 1\nsteps_per_cycle = 60\n')
     told = wingbeat.calibrate(file, information=True)
     assert told.record is None and told.values == {} and "surfaces.wing.lift_slope_per_rad" in told.information
     done = program("calibrate", file, "--quiet", "--out", tmp_path / "fit")
@@ -183,9 +185,9 @@ def test_a_plan_is_the_programs_plan(program, tmp_path):
         "frequency_hz": [3.5, 3.5],
         "pitch_deg": [-15.0, -15.0],
         "effort_w": 0.3,
-        "intervals": 24,
+        "intervals": 8,
         "meshes": 1,
-        "tolerance": 1e-2,
+        "tolerance": 1e-1,
     }
     sets = {f"plan.least_power.{key}": value for key, value in least_power.items()}
     scenario = ROOT / "scenarios/least_power_gait.toml"

@@ -129,6 +129,7 @@ def test_another_sweep_is_refused(tmp_path):
 
 
 @pytest.mark.filterwarnings("default")
+@pytest.mark.long
 def test_a_cluster_makes_the_same_rows_though_a_worker_is_killed(tmp_path):
     from distributed import LocalCluster
 

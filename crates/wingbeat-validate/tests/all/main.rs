@@ -1,5 +1,4 @@
-//! Comparisons that a test can wait for, the shared problem of the solvers, and the program.
+//! The shared problem of the solvers, and the program. The comparisons themselves are run by `cargo xtask test` and `long`.
 
 mod flapbody;
-mod mechanics;
 mod program;

@@ -45,6 +45,7 @@ fn the_banking_turn_holds_the_attitude_of_the_paper_and_converges_with_the_step(
 
 /// The number of nodes, a choice, decides nothing of the turn.
 #[test]
+#[ignore = "long: cargo xtask long tests"]
 fn the_banking_turn_converges_with_the_nodes() {
     let [coarse, fine] = ["12", "24"]
         .map(|nodes| fly(&["flight.record_every_s=0.005", &format!("aero.paper.nodes={nodes}")]).summary);

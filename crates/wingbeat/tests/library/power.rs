@@ -115,6 +115,7 @@ fn a_stand_refuses_what_is_not_alike_on_both_sides() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask long tests"]
 fn a_gait_of_least_power_holds_its_force_with_less_power() {
     let short = [
         "plan.least_power.storage=1.0",
@@ -150,6 +151,7 @@ fn a_gait_of_least_power_holds_its_force_with_less_power() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask long tests"]
 fn a_force_out_of_reach_is_named() {
     let overrides = ["plan.least_power.up_n=3.0", "plan.least_power.intervals=8"];
     let planned = scenario(&overrides).plan(&mut |_| ControlFlow::Continue(())).unwrap();

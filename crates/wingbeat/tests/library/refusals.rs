@@ -208,7 +208,10 @@ fn origin(place: &Place) -> PathBuf {
 }
 
 /// Every number, once, although several documents name the same robot or arm.
-fn leaves() -> Vec<Leaf> {
+///
+/// With `every` each place of each file; else one of each key, whatever its file and its place in a list: what refuses it is
+/// the same.
+fn leaves(every: bool) -> Vec<Leaf> {
     let mut found: Vec<(Document, Build, &[&str])> = Vec::new();
     for (folder, build, includes) in KINDS {
         found.extend(documents(folder).iter().map(|path| (Document::file(path).unwrap(), build, includes)));
@@ -218,7 +221,7 @@ fn leaves() -> Vec<Leaf> {
         let document = Document::file(&root().join(path)).unwrap();
         found.push((texts.iter().fold(document, |document, text| document.set(*text)), kind.1, kind.2));
     }
-    let mut seen = BTreeSet::new();
+    let (mut seen, mut kinds) = (BTreeSet::new(), BTreeSet::new());
     let mut leaves = Vec::new();
     for (document, build, includes) in found {
         if let Err(error) = build(document.clone()) {
@@ -229,7 +232,9 @@ fn leaves() -> Vec<Leaf> {
             let (_, place) = merged.written(&key).unwrap();
             let below =
                 includes.iter().rev().find_map(|include| key.strip_prefix(include)?.strip_prefix('.'));
-            if seen.insert((origin(&place), below.unwrap_or(&key).to_owned())) {
+            let below = below.unwrap_or(&key).to_owned();
+            let kind = (build as usize, unnumbered(&below));
+            if seen.insert((origin(&place), below)) && (kinds.insert(kind) || every) {
                 leaves.push(Leaf { document: document.clone(), build, key });
             }
         }
@@ -244,6 +249,12 @@ fn leaves() -> Vec<Leaf> {
         }
     }
     leaves
+}
+
+/// A key without the places in lists that it names.
+fn unnumbered(key: &str) -> String {
+    let pieces = key.split('[').map(|piece| piece.split_once(']').map_or(piece, |(_, rest)| rest));
+    pieces.collect::<Vec<_>>().join("[]")
 }
 
 /// What is wrong with the answer to `key=value`; nothing when all is well.
@@ -268,10 +279,19 @@ fn verdict(leaf: &Leaf, value: &str) -> Option<String> {
 }
 
 #[test]
+fn each_key_is_accepted_or_refused_by_its_name() {
+    accepted_or_refused(&leaves(false));
+}
+
+#[test]
+#[ignore = "long: cargo xtask long tests"]
 fn each_number_is_accepted_or_refused_by_its_key() {
-    let leaves = leaves();
+    accepted_or_refused(&leaves(true));
+}
+
+fn accepted_or_refused(leaves: &[Leaf]) {
     let values: Vec<&str> = NUMBERS.into_iter().chain(NEVER).collect();
-    let verdicts = parallel::map(&leaves, |_, leaf| {
+    let verdicts = parallel::map(leaves, |_, leaf| {
         values.iter().filter_map(|value| verdict(leaf, value)).collect::<Vec<_>>()
     });
     let wrong: Vec<String> = verdicts.into_iter().flatten().collect();
