@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 
 /// Stack of a thread: an evaluation that carries derivatives or lanes holds several MB.
@@ -24,7 +24,8 @@ pub fn map<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &T) -> R + Sync) 
 }
 
 /// `work` on every item, on all cores; `take` gets each answer with its item's number as soon as it is known, one
-/// after another on the calling thread, and may end the work: items begun then are finished and left out.
+/// after another on the calling thread, and may end the work: items begun then are finished and left out. Where the system
+/// starts no thread, the calling thread does the work.
 pub fn each<T: Sync, R: Send>(
     items: &[T],
     work: impl Fn(usize, &T) -> R + Sync,
@@ -34,7 +35,8 @@ pub fn each<T: Sync, R: Send>(
     let (sender, answers) = mpsc::channel();
     let cores = thread::available_parallelism().map_or(1, usize::from).min(items.len());
     let (next, work) = (&next, &work);
-    thread::scope(|scope| {
+    let begun = thread::scope(|scope| {
+        let mut begun = false;
         for _ in 0..cores {
             let sender = sender.clone();
             let run = move || {
@@ -46,19 +48,25 @@ pub fn each<T: Sync, R: Send>(
                     }
                 }
             };
-            thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).expect("a thread");
+            begun |= thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).is_ok();
         }
         drop(sender);
         for (index, answer) in answers {
             if take(index, answer).is_break() {
                 next.store(items.len(), Ordering::Relaxed);
-                return;
+                break;
             }
         }
+        begun
     });
+    if !begun {
+        let answers = items.iter().enumerate().map(|(index, item)| (index, work(index, item)));
+        let _ = { answers }.try_for_each(|(index, answer)| take(index, answer));
+    }
 }
 
-/// `work` on every item, each core a run of neighbours; on at most `most` cores where that is not 0.
+/// `work` on every item, each core a run of neighbours; on at most `most` cores where that is not 0, and on those that the
+/// system has threads for.
 ///
 /// ```
 /// let mut numbers = [1, 2, 3];
@@ -71,15 +79,20 @@ pub fn chunks<T: Send>(items: &mut [T], most: usize, work: impl Fn(&mut T) + Syn
     if cores <= 1 {
         return items.iter_mut().for_each(work);
     }
-    let work = &work;
-    thread::scope(|scope| {
-        let mut parts = items.chunks_mut(items.len().div_ceil(cores));
-        let own = parts.next();
-        for part in parts {
-            let run = move || part.iter_mut().for_each(work);
-            thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).expect("a thread");
+    let size = items.len().div_ceil(cores);
+    let parts = Mutex::new(items.chunks_mut(size));
+    let next = || parts.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let run = || {
+        while let Some(part) = next() {
+            part.iter_mut().for_each(&work);
         }
-        own.into_iter().flatten().for_each(work);
+    };
+    thread::scope(|scope| {
+        for _ in 1..cores {
+            // The others take the part of a thread that does not start.
+            let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
+        }
+        run();
     });
 }
 

@@ -127,11 +127,14 @@ pub fn record(
     let (stop, drops) = (AtomicBool::new(false), AtomicU64::new(0));
     let socket = session.socket.try_clone().map_err(|e| Error::network("UDP socket", e))?;
     thread::scope(|scope| {
-        scope.spawn(|| receive::pump(&socket, &{ queue }, &drops, &stop));
+        let pump = || receive::pump(&socket, &{ queue }, &drops, &stop);
+        let started = thread::Builder::new().spawn_scoped(scope, pump);
+        started.map_err(|error| Error::network("a thread that receives", error))?;
         session.run(datagrams, &mut observe);
         session.ended = Instant::now();
         stop.store(true, Ordering::Relaxed);
-    });
+        Ok(())
+    })?;
     session.report.kernel_drops = drops.into_inner();
     let _ = session.request(Command::Stop);
     Ok(session.finish())

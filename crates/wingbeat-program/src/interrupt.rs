@@ -41,10 +41,12 @@ impl Interrupt {
                 end();
             }
             if !set.0.patient.load(Ordering::Relaxed) {
-                thread::spawn(|| {
+                let waits = thread::Builder::new().spawn(|| {
                     thread::sleep(GRACE);
                     end();
                 });
+                // Without a thread that waits, a second signal ends it.
+                drop(waits);
             }
         })
         .map_err(|error| Error::Input(format!("Ctrl-C cannot be caught: {error}")))?;

@@ -7,11 +7,13 @@ use crate::{documents, fuzz, hostile, paper, peers, python, soak, tools};
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 7] = [
+const TASKS: [Task; 9] = [
     ("tests", tests),
     ("paper", || Tally::one(paper::run())),
     ("soak", || Tally::one(soak::soak(&[]))),
     ("hostile", || Tally::one(hostile::hostile(&[]))),
+    ("faults", hostile::disturbed::faults),
+    ("kills", hostile::disturbed::kills),
     ("comparisons", comparisons),
     ("fuzz", || Tally::one(fuzz::fuzz(&[]))),
     ("peers", || Tally::one(peers::compare(None))),

@@ -251,7 +251,9 @@ impl RunFolder {
             move |source| Error::File { path, source }
         };
         fs::remove_file(self.file(MARK)).map_err(failed(&self.partial))?;
-        let files = ours::files(&self.partial).map_err(failed(&self.partial))?;
+        let mut files = ours::files(&self.partial).map_err(failed(&self.partial))?;
+        // One lies there where the move failed and the same command went on.
+        files.retain(|file| file != Path::new(MANIFEST));
         self.write_json(MANIFEST, &Listed { program: PROGRAM, manifest, files })?;
         let _whole = self.unfinished.settle();
         let moved = self.moved()?;

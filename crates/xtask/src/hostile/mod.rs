@@ -7,6 +7,7 @@
 
 mod case;
 mod data;
+pub mod disturbed;
 mod judge;
 mod learn;
 mod pictures;

@@ -65,6 +65,7 @@ pub struct Call<'a> {
     stderr: String,
     /// Largest file that it may write, blocks of 512 bytes.
     blocks: u64,
+    environment: Vec<(&'static str, String)>,
 }
 
 /// How a call ended.
@@ -195,6 +196,7 @@ impl Place {
             signal: None,
             stderr: String::new(),
             blocks: DISK / 512,
+            environment: Vec::new(),
         }
     }
 
@@ -241,6 +243,12 @@ impl Call<'_> {
         self
     }
 
+    /// With these variables in its environment.
+    pub fn environment(mut self, variables: &[(&'static str, String)]) -> Self {
+        self.environment = variables.to_vec();
+        self
+    }
+
     /// Starts it.
     pub fn start(&self) -> Result<Running, String> {
         let closed = if self.stdout == Stdout::Closed { " >&-" } else { "" };
@@ -250,6 +258,7 @@ impl Call<'_> {
         );
         let mut command = Command::new("sh");
         command.args(["-c", &script, "sh"]).arg(&self.place.program).args(&self.arguments);
+        command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         command.current_dir(&self.folder).stdin(Stdio::null()).stderr(Stdio::piped());
         match self.stdout {
             Stdout::Full => {

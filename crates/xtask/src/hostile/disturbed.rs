@@ -1,0 +1,380 @@
+//! `cargo xtask long faults` and `kills`: every verb is disturbed at each of its writes and starts of threads, or killed at random,
+//! and must leave nothing that looks finished, and the same command must then end as if nothing had happened.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::place::{Ended, PATIENCE, Place};
+use super::snapshot;
+use crate::report::Tally;
+use crate::tools;
+
+/// Points of a verb at which it is disturbed; where there are more, so many that lie evenly among them.
+const POINTS: u64 = 60;
+/// Kills over all verbs.
+const KILLS: usize = 500;
+/// What a manifest says of a run that another run does not.
+const OF_THE_RUN: [&str; 2] = ["started_unix_s", "wall_time_s"];
+
+/// A call of a verb that writes the folder or the file `a`, and what must have run before it.
+struct Verb {
+    name: &'static str,
+    words: &'static [&'static str],
+    before: &'static [&'static str],
+}
+
+const fn verb(name: &'static str, words: &'static [&'static str]) -> Verb {
+    Verb { name, words, before: &[] }
+}
+
+/// Every verb that writes.
+const VERBS: [Verb; 12] = [
+    verb("fly", &["fly", "glide.toml"]),
+    verb("sweep", &["sweep", "sweep.toml"]),
+    verb(
+        "tether",
+        &["tether", "{root}/cases/plunge.toml", "--set", "time.cycles=2", "--set", "time.steps_per_cycle=24"],
+    ),
+    verb("trim", &["trim", "{root}/scenarios/cruise_20g.toml"]),
+    verb(
+        "wake",
+        &[
+            "wake",
+            "{root}/cases/plunge.toml",
+            "--cycles",
+            "1",
+            "--chordwise",
+            "2",
+            "--spanwise",
+            "8",
+            "--steps",
+            "12",
+        ],
+    ),
+    verb(
+        "plan",
+        &[
+            "plan",
+            "{root}/scenarios/least_power_gait.toml",
+            "--set",
+            "plan.least_power.storage=1.0",
+            "--set",
+            "plan.least_power.up_n=0.08",
+            "--set",
+            "plan.least_power.frequency_hz=[3.5, 3.5]",
+            "--set",
+            "plan.least_power.pitch_deg=[-15.0, -15.0]",
+            "--set",
+            "plan.least_power.effort_w=0.3",
+            "--set",
+            "plan.least_power.intervals=8",
+            "--set",
+            "plan.least_power.meshes=1",
+            "--set",
+            "plan.least_power.tolerance=1e-1",
+        ],
+    ),
+    verb("calibrate", &["calibrate", "fit.toml"]),
+    verb("rig_plan", &["rig", "plan", "{root}/rigs/runs/roll15_speed08.toml"]),
+    verb("rig_simulate", &["rig", "simulate", "hold.toml"]),
+    Verb {
+        name: "rig_process",
+        words: &["rig", "process", "s"],
+        before: &["rig", "simulate", "hold.toml", "--quiet", "--out", "s"],
+    },
+    verb("show", &["show", "{root}/robots/glider.toml"]),
+    verb("new", &["new", "case", "a"]),
+];
+
+/// A fit of one number to two short runs.
+const FIT: &str = "\
+name = \"fit\"
+model = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]
+starts = 1
+steps_per_cycle = 40
+[truth]
+set = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]
+[[runs]]
+run = \"{root}/rigs/runs/roll15_speed08.toml\"
+[[parameters]]
+name = \"surfaces.wing.lift_slope_per_rad\"
+";
+
+/// What lies in the folder, by name; what differs between equal runs, their times, is left out.
+type Left = BTreeMap<PathBuf, Vec<u8>>;
+
+/// A verb in its folder, with what it leaves when nothing disturbs it.
+struct Tried<'a> {
+    verb: &'a Verb,
+    place: Place,
+    exit: Option<i32>,
+    left: Left,
+    took: Duration,
+}
+
+impl<'a> Tried<'a> {
+    fn new(verb: &'a Verb, folder: &str) -> Result<Self, String> {
+        let place =
+            Place::new(&tools::program(), &tools::root().join("target").join(folder).join(verb.name))?;
+        let mut tried = Self { verb, place, exit: None, left: Left::new(), took: Duration::ZERO };
+        tried.clear()?;
+        let begun = Instant::now();
+        let ended = tried.call(&[])?;
+        tried.took = begun.elapsed();
+        tried.exit = ended.code;
+        if !matches!(ended.code, Some(0 | 3)) {
+            return Err(format!("undisturbed: exit {:?}: {}", ended.code, ended.stderr.trim()));
+        }
+        tried.left = tried.look()?;
+        Ok(tried)
+    }
+
+    /// The folder as it is before the verb.
+    fn clear(&self) -> Result<(), String> {
+        let folder = &self.place.folder;
+        fs::remove_dir_all(folder)
+            .and_then(|()| fs::create_dir_all(folder))
+            .map_err(|error| error.to_string())?;
+        self.place.write_texts()?;
+        self.place.write("fit.toml", FIT)?;
+        if !self.verb.before.is_empty() {
+            self.place.run(self.verb.before)?.exits_with(&[0, 3])?;
+        }
+        Ok(())
+    }
+
+    fn words(&self) -> Vec<&'static str> {
+        let out: &[&str] = if self.verb.name == "new" { &[] } else { &["--quiet", "--out", "a"] };
+        [self.verb.words, out].concat()
+    }
+
+    fn call(&self, environment: &[(&'static str, String)]) -> Result<Ended, String> {
+        self.place.call(&self.words()).environment(environment).run()
+    }
+
+    /// What lies in the folder.
+    fn look(&self) -> Result<Left, String> {
+        let mut left = Left::new();
+        for path in self.place.state()?.into_keys().filter(|path| path.is_file()) {
+            let mut bytes = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+            if path.extension().is_some_and(|extension| extension == "json")
+                && let Ok(mut value) = serde_json::from_slice::<Value>(&bytes)
+            {
+                snapshot::strip(&mut value);
+                if let Some(table) = value.as_object_mut() {
+                    table.retain(|key, _| !OF_THE_RUN.contains(&key.as_str()));
+                }
+                bytes = value.to_string().into_bytes();
+            }
+            let name = path.strip_prefix(&self.place.folder).unwrap_or(&path).to_path_buf();
+            left.insert(name, bytes);
+        }
+        Ok(left)
+    }
+
+    /// What is left is what an undisturbed call leaves.
+    fn whole(&self) -> Result<(), String> {
+        let left = self.look()?;
+        let differs =
+            |(name, bytes): (&PathBuf, &Vec<u8>)| (left.get(name) != Some(bytes)).then(|| name.clone());
+        if let Some(name) = self.left.iter().find_map(differs) {
+            let how = if left.contains_key(&name) { "differs" } else { "is missing" };
+            return Err(format!("{} {how}", name.display()));
+        }
+        match left.keys().find(|name| !self.left.contains_key(*name)) {
+            Some(name) => Err(format!("{} was left", name.display())),
+            None => Ok(()),
+        }
+    }
+
+    /// Where the folder could not be moved to its name alone, it has the next one, and that is told.
+    fn renamed(&self, ended: &Ended) -> Result<(), String> {
+        let (other, name) = (self.place.path("a-2"), self.place.path("a"));
+        if other.exists() && !name.exists() && ended.stderr.contains("a-2") {
+            fs::rename(&other, &name).map_err(|error| format!("a-2: {error}"))?;
+        }
+        Ok(())
+    }
+
+    /// Nothing looks finished, or all is.
+    fn nothing_finished(&self) -> Result<(), String> {
+        if self.place.path("a").exists() {
+            self.whole().map_err(|what| format!("a lies there, but {what}"))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// The same command again ends as if nothing had happened.
+    fn again(&self) -> Result<(), String> {
+        if self.place.path("a").exists() {
+            return Ok(());
+        }
+        let ended = self.call(&[]).map_err(|what| format!("again: {what}"))?;
+        if ended.code != self.exit {
+            return Err(format!("again: exit {:?}: {}", ended.code, ended.stderr.trim()));
+        }
+        self.whole().map_err(|what| format!("again: {what}"))
+    }
+}
+
+/// The library that fails calls, built.
+fn library() -> Option<PathBuf> {
+    tools::succeeds(tools::cargo(&["build", "--release", "--quiet", "--package", "wingbeat-faults"]))
+        .then_some(())?;
+    Some(tools::root().join("target/release/libwingbeat_faults.so"))
+}
+
+/// Disturbs each verb at each of its points, once alone and once with all that follow.
+pub fn faults() -> Tally {
+    let Some(library) = library() else { return Tally::one(false) };
+    let mut tally = Tally::default();
+    for verb in &VERBS {
+        match disturbed(verb, &library) {
+            Ok(of_verb) => {
+                println!("{}: {} passed, {} failed", verb.name, of_verb.passed, of_verb.failed);
+                tally.passed += of_verb.passed;
+                tally.failed += of_verb.failed;
+            }
+            Err(what) => {
+                println!("{}: {what}", verb.name);
+                tally.failed += 1;
+            }
+        }
+    }
+    tally
+}
+
+fn disturbed(verb: &Verb, library: &Path) -> Result<Tally, String> {
+    let tried = Tried::new(verb, "faults")?;
+    let told = tools::root().join("target/faults").join(format!("{}.told", verb.name));
+    let environment = |at: u64, on: bool| {
+        let mut all = vec![
+            ("LD_PRELOAD", library.to_string_lossy().into_owned()),
+            ("WINGBEAT_FAULTS_UNDER", tried.place.folder.to_string_lossy().into_owned()),
+            ("WINGBEAT_FAULTS_TOLD", told.to_string_lossy().into_owned()),
+        ];
+        if at > 0 {
+            all.push(("WINGBEAT_FAULTS_AT", at.to_string()));
+        }
+        if on {
+            all.push(("WINGBEAT_FAULTS_ON", "1".into()));
+        }
+        all
+    };
+    tried.clear()?;
+    tried.call(&environment(0, false))?;
+    let count: u64 = fs::read_to_string(&told).ok().and_then(|text| text.trim().parse().ok()).unwrap_or(0);
+    if count == 0 {
+        return Err("no point was counted".into());
+    }
+    let step = count.div_ceil(POINTS).max(1);
+    let mut tally = Tally::default();
+    for at in (1..=count).step_by(step as usize) {
+        for on in [false, true] {
+            tried.clear()?;
+            let _ = fs::remove_file(&told);
+            let outcome = tried.call(&environment(at, on)).and_then(|ended| after_a_fault(&tried, &ended));
+            let what = fs::read_to_string(&told).unwrap_or_default();
+            if let Err(why) = &outcome {
+                let on = if on { " and all after it" } else { "" };
+                println!("{}: point {at} of {count}{on}, {what}: {why}", verb.name);
+            }
+            tally.passed += usize::from(outcome.is_ok());
+            tally.failed += usize::from(outcome.is_err());
+        }
+    }
+    Ok(tally)
+}
+
+/// A fault ends the program with 2 and a message and leaves nothing that looks finished, or it does not matter.
+fn after_a_fault(tried: &Tried, ended: &Ended) -> Result<(), String> {
+    match ended.code {
+        Some(2) if ended.stderr.contains("error") => {}
+        Some(2) => return Err("exit 2 without a message".into()),
+        code if code == tried.exit => {
+            return tried.whole().map_err(|what| format!("exit {code:?}, but {what}"));
+        }
+        code => return Err(format!("exit {code:?}: {}", ended.stderr.trim())),
+    }
+    tried.nothing_finished()?;
+    tried.again()
+}
+
+/// Kills verbs, one after another, at times that are drawn.
+pub fn kills() -> Tally {
+    let mut tally = Tally::default();
+    let tried: Vec<Tried> = VERBS
+        .iter()
+        .filter_map(|verb| {
+            let tried = Tried::new(verb, "kills");
+            tally.failed += usize::from(tried.is_err());
+            tried.map_err(|what| println!("{}: {what}", verb.name)).ok()
+        })
+        .collect();
+    // The seed stays, so that a kill can be tried once more.
+    let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
+    let (mut under_way, mut finished) = (0, 0);
+    for kill in 0..KILLS {
+        let Some(one) = tried.get(kill % tried.len().max(1)) else { break };
+        let after = one.took.mul_f64(drawn(&mut state));
+        match killed(one, after) {
+            Ok(true) => under_way += 1,
+            Ok(false) => finished += 1,
+            Err(why) => println!("{}: kill {kill} after {after:?}: {why}", one.verb.name),
+        }
+    }
+    println!("{under_way} were killed, {finished} had ended before");
+    tally.passed += under_way + finished;
+    tally.failed += KILLS - under_way - finished;
+    tally
+}
+
+/// A number between 0 and 1 by the generator of Marsaglia, Xorshift RNGs (2003), with the shifts 13, 7, 17.
+fn drawn(state: &mut u64) -> f64 {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    (*state >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Kills a call so long after its start; whether it was under way.
+fn killed(tried: &Tried, after: Duration) -> Result<bool, String> {
+    tried.clear()?;
+    let words = tried.words();
+    let running = tried.place.call(&words).start()?;
+    thread::sleep(after);
+    let _ = running.send("KILL");
+    let ended = running.end(PATIENCE)?;
+    tried.nothing_finished()?;
+    let texts = ["glide.toml", "sweep.toml", "hold.toml"];
+    if let Some(name) = texts.iter().find(|name| {
+        tried.look().is_ok_and(|left| left.get(Path::new(name)) != tried.left.get(Path::new(name)))
+    }) {
+        return Err(format!("{name} was changed"));
+    }
+    tried.again()?;
+    Ok(ended.code.is_none())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::place::placed;
+    use super::*;
+
+    #[test]
+    fn draws_lie_between_zero_and_one_and_every_verb_that_writes_is_there() {
+        let mut state = 7;
+        let draws: Vec<f64> = (0..1000).map(|_| drawn(&mut state)).collect();
+        assert!(draws.iter().all(|draw| (0.0..1.0).contains(draw)));
+        assert!((draws.iter().sum::<f64>() / 1000.0 - 0.5).abs() < 0.03);
+        let mut names: Vec<&str> = VERBS.iter().map(|verb| verb.name).collect();
+        names.dedup();
+        assert!(names.len() == VERBS.len() && !placed(FIT).contains("{root}"));
+    }
+}
