@@ -202,6 +202,12 @@ const SETTLED: f64 = 2.0;
 /// Way below which a flight has no path angle, m. *Choice.*
 const STAYS: f64 = 1.0;
 
+/// Velocity in a row, m/s.
+pub(super) fn velocity_at(record: &Record, row: usize) -> Option<Vec3> {
+    let along = |axis: &str| record.values(&format!("v_WB_W_{axis}"))?.get(row).copied();
+    Some(Vec3::new(along("x")?, along("y")?, along("z")?))
+}
+
 /// Mean magnitude and upward component of the velocity from the row `first` on, m/s.
 pub(super) fn mean_velocity(record: &Record, first: usize) -> Option<(f64, f64)> {
     let axes = ["x", "y", "z"].map(|axis| record.values(&format!("v_WB_W_{axis}")));

@@ -58,7 +58,8 @@ pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use name::RunName;
 pub use plan::{
-    GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
+    GaitNumbers, LeastPowerSummary, PassNumbers, PlanConstants, PlanNodes, PlanSpec, PlanSummary, PlanValue,
+    Planned, RollInSummary, SolverNumbers,
 };
 pub use rig::RigRun;
 pub use rig_model::Modelled;

@@ -364,7 +364,7 @@ fn unwrapped_change(angles: &[f64]) -> f64 {
 const LIMIT_BAND: f64 = 0.01;
 
 /// Share of input samples within 1 % of their range of a limit.
-fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
+pub(super) fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
     let (mut on, mut all) = (0, 0);
     for input in inputs {
         let (values, band) =

@@ -14,7 +14,7 @@ use wingbeat_ocp::interior_point::Options;
 use wingbeat_ocp::plant::{Channel, Fault, Plant};
 use wingbeat_ocp::{
     Ends, FREE, Instant, Interpolant, OptimalControl, Optimum, Progress, Refinement, Scheme, Setup,
-    Trajectory, optimise,
+    Trajectory, defects, optimise,
 };
 use wingbeat_robot::body::drive_power;
 
@@ -247,6 +247,18 @@ impl<'a> LeastPower<'a> {
         Ok(optimum)
     }
 
+    /// Defects of a plan from its states and inputs alone.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a state that the model refuses.
+    pub fn defects(&self, unknowns: &Trajectory) -> Result<Vec<Vec<f64>>, Fault> {
+        defects(self, &self.scheme(), unknowns)
+    }
+
+    fn scheme(&self) -> Scheme {
+        if self.spec.order == 6 { Scheme::lobatto() } else { Scheme::hermite_simpson() }
+    }
+
     fn refinement(&self) -> Refinement {
         let solver = Options {
             time: processor_time(self.spec.time_limit_s),
@@ -257,7 +269,7 @@ impl<'a> LeastPower<'a> {
             ..Options::default()
         };
         Refinement {
-            scheme: if self.spec.order == 6 { Scheme::lobatto() } else { Scheme::hermite_simpson() },
+            scheme: self.scheme(),
             intervals: self.spec.intervals,
             tolerance: self.spec.tolerance,
             objective_tolerance: 1e-3,

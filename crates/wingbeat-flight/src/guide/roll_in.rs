@@ -15,7 +15,7 @@ use wingbeat_ocp::nlp::Program;
 use wingbeat_ocp::plant::{Channel, Fault, LocalChart, Plant, Role};
 use wingbeat_ocp::{
     Collocation, Ends, Instant, Interpolant, Limits, OptimalControl, Progress, Refinement, Scheme, Setup,
-    Starts, Trajectory, Transcribed, optimise_from,
+    Starts, Trajectory, Transcribed, defects, optimise_from,
 };
 use wingbeat_robot::Robot;
 
@@ -263,6 +263,14 @@ impl RollIn<'_, Robot> {
     /// The [`Fault`] of a state that the model refuses.
     pub fn resimulated(&self, plan: &Interpolant, steps: usize) -> Result<Vec<f64>, Fault> {
         plan.resimulate(self, steps)
+    }
+
+    /// Defects of a plan from its states and inputs alone.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a state that the model refuses.
+    pub fn defects(&self, unknowns: &Trajectory) -> Result<Vec<Vec<f64>>, Fault> {
+        defects(self, &Scheme::hermite_simpson(), unknowns)
     }
 
     /// Hands the problem on its first mesh to `see`, with the start of the first guess.

@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod data;
 pub mod flight;
+pub mod plan;
 pub mod recording;
 pub mod tether;
 pub mod trim;
@@ -73,8 +74,8 @@ impl Limit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 6] =
-        [&flight::ALL, &trim::ALL, &tether::ALL, &calibration::ALL, &recording::ALL, &data::ALL];
+    let kinds: [&'static [Limit]; 7] =
+        [&flight::ALL, &trim::ALL, &plan::ALL, &tether::ALL, &calibration::ALL, &recording::ALL, &data::ALL];
     kinds.into_iter().flatten()
 }
 
