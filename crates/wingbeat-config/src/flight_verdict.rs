@@ -160,7 +160,7 @@ impl Flown<'_> {
             judge.hold(&flight::LEAVES_RESIDUAL, beyond);
             judge.hold(&flight::BEYOND_RESIDUAL, beyond);
         }
-        if let Some(error) = self.context.step_error_m {
+        if let Some(error) = self.summary.step_error_m {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
         }

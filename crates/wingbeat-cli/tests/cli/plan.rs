@@ -120,7 +120,10 @@ fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
     assert_eq!(entries(&folder.join("a/figures")), figures);
     let planned = summary(&folder.join("a"));
     assert_eq!((&planned["status"], &planned["reason"]), (&Value::from("ok"), &Value::Null));
-    met(&planned, &["plan.violation", "plan.residual", "plan.interval_error", "plan.replayed_force_fraction"]);
+    met(
+        &planned,
+        &["plan.violation", "plan.residual", "plan.interval_error", "plan.replayed_force_fraction"],
+    );
     let listed = json(&folder.join("a"), "manifest.json").to_string();
     assert!(listed.contains("plan.parquet") && listed.contains("plan.json"), "{listed}");
     reads_back(&folder.join("a"), 1e-4);
@@ -177,9 +180,9 @@ fn a_plan_cut_off_by_its_iterations_is_kept_with_its_status() {
     assert!(!text.contains("NaN") && !text.contains("inf,"), "{text}");
     assert!(read_parquet(&folder.join("a/plan.parquet")).unwrap().rows() == 25);
     // A limit of time counts the processor: next to none, and the same answer in kind.
-    let output = plan(&folder, &["time_limit_s=1e-3"]);
+    let output = plan_with(&folder, &["time_limit_s=1e-3"], &["--force"]);
     assert_eq!(output.status.code(), Some(3), "{output:?}");
-    let found = summary(&folder.join("a-2"));
+    let found = summary(&folder.join("a"));
     assert!(found["reason"].as_str().unwrap().contains("time limit"), "{found}");
     assert!(found["objective_w"].is_number(), "{found}");
 }
@@ -195,7 +198,10 @@ fn a_gait_that_its_limits_refuse_ends_with_their_names() {
     assert!(found["reason"].as_str().unwrap().contains("trim.power_w_kg"), "{found}");
     let judged = found["judged"].as_array().unwrap();
     let of = |id: &str| judged.iter().find(|judged| judged["id"] == id).unwrap().clone();
-    assert_eq!((&of("plan.violation")["overridden"], &of("plan.violation")["limit"]), (&true.into(), &1e-3.into()));
+    assert_eq!(
+        (&of("plan.violation")["overridden"], &of("plan.violation")["limit"]),
+        (&true.into(), &1e-3.into())
+    );
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("limit overridden: trim.power_w_kg = 1"), "{text}");
     assert!(entries(&folder.join("a")).contains(&"record.parquet".into()));

@@ -11,7 +11,7 @@ pub use nodes::{PlanConstants, PlanNodes, PlanValue};
 pub use roll_in::RollInSummary;
 
 use super::Scenario;
-use super::fit::rejected_fit;
+use super::fit;
 use super::summary::saturation;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -166,7 +166,7 @@ impl Scenario {
     /// A judge who knows the limits of the scenario and where the robot's numbers are from.
     fn judge_of_plan(&self) -> Judge<'_> {
         let mut judge = Judge::new(&self.limits);
-        rejected_fit(&self.spec.robot.numbers).into_iter().for_each(|warning| judge.warn(warning));
+        fit::of_known(&self.spec).into_iter().for_each(|warning| judge.warn(warning));
         judge
     }
 

@@ -3,7 +3,7 @@
 use super::{CHECK_STEPS, PlanNodes, PlanSpec, PlanSummary, Planned, SolverNumbers, nodes, verdict};
 use crate::recorder::{Recorded, Recorder};
 use crate::summary::{Crossing, given, mean};
-use crate::{Chosen, Scenario, ScenarioSpec};
+use crate::{Chosen, Scenario, ScenarioSpec, sound};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -113,7 +113,8 @@ impl Scenario {
         if let Err(fault) = ending.check() {
             // What was recorded is kept; of a flight that broke down nothing is judged.
             judge.find(Status::Failed, format!("flown open loop: {fault}"));
-            return Ok(record);
+            let rows = if sound::grew(&ending) { sound::rows(&record) } else { record.rows() };
+            return Ok(record.head(rows));
         }
         summary.stall_fraction = Some(stall_fraction);
         summary.flown_angles_deg = Some(angles.map(f64::to_degrees));

@@ -115,7 +115,7 @@ impl LeastPowerSummary {
             }
             if let Some(other) = self.replay_other {
                 let change = (other.means.up_n - means.up_n).abs() / self.weight_n;
-                judge.hold_about(&plan::MODELS, change, &format!("({})", other.preset));
+                judge.hold(&plan::MODELS, change);
             }
         }
         judge.hold_if(&plan::CLOSURE, self.replay_closure);

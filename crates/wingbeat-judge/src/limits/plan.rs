@@ -12,8 +12,8 @@ pub const VIOLATION: Limit = Limit::at_most("plan.violation", 1e-4, "", NotFound
 /// Error of the optimality conditions: what the solver calls acceptable.
 pub const RESIDUAL: Limit = Limit::at_most("plan.residual", 1e-4, "", NotResolved)
     .on("largest error of the optimality conditions, scaled as the solver sees it,");
-/// What the dynamics lack between the nodes, whatever tolerance the plan asks for.
-pub const INTERVAL_ERROR: Limit = Limit::at_most("plan.interval_error", 0.02, "", NotResolved)
+/// What the dynamics lack between the nodes, whatever tolerance the plan asks for. Meshes that leave .03 still fly to .1 deg.
+pub const INTERVAL_ERROR: Limit = Limit::at_most("plan.interval_error", 0.1, "", NotResolved)
     .on("largest error of an interval between its nodes, relative,");
 /// The same over the tolerance that the plan asks for; up to a hundred times of it the solver goes on.
 pub const OVER_TOLERANCE: Limit = Limit::warn_above("plan.error_over_tolerance", 1.0, "")
