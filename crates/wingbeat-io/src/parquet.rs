@@ -123,9 +123,12 @@ fn append_group(writer: &mut SerializedFileWriter<File>, record: &Record) -> Res
 
 fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetError> {
     let size = file.metadata()?.len();
-    if let Some(length) = thrift::footer_length(&mut file)?.filter(|length| *length > thrift::LARGEST_FOOTER) {
+    if let Some(length) = thrift::footer_length(&mut file)?.filter(|length| *length > thrift::LARGEST_FOOTER)
+    {
         let most = thrift::LARGEST_FOOTER;
-        return Err(ParquetError::General(format!("its footer claims {length} bytes; read are at most {most}")));
+        return Err(ParquetError::General(format!(
+            "its footer claims {length} bytes; read are at most {most}"
+        )));
     }
     if !thrift::footer_ends(&mut file)? {
         return Err(ParquetError::General("its footer holds more elements than bytes".into()));

@@ -29,7 +29,7 @@ pub fn defects<P: OptimalControl>(
     if scheme.compressed {
         let mut middle = Midpoint::new(x[0].len(), u[0].len());
         for k in 1..t.len() {
-            let [x, u, f] = [&x, &u, &f].map(|of| [of[k - 1].as_slice(), &of[k]]);
+            let [x, u, f] = [x, u, &f].map(|of| [of[k - 1].as_slice(), &of[k]]);
             let interval = Interval { t: t[k - 1], h: t[k] - t[k - 1], x, u, f };
             Transcription::HermiteSimpson.defect(&interval, rates, &mut middle, &mut out[k])?;
         }

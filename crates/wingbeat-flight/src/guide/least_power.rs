@@ -231,10 +231,9 @@ impl<'a> LeastPower<'a> {
             return Ok(optimise(self, &guess, &refinement, observer));
         }
         let smoother = Self { width: self.width / ROUNDED * ROUNDED_FIRST, ..self.clone() };
-        let mut first =
-            optimise(&smoother, &guess, &Refinement { meshes: 1, ..refinement.clone() }, observer);
+        let first = optimise(&smoother, &guess, &Refinement { meshes: 1, ..refinement.clone() }, observer);
         let solved = first.passes.last().is_some_and(|p| p.status.is_success());
-        let Some(guess) = first.solution.take().filter(|_| solved) else { return Ok(first) };
+        let Some(guess) = first.solution.as_ref().filter(|_| solved) else { return Ok(first) };
         let [barrier, margin] = WARM;
         let time = refinement.solver.time.saturating_sub(first.processor_time);
         refinement.iterations = refinement.iterations.saturating_sub(first.iterations);

@@ -128,7 +128,7 @@ class Stretch:
 
 @dataclass(frozen=True, kw_only=True)
 class Wake(Told):
-    """The vortex lattice of a case or along a flight; its status is ``ok`` or ``failed``."""
+    """The vortex lattice of a case or along a flight; its status is ``ok``, ``not_resolved`` or ``failed``."""
 
     stretches: list[Stretch]
 
@@ -163,7 +163,7 @@ class Calibrated:
 
 @dataclass(frozen=True, kw_only=True)
 class Bench(Told):
-    """A simulated run of the bench; its status is ``ok``, ``refused`` or ``fault``."""
+    """A simulated run of the bench; its status is ``ok``, ``outside``, ``not_found`` or ``failed``."""
 
     name: str
     record: Record | None
