@@ -130,10 +130,10 @@ pub struct Wake {
 
 /// Plan a scenario's manoeuvre or gait offline: the quickest roll-in, or the least power for a mean force
 ///
-/// The scenario's `[plan]` says which. The folder of a roll-in holds what `fly` writes, from the open-loop flight of the
-/// plan, and track.toml: the scenario with the plan as the controller's reference, for `fly`. The folder of a gait
-/// holds its cycle as simulated from rest on a stand in the scenario's wind, figures, and tether.toml with joints.csv:
-/// the motion of the wing, for `tether`.
+/// The scenario's `[plan]` says which. The folder holds plan.parquet and plan.json: nodes, inputs and multipliers. That
+/// of a roll-in also holds what `fly` writes, from the open-loop flight of the plan, and track.toml: the scenario with the
+/// plan as the controller's reference, for `fly`. The folder of a gait also holds its cycle as simulated from rest on a
+/// stand in the scenario's wind, figures, and tether.toml with joints.csv: the motion of the wing, for `tether`.
 #[derive(Debug, Args)]
 pub struct Plan {
     /// The scenario

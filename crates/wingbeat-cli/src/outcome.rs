@@ -25,7 +25,7 @@ pub fn table(summary: &Summary, paper: Option<&PaperResults>) -> String {
 }
 
 /// The limits that the document gives in place of the usual ones, a line each.
-fn overridden(judged: &[Judged]) -> String {
+pub fn overridden(judged: &[Judged]) -> String {
     let line = |judged: &Judged| {
         let usual = limits::all().find(|limit| limit.id == judged.id)?.value;
         let Judged { id, limit, unit, .. } = judged;

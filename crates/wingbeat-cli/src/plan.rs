@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
+use wingbeat::judge::{Status, Verdict};
 use wingbeat::ocp::Progress;
 use wingbeat::ocp::interior_point::Iteration;
 use wingbeat::scenario::{GaitNumbers, LeastPowerSummary, PlanSummary, RollInSummary, Scenario};
@@ -15,6 +16,7 @@ use crate::error::Error;
 use crate::fly::draw;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
+use crate::outcome::overridden;
 use crate::run_folder::RunFolder;
 use crate::say;
 
@@ -46,6 +48,10 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     interrupt.check()?;
     folder.write("scenario.toml", &scenario.resolved)?;
     folder.write_json("summary.json", &planned.summary)?;
+    if let Some(nodes) = &planned.nodes {
+        write_parquet(&folder.file("plan.parquet"), &nodes.points)?;
+        folder.write_json("plan.json", &nodes.constants)?;
+    }
     if let Some(record) = &planned.record {
         write_parquet(&folder.file("record.parquet"), record)?;
         draw(&folder, record, Asked::default(), figures(&planned.summary), &interrupt)?;
@@ -59,12 +65,9 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     let printed = say::unless(options.quiet, || {
         format!("{}\nrun folder: {}\n", table(&planned.summary), shown.display())
     });
-    if planned.record.is_some() {
-        return printed;
-    }
-    let solver = planned.summary.solver();
-    let (status, reason) = (solver.status.into(), solver.solver.clone());
-    Err(Error::Failed { status, reason, folder: shown.into() })
+    let Verdict { status, reason, .. } = planned.summary.verdict();
+    Error::unless_usable(*status, reason.as_deref(), shown)?;
+    printed
 }
 
 fn progress(quiet: bool) -> ProgressBar {
@@ -84,18 +87,27 @@ fn figures(summary: &PlanSummary) -> &'static [Draw] {
 
 fn table(summary: &PlanSummary) -> String {
     let solver = summary.solver();
-    let mut lines = vec![("status", format!("{}: {}", solver.status, solver.solver))];
+    let verdict = &solver.verdict;
+    let mut lines = vec![("status", format!("{}: the solver ended {}", verdict.status, solver.solver))];
     lines.extend(match summary {
         PlanSummary::RollIn(summary) => roll_in(summary),
         PlanSummary::LeastPower(summary) => least_power(summary),
     });
-    if solver.status == "ok" {
+    if verdict.status == Status::Ok {
         lines.push(("minimum", format!("{}: another guess may end lower", solver.minimum)));
     }
-    lines.push(("error between the nodes", format!("{:.1e}, relative", solver.interval_error)));
-    lines.push(("intervals", format!("{} on mesh {}", solver.intervals, solver.meshes)));
-    lines.push(("iterations", format!("{} in {:.1} s", solver.iterations, solver.solve_s)));
-    lines.iter().map(|(name, value)| format!("{name:<28}{value}\n")).collect()
+    let size = |of: Option<f64>| of.map_or("-".into(), |of| format!("{of:.1e}"));
+    lines.push(("constraints missed by", format!("{}, scaled", size(solver.violation))));
+    lines.push(("optimality missed by", format!("{}, scaled", size(solver.residual))));
+    lines.push(("error between the nodes", format!("{}, relative", size(solver.interval_error))));
+    lines.push(("inputs at a limit", solver.saturated_fraction.map_or("-".into(), percent)));
+    lines.push(("intervals", format!("{} after {} meshes", solver.intervals, solver.meshes)));
+    let seconds = format!("{:.1} s, {:.1} s of processor time", solver.solve_s, solver.processor_s);
+    lines.push(("iterations", format!("{} in {seconds}", solver.iterations)));
+    let mut text: String = lines.iter().map(|(name, value)| format!("{name:<28}{value}\n")).collect();
+    text += &overridden(&verdict.judged);
+    text.extend(verdict.warnings.iter().map(|warning| format!("\n{warning}\n")));
+    text
 }
 
 type Lines = Vec<(&'static str, String)>;
@@ -112,9 +124,12 @@ fn powers(summary: &RollInSummary) -> String {
 }
 
 fn roll_in(summary: &RollInSummary) -> Lines {
-    let angles = |a: [f64; 3]| format!("{:.2} / {:.2} / {:.2} deg", a[0], a[1], a[2]);
+    let angles = |a: Option<[f64; 3]>| {
+        a.map_or("-".into(), |a| format!("{:.2} / {:.2} / {:.2} deg", a[0], a[1], a[2]))
+    };
+    let duration = summary.duration_s.map_or("-".into(), |duration| format!("{duration:.4} s"));
     let mut lines = vec![
-        ("duration", format!("{:.4} s from {:.3} s on", summary.duration_s, summary.start_s)),
+        ("duration", format!("{duration} from {:.3} s on", summary.start_s)),
         ("roll / pitch / yaw, plan", angles(summary.final_angles_deg)),
         ("roll / pitch / yaw, flown", angles(summary.flown_angles_deg)),
         ("least clearance, flown", clearance(summary.least_clearance_m)),
@@ -147,9 +162,9 @@ fn least_power(summary: &LeastPowerSummary) -> Lines {
         let unrounded = summary.plan_unrounded_power_w.map_or("-".into(), |power| format!("{power:.4} W"));
         lines.push(("plan, unrounded power", unrounded));
         lines.push(("replayed from rest", gait(&replay)));
-        let drag = summary.replay_up_by_source_n.get("profile_drag").copied().unwrap_or(f64::NAN);
-        let share = format!("{drag:.4} N of {:.4} N, by the choice of cd90", means.up_n);
-        lines.push(("lift from profile drag", share));
+        lines.extend(summary.replay_up_by_source_n.get("profile_drag").map(|drag| {
+            ("lift from profile drag", format!("{drag:.4} N of {:.4} N, by the choice of cd90", means.up_n))
+        }));
         if let Some(other) = summary.replay_other {
             let m = other.means;
             let text = format!(

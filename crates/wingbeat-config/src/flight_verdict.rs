@@ -160,7 +160,7 @@ impl Flown<'_> {
             judge.hold(&flight::LEAVES_RESIDUAL, beyond);
             judge.hold(&flight::BEYOND_RESIDUAL, beyond);
         }
-        if let Some(error) = self.context.step_error_m {
+        if let Some(error) = self.summary.step_error_m {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
         }
@@ -201,6 +201,12 @@ impl Flown<'_> {
 const SETTLED: f64 = 2.0;
 /// Way below which a flight has no path angle, m. *Choice.*
 const STAYS: f64 = 1.0;
+
+/// Velocity in a row, m/s.
+pub(super) fn velocity_at(record: &Record, row: usize) -> Option<Vec3> {
+    let along = |axis: &str| record.values(&format!("v_WB_W_{axis}"))?.get(row).copied();
+    Some(Vec3::new(along("x")?, along("y")?, along("z")?))
+}
 
 /// Mean magnitude and upward component of the velocity from the row `first` on, m/s.
 pub(super) fn mean_velocity(record: &Record, first: usize) -> Option<(f64, f64)> {

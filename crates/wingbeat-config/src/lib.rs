@@ -28,12 +28,14 @@ mod rig_truth;
 mod schema;
 mod shared;
 mod side_by_side;
+mod sound;
 mod spec;
 mod step_error;
 mod summary;
 mod sweep;
 mod sweep_row;
 mod sweep_spec;
+mod sweep_verdict;
 mod tether;
 mod tether_compare;
 mod tether_converge;
@@ -58,12 +60,13 @@ pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
 pub use name::RunName;
 pub use plan::{
-    GaitNumbers, LeastPowerSummary, PassNumbers, PlanSpec, PlanSummary, Planned, RollInSummary, SolverNumbers,
+    GaitNumbers, LeastPowerSummary, PassNumbers, PlanConstants, PlanNodes, PlanSpec, PlanSummary, PlanValue,
+    Planned, RollInSummary, SolverNumbers,
 };
 pub use rig::RigRun;
 pub use rig_model::Modelled;
 pub use rig_process::{Processed, Weighed};
-pub use rig_simulated::SimulatedRun;
+pub use rig_simulated::{SimulatedRun, SimulatedSummary};
 pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, RigSpec};
 pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
 pub use rig_truth::RigTruthSpec;
@@ -75,6 +78,7 @@ pub use summary::{ControllerSummary, LawState, Summary};
 pub use sweep::{Sweep, SweepOf};
 pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
+pub use sweep_verdict::SweepCounts;
 pub use tether::{TetherCase, TetherSummary};
 pub use tether_compare::{CompareSpec, Compared, Comparison};
 pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
@@ -215,6 +219,11 @@ impl Scenario {
     /// The robot that flies, in its air.
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// Limits of the verdicts on its runs.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// The robot and air as the controller knows them.
@@ -403,7 +412,7 @@ impl Scenario {
         summary.lattice = coupling;
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
-        summary.warnings.extend(fit::rejected_fit(&self.spec.robot.numbers));
+        summary.warnings.extend(fit::of_flown(&self.spec));
         Ok(Run { record: recorded.record, strips: recorded.strips, summary })
     }
 

@@ -2,12 +2,11 @@
 
 use super::AeroSpec;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
-use wingbeat_robot::{Numbers, RobotSpec};
+use wingbeat_robot::{GivenNumbers, Numbers, RobotSpec};
 
 /// Factors and shifts of the flown robot alone, which act on it as its file and `robot.numbers` say it, and an air of its own.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -40,8 +39,10 @@ pub struct Mismatch {
     pub aero: Option<AeroSpec>,
     /// Numbers of the flown robot by name, in place of `robot.numbers`; an empty table for those of the robot's file.
     /// `robot.residual` belongs to `robot.numbers` and is left out.
+    /// The table may carry the `verdict` of the fit that wrote them: a flight with numbers of another one than `ok` says so.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub numbers: Option<BTreeMap<String, f64>>,
+    #[schemars(schema_with = "wingbeat_robot::numbers_table")]
+    pub numbers: Option<GivenNumbers>,
 }
 
 impl Default for Mismatch {
@@ -116,7 +117,7 @@ impl Mismatch {
     pub fn apply(&self, robot: &RobotSpec) -> RobotSpec {
         let mut real = robot.clone();
         if let Some(numbers) = &self.numbers {
-            real.numbers = numbers.clone().into();
+            real.numbers = numbers.clone();
         }
         if self.aero.is_some() || self.numbers.is_some() {
             real.residual = None;

@@ -1,8 +1,9 @@
 //! Runs on the test rig, checked and built.
 
 use super::rig_spec::{HoldSpec, RigRunSpec, RunList};
-use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Translate};
+use super::{ConfigError, Document, Doors, LatticeTask, MakeLattice, RunName, Translate, fit};
 use std::path::Path;
+use wingbeat_judge::{Limits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::{Mat3, Named, Vec3};
 use wingbeat_ocp::plant::Fault;
@@ -32,6 +33,8 @@ pub struct RigRun {
     drawn: Mount,
     /// How the rig differs from that.
     numbers: RigNumbers,
+    /// Limits of its verdicts.
+    pub limits: Limits,
     /// What makes the air of a lattice.
     lattice: Option<MakeLattice>,
 }
@@ -148,10 +151,16 @@ impl RigRun {
             drawn,
             numbers,
             lattice: None,
+            limits: spec.limits.limits()?,
             resolved,
             document,
             spec,
         })
+    }
+
+    /// What is said of the fit that the numbers of its robot are from.
+    pub fn of_fit(&self) -> Option<Warning> {
+        fit::rejected_fit("rig.robot.numbers", &self.spec.rig.robot.numbers)
     }
 
     /// Flapping frequency, Hz.

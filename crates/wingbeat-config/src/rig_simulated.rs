@@ -1,16 +1,19 @@
 //! A run of the bench from its plan to its samples.
 
 use super::{LatticeSummary, RigRun};
+use serde::Serialize;
 use wingbeat_flight::simulate::Record;
+use wingbeat_judge::limits::rig;
+use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
 
 /// What became of a simulated run.
 #[derive(Clone, Debug)]
 pub struct SimulatedRun {
+    /// The verdict: `ok`, `outside`, `not_found` or `failed`.
+    pub verdict: Verdict,
     /// `ok`, `refused` where the turn cannot be planned, or `fault`.
-    pub status: &'static str,
-    /// Why, when not `ok`.
-    pub reason: Option<String>,
+    pub ending: &'static str,
     /// Begin and end of what is averaged, s.
     pub window_s: (f64, f64),
     /// The samples, of a run that is `ok`.
@@ -18,24 +21,50 @@ pub struct SimulatedRun {
     /// Samples with a saturated channel.
     pub saturated: usize,
     /// Share of strips and samples after the rest that are past their stall angle.
-    pub stall_fraction: f64,
+    pub stall_fraction: Option<f64>,
     /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
     pub lattice: Option<LatticeSummary>,
-    /// Cautions that a reader must know.
-    pub warnings: Vec<String>,
+}
+
+/// `summary.json` of a simulated run.
+#[derive(Clone, Debug, Serialize)]
+pub struct SimulatedSummary {
+    /// The verdict: `ok`, `outside`, `not_found` or `failed`.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+    /// `ok`, `refused` where the turn cannot be planned, or `fault`.
+    pub ending: &'static str,
+    /// Flapping frequency, Hz.
+    pub frequency_hz: f64,
+    /// Begin and end of what is averaged, s.
+    pub window_s: (f64, f64),
+    /// Samples.
+    pub samples: usize,
+    /// Samples with a saturated channel.
+    pub saturated: usize,
+    /// Share of strips and samples after the rest that are past their stall angle; missing without samples.
+    pub stall_fraction: Option<f64>,
+    /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lattice: Option<LatticeSummary>,
 }
 
 impl SimulatedRun {
-    fn without_samples(status: &'static str, reason: String, window_s: (f64, f64)) -> Self {
-        Self {
-            status,
-            reason: Some(reason),
-            window_s,
-            record: None,
-            saturated: 0,
-            stall_fraction: 0.0,
-            lattice: None,
-            warnings: Vec::new(),
+    fn without_samples(ending: &'static str, verdict: Verdict, window_s: (f64, f64)) -> Self {
+        Self { verdict, ending, window_s, record: None, saturated: 0, stall_fraction: None, lattice: None }
+    }
+
+    /// What is written of it; `run` is whose it is.
+    pub fn summary(&self, run: &RigRun) -> SimulatedSummary {
+        SimulatedSummary {
+            verdict: self.verdict.clone(),
+            ending: self.ending,
+            frequency_hz: run.frequency(),
+            window_s: self.window_s,
+            samples: self.record.as_ref().map_or(0, Record::rows),
+            saturated: self.saturated,
+            stall_fraction: self.stall_fraction,
+            lattice: self.lattice,
         }
     }
 }
@@ -46,33 +75,41 @@ impl RigRun {
     /// # Errors
     /// Those of [`plan`](Self::plan) and [`simulate`](Self::simulate).
     pub fn simulated(&self, seed: u64, progress: impl FnMut(f64)) -> Result<SimulatedRun, Error> {
+        let mut judge = Judge::new(&self.limits);
+        self.of_fit().into_iter().for_each(|warning| judge.warn(warning));
         let plan = match self.spec.turn {
             None => None,
             Some(_) => match self.plan()? {
                 Ok(plan) => Some(plan),
                 Err(refusal) => {
                     let reason = format!("limit profile {}: {refusal}", self.profile.name);
-                    return Ok(SimulatedRun::without_samples("refused", reason, (0.0, 0.0)));
+                    judge.find(Status::NotFound, reason);
+                    return Ok(SimulatedRun::without_samples("refused", judge.verdict(), (0.0, 0.0)));
                 }
             },
         };
         let carrier = self.carrier(plan.as_ref());
         let window_s = self.window(plan.as_ref(), &carrier);
-        Ok(match self.simulate_truth(&carrier, window_s, seed, progress)? {
-            Ok(outcome) => {
-                let lattice = outcome.coupling.map(LatticeSummary::new);
-                SimulatedRun {
-                    status: "ok",
-                    reason: None,
-                    window_s,
-                    record: Some(outcome.record),
-                    saturated: outcome.saturated,
-                    stall_fraction: outcome.stall_fraction,
-                    lattice,
-                    warnings: lattice.iter().flat_map(LatticeSummary::cautions).collect(),
-                }
+        let outcome = match self.simulate_truth(&carrier, window_s, seed, progress)? {
+            Ok(outcome) => outcome,
+            Err(fault) => {
+                judge.find(Status::Failed, fault.to_string());
+                return Ok(SimulatedRun::without_samples("fault", judge.verdict(), window_s));
             }
-            Err(fault) => SimulatedRun::without_samples("fault", fault.to_string(), window_s),
+        };
+        let lattice = outcome.coupling.map(LatticeSummary::new);
+        judge.hold(&rig::SATURATED, outcome.saturated as f64 / outcome.record.rows().max(1) as f64);
+        judge.hold(&rig::STALLED, outcome.stall_fraction);
+        let cautions = lattice.iter().flat_map(LatticeSummary::cautions);
+        cautions.for_each(|caution| judge.warn(Warning::new("rig.lattice", caution)));
+        Ok(SimulatedRun {
+            verdict: judge.verdict(),
+            ending: "ok",
+            window_s,
+            record: Some(outcome.record),
+            saturated: outcome.saturated,
+            stall_fraction: Some(outcome.stall_fraction),
+            lattice,
         })
     }
 }

@@ -1,6 +1,6 @@
 //! What the files of runs on the test rig say, and the checks of it.
 
-use super::{AeroSpec, AirSpec, LatticeSpec, RigTruthSpec, build};
+use super::{AeroSpec, AirSpec, LatticeSpec, RigTruthSpec, VerdictLimits, build};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -48,6 +48,9 @@ pub struct RigRunSpec {
     /// Corrections made by processing.
     #[serde(default)]
     pub process: ProcessSpec,
+    /// Limits of the verdicts on the run and its samples, in place of those of the table: `data.drift_fraction = 0.3`.
+    #[serde(default, skip_serializing_if = "VerdictLimits::is_empty")]
+    pub limits: VerdictLimits,
 }
 
 /// A file that lists runs.

@@ -5,6 +5,7 @@ use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
+use super::sound;
 use super::spec::GoalSpec;
 use serde::Serialize;
 use wingbeat_aero::LiftLaw;
@@ -104,6 +105,9 @@ pub struct Summary {
     /// Means of the states that the flown laws declare; not part of the file.
     #[serde(skip)]
     pub law_states: Vec<LawState>,
+    /// Samples of the record that count; fewer than there are where numbers grew without bound. Not part of the file.
+    #[serde(skip)]
+    pub sound_rows: usize,
     /// Share of the samples in which the wings are beyond the velocities at which `robot.residual` was measured, where its wrench stays as
     /// it is at their ends. Missing without one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -272,8 +276,13 @@ const SETTLE: f64 = 2.0;
 impl Summary {
     pub(super) fn new(record: &Record, flight: &Flight, context: &Context) -> Self {
         let settle = context.goal.map_or(SETTLE.min(0.5 * flight.duration), |g| g.settle_s);
+        // Of a flight whose numbers grew without bound no means are taken, and the way is that before.
+        let grew = sound::grew(&flight.ending);
+        let before = grew.then(|| record.head(sound::rows(record)));
+        let record = before.as_ref().unwrap_or(record);
         let t = record.values("t").unwrap_or_default();
-        let settled = Settled { record, first: t.partition_point(|&t| t < settle) };
+        let first = if grew { t.len() } else { t.partition_point(|&t| t < settle) };
+        let settled = Settled { record, first };
         let change = |name| match record.values(name) {
             Some([first, .., last]) => last - first,
             _ => 0.0,
@@ -325,12 +334,13 @@ impl Summary {
             stall_fraction: context.stall_fraction,
             separated_fraction: context.separated_fraction,
             suction_lost_fraction: context.suction_lost_fraction,
-            law_states: context.law_states.clone(),
+            law_states: if grew { Vec::new() } else { context.law_states.clone() },
+            sound_rows: record.rows(),
             beyond_residual_fraction: context.beyond_residual_fraction,
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
-            step_error_m: context.step_error_m,
+            step_error_m: context.step_error_m.filter(|_| !grew),
             warnings: Vec::new(),
             controller: ControllerSummary::new(flight, context.period_s),
         };
@@ -346,6 +356,7 @@ impl Summary {
         (summary.status, summary.reason) = (verdict.status, verdict.reason);
         (summary.judged, summary.not_judged) = (verdict.judged, not_judged);
         summary.warnings = verdict.warnings;
+        summary.warnings.extend(grew.then(|| sound::left_out(t.last().copied())));
         summary
     }
 
@@ -364,7 +375,7 @@ fn unwrapped_change(angles: &[f64]) -> f64 {
 const LIMIT_BAND: f64 = 0.01;
 
 /// Share of input samples within 1 % of their range of a limit.
-fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
+pub(super) fn saturation(record: &Record, inputs: &[Channel]) -> f64 {
     let (mut on, mut all) = (0, 0);
     for input in inputs {
         let (values, band) =

@@ -1,11 +1,13 @@
 //! Many runs of one scenario or case with keys drawn at random or from a grid.
 
 use super::document::{ConfigError, Document, Place, Problem, Wrong};
+use super::fit;
 use super::shared::Shared;
 use super::sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 use super::{PaperResults, ReadTable, Scenario, TetherCase};
 use std::path::Path;
 use std::sync::Arc;
+use wingbeat_judge::{Limits, Warning};
 use wingbeat_math::Error;
 use wingbeat_math::Random;
 
@@ -23,6 +25,7 @@ pub struct Sweep {
     /// Part of its range by draw and run, of a Latin hypercube.
     parts: Vec<Vec<usize>>,
     pub(super) shared: Arc<Shared>,
+    pub(super) limits: Limits,
 }
 
 /// What a sweep runs.
@@ -82,10 +85,11 @@ impl Sweep {
         let spec: SweepSpec = document.parse()?;
         let resolved = document.resolved()?;
         let of = spec.check().map_err(|error| document.explain(&error))?;
+        let limits = spec.limits.limits().map_err(|error| document.explain(&error))?;
         let inner = document.part(of.key())?;
         let parts = spec.parts();
         let shared = Arc::default();
-        let sweep = Self { spec, of, resolved, document, inner, parts, shared };
+        let sweep = Self { spec, of, resolved, document, inner, parts, shared, limits };
         sweep.check_draws(read)?;
         Ok(sweep)
     }
@@ -93,6 +97,20 @@ impl Sweep {
     /// What is published of the scenario of its flights.
     pub fn paper(&self) -> Option<PaperResults> {
         self.inner.parse::<super::ScenarioSpec>().ok()?.paper
+    }
+
+    /// What is said of the fits that the numbers of its runs are from.
+    pub(super) fn of_fits(&self) -> Vec<Warning> {
+        match self.of {
+            SweepOf::Flights(_) => {
+                let spec = self.inner.parse::<super::ScenarioSpec>();
+                spec.map(|spec| fit::of_flown(&spec).collect()).unwrap_or_default()
+            }
+            SweepOf::Cases => {
+                let spec = self.inner.parse::<super::TetherSpec>();
+                spec.ok().and_then(|spec| fit::rejected_fit("numbers", &spec.numbers)).into_iter().collect()
+            }
+        }
     }
 
     /// Number of runs.

@@ -5,11 +5,13 @@ use super::{ConfigError, Hold, ReadTable, Scenario, Summary, Sweep, SweepOf};
 use std::ops::ControlFlow;
 use wingbeat_flight::simulate::{Column, Ending};
 use wingbeat_flight::tether::TetherRun;
+use wingbeat_judge::Status;
 
 /// Columns of a flight beside its number and its draws, with their units.
-const FLIGHT: [(&str, &str); 14] = [
+const FLIGHT: [(&str, &str); 15] = [
     ("held", ""),
     ("completed", ""),
+    ("status", ""),
     ("clear", ""),
     ("roll_max_error", "deg"),
     ("pitch_max_error", "deg"),
@@ -25,8 +27,9 @@ const FLIGHT: [(&str, &str); 14] = [
 ];
 
 /// Columns of a run of a tethered wing beside its number and its draws, with their units.
-const CASE: [(&str, &str); 9] = [
+const CASE: [(&str, &str); 10] = [
     ("completed", ""),
+    ("status", ""),
     ("mean_lift", "N"),
     ("mean_thrust", "N"),
     ("peak_lift", "N"),
@@ -100,7 +103,11 @@ impl Sweep {
                 (summaries.iter().map(of).collect::<Vec<_>>(), groups)
             }
             SweepOf::Cases => {
-                let of = |run: &usize| Ok(Vec::from(case(&self.case(*run, read)?.tether.run(|_| watch()))));
+                let of = |run: &usize| {
+                    let case = self.case(*run, read)?;
+                    let run = case.tether.run(|_| watch());
+                    Ok(Vec::from(of_case(&run, case.verdict(&run, None).status)))
+                };
                 (batch.iter().map(of).collect::<Result<_, ConfigError>>()?, batch.len())
             }
         };
@@ -155,33 +162,38 @@ impl Sweep {
     }
 }
 
+/// A row of a flight; of one that was not flown whole nothing but how it ended.
 fn flight(summary: &Summary, hold: Hold) -> [f64; FLIGHT.len()] {
-    let of = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let completed = summary.completed();
+    let of = |value: Option<f64>| value.filter(|_| completed).unwrap_or(f64::NAN);
+    let whole = |value: f64| of(Some(value));
     [
         f64::from(u8::from(hold.met(summary))),
-        f64::from(u8::from(summary.completed())),
-        f64::from(u8::from(hold.clear(summary))),
+        f64::from(u8::from(completed)),
+        f64::from(summary.status as u8),
+        f64::from(u8::from(completed && hold.clear(summary))),
         of(summary.roll_max_error_deg),
         of(summary.pitch_max_error_deg),
         of(summary.roll_mean_deg),
         of(summary.pitch_mean_deg),
-        summary.distance_x_m,
-        summary.distance_y_m,
-        summary.altitude_change_m,
+        whole(summary.distance_x_m),
+        whole(summary.distance_y_m),
+        whole(summary.altitude_change_m),
         of(summary.height_max_error_m),
         of(summary.path.as_ref().map(|path| path.cross_rms_m)),
         of(summary.least_clearance_m),
-        summary.controller.failures as f64,
+        whole(summary.controller.failures as f64),
     ]
 }
 
-fn case(run: &TetherRun) -> [f64; CASE.len()] {
+fn of_case(run: &TetherRun, status: Status) -> [f64; CASE.len()] {
     let completed = run.ending == Ending::Complete;
     let row = |name: &str| run.means.iter().find(|row| row.name == name && completed);
     let mean = |name: &str| row(name).map_or(f64::NAN, |row| row.mean);
     let peak = |name: &str| row(name).map_or(f64::NAN, |row| row.high);
     [
         f64::from(u8::from(completed)),
+        f64::from(status as u8),
         mean("force_wind_lift"),
         mean("thrust"),
         peak("force_wind_lift"),

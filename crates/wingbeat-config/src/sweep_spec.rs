@@ -1,6 +1,6 @@
 //! What a sweep file says, and the checks of it.
 
-use super::{RunName, Summary, SweepOf};
+use super::{RunName, Summary, SweepOf, VerdictLimits};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::Random;
@@ -47,6 +47,9 @@ pub struct SweepSpec {
     /// What counts as held; of flights.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<Hold>,
+    /// Limits of the verdict on the sweep, `sweep.held_fraction = 0.9`; those on a run are in its scenario or case.
+    #[serde(default, skip_serializing_if = "VerdictLimits::is_empty")]
+    pub limits: VerdictLimits,
 }
 
 fn is_false(truth: &bool) -> bool {

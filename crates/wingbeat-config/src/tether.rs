@@ -120,27 +120,30 @@ impl TetherCase {
     /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps.
     pub fn summary(&self, run: &TetherRun, step_change: Option<f64>) -> TetherSummary {
         let law = self.tether.aero.law();
+        // Of a run that broke down there is no last cycle to take means of.
+        let complete = run.ending == Ending::Complete;
+        let whole = |value: Option<f64>| value.filter(|_| complete);
         TetherSummary {
             verdict: self.verdict(run, step_change),
             name: self.spec.name.clone(),
             preset: self.spec.aero.preset.name(),
             lift_law: law.name(),
-            stall_fraction: run.stall_fraction,
+            stall_fraction: whole(Some(run.stall_fraction)),
             step_change,
-            separated_fraction: run.separated_fraction,
-            suction_lost_fraction: run.suction_lost_fraction,
-            mean_lift_n: run.mean("force_wind_lift"),
-            mean_thrust_n: run.mean("thrust"),
-            mean_power_w: run.mean("power"),
-            propulsive_efficiency: run.efficiency,
-            periodicity: run.periodicity.clone(),
+            separated_fraction: whole(Some(run.separated_fraction)),
+            suction_lost_fraction: whole(Some(run.suction_lost_fraction)),
+            mean_lift_n: whole(run.mean("force_wind_lift")),
+            mean_thrust_n: whole(run.mean("thrust")),
+            mean_power_w: whole(run.mean("power")),
+            propulsive_efficiency: whole(run.efficiency),
+            periodicity: run.periodicity.clone().filter(|_| complete),
             smoothed: self.smoothed.clone(),
-            cycle: run.means.clone(),
+            cycle: if complete { run.means.clone() } else { Vec::new() },
         }
     }
 
     /// What the run is held against, with the tables of its motion.
-    fn verdict(&self, run: &TetherRun, step_change: Option<f64>) -> Verdict {
+    pub(super) fn verdict(&self, run: &TetherRun, step_change: Option<f64>) -> Verdict {
         let mut judge = Judge::new(&self.limits);
         match run.ending {
             Ending::Complete => {}
@@ -162,7 +165,7 @@ impl TetherCase {
         self.stalled(run)
             .into_iter()
             .chain(step_change.and_then(|change| self.coarse(change)))
-            .chain(rejected_fit(&self.spec.numbers))
+            .chain(rejected_fit("numbers", &self.spec.numbers))
             .for_each(|warning| judge.warn(warning));
         self.found.iter().cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
@@ -171,7 +174,10 @@ impl TetherCase {
     /// The caution that the law does not hold for all of the motion.
     fn stalled(&self, run: &TetherRun) -> Option<Warning> {
         let law = self.tether.aero.law();
-        let what = law.about().beyond_stall.filter(|_| run.stall_fraction > 0.0)?;
+        let what = law
+            .about()
+            .beyond_stall
+            .filter(|_| run.ending == Ending::Complete && run.stall_fraction > 0.0)?;
         let (share, limit) = (100.0 * run.stall_fraction, self.tether.aero.stall_angle().to_degrees());
         let text = format!(
             "{share:.1} % of the strips of the last cycle are past {limit:.0} deg under law {}, {what}",
@@ -200,12 +206,12 @@ pub struct TetherSummary {
     pub preset: &'static str,
     /// Lift law.
     pub lift_law: &'static str,
-    /// Share of strips past the stall angle over the last cycle.
-    pub stall_fraction: f64,
+    /// Share of strips past the stall angle over the last cycle; this and all that follows is missing of a run that broke down.
+    pub stall_fraction: Option<f64>,
     /// Mean separated share of the flow over the strips of the last cycle.
-    pub separated_fraction: f64,
+    pub separated_fraction: Option<f64>,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
-    pub suction_lost_fraction: f64,
+    pub suction_lost_fraction: Option<f64>,
     /// Largest change of a mean force or moment over the last cycle with half the steps per cycle, or where that is
     /// above 2 % with twice as many, over the range of the largest force or moment; NaN when that run fails.
     pub step_change: Option<f64>,

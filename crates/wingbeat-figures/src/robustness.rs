@@ -30,12 +30,17 @@ pub fn robustness(record: &Record, limits: (f64, f64)) -> Result<Figure, Error> 
     let cloud = |wanted: bool, name: &str, index: usize| -> Plot {
         let points: Vec<(f64, f64)> =
             flights.iter().filter(|flight| flight.2 == wanted).map(|flight| (flight.0, flight.1)).collect();
-        let name = format!("{name}: {} of {}", points.len(), record.rows());
+        let missing = if wanted || flights.len() == record.rows() {
+            String::new()
+        } else {
+            format!(", {} broke down", record.rows() - flights.len())
+        };
+        let name = format!("{name}: {} of {}{missing}", points.len(), record.rows());
         let cloud = ScatterPlot::new().with_data(points).with_color(style::colour(index)).with_size(3.0);
         cloud.with_marker_opacity(0.75).with_legend(name).into()
     };
     let mut plots = vec![cloud(true, "held", 0)];
-    if flights.iter().any(|flight| !flight.2) {
+    if flights.iter().any(|flight| !flight.2) || flights.len() < record.rows() {
         plots.push(cloud(false, "lost", 1));
     }
     let layout = layout(&plots, &flights, limits);

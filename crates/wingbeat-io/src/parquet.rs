@@ -123,6 +123,13 @@ fn append_group(writer: &mut SerializedFileWriter<File>, record: &Record) -> Res
 
 fn read(mut file: File, wanted: &dyn Fn(&str) -> bool) -> Result<Read, ParquetError> {
     let size = file.metadata()?.len();
+    if let Some(length) = thrift::footer_length(&mut file)?.filter(|length| *length > thrift::LARGEST_FOOTER)
+    {
+        let most = thrift::LARGEST_FOOTER;
+        return Err(ParquetError::General(format!(
+            "its footer claims {length} bytes; read are at most {most}"
+        )));
+    }
     if !thrift::footer_ends(&mut file)? {
         return Err(ParquetError::General("its footer holds more elements than bytes".into()));
     }
@@ -186,6 +193,13 @@ fn check(chunk: &ColumnChunkMetaData, size: u64, file: &mut File) -> Result<(), 
     let broken = |what: &str| Err(ParquetError::General(format!("column {} {what}", chunk.column_path())));
     if !lies_within || chunk.num_values() < 0 || chunk.uncompressed_size() < 0 {
         return broken("does not lie within the file");
+    }
+    if !matches!(chunk.compression(), Compression::UNCOMPRESSED | Compression::SNAPPY) {
+        let codec = format!("{:?}", chunk.compression());
+        let codec = codec.split('(').next().unwrap_or_default().to_lowercase();
+        return broken(&format!(
+            "is compressed by {codec}: allowed are snappy and none (pandas: df.to_parquet(path, compression=\"snappy\"))"
+        ));
     }
     let (start, length) = (start.unsigned_abs(), chunk.compressed_size().unsigned_abs());
     // A page of each value, a dictionary, and one that is empty.

@@ -76,6 +76,28 @@ pub struct Verdict {
     pub warnings: Vec<Warning>,
 }
 
+impl Verdict {
+    /// The verdict on several results, each by its name: the worst status, every reason and warning with the name before it, the
+    /// worst first.
+    pub fn together<'a>(all: impl IntoIterator<Item = (&'a str, &'a Self)>) -> Self {
+        let mut all: Vec<_> = all.into_iter().collect();
+        all.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.status));
+        let named = |name: &str, text: &str| match name {
+            "" => text.to_owned(),
+            _ => format!("{name}: {text}"),
+        };
+        let reasons = all.iter().filter_map(|(name, of)| Some(named(name, of.reason.as_deref()?)));
+        let reason = reasons.reduce(|all, next| format!("{all}; {next}"));
+        let judged = all.iter().flat_map(|(_, of)| of.judged.iter().cloned()).collect();
+        let warning = |(name, of): &(&str, &'a Self)| {
+            let name = (*name).to_owned();
+            of.warnings.iter().map(move |w| Warning { text: named(&name, &w.text), ..w.clone() })
+        };
+        let warnings = all.iter().flat_map(warning).collect();
+        Self { status: all.first().map_or(Status::Ok, |(_, of)| of.status), reason, judged, warnings }
+    }
+}
+
 /// Collects findings and gives the verdict.
 #[derive(Clone, Debug)]
 pub struct Judge<'a> {

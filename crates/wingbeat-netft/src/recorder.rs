@@ -133,7 +133,7 @@ pub fn record(
         session.run(datagrams, &mut observe);
         session.ended = Instant::now();
         stop.store(true, Ordering::Relaxed);
-        Ok(())
+        Ok::<(), Error>(())
     })?;
     session.report.kernel_drops = drops.into_inner();
     let _ = session.request(Command::Stop);

@@ -32,6 +32,30 @@ impl Interpolant {
         Ok(Self { scheme: scheme.clone(), points, rates })
     }
 
+    /// The scheme whose points these are.
+    pub fn scheme(&self) -> &Scheme {
+        &self.scheme
+    }
+
+    /// True for a point whose state is an unknown of the collocated problem: all but those inside the intervals of a compressed
+    /// scheme.
+    pub fn is_unknown(&self, point: usize) -> bool {
+        !self.scheme.compressed || point.is_multiple_of(self.scheme.points() - 1)
+    }
+
+    /// The points whose states are unknowns.
+    pub fn unknowns(&self) -> Trajectory {
+        let Trajectory { t, x, u, p } = &self.points;
+        let kept = |point: &usize| self.is_unknown(*point);
+        let rows = || (0..t.len()).filter(kept);
+        Trajectory {
+            t: rows().map(|k| t[k]).collect(),
+            x: rows().map(|k| x[k].clone()).collect(),
+            u: rows().map(|k| u[k].clone()).collect(),
+            p: p.clone(),
+        }
+    }
+
     /// Number of intervals.
     pub fn intervals(&self) -> usize {
         (self.points.t.len() - 1) / (self.scheme.points() - 1)

@@ -6,6 +6,7 @@
 //! [`interior_point`] solves sparse nonlinear programs ([`nlp`]) offline.
 
 mod collocation;
+mod defects;
 pub mod interior_point;
 mod interpolant;
 mod mesh;
@@ -21,8 +22,9 @@ mod trajectory;
 mod transcription;
 
 pub use collocation::{Collocation, Transcribed};
+pub use defects::defects;
 pub use interpolant::Interpolant;
-pub use mesh::{Optimum, Pass, Progress, Refinement, optimise};
+pub use mesh::{Misses, Optimum, Pass, Progress, Refinement, optimise};
 pub use multipliers::Multipliers;
 pub use problem::{Ends, FREE, Instant, Limits, OptimalControl, Scales, Setup};
 pub use scheme::{InputShape, Scheme};

@@ -14,6 +14,14 @@ pub struct Multipliers {
     pub path: Vec<(f64, Vec<f64>)>,
     /// Multipliers of the constraints on the ends: the objective rises by their negative where the value asked for rises by one.
     pub ends: Vec<f64>,
+    /// Multipliers of the defect that ends at each collocation point, one per state; none at the first point of all, nor inside
+    /// an interval whose states follow from its ends.
+    pub defects: Vec<Vec<f64>>,
+    /// Multipliers of the limits of states and inputs at each collocation point, positive at an upper one; none where they are
+    /// no unknowns.
+    pub bounds: Vec<[Vec<f64>; 2]>,
+    /// The same of initial time, final time and parameters.
+    pub constants: Vec<f64>,
 }
 
 #[cfg(test)]

@@ -104,6 +104,7 @@ pub(super) fn solve_in(
     solution.x.iter_mut().zip(&sizes.variables).for_each(|(x, size)| *x *= size);
     solution.constraints.iter_mut().zip(&sizes.constraints).for_each(|(g, size)| *g *= size);
     solution.multipliers.iter_mut().zip(&sizes.constraints).for_each(|(y, size)| *y /= size);
+    solution.bounds.iter_mut().zip(&sizes.variables).for_each(|(z, size)| *z /= size);
     solution
 }
 

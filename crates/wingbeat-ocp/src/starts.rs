@@ -11,7 +11,7 @@ const ALIKE: f64 = 1e-3;
 /// What several starts came to.
 #[derive(Clone, Debug)]
 pub struct Starts {
-    /// The lowest solution; without any the first outcome.
+    /// The lowest solution; without any the best point that was met.
     pub best: Optimum,
     /// Objective of each start that was solved; none of the others, in order.
     pub objectives: Vec<Option<f64>>,
@@ -58,8 +58,7 @@ pub fn optimise_from<P: OptimalControl>(
         let optimum = optimise(problem, guess, refinement, observer);
         let solved = optimum.status.is_success();
         objectives.push(solved.then_some(optimum.objective));
-        let lower = |old: &Optimum| solved && (!old.status.is_success() || optimum.objective < old.objective);
-        if best.as_ref().is_none_or(lower) {
+        if best.as_ref().is_none_or(|old| optimum.beats(old, refinement.solver.acceptable)) {
             best = Some(optimum);
         }
     }

@@ -4,9 +4,11 @@ use crate::flight::Scenario;
 use crate::table::{Named, columns};
 use crate::{refused, wait};
 use pyo3::prelude::*;
+use wingbeat::scenario::PlanNodes;
 
-/// Record where there is a plan, summary as JSON, and the files by name.
-type Planned<'py> = (Option<Vec<Named<'py>>>, String, Vec<(String, String)>);
+/// Record where there is a plan, its nodes and constants as JSON, summary as JSON, and the files by name.
+type Planned<'py> =
+    (Option<Vec<Named<'py>>>, Option<(Vec<Named<'py>>, String)>, String, Vec<(String, String)>);
 
 /// Plans the manoeuvre of a scenario.
 #[pyfunction]
@@ -18,5 +20,9 @@ pub fn plan<'py>(py: Python<'py>, scenario: &Scenario) -> PyResult<Planned<'py>>
     let planned = planned.map_err(refused)?;
     let summary = serde_json::to_string(&planned.summary).map_err(refused)?;
     let files = planned.files.into_iter().map(|(name, text)| (name.to_string(), text)).collect();
-    Ok((planned.record.map(|record| columns(py, record)), summary, files))
+    let nodes = planned.nodes.map(|PlanNodes { points, constants }| {
+        let constants = serde_json::to_string(&constants).map_err(refused)?;
+        Ok::<_, PyErr>((columns(py, points), constants))
+    });
+    Ok((planned.record.map(|record| columns(py, record)), nodes.transpose()?, summary, files))
 }

@@ -5,7 +5,7 @@ use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use wingbeat::parallel;
-use wingbeat::scenario::{Document as Text, Evaluated, RigRun};
+use wingbeat::scenario::{ConfigError, Document as Text, Evaluated, RigRun, SimulatedRun};
 
 /// What became of a run, by name: record where there is one, and the numbers as JSON.
 type Simulated<'py> = (String, Option<Vec<Named<'py>>>, String);
@@ -20,28 +20,17 @@ pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> Py
         let simulated = parallel::map(&runs, |_, run| {
             run.simulated(run.spec.seed.unwrap_or(0), |_| {}).map_err(|error| run.explain(&error))
         });
-        let named = runs.iter().map(|run| (run.spec.name.clone(), run.frequency()));
-        named.zip(simulated).collect::<Vec<_>>()
+        let told = |(run, simulated): (&RigRun, Result<SimulatedRun, ConfigError>)| {
+            let told = simulated.map(|simulated| (simulated.summary(run), simulated.record));
+            (run.spec.name.clone(), told)
+        };
+        runs.iter().zip(simulated).map(told).collect::<Vec<_>>()
     })?;
     done.into_iter()
-        .map(|((name, frequency_hz), simulated)| {
-            let simulated = simulated.map_err(refused)?;
-            let mut summary = serde_json::json!({
-                "status": simulated.status,
-                "reason": simulated.reason,
-                "frequency_hz": frequency_hz,
-                "window_s": simulated.window_s,
-                "samples": simulated.record.as_ref().map_or(0, wingbeat::simulate::Record::rows),
-                "saturated": simulated.saturated,
-                "stall_fraction": simulated.stall_fraction,
-            });
-            if let Some(lattice) = &simulated.lattice {
-                summary["lattice"] = serde_json::json!(lattice);
-            }
-            if !simulated.warnings.is_empty() {
-                summary["warnings"] = serde_json::json!(simulated.warnings);
-            }
-            Ok((name, simulated.record.map(|record| columns(py, record)), summary.to_string()))
+        .map(|(name, told)| {
+            let (summary, record) = told.map_err(refused)?;
+            let summary = serde_json::to_string(&summary).map_err(refused)?;
+            Ok((name, record.map(|record| columns(py, record)), summary))
         })
         .collect()
 }

@@ -6,6 +6,7 @@ use crate::table::{Given, Named, columns, record};
 use crate::tether::read;
 use crate::{refused, wait, whole};
 use pyo3::prelude::*;
+use wingbeat::judge::Limits;
 use wingbeat::scenario::TetherCase;
 use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary};
 
@@ -36,7 +37,7 @@ pub fn wake_case<'py>(
     let asked = asked(settings)?;
     let stepped = wait::work(py, move |stop| {
         let course = course::case(&asked, &case, &|| stop.flow())?;
-        step(&case.spec.name, &[course], &asked, stop)
+        step((&case.spec.name, &case.limits), &[course], &asked, stop)
     })?;
     told(py, stepped.map_err(refused)?)
 }
@@ -53,9 +54,9 @@ pub fn wake_flight<'py>(
     let flown = record(flown)?;
     let asked = asked(settings)?;
     let stepped = wait::work(py, move |stop| {
-        let name = scenario.spec.name.clone();
+        let (name, limits) = (scenario.spec.name.clone(), scenario.limits().clone());
         let courses = Recorded::new(scenario, flown)?.courses(&asked)?;
-        step(&name, &courses, &asked, stop)
+        step((&name, &limits), &courses, &asked, stop)
     })?;
     told(py, stepped.map_err(refused)?)
 }
@@ -82,14 +83,14 @@ fn asked(settings: Settings) -> PyResult<Asked> {
 type Kept = (String, wingbeat::simulate::Record, Vec<(String, String)>);
 
 fn step(
-    name: &str,
+    (name, limits): (&str, &Limits),
     courses: &[Course],
     asked: &Asked,
     stop: &wait::Stop,
 ) -> Result<(Vec<Kept>, WakeSummary), wingbeat_lattice::Error> {
     let stepped = courses.iter().map(|course| course.step(asked, &mut |_| stop.flow()));
     let watches = stepped.collect::<Result<Vec<_>, _>>()?;
-    let summary = WakeSummary::new(name, asked, &watches);
+    let summary = WakeSummary::new(name, asked, &watches, limits);
     let kept = watches.into_iter().map(|watch| {
         let shots = watch.shots.iter().map(|shot| (shot.name.clone(), shot.picture.vtk()));
         (watch.course.name.clone(), watch.record.clone(), shots.collect())

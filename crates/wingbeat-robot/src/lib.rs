@@ -43,7 +43,7 @@ pub use spec::{
     RegulatorSpec, ResidualSpec, RobotSpec, StopSpec, StructureSpec, SurfaceSpec, ThrusterSpec, WingLinkSpec,
     WingSpec,
 };
-pub use spec::{file_or, file_or_numbers, is_of_rig};
+pub use spec::{file_or, file_or_numbers, is_of_rig, numbers_table};
 pub use stance::Stance;
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;

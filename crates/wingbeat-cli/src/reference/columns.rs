@@ -28,13 +28,26 @@ pub const CALIBRATED: &str = "record.parquet of calibrate";
 pub const MODES: &str = "multipliers.parquet of trim";
 pub const ORBITS: &str = "family.parquet of trim";
 pub const STARTS: &str = "starts.csv and starts.parquet of trim";
+pub const NODES: &str = "plan.parquet of plan";
+
+/// Frame of a column that has that of what it belongs to.
+pub const OWN_FRAME: &str = "its own";
+/// Unit of a column that has that of what it belongs to.
+pub const OWN_UNIT: &str = "its own";
+/// Unit of a multiplier.
+pub const PER_UNIT: &str = "objective per unit";
 
 /// The records with what a row of each is.
-pub const RECORDS: [(&str, &str); 14] = [
+pub const RECORDS: [(&str, &str); 15] = [
     (FLIGHT, "One row per instant, `flight.record_every_s` apart."),
     (
         GAIT,
         "One row per instant of one cycle on a stand, its first and last row the same instant of the stroke.",
+    ),
+    (
+        NODES,
+        "One row per point of a plan whose state is an unknown: every node, and of order 6 the points between. The objective is in s \
+      for a roll-in and in W for a gait. plan.json has what has one value: times, parameters and constraints on the ends.",
     ),
     (
         STRIPS,
@@ -101,6 +114,11 @@ const fn column(
 #[rustfmt::skip]
 pub const COLUMNS: &[Described] = &[
     column("t", &[FLIGHT, GAIT, STRIPS, LOADS, RIG, ENVELOPE], S, "", "Time from the begin of the run."),
+    column("t", &[NODES], S, "", "Time: of a roll-in from the begin of the flight, of a gait from the begin of the cycle."),
+    column("interval", &[NODES], ONE, "", "Number of the interval that ends at the row or holds it, from 0; 0 in the first row too."),
+    column("defect_<of>", &[NODES], &[PER_UNIT], "", "Multiplier of the defect of this state between the begin of the interval and the row: the objective rises by its negative where the state is moved up by one in between. 0 in the first row."),
+    column("limit_<of>", &[NODES], &[PER_UNIT], "", "Multiplier of the limits of this state or input, positive at the upper one. Of a state that is given, what holding it costs."),
+    column("path_<of>", &[NODES], &[PER_UNIT], "", "Multiplier of a constraint along the way, as clearance; of a finer mesh each is smaller."),
     column("t", &[BOX], S, "", "Time of the sample by the box's count and rate, from the first sample."),
     column("t_kernel", &[BOX], S, "", "Arrival of its datagram by the kernel's clock, from the first."),
     column("t_host", &[BOX], S, "", "Arrival of its datagram by the program's clock, from the first."),
@@ -244,6 +262,7 @@ pub const COLUMNS: &[Described] = &[
     column("lag<k>_<n>", &[FLIGHT, GAIT], &["m/s"], "", "State of presets `paper` and `as_printed`: lag k of the wash at node n."),
     column("<surface>_lag<k>_<n>", &[FLIGHT, GAIT], &["m/s"], "", "The same of another surface."),
     column("<joint>", &[FLIGHT, GAIT], &["rad", "m"], "", "Coordinate of the joint, by its name; of a wing: shoulder and elbow positive raise what lies outboard, in both wings alike."),
+    column("<state>", &[NODES], &[OWN_UNIT], OWN_FRAME, "A state or an input by its name, as in the record of the flight or of the gait; its limits are those of the column. Of a roll-in the attitude is `rotation_<axis>`, the rotation vector from the attitude at its begin. Of a gait the states are those of one wing, then running means of the drive power and the forces of the air, in W, mN and mN m."),
     column("q<n>", &[RIG], RAD, "", "Position of joint n of the arm."),
     column("dq<n>", &[RIG], &["rad/s"], "", "Its rate."),
     column("ddq<n>", &[RIG], &["rad/s2"], "", "Its acceleration."),
@@ -295,9 +314,10 @@ pub const COLUMNS: &[Described] = &[
     column("stall_fraction", &[RUNS], ONE, "", "Share of strips past the stall angle."),
     column("periodicity", &[RUNS], ONE, "", "How far the last cycle is from the one before, as in the summary of `tether`."),
     column("run", &[SWEEP], ONE, "", "Number of the flight, from 0; it flies with the sweep's seed plus this number."),
+    column("status", &[SWEEP, RUNS], ONE, "", "Verdict of the run, as its place in the list ok, not_judged, off_target, outside, suspect_data, not_periodic, not_resolved, not_found, failed, interrupted, from 0."),
     column("held", &[SWEEP], ONE, "", "1 where the flight was flown whole and the errors stayed within `hold`."),
-    column("completed", &[SWEEP], ONE, "", "1 where it was flown whole."),
-    column("clear", &[SWEEP], ONE, "", "1 where no clearance fell below `hold.clearance_m`, or the robot has none."),
+    column("completed", &[SWEEP], ONE, "", "1 where it was flown whole; else nothing else is said of it."),
+    column("clear", &[SWEEP], ONE, "", "1 where it was flown whole and no clearance fell below `hold.clearance_m`, or the robot has none."),
     column("roll_max_error", &[SWEEP], DEG, "", "Largest |roll - reference| from the settling time on."),
     column("pitch_max_error", &[SWEEP], DEG, "", "Largest |pitch - reference| from the settling time on."),
     column("roll_mean", &[SWEEP], DEG, "", "Mean roll from the settling time on, positive right wing down."),

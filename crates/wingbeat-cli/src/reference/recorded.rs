@@ -10,8 +10,8 @@ use wingbeat::scenario::{Evaluated, ProcessedRun, RigRun, Scenario, Sweep, Tethe
 use wingbeat::simulate::{Column, Record};
 
 use super::columns::{
-    AVERAGE, BOX, CALIBRATED, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, MODES, ORBITS, RECORDS, RIG, RUNS,
-    STARTS, STRIPS, SWEEP,
+    AVERAGE, BOX, CALIBRATED, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, MODES, NODES, ORBITS, OWN_FRAME,
+    OWN_UNIT, PER_UNIT, RECORDS, RIG, RUNS, STARTS, STRIPS, SWEEP,
 };
 use super::{root, shipped};
 
@@ -51,7 +51,7 @@ impl Met {
         for column in columns {
             let fitting = |entry: &&(usize, &super::columns::Described)| {
                 let described = entry.1;
-                let general = matches!(described.name, "<joint>" | "<key>");
+                let general = matches!(described.name, "<joint>" | "<key>" | "<state>");
                 let named =
                     if general { alone.contains(&column.name) } else { fits(described.name, &column.name) };
                 described.records.contains(&record) && named
@@ -61,13 +61,16 @@ impl Met {
                 panic!("{}: nothing is said of the column {}", record, column.name);
             };
             let Column { name, unit, frame, .. } = column;
+            let follows = |units: &[&str]| units == [OWN_UNIT] || units == [PER_UNIT];
             assert!(
-                described.units.contains(&unit.as_str()),
+                described.units.contains(&unit.as_str()) || follows(described.units),
                 "{record}: {name} is in {unit:?}, not {}",
                 described.name
             );
             assert!(
-                frame == described.frame || described.name.starts_with("own_"),
+                frame == described.frame
+                    || described.frame == OWN_FRAME
+                    || described.name.starts_with("own_"),
                 "{record}: {name} is in {frame:?}"
             );
             self.0.insert(*index);
@@ -150,12 +153,22 @@ fn columns_of_gaits_are_in_the_reference() {
         "intervals=8",
         "meshes=1",
         "tolerance=1e-1",
+        "clearance_m=-1.0",
     ];
     let brief = brief.map(|key| format!("plan.least_power.{key}"));
     let scenario = Scenario::load(&root().join("scenarios/least_power_gait.toml"), &brief).unwrap();
     let joints: Vec<String> = scenario.robot().joint_names().map(str::to_owned).collect();
     let planned = scenario.plan(&mut |_| ControlFlow::Continue(())).unwrap();
     met.see(GAIT, planned.record.expect("a gait is found").columns(), &joints);
+    let nodes = planned.nodes.expect("a gait is found").points;
+    let names: Vec<String> = nodes.columns().iter().map(|column| column.name.clone()).collect();
+    let multiplier = |name: &&String| {
+        ["t", "interval"].contains(&name.as_str())
+            || ["defect_", "limit_", "path_"].iter().any(|kind| name.starts_with(kind))
+    };
+    let states: Vec<String> = names.iter().filter(|name| !multiplier(name)).cloned().collect();
+    met.see(NODES, nodes.columns(), &states);
+    met.all_of(NODES);
     met.all_of(GAIT);
 }
 

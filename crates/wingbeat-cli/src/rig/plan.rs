@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use wingbeat::parallel;
 use wingbeat::rig::Trajectory;
-use wingbeat::rig::plan::Plan;
+use wingbeat::rig::plan::{LARGEST_POSITION, Plan};
 use wingbeat::scenario::RigRun;
 use wingbeat_io::trajectory::{kinova_json, kortex_csv, ros_yaml};
 
@@ -18,9 +18,6 @@ use crate::say;
 
 /// Points between the poses of the Web App's list.
 const POSE_EVERY: usize = 50;
-/// Largest angle of a present pose, deg: ten thousand turns, beyond which a joint without end is not known to a
-/// thousandth of a degree.
-const LARGEST_DEG: f64 = 3.6e6;
 
 /// Plans every run and writes its trajectory in the arm's formats.
 pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
@@ -68,9 +65,10 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
 
 /// The present pose in rad.
 fn present(from_deg: &[f64]) -> Result<Vec<f64>, Error> {
-    match from_deg.iter().find(|deg| deg.is_nan() || deg.abs() > LARGEST_DEG) {
+    let largest = LARGEST_POSITION.to_degrees();
+    match from_deg.iter().find(|deg| deg.is_nan() || deg.abs() > largest) {
         Some(deg) => {
-            Err(Error::Input(format!("--from-deg {deg}: allowed are angles of at most {LARGEST_DEG} deg")))
+            Err(Error::Input(format!("--from-deg {deg}: allowed are angles of at most {largest:.0} deg")))
         }
         None => Ok(from_deg.iter().map(|deg| deg.to_radians()).collect()),
     }

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Deserialize, Serialize};
+use wingbeat::judge::Verdict;
 use wingbeat::parallel;
-use wingbeat::scenario::{LatticeSummary, RigRun};
-use wingbeat::simulate::Record;
+use wingbeat::scenario::{RigRun, SimulatedSummary};
 use wingbeat_io::write_parquet;
 
 use super::runs;
@@ -15,34 +15,24 @@ use crate::args::RigRuns;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
+use crate::outcome::overridden;
 use crate::run_folder::{RunFolder, named_after};
 use crate::say;
 
-/// What is said of a simulated run.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct Summary {
-    /// `ok`, `refused` or `fault`.
-    pub status: String,
-    /// Why, when not `ok`.
-    pub reason: Option<String>,
-    /// Flapping frequency, Hz.
-    pub frequency_hz: f64,
+/// `summary.json`.
+#[derive(Debug, Serialize)]
+struct Summary {
+    #[serde(flatten)]
+    told: SimulatedSummary,
+    /// Wall time, s.
+    wall_s: f64,
+}
+
+/// What of it processing reads.
+#[derive(Debug, Deserialize)]
+pub struct Measured {
     /// Begin and end of what is averaged, s.
     pub window_s: (f64, f64),
-    /// Samples.
-    pub samples: usize,
-    /// Samples with a saturated channel.
-    pub saturated: usize,
-    /// Share of strips and samples after the rest that are past their stall angle.
-    pub stall_fraction: f64,
-    /// How motion and vortex lattice were brought together, where one takes the place of the preset's attached flow.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lattice: Option<LatticeSummary>,
-    /// Cautions that a reader must know.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub warnings: Vec<String>,
-    /// Wall time, s.
-    pub wall_s: f64,
 }
 
 /// Plans and simulates every run into its own folder.
@@ -62,42 +52,44 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
         bar.finish_and_clear();
         summary
     });
-    let (mut failed, mut refused, mut told) = (Vec::new(), 0, String::new());
-    for (run, summary) in runs.iter().zip(summaries) {
-        let summary = summary?;
-        let name = &run.spec.name;
-        folder.write_json(&format!("{name}/summary.json"), &summary)?;
-        let saturated = summary.saturated;
-        told += &format!(
-            "{name:20} {:8} {:6} samples of the simulated load cell, {saturated} saturated, {:.1} s\n",
-            summary.status, summary.samples, summary.wall_s
-        );
-        if let Some(lattice) = &summary.lattice {
-            told += &format!(
-                "{:20} in the lattice, attached flow assumed: {:.1} % of the strips past stall, {:.2} states tried a step\n",
-                "",
-                100.0 * summary.stall_fraction,
-                lattice.iterations_mean
-            );
-        }
-        told.extend(summary.warnings.iter().map(|warning| format!("note: {name}: {warning}\n")));
-        refused += usize::from(summary.status == "refused");
-        if let Some(reason) = summary.reason {
-            failed.push(format!("{name}: {reason}"));
-        }
+    let summaries = runs.iter().zip(summaries).map(|(run, summary)| Ok((run.spec.name.as_str(), summary?)));
+    let summaries = summaries.collect::<Result<Vec<_>, Error>>()?;
+    for (name, summary) in &summaries {
+        folder.write_json(&format!("{name}/summary.json"), summary)?;
     }
+    let verdict = Verdict::together(summaries.iter().map(|(name, summary)| (*name, &summary.told.verdict)));
+    let reason = verdict.reason.as_deref().unwrap_or_default();
     // Where no run can be planned there is nothing to keep.
-    if refused == runs.len() {
-        return Err(Error::Input(failed.join("\n")));
+    if summaries.iter().all(|(_, summary)| summary.told.ending == "refused") {
+        return Err(Error::Input(reason.replace("; ", "\n")));
     }
     interrupt.check()?;
     let path = folder
         .finish(&Manifest::new(runs.first().and_then(|run| run.spec.seed).unwrap_or(0), start.elapsed()))?;
+    let told: String = summaries.iter().map(|(name, summary)| text(name, summary)).collect();
     let printed = say::unless(options.quiet, || format!("{told}runs: {}\n", path.display()));
-    match failed.is_empty() {
-        true => printed,
-        false => Err(Error::Failed { status: "failed".into(), reason: failed.join("\n"), folder: path }),
+    Error::unless_usable(verdict.status, Some(reason), &path)?;
+    printed
+}
+
+/// What is printed of a run.
+fn text(name: &str, Summary { told, wall_s }: &Summary) -> String {
+    let SimulatedSummary { verdict, samples, saturated, .. } = told;
+    let mut text = format!(
+        "{name:20} {:8} {samples:6} samples of the simulated load cell, {saturated} saturated, {wall_s:.1} s\n",
+        verdict.status
+    );
+    if let (Some(lattice), Some(stalled)) = (&told.lattice, told.stall_fraction) {
+        text += &format!(
+            "{:20} in the lattice, attached flow assumed: {:.1} % of the strips past stall, {:.2} states tried a step\n",
+            "",
+            100.0 * stalled,
+            lattice.iterations_mean
+        );
     }
+    text += overridden(&verdict.judged).trim_start_matches('\n');
+    text.extend(verdict.warnings.iter().map(|warning| format!("{name}: {warning}\n")));
+    text
 }
 
 fn bar(name: &str) -> ProgressBar {
@@ -119,16 +111,5 @@ fn one(run: &RigRun, folder: &Path, seed: u64, bar: &ProgressBar) -> Result<Summ
     if let Some(record) = &simulated.record {
         write_parquet(&folder.join("record.parquet"), record)?;
     }
-    Ok(Summary {
-        status: simulated.status.into(),
-        reason: simulated.reason,
-        frequency_hz: run.frequency(),
-        window_s: simulated.window_s,
-        samples: simulated.record.as_ref().map_or(0, Record::rows),
-        saturated: simulated.saturated,
-        stall_fraction: simulated.stall_fraction,
-        lattice: simulated.lattice,
-        warnings: simulated.warnings,
-        wall_s: start.elapsed().as_secs_f64(),
-    })
+    Ok(Summary { told: simulated.summary(run), wall_s: start.elapsed().as_secs_f64() })
 }

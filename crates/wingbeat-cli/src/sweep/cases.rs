@@ -1,7 +1,7 @@
 //! Runs of a tethered wing in a sweep: what they say together.
 
 use serde::Serialize;
-use wingbeat::scenario::{Sampling, Sweep, SweepOf};
+use wingbeat::scenario::{Sampling, Sweep, SweepCounts, SweepOf};
 use wingbeat::simulate::Record;
 use wingbeat_figures::Figure;
 
@@ -17,50 +17,59 @@ pub fn drawn(record: &Record, sweep: &Sweep) -> Result<Figure, wingbeat_figures:
 /// `summary.json` of a sweep of a case.
 #[derive(Debug, Serialize)]
 pub struct Outcome {
-    /// `ok`, or `incomplete` where a run failed.
-    status: &'static str,
     runs: usize,
-    completed: usize,
     measures: Vec<Range>,
 }
 
-/// Least and most of a measure over the runs, and where.
+/// Least and most of a measure over the completed runs whose own verdict lets them be used, and where.
 #[derive(Debug, Serialize)]
 struct Range {
     name: &'static str,
     unit: &'static str,
-    least: f64,
-    least_run: f64,
-    most: f64,
-    most_run: f64,
+    counted: usize,
+    least: Option<f64>,
+    least_run: Option<f64>,
+    most: Option<f64>,
+    most_run: Option<f64>,
 }
 
 impl Outcome {
     pub fn new(record: &Record) -> Self {
         let values = |name: &str| record.values(name).unwrap_or_default();
-        let completed = values("completed").iter().filter(|done| **done == 1.0).count();
+        let usable = SweepCounts::usable_rows(record);
         let range = |(name, unit): (&'static str, &'static str)| {
-            let there = || values(name).iter().zip(values("run")).filter(|(value, _)| value.is_finite());
-            let least = there().min_by(|a, b| a.0.total_cmp(b.0)).unwrap_or((&f64::NAN, &f64::NAN));
-            let most = there().max_by(|a, b| a.0.total_cmp(b.0)).unwrap_or((&f64::NAN, &f64::NAN));
-            Range { name, unit, least: *least.0, least_run: *least.1, most: *most.0, most_run: *most.1 }
+            let of: Vec<(f64, f64)> = usable
+                .iter()
+                .filter_map(|row| Some((*values(name).get(*row)?, *values("run").get(*row)?)))
+                .filter(|(value, _)| value.is_finite())
+                .collect();
+            let least = of.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            let most = of.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+            Range {
+                name,
+                unit,
+                counted: of.len(),
+                least: least.map(|least| least.0),
+                least_run: least.map(|least| least.1),
+                most: most.map(|most| most.0),
+                most_run: most.map(|most| most.1),
+            }
         };
-        Self {
-            status: if completed == record.rows() { "ok" } else { "incomplete" },
-            runs: record.rows(),
-            completed,
-            measures: SweepOf::Cases.measures()[1..].iter().copied().map(range).collect(),
-        }
+        // How a run ended is no measure.
+        let measures = SweepOf::Cases.measures()[2..].iter().copied().map(range).collect();
+        Self { runs: record.rows(), measures }
     }
 
     pub fn table(&self) -> String {
-        let mut text = format!(
-            "{} of {} runs completed\n\n{:<24}{:>12}{:>7}{:>12}{:>7}\n",
-            self.completed, self.runs, "", "least", "run", "most", "run"
-        );
-        for Range { name, unit, least, least_run, most, most_run } in &self.measures {
-            text +=
-                format!("{name:<24}{least:>12.5}{least_run:>7}{most:>12.5}{most_run:>7}  {unit}").trim_end();
+        let mut text =
+            format!("{:<24}{:>6}{:>12}{:>7}{:>12}{:>7}\n", "", "runs", "least", "run", "most", "run");
+        let cell = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.5}"));
+        let number = |run: Option<f64>| run.map_or("-".into(), |run| run.to_string());
+        for Range { name, unit, counted, least, least_run, most, most_run } in &self.measures {
+            let (least, most) = (cell(*least), cell(*most));
+            let (first, second) = (number(*least_run), number(*most_run));
+            text += format!("{name:<24}{counted:>6}{least:>12}{first:>7}{most:>12}{second:>7}  {unit}")
+                .trim_end();
             text.push('\n');
         }
         text

@@ -14,14 +14,14 @@ pub struct Group {
     held: usize,
     completed: usize,
     /// 5, 50 and 95 % of the distance along x, m, of the flights that were flown to the end.
-    distance_x_m: [f64; 3],
+    distance_x_m: [Option<f64>; 3],
     /// The same along y, m; left is positive.
-    distance_y_m: [f64; 3],
+    distance_y_m: [Option<f64>; 3],
     /// The same of the climb, m.
-    altitude_change_m: [f64; 3],
+    altitude_change_m: [Option<f64>; 3],
     /// The same of the distance from the published end point, m.
     #[serde(skip_serializing_if = "Option::is_none")]
-    from_paper_m: Option<[f64; 3]>,
+    from_paper_m: Option<[Option<f64>; 3]>,
 }
 
 /// Rows of the record by the words drawn for them, in the order of their names.
@@ -72,16 +72,19 @@ pub fn table(record: &Record, sweep: &Sweep) -> Vec<Group> {
 }
 
 /// 5, 50 and 95 % of values, by their order.
-fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
-    let mut sorted: Vec<f64> = values.collect();
+fn spread(values: impl Iterator<Item = f64>) -> [Option<f64>; 3] {
+    let mut sorted: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     let at = |share: f64| sorted.get(((sorted.len() as f64 * share).ceil() as usize).max(1) - 1);
-    [0.05, 0.5, 0.95].map(|share| at(share).copied().unwrap_or(f64::NAN))
+    [0.05, 0.5, 0.95].map(|share| at(share).copied())
 }
 
 /// The table in words.
 pub fn text(groups: &[Group]) -> String {
-    let cell = |[low, middle, high]: [f64; 3]| format!("{middle:.2} ({low:.2} to {high:.2})");
+    let cell = |of: [Option<f64>; 3]| match of {
+        [Some(low), Some(middle), Some(high)] => format!("{middle:.2} ({low:.2} to {high:.2})"),
+        _ => "-".into(),
+    };
     let mut text = format!(
         "{:<22}{:>8}{:>10}{:>6}  {:<27}{:<27}{:<27}{}\n",
         "end point",
@@ -121,7 +124,7 @@ mod tests {
 
     #[test]
     fn a_spread_is_of_values_of_the_list() {
-        assert_eq!(spread((1..=100).map(f64::from)), [5.0, 50.0, 95.0]);
-        assert!(spread(std::iter::empty()).iter().all(|v| v.is_nan()));
+        assert_eq!(spread((1..=100).map(f64::from)), [5.0, 50.0, 95.0].map(Some));
+        assert_eq!(spread([f64::NAN].into_iter()), [None; 3]);
     }
 }

@@ -1,5 +1,7 @@
 //! Flights of a sweep: what they say together.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use wingbeat::scenario::Hold;
 use wingbeat::simulate::Record;
@@ -15,28 +17,31 @@ pub fn drawn(record: &Record, hold: Hold) -> Result<Figure, wingbeat_figures::Er
 /// `summary.json` of a sweep of flights.
 #[derive(Debug, Serialize)]
 pub struct Outcome {
-    status: &'static str,
     flights: usize,
     held: usize,
     share_held: f64,
     /// Share held with 95 % confidence: Wilson 1927.
     share_held_low: f64,
     share_held_high: f64,
-    roll_max_error_deg: [f64; 3],
-    pitch_max_error_deg: [f64; 3],
+    /// Median, 90th percentile and largest, as all of three, over the completed flights that have the number: `counted` says how
+    /// many.
+    roll_max_error_deg: Quantiles,
+    pitch_max_error_deg: Quantiles,
     roll_within_deg: f64,
     pitch_within_deg: f64,
-    /// Flights in which no clearance fell below `clearance_m`.
+    /// Completed flights in which no clearance fell below `clearance_m`.
     clear: usize,
     clearance_m: f64,
     /// Median, 10th percentile and least of the least clearances, m.
-    least_clearance_m: [f64; 3],
+    least_clearance_m: Quantiles,
     /// Under `[controller.orbit]`.
-    height_max_error_m: [f64; 3],
+    height_max_error_m: Quantiles,
     height_within_m: Option<f64>,
     /// Along a path.
-    cross_rms_m: [f64; 3],
+    cross_rms_m: Quantiles,
     cross_rms_within_m: Option<f64>,
+    /// Flights behind each of these, by the name of the column.
+    counted: BTreeMap<&'static str, usize>,
     /// Where they end, by what words were drawn for them.
     end_points: Vec<Group>,
 }
@@ -44,28 +49,42 @@ pub struct Outcome {
 impl Outcome {
     pub fn new(record: &Record, hold: Hold, end_points: Vec<Group>) -> Self {
         let values = |name: &str| record.values(name).unwrap_or_default();
-        let held = values("held").iter().filter(|held| **held == 1.0).count();
-        let flights = record.rows();
+        let count = |name: &str| values(name).iter().filter(|value| **value == 1.0).count();
+        let of = |name: &str| {
+            let rows = values(name).iter().zip(values("completed"));
+            rows.filter(|(value, done)| **done == 1.0 && value.is_finite()).map(|(value, _)| *value).collect()
+        };
+        let (held, flights) = (count("held"), record.rows());
         let (low, high) = wilson(held, flights);
+        let mut counted = BTreeMap::new();
+        let mut quantiles = |name: &'static str| {
+            let values: Vec<f64> = of(name);
+            counted.insert(name, values.len());
+            quantiles(values)
+        };
+        let (roll, pitch) = (quantiles("roll_max_error"), quantiles("pitch_max_error"));
+        let (height, cross) = (quantiles("height_max_error"), quantiles("cross_rms"));
+        let clearances: Vec<f64> = of("least_clearance");
+        counted.insert("least_clearance", clearances.len());
         Self {
-            status: "ok",
             flights,
             held,
             share_held: held as f64 / flights as f64,
             share_held_low: low,
             share_held_high: high,
-            roll_max_error_deg: quantiles(values("roll_max_error")),
-            pitch_max_error_deg: quantiles(values("pitch_max_error")),
+            roll_max_error_deg: roll,
+            pitch_max_error_deg: pitch,
             roll_within_deg: hold.roll_within_deg,
             pitch_within_deg: hold.pitch_within_deg,
-            clear: values("clear").iter().filter(|clear| **clear == 1.0).count(),
+            clear: count("clear"),
             clearance_m: hold.clearance_m,
-            least_clearance_m: quantiles(&values("least_clearance").iter().map(|c| -c).collect::<Vec<_>>())
-                .map(|c| -c),
-            height_max_error_m: quantiles(values("height_max_error")),
+            least_clearance_m: self::quantiles(clearances.iter().map(|c| -c).collect())
+                .map(|c| c.map(|c| -c)),
+            height_max_error_m: height,
             height_within_m: hold.height_within_m,
-            cross_rms_m: quantiles(values("cross_rms")),
+            cross_rms_m: cross,
             cross_rms_within_m: hold.cross_rms_within_m,
+            counted,
             end_points,
         }
     }
@@ -73,48 +92,57 @@ impl Outcome {
     pub fn table(&self) -> String {
         let percent = |share: f64| 100.0 * share;
         let mut text = format!(
-            "held {} of {} flights: {:.1} % (95 % confidence {:.1} to {:.1} %)\n\n{:<24}{:>9}{:>9}{:>9}{:>9}\n",
+            "held {} of {} flights: {:.1} % (95 % confidence {:.1} to {:.1} %)\n\n{:<24}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
             self.held,
             self.flights,
             percent(self.share_held),
             percent(self.share_held_low),
             percent(self.share_held_high),
             "",
+            "flights",
             "median",
             "90 %",
             "worst",
             "limit",
         );
-        for (name, [median, most, worst], limit) in [
-            ("roll, largest error", self.roll_max_error_deg, self.roll_within_deg),
-            ("pitch, largest error", self.pitch_max_error_deg, self.pitch_within_deg),
-        ] {
-            text += &format!("{name:<24}{median:>9.2}{most:>9.2}{worst:>9.2}{limit:>9.2} deg\n");
+        let mut row = |name: &str, column: &str, of: Quantiles, limit: f64, unit: &str, digits: usize| {
+            let cell = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.digits$}"));
+            let [median, most, worst] = of.map(cell);
+            let (counted, limit) = (self.counted.get(column).copied().unwrap_or(0), cell(Some(limit)));
+            text += &format!("{name:<24}{counted:>9}{median:>9}{most:>9}{worst:>9}{limit:>9} {unit}\n");
+        };
+        row("roll, largest error", "roll_max_error", self.roll_max_error_deg, self.roll_within_deg, "deg", 2);
+        row(
+            "pitch, largest error",
+            "pitch_max_error",
+            self.pitch_max_error_deg,
+            self.pitch_within_deg,
+            "deg",
+            2,
+        );
+        if let Some(within) = self.height_within_m {
+            row("height, largest error", "height_max_error", self.height_max_error_m, within, "m", 4);
         }
-        for (name, [median, most, worst], within) in [
-            ("height, largest error", self.height_max_error_m, self.height_within_m),
-            ("across the path, rms", self.cross_rms_m, self.cross_rms_within_m),
-        ] {
-            if let Some(within) = within {
-                text += &format!("{name:<24}{median:>9.4}{most:>9.4}{worst:>9.4}{within:>9.4} m\n");
-            }
+        if let Some(within) = self.cross_rms_within_m {
+            row("across the path, rms", "cross_rms", self.cross_rms_m, within, "m", 4);
         }
-        let [median, most, worst] = self.least_clearance_m;
-        if median.is_finite() {
-            let (name, limit) = ("least clearance", self.clearance_m);
-            text += &format!("{name:<24}{median:>9.4}{most:>9.4}{worst:>9.4}{limit:>9.4} m\n");
-            text += &format!("clear {} of {} flights\n", self.clear, self.flights);
+        let clearances = self.counted.get("least_clearance").copied().unwrap_or(0);
+        if clearances > 0 {
+            row("least clearance", "least_clearance", self.least_clearance_m, self.clearance_m, "m", 4);
+            text += &format!("clear {} of the {clearances} flights completed\n", self.clear);
         }
         text + "\n" + &end_points::text(&self.end_points)
     }
 }
 
+/// Three quantiles; none of no values.
+type Quantiles = [Option<f64>; 3];
+
 /// Median, 90th percentile and largest.
-fn quantiles(values: &[f64]) -> [f64; 3] {
-    let mut sorted = values.to_vec();
+fn quantiles(mut sorted: Vec<f64>) -> Quantiles {
     sorted.sort_by(f64::total_cmp);
     let at = |share: f64| sorted.get(((sorted.len() as f64 * share).ceil() as usize).max(1) - 1);
-    [0.5, 0.9, 1.0].map(|share| at(share).copied().unwrap_or(f64::NAN))
+    [0.5, 0.9, 1.0].map(|share| at(share).copied())
 }
 
 /// Interval of a share with 95 % confidence.
@@ -141,6 +169,7 @@ mod tests {
     #[test]
     fn quantiles_are_values_of_the_list() {
         let values: Vec<f64> = (1..=10).map(f64::from).collect();
-        assert_eq!(quantiles(&values), [5.0, 9.0, 10.0]);
+        assert_eq!(quantiles(values), [5.0, 9.0, 10.0].map(Some));
+        assert_eq!(quantiles(Vec::new()), [None; 3]);
     }
 }

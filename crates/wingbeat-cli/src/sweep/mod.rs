@@ -5,12 +5,15 @@ mod end_points;
 mod flights;
 pub mod log;
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 use indicatif::ProgressBar;
+use serde::Serialize;
+use wingbeat::judge::Verdict;
 use wingbeat::parallel;
-use wingbeat::scenario::{Sweep, SweepOf, SweepRows};
+use wingbeat::scenario::{Sweep, SweepCounts, SweepOf, SweepRows};
 use wingbeat::simulate::Record;
 use wingbeat_io::{write_csv, write_parquet};
 
@@ -18,6 +21,7 @@ use crate::args;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
+use crate::outcome::overridden;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
@@ -43,11 +47,14 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     log.remove()?;
     write_csv(&folder.file(&format!("{}.csv", noun(&sweep))), &record)?;
     write_parquet(&folder.file("record.parquet"), &record)?;
-    let said = summary(&folder, &sweep, &record)? + &stepped.told();
+    let (verdict, said) = summary(&folder, &sweep, &record)?;
+    let said = said + &stepped.told();
     draw(&folder, &sweep, &record)?;
     let path = folder.finish(&Manifest::new(sweep.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
-    say::unless(options.quiet, || format!("{said}\nrun folder: {}\n", shown.display()))
+    let printed = say::unless(options.quiet, || format!("{said}\nrun folder: {}\n", shown.display()));
+    Error::unless_usable(verdict.status, verdict.reason.as_deref(), shown)?;
+    printed
 }
 
 /// What the runs are called.
@@ -128,18 +135,57 @@ fn progress(noun: &str, runs: usize, done: usize, quiet: bool) -> ProgressBar {
     progress::bar(Some(runs as u64), &template, quiet).with_position(done as u64)
 }
 
-/// Writes summary.json; what it says in words.
-fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<String, Error> {
-    match sweep.of {
+/// Writes summary.json; the verdict, and what it says in words.
+fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(Verdict, String), Error> {
+    let (verdict, counts) = (sweep.verdict(record), SweepCounts::new(record));
+    let shared = Shared {
+        verdict: &verdict,
+        ending: if counts.completed == counts.runs { "complete" } else { "incomplete" },
+        completed: counts.completed,
+        usable: counts.usable,
+        statuses: &counts.statuses,
+    };
+    let table = match sweep.of {
         SweepOf::Flights(hold) => {
-            let outcome = flights::Outcome::new(record, hold, end_points::table(record, sweep));
-            folder.write_json("summary.json", &outcome).map(|()| outcome.table())
+            let own = flights::Outcome::new(record, hold, end_points::table(record, sweep));
+            folder.write_json("summary.json", &Told { shared, own: &own })?;
+            own.table()
         }
         SweepOf::Cases => {
-            let outcome = cases::Outcome::new(record);
-            folder.write_json("summary.json", &outcome).map(|()| outcome.table())
+            let own = cases::Outcome::new(record);
+            folder.write_json("summary.json", &Told { shared, own: &own })?;
+            own.table()
         }
-    }
+    };
+    let noun = noun(sweep);
+    let mut text = format!("{} of {} {noun} completed: {}\n", counts.completed, counts.runs, counts.words());
+    text += &format!("status: {}\n\n{table}", verdict.status);
+    text += &overridden(&verdict.judged);
+    text.extend(verdict.warnings.iter().map(|warning| format!("\n{warning}\n")));
+    Ok((verdict, text))
+}
+
+/// What is said of sweeps of either kind.
+#[derive(Serialize)]
+struct Shared<'a> {
+    #[serde(flatten)]
+    verdict: &'a Verdict,
+    /// `complete`, or `incomplete` where a run broke down.
+    ending: &'static str,
+    completed: usize,
+    /// Completed runs whose own verdict lets them be used.
+    usable: usize,
+    /// Runs by the status of their own verdict.
+    statuses: &'a BTreeMap<&'static str, usize>,
+}
+
+/// `summary.json`.
+#[derive(Serialize)]
+struct Told<'a, T: Serialize> {
+    #[serde(flatten)]
+    shared: Shared<'a>,
+    #[serde(flatten)]
+    own: &'a T,
 }
 
 fn draw(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(), Error> {

@@ -101,7 +101,7 @@ struct Summary<'a> {
 
 impl Found {
     fn write(&self, folder: &RunFolder) -> Result<(), Error> {
-        folder.write("means.csv", &means(&self.run.means))?;
+        folder.write("means.csv", &means(&self.summary.cycle))?;
         let compare = self.comparison.as_ref().map(|comparison| comparison.channels.as_slice());
         let summary = Summary { own: &self.summary, converge: self.convergence.as_ref(), compare };
         folder.write_json("summary.json", &summary)?;
@@ -119,7 +119,11 @@ impl Found {
     /// Draws what can be drawn; what cannot is said and left out.
     fn draw(&self, folder: &RunFolder) -> Result<(), Error> {
         let figures = folder.folder("figures")?;
-        let mut drawn = vec![cycle_loads(&self.run.loads), span_loading(&self.run.strips)];
+        let mut drawn = Vec::new();
+        // Of a run that broke down there is no last cycle.
+        if self.run.ending == Ending::Complete {
+            drawn.extend([cycle_loads(&self.run.loads), span_loading(&self.run.strips)]);
+        }
         drawn.extend(self.convergence.as_ref().map(|table| Ok(convergence(table))));
         drawn.extend(self.comparison.as_ref().map(comparison));
         for drawn in drawn {
@@ -172,6 +176,9 @@ fn is_printed(name: &str) -> bool {
 fn table(summary: &TetherSummary) -> String {
     let TetherSummary { name, preset, lift_law, .. } = summary;
     let mut text = format!("{name}: preset {preset}, law {lift_law}; last cycle, from rest\n\n");
+    if let Some(reason) = summary.verdict.reason.as_ref().filter(|_| summary.cycle.is_empty()) {
+        text += &format!("{}: no means: {reason}\n", summary.verdict.status);
+    }
     text += &format!("{:<22}{:>11}{:>11}{:>11}\n", "", "mean", "least", "most");
     for row in summary.cycle.iter().filter(|row| is_printed(&row.name)) {
         let CycleMean { name, unit, mean, low, high, .. } = row;

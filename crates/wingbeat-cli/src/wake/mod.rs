@@ -5,6 +5,7 @@ mod draw;
 use std::path::Path;
 use std::time::Instant;
 
+use wingbeat::judge::{Limits, Verdict};
 use wingbeat::scenario::{Scenario, TetherCase};
 use wingbeat_io::{read_parquet_columns, shortest, write_parquet};
 use wingbeat_lattice::RecordError;
@@ -14,6 +15,7 @@ use crate::args::Wake;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
+use crate::outcome::overridden;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
@@ -38,7 +40,7 @@ pub fn wake(arguments: &Wake) -> Result<(), Error> {
     for course in &courses {
         watches.push(step(course, &asked, &interrupt, options.quiet)?);
     }
-    let summary = WakeSummary::new(source.name(), &asked, &watches);
+    let summary = WakeSummary::new(source.name(), &asked, &watches, source.limits());
     source.keep(&folder)?;
     folder.write_json("summary.json", &summary)?;
     for watch in &watches {
@@ -52,12 +54,13 @@ pub fn wake(arguments: &Wake) -> Result<(), Error> {
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
-    match watches.iter().find_map(|watch| watch.failed.clone()) {
-        Some(reason) => Err(Error::Failed { status: summary.status, reason, folder: shown.into() }),
-        None => {
-            say::unless(options.quiet, || format!("{}\nrun folder: {}\n", summary.table(), shown.display()))
-        }
-    }
+    let printed = say::unless(options.quiet, || {
+        let limits = overridden(&summary.verdict.judged);
+        format!("{}{limits}\nrun folder: {}\n", summary.table(), shown.display())
+    });
+    let Verdict { status, reason, .. } = &summary.verdict;
+    Error::unless_usable(*status, reason.as_deref(), shown)?;
+    printed
 }
 
 impl Source {
@@ -101,6 +104,14 @@ impl Source {
         match self {
             Self::Case(case, _) => &case.spec.name,
             Self::Flight(run) => &run.scenario().spec.name,
+        }
+    }
+
+    /// Limits of the document that the motion came from.
+    fn limits(&self) -> &Limits {
+        match self {
+            Self::Case(case, _) => &case.limits,
+            Self::Flight(run) => run.scenario().limits(),
         }
     }
 

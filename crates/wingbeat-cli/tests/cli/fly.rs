@@ -149,3 +149,57 @@ fn an_interrupted_flight_leaves_nothing() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(entries(&folder).is_empty());
 }
+
+/// The numbers of summary.json, wherever they stand, by their way.
+fn numbers(value: &serde_json::Value, way: String, out: &mut Vec<(String, f64)>) {
+    match value {
+        serde_json::Value::Object(all) => all.iter().for_each(|(k, v)| numbers(v, format!("{way}/{k}"), out)),
+        serde_json::Value::Array(all) => all.iter().for_each(|v| numbers(v, format!("{way}/"), out)),
+        other => out.extend(other.as_f64().map(|number| (way, number))),
+    }
+}
+
+#[test]
+fn a_flight_whose_numbers_grow_without_bound_says_nothing_of_them() {
+    let folder = scratch("fly-grew");
+    let scenario = root().join("scenarios/banking_turn.toml");
+    // A structure four hundred times as quick is beyond what the steps can follow.
+    let coarse = ["mismatch.regulator_bandwidth=400", "flight.record_every_s=1e-4", "flight.duration_s=0.05"];
+    let mut arguments = vec!["fly", scenario.to_str().unwrap(), "--out", "a"];
+    arguments.extend(coarse.iter().flat_map(|key| ["--set", key]));
+    let output = wingbeat(&folder, &arguments);
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("a/summary.json")).unwrap()).unwrap();
+    assert_eq!(summary["status"], "failed", "{summary}");
+    for key in ["drive_power_w", "regulator_power_given_w", "roll_mean_deg", "mean_speed_m_s", "step_error_m"]
+    {
+        assert!(summary[key].is_null(), "{key}: {summary}");
+    }
+    let warned = summary["warnings"].as_array().unwrap();
+    assert!(warned.iter().any(|warning| warning["id"] == "flight.left_out"), "{warned:?}");
+    let mut all = Vec::new();
+    numbers(&summary, String::new(), &mut all);
+    let huge = all.iter().find(|(way, number)| !way.starts_with("/controller") && number.abs() > 1e4);
+    assert!(huge.is_none(), "{huge:?}");
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(!table.contains("NaN") && !table.split_whitespace().any(|word| word.len() > 40), "{table}");
+}
+
+#[test]
+fn numbers_of_a_rejected_fit_are_said_wherever_they_are_given() {
+    let folder = scratch("fly-fit");
+    let rejected = "{verdict = {status = \"suspect_data\", reason = \"a dead channel\"}}";
+    for (out, key) in [("a", "robot.numbers"), ("b", "mismatch.numbers")] {
+        let set = format!("{key}={rejected}");
+        let output = glide(&folder, &["--set", &set, "--out", out]);
+        assert!(output.status.success(), "{output:?}");
+        let summary: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap())
+                .unwrap();
+        let warned = summary["warnings"].as_array().unwrap();
+        let of_fit: Vec<_> = warned.iter().filter(|warning| warning["id"] == "fit.rejected").collect();
+        assert!(of_fit.len() == 1 && of_fit[0]["key"] == key, "{warned:?}");
+        assert!(of_fit[0]["text"].as_str().unwrap().contains("a dead channel"), "{warned:?}");
+    }
+}

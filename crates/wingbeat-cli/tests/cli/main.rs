@@ -9,6 +9,7 @@ mod record;
 mod rig_beside;
 mod rig_plan;
 mod rig_process;
+mod rig_simulate;
 mod sweep;
 mod tether;
 #[cfg(unix)]

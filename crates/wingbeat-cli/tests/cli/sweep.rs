@@ -86,6 +86,87 @@ fn goes_on(name: &str, count: usize, lanes: bool) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
+/// A sweep of glides, of which those with a huge drag break down.
+fn glides(folder: &Path, drags: &str, more: &str) {
+    let scenario = root().join("scenarios/glide.toml");
+    let text = format!(
+        "name = \"small\"\nscenario = {scenario:?}\nsampling = \"grid\"\n\
+         [hold]\nroll_within_deg = 5.0\npitch_within_deg = 90.0\n\
+         [[draws]]\nkey = \"robot.body.drag_area_m2[2]\"\nvalues = {drags}\n\
+         [[draws]]\nkey = \"flight.duration_s\"\nlow = 0.1\nhigh = 0.12\npoints = 3\n{more}"
+    );
+    fs::write(folder.join("small.toml"), text).unwrap();
+}
+
+fn summary(folder: &Path, out: &str) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn flights_that_broke_down_are_counted_and_in_no_number() {
+    let folder = scratch("sweep-broken");
+    glides(&folder, "[0.002, 0.003, 1e6]", "");
+    let output = sweep(&folder, "a");
+    assert!(output.status.success(), "{output:?}");
+    let found = summary(&folder, "a");
+    assert_eq!((&found["status"], &found["ending"]), (&"ok".into(), &"incomplete".into()));
+    assert_eq!((&found["flights"], &found["completed"], &found["held"]), (&9.into(), &6.into(), &6.into()));
+    assert_eq!(found["statuses"], serde_json::json!({ "ok": 6, "failed": 3 }));
+    assert_eq!((&found["counted"]["pitch_max_error"], &found["clear"]), (&6.into(), &6.into()));
+    assert_eq!(found["end_points"][0]["completed"], 6);
+    assert_eq!(found["warnings"][0]["id"], "sweep.failed_fraction");
+    let most = found["pitch_max_error_deg"][2].as_f64().unwrap();
+    assert!(most > 5.0 && most < 7.0, "{most}");
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(told.contains("6 of 9 flights completed: 6 ok, 3 failed") && !told.contains("NaN"), "{told}");
+    // What broke down has no numbers in the rows either.
+    let rows = flights(&folder, "a");
+    let broken: Vec<&str> = rows.lines().filter(|row| row.split(',').nth(5) == Some("8")).collect();
+    assert!(broken.len() == 3 && broken.iter().all(|row| row.matches("NaN").count() == 11), "{rows}");
+}
+
+#[test]
+fn a_sweep_is_judged_by_its_limits() {
+    let folder = scratch("sweep-judged");
+    for (out, drags, limit, status) in [
+        ("a", "[0.002, 1e6, 9e5]", "", "not_resolved"),
+        ("b", "[1e6, 9e5]", "", "failed"),
+        ("c", "[0.002, 0.003]", "[limits]\nsweep.held_fraction = 1.0\n", "ok"),
+        ("d", "[0.002, 1e6]", "[limits]\nsweep.held_fraction = 0.9\n", "off_target"),
+    ] {
+        glides(&folder, drags, limit);
+        let output = sweep(&folder, out);
+        assert_eq!(output.status.code(), Some(if status == "ok" { 0 } else { 3 }), "{out}: {output:?}");
+        assert_eq!(summary(&folder, out)["status"], status, "{out}");
+        assert!(!String::from_utf8(output.stdout).unwrap().contains("NaN"), "{out}");
+    }
+    let of = summary(&folder, "b");
+    assert!(
+        of["pitch_max_error_deg"][0].is_null() && of["end_points"][0]["distance_x_m"][1].is_null(),
+        "{of}"
+    );
+    glides(&folder, "[0.002]", "[limits]\nsweep.helt_fraction = 0.9\n");
+    let output = sweep(&folder, "e");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && message.contains("sweep.held_fraction"), "{message}");
+}
+
+#[test]
+fn a_sweep_of_a_rejected_fit_says_so() {
+    let folder = scratch("sweep-fit");
+    let fit = "[scenario.mismatch]\nnumbers = { verdict = { status = \"suspect_data\" } }\n";
+    let base = root().join("scenarios/glide.toml");
+    let text = format!(
+        "name = \"small\"\nruns = 2\n[hold]\nroll_within_deg = 5.0\npitch_within_deg = 90.0\n\
+         [[draws]]\nkey = \"flight.duration_s\"\nvalues = [0.1, 0.12]\n[scenario]\nbase = {base:?}\n{fit}"
+    );
+    fs::write(folder.join("small.toml"), text).unwrap();
+    let output = sweep(&folder, "a");
+    assert!(output.status.success(), "{output:?}");
+    let warned = summary(&folder, "a")["warnings"].clone();
+    assert!(warned[0]["id"] == "fit.rejected" && warned[0]["key"] == "mismatch.numbers", "{warned}");
+}
+
 #[test]
 fn a_bad_sweep_is_one_message() {
     let folder = scratch("sweep-bad_sweep");
@@ -115,7 +196,10 @@ fn a_case_is_swept_over_a_grid_with_its_table() {
     fs::write(folder.join("small.toml"), format!("{head}{draws}")).unwrap();
     let output = sweep(&folder, "a");
     assert!(output.status.success(), "{output:?}");
-    assert!(String::from_utf8_lossy(&output.stdout).contains("6 of 6 runs completed"));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("6 of 6 runs completed: 6 ok"), "{output:?}");
+    let told = summary(&folder, "a");
+    assert_eq!((&told["status"], &told["completed"], &told["usable"]), (&"ok".into(), &6.into(), &6.into()));
+    assert_eq!(told["measures"][0]["counted"], 6);
     let run = folder.join("a");
     for name in ["sweep.toml", "s.csv", "record.parquet", "figures/map.png"] {
         assert!(run.join(name).is_file(), "{name}");
@@ -125,7 +209,7 @@ fn a_case_is_swept_over_a_grid_with_its_table() {
         rows.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
     assert_eq!((rows.len(), rows[3][1], rows[3][2]), (6, 3.0, 30.0));
     // More frequency or more amplitude takes more power.
-    assert!(rows[5][7] > rows[3][7] && rows[5][7] > rows[4][7], "{rows:?}");
+    assert!(rows[5][8] > rows[3][8] && rows[5][8] > rows[4][8], "{rows:?}");
 
     fs::write(folder.join("small.toml"), fs::read_to_string(run.join("sweep.toml")).unwrap()).unwrap();
     let again = sweep(&folder, "again");

@@ -32,10 +32,30 @@ fn a_case_leaves_its_wake() {
     assert_eq!(entries(&folder.join("a/figures")), figures);
     let summary: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(folder.join("a/summary.json")).unwrap()).unwrap();
+    assert_eq!(summary["status"], "ok");
+    assert!(
+        summary["judged"].as_array().unwrap().iter().any(|judged| judged["id"] == "wake.circulation_error")
+    );
+    let warned = &summary["warnings"][0];
+    assert!(warned["id"] == "wake.attached_flow" && warned["size"].as_f64().unwrap() > 0.0, "{warned}");
     let number = |key: &str| summary.pointer(key).and_then(serde_json::Value::as_f64).unwrap();
     assert!(number("/circulation_error") < 1e-12 && number("/symmetry_error") < 1e-6);
     let ratios = [number("/down_over_up/left"), number("/down_over_up/right")];
     assert!((ratios[0] / ratios[1] - 1.0).abs() < 1e-6 && ratios[0] > 1.0, "{ratios:?}");
+}
+
+#[test]
+fn a_wake_beyond_its_limit_ends_with_the_name_of_the_limit() {
+    let folder = scratch("wake-limit");
+    let small = ["--chordwise", "2", "--spanwise", "8", "--steps", "16", "--set", "time.cycles=1"];
+    let limit = ["--set", "limits.wake.circulation_error=0.0", "--out", "a"];
+    let output = wingbeat(&folder, &[&["wake", &case("flap_f2.toml")], &small[..], &limit[..]].concat());
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("a/summary.json")).unwrap()).unwrap();
+    assert!(output.status.code() == Some(3) && summary["status"] == "not_resolved", "{output:?}");
+    let (said, told) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
+    assert!(said.contains("limits.wake.circulation_error"), "{said}");
+    assert!(told.contains("limit overridden: wake.circulation_error = 0"), "{told}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The gait of least power, planned and replayed on the stand.
 
 use super::gait_record::{Replay, beside, cycle_mean, means, stalled};
-use super::{CHECK_STEPS, PlanSummary, Planned, SolverNumbers};
+use super::{CHECK_STEPS, PlanNodes, PlanSummary, Planned, SolverNumbers, nodes, verdict};
 use crate::summary::Crossing;
 use crate::tether_spec::{
     ClockSpec, CoordinateSpec, HingeSpec, ReferenceSpec, TetherSpec, TetheredBodySpec, TetheredWingSpec,
@@ -16,10 +16,11 @@ use wingbeat_aero::{LoadSource, Preset};
 use wingbeat_flight::guide::{CYCLES, Flapping, LeastPower, LeastPowerSpec, Means, Stand};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{HingeKind, Side};
+use wingbeat_judge::{Judge, Status};
 use wingbeat_math::Error;
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::{Fault, Plant};
-use wingbeat_ocp::{OptimalControl, Optimum, Progress};
+use wingbeat_ocp::{Interpolant, OptimalControl, Optimum, Progress};
 use wingbeat_robot::WingSpec;
 
 /// Steps per cycle of the tethered replay.
@@ -51,7 +52,7 @@ pub struct LeastPowerSummary {
     #[serde(flatten)]
     pub solver: SolverNumbers,
     /// Drive power and cost of effort, W.
-    pub objective_w: f64,
+    pub objective_w: Option<f64>,
     /// Share of negative joint power that is stored.
     pub storage: f64,
     /// Mean upward and forward force asked for, N.
@@ -79,7 +80,7 @@ pub struct LeastPowerSummary {
     /// The same of the robot's own gait.
     pub own_stall_fraction: Option<f64>,
     /// Largest difference of a state over the last cycle of that replay.
-    pub replay_closure: f64,
+    pub replay_closure: Option<f64>,
     /// The robot's own gait, regulators at rest.
     pub own: GaitNumbers,
     /// Largest distance of a re-simulation over one cycle from the plan: each state by name, in its unit.
@@ -96,6 +97,20 @@ pub struct OtherReplay {
     pub means: Means,
 }
 
+/// A plan that meets its constraints.
+struct Found<'a> {
+    problem: &'a LeastPower<'a>,
+    storage: f64,
+    own: Flapping,
+    solution: &'a Interpolant,
+    nodes: &'a PlanNodes,
+}
+
+/// A gait of which the model cannot be evaluated.
+fn broken(fault: Fault) -> Error {
+    Error::invalid("plan.least_power", fault, "a range in which the model can be evaluated")
+}
+
 impl Scenario {
     /// Plans the gait of `spec` with the body carried as the scenario starts.
     pub(super) fn plan_least_power(
@@ -103,6 +118,33 @@ impl Scenario {
         spec: &LeastPowerSpec,
         observe: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Planned, Error> {
+        let problem = self.least_power_problem(spec)?;
+        let own = Flapping {
+            frequency_hz: self.model.frequency_hz(),
+            pitch: self.spec.start.pitch_deg.to_radians(),
+        };
+        let optimum = problem.plan(observe).map_err(broken)?;
+        let nodes = nodes::nodes(&problem, &optimum, "W")?;
+        let mut summary = self.least_power_summary(spec, &problem, &own, &optimum, nodes.as_ref());
+        let mut judge = self.judge_of_plan();
+        let met = verdict::judge_solver(&mut judge, &optimum, spec.tolerance);
+        let (mut record, mut files) = (None, Vec::new());
+        if let (true, Some(solution), Some(nodes)) = (met, &optimum.solution, &nodes) {
+            let plan = Found { problem: &problem, storage: spec.storage, own, solution, nodes };
+            match self.replayed(&plan, &mut summary, &mut judge)? {
+                Ok((cycle, own)) => {
+                    files = self.replay_case(&problem.flapping(&solution.points), &cycle)?;
+                    record = Some(beside(&cycle, &own)?);
+                }
+                Err(fault) => judge.find(Status::Failed, format!("replayed from rest: {fault}")),
+            }
+        }
+        summary.solver.verdict = judge.verdict();
+        Ok(Planned { record, nodes, summary: PlanSummary::LeastPower(Box::new(summary)), files })
+    }
+
+    /// The problem of `spec`, the body carried as the scenario starts.
+    fn least_power_problem(&self, spec: &LeastPowerSpec) -> Result<LeastPower<'_>, Error> {
         let start = &self.spec.start;
         if start.roll_deg != 0.0 {
             return Err(Error::invalid("start.roll_deg", start.roll_deg, "0: both wings move alike"));
@@ -116,41 +158,63 @@ impl Scenario {
         }
         let (pitch, yaw) = (start.pitch_deg.to_radians(), start.yaw_deg.to_radians());
         let stand = Stand::new(&self.model, Vec3(start.velocity_m_s), yaw)?;
-        let problem = LeastPower::new(stand, pitch, spec).map_err(|e| e.within("plan.least_power"))?;
-        let broken = |fault: Fault| {
-            Error::invalid("plan.least_power", fault, "a range in which the model can be evaluated")
-        };
-        let own = Flapping { frequency_hz: self.model.frequency_hz(), pitch };
-        let optimum = problem.plan(observe).map_err(broken)?;
-        let mut summary = self.least_power_summary(spec, &problem, &own, &optimum);
-        let Some(solution) = optimum.solution.filter(|_| optimum.status.is_success()) else {
-            let summary = PlanSummary::LeastPower(Box::new(summary));
-            return Ok(Planned { record: None, summary, files: Vec::new() });
-        };
+        LeastPower::new(stand, pitch, spec).map_err(|e| e.within("plan.least_power"))
+    }
+
+    /// Simulates a plan that meets its constraints, and the robot's own gait, from rest, and judges the plan: the last cycle of
+    /// each.
+    fn replayed(
+        &self,
+        plan: &Found<'_>,
+        summary: &mut LeastPowerSummary,
+        judge: &mut Judge,
+    ) -> Result<Result<(Record, Record), Fault>, Error> {
+        let Found { problem, storage, own, solution, nodes } = plan;
         let flapping = problem.flapping(&solution.points);
         summary.plan = Some(numbers(&flapping, problem.means(&solution.points)));
-        let channels = problem.setup().states.into_iter().map(|c| c.name);
-        summary.plan_unrounded_power_w = Some(problem.unrounded_power(&solution).map_err(broken)?);
-        let errors = solution.resimulate(&problem, CHECK_STEPS).map_err(broken)?;
-        summary.resimulation_error = channels.zip(errors).collect();
+        summary.plan_unrounded_power_w = problem.unrounded_power(solution).ok();
+        match solution.resimulate(*problem, CHECK_STEPS) {
+            Ok(errors) => {
+                let states = problem.setup().states.into_iter().map(|channel| channel.name);
+                summary.resimulation_error = states.zip(errors).collect();
+            }
+            Err(fault) => judge.find(Status::Failed, format!("re-simulated: {fault}")),
+        }
+        verdict::judge_plan(judge, &summary.solver, &summary.resimulation_error, nodes);
         let replay = |flapping, commands: &dyn Fn(f64, &mut [f64])| {
-            let replay = Replay { stand: problem.stand(), flapping, commands, storage: spec.storage };
-            replay.record().map_err(broken)?
+            Replay { stand: problem.stand(), flapping, commands, storage: *storage }.record()
         };
         let commands = |t: f64, u: &mut [f64]| u.copy_from_slice(&solution.at(t).1);
-        let (record, closure) = replay(flapping, &commands)?;
+        let (record, closure) = match replay(flapping, &commands) {
+            Ok(replayed) => replayed?,
+            Err(fault) => return Ok(Err(fault)),
+        };
+        let (own_record, _) = match replay(*own, &|_, u| u.fill(0.0)) {
+            Ok(replayed) => replayed?,
+            Err(fault) => return Ok(Err(fault)),
+        };
         summary.replay_up_by_source_n = upward(&record, flapping.pitch);
-        summary.replay_other = self.replay_other(flapping, &commands, spec.storage);
-        let (own_record, _) = replay(own, &|_, u| u.fill(0.0))?;
-        summary.replay = Some(means(&record));
-        summary.replay_closure = closure;
+        summary.replay_other = self.replay_other(flapping, &commands, *storage);
+        (summary.replay, summary.replay_closure) = (Some(means(&record)), Some(closure));
         (summary.stall_fraction, summary.own_stall_fraction) =
             (Some(stalled(&record)), Some(stalled(&own_record)));
-        let least = |record| Crossing::new(record, self.model.clearances()).map(|c| c.least_m);
+        let crossing = |record| Crossing::new(record, self.model.clearances());
+        let least = |record| crossing(record).map(|c| c.least_m);
         (summary.least_clearance_m, summary.own_least_clearance_m) = (least(&record), least(&own_record));
-        let files = self.replay_case(&flapping, &record)?;
-        let record = Some(beside(&record, &own_record)?);
-        Ok(Planned { record, summary: PlanSummary::LeastPower(Box::new(summary)), files })
+        summary.judge_replayed(judge, self.model.mass(), crossing(&record).as_ref());
+        Ok(Ok((record, own_record)))
+    }
+
+    /// [`plan_defects`](Self::plan_defects) of a gait.
+    pub(super) fn least_power_defects(
+        &self,
+        spec: &LeastPowerSpec,
+        points: &Record,
+        parameters: &[f64],
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        let problem = self.least_power_problem(spec)?;
+        let unknowns = nodes::trajectory(&problem.setup(), points, parameters)?;
+        problem.defects(&unknowns).map_err(broken)
     }
 
     /// The commands on the same robot under the other preset; none where that cannot be built or evaluated, or
@@ -179,11 +243,12 @@ impl Scenario {
         problem: &LeastPower,
         own: &Flapping,
         optimum: &Optimum,
+        nodes: Option<&PlanNodes>,
     ) -> LeastPowerSummary {
         let [asked_up_n, asked_forward_n] = problem.asked();
         LeastPowerSummary {
-            solver: self.solver_numbers(optimum),
-            objective_w: optimum.objective,
+            solver: self.solver_numbers(optimum, nodes, &problem.setup().inputs),
+            objective_w: Some(optimum.objective).filter(|objective| objective.is_finite()),
             storage: spec.storage,
             asked_up_n,
             asked_forward_n,
@@ -197,7 +262,7 @@ impl Scenario {
             own_least_clearance_m: None,
             stall_fraction: None,
             own_stall_fraction: None,
-            replay_closure: f64::NAN,
+            replay_closure: None,
             own: numbers(own, problem.own_means()),
             resimulation_error: BTreeMap::new(),
         }

@@ -2,17 +2,24 @@
 
 mod gait_record;
 mod least_power;
+mod nodes;
 mod roll_in;
+mod verdict;
 
 pub use least_power::{GaitNumbers, LeastPowerSummary};
+pub use nodes::{PlanConstants, PlanNodes, PlanValue};
 pub use roll_in::RollInSummary;
 
 use super::Scenario;
+use super::fit;
+use super::summary::saturation;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use wingbeat_flight::guide::{LeastPowerSpec, RollInSpec};
 use wingbeat_flight::simulate::Record;
+use wingbeat_judge::{Judge, Verdict};
 use wingbeat_math::Error;
+use wingbeat_ocp::plant::Channel;
 use wingbeat_ocp::{Optimum, Progress};
 
 /// Runge-Kutta steps per interval of the re-simulation.
@@ -51,6 +58,11 @@ pub enum PlanSummary {
 }
 
 impl PlanSummary {
+    /// The verdict.
+    pub fn verdict(&self) -> &Verdict {
+        &self.solver().verdict
+    }
+
     /// How the solver fared.
     pub fn solver(&self) -> &SolverNumbers {
         match self {
@@ -63,15 +75,22 @@ impl PlanSummary {
 /// What a solver has to say of its plan.
 #[derive(Clone, Debug, Serialize)]
 pub struct SolverNumbers {
-    /// `ok`, `failed`.
-    pub status: &'static str,
+    /// The verdict: `ok`, `off_target`, `outside`, `not_periodic`, `not_resolved`, `not_found`, `failed` or `interrupted`.
+    #[serde(flatten)]
+    pub verdict: Verdict,
     /// How the solver ended.
     pub solver: String,
+    /// Largest violation of a constraint, as the solver scales them; missing when nothing could be evaluated.
+    pub violation: Option<f64>,
+    /// Largest error of the optimality conditions, scaled likewise.
+    pub residual: Option<f64>,
+    /// Share of the inputs at a limit, over the nodes.
+    pub saturated_fraction: Option<f64>,
     /// `local`: the method descends from one guess, and from another it may end lower.
     pub minimum: &'static str,
     /// Largest error of an interval between its nodes, relative.
-    pub interval_error: f64,
-    /// Intervals of the last mesh.
+    pub interval_error: Option<f64>,
+    /// Intervals of the plan's mesh.
     pub intervals: usize,
     /// Meshes solved.
     pub meshes: usize,
@@ -79,6 +98,8 @@ pub struct SolverNumbers {
     pub iterations: usize,
     /// Wall time of the solver, s.
     pub solve_s: f64,
+    /// Processor time of the solver, s.
+    pub processor_s: f64,
     /// The meshes, in order.
     pub passes: Vec<PassNumbers>,
     /// Aerodynamic preset.
@@ -103,8 +124,10 @@ pub struct PassNumbers {
 /// What was planned.
 #[derive(Clone, Debug)]
 pub struct Planned {
-    /// The plan as simulated under its inputs; none when nothing was found.
+    /// The plan as simulated under its inputs; none of a plan that misses its constraints.
     pub record: Option<Record>,
+    /// The plan as the solver has it, with its multipliers; none when nothing could be evaluated.
+    pub nodes: Option<PlanNodes>,
     /// Numbers.
     pub summary: PlanSummary,
     /// Files that carry the plan on, by name: scenarios and cases that follow it.
@@ -126,7 +149,34 @@ impl Scenario {
         }
     }
 
-    fn solver_numbers(&self, optimum: &Optimum) -> SolverNumbers {
+    /// How far the plan `points` ([`PlanNodes::points`]) with these `parameters` misses the dynamics of this scenario's model: the
+    /// defect of each state, one list per row, from states and inputs alone. A plan that was made elsewhere is held against the
+    /// model by this.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] without a `[plan]`, for a column that is not there, or a state that the model refuses.
+    pub fn plan_defects(&self, points: &Record, parameters: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        match &self.spec.plan {
+            Some(PlanSpec::RollIn(spec)) => self.roll_in_defects(spec, points, parameters),
+            Some(PlanSpec::LeastPower(spec)) => self.least_power_defects(spec, points, parameters),
+            None => Err(Error::invalid("plan", "none", "a [plan.roll_in] or a [plan.least_power]")),
+        }
+    }
+
+    /// A judge who knows the limits of the scenario and where the robot's numbers are from.
+    fn judge_of_plan(&self) -> Judge<'_> {
+        let mut judge = Judge::new(&self.limits);
+        fit::of_known(&self.spec).into_iter().for_each(|warning| judge.warn(warning));
+        judge
+    }
+
+    fn solver_numbers(
+        &self,
+        optimum: &Optimum,
+        nodes: Option<&PlanNodes>,
+        inputs: &[Channel],
+    ) -> SolverNumbers {
+        let misses = optimum.misses.as_ref();
         let pass = |p: &wingbeat_ocp::Pass| PassNumbers {
             intervals: p.intervals,
             iterations: p.iterations,
@@ -134,14 +184,18 @@ impl Scenario {
             error: p.error,
         };
         SolverNumbers {
-            status: if optimum.status.is_success() { "ok" } else { "failed" },
+            verdict: Judge::new(&self.limits).verdict(),
             solver: optimum.status.to_string(),
+            violation: misses.map(|misses| misses.infeasibility),
+            residual: misses.map(|misses| misses.residual),
+            saturated_fraction: nodes.map(|nodes| saturation(&nodes.points, inputs)),
             minimum: "local",
-            interval_error: optimum.error,
-            intervals: optimum.passes.last().map_or(0, |p| p.intervals),
+            interval_error: Some(optimum.error).filter(|error| error.is_finite()),
+            intervals: optimum.solution.as_ref().map_or(0, |solution| solution.intervals()),
             meshes: optimum.passes.len(),
-            iterations: optimum.passes.iter().map(|p| p.iterations).sum(),
+            iterations: optimum.iterations,
             solve_s: optimum.time.as_secs_f64(),
+            processor_s: optimum.processor_time.as_secs_f64(),
             passes: optimum.passes.iter().map(pass).collect(),
             aero_preset: self.named(&self.model, self.spec.aero.preset.name(), |aero| aero.preset().name()),
             lift_law: self.named(&self.model, self.spec.aero.law.name(), |aero| aero.law().name()),

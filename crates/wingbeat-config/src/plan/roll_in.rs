@@ -1,14 +1,15 @@
 //! The quickest roll-in, planned and flown open loop.
 
-use super::{CHECK_STEPS, PlanSpec, PlanSummary, Planned, SolverNumbers};
+use super::{CHECK_STEPS, PlanNodes, PlanSpec, PlanSummary, Planned, SolverNumbers, nodes, verdict};
 use crate::recorder::{Recorded, Recorder};
 use crate::summary::{Crossing, given, mean};
-use crate::{Chosen, Scenario, ScenarioSpec};
+use crate::{Chosen, Scenario, ScenarioSpec, sound};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use wingbeat_flight::guide::{Playback, RollIn, RollInSpec, Turn};
-use wingbeat_flight::simulate::{Controller, Sample, Schedule, Sensors, fly};
+use wingbeat_flight::simulate::{Controller, Ending, Record, Sample, Schedule, Sensors, fly};
+use wingbeat_judge::{Judge, Status};
 use wingbeat_math::Error;
 use wingbeat_ocp::nlp::Program;
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -26,18 +27,18 @@ pub struct RollInSummary {
     /// Start of the manoeuvre, s.
     pub start_s: f64,
     /// Duration of the manoeuvre, s.
-    pub duration_s: f64,
+    pub duration_s: Option<f64>,
     /// Duration plus the costs of effort and tracking, s.
-    pub objective_s: f64,
+    pub objective_s: Option<f64>,
     /// What several starts came to: whether their minima differ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<String>,
     /// Largest distance of a re-simulation from the plan: each state by name, in its unit.
     pub resimulation_error: BTreeMap<String, f64>,
     /// Planned roll, pitch and yaw at the end, deg.
-    pub final_angles_deg: [f64; 3],
+    pub final_angles_deg: Option<[f64; 3]>,
     /// The same as the robot flew it under the planned inputs, deg.
-    pub flown_angles_deg: [f64; 3],
+    pub flown_angles_deg: Option<[f64; 3]>,
     /// Least of all clearances from `start_s` on as the robot flew it, m.
     pub least_clearance_m: Option<f64>,
     /// Mean power of the drive on the joints from `start_s` on as the robot flew it, W.
@@ -48,6 +49,14 @@ pub struct RollInSummary {
     pub regulator_power_given_w: Option<f64>,
     /// Share of strips beyond the stall angle, over approach and roll-in as the robot flew them.
     pub stall_fraction: Option<f64>,
+}
+
+/// A plan that meets its constraints.
+struct Found<'a> {
+    problem: &'a RollIn<'a, wingbeat_robot::Robot>,
+    spec: &'a RollInSpec,
+    solution: &'a Interpolant,
+    nodes: &'a PlanNodes,
 }
 
 /// A flight that ends before the roll-in.
@@ -66,38 +75,70 @@ impl Scenario {
         let starts = problem.planned(observe).map_err(broken)?;
         let several = (spec.starts > 1).then(|| starts.words());
         let optimum = starts.best;
-        let mut summary = self.roll_in_summary(&spec, &optimum);
+        let nodes = nodes::nodes(&problem, &optimum, "s")?;
+        let mut summary = self.roll_in_summary(&spec, &optimum, nodes.as_ref());
         summary.starts = several;
-        let Some(solution) = optimum.solution.filter(|_| optimum.status.is_success()) else {
-            return Ok(Planned {
-                record: None,
-                summary: PlanSummary::RollIn(Box::new(summary)),
-                files: Vec::new(),
-            });
-        };
-        summary.resimulation_error = problem
-            .resimulated(&solution, CHECK_STEPS)
-            .map_err(broken)?
-            .into_iter()
-            .zip(wingbeat_ocp::OptimalControl::setup(&problem).states)
-            .map(|(error, channel)| (channel.name, error))
-            .collect();
-        if let Some(end) = solution.points.x.last() {
-            summary.final_angles_deg = problem.angles(end).map(f64::to_degrees);
+        let mut judge = self.judge_of_plan();
+        let met = verdict::judge_solver(&mut judge, &optimum, spec.tolerance);
+        let (mut record, mut files) = (None, Vec::new());
+        if let (true, Some(solution), Some(nodes)) = (met, &optimum.solution, &nodes) {
+            let plan = Found { problem: &problem, spec: &spec, solution, nodes };
+            record = Some(self.flown_roll_in(&plan, &mut summary, &mut judge)?);
+            files = vec![("track.toml", self.tracking(&problem, &spec, solution)?)];
         }
-        let (Recorded { record, stall_fraction, .. }, angles) = self.fly_plan(&solution)?;
-        summary.stall_fraction = Some(stall_fraction);
-        summary.flown_angles_deg = angles.map(f64::to_degrees);
-        let planned = Crossing::since(&record, self.model.clearances(), spec.start_s);
-        summary.least_clearance_m = planned.map(|c| c.least_m);
+        summary.solver.verdict = judge.verdict();
+        Ok(Planned { record, nodes, summary: PlanSummary::RollIn(Box::new(summary)), files })
+    }
+
+    /// Flies a plan that meets its constraints, and judges it.
+    fn flown_roll_in(
+        &self,
+        plan: &Found<'_>,
+        summary: &mut RollInSummary,
+        judge: &mut Judge,
+    ) -> Result<Record, Error> {
+        let Found { problem, spec, solution, nodes } = plan;
+        match problem.resimulated(solution, CHECK_STEPS) {
+            Ok(errors) => {
+                let states = wingbeat_ocp::OptimalControl::setup(*problem).states.into_iter();
+                summary.resimulation_error = states.map(|channel| channel.name).zip(errors).collect();
+            }
+            Err(fault) => judge.find(Status::Failed, format!("re-simulated: {fault}")),
+        }
+        verdict::judge_plan(judge, &summary.solver, &summary.resimulation_error, nodes);
+        summary.final_angles_deg =
+            solution.points.x.last().map(|end| problem.angles(end).map(f64::to_degrees));
+        let (Recorded { record, stall_fraction, .. }, angles, ending) = self.fly_plan(solution)?;
         let first = record.values("t").map_or(0, |t| t.partition_point(|t| *t < spec.start_s));
-        let power = |name: &str| record.values(name).map_or(&[][..], |values| &values[first..]);
+        if let Err(fault) = ending.check() {
+            // What was recorded is kept; of a flight that broke down nothing is judged.
+            judge.find(Status::Failed, format!("flown open loop: {fault}"));
+            let rows = if sound::grew(&ending) { sound::rows(&record) } else { record.rows() };
+            return Ok(record.head(rows));
+        }
+        summary.stall_fraction = Some(stall_fraction);
+        summary.flown_angles_deg = Some(angles.map(f64::to_degrees));
+        let crossing = Crossing::since(&record, self.model.clearances(), spec.start_s);
+        summary.least_clearance_m = crossing.as_ref().map(|c| c.least_m);
+        let power =
+            |name: &str| record.values(name).and_then(|values| values.get(first..)).unwrap_or_default();
         summary.drive_power_w = mean(power("drive_power"));
         summary.regulator_power_w = mean(power("regulator_power"));
         summary.regulator_power_given_w = given(power("regulator_power"));
-        let tracking = self.tracking(&problem, &spec, &solution)?;
-        let files = vec![("track.toml", tracking)];
-        Ok(Planned { record: Some(record), summary: PlanSummary::RollIn(Box::new(summary)), files })
+        summary.judge_flown(judge, &record, first, crossing.as_ref());
+        Ok(record)
+    }
+
+    /// [`plan_defects`](Self::plan_defects) of a roll-in.
+    pub(super) fn roll_in_defects(
+        &self,
+        spec: &RollInSpec,
+        points: &Record,
+        parameters: &[f64],
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        let problem = self.approached(spec)?.0;
+        let setup = wingbeat_ocp::OptimalControl::setup(&problem);
+        problem.defects(&nodes::trajectory(&setup, points, parameters)?).map_err(broken)
     }
 
     /// Hands the roll-in of `[plan.roll_in]` on its first mesh to `see`, with the start of the first guess: objective,
@@ -130,8 +171,8 @@ impl Scenario {
         Ok((problem, spec))
     }
 
-    /// Flies approach and planned inputs; the record and the last angles.
-    fn fly_plan(&self, solution: &Interpolant) -> Result<(Recorded, [f64; 3]), Error> {
+    /// Flies approach and planned inputs; the record, the last angles and how the flight ended.
+    fn fly_plan(&self, solution: &Interpolant) -> Result<(Recorded, [f64; 3], Ending), Error> {
         let points = &solution.points;
         let (first, last) = (points.t[0], points.t[points.t.len() - 1]);
         // The approach must be the one that was planned from: the same steps.
@@ -149,12 +190,12 @@ impl Scenario {
         )?;
         let mut x = self.start_of(&self.model);
         let (model, mut sensors) = (&self.model, Sensors::perfect(&self.model));
-        fly(model, &mut sensors, &mut player, &schedule, &mut x, |sample, player| {
+        let flight = fly(model, &mut sensors, &mut player, &schedule, &mut x, |sample, player| {
             recorder.sample(sample, player)?;
             Ok(ControlFlow::Continue(()))
         });
         let attitude = wingbeat_math::Quat::from_wxyz(&x[self.model.layout().attitude..]);
-        Ok((recorder.finish(), attitude.matrix().roll_pitch_yaw().0))
+        Ok((recorder.finish(), attitude.matrix().roll_pitch_yaw().0, flight.ending))
     }
 
     /// This scenario with the plan as the reference of its controller.
@@ -178,17 +219,22 @@ impl Scenario {
         toml::to_string(&tracked).map_err(|e| Error::invalid("plan", e, "a scenario that TOML can hold"))
     }
 
-    fn roll_in_summary(&self, spec: &RollInSpec, optimum: &Optimum) -> RollInSummary {
+    fn roll_in_summary(
+        &self,
+        spec: &RollInSpec,
+        optimum: &Optimum,
+        nodes: Option<&PlanNodes>,
+    ) -> RollInSummary {
         let end = optimum.solution.as_ref().and_then(|s| s.points.t.last().copied());
         RollInSummary {
-            solver: self.solver_numbers(optimum),
+            solver: self.solver_numbers(optimum, nodes, self.model.inputs()),
             start_s: spec.start_s,
-            duration_s: end.map_or(f64::NAN, |t| t - spec.start_s),
-            objective_s: optimum.objective - spec.start_s,
+            duration_s: end.map(|t| t - spec.start_s),
+            objective_s: Some(optimum.objective - spec.start_s).filter(|objective| objective.is_finite()),
             starts: None,
             resimulation_error: BTreeMap::new(),
-            final_angles_deg: [f64::NAN; 3],
-            flown_angles_deg: [f64::NAN; 3],
+            final_angles_deg: None,
+            flown_angles_deg: None,
             least_clearance_m: None,
             drive_power_w: None,
             regulator_power_w: None,

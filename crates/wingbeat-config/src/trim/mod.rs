@@ -13,7 +13,7 @@ pub use spec::{FamilySpec, TrimSpec};
 pub use summary::{Multiplier, TrimSummary};
 use verdict::ignored_gusts;
 
-use super::fit::rejected_fit;
+use super::fit;
 use super::recorder::Recorder;
 use super::{ConfigError, Scenario, ScenarioSpec, StartSpec};
 use std::ops::ControlFlow;
@@ -248,10 +248,7 @@ impl Scenario {
     /// The summary of what is asked.
     fn asked(&self, cycle: &Cycle, spec: &TrimSpec, search: Duration) -> TrimSummary {
         TrimSummary {
-            warnings: ignored_gusts(&self.spec.air)
-                .into_iter()
-                .chain(rejected_fit(&self.spec.robot.numbers))
-                .collect(),
+            warnings: ignored_gusts(&self.spec.air).into_iter().chain(fit::of_known(&self.spec)).collect(),
             speed_m_s: spec.speed_m_s,
             climb_m_s: spec.climb_m_s,
             bank_deg: spec.bank_deg,

@@ -1,7 +1,7 @@
 //! The verdict on a periodic flight.
 
 use super::summary::{TrimSummary, hover_wash};
-use crate::fit::rejected_fit;
+use crate::fit;
 use crate::spec::{AirSpec, ScenarioSpec};
 use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Judge, Limit, Limits, Verdict, Warning};
@@ -30,7 +30,7 @@ impl TrimSummary {
         judge_slow(&mut judge, self.speed_m_s, slow);
         ignored_gusts(&spec.air)
             .into_iter()
-            .chain(rejected_fit(&spec.robot.numbers))
+            .chain(fit::of_known(spec))
             .for_each(|warning| judge.warn(warning));
         self.take(judge.verdict());
     }

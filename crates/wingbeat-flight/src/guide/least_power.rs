@@ -2,11 +2,10 @@
 
 use super::roll_in::{clearance_path, limited_clearances};
 use super::stand::{Flapping, Stand};
-use super::{MAX_INTERVALS, MAX_MESHES};
+use super::{MAX_INTERVALS, MAX_ITERATIONS, MAX_MESHES, processor_time};
 use crate::simulate::{Held, Moment, Sizes, Stepper, System};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-use std::time::Duration;
 use wingbeat_math::Error;
 use wingbeat_math::Scalar;
 use wingbeat_math::range::{Range, ranges};
@@ -15,7 +14,7 @@ use wingbeat_ocp::interior_point::Options;
 use wingbeat_ocp::plant::{Channel, Fault, Plant};
 use wingbeat_ocp::{
     Ends, FREE, Instant, Interpolant, OptimalControl, Optimum, Progress, Refinement, Scheme, Setup,
-    Trajectory, optimise,
+    Trajectory, defects, optimise,
 };
 use wingbeat_robot::body::drive_power;
 
@@ -69,8 +68,12 @@ pub struct LeastPowerSpec {
     pub meshes: usize,
     /// Largest error of an interval, relative.
     pub tolerance: f64,
-    /// Most wall time, s.
-    pub time_limit_s: f64,
+    /// Most iterations of the solver, over all meshes: a count that no load of the machine changes.
+    #[serde(default = "super::most_iterations")]
+    pub iterations: usize,
+    /// Most processor time of the plan, s, beside `iterations`; without it any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_limit_s: Option<f64>,
 }
 
 fn fourth() -> u8 {
@@ -86,6 +89,7 @@ ranges!(LeastPowerSpec {
     intervals: Range::between(1.0, MAX_INTERVALS as f64),
     meshes: Range::between(1.0, MAX_MESHES as f64),
     tolerance: Range::POSITIVE,
+    iterations: Range::between(1.0, MAX_ITERATIONS as f64),
     time_limit_s: Range::POSITIVE,
 });
 
@@ -227,22 +231,36 @@ impl<'a> LeastPower<'a> {
             return Ok(optimise(self, &guess, &refinement, observer));
         }
         let smoother = Self { width: self.width / ROUNDED * ROUNDED_FIRST, ..self.clone() };
-        let mut first =
-            optimise(&smoother, &guess, &Refinement { meshes: 1, ..refinement.clone() }, observer);
+        let first = optimise(&smoother, &guess, &Refinement { meshes: 1, ..refinement.clone() }, observer);
         let solved = first.passes.last().is_some_and(|p| p.status.is_success());
-        let Some(guess) = first.solution.take().filter(|_| solved) else { return Ok(first) };
+        let Some(guess) = first.solution.as_ref().filter(|_| solved) else { return Ok(first) };
         let [barrier, margin] = WARM;
-        let time = refinement.solver.time.saturating_sub(first.time);
+        let time = refinement.solver.time.saturating_sub(first.processor_time);
+        refinement.iterations = refinement.iterations.saturating_sub(first.iterations);
         refinement.solver = Options { barrier, margin, time, ..refinement.solver };
         let mut optimum = optimise(self, &guess.points, &refinement, observer);
         optimum.passes.splice(0..0, first.passes);
         optimum.time += first.time;
+        optimum.processor_time += first.processor_time;
+        optimum.iterations += first.iterations;
         Ok(optimum)
+    }
+
+    /// Defects of a plan from its states and inputs alone.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a state that the model refuses.
+    pub fn defects(&self, unknowns: &Trajectory) -> Result<Vec<Vec<f64>>, Fault> {
+        defects(self, &self.scheme(), unknowns)
+    }
+
+    fn scheme(&self) -> Scheme {
+        if self.spec.order == 6 { Scheme::lobatto() } else { Scheme::hermite_simpson() }
     }
 
     fn refinement(&self) -> Refinement {
         let solver = Options {
-            time: Duration::try_from_secs_f64(self.spec.time_limit_s).unwrap_or(Duration::MAX),
+            time: processor_time(self.spec.time_limit_s),
             iterations: 400,
             tolerance: 1e-5,
             complementarity: 1e-6,
@@ -250,11 +268,12 @@ impl<'a> LeastPower<'a> {
             ..Options::default()
         };
         Refinement {
-            scheme: if self.spec.order == 6 { Scheme::lobatto() } else { Scheme::hermite_simpson() },
+            scheme: self.scheme(),
             intervals: self.spec.intervals,
             tolerance: self.spec.tolerance,
             objective_tolerance: 1e-3,
             meshes: self.spec.meshes,
+            iterations: self.spec.iterations,
             solver,
             ..Refinement::default()
         }

@@ -22,6 +22,20 @@ mod turn;
 /// Most intervals of the first mesh of a plan, and most meshes.
 const MAX_INTERVALS: usize = 500;
 const MAX_MESHES: usize = 20;
+/// Most iterations that a plan may ask for.
+const MAX_ITERATIONS: usize = 100_000;
+
+/// Iterations of a plan that does not say them. *Choice*: the shipped plans take a tenth to a third.
+fn most_iterations() -> usize {
+    1000
+}
+
+/// A limit of processor time; none is any.
+fn processor_time(limit_s: Option<f64>) -> std::time::Duration {
+    limit_s
+        .and_then(|limit| std::time::Duration::try_from_secs_f64(limit).ok())
+        .unwrap_or(std::time::Duration::MAX)
+}
 
 pub use about_orbit::gains_of;
 pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, PredictiveSpec, Terminal, TrackingSpec};

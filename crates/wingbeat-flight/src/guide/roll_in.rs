@@ -2,11 +2,10 @@
 
 use super::manoeuvre::angle_error;
 use super::turn::Track;
-use super::{MAX_INTERVALS, MAX_MESHES};
+use super::{MAX_INTERVALS, MAX_ITERATIONS, MAX_MESHES, processor_time};
 use crate::simulate::{Held, Moment, Stepper};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-use std::time::Duration;
 use wingbeat_math::Error;
 use wingbeat_math::Scalar;
 use wingbeat_math::range::{Range, ranges};
@@ -16,7 +15,7 @@ use wingbeat_ocp::nlp::Program;
 use wingbeat_ocp::plant::{Channel, Fault, LocalChart, Plant, Role};
 use wingbeat_ocp::{
     Collocation, Ends, Instant, Interpolant, Limits, OptimalControl, Progress, Refinement, Scheme, Setup,
-    Starts, Trajectory, Transcribed, optimise_from,
+    Starts, Trajectory, Transcribed, defects, optimise_from,
 };
 use wingbeat_robot::Robot;
 
@@ -69,8 +68,12 @@ pub struct RollInSpec {
     pub meshes: usize,
     /// Largest error of an interval, relative.
     pub tolerance: f64,
-    /// Most wall time, s.
-    pub time_limit_s: f64,
+    /// Most iterations of the solver, over all meshes of a start: a count that no load of the machine changes.
+    #[serde(default = "super::most_iterations")]
+    pub iterations: usize,
+    /// Most processor time of the plan of a start, s, beside `iterations`; without it any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_limit_s: Option<f64>,
 }
 
 /// The diagonal of C over z = [roll, pitch, angular rate about x, y, z], per second of the way.
@@ -107,6 +110,7 @@ ranges!(RollInSpec {
     intervals: Range::between(1.0, MAX_INTERVALS as f64),
     meshes: Range::between(1.0, MAX_MESHES as f64),
     tolerance: Range::POSITIVE,
+    iterations: Range::between(1.0, MAX_ITERATIONS as f64),
     time_limit_s: Range::POSITIVE,
 });
 
@@ -176,14 +180,14 @@ impl<'a, P: Plant> RollIn<'a, P> {
     /// # Errors
     /// The [`Fault`] of the flight with resting regulators that is the guess.
     pub fn plan(&self, observer: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Starts, Fault> {
-        let time = Duration::try_from_secs_f64(self.spec.time_limit_s).unwrap_or(Duration::MAX);
         let refinement = Refinement {
             intervals: self.spec.intervals,
             tolerance: self.spec.tolerance,
             objective_tolerance: 1e-3,
             meshes: self.spec.meshes,
+            iterations: self.spec.iterations,
             solver: Options {
-                time,
+                time: processor_time(self.spec.time_limit_s),
                 iterations: 300,
                 tolerance: 1e-6,
                 complementarity: 1e-7,
@@ -259,6 +263,14 @@ impl RollIn<'_, Robot> {
     /// The [`Fault`] of a state that the model refuses.
     pub fn resimulated(&self, plan: &Interpolant, steps: usize) -> Result<Vec<f64>, Fault> {
         plan.resimulate(self, steps)
+    }
+
+    /// Defects of a plan from its states and inputs alone.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a state that the model refuses.
+    pub fn defects(&self, unknowns: &Trajectory) -> Result<Vec<Vec<f64>>, Fault> {
+        defects(self, &Scheme::hermite_simpson(), unknowns)
     }
 
     /// Hands the problem on its first mesh to `see`, with the start of the first guess.
@@ -441,7 +453,8 @@ mod tests {
             intervals: 20,
             meshes: 4,
             tolerance: 1e-5,
-            time_limit_s: 20.0,
+            iterations: 1000,
+            time_limit_s: Some(20.0),
         }
     }
 

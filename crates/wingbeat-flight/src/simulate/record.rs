@@ -116,6 +116,18 @@ impl Record {
         self.columns
     }
 
+    /// The first `rows` rows.
+    pub fn head(&self, rows: usize) -> Self {
+        let short = |column: &Column| Column {
+            values: column.values[..rows.min(column.values.len())].to_vec(),
+            name: column.name.clone(),
+            unit: column.unit.clone(),
+            frame: column.frame.clone(),
+            ..*column
+        };
+        Self { columns: self.columns.iter().map(short).collect() }
+    }
+
     /// The column called `name`.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)

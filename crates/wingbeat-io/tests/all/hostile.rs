@@ -428,3 +428,38 @@ fn parquet_chunks_that_share_their_bytes_are_refused() {
     assert!(refusal("shared.parquet", &shared, "").contains("lies upon others"));
     assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
 }
+
+#[test]
+fn a_parquet_footer_of_gigabytes_in_a_hole_is_refused_before_it_is_read() {
+    use std::io::{Seek, SeekFrom, Write};
+    let path = scratch("hole.parquet");
+    let mut file = fs::File::create(&path).unwrap();
+    file.write_all(b"PAR1").unwrap();
+    // Two gigabytes that take no room on the disk.
+    let length = 2_000_000_000_u32;
+    file.seek(SeekFrom::Start(u64::from(length) + 4)).unwrap();
+    file.write_all(&length.to_le_bytes()).unwrap();
+    file.write_all(b"PAR1").unwrap();
+    drop(file);
+    let began = std::time::Instant::now();
+    let message = read_parquet(&path).unwrap_err().to_string();
+    assert!(message.contains("footer claims 2000000000 bytes; read are at most 67108864"), "{message}");
+    assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
+    fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn a_parquet_file_of_another_codec_is_refused_with_those_that_are_read() {
+    let (path, bytes, _) = plain_parquet("codec.parquet", 4);
+    // Path and codec of the column in the footer, as Thrift writes them.
+    let field = b"\x19\x18\x02Fx\x15\x00";
+    let at = bytes.windows(field.len()).position(|window| window == field).unwrap() + field.len() - 1;
+    for (codec, name) in [(2, "gzip"), (6, "zstd"), (4, "brotli")] {
+        let mut other = bytes.clone();
+        other[at] = 2 * codec;
+        fs::write(&path, other).unwrap();
+        let message = read_parquet(&path).unwrap_err().to_string();
+        assert!(message.contains(&format!("column \"Fx\" is compressed by {name}")), "{message}");
+        assert!(message.contains("allowed are snappy and none"), "{message}");
+    }
+}

@@ -3,9 +3,13 @@
 pub mod calibration;
 pub mod data;
 pub mod flight;
+pub mod plan;
 pub mod recording;
+pub mod rig;
+pub mod sweep;
 pub mod tether;
 pub mod trim;
+pub mod wake;
 
 use crate::status::Status;
 use std::collections::BTreeMap;
@@ -73,8 +77,18 @@ impl Limit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 6] =
-        [&flight::ALL, &trim::ALL, &tether::ALL, &calibration::ALL, &recording::ALL, &data::ALL];
+    let kinds: [&'static [Limit]; 10] = [
+        &flight::ALL,
+        &trim::ALL,
+        &plan::ALL,
+        &sweep::ALL,
+        &tether::ALL,
+        &wake::ALL,
+        &calibration::ALL,
+        &rig::ALL,
+        &recording::ALL,
+        &data::ALL,
+    ];
     kinds.into_iter().flatten()
 }
 

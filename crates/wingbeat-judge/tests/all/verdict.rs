@@ -1,7 +1,7 @@
 //! How findings become a verdict.
 
 use wingbeat_judge::limits::flight::{ALTITUDE, CROSSING, SATURATION};
-use wingbeat_judge::{Judge, Limits, Status, Warning};
+use wingbeat_judge::{Judge, Limits, Status, Verdict, Warning};
 
 #[test]
 fn the_worst_finding_is_the_status_and_all_reasons_are_kept() {
@@ -45,4 +45,26 @@ fn statuses_have_their_names_and_exit_codes() {
     }
     assert_eq!(Status::Interrupted.exit_code(), 130);
     assert_eq!(Status::OffTarget.exit_code(), 3);
+}
+
+#[test]
+fn a_verdict_on_several_is_that_of_the_worst_with_their_names() {
+    let limits = Limits::default();
+    let one = |finds: Option<(Status, &str)>| {
+        let mut judge = Judge::new(&limits);
+        judge.hold(&SATURATION, 0.1);
+        finds.into_iter().for_each(|(status, reason)| judge.find(status, reason));
+        judge.warn(Warning::new("fit.rejected", "a fit").key("robot.numbers"));
+        judge.verdict()
+    };
+    let (good, off) = (one(None), one(Some((Status::OffTarget, "it is off"))));
+    let broken = one(Some((Status::Failed, "it broke")));
+    let all = Verdict::together([("a", &off), ("", &good), ("c", &broken)]);
+    assert_eq!((all.status, all.reason.as_deref()), (Status::Failed, Some("c: it broke; a: it is off")));
+    assert_eq!((all.judged.len(), all.warnings.len()), (3, 3));
+    let texts: Vec<&str> = all.warnings.iter().map(|warning| warning.text.as_str()).collect();
+    assert_eq!(texts, ["c: a fit", "a: a fit", "a fit"]);
+    assert_eq!(all.warnings[0].key.as_deref(), Some("robot.numbers"));
+    let none = Verdict::together(std::iter::empty());
+    assert!(none.status == Status::Ok && none.reason.is_none());
 }

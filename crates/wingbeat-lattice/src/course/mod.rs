@@ -246,6 +246,7 @@ impl Course {
             }
             if progress(k + 1).is_break() {
                 watch.failed = Some("it was ended".into());
+                watch.ended = true;
                 break;
             }
         }

@@ -2,9 +2,8 @@
 
 use super::{Asked, Watch};
 use serde::Serialize;
-
-/// Difference of left and right, over the largest ring, above which there is a caution. *Choice.*
-const DRIFTED: f64 = 0.01;
+use wingbeat::judge::limits::wake;
+use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
 
 /// Ratio of downstroke to upstroke.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -60,16 +59,17 @@ pub struct Stretch {
     pub from_s: f64,
     /// End, s of the flight.
     pub to_s: f64,
-    /// What is said of it.
+    /// What is said of it; nothing where the lattice broke down.
     #[serde(flatten)]
-    pub told: Told,
+    pub told: Option<Told>,
 }
 
 /// `summary.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct WakeSummary {
-    /// `ok` or `failed`.
-    pub status: String,
+    /// The verdict: `ok`, `not_resolved`, `failed` or `interrupted`.
+    #[serde(flatten)]
+    pub verdict: Verdict,
     /// Name of case or scenario.
     pub name: String,
     /// Whose circulations are shed.
@@ -80,23 +80,25 @@ pub struct WakeSummary {
     pub panels: [usize; 2],
     /// Radius of the wake's cores, m.
     pub core_m: f64,
-    /// Of the first course.
+    /// Of the first course; nothing where its lattice broke down.
     #[serde(flatten)]
     pub first: Option<Told>,
     /// Of a flight all of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stretches: Vec<Stretch>,
-    /// What must be known to read it.
-    pub warnings: Vec<String>,
 }
 
 impl Told {
-    fn new(watch: &Watch<'_>) -> Self {
+    /// Of a course that was stepped to its end.
+    fn new(watch: &Watch<'_>) -> Option<Self> {
+        if watch.failed.is_some() {
+            return None;
+        }
         let ratio = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a / b);
         let over_up = |side| ratio(watch.circulation(side, 0), watch.circulation(side, 1));
         let over_right = |stroke| ratio(watch.circulation(0, stroke), watch.circulation(1, stroke));
         let axes = watch.course.axes;
-        Self {
+        Some(Self {
             steps_per_cycle: watch.course.clock.steps,
             mean_lift_n: watch.mean("joukowski", axes.up),
             mean_lift_bernoulli_n: watch.mean("bernoulli", axes.up),
@@ -108,7 +110,7 @@ impl Told {
             left_over_right: LeftOverRight { down: over_right(0), up: over_right(1) },
             past_stall: watch.course.past_stall,
             phases: watch.shots.iter().map(|shot| (shot.name.clone(), shot.phase)).collect(),
-        }
+        })
     }
 
     /// Rows of the printed table: name, number, unit.
@@ -130,22 +132,36 @@ impl Told {
     }
 }
 
-/// What of a course one must beware of.
-fn warning(watch: &Watch<'_>) -> Option<String> {
-    watch.symmetry_error().filter(|error| *error > DRIFTED).map(|error| {
-        format!(
-            "{}: left and right of a symmetric motion drifted apart by {:.1} % of the largest ring: the free wake is not \
-             resolved where it meets the wing or itself; try --prescribed, a larger --core or more --steps",
-            watch.course.title,
-            100.0 * error
-        )
-    })
+/// The verdict on a course.
+fn judged(watch: &Watch<'_>, limits: &Limits) -> Verdict {
+    let mut judge = Judge::new(limits);
+    match &watch.failed {
+        Some(reason) if watch.ended => judge.find(Status::Interrupted, reason),
+        Some(reason) => judge.find(Status::Failed, reason),
+        None => {
+            judge.hold(&wake::KELVIN, watch.circulation_error);
+            if let Some(error) = watch.symmetry_error() {
+                judge.hold(&wake::DRIFTED, error);
+                judge.hold(&wake::LOST, error);
+            }
+        }
+    }
+    let course = watch.course;
+    judge.warn(Warning::new("wake.attached_flow", course.assumed()).size(course.past_stall));
+    course.crossing().into_iter().for_each(|text| judge.warn(Warning::new("wake.crossing", text)));
+    judge.verdict()
 }
 
 impl WakeSummary {
-    /// Of stepped courses.
-    pub fn new(name: &str, asked: &Asked, watches: &[Watch<'_>]) -> Self {
-        let failed = watches.iter().any(|watch| watch.failed.is_some());
+    /// Of stepped courses, held against `limits`.
+    pub fn new(name: &str, asked: &Asked, watches: &[Watch<'_>], limits: &Limits) -> Self {
+        let judged: Vec<(&str, Verdict)> = watches
+            .iter()
+            .map(|watch| match watch.course.name.as_str() {
+                "" => ("", judged(watch, limits)),
+                _ => (watch.course.title.as_str(), judged(watch, limits)),
+            })
+            .collect();
         let stretch = |watch: &Watch<'_>| {
             let (clock, flown) = (watch.course.clock, watch.course.flown.as_ref()?);
             let duration = clock.cycles as f64 / clock.frequency_hz;
@@ -153,20 +169,15 @@ impl WakeSummary {
             Some(Stretch { name, from_s, to_s: from_s + duration, told: Told::new(watch) })
         };
         let chord = watches.first().map_or(0.0, |watch| watch.course.chord);
-        let notes = watches.iter().map(|watch| match watch.course.name.as_str() {
-            "" => watch.course.note(),
-            _ => format!("{}: {}", watch.course.title, watch.course.note()),
-        });
         Self {
-            status: if failed { "failed".into() } else { "ok".into() },
+            verdict: Verdict::together(judged.iter().map(|(name, verdict)| (*name, verdict))),
             name: name.into(),
             circulations: if asked.model { "of the model that flew" } else { "of the lattice" },
             wake: if asked.prescribed { "prescribed" } else { "free" },
             panels: [if asked.model { 1 } else { asked.chordwise }, asked.spanwise],
             core_m: asked.core * chord,
-            first: watches.first().map(Told::new),
+            first: watches.first().and_then(Told::new),
             stretches: watches.iter().filter_map(stretch).collect(),
-            warnings: notes.chain(watches.iter().filter_map(warning)).collect(),
         }
     }
 
@@ -177,27 +188,24 @@ impl WakeSummary {
             "{}: vortex lattice, {} wake, {chordwise} x {spanwise} panels, circulations {}; last cycle, from rest\n\n",
             self.name, self.wake, self.circulations
         );
-        let told: Vec<&Told> = match self.stretches.is_empty() {
-            true => self.first.iter().collect(),
-            false => self.stretches.iter().map(|stretch| &stretch.told).collect(),
+        let told: Vec<Option<&Told>> = match self.stretches.is_empty() {
+            true => vec![self.first.as_ref()],
+            false => self.stretches.iter().map(|stretch| stretch.told.as_ref()).collect(),
         };
         if !self.stretches.is_empty() {
             let heads: String = self.stretches.iter().map(|s| format!("{:>13}", s.name)).collect();
             text += &format!("{:<22}{heads}\n", "");
         }
-        let columns: Vec<_> = told.iter().map(|told| told.rows()).collect();
-        let rows = columns.first().map_or(0, |column| column.len());
-        for row in 0..rows {
-            let (name, _, unit) = columns[0][row];
-            let values = columns.iter().map(|column| column[row].1);
+        let columns: Vec<_> = told.iter().map(|told| told.map(Told::rows)).collect();
+        let names = columns.iter().flatten().next().map_or(&[][..], |rows| rows);
+        for (row, (name, _, unit)) in names.iter().enumerate() {
+            let values = columns.iter().map(|column| column.as_ref().and_then(|rows| rows[row].1));
             let values: String =
                 values.map(|v| format!("{:>13}", v.map_or("-".into(), |v| format!("{v:.4e}")))).collect();
             text += format!("{name:<22}{values}  {unit}").trim_end();
             text.push('\n');
         }
-        for warning in &self.warnings {
-            text += &format!("\nnote: {warning}\n");
-        }
+        text.extend(self.verdict.warnings.iter().map(|warning| format!("\n{warning}\n")));
         text
     }
 }

@@ -32,6 +32,8 @@ pub struct Watch<'a> {
     pub circulation_error: f64,
     /// Why the lattice ended before the course did.
     pub failed: Option<String>,
+    /// True where `progress` ended it.
+    pub ended: bool,
     asymmetry: f64,
     largest: f64,
     /// Sum and count of the mean bound circulation of the left and right half, in down- and upstroke.
@@ -67,6 +69,7 @@ impl<'a> Watch<'a> {
             shots: Vec::new(),
             circulation_error: 0.0,
             failed: None,
+            ended: false,
             asymmetry: 0.0,
             largest: 0.0,
             halves: [[(0.0, 0.0); 2]; 2],

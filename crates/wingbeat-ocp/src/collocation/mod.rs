@@ -14,7 +14,7 @@ use super::trajectory::Trajectory;
 use crate::plant::Channel;
 use assembly::Assembly;
 use ends::EndFunctions;
-use layout::{Layout, StateOf};
+use layout::{Layout, PointPlace, StateOf};
 use points::{MIDDLE, Points};
 
 /// How a problem is collocated.
@@ -118,11 +118,17 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
 
     /// What the multipliers `y` of the constraints say at the unknowns `w`. The costate in the middle of an interval is the
     /// mean of those at its ends, the sum of its defects' multipliers and that of the last one.
-    pub(super) fn multipliers(&self, w: &[f64], y: &[f64]) -> Multipliers {
+    pub(super) fn multipliers(&self, w: &[f64], y: &[f64], z: &[f64]) -> Multipliers {
         let (n, layout) = (self.setup.states.len(), &self.layout);
         let (begin, span) = (w[layout.times], w[layout.times + 1] - w[layout.times]);
         let at = |sigma: f64| begin + span * sigma;
-        let mut out = Multipliers { ends: y[layout.ends..].to_vec(), ..Multipliers::default() };
+        let mut out = Multipliers {
+            ends: y[layout.ends..].to_vec(),
+            constants: z[layout.times..].to_vec(),
+            defects: vec![Vec::new(); layout.points.len()],
+            bounds: layout.points.iter().map(|place| self.limits_at(place, z)).collect(),
+            ..Multipliers::default()
+        };
         let blocks = self.transcribed.scheme.defects().len();
         for interval in &layout.intervals {
             let [first, last] = interval.ends.map(|i| layout.points[i].sigma);
@@ -130,6 +136,9 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
             let weight = |block: usize| if block + 1 == blocks { 1.0 } else { 0.5 };
             let costate = |i: usize| (0..blocks).map(|b| -weight(b) * y[interval.row + b * n + i]).sum();
             out.costates.push((0..n).map(costate).collect());
+            for (block, j) in self.transcribed.scheme.defects().enumerate() {
+                out.defects[interval.ends[0] + j] = y[interval.row + block * n..][..n].to_vec();
+            }
         }
         for place in &layout.points {
             if let Some(row) = place.path {
@@ -137,6 +146,17 @@ impl<'a, P: OptimalControl> Collocation<'a, P> {
             }
         }
         out
+    }
+
+    /// Multipliers `z` of the limits of the states and inputs of a point, where they are unknowns.
+    fn limits_at(&self, place: &PointPlace, z: &[f64]) -> [Vec<f64>; 2] {
+        let x = match place.x {
+            StateOf::Unknown(first) => z[first..first + self.setup.states.len()].to_vec(),
+            StateOf::Middle(_) => Vec::new(),
+        };
+        let [(first, _), (_, other)] = place.u;
+        let own = other == 0.0;
+        [x, if own { z[first..first + self.setup.inputs.len()].to_vec() } else { Vec::new() }]
     }
 
     /// Columns of interval `k`: its own unknowns, then times and parameters.

@@ -2,6 +2,7 @@
 //! Waechter & Biegler 2006 (Mathematical Programming 106:25-57), for sparse
 //! programs with exact second derivatives.
 
+mod best;
 mod filter;
 mod iterate;
 mod kkt;
@@ -11,8 +12,10 @@ mod runs;
 mod solver;
 mod standard;
 mod status;
+mod stopwatch;
 
 pub use status::{Iteration, Options, Solution, Status};
+pub(crate) use {best::Quality, stopwatch::Stopwatch};
 
 use super::nlp::Program;
 use solver::Solver;
@@ -20,7 +23,9 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Solves `program` from `start`. `observer` sees every iteration and may stop
-/// the solve by returning `ControlFlow::Break`.
+/// the solve by returning `ControlFlow::Break`. Where the solve ends without
+/// an optimum the solution is the best point that was met: of the feasible ones
+/// that of the lowest objective, without any the one that misses least.
 ///
 /// Equation: ocp.barrier
 pub fn solve(
@@ -34,7 +39,7 @@ pub fn solve(
         return refused(program, start, status);
     }
     let mut hook = |iteration: &Iteration, _: &Solver| observer(iteration);
-    let mut solver = Solver::new(program, options, begin + options.time);
+    let mut solver = Solver::new(program, options, Stopwatch::start());
     let status = match solver.begin(start) {
         Ok(()) => solver.run(&mut hook),
         Err(error) => Status::NumericalTrouble { cause: error.to_string() },
@@ -72,9 +77,12 @@ fn refused(program: &dyn Program, start: &[f64], status: Status) -> Solution {
         objective: f64::NAN,
         constraints: vec![f64::NAN; m],
         multipliers: vec![0.0; m],
+        bounds: vec![0.0; start.len()],
         iterations: 0,
         error: f64::INFINITY,
+        infeasibility: f64::INFINITY,
         violation: f64::INFINITY,
+        missed: String::new(),
         time: std::time::Duration::ZERO,
     }
 }

@@ -176,11 +176,11 @@ impl Solver<'_> {
         let objective = Cell::new(f64::NAN);
         let reference = self.point.w[..n].to_vec();
         let scratch = std::cell::RefCell::new(self.point.clone());
-        let (count, deadline) = (self.count, self.deadline);
+        let (count, stopwatch) = (self.count, self.stopwatch);
         let program = &mut *self.standard.program;
         let mut elastic = Elastic::new(program, &reference, &scales, mu.sqrt(), &objective);
         let left = LEFT[self.restorations.min(LEFT.len() - 1)];
-        let mut inner = Solver::new(&mut elastic, options, deadline);
+        let mut inner = Solver::new(&mut elastic, options, stopwatch);
         inner.nested = true;
         let mut enough = false;
         let mut watch = |iteration: &Iteration, inner: &Solver| -> ControlFlow<()> {

@@ -1,13 +1,15 @@
 //! The loop of the method: errors, barrier, Newton step, line search.
 
 use super::super::nlp::{EvaluationError, Program};
+use super::best::Best;
 use super::filter::Filter;
 use super::iterate::{Errors, Iterate, inside};
 use super::kkt::Kkt;
 use super::standard::Standard;
 use super::status::{Iteration, Options, Solution, Status};
+use super::stopwatch::Stopwatch;
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Share by which limits are widened, so that a feasible set of one point has an inside.
 const RELAXATION: f64 = 1e-10;
@@ -39,7 +41,8 @@ pub(super) struct Solver<'a> {
     pub standard: Standard<'a>,
     pub kkt: Kkt,
     pub options: &'a Options,
-    pub deadline: Instant,
+    /// Runs since the solve began.
+    pub stopwatch: Stopwatch,
     pub filter: Filter,
     pub mu: f64,
     pub point: Iterate,
@@ -67,10 +70,11 @@ pub(super) struct Solver<'a> {
     pub clearings: usize,
     acceptable: usize,
     restarts: usize,
+    best: Best,
 }
 
 impl<'a> Solver<'a> {
-    pub fn new(program: &'a mut dyn Program, options: &'a Options, deadline: Instant) -> Self {
+    pub fn new(program: &'a mut dyn Program, options: &'a Options, stopwatch: Stopwatch) -> Self {
         let standard = Standard::new(program, RELAXATION);
         let (n, m) = (standard.n, standard.m);
         let kkt = Kkt::new(&standard);
@@ -87,7 +91,7 @@ impl<'a> Solver<'a> {
             standard,
             kkt,
             options,
-            deadline,
+            stopwatch,
             filter: Filter::default(),
             mu: options.barrier,
             trial: point.clone(),
@@ -108,6 +112,7 @@ impl<'a> Solver<'a> {
             clearings: 0,
             acceptable: 0,
             restarts: 0,
+            best: Best::default(),
         }
     }
 
@@ -194,6 +199,9 @@ impl<'a> Solver<'a> {
                 return Status::NumericalTrouble { cause: error.to_string() };
             }
             let errors = self.errors(0.0);
+            if !self.nested {
+                self.best.see(&self.point, errors.feasibility, self.options.acceptable);
+            }
             if hook(&self.line(&errors), self).is_break() {
                 return Status::Stopped;
             }
@@ -244,7 +252,7 @@ impl<'a> Solver<'a> {
         if self.count >= options.iterations {
             return Some(Status::IterationLimit);
         }
-        (Instant::now() >= self.deadline).then_some(Status::TimeLimit)
+        (self.stopwatch.elapsed() >= self.options.time).then_some(Status::TimeLimit)
     }
 
     /// Lowers the barrier while its problem is solved well enough.
@@ -298,11 +306,33 @@ impl<'a> Solver<'a> {
         self.estimate_multipliers();
     }
 
-    /// The result at the present point.
+    /// Goes back to the best point, with the derivatives there.
+    fn go_back(&mut self) {
+        let missed =
+            (0..self.standard.m).fold(0.0_f64, |m, i| m.max(self.point.row(&self.standard, i).abs()));
+        self.best.see(&self.point, missed, self.options.acceptable);
+        let Some(best) = std::mem::take(&mut self.best).take() else { return };
+        self.point = best;
+        // They could be taken there before.
+        let _ = self.standard.differentiate(&self.point.w[..self.standard.n], &self.point.y);
+    }
+
+    /// Multipliers of the variables' limits, unscaled. That of a variable with one value is what stationarity asks of it.
+    fn bounds(&self) -> Vec<f64> {
+        let (standard, point) = (&self.standard, &self.point);
+        let mut slope = standard.derivatives.gradient.clone();
+        standard.add_transposed(&point.y, &mut slope);
+        let of = |k: usize| if standard.free[k] { point.z_high[k] - point.z_low[k] } else { -slope[k] };
+        (0..standard.n).map(|k| of(k) / standard.objective_scale).collect()
+    }
+
+    /// The result at the present point of an optimum, and at the best one of any other end.
     pub fn solution(mut self, status: Status) -> Solution {
-        let finite = self.point.objective.is_finite();
-        let error = if finite { self.errors(0.0).largest() } else { f64::INFINITY };
-        let violation = self.standard.worst_violation(&self.point.g).1;
+        if !status.is_success() {
+            self.go_back();
+        }
+        let errors = self.point.objective.is_finite().then(|| self.errors(0.0));
+        let (missed, violation) = self.standard.worst_violation(&self.point.g);
         let scale = self.standard.objective_scale;
         let rows = || self.standard.row_scale.iter();
         Solution {
@@ -310,9 +340,12 @@ impl<'a> Solver<'a> {
             objective: self.point.objective / scale,
             constraints: self.point.g.iter().zip(rows()).map(|(g, s)| g / s).collect(),
             multipliers: self.point.y.iter().zip(rows()).map(|(y, s)| y * s / scale).collect(),
+            bounds: self.bounds(),
             iterations: self.count,
-            error,
+            error: errors.map_or(f64::INFINITY, |errors| errors.largest()),
+            infeasibility: errors.map_or(f64::INFINITY, |errors| errors.feasibility),
             violation,
+            missed,
             time: Duration::ZERO,
             x: self.point.w[..self.standard.n].to_vec(),
         }

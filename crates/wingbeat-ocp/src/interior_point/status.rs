@@ -19,7 +19,7 @@ pub enum Status {
     },
     /// The iterations allowed were used up.
     IterationLimit,
-    /// The time allowed was used up.
+    /// The processor time allowed was used up.
     TimeLimit,
     /// The functions or the linear algebra broke down.
     NumericalTrouble {
@@ -53,7 +53,7 @@ impl fmt::Display for Status {
                 write!(f, "infeasible: {channel} misses its limits by {violation:.3e}")
             }
             Self::IterationLimit => write!(f, "iteration limit"),
-            Self::TimeLimit => write!(f, "time limit"),
+            Self::TimeLimit => write!(f, "time limit, of processor time"),
             Self::NumericalTrouble { cause } => write!(f, "numerical trouble: {cause}"),
             Self::CoarseMesh { error } => write!(
                 f,
@@ -121,7 +121,7 @@ pub struct Options {
     pub acceptable: f64,
     /// Most iterations.
     pub iterations: usize,
-    /// Most wall time.
+    /// Most processor time of the thread that solves.
     pub time: Duration,
     /// First barrier parameter.
     pub barrier: f64,
@@ -157,12 +157,19 @@ pub struct Solution {
     /// Multipliers of the constraints: the gradient of
     /// objective + multipliers . constraints vanishes off the limits.
     pub multipliers: Vec<f64>,
+    /// Multipliers of the variables' limits, positive at an upper one: the gradient of objective +
+    /// multipliers . constraints + bounds . x vanishes.
+    pub bounds: Vec<f64>,
     /// Iterations used, those of restorations included.
     pub iterations: usize,
     /// Largest scaled error of the optimality conditions.
     pub error: f64,
+    /// Largest scaled violation of a constraint.
+    pub infeasibility: f64,
     /// Largest violation of a constraint's limits, in its own unit.
     pub violation: f64,
+    /// Name of the constraint that is missed by so much; empty without one.
+    pub missed: String,
     /// Wall time.
     pub time: Duration,
 }

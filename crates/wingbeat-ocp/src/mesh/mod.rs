@@ -2,7 +2,7 @@
 //! error and the change of its objective are small.
 
 use crate::collocation::{Collocation, Transcribed};
-use crate::interior_point::{Iteration, Options, Solution, Status, solve};
+use crate::interior_point::{Iteration, Options, Quality, Solution, Status, Stopwatch, solve};
 use crate::interpolant::Interpolant;
 use crate::multipliers::Multipliers;
 use crate::problem::{OptimalControl, Setup};
@@ -42,6 +42,8 @@ pub struct Refinement {
     pub meshes: usize,
     /// Most intervals.
     pub most_intervals: usize,
+    /// Most iterations of the solver on all meshes together.
+    pub iterations: usize,
     /// The solver on each mesh; its time limit holds for all meshes together.
     pub solver: Options,
 }
@@ -55,6 +57,7 @@ impl Default for Refinement {
             objective_tolerance: 1e-7,
             meshes: 20,
             most_intervals: 2000,
+            iterations: usize::MAX,
             solver: Options::default(),
         }
     }
@@ -97,30 +100,81 @@ pub struct Optimum {
     pub solution: Option<Interpolant>,
     /// Largest error of an interval, relative; infinite when unknown.
     pub error: f64,
+    /// How far the solution misses constraints and optimality; none when nothing could be evaluated.
+    pub misses: Option<Misses>,
+    /// Iterations of the solver on all meshes, those of meshes that gave nothing included.
+    pub iterations: usize,
     /// The meshes, in order.
     pub passes: Vec<Pass>,
     /// Multipliers on the last mesh; none when nothing could be evaluated.
     pub multipliers: Option<Multipliers>,
     /// Wall time.
     pub time: Duration,
+    /// Processor time of the thread that solved.
+    pub processor_time: Duration,
 }
 
-/// Solves `problem` from `guess`, mesh after mesh.
+/// How far a solution on its mesh is from an optimum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Misses {
+    /// Largest violation of a constraint, as the solver scales them.
+    pub infeasibility: f64,
+    /// Largest error of the optimality conditions, scaled likewise.
+    pub residual: f64,
+    /// Largest violation of a constraint in its own unit.
+    pub violation: f64,
+    /// Name of that constraint; empty without one.
+    pub constraint: String,
+}
+
+impl Optimum {
+    /// True when this is better than `other`: an optimum of the lower objective, else the better of two points that are none
+    /// (of the feasible ones the lower, without any the one that misses its constraints less).
+    pub fn beats(&self, other: &Self, acceptable: f64) -> bool {
+        match (self.status.is_success(), other.status.is_success()) {
+            (true, true) => self.objective < other.objective,
+            (false, false) => self.quality().beats(&other.quality(), acceptable),
+            (own, _) => own,
+        }
+    }
+
+    fn quality(&self) -> Quality {
+        let of = |misses: &Misses| Quality { infeasibility: misses.infeasibility, objective: self.objective };
+        self.misses.as_ref().map_or(Quality::NONE, of)
+    }
+}
+
+/// Solves `problem` from `guess`, mesh after mesh. An end without an optimum comes with the best that was met: the optimum of
+/// the last mesh that has one, without any the best point of all iterations.
 pub fn optimise<P: OptimalControl>(
     problem: &P,
     guess: &Trajectory,
     refinement: &Refinement,
     observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Optimum {
-    let mut run = Run { problem, refinement, observer, begin: Instant::now(), passes: Vec::new() };
+    let (begin, stopwatch) = (Instant::now(), Stopwatch::start());
+    let mut run = Run { problem, refinement, observer, stopwatch, iterations: 0, passes: Vec::new() };
     let (status, last) = match refusal(&problem.setup(), guess) {
         Some(status) => (status, None),
         None => run.meshes(guess),
     };
     let (objective, error) = last.as_ref().map_or((f64::NAN, f64::INFINITY), |l| (l.objective, l.error));
+    let misses = last.as_ref().map(|l| l.misses.clone());
     let (solution, multipliers) = last.map(|l| (l.interpolant, l.multipliers)).unzip();
-    let time = run.begin.elapsed();
-    Optimum { status, objective, error, solution, passes: run.passes, multipliers, time }
+    let (time, processor_time) = (begin.elapsed(), stopwatch.elapsed());
+    let Run { passes, iterations, .. } = run;
+    Optimum {
+        status,
+        objective,
+        error,
+        misses,
+        iterations,
+        solution,
+        passes,
+        multipliers,
+        time,
+        processor_time,
+    }
 }
 
 /// What makes a problem unsolvable before anything is computed.
@@ -155,13 +209,24 @@ struct Solved {
     error: f64,
     interpolant: Interpolant,
     multipliers: Multipliers,
+    misses: Misses,
+}
+
+impl Solved {
+    /// True when this is better than `other`, an end without an optimum each.
+    fn beats(&self, other: &Self, acceptable: f64) -> bool {
+        let quality = |of: &Self| Quality { infeasibility: of.misses.infeasibility, objective: of.objective };
+        quality(self).beats(&quality(other), acceptable)
+    }
 }
 
 struct Run<'a, P> {
     problem: &'a P,
     refinement: &'a Refinement,
     observer: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
-    begin: Instant,
+    stopwatch: Stopwatch,
+    /// Of the solver so far.
+    iterations: usize,
     passes: Vec<Pass>,
 }
 
@@ -207,8 +272,14 @@ impl<P: OptimalControl> Run<'_, P> {
         let solver = self.refinement.solver.clone();
         let warm = Options { barrier: WARM_BARRIER, margin: WARM_MARGIN, ..solver.clone() };
         let (status, solved) = self.solve_mesh(mesh.clone(), start, warm);
-        let over = matches!(status, Status::Stopped | Status::TimeLimit);
+        let over = status == Status::Stopped || self.is_over();
         if status.is_success() || over { (status, solved) } else { self.solve_mesh(mesh, start, solver) }
+    }
+
+    /// True when iterations or time are used up.
+    fn is_over(&self) -> bool {
+        self.iterations >= self.refinement.iterations
+            || self.stopwatch.elapsed() >= self.refinement.solver.time
     }
 
     /// The first mesh, uniform; a finer one where the solver finds nothing.
@@ -220,11 +291,19 @@ impl<P: OptimalControl> Run<'_, P> {
                 result.0,
                 Status::Infeasible { .. } | Status::IterationLimit | Status::NumericalTrouble { .. }
             );
-            if !again || result.1.is_none() || 2 * intervals > self.refinement.most_intervals {
+            let fits = 2 * intervals <= self.refinement.most_intervals && !self.is_over();
+            if !again || result.1.is_none() || !fits {
                 break;
             }
             intervals *= 2;
-            result = self.uniform(intervals, guess);
+            let (status, next) = self.uniform(intervals, guess);
+            // Of two that are no optima the better one stays.
+            let acceptable = self.refinement.solver.acceptable;
+            let better = |next: &Solved| {
+                status.is_success() || result.1.as_ref().is_none_or(|last| next.beats(last, acceptable))
+            };
+            let kept = if next.as_ref().is_some_and(better) { next } else { result.1 };
+            result = (status, kept);
         }
         result
     }
@@ -240,19 +319,27 @@ impl<P: OptimalControl> Run<'_, P> {
         guess: &Trajectory,
         options: Options,
     ) -> (Status, Option<Solved>) {
-        let time = options.time.saturating_sub(self.begin.elapsed());
+        let time = options.time.saturating_sub(self.stopwatch.elapsed());
+        let iterations = options.iterations.min(self.refinement.iterations.saturating_sub(self.iterations));
         let scheme = self.refinement.scheme.clone();
         let transcribed = Transcribed { scheme: scheme.clone(), mesh: mesh.clone(), cost_at_nodes: false };
         let mut program = Collocation::new(self.problem, transcribed, guess);
         let start = program.unknowns(guess);
         let observer = &mut *self.observer;
         let mut watch = |iteration: &Iteration| observer(Progress::Iteration(iteration));
-        let options = Options { time, ..options };
+        let options = Options { time, iterations, ..options };
         let solution = match self.problem.setup().scales.is_unit() {
             true => solve(&mut program, &start, &options, &mut watch),
             false => solve_in(&program.sizes(), &mut program, &start, &options, &mut watch),
         };
-        let multipliers = program.multipliers(&solution.x, &solution.multipliers);
+        self.iterations += solution.iterations;
+        let multipliers = program.multipliers(&solution.x, &solution.multipliers, &solution.bounds);
+        let misses = Misses {
+            infeasibility: solution.infeasibility,
+            residual: solution.error,
+            violation: solution.violation,
+            constraint: solution.missed.clone(),
+        };
         let judged = program.trajectory(&solution.x).ok().and_then(|points| {
             let interpolant = Interpolant::new(self.problem, &scheme, points).ok()?;
             Some((interpolant.errors(self.problem).ok()?, interpolant))
@@ -268,7 +355,7 @@ impl<P: OptimalControl> Run<'_, P> {
         let stopped = (self.observer)(Progress::Pass(&pass)).is_break();
         self.passes.push(pass);
         let status = if stopped { Status::Stopped } else { status };
-        (status, Some(Solved { mesh, objective, errors, error, interpolant, multipliers }))
+        (status, Some(Solved { mesh, objective, errors, error, interpolant, multipliers, misses }))
     }
 }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::defects::defects;
 use crate::plant::{Channel, Fault};
 use crate::{Ends, FREE, Instant, Limits};
 use wingbeat_math::Scalar;
@@ -91,4 +92,81 @@ impl OptimalControl for Singular {
 fn singular_dynamics_are_reported() {
     let status = run(&Singular, &Refinement::default()).status;
     assert!(matches!(&status, Status::NumericalTrouble { cause } if cause.contains("rate of x")), "{status}");
+}
+
+/// The cart on up to three meshes with a limit of iterations.
+fn limited(iterations: usize) -> Optimum {
+    run(&CART, &Refinement { intervals: 8, meshes: 3, iterations, ..Refinement::default() })
+}
+
+#[test]
+fn a_limit_of_iterations_returns_the_best_that_was_met() {
+    let whole = limited(usize::MAX);
+    let first = whole.passes[0].iterations;
+    assert!(whole.passes[0].status.is_success() && whole.iterations > first, "{:?}", whole.passes);
+    // Within the first mesh: the best of its points, feasible as far as its own number says.
+    for iterations in [1, 3, first - 1] {
+        let found = limited(iterations);
+        assert_eq!((&found.status, found.iterations), (&Status::IterationLimit, iterations));
+        let misses = found.misses.clone().unwrap();
+        let shown = defects(&CART, &Scheme::hermite_simpson(), &found.solution.unwrap().unknowns()).unwrap();
+        let worst = shown.iter().flatten().fold(0.0_f64, |m, d| m.max(d.abs()));
+        assert!(found.objective.is_finite() && misses.residual > 1e-9, "{misses:?}");
+        assert!((misses.violation - worst).abs() < 1e-9 * (1.0 + worst), "{misses:?} {worst}");
+        assert_eq!(misses.constraint.is_empty(), worst == 0.0, "{misses:?}");
+    }
+    // Within the second: the optimum of the first.
+    let found = limited(first + 1);
+    assert_eq!(found.solution.as_ref().unwrap().intervals(), 8);
+    assert!((found.objective - whole.passes[0].objective).abs() < 1e-12, "{}", found.objective);
+    assert!(!found.status.is_success() || found.error <= 100.0 * Refinement::default().tolerance);
+    // The same however often it is asked.
+    assert_eq!(limited(first + 1).objective.to_bits(), found.objective.to_bits());
+}
+
+#[test]
+fn a_limit_of_time_counts_the_processor_alone() {
+    let solver = Options { time: Duration::from_millis(400), ..Options::default() };
+    let slow = Refinement { solver, ..Refinement::default() };
+    let guess = CART.setup().straight_line();
+    let mut waited = false;
+    let found = optimise(&CART, &guess, &slow, &mut |_| {
+        if !std::mem::replace(&mut waited, true) {
+            std::thread::sleep(Duration::from_millis(500));
+        }
+        ControlFlow::Continue(())
+    });
+    assert!(found.status.is_success() && found.time > Duration::from_millis(500), "{}", found.status);
+    assert!(found.processor_time < Duration::from_millis(400));
+    let none = Options { time: Duration::ZERO, ..Options::default() };
+    let found = run(&CART, &Refinement { solver: none, ..Refinement::default() });
+    assert_eq!(found.status, Status::TimeLimit);
+    assert!(found.objective.is_finite() && found.solution.is_some());
+}
+
+#[test]
+fn defects_of_a_solution_vanish_and_multipliers_meet_the_limits() {
+    for scheme in [Scheme::hermite_simpson(), Scheme::separated_hermite_simpson(), Scheme::lobatto()] {
+        let found = run(
+            &CART,
+            &Refinement { scheme: scheme.clone(), meshes: 1, intervals: 10, ..Refinement::default() },
+        );
+        let (solution, multipliers) = (found.solution.unwrap(), found.multipliers.unwrap());
+        let mut unknowns = solution.unknowns();
+        let worst = |of: &Trajectory| {
+            let found = defects(&CART, &scheme, of).unwrap();
+            found.iter().flatten().fold(0.0_f64, |m, d| m.max(d.abs()))
+        };
+        assert!(worst(&unknowns) < 1e-8, "{}: {:e}", scheme.name, worst(&unknowns));
+        let last = unknowns.t.len() - 1;
+        unknowns.x[last][0] += 1e-3;
+        assert!((worst(&unknowns) - 1e-3).abs() < 1e-8, "{}", scheme.name);
+        // Full thrust, then full counter-thrust: the multipliers have the signs of the limits that hold.
+        let thrust: Vec<f64> = multipliers.bounds.iter().filter_map(|of| of[1].first().copied()).collect();
+        assert!(thrust[0] > 1e-3 && thrust[thrust.len() - 1] < -1e-3, "{thrust:?}");
+        // The time is free, and its costate at the end what one more second would cost: H = -1 all the way.
+        assert_eq!(multipliers.defects.len(), solution.points.t.len());
+        assert!(multipliers.defects[0].is_empty());
+        assert!(multipliers.constants[1].abs() < 1e-6, "{:?}", multipliers.constants);
+    }
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from os import PathLike, fspath
@@ -65,10 +66,16 @@ class Flight(Recorded):
 
 @dataclass(frozen=True, kw_only=True)
 class Plan(Told):
-    """A plan made offline; its status is ``ok`` or ``failed``."""
+    """A plan made offline; its status is ``ok``, ``off_target``, ``outside``, ``not_periodic``, ``not_resolved``, ``not_found`` or
+    ``failed``.
+    """
 
     record: Record | None
-    """The plan as simulated under its inputs; none when nothing was found."""
+    """The plan as simulated under its inputs; none of a plan that misses its constraints."""
+    nodes: Record | None
+    """The plan as the solver has it, a row per node: states, inputs, multipliers; none when nothing could be evaluated."""
+    constants: dict[str, Any] | None
+    """What of it has one value: times, parameters, constraints on the ends, with limits and multipliers."""
     files: dict[str, str] = field(repr=False)
     """Scenarios and cases that follow the plan, by name, as TOML."""
 
@@ -121,7 +128,7 @@ class Stretch:
 
 @dataclass(frozen=True, kw_only=True)
 class Wake(Told):
-    """The vortex lattice of a case or along a flight; its status is ``ok`` or ``failed``."""
+    """The vortex lattice of a case or along a flight; its status is ``ok``, ``not_resolved`` or ``failed``."""
 
     stretches: list[Stretch]
 
@@ -156,7 +163,7 @@ class Calibrated:
 
 @dataclass(frozen=True, kw_only=True)
 class Bench(Told):
-    """A simulated run of the bench; its status is ``ok``, ``refused`` or ``fault``."""
+    """A simulated run of the bench; its status is ``ok``, ``outside``, ``not_found`` or ``failed``."""
 
     name: str
     record: Record | None
@@ -218,8 +225,15 @@ def fly(
 
 def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Plan:
     """Plans what the scenario's ``[plan]`` says."""
-    record, summary, files = _wingbeat.plan(scenario_of(scenario, overrides)._native)
-    return Plan(record=_given(record), summary=judged(summary), files=dict(files))
+    record, nodes, summary, files = _wingbeat.plan(scenario_of(scenario, overrides)._native)
+    points, constants = nodes if nodes is not None else (None, None)
+    return Plan(
+        record=_given(record),
+        nodes=_given(points),
+        constants=None if constants is None else json.loads(constants),
+        summary=judged(summary),
+        files=dict(files),
+    )
 
 
 def trim(

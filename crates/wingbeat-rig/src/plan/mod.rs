@@ -9,7 +9,7 @@ mod track;
 mod turn;
 mod usage;
 
-pub use approach::Approach;
+pub use approach::{Approach, LARGEST_POSITION};
 pub use clearance::{Clearance, Envelope, clearance};
 pub use place::{Margins, Placed, Workspace};
 pub use report::{Plan, Refusal};

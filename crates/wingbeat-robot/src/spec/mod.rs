@@ -108,12 +108,16 @@ impl BodySpec {
 
 /// The name of a file of numbers, or the numbers.
 pub fn file_or_numbers(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-    let numbers = serde_json::json!({
+    schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers_table(generator)] })
+}
+
+/// Numbers by name, with the verdict on their fit.
+pub fn numbers_table(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    schemars::json_schema!({
         "type": "object",
         "properties": { "verdict": generator.subschema_for::<FitVerdict>() },
         "additionalProperties": { "type": "number" }
-    });
-    schemars::json_schema!({ "anyOf": [{ "type": "string" }, numbers] })
+    })
 }
 
 /// The name of a file that holds a `T`, or the `T` itself.

@@ -54,3 +54,20 @@ fn a_motor_turns_the_crank_on_the_rig() {
     let (gait, free) = (TAU * run.frequency(), motor.no_load_speed / gear);
     assert!(mean > 0.1 * free && mean < free && (mean / gait - 1.0).abs() > 0.02, "{mean} of {free} rad/s");
 }
+
+#[test]
+fn a_pose_that_no_joint_can_have_is_an_error() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let run = RigRun::load(&root.join("rigs/runs/roll15_speed08.toml"), &[]).unwrap();
+    let plan = run.plan().unwrap().unwrap_or_else(|refusal| panic!("{refusal}"));
+    let begin = plan.trajectory.position[0].clone();
+    assert!(run.approach(&begin, &plan).unwrap().is_ok());
+    for huge in [1e6, 1e300, -1e300, f64::MAX, f64::INFINITY, f64::NAN] {
+        for joint in 0..begin.len() {
+            let mut from = begin.clone();
+            from[joint] = huge;
+            let message = run.approach(&from, &plan).unwrap_err().to_string();
+            assert!(message.starts_with("from"), "{message}");
+        }
+    }
+}

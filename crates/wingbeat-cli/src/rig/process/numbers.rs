@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Serialize;
-use wingbeat::judge::{Judge, Limits, Verdict};
+use wingbeat::judge::{Judge, Verdict};
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::rig::process::{Comparison, Steps};
 use wingbeat::scenario::{Evaluated, ProcessedRun, Together, Weighed};
@@ -102,10 +102,15 @@ impl Summary {
 
 /// The verdict on the samples of all runs.
 fn verdict(runs: &[ProcessedRun]) -> Verdict {
-    let limits = Limits::default();
-    let mut judge = Judge::new(&limits);
-    runs.iter().flat_map(|run| findings(run, &limits)).for_each(|finding| finding.put(&mut judge));
-    judge.verdict()
+    let judged = runs.iter().map(|one| {
+        let mut judge = Judge::new(&one.run.limits);
+        findings(one, &one.run.limits).into_iter().for_each(|finding| finding.put(&mut judge));
+        one.run.of_fit().into_iter().for_each(|warning| judge.warn(warning));
+        judge.verdict()
+    });
+    let judged: Vec<Verdict> = judged.collect();
+    // Findings name their run themselves.
+    Verdict::together(judged.iter().map(|verdict| ("", verdict)))
 }
 
 /// What the envelope covers.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::scenario::text_of;
 
-use super::super::simulate::Summary;
+use super::super::simulate::Measured;
 use crate::error::Error;
 
 /// A file of samples and its run.
@@ -56,7 +56,7 @@ fn folder(path: &Path, run: Option<&Path>) -> Result<Source, Error> {
     }
     let file = path.join("summary.json");
     let text = text_of(&file).map_err(|source| Error::file(&file, source))?;
-    let summary: Summary =
+    let summary: Measured =
         serde_json::from_str(&text).map_err(|error| Error::Input(format!("{}: {error}", file.display())))?;
     Ok(Source { samples, run: scenario, window: Some(summary.window_s) })
 }

@@ -1,0 +1,55 @@
+//! How far the record of a flight that broke down can be believed.
+
+use wingbeat_flight::simulate::{Ending, Record};
+use wingbeat_judge::Warning;
+use wingbeat_ocp::plant::Fault;
+
+/// Sizes, by unit, beyond which a sample says nothing: the speed of sound, where flow is no longer incompressible; the rate of a
+/// link of 0.1 m whose tip moves at it; and powers, forces and moments that no robot of these models gives. *Choices.*
+const MOST: [(&str, f64); 5] = [("m/s", 343.0), ("rad/s", 3430.0), ("W", 1e4), ("N", 1e3), ("N m", 1e3)];
+
+/// True for an end at which numbers grew without bound, so that the samples before it are no flight either.
+pub(super) fn grew(ending: &Ending) -> bool {
+    matches!(ending, Ending::Fault(fault) if fault.is_not_finite() || matches!(fault, Fault::NotRecorded { .. }))
+}
+
+/// Rows of a record before the first sample that says nothing.
+pub(super) fn rows(record: &Record) -> usize {
+    let most = |unit: &str| MOST.iter().find(|(of, _)| *of == unit).map(|(_, most)| *most);
+    let bounded = record.columns().iter().filter_map(|column| Some((&column.values, most(&column.unit)?)));
+    let first = |(values, most): (&Vec<f64>, f64)| values.iter().position(|value| !(value.abs() <= most));
+    bounded.filter_map(first).min().unwrap_or_else(|| record.rows())
+}
+
+/// What is said of numbers that are left out; `last` is the time of the last sample that counts, s.
+pub(super) fn left_out(last: Option<f64>) -> Warning {
+    let until = match last {
+        Some(last) => format!("the way is that up to t = {last:.4} s, the last sample of a size that can be"),
+        None => "no sample is of a size that can be".into(),
+    };
+    let text = format!("numbers grew without bound: means are left out, and {until}");
+    let warning = Warning::new("flight.left_out", text);
+    last.map_or(warning.clone(), |last| warning.size(last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wingbeat_flight::simulate::Column;
+
+    #[test]
+    fn rows_end_where_a_size_cannot_be() {
+        let column = |name: &str, unit: &str, values: &[f64]| Column {
+            values: values.to_vec(),
+            ..Column::new(name, unit, "")
+        };
+        let of = |speed: [f64; 3], power: [f64; 3]| {
+            let columns =
+                vec![column("phase", "rad", &[1e9; 3]), column("v", "m/s", &speed), column("p", "W", &power)];
+            rows(&Record::new(columns, 3).unwrap())
+        };
+        assert_eq!(of([1.0, 2.0, 3.0], [0.1, -0.2, 0.3]), 3);
+        assert_eq!(of([1.0, 2.0, 400.0], [0.1, -3.9e9, 0.3]), 1);
+        assert_eq!(of([f64::NAN, 2.0, 3.0], [0.1, 0.2, 0.3]), 0);
+    }
+}

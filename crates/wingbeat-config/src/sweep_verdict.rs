@@ -1,0 +1,84 @@
+//! The verdict on a sweep.
+
+use super::{Sweep, SweepOf};
+use std::collections::BTreeMap;
+use wingbeat_flight::simulate::Record;
+use wingbeat_judge::limits::sweep;
+use wingbeat_judge::{Judge, Status, Verdict};
+
+/// How many runs ended how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SweepCounts {
+    /// Runs of the sweep.
+    pub runs: usize,
+    /// Those that were carried out to their end: what tables and figures are of.
+    pub completed: usize,
+    /// Those of them whose own verdict lets them be used.
+    pub usable: usize,
+    /// Runs by the status of their own verdict.
+    pub statuses: BTreeMap<&'static str, usize>,
+}
+
+/// The status that a number of the column `status` stands for.
+fn status(number: f64) -> Option<Status> {
+    Status::ALL.into_iter().enumerate().find(|(place, _)| *place as f64 == number).map(|(_, status)| status)
+}
+
+impl SweepCounts {
+    /// Of the rows of a sweep.
+    pub fn new(record: &Record) -> Self {
+        let column = |name: &str| record.values(name).unwrap_or_default();
+        let statuses: Vec<Status> = column("status").iter().filter_map(|number| status(*number)).collect();
+        let mut counts = Self {
+            runs: record.rows(),
+            completed: column("completed").iter().filter(|done| **done == 1.0).count(),
+            usable: Self::usable_rows(record).len(),
+            statuses: BTreeMap::new(),
+        };
+        statuses.iter().for_each(|status| *counts.statuses.entry(status.name()).or_default() += 1);
+        counts
+    }
+
+    /// Rows of the completed runs whose own verdict lets them be used.
+    pub fn usable_rows(record: &Record) -> Vec<usize> {
+        let column = |name: &str| record.values(name).unwrap_or_default();
+        let rows = column("completed").iter().zip(column("status")).enumerate();
+        let usable = |(done, number): (&f64, &f64)| {
+            *done == 1.0 && status(*number).is_some_and(|status| status.exit_code() == 0)
+        };
+        rows.filter(|(_, row)| usable(*row)).map(|(row, _)| row).collect()
+    }
+
+    /// In words, the best first: "20 ok, 3 off_target, 1 failed".
+    pub fn words(&self) -> String {
+        let of = |status: &Status| Some(format!("{} {}", self.statuses.get(status.name())?, status.name()));
+        Status::ALL.iter().filter_map(of).collect::<Vec<_>>().join(", ")
+    }
+}
+
+impl Sweep {
+    /// Holds the runs of a sweep, a row each, against its limits.
+    pub fn verdict(&self, record: &Record) -> Verdict {
+        let counts = SweepCounts::new(record);
+        let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
+        let mut judge = Judge::new(&self.limits);
+        if counts.completed == 0 {
+            judge.find(Status::Failed, "no run was carried out to its end");
+        }
+        judge.hold(&sweep::COMPLETED, share(counts.completed, counts.runs));
+        judge.hold(&sweep::FAILED, share(counts.runs - counts.completed, counts.runs));
+        match self.of {
+            SweepOf::Flights(_) => {
+                let held = record.values("held").unwrap_or_default();
+                let held = held.iter().filter(|held| **held == 1.0).count();
+                judge.hold(&sweep::HELD, share(held, counts.runs));
+            }
+            SweepOf::Cases if counts.completed > 0 => {
+                judge.hold(&sweep::USABLE, share(counts.usable, counts.completed));
+            }
+            SweepOf::Cases => {}
+        }
+        self.of_fits().into_iter().for_each(|warning| judge.warn(warning));
+        judge.verdict()
+    }
+}

@@ -1,0 +1,20 @@
+//! Limits of a sweep. All values are choices.
+
+use super::Limit;
+use crate::status::Status::{NotResolved, OffTarget};
+
+/// Of fewer runs the shares and quantiles say little of the whole.
+pub const COMPLETED: Limit = Limit::at_least("sweep.completed_fraction", 0.5, "", NotResolved)
+    .on("share of the runs that were carried out to their end");
+/// Runs that broke down, which no quantile knows.
+pub const FAILED: Limit = Limit::warn_above("sweep.failed_fraction", 0.0, "")
+    .on("tables and figures leave out the runs that broke down: share of them");
+/// Runs that ended, and whose own verdict says that they cannot be used.
+pub const USABLE: Limit = Limit::warn_below("sweep.usable_fraction", 1.0, "")
+    .on("share of the completed runs that their own verdict lets be used");
+/// How many flights hold is what a sweep is there to find, so the limit is one that only a document raises.
+pub const HELD: Limit =
+    Limit::at_least("sweep.held_fraction", 0.0, "", OffTarget).on("share of the flights that are held");
+
+/// All of them.
+pub const ALL: [Limit; 4] = [COMPLETED, FAILED, USABLE, HELD];

@@ -1,0 +1,19 @@
+//! Limits of a wake of the vortex lattice. All values are choices.
+
+use super::Limit;
+use crate::status::Status::NotResolved;
+
+/// A symmetric motion whose halves drift apart.
+pub const DRIFTED: Limit = Limit::warn_above("wake.symmetry_fraction", 0.01, "").on(
+    "left and right of a symmetric motion drift apart, the free wake is not resolved where it meets the wing or itself \
+     (try --prescribed, a larger --core or more --steps): largest difference of a ring and its mirror image over the largest ring",
+);
+/// Halves that have nothing to do with each other any more.
+pub const LOST: Limit = Limit::at_most("wake.symmetry_lost_fraction", 0.5, "", NotResolved)
+    .on("largest difference of a ring and its mirror image over the largest ring");
+/// The sum of all circulations, which Kelvin's theorem keeps at zero: rounding leaves 1e-12.
+pub const KELVIN: Limit = Limit::at_most("wake.circulation_error", 1e-6, "", NotResolved)
+    .on("sum of all circulations over the largest one");
+
+/// All of them.
+pub const ALL: [Limit; 3] = [DRIFTED, LOST, KELVIN];
