@@ -298,6 +298,7 @@ fn after_a_fault(tried: &Tried, ended: &Ended) -> Result<(), String> {
         Some(2) if ended.stderr.contains("error") => {}
         Some(2) => return Err("exit 2 without a message".into()),
         code if code == tried.exit => {
+            tried.renamed(ended)?;
             return tried.whole().map_err(|what| format!("exit {code:?}, but {what}"));
         }
         code => return Err(format!("exit {code:?}: {}", ended.stderr.trim())),
