@@ -3,6 +3,7 @@
 mod build;
 mod calibration;
 mod chosen;
+mod cost;
 mod document;
 mod doors;
 mod estimate;
@@ -46,6 +47,7 @@ pub use calibration::{
     TruthSpec, VariedSpec,
 };
 pub use chosen::{Chosen, Named};
+pub use cost::{CostLine, CostSummary};
 pub use document::{
     ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, nearest_names, text_of, unit,
 };
@@ -425,6 +427,7 @@ impl Scenario {
         step_error_m: Option<f64>,
     ) -> Summary {
         let context = summary::Context {
+            mass: self.robot.mass(),
             manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),
             limits: self.limits.clone(),

@@ -132,6 +132,7 @@ impl TetherCase {
             mean_lift_n: run.mean("force_wind_lift"),
             mean_thrust_n: run.mean("thrust"),
             mean_power_w: run.mean("power"),
+            mean_positive_power_w: run.mean_positive_power(),
             propulsive_efficiency: run.efficiency,
             periodicity: run.periodicity.clone(),
             smoothed: self.smoothed.clone(),
@@ -213,8 +214,10 @@ pub struct TetherSummary {
     pub mean_lift_n: Option<f64>,
     /// Mean force against the wind over the last cycle, N.
     pub mean_thrust_n: Option<f64>,
-    /// Mean power that the motion gives to the air over the last cycle, W.
+    /// Mean power that the motion gives to the air over the last cycle, W, with what it takes from the air: the net power.
     pub mean_power_w: Option<f64>,
+    /// Mean of the positive part of that power, W: what a drive gives that takes nothing back.
+    pub mean_positive_power_w: Option<f64>,
     /// Mean thrust times wind speed over mean power; negative where the wing drags.
     pub propulsive_efficiency: Option<f64>,
     /// How far the last cycle is from the one before; none of a single cycle.

@@ -178,8 +178,11 @@ fn table(summary: &TetherSummary) -> String {
         text += format!("{name:<22}{mean:>11.5}{low:>11.5}{high:>11.5}  {unit}").trim_end();
         text.push('\n');
     }
+    if let (Some(positive), Some(net)) = (summary.mean_positive_power_w, summary.mean_power_w) {
+        text += &format!("\nmean power given to the air: positive part {positive:.5} W, net {net:.5} W\n");
+    }
     if let Some(efficiency) = summary.propulsive_efficiency {
-        text += &format!("\npropulsive efficiency, mean thrust x wind speed / mean power: {efficiency:.4}\n");
+        text += &format!("propulsive efficiency, mean thrust x wind speed / mean power: {efficiency:.4}\n");
     }
     if let Some(Periodicity { change, quantity }) = &summary.periodicity {
         text += &format!("last two cycles: {:.2e} % apart ({quantity})\n", 100.0 * change);
