@@ -9,6 +9,9 @@ use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, style, weight};
 
+/// Height of all panels at most, px: with head and foot that of a page.
+const PAGE: f64 = 6.0 * style::PANEL;
+
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// Roll and pitch, heading, position, what carries the weight, and the robot's joints over time.
@@ -47,7 +50,8 @@ pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error>
     ];
     panels.extend(weight::panel(record));
     panels.extend(moving(record).iter().map(|joint| panel(joint, t)));
-    Ok(Figure::new("states", stacked(panels, "time [s]", style::PANEL)))
+    let height = style::PANEL.min(PAGE / panels.len() as f64);
+    Ok(Figure::new("states", stacked(panels, "time [s]", height)))
 }
 
 /// The joint over time; of a pair the left one broad, which the right one may cover.

@@ -10,46 +10,63 @@ use crate::panel::{Curve, Panel};
 /// Share of the weight that a part must reach somewhere to have a curve.
 const SHOWN: f64 = 0.01;
 
-/// The shares of the weight by part with their sum, as means over a stroke about each instant; at each instant where the record holds no
-/// whole stroke. None without the columns.
+/// Points of a curve of means: they hardly change within a part of a stroke.
+const POINTS: usize = 240;
+
+/// The shares of the weight by part with their sum, as means over the stroke about each instant, where one lies within the record; at
+/// each instant where the record holds no whole stroke. None without the columns.
 pub fn panel(record: &Record) -> Option<Panel> {
     let (t, phase) = (record.values("t")?, record.values("phase")?);
     let windows = windows(phase);
+    let windows: Vec<&Window> = windows.iter().step_by(windows.len().div_ceil(POINTS).max(1)).collect();
     let share = |part: WeightPart| Some((part, averaged(record.values(&Cost::column(part))?, &windows)));
     let shares: Vec<(WeightPart, Vec<f64>)> =
         WeightPart::ALL.into_iter().map(share).collect::<Option<_>>()?;
+    let t: Vec<f64> =
+        if windows.is_empty() { t.to_vec() } else { windows.iter().map(|w| t[w.row]).collect() };
     let total = (0..t.len()).map(|k| shares.iter().map(|(_, share)| share[k]).sum()).collect();
     let seen = |share: &Vec<f64>| share.iter().any(|share| share.abs() >= SHOWN);
     let mut curves: Vec<Curve> = shares
         .into_iter()
         .filter(|(_, share)| seen(share))
         .enumerate()
-        .map(|(index, (part, share))| Curve::new(part.words(), t, share, index))
+        .map(|(index, (part, share))| Curve::new(part.words(), &t, share, index))
         .collect();
-    curves.push(Curve::total("sum", t, total));
+    curves.push(Curve::total("sum", &t, total));
     let title =
         if windows.is_empty() { "share of the weight" } else { "share of the weight, mean over a stroke" };
     Some(Panel { levels: vec![0.0, 1.0], ..Panel::new(title, curves) })
 }
 
-/// First row and the one after the last of the stroke about each row, cut at the ends of the record; none without a whole stroke.
-fn windows(phase: &[f64]) -> Vec<(usize, usize)> {
-    let whole = matches!(phase, [first, .., last] if last - first >= TAU);
+/// The rows of the stroke about a row.
+struct Window {
+    row: usize,
+    from: usize,
+    to: usize,
+}
+
+/// The strokes about the rows about which a whole one lies within the record.
+fn windows(phase: &[f64]) -> Vec<Window> {
+    let (Some(first), Some(last)) = (phase.first(), phase.last()) else { return Vec::new() };
     let (mut from, mut to) = (0, 0);
-    let about = |at: &f64| {
-        while phase[from] < at - 0.5 * TAU {
+    let about = |(row, at): (usize, &f64)| {
+        let (begin, end) = (at - 0.5 * TAU, at + 0.5 * TAU);
+        if begin < *first || end > *last {
+            return None;
+        }
+        while phase[from] < begin {
             from += 1;
         }
-        while to < phase.len() && phase[to] < at + 0.5 * TAU {
+        while to < phase.len() && phase[to] < end {
             to += 1;
         }
-        (from, to)
+        Some(Window { row, from, to })
     };
-    if whole { phase.iter().map(about).collect() } else { Vec::new() }
+    phase.iter().enumerate().filter_map(about).collect()
 }
 
 /// Means over the windows, by sums from the begin; where there are none the values.
-fn averaged(values: &[f64], windows: &[(usize, usize)]) -> Vec<f64> {
+fn averaged(values: &[f64], windows: &[&Window]) -> Vec<f64> {
     if windows.is_empty() {
         return values.to_vec();
     }
@@ -57,7 +74,7 @@ fn averaged(values: &[f64], windows: &[(usize, usize)]) -> Vec<f64> {
     for (k, value) in values.iter().enumerate() {
         sums[k + 1] = sums[k] + value;
     }
-    windows.iter().map(|(from, to)| (sums[*to] - sums[*from]) / (to - from) as f64).collect()
+    windows.iter().map(|w| (sums[w.to] - sums[w.from]) / (w.to - w.from) as f64).collect()
 }
 
 #[cfg(test)]
@@ -68,8 +85,11 @@ mod tests {
     fn a_stroke_averages_what_repeats_with_it() {
         let phase: Vec<f64> = (0..=400).map(|k| 0.3 + f64::from(k) * TAU / 100.0).collect();
         let values: Vec<f64> = phase.iter().map(|p| 0.7 + 5.0 * p.sin()).collect();
-        let means = averaged(&values, &windows(&phase));
-        assert!(means[50..350].iter().all(|mean| (mean - 0.7).abs() < 1e-12), "{means:?}");
-        assert_eq!(averaged(&values[..50], &windows(&phase[..50])), values[..50]);
+        let strokes = windows(&phase);
+        assert!(strokes.len() > 298 && strokes[0].row >= 50, "{}", strokes.len());
+        let means = averaged(&values, &strokes.iter().collect::<Vec<_>>());
+        assert!(means.iter().all(|mean| (mean - 0.7).abs() < 1e-12), "{means:?}");
+        assert!(windows(&phase[..50]).is_empty());
+        assert_eq!(averaged(&values[..50], &[]), values[..50]);
     }
 }

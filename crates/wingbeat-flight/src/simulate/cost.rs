@@ -1,7 +1,11 @@
 //! What a flight costs: the power of its joints, and what carries the weight.
 
 use super::record::{Column, Record};
+use std::f64::consts::TAU;
 use wingbeat_robot::{Observation, WeightPart, WeightShares};
+
+/// Strokes that rounding may lack.
+const ROUNDING: f64 = 1e-9;
 
 /// Columns of the powers from which a cost is taken.
 const POWERS: [&str; 2] = ["joint_power", "separate_power"];
@@ -55,8 +59,10 @@ impl Cost {
         })
     }
 
-    /// The mean over the rows of a record from `first` on; none where it lacks a column or a row.
+    /// The mean over the last whole strokes among the rows of a record from `first` on, over all of them where there is no whole stroke;
+    /// none where it lacks a column or a row.
     pub fn of_record(record: &Record, first: usize) -> Option<Self> {
+        let first = first + before_whole_strokes(record.values("phase")?.get(first..)?);
         let from = |name: &str| record.values(name)?.get(first..);
         let powers = [from(POWERS[0])?, from(POWERS[1])?];
         let shares: Vec<&[f64]> =
@@ -81,6 +87,18 @@ impl Cost {
     }
 }
 
+/// Rows before the last whole strokes of a record that holds one.
+fn before_whole_strokes(phase: &[f64]) -> usize {
+    let [first, .., last] = phase else { return 0 };
+    let strokes = ((last - first) / TAU + ROUNDING).floor();
+    if strokes < 1.0 {
+        return 0;
+    }
+    // The row that is whole strokes before the last one is the same instant of the stroke, and counts once.
+    let begin = last - TAU * (strokes - ROUNDING);
+    phase.partition_point(|phase| *phase <= begin)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,5 +110,14 @@ mod tests {
         let mean = Cost::mean(instants.into_iter()).unwrap();
         assert_eq!((mean.positive_power, mean.separate_power, mean.net_power), (1.0, 2.0, 0.5));
         assert_eq!(Cost::mean(std::iter::empty()), None);
+    }
+
+    #[test]
+    fn parts_of_a_stroke_do_not_count() {
+        let phase: Vec<f64> = (0..=130).map(|k| 1.0 + f64::from(k) * TAU / 50.0).collect();
+        let first = before_whole_strokes(&phase);
+        assert_eq!((first, phase.len() - first), (31, 100));
+        assert_eq!(before_whole_strokes(&phase[..40]), 0);
+        assert_eq!(before_whole_strokes(&[0.0; 9]), 0);
     }
 }

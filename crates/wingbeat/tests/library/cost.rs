@@ -76,6 +76,7 @@ fn the_shares_of_the_weight_sum_to_the_upward_force() {
             assert_eq!(least(Vortex) > 0.0, law == "lev", "{file} {preset} {law}");
             assert!(least(Separated) > 0.0 && least(Friction) > 0.0 && least(Suction) > 0.0);
             let cost = Cost::of_record(record, 0).unwrap();
+            // The record is shorter than a stroke: all of it counts.
             let up = (0..record.rows()).map(|row| carried(record, row, mass, &air)).sum::<f64>();
             assert!((cost.carried() - up / record.rows() as f64).abs() < 1e-12);
             assert!(cost.separate_power >= cost.positive_power && cost.positive_power >= cost.net_power);
