@@ -78,7 +78,7 @@ pub use sweep::{Sweep, SweepOf};
 pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 pub use tether::{TetherCase, TetherSummary};
-pub use tether_compare::{CompareSpec, Compared, Comparison};
+pub use tether_compare::{CompareSpec, Compared, Comparison, mended_in_compare};
 pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
 pub use tether_spec::{
     ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,

@@ -2,7 +2,7 @@
 
 use super::fit::rejected_fit;
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::{ConfigError, CoordinateSpec, Document, Smoothed};
+use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use wingbeat_aero::{Aero, Planform};
@@ -117,11 +117,17 @@ impl TetherCase {
         Document::value("case", &spec)?.resolved()
     }
 
-    /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps.
-    pub fn summary(&self, run: &TetherRun, step_change: Option<f64>) -> TetherSummary {
+    /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps, and `compared` what was found of a
+    /// measurement.
+    pub fn summary(
+        &self,
+        run: &TetherRun,
+        step_change: Option<f64>,
+        compared: Option<&Comparison>,
+    ) -> TetherSummary {
         let law = self.tether.aero.law();
         TetherSummary {
-            verdict: self.verdict(run, step_change),
+            verdict: self.verdict(run, step_change, compared),
             name: self.spec.name.clone(),
             preset: self.spec.aero.preset.name(),
             lift_law: law.name(),
@@ -140,8 +146,8 @@ impl TetherCase {
         }
     }
 
-    /// What the run is held against, with the tables of its motion.
-    fn verdict(&self, run: &TetherRun, step_change: Option<f64>) -> Verdict {
+    /// What the run is held against, with the tables of its motion and a measurement.
+    fn verdict(&self, run: &TetherRun, step_change: Option<f64>, compared: Option<&Comparison>) -> Verdict {
         let mut judge = Judge::new(&self.limits);
         match run.ending {
             Ending::Complete => {}
@@ -165,7 +171,8 @@ impl TetherCase {
             .chain(step_change.and_then(|change| self.coarse(change)))
             .chain(rejected_fit(&self.spec.numbers))
             .for_each(|warning| judge.warn(warning));
-        self.found.iter().cloned().for_each(|finding| finding.put(&mut judge));
+        let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
+        found.cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
     }
 

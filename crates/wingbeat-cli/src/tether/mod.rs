@@ -55,16 +55,17 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
     let run = simulate(&case.tether, &interrupt, options.quiet)?;
     let step_change = case.step_change(&run, |other| simulate(other, &interrupt, true))?;
+    let comparison = match &measured {
+        Some(measured) if run.ending == Ending::Complete => Some(measured.compare(&case, &run)?),
+        _ => None,
+    };
     let found = Found {
-        summary: case.summary(&run, step_change),
+        summary: case.summary(&run, step_change, comparison.as_ref()),
         convergence: match arguments.converge {
             true => Some(converge::converge(&case, &tables, &interrupt, options.quiet)?),
             false => None,
         },
-        comparison: match &measured {
-            Some(measured) if run.ending == Ending::Complete => Some(measured.compare(&case, &run)?),
-            _ => None,
-        },
+        comparison,
         run,
     };
     folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
