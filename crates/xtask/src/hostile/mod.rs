@@ -13,6 +13,7 @@ mod pictures;
 mod place;
 mod readers;
 mod runs;
+mod series;
 mod sizes;
 mod snapshot;
 mod status;
