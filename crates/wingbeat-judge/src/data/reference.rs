@@ -50,6 +50,7 @@ pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
         pairs.iter().zip(&told).filter(|(_, told)| told.share > TELLING && told.computed > 0.0).collect();
     let about = |pair: &Pair| format!("{} of {what}", pair.name);
     let mut found = swapped(what, &telling);
+    found.extend(repeated(what, &telling));
     if !found.iter().any(|finding| finding.breaks(limits)) {
         found.extend(telling.iter().map(|(pair, told)| reversed(about(pair), told)));
         let dead = |(pair, told): &(&Pair, &Told)| dead(about(pair), pair, told).in_channel(pair.name);
@@ -154,6 +155,28 @@ fn unrelated(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
          of a multiple of the frequency, or noise"
     );
     (!telling.is_empty()).then(|| Finding::new("data.unrelated", &UNRELATED, what, best, text))
+}
+
+/// Channels that hold the very values of another one, though other loads are computed for them; of two the one that fits worse.
+fn repeated(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for (k, (pair, told)) in telling.iter().enumerate() {
+        for (other, its) in &telling[..k] {
+            let alike = correlation(pair.computed, other.computed, 0).abs() > ALIKE[0];
+            if alike || told.measured == 0.0 || pair.measured != other.measured {
+                continue;
+            }
+            let (size, [name, from]) = match told.now.abs() < its.now.abs() {
+                true => (its.now.abs() - told.now.abs(), [pair.name, other.name]),
+                false => (told.now.abs() - its.now.abs(), [other.name, pair.name]),
+            };
+            let text = format!(
+                "holds the very values of {from}, and does not fit what is computed for it: one column for two"
+            );
+            found.push(Finding::new("data.swapped", &SWAPPED, format!("{name} of {what}"), size, text));
+        }
+    }
+    found
 }
 
 /// Channels of one unit that would each fit another one much better, as a permutation.
