@@ -10,6 +10,8 @@ use crate::panel::{Curve, Panel};
 /// Share of the weight that a part must reach somewhere to have a curve.
 const SHOWN: f64 = 0.01;
 
+/// Phase by which rows may be off by rounding, rad.
+const ROUNDING: f64 = 1e-9;
 /// Points of a curve of means: they hardly change within a part of a stroke.
 const POINTS: usize = 240;
 
@@ -50,8 +52,9 @@ fn windows(phase: &[f64]) -> Vec<Window> {
     let (Some(first), Some(last)) = (phase.first(), phase.last()) else { return Vec::new() };
     let (mut from, mut to) = (0, 0);
     let about = |(row, at): (usize, &f64)| {
-        let (begin, end) = (at - 0.5 * TAU, at + 0.5 * TAU);
-        if begin < *first || end > *last {
+        // A row at the begin counts and one at the end does not, whatever their rounding.
+        let (begin, end) = (at - 0.5 * TAU - ROUNDING, at + 0.5 * TAU - ROUNDING);
+        if begin + 2.0 * ROUNDING < *first || end > *last {
             return None;
         }
         while phase[from] < begin {
