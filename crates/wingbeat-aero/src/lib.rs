@@ -19,7 +19,7 @@ pub use law::{
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;
-pub use loads::{Circulation, Coupling, ImpulseRates, LoadSource, Loads, StripLoads};
+pub use loads::{Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, StripLoads};
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
 pub use planform::{COORDINATE, Gap, Planform, PlanformStation, Span};
 pub use section_settings::SectionSettings;

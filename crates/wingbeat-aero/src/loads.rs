@@ -117,6 +117,26 @@ impl<S: Scalar> std::ops::AddAssign for StripLoads<S> {
     }
 }
 
+/// Forces that are parts of a source and that the sources do not tell apart, N.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ForceDetail<S: Scalar> {
+    /// Leading-edge suction along the zero-lift line, part of the circulatory force.
+    pub suction: Vec3<S>,
+    /// Normal force of the leading-edge vortex of law `lev`, part of the circulatory force.
+    pub vortex: Vec3<S>,
+    /// What `cd90` gives: the normal force of separated flow, or under law `linear` the drag that grows with the square of
+    /// the incidence's sine; part of the profile drag.
+    pub plate: Vec3<S>,
+}
+
+impl<S: Scalar> std::ops::AddAssign for ForceDetail<S> {
+    fn add_assign(&mut self, o: Self) {
+        self.suction += o.suction;
+        self.vortex += o.vortex;
+        self.plate += o.plate;
+    }
+}
+
 /// What coordinates beyond the six of the body take from a surface.
 #[derive(Debug)]
 pub struct Coupling<'a, G: Scalar, S: Scalar> {
@@ -193,6 +213,8 @@ pub struct Loads<S: Scalar> {
     pub quarter_chord: [Vec3<S>; MAX_STRIPS],
     /// Number of strips.
     pub strips: usize,
+    /// Parts of the forces of each strip, where they are asked for: nothing but a record needs them.
+    pub detail: Option<[ForceDetail<S>; MAX_STRIPS]>,
 }
 
 impl<S: Scalar> Default for Loads<S> {
@@ -209,11 +231,29 @@ impl<S: Scalar> Default for Loads<S> {
             suction_lost: [S::ZERO; MAX_STRIPS],
             quarter_chord: [Vec3::ZERO; MAX_STRIPS],
             strips: 0,
+            detail: None,
         }
     }
 }
 
 impl<S: Scalar> Loads<S> {
+    /// Empty loads that are to tell the parts of the forces too.
+    pub fn detailed() -> Self {
+        Self { detail: Some([ForceDetail::default(); MAX_STRIPS]), ..Self::default() }
+    }
+
+    /// Sum of the parts over the strips, each times its weight (1 beyond the end of `weights`); zero where they were not
+    /// asked for.
+    pub fn detail_sum(&self, weights: &[S]) -> ForceDetail<S> {
+        let mut sum = ForceDetail::default();
+        let weight = |i: usize| weights.get(i).copied().unwrap_or(S::ONE);
+        for (i, part) in self.detail.iter().flat_map(|detail| &detail[..self.strips]).enumerate() {
+            let of = |force: Vec3<S>| force * weight(i);
+            sum += ForceDetail { suction: of(part.suction), vortex: of(part.vortex), plate: of(part.plate) };
+        }
+        sum
+    }
+
     /// Sum over strips by source.
     pub fn by_source(&self) -> StripLoads<S> {
         let mut sum = StripLoads::default();

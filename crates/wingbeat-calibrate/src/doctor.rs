@@ -1,10 +1,13 @@
 //! What the measured loads of a case say of themselves and beside the model, before they are fitted.
 
 use crate::tethered::LOADS;
-use crate::{CaseTarget, Error, Layout, Observed, PHASES, Structure, phase_of};
-use wingbeat::judge::Limits;
+use crate::{CaseTarget, Error, Layout, Observed, PHASES, Problem, Structure, phase_of};
+use nalgebra::DVector;
 use wingbeat::judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined};
+use wingbeat::judge::limits::data::GAIN;
+use wingbeat::judge::{Limits, Warning};
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::scenario::mended_in_compare;
 
 /// What is wrong with the samples of one file at `phase` (cycles): `of` are the channels that it has.
 pub fn findings(
@@ -21,7 +24,7 @@ pub fn findings(
         channels: of.iter().map(channel).collect(),
         purpose: Purpose::Loads,
     };
-    examined(&series, &target.case.limits).into_iter().map(keyed).collect()
+    examined(&series, &target.case.limits).into_iter().map(mended_in_compare).collect()
 }
 
 /// What of the mean cycle of `run` cannot be the one that the model predicts.
@@ -39,34 +42,114 @@ fn beside(run: &Observed, predicted: &[f64], limits: &Limits) -> Vec<Finding> {
             computed: &cycles[c][1],
         })
         .collect();
-    compared(&run.name, &pairs, limits).into_iter().map(keyed).collect()
+    compared(&run.name, &pairs, limits).into_iter().map(mended_in_compare).collect()
 }
 
-/// What is wrong with the cases of `structure`: what their samples say, and their cycles beside those predicted with `values`.
+/// The runs as what they tell is reckoned from: channels that are dead or were stuck count as not measured, as the noise of what does not
+/// move promises what no channel tells. None where all channels move.
+///
+/// # Errors
+/// A case of which no channel moves.
+pub fn telling(
+    structure: &Structure,
+    runs: &[Observed],
+    found: &[Vec<Finding>],
+) -> Result<Option<Vec<Observed>>, Error> {
+    let first = structure.model.targets.len();
+    let mut telling = runs.to_vec();
+    for (run, found) in telling[first..].iter_mut().zip(found) {
+        for finding in found.iter().filter(|finding| finding.is_silence()) {
+            let silent = |i: &usize| finding.channel.is_empty() || finding.channel == LOADS[*i];
+            let silent: Vec<usize> = (0..LOADS.len()).filter(|i| silent(i) && run.is_measured(*i)).collect();
+            run.unmeasured.extend(silent);
+            if run.unmeasured.len() == LOADS.len() {
+                let first = found.first().unwrap_or(finding);
+                return Err(Error::data(&run.name, first.words()));
+            }
+        }
+        run.unmeasured.sort_unstable();
+    }
+    let changed = telling.iter().zip(runs).any(|(own, run)| own.unmeasured != run.unmeasured);
+    Ok(changed.then_some(telling))
+}
+
+/// Standard errors of a gain within which it says nothing: of noise one of 370 lies beyond.
+const BELIEVED: f64 = 3.0;
+
+/// What the runs say of the gain of the cell: those that weigh the robot at rest in several attitudes are held against its weight. Where none
+/// does so well enough, a gain that is wrong looks like a slope or a density that is wrong, and the warning says so.
 ///
 /// # Errors
 /// A model without an answer.
-pub fn suspected(structure: &Structure, runs: &[Observed], values: &[f64]) -> Result<Vec<Finding>, Error> {
+pub fn gains(
+    structure: &Structure,
+    problem: &Problem,
+    values: &[f64],
+    limits: &Limits,
+) -> Result<(Vec<Finding>, Option<Warning>), Error> {
     let model = &structure.model;
-    let mut found = Vec::new();
-    for (case, run) in model.cases.iter().zip(&runs[model.targets.len()..]) {
-        found.extend(run.found.iter().cloned());
-        found.extend(beside(run, &case.predict(&model.numbers(values))?, &case.case.limits));
+    let fitted = structure.parameters.iter().find(|p| p.name.ends_with("mass_kg") && p.prior.is_none());
+    let (mut found, mut weighed, allowed) = (Vec::new(), false, limits.of(&GAIN).0);
+    for (k, target) in model.targets.iter().enumerate().filter(|(_, target)| target.tilts().is_some()) {
+        let predicted = target.predict(&model.numbers(values))?;
+        let Some([gain, error]) = weighing(problem, k, &predicted) else { continue };
+        weighed |= BELIEVED * error < allowed;
+        let (name, size) = (&problem.runs[k].name, (gain - 1.0).abs());
+        let text = format!(
+            "weighs the robot as {gain:.3} +- {error:.3} times its weight in the model: the gain of the cell or the mass is \
+             wrong"
+        );
+        let told = size > allowed && size > BELIEVED * error;
+        found.extend(told.then(|| Finding::scaled(name, size, text)));
     }
-    Ok(found)
+    let why = match fitted {
+        Some(mass) => format!("{} is fitted without a prior, and takes a wrong gain up", mass.name),
+        None if weighed => return Ok((found, None)),
+        None => {
+            "no run weighs the robot at rest in several attitudes (hold.tilts_deg) well enough".to_owned()
+        }
+    };
+    let text = format!(
+        "the gain of the cell is not checked: {why}; a gain that is 15 % too large looks like a slope that is 15 % too large. Hang a \
+         known mass on the cell"
+    );
+    Ok((found, Some(Warning::new("calibration.gain_unchecked", text))))
+}
+
+/// The factor on the forces `predicted` of run `run` that is nearest to those measured, and its standard error, by generalised least
+/// squares within each channel; none where no weight turns.
+fn weighing(problem: &Problem, run: usize, predicted: &[f64]) -> Option<[f64; 2]> {
+    let observed = &problem.runs[run];
+    let layout = observed.layout;
+    let (mut both, mut own) = (0.0, 0.0);
+    for channel in 0..3 {
+        let of = |cycle: &[f64]| DVector::from_fn(layout.width(), |part, _| cycle[layout.at(channel, part)]);
+        let (weight, measured) = (of(predicted), of(&observed.mean));
+        let solved = problem.covariance_of_channel(run, channel).cholesky()?.solve(&weight);
+        both += solved.dot(&measured);
+        own += solved.dot(&weight);
+    }
+    (own > 0.0).then(|| [both / own, own.sqrt().recip()])
+}
+
+/// What is wrong with each of the cases of `structure`: what their samples say, and their cycles beside those predicted with `values`.
+///
+/// # Errors
+/// A model without an answer.
+pub fn suspected(
+    structure: &Structure,
+    runs: &[Observed],
+    values: &[f64],
+) -> Result<Vec<Vec<Finding>>, Error> {
+    let model = &structure.model;
+    let of = |(case, run): (&CaseTarget, &Observed)| {
+        let predicted = case.predict(&model.numbers(values))?;
+        let beside = beside(run, &predicted, &case.case.limits);
+        Ok(run.found.iter().cloned().chain(beside).collect())
+    };
+    model.cases.iter().zip(&runs[model.targets.len()..]).map(of).collect()
 }
 
 fn values(layout: Layout, cycle: &[f64], channel: usize) -> Vec<f64> {
     (0..PHASES).map(|k| layout.value(cycle, channel, phase_of(k))).collect()
-}
-
-/// The same with the key of the case that mends it.
-fn keyed(finding: Finding) -> Finding {
-    let key = match finding.id {
-        "data.frequency" => Some("compare.frequency_hz"),
-        "data.reversed" | "data.scaled" | "data.tiny" | "data.huge" => Some("compare.scale"),
-        "data.swapped" | "data.dead" => Some("compare.channels"),
-        _ => None,
-    };
-    finding.mended_by(key.map(Into::into))
 }

@@ -7,6 +7,7 @@ use crate::{
     Solved, Structure, Watch, checked, data, doctor, solve,
 };
 use wingbeat::judge::data::Finding;
+use wingbeat::judge::{Judge, Verdict, Warning};
 use wingbeat_io::urdf_as_toml;
 
 /// Deviations that a change of a number by its size must make at least for a run to say something of it. *Choice.*
@@ -25,8 +26,10 @@ pub struct Prepared<'a> {
     pub information: Information,
     /// What is odd of the samples.
     pub cautions: Vec<String>,
-    /// What is wrong with the data of cases.
+    /// What is wrong with the data of cases, and with the gain of runs that weigh.
     pub found: Vec<Finding>,
+    /// That no run checks the gain of the cell.
+    pub unchecked: Option<Warning>,
 }
 
 impl Calibration {
@@ -39,14 +42,18 @@ impl Calibration {
         let runs = self.observed(&structure, &urdf_as_toml, &data::read)?;
         let values: Vec<f64> = structure.parameters.iter().map(|parameter| parameter.start).collect();
         let mut cautions = checked(&structure, &runs, &values)?;
-        let found = doctor::suspected(&structure, &runs, &values)?;
+        let by_case = doctor::suspected(&structure, &runs, &values)?;
+        let telling = doctor::telling(&structure, &runs, &by_case)?;
         let stands = Stands::of(&structure.model, &runs)?;
         cautions.extend(stands.iter().flat_map(Stands::cautions));
-        let problem = Problem::new(&structure.model, &runs, &structure.parameters)?;
+        let of_runs = telling.as_deref().unwrap_or(&runs);
+        let problem = Problem::new(&structure.model, of_runs, &structure.parameters)?;
+        let (weighed, unchecked) = doctor::gains(&structure, &problem, &values, self.limits())?;
+        let found = by_case.into_iter().flatten().chain(weighed).collect();
         let at = Linear::at(&problem, &problem.fitted(), &values)?;
         self.check_stages(&problem, &at)?;
         let information = Information::of(&problem, &at, &values);
-        Ok(Prepared { calibration: self, structure, runs, information, cautions, found })
+        Ok(Prepared { calibration: self, structure, runs, information, cautions, found, unchecked })
     }
 }
 
@@ -83,6 +90,14 @@ impl Prepared<'_> {
         Ok(self.information.check(&problem)?)
     }
 
+    /// The verdict on the data alone, before any fit.
+    pub fn verdict(&self) -> Verdict {
+        let mut judge = Judge::new(self.calibration.limits());
+        self.found.iter().cloned().for_each(|finding| finding.put(&mut judge));
+        self.unchecked.iter().cloned().for_each(|warning| judge.warn(warning));
+        judge.verdict()
+    }
+
     /// The plan of the fit.
     pub fn plan(&self) -> Plan {
         self.calibration.plan()
@@ -100,6 +115,7 @@ impl Prepared<'_> {
         let (information, cautions) = (self.information.clone(), self.cautions.clone());
         let mut found = Found::of(calibration, structure, &self.runs, &solved, information, cautions)?;
         found.findings.clone_from(&self.found);
+        found.unchecked.clone_from(&self.unchecked);
         for rival in calibration.structures() {
             found.rivals.push(self.rival(&rival.name, &rival.set, &solved, watch)?);
         }

@@ -1,11 +1,15 @@
 //! What a calibration found, as numbers.
 
 use crate::{
-    Calibration, Error, Fit, Information, Label, LearnedResidual, NORMAL_95, NextRun, Observed, PHASES,
-    Parameter, Predicted, Profile, Rival, RunRole, Solved, Structure, channel_name, phase_of, rms,
+    Calibration, Error, Fit, Information, Label, Layout, LearnedResidual, NORMAL_95, NextRun, Observed,
+    PHASES, Parameter, Predicted, Profile, Rival, RunRole, Solved, Structure, channel_name, phase_of, rms,
 };
+use wingbeat::judge::Warning;
 use wingbeat::judge::data::Finding;
 use wingbeat::simulate::{Column, Record};
+
+/// Variance far below any cell's resolution, of channels that repeat to the last digit.
+const LEAST_NOISE: f64 = 1e-24;
 
 /// A run with what was measured and predicted.
 pub struct FoundRun {
@@ -65,6 +69,8 @@ pub struct Found {
     pub cautions: Vec<String>,
     /// What is wrong with the data of cases.
     pub findings: Vec<Finding>,
+    /// That no run checks the gain of the cell.
+    pub unchecked: Option<Warning>,
 }
 
 impl Found {
@@ -129,6 +135,7 @@ impl Found {
             residual,
             cautions,
             findings: Vec::new(),
+            unchecked: None,
         })
     }
 
@@ -172,6 +179,30 @@ impl Found {
             left / noise.max(f64::MIN_POSITIVE)
         };
         (0..self.channels().len()).map(channel).collect()
+    }
+
+    /// Correlation of what is left of the cycles of the fitted runs with itself one phase on, all channels in deviations of the noise: 0
+    /// where nothing but noise is left, near 1 where it is a slow curve of its own. Of the z_p of a channel, its W numbers over their
+    /// deviations, at W even phases the correlation is sum z_p^2 cos(2 pi k_p / W) / sum z_p^2 with the harmonic k_p of each; none without
+    /// a cycle.
+    ///
+    /// Equation: calibrate.residual_autocorrelation
+    pub fn residual_autocorrelation(&self) -> Option<f64> {
+        let (mut next, mut all) = (0.0, 0.0);
+        for run in self.fitted().filter(|run| run.observed.frequency_hz > 0.0) {
+            let layout = run.observed.layout;
+            let turn = std::f64::consts::TAU / layout.width() as f64;
+            for channel in (0..layout.channels).filter(|channel| run.observed.is_measured(*channel)) {
+                for part in 0..layout.width() {
+                    let (at, k) = (layout.at(channel, part), Layout::harmonic(part));
+                    let left = run.observed.mean[at] - run.after.cycle[at];
+                    let square = left * left / (run.noise[k][channel] + LEAST_NOISE);
+                    next += square * (turn * k as f64).cos();
+                    all += square;
+                }
+            }
+        }
+        (all > 0.0).then(|| next / all)
     }
 
     /// The label of parameter `k`.

@@ -57,6 +57,7 @@ impl Found {
             band_half_width: widths,
             chi_squared: self.chi_squared,
             discrepancy,
+            residual_autocorrelation: self.residual_autocorrelation(),
             residual_over_noise: names.iter().cloned().zip(self.residual_over_noise()).collect(),
             correlations: self.correlations.clone(),
             singular_values: self.singular.0.clone(),
@@ -111,6 +112,8 @@ pub struct CalibrationSummary {
     band_half_width: BTreeMap<String, f64>,
     chi_squared: f64,
     discrepancy: BTreeMap<String, f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    residual_autocorrelation: Option<f64>,
     residual_over_noise: BTreeMap<String, f64>,
     correlations: Vec<Vec<f64>>,
     singular_values: Vec<f64>,

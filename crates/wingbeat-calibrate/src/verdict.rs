@@ -20,6 +20,7 @@ impl Found {
     pub fn verdict(&self, limits: &Limits) -> Verdict {
         let mut judge = Judge::new(limits);
         self.findings.iter().cloned().for_each(|finding| finding.put(&mut judge));
+        self.unchecked.iter().cloned().for_each(|warning| judge.warn(warning));
         for (name, share) in self.explained() {
             judge.hold_about(&calibration::EXPLAINED, share, &format!("in the {name}"));
             judge.hold_about(&calibration::MODEL_ERROR, share, &format!("in the {name}"));
@@ -35,6 +36,7 @@ impl Found {
                 );
             }
         }
+        judge.hold_if(&calibration::COLOURED, self.residual_autocorrelation());
         self.judge_parameters(&mut judge);
         judge.verdict()
     }

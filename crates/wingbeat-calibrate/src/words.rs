@@ -109,6 +109,11 @@ pub fn report(found: &Found, verdict: &Verdict) -> String {
         "power of the residuals over that of the noise, 1 where only noise is left: {}\n",
         over.join(", ")
     );
+    if let Some(colour) = found.residual_autocorrelation() {
+        text += &format!(
+            "correlation of the residuals with themselves one phase on, 0 where only noise is left: {colour:.2}\n"
+        );
+    }
     let costs: Vec<String> = found
         .starts
         .iter()

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use wingbeat::judge::{Judged, limits};
-use wingbeat::scenario::{LawState, PaperResults, Summary};
+use wingbeat::scenario::{CostLine, LawState, PaperResults, Summary};
 
 /// A line: what, the paper's number, this run's, and its unit or a remark.
 type Line = (Cow<'static, str>, Option<String>, String, &'static str);
@@ -81,10 +81,6 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
             summary.crossing_fraction.map_or("-".into(), share),
             "% of the time",
         ),
-        ("power of the drive".into(), None, watts(summary.drive_power_w), "W, on the joints"),
-        ("power of the regulators".into(), None, watts(summary.regulator_power_w), "W, on the joints"),
-        ("drive, without taking back".into(), None, watts(summary.drive_power_given_w), "W"),
-        ("regulators, likewise".into(), None, watts(summary.regulator_power_given_w), "W"),
         ("inputs at a limit".into(), None, share(summary.input_saturation_fraction), "%"),
         ("controller updates".into(), None, controller.updates.to_string(), ""),
         ("controller failures".into(), None, controller.failures.to_string(), ""),
@@ -93,6 +89,17 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("update, 99.9 %".into(), None, number(1e-3 * controller.p999_us), "ms"),
         ("real-time factor".into(), None, number(summary.real_time_factor), ""),
     ];
+    let of_cost = |(name, value, unit): CostLine| -> Line { (name.into(), None, value, unit) };
+    let cost = summary.cost.power_lines().into_iter().map(of_cost);
+    let of_drives: [Line; 4] = [
+        ("power of the drive".into(), None, watts(summary.drive_power_w), "W, on the joints"),
+        ("power of the regulators".into(), None, watts(summary.regulator_power_w), "W, on the joints"),
+        ("drive, without taking back".into(), None, watts(summary.drive_power_given_w), "W"),
+        ("regulators, likewise".into(), None, watts(summary.regulator_power_given_w), "W"),
+    ];
+    let cost = cost.chain(of_drives).chain(summary.cost.weight_lines().into_iter().map(of_cost));
+    let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
+    rows.splice(saturated..saturated, cost.collect::<Vec<_>>());
     if let Some(error) = summary.height_max_error_m {
         let yaw = rows.iter().position(|row| row.0 == "yaw change").unwrap_or(rows.len());
         rows.insert(yaw, ("height, largest error".into(), None, number(1e3 * error), "mm"));

@@ -95,11 +95,13 @@ fn table(summary: &TrimSummary) -> String {
     );
     let power = format!(
         "{} W/kg of {} W; joint by joint {}, net {}",
-        number(summary.power_w_kg, 1),
-        number(summary.power_w, 3),
-        number(summary.separate_power_w_kg, 1),
-        number(summary.net_power_w_kg, 1)
+        number(summary.cost.positive_power_w_kg, 1),
+        number(summary.cost.positive_power_w, 3),
+        number(summary.cost.separate_power_w_kg, 1),
+        number(summary.cost.net_power_w_kg, 1)
     );
+    let carried = summary.cost.weight_lines().into_iter().skip(1);
+    let carried: Vec<String> = carried.map(|(name, share, unit)| format!("{name} {share} {unit}")).collect();
     let stalled = format!("{} / {}", share(summary.stall_fraction_12), share(summary.stall_fraction_20));
     let commands: Vec<String> = (summary.commands.iter().filter(|(_, value)| **value != 0.0))
         .map(|(name, value)| format!("{} {value:.4}", name.trim_start_matches("command_")))
@@ -108,12 +110,13 @@ fn table(summary: &TrimSummary) -> String {
         ("status", summary.status.to_string()),
         ("course", course),
         ("frequency", format!("{} Hz", number(summary.frequency_hz, 4))),
-        ("power", power),
+        ("positive power", power),
         (
             "power of twist / regulators",
             format!("{} / {} W", number(summary.twist_power_w, 4), number(summary.regulator_power_w, 4)),
         ),
         ("lift over weight", number(summary.lift_over_weight, 6)),
+        ("weight carried by", if carried.is_empty() { "-".into() } else { carried.join(", ") }),
         ("Strouhal number", number(summary.strouhal, 3)),
         ("U2 c beyond 12 / 20 deg", stalled),
         ("least clearance", format!("{} mm", number(summary.least_clearance_m.map(|c| 1e3 * c), 2))),

@@ -3,6 +3,7 @@
 mod build;
 mod calibration;
 mod chosen;
+mod cost;
 mod document;
 mod doors;
 mod estimate;
@@ -48,6 +49,7 @@ pub use calibration::{
     TruthSpec, VariedSpec,
 };
 pub use chosen::{Chosen, Named};
+pub use cost::{CostLine, CostSummary};
 pub use document::{
     ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, nearest_names, text_of, unit,
 };
@@ -80,7 +82,7 @@ pub use sweep_row::SweepRows;
 pub use sweep_spec::{Draw, Hold, Sampling, SweepSpec};
 pub use sweep_verdict::SweepCounts;
 pub use tether::{TetherCase, TetherSummary};
-pub use tether_compare::{CompareSpec, Compared, Comparison};
+pub use tether_compare::{CompareSpec, Compared, Comparison, mended_in_compare};
 pub use tether_converge::{Convergence, ConvergenceRun, Levels, QUANTITIES, Spread};
 pub use tether_spec::{
     ClockSpec, CoordinateSpec, FourierSpec, HingeSpec, ReadTable, ReferenceSpec, TetherSpec,
@@ -434,6 +436,7 @@ impl Scenario {
         step_error_m: Option<f64>,
     ) -> Summary {
         let context = summary::Context {
+            mass: self.robot.mass(),
             manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),
             limits: self.limits.clone(),

@@ -3,7 +3,7 @@
 use super::summary::{LawState, mean};
 use wingbeat_aero::{LiftLaw, LoadSource, StripState};
 use wingbeat_flight::guide::Manoeuvre;
-use wingbeat_flight::simulate::{AXES, Column, Controller, Record, Sample, StripRecorder};
+use wingbeat_flight::simulate::{AXES, Column, Controller, Cost, Record, Sample, StripRecorder};
 use wingbeat_math::Error;
 use wingbeat_math::{Mat3, Vec3, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -47,6 +47,8 @@ pub struct Recorded {
 /// Samples of a flight as they become a [`Record`].
 pub struct Recorder<'a> {
     robot: &'a Robot,
+    /// Of the robot, kg.
+    mass: f64,
     manoeuvre: Option<&'a dyn Manoeuvre>,
     record: Record,
     row: Vec<f64>,
@@ -88,6 +90,7 @@ impl<'a> Recorder<'a> {
         let width = columns.len();
         Ok(Self {
             robot,
+            mass: robot.mass(),
             manoeuvre,
             record: Record::new(columns, rows)?,
             row: Vec::with_capacity(width),
@@ -110,12 +113,13 @@ impl<'a> Recorder<'a> {
         row.extend(o.attitude.roll_pitch_yaw().0);
         row.extend(&o.joints);
         row.extend(&o.torques);
-        row.extend([o.power, o.drive_power, o.regulator_power]);
+        row.extend([o.power, o.separate_power, o.drive_power, o.regulator_power]);
         row.extend(o.motor.iter().flat_map(|m| [m.shaft_torque, m.shaft_power, m.electrical_power]));
         row.extend(source_values(&o.parts()));
         if !self.robot.thrusters().is_empty() {
             row.extend(o.thrust.force.0.into_iter().chain(o.thrust.moment.0));
         }
+        row.extend(o.weight_shares(self.mass));
         row.extend((position + o.attitude * o.center_of_mass).0);
         row.extend(o.outlines.iter().flatten().flatten().flat_map(|p| (position + o.attitude * *p).0));
         row.extend(o.incidence());
@@ -216,7 +220,8 @@ fn columns(robot: &Robot) -> Vec<Column> {
     let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "rad", "")];
     columns.extend(["roll", "pitch", "yaw"].map(|n| Column::new(n, "rad", "WB")));
     columns.extend(joint_columns(robot));
-    columns.extend(["joint_power", "drive_power", "regulator_power"].map(|n| Column::new(n, "W", "")));
+    let powers = ["joint_power", "separate_power", "drive_power", "regulator_power"];
+    columns.extend(powers.map(|n| Column::new(n, "W", "")));
     if robot.motor().is_some() {
         let motor = [("motor_torque", "N m"), ("motor_power", "W"), ("electrical_power", "W")];
         columns.extend(motor.map(|(name, unit)| Column::new(name, unit, "")));
@@ -226,6 +231,7 @@ fn columns(robot: &Robot) -> Vec<Column> {
         columns.extend(AXES.map(|a| column(format!("thrust_{a}"), "N", "B")));
         columns.extend(AXES.map(|a| column(format!("thrust_moment_{a}"), "N m", "B")));
     }
+    columns.extend(Cost::columns());
     columns.extend(AXES.map(|a| column(format!("com_{a}"), "m", "W")));
     for point in robot.outline_names() {
         for line in LINES {

@@ -1,5 +1,6 @@
 //! The numbers of a flight that are compared.
 
+use super::cost::CostSummary;
 use super::estimate::{EstimateSummary, Estimated};
 use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
@@ -10,7 +11,7 @@ use super::spec::GoalSpec;
 use serde::Serialize;
 use wingbeat_aero::LiftLaw;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
-use wingbeat_flight::simulate::{Flight, Record};
+use wingbeat_flight::simulate::{Cost, Flight, Record};
 use wingbeat_judge::{Judged, Limits, Status, Warning};
 use wingbeat_ocp::plant::Channel;
 
@@ -72,6 +73,9 @@ pub struct Summary {
     pub pitch_half_amplitude_deg: Option<f64>,
     /// Change of heading over the whole flight, deg; left is positive.
     pub yaw_change_deg: f64,
+    /// What the flight cost: power of the joints, and what carried the weight.
+    #[serde(flatten)]
+    pub cost: CostSummary,
     /// Mean power of the drive on the joints, W: what turning the crank takes.
     pub drive_power_w: Option<f64>,
     /// Mean power of the regulators on the joints, W: what displacing the structure takes.
@@ -249,6 +253,8 @@ pub(super) struct Context<'a> {
     pub limits: Limits,
     pub inputs: &'a [Channel],
     pub clearances: &'a [Channel],
+    /// Of the robot, kg.
+    pub mass: f64,
     pub preset: String,
     pub law: String,
     /// Laws under which strips were past the stall angle, with their shares of all samples.
@@ -321,6 +327,7 @@ impl Summary {
             pitch_max_error_deg: largest_deg(&pitch_errors),
             pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
             yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
+            cost: CostSummary::new(Cost::of_record(record, settled.first), context.mass),
             drive_power_w: mean(settled.column("drive_power")),
             regulator_power_w: mean(settled.column("regulator_power")),
             drive_power_given_w: given(settled.column("drive_power")),

@@ -106,7 +106,7 @@ impl Sweep {
                 let of = |run: &usize| {
                     let case = self.case(*run, read)?;
                     let run = case.tether.run(|_| watch());
-                    Ok(Vec::from(of_case(&run, case.verdict(&run, None).status)))
+                    Ok(Vec::from(of_case(&run, case.verdict(&run, None, None).status)))
                 };
                 (batch.iter().map(of).collect::<Result<_, ConfigError>>()?, batch.len())
             }

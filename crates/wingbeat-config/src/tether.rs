@@ -2,7 +2,7 @@
 
 use super::fit::rejected_fit;
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
-use super::{ConfigError, CoordinateSpec, Document, Smoothed};
+use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use wingbeat_aero::{Aero, Planform};
@@ -117,14 +117,20 @@ impl TetherCase {
         Document::value("case", &spec)?.resolved()
     }
 
-    /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps.
-    pub fn summary(&self, run: &TetherRun, step_change: Option<f64>) -> TetherSummary {
+    /// The numbers of a run, with warnings; `step_change` says how much they depend on the steps, and `compared` what was found of a
+    /// measurement.
+    pub fn summary(
+        &self,
+        run: &TetherRun,
+        step_change: Option<f64>,
+        compared: Option<&Comparison>,
+    ) -> TetherSummary {
         let law = self.tether.aero.law();
         // Of a run that broke down there is no last cycle to take means of.
         let complete = run.ending == Ending::Complete;
         let whole = |value: Option<f64>| value.filter(|_| complete);
         TetherSummary {
-            verdict: self.verdict(run, step_change),
+            verdict: self.verdict(run, step_change, compared),
             name: self.spec.name.clone(),
             preset: self.spec.aero.preset.name(),
             lift_law: law.name(),
@@ -135,6 +141,7 @@ impl TetherCase {
             mean_lift_n: whole(run.mean("force_wind_lift")),
             mean_thrust_n: whole(run.mean("thrust")),
             mean_power_w: whole(run.mean("power")),
+            mean_positive_power_w: whole(run.mean_positive_power()),
             propulsive_efficiency: whole(run.efficiency),
             periodicity: run.periodicity.clone().filter(|_| complete),
             smoothed: self.smoothed.clone(),
@@ -142,8 +149,13 @@ impl TetherCase {
         }
     }
 
-    /// What the run is held against, with the tables of its motion.
-    pub(super) fn verdict(&self, run: &TetherRun, step_change: Option<f64>) -> Verdict {
+    /// What the run is held against, with the tables of its motion and a measurement.
+    pub(super) fn verdict(
+        &self,
+        run: &TetherRun,
+        step_change: Option<f64>,
+        compared: Option<&Comparison>,
+    ) -> Verdict {
         let mut judge = Judge::new(&self.limits);
         match run.ending {
             Ending::Complete => {}
@@ -167,7 +179,8 @@ impl TetherCase {
             .chain(step_change.and_then(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .for_each(|warning| judge.warn(warning));
-        self.found.iter().cloned().for_each(|finding| finding.put(&mut judge));
+        let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
+        found.cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
     }
 
@@ -219,8 +232,10 @@ pub struct TetherSummary {
     pub mean_lift_n: Option<f64>,
     /// Mean force against the wind over the last cycle, N.
     pub mean_thrust_n: Option<f64>,
-    /// Mean power that the motion gives to the air over the last cycle, W.
+    /// Mean power that the motion gives to the air over the last cycle, W, with what it takes from the air: the net power.
     pub mean_power_w: Option<f64>,
+    /// Mean of the positive part of that power, W: what a drive gives that takes nothing back.
+    pub mean_positive_power_w: Option<f64>,
     /// Mean thrust times wind speed over mean power; negative where the wing drags.
     pub propulsive_efficiency: Option<f64>,
     /// How far the last cycle is from the one before; none of a single cycle.

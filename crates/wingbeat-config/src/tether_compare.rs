@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use wingbeat_flight::simulate::{Column, Record};
 use wingbeat_flight::tether::{CycleFit, PHASES, TetherRun, cycle_of, fit, smooth};
+use wingbeat_judge::data::{Channel, Finding, Pair, Purpose, Series, compared, examined};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 
@@ -79,6 +80,8 @@ pub struct Compared {
 pub struct Comparison {
     /// One per channel.
     pub channels: Vec<Compared>,
+    /// What is wrong with the measured data, by themselves and beside the loads of the case.
+    pub found: Vec<Finding>,
     /// Over the phase: `measured_*`, `low_*`, `high_*`, `computed_*`, `fitted_*` of each channel.
     pub cycle: Record,
 }
@@ -209,6 +212,61 @@ impl TetherCase {
             let (computed, measured) = (ours.clone(), theirs.clone());
             compared.push(Compared { computed, measured, cycles: cycle.cycles, lag_s, fit });
         }
-        Ok(Comparison { channels: compared, cycle: Record::new(columns, PHASES)? })
+        let cycle = Record::new(columns, PHASES)?;
+        let found = self.suspected(run, measured, (channels, &phase), &cycle);
+        Ok(Comparison { channels: compared, found, cycle })
     }
+
+    /// What is wrong with the measured channels, and what of their `cycle` cannot be that of the case. Lag and gain are what the
+    /// comparison fits, so that a shift is noted alone.
+    fn suspected(
+        &self,
+        run: &TetherRun,
+        measured: &Record,
+        (channels, phase): (&[(String, String)], &[f64]),
+        cycle: &Record,
+    ) -> Vec<Finding> {
+        let unit = |ours: &str| run.loads.column(ours).map_or("", |column| column.unit.as_str());
+        let samples: Vec<Vec<f64>> =
+            channels.iter().map(|(ours, theirs)| self.measured_values(measured, ours, theirs)).collect();
+        let by_time = self.spec.compare.by == TableBy::Time;
+        let series = Series {
+            what: MEASURED,
+            phase,
+            frequency_hz: by_time.then(|| self.measured_frequency()),
+            channels: channels
+                .iter()
+                .zip(&samples)
+                .map(|((ours, theirs), samples)| Channel { name: theirs, unit: unit(ours), samples })
+                .collect(),
+            purpose: Purpose::Loads,
+        };
+        let mut found = examined(&series, &self.limits);
+        // Cycles of another frequency are none.
+        if !found.iter().any(|finding| finding.id == "data.frequency") {
+            let of = |kind: &str, ours: &str| cycle.values(&format!("{kind}_{ours}")).unwrap_or_default();
+            let mut pairs = Vec::new();
+            for (ours, theirs) in channels {
+                let (measured, computed) = (of("measured", ours), of("computed", ours));
+                pairs.push(Pair { name: theirs, unit: unit(ours), measured, computed });
+            }
+            let beside = compared(MEASURED, &pairs, &self.limits).into_iter();
+            found.extend(beside.map(|f| if f.id == "data.shift" { f.noted() } else { f }));
+        }
+        found.into_iter().map(mended_in_compare).collect()
+    }
+}
+
+/// What findings call the file of a comparison.
+const MEASURED: &str = "the measured file";
+
+/// A finding in data that `compare` reads, with the key of the case that mends it.
+pub fn mended_in_compare(finding: Finding) -> Finding {
+    let key = match finding.id {
+        "data.frequency" => Some("compare.frequency_hz"),
+        "data.reversed" | "data.scaled" | "data.tiny" | "data.huge" => Some("compare.scale"),
+        "data.swapped" | "data.dead" => Some("compare.channels"),
+        _ => None,
+    };
+    finding.mended_by(key.map(Into::into))
 }

@@ -31,6 +31,7 @@ mod strokes;
 mod style;
 mod tether;
 mod wake;
+mod weight;
 mod write;
 
 pub use bench::{comparison, convergence};

@@ -7,14 +7,17 @@ use wingbeat::simulate::{Column, Record};
 use crate::own_joints::{Joint, moving};
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
-use crate::{Error, needed, style};
+use crate::{Error, needed, style, weight};
+
+/// Height of all panels at most, px: with head and foot that of a page.
+const PAGE: f64 = 6.0 * style::PANEL;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// Roll and pitch, heading, position, and the robot's joints over time.
+/// Roll and pitch, heading, position, what carries the weight, and the robot's joints over time.
 ///
-/// The heading goes on beyond half a turn. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the joints that
-/// are there and move. Where there are `roll_reference` and `pitch_reference` they are
+/// The heading goes on beyond half a turn. Needs `t`, `roll`, `pitch`, `yaw`, `p_WB_x`, `p_WB_y`, `p_WB_z`, and draws the shares of the weight
+/// where they are there, and the joints that are there and move. Where there are `roll_reference` and `pitch_reference` they are
 /// drawn fine, and about them, from its settling time on, the errors that `goal` allows as a root mean square.
 pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
@@ -45,8 +48,10 @@ pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error>
         Panel::new("heading [°]", vec![heading]),
         Panel::new("position [m]", places.collect::<Result<_, Error>>()?),
     ];
+    panels.extend(weight::panel(record));
     panels.extend(moving(record).iter().map(|joint| panel(joint, t)));
-    Ok(Figure::new("states", stacked(panels, "time [s]", style::PANEL)))
+    let height = style::PANEL.min(PAGE / panels.len() as f64);
+    Ok(Figure::new("states", stacked(panels, "time [s]", height)))
 }
 
 /// The joint over time; of a pair the left one broad, which the right one may cover.

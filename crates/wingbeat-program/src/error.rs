@@ -44,6 +44,14 @@ pub enum Error {
         /// The run folder.
         folder: PathBuf,
     },
+    /// What was only looked at cannot be used.
+    #[error("{status}: {reason}")]
+    Unsound {
+        /// The status.
+        status: String,
+        /// Why.
+        reason: String,
+    },
     /// The output cannot be written.
     #[error("the output could not be printed: {0}; what was asked to be kept is whole")]
     Output(std::io::Error),
@@ -73,6 +81,12 @@ impl Error {
         }
     }
 
+    /// How a command ends that keeps nothing: without an error where the status lets what it looked at be used.
+    pub fn unless_sound(status: Status, reason: Option<&str>) -> Result<(), Self> {
+        let (name, reason) = (status.name().into(), reason.unwrap_or_default().into());
+        if status.exit_code() == 0 { Ok(()) } else { Err(Self::Unsound { status: name, reason }) }
+    }
+
     /// A file that could not be read or written.
     pub fn file(path: &Path, source: std::io::Error) -> Self {
         Self::File { path: path.into(), source }
@@ -89,7 +103,7 @@ impl Error {
             | Self::File { .. }
             | Self::Record(_)
             | Self::Output(_) => 2,
-            Self::Failed { .. } => 3,
+            Self::Failed { .. } | Self::Unsound { .. } => 3,
             Self::Interrupted | Self::Paused { .. } => 130,
         }
     }

@@ -53,7 +53,9 @@ pub fn tether<'py>(
         let run = case.tether.run(|_| stop.flow());
         let again = |other: &wingbeat::tether::Tether| Ok::<_, String>(other.run(|_| stop.flow()));
         let step_change = case.step_change(&run, again)?;
-        let summary = case.summary(&run, step_change);
+        let measured = measured.filter(|_| run.ending == Ending::Complete);
+        let compared = measured.map(|measured| measured.compare(&case, &run)).transpose()?;
+        let summary = case.summary(&run, step_change, compared.as_ref());
         let mut json = serde_json::to_value(&summary).map_err(|error| error.to_string())?;
         let mut put = |key: &str, value: serde_json::Result<serde_json::Value>| {
             json[key] = value.map_err(|error| error.to_string())?;
@@ -65,8 +67,7 @@ pub fn tether<'py>(
             put("converge", serde_json::to_value(table))?;
         }
         let mut cycle = None;
-        if let Some(measured) = measured.filter(|_| run.ending == Ending::Complete) {
-            let Comparison { channels, cycle: compared } = measured.compare(&case, &run)?;
+        if let Some(Comparison { channels, cycle: compared, .. }) = compared {
             put("compare", serde_json::to_value(channels))?;
             cycle = Some(compared);
         }

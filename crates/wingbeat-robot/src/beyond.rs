@@ -6,7 +6,7 @@ use super::sections::Carriers;
 use super::surface::{External, between_edges};
 use super::{BodyMotion, CarriedLoads, Robot, Stance};
 use crate::body::Coordinates;
-use wingbeat_aero::{Loads, StripLoads};
+use wingbeat_aero::{ForceDetail, Loads, StripLoads};
 use wingbeat_math::{Jet, Wrench};
 use wingbeat_ocp::plant::Fault;
 
@@ -51,6 +51,10 @@ impl Robot {
     ) -> Result<Observation, Fault> {
         let mut seen = self.look(t, x, u, beyond)?;
         seen.air = with_beyond(seen.air, beyond);
+        if !beyond.is_empty() {
+            // The sum has neither suction nor vortex of its own.
+            seen.detail = ForceDetail { plate: seen.detail.plate, ..ForceDetail::default() };
+        }
         Ok(seen)
     }
 

@@ -26,6 +26,7 @@ mod spec;
 mod stance;
 mod surface;
 mod thrust;
+mod weight;
 
 pub use air::{Air, Pulse, Wind};
 pub use carried::{BodyMotion, CarriedLoads};
@@ -47,6 +48,7 @@ pub use spec::{file_or, file_or_numbers, is_of_rig, numbers_table};
 pub use stance::Stance;
 pub use surface::SurfaceOutline;
 pub use thrust::Thruster;
+pub use weight::{WeightPart, WeightShares};
 
 use crate::body::{LinkMotion, MAX_LINKS, Motor, Response, Tree};
 use arrayvec::ArrayVec;

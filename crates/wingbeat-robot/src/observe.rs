@@ -4,9 +4,11 @@ use super::dynamics::Evaluation;
 use super::sections::{Carriers, Section};
 use super::surface::External;
 use super::{Joints, Links, MAX_ELEMENTS, Robot};
-use crate::body::{BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, joint_power};
+use crate::body::{
+    BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, drive_power, joint_power,
+};
 use arrayvec::ArrayVec;
-use wingbeat_aero::{LoadSource, Loads, StripLoads};
+use wingbeat_aero::{ForceDetail, LoadSource, Loads, StripLoads};
 use wingbeat_math::{Jet, Mat3, Meets, Scalar, Vec3, Wrench};
 use wingbeat_ocp::plant::Fault;
 
@@ -23,7 +25,9 @@ pub struct Observation {
     pub phase: f64,
     /// Mechanical power of the driven joints, W: that of the drive and that of the regulators.
     pub power: f64,
-    /// Part of it that the drive gives, turning the crank, W.
+    /// Sum of the positive powers of the driven joints, each by itself, W: what drives that share nothing give. See [`drive_power`].
+    pub separate_power: f64,
+    /// Part of `power` that the drive gives, turning the crank, W.
     pub drive_power: f64,
     /// Part of it that the regulators give, displacing the structure, W.
     pub regulator_power: f64,
@@ -37,8 +41,12 @@ pub struct Observation {
     pub dissipation: f64,
     /// Aerodynamic loads summed over the strips of all surfaces, by source, in B about the body origin.
     pub air: StripLoads<f64>,
+    /// Parts of `air` that its sources do not tell apart, in B.
+    pub detail: ForceDetail<f64>,
     /// Drag of the body with what `robot.residual` says, in B.
     pub body_drag: Wrench<f64>,
+    /// Part of it that `robot.residual` says.
+    pub residual: Wrench<f64>,
     /// Whether the wings are beyond the velocities at which `robot.residual` was measured; none without one.
     pub beyond_residual: Option<bool>,
     /// Wrench of the thrusters, in B.
@@ -114,12 +122,16 @@ impl Robot {
         let mut carriers = Carriers::none(&still);
         carriers.follow(&base, &self.carriers, &moving, wind_dot);
         let aero = self.layout.aero;
-        let mut strips = Loads::default();
+        let mut strips = Loads::detailed();
         let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
         external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += *beyond);
         let structure = &x[self.layout.structure..];
-        let body_drag =
-            self.body_load(&Jet::new(t, 1.0, 0.0), (structure, u), (e.base.velocity - wind, e.base.rate));
+        let against = e.base.velocity - wind;
+        let body_drag = self.body_load(&Jet::new(t, 1.0, 0.0), (structure, u), (against, e.base.rate));
+        let residual = match self.residual {
+            Some(_) => body_drag + -self.body_drag(against),
+            None => Wrench::ZERO,
+        };
         let g = self.gravity(e.attitude);
         let torques = self.joint_torques(&links, body, &external, g);
         let tree = &self.mechanism.tree;
@@ -141,6 +153,7 @@ impl Robot {
             drive_power,
             regulator_power,
             motor: self.motor_work(phase, 1.0),
+            separate_power: self.separate_power(&torques, &joints) + rest_power.max(0.0),
             power: joint_power(&torques, &joints) + rest_power
                 - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
             energy: tree.kinetic_energy(e.base.velocity, e.base.rate, &links)
@@ -154,7 +167,9 @@ impl Robot {
             joints: joints.iter().map(|j| j.x).collect(),
             torques: torques.to_vec(),
             air: strips.by_source(),
+            detail: strips.detail_sum(&[]),
             body_drag,
+            residual,
             beyond_residual: self.beyond_residual([e.base.velocity - wind, e.base.rate], phase.d),
             thrust: self.thrust(structure),
             gravity: tree.gravity(g, &links),
@@ -163,6 +178,12 @@ impl Robot {
             outlines: self.outlines(&e.base, &links),
             clearances: self.clearances.least(&links).collect(),
         })
+    }
+
+    /// Sum of the positive powers of the driven joints, W.
+    fn separate_power(&self, torques: &[f64], joints: &[Jet]) -> f64 {
+        let driven = (0..torques.len()).filter(|joint| !self.is_elastic(*joint));
+        driven.map(|j| drive_power(&torques[j..=j], &joints[j..=j], 0.0, 0.0)).sum()
     }
 
     /// The robot with its accelerations at (t, x, u) under the loads `beyond`; `dx` receives the rates.

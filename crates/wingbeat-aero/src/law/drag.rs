@@ -37,6 +37,11 @@ impl ProfileDrag {
 }
 
 impl<P: Scalar> ProfileDrag<P> {
+    /// The same without what `cd0` gives: what is left is the plate's, as the drag is linear in both.
+    pub(crate) fn of_plate(&self) -> Self {
+        Self { cd0: P::ZERO, cd90: self.cd90 }
+    }
+
     /// Profile drag of a section that meets the wind (`uc`, `w`) at mid chord.
     ///
     /// Law `linear`: (cd0 + cd90 sin^2) along the wind, centre from 1/4 to 1/2

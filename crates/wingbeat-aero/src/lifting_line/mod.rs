@@ -22,7 +22,10 @@ pub use settings::LiftingLineSettings;
 
 use super::law::Polar;
 use super::section::{Section, SectionForce, ZeroLift};
-use super::{Coupling, Loads, Planform, SectionMotion, Sections, StripLoads, SurfaceNumbers, Wrench};
+use super::{
+    Coupling, ForceDetail, Loads, Planform, ProfileDrag, SectionMotion, Sections, StripLoads, SurfaceNumbers,
+    Wrench,
+};
 use flow::Flow;
 use layout::Layout;
 use nodes::Node;
@@ -284,6 +287,9 @@ impl<P: Scalar> LiftingLine<P> {
             let flow = self.flow(i, &section, stream, x, dx);
             let at = first + i;
             loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
+            if let Some(detail) = &mut loads.detail {
+                detail[at] = self.detail(node, &section, &flow);
+            }
             loads.incidence[at] = flow.wash.atan2(section.uc);
             loads.wash[at] = flow.wash;
             loads.wash_of_others[at] = S::ZERO;
@@ -317,7 +323,7 @@ impl<P: Scalar> LiftingLine<P> {
             let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
             let flow = self.flow(i, &section, stream, x, dx);
             let force = flow.lift(node)
-                + self.profile_drag(node, &section, &flow)
+                + self.profile_drag(node, &section, &flow, self.numbers.drag())
                 + self.carried_air(node, &section, flow.speed, added_mass);
             let load = section.wrench(force);
             *wrench += load;
@@ -341,10 +347,7 @@ impl<P: Scalar> LiftingLine<P> {
         added_mass: &mut [[S; 6]; 6],
     ) -> StripLoads<S> {
         let lift = section.wrench(flow.lift(node));
-        let circulatory = match self.settings.as_printed {
-            true => lift,
-            false => section.wrench(flow.lift_without_turning(node)),
-        };
+        let circulatory = section.wrench(self.circulatory(node, flow));
         StripLoads {
             circulatory,
             induced_drag: Wrench {
@@ -352,7 +355,32 @@ impl<P: Scalar> LiftingLine<P> {
                 moment: lift.moment - circulatory.moment,
             },
             added_mass: section.wrench(self.carried_air(node, section, flow.speed, added_mass)),
-            profile_drag: section.wrench(self.profile_drag(node, section, flow)),
+            profile_drag: section.wrench(self.profile_drag(node, section, flow, self.numbers.drag())),
+        }
+    }
+
+    /// The circulatory force, perpendicular to the wind of motion.
+    #[inline]
+    fn circulatory<S: Scalar + Meets<P>>(&self, node: &Node<P>, flow: &Flow<S, S>) -> SectionForce<S> {
+        match self.settings.as_printed {
+            true => flow.lift(node),
+            false => flow.lift_without_turning(node),
+        }
+    }
+
+    /// Parts of the circulatory force and of the profile drag of one node.
+    fn detail<S: Scalar + Meets<P>>(
+        &self,
+        node: &Node<P>,
+        section: &Section<S>,
+        flow: &Flow<S, S>,
+    ) -> ForceDetail<S> {
+        let plate = self.profile_drag(node, section, flow, self.numbers.drag().of_plate());
+        let vortex = flow.edge.map_or(S::ZERO, |edge| edge.vortex);
+        ForceDetail {
+            suction: section.chordwise * self.circulatory(node, flow).chordwise,
+            vortex: section.normal * vortex,
+            plate: section.wrench(plate).force,
         }
     }
 
@@ -362,11 +390,11 @@ impl<P: Scalar> LiftingLine<P> {
         node: &Node<P>,
         section: &Section<G>,
         flow: &Flow<G, S>,
+        drag: ProfileDrag<P>,
     ) -> SectionForce<S> {
         let set = &self.settings;
         let delta2 = set.regularisation_m_s * set.regularisation_m_s;
-        let drag =
-            self.numbers.drag().section(set.section.law, section.uc, section.w_half, flow.attached, delta2);
+        let drag = drag.section(set.section.law, section.uc, section.w_half, flow.attached, delta2);
         let ahead = (S::from(0.5) - drag.centre) * (node.half_chord * 2.0);
         SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
     }

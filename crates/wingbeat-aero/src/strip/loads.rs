@@ -5,7 +5,7 @@ use super::motion::{Strips, Vectors};
 use super::response::{LeadingEdges, Response};
 use super::{Flow, StripModel};
 use crate::section::{SectionForce, pitch_suction, suction_share};
-use crate::{Loads, StripLoads, Wrench};
+use crate::{ForceDetail, Loads, ProfileDrag, StripLoads, Wrench};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 
 /// Forces in the planes of all sections, N, and how far ahead of mid chord they act, m.
@@ -61,7 +61,7 @@ impl<P: Scalar> StripModel<P> {
         let strips = &flow.strips;
         let forces = Forces {
             lift: self.circulatory(strips, response, Directed::Turned),
-            drag: self.profile_drag(strips, &response.attached),
+            drag: self.profile_drag(strips, &response.attached, self.numbers.drag()),
         };
         let (mut force, mut moment) = (Vectors::ZERO, Vectors::ZERO);
         for i in 0..N {
@@ -93,6 +93,9 @@ impl<P: Scalar> StripModel<P> {
         let first = loads.strips;
         loads.strips = first + self.settings.strips;
         let plain = self.circulatory(&flow.strips, response, Directed::Plainly);
+        if let Some(detail) = &mut loads.detail {
+            self.detail(&flow.strips, response, &plain, &mut detail[first..]);
+        }
         for i in 0..self.settings.strips {
             let at = first + i;
             let wrench = |force: SectionForce<S>| flow.strips.wrench(i, force);
@@ -112,6 +115,37 @@ impl<P: Scalar> StripModel<P> {
             loads.circulation[at] = response.circulation[i];
             loads.quarter_chord[at] = flow.strips.quarter.get(i).lifted();
         }
+    }
+
+    /// Writes the parts of the circulatory force `plain` and of the profile drag.
+    fn detail<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
+        &self,
+        strips: &Strips<G, N>,
+        response: &Response<S, N>,
+        plain: &InPlane<S, N>,
+        detail: &mut [ForceDetail<S>],
+    ) {
+        let plate = self.profile_drag(strips, &response.attached, self.numbers.drag().of_plate());
+        for (i, part) in detail.iter_mut().enumerate().take(self.settings.strips) {
+            let (chordwise, normal) = (strips.chordwise.get(i), strips.normal.get(i));
+            let vortex = response.edges.as_ref().map_or(S::ZERO, |e| self.vortex_force(i, response, e));
+            *part = ForceDetail {
+                suction: chordwise.times(plain.chordwise[i]),
+                vortex: normal.times(vortex),
+                plate: chordwise.times(plate.chordwise[i]) + normal.times(plate.normal[i]),
+            };
+        }
+    }
+
+    /// Normal force of the vortex of strip `i`, N: as much of it as the flow stays attached.
+    #[inline(always)]
+    fn vortex_force<S: Scalar + Meets<P>, const N: usize>(
+        &self,
+        i: usize,
+        response: &Response<S, N>,
+        edges: &LeadingEdges<S, N>,
+    ) -> S {
+        edges.vortex[i] * response.attached[i] * self.tables.drag_scale[i]
     }
 
     /// Forces at 1/4 chord, N, as the wash of motion alone directs them, or as the wash of
@@ -173,7 +207,7 @@ impl<P: Scalar> StripModel<P> {
         for i in 0..N {
             let (attached, held) = (response.attached[i], edges.held[i]);
             force.chordwise[i] *= held;
-            force.normal[i] += edges.vortex[i] * attached * self.tables.drag_scale[i];
+            force.normal[i] += self.vortex_force(i, response, edges);
             if self.settings.section.pitch_suction {
                 let carried = response.impulse[i] * strips.pitch[i];
                 force.chordwise[i] -= carried * (S::ONE - shares[i] * attached * held);
@@ -186,8 +220,9 @@ impl<P: Scalar> StripModel<P> {
         &self,
         strips: &Strips<G, N>,
         attached: &Column<S, N>,
+        drag: ProfileDrag<P>,
     ) -> InPlane<S, N> {
-        let (law, drag, delta2) = (self.settings.section.law, self.numbers.drag(), self.floor * self.floor);
+        let (law, delta2) = (self.settings.section.law, self.floor * self.floor);
         let mut force = InPlane::ZERO;
         for i in 0..N {
             let section = drag.section(law, strips.along[i], strips.wash_half[i], attached[i], delta2);

@@ -120,22 +120,22 @@ fn a_fit_to_what_is_no_measurement_is_not_ok() {
     let mut count = |size: f64| size * random.normal();
     let constant =
         made("constant.csv", |_, _| [-500.0 + count(1e-6), 0.1 + count(1e-9), 0.01 + count(1e-10)]);
-    for data in [noisy, constant] {
-        let cd0 = "[[parameters]]\nname = \"surfaces.wing.cd0\"\n";
-        let calibration = calibrated(&format!("name = \"wing\"\nstarts = 1\n{}{cd0}", cases(&data)));
-        let fitted = calibration.prepared().and_then(|prepared| {
-            prepared.check()?;
-            prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(()))
-        });
-        let found = fitted.unwrap_or_else(|error| panic!("{}: {error}", data.display()));
-        let verdict = found.verdict(calibration.limits());
-        assert_eq!(verdict.status, Status::SuspectData, "{}: {verdict:?}", data.display());
-        let reason = verdict.reason.clone().unwrap();
-        assert!(reason.contains("limits.calibration.explained_fraction"), "{reason}");
-        let numbers = words::numbers(&found, &Files(Vec::new()), "commit", &verdict);
-        let given: GivenNumbers = toml::from_str(&numbers).unwrap();
-        assert_eq!(given.verdict.unwrap().status, "suspect_data");
-    }
+    let cd0 = "[[parameters]]\nname = \"surfaces.wing.cd0\"\n";
+    let of = |data: &PathBuf| calibrated(&format!("name = \"wing\"\nstarts = 1\n{}{cd0}", cases(data)));
+    let calibration = of(&noisy);
+    let prepared = calibration.prepared().unwrap();
+    prepared.check().unwrap();
+    let found = prepared.fit(&mut (), &mut |_: &Progress| ControlFlow::Continue(())).unwrap();
+    let verdict = found.verdict(calibration.limits());
+    assert_eq!(verdict.status, Status::SuspectData, "{verdict:?}");
+    let reason = verdict.reason.clone().unwrap();
+    assert!(reason.contains("limits.calibration.explained_fraction"), "{reason}");
+    let numbers = words::numbers(&found, &Files(Vec::new()), "commit", &verdict);
+    let given: GivenNumbers = toml::from_str(&numbers).unwrap();
+    assert_eq!(given.verdict.unwrap().status, "suspect_data");
+    // Of what does not move nothing is fitted.
+    let refused = of(&constant).prepared().map(drop).unwrap_err().to_string();
+    assert!(refused.contains("constant.csv: no channel has a load"), "{refused}");
 }
 
 #[test]

@@ -9,6 +9,37 @@ use wingbeat_calibrate::{Calibration, Information, Linear, Problem, Progress, Ru
 /// Seeds of the noise.
 const SEEDS: u64 = 30;
 
+/// A calibration whose bench has other numbers, and that fits the mass as well or the places alone.
+fn with(numbers: &str, mass: bool) -> Calibration {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let mass = if mass { "[[parameters]]\nname = \"body.mass_kg\"\n" } else { "" };
+    let text = format!(
+        "name = \"weighed\"\nmodel = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]\nstarts = 1\n\
+         [truth]\nset = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"{numbers}]\npasses = 7\n\
+         [[runs]]\nrun = \"{root}/rigs/identification/static_tilts.toml\"\nset = [\"hold.each_s=4.0\"]\n{mass}\
+         [[parameters]]\nname = \"body.com_m[0]\"\nlow = -0.1\nhigh = 0.1\n"
+    );
+    Calibration::new(Document::text("weighed", &text).unwrap()).unwrap()
+}
+
+/// A cell that weighs the robot 15 % too heavy has another gain; where the mass is fitted, the weight says nothing of it.
+#[test]
+fn the_gain_is_checked_by_the_weight_where_it_is_known() {
+    let right = with("", false);
+    let prepared = right.prepared().unwrap();
+    assert!(prepared.found.is_empty() && prepared.unchecked.is_none(), "{:?}", prepared.found);
+    let robot = &prepared.structure.model.targets[0].run.robot;
+    let own = robot.named_numbers();
+    let body = own.iter().find(|(name, _)| name == "body.mass_kg").unwrap().1;
+    let heavier = body + 0.15 * robot.mass();
+    let heavy = with(&format!(", \"rig.robot.numbers={{'body.mass_kg'={heavier}}}\""), false);
+    let found = heavy.prepared().unwrap().found;
+    assert_eq!((found.len(), found[0].id, found[0].serious), (1, "data.scaled", false), "{found:?}");
+    assert!((found[0].size - 0.15).abs() < 0.04, "{found:?}");
+    let unchecked = with("", true).prepared().unwrap().unchecked.unwrap();
+    assert!(unchecked.text.contains("body.mass_kg is fitted"), "{}", unchecked.text);
+}
+
 fn calibration() -> Calibration {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
     let text = format!(

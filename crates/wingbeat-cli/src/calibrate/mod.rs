@@ -6,7 +6,6 @@ mod kept;
 use std::time::Instant;
 
 use serde::Serialize;
-use wingbeat::judge::data::Finding;
 use wingbeat::judge::{Status, Verdict};
 use wingbeat::scenario::Document;
 use wingbeat_calibrate::{Calibration, Failure, Files, Found, Prepared, Progress, words};
@@ -93,12 +92,12 @@ fn found(
     let prepared = calibration.prepared()?;
     interrupt.check()?;
     prepared.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
-    let told = |finding: &Finding| say::note(&finding.warning().to_string());
-    prepared.found.iter().for_each(told);
+    let on_data = prepared.verdict();
+    on_data.warnings.iter().for_each(|warning| say::note(&warning.to_string()));
     say::unless(quiet, || words::information(&prepared.information, &prepared.structure.parameters))?;
     prepared.check()?;
     if arguments.information {
-        return Ok(None);
+        return Error::unless_sound(on_data.status, on_data.reason.as_deref()).map(|()| None);
     }
     watched(&prepared, &mut Kept::open(folder), interrupt, quiet).map(Some)
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use wingbeat::aero::LoadSource;
 use wingbeat::rig::cell::CHANNELS;
+use wingbeat::robot::WeightPart;
 use wingbeat::scenario::{Evaluated, ProcessedRun, RigRun, Scenario, Sweep, TetherCase, together};
 use wingbeat::simulate::{Column, Record};
 
@@ -23,6 +24,7 @@ fn words(placeholder: &str) -> Option<Vec<&'static str>> {
         "angle" => vec!["roll", "pitch", "yaw"],
         "channel" => CHANNELS.map(|(name, _)| name).into(),
         "measure" => vec!["iterations", "qp_changes", "active_limits", "stationarity", "defect"],
+        "part" => WeightPart::ALL.map(WeightPart::name).into(),
         "source" => LoadSource::ALL.map(LoadSource::name).into(),
         _ => return None,
     })

@@ -55,16 +55,17 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     let folder = RunFolder::create(options.out.as_deref(), &case.spec.run_name()?, options.force)?;
     let run = simulate(&case.tether, &interrupt, options.quiet)?;
     let step_change = case.step_change(&run, |other| simulate(other, &interrupt, true))?;
+    let comparison = match &measured {
+        Some(measured) if run.ending == Ending::Complete => Some(measured.compare(&case, &run)?),
+        _ => None,
+    };
     let found = Found {
-        summary: case.summary(&run, step_change),
+        summary: case.summary(&run, step_change, comparison.as_ref()),
         convergence: match arguments.converge {
             true => Some(converge::converge(&case, &tables, &interrupt, options.quiet)?),
             false => None,
         },
-        comparison: match &measured {
-            Some(measured) if run.ending == Ending::Complete => Some(measured.compare(&case, &run)?),
-            _ => None,
-        },
+        comparison,
         run,
     };
     folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
@@ -185,8 +186,11 @@ fn table(summary: &TetherSummary) -> String {
         text += format!("{name:<22}{mean:>11.5}{low:>11.5}{high:>11.5}  {unit}").trim_end();
         text.push('\n');
     }
+    if let (Some(positive), Some(net)) = (summary.mean_positive_power_w, summary.mean_power_w) {
+        text += &format!("\nmean power given to the air: positive part {positive:.5} W, net {net:.5} W\n");
+    }
     if let Some(efficiency) = summary.propulsive_efficiency {
-        text += &format!("\npropulsive efficiency, mean thrust x wind speed / mean power: {efficiency:.4}\n");
+        text += &format!("propulsive efficiency, mean thrust x wind speed / mean power: {efficiency:.4}\n");
     }
     if let Some(Periodicity { change, quantity }) = &summary.periodicity {
         text += &format!("last two cycles: {:.2e} % apart ({quantity})\n", 100.0 * change);

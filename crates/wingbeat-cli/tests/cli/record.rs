@@ -301,8 +301,8 @@ fn an_alarm_comes_while_the_recording_runs() {
 #[test]
 fn a_disk_that_is_full_while_figures_are_drawn_ends_the_run_and_leaves_nothing() {
     let folder = scratch("figures_disk");
-    // No file may grow beyond 240 blocks of 512 bytes: the record fits, the picture of the path does not.
-    let script = "trap '' XFSZ; ulimit -f 240; exec \"$0\" \"$@\"";
+    // No file may grow beyond 260 blocks of 512 bytes: the record fits, the picture of the path does not.
+    let script = "trap '' XFSZ; ulimit -f 260; exec \"$0\" \"$@\"";
     let mut shell = Command::new("sh");
     shell
         .args(["-c", script, env!("CARGO_BIN_EXE_wingbeat"), "fly"])

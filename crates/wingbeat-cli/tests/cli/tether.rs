@@ -143,6 +143,75 @@ fn a_case_is_compared_with_a_measured_file() {
     }
 }
 
+/// `flap_f2` at 5 Hz, and its loads along time as a file that `change` makes of time, Fx and Fz.
+fn compared(folder: &Path, data: &str, hz: f64, change: &dyn Fn(usize, [f64; 3]) -> [f64; 3]) -> Output {
+    let case = cases().join("flap_f2.toml");
+    let at = ["--set", "time.frequency_hz=5.0"];
+    if !folder.join("own").exists() {
+        let own = tether(folder, &case, &[&BRIEF[..], &at, &["--out", "own", "--quiet"]].concat());
+        assert!(own.status.success(), "{own:?}");
+    }
+    let loads = fs::read_to_string(folder.join("own/loads.csv")).unwrap();
+    let mut lines = loads.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    let columns = ["force_x", "force_z"].map(|name| names.iter().position(|own| *own == name).unwrap());
+    let last: Vec<[f64; 2]> = lines.skip(48).map(|row| columns.map(|at| row[at].parse().unwrap())).collect();
+    let mut random = wingbeat::math::Random::new(3);
+    let mut text = "t,Fx,Fz\n".to_owned();
+    for k in 0..=480 {
+        let [fx, fz] = last[k % 48].map(|load| load + 0.002 * random.normal());
+        let [t, fx, fz] = change(k, [k as f64 / 48.0 / hz, fx, fz]);
+        text += &format!("{t},{fx},{fz}\n");
+    }
+    fs::write(folder.join(data), text).unwrap();
+    let channels = ["--set", "compare.channels.force_x=Fx", "--set", "compare.channels.force_z=Fz"];
+    let out = data.trim_end_matches(".csv");
+    tether(folder, &case, &[&BRIEF[..], &at, &channels, &["--compare", data, "--out", out]].concat())
+}
+
+#[test]
+fn a_comparison_judges_the_measured_data() {
+    let folder = scratch("tether-compare-wrong");
+    let same = |_: usize, row: [f64; 3]| row;
+    type Change<'a> = &'a dyn Fn(usize, [f64; 3]) -> [f64; 3];
+    let cases: [(&str, f64, Change, i32, &[&str]); 9] = [
+        ("good", 5.0, &same, 0, &[]),
+        (
+            "reversed",
+            5.0,
+            &|_, [t, x, z]| [t, -x, z],
+            3,
+            &["data.reversed", "Fx of the measured file", "compare.scale"],
+        ),
+        (
+            "dead",
+            5.0,
+            &|_, [t, _, z]| [t, 0.01, z],
+            3,
+            &["data.dead", "Fx of the measured file", "compare.channels"],
+        ),
+        ("fast", 5.2, &same, 3, &["data.frequency", "5.20", "compare.frequency_hz"]),
+        ("drifting", 5.0, &|k, [t, x, z]| [t, x, z + 0.3 * k as f64 / 480.0], 3, &["data.drift", "Fz"]),
+        ("stuck", 5.0, &|k, [t, x, z]| [t, x, if k > 200 { 0.1 } else { z }], 3, &["data.stuck", "Fz"]),
+        ("clipped", 5.0, &|_, [t, x, z]| [t, x, z.clamp(-1.0, 0.05)], 3, &["data.clipped", "Fz"]),
+        // A shift and a gain are what the comparison finds: it tells them and goes on.
+        ("late", 5.0, &|_, [t, x, z]| [t + 0.01, x, z], 0, &["data.shift", "18.0 deg behind"]),
+        ("scaled", 5.0, &|_, [t, x, z]| [t, 1.3 * x, 1.3 * z], 0, &["data.scaled", "compare.scale"]),
+    ];
+    for (name, hz, change, code, words) in cases {
+        let output = compared(&folder, &format!("{name}.csv"), hz, change);
+        let exit = output.status.code();
+        let said = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        assert_eq!(exit, Some(code), "{name}: {}", said.concat());
+        let found = &summary(&folder.join(name))["warnings"];
+        let text = found.to_string();
+        assert!(words.iter().all(|word| text.contains(word)), "{name}: {text}");
+        assert_eq!(text.contains("\"data."), !words.is_empty(), "{name}: {text}");
+        assert_eq!(summary(&folder.join(name))["status"], if code == 0 { "ok" } else { "suspect_data" });
+        println!("{name}: exit {code}: {text}");
+    }
+}
+
 #[test]
 fn a_smoothed_table_says_what_it_left() {
     let folder = scratch("tether-smooth");

@@ -200,7 +200,7 @@ impl Scenario {
             course.climb,
             course.bank.to_degrees(),
             1.0 / orbit.end.duration,
-            measures.power / self.model.mass(),
+            measures.cost.positive_power / self.model.mass(),
             measures.mean_angles[1].to_degrees(),
             measures.stalled[0],
             measures.stalled[1],

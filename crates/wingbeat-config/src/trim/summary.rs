@@ -1,6 +1,7 @@
 //! `summary.json` of a trimmed flight.
 
 use super::search::SearchSummary;
+use crate::CostSummary;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -68,14 +69,13 @@ pub struct TrimSummary {
     pub lift_over_weight: Option<f64>,
     /// Mean force of the air across the plane of symmetry over the weight, positive to the left; a coordinated turn has none.
     pub side_force_over_weight: Option<f64>,
-    /// Mean of the positive part of the total power of the driven joints, W.
+    /// The positive power of `cost`, W: the name under which it was known alone.
     pub power_w: Option<f64>,
     /// That over the mass, W/kg.
     pub power_w_kg: Option<f64>,
-    /// Sum over the driven joints of the means of their positive powers over the mass, W/kg.
-    pub separate_power_w_kg: Option<f64>,
-    /// Mean power with its negative part over the mass, W/kg.
-    pub net_power_w_kg: Option<f64>,
+    /// Power of the joints, and what carries the weight.
+    #[serde(flatten)]
+    pub cost: CostSummary,
     /// Mean power of the twist joints, W.
     pub twist_power_w: Option<f64>,
     /// Mean power of the regulators, W.
@@ -141,10 +141,8 @@ impl TrimSummary {
         self.frequency_hz = Some(1.0 / orbit.end.duration);
         self.lift_over_weight = Some(measures.lift_over_weight);
         self.side_force_over_weight = Some(measures.side_force_over_weight);
-        self.power_w = Some(measures.power);
-        self.power_w_kg = Some(measures.power / mass);
-        self.separate_power_w_kg = Some(measures.separate_power / mass);
-        self.net_power_w_kg = Some(measures.net_power / mass);
+        self.cost = CostSummary::new(Some(measures.cost), mass);
+        (self.power_w, self.power_w_kg) = (self.cost.positive_power_w, self.cost.positive_power_w_kg);
         self.twist_power_w = Some(measures.twist_power);
         self.regulator_power_w = Some(measures.regulator_power);
         self.strouhal = Some(measures.strouhal);

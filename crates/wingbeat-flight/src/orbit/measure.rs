@@ -2,6 +2,7 @@
 
 use super::cycle::{Cycle, PARTS};
 use super::newton::Orbit;
+use crate::simulate::Cost;
 use wingbeat_math::{GRAVITY, Vec3};
 use wingbeat_ocp::plant::Fault;
 use wingbeat_robot::Observation;
@@ -21,14 +22,10 @@ const SOFT_DEG: f64 = 3.0;
 pub struct Measures {
     /// Mean upward force of the air over the weight.
     pub lift_over_weight: f64,
-    /// Mean of the positive part of the total power of the driven joints, W.
-    pub power: f64,
+    /// Power of the joints, and what carries the weight.
+    pub cost: Cost,
     /// Mean force of the air across the plane of symmetry over the weight, positive to the left.
     pub side_force_over_weight: f64,
-    /// Mean power, W: what a drive that takes back what it is given would need.
-    pub net_power: f64,
-    /// Sum over the joints of the means of their positive powers, W: what drives that share nothing would need.
-    pub separate_power: f64,
     /// Mean power of the joints that twist a wing ([`Robot::is_twist`](wingbeat_robot::Robot::is_twist)), W; of an
     /// elastic hinge what it takes from the air and gives to the body is negative.
     pub twist_power: f64,
@@ -91,20 +88,12 @@ pub fn measure(cycle: &Cycle, orbit: &Orbit, areas: &[f64]) -> Result<Measures, 
         }) / (robot.mass() * GRAVITY),
         side_force_over_weight: mean(&|k| (seen[k].air.total() + seen[k].body_drag).force[1])
             / (robot.mass() * GRAVITY),
-        power: mean(&|k| seen[k].power.max(0.0)),
-        net_power: mean(&|k| seen[k].power),
+        cost: Cost::mean(seen.iter().map(|seen| Cost::of(seen, robot.mass()))).unwrap_or_default(),
         regulator_power: mean(&|k| seen[k].regulator_power),
         ..Measures::default()
     };
-    for joint in 0..robot.tree().links() {
-        let power = |k: usize| seen[k].torques[joint] * rate(k, &|o| o.joints[joint]);
-        let elastic = robot.is_elastic(joint);
-        if !elastic {
-            measures.separate_power += mean(&|k| power(k).max(0.0));
-        }
-        if robot.is_twist(joint) {
-            measures.twist_power += mean(&power);
-        }
+    for joint in (0..robot.tree().links()).filter(|joint| robot.is_twist(*joint)) {
+        measures.twist_power += mean(&|k| seen[k].torques[joint] * rate(k, &|o| o.joints[joint]));
     }
     let layout = robot.layout();
     let swing = |of: &dyn Fn(usize) -> f64| {

@@ -1,6 +1,7 @@
 //! Simulation: the stepper that advances every system, the flight of a plant
 //! under a controller behind sensors, the record of a run.
 
+mod cost;
 mod coupled;
 mod estimator;
 mod fly;
@@ -15,6 +16,7 @@ mod strips;
 mod system;
 mod together;
 
+pub use cost::Cost;
 pub use coupled::{Bears, Beyond, Steers, step_in};
 pub use coupled::{Coupling, Fineness, Flow, fly_in};
 pub use estimator::{Estimator, NoEstimate, TrueState};

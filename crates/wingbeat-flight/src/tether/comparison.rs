@@ -15,7 +15,7 @@ const ROUNDS: usize = 8;
 pub struct CycleFit {
     /// Cycles by which the measured one comes later, from -1/2 to 1/2.
     pub lag_cycles: f64,
-    /// Gain, in the measured unit over the computed one; above zero.
+    /// Gain, in the measured unit over the computed one; above zero, and zero where the measured cycle does not vary.
     pub gain: f64,
     /// Offset, in the measured unit.
     pub offset: f64,
@@ -51,9 +51,12 @@ pub fn cycle_of(phase: &[f64], values: &[f64]) -> Result<CycleAverage, Error> {
 /// Equation: tether.comparison
 ///
 /// # Errors
-/// A curve that does not vary.
+/// A computed curve that does not vary, or a measured one that is not finite.
 pub fn fit(measured: &[f64], computed: &[f64]) -> Result<CycleFit, Error> {
     let curve = Curve::new(measured, computed)?;
+    if range(measured) == 0.0 {
+        return Ok(CycleFit { lag_cycles: 0.0, gain: 0.0, offset: curve.mean, rms: 0.0, ..curve.at(0.0) });
+    }
     let mut best = (0..2 * PHASES)
         .map(|k| k as f64 / (2 * PHASES) as f64)
         .max_by(|a, b| curve.correlation(*a).total_cmp(&curve.correlation(*b)))
@@ -85,11 +88,12 @@ struct Curve<'a> {
 
 impl<'a> Curve<'a> {
     fn new(measured: &'a [f64], computed: &[f64]) -> Result<Self, Error> {
-        for (which, values) in [("measured", measured), ("computed", computed)] {
-            let range = range(values);
-            if !(range > 0.0 && range.is_finite()) {
-                return Err(Error::invalid(which, format!("a range of {range}"), "a curve that varies"));
-            }
+        let (own, theirs) = (range(computed), range(measured));
+        if !(own > 0.0 && own.is_finite()) {
+            return Err(Error::invalid("computed", format!("a range of {own}"), "a curve that varies"));
+        }
+        if !theirs.is_finite() {
+            return Err(Error::invalid("measured", format!("a range of {theirs}"), "a finite one"));
         }
         let mean = measured.iter().sum::<f64>() / measured.len() as f64;
         Ok(Self { measured, mean, computed: smooth(computed)? })
@@ -161,7 +165,9 @@ mod tests {
             assert!((found.gain - 2.5).abs() < 1e-5 && (found.offset - 0.7).abs() < 1e-5, "{found:?}");
             assert!(found.rms < 1e-5 && found.rms_before > 0.5, "{found:?}");
         }
-        assert!(fit(&[1.0; PHASES], &computed).is_err());
+        let flat = fit(&[1.0; PHASES], &computed).unwrap();
+        assert_eq!((flat.gain, flat.offset, flat.rms, flat.range), (0.0, 1.0, 0.0, 0.0));
+        assert!(flat.rms_before > 0.5 && fit(&computed, &[1.0; PHASES]).is_err());
     }
 
     #[test]

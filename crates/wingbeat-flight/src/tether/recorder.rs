@@ -41,6 +41,12 @@ impl TetherRun {
         self.means.iter().find(|row| row.name == name).map(|row| row.mean)
     }
 
+    /// Mean over the last cycle of the positive part of the power that the motion gives to the air, W.
+    pub fn mean_positive_power(&self) -> Option<f64> {
+        let power = self.last_cycle("power")?;
+        Some(power.iter().map(|power| power.max(0.0)).sum::<f64>() / power.len() as f64)
+    }
+
     /// The last cycle of a column of `loads`, its end left out; none where the run ended before a cycle.
     pub fn last_cycle(&self, name: &str) -> Option<&[f64]> {
         let rows = cycle::rows_of_cycle(self.loads.rows(), self.steps_per_cycle, 0)?;

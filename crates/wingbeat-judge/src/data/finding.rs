@@ -1,5 +1,6 @@
 //! One thing that is wrong with data.
 
+use crate::limits::data::GAIN;
 use crate::limits::{Limit, Limits};
 use crate::verdict::{Judge, Warning};
 
@@ -12,6 +13,8 @@ pub struct Finding {
     pub limit: &'static Limit,
     /// The channel and its file, in words.
     pub about: String,
+    /// Name of the channel; empty where it is all of them, or their time.
+    pub channel: String,
     /// Its size, in the unit of the limit.
     pub size: f64,
     /// What was found, why it matters, and what helps.
@@ -32,7 +35,23 @@ impl Finding {
         text: impl Into<String>,
     ) -> Self {
         let serious = limit.status.is_some();
-        Self { id, limit, about: about.into(), size, text: text.into(), key: None, serious }
+        let (about, channel) = (about.into(), String::new());
+        Self { id, limit, about, channel, size, text: text.into(), key: None, serious }
+    }
+
+    /// The same of the channel called `name`.
+    pub(super) fn in_channel(self, name: &str) -> Self {
+        Self { channel: name.into(), ..self }
+    }
+
+    /// Whether it says that a channel has no signal of its own: it is dead, or was stuck.
+    pub fn is_silence(&self) -> bool {
+        matches!(self.id, "data.dead" | "data.stuck")
+    }
+
+    /// That what was measured has another gain by `size`.
+    pub fn scaled(about: impl Into<String>, size: f64, text: impl Into<String>) -> Self {
+        Self::new("data.scaled", &GAIN, about, size, text)
     }
 
     /// Whether it lies beyond its limit.

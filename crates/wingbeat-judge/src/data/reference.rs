@@ -2,11 +2,13 @@
 
 use super::Finding;
 use crate::limits::Limits;
-use crate::limits::data::{DEAD, GAIN, REVERSED, SHIFT, SWAPPED, UNRELATED};
+use crate::limits::data::{DEAD, REVERSED, SHIFT, SWAPPED, UNRELATED};
 
 /// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
 /// symmetry is computed as rounding.
 const TELLING: f64 = 0.05;
+/// The same share above which a channel must resemble what is computed. *Choice*: a small one may be wrong, as drags are.
+const LARGE: f64 = 0.5;
 /// Correlation above which a gain means something, and one above which a lag does. *Choice.*
 const ALIKE: [f64; 2] = [0.97, 0.8];
 /// Correlation above which a channel is another one. *Choice.*
@@ -48,9 +50,11 @@ pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
         pairs.iter().zip(&told).filter(|(_, told)| told.share > TELLING && told.computed > 0.0).collect();
     let about = |pair: &Pair| format!("{} of {what}", pair.name);
     let mut found = swapped(what, &telling);
+    found.extend(repeated(what, &telling));
     if !found.iter().any(|finding| finding.breaks(limits)) {
         found.extend(telling.iter().map(|(pair, told)| reversed(about(pair), told)));
-        found.extend(telling.iter().map(|(pair, told)| dead(about(pair), pair, told)));
+        let dead = |(pair, told): &(&Pair, &Told)| dead(about(pair), pair, told).in_channel(pair.name);
+        found.extend(telling.iter().map(dead));
         found.extend(telling.iter().filter_map(|(pair, told)| scaled(about(pair), told)));
         found.extend(shifted(what, &telling));
         found.extend(unrelated(what, &telling));
@@ -122,7 +126,7 @@ fn scaled(about: String, told: &Told) -> Option<Finding> {
         told.gain
     );
     (told.best > ALIKE[0] && told.measured > DEAD.value * told.computed)
-        .then(|| Finding::new("data.scaled", &GAIN, about, (told.gain - 1.0).abs(), text))
+        .then(|| Finding::scaled(about, (told.gain - 1.0).abs(), text))
 }
 
 /// The lag on which the channels agree, by the power that they lend it.
@@ -144,12 +148,35 @@ fn shifted(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
 }
 
 fn unrelated(what: &str, telling: &[(&Pair, &Told)]) -> Option<Finding> {
-    let sizes = telling.iter().map(|(_, told)| told.now.abs().max(told.best));
-    let best = sizes.fold(f64::NAN, f64::max);
+    let large = telling.iter().filter(|(_, told)| told.share > LARGE);
+    let best = large.map(|(_, told)| told.now.abs().max(told.best)).fold(f64::NAN, f64::max);
     let text = format!(
-        "no channel resembles what is computed at any phase (largest correlation {best:.2}): it is of another run, or noise"
+        "no large channel resembles what is computed at any phase (largest correlation {best:.2}): it is of another run, \
+         of a multiple of the frequency, or noise"
     );
     (!telling.is_empty()).then(|| Finding::new("data.unrelated", &UNRELATED, what, best, text))
+}
+
+/// Channels that hold the very values of another one, though other loads are computed for them; of two the one that fits worse.
+fn repeated(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for (k, (pair, told)) in telling.iter().enumerate() {
+        for (other, its) in &telling[..k] {
+            let alike = correlation(pair.computed, other.computed, 0).abs() > ALIKE[0];
+            if alike || told.measured == 0.0 || pair.measured != other.measured {
+                continue;
+            }
+            let (size, [name, from]) = match told.now.abs() < its.now.abs() {
+                true => (its.now.abs() - told.now.abs(), [pair.name, other.name]),
+                false => (told.now.abs() - its.now.abs(), [other.name, pair.name]),
+            };
+            let text = format!(
+                "holds the very values of {from}, and does not fit what is computed for it: one column for two"
+            );
+            found.push(Finding::new("data.swapped", &SWAPPED, format!("{name} of {what}"), size, text));
+        }
+    }
+    found
 }
 
 /// Channels of one unit that would each fit another one much better, as a permutation.

@@ -55,7 +55,10 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     for (channel, extent) in series.channels.iter().zip(&extents) {
         match extent {
             None => found.extend(not_finite(series, channel)),
-            Some(extent) => found.extend(of_channel(series, channel, *extent, limits)),
+            Some(extent) => {
+                let own = of_channel(series, channel, *extent, limits);
+                found.extend(own.into_iter().map(|finding| finding.in_channel(channel.name)));
+            }
         }
     }
     found.extend(nothing(series, &extents));

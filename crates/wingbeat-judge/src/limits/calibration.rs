@@ -20,6 +20,10 @@ pub const BEYOND_NOISE: Limit = Limit::warn_above("calibration.beyond_noise_chi_
 /// Time shift that is left between measured and fitted cycles; runs are refused beyond it before the fit.
 pub const PHASE: Limit = Limit::at_most("calibration.phase_deg", 5.0, "deg", SuspectData)
     .on("shift between the measured and the fitted cycle");
+/// Circular correlation of what the fit leaves with itself one phase on, in deviations: 0 +- 1/sqrt(n W) of noise alone, with W numbers of
+/// each of n channels, which of a force with eight harmonics reaches half in one of 50, of three in one of 5000.
+pub const COLOURED: Limit = Limit::warn_above("calibration.residual_autocorrelation", 0.5, "")
+    .on("what the fit leaves is no noise, but a cycle of its own: correlation of the residual with itself one phase on");
 /// Parameters that the fit found: without any, the fit says nothing.
 pub const IDENTIFIED: Limit = Limit::at_least("calibration.identified_fraction", 1e-3, "", OffTarget)
     .on("share of the parameters that the runs identify");
@@ -28,5 +32,5 @@ pub const CORRELATION: Limit =
     Limit::warn_above("calibration.correlation", 0.98, "").on("largest correlation of two parameters");
 
 /// All of them.
-pub const ALL: [Limit; 7] =
-    [EXPLAINED, MODEL_ERROR, CHI_SQUARED, BEYOND_NOISE, PHASE, IDENTIFIED, CORRELATION];
+pub const ALL: [Limit; 8] =
+    [EXPLAINED, MODEL_ERROR, CHI_SQUARED, BEYOND_NOISE, PHASE, COLOURED, IDENTIFIED, CORRELATION];

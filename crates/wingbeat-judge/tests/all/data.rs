@@ -362,6 +362,7 @@ fn what_is_computed_judges_sign_order_gain_and_phase() {
         ("data.dead", [fx.clone(), vec![0.1; 360], ty.clone()]),
         ("data.shift", at(9)),
         ("data.shift", at(352)),
+        ("data.swapped", [fx.clone(), fx.clone(), ty.clone()]),
         ("data.swapped", [fz, fx, ty]),
     ] {
         assert!(ids(&beside(&measured)).contains(&id), "{id}: {:?}", beside(&measured));

@@ -2,6 +2,7 @@
 
 mod chord_lines;
 mod clearance;
+mod cost;
 mod document;
 mod doors;
 mod drive;

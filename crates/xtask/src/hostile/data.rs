@@ -12,10 +12,11 @@ use super::case::Case;
 use super::step::{Kept, Step};
 
 /// The lists.
-const LISTS: [(&str, &str); 8] = [
+const LISTS: [(&str, &str); 9] = [
     ("boxes", include_str!("../../hostile/boxes.toml")),
     ("documents", include_str!("../../hostile/documents.toml")),
     ("files", include_str!("../../hostile/files.toml")),
+    ("odd", include_str!("../../hostile/odd.toml")),
     ("pictures", include_str!("../../hostile/pictures.toml")),
     ("places", include_str!("../../hostile/places.toml")),
     ("ranges", include_str!("../../hostile/ranges.toml")),

@@ -14,6 +14,7 @@ mod pictures;
 mod place;
 mod readers;
 mod runs;
+mod series;
 mod sizes;
 mod snapshot;
 mod status;

@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::place::placed;
 use super::readers;
+use super::series::Series;
 use crate::tools;
 
 /// Text, or pieces one after another.
@@ -41,6 +42,8 @@ pub enum Piece {
         /// Its header, where it is another one.
         header: Option<String>,
     },
+    /// Loads or a motion over time.
+    Series(Series),
     /// A file of the repository.
     File {
         /// Its path from the root.
@@ -75,6 +78,7 @@ impl Piece {
                 }
                 Ok(bytes)
             }
+            Self::Series(series) => series.bytes(),
             Self::File { file, replace } => {
                 let text = fs::read_to_string(tools::root().join(file));
                 let text = text.map_err(|error| format!("{file}: {error}"))?;

@@ -159,7 +159,7 @@ impl<'a> Gaits<'a> {
         let facts = Facts {
             frequency: 1.0 / own.found.orbit.end.duration,
             speed: own.speed,
-            power_per_mass: own.measures.power / own.mass,
+            power_per_mass: own.measures.cost.positive_power / own.mass,
             stalled: own.measures.stalled,
             clearance: flown.iter().map(least).fold(f64::INFINITY, f64::min),
             multiplier: flown.iter().map(|f| f.multiplier).fold(f64::NAN, f64::max),
