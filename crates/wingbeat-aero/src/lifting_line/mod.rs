@@ -8,7 +8,8 @@
 //! term when the airspeed changes.
 //!
 //! Preset `as_printed` keeps the paper's equations (1) to (4) as they stand: the first state of a node is
-//! g = sum a_n sin(n theta), the series at the node, and G = a0 c0 U g / 2 with one airspeed U for the wing.
+//! g = sum a_n sin(n theta), the series at the node, and G = a0 c0 U g / 2 with one airspeed U for the wing. Its lags run by
+//! the velocity of each section.
 
 mod flow;
 mod layout;
@@ -18,7 +19,7 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use settings::LiftingLineSettings;
+pub use settings::{LagSpeed, LiftTilt, LiftingLineSettings};
 
 use super::law::Polar;
 use super::section::{Section, SectionForce, ZeroLift};
@@ -83,7 +84,7 @@ impl LiftingLine {
         Self::laid(Layout::hinged(planform, hinge_arcs, &settings)?, numbers, settings)
     }
 
-    /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m).
+    /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m), its quarter chords in one line.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a setting is outside its range.
@@ -93,7 +94,8 @@ impl LiftingLine {
         settings: LiftingLineSettings,
     ) -> Result<Self, Error> {
         settings.check()?;
-        Self::laid(Layout::of_chords(half_span, chord, &settings), settings.numbers(), settings)
+        let layout = Layout::of_chords(half_span, |arc| [chord(arc), 0.0], &settings);
+        Self::laid(layout, settings.numbers(), settings)
     }
 }
 
@@ -191,7 +193,7 @@ impl<P: Scalar> LiftingLine<P> {
     /// State rates for airspeed (m/s) and wash of motion (m/s) given at each
     /// node, attached flow, without any regularisation. Writes the effective
     /// wash: the lift per span is rho U G + rho c G' = rho U a0 (c/2) w_eff.
-    /// Preset `as_printed` knows one airspeed: that of every node.
+    /// Preset `as_printed` knows one airspeed: that of every node, its lags included.
     pub fn rates_in_wash<S: Scalar + Meets<P>>(
         &self,
         airspeed: &[S],
@@ -341,10 +343,7 @@ impl<P: Scalar> LiftingLine<P> {
         added_mass: &mut [[S; 6]; 6],
     ) -> StripLoads<S> {
         let lift = section.wrench(flow.lift(node));
-        let circulatory = match self.settings.as_printed {
-            true => lift,
-            false => section.wrench(flow.lift_without_turning(node)),
-        };
+        let circulatory = section.wrench(flow.lift_without_turning(node));
         StripLoads {
             circulatory,
             induced_drag: Wrench {

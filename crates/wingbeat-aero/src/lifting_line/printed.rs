@@ -3,10 +3,11 @@
 //! (1) G = (1/2) a0 c0 U sum a_n sin(n theta)
 //! (2) w_ind = -(a0 c0 U / 4 S) sum n a_n sin(n theta) / sin(theta)
 //! (3) c_l = a0 [(c0/c) sum a_n sin(n theta) + (c0/U) sum a_n' sin(n theta)]
-//! (4) c_l = (a0/U) [w(0) Phi(t) + int w'(s) Phi(t - s) ds], time in semi-chords of the stream U
+//! (4) c_l = (a0/U) [w(0) Phi(t) + int w'(s) Phi(t - s) ds], t the reduced time: int v / b, v the velocity of the section's
+//!     quarter chord perpendicular to the sweep; U t / b where the free stream is much faster
 //!
-//! Two constants stand in for what the equations leave open, both a choice: U is the airspeed of the middle of the
-//! wing at half chord, and the lift is normal to the wind of motion of its section, at the quarter chord.
+//! A choice stands in for what the equations leave open: U is the airspeed of the middle of the wing at half chord. The
+//! lift acts at the quarter chord and is turned by the wash, `lift_tilt`.
 //! The nodal form keeps G and has G' = (1/2) a0 c0 (U sum a_n' sin + U' sum a_n sin); (3) has the first term only, so both
 //! agree as long as U is constant.
 

@@ -18,6 +18,8 @@ use wingbeat_ocp::realtime::{HorizonSolver, RealTime, Settings};
 
 /// Longest horizon, and most iterations of an update.
 pub(super) const MAX_INTERVALS: usize = 100;
+/// Longest horizon in cycles of the gait.
+const MAX_CYCLES: f64 = 100.0;
 
 /// Horizon and cost of the controller.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -28,8 +30,13 @@ pub struct MpcSpec {
     pub period_s: f64,
     /// Intervals of the horizon.
     pub intervals: usize,
-    /// Length of an interval, s.
-    pub interval_s: f64,
+    /// Length of an interval, s; this or `horizon_cycles`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval_s: Option<f64>,
+    /// Length of the whole horizon in cycles of the gait, cut into its intervals: 1 for n intervals during a gait cycle,
+    /// as the paper's section IV has them; this or `interval_s`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub horizon_cycles: Option<f64>,
     /// Iterations of sequential quadratic programming per update.
     pub iterations: usize,
     /// The plan's first input is the last one applied; else it may jump.
@@ -96,15 +103,19 @@ impl ControllerSpec for MpcSpec {
     }
 
     fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
+        self.in_range()?;
+        let in_seconds = self.in_seconds(task.model.frequency_hz())?;
         let allowed = "a manoeuvre to fly: add [manoeuvre]";
         let manoeuvre = task.manoeuvre.ok_or_else(|| Error::invalid("", "given", allowed))?;
         Ok(match task.solver {
-            None => Box::new(Mpc::with(task.model, manoeuvre, self, Told::new(task.model), RealTime::new)?),
+            None => {
+                Box::new(Mpc::with(task.model, manoeuvre, &in_seconds, Told::new(task.model), RealTime::new)?)
+            }
             Some(solver) => {
                 let make = |chart: &_, tracking: &_, settings| {
                     solver.build(chart, tracking, settings).map_err(|e| e.within("solver"))
                 };
-                Box::new(Mpc::with(task.model, manoeuvre, self, Told::new(task.model), make)?)
+                Box::new(Mpc::with(task.model, manoeuvre, &in_seconds, Told::new(task.model), make)?)
             }
         })
     }
@@ -114,6 +125,7 @@ ranges!(MpcSpec {
     period_s: Range::POSITIVE,
     intervals: Range::between(1.0, MAX_INTERVALS as f64),
     interval_s: Range::POSITIVE,
+    horizon_cycles: Range::over(0.0, MAX_CYCLES),
     iterations: Range::between(1.0, MAX_INTERVALS as f64),
     deadline_s: Range::POSITIVE,
     clearance_width_m: Range::POSITIVE,
@@ -151,6 +163,44 @@ impl MpcSpec {
             return Err(Error::invalid("continuous_input", false, allowed));
         }
         Ok(())
+    }
+
+    /// Length of an interval, s.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where not just one key gives the horizon, or where it is given in cycles of a gait that the
+    /// plant is not known to have.
+    fn interval(&self) -> Result<f64, Error> {
+        match (self.interval_s, self.horizon_cycles) {
+            (Some(interval), None) => Ok(interval),
+            (None, Some(cycles)) => {
+                Err(Error::invalid("horizon_cycles", cycles, "interval_s for a plant without a gait"))
+            }
+            (Some(_), Some(cycles)) => {
+                let allowed = "interval_s or horizon_cycles, not both";
+                Err(Error::invalid("horizon_cycles", cycles, allowed).against(["interval_s"]))
+            }
+            (None, None) => {
+                let allowed = "a number of seconds here or a number of cycles in horizon_cycles";
+                Err(Error::invalid("interval_s", "not given", allowed))
+            }
+        }
+    }
+
+    /// The same with its horizon in seconds, for a gait of the frequency `hz`: intervals of cycles / (hz intervals).
+    ///
+    /// Equation: guide.horizon_cycles
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where not just one key gives the horizon, or where nothing flaps.
+    pub fn in_seconds(&self, hz: f64) -> Result<Self, Error> {
+        match (self.interval_s, self.horizon_cycles) {
+            (None, Some(cycles)) if hz > 0.0 => {
+                let interval = cycles / (hz * self.intervals as f64);
+                Ok(Self { interval_s: Some(interval), horizon_cycles: None, ..self.clone() })
+            }
+            _ => self.interval().map(|_| self.clone()),
+        }
     }
 
     /// The rate limit of each input of a plant, infinite where none is given.
@@ -211,7 +261,7 @@ where
         let chart = &tracking.chart;
         let settings = Settings {
             hold_first_input: spec.continuous_input,
-            ..Settings::new(spec.intervals, spec.interval_s)
+            ..Settings::new(spec.intervals, spec.interval()?)
         };
         let solver = make(chart, &tracking, settings)?;
         let plan = solver.plan().clone();
