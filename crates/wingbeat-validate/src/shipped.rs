@@ -144,6 +144,19 @@ pub fn scenario(name: &str, overrides: &[&str]) -> Result<Scenario, Error> {
     Scenario::new(document).map_err(|e| Error::reference(name, e.to_string()))
 }
 
+/// The scenario of a text that is based on a shipped one, built.
+///
+/// # Errors
+/// What is refused, with `overrides`.
+pub fn based(base: &str, text: &str, overrides: &[&str]) -> Result<Scenario, Error> {
+    let refused = |e: ConfigError| Error::reference(base, e.to_string());
+    let own = format!("base = \"{base}.toml\"\nname = \"{base}_based\"\n{text}\n");
+    let read = |path: &Path| if path.ends_with("based.toml") { Ok(own.clone()) } else { text_of(path) };
+    let document = Document::among(&path_of("scenarios/based"), &read).map_err(refused)?;
+    let document = overrides.iter().fold(document, |document, text| document.set(*text));
+    Scenario::new(document).map_err(refused)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
