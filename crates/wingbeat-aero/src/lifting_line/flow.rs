@@ -2,9 +2,10 @@
 
 use super::nodes::Node;
 use super::{LagSpeed, LiftTilt, LiftingLine};
+use crate::SectionMotion;
 use crate::law::{Attachment, lev};
 use crate::section::{Section, SectionForce, pitch_suction, suction_share};
-use wingbeat_math::{Meets, Over, Scalar};
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
 
 /// What the forces of a node follow from; what the motion alone decides is in `G`.
 pub(super) struct Flow<G: Scalar, S: Over<G>> {
@@ -86,13 +87,13 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
 }
 
 impl<P: Scalar> LiftingLine<P> {
-    /// State rates of node `i` and the flow that its forces follow from; `stream` is the one airspeed where there is one.
+    /// State rates of node `i` and the flow that its forces follow from; of preset `as_printed` the one airspeed and the speed of the reduced time.
     #[inline(always)]
     pub(super) fn flow<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
         section: &Section<G>,
-        stream: Option<G>,
+        printed: Option<[G; 2]>,
         x: &[S],
         dx: &mut [S],
     ) -> Flow<G, S> {
@@ -100,13 +101,9 @@ impl<P: Scalar> LiftingLine<P> {
         let (uc, w) = (section.uc, section.w_three_quarter);
         let uc2 = uc * uc + set.regularisation_m_s * set.regularisation_m_s;
         let local = (uc2 + w * w).sqrt();
-        let speed = stream.unwrap_or(local);
+        let speed = printed.map_or(local, |[stream, _]| stream);
         let wash = self.wake_wash(i, speed, &x[..self.strips()]) + w;
-        let travelled = match (stream, set.lag_speed) {
-            (Some(_), LagSpeed::Section) => self.section_speed(i, section),
-            _ => speed,
-        };
-        let effective = self.lag(i, travelled, wash, x, dx);
+        let effective = self.lag(i, printed.map_or(speed, |[_, travelled]| travelled), wash, x, dx);
         let inverse = (effective * effective + uc2).sqrt().recip();
         let sine = effective * inverse;
         let law = set.section.law.about();
@@ -138,7 +135,7 @@ impl<P: Scalar> LiftingLine<P> {
             pitching,
             edge: None,
         };
-        if stream.is_some() {
+        if printed.is_some() {
             flow.streaming = speed * local.recip();
             self.tilt_printed(&mut flow, (uc, uc2), local);
         }
@@ -153,17 +150,28 @@ impl<P: Scalar> LiftingLine<P> {
         flow
     }
 
-    /// Speed of the reduced time of node `i` by the paper's definition: the velocity of its quarter chord perpendicular
-    /// to the line of the quarter chords, whose slope x' is that of the flat outline:
-    /// v^2 = (uc + x' v_across)^2 / (1 + x'^2) + w^2 at 1/4 chord, smooth at rest.
+    /// The one airspeed `stream` of the printed equations with the speed of the reduced time of node `i`. By the paper's
+    /// definition that is the velocity of its quarter chord perpendicular to the line of the quarter chords, whose slope x'
+    /// is that of the flat outline: v^2 = (uc + x' v_across)^2 / (1 + x'^2) + w^2 at 1/4 chord, smooth at rest.
     ///
     /// Equation: aero.printed.reduced_time
     #[inline]
-    fn section_speed<G: Scalar + Meets<P>>(&self, i: usize, section: &Section<G>) -> G {
+    pub(super) fn section_speed<G: Scalar + Meets<P>>(
+        &self,
+        i: usize,
+        stream: G,
+        motion: &SectionMotion<G>,
+        wind: Vec3<G>,
+    ) -> [G; 2] {
+        if self.settings.lag_speed == LagSpeed::Stream {
+            return [stream; 2];
+        }
         let (node, floor) = (&self.nodes[i], self.settings.regularisation_m_s);
-        let along = (section.uc + section.drift * node.sweep) * node.sweep_cosine;
-        let across = section.w_half * 2.0 - section.w_three_quarter;
-        (along * along + across * across + floor * floor).sqrt()
+        let chord = (motion.te - motion.le) * G::from(node.inverse_edge);
+        let velocity = motion.velocity(0.25) - wind;
+        let along = (velocity.dot(motion.span) * node.sweep - velocity.dot(chord)) * node.sweep_cosine;
+        let up = velocity.dot(chord.cross(motion.span));
+        [stream, (along * along + up * up + floor * floor).sqrt()]
     }
 
     /// Turns the lift of the printed equations, which say nothing of suction in reversed flow, by the wash that is asked for.

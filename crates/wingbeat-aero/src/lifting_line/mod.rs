@@ -283,7 +283,8 @@ impl<P: Scalar> LiftingLine<P> {
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let flow = self.flow(i, &section, stream, x, dx);
+            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
+            let flow = self.flow(i, &section, printed, x, dx);
             let at = first + i;
             loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
             loads.incidence[at] = flow.wash.atan2(section.uc);
@@ -317,7 +318,8 @@ impl<P: Scalar> LiftingLine<P> {
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let flow = self.flow(i, &section, stream, x, dx);
+            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
+            let flow = self.flow(i, &section, printed, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow)
                 + self.carried_air(node, &section, flow.speed, added_mass);
