@@ -59,6 +59,7 @@ const WITHOUT_LEV: &[&str] = &[
     "banking_turn_stall",
     "paper_turn",
     "paper_turn_clear",
+    "paper_turn_one_speed",
     "cruise_20g",
     "cruise_44g",
     "cruise_linkage",
@@ -80,6 +81,7 @@ const LINEAR: &[&str] = &[
     "glider",
     "paper_turn",
     "paper_turn_clear",
+    "paper_turn_one_speed",
 ];
 /// Scenarios with a linkage within the limits of its regulators.
 const LINKED: &[&str] = &["as_printed_linkage", "banking_turn_beta", "cruise_linkage", "passive_bank15"];
@@ -87,7 +89,7 @@ const LINKED: &[&str] = &["as_printed_linkage", "banking_turn_beta", "cruise_lin
 const PRINTED: &[&str] = &["as_printed_fourier", "as_printed_linkage"];
 /// Scenarios of the printed equations, which carry no air.
 const WITHOUT_CARRIED: &[&str] =
-    &["as_printed_fourier", "as_printed_linkage", "paper_turn", "paper_turn_clear"];
+    &["as_printed_fourier", "as_printed_linkage", "paper_turn", "paper_turn_clear", "paper_turn_one_speed"];
 
 /// Numbers that cannot act in a document, by parts that their keys and their document have, with the reason.
 const STILL_KEYS: &[(&str, &[&str], &str)] = &[
