@@ -37,11 +37,11 @@ fn horizon() -> Result<Vec<Row>, Error> {
 }
 
 /// Steps of a cycle, and cycles of which the last is averaged. *Choice.*
-const STEPS: usize = 200;
+const STEPS: usize = 120;
 const CYCLES: usize = 3;
 /// Airspeeds, m/s, and incidences of the body, deg, that are tried.
 const SPEEDS: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0];
-const INCIDENCES: [f64; 7] = [-30.0, -20.0, -10.0, 0.0, 10.0, 20.0, 30.0];
+const INCIDENCES: [f64; 5] = [-30.0, -15.0, 0.0, 15.0, 30.0];
 /// Shares of its stroke that each regulator is held at, alike on both wings.
 const SHARES: [f64; 3] = [-0.95, 0.0, 0.95];
 
@@ -94,7 +94,7 @@ fn commands(robot: &Robot) -> Vec<Vec<f64>> {
 /// The points of the largest lift: of all, and of those where the air does not hold the robot back.
 fn best(law: &str) -> Result<[Option<Point>; 2], Error> {
     let law = format!("aero.law={law}");
-    let scenario = scenario("banking_turn_beta", &["aero.preset=full", &law])?;
+    let scenario = scenario("banking_turn_beta", &["aero.preset=full", "aero.full.strips=9", &law])?;
     let robot = scenario.robot();
     let weight = robot.mass() * GRAVITY;
     let mut best: [Option<Point>; 2] = [None, None];
