@@ -21,6 +21,8 @@ use wingbeat_ocp::realtime::{HorizonSolver, RealTime, Settings};
 pub(super) const MAX_INTERVALS: usize = 100;
 /// Longest horizon in cycles of the gait.
 const MAX_CYCLES: f64 = 100.0;
+/// What a horizon in cycles is told where nothing flaps.
+const NO_GAIT: &str = "interval_s for a plant without a gait";
 /// What a controller without a manoeuvre is told.
 const NO_MANOEUVRE: &str = "a manoeuvre to fly: add [manoeuvre]";
 
@@ -214,9 +216,7 @@ impl MpcSpec {
     fn interval(&self) -> Result<f64, Error> {
         match (self.interval_s, self.horizon_cycles) {
             (Some(interval), None) => Ok(interval),
-            (None, Some(cycles)) => {
-                Err(Error::invalid("horizon_cycles", cycles, "interval_s for a plant without a gait"))
-            }
+            (None, Some(cycles)) => Err(Error::invalid("horizon_cycles", cycles, NO_GAIT)),
             (Some(_), Some(cycles)) => {
                 let allowed = "interval_s or horizon_cycles, not both";
                 Err(Error::invalid("horizon_cycles", cycles, allowed).against(["interval_s"]))
@@ -236,9 +236,12 @@ impl MpcSpec {
     /// [`Error::Invalid`] where not just one key gives the horizon, or where nothing flaps.
     pub fn in_seconds(&self, hz: f64) -> Result<Self, Error> {
         match (self.interval_s, self.horizon_cycles) {
-            (None, Some(cycles)) if hz > 0.0 => {
+            (None, Some(cycles)) => {
                 let interval = cycles / (hz * self.intervals as f64);
-                Ok(Self { interval_s: Some(interval), horizon_cycles: None, ..self.clone() })
+                if interval > 0.0 && interval.is_finite() {
+                    return Ok(Self { interval_s: Some(interval), horizon_cycles: None, ..self.clone() });
+                }
+                Err(Error::invalid("horizon_cycles", cycles, NO_GAIT).against(["gait.frequency_hz"]))
             }
             _ => self.interval().map(|_| self.clone()),
         }
