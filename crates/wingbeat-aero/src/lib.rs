@@ -17,7 +17,7 @@ pub use law::{
     Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
     SectionSpec, StripState, ZERO_LIFT_ANGLE,
 };
-pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LiftingLine, LiftingLineSettings};
+pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LagSpeed, LiftTilt, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;
 pub use loads::{Circulation, Coupling, ForceDetail, ImpulseRates, LoadSource, Loads, StripLoads};
 pub use numbers::{AIR_DENSITY, DENSITY, LagNumbers, MAX_WASH_LAGS, SurfaceNumbers};
@@ -49,7 +49,7 @@ pub enum Preset {
     /// The paper's unsteady lifting line with nodal circulation, the local airspeed, added mass, section moment,
     /// suction of pitching and profile drag.
     Paper,
-    /// The paper's equations (1) to (4) alone, as printed; law `linear`.
+    /// The paper's equations (1) to (4) as printed, the reduced time by the velocity of each section; law `linear`.
     AsPrinted,
     /// Strip model with three-dimensional delayed wash.
     #[default]

@@ -254,6 +254,19 @@ impl<P: Scalar> Planform<P> {
         let (leading, trailing) = self.edges(s);
         leading - trailing
     }
+    /// Slope of the line of the quarter chords along the arc coordinate `s`, positive where the line runs forward to the left:
+    /// that of the outline between two stations; in the middle of a symmetric wing, where it has two, none.
+    pub fn sweep(&self, s: P) -> P {
+        if self.span == Span::Symmetric && s.is_zero() {
+            return P::ZERO;
+        }
+        let arc = self.from_root(s);
+        let last = self.arcs.len() - 1;
+        let k = self.arcs.partition_point(|station| *station <= arc).clamp(1, last);
+        let quarter = |i: usize| self.leading[i] * 0.75 + self.trailing[i] * 0.25;
+        let slope = (quarter(k) - quarter(k - 1)) / (self.arcs[k] - self.arcs[k - 1]);
+        if self.on_left(s) { slope } else { -slope }
+    }
     /// Area of all halves laid out, without the gaps, m2 (trapezoids between stations).
     pub fn area(&self) -> P {
         let whole = self.area_between(P::ZERO, self.arcs[self.arcs.len() - 1]);

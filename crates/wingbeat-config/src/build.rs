@@ -366,16 +366,24 @@ impl AeroSpec {
         match outline.preset.unwrap_or(self.preset) {
             Preset::AsPrinted => {
                 self.printed_law(outline)?;
-                LiftingLine::new(&outline.planform, line.printed()).map(Aero::LiftingLine).map_err(paper)
+                let mut printed = line.printed();
+                if self.paper.printed_drag {
+                    printed.section.drag = line.section.drag;
+                }
+                self.laid(outline, printed).map_err(paper)
             }
-            Preset::Paper if self.paper.cells => {
-                LiftingLine::hinged(&outline.planform, &outline.hinges, line)
-                    .map(Aero::LiftingLine)
-                    .map_err(paper)
-            }
-            Preset::Paper => LiftingLine::new(&outline.planform, line).map(Aero::LiftingLine).map_err(paper),
+            Preset::Paper => self.laid(outline, line).map_err(paper),
             Preset::Full => StripModel::new(&outline.planform, strips).map(Aero::Strip).map_err(full),
         }
+    }
+
+    /// The lifting line of a surface, on cells or on even angles.
+    fn laid(&self, outline: &SurfaceOutline, line: LiftingLineSettings) -> Result<Aero, Error> {
+        let line = match self.paper.cells {
+            true => LiftingLine::hinged(&outline.planform, &outline.hinges, line),
+            false => LiftingLine::new(&outline.planform, line),
+        };
+        line.map(Aero::LiftingLine)
     }
 
     /// Preset `as_printed` knows the law `linear` only.
@@ -411,6 +419,8 @@ impl AeroSpec {
             regularisation_m_s: self.paper.regularisation_m_s,
             chord_floor_m: self.paper.chord_floor_m,
             as_printed: false,
+            lag_speed: self.paper.lag_speed,
+            lift_tilt: self.paper.lift_tilt,
             section: self.section(outline, density_kg_m3),
         }
     }

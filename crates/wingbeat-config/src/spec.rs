@@ -9,8 +9,8 @@ use super::verdict_limits::VerdictLimits;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use wingbeat_aero::{
-    CRITICAL_SUCTION, DENSITY, LIFT_SLOPE, LagSet, LiftLaw, Preset, STALL_ANGLE, StripSettings,
-    ZERO_LIFT_ANGLE,
+    CRITICAL_SUCTION, DENSITY, LIFT_SLOPE, LagSet, LagSpeed, LiftLaw, LiftTilt, Preset, STALL_ANGLE,
+    StripSettings, ZERO_LIFT_ANGLE,
 };
 use wingbeat_flight::guide::{MpcSpec, PathSpec, Turn};
 use wingbeat_flight::simulate::SensorSpec;
@@ -165,7 +165,7 @@ pub struct AeroSpec {
     pub full: FullAeroSpec,
 }
 
-/// Settings of preset `paper`.
+/// Settings of presets `paper` and `as_printed`.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put_known(wingbeat_aero::LiftingLineSettings::RANGES))]
 #[serde(deny_unknown_fields, default)]
@@ -176,14 +176,28 @@ pub struct PaperAeroSpec {
     pub regularisation_m_s: f64,
     /// Smallest chord, m.
     pub chord_floor_m: f64,
-    /// Whether nodes stand for cells between the hinges, with means of the chord, instead of even angles;
-    /// not under `as_printed`.
+    /// Whether nodes stand for cells between the hinges, with means of the chord, instead of even angles.
     pub cells: bool,
+    /// Under `as_printed`: the speed by which the reduced time of the lags runs.
+    pub lag_speed: LagSpeed,
+    /// Under `as_printed`: what turns the lift from the normal to the wind of motion.
+    pub lift_tilt: LiftTilt,
+    /// Under `as_printed`: whether the sections have their quasi-steady profile drag, cd0 + cd90 sin^2(incidence), which
+    /// equations (1) to (4) lack.
+    pub printed_drag: bool,
 }
 
 impl Default for PaperAeroSpec {
     fn default() -> Self {
-        Self { nodes: 12, regularisation_m_s: 0.1, chord_floor_m: 0.01, cells: false }
+        Self {
+            nodes: 12,
+            regularisation_m_s: 0.1,
+            chord_floor_m: 0.01,
+            cells: false,
+            lag_speed: LagSpeed::default(),
+            lift_tilt: LiftTilt::default(),
+            printed_drag: false,
+        }
     }
 }
 

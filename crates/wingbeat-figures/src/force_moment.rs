@@ -1,4 +1,4 @@
-//! Forces and moments on the load cell: the band of all runs and the simulation.
+//! Forces and moments on the load cell: the band of all runs, or the curve of one, and the simulation.
 
 use kuva::plot::LinePlot;
 use kuva::plot::band::BandPlot;
@@ -22,13 +22,15 @@ const ROWS: [[(&str, &str); 2]; 3] = [
 
 /// Red of the measured band.
 const BAND: &str = "#d62728";
+/// Width of the measured curve of one run, over that of the simulation: it is seen under it. *Choice.*
+const UNDER: f64 = 2.5;
 /// Room for the line that explains the colours, px.
 const FOOT: f64 = 26.0;
 /// Height of a panel, px.
 const HEIGHT: f64 = 190.0;
 
 /// Six panels over the time of the record: the band between `low_<channel>` and
-/// `high_<channel>` of all runs in red, `simulation_<channel>`, where there is one, in black, in the body frame.
+/// `high_<channel>` of all runs in red, a curve where there is one run, `simulation_<channel>`, where there is one, in black, in the body frame.
 pub fn force_moment(record: &Record, cell: Cell) -> Result<Figure, Error> {
     let t = needed(record, "t")?;
     let simulated = record.column("simulation_Fz").is_some();
@@ -53,10 +55,20 @@ pub fn force_moment(record: &Record, cell: Cell) -> Result<Figure, Error> {
         .render();
     scene.height += FOOT;
     let black = if simulated { "; black: the model on the measured motion of one run" } else { "" };
-    let foot = format!("red: {}, smallest to largest of all runs, stroke after stroke{black}", cell.name());
+    let runs = if one_run(record) { "one run" } else { "smallest to largest of all runs" };
+    let foot = format!("red: {}, {runs}, stroke after stroke{black}", cell.name());
     let (x, y) = (style::WIDTH / 2.0, scene.height - 10.0);
     scene.elements.push(style::words(x, y, foot, TextAnchor::Middle, false));
     Ok(Figure::new("force_moment", scene))
+}
+
+/// Whether the smallest of all runs are the largest: a band without a width.
+fn one_run(record: &Record) -> bool {
+    let names = ROWS.iter().flatten().map(|(channel, _)| channel);
+    names.into_iter().all(|name| {
+        let of = |prefix: &str| record.values(&format!("{prefix}{name}"));
+        of("low_") == of("high_")
+    })
 }
 
 fn drawn(
@@ -70,11 +82,15 @@ fn drawn(
     let band = BandPlot::new(t.iter().copied(), low.iter().copied(), high.iter().copied())
         .with_color(BAND)
         .with_opacity(0.45);
-    let mut plots: Vec<Plot> = vec![band.into()];
-    plots.extend(line.map(|line| {
-        let points: Vec<(f64, f64)> = t.iter().copied().zip(line.iter().copied()).collect();
-        LinePlot::new().with_data(points).with_color("#000000").with_stroke_width(style::CURVE).into()
-    }));
+    let curve = |values: &[f64], colour: &str, width: f64| -> Plot {
+        let points: Vec<(f64, f64)> = t.iter().copied().zip(values.iter().copied()).collect();
+        LinePlot::new().with_data(points).with_color(colour).with_stroke_width(width).into()
+    };
+    let mut plots: Vec<Plot> = match low == high {
+        true => vec![curve(low, BAND, UNDER * style::CURVE)],
+        false => vec![band.into()],
+    };
+    plots.extend(line.map(|line| curve(line, "#000000", style::CURVE)));
     let values = || low.iter().chain(high).chain(line.unwrap_or(&[])).copied();
     let (bottom, top) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
     let up = Scale::padded(bottom, top, 0.08);

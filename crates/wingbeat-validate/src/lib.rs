@@ -27,7 +27,9 @@ pub mod ocp;
 pub mod ocp_problems;
 pub mod orbit;
 pub mod paper;
+pub mod paper_flight;
 pub mod paper_nlp;
+pub mod paper_printed;
 pub mod rig;
 
 pub use case::{Case, LongCase, Row, Selection, Watch, run, run_long, select, select_long};
@@ -42,6 +44,8 @@ pub fn cases() -> Vec<&'static Case> {
         math::CASES,
         aero_paper::CASES,
         paper::CASES,
+        paper_printed::CASES,
+        paper_flight::CASES,
         paper_nlp::CASES,
         aero_full::CASES,
         aero_surfaces::CASES,

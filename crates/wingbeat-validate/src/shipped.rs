@@ -67,6 +67,9 @@ const FILES: &[(&str, &str)] = files![
     "scenarios/linkage_bank30"
     "scenarios/motor_flapper"
     "scenarios/paper_plan"
+    "scenarios/paper_turn"
+    "scenarios/paper_turn_clear"
+    "scenarios/paper_turn_one_speed"
     "scenarios/passive_20g"
     "scenarios/passive_20g_margin"
     "scenarios/passive_bank15"
@@ -95,6 +98,9 @@ const FILES: &[(&str, &str)] = files![
     "robots/glider"
     "robots/guarded_20g"
     "robots/motor_flapper"
+    "robots/paper_turn"
+    "robots/paper_turn_clear"
+    "robots/paper_turn_one_speed"
     "robots/passive_20g"
     "robots/passive_20g_margin"
     "robots/passive_linkage"
@@ -138,6 +144,19 @@ pub fn document(name: &str) -> Result<Document, Error> {
 pub fn scenario(name: &str, overrides: &[&str]) -> Result<Scenario, Error> {
     let document = overrides.iter().fold(document(name)?, |document, text| document.set(*text));
     Scenario::new(document).map_err(|e| Error::reference(name, e.to_string()))
+}
+
+/// The scenario of a text that is based on a shipped one, built.
+///
+/// # Errors
+/// What is refused, with `overrides`.
+pub fn based(base: &str, text: &str, overrides: &[&str]) -> Result<Scenario, Error> {
+    let refused = |e: ConfigError| Error::reference(base, e.to_string());
+    let own = format!("base = \"{base}.toml\"\nname = \"{base}_based\"\n{text}\n");
+    let read = |path: &Path| if path.ends_with("based.toml") { Ok(own.clone()) } else { text_of(path) };
+    let document = Document::among(&path_of("scenarios/based"), &read).map_err(refused)?;
+    let document = overrides.iter().fold(document, |document, text| document.set(*text));
+    Scenario::new(document).map_err(refused)
 }
 
 #[cfg(test)]

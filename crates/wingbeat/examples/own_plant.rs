@@ -68,7 +68,9 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let spec = MpcSpec {
         period_s: 0.01,
         intervals: 10,
-        interval_s: 0.05,
+        interval_s: Some(0.05),
+        horizon_cycles: None,
+        horizon_between_cycles: None,
         iterations: 2,
         continuous_input: false,
         input_rate_per_s: BTreeMap::new(),

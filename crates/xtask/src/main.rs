@@ -24,7 +24,7 @@ cargo xtask TASK
 
   test    format, lints, all tests, the Python package, licences, bans and sources of dependencies, quick comparisons; what
           .ci/run calls
-  long    [NAME...] what takes hours: the commands of docs/paper.md, the recorder for ten minutes, all hostile cases, all
+  long    [NAME...] what takes hours: the commands of the pages on the paper, the recorder for ten minutes, all hostile cases, all
           comparisons, fuzzing, and the other programs where they are installed; docs/testing.md lists both
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
           and the pictures of docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
@@ -41,7 +41,7 @@ cargo xtask TASK
   python  test | wheel | measure | policies [STEPS [SEED...]]: the tests of the Python package; the wheel to be released, in
           target/wheels (on Linux for glibc 2.28 and later); what the package costs; policies trained by
           Stable-Baselines3 beside the predictive controller (installs PyTorch, some GB, into target/tools/policies)
-  paper   every command of docs/paper.md, into target/paper: each ends with the exit code that the page says
+  paper   every command of the pages on the paper, into target/paper: exit codes and numbers as they say
   soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
 ";
 

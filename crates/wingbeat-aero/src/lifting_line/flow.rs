@@ -1,10 +1,11 @@
 //! The flow at one node: what its forces follow from, and the rates of its states.
 
-use super::LiftingLine;
 use super::nodes::Node;
+use super::{LagSpeed, LiftTilt, LiftingLine};
+use crate::SectionMotion;
 use crate::law::{Attachment, lev};
 use crate::section::{Section, SectionForce, pitch_suction, suction_share};
-use wingbeat_math::{Meets, Over, Scalar};
+use wingbeat_math::{Meets, Over, Scalar, Vec3};
 
 /// What the forces of a node follow from; what the motion alone decides is in `G`.
 pub(super) struct Flow<G: Scalar, S: Over<G>> {
@@ -20,8 +21,10 @@ pub(super) struct Flow<G: Scalar, S: Over<G>> {
     pub(super) speed: G,
     /// Smooth |uc|, m/s.
     pub(super) along: G,
-    /// 1 / airspeed with the effective wash, s/m.
+    /// 1 / airspeed with the wash by which the lift is turned, s/m.
     pub(super) inverse: S,
+    /// Smooth airspeed that the lift is counted with over that of motion: 1 but in preset `as_printed`.
+    pub(super) streaming: G,
     /// Share of attached lift.
     pub(super) attached: S,
     /// Share of leading-edge suction.
@@ -64,7 +67,7 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
     where
         S: Meets<P>,
     {
-        let lift = self.effective * self.attached * node.lift;
+        let lift = self.effective * self.attached * node.lift * self.streaming;
         let ahead = S::from(node.half_chord * 0.5);
         self.at_edge(lift * self.w, lift * self.along, ahead)
     }
@@ -84,13 +87,13 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
 }
 
 impl<P: Scalar> LiftingLine<P> {
-    /// State rates of node `i` and the flow that its forces follow from; `stream` is the one airspeed where there is one.
+    /// State rates of node `i` and the flow that its forces follow from; of preset `as_printed` the one airspeed and the speed of the reduced time.
     #[inline(always)]
     pub(super) fn flow<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
         section: &Section<G>,
-        stream: Option<G>,
+        printed: Option<[G; 2]>,
         x: &[S],
         dx: &mut [S],
     ) -> Flow<G, S> {
@@ -98,9 +101,9 @@ impl<P: Scalar> LiftingLine<P> {
         let (uc, w) = (section.uc, section.w_three_quarter);
         let uc2 = uc * uc + set.regularisation_m_s * set.regularisation_m_s;
         let local = (uc2 + w * w).sqrt();
-        let speed = stream.unwrap_or(local);
+        let speed = printed.map_or(local, |[stream, _]| stream);
         let wash = self.wake_wash(i, speed, &x[..self.strips()]) + w;
-        let effective = self.lag(i, speed, wash, x, dx);
+        let effective = self.lag(i, printed.map_or(speed, |[_, travelled]| travelled), wash, x, dx);
         let inverse = (effective * effective + uc2).sqrt().recip();
         let sine = effective * inverse;
         let law = set.section.law.about();
@@ -126,14 +129,15 @@ impl<P: Scalar> LiftingLine<P> {
             speed,
             along: uc2.sqrt(),
             inverse,
+            streaming: G::ONE,
             attached,
             suction,
             pitching,
             edge: None,
         };
-        if stream.is_some() {
-            // Normal to the wind of motion, reversed flow and suction being unknown to the equations.
-            (flow.turning, flow.inverse, flow.suction) = (S::from(w), S::from(local.recip()), S::ONE);
+        if printed.is_some() {
+            flow.streaming = speed * local.recip();
+            self.tilt_printed(&mut flow, (uc, uc2), local);
         }
         if let Attachment::Lagging { state, chords } = law.attachment {
             let at = (3 + state) * self.strips() + i;
@@ -144,6 +148,47 @@ impl<P: Scalar> LiftingLine<P> {
             self.advance_edge(i, section, &mut flow, x, dx);
         }
         flow
+    }
+
+    /// The one airspeed `stream` of the printed equations with the speed of the reduced time of node `i`. By the paper's
+    /// definition that is the velocity of its quarter chord perpendicular to the line of the quarter chords, whose slope x'
+    /// is that of the flat outline: v^2 = (uc + x' v_across)^2 / (1 + x'^2) + w^2 at 1/4 chord, smooth at rest.
+    ///
+    /// Equation: aero.printed.reduced_time
+    #[inline]
+    pub(super) fn section_speed<G: Scalar + Meets<P>>(
+        &self,
+        i: usize,
+        stream: G,
+        motion: &SectionMotion<G>,
+        wind: Vec3<G>,
+    ) -> [G; 2] {
+        if self.settings.lag_speed == LagSpeed::Stream {
+            return [stream; 2];
+        }
+        let (node, floor) = (&self.nodes[i], self.settings.regularisation_m_s);
+        let chord = (motion.te - motion.le) * G::from(node.inverse_edge);
+        let velocity = motion.velocity(0.25) - wind;
+        let along = (velocity.dot(motion.span) * node.sweep - velocity.dot(chord)) * node.sweep_cosine;
+        let up = velocity.dot(chord.cross(motion.span));
+        [stream, (along * along + up * up + floor * floor).sqrt()]
+    }
+
+    /// Turns the lift of the printed equations, which say nothing of suction in reversed flow, by the wash that is asked for.
+    #[inline]
+    fn tilt_printed<G: Scalar, S: Over<G>>(&self, flow: &mut Flow<G, S>, (uc, uc2): (G, G), local: G) {
+        match self.settings.lift_tilt {
+            LiftTilt::Wash => {}
+            LiftTilt::Downwash => {
+                flow.turning = flow.wash;
+                flow.inverse = (flow.wash * flow.wash + uc2).sqrt().recip();
+                flow.suction = suction_share(flow.inverse * uc);
+            }
+            LiftTilt::None => {
+                (flow.turning, flow.inverse, flow.suction) =
+                    (S::from(flow.w), S::from(local.recip()), S::ONE);
+            }
+        }
     }
 
     /// Law `lev` at node `i`: the linear suction over rho c dy / 2 is a0 (w_e - b q/2)^2.

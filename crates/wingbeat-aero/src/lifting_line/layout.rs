@@ -26,7 +26,7 @@ impl<P: Scalar> Layout<P> {
     /// Nodes at equal steps of the angle on a planform.
     pub fn smooth(planform: &Planform<P>, set: &LiftingLineSettings) -> Result<Self, Error> {
         refuse_gaps(planform)?;
-        Ok(Self::of_chords(planform.half_span(), |arc| planform.chord(arc), set))
+        Ok(Self::of_chords(planform.half_span(), |arc| [planform.chord(arc), planform.sweep(arc)], set))
     }
 
     /// Nodes for cells that end at the hinges.
@@ -36,7 +36,10 @@ impl<P: Scalar> Layout<P> {
         set: &LiftingLineSettings,
     ) -> Result<Self, Error> {
         refuse_gaps(planform)?;
-        let (arcs, cells, angles) = cells(planform, hinge_arcs, set)?;
+        let (mut arcs, cells, angles) = cells(planform, hinge_arcs, set)?;
+        if set.as_printed {
+            arcs.push(P::ZERO);
+        }
         Ok(Self {
             arcs,
             root_chord: floored(planform.chord(P::ZERO), set),
@@ -47,20 +50,28 @@ impl<P: Scalar> Layout<P> {
         })
     }
 
-    /// Nodes at equal steps of the angle on a wing of the given half span (m) and chord (m) by arc (m).
-    pub fn of_chords(half_span: P, chord: impl Fn(P) -> P, set: &LiftingLineSettings) -> Self {
+    /// Nodes at equal steps of the angle on a wing of the given half span (m), and chord (m) and slope of the line of the
+    /// quarter chords by arc (m).
+    pub fn of_chords(half_span: P, section: impl Fn(P) -> [P; 2], set: &LiftingLineSettings) -> Self {
         let angles = node_angles(set.nodes);
         let mut arcs: Vec<P> = angles.iter().map(|t| half_span * t.cos()).collect();
         let step = PI / (set.nodes + 1) as f64;
         let widths: Vec<P> = angles.iter().map(|t| half_span * t.sin() * step).collect();
         let places = angles.iter().zip(&arcs).zip(&widths);
-        let cells = places.map(|((&t, &arc), &width)| Cell::smooth(chord(arc), width, half_span, t, set));
+        let cells = places.map(|((&t, &arc), &width)| Cell::smooth(section(arc), width, half_span, t, set));
         let cells = cells.collect();
         let influence = influence(&angles, half_span * 2.0);
         if set.as_printed {
             arcs.push(P::ZERO);
         }
-        Self { arcs, root_chord: floored(chord(P::ZERO), set), widths, cells, influence, alternating: true }
+        Self {
+            arcs,
+            root_chord: floored(section(P::ZERO)[0], set),
+            widths,
+            cells,
+            influence,
+            alternating: true,
+        }
     }
 
     /// The same layout in other numbers, `f` of each.
@@ -72,6 +83,7 @@ impl<P: Scalar> Layout<P> {
             width: f(c.width),
             area: f(c.area),
             square: f(c.square),
+            sweep: f(c.sweep),
         };
         Layout {
             arcs: all(&self.arcs),

@@ -8,7 +8,8 @@
 //! term when the airspeed changes.
 //!
 //! Preset `as_printed` keeps the paper's equations (1) to (4) as they stand: the first state of a node is
-//! g = sum a_n sin(n theta), the series at the node, and G = a0 c0 U g / 2 with one airspeed U for the wing.
+//! g = sum a_n sin(n theta), the series at the node, and G = a0 c0 U g / 2 with one airspeed U for the wing. Its lags run by
+//! the velocity of each section.
 
 mod flow;
 mod layout;
@@ -18,7 +19,7 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use settings::LiftingLineSettings;
+pub use settings::{LagSpeed, LiftTilt, LiftingLineSettings};
 
 use super::law::Polar;
 use super::section::{Section, SectionForce, ZeroLift};
@@ -86,7 +87,7 @@ impl LiftingLine {
         Self::laid(Layout::hinged(planform, hinge_arcs, &settings)?, numbers, settings)
     }
 
-    /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m).
+    /// The lifting line of a wing of the given half span (m) and chord (m) by arc (m), its quarter chords in one line.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a setting is outside its range.
@@ -96,7 +97,8 @@ impl LiftingLine {
         settings: LiftingLineSettings,
     ) -> Result<Self, Error> {
         settings.check()?;
-        Self::laid(Layout::of_chords(half_span, chord, &settings), settings.numbers(), settings)
+        let layout = Layout::of_chords(half_span, |arc| [chord(arc), 0.0], &settings);
+        Self::laid(layout, settings.numbers(), settings)
     }
 }
 
@@ -194,7 +196,7 @@ impl<P: Scalar> LiftingLine<P> {
     /// State rates for airspeed (m/s) and wash of motion (m/s) given at each
     /// node, attached flow, without any regularisation. Writes the effective
     /// wash: the lift per span is rho U G + rho c G' = rho U a0 (c/2) w_eff.
-    /// Preset `as_printed` knows one airspeed: that of every node.
+    /// Preset `as_printed` knows one airspeed: that of every node, its lags included.
     pub fn rates_in_wash<S: Scalar + Meets<P>>(
         &self,
         airspeed: &[S],
@@ -284,7 +286,8 @@ impl<P: Scalar> LiftingLine<P> {
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let flow = self.flow(i, &section, stream, x, dx);
+            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
+            let flow = self.flow(i, &section, printed, x, dx);
             let at = first + i;
             loads.strip[at] = self.by_source(node, &section, &flow, &mut added_mass);
             if let Some(detail) = &mut loads.detail {
@@ -321,7 +324,8 @@ impl<P: Scalar> LiftingLine<P> {
         for i in 0..self.strips() {
             let node = &self.nodes[i];
             let section = Section::new(&sections.section(i), wind, node.inverse_edge, self.zero_lift);
-            let flow = self.flow(i, &section, stream, x, dx);
+            let printed = stream.map(|stream| self.section_speed(i, stream, &sections.section(i), wind));
+            let flow = self.flow(i, &section, printed, x, dx);
             let force = flow.lift(node)
                 + self.profile_drag(node, &section, &flow, self.numbers.drag())
                 + self.carried_air(node, &section, flow.speed, added_mass);
@@ -347,7 +351,7 @@ impl<P: Scalar> LiftingLine<P> {
         added_mass: &mut [[S; 6]; 6],
     ) -> StripLoads<S> {
         let lift = section.wrench(flow.lift(node));
-        let circulatory = section.wrench(self.circulatory(node, flow));
+        let circulatory = section.wrench(flow.lift_without_turning(node));
         StripLoads {
             circulatory,
             induced_drag: Wrench {
@@ -356,15 +360,6 @@ impl<P: Scalar> LiftingLine<P> {
             },
             added_mass: section.wrench(self.carried_air(node, section, flow.speed, added_mass)),
             profile_drag: section.wrench(self.profile_drag(node, section, flow, self.numbers.drag())),
-        }
-    }
-
-    /// The circulatory force, perpendicular to the wind of motion.
-    #[inline]
-    fn circulatory<S: Scalar + Meets<P>>(&self, node: &Node<P>, flow: &Flow<S, S>) -> SectionForce<S> {
-        match self.settings.as_printed {
-            true => flow.lift(node),
-            false => flow.lift_without_turning(node),
         }
     }
 
@@ -378,7 +373,7 @@ impl<P: Scalar> LiftingLine<P> {
         let plate = self.profile_drag(node, section, flow, self.numbers.drag().of_plate());
         let vortex = flow.edge.map_or(S::ZERO, |edge| edge.vortex);
         ForceDetail {
-            suction: section.chordwise * self.circulatory(node, flow).chordwise,
+            suction: section.chordwise * flow.lift_without_turning(node).chordwise,
             vortex: section.normal * vortex,
             plate: section.wrench(plate).force,
         }

@@ -25,6 +25,9 @@ pub(super) struct Node<P> {
     pub mass: P,
     /// rho c dy / 2, kg/m.
     pub drag: P,
+    /// Slope of the line of the quarter chords along the arc, and cosine of its angle.
+    pub sweep: P,
+    pub sweep_cosine: P,
 }
 
 /// What a node stands for.
@@ -39,14 +42,22 @@ pub(super) struct Cell<P = f64> {
     /// Integrals of the chord, m2, and of its square, m3.
     pub area: P,
     pub square: P,
+    /// Slope of the line of the quarter chords along the arc: forward as the arc goes to the left.
+    pub sweep: P,
 }
 
 impl<P: Scalar> Cell<P> {
-    /// Of a smooth `chord` at `angle` by quadrature: the lift vanishes at the tips, area and square do not.
-    pub fn smooth(chord: P, width: P, half_span: P, angle: f64, set: &LiftingLineSettings) -> Self {
+    /// Of a smooth `chord` with its `sweep` at `angle` by quadrature: the lift vanishes at the tips, area and square do not.
+    pub fn smooth(
+        [chord, sweep]: [P; 2],
+        width: P,
+        half_span: P,
+        angle: f64,
+        set: &LiftingLineSettings,
+    ) -> Self {
         let (edge, chord) = (chord, floored(chord, set));
         let area_width = half_span * fejer_weight(angle, set.nodes);
-        Self { edge, chord, width, area: chord * area_width, square: chord * chord * area_width }
+        Self { edge, chord, width, area: chord * area_width, square: chord * chord * area_width, sweep }
     }
 }
 
@@ -63,6 +74,8 @@ impl<P: Scalar> Node<P> {
             lift: numbers.density * numbers.section_slope * half_chord * cell.width,
             mass: numbers.density * PI * 0.25 * cell.square * numbers.added_mass_scale,
             drag: numbers.density * 0.5 * cell.area,
+            sweep: cell.sweep,
+            sweep_cosine: (cell.sweep * cell.sweep + P::ONE).sqrt().recip(),
         }
     }
 }
@@ -99,7 +112,8 @@ pub(super) fn cells<P: Scalar>(
         let from = if i == last { -half } else { outer };
         let [area, square] = planform.chord_integrals(from, to);
         let width = half * angle(arc).sin() * (angle(outer) - angle(inner));
-        cells.push(Cell { edge: planform.chord(arc), chord: floored(chord, set), width, area, square });
+        let (edge, chord) = (planform.chord(arc), floored(chord, set));
+        cells.push(Cell { edge, chord, width, area, square, sweep: planform.sweep(arc) });
         arcs.push(arc);
         angles.push(angle(arc));
     }

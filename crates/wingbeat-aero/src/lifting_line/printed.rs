@@ -3,10 +3,11 @@
 //! (1) G = (1/2) a0 c0 U sum a_n sin(n theta)
 //! (2) w_ind = -(a0 c0 U / 4 S) sum n a_n sin(n theta) / sin(theta)
 //! (3) c_l = a0 [(c0/c) sum a_n sin(n theta) + (c0/U) sum a_n' sin(n theta)]
-//! (4) c_l = (a0/U) [w(0) Phi(t) + int w'(s) Phi(t - s) ds], time in semi-chords of the stream U
+//! (4) c_l = (a0/U) [w(0) Phi(t) + int w'(s) Phi(t - s) ds], t the reduced time: int v / b, v the velocity of the section's
+//!     quarter chord perpendicular to the sweep; U t / b where the free stream is much faster
 //!
-//! Two constants stand in for what the equations leave open, both a choice: U is the airspeed of the middle of the
-//! wing at half chord, and the lift is normal to the wind of motion of its section, at the quarter chord.
+//! A choice stands in for what the equations leave open: U is the airspeed of the middle of the wing at half chord. The
+//! lift acts at the quarter chord and is turned by the wash, `lift_tilt`.
 //! The nodal form keeps G and has G' = (1/2) a0 c0 (U sum a_n' sin + U' sum a_n sin); (3) has the first term only, so both
 //! agree as long as U is constant.
 
@@ -74,7 +75,10 @@ impl<P: Scalar> LiftingLine<P> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{LiftingLine, LiftingLineSettings, Loads, SectionMotion};
+    use crate::{
+        JONES_RATES, LiftTilt, LiftingLine, LiftingLineSettings, Loads, Planform, PlanformStation,
+        SectionMotion,
+    };
     use wingbeat_math::{Dual, RK4, Scalar, Vec3, Workspace};
 
     /// Both forms of a tapered wing without what the printed equations lack.
@@ -107,6 +111,41 @@ mod tests {
         assert_eq!((nodal.arcs().len(), printed.arcs().len(), printed.node_arcs().len()), (8, 9, 8));
     }
 
+    /// A swept wing that slides: its lags run by the part of the velocity across the line of its quarter chords.
+    #[test]
+    fn its_lags_run_by_the_velocity_across_the_sweep() {
+        let station =
+            |arc_m, x| PlanformStation { arc_m, leading_edge_m: x + 0.05, trailing_edge_m: x - 0.15 };
+        let planform = Planform::new(&[station(0.0, 0.0), station(0.4, 0.3)]).unwrap();
+        let set =
+            LiftingLineSettings { nodes: 6, regularisation_m_s: 1e-9, ..LiftingLineSettings::default() };
+        let line = LiftingLine::new(&planform, set.printed()).unwrap();
+        let velocity = Vec3::new(1.0, 0.4, -0.3);
+        let section = |&arc: &f64| {
+            let (le, te) = planform.edges(arc);
+            let at = |x: f64| Vec3::new(x, arc, 0.0);
+            let span = Vec3::new(0.0, -1.0, 0.0);
+            SectionMotion {
+                le: at(le),
+                te: at(te),
+                v_le: velocity,
+                v_te: velocity,
+                span,
+                ..Default::default()
+            }
+        };
+        let sections: Vec<_> = line.arcs().iter().map(section).collect();
+        let (mut dx, mut loads) = (vec![0.0; 18], Loads::default());
+        line.evaluate(&sections[..], Vec3::ZERO, &[0.0; 18], &mut dx, &mut loads);
+        for (i, arc) in line.node_arcs().iter().enumerate() {
+            let along = Vec3::new(0.75 * arc.signum(), 1.0, 0.0) * 0.8;
+            let speed = (velocity - along * velocity.dot(along)).norm();
+            // The wash is .3 m/s and the semi-chord .1 m.
+            let rate = JONES_RATES[0] * speed / 0.1 * 0.3;
+            assert!((dx[6 + i] - rate).abs() < 1e-12, "{} {rate}", dx[6 + i]);
+        }
+    }
+
     #[test]
     fn its_loads_are_lift_alone_and_their_derivatives_are_exact() {
         let [_, printed] = forms();
@@ -129,8 +168,18 @@ mod tests {
         let [up, down] = [0.4 + h, 0.4 - h].map(|t| run(Dual::from(t)).wrench.force[2].re);
         let slope = exact.wrench.force[2].eps[0];
         assert!((slope - (up - down) / (2.0 * h)).abs() < 1e-6 * slope.abs().max(1.0), "{slope}");
+        let upright = LiftingLineSettings { lift_tilt: LiftTilt::None, ..*printed.settings() };
+        let upright = LiftingLine::with_chords(0.2, |s| 0.16 - 0.4 * s.abs(), upright).unwrap();
+        let mut loads = Loads::default();
+        let motions = moving(Dual::from(0.4));
+        upright.evaluate(&motions[..], Vec3::ZERO, &x, &mut vec![Dual::from(0.0); 24], &mut loads);
+        for (strip, turned) in loads.strip[..8].iter().zip(&exact.strip) {
+            let (own, other) = (strip.circulatory.force, turned.circulatory.force);
+            assert!(strip.induced_drag.force.norm().re < 1e-15 * own.norm().re);
+            assert!(turned.induced_drag.force.norm().re > 1e-3 * other.norm().re);
+        }
         for strip in &exact.strip[..8] {
-            for part in [&strip.profile_drag, &strip.added_mass, &strip.induced_drag] {
+            for part in [&strip.profile_drag, &strip.added_mass] {
                 assert_eq!(part.force.norm().re, 0.0);
             }
             assert!(strip.circulatory.force[2].re != 0.0);

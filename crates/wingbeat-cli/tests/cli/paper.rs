@@ -1,12 +1,14 @@
-//! docs/paper.md: its quick commands end as it says, and every command in its tables is in one of its lists.
+//! The pages on the paper: their quick commands end as they say, and every command in their tables is in one of their lists.
 
 use std::fs;
 
 use crate::{entries, root, scratch, wingbeat};
 
-/// The page.
+/// The page of verdicts, then that of the evidence.
 fn page() -> String {
-    fs::read_to_string(root().join("docs/paper.md")).unwrap()
+    ["docs/paper.md", "docs/paper-evidence.md"]
+        .map(|page| fs::read_to_string(root().join(page)).unwrap())
+        .concat()
 }
 
 /// The commands of the lists, quick ones first: arguments and exit code.
@@ -14,7 +16,7 @@ fn lists(page: &str) -> Vec<Vec<(String, i32)>> {
     let blocks = page.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let command = |line: &str| {
         let (text, code) = line.split_once('#').unwrap_or((line, "0"));
-        let code = code.split('>').next().unwrap();
+        let code = code.split(['>', '|']).next().unwrap();
         (text.trim().to_owned(), code.trim().parse().unwrap())
     };
     blocks.map(|block| block.lines().map(command).collect()).collect()
@@ -28,7 +30,7 @@ fn every_command_of_the_tables_is_in_a_list() {
     let named =
         tables.flat_map(|line| line.split('`').skip(1).step_by(2)).filter(|c| c.starts_with("wingbeat "));
     let missing: Vec<&str> = named.filter(|command| !listed.iter().any(|known| known == command)).collect();
-    assert!(missing.is_empty(), "in no list of docs/paper.md: {missing:?}");
+    assert!(missing.is_empty(), "in no list of the pages on the paper: {missing:?}");
     assert!(listed.len() > 15);
 }
 

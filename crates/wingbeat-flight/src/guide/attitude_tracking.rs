@@ -151,7 +151,9 @@ mod tests {
         MpcSpec {
             period_s: 0.01,
             intervals: 3,
-            interval_s: 0.02,
+            interval_s: Some(0.02),
+            horizon_cycles: None,
+            horizon_between_cycles: None,
             iterations: 1,
             continuous_input: true,
             input_rate_per_s: BTreeMap::new(),

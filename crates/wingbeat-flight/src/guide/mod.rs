@@ -4,6 +4,7 @@
 mod about_orbit;
 mod attitude_tracking;
 mod controllers;
+mod free_end;
 mod history;
 mod hover;
 mod inertial;
@@ -41,6 +42,7 @@ pub use about_orbit::gains_of;
 pub use about_orbit::{AboutOrbitSpec, LegSpec, OrbitWeights, PredictiveSpec, Terminal, TrackingSpec};
 pub use attitude_tracking::AttitudeTracking;
 pub use controllers::{ControllerSpec, Prepared, RobotSolver, SolverSpec, Task};
+pub use free_end::FreeEnd;
 pub use hover::HoverSpec;
 pub use inertial::EstimatorSpec;
 pub use least_power::CYCLES;

@@ -2,6 +2,7 @@
 
 use super::attitude_tracking::AttitudeTracking;
 use super::controllers::{ControllerSpec, Task};
+use super::free_end::FreeEnd;
 use super::manoeuvre::Manoeuvre;
 use super::receding::{self, Receding};
 use super::told::Told;
@@ -18,6 +19,12 @@ use wingbeat_ocp::realtime::{HorizonSolver, RealTime, Settings};
 
 /// Longest horizon, and most iterations of an update.
 pub(super) const MAX_INTERVALS: usize = 100;
+/// Longest horizon in cycles of the gait.
+const MAX_CYCLES: f64 = 100.0;
+/// What a horizon in cycles is told where nothing flaps.
+const NO_GAIT: &str = "interval_s for a plant without a gait";
+/// What a controller without a manoeuvre is told.
+const NO_MANOEUVRE: &str = "a manoeuvre to fly: add [manoeuvre]";
 
 /// Horizon and cost of the controller.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -28,8 +35,17 @@ pub struct MpcSpec {
     pub period_s: f64,
     /// Intervals of the horizon.
     pub intervals: usize,
-    /// Length of an interval, s.
-    pub interval_s: f64,
+    /// Length of an interval, s; this or `horizon_cycles`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval_s: Option<f64>,
+    /// Length of the whole horizon in cycles of the gait, cut into its intervals: 1 for n intervals during a gait cycle,
+    /// as the paper's section IV has them; this or `interval_s`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub horizon_cycles: Option<f64>,
+    /// Least and largest length of the horizon in cycles where the controller chooses it too, as the paper's t_f; it begins
+    /// with `horizon_cycles`. An update then takes twice as long.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub horizon_between_cycles: Option<[f64; 2]>,
     /// Iterations of sequential quadratic programming per update.
     pub iterations: usize,
     /// The plan's first input is the last one applied; else it may jump.
@@ -96,15 +112,21 @@ impl ControllerSpec for MpcSpec {
     }
 
     fn build<'a>(&self, task: Task<'a>) -> Result<Box<dyn Controller + 'a>, Error> {
-        let allowed = "a manoeuvre to fly: add [manoeuvre]";
-        let manoeuvre = task.manoeuvre.ok_or_else(|| Error::invalid("", "given", allowed))?;
+        self.in_range()?;
+        let in_seconds = self.in_seconds(task.model.frequency_hz())?;
+        if let Some(between) = self.horizon_between_cycles {
+            return self.of_free_horizon(task, &in_seconds, between);
+        }
+        let manoeuvre = task.manoeuvre.ok_or_else(|| Error::invalid("", "given", NO_MANOEUVRE))?;
         Ok(match task.solver {
-            None => Box::new(Mpc::with(task.model, manoeuvre, self, Told::new(task.model), RealTime::new)?),
+            None => {
+                Box::new(Mpc::with(task.model, manoeuvre, &in_seconds, Told::new(task.model), RealTime::new)?)
+            }
             Some(solver) => {
                 let make = |chart: &_, tracking: &_, settings| {
                     solver.build(chart, tracking, settings).map_err(|e| e.within("solver"))
                 };
-                Box::new(Mpc::with(task.model, manoeuvre, self, Told::new(task.model), make)?)
+                Box::new(Mpc::with(task.model, manoeuvre, &in_seconds, Told::new(task.model), make)?)
             }
         })
     }
@@ -114,6 +136,8 @@ ranges!(MpcSpec {
     period_s: Range::POSITIVE,
     intervals: Range::between(1.0, MAX_INTERVALS as f64),
     interval_s: Range::POSITIVE,
+    horizon_cycles: Range::over(0.0, MAX_CYCLES),
+    horizon_between_cycles: Range::over(0.0, MAX_CYCLES),
     iterations: Range::between(1.0, MAX_INTERVALS as f64),
     deadline_s: Range::POSITIVE,
     clearance_width_m: Range::POSITIVE,
@@ -138,6 +162,37 @@ ranges!(Weights {
 });
 
 impl MpcSpec {
+    /// The controller that chooses the length of its horizon too.
+    fn of_free_horizon<'a>(
+        &self,
+        task: Task<'a>,
+        in_seconds: &Self,
+        between: [f64; 2],
+    ) -> Result<Box<dyn Controller + 'a>, Error> {
+        let key = "horizon_between_cycles";
+        require::range(key, between)?;
+        let Some(cycles) =
+            self.horizon_cycles.filter(|cycles| between[0] <= *cycles && *cycles <= between[1])
+        else {
+            let allowed = "a range around horizon_cycles, which gives the first length";
+            return Err(Error::invalid(key, format!("{between:?}"), allowed).against(["horizon_cycles"]));
+        };
+        if let Some(deadline) = self.deadline_s {
+            let allowed =
+                "left out where the horizon is free: a late update takes back a plan of another length";
+            return Err(Error::invalid("deadline_s", deadline, allowed).against([key]));
+        }
+        if task.solver.is_some() {
+            let allowed = "left out with a solver of its own: the shipped one solves for the horizon";
+            return Err(Error::invalid(key, format!("{between:?}"), allowed).against(["solver"]));
+        }
+        let per_cycle = in_seconds.interval()? / cycles;
+        let steps = between.map(|cycles| cycles * per_cycle);
+        let make = |chart: &_, tracking: &_, settings| FreeEnd::new(chart, tracking, settings, steps);
+        let manoeuvre = task.manoeuvre.ok_or_else(|| Error::invalid("", "given", NO_MANOEUVRE))?;
+        Ok(Box::new(Mpc::with(task.model, manoeuvre, in_seconds, Told::new(task.model), make)?))
+    }
+
     /// Checks ranges.
     ///
     /// # Errors
@@ -151,6 +206,45 @@ impl MpcSpec {
             return Err(Error::invalid("continuous_input", false, allowed));
         }
         Ok(())
+    }
+
+    /// Length of an interval, s.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where not just one key gives the horizon, or where it is given in cycles of a gait that the
+    /// plant is not known to have.
+    fn interval(&self) -> Result<f64, Error> {
+        match (self.interval_s, self.horizon_cycles) {
+            (Some(interval), None) => Ok(interval),
+            (None, Some(cycles)) => Err(Error::invalid("horizon_cycles", cycles, NO_GAIT)),
+            (Some(_), Some(cycles)) => {
+                let allowed = "interval_s or horizon_cycles, not both";
+                Err(Error::invalid("horizon_cycles", cycles, allowed).against(["interval_s"]))
+            }
+            (None, None) => {
+                let allowed = "a number of seconds here or a number of cycles in horizon_cycles";
+                Err(Error::invalid("interval_s", "not given", allowed))
+            }
+        }
+    }
+
+    /// The same with its horizon in seconds, for a gait of the frequency `hz`: intervals of cycles / (hz intervals).
+    ///
+    /// Equation: guide.horizon_cycles
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where not just one key gives the horizon, or where nothing flaps.
+    pub fn in_seconds(&self, hz: f64) -> Result<Self, Error> {
+        match (self.interval_s, self.horizon_cycles) {
+            (None, Some(cycles)) => {
+                let interval = cycles / (hz * self.intervals as f64);
+                if interval > 0.0 && interval.is_finite() {
+                    return Ok(Self { interval_s: Some(interval), horizon_cycles: None, ..self.clone() });
+                }
+                Err(Error::invalid("horizon_cycles", cycles, NO_GAIT).against(["gait.frequency_hz"]))
+            }
+            _ => self.interval().map(|_| self.clone()),
+        }
     }
 
     /// The rate limit of each input of a plant, infinite where none is given.
@@ -174,6 +268,8 @@ pub struct Mpc<'a, P: Plant, E = TrueState, H = RealTime> {
     estimator: E,
     estimate: Vec<f64>,
     applied: Vec<f64>,
+    /// Whether the length of the horizon is chosen too, and recorded.
+    free_horizon: bool,
 }
 
 impl<'a, P: Plant> Mpc<'a, P> {
@@ -211,7 +307,7 @@ where
         let chart = &tracking.chart;
         let settings = Settings {
             hold_first_input: spec.continuous_input,
-            ..Settings::new(spec.intervals, spec.interval_s)
+            ..Settings::new(spec.intervals, spec.interval()?)
         };
         let solver = make(chart, &tracking, settings)?;
         let plan = solver.plan().clone();
@@ -220,6 +316,7 @@ where
             estimator,
             estimate: vec![0.0; plant.states().len()],
             applied: vec![0.0; plant.inputs().len()],
+            free_horizon: spec.horizon_between_cycles.is_some(),
             tracking,
         })
     }
@@ -256,7 +353,8 @@ where
     fn columns(&self) -> Vec<Column> {
         let last = self.receding.solver.plan().nodes() - 1;
         let angles = ["roll", "pitch", "yaw"].map(|a| Column::new(format!("plan_{a}_{last}"), "rad", "WB"));
-        angles.into_iter().chain(receding::columns()).collect()
+        let horizon = self.free_horizon.then(|| Column::new("horizon", "s", ""));
+        angles.into_iter().chain(receding::columns()).chain(horizon).collect()
     }
 
     fn diagnostics(&self, row: &mut Vec<f64>) {
@@ -264,5 +362,8 @@ where
         let end = plan.state(plan.nodes() - 1);
         row.extend(self.tracking.chart.rotation_matrix(end).roll_pitch_yaw().0);
         row.extend(receding::measures(&self.receding.solver.statistics()));
+        if self.free_horizon {
+            row.push(plan.horizon.step * plan.horizon.intervals as f64);
+        }
     }
 }

@@ -49,7 +49,7 @@ pub struct RollInSpec {
     pub clearance_m: Option<f64>,
     /// Longest duration, s.
     pub longest_s: f64,
-    /// Cost of an input at its limit, seconds per second.
+    /// Cost of each input at its limit, seconds per second: m inputs at their limits cost m times as much.
     pub effort: f64,
     /// The cost J = sum (z - z_ref)' C (z - z_ref) of attitude and rates along the way, beside those of time and effort;
     /// without it none.

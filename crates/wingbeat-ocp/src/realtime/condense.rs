@@ -68,6 +68,11 @@ impl Elimination {
         }
     }
 
+    /// Has intervals of `step` s.
+    pub fn cut(&mut self, step: f64) {
+        self.horizon.step = step;
+    }
+
     /// S_k: row i holds the sensitivity of state i of `node`.
     pub fn state(&self, node: usize, columns: Columns) -> &[f64] {
         &self.states[node][..self.horizon.states * columns.width(node)]

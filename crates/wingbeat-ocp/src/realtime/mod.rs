@@ -201,6 +201,28 @@ impl RealTime {
         std::mem::swap(&mut self.plan, &mut self.trial);
     }
 
+    /// Takes another plan of the same sizes, with its step.
+    pub fn take(&mut self, plan: &Plan) {
+        self.plan.copy_from(plan);
+        self.cut(plan.horizon.step);
+    }
+
+    /// Moves the nodes of the plan to intervals of `step` s from the same start, as [`shift`](Self::shift) moves them on.
+    pub fn stretch<P: Plant>(&mut self, plant: &P, step: f64) {
+        self.trial.horizon.step = step;
+        self.trial.shift_from(&self.plan, 0.0, plant, self.settings.substep, &mut self.work);
+        std::mem::swap(&mut self.plan, &mut self.trial);
+        self.cut(step);
+    }
+
+    /// Has all storage know the length of an interval.
+    fn cut(&mut self, step: f64) {
+        self.settings.step = step;
+        (self.plan.horizon.step, self.trial.horizon.step) = (step, step);
+        self.states.cut(step);
+        self.reduction.cut(step);
+    }
+
     /// Improves the plan from the state `x0` at the time `t0`, s, by at most
     /// `iterations` steps of sequential quadratic programming. Where the plan
     /// leads nowhere (a fault of the model, a contradiction) one more attempt is

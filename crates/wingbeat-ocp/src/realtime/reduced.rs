@@ -46,6 +46,11 @@ impl Reduction {
         }
     }
 
+    /// Has intervals of `step` s.
+    pub fn cut(&mut self, step: f64) {
+        self.horizon.step = step;
+    }
+
     /// Adds the cost of every node and of the input changes to `qp`.
     pub fn cost<T: Tracking>(
         &mut self,

@@ -57,6 +57,9 @@ const WITHOUT_LEV: &[&str] = &[
     "banking_turn",
     "banking_turn_beta",
     "banking_turn_stall",
+    "paper_turn",
+    "paper_turn_clear",
+    "paper_turn_one_speed",
     "cruise_20g",
     "cruise_44g",
     "cruise_linkage",
@@ -70,12 +73,23 @@ const WITHOUT_LEV: &[&str] = &[
     "passive_bank15",
 ];
 /// Scenarios whose law is linear.
-const LINEAR: &[&str] =
-    &["aerobat_elastic", "as_printed_fourier", "as_printed_linkage", "banking_turn", "glider"];
+const LINEAR: &[&str] = &[
+    "aerobat_elastic",
+    "as_printed_fourier",
+    "as_printed_linkage",
+    "banking_turn",
+    "glider",
+    "paper_turn",
+    "paper_turn_clear",
+    "paper_turn_one_speed",
+];
 /// Scenarios with a linkage within the limits of its regulators.
 const LINKED: &[&str] = &["as_printed_linkage", "banking_turn_beta", "cruise_linkage", "passive_bank15"];
-/// Scenarios of the printed equations, which have neither profile drag nor a scale of the carried air.
+/// Scenarios of the printed equations without profile drag.
 const PRINTED: &[&str] = &["as_printed_fourier", "as_printed_linkage"];
+/// Scenarios of the printed equations, which carry no air.
+const WITHOUT_CARRIED: &[&str] =
+    &["as_printed_fourier", "as_printed_linkage", "paper_turn", "paper_turn_clear", "paper_turn_one_speed"];
 
 /// Numbers that cannot act in a document, by parts that their keys and their document have, with the reason.
 const STILL_KEYS: &[(&str, &[&str], &str)] = &[
@@ -107,7 +121,7 @@ const STILL_PARAMETERS: &[(&str, &[&str], &str)] = &[
     (".panels.body.origin_m", BARE, "no strip rides on the body"),
     (".critical_suction", WITHOUT_LEV, "the law does not ask for it"),
     (".stall_angle_rad", LINEAR, "the law does not ask for it"),
-    (".added_mass_scale", PRINTED, "no such term"),
+    (".added_mass_scale", WITHOUT_CARRIED, "no such term"),
     ("_range[", LINKED, "the regulators keep the lengths within the limits that the file gives them"),
     (".elevator.driven.lag_rad", &["glider"], "a series without harmonics has no phase"),
 ];

@@ -13,6 +13,7 @@ mod flyers;
 mod followed_impulse;
 mod full_turn;
 mod gait_search;
+mod horizon;
 mod hover;
 mod inherit;
 mod linkage;

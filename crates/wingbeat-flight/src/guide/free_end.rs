@@ -1,0 +1,103 @@
+//! A horizon whose length is an unknown: the paper's t_f.
+
+use wingbeat_math::Error;
+use wingbeat_ocp::plant::Plant;
+use wingbeat_ocp::realtime::{HorizonSolver, Plan, RealTime, Settings, Statistics, Status, Tracking};
+
+/// First change of the length tried, and the least and largest, over the length. *Choice.*
+const FIRST: f64 = 0.02;
+const LEAST: f64 = 0.002;
+const LARGEST: f64 = 0.05;
+
+/// Solves for states and inputs by [`RealTime`] and for the length of the horizon by direct search: each update solves at the
+/// present length and at one beside it, from the same plan, and keeps the one of lower cost. Success doubles the change that
+/// is tried next, failure halves it and turns it round.
+///
+/// The length is no variable of the quadratic program, since a [`Plant`] has no derivative by the time.
+///
+/// Equation: guide.free_end
+pub struct FreeEnd {
+    now: RealTime,
+    beside: RealTime,
+    /// Allowed lengths of an interval, s.
+    between: [f64; 2],
+    change: f64,
+    residual: Vec<f64>,
+}
+
+impl FreeEnd {
+    /// Intervals that begin with the length of `settings` and stay `between` two, s.
+    ///
+    /// # Errors
+    /// As [`RealTime::new`].
+    pub fn new<P: Plant, T: Tracking>(
+        plant: &P,
+        tracking: &T,
+        settings: Settings,
+        between: [f64; 2],
+    ) -> Result<Self, Error> {
+        let now = RealTime::new(plant, tracking, settings)?;
+        let most = (0..=settings.intervals).map(|node| tracking.residuals(node)).max().unwrap_or(0);
+        Ok(Self { beside: now.clone(), now, between, change: FIRST, residual: vec![0.0; most] })
+    }
+
+    /// J of the plan of `solver`.
+    fn cost<T: Tracking>(residual: &mut [f64], solver: &RealTime, tracking: &T) -> f64 {
+        let plan = solver.plan();
+        let mut cost = 0.0;
+        for node in 0..plan.nodes() {
+            let r = &mut residual[..tracking.residuals(node)];
+            tracking.residual(node, plan.time(node), plan.state(node), plan.input(node), r);
+            cost += r.iter().map(|r| r * r).sum::<f64>();
+        }
+        for node in 1..plan.nodes() {
+            let pairs = plan.input(node).iter().zip(plan.input(node - 1)).enumerate();
+            cost += pairs.map(|(j, (b, a))| tracking.change_weight(j) * (b - a) * (b - a)).sum::<f64>();
+        }
+        cost
+    }
+}
+
+impl<P: Plant, T: Tracking> HorizonSolver<P, T> for FreeEnd {
+    fn plan(&self) -> &Plan {
+        self.now.plan()
+    }
+
+    fn plan_mut(&mut self) -> &mut Plan {
+        self.now.plan_mut()
+    }
+
+    fn reset(&mut self, plant: &P, x0: &[f64]) {
+        self.now.reset(plant, x0);
+    }
+
+    fn shift(&mut self, plant: &P, dt: f64) {
+        self.now.shift(plant, dt);
+    }
+
+    fn solve(&mut self, plant: &P, tracking: &T, t0: f64, x0: &[f64], iterations: usize) -> Status {
+        let present = self.now.plan().horizon.step;
+        let [low, high] = self.between;
+        let tried = (present * (1.0 + self.change)).clamp(low, high);
+        if tried != present {
+            self.beside.take(self.now.plan());
+            self.beside.stretch(plant, tried);
+        }
+        let status = self.now.solve(plant, tracking, t0, x0, iterations);
+        if tried != present {
+            let other = self.beside.solve(plant, tracking, t0, x0, iterations);
+            let mut cost = |solver| Self::cost(&mut self.residual, solver, tracking);
+            if other.updated() && (!status.updated() || cost(&self.beside) < cost(&self.now)) {
+                std::mem::swap(&mut self.now, &mut self.beside);
+                self.change = (2.0 * self.change).clamp(-LARGEST, LARGEST);
+                return other;
+            }
+        }
+        self.change = -(0.5 * self.change.abs()).max(LEAST).copysign(self.change);
+        status
+    }
+
+    fn statistics(&self) -> Statistics {
+        self.now.statistics()
+    }
+}
