@@ -291,8 +291,10 @@ impl Summary {
         let settled = Settled { record, first };
         let change = |name| match record.values(name) {
             Some([first, .., last]) => last - first,
-            _ => 0.0,
+            _ => f64::NAN,
         };
+        // What is no number is null in the file.
+        let mean_of = |value: f64| if grew { f64::NAN } else { value };
         let roll_errors = settled.errors("roll", context, |reference| reference.roll);
         let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
         let crossing = Crossing::new(record, context.clearances);
@@ -338,12 +340,12 @@ impl Summary {
             aero_preset: context.preset.clone(),
             lattice: None,
             lift_law: context.law.clone(),
-            stall_fraction: context.stall_fraction,
-            separated_fraction: context.separated_fraction,
-            suction_lost_fraction: context.suction_lost_fraction,
+            stall_fraction: mean_of(context.stall_fraction),
+            separated_fraction: mean_of(context.separated_fraction),
+            suction_lost_fraction: mean_of(context.suction_lost_fraction),
             law_states: if grew { Vec::new() } else { context.law_states.clone() },
             sound_rows: record.rows(),
-            beyond_residual_fraction: context.beyond_residual_fraction,
+            beyond_residual_fraction: context.beyond_residual_fraction.filter(|_| !grew),
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),

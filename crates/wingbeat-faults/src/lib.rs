@@ -1,8 +1,10 @@
 //! System calls that fail on demand: a library that Linux loads before a program (`LD_PRELOAD`).
 //!
-//! Each writing, creation, renaming, removal or flush below the folder `WINGBEAT_FAULTS_UNDER`, and each start of a thread, is
+//! Each writing, creation, renaming, removal by path or flush below the folder `WINGBEAT_FAULTS_UNDER`, and each start of a thread, is
 //! a point; points are counted from 1. With `WINGBEAT_FAULTS_AT=N` point N fails, with `WINGBEAT_FAULTS_ON=1` all after it too, as on
 //! a disk that stays full. The file `WINGBEAT_FAULTS_TOLD` holds what failed; without `AT`, the number of points.
+//!
+//! What is opened or removed by a folder that is open, as whole folders are, is no point.
 //!
 //! The calls take the place of those of the C library, with its signatures: that cannot be written without `unsafe`.
 //! Nothing here uses what the standard library writes with: it would come back to the calls that are replaced.

@@ -25,7 +25,7 @@ pub fn map<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &T) -> R + Sync) 
 
 /// `work` on every item, on all cores; `take` gets each answer with its item's number as soon as it is known, one
 /// after another on the calling thread, and may end the work: items begun then are finished and left out. Where the system
-/// starts no thread, the calling thread does the work.
+/// starts no thread, the calling thread does the work, on its own stack.
 pub fn each<T: Sync, R: Send>(
     items: &[T],
     work: impl Fn(usize, &T) -> R + Sync,

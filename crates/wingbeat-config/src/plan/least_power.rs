@@ -213,7 +213,7 @@ impl Scenario {
         parameters: &[f64],
     ) -> Result<Vec<Vec<f64>>, Error> {
         let problem = self.least_power_problem(spec)?;
-        let unknowns = nodes::trajectory(&problem.setup(), points, parameters)?;
+        let unknowns = nodes::trajectory(&problem.setup(), problem.rows_of_interval(), points, parameters)?;
         problem.defects(&unknowns).map_err(broken)
     }
 

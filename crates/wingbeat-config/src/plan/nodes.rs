@@ -172,7 +172,12 @@ fn points(
 ///
 /// # Errors
 /// A column that is not there, or no rows.
-pub(super) fn trajectory(setup: &Setup, points: &Record, parameters: &[f64]) -> Result<Trajectory, Error> {
+pub(super) fn trajectory(
+    setup: &Setup,
+    inner: usize,
+    points: &Record,
+    parameters: &[f64],
+) -> Result<Trajectory, Error> {
     let column = |name: &str| {
         let name = name.replace(' ', "_");
         let known = || points.columns().iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ");
@@ -192,6 +197,22 @@ pub(super) fn trajectory(setup: &Setup, points: &Record, parameters: &[f64]) -> 
         let given = format!("{} rows, {} parameters", t.len(), parameters.len());
         let allowed = format!("at least 2 rows and {} parameters", setup.parameters.len());
         return Err(Error::invalid("plan", given, allowed));
+    }
+    if !(t.len() - 1).is_multiple_of(inner) {
+        let allowed = format!("1 row and {inner} for each interval");
+        return Err(Error::invalid("plan", format!("{} rows", t.len()), allowed));
+    }
+    let finite = states.iter().chain(&inputs).all(|values| values.iter().all(|value| value.is_finite()));
+    if !finite || !parameters.iter().all(|value| value.is_finite()) {
+        return Err(Error::invalid(
+            "plan",
+            "a value that is not finite",
+            "finite states, inputs and parameters",
+        ));
+    }
+    if let Some(row) = t.windows(2).position(|pair| !(pair[1] > pair[0] && pair[1].is_finite())) {
+        let allowed = "times that grow from row to row";
+        return Err(Error::invalid("plan.t", format!("{} in row {}", t[row + 1], row + 2), allowed));
     }
     let rows = |columns: &[&[f64]]| -> Vec<Vec<f64>> {
         (0..t.len()).map(|row| columns.iter().map(|values| values[row]).collect()).collect()

@@ -138,7 +138,7 @@ impl Scenario {
     ) -> Result<Vec<Vec<f64>>, Error> {
         let problem = self.approached(spec)?.0;
         let setup = wingbeat_ocp::OptimalControl::setup(&problem);
-        problem.defects(&nodes::trajectory(&setup, points, parameters)?).map_err(broken)
+        problem.defects(&nodes::trajectory(&setup, 1, points, parameters)?).map_err(broken)
     }
 
     /// Hands the roll-in of `[plan.roll_in]` on its first mesh to `see`, with the start of the first guess: objective,

@@ -70,6 +70,9 @@ pub(super) fn judge_plan(
     judge.hold_if(&plan::SATURATION, solver.saturated_fraction);
 }
 
+/// Speed below which a flight has none to keep, m/s (choice).
+const LEAST_SPEED: f64 = 0.1;
+
 impl RollInSummary {
     /// Holds the roll-in, as it was flown from `record`'s row `first` on, against the limits.
     pub(super) fn judge_flown(
@@ -81,7 +84,8 @@ impl RollInSummary {
     ) {
         let off = self.final_angles_deg.zip(self.flown_angles_deg).map(|(plan, flown)| {
             let apart = plan.iter().zip(flown).map(|(plan, flown)| angle_between(*plan, flown));
-            apart.fold(0.0, |most: f64, off| if most >= off { most } else { off })
+            // A number that is none stays one.
+            apart.fold(0.0, |most: f64, off| if off > most || off.is_nan() { off } else { most })
         });
         judge.hold_if(&plan::FLOWN, off);
         let z = record.values("p_WB_z").and_then(|z| z.get(first..)).unwrap_or_default();
@@ -89,7 +93,8 @@ impl RollInSummary {
         judge.hold_if(&flight::ALTITUDE, height);
         let speed = |row| velocity_at(record, row).map(|velocity| velocity.norm());
         if let (Some(before), Some(after)) = (speed(first), speed(record.rows().saturating_sub(1))) {
-            judge.hold(&plan::SPEED, (after / before - 1.0).abs());
+            // A flight from rest has no speed to keep.
+            judge.hold_if(&plan::SPEED, (before > LEAST_SPEED).then(|| (after / before - 1.0).abs()));
         }
         if let Some(crossing) = crossing {
             judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());

@@ -254,6 +254,12 @@ impl<'a> LeastPower<'a> {
         defects(self, &self.scheme(), unknowns)
     }
 
+    /// Rows of a plan from one start of an interval to the next.
+    pub fn rows_of_interval(&self) -> usize {
+        let scheme = self.scheme();
+        if scheme.compressed { 1 } else { scheme.points() - 1 }
+    }
+
     fn scheme(&self) -> Scheme {
         if self.spec.order == 6 { Scheme::lobatto() } else { Scheme::hermite_simpson() }
     }

@@ -280,6 +280,10 @@ impl<'a, P: Plant> Mpc<'a, P> {
     /// [`Error::Invalid`] when a setting is out of range, or the plant has no
     /// attitude or angular rate.
     pub fn new(plant: &'a P, manoeuvre: Arc<dyn Manoeuvre>, spec: &MpcSpec) -> Result<Self, Error> {
+        if let Some(between) = spec.horizon_between_cycles {
+            let allowed = "none here: build the controller from a scenario, which chooses the horizon";
+            return Err(Error::invalid("horizon_between_cycles", format!("{between:?}"), allowed));
+        }
         Self::with(plant, manoeuvre, spec, TrueState, RealTime::new)
     }
 }

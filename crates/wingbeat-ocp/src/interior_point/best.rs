@@ -52,7 +52,7 @@ impl Best {
         let quality = Quality { infeasibility, objective: point.objective };
         if quality.beats(&self.quality, acceptable) {
             self.quality = quality;
-            self.point.clone_from(point);
+            self.point.copy(point);
         }
     }
 

@@ -37,6 +37,17 @@ impl Errors {
 }
 
 impl Iterate {
+    /// Takes the values of another point, into the room that is there.
+    pub fn copy(&mut self, other: &Self) {
+        let Self { w, y, z_low, z_high, objective, g } = other;
+        self.w.clone_from(w);
+        self.y.clone_from(y);
+        self.z_low.clone_from(z_low);
+        self.z_high.clone_from(z_high);
+        self.objective = *objective;
+        self.g.clone_from(g);
+    }
+
     /// Residual g - s of row `i`.
     pub fn row(&self, standard: &Standard, i: usize) -> f64 {
         self.g[i] - self.w[standard.n + i]

@@ -155,6 +155,8 @@ impl Solver<'_> {
         self.count += used;
         self.point.w[..n].copy_from_slice(&x);
         if let Err(error) = self.settle(1e-8) {
+            // Its functions are those of another point.
+            self.point.objective = f64::NAN;
             return Some(Status::NumericalTrouble { cause: error.to_string() });
         }
         self.judge(status, theta)

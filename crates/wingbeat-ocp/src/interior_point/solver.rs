@@ -308,12 +308,14 @@ impl<'a> Solver<'a> {
 
     /// Goes back to the best point, with the derivatives there.
     fn go_back(&mut self) {
-        let missed =
-            (0..self.standard.m).fold(0.0_f64, |m, i| m.max(self.point.row(&self.standard, i).abs()));
+        let rows = (0..self.standard.m).map(|i| self.point.row(&self.standard, i).abs());
+        // A row that is no number stays one, and such a point is not taken.
+        let missed = rows.fold(0.0_f64, |most, row| if row > most || row.is_nan() { row } else { most });
         self.best.see(&self.point, missed, self.options.acceptable);
         let Some(best) = std::mem::take(&mut self.best).take() else { return };
         self.point = best;
-        // They could be taken there before.
+        // They could be taken there before, but for a point of the restoration, which was evaluated alone: where they cannot, those of the
+        // last iterate stay.
         let _ = self.standard.differentiate(&self.point.w[..self.standard.n], &self.point.y);
     }
 

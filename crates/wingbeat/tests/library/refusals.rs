@@ -212,18 +212,25 @@ fn origin(place: &Place) -> PathBuf {
 /// With `every` each place of each file; else one of each key, whatever its file and its place in a list: what refuses it is
 /// the same.
 fn leaves(every: bool) -> Vec<Leaf> {
-    let mut found: Vec<(Document, Build, &[&str])> = Vec::new();
+    let mut found: Vec<(&str, Document, Build, &[&str])> = Vec::new();
     for (folder, build, includes) in KINDS {
-        found.extend(documents(folder).iter().map(|path| (Document::file(path).unwrap(), build, includes)));
+        found.extend(
+            documents(folder).iter().map(|path| (folder, Document::file(path).unwrap(), build, includes)),
+        );
     }
     for (path, texts) in TABLES {
         let kind = KINDS.iter().find(|(folder, ..)| path.starts_with(folder)).unwrap();
         let document = Document::file(&root().join(path)).unwrap();
-        found.push((texts.iter().fold(document, |document, text| document.set(*text)), kind.1, kind.2));
+        found.push((
+            kind.0,
+            texts.iter().fold(document, |document, text| document.set(*text)),
+            kind.1,
+            kind.2,
+        ));
     }
     let (mut seen, mut kinds) = (BTreeSet::new(), BTreeSet::new());
     let mut leaves = Vec::new();
-    for (document, build, includes) in found {
+    for (folder, document, build, includes) in found {
         if let Err(error) = build(document.clone()) {
             panic!("{error}");
         }
@@ -233,7 +240,7 @@ fn leaves(every: bool) -> Vec<Leaf> {
             let below =
                 includes.iter().rev().find_map(|include| key.strip_prefix(include)?.strip_prefix('.'));
             let below = below.unwrap_or(&key).to_owned();
-            let kind = (build as usize, unnumbered(&below));
+            let kind = (folder, unnumbered(&below));
             if seen.insert((origin(&place), below)) && (kinds.insert(kind) || every) {
                 leaves.push(Leaf { document: document.clone(), build, key });
             }
