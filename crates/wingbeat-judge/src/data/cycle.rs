@@ -72,13 +72,13 @@ impl<'a> Apart<'a> {
 }
 
 /// A channel at fewer points.
-struct Condensed {
-    phase: Vec<f64>,
-    values: Vec<f64>,
+pub(super) struct Condensed {
+    pub phase: Vec<f64>,
+    pub values: Vec<f64>,
 }
 
 impl Condensed {
-    fn of(phase: &[f64], samples: &[f64], cycles: f64) -> Self {
+    pub fn of(phase: &[f64], samples: &[f64], cycles: f64) -> Self {
         let points = POINTS.max(POINTS_PER_CYCLE * cycles.min(1e6) as usize);
         let size = phase.len().div_ceil(points.max(1)).max(1);
         let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
