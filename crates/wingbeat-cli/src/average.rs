@@ -259,11 +259,7 @@ impl Summary {
 fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> Verdict {
     let mut judge = Judge::new(limits);
     if let Told::Found(line) = told {
-        judge.hold_about(
-            &LINE,
-            line.over_noise,
-            "; without one there is no cycle: check file, columns and --rate",
-        );
+        judge.hold(&LINE, line.over_noise);
     }
     if let Told::Found(Line { frequency: None, over_noise, .. }) = told {
         let text = format!(

@@ -109,7 +109,9 @@ impl Table {
 
     fn named(&self, name: &str) -> Result<usize, Error> {
         let exactly = self.columns.iter().position(|column| column.name == name);
-        let found = exactly.or_else(|| self.columns.iter().position(|column| names(name, &column.name)));
+        let fits =
+            |column: &Column| names(name, &column.name) || short(&column.name).eq_ignore_ascii_case(name);
+        let found = exactly.or_else(|| self.columns.iter().position(fits));
         found.ok_or_else(|| self.bad(format!("--columns: no column `{name}`; found {}", self.found())))
     }
 
