@@ -25,6 +25,7 @@ use toml::de::DeValue;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
 pub(super) use inherit::{BASE, WITHOUT};
 pub use limits::{largest, text_of, unit};
+pub(super) use outline::KEY as OUTLINE_KEY;
 pub use outline::OutlineFile;
 pub use source::Translate;
 use source::{Origin, Sources};
