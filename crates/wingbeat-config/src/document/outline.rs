@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Place, Problem, Wrong};
 
@@ -14,7 +14,7 @@ const MOST: usize = 10_000;
 const COLUMNS: [&str; 3] = ["arc", "leading_edge", "trailing_edge"];
 
 /// An outline in a CSV file: a row for each station of the half wing, from the middle or the root to the tip.
-#[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutlineFile {
     /// The file, relative to the document: a header, then a row for each station; `#` starts a comment line.
@@ -32,7 +32,7 @@ pub struct OutlineFile {
 }
 
 /// Unit of a length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Length {
     /// Metres, where nothing is said.
@@ -46,7 +46,7 @@ pub enum Length {
 }
 
 /// Which way a coordinate along the chord counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Way {
     /// Forward positive, as in documents.
@@ -68,14 +68,15 @@ impl Length {
         }
     }
 
-    /// Rounded once, so that 63.5 mm is the number that 0.0635 m is.
-    fn metres(self, value: f64) -> f64 {
-        match self {
-            Self::M => value,
-            Self::Cm => value / 100.0,
-            Self::Mm => value / 1000.0,
-            Self::In => value * 0.0254,
-        }
+    /// The number in `cell`, whose value is `value`, in metres: rounded once, so that 95.6 mm is the number that 0.0956 m is.
+    fn metres(self, cell: &str, value: f64) -> f64 {
+        let tens = match self {
+            Self::M => return value,
+            Self::In => return value * 0.0254,
+            Self::Cm => -2,
+            Self::Mm => -3,
+        };
+        format!("{cell}e{tens}").parse().unwrap_or(value * 10_f64.powi(tens))
     }
 }
 
@@ -116,8 +117,8 @@ impl OutlineFile {
                     || format!("a finite number in column {}, with a point for decimals", place + 1);
                 let value =
                     value.ok_or_else(|| wrong(format!("{key}[{stations}].{name}"), cell, allowed()))?;
-                let turned = if self.x == Way::Aft && name != COLUMNS[0] { 0.0 - value } else { value };
-                *number = unit.metres(turned);
+                let metres = unit.metres(cell, value);
+                *number = if self.x == Way::Aft && name != COLUMNS[0] { 0.0 - metres } else { metres };
             }
             let [arc, leading, trailing] = numbers;
             out += &format!("{{arc_m={arc:?},leading_edge_m={leading:?},trailing_edge_m={trailing:?}}},");
@@ -186,7 +187,7 @@ mod tests {
 
     #[test]
     fn rows_keep_their_lines_and_get_metres_and_sign() {
-        let text = "# drawn\narc_mm,leading_edge_mm,trailing_edge_mm\n0,-63.5,95.6\n\n202.7,0,20\n";
+        let text = "# drawn\narc_mm,leading_edge_mm,trailing_edge_mm\n0,-63.5,95.6\n\n202.7,0,2e1\n";
         let toml = outline("file = \"a.csv\"\nx = \"aft\"", text).unwrap();
         let lines: Vec<&str> = toml.lines().collect();
         assert_eq!(lines[2], "{arc_m=0.0,leading_edge_m=0.0635,trailing_edge_m=-0.0956},");
