@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Place, Problem, Wrong};
+use super::{ConfigError, Place, Problem, Wrong};
 
 /// The key of an outline.
 pub const KEY: &str = "planform";
@@ -83,14 +83,14 @@ impl Length {
 impl OutlineFile {
     /// The stations in the `text` of `file` as TOML, `v=[...]`, each on the line on which the file has it, so that what is said
     /// of them later names it; `key` is that of the outline.
-    pub fn toml(&self, file: &Path, text: &str, key: &str) -> Result<String, Wrong> {
+    pub fn toml(&self, file: &Path, text: &str, key: &str) -> Result<String, ConfigError> {
         let mut out = String::from("v=[");
         let mut header: Option<([usize; 3], Length)> = None;
         let mut stations = 0;
         for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
-            let wrong = |key: String, value: &str, allowed: String| {
+            let wrong = |key: String, value: &str, allowed: String| -> ConfigError {
                 let place = Place::Line(file.into(), index + 1);
-                Wrong::new(place, key, Some(value.to_owned()), Problem::Value(allowed))
+                Wrong::new(place, key, Some(value.to_owned()), Problem::Value(allowed)).into()
             };
             if index > 0 {
                 out.push('\n');
@@ -127,7 +127,7 @@ impl OutlineFile {
         if stations == 0 {
             let allowed = "a header and a row for each station".to_owned();
             let given = Some(format!("{:?}", self.file.display().to_string()));
-            return Err(Wrong::new(Place::File(file.into()), key, given, Problem::Value(allowed)));
+            return Err(Wrong::new(Place::File(file.into()), key, given, Problem::Value(allowed)).into());
         }
         out.push(']');
         Ok(out)
