@@ -220,16 +220,16 @@ pub struct Average {
     pub quiet: bool,
 }
 
-/// Draw a robot, a rig or a run of the rig from its file, with frames, links, hinges, outlines, mount and arm
+/// Draw a robot, a case, a rig or a run of the rig from its file, with frames, links, hinges, outlines, mount and arm
 ///
 /// The folder holds figures/show.svg and .png, and manifest.json. FILE is a robot, a scenario (its robot at the start), a
-/// rig, or a run (its arm in the middle of the steady turn).
+/// case (its wing), a rig, or a run (its arm in the middle of the steady turn).
 #[derive(Debug, Args)]
 pub struct Show {
-    /// Robot, scenario, rig or run
+    /// Robot, scenario, case, rig or run
     #[arg(value_name = "FILE.toml")]
     pub file: PathBuf,
-    /// Phase of the gait, rad, of a robot or scenario; without it that of the start
+    /// Phase of the gait, rad, of a robot, scenario or case; without it that of the start
     #[arg(long, value_name = "RAD", allow_hyphen_values = true)]
     pub phase: Option<f64>,
     /// Joint positions of the arm, deg; without them those of the run's plan, else all zero

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::{entries, root, scratch};
+use crate::{entries, root, scratch, wingbeat};
 
 fn cases() -> PathBuf {
     root().join("cases")
@@ -227,4 +227,24 @@ fn a_table_of_another_frequency_than_the_cases_is_named() {
         let (found, said) = run(name, keys);
         assert!(found == Some(0) && !said.contains("data.frequency"), "{name}{keys}: {found:?}: {said}");
     }
+}
+
+#[test]
+fn a_case_is_shown() {
+    let folder = scratch("tether-show");
+    let show = |more: &[&str]| {
+        let case = cases().join("flap_fold.toml");
+        wingbeat(&folder, &[&["show", case.to_str().unwrap()], more].concat())
+    };
+    let drawn = |name: &str| fs::read_to_string(folder.join(name).join("figures/show.svg")).unwrap();
+    let output = show(&["--out", "rest"]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(drawn("rest").contains("hinge shoulder") && drawn("rest").contains("hinge elbow"));
+    let output = show(&["--out", "raised", "--phase", "1.2"]);
+    assert!(output.status.success() && drawn("raised") != drawn("rest"), "{output:?}");
+    let output = show(&["--phase", "nan"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        String::from_utf8(output.stderr).unwrap().contains("--phase NaN: allowed is a finite number, rad")
+    );
 }
