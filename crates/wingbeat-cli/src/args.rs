@@ -32,6 +32,7 @@ pub enum Command {
     Trim(Trim),
     #[command(subcommand)]
     Rig(Rig),
+    Average(Average),
     Show(Show),
     Validate(Comparisons),
     New(New),
@@ -183,16 +184,52 @@ pub struct Trim {
     pub run: Run,
 }
 
-/// Draw a robot, a rig or a run of the rig from its file, with frames, links, hinges, outlines, mount and arm
+/// Average measured loads over the cycles of the wings, from a file of the load cell alone
+///
+/// The folder holds cycles.csv (phase, and for each channel its mean and standard deviation over the cycles), summary.json,
+/// manifest.json and a figure with every channel. The frequency comes from the data. No robot, rig or arm is needed;
+/// `rig process` also takes weight and inertia away. More in docs/average.md.
+#[derive(Debug, Args)]
+pub struct Average {
+    /// The samples: text with columns and a header, or six columns without one, or any file that `rig process` reads
+    #[arg(value_name = "FILE.csv")]
+    pub file: PathBuf,
+    /// Samples per second, Hz; without it the file has a column t (s)
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Units: of forces and of moments, or one for each channel, e.g. `--units N,"N m"`; without it those of the file
+    #[arg(long, value_name = "UNIT,UNIT", value_delimiter = ',')]
+    pub units: Vec<String>,
+    /// Channels to average; without it all columns but time, status and sequence
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    pub columns: Vec<String>,
+    /// Frequency of the cycle, Hz, in place of the one that the data have
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub frequency: Option<f64>,
+    /// Phases of the average
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub bins: usize,
+    /// Folder of the run; without it runs/NAME, or runs/NAME-2 and so on when that is taken
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace the run that --out names, if nothing else lies there
+    #[arg(long, requires = "out")]
+    pub force: bool,
+    /// Print only errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Draw a robot, a case, a rig or a run of the rig from its file, with frames, links, hinges, outlines, mount and arm
 ///
 /// The folder holds figures/show.svg and .png, and manifest.json. FILE is a robot, a scenario (its robot at the start), a
-/// rig, or a run (its arm in the middle of the steady turn).
+/// case (its wing), a rig, or a run (its arm in the middle of the steady turn).
 #[derive(Debug, Args)]
 pub struct Show {
-    /// Robot, scenario, rig or run
+    /// Robot, scenario, case, rig or run
     #[arg(value_name = "FILE.toml")]
     pub file: PathBuf,
-    /// Phase of the gait, rad, of a robot or scenario; without it that of the start
+    /// Phase of the gait, rad, of a robot, scenario or case; without it that of the start
     #[arg(long, value_name = "RAD", allow_hyphen_values = true)]
     pub phase: Option<f64>,
     /// Joint positions of the arm, deg; without them those of the run's plan, else all zero

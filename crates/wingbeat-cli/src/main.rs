@@ -1,6 +1,7 @@
 //! The program `wingbeat`: a thin face over the library.
 
 mod args;
+mod average;
 mod calibrate;
 mod fly;
 mod new;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
         Command::Trim(arguments) => trim::trim(&arguments),
         Command::Rig(command) => rig::rig(&command),
+        Command::Average(arguments) => average::average(&arguments),
         Command::Show(arguments) => show::show(&arguments),
         Command::Validate(_) => validate::validate(),
         Command::New(arguments) => new::new(&arguments),

@@ -1,11 +1,13 @@
-//! `wingbeat show`: labelled views of a robot or a rig from its file.
+//! `wingbeat show`: labelled views of a robot, a case or a rig from its file.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Instant;
 
+use wingbeat::rig::Pose;
 use wingbeat::rig::arm::MAX_JOINTS;
-use wingbeat::robot::Skeleton;
-use wingbeat::scenario::{Document, RigRun, Scenario};
+use wingbeat::robot::{Outline, Skeleton};
+use wingbeat::scenario::{Document, RigRun, Scenario, TetherCase};
 use wingbeat_figures::{Drawing, Figure};
 use wingbeat_io::urdf_as_toml;
 
@@ -15,6 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::{RunFolder, named_after};
 use crate::say;
+use crate::tether::Tables;
 
 /// A scenario around a robot that is only looked at.
 const AROUND: &str = "name = \"show\"\n[air]\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, 0.0, 0.0]\n[aero]\nlaw = \"linear\"\n\
@@ -22,7 +25,10 @@ const AROUND: &str = "name = \"show\"\n[air]\ndensity_kg_m3 = 1.225\nwind_m_s = 
 /// A run around a rig that is only looked at.
 const ON_A_STAND: &str = "name = \"show\"\n[hold]\ntilts_deg = [[0.0, 0.0]]\neach_s = 1.0\n";
 
-/// Draws the file's robot or rig.
+/// Ribs of each half of a case's wing.
+const RIBS: usize = 24;
+
+/// Draws the file's robot, case or rig.
 pub fn show(arguments: &Show) -> Result<(), Error> {
     let start = Instant::now();
     let interrupt = Interrupt::listen()?;
@@ -51,6 +57,9 @@ fn figure(arguments: &Show) -> Result<Figure, Error> {
     if is("mount") {
         let run = Document::text("show", ON_A_STAND)?.put("rig", document)?;
         return rig(RigRun::new(run, &urdf_as_toml)?, arguments);
+    }
+    if is("wing") && is("wind") {
+        return case(document, arguments);
     }
     let scenario = match is("flight") {
         true => document,
@@ -83,6 +92,51 @@ fn robot(scenario: &Scenario, path: &Path) -> Result<Figure, Error> {
         robot.phase(0.0),
     ));
     Ok(drawing.views("show", &format!("robot {}", scenario.spec.robot.name)))
+}
+
+/// The wing of a case at the phase asked for, in W.
+fn case(document: Document, arguments: &Show) -> Result<Figure, Error> {
+    let tables = Tables::default();
+    let case = TetherCase::new(document, &|path| tables.read(path))?;
+    let (tether, frequency) = (&case.tether, case.spec.time.frequency_hz);
+    let phase = arguments.phase.unwrap_or(0.0);
+    if !phase.is_finite() {
+        return Err(Error::Input(format!("--phase {phase}: allowed is a finite number, rad")));
+    }
+    let t = phase / (TAU * frequency);
+    let (body, angles) = (tether.motion.body(t).frame(), tether.motion.angles(t));
+    let section = |arc: f64| {
+        let section = tether.wing.section(arc, &body, &angles);
+        [section.le, section.te]
+    };
+    let planform = tether.wing.planform();
+    let there = |arc: f64| planform.covers(arc) && (arc == 0.0 || tether.side.holds(arc.signum()));
+    let arc = |k: usize| planform.half_span() * (1.0 - k as f64 / RIBS as f64);
+    let outline = Outline {
+        name: "wing".into(),
+        ribs: (0..=2 * RIBS).map(|k| section(arc(k))).collect(),
+        covered: (0..2 * RIBS).map(|k| there(0.5 * (arc(k) + arc(k + 1)))).collect(),
+    };
+    let mut drawing = Drawing::new();
+    drawing.outline(&outline, &Pose::IDENTITY);
+    for (hinge, spec) in tether.wing.hinges().iter().zip(&case.spec.wing.hinges) {
+        let sides =
+            [1.0, -1.0].into_iter().filter(|side| hinge.side.holds(*side) && tether.side.holds(*side));
+        for edges in sides.map(|side| section(side * hinge.arc_m)) {
+            drawing.path(edges.iter().map(|edge| edge.0).collect());
+            drawing.label(edges[0].0, format!("hinge {}", spec.name));
+        }
+    }
+    drawing.frame("W: x forward, y left, z up", &Pose::IDENTITY);
+    drawing.note(&format!(
+        "{}: wind {} m/s, {frequency:.4} Hz, phase {phase:.3} rad, area {:.5} m2, half span {:.4} m. Left wing blue, right \
+         wing orange; a line across the wing at each hinge.",
+        arguments.file.file_name().unwrap_or_default().to_string_lossy(),
+        case.spec.wind.speed_m_s,
+        planform.area(),
+        planform.half_span(),
+    ));
+    Ok(drawing.views("show", &format!("case {}", case.spec.name)))
 }
 
 fn rig(run: RigRun, arguments: &Show) -> Result<Figure, Error> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::Coordinate;
 use wingbeat_judge::Limits;
-use wingbeat_judge::data::{Channel, Finding, Purpose, Series, examined};
+use wingbeat_judge::data::{Channel, Finding, Purpose, Series, estimate, examined};
 use wingbeat_math::CubicSpline;
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
@@ -16,6 +16,10 @@ use wingbeat_math::require;
 const MOST_HARMONICS: usize = 64;
 /// Most samples times harmonics of a smoothed table: a fit of them takes about a second. *Choice.*
 const MOST_FITTED: usize = 10_000_000;
+
+/// Cycles, and the share of the power that harmonics explain, from which a table repeats. *Choice.*
+const CYCLES: f64 = 3.0;
+const REPEATS: f64 = 0.95;
 
 /// Columns of a CSV file: `t` (s) or `phase` (cycles), and one with the coordinate.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -189,15 +193,15 @@ impl TableSpec {
             true => closed(&t, &y, 1.0 / frequency_hz),
             false => CubicSpline::natural(&t, &y),
         };
-        let refused = |error: Error| Error::invalid("file", path.display(), error.to_string());
+        let other = found.iter().find(|finding| finding.id == "data.frequency").map(Finding::words);
+        let other = other.map_or(String::new(), |words| format!("; {words}"));
+        let refused = |error: Error| Error::invalid("file", path.display(), format!("{error}{other}"));
         Ok(Built { coordinate: Coordinate::Table(spline.map_err(refused)?), smoothed: None, found })
     }
 
-    /// What is wrong with a table that repeats, at times `t` (s) of the case. Harmonics take away noise, and ask for no order.
+    /// What is wrong with a table, at times `t` (s) of the case. Harmonics take away noise, and ask for no order. Of one that need
+    /// not repeat it is another frequency, where it does repeat.
     fn found(&self, (frequency_hz, limits): (f64, &Limits), t: &[f64], y: &[f64]) -> Vec<Finding> {
-        if !self.repeats() {
-            return Vec::new();
-        }
         let phase: Vec<f64> = t.iter().map(|t| t * frequency_hz).collect();
         let own = self.frequency_hz.unwrap_or(frequency_hz);
         let series = Series {
@@ -213,7 +217,11 @@ impl TableSpec {
             _ => None,
         };
         let smoothed = |id: &str| self.harmonics.is_some() && ["data.rough", "data.time"].contains(&id);
-        let found = examined(&series, limits).into_iter().filter(|finding| !smoothed(finding.id));
+        let counts = |finding: &Finding| match self.repeats() {
+            true => !smoothed(finding.id),
+            false => finding.id == "data.frequency" && does_repeat(&phase, y),
+        };
+        let found = examined(&series, limits).into_iter().filter(counts);
         found
             .map(|finding| {
                 let key = mended(finding.id);
@@ -221,6 +229,12 @@ impl TableSpec {
             })
             .collect()
     }
+}
+
+/// Whether samples repeat, though nothing says that they do: harmonics of one frequency leave next to nothing of three cycles.
+fn does_repeat(phase: &[f64], y: &[f64]) -> bool {
+    let span = phase.last().unwrap_or(&0.0) - phase.first().unwrap_or(&0.0);
+    estimate(phase, y).is_some_and(|found| found.ratio * span >= CYCLES && found.explained > REPEATS)
 }
 
 /// The column `name`; `key` is what asks for it.

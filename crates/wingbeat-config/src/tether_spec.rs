@@ -50,7 +50,7 @@ pub struct TetherSpec {
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TetheredWingSpec {
-    /// Stations of the half wing from the plane of symmetry to the tip.
+    /// Stations of the half wing from the plane of symmetry to the tip; or in a file, `{ file = "outline.csv", unit = "mm", x = "aft" }` (docs/robots.md).
     pub planform: Vec<PlanformStation>,
     /// Where there is no wing; preset `full` only.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -2,6 +2,7 @@
 //!
 //! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
+mod average;
 mod bench;
 pub mod calibration;
 pub mod chart;
@@ -34,6 +35,7 @@ mod wake;
 mod weight;
 mod write;
 
+pub use average::{DEVIATION, averaged};
 pub use bench::{comparison, convergence};
 pub use commands::commands;
 pub use end_points::{EndPoints, end_points};

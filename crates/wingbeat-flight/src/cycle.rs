@@ -154,6 +154,8 @@ pub struct CycleAverage {
     pub low: Vec<f64>,
     /// Largest over the cycles.
     pub high: Vec<f64>,
+    /// Standard deviation over the cycles, n - 1 in the denominator; zero of a single cycle.
+    pub deviation: Vec<f64>,
     /// Whole cycles averaged.
     pub cycles: usize,
     /// Whole cycles left out because samples are missing in them.
@@ -190,6 +192,7 @@ pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAvera
         mean: vec![0.0; bins],
         low: vec![f64::INFINITY; bins],
         high: vec![f64::NEG_INFINITY; bins],
+        deviation: vec![0.0; bins],
         cycles: whole.len(),
         left_out: cycles - whole.len(),
     };
@@ -197,12 +200,14 @@ pub fn phase_average(phase: &[f64], x: &[f64], bins: usize) -> Result<CycleAvera
         let share = bin as f64 / bins as f64;
         // The first turn number at which this phase lies in the window.
         let turn = (begin - share).ceil();
-        for cycle in &whole {
-            let value = sample(phase, x, TAU * (turn + share + *cycle as f64).min(last / TAU));
+        let at = |cycle: &usize| sample(phase, x, TAU * (turn + share + *cycle as f64).min(last / TAU));
+        for value in whole.iter().map(at) {
             average.mean[bin] += value / whole.len() as f64;
             average.low[bin] = average.low[bin].min(value);
             average.high[bin] = average.high[bin].max(value);
         }
+        let squares: f64 = whole.iter().map(|cycle| (at(cycle) - average.mean[bin]).powi(2)).sum();
+        average.deviation[bin] = (squares / (whole.len() - 1).max(1) as f64).sqrt();
     }
     Ok(average)
 }

@@ -3,6 +3,7 @@
 mod angle;
 mod dual;
 mod error;
+mod fourier;
 mod harmonics;
 pub mod interpolation;
 mod jet;
@@ -28,6 +29,7 @@ mod wrench;
 pub use angle::{unwrapped, whole_turns};
 pub use dual::Dual;
 pub use error::{Error, require};
+pub use fourier::power_spectrum;
 pub use harmonics::Harmonics;
 pub use jet::Jet;
 pub use lanes::{Double4, Lanes, Single8};

@@ -35,7 +35,23 @@ pub fn keys(kind: DocumentKind) -> Vec<Key> {
     let schema = kind.schema();
     let mut walk = Walk { root: &schema, keys: Vec::new() };
     walk.table(&schema, "", None);
-    walk.keys
+    with_outline_files(walk.keys, kind)
+}
+
+/// The same with the keys of the table that may stand in place of an outline, behind those of its stations.
+fn with_outline_files(keys: Vec<Key>, kind: DocumentKind) -> Vec<Key> {
+    let files = kind.schema_of_files();
+    let below = |outline: &str| {
+        let mut walk = Walk { root: &files, keys: Vec::new() };
+        walk.table(&files["definitions"]["OutlineFile"], outline, None);
+        walk.keys
+    };
+    let stations = |key: &Key| key.path.strip_suffix("[].trailing_edge_m").map(below);
+    let each = |key: Key| {
+        let more = stations(&key).unwrap_or_default();
+        std::iter::once(key).chain(more)
+    };
+    keys.into_iter().flat_map(each).collect()
 }
 
 struct Walk<'a> {

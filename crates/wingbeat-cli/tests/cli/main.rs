@@ -1,5 +1,6 @@
 //! The program as a user meets it: run folders, tables, messages, exit codes.
 
+mod average;
 mod calibrate;
 mod fly;
 mod new;

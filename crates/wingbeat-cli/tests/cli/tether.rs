@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::{entries, root, scratch};
+use crate::{entries, root, scratch, wingbeat};
 
 fn cases() -> PathBuf {
     root().join("cases")
@@ -248,4 +248,72 @@ fn bad_input_is_one_message_and_no_folder() {
         assert!(message.contains(part), "{message}");
     }
     assert!(entries(&folder).is_empty());
+}
+
+/// A stroke of 5.2 Hz as a table, in a case of 5.0 Hz, is named however the table is used.
+#[test]
+fn a_table_of_another_frequency_than_the_cases_is_named() {
+    let folder = scratch("tether-frequency");
+    let table = |name: &str, cycles: f64, frequency: f64| {
+        let count = (cycles * 100.0).round() as usize;
+        let rows = (0..count).map(|i| {
+            let phase = i as f64 / 100.0;
+            let p = std::f64::consts::TAU * phase;
+            format!("{},{}\n", phase / frequency, 35.0 * p.sin() + 4.0 * (2.0 * p).cos())
+        });
+        fs::write(folder.join(name), "t,angle\n".to_owned() + &rows.collect::<String>()).unwrap();
+    };
+    table("one.csv", 1.0, 5.2);
+    table("many.csv", 6.0, 5.2);
+    table("right.csv", 1.0, 5.0);
+    let text = fs::read_to_string(cases().join("flap_f2.toml")).unwrap();
+    let run = |name: &str, keys: &str| {
+        let table = format!("table = {{ file = \"{name}\", column = \"angle\"{keys} }}");
+        fs::write(folder.join("case.toml"), text.replace("fourier = { sin = [35.0] }", &table)).unwrap();
+        let more = [&BRIEF[..], &["--set", "time.frequency_hz=5.0", "--out", "a", "--force"]].concat();
+        let output = tether(&folder, Path::new("case.toml"), &more);
+        let warnings = match output.status.code() {
+            Some(2) => String::new(),
+            _ => summary(&folder.join("a"))["warnings"].to_string(),
+        };
+        (output.status.code(), String::from_utf8(output.stderr).unwrap() + &warnings)
+    };
+    for (name, keys, code) in [
+        ("one.csv", ", periodic = true", 3),
+        ("one.csv", ", harmonics = 4", 3),
+        ("many.csv", ", harmonics = 4", 3),
+        ("many.csv", ", periodic = true", 2),
+        ("many.csv", "", 3),
+    ] {
+        let (found, said) = run(name, keys);
+        assert_eq!(found, Some(code), "{name}{keys}: {said}");
+        assert!(said.contains("5.20") && said.contains("5 Hz"), "{name}{keys}: {said}");
+        assert!(code == 2 || said.contains("suspect_data"), "{name}{keys}: {said}");
+    }
+    for (name, keys) in
+        [("one.csv", ", periodic = true, frequency_hz = 5.2"), ("right.csv", ", periodic = true")]
+    {
+        let (found, said) = run(name, keys);
+        assert!(found == Some(0) && !said.contains("data.frequency"), "{name}{keys}: {found:?}: {said}");
+    }
+}
+
+#[test]
+fn a_case_is_shown() {
+    let folder = scratch("tether-show");
+    let show = |more: &[&str]| {
+        let case = cases().join("flap_fold.toml");
+        wingbeat(&folder, &[&["show", case.to_str().unwrap()], more].concat())
+    };
+    let drawn = |name: &str| fs::read_to_string(folder.join(name).join("figures/show.svg")).unwrap();
+    let output = show(&["--out", "rest"]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(drawn("rest").contains("hinge shoulder") && drawn("rest").contains("hinge elbow"));
+    let output = show(&["--out", "raised", "--phase", "1.2"]);
+    assert!(output.status.success() && drawn("raised") != drawn("rest"), "{output:?}");
+    let output = show(&["--phase", "nan"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        String::from_utf8(output.stderr).unwrap().contains("--phase NaN: allowed is a finite number, rad")
+    );
 }

@@ -9,6 +9,7 @@ mod error;
 mod explain;
 mod inherit;
 mod limits;
+mod outline;
 mod read;
 mod source;
 mod tree;
@@ -24,6 +25,8 @@ use toml::de::DeValue;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
 pub(super) use inherit::{BASE, WITHOUT};
 pub use limits::{largest, text_of, unit};
+pub(super) use outline::KEY as OUTLINE_KEY;
+pub use outline::OutlineFile;
 pub use source::Translate;
 use source::{Origin, Sources};
 use wingbeat_math::Error;
@@ -160,8 +163,13 @@ impl Document {
             named.try_for_each(|text| self.sources.read_override(text))?;
             self.include(key, translate)?;
         }
-        let mut rest = overrides.iter().filter(|text| !includes.contains(&key_of(text).as_str()));
-        rest.try_for_each(|text| self.sources.read_override(text))?;
+        let rest = overrides.iter().filter(|text| !includes.contains(&key_of(text).as_str()));
+        // The stations of an outline are there before an override names one.
+        let (mut outlines, mut rest): (Vec<_>, Vec<_>) = rest.partition(|text| of_outline(&key_of(text)));
+        outlines.drain(..).try_for_each(|text| self.sources.read_override(text))?;
+        self.read_outlines()?;
+        rest.drain(..).try_for_each(|text| self.sources.read_override(text))?;
+        self.read_outlines()?;
         self.refuse_immense()?;
         Ok(self)
     }
@@ -303,6 +311,26 @@ impl Document {
         }
     }
 
+    /// Puts the stations of the files that outlines name in their places.
+    fn read_outlines(&mut self) -> Result<(), ConfigError> {
+        loop {
+            let tree = self.sources.tree()?;
+            let Some(steps) = tree::table_called(&tree, outline::KEY) else { return Ok(()) };
+            let key = tree::path(&steps);
+            let named = self.parse_at::<OutlineFile>(&key)?;
+            let of_file = format!("{key}.file");
+            let at = tree::follow(&tree, &of_file).map_or(0, |value| value.span().start);
+            let file = source::joined(&self.sources.folder(at), &named.file.to_string_lossy());
+            let text = text_of(&file).map_err(|error| {
+                let allowed = format!("a file that can be read; {}: {error}", file.display());
+                Wrong { problem: Problem::Value(allowed), ..self.blame(&tree, &of_file) }
+            })?;
+            let toml = named.toml(&file, &text, &key)?;
+            drop(tree);
+            self.sources.read_table(&file, &toml, &steps)?;
+        }
+    }
+
     fn refuse_immense(&self) -> Result<(), ConfigError> {
         let immense = |path: &str, text: &str| {
             !text.replace('_', "").parse::<f64>().is_ok_and(|number| number.abs() <= limits::largest(path))
@@ -328,4 +356,11 @@ impl Document {
             Err(Wrong::new(place, key, given, problem).into())
         })
     }
+}
+
+/// Whether an override is of the file of an outline: of the outline itself, or of a key in it that is no station.
+fn of_outline(key: &str) -> bool {
+    let steps = tree::steps(key);
+    let at = steps.iter().position(|step| step == outline::KEY);
+    at.is_some_and(|at| steps.get(at + 1).is_none_or(|step| step.parse::<usize>().is_err()))
 }

@@ -26,6 +26,8 @@ pub enum Origin {
     File(PathBuf),
     /// A text in memory, by its name.
     Text(String),
+    /// A file of another format, as a value: `v=...`, line by line.
+    Table(PathBuf),
     /// A value of the library, by its name.
     Value(String),
     /// `key=value`.
@@ -105,6 +107,13 @@ impl Sources {
         self.tree().map(drop)
     }
 
+    /// Takes the value `toml`, `v=...`, whose lines are those of `file`, in the place `at`.
+    pub fn read_table(&mut self, file: &Path, toml: &str, at: &[String]) -> Result<(), ConfigError> {
+        let at = self.root.iter().chain(at).cloned().collect();
+        self.add(Origin::Table(file.into()), toml.into(), toml, at, Joins::Instead)?;
+        self.tree().map(drop)
+    }
+
     /// Takes the texts of `other`, with the place `at` for their root.
     pub fn put(&mut self, other: Self, at: &[String]) -> Result<(), ConfigError> {
         for source in other.texts {
@@ -173,7 +182,7 @@ impl Sources {
         let before = source.text.as_bytes().iter().take(at - source.start);
         let line = 1 + before.filter(|byte| **byte == b'\n').count();
         match &source.origin {
-            Origin::File(file) => Place::Line(file.clone(), line),
+            Origin::File(file) | Origin::Table(file) => Place::Line(file.clone(), line),
             Origin::Text(name) => Place::Text(name.clone(), line),
             Origin::Value(name) => Place::Value(name.clone()),
             Origin::Override => Place::Override(shown(&source.text)),
@@ -231,7 +240,7 @@ impl Sources {
 impl Source {
     fn file(&self) -> Option<&Path> {
         match &self.origin {
-            Origin::File(file) => Some(file),
+            Origin::File(file) | Origin::Table(file) => Some(file),
             _ => None,
         }
     }
@@ -241,7 +250,7 @@ impl Source {
         let span = self.start..self.start + self.text.len();
         let mut table = table.into_inner();
         let value = match self.origin {
-            Origin::Override => table.remove("v").map(Spanned::into_inner),
+            Origin::Override | Origin::Table(_) => table.remove("v").map(Spanned::into_inner),
             _ => None,
         };
         Ok(Spanned::new(span, value.unwrap_or(DeValue::Table(table))))

@@ -62,6 +62,24 @@ pub fn taken<'i>(root: Spanned<DeValue<'i>>, steps: &[String]) -> Spanned<DeValu
     })
 }
 
+/// The steps to the first table below `root` that stands under the key `name`.
+pub fn table_called(root: &Spanned<DeValue<'_>>, name: &str) -> Option<Vec<String>> {
+    let below = |step: String, value: &Spanned<DeValue<'_>>| {
+        if step == name && value.get_ref().is_table() {
+            return Some(vec![step]);
+        }
+        let steps = table_called(value, name)?;
+        Some(std::iter::once(step).chain(steps).collect())
+    };
+    match root.get_ref() {
+        DeValue::Table(table) => {
+            table.iter().find_map(|(key, value)| below(key.get_ref().to_string(), value))
+        }
+        DeValue::Array(items) => items.iter().enumerate().find_map(|(k, value)| below(k.to_string(), value)),
+        _ => None,
+    }
+}
+
 /// Shows every value below `root` that is neither table nor list, with its path.
 pub fn walk<'a, 'i>(root: &'a Spanned<DeValue<'i>>, visit: &mut dyn FnMut(&str, &'a Spanned<DeValue<'i>>)) {
     walk_below("", root, visit);

@@ -1,10 +1,13 @@
 //! JSON Schemas of files: of documents that may be based on others, and may then leave out every key.
 
+use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
 use super::DocumentKind;
-use crate::document::{BASE, WITHOUT};
+use crate::document::{BASE, OUTLINE_KEY as KEY, OutlineFile, WITHOUT};
 
+/// The definition of a table in place of an outline.
+const OUTLINE: &str = "OutlineFile";
 /// Definitions of what may be a document of its own: a file, or a table in its place.
 const DOCUMENTS: [&str; 6] =
     ["ScenarioSpec", "RobotSpec", "TetherSpec", "RigRunSpec", "RigSpec", "ArmConfig"];
@@ -34,7 +37,43 @@ impl DocumentKind {
         file.insert("if".into(), has_base());
         file.insert("else".into(), reference(&of_whole("Document")));
         file.insert("definitions".into(), all.into());
-        file.into()
+        with_outlines(file.into())
+    }
+}
+
+/// The schema of files, in which an outline may be a table that names a file.
+fn with_outlines(mut file: Value) -> Value {
+    if !takes_files(&mut file) {
+        return file;
+    }
+    let generator = SchemaSettings::draft07().with_transform(super::tidy).into_generator();
+    let Value::Object(mut outline) = generator.into_root_schema_for::<OutlineFile>().to_value() else {
+        return file;
+    };
+    outline.remove("$schema");
+    let parts = outline.remove("definitions");
+    if let Some(all) = file["definitions"].as_object_mut() {
+        all.extend(parts.and_then(|parts| parts.as_object().cloned()).into_iter().flatten());
+        all.insert(OUTLINE.into(), outline.into());
+    }
+    file
+}
+
+/// Lets each outline below be a table; whether there is one.
+fn takes_files(schema: &mut Value) -> bool {
+    let mut found = false;
+    if let Some(outline) = schema.get_mut("properties").and_then(|keys| keys.get_mut(KEY))
+        && outline["type"] == "array"
+    {
+        let stations = outline.take();
+        let description = stations["description"].clone();
+        *outline = json!({ "description": description, "anyOf": [stations, reference(OUTLINE)] });
+        found = true;
+    }
+    match schema {
+        Value::Object(table) => table.values_mut().fold(found, |found, value| takes_files(value) || found),
+        Value::Array(items) => items.iter_mut().fold(found, |found, value| takes_files(value) || found),
+        _ => found,
     }
 }
 
@@ -93,6 +132,18 @@ fn based(mut schema: Map<String, Value>) -> Map<String, Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_outline_may_be_stations_or_a_file() {
+        for (kind, holder) in [(DocumentKind::Case, "TetheredWingSpec"), (DocumentKind::Robot, "WingSpec")] {
+            let schema = kind.schema_of_files();
+            let planform = &schema["definitions"][holder]["properties"]["planform"];
+            assert_eq!(planform["anyOf"][0]["type"], "array", "{planform}");
+            assert_eq!(planform["anyOf"][1]["$ref"], "#/definitions/OutlineFile");
+            assert!(schema["definitions"]["OutlineFile"]["properties"]["unit"].is_object());
+        }
+        assert_eq!(DocumentKind::Arm.schema_of_files()["definitions"]["OutlineFile"], Value::Null);
+    }
 
     #[test]
     fn a_document_with_a_base_may_leave_out_keys_and_one_without_may_not() {

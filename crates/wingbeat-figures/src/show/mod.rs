@@ -109,7 +109,7 @@ impl Drawing {
     }
 
     /// A surface: its panels, edges and ribs, left and right in the colours of the sides.
-    fn outline(&mut self, outline: &wingbeat::robot::Outline, at: &Pose) {
+    pub fn outline(&mut self, outline: &wingbeat::robot::Outline, at: &Pose) {
         let edge = |p: Vec3| at.point(p).0;
         let count = outline.covered.len();
         for (i, pair) in outline.ribs.windows(2).enumerate() {

@@ -8,11 +8,13 @@ mod matlab;
 mod matlab4;
 mod numbers;
 mod numpy;
+mod plain;
 mod record;
 mod resolve;
 mod table;
 mod text;
 
+pub use plain::{Asked, Plain};
 pub use record::{Import, Imported};
 pub use table::Table;
 
@@ -32,6 +34,18 @@ use resolve::Wanted;
 /// # Errors
 /// A file that cannot be read, is of none of these kinds, holds more than is read, or is cut short.
 pub fn read_samples(path: &Path, input: &InputSpec) -> Result<Table, Error> {
+    read_wanted(path, &Wanted::of(input))
+}
+
+/// Every column of a file of samples, of the kinds that [`read_samples`] reads.
+///
+/// # Errors
+/// Those of [`read_samples`].
+pub fn read_channels(path: &Path) -> Result<Table, Error> {
+    read_wanted(path, &Wanted::every())
+}
+
+fn read_wanted(path: &Path, wanted: &Wanted) -> Result<Table, Error> {
     let mut head = Vec::new();
     let open = |source| Error::file(path, source);
     let file = regular(path)?;
@@ -41,7 +55,7 @@ pub fn read_samples(path: &Path, input: &InputSpec) -> Result<Table, Error> {
     }
     let begins = |magic: &[u8]| head.starts_with(magic);
     let hdf5 = [0, 512].iter().any(|at| head.get(*at..).is_some_and(|rest| rest.starts_with(HDF5)));
-    let table = |layout| Table::new(path, layout, Wanted::of(input));
+    let table = |layout| Table::new(path, layout, wanted.clone());
     if begins(b"PAR1") {
         of_parquet(table("Parquet"))
     } else if hdf5 {

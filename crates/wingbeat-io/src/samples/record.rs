@@ -111,7 +111,11 @@ impl Table {
         columns
     }
 
-    fn check_lengths<'a>(&self, columns: impl Iterator<Item = &'a Column>, rows: usize) -> Result<(), Error> {
+    pub(super) fn check_lengths<'a>(
+        &self,
+        columns: impl Iterator<Item = &'a Column>,
+        rows: usize,
+    ) -> Result<(), Error> {
         if rows == 0 {
             return Err(self.bad("no samples"));
         }
@@ -219,7 +223,7 @@ fn on_grid(
 }
 
 /// `values` on the grid; gaps of at most `bridge` samples by straight lines, others not-a-number.
-fn spread(values: &[f64], grid: &Grid, bridge: usize) -> Vec<f64> {
+pub(super) fn spread(values: &[f64], grid: &Grid, bridge: usize) -> Vec<f64> {
     let mut out = vec![f64::NAN; grid.len()];
     let mut last: Option<(usize, f64)> = None;
     for (place, row) in grid.place.iter().zip(&grid.rows) {

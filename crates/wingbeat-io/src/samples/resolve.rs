@@ -26,6 +26,13 @@ const fn joint(name: &'static str) -> Known {
     known(name, Some(Quantity::Angle), &[])
 }
 
+impl Known {
+    /// Its name and those that files give it.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        std::iter::once(self.name).chain(self.others.iter().copied())
+    }
+}
+
 /// Time.
 pub const TIME: Known = known("t", Some(Quantity::Time), &["time"]);
 /// Forces and moments.
@@ -73,6 +80,8 @@ pub struct Wanted {
     pub names: Vec<String>,
     /// As the mapping has them.
     mapped: Vec<String>,
+    /// Every column, whatever its name.
+    all: bool,
 }
 
 impl Wanted {
@@ -82,13 +91,18 @@ impl Wanted {
         let names = known.flat_map(|known| std::iter::once(known.name).chain(known.others.iter().copied()));
         let mut names: Vec<String> = names.chain(SEQUENCES).chain(SIMULATED).map(str::to_lowercase).collect();
         names.extend((1..=MAX_JOINTS).flat_map(|j| [format!("dq{j}"), format!("ddq{j}")]));
-        Self { names, mapped: input.columns.values().cloned().collect() }
+        Self { names, mapped: input.columns.values().cloned().collect(), all: false }
+    }
+
+    /// Every column.
+    pub fn every() -> Self {
+        Self { all: true, ..Self::default() }
     }
 
     /// True of a column that is to be kept.
     pub fn wants(&self, name: &str) -> bool {
         let plain = base(name).0.to_lowercase();
-        self.mapped.iter().any(|mapped| self::names(mapped, name)) || self.names.contains(&plain)
+        self.all || self.mapped.iter().any(|mapped| self::names(mapped, name)) || self.names.contains(&plain)
     }
 }
 

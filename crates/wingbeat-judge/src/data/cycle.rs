@@ -21,6 +21,12 @@ const TELLING: f64 = 0.05;
 const SEEKS: f64 = 0.02;
 /// Share of the power that another frequency must explain for it to be believed. *Choice.*
 const EXPLAINS: f64 = 0.5;
+/// Samples from which a table of one cycle tells how long that is, and cycles of the frequency given that it may last. *Choice.*
+const FEW: usize = 16;
+const ONE_CYCLE: std::ops::Range<f64> = 0.7..1.5;
+/// Steps from the last sample to the next cycle: none where the first is given again, else one; a lost sample is another
+/// finding. *Choice.*
+const NO_GAP: std::ops::Range<f64> = -0.5..2.5;
 /// Third over second differences of what harmonics leave: white noise has 1.83, a smooth curve less than 1. *Choice.*
 const WHITE: f64 = 1.2;
 
@@ -72,13 +78,13 @@ impl<'a> Apart<'a> {
 }
 
 /// A channel at fewer points.
-struct Condensed {
-    phase: Vec<f64>,
-    values: Vec<f64>,
+pub(super) struct Condensed {
+    pub phase: Vec<f64>,
+    pub values: Vec<f64>,
 }
 
 impl Condensed {
-    fn of(phase: &[f64], samples: &[f64], cycles: f64) -> Self {
+    pub fn of(phase: &[f64], samples: &[f64], cycles: f64) -> Self {
         let points = POINTS.max(POINTS_PER_CYCLE * cycles.min(1e6) as usize);
         let size = phase.len().div_ceil(points.max(1)).max(1);
         let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
@@ -92,6 +98,10 @@ impl Condensed {
 /// Findings of all channels.
 pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     let cycles = series.cycles();
+    let lasting: Vec<Finding> = series.channels.iter().filter_map(|channel| lasts(series, channel)).collect();
+    if !lasting.is_empty() {
+        return lasting;
+    }
     if !(cycles >= 0.9) {
         return Vec::new();
     }
@@ -232,6 +242,45 @@ fn other_frequency(
         100.0 * (part.white + part.slow) / part.total
     );
     Some(Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text))
+}
+
+/// The finding that a table of one cycle lasts longer or shorter than that of the frequency given: even steps, and the
+/// last leads into the first.
+fn lasts(series: &Series, channel: &Channel) -> Option<Finding> {
+    let (given, cycles, y) = (series.frequency_hz?, series.cycles(), channel.samples);
+    let steps: Vec<f64> = series.phase.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = cycles / steps.len().max(1) as f64;
+    let even = steps.iter().all(|one| (one - step).abs() < 0.5 * step);
+    let gap = (1.0 - cycles) / step;
+    let (first, last) = (*y.first()?, *y.last()?);
+    if series.purpose != Purpose::Motion
+        || steps.len() < FEW
+        || !even
+        || !ONE_CYCLE.contains(&cycles)
+        || NO_GAP.contains(&gap)
+    {
+        return None;
+    }
+    let moved: Vec<f64> = y.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let most = moved.iter().fold(0.0, |most: f64, by| most.max(by.abs()));
+    let turned = (moved.first()? - moved.last()?).abs();
+    if !(most > 0.0 && (last - first).abs() <= 1.5 * most && turned <= 0.5 * most) {
+        return None;
+    }
+    let whole = if (last - first).abs() < 0.25 * most { cycles } else { cycles + step };
+    let text = format!(
+        "its one cycle lasts {:.4} s, that of {:.4} Hz, but {given} Hz is given for it: the motion would jump from \
+         the last sample to the first; give the frequency of the data",
+        whole / given,
+        given / whole
+    );
+    Some(Finding::new(
+        "data.frequency",
+        &FREQUENCY,
+        series.about(channel.name),
+        (1.0 / whole - 1.0).abs(),
+        text,
+    ))
 }
 
 /// The finding that the noise of a motion makes its acceleration.

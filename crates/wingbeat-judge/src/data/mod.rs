@@ -1,6 +1,7 @@
 //! What measured data say of themselves, and against what is computed: pure functions over channels.
 //!
-//! [`examined`] looks at the samples of a file, [`compared`] at mean cycles beside those of a model.
+//! [`find_frequency`] tells the frequency of samples of which none is known, [`examined`] looks at the samples of a file,
+//! [`compared`] at mean cycles beside those of a model.
 //!
 //! ```
 //! use wingbeat_judge::data::{Channel, Purpose, Series, examined};
@@ -24,12 +25,14 @@
 mod cycle;
 mod finding;
 mod frequency;
+mod lines;
 mod reference;
 mod time;
 mod values;
 
 pub use finding::Finding;
 pub use frequency::{Frequency, estimate};
+pub use lines::{Line, find_frequency};
 pub use reference::{Pair, compared};
 
 use crate::limits::Limits;

@@ -1,8 +1,10 @@
 //! The doctor: right data that look odd pass, wrong data are found, each limit from both sides.
 
 use std::f64::consts::TAU;
-use wingbeat_judge::data::{Channel, Finding, Pair, Purpose, Series, compared, estimate, examined};
-use wingbeat_judge::{Judge, Limits, Status};
+use wingbeat_judge::data::{
+    Channel, Finding, Line, Pair, Purpose, Series, compared, estimate, examined, find_frequency,
+};
+use wingbeat_judge::{Judge, Limits, Status, limits};
 
 /// Even numbers from -1 to 1, without a crate.
 struct Noise(u64);
@@ -390,4 +392,93 @@ fn a_serious_finding_is_a_status_and_a_warning_that_a_limit_takes_back() {
     let channels = vec![Channel { name: "Fx", unit: "N", samples: &data.1[0] }];
     let series = Series { what: "a", phase: &data.0, frequency_hz: None, channels, purpose: Purpose::Loads };
     assert!(examined(&series, &wider).is_empty());
+}
+
+/// Six channels at `rate` Hz for `seconds`, of a wing at `frequency` Hz with noise, one of them idle.
+fn six(
+    frequency: f64,
+    rate: f64,
+    seconds: f64,
+    noise: f64,
+    amplitudes: [[f64; 3]; 6],
+) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut random = Noise(11);
+    let time: Vec<f64> = (0..(seconds * rate) as usize).map(|k| k as f64 / rate).collect();
+    let channel = |amplitudes: &[f64; 3]| {
+        let at = |t: &f64| {
+            let harmonic =
+                |(n, a): (usize, &f64)| a * (TAU * (n + 1) as f64 * frequency * t + 0.3 * n as f64).cos();
+            let load: f64 = amplitudes.iter().enumerate().map(harmonic).sum();
+            0.2 + load + noise * random.next()
+        };
+        time.iter().map(at).collect()
+    };
+    let channels = amplitudes.iter().map(channel).collect();
+    (time, channels)
+}
+
+fn line(time: &[f64], channels: &[Vec<f64>]) -> Line {
+    let all: Vec<Channel> =
+        channels.iter().map(|samples| Channel { name: "F", unit: "N", samples }).collect();
+    find_frequency(time, &all, Limits::default().of(&limits::data::LINE).0)
+}
+
+#[test]
+fn the_frequency_is_found_without_one_given_and_its_error_is_that_of_the_noise() {
+    let usual = [[1.0, 0.3, 0.1], [0.0; 3], [2.0, 0.1, 0.0], [0.0, 0.4, 0.0], [0.1, 0.0, 0.0], [0.0; 3]];
+    let mut beyond = 0;
+    for (k, frequency) in [3.4973, 5.0, 5.2, 17.31, 0.913, 24.6].into_iter().enumerate() {
+        for noise in [0.0, 0.2, 1.0] {
+            let (time, channels) = six(frequency, 1000.0, 10.0 + k as f64, noise, usual);
+            let line = line(&time, &channels);
+            let told = line.frequency.unwrap_or(f64::NAN);
+            assert!((told - frequency).abs() < 1e-3, "{frequency} Hz, noise {noise}: {line:?}");
+            beyond += usize::from((told - frequency).abs() > 3.0 * line.error.max(1e-7));
+        }
+    }
+    assert!(beyond <= 1, "{beyond} of 18 lie beyond three standard errors");
+}
+
+#[test]
+fn a_strongest_harmonic_is_told_from_the_frequency() {
+    for (amplitudes, frequency) in [
+        ([[0.05, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.7, 0.1], [0.0; 3], [0.0; 3], [0.0; 3]], 4.1),
+        ([[0.1, 0.0, 1.0], [0.0, 0.2, 1.0], [0.0, 0.0, 0.4], [0.0; 3], [0.0; 3], [0.0; 3]], 4.1),
+        ([[0.0, 1.0, 0.0], [0.0, 0.3, 0.0], [0.0, 0.7, 0.0], [0.0; 3], [0.0; 3], [0.0; 3]], 8.2),
+    ] {
+        let (time, channels) = six(4.1, 1000.0, 12.0, 0.1, amplitudes);
+        let line = line(&time, &channels);
+        assert!((line.frequency.unwrap_or(f64::NAN) - frequency).abs() < 1e-3, "{line:?}");
+    }
+}
+
+#[test]
+fn noise_drift_and_rest_have_no_line() {
+    let limit = limits::data::LINE.value;
+    let mut largest = 0.0_f64;
+    for seed in 0..200 {
+        let mut noise = Noise(seed);
+        let time: Vec<f64> = (0..4000).map(|k| f64::from(k) * 1e-3).collect();
+        let channels: Vec<Vec<f64>> = (0..6).map(|_| time.iter().map(|_| noise.next()).collect()).collect();
+        let line = line(&time, &channels);
+        largest = largest.max(line.over_noise);
+        assert_eq!(line.frequency, None, "{line:?}");
+    }
+    assert!(largest < limit, "{largest}");
+    let time: Vec<f64> = (0..4000).map(|k| f64::from(k) * 1e-3).collect();
+    let mut walk = Noise(5);
+    let mut at = 0.0;
+    let walked: Vec<f64> = time
+        .iter()
+        .map(|_| {
+            at += walk.next();
+            at
+        })
+        .collect();
+    let warming: Vec<f64> = time.iter().map(|t| 1.0 - (-t / 2.0).exp()).collect();
+    for (what, channel) in [("walk", walked), ("warming", warming), ("rest", vec![0.3; 4000])] {
+        let line = line(&time, &[channel]);
+        assert_eq!(line.frequency, None, "{what}: {line:?}");
+    }
+    assert_eq!(line(&[], &[]).frequency, None);
 }

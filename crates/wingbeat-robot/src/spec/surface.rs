@@ -41,7 +41,7 @@ pub struct SurfaceSpec {
     /// Shift of the outline along x, m.
     #[serde(default)]
     pub planform_shift_m: f64,
-    /// Outline by arc length from the root.
+    /// Outline by arc length from the root; or in a file, `{ file = "outline.csv", unit = "mm", x = "aft" }` (docs/robots.md).
     pub planform: Vec<PlanformStation>,
     /// Where there is no surface, by the same arc; preset `full` only.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -29,7 +29,7 @@ pub struct WingSpec {
     pub proximal: WingLinkSpec,
     /// Link beyond the elbow.
     pub distal: WingLinkSpec,
-    /// Outline by arc length from the middle, body strip included.
+    /// Outline by arc length from the middle, body strip included; or in a file, `{ file = "outline.csv", unit = "mm", x = "aft" }` (docs/robots.md).
     pub planform: Vec<PlanformStation>,
     /// Where there is no wing, by the same arc; preset `full` only.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

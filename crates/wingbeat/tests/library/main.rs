@@ -21,6 +21,7 @@ mod mechanism;
 mod multibody;
 mod numbers;
 mod orbit;
+mod outline;
 mod power;
 #[cfg(target_arch = "x86_64")]
 mod processor;

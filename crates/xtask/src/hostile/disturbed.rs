@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::place::{Ended, PATIENCE, Place};
-use super::snapshot;
+use super::{readers, snapshot};
 use crate::report::Tally;
 use crate::tools;
 
@@ -33,7 +33,7 @@ const fn verb(name: &'static str, words: &'static [&'static str]) -> Verb {
 }
 
 /// Every verb that writes, but those that need an instrument or the comparisons.
-const VERBS: [Verb; 12] = [
+const VERBS: [Verb; 13] = [
     verb("fly", &["fly", "glide.toml"]),
     verb("sweep", &["sweep", "sweep.toml"]),
     verb(
@@ -87,6 +87,7 @@ const VERBS: [Verb; 12] = [
         words: &["rig", "process", "s"],
         before: &["rig", "simulate", "hold.toml", "--quiet", "--out", "s"],
     },
+    verb("average", &["average", "cell.csv"]),
     verb("show", &["show", "{root}/robots/glider.toml"]),
     verb("new", &["new", "case", "a"]),
 ];
@@ -142,6 +143,7 @@ impl<'a> Tried<'a> {
             .map_err(|error| error.to_string())?;
         self.place.write_texts()?;
         self.place.write("fit.toml", FIT)?;
+        self.place.write("cell.csv", &String::from_utf8_lossy(&readers::table(4000, 1000.0, ',')))?;
         if !self.verb.before.is_empty() {
             self.place.run(self.verb.before)?.exits_with(&[0, 3])?;
         }

@@ -1,0 +1,293 @@
+//! `wingbeat average`: a file of loads, averaged over the cycles of the wings.
+
+use std::time::Instant;
+
+use serde::Serialize;
+use wingbeat::judge::data::{Channel, Line, Purpose, Series, examined, find_frequency};
+use wingbeat::judge::limits::data::LINE;
+use wingbeat::judge::{Judge, Limits, Verdict, Warning};
+use wingbeat::rig::process::{CycleAverage, PhaseSource, phase_average, phase_of};
+use wingbeat::simulate::{Column, Record};
+use wingbeat_figures::DEVIATION;
+use wingbeat_io::samples::{Asked, Plain, read_channels};
+use wingbeat_io::write_csv;
+
+use crate::args::Average;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::manifest::Manifest;
+use crate::progress;
+use crate::run_folder::{RunFolder, named_after};
+use crate::say;
+
+/// Phases of an average that may be asked for.
+const BINS: [usize; 2] = [2, 10_000];
+
+/// Averages the file and writes its run folder.
+pub fn average(arguments: &Average) -> Result<(), Error> {
+    let start = Instant::now();
+    let interrupt = Interrupt::listen()?;
+    let asked = asked(arguments)?;
+    let plain = read_channels(&arguments.file)?.plain(&asked)?;
+    let name = named_after(&arguments.file, arguments.out.as_deref())?;
+    let folder = RunFolder::create(arguments.out.as_deref(), &name, arguments.force)?;
+    let bar = progress::bar(Some(2), "averaging {bar:30} {pos} of {len} steps", arguments.quiet);
+    let limits = Limits::default();
+    let told = match arguments.frequency {
+        Some(frequency) => Told::Given(frequency),
+        None => Told::Found(find_frequency(&plain.time, &channels(&plain), limits.of(&LINE).0)),
+    };
+    bar.set_position(1);
+    interrupt.check()?;
+    let averages = told.frequency().map(|f| averages(arguments, &plain, f)).transpose()?;
+    let summary = Summary::of(arguments, &plain, &told, averages.as_deref(), &limits);
+    bar.finish_and_clear();
+    folder.write_json("summary.json", &summary)?;
+    if let Some(averages) = &averages {
+        let cycles = cycles(&plain, averages)?;
+        write_csv(&folder.file("cycles.csv"), &cycles)?;
+        let drawn = wingbeat_figures::averaged(&cycles, averages[0].cycles);
+        let figures = folder.folder("figures")?;
+        crate::fly::left_out(drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)))?;
+    }
+    interrupt.check()?;
+    let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
+    let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
+    let printed =
+        say::unless(arguments.quiet, || format!("{}\nrun folder: {}\n", summary.text(), shown.display()));
+    let Verdict { status, reason, .. } = &summary.verdict;
+    Error::unless_usable(*status, reason.as_deref(), shown)?;
+    printed
+}
+
+/// What the command line asks of the file.
+fn asked(arguments: &Average) -> Result<Asked, Error> {
+    for (key, value) in [("--rate", arguments.rate), ("--frequency", arguments.frequency)] {
+        if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+            return Err(Error::Input(format!("{key} {value}: allowed is a finite number above 0, Hz")));
+        }
+    }
+    let [least, most] = BINS;
+    if !(least..=most).contains(&arguments.bins) {
+        let bins = arguments.bins;
+        return Err(Error::Input(format!("--bins {bins}: allowed is a whole number from {least} to {most}")));
+    }
+    let (columns, units) = (arguments.columns.clone(), arguments.units.clone());
+    Ok(Asked { rate: arguments.rate, columns, units })
+}
+
+fn channels(plain: &Plain) -> Vec<Channel<'_>> {
+    plain.channels.iter().map(|column| channel(column, &column.values)).collect()
+}
+
+fn channel<'a>(column: &'a Column, samples: &'a [f64]) -> Channel<'a> {
+    Channel { name: &column.name, unit: &column.unit, samples }
+}
+
+/// Where the frequency comes from.
+enum Told {
+    /// The command line, Hz.
+    Given(f64),
+    /// The data.
+    Found(Line),
+}
+
+impl Told {
+    fn frequency(&self) -> Option<f64> {
+        match self {
+            Self::Given(frequency) => Some(*frequency),
+            Self::Found(line) => line.frequency,
+        }
+    }
+}
+
+/// Every channel by the phase, which is 0 at the time 0.
+fn averages(arguments: &Average, plain: &Plain, frequency: f64) -> Result<Vec<CycleAverage>, Error> {
+    let refused = |error: wingbeat::Error| {
+        let wingbeat::Error::Invalid { value, .. } = error;
+        Error::Input(format!(
+            "{}: {value} at {frequency} Hz: allowed is at least one whole cycle without missing samples; give a longer \
+             file, or --frequency HZ",
+            arguments.file.display()
+        ))
+    };
+    let phase = phase_of(PhaseSource::Frequency, &plain.time, Vec::new(), &[], frequency).map_err(refused)?;
+    let channel = |column: &Column| phase_average(&phase, &column.values, arguments.bins).map_err(refused);
+    plain.channels.iter().map(channel).collect()
+}
+
+/// The table of phases, means and standard deviations.
+fn cycles(plain: &Plain, averages: &[CycleAverage]) -> Result<Record, Error> {
+    let bins = averages[0].mean.len();
+    let phase = (0..bins).map(|k| k as f64 / bins as f64).collect();
+    let mut columns = vec![Column { values: phase, ..Column::new("phase", "", "") }];
+    for (channel, average) in plain.channels.iter().zip(averages) {
+        let of = |name: String, values: &[f64]| {
+            let unit = channel.unit.as_str();
+            Column { values: values.to_vec(), ..Column::new(name, unit, "") }
+        };
+        columns.push(of(channel.name.clone(), &average.mean));
+        columns.push(of(format!("{}{DEVIATION}", channel.name), &average.deviation));
+    }
+    Ok(Record::new(columns, 0)?)
+}
+
+/// A channel in `summary.json`.
+#[derive(Serialize)]
+struct Averaged {
+    /// Its name.
+    name: String,
+    /// Its unit, as given or as the file says.
+    unit: String,
+    /// Mean over all phases.
+    mean: f64,
+    /// Least of the mean cycle.
+    least: f64,
+    /// Largest of the mean cycle.
+    most: f64,
+    /// Root mean square over the phases of the standard deviation over the cycles.
+    std: f64,
+    /// Whole cycles averaged.
+    cycles: usize,
+    /// Whole cycles left out because samples are missing in them.
+    left_out: usize,
+}
+
+impl Averaged {
+    fn of(channel: &Column, average: &CycleAverage) -> Self {
+        let bins = average.mean.len() as f64;
+        Self {
+            name: channel.name.clone(),
+            unit: channel.unit.clone(),
+            mean: average.mean.iter().sum::<f64>() / bins,
+            least: average.mean.iter().copied().fold(f64::INFINITY, f64::min),
+            most: average.mean.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            std: (average.deviation.iter().map(|d| d * d).sum::<f64>() / bins).sqrt(),
+            cycles: average.cycles,
+            left_out: average.left_out,
+        }
+    }
+}
+
+/// `summary.json`.
+#[derive(Serialize)]
+struct Summary {
+    /// The file.
+    file: String,
+    /// Samples of each channel.
+    samples: usize,
+    /// Samples that are missing between the first and the last.
+    missing: usize,
+    /// Rows left out because they came again.
+    duplicates: usize,
+    /// Samples per second, Hz.
+    rate_hz: f64,
+    /// From the first sample to the last, s.
+    duration_s: f64,
+    /// Frequency of the cycle, Hz; absent where none was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frequency_hz: Option<f64>,
+    /// Its standard error, Hz; absent where the frequency was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frequency_error_hz: Option<f64>,
+    /// `data` or `given`.
+    frequency_from: &'static str,
+    /// Frequency of the strongest line, Hz: the frequency or a harmonic of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    strongest_line_hz: Option<f64>,
+    channels: Vec<Averaged>,
+    #[serde(flatten)]
+    verdict: Verdict,
+}
+
+impl Summary {
+    fn of(
+        arguments: &Average,
+        plain: &Plain,
+        told: &Told,
+        averages: Option<&[CycleAverage]>,
+        limits: &Limits,
+    ) -> Self {
+        let line = match told {
+            Told::Found(line) => Some(line),
+            Told::Given(_) => None,
+        };
+        let averaged = plain.channels.iter().zip(averages.unwrap_or_default());
+        let span = plain.time.last().unwrap_or(&0.0) - plain.time.first().unwrap_or(&0.0);
+        Self {
+            file: arguments.file.display().to_string(),
+            samples: plain.time.len(),
+            missing: plain.missing,
+            duplicates: plain.duplicates,
+            rate_hz: plain.rate,
+            duration_s: span,
+            frequency_hz: told.frequency(),
+            frequency_error_hz: line.and_then(|line| line.frequency.map(|_| line.error)),
+            frequency_from: if line.is_some() { "data" } else { "given" },
+            strongest_line_hz: line.and_then(|line| line.frequency.map(|_| line.strongest)),
+            channels: averaged.map(|(channel, average)| Averaged::of(channel, average)).collect(),
+            verdict: verdict(arguments, plain, told, limits),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{}: {} samples at {:.6} Hz, {:.3} s\n",
+            self.file, self.samples, self.rate_hz, self.duration_s
+        );
+        if let Some(frequency) = self.frequency_hz {
+            let error = self.frequency_error_hz.map_or("given".into(), |error| format!("+- {error:.1e} Hz"));
+            text += &format!("frequency {frequency:.5} Hz ({error})\n");
+            text += &format!(
+                "\n{:<14}{:>12}{:>12}{:>12}{:>12}{:>8}\n",
+                "", "mean", "least", "most", "std", "cycles"
+            );
+        }
+        for Averaged { name, unit, mean, least, most, std, cycles, .. } in &self.channels {
+            text += format!("{name:<14}{mean:>12.5}{least:>12.5}{most:>12.5}{std:>12.5}{cycles:>8}  {unit}")
+                .trim_end();
+            text.push('\n');
+        }
+        for warning in &self.verdict.warnings {
+            text += &format!("\n{warning}\n");
+        }
+        text
+    }
+}
+
+/// What the samples say of themselves. Those that are missing are gaps.
+fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> Verdict {
+    let mut judge = Judge::new(limits);
+    if let Told::Found(line) = told {
+        judge.hold(&LINE, line.over_noise);
+    }
+    if let Told::Found(Line { frequency: None, over_noise, .. }) = told {
+        let text = format!(
+            "{}: no channel has a load that repeats: noise, or less than four cycles; give the frequency with \
+             --frequency HZ if you know it",
+            arguments.file.display()
+        );
+        judge.warn(Warning::new("data.noise", text).size(*over_noise));
+    }
+    // Without a frequency there is no cycle to judge by.
+    let Some(frequency) = told.frequency() else { return judge.verdict() };
+    let all = &plain.channels;
+    let whole: Vec<usize> = (0..plain.time.len())
+        .filter(|row| all.iter().all(|channel| channel.values[*row].is_finite()))
+        .collect();
+    let phase: Vec<f64> = whole.iter().map(|row| frequency * plain.time[*row]).collect();
+    let kept = |column: &Column| whole.iter().map(|row| column.values[*row]).collect::<Vec<f64>>();
+    let kept: Vec<Vec<f64>> = all.iter().map(kept).collect();
+    let series = Series {
+        what: &arguments.file.display().to_string(),
+        phase: &phase,
+        frequency_hz: Some(frequency),
+        channels: all.iter().zip(&kept).map(|(column, samples)| channel(column, samples)).collect(),
+        purpose: Purpose::Loads,
+    };
+    for finding in examined(&series, limits) {
+        let key = (finding.id == "data.frequency").then(|| "--frequency".to_owned());
+        finding.mended_by(key).put(&mut judge);
+    }
+    judge.verdict()
+}

@@ -1,0 +1,148 @@
+//! `wingbeat average`.
+
+use std::f64::consts::TAU;
+use std::fs;
+
+use serde_json::Value;
+
+use super::{entries, scratch, wingbeat};
+
+/// Even numbers from -1 to 1, without a crate.
+fn noise(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+/// Six channels at 1 kHz over 12 s: mean, first and second harmonic of `frequency` Hz, even noise up to `noise`.
+fn cell(frequency: f64, size: f64, level: f64) -> String {
+    let mut seed = 7;
+    let row = |k: u32| {
+        let p = TAU * frequency * f64::from(k) * 1e-3;
+        let load = |i: u32| {
+            let a = size * f64::from(i + 1);
+            0.1 * f64::from(i) + a * p.cos() + 0.3 * a * (2.0 * p).sin()
+        };
+        (0..6).map(|i| format!("{:.6}", load(i) + level * noise(&mut seed))).collect::<Vec<_>>().join(",")
+    };
+    (0..12_000).map(row).map(|row| row + "\n").collect()
+}
+
+fn json(text: &[u8]) -> Value {
+    serde_json::from_slice(text).unwrap()
+}
+
+#[test]
+fn six_columns_give_their_frequency_and_phase_averages() {
+    let folder = scratch("average");
+    fs::write(folder.join("cell.csv"), cell(5.2134, 1.0, 0.5)).unwrap();
+    let answer = wingbeat(&folder, &["average", "cell.csv", "--rate", "1000", "--units", "N,N m"]);
+    let text = String::from_utf8(answer.stdout).unwrap();
+    assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+    assert!(text.contains("frequency 5.213") && text.contains("runs/cell"), "{text}");
+    let run = folder.join("runs/cell");
+    assert_eq!(entries(&run), ["cycles.csv", "figures", "manifest.json", "summary.json"]);
+    let summary = json(&fs::read(run.join("summary.json")).unwrap());
+    assert_eq!((&summary["status"], &summary["frequency_from"]), (&"ok".into(), &"data".into()), "{summary}");
+    let (frequency, error) = (&summary["frequency_hz"], &summary["frequency_error_hz"]);
+    let off = (frequency.as_f64().unwrap() - 5.2134).abs();
+    assert!(off < 1e-3 && off < 4.0 * error.as_f64().unwrap(), "{frequency} +- {error}");
+    let channels = summary["channels"].as_array().unwrap();
+    assert_eq!(channels.len(), 6);
+    assert_eq!((&channels[2]["name"], &channels[4]["unit"]), (&"Fz".into(), &"N m".into()));
+    let cycles = fs::read_to_string(run.join("cycles.csv")).unwrap();
+    let mut rows = cycles.lines();
+    assert_eq!(rows.next().unwrap(), "phase,Fx,Fx_std,Fy,Fy_std,Fz,Fz_std,Tx,Tx_std,Ty,Ty_std,Tz,Tz_std");
+    for row in rows {
+        let row: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let p = TAU * row[0];
+        for i in 0..6 {
+            let a = f64::from(i + 1);
+            let load = 0.1 * f64::from(i) + a * p.cos() + 0.3 * a * (2.0 * p).sin();
+            let (mean, std) = (row[1 + 2 * i as usize], row[2 + 2 * i as usize]);
+            // Even noise up to 0.5 has the deviation 0.29, and 0.04 in the mean of 62 cycles.
+            assert!((mean - load).abs() < 0.2, "{i} at {}: {mean}, not {load}", row[0]);
+            assert!((0.1..0.5).contains(&std), "{i} at {}: {std}", row[0]);
+        }
+    }
+    // All six channels are drawn.
+    let figure = fs::read_to_string(run.join("figures/cycles.svg")).unwrap();
+    for title in ["Fx [N]", "Fy [N]", "Fz [N]", "Tx [N m]", "Ty [N m]", "Tz [N m]"] {
+        assert!(figure.contains(title), "{title}");
+    }
+}
+
+#[test]
+fn a_given_frequency_is_held_against_the_data_and_noise_has_none() {
+    let folder = scratch("average_suspect");
+    fs::write(folder.join("cell.csv"), cell(5.2, 1.0, 0.2)).unwrap();
+    fs::write(folder.join("noise.csv"), cell(5.2, 0.0, 1.0)).unwrap();
+    let run = |arguments: &[&str]| {
+        let answer = wingbeat(&folder, &[&["average", "--rate", "1000", "--quiet"], arguments].concat());
+        (answer.status.code(), String::from_utf8(answer.stderr).unwrap())
+    };
+    let (code, said) = run(&["cell.csv", "--frequency", "5.0", "--out", "other"]);
+    assert!(code == Some(3) && said.contains("suspect_data"), "{code:?}: {said}");
+    let summary = json(&fs::read(folder.join("other/summary.json")).unwrap());
+    let warnings = summary["warnings"].to_string();
+    assert!(warnings.contains("repeats at 5.200") && warnings.contains("--frequency"), "{warnings}");
+    let (code, said) = run(&["cell.csv", "--frequency", "5.2", "--out", "same"]);
+    assert_eq!((code, said.as_str()), (Some(0), ""));
+
+    let (code, said) = run(&["noise.csv", "--out", "none"]);
+    assert!(code == Some(3) && said.contains("suspect_data"), "{code:?}: {said}");
+    assert_eq!(entries(&folder.join("none")), ["manifest.json", "summary.json"]);
+    let summary = json(&fs::read(folder.join("none/summary.json")).unwrap());
+    assert_eq!(summary["judged"][0]["id"], "data.line_over_noise");
+    assert_eq!(summary["warnings"][0]["id"], "data.noise");
+    assert_eq!(summary["frequency_hz"], Value::Null);
+}
+
+#[test]
+fn a_column_of_time_stands_for_the_rate_and_bad_files_are_refused_by_line_and_column() {
+    let folder = scratch("average_time");
+    let rows = |text: String| -> String {
+        let timed = text.lines().enumerate().map(|(k, row)| format!("{:.4},{row}\n", 2.5e-3 * k as f64));
+        timed.collect()
+    };
+    let header = "t,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm\n";
+    // Samples of 1 kHz at steps of 2.5 ms: 2.08 Hz.
+    let timed = rows(cell(5.2, 1.0, 0.2));
+    fs::write(folder.join("timed.csv"), format!("{header}{timed}")).unwrap();
+    let answer =
+        wingbeat(&folder, &["average", "timed.csv", "--columns", "Fz,Ty", "--out", "a", "--bins", "50"]);
+    assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+    let summary = json(&fs::read(folder.join("a/summary.json")).unwrap());
+    assert!((summary["frequency_hz"].as_f64().unwrap() - 2.08).abs() < 1e-3, "{summary}");
+    assert_eq!(summary["channels"][1]["unit"], "Nm");
+    assert_eq!(fs::read_to_string(folder.join("a/cycles.csv")).unwrap().lines().count(), 51);
+
+    fs::write(folder.join("bad.csv"), format!("{header}{}0,1,2,x,4,5,6\n", rows("1,2,3,4,5,6\n".repeat(9))))
+        .unwrap();
+    for (arguments, words) in [
+        (&["average", "bad.csv"][..], "bad.csv: line 11, column fz_N: `x` is not a number"),
+        (&["average", "timed.csv", "--rate", "-1"], "--rate -1: allowed is a finite number above 0, Hz"),
+        (
+            &["average", "timed.csv", "--frequency", "inf"],
+            "--frequency inf: allowed is a finite number above 0",
+        ),
+        (&["average", "timed.csv", "--bins", "1"], "--bins 1: allowed is a whole number from 2 to 10000"),
+        (&["average", "timed.csv", "--frequency", "0.01"], "allowed is at least one whole cycle"),
+        (
+            &["average", "timed.csv", "--units", "N"],
+            "--units: 1 for 6 channels; allowed is one for each, or two",
+        ),
+        (&["average", "timed.csv", "--units", "N,s"], "--units: `s` is no unit of moment; allowed are N m"),
+        (&["average", "timed.csv", "--columns", "lift"], "--columns: no column `lift`; found t, fx_N"),
+        (&["average", "none.csv"], "none.csv"),
+    ] {
+        let answer = wingbeat(&folder, arguments);
+        let said = String::from_utf8(answer.stderr).unwrap();
+        assert_eq!(
+            (answer.status.code(), said.trim().lines().count()),
+            (Some(2), 1),
+            "{arguments:?}: {said}"
+        );
+        assert!(said.contains(words), "{arguments:?}: {said}");
+    }
+    assert!(!folder.join("runs").exists() || entries(&folder.join("runs")).is_empty());
+}

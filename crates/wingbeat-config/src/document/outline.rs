@@ -1,0 +1,229 @@
+//! Outlines in files: `planform = { file = "outline.csv", unit = "mm", x = "aft" }` stands for the stations in the file.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{ConfigError, Place, Problem, Wrong};
+
+/// The key of an outline.
+pub const KEY: &str = "planform";
+/// Most stations of a file. *Choice*: ten for each strip of the finest wing.
+const MOST: usize = 10_000;
+/// What the columns are called.
+const COLUMNS: [&str; 3] = ["arc", "leading_edge", "trailing_edge"];
+
+/// An outline in a CSV file: a row for each station of the half wing, from the middle or the root to the tip.
+#[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutlineFile {
+    /// The file, relative to the document: a header, then a row for each station; `#` starts a comment line.
+    pub file: PathBuf,
+    /// Names of the columns with arc length, leading edge and trailing edge; without it `arc`, `leading_edge` and
+    /// `trailing_edge`, each also with the unit behind it: `arc_mm`.
+    #[serde(default)]
+    pub columns: Option<[String; 3]>,
+    /// Unit of the columns.
+    #[serde(default)]
+    pub unit: Option<Length>,
+    /// Which way the edges count from the hinge line.
+    #[serde(default)]
+    pub x: Way,
+}
+
+/// Unit of a length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Length {
+    /// Metres, where nothing is said.
+    M,
+    /// Centimetres.
+    Cm,
+    /// Millimetres.
+    Mm,
+    /// Inches of 25.4 mm.
+    In,
+}
+
+/// Which way a coordinate along the chord counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Way {
+    /// Forward positive, as in documents.
+    #[default]
+    Forward,
+    /// Aft positive, as in most drawings of sections.
+    Aft,
+}
+
+impl Length {
+    const ALL: [Self; 4] = [Self::M, Self::Cm, Self::Mm, Self::In];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::M => "m",
+            Self::Cm => "cm",
+            Self::Mm => "mm",
+            Self::In => "in",
+        }
+    }
+
+    /// The number in `cell`, whose value is `value`, in metres: rounded once, so that 95.6 mm is the number that 0.0956 m is.
+    fn metres(self, cell: &str, value: f64) -> f64 {
+        let tens = match self {
+            Self::M => return value,
+            Self::In => return value * 0.0254,
+            Self::Cm => -2,
+            Self::Mm => -3,
+        };
+        format!("{cell}e{tens}").parse().unwrap_or(value * 10_f64.powi(tens))
+    }
+}
+
+impl OutlineFile {
+    /// The stations in the `text` of `file` as TOML, `v=[...]`, each on the line on which the file has it, so that what is said
+    /// of them later names it; `key` is that of the outline.
+    pub fn toml(&self, file: &Path, text: &str, key: &str) -> Result<String, ConfigError> {
+        let mut out = String::from("v=[");
+        let mut header: Option<([usize; 3], Length)> = None;
+        let mut stations = 0;
+        for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+            let wrong = |key: String, value: &str, allowed: String| -> ConfigError {
+                let place = Place::Line(file.into(), index + 1);
+                Wrong::new(place, key, Some(value.to_owned()), Problem::Value(allowed)).into()
+            };
+            if index > 0 {
+                out.push('\n');
+            }
+            if line.trim().is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let cells: Vec<&str> = line.split(',').map(|cell| cell.trim().trim_matches('"')).collect();
+            let Some((places, unit)) = &header else {
+                let found = self.header(&cells);
+                header = Some(
+                    found.map_err(|(at, value, allowed)| wrong(format!("{key}.{at}"), &value, allowed))?,
+                );
+                continue;
+            };
+            if stations == MOST {
+                return Err(wrong(key.into(), line, format!("at most {MOST} stations")));
+            }
+            let mut numbers = [0.0; 3];
+            for ((number, place), name) in numbers.iter_mut().zip(places).zip(COLUMNS) {
+                let cell = cells.get(*place).copied().unwrap_or("");
+                let value: Option<f64> = cell.parse().ok().filter(|value: &f64| value.is_finite());
+                let allowed =
+                    || format!("a finite number in column {}, with a point for decimals", place + 1);
+                let value =
+                    value.ok_or_else(|| wrong(format!("{key}[{stations}].{name}"), cell, allowed()))?;
+                let metres = unit.metres(cell, value);
+                *number = if self.x == Way::Aft && name != COLUMNS[0] { 0.0 - metres } else { metres };
+            }
+            let [arc, leading, trailing] = numbers;
+            out += &format!("{{arc_m={arc:?},leading_edge_m={leading:?},trailing_edge_m={trailing:?}}},");
+            stations += 1;
+        }
+        if stations == 0 {
+            let allowed = "a header and a row for each station".to_owned();
+            let given = Some(format!("{:?}", self.file.display().to_string()));
+            return Err(Wrong::new(Place::File(file.into()), key, given, Problem::Value(allowed)).into());
+        }
+        out.push(']');
+        Ok(out)
+    }
+
+    /// Where the columns stand, and their unit; else the key at fault, its value, and what is allowed.
+    fn header(&self, names: &[&str]) -> Result<([usize; 3], Length), (&'static str, String, String)> {
+        let found = || names.join(", ");
+        let mut units = self.unit.map(|unit| (unit, "unit".to_owned())).into_iter().collect::<Vec<_>>();
+        let mut places = [0; 3];
+        for (i, place) in places.iter_mut().enumerate() {
+            let at = match &self.columns {
+                Some(columns) => names.iter().position(|name| *name == columns[i]),
+                None => names.iter().position(|name| split(name).0 == COLUMNS[i]),
+            };
+            let Some(at) = at else {
+                return Err(match &self.columns {
+                    Some(columns) => ("columns", columns[i].clone(), format!("one of {}", found())),
+                    None => {
+                        let wanted =
+                            "columns arc, leading_edge and trailing_edge, or their names in `columns`";
+                        ("file", found(), wanted.to_owned())
+                    }
+                });
+            };
+            *place = at;
+            units.extend(split(names[at]).1.map(|unit| (unit, format!("column {}", names[at]))));
+        }
+        let (unit, by) = units.first().cloned().unwrap_or((Length::M, String::new()));
+        match units.iter().find(|(other, _)| *other != unit) {
+            None => Ok((places, unit)),
+            Some((other, name)) => {
+                let allowed = format!("one unit; {by} says {}, {name} says {}", unit.name(), other.name());
+                Err(("unit", unit.name().into(), allowed))
+            }
+        }
+    }
+}
+
+/// A name of a column without its unit, and the unit.
+fn split(name: &str) -> (&str, Option<Length>) {
+    let unit = |text: &str| Length::ALL.into_iter().find(|unit| unit.name() == text);
+    match name.rsplit_once('_') {
+        Some((start, end)) if unit(end).is_some() => (start, unit(end)),
+        _ => (name, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outline(toml: &str, text: &str) -> Result<String, String> {
+        let outline: OutlineFile = toml::from_str(toml).unwrap();
+        outline.toml(Path::new("a.csv"), text, "wing.planform").map_err(|wrong| wrong.to_string())
+    }
+
+    #[test]
+    fn rows_keep_their_lines_and_get_metres_and_sign() {
+        let text = "# drawn\narc_mm,leading_edge_mm,trailing_edge_mm\n0,-63.5,95.6\n\n202.7,0,2e1\n";
+        let toml = outline("file = \"a.csv\"\nx = \"aft\"", text).unwrap();
+        let lines: Vec<&str> = toml.lines().collect();
+        assert_eq!(lines[2], "{arc_m=0.0,leading_edge_m=0.0635,trailing_edge_m=-0.0956},");
+        assert_eq!(lines[4], "{arc_m=0.2027,leading_edge_m=0.0,trailing_edge_m=-0.02},]");
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_by_file_line_key_and_value() {
+        let (file, header) = ("file = \"a.csv\"", "arc,leading_edge,trailing_edge\n");
+        for (toml, text, said) in [
+            (file, "s,le,te\n0,1,0\n", "a.csv:1: wing.planform.file = s, le, te: allowed is columns arc"),
+            (
+                "file = \"a.csv\"\ncolumns = [\"s\", \"le\", \"tail\"]",
+                "s,le,te\n",
+                "a.csv:1: wing.planform.columns = tail: allowed is one of s, le, te",
+            ),
+            (
+                "file = \"a.csv\"\nunit = \"m\"",
+                "arc_mm,leading_edge,trailing_edge\n",
+                "a.csv:1: wing.planform.unit = m: allowed is one unit; unit says m, column arc_mm says mm",
+            ),
+            (
+                file,
+                &format!("{header}0,1,0\n1,x,0\n"),
+                "a.csv:3: wing.planform[1].leading_edge = x: allowed is a finite number in column 2",
+            ),
+            (
+                file,
+                &format!("{header}0,1\n"),
+                "a.csv:2: wing.planform[0].trailing_edge = : allowed is a finite",
+            ),
+            (file, header, "a.csv: wing.planform = \"a.csv\": allowed is a header and a row"),
+            (file, &(header.to_owned() + &"0,1,0\n".repeat(MOST + 1)), "allowed is at most 10000 stations"),
+        ] {
+            let error = outline(toml, text).unwrap_err();
+            assert!(error.contains(said), "{error}\nnot: {said}");
+        }
+    }
+}

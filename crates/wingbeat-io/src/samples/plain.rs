@@ -1,0 +1,263 @@
+//! The channels of a file as they are: any names, the units of the file, no change of sign or frame.
+
+use wingbeat::rig::unit::Quantity;
+use wingbeat::simulate::Column;
+
+use super::Table;
+use super::grid::Grid;
+use super::record::spread;
+use super::resolve::{Known, SEQUENCES, SIX, TIME, base, names};
+use crate::Error;
+
+/// Most channels: as many as letters name the panels of a figure.
+const MOST_CHANNELS: usize = 24;
+/// Columns beside those of [`SEQUENCES`] and time that are no channels.
+const NO_CHANNELS: [&str; 2] = ["status", "phase"];
+
+/// What is asked of a file of channels.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// Samples per second, Hz; without it the file says it, or has a column of time.
+    pub rate: Option<f64>,
+    /// Columns to take; all that are channels where none is named.
+    pub columns: Vec<String>,
+    /// One unit for each channel, or two: of forces and of moments.
+    pub units: Vec<String>,
+}
+
+/// Channels with their times.
+#[derive(Clone, Debug, Default)]
+pub struct Plain {
+    /// Time of each sample, s.
+    pub time: Vec<f64>,
+    /// The channels, each as long as `time`; missing samples are not-a-number.
+    pub channels: Vec<Column>,
+    /// Samples per second.
+    pub rate: f64,
+    /// Samples that are missing between the first and the last.
+    pub missing: usize,
+    /// Rows left out because they came again.
+    pub duplicates: usize,
+}
+
+impl Table {
+    /// The channels by their own names.
+    ///
+    /// # Errors
+    /// No time and no rate, columns that are not there, units that do not fit, time that goes back.
+    pub fn plain(mut self, asked: &Asked) -> Result<Plain, Error> {
+        self.name_bare(asked)?;
+        let time = self.columns.iter().position(|column| is(&column.name, &TIME));
+        let chosen = self.chosen(asked, time)?;
+        let rows = self.columns[chosen[0]].values.len();
+        self.check_lengths(chosen.iter().chain(&time).map(|k| &self.columns[*k]), rows)?;
+        let units = self.units(asked, &chosen)?;
+        let (grid, own) = self.placed(asked, time, rows)?;
+        let mut channels: Vec<Column> = Vec::new();
+        for (k, unit) in chosen.into_iter().zip(units) {
+            let name = short(&self.columns[k].name);
+            if channels.iter().any(|channel| channel.name == name) {
+                return Err(self.bad(format!("several columns are called `{name}`: rename them")));
+            }
+            let values = std::mem::take(&mut self.columns[k].values);
+            let values = if grid.is_whole(rows) { values } else { spread(&values, &grid, 0) };
+            channels.push(Column { values, ..Column::new(name, unit, "") });
+        }
+        let even = || (0..grid.len()).map(|k| grid.start + k as f64 / grid.rate).collect();
+        let time = own.filter(|_| grid.is_whole(rows)).unwrap_or_else(even);
+        let missing = grid.len() - grid.place.len();
+        Ok(Plain { time, channels, rate: grid.rate, missing, duplicates: grid.duplicates })
+    }
+
+    /// Names the columns of a file without a header, which must be six.
+    fn name_bare(&mut self, asked: &Asked) -> Result<(), Error> {
+        let bare = |(k, name): (usize, &String)| *name == format!("[{k}]");
+        if self.layout != "text" || self.names.is_empty() || !self.names.iter().enumerate().all(bare) {
+            return Ok(());
+        }
+        let count = self.names.len();
+        if count != SIX.len() || self.columns.len() != count {
+            return Err(self.bad(format!(
+                "line 1: {count} columns without names; without a header allowed are 6, Fx .. Tz: write the names \
+                 of the columns into the first line"
+            )));
+        }
+        if asked.columns.is_empty() {
+            for (column, known) in self.columns.iter_mut().zip(SIX) {
+                column.name = known.name.into();
+            }
+        }
+        Ok(())
+    }
+
+    /// Which columns are taken.
+    fn chosen(&self, asked: &Asked, time: Option<usize>) -> Result<Vec<usize>, Error> {
+        let chosen = match asked.columns.is_empty() {
+            true => (0..self.columns.len())
+                .filter(|k| Some(*k) != time && is_channel(&self.columns[*k].name))
+                .collect(),
+            false => asked.columns.iter().map(|name| self.named(name)).collect::<Result<Vec<_>, _>>()?,
+        };
+        match chosen.len() {
+            0 => Err(self.bad(format!("no column with samples; found {}", self.found()))),
+            1..=MOST_CHANNELS => Ok(chosen),
+            count => Err(self.bad(format!(
+                "{count} channels; allowed are at most {MOST_CHANNELS}: choose some with --columns NAME,NAME"
+            ))),
+        }
+    }
+
+    fn named(&self, name: &str) -> Result<usize, Error> {
+        let exactly = self.columns.iter().position(|column| column.name == name);
+        let fits =
+            |column: &Column| names(name, &column.name) || short(&column.name).eq_ignore_ascii_case(name);
+        let found = exactly.or_else(|| self.columns.iter().position(fits));
+        found.ok_or_else(|| self.bad(format!("--columns: no column `{name}`; found {}", self.found())))
+    }
+
+    /// The unit of each channel: the one given, else the one that the file says; empty where nothing says one.
+    fn units(&self, asked: &Asked, chosen: &[usize]) -> Result<Vec<String>, Error> {
+        let given = self.given_units(asked, chosen)?;
+        let unit = |(i, k): (usize, &usize)| {
+            let column = &self.columns[*k];
+            let by_file = Some(column.unit.as_str()).filter(|unit| !matches!(*unit, "" | "1"));
+            let said = base(&column.name).1.or(by_file);
+            match (given.get(i), said) {
+                (Some(given), Some(said)) if !same(given, said) => Err(self.bad(format!(
+                    "column {}: unit {given} by --units, but {said} by the file: leave --units out, or give {said}",
+                    column.name
+                ))),
+                (given, said) => Ok(given.map(String::as_str).or(said).unwrap_or("").to_owned()),
+            }
+        };
+        chosen.iter().enumerate().map(unit).collect()
+    }
+
+    fn given_units(&self, asked: &Asked, chosen: &[usize]) -> Result<Vec<String>, Error> {
+        let units = &asked.units;
+        if units.is_empty() || units.len() == chosen.len() {
+            return Ok(units.clone());
+        }
+        let place = |k: &usize| SIX.iter().position(|known| is(&self.columns[*k].name, known));
+        let places: Option<Vec<usize>> = chosen.iter().map(place).collect();
+        let (Some(places), [force, moment]) = (places, units.as_slice()) else {
+            return Err(self.bad(format!(
+                "--units: {} for {} channels; allowed is one for each, or two, of forces and of moments, where all \
+                 channels are Fx .. Tz",
+                units.len(),
+                chosen.len()
+            )));
+        };
+        for (unit, quantity, what) in
+            [(force, Quantity::Force, "force"), (moment, Quantity::Moment, "moment")]
+        {
+            if quantity.factor(unit).is_none() {
+                let known = quantity.names().join(", ");
+                return Err(self.bad(format!("--units: `{unit}` is no unit of {what}; allowed are {known}")));
+            }
+        }
+        Ok(places.into_iter().map(|place| if place < 3 { force.clone() } else { moment.clone() }).collect())
+    }
+
+    /// Where the samples lie on even steps, and their own times, s, where the file has them and no rate is given.
+    fn placed(
+        &self,
+        asked: &Asked,
+        time: Option<usize>,
+        rows: usize,
+    ) -> Result<(Grid, Option<Vec<f64>>), Error> {
+        let sequence = SEQUENCES.iter().find_map(|name| self.columns.iter().find(|c| c.name == *name));
+        let sequence = sequence.filter(|column| column.values.len() == rows);
+        let bad = |what: String| self.bad(what);
+        match (asked.rate.or(self.rate), sequence, time) {
+            (Some(rate), Some(column), _) => Ok((Grid::numbered(&column.values, rate).map_err(bad)?, None)),
+            (Some(rate), None, _) => Ok((Grid::counted(rows, rate), None)),
+            (None, _, Some(k)) => {
+                let column = &self.columns[k];
+                let unit = base(&column.name).1.unwrap_or(if column.unit.is_empty() { "s" } else { &column.unit });
+                let factor = Quantity::Time.factor(unit).ok_or_else(|| {
+                    let known = Quantity::Time.names().join(", ");
+                    self.bad(format!("column {}: `{unit}` is no unit of time; allowed are {known}", column.name))
+                })?;
+                let grid = Grid::timed(&column.values, factor, self.unordered);
+                let grid = grid.map_err(|what| self.bad(format!("{what}; --rate HZ takes samples as even")))?;
+                Ok((grid, Some(column.values.iter().map(|t| factor * t).collect())))
+            }
+            (None, _, None) => Err(self.bad(format!(
+                "no column of time; found {}: give the samples per second with --rate HZ, or add a column t (s)",
+                self.found()
+            ))),
+        }
+    }
+}
+
+/// Whether a column has a name of the channel.
+fn is(column: &str, known: &Known) -> bool {
+    known.names().any(|name| base(column).0.eq_ignore_ascii_case(name))
+}
+
+fn is_channel(column: &str) -> bool {
+    let plain = base(column).0;
+    !SEQUENCES.iter().chain(&NO_CHANNELS).any(|name| plain.eq_ignore_ascii_case(name))
+}
+
+/// The name without its unit; of forces and moments that of the record.
+fn short(column: &str) -> String {
+    let known = SIX.iter().find(|known| is(column, known));
+    known.map_or(base(column).0, |known| known.name).to_owned()
+}
+
+/// Whether two names are of one unit.
+fn same(a: &str, b: &str) -> bool {
+    let one = |quantity: &Quantity| {
+        let (a, b) = (quantity.factor(a), quantity.factor(b));
+        a.is_some() && a == b
+    };
+    a == b || Quantity::ALL.iter().any(one)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::read_channels;
+    use std::fs;
+
+    fn read(name: &str, text: &str, asked: &Asked) -> Result<Plain, String> {
+        let path = std::env::temp_dir().join(format!("wingbeat-plain-{}-{name}.csv", std::process::id()));
+        fs::write(&path, text).unwrap();
+        let answer = read_channels(&path).and_then(|table| table.plain(asked));
+        fs::remove_file(&path).unwrap();
+        answer.map_err(|error| error.to_string())
+    }
+
+    fn asked(rate: Option<f64>, units: &[&str]) -> Asked {
+        Asked { rate, units: units.iter().map(|unit| (*unit).to_owned()).collect(), ..Asked::default() }
+    }
+
+    #[test]
+    fn six_columns_without_names_are_forces_and_moments() {
+        let six = "1,2,3,4,5,6\n".repeat(5);
+        let plain = read("six", &six, &asked(Some(1000.0), &["N", "N m"])).unwrap();
+        let names: Vec<_> = plain.channels.iter().map(|c| format!("{} {}", c.name, c.unit)).collect();
+        assert_eq!(names, ["Fx N", "Fy N", "Fz N", "Tx N m", "Ty N m", "Tz N m"]);
+        assert_eq!((plain.time[4], plain.channels[5].values.clone()), (0.004, vec![6.0; 5]));
+        let error = read("seven", &"1,2,3,4,5,6,7\n".repeat(5), &asked(Some(1e3), &[])).unwrap_err();
+        assert!(error.contains("line 1: 7 columns without names"), "{error}");
+    }
+
+    #[test]
+    fn times_units_and_gaps_come_from_the_file() {
+        let rows = (0..40).filter(|k| !(10..14).contains(k)).map(|k| format!("{k},{},7\n", 2 * k));
+        let text = format!("t [ms],lift_N,strain\n{}", rows.collect::<String>());
+        let plain = read("time", &text, &asked(None, &[])).unwrap();
+        assert_eq!((plain.channels[0].name.as_str(), plain.channels[0].unit.as_str()), ("lift", "N"));
+        assert_eq!((plain.channels[1].name.as_str(), plain.channels[1].unit.as_str()), ("strain", ""));
+        assert_eq!((plain.missing, plain.time.len()), (4, 40));
+        assert!(plain.channels[0].values[12].is_nan() && (plain.rate - 1000.0).abs() < 1e-6);
+        let two = asked(Some(1e3), &["mN", "V"]);
+        assert!(read("other", &text, &two).unwrap_err().contains("unit mN by --units, but N by the file"));
+        assert!(read("three", &text, &asked(None, &["N"; 3])).unwrap_err().contains("3 for 2 channels"));
+        let none = read("none", "lift_N\n1\n2\n3\n", &asked(None, &[])).unwrap_err();
+        assert!(none.contains("no column of time; found lift_N: give the samples per second"), "{none}");
+    }
+}

@@ -1,0 +1,248 @@
+//! The frequency of channels of which none is known: the strongest line of their spectra, and what it is a harmonic of.
+
+use super::cycle::Condensed;
+use super::{Channel, frequency};
+use std::f64::consts::TAU;
+use wingbeat_math::power_spectrum;
+
+/// Most samples whose spectrum is taken. *Choice*: a quarter of an hour at 1 kHz, a tenth of a second of work per channel.
+const MOST: usize = 1 << 20;
+/// Cycles that the samples must hold for a line to be told from a drift. *Choice.*
+const FEWEST: f64 = 4.0;
+/// Points of the spectrum in the width 1 / T of a line, at least. *Choice.*
+const FINE: usize = 4;
+/// Distances from a line, in its widths, between which the noise beside it is taken, the larger of two: near it where
+/// noise falls with the frequency, and far enough for chance to be small. A line under Hann's window is two wide to
+/// either side. *Choice.*
+const BESIDE: [(f64, f64); 2] = [(3.0, 10.0), (3.0, 40.0)];
+/// The share of the points beside a line of which other lines leave the noise free. *Choice.*
+const QUARTILE: f64 = 0.25;
+/// The quartile of a spectrum of noise, whose powers are distributed exponentially, over its mean: -ln(3 / 4).
+const OF_MEAN: f64 = 0.287_682_072_451_780_9;
+/// Lines of a channel whose leakage counts. *Choice.*
+const LEAKING: usize = 16;
+/// Harmonics among which the strongest line is sought. *Choice*: two strokes and two wings give the second and the fourth.
+const HIGHEST: usize = 6;
+/// Largest difference of a channel's frequency from the one found first, in line widths. *Choice.*
+const NEAR: f64 = 1.0;
+
+/// The frequency at which channels repeat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// The frequency, Hz; none where no line stands above the noise.
+    pub frequency: Option<f64>,
+    /// Its standard error, Hz.
+    pub error: f64,
+    /// The strongest line, Hz: the frequency or a harmonic.
+    pub strongest: f64,
+    /// Power of the most distinct line over the noise beside it.
+    pub over_noise: f64,
+}
+
+/// A spectrum under Hann's window, at points of which [`FINE`] or more lie in a line's width.
+struct Spectrum {
+    power: Vec<f64>,
+    /// Sum of the powers of all points.
+    all: f64,
+    /// The largest lines, by point and power, which leak into what lies beside them.
+    lines: Vec<(usize, f64)>,
+}
+
+/// The frequency of the `channels` sampled at `time` (s), whose steps may be uneven; `over_noise` is what a line must reach.
+///
+/// The powers of noise beside a line are distributed exponentially (A. Schuster, "On the investigation of hidden
+/// periodicities", Terrestrial Magnetism 3 (1898) 13-41), which tells how large a line noise makes. The strongest line is
+/// the one with the largest share of the channels' powers. It is the harmonic k of the frequency where lines stand
+/// at multiples of its k-th part that have no divisor in common with k. [`frequency::estimate`] then tells the frequency of
+/// each channel with its standard error, and their mean is weighed by those.
+pub fn find_frequency(time: &[f64], channels: &[Channel], over_noise: f64) -> Line {
+    let nothing = Line { frequency: None, error: 0.0, strongest: 0.0, over_noise: 0.0 };
+    let count = time.len().min(MOST);
+    let (Some(first), Some(last)) = (time.first(), time[..count].last()) else { return nothing };
+    let span = last - first;
+    if !(span > 0.0 && span.is_finite()) || count < 16 {
+        return nothing;
+    }
+    let grid = Grid { first: *first, rate: (count - 1) as f64 / span, count };
+    let spectra: Vec<Spectrum> =
+        channels.iter().filter_map(|channel| Spectrum::of(&grid, time, channel.samples)).collect();
+    let (step, width) = (grid.step(), grid.points(1.0));
+    let from = grid.points(FEWEST) as usize;
+    let to = grid.highest().min(spectra.first().map_or(0, |spectrum| spectrum.power.len()));
+    let (mut best, mut distinct) = ((0.0, 0), 0.0_f64);
+    for k in from..to {
+        let over = most_over(&spectra, k, width);
+        distinct = distinct.max(over);
+        let share: f64 = spectra.iter().map(|spectrum| spectrum.power[k] / spectrum.all).sum();
+        if over >= over_noise && share > best.0 {
+            best = (share, k);
+        }
+    }
+    let line = Line { over_noise: distinct, ..nothing };
+    if best.1 == 0 {
+        return line;
+    }
+    let strongest = best.1 as f64 * step;
+    let rough = strongest / harmonic(&spectra, best.1, width, over_noise) as f64;
+    let told = refined(time, channels, rough, width * step);
+    Line { frequency: told.map(|told| told.0), error: told.map_or(0.0, |told| told.1), strongest, ..line }
+}
+
+/// Even steps over the samples.
+struct Grid {
+    first: f64,
+    rate: f64,
+    count: usize,
+}
+
+impl Grid {
+    /// Samples with the zeros behind them.
+    fn length(&self) -> usize {
+        (FINE * self.count).next_power_of_two()
+    }
+
+    /// Step of the spectrum, Hz.
+    fn step(&self) -> f64 {
+        self.rate / self.length() as f64
+    }
+
+    /// Points of the spectrum in so many widths of a line, that is up to so many cycles of all samples.
+    fn points(&self, widths: f64) -> f64 {
+        widths * self.length() as f64 / self.count as f64
+    }
+
+    /// Points below nine tenths of half the rate.
+    fn highest(&self) -> usize {
+        (0.45 * self.length() as f64) as usize
+    }
+}
+
+impl Spectrum {
+    /// None of a channel that never changes.
+    fn of(grid: &Grid, time: &[f64], samples: &[f64]) -> Option<Self> {
+        let at = |t: f64| (((t - grid.first) * grid.rate).round().max(0.0) as usize).min(grid.count - 1);
+        let pairs = || time.iter().zip(samples).take(grid.count).filter(|(_, x)| x.is_finite());
+        let level = Level::of(pairs().map(|(t, x)| (at(*t) as f64 / grid.count as f64, *x)));
+        let mut even = vec![0.0; grid.count];
+        for (t, x) in pairs() {
+            let k = at(*t);
+            let hann = 1.0 - (TAU * (k as f64 + 0.5) / grid.count as f64).cos();
+            even[k] = hann * (x - level.at(k as f64 / grid.count as f64));
+        }
+        let power = power_spectrum(&even, grid.length());
+        let all = power.iter().sum::<f64>();
+        let mut lines: Vec<(usize, f64)> =
+            (1..power.len()).filter(|k| is_top(&power, *k)).map(|k| (k, power[k])).collect();
+        lines.sort_by(|a, b| b.1.total_cmp(&a.1));
+        lines.truncate(LEAKING);
+        (all > 0.0 && all.is_finite()).then_some(Self { power, all, lines })
+    }
+
+    /// What larger lines leave at `k`: a line of power P leaves P / (pi d (d^2 - 1))^2 at the distance of d widths under Hann's
+    /// window (F. J. Harris, "On the use of windows for harmonic analysis", Proc. IEEE 66 (1978) 51-83), and is two wide.
+    fn leaked(&self, k: usize, width: f64) -> f64 {
+        let larger = self.lines.iter().filter(|line| line.0 != k && line.1 > self.power[k]);
+        let left = |(at, power): &(usize, f64)| {
+            let d = at.abs_diff(k) as f64 / width;
+            if d < 2.0 { *power } else { power / (std::f64::consts::PI * d * (d * d - 1.0)).powi(2) }
+        };
+        larger.map(left).sum()
+    }
+
+    /// Power at `k` over the mean of the noise beside it; zero where `k` is no top. `width` is that of a line, in points.
+    fn over(&self, k: usize, width: f64) -> f64 {
+        let power = &self.power;
+        if !is_top(power, k) {
+            return 0.0;
+        }
+        let noise =
+            BESIDE.map(|(near, far)| beside(power, k, [near * width, far * width].map(|far| far as usize)));
+        let noise = noise[0].max(noise[1]);
+        // Rounding leaves noise of its own.
+        power[k] / noise.max(1e-20 * self.all).max(self.leaked(k, width))
+    }
+}
+
+/// Mean power of noise at points `near` to `far` from `k`, by their lower quartile; zero where there are none.
+fn beside(power: &[f64], k: usize, [near, far]: [usize; 2]) -> f64 {
+    let below = k.saturating_sub(far)..k.saturating_sub(near);
+    let above = (k + near).min(power.len())..(k + far).min(power.len());
+    let mut there: Vec<f64> = below.chain(above).map(|k| power[k]).collect();
+    let place = (QUARTILE * there.len() as f64) as usize;
+    if there.is_empty() { 0.0 } else { *there.select_nth_unstable_by(place, f64::total_cmp).1 / OF_MEAN }
+}
+
+/// Whether a point is no lower than those beside it.
+fn is_top(power: &[f64], k: usize) -> bool {
+    k > 0 && k + 1 < power.len() && power[k] >= power[k - 1] && power[k] >= power[k + 1]
+}
+
+/// The straight line through samples, at places from 0 to 1.
+struct Level {
+    middle: f64,
+    slope: f64,
+}
+
+impl Level {
+    fn of(samples: impl Iterator<Item = (f64, f64)>) -> Self {
+        let (mut n, mut x, mut y, mut xx, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (at, value) in samples {
+            let at = at - 0.5;
+            n += 1.0;
+            x += at;
+            y += value;
+            xx += at * at;
+            xy += at * value;
+        }
+        let spread = n * xx - x * x;
+        let slope = if spread > 0.0 { (n * xy - x * y) / spread } else { 0.0 };
+        Self { middle: (y - slope * x) / f64::max(n, 1.0), slope }
+    }
+
+    fn at(&self, place: f64) -> f64 {
+        self.middle + self.slope * (place - 0.5)
+    }
+}
+
+fn most_over(spectra: &[Spectrum], k: usize, width: f64) -> f64 {
+    spectra.iter().map(|spectrum| spectrum.over(k, width)).fold(0.0, f64::max)
+}
+
+/// Which harmonic of the frequency the line at point `k` is.
+fn harmonic(spectra: &[Spectrum], k: usize, width: f64, over_noise: f64) -> usize {
+    let stands = |at: f64| {
+        let from = (at - width).max(FEWEST * width) as usize;
+        (from..=(at + width) as usize).any(|k| most_over(spectra, k, width) >= over_noise)
+    };
+    let is = |part: &usize| {
+        let multiples = (1..2 * part).filter(|m| common(*m, *part) == 1);
+        let step = k as f64 / *part as f64;
+        step >= FEWEST * width && multiples.into_iter().any(|m| stands(m as f64 * step))
+    };
+    (2..=HIGHEST).rev().find(is).unwrap_or(1)
+}
+
+/// The largest divisor of both.
+fn common(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { common(b, a % b) }
+}
+
+/// Frequency and standard error, Hz, by all channels whose own lies near `rough`.
+fn refined(time: &[f64], channels: &[Channel], rough: f64, width: f64) -> Option<(f64, f64)> {
+    let cycles = (time.last()? - time.first()?) * rough;
+    let (mut weights, mut sum) = (0.0, 0.0);
+    for channel in channels {
+        let there = || time.iter().zip(channel.samples).filter(|(_, x)| x.is_finite());
+        let phase: Vec<f64> = there().map(|(t, _)| t * rough).collect();
+        let samples: Vec<f64> = there().map(|(_, x)| *x).collect();
+        let at = Condensed::of(&phase, &samples, cycles);
+        let Some(own) = frequency::estimate(&at.phase, &at.values) else { continue };
+        if (own.ratio - 1.0).abs() * rough < NEAR * width {
+            // A file without noise tells its frequency to rounding.
+            let weight = own.error.max(1e-12).powi(-2);
+            weights += weight;
+            sum += weight * own.ratio;
+        }
+    }
+    (weights > 0.0).then(|| (rough * sum / weights, rough / weights.sqrt()))
+}
