@@ -44,10 +44,10 @@ fn law_state(state: &LawState) -> Line {
 }
 
 fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
-    let number = |value: f64| format!("{value:.2}");
+    let number = |value: f64| if value.is_finite() { format!("{value:.2}") } else { "-".into() };
     let settled = |value: Option<f64>| value.map_or("-".into(), number);
     let watts = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
-    let share = |value: f64| format!("{:.1}", 100.0 * value);
+    let share = |value: f64| if value.is_finite() { format!("{:.1}", 100.0 * value) } else { "-".into() };
     let of = |take: fn(&PaperResults) -> f64| paper.map(take).map(number);
     let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };

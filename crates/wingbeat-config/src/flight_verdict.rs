@@ -164,7 +164,9 @@ impl Flown<'_> {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
         }
-        for (law, share) in &self.context.stalled {
+        // Of a flight that broke down no share is told.
+        let stalled = if self.summary.stall_fraction.is_finite() { &self.context.stalled[..] } else { &[] };
+        for (law, share) in stalled {
             if let Some(what) = law.about().beyond_stall {
                 let text = format!(
                     "{:.0} % of strip samples are past the stall angle under lift law `{}`, {what}",
