@@ -32,6 +32,13 @@ const fn verb(name: &'static str, words: &'static [&'static str]) -> Verb {
     Verb { name, words, before: &[] }
 }
 
+impl Verb {
+    /// What it leaves when it has ended.
+    fn leaves(&self) -> &'static str {
+        if self.name == "new" { "a.toml" } else { "a" }
+    }
+}
+
 /// Every verb that writes, but those that need an instrument or the comparisons.
 const VERBS: [Verb; 13] = [
     verb("fly", &["fly", "glide.toml"]),
@@ -40,22 +47,21 @@ const VERBS: [Verb; 13] = [
         "tether",
         &["tether", "{root}/cases/plunge.toml", "--set", "time.cycles=2", "--set", "time.steps_per_cycle=24"],
     ),
-    verb("trim", &["trim", "{root}/scenarios/cruise_20g.toml"]),
     verb(
         "wake",
-        &[
-            "wake",
-            "{root}/cases/plunge.toml",
-            "--cycles",
-            "1",
-            "--chordwise",
-            "2",
-            "--spanwise",
-            "8",
-            "--steps",
-            "12",
-        ],
+        &["wake", "{root}/cases/plunge.toml", "--chordwise", "2", "--spanwise", "8", "--steps", "12"],
     ),
+    verb("rig_plan", &["rig", "plan", "{root}/rigs/runs/roll15_speed08.toml"]),
+    verb("rig_simulate", &["rig", "simulate", "hold.toml"]),
+    Verb {
+        name: "rig_process",
+        words: &["rig", "process", "s"],
+        before: &["rig", "simulate", "hold.toml", "--quiet", "--out", "s"],
+    },
+    verb("average", &["average", "cell.csv"]),
+    verb("show", &["show", "{root}/robots/glider.toml"]),
+    verb("new", &["new", "case", "a.toml"]),
+    verb("trim", &["trim", "{root}/scenarios/cruise_20g.toml"]),
     verb(
         "plan",
         &[
@@ -80,16 +86,6 @@ const VERBS: [Verb; 13] = [
         ],
     ),
     verb("calibrate", &["calibrate", "fit.toml"]),
-    verb("rig_plan", &["rig", "plan", "{root}/rigs/runs/roll15_speed08.toml"]),
-    verb("rig_simulate", &["rig", "simulate", "hold.toml"]),
-    Verb {
-        name: "rig_process",
-        words: &["rig", "process", "s"],
-        before: &["rig", "simulate", "hold.toml", "--quiet", "--out", "s"],
-    },
-    verb("average", &["average", "cell.csv"]),
-    verb("show", &["show", "{root}/robots/glider.toml"]),
-    verb("new", &["new", "case", "a"]),
 ];
 
 /// A fit of one number to two short runs.
@@ -196,7 +192,7 @@ impl<'a> Tried<'a> {
 
     /// Where the folder could not be moved to its name alone, it has the next one, and that is told.
     fn renamed(&self, ended: &Ended) -> Result<(), String> {
-        let (other, name) = (self.place.path("a-2"), self.place.path("a"));
+        let (other, name) = (self.place.path("a-2"), self.place.path(self.verb.leaves()));
         if other.exists() && !name.exists() && ended.stderr.contains("a-2") {
             fs::rename(&other, &name).map_err(|error| format!("a-2: {error}"))?;
         }
@@ -205,7 +201,7 @@ impl<'a> Tried<'a> {
 
     /// Nothing looks finished, or all is.
     fn nothing_finished(&self) -> Result<(), String> {
-        if self.place.path("a").exists() {
+        if self.place.path(self.verb.leaves()).exists() {
             self.whole().map_err(|what| format!("a lies there, but {what}"))
         } else {
             Ok(())
@@ -214,7 +210,7 @@ impl<'a> Tried<'a> {
 
     /// The same command again ends as if nothing had happened.
     fn again(&self) -> Result<(), String> {
-        if self.place.path("a").exists() {
+        if self.place.path(self.verb.leaves()).exists() {
             return Ok(());
         }
         let ended = self.call(&[]).map_err(|what| format!("again: {what}"))?;
