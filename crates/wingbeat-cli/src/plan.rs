@@ -1,7 +1,7 @@
 //! `wingbeat plan`.
 
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use wingbeat::judge::{Status, Verdict};
@@ -74,7 +74,6 @@ fn progress(quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(None, target);
     bar.println(Iteration::HEADING);
-    bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
 

@@ -2,7 +2,7 @@
 
 mod search;
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use wingbeat::scenario::{Scenario, TrimProgress, TrimSummary};
@@ -36,7 +36,6 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     };
     let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(None, target);
-    bar.enable_steady_tick(Duration::from_millis(200));
     let mut tell = |at: TrimProgress| {
         if let TrimProgress::Orbit { orbits, iteration, residual } = at {
             bar.set_message(format!("orbit {}, iteration {iteration}: residual {residual:.1e}", orbits + 1));
