@@ -60,11 +60,14 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
     printed
 }
 
+/// Largest rate and frequency, Hz: faster than any load cell is read. *Choice.*
+const FASTEST: f64 = 1e9;
+
 /// What the command line asks of the file.
 fn asked(arguments: &Average) -> Result<Asked, Error> {
     for (key, value) in [("--rate", arguments.rate), ("--frequency", arguments.frequency)] {
-        if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
-            return Err(Error::Input(format!("{key} {value}: allowed is a finite number above 0, Hz")));
+        if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= FASTEST)) {
+            return Err(Error::Input(format!("{key} {value:?}: allowed is above 0, at most {FASTEST:e} Hz")));
         }
     }
     let [least, most] = BINS;
