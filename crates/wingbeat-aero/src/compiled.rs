@@ -1,8 +1,8 @@
 //! The models in the numbers that other crates ask for, compiled once and here: a crate that calls generic code compiles a
 //! copy of its own.
 
-use super::{Aero, Loads, SectionMotion, Surfaces};
-use wingbeat_math::{Dual, Vec3};
+use super::{Aero, Loads, SectionMotion, StripModel, Surfaces};
+use wingbeat_math::{Dual, Vec3, Wrench};
 use wingbeat_ocp::plant::Early;
 
 impl Aero {
@@ -27,6 +27,20 @@ impl Aero {
     /// As `evaluate_sum`.
     pub fn rates_in_numbers(&self, sections: &[SectionMotion<f64>], wind: Vec3, x: &[f64], dx: &mut [f64]) {
         self.evaluate_sum(&sections, wind, x, dx, None);
+    }
+
+    /// [`evaluate_sum`](Self::evaluate_sum) in plain numbers, without the coupling of accelerations.
+    ///
+    /// # Panics
+    /// As `evaluate_sum`.
+    pub fn sum_in_numbers(
+        &self,
+        sections: &[SectionMotion<f64>],
+        wind: Vec3,
+        x: &[f64],
+        dx: &mut [f64],
+    ) -> (Wrench<f64>, [[f64; 6]; 6]) {
+        self.evaluate_sum(&sections, wind, x, dx, None)
     }
 
     /// [`evaluate`](Self::evaluate) with the derivatives that one pass of a [`Linearisation`](wingbeat_ocp::plant::Linearisation)
@@ -77,5 +91,50 @@ impl Surfaces {
         loads: &mut Loads<f64>,
     ) {
         self.evaluate(sections, wind, x, dx, loads);
+    }
+
+    /// [`evaluate_sum`](Self::evaluate_sum) in plain numbers, without the coupling of accelerations.
+    ///
+    /// # Panics
+    /// As `evaluate_sum`.
+    pub fn sum_in_numbers(
+        &self,
+        sections: &[SectionMotion<f64>],
+        wind: Vec3,
+        x: &[f64],
+        dx: &mut [f64],
+    ) -> (Wrench<f64>, [[f64; 6]; 6]) {
+        self.evaluate_sum(&sections, wind, x, dx, None)
+    }
+}
+
+impl StripModel {
+    /// [`evaluate`](Self::evaluate) in plain numbers.
+    ///
+    /// # Panics
+    /// As `evaluate`.
+    pub fn evaluate_in_numbers(
+        &self,
+        sections: &[SectionMotion<f64>],
+        wind: Vec3,
+        x: &[f64],
+        dx: &mut [f64],
+        loads: &mut Loads<f64>,
+    ) {
+        self.evaluate(sections, wind, x, dx, loads);
+    }
+
+    /// [`evaluate_sum`](Self::evaluate_sum) in plain numbers, without the coupling of accelerations.
+    ///
+    /// # Panics
+    /// As `evaluate_sum`.
+    pub fn sum_in_numbers(
+        &self,
+        sections: &[SectionMotion<f64>],
+        wind: Vec3,
+        x: &[f64],
+        dx: &mut [f64],
+    ) -> (Wrench<f64>, [[f64; 6]; 6]) {
+        self.evaluate_sum(&sections, wind, x, dx, None)
     }
 }

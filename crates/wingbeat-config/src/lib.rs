@@ -73,6 +73,7 @@ pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, R
 pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
 pub use rig_truth::RigTruthSpec;
 pub use schema::DocumentKind;
+pub use shared::what_a_controller_knows;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,
 };
@@ -455,27 +456,5 @@ impl Scenario {
             step_error_m,
         };
         Summary::new(&recorded.record, flight, &context)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn published_numbers_stand_only_beside_their_own_case() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/banking_turn.toml");
-        let published = |overrides: &[&str]| {
-            let overrides: Vec<String> = overrides.iter().map(|text| (*text).into()).collect();
-            let scenario = Scenario::load(&path, &overrides).unwrap();
-            assert_eq!(scenario.spec.paper.is_some(), scenario.resolved.contains("[paper]"));
-            scenario.spec.paper.is_some()
-        };
-        assert!(published(&[]));
-        assert!(published(&["name=again", "flight.record_every_s=2e-3", "paper.roll_deg=14.0"]));
-        assert!(published(&["aero.preset=paper"]));
-        assert!(!published(&["aero.preset=full"]));
-        assert!(!published(&["flight.duration_s=0.1"]));
-        assert!(!published(&["name=again", "robot.body.mass_kg=0.03"]));
     }
 }

@@ -226,18 +226,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_schema_says_keys_meanings_defaults_and_ranges() {
-        let schema = DocumentKind::Scenario.schema();
-        let air = &schema["definitions"]["AirSpec"];
-        assert_eq!(air["additionalProperties"], false);
-        assert_eq!(air["required"], json!(["density_kg_m3"]));
-        assert_eq!(air["properties"]["gust_m_s"]["default"], 0.0);
-        assert_eq!(air["properties"]["wind_m_s"]["items"]["maximum"], 1e4);
-        assert!(schema["properties"]["goal"]["description"].as_str().unwrap().starts_with("What counts"));
-        assert!(!schema.to_string().contains("null"), "TOML has no null");
-    }
-
-    #[test]
     fn links_of_doc_comments_become_names() {
         assert_eq!(
             plain("one of [`Doors`](super::Doors),\nor [`X`]; `a[0]`"),

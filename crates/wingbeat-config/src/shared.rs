@@ -22,7 +22,7 @@ pub(super) struct Shared(Mutex<Vec<(String, Made)>>);
 impl Shared {
     /// Gives `scenario` what its controller shares with others of the same model. Who comes first makes it, others wait.
     pub fn give(&self, scenario: &mut Scenario) {
-        let Some(key) = made_from(&scenario.spec) else { return };
+        let Some(key) = what_a_controller_knows(&scenario.spec) else { return };
         let made = {
             let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             match all.iter().find(|(other, _)| *other == key) {
@@ -59,7 +59,7 @@ struct MadeFrom<'a> {
 
 /// What the controller of `spec` is made from, as text; none without a controller. Every field of the tables is named, so that a new one
 /// does not compile until it is said whether a controller knows of it.
-fn made_from(spec: &ScenarioSpec) -> Option<String> {
+pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
     let ScenarioSpec {
         robot,
         air,
@@ -109,40 +109,4 @@ fn made_from(spec: &ScenarioSpec) -> Option<String> {
         path,
     };
     toml::to_string(&made_from).ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Document;
-    use std::path::Path;
-
-    fn key(file: &str, overrides: &[&str]) -> String {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(file);
-        let document = overrides.iter().fold(Document::file(&path).unwrap(), |d, text| d.set(*text));
-        made_from(&Scenario::new(document).unwrap().spec).unwrap()
-    }
-
-    #[test]
-    fn whatever_a_controller_knows_makes_another_one() {
-        for (file, known) in [
-            ("estimator_20g.toml", "sensors.height.bias_m=0.0123"),
-            ("estimator_20g.toml", "robot.body.mass_kg=0.0201"),
-            ("estimator_20g.toml", "controller.orbit.estimator.missed_s=0.11"),
-            ("estimator_20g.toml", "air.wind_m_s=[0.0, 0.001, 0.0]"),
-            ("path_figure8.toml", "path.lead_m=4.5"),
-            ("banking_turn.toml", "flight.flapping=false"),
-        ] {
-            assert_ne!(key(file, &[]), key(file, &[known]), "{known}");
-        }
-        for unknown in [
-            "seed=77",
-            "air.gust_m_s=0.2",
-            "mismatch.density=0.97",
-            "goal={settle_s=1.1, roll_within_deg=9.0, pitch_within_deg=9.0}",
-            "name=other",
-        ] {
-            assert_eq!(key("estimator_20g.toml", &[]), key("estimator_20g.toml", &[unknown]), "{unknown}");
-        }
-    }
 }

@@ -99,7 +99,7 @@ impl Document {
 
     /// Checks that the document is a robot; its name.
     fn robot(&self) -> PyResult<String> {
-        let spec: wingbeat::robot::RobotSpec = self.0.parse().map_err(refused)?;
+        let spec = self.0.robot().map_err(refused)?;
         match spec.check() {
             Ok(()) => Ok(spec.name),
             Err(error) => Err(refused(self.0.explain(&error))),

@@ -276,21 +276,24 @@ impl Robot {
         })
     }
 
-    /// The robot with the numbers called `keys` as variables: what it computes carries the derivatives by them, in
-    /// their order. A key without the side of a mirrored pair stands for both links, which stay each other's image.
-    /// Take many numbers a few at a time, as [`in_batches`](Self::in_batches) does: an evaluation holds 1 + N numbers
-    /// for every one of its own on the stack, and 14 at once outgrow a thread's 2 MiB.
+    /// The robot with the numbers called `keys` as variables, at most [`TOGETHER`]: what it computes carries the derivatives by
+    /// them, in their order. A key without the side of a mirrored pair stands for both links, which stay each other's image.
+    /// [`in_batches`](Self::in_batches) takes as many as one likes: an evaluation holds a derivative by each variable for every
+    /// number of its own on the stack, and 14 at once outgrow a thread's 2 MiB.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with the names that there are when one is unknown.
-    pub fn varied<const N: usize>(&self, keys: [&str; N]) -> Result<Robot<Dual<N>>, Error> {
-        self.varied_by(keys.map(Some))
+    /// [`Error::Invalid`] with the names that there are when one is unknown, or when there are too many.
+    pub fn varied(&self, keys: &[&str]) -> Result<Robot<Varying>, Error> {
+        if keys.len() > TOGETHER {
+            return Err(Error::invalid("numbers", keys.join(", "), format!("at most {TOGETHER} at once")));
+        }
+        self.varied_by(std::array::from_fn(|k| keys.get(k).copied()))
     }
 
     /// The same where a variable without a key moves nothing of the robot.
-    fn varied_by<const N: usize>(&self, keys: [Option<&str>; N]) -> Result<Robot<Dual<N>>, Error> {
+    fn varied_by(&self, keys: [Option<&str>; TOGETHER]) -> Result<Robot<Varying>, Error> {
         self.check_names(keys.into_iter().flatten())?;
-        let numbers = self.each_number(Dual::<N>::constant, |number, value| {
+        let numbers = self.each_number(Varying::constant, |number, value| {
             let eps = keys.map(|key| key.and_then(|key| share(key, number)).unwrap_or(0.0));
             Dual { re: value, eps }
         });

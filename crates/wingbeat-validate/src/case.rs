@@ -100,7 +100,7 @@ impl Selection {
 }
 
 /// True when `id` is `prefix` or starts with `prefix.`.
-pub(crate) fn below(id: &str, prefix: &str) -> bool {
+pub fn below(id: &str, prefix: &str) -> bool {
     id.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 

@@ -106,18 +106,3 @@ fn phase_deg(value: (f64, f64)) -> f64 {
 fn percent(point: &Point) -> f64 {
     100.0 * point.error()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_figure_shows_cases_that_exist() {
-        let cases = [crate::cases(), crate::slow_cases()].concat();
-        for picture in PICTURES.iter().chain(SLOW_PICTURES) {
-            for id in picture.cases {
-                assert!(cases.iter().any(|case| case.id == *id), "{}: no case {id}", picture.name);
-            }
-        }
-    }
-}

@@ -32,9 +32,9 @@ pub mod paper_nlp;
 pub mod paper_printed;
 pub mod rig;
 
-pub use case::{Case, LongCase, Row, Selection, Watch, run, run_long, select, select_long};
+pub use case::{Case, LongCase, Row, Selection, Watch, below, run, run_long, select, select_long};
 pub use error::Error;
-pub use page::page;
+pub use page::{Piece, page, pieces};
 pub use reference::Table;
 pub use report::{Line, table, to_json};
 

@@ -6,14 +6,18 @@ use crate::{Row, report};
 /// frequency of the flapping wings.
 const TEXT: &str = include_str!("page.md");
 
-/// A piece of the text: words, or what stands between braces.
-enum Piece<'a> {
-    Words(&'a str),
-    Place(&'a str),
+/// A piece of the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Piece {
+    /// Words as they are.
+    Words(&'static str),
+    /// What stands between double braces, in whose place numbers come.
+    Place(&'static str),
 }
 
-fn pieces(text: &str) -> impl Iterator<Item = Piece<'_>> {
-    text.split("{{").enumerate().flat_map(|(i, part)| match part.split_once("}}") {
+/// The text in its pieces.
+pub fn pieces() -> impl Iterator<Item = Piece> {
+    TEXT.split("{{").enumerate().flat_map(|(i, part)| match part.split_once("}}") {
         Some((place, words)) if i > 0 => vec![Piece::Place(place), Piece::Words(words)],
         _ => vec![Piece::Words(part)],
     })
@@ -22,7 +26,7 @@ fn pieces(text: &str) -> impl Iterator<Item = Piece<'_>> {
 /// The page as Markdown, its figures in the folder `figures`; none when `rows` lack one that it names.
 pub fn page(rows: &[Row]) -> Option<String> {
     let mut page = String::new();
-    for piece in pieces(TEXT) {
+    for piece in pieces() {
         match piece {
             Piece::Words(words) => page += words,
             Piece::Place(place) => page += &filled(place, rows)?,
@@ -81,52 +85,6 @@ fn significant(value: f64, digits: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::PICTURES;
-    use std::path::Path;
-
-    fn places() -> impl Iterator<Item = &'static str> {
-        pieces(TEXT).filter_map(|piece| match piece {
-            Piece::Place(place) => Some(place),
-            Piece::Words(_) => None,
-        })
-    }
-
-    #[test]
-    fn the_page_has_every_comparison_and_every_figure() {
-        let named: Vec<&str> =
-            places().filter_map(|p| p.strip_prefix("rows ")).flat_map(|p| p.split(' ')).collect();
-        for case in crate::cases() {
-            let shown = named.iter().any(|name| crate::case::below(case.id, name));
-            assert!(shown, "{} is not on the page", case.id);
-        }
-        for picture in PICTURES {
-            assert!(TEXT.contains(&format!("](figures/{}.png)", picture.name)), "{}", picture.name);
-        }
-        assert_eq!(TEXT.matches("](figures/").count(), PICTURES.len());
-    }
-
-    /// Only the words: the numbers are compared where the rows are computed anyway.
-    #[test]
-    fn the_page_in_docs_is_current() {
-        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-        let page = std::fs::read_to_string(docs.join("validation.md")).unwrap_or_default();
-        let mut rest = page.as_str();
-        let text = TEXT.replace("](figures/", "](images/validation/");
-        for piece in pieces(&text) {
-            if let Piece::Words(words) = piece {
-                let at = rest.find(words);
-                assert!(
-                    at.is_some(),
-                    "docs/validation.md is stale: run `cargo xtask docs`; it lacks {words:?}"
-                );
-                rest = &rest[at.unwrap_or(0) + words.len()..];
-            }
-        }
-        for picture in PICTURES {
-            let path = docs.join("images/validation").join(picture.name).with_extension("png");
-            assert!(path.exists(), "no {}: run `cargo xtask docs`", path.display());
-        }
-    }
 
     #[test]
     fn numbers_are_short() {

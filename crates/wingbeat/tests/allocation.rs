@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use wingbeat::aero::{
     Aero, Loads, Planform, PlanformStation, SectionMotion, StripModel, StripSettings, Surfaces,
 };
-use wingbeat::math::{Dual, Scalar, Vec3};
-use wingbeat::plant::Plant;
+use wingbeat::math::{Scalar, Vec3};
+use wingbeat::plant::{Early, Plant};
 use wingbeat::scenario::Scenario;
 use wingbeat::simulate::Stepper;
 
@@ -41,9 +41,12 @@ static COUNTING: Counting = Counting;
 
 #[test]
 fn a_plant_evaluation_allocates_nothing() {
-    for (name, preset) in
-        [("banking_turn", "paper"), ("banking_turn_beta", "paper"), ("banking_turn", "full")]
-    {
+    for (name, preset) in [
+        ("banking_turn", "paper"),
+        ("banking_turn_beta", "paper"),
+        ("banking_turn", "full"),
+        ("bank15_20g", "full"),
+    ] {
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenarios/{name}.toml"));
         let scenario =
             Scenario::load(&path, &[format!("aero.preset={preset}")]).unwrap_or_else(|e| panic!("{e}"));
@@ -51,14 +54,14 @@ fn a_plant_evaluation_allocates_nothing() {
         let x = scenario.start();
         let u = vec![0.0; robot.inputs().len()];
         let mut dx = x.clone();
-        let dual = |v: &[f64]| v.iter().map(|&v| Dual::<8>::constant(v)).collect::<Vec<_>>();
+        let dual = |v: &[f64]| v.iter().map(|&v| Early::constant(v)).collect::<Vec<_>>();
         let (xd, ud, mut dxd) = (dual(&x), dual(&u), dual(&x));
-        let mut clearances = vec![Dual::ZERO; robot.clearances().len()];
+        let mut clearances = vec![Early::ZERO; robot.clearances().len()];
         let mut stepper = Stepper::new(robot, 0.0, &x);
         let before = allocations();
         robot.rates_in_numbers(0.01, &x, &u, &mut dx).unwrap();
-        robot.rates(Dual::<8>::constant(0.01), &xd, &ud, &mut dxd).unwrap();
-        robot.clear(Dual::<8>::constant(0.01), &xd, &mut clearances).unwrap();
+        robot.rates_in_early(0.01, &xd, &ud, &mut dxd).unwrap();
+        robot.clear(Early::constant(0.01), &xd, &mut clearances).unwrap();
         (0..5).for_each(|_| stepper.step(1e-4).unwrap());
         assert_eq!(allocations() - before, 0, "{name}");
         assert_ne!(before, 0);
@@ -85,11 +88,8 @@ fn surfaces_in_each_others_wash_allocate_nothing() {
         .collect();
     let (x, wind) = (vec![0.01; surfaces.states()], Vec3::new(-2.0, 0.0, 0.1));
     let (mut dx, mut loads) = (x.clone(), Loads::default());
-    let dual: Vec<Dual<8>> = x.iter().map(|&v| Dual::constant(v)).collect();
-    let mut dual_dx = dual.clone();
     let before = allocations();
-    surfaces.evaluate(&sections, wind, &x, &mut dx, &mut loads);
-    surfaces.evaluate_sum(&sections, wind, &dual, &mut dual_dx, None);
+    surfaces.evaluate_in_numbers(&sections, wind, &x, &mut dx, &mut loads);
     assert_eq!(allocations() - before, 0);
     assert!(dx.iter().all(|d| d.is_finite()));
 }

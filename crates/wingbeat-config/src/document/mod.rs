@@ -8,6 +8,7 @@
 mod error;
 mod explain;
 mod inherit;
+mod kinds;
 mod limits;
 mod outline;
 mod read;

@@ -56,6 +56,3 @@ impl Side {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -128,33 +128,3 @@ fn based(mut schema: Map<String, Value>) -> Map<String, Value> {
     properties.insert(WITHOUT.into(), keys);
     schema
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_outline_may_be_stations_or_a_file() {
-        for (kind, holder) in [(DocumentKind::Case, "TetheredWingSpec"), (DocumentKind::Robot, "WingSpec")] {
-            let schema = kind.schema_of_files();
-            let planform = &schema["definitions"][holder]["properties"]["planform"];
-            assert_eq!(planform["anyOf"][0]["type"], "array", "{planform}");
-            assert_eq!(planform["anyOf"][1]["$ref"], "#/definitions/OutlineFile");
-            assert!(schema["definitions"]["OutlineFile"]["properties"]["unit"].is_object());
-        }
-        assert_eq!(DocumentKind::Arm.schema_of_files()["definitions"]["OutlineFile"], Value::Null);
-    }
-
-    #[test]
-    fn a_document_with_a_base_may_leave_out_keys_and_one_without_may_not() {
-        let schema = DocumentKind::Scenario.schema_of_files();
-        assert_eq!(schema["if"]["required"], json!(["base"]));
-        assert_eq!(schema["required"], Value::Null);
-        assert_eq!(schema["definitions"]["AirSpec.part"]["required"], Value::Null);
-        assert_eq!(schema["properties"]["air"]["allOf"][0]["$ref"], "#/definitions/AirSpec.part");
-        let whole = &schema["definitions"]["Document.whole"];
-        assert!(whole["required"].as_array().unwrap().contains(&json!("air")));
-        assert_eq!(whole["properties"]["air"]["allOf"][0]["$ref"], "#/definitions/AirSpec");
-        assert_eq!(schema["definitions"]["AirSpec"]["required"], json!(["density_kg_m3"]));
-    }
-}

@@ -2,7 +2,8 @@
 
 use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::{Linearisation, Plant};
-use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
+use wingbeat::robot::{Air, Robot, Wind};
+use wingbeat::scenario::Document;
 
 use crate::{Error, Row};
 
@@ -34,7 +35,8 @@ inertia_kg_m2 = [3e-6, {link_inertia:e}, 3e-6]
 elastic = {{ stiffness = {STIFFNESS}, rest = 0.0 }}
 "#
     );
-    let spec: RobotSpec = toml::from_str(&text).map_err(|e| Error::NoAnswer(e.to_string()))?;
+    let spec =
+        Document::text("beam", &text).and_then(|d| d.robot()).map_err(|e| Error::NoAnswer(e.to_string()))?;
     let vacuum = Air { density: 0.0, wind: Wind::steady(Vec3::ZERO) };
     Ok(Robot::new(&spec, Vec::new(), vacuum, 0.0)?)
 }

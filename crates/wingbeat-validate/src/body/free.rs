@@ -2,7 +2,8 @@
 
 use wingbeat::math::{GRAVITY, Vec3};
 use wingbeat::plant::Plant;
-use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
+use wingbeat::robot::{Air, Robot, Wind};
+use wingbeat::scenario::Document;
 
 use super::{Reference, reference};
 use crate::{Error, Row};
@@ -61,8 +62,9 @@ inertia_kg_m2 = {inertia}
 
 /// Largest relative errors of the accelerations and of the efforts of the driven joints.
 fn errors(reference: &Reference, free: usize) -> Result<[f64; 2], Error> {
-    let spec: RobotSpec =
-        toml::from_str(&toml(reference, free)).map_err(|e| Error::NoAnswer(e.to_string()))?;
+    let spec = Document::text("tree", &toml(reference, free))
+        .and_then(|d| d.robot())
+        .map_err(|e| Error::NoAnswer(e.to_string()))?;
     let vacuum = Air { density: 0.0, wind: Wind::steady(Vec3::ZERO) };
     let robot = Robot::new(&spec, Vec::new(), vacuum, 0.0)?;
     let (l, turned) = (*robot.layout(), reference.attitude.matrix());

@@ -5,7 +5,8 @@ use wingbeat::aero::{
 };
 use wingbeat::math::{Quat, RK4, Vec3, Workspace};
 use wingbeat::plant::{Fault, Plant};
-use wingbeat::robot::{Air, Robot, RobotSpec, SurfaceOutline, Wind};
+use wingbeat::robot::{Air, Robot, SurfaceOutline, Wind};
+use wingbeat::scenario::Document;
 
 use crate::aero_full::Preset;
 use crate::{Error, Row};
@@ -39,7 +40,9 @@ fn model(preset: Preset, law: LiftLaw, outline: SurfaceOutline) -> Result<Aero, 
 fn flapper(preset: Preset, law: LiftLaw) -> Result<Robot, Error> {
     let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/fsi/flapper.toml"));
     let file = "fsi/flapper.toml";
-    let spec: RobotSpec = toml::from_str(text).map_err(|e| Error::reference(file, e.to_string()))?;
+    let spec = Document::text(file, text)
+        .and_then(|d| d.robot())
+        .map_err(|e| Error::reference(file, e.to_string()))?;
     let models = spec.outlines()?.into_iter().map(|outline| model(preset, law, outline));
     let air = Air { density: DENSITY, wind: Wind::steady(Vec3::new(0.1, -0.2, 0.05)) };
     Ok(Robot::new(&spec, models.collect::<Result<_, _>>()?, air, 0.3)?)

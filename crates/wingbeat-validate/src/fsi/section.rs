@@ -6,7 +6,8 @@ use nalgebra::{Complex, DMatrix};
 use wingbeat::aero::Aero;
 use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::{Linearisation, Plant};
-use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
+use wingbeat::robot::{Air, Robot, Wind};
+use wingbeat::scenario::Document;
 
 use crate::Error;
 use crate::aero_full::Preset;
@@ -120,8 +121,9 @@ panels = [{{ link = "pitch", origin_m = [0.0, 0.0, {root:e}], direction = [0.0, 
 
     /// Eigenvalues of springs and air in a wind of `speed` m/s, rad/s: the linearised robot, its body held.
     pub fn eigenvalues(&self, preset: Preset, speed: f64) -> Result<Vec<Complex<f64>>, Error> {
-        let spec: RobotSpec =
-            toml::from_str(&self.toml()).map_err(|e| Error::NoAnswer(format!("typical section: {e}")))?;
+        let spec = Document::text("typical section", &self.toml())
+            .and_then(|d| d.robot())
+            .map_err(|e| Error::NoAnswer(e.to_string()))?;
         let model = |outline: wingbeat::robot::SurfaceOutline| {
             preset.model_of(NODES, &outline.planform, &outline.hinges, DENSITY, LEAST_SPEED)
         };

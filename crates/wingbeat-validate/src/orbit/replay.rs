@@ -147,8 +147,7 @@ impl Motion {
 
     /// The scenario of `spec`, and its robot at the orbit's frequency.
     fn built(&self, spec: &ScenarioSpec) -> Result<(Scenario, Robot), Error> {
-        let text = toml::to_string(spec).map_err(|e| Error::NoAnswer(e.to_string()))?;
-        let scenario = Document::text("replayed", &text).and_then(Scenario::new).map_err(refused)?;
+        let scenario = Document::of_scenario("replayed", spec).and_then(Scenario::new).map_err(refused)?;
         let pace = self.robot.frequency_hz() / self.scenario.model().frequency_hz();
         let robot = scenario.model().paced(pace);
         Ok((scenario, robot))

@@ -1,4 +1,5 @@
-//! The shared problem of the solvers, and the program. The comparisons themselves are run by `cargo xtask test` and `long`.
+//! The shared problem of the solvers, the page, and the program. The comparisons themselves are run by `cargo xtask test` and `long`.
 
 mod flapbody;
+mod page;
 mod program;

@@ -8,7 +8,8 @@ use wingbeat::judge::Status;
 use wingbeat::math::{Dual, Jet, Scalar, Vec3};
 use wingbeat::ocp::{Instant, OptimalControl};
 use wingbeat::plant::{LocalChart, Plant};
-use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
+use wingbeat::robot::{Air, Robot, Wind};
+use wingbeat::scenario::Document;
 use wingbeat::scenario::{PlanSpec, Run, Scenario};
 
 /// Width of the smooth minimum, and the corners of Aerobat: 2 edges at 2 and 4 arcs of each wing.
@@ -198,7 +199,7 @@ between = ["body", "arm_right"]
 "#;
 
 fn build(text: &str) -> Result<Robot, wingbeat::Error> {
-    let spec: RobotSpec = toml::from_str(text).unwrap();
+    let spec = Document::text("robot", text).unwrap().robot().unwrap();
     Robot::new(&spec, Vec::new(), Air { density: 1.2, wind: Wind::steady(Vec3::ZERO) }, 0.0)
 }
 

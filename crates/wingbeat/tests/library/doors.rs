@@ -14,7 +14,7 @@ use wingbeat::guide::{AttitudeTracking, RobotSolver, SolverSpec};
 use wingbeat::ocp::realtime::Settings;
 use wingbeat::plant::LocalChart;
 use wingbeat::robot::Robot;
-use wingbeat::scenario::{Document, Doors, Scenario, ScenarioSpec};
+use wingbeat::scenario::{Document, Doors, Scenario};
 
 #[test]
 fn a_manoeuvre_of_ones_own_is_chosen_from_toml() {
@@ -100,8 +100,8 @@ fn unknown_and_missing_keys_of_what_ships_are_told_as_ever() {
 fn a_choice_survives_writing_and_reading() {
     let weave = Document::text("weave.toml", "[weave]\nroll_deg = 5.0").unwrap();
     let document = turn().put("manoeuvre", weave).unwrap().merged(&["robot"], &|_, _| None).unwrap();
-    let spec: ScenarioSpec = document.parse().unwrap();
-    let again: ScenarioSpec = Document::value("spec", &spec).unwrap().parse().unwrap();
+    let spec = document.scenario().unwrap();
+    let again = Document::of_scenario("spec", &spec).unwrap().scenario().unwrap();
     assert_eq!(format!("{:?}", again.manoeuvre), format!("{:?}", spec.manoeuvre));
     assert!(spec.manoeuvre.is_some_and(|chosen| chosen.shipped().is_none()));
 }

@@ -7,7 +7,8 @@ use wingbeat::aero::{
 use wingbeat::guide::Stand;
 use wingbeat::math::{Jet, Mat3, Quat, Vec3};
 use wingbeat::plant::{Linearisation, Plant, Role};
-use wingbeat::robot::{Air, BodyMotion, Robot, RobotSpec, Wind};
+use wingbeat::robot::{Air, BodyMotion, Robot, Wind};
+use wingbeat::scenario::Document;
 use wingbeat::simulate::{Held, Moment, Observed, Stepper};
 
 /// Wings on series of the phase, an elastic feather, three regulators on four elements.
@@ -116,7 +117,7 @@ fn with_motor(text: &str) -> String {
 }
 
 fn build(text: &str, full: bool, density: f64) -> Result<Robot, wingbeat::Error> {
-    let spec: RobotSpec = toml::from_str(text).unwrap();
+    let spec = Document::text("robot", text).unwrap().robot().unwrap();
     let models = spec.outlines()?.into_iter().map(|outline| {
         if full {
             let settings = StripSettings {
@@ -336,7 +337,7 @@ fn turned(text: &str, omega: f64, turns: usize) -> [f64; 3] {
     let (per_turn, mut dx) = (400, x.clone());
     let h = std::f64::consts::TAU / omega / per_turn as f64;
     let slope = |t: f64, x: &[f64], dx: &mut [f64]| {
-        robot.carried(&Jet::new(t, 1.0, 0.0), &body, x, &u, dx).map(|loads| loads.joint_power())
+        robot.carried_in_numbers(&Jet::new(t, 1.0, 0.0), &body, x, &u, dx).map(|loads| loads.joint_power())
     };
     let (mut rates, mut power) = (Vec::new(), 0.0);
     let mut work = wingbeat::math::Workspace::new(x.len(), wingbeat::math::RK4.b.len());

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use wingbeat::math::{Dual, Jet, Quat, Vec3};
-use wingbeat::plant::Plant;
+use wingbeat::math::{Jet, Quat, Vec3};
+use wingbeat::plant::{Early, Plant};
 use wingbeat::robot::BodyMotion;
 use wingbeat::scenario::{Scenario, TetherCase};
 use wingbeat::simulate::{Ending, Held, Moment, Record, Stepper};
@@ -118,7 +118,7 @@ fn a_free_robot_follows_its_impulses_like_a_carried_one() {
             ..BodyMotion::steady(attitude, Vec3::from_slice(&x[l.velocity..]))
         };
         let mut carried = vec![0.0; robot.carried_states()];
-        robot.carried(&Jet::new(t, 1.0, 0.0), &body, &x[l.structure..], &u, &mut carried).unwrap();
+        robot.carried_in_numbers(&Jet::new(t, 1.0, 0.0), &body, &x[l.structure..], &u, &mut carried).unwrap();
         let free = &dx[l.structure..];
         let largest = free.iter().fold(0.0_f64, |m, rate| m.max(rate.abs()));
         for (i, (a, b)) in free.iter().zip(&carried).enumerate() {
@@ -141,9 +141,10 @@ fn derivatives_through_followed_impulses_are_exact() {
         robot.rates_in_numbers(t, &moved, &u, &mut dx).unwrap();
         dx
     };
-    let lifted: Vec<Dual<1>> = x.iter().zip(&direction).map(|(x, d)| Dual { re: *x, eps: [*d] }).collect();
-    let (inputs, mut dx) = (vec![Dual::constant(0.0); u.len()], vec![Dual::constant(0.0); x.len()]);
-    robot.rates(Dual::constant(t), &lifted, &inputs, &mut dx).unwrap();
+    let lifted: Vec<Early> =
+        x.iter().zip(&direction).map(|(x, d)| Early::variable(*x, 0) * *d + (*x - *x * *d)).collect();
+    let (inputs, mut dx) = (vec![Early::constant(0.0); u.len()], vec![Early::constant(0.0); x.len()]);
+    robot.rates_in_early(t, &lifted, &inputs, &mut dx).unwrap();
     let (ahead, behind) = (along(h), along(-h));
     let largest = dx.iter().fold(0.0_f64, |m, rate| m.max(rate.eps[0].abs()));
     for ((exact, a), b) in dx.iter().zip(&ahead).zip(&behind) {

@@ -6,7 +6,8 @@ use wingbeat::aero::{
 use wingbeat::body::LinkMotion;
 use wingbeat::math::{Jet, Quat, RK4, Vec3, Workspace, Wrench};
 use wingbeat::plant::{Linearisation, Plant};
-use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
+use wingbeat::robot::{Air, Robot, Wind};
+use wingbeat::scenario::Document;
 
 /// Body with a chain of a skew hinge, a slide and a driven hinge, and a pair of elastic fins.
 const CHAIN: &str = r#"
@@ -55,7 +56,7 @@ enum Preset {
 }
 
 fn robot(text: &str, preset: Preset, density: f64) -> Robot {
-    let spec: RobotSpec = toml::from_str(text).unwrap();
+    let spec = Document::text("robot", text).unwrap().robot().unwrap();
     let models = spec.outlines().unwrap().into_iter().map(|outline| match preset {
         Preset::Paper => {
             let settings = LiftingLineSettings {
@@ -184,7 +185,7 @@ fn mirrored_elastic_joints_stay_alike() {
     Quat::from_roll_pitch_yaw(0.0, -0.2, 0.0).store_wxyz(&mut x[l.attitude..]);
     x[l.velocity] = 2.0;
     let air = Air { density: 1.2, wind: Wind::steady(Vec3::ZERO) };
-    let spec: RobotSpec = toml::from_str(FLAPPER).unwrap();
+    let spec = Document::text("robot", FLAPPER).unwrap().robot().unwrap();
     let models = robot.surfaces().map(|(_, aero)| aero.clone()).collect();
     let robot = Robot::new(&spec, models, air, 0.3).unwrap();
     let mut work = Workspace::new(x.len(), RK4.b.len());
@@ -281,7 +282,7 @@ fn what_a_mechanism_cannot_be_is_refused_by_key() {
     let refusal = |from: &str, to: &str| {
         let text = CHAIN.replacen(from, to, 1);
         assert_ne!(text, CHAIN);
-        let spec: RobotSpec = toml::from_str(&text).unwrap();
+        let spec = Document::text("robot", &text).unwrap().robot().unwrap();
         let air = Air { density: 1.2, wind: Wind::steady(Vec3::ZERO) };
         Robot::new(&spec, Vec::new(), air, 0.0).unwrap_err().to_string()
     };

@@ -45,7 +45,7 @@ fn the_power_of_joints_air_and_carrier_is_the_rate_of_energy() {
         let mut dx = x.clone();
         let t0 = 0.07;
         let (body, _) = moving(0.0);
-        let loads = robot.carried(&Jet::new(t0, 1.0, 0.0), &body, &x, &u, &mut dx).unwrap();
+        let loads = robot.carried_in_numbers(&Jet::new(t0, 1.0, 0.0), &body, &x, &u, &mut dx).unwrap();
         let t = Dual::<1>::variable(0.0, 0);
         let (body_along, position) = moving(t);
         let along: Vec<_> = x.iter().zip(&dx).map(|(x, dx)| t * *dx + *x).collect();
@@ -88,7 +88,7 @@ fn one_wing_stands_for_both() {
         let flapping = Flapping { frequency_hz: 4.0, pitch: -0.2 };
         let (mut dx, mut one) = (x.clone(), kept.clone());
         let (clock, body) = (stand.clock(0.03, &flapping), stand.body(flapping.pitch));
-        let both = robot.carried(&clock, &body, &x, &u, &mut dx).unwrap();
+        let both = robot.carried_in_numbers(&clock, &body, &x, &u, &mut dx).unwrap();
         let loads = stand.evaluate(0.03, &flapping, &kept, &commands, &mut one).unwrap();
         assert_eq!(both.joint_power(), loads.joint_power());
         let mut all = vec![0.0; x.len()];

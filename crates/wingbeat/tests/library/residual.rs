@@ -80,7 +80,7 @@ fn it_acts_on_the_flying_body_and_closes_its_balance() {
     assert!(sum.force.norm() < 1e-9 && sum.moment.norm() < 1e-9, "{sum:?}");
     let energy = |h: f64| {
         let mut dx = vec![0.0; x.len()];
-        b.rates(t, &x, &u, &mut dx).unwrap();
+        b.rates_in_numbers(t, &x, &u, &mut dx).unwrap();
         let moved: Vec<f64> = x.iter().zip(&dx).map(|(x, d)| x + h * d).collect();
         b.observe(t + h, &moved, &u).unwrap().energy
     };
@@ -101,7 +101,7 @@ fn plans_know_its_derivatives() {
         let rates = |h: f64| {
             let (mut moved, mut dx) = (x.clone(), vec![0.0; x.len()]);
             moved[state] += h;
-            robot.rates(0.013, &moved, &u, &mut dx).unwrap();
+            robot.rates_in_numbers(0.013, &moved, &u, &mut dx).unwrap();
             dx[l.rate + 1]
         };
         let difference = (rates(1e-6) - rates(-1e-6)) / 2e-6;

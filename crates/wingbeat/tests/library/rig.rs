@@ -18,7 +18,7 @@ fn a_robot_at_rest_bears_its_weight_on_the_stand() {
         BodyMotion { attitude, velocity: zero, rate: zero, acceleration: zero, angular_acceleration: zero };
     let x = vec![0.0; run.robot.carried_states()];
     let u = vec![0.0; run.robot.inputs().len()];
-    let loads = run.robot.carried(&Jet::default(), &body, &x, &u, &mut x.clone()).unwrap();
+    let loads = run.robot.carried_in_numbers(&Jet::default(), &body, &x, &u, &mut x.clone()).unwrap();
     let weight = Vec3([0.0, 0.0, -GRAVITY * run.robot.mass()]);
     assert!((attitude * loads.total().force - weight).norm() < 1e-12);
 }

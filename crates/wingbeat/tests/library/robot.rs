@@ -5,14 +5,15 @@ use wingbeat::aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Planform, ProfileDrag, SectionSettings, StripModel,
     StripSettings,
 };
-use wingbeat::math::{Dual, Quat, Vec3};
+use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::{Linearisation, LocalChart, Plant};
-use wingbeat::robot::{Air, Robot, RobotSpec, Wind};
+use wingbeat::robot::{Air, Robot, RobotSpec, Varying, Wind};
+use wingbeat::scenario::Document;
 use wingbeat::simulate::{Held, Moment, Observed, Stepper};
 
 fn spec(name: &str) -> RobotSpec {
     let path = format!("{}/../../robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+    Document::file(path.as_ref()).unwrap().robot().unwrap()
 }
 
 fn robot(name: &str, density: f64) -> Robot {
@@ -123,9 +124,9 @@ fn derivatives_are_exact(robot: &Robot) {
         let h = 1e-6;
         let mut shifted = local.clone();
         shifted[j] += h;
-        chart.rates(0.01, &shifted, &u, &mut up).unwrap();
+        chart.rates_in_numbers(0.01, &shifted, &u, &mut up).unwrap();
         shifted[j] -= 2.0 * h;
-        chart.rates(0.01, &shifted, &u, &mut down).unwrap();
+        chart.rates_in_numbers(0.01, &shifted, &u, &mut down).unwrap();
         for i in 0..n {
             let difference = (up[i] - down[i]) / (2.0 * h);
             let scale = 1.0 + exact.a[i * n + j].abs() + exact.f[i].abs() * 1e-3;
@@ -144,7 +145,7 @@ fn numbers_of_a_mirrored_pair_share_a_name() {
 
     // A symmetric state stays so; the mass of the whole grows by both.
     let varied =
-        robot.varied(["links.twist.mass_kg", "links.twist_left.mass_kg", "surfaces.wing.cd0"]).unwrap();
+        robot.varied(&["links.twist.mass_kg", "links.twist_left.mass_kg", "surfaces.wing.cd0"]).unwrap();
     let mass: Vec<f64> = varied
         .numbers()
         .bodies
@@ -152,20 +153,20 @@ fn numbers_of_a_mirrored_pair_share_a_name() {
         .fold(vec![0.0; 3], |sum, body| sum.iter().zip(body.mass.eps).map(|(s, e)| s + e).collect());
     assert_eq!(mass, [2.0, 1.0, 0.0]);
 
-    let text = robot.varied(["links.hand.mass_kg"]).map(|_| ()).unwrap_err().to_string();
+    let text = robot.varied(&["links.hand.mass_kg"]).map(|_| ()).unwrap_err().to_string();
     assert!(text.contains("links.hand.mass_kg") && text.contains("links.twist_left.mass_kg"), "{text}");
 }
 
 #[test]
 fn varied_numbers_leave_the_values_alone() {
     for robot in [robot("aerobat_paper", 1.2), robot_of_strips("aerobat_paper", LiftLaw::Lev)] {
-        let varied = robot.varied(["surfaces.wing.critical_suction", "air.density_kg_m3"]).unwrap();
+        let varied = robot.varied(&["surfaces.wing.critical_suction", "air.density_kg_m3"]).unwrap();
         let x = flying(&robot, 0.3);
         let (u, mut plain) = (vec![0.1; robot.inputs().len()], vec![0.0; x.len()]);
         robot.rates_in_numbers(0.05, &x, &u, &mut plain).unwrap();
-        let lift = |values: &[f64]| values.iter().map(|v| Dual::<2>::constant(*v)).collect::<Vec<_>>();
+        let lift = |values: &[f64]| values.iter().map(|v| Varying::constant(*v)).collect::<Vec<_>>();
         let mut with = lift(&plain);
-        varied.state_rates(Dual::constant(0.05), &lift(&x), &lift(&u), &mut with).unwrap();
+        varied.rates_in_varying(0.05, &lift(&x), &lift(&u), &mut with).unwrap();
         for (a, b) in with.iter().zip(&plain) {
             assert!((a.re - b).abs() <= 1e-11 * (1.0 + b.abs()), "{} {b}", a.re);
         }

@@ -70,13 +70,13 @@ impl Steady<'_> {
         let (h, mut work) = (2e-3, Workspace::new(n, RK4.b.len()));
         let at_rest = vec![0.0; self.robot.inputs().len()];
         let rates = |_: f64, x: &[f64], dx: &mut [f64]| {
-            self.robot.carried(&clock, &body, x, &at_rest, dx).map(|_| ())
+            self.robot.carried_in_numbers(&clock, &body, x, &at_rest, dx).map(|_| ())
         };
         for _ in 0..1500 {
             RK4.step(rates, 0.0, h, &mut self.states, &mut work).unwrap();
         }
         let mut dx = vec![0.0; n];
-        let loads = self.robot.carried(&clock, &body, &self.states, &at_rest, &mut dx).unwrap();
+        let loads = self.robot.carried_in_numbers(&clock, &body, &self.states, &at_rest, &mut dx).unwrap();
         let air = loads.air.total() + loads.body_drag;
         Vector3::new(air.force[0], air.force[2], air.moment[1])
     }

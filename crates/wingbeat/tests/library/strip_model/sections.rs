@@ -82,7 +82,7 @@ fn steady(model: &Aero, aspect: f64, alpha: f64) -> [f64; 2] {
     let (mut x, mut dx) = (vec![0.0; model.states()], vec![0.0; model.states()]);
     let mut loads = Loads::default();
     for _ in 0..20_000 {
-        model.evaluate(&sections, wind, &x, &mut dx, &mut loads);
+        model.evaluate_in_numbers(&sections, wind, &x, &mut dx, &mut loads);
         x.iter_mut().zip(&dx).for_each(|(x, d)| *x += 0.02 * d);
     }
     let up = Vec3::new(alpha.sin(), 0.0, alpha.cos());

@@ -1,10 +1,12 @@
 //! Every model in lanes beside the same model alone, and lanes that do not know each other.
 
-use super::*;
-use crate::Scenario;
 use std::path::Path;
-use wingbeat_math::Random;
-use wingbeat_ocp::plant::{Plant, PlantLanes};
+use std::sync::Arc;
+use wingbeat::math::{Double4, Random, Single8};
+use wingbeat::plant::{Plant, PlantLanes};
+use wingbeat::robot::Robot;
+use wingbeat::scenario::Scenario;
+use wingbeat::simulate::{Stepper, Together};
 
 type Robots = Vec<Stepper<Arc<Robot>>>;
 

@@ -1,0 +1,125 @@
+//! How a sweep draws its numbers.
+
+use std::path::Path;
+use wingbeat::scenario::{Document, ReadTable, Sweep};
+
+fn sweep() -> Sweep {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../sweeps/banking_turn_robustness.toml");
+    Sweep::load(&path, &[], NO_TABLES).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn ends(sweep: &Sweep, k: usize) -> [f64; 2] {
+    let draw = &sweep.spec.draws[k];
+    [draw.low, draw.high].map(|end| end.unwrap_or(f64::NAN))
+}
+
+const NO_TABLES: ReadTable = &|_: &Path| Err(String::new());
+
+fn of_case(more: &str) -> Sweep {
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+    let text = format!(
+        "name = \"map\"\n{more}\n[[draws]]\nkey = \"time.frequency_hz\"\nlow = 2.0\nhigh = 4.0\n[[draws]]\n\
+         key = \"wing.hinges[0].angle_deg.fourier.sin[0]\"\nlow = 10.0\nhigh = 40.0\n"
+    );
+    let document = Document::text("map", &text).unwrap();
+    Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES).unwrap()
+}
+
+#[test]
+fn a_grid_has_every_combination_and_a_hypercube_every_part_once() {
+    let points = "sampling = \"grid\"\ndraws = [\
+         { key = \"time.frequency_hz\", low = 2.0, high = 4.0, points = 3 },\
+         { key = \"wind.speed_m_s\", low = 1.0, high = 2.0, points = 2 }]";
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+    let document = Document::text("map", &format!("name = \"map\"\n{points}\n")).unwrap();
+    let document = document.put("case", Document::file(&case).unwrap()).unwrap();
+    let grid = Sweep::new(document, NO_TABLES).unwrap();
+    let values: Vec<Vec<f64>> = (0..grid.runs()).map(|run| grid.values(run)).collect();
+    assert_eq!(values, [[2.0, 1.0], [2.0, 2.0], [3.0, 1.0], [3.0, 2.0], [4.0, 1.0], [4.0, 2.0]]);
+    assert_eq!(grid.case(3, NO_TABLES).unwrap().spec.wind.speed_m_s, 2.0);
+    let tenths =
+        "sampling = \"grid\"\ndraws = [{ key = \"wind.speed_m_s\", low = 0.1, high = 0.7, points = 8 }]";
+    let document = Document::text("map", &format!("name = \"map\"\n{tenths}\n")).unwrap();
+    let tenths =
+        Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES).unwrap();
+    assert_eq!((tenths.values(0), tenths.values(7)), (vec![0.1], vec![0.7]));
+
+    let cube = of_case("runs = 20\nsampling = \"latin_hypercube\"\nseed = 3");
+    let part = |run: usize, k: usize| {
+        let [low, high] = ends(&cube, k);
+        ((cube.values(run)[k] - low) / (high - low) * 20.0) as usize
+    };
+    for k in 0..2 {
+        let mut parts: Vec<usize> = (0..20).map(|run| part(run, k)).collect();
+        parts.sort_unstable();
+        assert_eq!(parts, (0..20).collect::<Vec<_>>());
+    }
+    let orders: Vec<bool> = (0..20).map(|run| part(run, 0) == part(run, 1)).collect();
+    assert!(orders.iter().filter(|same| **same).count() < 10);
+}
+
+#[test]
+fn whole_numbers_are_drawn_from_a_grid_of_them() {
+    let drawn = |sampling: &str| {
+        let key = "key = \"time.steps_per_cycle\", low = 32.0, high = 96";
+        let text = format!("name = \"steps\"\n{}", sampling.replace("KEY", key));
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+        let document = Document::text("steps", &text).unwrap();
+        Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES)
+    };
+    let grid = drawn("sampling = \"grid\"\ndraws = [{ KEY, points = 3 }]").unwrap();
+    assert_eq!(grid.case(1, NO_TABLES).unwrap().spec.time.steps_per_cycle, 64);
+    for other in ["sampling = \"grid\"\ndraws = [{ KEY, points = 4 }]", "runs = 3\ndraws = [{ KEY }]"] {
+        let message = drawn(other).unwrap_err().to_string();
+        assert!(message.contains("time.steps_per_cycle"), "{message}");
+    }
+}
+
+#[test]
+fn lists_are_drawn_by_their_values() {
+    let drawn = |draws: &str| {
+        let text = format!("name = \"laws\"\nruns = 12\nsampling = \"latin_hypercube\"\n{draws}");
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+        let document = Document::text("laws", &text).unwrap();
+        Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES)
+    };
+    let laws = "draws = [{ key = \"aero.law\", values = [\"linear\", \"stall\", \"lev\"] }, \
+                { key = \"aero.full.strips\", values = [12, 16] }]";
+    let sweep = drawn(laws).unwrap();
+    let count = |k: usize, v: f64| (0..12).filter(|&run| sweep.values(run)[k] == v).count();
+    assert_eq!([0.0, 1.0, 2.0].map(|law| count(0, law)), [4, 4, 4]);
+    assert_eq!([12.0, 16.0].map(|strips| count(1, strips)), [6, 6]);
+    let stalling = (0..12).find(|&run| sweep.values(run)[0] == 1.0).unwrap();
+    assert_eq!(sweep.case(stalling, NO_TABLES).unwrap().spec.aero.law.name(), "stall");
+    for (bad, key) in [
+        ("draws = [{ key = \"aero.law\", values = [\"linear\", \"still\"] }]", "key"),
+        ("draws = [{ key = \"aero.law\", values = [\"linear\", 1.0] }]", "values"),
+        ("draws = [{ key = \"aero.law\", values = [\"linear\"], low = 1.0 }]", "low"),
+        ("draws = [{ key = \"wind.speed_m_s\", low = 1.0 }]", "high"),
+    ] {
+        let message = drawn(bad).unwrap_err().to_string();
+        assert!(message.contains(&format!("draws[0].{key}")), "{message}");
+    }
+}
+
+#[test]
+fn draws_lie_in_their_ranges_and_belong_to_their_flight() {
+    let sweep = sweep();
+    let later = sweep.values(41);
+    for run in 0..50 {
+        for (k, value) in sweep.values(run).into_iter().enumerate() {
+            let [low, high] = ends(&sweep, k);
+            assert!((low..=high).contains(&value), "{} = {value}", sweep.spec.draws[k].key);
+        }
+    }
+    assert_eq!(sweep.values(41), later);
+    assert_ne!(sweep.values(42), later);
+}
+
+#[test]
+fn the_flown_robot_differs_and_the_known_one_does_not() {
+    let sweep = sweep();
+    let (a, b) = (sweep.scenario(0).unwrap(), sweep.scenario(1).unwrap());
+    assert_eq!(a.model().mass(), b.model().mass());
+    assert!(a.robot().mass() != b.robot().mass());
+}

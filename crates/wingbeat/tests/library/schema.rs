@@ -1,0 +1,41 @@
+//! Schemas of the documents.
+
+use serde_json::{Value, json};
+use wingbeat::scenario::DocumentKind;
+
+#[test]
+fn an_outline_may_be_stations_or_a_file() {
+    for (kind, holder) in [(DocumentKind::Case, "TetheredWingSpec"), (DocumentKind::Robot, "WingSpec")] {
+        let schema = kind.schema_of_files();
+        let planform = &schema["definitions"][holder]["properties"]["planform"];
+        assert_eq!(planform["anyOf"][0]["type"], "array", "{planform}");
+        assert_eq!(planform["anyOf"][1]["$ref"], "#/definitions/OutlineFile");
+        assert!(schema["definitions"]["OutlineFile"]["properties"]["unit"].is_object());
+    }
+    assert_eq!(DocumentKind::Arm.schema_of_files()["definitions"]["OutlineFile"], Value::Null);
+}
+
+#[test]
+fn a_document_with_a_base_may_leave_out_keys_and_one_without_may_not() {
+    let schema = DocumentKind::Scenario.schema_of_files();
+    assert_eq!(schema["if"]["required"], json!(["base"]));
+    assert_eq!(schema["required"], Value::Null);
+    assert_eq!(schema["definitions"]["AirSpec.part"]["required"], Value::Null);
+    assert_eq!(schema["properties"]["air"]["allOf"][0]["$ref"], "#/definitions/AirSpec.part");
+    let whole = &schema["definitions"]["Document.whole"];
+    assert!(whole["required"].as_array().unwrap().contains(&json!("air")));
+    assert_eq!(whole["properties"]["air"]["allOf"][0]["$ref"], "#/definitions/AirSpec");
+    assert_eq!(schema["definitions"]["AirSpec"]["required"], json!(["density_kg_m3"]));
+}
+
+#[test]
+fn a_schema_says_keys_meanings_defaults_and_ranges() {
+    let schema = DocumentKind::Scenario.schema();
+    let air = &schema["definitions"]["AirSpec"];
+    assert_eq!(air["additionalProperties"], false);
+    assert_eq!(air["required"], json!(["density_kg_m3"]));
+    assert_eq!(air["properties"]["gust_m_s"]["default"], 0.0);
+    assert_eq!(air["properties"]["wind_m_s"]["items"]["maximum"], 1e4);
+    assert!(schema["properties"]["goal"]["description"].as_str().unwrap().starts_with("What counts"));
+    assert!(!schema.to_string().contains("null"), "TOML has no null");
+}
