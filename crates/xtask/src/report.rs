@@ -1,6 +1,6 @@
 //! The account of checks that passed and failed.
 
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::tools;
@@ -64,6 +64,35 @@ impl Account {
         let start = Instant::now();
         let Tally { passed, failed } = run();
         self.steps.push(Step { name, passed, failed, took: start.elapsed() });
+    }
+
+    /// Does a step by a command of its own, whose output comes when it has ended, while `others` are done.
+    pub fn beside(&mut self, name: &'static str, mut command: Command, others: impl FnOnce(&mut Self)) {
+        println!("\n== {name} (told at its end)");
+        let start = Instant::now();
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let told = std::thread::scope(|scope| {
+            let run = scope.spawn(move || (command.output(), start.elapsed()));
+            others(self);
+            run.join().ok()
+        });
+        println!("\n== {name}");
+        let mut tally = Tally::default();
+        let Some((Ok(output), took)) = told else {
+            println!("it could not be run");
+            self.steps.push(Step { name, passed: 0, failed: 1, took: start.elapsed() });
+            return;
+        };
+        for line in [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text)) {
+            for line in line.lines() {
+                println!("{line}");
+                tally.add(line);
+            }
+        }
+        if !output.status.success() && tally.failed == 0 {
+            tally.failed = 1;
+        }
+        self.steps.push(Step { name, passed: tally.passed, failed: tally.failed, took });
     }
 
     /// Prints the account; true when nothing failed.

@@ -23,12 +23,13 @@ pub fn test() -> bool {
     account.step("tests", || counted(&[&["test"], &tools::TESTS[..], &["--no-fail-fast"]].concat()));
     account.step("doc tests", || counted(&["test", "--release", "--workspace", "--doc", "--no-fail-fast"]));
     account.step("copies", copies::check);
-    // So does this: the extension is packed as it lies there.
-    account.step("python", || python::check(false));
-    account.step("hostile", hostile::quick);
-    account.step("soak", || Tally::one(soak::run(SOAK_SECONDS)));
-    account.step("dependencies", dependencies::check);
-    account.step("comparisons", comparisons);
+    // So do these: the extension is packed as it lies there. Python's tests take one core, and run beside the rest.
+    account.beside("python", python::packed(), |account| {
+        account.step("hostile", hostile::quick);
+        account.step("soak", || Tally::one(soak::run(SOAK_SECONDS)));
+        account.step("dependencies", dependencies::check);
+        account.step("comparisons", comparisons);
+    });
     account.close()
 }
 

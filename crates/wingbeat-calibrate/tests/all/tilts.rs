@@ -15,8 +15,8 @@ fn with(numbers: &str, mass: bool) -> Calibration {
     let mass = if mass { "[[parameters]]\nname = \"body.mass_kg\"\n" } else { "" };
     let text = format!(
         "name = \"weighed\"\nmodel = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"]\nstarts = 1\n\
-         [truth]\nset = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"{numbers}]\npasses = 7\n\
-         [[runs]]\nrun = \"{root}/rigs/identification/static_tilts.toml\"\nset = [\"hold.each_s=4.0\"]\n{mass}\
+         [truth]\nset = [\"rig.aero.preset=paper\", \"rig.aero.law=linear\"{numbers}]\npasses = 3\n\
+         [[runs]]\nrun = \"{root}/rigs/identification/static_tilts.toml\"\nset = [\"hold.each_s=2.0\"]\n{mass}\
          [[parameters]]\nname = \"body.com_m[0]\"\nlow = -0.1\nhigh = 0.1\n"
     );
     Calibration::new(Document::text("weighed", &text).unwrap()).unwrap()

@@ -149,7 +149,7 @@ fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
 #[test]
 fn a_force_out_of_reach_is_named_in_a_folder_that_is_kept() {
     let folder = scratch("plan-reach");
-    let output = plan(&folder, &["up_n=3.0", "intervals=8"]);
+    let output = plan(&folder, &["up_n=3.0", "intervals=5"]);
     assert_eq!(output.status.code(), Some(3), "{output:?}");
     let text = String::from_utf8(output.stderr).unwrap();
     assert!(text.contains("infeasible: mean upward force misses its limits"), "{text}");
@@ -166,9 +166,12 @@ fn a_force_out_of_reach_is_named_in_a_folder_that_is_kept() {
 #[test]
 fn a_plan_cut_off_by_its_iterations_is_kept_with_its_status() {
     let folder = scratch("plan-cut");
-    let output = plan(&folder, &["iterations=12"]);
+    let output = plan_with(&folder, &["iterations=12"], &["--set", "limits.plan.violation=1e-3"]);
     assert_eq!(output.status.code(), Some(3), "{output:?}");
     let found = summary(&folder.join("a"));
+    let judged = found["judged"].as_array().unwrap();
+    let violation = judged.iter().find(|judged| judged["id"] == "plan.violation").unwrap();
+    assert_eq!((&violation["overridden"], &violation["limit"]), (&true.into(), &1e-3.into()));
     assert_eq!(found["iterations"], 12);
     let reason = found["reason"].as_str().unwrap();
     assert!(["not_resolved", "not_found"].contains(&found["status"].as_str().unwrap()), "{found}");
@@ -188,6 +191,7 @@ fn a_plan_cut_off_by_its_iterations_is_kept_with_its_status() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask long tests"]
 fn a_gait_that_its_limits_refuse_ends_with_their_names() {
     let folder = scratch("plan-limits");
     let limits = ["--set", "limits.trim.power_w_kg=1.0", "--set", "limits.plan.violation=1e-3"];
