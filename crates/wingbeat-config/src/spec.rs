@@ -270,8 +270,8 @@ pub struct StartSpec {
     pub velocity_m_s: [f64; 3],
     /// Roll, deg; positive is right wing down.
     pub roll_deg: f64,
-    /// Pitch, deg; negative is nose up.
-    pub pitch_deg: f64,
+    /// Pitch, deg; positive is nose up.
+    pub nose_up_deg: f64,
     /// Heading, deg.
     pub yaw_deg: f64,
     /// Phase of the gait, rad.
@@ -368,8 +368,8 @@ impl GoalSpec {
 pub struct PaperResults {
     /// Roll in the turn, deg.
     pub roll_deg: f64,
-    /// Pitch, deg.
-    pub pitch_deg: f64,
+    /// Pitch, deg; positive is nose up.
+    pub nose_up_deg: f64,
     /// Oscillation of pitch, from and to, deg.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pitch_oscillation_deg: Option<[f64; 2]>,
