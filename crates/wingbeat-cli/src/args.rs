@@ -94,7 +94,7 @@ pub struct Tether {
 /// Step the vortex lattice of a wing in prescribed motion, or along a flight, and draw its wake
 ///
 /// The folder holds case.toml or scenario.toml (as resolved), record.parquet (loads by Joukowski and by Bernoulli), summary.json,
-/// manifest.json, a VTK file of wing and wake at begin and middle of down- and upstroke of the last cycle, and figures: the wake,
+/// manifest.json, a VTK file of wing and wake at the start and in the middle of down- and upstroke of the last cycle, and figures: the wake,
 /// and the vorticity in a frontal plane at these phases. Of a flight with a turn there are two stretches, the last cycles before
 /// the turn and the last of the flight. Attached flow is assumed. More in docs/wake.md.
 #[derive(Debug, Args)]
@@ -288,7 +288,7 @@ pub enum Rig {
 pub struct RigPlan {
     #[command(flatten)]
     pub runs: RigRuns,
-    /// Present joint positions, deg: also plan the way from there to the begin of each run, straight in joint space
+    /// Present joint positions, deg: also plan the way from there to the start of each run, straight in joint space
     /// and in least time
     #[arg(long, value_name = "J1,J2,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub from_deg: Option<Vec<f64>>,
@@ -468,9 +468,9 @@ pub enum EmulatedLoads {
     Measured,
     /// Zero
     Zero,
-    /// Fz as it was at the begin
+    /// Fz as it was at the start
     StuckFz,
-    /// All as they were at the begin
+    /// All as they were at the start
     Frozen,
 }
 

@@ -54,7 +54,10 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let controller = &summary.controller;
     let mut rows: Vec<Line> = vec![
         ("status".into(), None, summary.status.name().into(), ""),
-        ("roll, mean".into(), of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
+        match summary.turn_roll_mean_deg {
+            Some(roll) => ("roll in the turn, mean".into(), of(|p| p.roll_deg), number(roll), "deg"),
+            None => ("roll, mean".into(), of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
+        },
         ("roll, rms error".into(), None, settled(summary.roll_rms_error_deg), "deg"),
         (
             "nose up, mean".into(),

@@ -216,13 +216,13 @@ pub struct FullAeroSpec {
     pub wake_wash: bool,
     /// Three-dimensional wash of the potential jump on the chord.
     pub doublet_wash: bool,
-    /// Rates of that wash as the wing folds and the wake turns, in the force of the carried air: one state more per strip. Without
+    /// Rates of that downwash as the wing folds and the wake turns, in the force of the added mass: one state more per strip. Without
     /// them that force has a mean over a cycle, 4 to 5 % of the lift of Aerobat on its stand; without added mass there is none.
     pub folding_rates: bool,
-    /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
+    /// Distance at which the downwash of a vortex on a strip is half faded, over the distance at which the
     /// two pass on the flat wing: 0.01 to 0.5.
     pub vortex_core: f64,
-    /// Turning of the force by the wash of wake and lags: induced drag.
+    /// Turning of the force by the downwash of wake and lags: induced drag.
     pub force_tilt: bool,
 }
 
