@@ -91,8 +91,11 @@ fn a_calibration_of_a_case_names_it() {
     written(&folder, &["calibration", "fit.toml", "--case", "wing.toml"]);
     assert_eq!(entries(&folder), ["fit.toml", "wing.toml"]);
     let listed = wingbeat(&folder, &["calibrate", "fit.toml", "--names"]);
-    let message = String::from_utf8(listed.stderr).unwrap();
-    assert!(message.contains("measured.csv"), "{message}");
+    let names = String::from_utf8(listed.stdout).unwrap();
+    assert!(names.contains("surfaces.wing.added_mass_scale = 1\n"), "{names}");
+    let output = wingbeat(&folder, &["calibrate", "fit.toml", "--information"]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && message.contains("measured.csv"), "{message}");
 }
 
 #[test]
