@@ -15,6 +15,7 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).parent
+LICENCES = sorted((HERE / "../..").glob("LICENSE-*"))
 # Fixed, so that equal contents make equal wheels.
 TIME = (1980, 1, 1, 0, 0, 0)
 
@@ -33,6 +34,9 @@ def metadata(project: dict, version: str) -> str:
     for extra, needs in project["optional-dependencies"].items():
         lines.append(f"Provides-Extra: {extra}")
         lines += [f"Requires-Dist: {needed}; extra == '{extra}'" for needed in needs]
+    lines += [f"Project-URL: {name}, {address}" for name, address in project.get("urls", {}).items()]
+    lines += [f"Classifier: {what}" for what in project.get("classifiers", [])]
+    lines += [f"License-File: {licence.name}" for licence in LICENCES]
     readme = (HERE / project["readme"]).read_text()
     return "\n".join([*lines, "Description-Content-Type: text/markdown", "", readme])
 
@@ -62,7 +66,7 @@ def main(library: Path, program: Path, out: Path) -> Path:
     project = tomllib.loads((HERE / "pyproject.toml").read_text())["project"]
     version = tomllib.loads((HERE / "../../Cargo.toml").read_text())["workspace"]["package"]["version"]
     extension, script = library.read_bytes(), program.read_bytes()
-    name, tag = project["name"], f"cp311-abi3-{platform(extension, script)}"
+    name, tag = project["name"], f"cp310-abi3-{platform(extension, script)}"
     info = f"{name}-{version}.dist-info"
     source = HERE / "python"
     contents = {str(path.relative_to(source)): path.read_bytes() for path in package(source / name)}
@@ -70,7 +74,7 @@ def main(library: Path, program: Path, out: Path) -> Path:
     contents[f"{name}-{version}.data/scripts/{program.name}"] = script
     contents[f"{info}/METADATA"] = metadata(project, version).encode()
     contents[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: pack.py\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
-    for licence in sorted((HERE / "../..").glob("LICENSE-*")):
+    for licence in LICENCES:
         contents[f"{info}/licenses/{licence.name}"] = licence.read_bytes()
     record = ""
     for path, data in contents.items():

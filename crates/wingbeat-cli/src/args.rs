@@ -36,6 +36,7 @@ pub enum Command {
     Show(Show),
     Validate(Comparisons),
     New(New),
+    Migrate(Migrate),
     Schema(Schema),
 }
 
@@ -93,7 +94,7 @@ pub struct Tether {
 /// Step the vortex lattice of a wing in prescribed motion, or along a flight, and draw its wake
 ///
 /// The folder holds case.toml or scenario.toml (as resolved), record.parquet (loads by Joukowski and by Bernoulli), summary.json,
-/// manifest.json, a VTK file of wing and wake at begin and middle of down- and upstroke of the last cycle, and figures: the wake,
+/// manifest.json, a VTK file of wing and wake at the start and in the middle of down- and upstroke of the last cycle, and figures: the wake,
 /// and the vorticity in a frontal plane at these phases. Of a flight with a turn there are two stretches, the last cycles before
 /// the turn and the last of the flight. Attached flow is assumed. More in docs/wake.md.
 #[derive(Debug, Args)]
@@ -287,7 +288,7 @@ pub enum Rig {
 pub struct RigPlan {
     #[command(flatten)]
     pub runs: RigRuns,
-    /// Present joint positions, deg: also plan the way from there to the begin of each run, straight in joint space
+    /// Present joint positions, deg: also plan the way from there to the start of each run, straight in joint space
     /// and in least time
     #[arg(long, value_name = "J1,J2,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub from_deg: Option<Vec<f64>>,
@@ -467,9 +468,9 @@ pub enum EmulatedLoads {
     Measured,
     /// Zero
     Zero,
-    /// Fz as it was at the begin
+    /// Fz as it was at the start
     StuckFz,
-    /// All as they were at the begin
+    /// All as they were at the start
     Frozen,
 }
 
@@ -485,14 +486,37 @@ fn offset() -> clap::builder::RangedI64ValueParser<u16> {
 #[derive(Debug, Args)]
 pub struct New {
     /// What to write
-    #[arg(value_parser = kind())]
-    pub kind: DocumentKind,
+    #[arg(value_parser = new_kind())]
+    pub kind: NewKind,
     /// Where; without it KIND.toml in the present folder
     #[arg(value_name = "PATH")]
     pub path: Option<PathBuf>,
+    /// Of a robot: the least that flies and can be trimmed, in place of the robot of the paper
+    #[arg(long, conflicts_with_all = ["robot", "case"])]
+    pub minimal: bool,
+    /// Of a scenario or a trim: for this robot, without controller
+    #[arg(long, value_name = "ROBOT.toml", conflicts_with = "case")]
+    pub robot: Option<PathBuf>,
+    /// Of a calibration: from measurements of this case
+    #[arg(long, value_name = "CASE.toml")]
+    pub case: Option<PathBuf>,
     /// Replace the file at PATH; what is written beside it is never replaced
     #[arg(long)]
     pub force: bool,
+}
+
+/// Rewrite documents with the names of keys that hold today
+///
+/// `pitch_deg` becomes `nose_up_deg` with the sign turned, in draws of sweeps too, and former names of parameters become those of
+/// today. Comments, order and everything else are kept; what changes is printed.
+#[derive(Debug, Args)]
+pub struct Migrate {
+    /// Documents: TOML files of any kind
+    #[arg(value_name = "FILE.toml", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Print what would change and write nothing
+    #[arg(long)]
+    pub dry_run: bool,
 }
 
 /// Print the JSON Schema of a kind of document
@@ -504,6 +528,21 @@ pub struct Schema {
     /// The kind
     #[arg(value_parser = kind())]
     pub kind: DocumentKind,
+}
+
+/// What `new` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NewKind {
+    /// A document of a kind.
+    Document(DocumentKind),
+    /// A scenario with `[trim]`.
+    Trim,
+}
+
+fn new_kind() -> impl TypedValueParser<Value = NewKind> {
+    let names = DocumentKind::ALL.map(DocumentKind::name).into_iter().chain(["trim"]);
+    PossibleValuesParser::new(names)
+        .map(|name| DocumentKind::named(&name).map_or(NewKind::Trim, NewKind::Document))
 }
 
 /// Kinds of documents by name.

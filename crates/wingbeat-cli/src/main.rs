@@ -4,6 +4,7 @@ mod args;
 mod average;
 mod calibrate;
 mod fly;
+mod migrate;
 mod new;
 mod outcome;
 mod plan;
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Command::Show(arguments) => show::show(&arguments),
         Command::Validate(_) => validate::validate(),
         Command::New(arguments) => new::new(&arguments),
+        Command::Migrate(arguments) => migrate::migrate(&arguments),
         Command::Schema(arguments) => say::say(&schema_text(arguments.kind)),
     })
 }

@@ -6,21 +6,45 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::scenario::{DocumentKind, RunName};
 
-use crate::args::New;
+use crate::args::{New, NewKind};
 use crate::error::Error;
 use crate::say;
 
+mod around;
+
 /// Writes a document and, where they are not there yet, those that it names.
 pub fn new(arguments: &New) -> Result<(), Error> {
-    let kind = arguments.kind;
+    use DocumentKind::{Calibration, Robot, Scenario};
+    let refuse = |option: &str, kinds: &str| Err(Error::Input(format!("{option}: allowed with {kinds}")));
+    match (arguments.kind, &arguments.robot, &arguments.case) {
+        (NewKind::Document(Robot), ..) if arguments.minimal => {
+            around::write(arguments, "robot", around::minimal)
+        }
+        _ if arguments.minimal => refuse("--minimal", "`new robot`"),
+        (NewKind::Document(Scenario), Some(robot), _) => {
+            around::write(arguments, "scenario", |name, folder| around::flight(name, robot, folder, false))
+        }
+        (NewKind::Trim, Some(robot), _) => {
+            around::write(arguments, "trim", |name, folder| around::flight(name, robot, folder, true))
+        }
+        (NewKind::Trim, None, _) => {
+            Err(Error::Input("--robot: `new trim` needs the robot to be trimmed, --robot ROBOT.toml".into()))
+        }
+        (NewKind::Document(Calibration), _, Some(case)) => {
+            around::write(arguments, "calibration", |name, folder| around::calibration(name, case, folder))
+        }
+        (_, Some(_), _) => refuse("--robot", "`new scenario` and `new trim`"),
+        (_, _, Some(_)) => refuse("--case", "`new calibration`"),
+        (NewKind::Document(kind), None, None) => shipped_document(arguments, kind),
+    }
+}
+
+/// Writes a document that ships and, where they are not there yet, those that it names.
+fn shipped_document(arguments: &New, kind: DocumentKind) -> Result<(), Error> {
     let path = arguments.path.clone().unwrap_or_else(|| PathBuf::from(beside(kind)));
     let file = name_of(&path)?;
     let mut told = String::new();
-    let taken = fs::symlink_metadata(&path).is_ok();
-    if taken && !(arguments.force && path.is_file()) {
-        let allowed = if path.is_file() { "; --force replaces it" } else { "" };
-        return Err(Error::Input(format!("{}: is there already{allowed}", path.display())));
-    }
+    let taken = is_taken(&path, arguments.force)?;
     if let Some(clash) = named(kind).iter().map(|other| beside(*other)).find(|other| *other == file) {
         return Err(Error::Input(format!(
             "{}: another name: what the {} names is written as {clash}",
@@ -38,11 +62,24 @@ pub fn new(arguments: &New) -> Result<(), Error> {
             Err(source) => return Err(Error::file(&companion, source)),
         }
     }
-    let text = document(kind, kind, file);
-    let written = if taken { fs::write(&path, text) } else { create(&path, &text) };
-    written.map_err(|source| Error::file(&path, source))?;
+    put(&path, &document(kind, kind, file), taken)?;
     told += &format!("{}: written\n{}\n", path.display(), next(kind, &path));
     say::say(&told)
+}
+
+/// Whether a file is at `path` that may be replaced.
+fn is_taken(path: &Path, force: bool) -> Result<bool, Error> {
+    let taken = fs::symlink_metadata(path).is_ok();
+    if taken && !(force && path.is_file()) {
+        let allowed = if path.is_file() { "; --force replaces it" } else { "" };
+        return Err(Error::Input(format!("{}: is there already{allowed}", path.display())));
+    }
+    Ok(taken)
+}
+
+fn put(path: &Path, text: &str, taken: bool) -> Result<(), Error> {
+    let written = if taken { fs::write(path, text) } else { create(path, text) };
+    written.map_err(|source| Error::file(path, source))
 }
 
 /// The file name of `path`, as the documents beside it give it.
@@ -84,29 +121,34 @@ fn named(kind: DocumentKind) -> &'static [DocumentKind] {
 fn shipped(kind: DocumentKind, asked: DocumentKind) -> &'static str {
     use DocumentKind::{Arm, Calibration, Case, Rig, Robot, Run, Runs, Scenario, Sweep};
     match (kind, asked) {
-        (Robot, Robot | Scenario | Sweep) => include_str!("../../../robots/aerobat_paper.toml"),
-        (Robot, _) => include_str!("../../../robots/aerobat_beta.toml"),
-        (Scenario, _) => include_str!("../../../scenarios/banking_turn.toml"),
-        (Case, _) => include_str!("../../../cases/flap_fold.toml"),
-        (Sweep, _) => include_str!("../../../sweeps/banking_turn_robustness.toml"),
-        (Rig, _) => include_str!("../../../rigs/aerobat_on_gen3.toml"),
-        (Arm, _) => include_str!("../../../rigs/arms/kinova_gen3_6dof.toml"),
-        (Run, _) => include_str!("../../../rigs/runs/roll15_speed08.toml"),
-        (Calibration, _) => include_str!("../../../calibrations/two_runs.toml"),
+        (Robot, Robot | Scenario | Sweep) => include_str!("../documents/aerobat_paper.toml"),
+        (Robot, _) => include_str!("../documents/aerobat_beta.toml"),
+        (Scenario, _) => include_str!("../documents/banking_turn.toml"),
+        (Case, _) => include_str!("../documents/flap_fold.toml"),
+        (Sweep, _) => include_str!("../documents/banking_turn_robustness.toml"),
+        (Rig, _) => include_str!("../documents/aerobat_on_gen3.toml"),
+        (Arm, _) => include_str!("../documents/kinova_gen3_6dof.toml"),
+        (Run, _) => include_str!("../documents/roll15_speed08.toml"),
+        (Calibration, _) => include_str!("../documents/two_runs.toml"),
         (Runs, _) => {
             "# Runs on the rig, planned, simulated and processed together.\nruns = [\n    \"run.toml\",\n]\n"
         }
     }
 }
 
-/// The text of a document among those of `wingbeat new`, of which `main` is in the file `file` and called after it.
-fn document(kind: DocumentKind, main: DocumentKind, file: &str) -> String {
-    let stem = file.trim_end_matches(".toml");
-    let mut text = format!(
+/// How a document of a kind begins.
+fn head(kind: DocumentKind) -> String {
+    format!(
         "# Every key, its unit and range: docs/reference.md. For an editor that completes and checks:\n\
          # `wingbeat schema {0} > {0}.schema.json`, and `#:schema {0}.schema.json` as the first line here.\n\n",
         kind.name()
-    );
+    )
+}
+
+/// The text of a document among those of `wingbeat new`, of which `main` is in the file `file` and called after it.
+fn document(kind: DocumentKind, main: DocumentKind, file: &str) -> String {
+    let stem = file.trim_end_matches(".toml");
+    let mut text = head(kind);
     for line in shipped(kind, main).lines().filter(|line| !line.starts_with("#:schema")) {
         // A cell's `calibration` is no document.
         let named = |key| DocumentKind::named(key).filter(|named| *named != DocumentKind::Calibration);

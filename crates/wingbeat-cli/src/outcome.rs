@@ -54,13 +54,16 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let controller = &summary.controller;
     let mut rows: Vec<Line> = vec![
         ("status".into(), None, summary.status.name().into(), ""),
-        ("roll, mean".into(), of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
+        match summary.turn_roll_mean_deg {
+            Some(roll) => ("roll in the turn, mean".into(), of(|p| p.roll_deg), number(roll), "deg"),
+            None => ("roll, mean".into(), of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
+        },
         ("roll, rms error".into(), None, settled(summary.roll_rms_error_deg), "deg"),
         (
-            "pitch, mean".into(),
-            of(|p| p.pitch_deg),
-            settled(summary.pitch_mean_deg),
-            "deg, negative is nose up",
+            "nose up, mean".into(),
+            of(|p| p.nose_up_deg),
+            settled(summary.pitch_mean_deg.map(|pitch| -pitch)),
+            "deg",
         ),
         ("pitch, oscillation +-".into(), oscillation, settled(summary.pitch_half_amplitude_deg), "deg"),
         ("distance x".into(), of(|p| p.distance_x_m), number(summary.distance_x_m), "m"),

@@ -144,8 +144,8 @@ fn least_power(summary: &LeastPowerSummary) -> Lines {
     let gait = |gait: &GaitNumbers| {
         let m = &gait.means;
         format!(
-            "{:.4} W, up {:.4} N, forward {:.4} N, {:.3} Hz, pitch {:.2} deg",
-            m.drive_power_w, m.up_n, m.forward_n, gait.frequency_hz, gait.pitch_deg
+            "{:.4} W, up {:.4} N, forward {:.4} N, {:.3} Hz, nose up {:.2} deg",
+            m.drive_power_w, m.up_n, m.forward_n, gait.frequency_hz, -gait.pitch_deg
         )
     };
     let asked = format!(

@@ -20,7 +20,7 @@ use crate::say;
 use crate::tether::Tables;
 
 /// A scenario around a robot that is only looked at.
-const AROUND: &str = "name = \"show\"\n[air]\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, 0.0, 0.0]\n[aero]\nlaw = \"linear\"\n\
+pub const AROUND: &str = "name = \"show\"\n[air]\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, 0.0, 0.0]\n[aero]\nlaw = \"linear\"\n\
                       [flight]\nduration_s = 1e-3\nstep_s = 1e-3\nrecord_every_s = 1e-3\n";
 /// A run around a rig that is only looked at.
 const ON_A_STAND: &str = "name = \"show\"\n[hold]\ntilts_deg = [[0.0, 0.0]]\neach_s = 1.0\n";

@@ -120,8 +120,12 @@ fn table(summary: &TrimSummary) -> String {
         ("U2 c beyond 12 / 20 deg", stalled),
         ("least clearance", format!("{} mm", number(summary.least_clearance_m.map(|c| 1e3 * c), 2))),
         (
-            "roll / pitch, mean",
-            format!("{} / {} deg", number(summary.roll_mean_deg, 2), number(summary.pitch_mean_deg, 2)),
+            "roll / nose up, mean",
+            format!(
+                "{} / {} deg",
+                number(summary.roll_mean_deg, 2),
+                number(summary.pitch_mean_deg.map(|pitch| -pitch), 2)
+            ),
         ),
         ("heave", format!("{} mm", number(summary.heave_m.map(|h| 1e3 * h), 1))),
         ("commands", if commands.is_empty() { "at rest".into() } else { commands.join(", ") }),

@@ -51,7 +51,8 @@ pub use calibration::{
 pub use chosen::{Chosen, Named};
 pub use cost::{CostLine, CostSummary};
 pub use document::{
-    ConfigError, Document, Other, Place, Problem, Translate, Wrong, largest, nearest_names, text_of, unit,
+    ConfigError, Document, Migrated, Other, Place, Problem, Translate, Wrong, largest, migrated,
+    nearest_names, text_of, unit,
 };
 pub use doors::Doors;
 pub use estimate::EstimateSummary;
@@ -106,7 +107,7 @@ use wingbeat_flight::guide::{HeldCommands, Manoeuvre, Prepared};
 use wingbeat_flight::simulate::{Controller, Flight, Record, Sample, Schedule, Sensors, fly, fly_in};
 use wingbeat_judge::{Limits, Warning};
 use wingbeat_math::Error;
-use wingbeat_math::{Quat, Vec3};
+use wingbeat_math::{Quat, Vec3, pitch_of_nose_up};
 use wingbeat_ocp::plant::{Channel, Plant};
 use wingbeat_robot::Robot;
 
@@ -250,7 +251,8 @@ impl Scenario {
     fn start_of(&self, robot: &Robot) -> Vec<f64> {
         let (start, layout) = (&self.spec.start, robot.layout());
         let mut x = vec![0.0; layout.len];
-        let [roll, pitch, yaw] = [start.roll_deg, start.pitch_deg, start.yaw_deg].map(f64::to_radians);
+        let [roll, yaw] = [start.roll_deg, start.yaw_deg].map(f64::to_radians);
+        let pitch = pitch_of_nose_up(start.nose_up_deg);
         Quat::from_roll_pitch_yaw(roll, pitch, yaw).store_wxyz(&mut x[layout.attitude..]);
         Vec3(start.velocity_m_s).store(&mut x[layout.velocity..]);
         let coordinates = robot.start_coordinates();

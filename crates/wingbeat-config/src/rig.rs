@@ -58,7 +58,7 @@ impl RigRun {
     /// use wingbeat_config::{Document, RigRun};
     ///
     /// let rig = Document::file(Path::new("rigs/aerobat_on_gen3.toml"))?;
-    /// let text = "name = \"bank\"\n[turn]\nspeed_m_s = 0.8\nroll_deg = 15.0\npitch_deg = -15.0\nmeasured_s = 0.86";
+    /// let text = "name = \"bank\"\n[turn]\nspeed_m_s = 0.8\nroll_deg = 15.0\nnose_up_deg = 15.0\nmeasured_s = 0.86";
     /// let run = RigRun::new(Document::text("bank", text)?.put("rig", rig)?, &|_, _| None)?;
     /// match run.plan()? {
     ///     Ok(plan) => println!("{}", plan.report(&run.arm, &run.profile)),

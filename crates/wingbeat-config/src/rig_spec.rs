@@ -83,7 +83,7 @@ pub struct ProcessSpec {
     pub phase: PhaseSource,
     /// Phases of the average.
     pub bins: usize,
-    /// Begin and end of what is averaged, s from the begin of the run; without it the steady
+    /// Start and end of what is averaged, s from the start of the run; without it the steady
     /// turn, or what follows the start of the flapping.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window_s: Option<[f64; 2]>,

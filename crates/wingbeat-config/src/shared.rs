@@ -87,7 +87,7 @@ pub fn what_a_controller_knows(spec: &ScenarioSpec) -> Option<String> {
         phase_rad,
         velocity_m_s: _,
         roll_deg: _,
-        pitch_deg: _,
+        nose_up_deg: _,
         yaw_deg: _,
         rate_rad_s: _,
         states: _,

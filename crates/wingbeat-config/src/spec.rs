@@ -216,13 +216,13 @@ pub struct FullAeroSpec {
     pub wake_wash: bool,
     /// Three-dimensional wash of the potential jump on the chord.
     pub doublet_wash: bool,
-    /// Rates of that wash as the wing folds and the wake turns, in the force of the carried air: one state more per strip. Without
+    /// Rates of that downwash as the wing folds and the wake turns, in the force of the added mass: one state more per strip. Without
     /// them that force has a mean over a cycle, 4 to 5 % of the lift of Aerobat on its stand; without added mass there is none.
     pub folding_rates: bool,
-    /// Distance at which the wash of a vortex on a strip is half faded, over the distance at which the
+    /// Distance at which the downwash of a vortex on a strip is half faded, over the distance at which the
     /// two pass on the flat wing: 0.01 to 0.5.
     pub vortex_core: f64,
-    /// Turning of the force by the wash of wake and lags: induced drag.
+    /// Turning of the force by the downwash of wake and lags: induced drag.
     pub force_tilt: bool,
 }
 
@@ -270,8 +270,8 @@ pub struct StartSpec {
     pub velocity_m_s: [f64; 3],
     /// Roll, deg; positive is right wing down.
     pub roll_deg: f64,
-    /// Pitch, deg; negative is nose up.
-    pub pitch_deg: f64,
+    /// Pitch, deg; positive is nose up.
+    pub nose_up_deg: f64,
     /// Heading, deg.
     pub yaw_deg: f64,
     /// Phase of the gait, rad.
@@ -368,8 +368,8 @@ impl GoalSpec {
 pub struct PaperResults {
     /// Roll in the turn, deg.
     pub roll_deg: f64,
-    /// Pitch, deg.
-    pub pitch_deg: f64,
+    /// Pitch, deg; positive is nose up.
+    pub nose_up_deg: f64,
     /// Oscillation of pitch, from and to, deg.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pitch_oscillation_deg: Option<[f64; 2]>,

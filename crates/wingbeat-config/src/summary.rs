@@ -58,6 +58,9 @@ pub struct Summary {
     pub hover: Option<HoverSummary>,
     /// Mean roll, deg.
     pub roll_mean_deg: Option<f64>,
+    /// Mean roll while the bank that is asked is that of the turn, deg; where the settled flight holds other parts too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turn_roll_mean_deg: Option<f64>,
     /// Root mean square of roll minus reference, deg: that of the manoeuvre; without one that of the orbit at the same
     /// phase, as the controller measured it; level without either.
     pub roll_rms_error_deg: Option<f64>,
@@ -190,6 +193,11 @@ impl ControllerSummary {
     }
 }
 
+/// Share of the largest bank from which on a sample is of the turn. *Choice.*
+const TURNING: f64 = 0.9;
+/// Least bank of a turn, rad. *Choice*: beyond what flapping asks of a straight flight.
+const LEAST_BANK: f64 = 0.05;
+
 /// The part of a flight's record that the summary averages.
 struct Settled<'a> {
     record: &'a Record,
@@ -208,6 +216,23 @@ impl Settled<'_> {
         }
         let samples = self.column(name).iter().zip(self.column("t"));
         samples.map(|(&is, &t)| angle_error(is, context.reference(t).map_or(0.0, &angle))).collect()
+    }
+    /// Mean roll over the samples at which nearly the largest bank is asked, deg; none without such a turn to one side, and where all
+    /// samples are of it.
+    fn turn_roll_deg(&self, errors: &[f64]) -> Option<f64> {
+        let roll = self.column("roll");
+        let asked: Vec<f64> = roll.iter().zip(errors).map(|(is, error)| angle_error(*is, *error)).collect();
+        let largest = asked
+            .iter()
+            .copied()
+            .max_by(|a, b| a.abs().total_cmp(&b.abs()))
+            .filter(|bank| bank.is_finite())?;
+        let turning = |bank: f64| bank.abs() >= TURNING * largest.abs();
+        let in_turn: Vec<f64> =
+            roll.iter().zip(&asked).filter(|(_, bank)| turning(**bank)).map(|(is, _)| *is).collect();
+        let one_sided = asked.iter().all(|bank| !turning(*bank) || bank.signum() == largest.signum());
+        let part = largest.abs() >= LEAST_BANK && one_sided && in_turn.len() < roll.len();
+        part.then(|| mean(&in_turn)).flatten().map(f64::to_degrees)
     }
     fn mean_deg(&self, name: &str) -> Option<f64> {
         mean(self.column(name)).map(f64::to_degrees)
@@ -322,6 +347,7 @@ impl Summary {
             hover: HoverSummary::new(record, settled.first),
             estimate: estimated.as_ref().and_then(Estimated::summary),
             roll_mean_deg: settled.mean_deg("roll"),
+            turn_roll_mean_deg: settled.turn_roll_deg(&roll_errors),
             roll_rms_error_deg: rms_deg(&roll_errors),
             roll_max_error_deg: largest_deg(&roll_errors),
             pitch_mean_deg: settled.mean_deg("pitch"),

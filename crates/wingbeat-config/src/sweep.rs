@@ -46,6 +46,17 @@ impl SweepOf {
     }
 }
 
+/// A sweep whose scenario or case has the overrides that its key `set` lists.
+fn with_own_overrides(document: Document) -> Result<Document, ConfigError> {
+    if document.written("set").is_none() {
+        return Ok(document);
+    }
+    let of = if document.written("case").is_some() { "case" } else { "scenario" };
+    let set: Vec<String> = document.parse_at("set")?;
+    let set: Vec<String> = set.iter().map(|text| format!("{of}.{text}")).collect();
+    document.overridden(&set).merged(&[], &|_, _| None)
+}
+
 impl Sweep {
     /// Reads and checks a sweep file and its scenario or case; `read` reads the tables of a case.
     ///
@@ -82,6 +93,7 @@ impl Sweep {
             &["scenario", "scenario.robot", "scenario.robot.numbers", "scenario.robot.residual", "case"],
             &|_, _| None,
         )?;
+        let document = with_own_overrides(document)?;
         let spec: SweepSpec = document.parse()?;
         let resolved = document.resolved()?;
         let of = spec.check().map_err(|error| document.explain(&error))?;

@@ -4,7 +4,7 @@ use wingbeat::simulate::{Column, Record};
 
 use crate::panel::{Curve, Panel, stacked};
 use crate::write::Figure;
-use crate::{Error, needed};
+use crate::{Error, needed, style};
 
 /// Height of a panel, px.
 const HEIGHT: f64 = 130.0;
@@ -22,7 +22,8 @@ pub fn averaged(cycles: &Record, count: usize) -> Result<Figure, Error> {
         let round = |values: &[f64]| closed(values, values.first().copied().unwrap_or(f64::NAN));
         let (mean, deviation) = (round(mean), round(deviation));
         let edges = phase.iter().zip(&mean).zip(&deviation).map(|((p, m), d)| (*p, m - d, m + d)).collect();
-        let title = if unit.is_empty() { name.clone() } else { format!("{name} [{unit}]") };
+        let name = style::letter(name);
+        let title = if unit.is_empty() { name } else { format!("{name} [{unit}]") };
         let panel = Panel::new(title, vec![Curve::new("mean", &phase, mean, 0)]);
         panels.push(Panel { bands: vec![edges], ..panel });
     }

@@ -61,7 +61,9 @@ pub fn overlay(channels: Vec<Overlay>) -> Figure {
                 Curve::reference("measured", &phase, closed(&channel.measured)),
             ];
             curves.extend(with_residual.map(|values| Curve::new("with residual", &phase, values, 2)));
-            Panel { bands, ..Panel::new(channel.title, curves) }
+            let (name, unit) = channel.title.split_once(' ').unwrap_or((&channel.title, ""));
+            let title = format!("{} {unit}", style::letter(name));
+            Panel { bands, ..Panel::new(title.trim_end(), curves) }
         })
         .collect();
     let across = "phase of the stroke [cycles]; shaded: 95 % of measured cycles, as predicted";

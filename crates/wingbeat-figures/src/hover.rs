@@ -20,8 +20,10 @@ pub fn hover(record: &Record) -> Result<Figure, Error> {
             .collect()
     };
     let degrees = 180.0 / std::f64::consts::PI;
-    let angles = ["roll", "pitch", "yaw"].into_iter().enumerate();
-    let angles = angles.map(|(i, name)| Ok(Curve::new(name, t, scaled(name, degrees)?, i)));
+    let angles = [("roll", "roll", degrees), ("pitch", "nose up", -degrees), ("yaw", "yaw", degrees)]
+        .into_iter()
+        .enumerate();
+    let angles = angles.map(|(i, (column, name, scale))| Ok(Curve::new(name, t, scaled(column, scale)?, i)));
     let mut up = vec![0.0; t.len()];
     for source in wingbeat::aero::LoadSource::ALL.iter().filter(|source| source.is_of_air()) {
         let force = needed(record, &format!("force_{}_z", source.name()))?;

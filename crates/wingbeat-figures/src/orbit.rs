@@ -14,6 +14,8 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const LEVELS: [f64; 5] = [-20.0, -12.0, 0.0, 12.0, 20.0];
 /// Size of a multiplier from which on its mode is named.
 const NAMED: f64 = 0.5;
+/// Most named kinds of modes: with the circle and the two of no name eight stand in the legend. *Choice.*
+const MOST_NAMED: usize = 5;
 /// Name of those below.
 const OTHERS: &str = "others";
 /// Points of the unit circle.
@@ -59,10 +61,7 @@ pub fn orbit(record: &Record) -> Result<Figure, Error> {
             levels: LEVELS.to_vec(),
             ..Panel::new("incidence [°], lines at 0, 12 and 20", incidences.collect())
         },
-        Panel::new(
-            "pitch [°], negative is nose up",
-            vec![curve("pitch".into(), needed(record, "pitch")?, DEGREES, 0)],
-        ),
+        Panel::new("pitch [°], nose up", vec![curve("pitch".into(), needed(record, "pitch")?, -DEGREES, 0)]),
         Panel::new(
             "joint power [W]",
             vec![curve("all driven joints".into(), needed(record, "joint_power")?, 1.0, 1)],
@@ -94,7 +93,7 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
         .iter()
         .filter_map(|column| Some((column.name.strip_prefix("share_")?, column.values.as_slice())))
         .collect();
-    let name = |row: usize| -> &str {
+    let own = |row: usize| -> &str {
         // Of both sides' equal shares the left one's name.
         let most = shares.iter().rev().max_by(|a, b| a.1[row].total_cmp(&b.1[row]));
         match most {
@@ -103,9 +102,15 @@ pub fn multipliers(record: &Record) -> Result<Figure, Error> {
             _ => OTHERS,
         }
     };
+    // The largest first: those beyond the first few kinds have no name.
+    let mut rows: Vec<usize> = (0..record.rows()).collect();
+    rows.sort_by(|a, b| re[*b].hypot(im[*b]).total_cmp(&re[*a].hypot(im[*a])));
     let mut groups: Vec<Group> = Vec::new();
-    for row in 0..record.rows() {
-        let (name, longitudinal) = (name(row), lateral[row] == 0.0);
+    for row in rows {
+        let (own, longitudinal) = (own(row), lateral[row] == 0.0);
+        let known = groups.iter().any(|group| (group.0, group.1) == (own, longitudinal));
+        let named = groups.iter().filter(|group| group.0 != OTHERS).count();
+        let name = if known || named < MOST_NAMED { own } else { OTHERS };
         let at = groups.iter().position(|group| (group.0, group.1) == (name, longitudinal));
         let at = at.unwrap_or_else(|| {
             groups.push((name, longitudinal, Vec::new()));

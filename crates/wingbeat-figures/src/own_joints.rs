@@ -34,7 +34,7 @@ impl Joint<'_> {
     }
 
     /// How far it moves, rad or m.
-    fn range(&self) -> f64 {
+    pub fn range(&self) -> f64 {
         let range = |column: &Column| {
             let (low, high) =
                 column.values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));

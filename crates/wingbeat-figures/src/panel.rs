@@ -34,6 +34,11 @@ const LINE: f64 = 17.0;
 /// Room around the figure, px.
 const PADDING: f64 = 6.0;
 
+/// Most names in the legend of a panel.
+const MOST_NAMED: usize = 8;
+/// Share of the largest value of its unit in a figure below which a curve is rounding, drawn as zero.
+const ROUNDING: f64 = 1e-9;
+
 /// A curve with its name in the legend.
 pub struct Curve {
     pub name: String,
@@ -127,7 +132,8 @@ pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
 }
 
 /// As [`stacked`], with `marks` in every panel.
-pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
+pub fn stacked_with(mut panels: Vec<Panel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
+    quieten(&mut panels);
     let count = panels.len();
     let (left, right) = x_range(&panels);
     let across = Scale::new(left, right);
@@ -174,6 +180,22 @@ pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[Ref
     scene
 }
 
+/// Draws as zero what is rounding beside the other curves of its unit, the words in brackets in the title of its panel.
+fn quieten(panels: &mut [Panel]) {
+    let unit = |panel: &Panel| panel.title.split_once('[').map_or("", |(_, unit)| unit).to_owned();
+    let size = |curve: &Curve| curve.y.iter().map(|y| y.abs()).filter(|y| y.is_finite()).fold(0.0, f64::max);
+    let units: Vec<String> = panels.iter().map(unit).collect();
+    let sizes: Vec<f64> =
+        panels.iter().map(|panel| panel.curves.iter().map(size).fold(0.0, f64::max)).collect();
+    for (panel, unit) in panels.iter_mut().zip(&units) {
+        let same = sizes.iter().zip(&units).filter(|(_, other)| *other == unit);
+        let largest = same.map(|(size, _)| *size).fold(0.0, f64::max);
+        for curve in panel.curves.iter_mut().filter(|curve| size(curve) < ROUNDING * largest) {
+            curve.y.iter_mut().filter(|y| y.is_finite()).for_each(|y| *y = 0.0);
+        }
+    }
+}
+
 fn drawn(panel: Panel, across: Scale, legend: f64) -> (Vec<Plot>, Layout) {
     let scale = upwards(&panel);
     let Scale { low, high, .. } = scale;
@@ -218,14 +240,20 @@ fn plot(curve: Curve) -> Plot {
 
 /// A sample and the name of each curve that has one, from the middle of the first sample's left end `(x, y)` down.
 fn named(curves: &[Curve], (x, y): (f64, f64)) -> Vec<Primitive> {
-    let named = curves.iter().filter(|curve| !curve.name.is_empty()).enumerate();
+    let named: Vec<&Curve> = curves.iter().filter(|curve| !curve.name.is_empty()).collect();
+    let shown = if named.len() > MOST_NAMED { MOST_NAMED - 1 } else { named.len() };
+    let left = (named.len() > shown).then(|| {
+        let words = format!("and {} more", named.len() - shown);
+        style::words(x + SAMPLE + BESIDE, y + LINE * shown as f64 + 4.5, words, TextAnchor::Start, false)
+    });
+    let named = named.into_iter().take(shown).enumerate();
     let entry = |(row, curve): (usize, &Curve)| {
         let y = y + LINE * row as f64;
         let sample = style::sample((x, y), (x + SAMPLE, y), &curve.colour, curve.weight, curve.dashes);
         let name = style::words(x + SAMPLE + BESIDE, y + 4.5, &curve.name, TextAnchor::Start, false);
         [sample, name]
     };
-    named.flat_map(entry).collect()
+    named.flat_map(entry).chain(left).collect()
 }
 
 /// The ground between two curves.

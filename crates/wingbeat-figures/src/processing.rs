@@ -54,7 +54,7 @@ impl Cell {
 
 /// Title of a channel.
 fn title(name: &str, unit: &str) -> String {
-    format!("{name} [{unit}]")
+    format!("{} [{unit}]", style::letter(name))
 }
 
 /// Each channel before (`raw_<channel>`) and after the filter over `t`; a line where each cycle begins.

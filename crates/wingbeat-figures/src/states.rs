@@ -24,11 +24,11 @@ pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error>
     let mut attitude = Panel::new("roll and pitch [°]", Vec::new());
     let within = |of: fn(&GoalSpec) -> f64| goal.map(|goal| (goal.settle_s, of(goal)));
     let asked = [within(|goal| goal.roll_within_deg), within(|goal| goal.pitch_within_deg)];
-    let followed = [("roll", "roll (right wing down +)"), ("pitch", "pitch (nose up −)")];
+    let followed = [("roll", "roll (right wing down +)", DEGREES), ("pitch", "pitch (nose up +)", -DEGREES)];
     let mut references = Vec::new();
-    for (index, ((angle, name), goal)) in followed.into_iter().zip(asked).enumerate() {
-        attitude.curves.push(Curve::new(name, t, scaled(record, angle, DEGREES)?, index));
-        if let Ok(reference) = scaled(record, &format!("{angle}_reference"), DEGREES) {
+    for (index, ((angle, name, scale), goal)) in followed.into_iter().zip(asked).enumerate() {
+        attitude.curves.push(Curve::new(name, t, scaled(record, angle, scale)?, index));
+        if let Ok(reference) = scaled(record, &format!("{angle}_reference"), scale) {
             attitude.bands.extend(goal.and_then(|goal| band(t, &reference, goal)));
             let name = if index == 0 { "references" } else { "" };
             references.push(Curve::reference(name, t, reference));

@@ -7,6 +7,12 @@ pub fn whole_turns(angle: f64, near: f64) -> f64 {
     TAU * ((angle - near) / TAU).round()
 }
 
+/// The pitch, rad, of the body frame x forward, y left, z up, about whose y axis nose down is positive, from how far the nose is
+/// up, deg, as documents give it. Zero stays zero without a sign.
+pub fn pitch_of_nose_up(deg: f64) -> f64 {
+    0.0 - deg.to_radians()
+}
+
 /// An angle over time, rad, without jumps by whole turns; gaps that are not finite are bridged by straight lines.
 pub fn unwrapped(mut angles: Vec<f64>) -> Vec<f64> {
     let mut last: Option<usize> = None;

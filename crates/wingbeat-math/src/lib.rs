@@ -26,7 +26,7 @@ mod spline;
 mod tape;
 mod wrench;
 
-pub use angle::{unwrapped, whole_turns};
+pub use angle::{pitch_of_nose_up, unwrapped, whole_turns};
 pub use dual::Dual;
 pub use error::{Error, require};
 pub use fourier::power_spectrum;

@@ -56,7 +56,7 @@ def start(spread, seed):
     seen = dict(zip([column.name for column in environment.observation], seen, strict=True))
     return {
         "start.roll_deg": np.degrees(np.arctan2(2 * (w * i + j * k), 1 - 2 * (i * i + j * j))),
-        "start.pitch_deg": np.degrees(np.arcsin(2 * (w * j - k * i))),
+        "start.nose_up_deg": -np.degrees(np.arcsin(2 * (w * j - k * i))),
         "start.yaw_deg": np.degrees(np.arctan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k))),
         "start.velocity_m_s": part("v_WB_W", "xyz"),
         "start.rate_rad_s": part("w_WB_B", "xyz"),

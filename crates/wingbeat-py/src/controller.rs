@@ -2,24 +2,50 @@
 
 use crate::wait::Stop;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
-use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyAttributeError, PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyFloat, PyIterator};
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
+use wingbeat::math::Quat;
 use wingbeat::plant::Channel;
 use wingbeat::simulate::{Controller, Sample, Update};
 
-/// What a controller is told: channels of the state as measured.
-#[pyclass(frozen, module = "wingbeat._wingbeat")]
+/// What a controller sees: a mapping from the names of the states that are measured to their numbers.
+///
+/// A name that several begin with gives them side by side: `measurement["quat"]` has four numbers.
+#[pyclass(frozen, mapping, module = "wingbeat._wingbeat")]
 pub struct Measurement {
     /// Time at which it was taken, s.
     #[pyo3(get)]
     taken: f64,
-    /// One number per channel.
+    /// One number per channel, in the order of `names`.
     #[pyo3(get)]
-    values: Py<PyArray1<f64>>,
+    array: Py<PyArray1<f64>>,
     places: Py<PyDict>,
+}
+
+impl Measurement {
+    /// The numbers of the channels whose names are `name` and an ending; none where there is no such channel.
+    fn group(&self, py: Python, name: &str) -> PyResult<Vec<f64>> {
+        let mut found = Vec::new();
+        for (key, place) in self.places.bind(py) {
+            let key: String = key.extract()?;
+            if key.strip_prefix(name).is_some_and(|rest| rest.starts_with('_')) {
+                found.extend(self.array.bind(py).get_owned(place.extract::<usize>()?));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Roll, pitch and yaw of the measured attitude, rad.
+    fn angles(&self, py: Python) -> PyResult<[f64; 3]> {
+        let quat = self.group(py, "quat")?;
+        if quat.len() != 4 {
+            return Err(PyAttributeError::new_err("the attitude is not measured: `sees` leaves out quat"));
+        }
+        Ok(Quat::from_wxyz(&quat).matrix().roll_pitch_yaw().0)
+    }
 }
 
 #[pymethods]
@@ -30,11 +56,78 @@ impl Measurement {
         self.places.bind(py).keys().extract()
     }
 
-    /// The number of a channel.
-    fn __getitem__(&self, py: Python, name: &str) -> PyResult<f64> {
-        let place = self.places.bind(py).get_item(name)?;
-        let place: usize = place.ok_or_else(|| PyKeyError::new_err(name.to_owned()))?.extract()?;
-        self.values.bind(py).get_owned(place).ok_or_else(|| PyKeyError::new_err(name.to_owned()))
+    /// The number of a channel, or an array of all whose names begin so.
+    fn __getitem__(&self, py: Python, name: &str) -> PyResult<Py<PyAny>> {
+        if let Some(place) = self.places.bind(py).get_item(name)? {
+            let number = self.array.bind(py).get_owned(place.extract::<usize>()?);
+            return Ok(PyFloat::new(py, number.unwrap_or(f64::NAN)).into_any().unbind());
+        }
+        let group = self.group(py, name)?;
+        if group.is_empty() {
+            let names = self.names(py)?.join(", ");
+            return Err(PyKeyError::new_err(format!(
+                "{name}: allowed are {names}, or what these begin with"
+            )));
+        }
+        Ok(PyArray1::from_vec(py, group).into_any().unbind())
+    }
+
+    fn __len__(&self, py: Python) -> usize {
+        self.places.bind(py).len()
+    }
+
+    fn __contains__(&self, py: Python, name: &Bound<PyAny>) -> PyResult<bool> {
+        self.places.bind(py).contains(name)
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        self.places.bind(py).keys().try_iter()
+    }
+
+    /// Names of the channels.
+    fn keys(&self, py: Python) -> PyResult<Vec<String>> {
+        self.names(py)
+    }
+
+    /// The numbers of the channels.
+    fn values(&self, py: Python) -> PyResult<Vec<f64>> {
+        Ok(self.array.bind(py).readonly().as_array().to_vec())
+    }
+
+    /// Names and numbers of the channels.
+    fn items(&self, py: Python) -> PyResult<Vec<(String, f64)>> {
+        Ok(self.names(py)?.into_iter().zip(self.values(py)?).collect())
+    }
+
+    /// The number of a channel, or `default` where it is not measured.
+    #[pyo3(signature = (name, default=None))]
+    fn get(&self, py: Python, name: &str, default: Option<Py<PyAny>>) -> PyResult<Option<Py<PyAny>>> {
+        match self.__getitem__(py, name) {
+            Err(error) if error.is_instance_of::<PyKeyError>(py) => Ok(default),
+            found => found.map(Some),
+        }
+    }
+
+    /// Roll of the measured attitude, rad; positive is right wing down.
+    #[getter]
+    fn roll(&self, py: Python) -> PyResult<f64> {
+        self.angles(py).map(|angles| angles[0])
+    }
+
+    /// Pitch of the measured attitude, rad, as in records; negative is nose up.
+    #[getter]
+    fn pitch(&self, py: Python) -> PyResult<f64> {
+        self.angles(py).map(|angles| angles[1])
+    }
+
+    /// Heading of the measured attitude, rad; positive is to the left.
+    #[getter]
+    fn yaw(&self, py: Python) -> PyResult<f64> {
+        self.angles(py).map(|angles| angles[2])
+    }
+
+    fn __repr__(&self, py: Python) -> String {
+        format!("Measurement({} states, taken {} s)", self.__len__(py), self.taken)
     }
 }
 
@@ -111,9 +204,9 @@ impl Own {
                 self.places.insert(places.unbind()).clone_ref(py)
             }
         };
-        let values = PyArray1::from_slice(py, measured.values()).unbind();
-        let told = Measurement { taken: measured.taken(), values, places };
-        let answer = self.update.bind(py).call1((t, told))?;
+        let array = PyArray1::from_slice(py, measured.values()).unbind();
+        let seen = Measurement { taken: measured.taken(), array, places };
+        let answer = self.update.bind(py).call1((t, seen))?;
         if answer.is_none() {
             return Ok(Update::Kept);
         }

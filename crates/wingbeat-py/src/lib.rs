@@ -65,7 +65,7 @@ mod module {
     #[pymodule_export]
     use super::sweep::Sweep;
     #[pymodule_export]
-    use super::table::{read_parquet, write_parquet};
+    use super::table::{read_csv, read_parquet, write_parquet};
     #[pymodule_export]
     use super::tether::tether;
     #[pymodule_export]

@@ -45,6 +45,13 @@ pub fn write_parquet(path: PathBuf, columns: Vec<Given<'_>>) -> PyResult<()> {
     wingbeat_io::write_parquet(&path, &record(columns)?).map_err(refused)
 }
 
+/// Reads the columns of a table in text.
+#[pyfunction]
+pub fn read_csv(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Named<'_>>> {
+    let record = py.detach(|| wingbeat_io::read_csv(&path)).map_err(refused)?;
+    Ok(columns(py, record))
+}
+
 /// Reads the columns of a record.
 #[pyfunction]
 pub fn read_parquet(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Named<'_>>> {

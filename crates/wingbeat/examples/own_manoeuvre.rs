@@ -16,7 +16,7 @@ struct Weave {
     /// Largest roll, deg.
     roll_deg: f64,
     /// Pitch, deg; negative is nose up.
-    pitch_deg: f64,
+    nose_up_deg: f64,
     /// Period, s.
     period_s: f64,
 }
@@ -33,14 +33,14 @@ impl Manoeuvre for Weave {
         let (amplitude, rate) = (self.roll_deg.to_radians(), TAU / self.period_s);
         let (sine, cosine) = (rate * t).sin_cos();
         let w = Vec3::new(amplitude * rate * cosine, 0.0, 0.0);
-        Reference { roll: amplitude * sine, pitch: self.pitch_deg.to_radians(), w }
+        Reference { roll: amplitude * sine, pitch: -self.nose_up_deg.to_radians(), w }
     }
 }
 
 /// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let doors = Doors::shipped().manoeuvre::<Weave>("weave");
-    let weave = Document::text("weave", "[weave]\nroll_deg = 10.0\npitch_deg = -15.0\nperiod_s = 1.0")?;
+    let weave = Document::text("weave", "[weave]\nroll_deg = 10.0\nnose_up_deg = 15.0\nperiod_s = 1.0")?;
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/banking_turn.toml");
     let document = Document::file(path.as_ref())?.put("manoeuvre", weave)?;
     let document = document.set("flight.duration_s=1.0").set("goal.settle_s=0.25");

@@ -64,7 +64,7 @@ impl Plant for Satellite {
 
 /// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {
-    let (satellite, turn) = (Satellite::new(), Turn { roll_deg: 30.0, pitch_deg: -10.0, ..Turn::default() });
+    let (satellite, turn) = (Satellite::new(), Turn { roll_deg: 30.0, nose_up_deg: 10.0, ..Turn::default() });
     let spec = MpcSpec {
         period_s: 0.01,
         intervals: 10,

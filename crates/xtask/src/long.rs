@@ -1,14 +1,16 @@
 //! `cargo xtask long`: what takes hours and so does not run before every change.
 
 use crate::report::{Account, Tally};
-use crate::{documents, fuzz, hostile, paper, peers, python, soak, tools};
+use crate::{book, documents, fuzz, hostile, paper, peers, python, soak, tools, tutorials};
 
 /// A task by its name.
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 9] = [
+const TASKS: [Task; 11] = [
     ("tests", tests),
+    ("tutorials", || Tally::one(tutorials::all())),
+    ("book", || Tally::one(book::build())),
     ("paper", || Tally::one(paper::run())),
     ("soak", || Tally::one(soak::soak(&[]))),
     ("hostile", || Tally::one(hostile::hostile(&[]))),

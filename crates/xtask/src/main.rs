@@ -1,6 +1,7 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `reference`, `bench`, `peers`, `fuzz`, `hostile`,
 //! `advisories`, `python`, `soak`, `paper`, `long`.
 
+mod book;
 mod copies;
 mod dependencies;
 mod documents;
@@ -16,6 +17,7 @@ mod report;
 mod soak;
 mod test;
 mod tools;
+mod tutorials;
 
 use std::process::ExitCode;
 

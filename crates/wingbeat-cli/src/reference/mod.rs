@@ -2,6 +2,7 @@
 
 mod cli;
 mod columns;
+mod commands;
 mod keys;
 mod meets;
 mod page;

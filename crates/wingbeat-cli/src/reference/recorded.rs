@@ -151,7 +151,7 @@ fn columns_of_gaits_are_in_the_reference() {
         "storage=1.0",
         "up_n=0.08",
         "frequency_hz=[3.5, 3.5]",
-        "pitch_deg=[-15.0, -15.0]",
+        "nose_up_deg=[15.0, 15.0]",
         "effort_w=0.3",
         "intervals=8",
         "meshes=1",

@@ -3,6 +3,7 @@
 mod average;
 mod calibrate;
 mod fly;
+mod migrate;
 mod new;
 mod paper;
 mod plan;

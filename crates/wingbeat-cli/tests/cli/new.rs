@@ -67,6 +67,62 @@ fn new_rigs_runs_and_lists_are_planned() {
 }
 
 #[test]
+fn the_minimal_robot_flies_and_documents_stand_around_it() {
+    let folder = scratch("new-minimal");
+    let told = written(&folder, &["robot", "bird.toml", "--minimal"]);
+    assert!(told.contains("next: wingbeat show bird.toml"), "{told}");
+    assert!(fs::read_to_string(folder.join("bird.toml")).unwrap().lines().count() < 70);
+    let told = written(&folder, &["scenario", "flight.toml", "--robot", "bird.toml"]);
+    runs(&folder, &told, &["--quiet", "--set", "flight.duration_s=0.2", "--out", "a"]);
+    fs::create_dir(folder.join("below")).unwrap();
+    let told = written(&folder, &["trim", "below/level.toml", "--robot", "bird.toml"]);
+    assert!(told.contains("next: wingbeat trim below/level.toml"), "{told}");
+    let text = fs::read_to_string(folder.join("below/level.toml")).unwrap();
+    assert!(text.contains("free = [\"frequency\", \"elevator\"]"), "{text}");
+    let output =
+        wingbeat(&folder, &["fly", "below/level.toml", "--quiet", "--set", "flight.duration_s=0.01"]);
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
+fn a_calibration_of_a_case_names_it() {
+    let folder = scratch("new-of-case");
+    written(&folder, &["case", "wing.toml"]);
+    written(&folder, &["calibration", "fit.toml", "--case", "wing.toml"]);
+    assert_eq!(entries(&folder), ["fit.toml", "wing.toml"]);
+    let listed = wingbeat(&folder, &["calibrate", "fit.toml", "--names"]);
+    let names = String::from_utf8(listed.stdout).unwrap();
+    assert!(names.contains("surfaces.wing.added_mass_scale = 1\n"), "{names}");
+    let output = wingbeat(&folder, &["calibrate", "fit.toml", "--information"]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && message.contains("measured.csv"), "{message}");
+}
+
+#[test]
+fn options_of_new_that_do_not_fit_are_refused() {
+    let folder = scratch("new-options");
+    written(&folder, &["robot", "still.toml", "--minimal"]);
+    let text = fs::read_to_string(folder.join("still.toml")).unwrap();
+    let still = text.split("# What a controller").next().unwrap();
+    fs::write(folder.join("still.toml"), still).unwrap();
+    for (arguments, said) in [
+        (&["case", "--minimal"][..], "--minimal: allowed with `new robot`"),
+        (&["trim"], "--robot ROBOT.toml"),
+        (&["sweep", "--robot", "still.toml"], "--robot: allowed with"),
+        (&["scenario", "--case", "still.toml"], "--case: allowed with `new calibration`"),
+        (&["scenario", "--robot", "none.toml"], "none.toml"),
+        (&["trim", "--robot", "still.toml"], "its frequency alone can be chosen"),
+        (&["calibration", "--case", "still.toml"], "still.toml"),
+    ] {
+        let output = wingbeat(&folder, &[&["new"], arguments].concat());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(said), "{message}");
+    }
+    assert_eq!(entries(&folder), ["still.toml"]);
+}
+
+#[test]
 fn nothing_is_replaced_unasked() {
     let folder = scratch("new-kept");
     fs::write(folder.join("scenario.toml"), "mine").unwrap();

@@ -22,7 +22,7 @@ fn plan_with(folder: &Path, keys: &[&str], more: &[&str]) -> Output {
         "storage=1.0",
         "up_n=0.08",
         "frequency_hz=[3.5, 3.5]",
-        "pitch_deg=[-15.0, -15.0]",
+        "nose_up_deg=[15.0, 15.0]",
         "effort_w=0.3",
         "intervals=24",
         "meshes=1",
@@ -232,7 +232,7 @@ fn bad_settings_are_refused_in_one_message_and_leave_nothing() {
     for (key, said) in [
         ("frequency_hz=[5.0, 4.0]", "plan.least_power.frequency_hz"),
         ("frequency_hz=[0.0, 4.0]", "plan.least_power.frequency_hz"),
-        ("pitch_deg=[0.0, 95.0]", "plan.least_power.pitch_deg"),
+        ("nose_up_deg=[0.0, 95.0]", "plan.least_power.nose_up_deg"),
         ("storage=1.5", "plan.least_power.storage"),
         ("order=5", "plan.least_power.order"),
         ("effort_w=0.0", "plan.least_power.effort_w"),

@@ -2,6 +2,8 @@
 
 use std::fmt;
 use std::path::PathBuf;
+
+use super::former::today;
 use wingbeat_math::names::nearest;
 
 /// Everything that is wrong with a configuration; printed, one line for each.
@@ -125,7 +127,8 @@ impl fmt::Display for Wrong {
         match &self.problem {
             Problem::UnknownKey { allowed } => {
                 let last = self.key.rsplit('.').next().unwrap_or("");
-                write!(f, "{}", choice(last, allowed))
+                let today = today(last, self.value.as_deref(), allowed);
+                write!(f, "{}", today.unwrap_or_else(|| choice(last, allowed)))
             }
             Problem::UnknownName { allowed } => {
                 let given = self.value.as_deref().unwrap_or("").trim_matches('"');

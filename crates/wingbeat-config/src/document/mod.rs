@@ -7,6 +7,7 @@
 
 mod error;
 mod explain;
+mod former;
 mod inherit;
 mod kinds;
 mod limits;
@@ -24,6 +25,7 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
+pub use former::{Migrated, migrated};
 pub(super) use inherit::{BASE, WITHOUT};
 pub use limits::{largest, text_of, unit};
 pub(super) use outline::KEY as OUTLINE_KEY;

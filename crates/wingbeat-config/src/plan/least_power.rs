@@ -18,7 +18,7 @@ use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{HingeKind, Side};
 use wingbeat_judge::{Judge, Status};
 use wingbeat_math::Error;
-use wingbeat_math::Vec3;
+use wingbeat_math::{Vec3, pitch_of_nose_up};
 use wingbeat_ocp::plant::{Fault, Plant};
 use wingbeat_ocp::{Interpolant, OptimalControl, Optimum, Progress};
 use wingbeat_robot::WingSpec;
@@ -121,7 +121,7 @@ impl Scenario {
         let problem = self.least_power_problem(spec)?;
         let own = Flapping {
             frequency_hz: self.model.frequency_hz(),
-            pitch: self.spec.start.pitch_deg.to_radians(),
+            pitch: pitch_of_nose_up(self.spec.start.nose_up_deg),
         };
         let optimum = problem.plan(observe).map_err(broken)?;
         let nodes = nodes::nodes(&problem, &optimum, "W")?;
@@ -156,7 +156,7 @@ impl Scenario {
             return Err(Error::invalid("plan.least_power.frequency_hz", format!("[{low}, {high}]"), allowed)
                 .against(["robot.residual.frequency_hz"]));
         }
-        let (pitch, yaw) = (start.pitch_deg.to_radians(), start.yaw_deg.to_radians());
+        let (pitch, yaw) = (pitch_of_nose_up(start.nose_up_deg), start.yaw_deg.to_radians());
         let stand = Stand::new(&self.model, Vec3(start.velocity_m_s), yaw)?;
         LeastPower::new(stand, pitch, spec).map_err(|e| e.within("plan.least_power"))
     }

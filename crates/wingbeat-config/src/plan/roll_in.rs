@@ -212,7 +212,7 @@ impl Scenario {
         tracked.manoeuvre = Some(Chosen::Shipped(Turn {
             turn_start_s: spec.start_s,
             roll_deg: spec.roll_deg,
-            pitch_deg: spec.pitch_deg,
+            nose_up_deg: spec.nose_up_deg,
             yaw_rate_rad_s,
             track: Some(problem.track(&solution.points)),
         }));

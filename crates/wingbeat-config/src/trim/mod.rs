@@ -306,7 +306,7 @@ impl Scenario {
         StartSpec {
             velocity_m_s: Vec3::from_slice(&x[layout.velocity..]).0,
             roll_deg: angles[0].to_degrees(),
-            pitch_deg: angles[1].to_degrees(),
+            nose_up_deg: 0.0 - angles[1].to_degrees(),
             yaw_deg: 0.0,
             phase_rad: self.spec.start.phase_rad,
             rate_rad_s: Vec3::from_slice(&x[layout.rate..]).0,

@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn residuals_of_the_soft_limit_and_their_derivatives_are_exact() {
-        let turn = Turn { roll_deg: 10.0, pitch_deg: -5.0, yaw_rate_rad_s: 0.1, ..Turn::default() };
+        let turn = Turn { roll_deg: 10.0, nose_up_deg: 5.0, yaw_rate_rad_s: 0.1, ..Turn::default() };
         let plant = body();
         let mut tracking = AttitudeTracking::new(&plant, Arc::new(turn), &spec(50.0)).unwrap();
         tracking.chart.center_at(&[0.9, 0.3, -0.2, 0.1, 0.0, 0.0, 0.0]);

@@ -7,9 +7,9 @@ use crate::simulate::{Held, Moment, Sizes, Stepper, System};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use wingbeat_math::Error;
-use wingbeat_math::Scalar;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
+use wingbeat_math::{Scalar, pitch_of_nose_up};
 use wingbeat_ocp::interior_point::Options;
 use wingbeat_ocp::plant::{Channel, Fault, Plant};
 use wingbeat_ocp::{
@@ -51,9 +51,9 @@ pub struct LeastPowerSpec {
     pub clearance_m: Option<f64>,
     /// Lowest and highest flapping frequency, Hz.
     pub frequency_hz: [f64; 2],
-    /// Lowest and highest pitch, deg, negative is nose up; without it that of the start.
+    /// Lowest and highest pitch, deg, positive is nose up; without it that of the start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pitch_deg: Option<[f64; 2]>,
+    pub nose_up_deg: Option<[f64; 2]>,
     /// Share of a joint's negative power that is stored and used again: 0 none, 1 all of it.
     #[serde(default)]
     pub storage: f64,
@@ -83,7 +83,7 @@ fn fourth() -> u8 {
 ranges!(LeastPowerSpec {
     trim_within_n_m: Range::POSITIVE,
     frequency_hz: Range::POSITIVE,
-    pitch_deg: Range::inside(-80.0, 80.0),
+    nose_up_deg: Range::inside(-80.0, 80.0),
     storage: Range::between(0.0, 1.0),
     effort_w: Range::POSITIVE,
     intervals: Range::between(1.0, MAX_INTERVALS as f64),
@@ -104,8 +104,8 @@ impl LeastPowerSpec {
         require::finite("forward_n", self.forward_n.as_slice())?;
         require::finite("clearance_m", self.clearance_m.as_slice())?;
         require::range("frequency_hz", self.frequency_hz)?;
-        if let Some(pitch) = self.pitch_deg {
-            require::range("pitch_deg", pitch)?;
+        if let Some(pitch) = self.nose_up_deg {
+            require::range("nose_up_deg", pitch)?;
         }
         if ![4, 6].contains(&self.order) {
             return Err(Error::invalid("order", self.order, "4 or 6"));
@@ -158,7 +158,7 @@ impl<'a> LeastPower<'a> {
         spec.check()?;
         limited_clearances(stand.robot(), spec.clearance_m)?;
         let half_ranges = stand.robot().inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
-        let range = spec.pitch_deg.map_or([pitch; 2], |range| range.map(f64::to_radians));
+        let range = spec.nose_up_deg.map_or([pitch; 2], |[low, high]| [high, low].map(pitch_of_nose_up));
         let mut problem = Self {
             spec: spec.clone(),
             pitch: range,

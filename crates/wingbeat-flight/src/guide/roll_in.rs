@@ -7,9 +7,9 @@ use crate::simulate::{Held, Moment, Stepper};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use wingbeat_math::Error;
-use wingbeat_math::Scalar;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
+use wingbeat_math::{Scalar, pitch_of_nose_up};
 use wingbeat_ocp::interior_point::Options;
 use wingbeat_ocp::nlp::Program;
 use wingbeat_ocp::plant::{Channel, Fault, LocalChart, Plant, Role};
@@ -33,8 +33,8 @@ pub struct RollInSpec {
     pub start_s: f64,
     /// Bank at its end, deg; positive is right wing down.
     pub roll_deg: f64,
-    /// Pitch at its end, deg; negative is nose up.
-    pub pitch_deg: f64,
+    /// Pitch at its end, deg; positive is nose up.
+    pub nose_up_deg: f64,
     /// How far the pitch may be off, deg.
     pub pitch_within_deg: f64,
     /// Largest angular rate about each body axis, and largest rate of each
@@ -100,7 +100,7 @@ ranges!(TrackingCost { roll: Range::NOT_NEGATIVE, pitch: Range::NOT_NEGATIVE, ra
 ranges!(RollInSpec {
     start_s: Range::NOT_NEGATIVE,
     roll_deg: Range::inside(-80.0, 80.0),
-    pitch_deg: Range::inside(-80.0, 80.0),
+    nose_up_deg: Range::inside(-80.0, 80.0),
     pitch_within_deg: Range::POSITIVE,
     rate_within_rad_s: Range::POSITIVE,
     displacement_within: Range::POSITIVE,
@@ -329,7 +329,7 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
         let Some(cost) = &self.spec.tracking else { return effort * self.spec.effort };
         let angles = self.chart.rotation_matrix(at.x).roll_pitch_yaw();
         let roll = angle_error(angles[0], self.spec.roll_deg.to_radians());
-        let pitch = angle_error(angles[1], self.spec.pitch_deg.to_radians());
+        let pitch = angle_error(angles[1], pitch_of_nose_up(self.spec.nose_up_deg));
         let attitude = roll.squared() * cost.roll + pitch.squared() * cost.pitch;
         let rates = &at.x[self.rate..self.rate + 3];
         let rates = rates.iter().zip(cost.rate).fold(S::ZERO, |sum, (w, c)| sum + w.squared() * c);
@@ -350,7 +350,7 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
         let x = ends.x[1];
         let angles = self.chart.rotation_matrix(x).roll_pitch_yaw();
         values[0] = angle_error(angles[0], self.spec.roll_deg.to_radians());
-        values[1] = angle_error(angles[1], self.spec.pitch_deg.to_radians());
+        values[1] = angle_error(angles[1], pitch_of_nose_up(self.spec.nose_up_deg));
         values[2..5].copy_from_slice(&x[self.rate..self.rate + 3]);
         for (value, &(i, _)) in values[5..].iter_mut().zip(&self.settled) {
             *value = x[i];
@@ -440,7 +440,7 @@ mod tests {
         RollInSpec {
             start_s: 0.25,
             roll_deg: 15.0,
-            pitch_deg: 0.0,
+            nose_up_deg: 0.0,
             pitch_within_deg: 1.0,
             rate_within_rad_s: 1e-6,
             displacement_within: 1.0,

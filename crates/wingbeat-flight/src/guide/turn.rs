@@ -3,9 +3,9 @@
 use super::manoeuvre::{Manoeuvre, Reference};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
-use wingbeat_math::Vec3;
 use wingbeat_math::interpolation::piecewise_linear;
 use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::{Vec3, pitch_of_nose_up};
 
 /// A level approach, then a turn at constant bank.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, schemars::JsonSchema)]
@@ -18,9 +18,9 @@ pub struct Turn {
     /// Bank in the turn, deg; positive is right wing down.
     #[serde(default)]
     pub roll_deg: f64,
-    /// Pitch throughout, deg; negative is nose up.
+    /// Pitch throughout, deg; positive is nose up.
     #[serde(default)]
-    pub pitch_deg: f64,
+    pub nose_up_deg: f64,
     /// Heading rate in the turn, rad/s; negative turns right.
     #[serde(default)]
     pub yaw_rate_rad_s: f64,
@@ -32,7 +32,7 @@ pub struct Turn {
 ranges!(Turn {
     turn_start_s: Range::NOT_NEGATIVE,
     roll_deg: Range::between(-180.0, 180.0),
-    pitch_deg: Range::between(-90.0, 90.0),
+    nose_up_deg: Range::between(-90.0, 90.0),
 });
 
 /// Attitude and angular rate at ascending times, linear in between.
@@ -105,7 +105,7 @@ impl Manoeuvre for Turn {
         let turning = t >= self.turn_start_s;
         let (roll, yaw_rate) =
             if turning { (self.roll_deg.to_radians(), self.yaw_rate_rad_s) } else { (0.0, 0.0) };
-        let pitch = self.pitch_deg.to_radians();
+        let pitch = pitch_of_nose_up(self.nose_up_deg);
         let ((sp, cp), (sr, cr)) = (pitch.sin_cos(), roll.sin_cos());
         Reference { roll, pitch, w: Vec3::new(-sp, cp * sr, cp * cr) * yaw_rate }
     }

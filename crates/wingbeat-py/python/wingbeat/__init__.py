@@ -5,10 +5,14 @@
 >>> flight.status
 'not_judged'
 
-SI units throughout; body axes x forward, y left, z up, the world's z up: negative pitch is nose up.
+SI units throughout; body axes x forward, y left, z up, the world's z up. Records have the pitch of these axes: negative is nose
+up. Documents give ``nose_up_deg``.
 """
 
+from collections.abc import Mapping
+
 from wingbeat._documents import Robot, Scenario, shipped
+from wingbeat._program import Averaged, Picture, RigPlan, average, rig_plan, show, validate
 from wingbeat._record import Column, Record, Strips
 from wingbeat._runs import (
     Bench,
@@ -35,7 +39,11 @@ from wingbeat._sweeps import sweep
 from wingbeat._verdicts import ResultWarning
 from wingbeat._wingbeat import Measurement, __version__
 
+# What a controller sees is a mapping.
+Mapping.register(Measurement)
+
 __all__ = [
+    "Averaged",
     "Bench",
     "Calibrated",
     "Column",
@@ -43,10 +51,12 @@ __all__ = [
     "Flight",
     "Measurement",
     "Moved",
+    "Picture",
     "Plan",
     "Processed",
     "Record",
     "ResultWarning",
+    "RigPlan",
     "Robot",
     "Scenario",
     "Stepper",
@@ -55,14 +65,18 @@ __all__ = [
     "Trimmed",
     "Wake",
     "__version__",
+    "average",
     "calibrate",
     "fly",
     "plan",
     "process",
     "rig",
+    "rig_plan",
     "shipped",
+    "show",
     "sweep",
     "tether",
     "trim",
+    "validate",
     "wake",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
+import sys
 from collections.abc import Mapping
 from os import PathLike, fspath
 from pathlib import Path
@@ -11,6 +11,11 @@ from typing import Any, TypeAlias
 from wingbeat import _wingbeat
 from wingbeat._record import Column
 
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
 Source: TypeAlias = "str | PathLike[str] | Mapping[str, Any]"
 Overrides: TypeAlias = Mapping[str, Any]
 
@@ -18,7 +23,10 @@ Overrides: TypeAlias = Mapping[str, Any]
 def shipped(name: str) -> Path:
     """A file that comes with the package: ``shipped("scenarios/banking_turn.toml")``.
 
-    There are folders ``robots``, ``scenarios``, ``cases``, ``rigs`` and ``sweeps``.
+    Parameters
+    ----------
+    name
+        Path of the file below ``robots``, ``scenarios``, ``cases``, ``rigs``, ``calibrations`` or ``sweeps``.
     """
     home = Path(__file__).parent
     path = home / name
@@ -39,9 +47,14 @@ def document(source: Source, overrides: Overrides | None, name: str) -> _wingbea
 
 
 class Robot:
-    """A robot: a TOML file, or a dictionary of the same keys.
+    """A checked robot.
 
-    ``overrides`` are paths of keys, ``{"body.mass_kg": 0.012}``, or dictionaries in dictionaries.
+    Parameters
+    ----------
+    source
+        A TOML file, or a dictionary of the same keys (lengths in m, masses in kg, angles in rad unless a key ends in ``_deg``).
+    overrides
+        Keys that are set otherwise: paths, ``{"body.mass_kg": 0.012}``, or dictionaries in dictionaries.
     """
 
     def __init__(self, source: Source, overrides: Overrides | None = None) -> None:
@@ -87,11 +100,20 @@ class Robot:
 
 
 class Scenario:
-    """A checked scenario: a TOML file, or a dictionary of the same keys; ``robot`` takes the place of its own.
+    """A checked scenario. Bad input raises ``ValueError`` with the text that the program prints.
 
+    Parameters
+    ----------
+    source
+        A TOML file, or a dictionary of the same keys.
+    overrides
+        Keys that are set otherwise: paths, ``{"aero.preset": "full"}``, or dictionaries in dictionaries.
+    robot
+        Takes the place of the scenario's own robot.
+
+    Examples
+    --------
     >>> glide = Scenario(shipped("scenarios/glide.toml"), {"air": {"wind_m_s": [-1.0, 0.0, 0.0]}})
-
-    Bad input raises ``ValueError`` with the text that the program prints.
     """
 
     def __init__(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wingbeat import _wingbeat
+from wingbeat._extras import needed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -93,9 +94,7 @@ class Record(Mapping[str, Array]):
 
     def to_pandas(self) -> pd.DataFrame:
         """A table that shares the columns' memory; ``attrs`` holds units and frames, as pandas finds them in the file."""
-        import pandas as pd
-
-        table = pd.DataFrame(self._values, copy=False)
+        table: pd.DataFrame = needed("pandas", "tables").DataFrame(self._values, copy=False)
         table.attrs = {"units": self.units, "frames": self.frames}
         return table
 

@@ -1,4 +1,4 @@
-"""Flights, plans, periodic flights, wings in prescribed motion, wakes, the bench, and calibrations."""
+"""Flights, plans, periodic flights, wings in prescribed motion, wakes, the rig, and calibrations."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from os import PathLike, fspath
+from html import escape
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from numpy.typing import ArrayLike
 
 from wingbeat import _wingbeat
-from wingbeat._verdicts import judged
 from wingbeat._documents import Overrides, Scenario, Source, document
+from wingbeat._html import picture, table
 from wingbeat._record import Array, Record, Strips
+from wingbeat._verdicts import judged
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,8 +34,8 @@ class Controller(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
-    """What every run tells."""
+class Result:
+    """What every run gives."""
 
     summary: dict[str, Any] = field(repr=False)
     """What the program writes as ``summary.json``."""
@@ -43,9 +45,22 @@ class Told:
         """``ok``, or what kept the run from it."""
         return str(self.summary["status"])
 
+    def _repr_html_(self) -> str:
+        return table(type(self).__name__, self.summary) + self._picture()
+
+    def _picture(self) -> str:
+        """The time histories, where there are some and Matplotlib is installed."""
+        record = getattr(self, "record", None)
+        if not isinstance(record, Record) or record.rows < 2:
+            return ""
+        try:
+            return picture(record.plot())
+        except ModuleNotFoundError as error:
+            return f"<p>{escape(str(error))}</p>"
+
 
 @dataclass(frozen=True, kw_only=True)
-class Recorded(Told):
+class Recorded(Result):
     """A run with its time histories."""
 
     record: Record
@@ -63,9 +78,15 @@ class Flight(Recorded):
     strips: Strips | None
     """Loads of the strips, where ``flight.record_strips_every_s`` asks for them."""
 
+    def plot3d(self, frames: int = 12) -> Figure:
+        """The path in space, with the body axes at ``frames`` instants: a figure of Matplotlib, in m."""
+        from wingbeat._figures import path
+
+        return path(self.record, frames)
+
 
 @dataclass(frozen=True, kw_only=True)
-class Plan(Told):
+class Plan(Result):
     """A plan made offline; its status is ``ok``, ``off_target``, ``outside``, ``not_periodic``, ``not_resolved``, ``not_found`` or
     ``failed``.
     """
@@ -93,7 +114,7 @@ class Moved(Recorded):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Trimmed(Told):
+class Trimmed(Result):
     """A periodic flight; its status is ``ok``, ``outside`` or ``not_found``, of a search of gaits also ``off_target``."""
 
     record: Record | None
@@ -123,11 +144,11 @@ class Stretch:
     record: Record
     """Loads in the world's axes about the body's origin, and mean bound circulations, by step."""
     phases: dict[str, str] = field(repr=False)
-    """Rings of wing and wake at begin and middle of the strokes of the last cycle, as VTK text."""
+    """Rings of wing and wake at the start and in the middle of the strokes of the last cycle, as VTK text."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wake(Told):
+class Wake(Result):
     """The vortex lattice of a case or along a flight; its status is ``ok``, ``not_resolved`` or ``failed``."""
 
     stretches: list[Stretch]
@@ -142,17 +163,20 @@ class Calibrated:
     summary: dict[str, Any]
     """What the program writes as ``summary.json``; empty where only the information was asked for."""
     information: str
-    """What the runs tell of the numbers before the fit, as a table."""
+    """What the runs say of the parameters before the fit, as a table."""
     report: str
     """The report as the program prints it."""
     numbers: str = field(repr=False)
-    """The fitted numbers as TOML: write it to a file that ``robot.numbers`` names."""
+    """The fitted parameters as TOML: write it to a file that ``robot.numbers`` names."""
     residual: str = field(default="", repr=False)
     """The wrench learned of runs with ``residual = true`` as TOML, for a file that ``robot.residual`` names; empty without such runs."""
 
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(self.report or self.information)}</pre>"
+
     @property
     def values(self) -> dict[str, float]:
-        """The fitted numbers by name."""
+        """The fitted parameters by name."""
         return {row["name"]: row["value"] for row in self.summary.get("parameters", [])}
 
     @property
@@ -162,8 +186,8 @@ class Calibrated:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bench(Told):
-    """A simulated run of the bench; its status is ``ok``, ``outside``, ``not_found`` or ``failed``."""
+class Bench(Result):
+    """A simulated run of the rig; its status is ``ok``, ``outside``, ``not_found`` or ``failed``."""
 
     name: str
     record: Record | None
@@ -171,14 +195,14 @@ class Bench(Told):
 
     @property
     def window_s(self) -> tuple[float, float]:
-        """Begin and end of what is to be averaged, s."""
+        """Start and end of what is to be averaged, s."""
         begin, end = self.summary["window_s"]
         return begin, end
 
 
 @dataclass(frozen=True)
 class Processed:
-    """Samples of the bench, processed."""
+    """Samples of the rig, processed."""
 
     name: str
     record: Record | None
@@ -212,9 +236,27 @@ def fly(
 ) -> Flight:
     """Flies a scenario under its own controller, or under one of Python's.
 
-    ``controller`` is updated every ``period_s`` (whole steps of the scenario) with a measurement of all states, or of
-    those that ``sees`` names or that begin so: ``sees=["quat", "w_WB_B"]`` is an inertial unit. ``observe(t, x, u)``
-    is shown every recorded sample; a true answer ends the flight.
+    Parameters
+    ----------
+    scenario
+        A `Scenario`, a TOML file, or a dictionary of the same keys.
+    overrides
+        Keys of a file or a dictionary that are set otherwise, ``{"flight.duration_s": 1.0}``.
+    controller
+        An object with ``update(t, measurement)``, or such a function: the inputs that hold from ``t`` (s) on, in the order of
+        ``Scenario.inputs``; ``None`` leaves those in force.
+    period_s
+        Time between two updates, s: whole time steps of the scenario.
+    sees
+        States that the controller sees, by name or by what their names begin with: ``["quat", "w_WB_B"]`` is an inertial unit.
+        Without it all.
+    observe
+        ``observe(t, x, u)`` is shown every recorded sample: time (s), states and inputs. A true answer ends the flight.
+
+    Returns
+    -------
+    Flight
+        ``record`` (a row per ``flight.record_every_s``), ``strips``, ``summary``, ``status``.
     """
     native = scenario_of(scenario, overrides)._native
     names = None if sees is None else list(sees)
@@ -224,7 +266,20 @@ def fly(
 
 
 def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Plan:
-    """Plans what the scenario's ``[plan]`` says."""
+    """Plans what the scenario's ``[plan]`` says: the quickest roll-in, or a gait of least power.
+
+    Parameters
+    ----------
+    scenario
+        A `Scenario`, a TOML file, or a dictionary of the same keys.
+    overrides
+        Keys of a file or a dictionary that are set otherwise.
+
+    Returns
+    -------
+    Plan
+        ``record``, ``nodes`` and ``constants`` with multipliers, ``files`` that follow the plan, ``summary``.
+    """
     record, nodes, summary, files = _wingbeat.plan(scenario_of(scenario, overrides)._native)
     points, constants = nodes if nodes is not None else (None, None)
     return Plan(
@@ -242,12 +297,23 @@ def trim(
     *,
     progress: Callable[[dict[str, float]], object] | None = None,
 ) -> Trimmed:
-    """Finds the flight that the robot repeats every cycle, as the scenario's ``[trim]`` says; with ``[trim.search]`` that of the
-    best gait.
+    """Finds the periodic flight that the scenario's ``[trim]`` asks for; with ``[trim.search]`` that of the best gait.
 
-    ``progress`` hears of every iteration, a true answer ends the search: of a gait ``start``, ``iteration``, ``power_w_kg``,
-    ``frequency_hz`` and ``violation`` (the worst limit missed, in its scale), of an orbit ``orbits``, ``iteration`` and
-    ``residual``.
+    Parameters
+    ----------
+    scenario
+        A `Scenario`, a TOML file, or a dictionary of the same keys.
+    overrides
+        Keys of a file or a dictionary that are set otherwise, ``{"trim.speed_m_s": 4.2}``.
+    progress
+        Receives every iteration as a dictionary; a true answer ends the search. Of a gait it holds ``start``, ``iteration``,
+        ``power_w_kg`` (W/kg), ``frequency_hz`` (Hz) and ``violation`` (the worst limit missed, in its scale), of an orbit
+        ``orbits``, ``iteration`` and ``residual``.
+
+    Returns
+    -------
+    Trimmed
+        ``record`` (one cycle), ``multipliers``, ``family``, ``starts``, ``files``, ``summary``.
     """
     native = scenario_of(scenario, overrides)._native
     record, multipliers, family, starts, summary, files = _wingbeat.trim(native, progress)
@@ -270,8 +336,21 @@ def tether(
 ) -> Moved:
     """Moves the wing of a case in its wind.
 
-    ``compare`` is a measured CSV file that the last cycle is held against, as ``[compare]`` says; with ``converge`` the case is
-    run with coarser and finer strips and steps too. Both stand in ``summary``.
+    Parameters
+    ----------
+    case
+        A TOML file of a case, or a dictionary of the same keys.
+    overrides
+        Keys that are set otherwise, ``{"wind.speed_m_s": 2.0}``.
+    compare
+        A measured CSV file with which the last cycle is compared, as ``[compare]`` says; the result is in ``summary``.
+    converge
+        Run the case with coarser and finer strips and steps too; the spread is in ``summary``.
+
+    Returns
+    -------
+    Moved
+        ``record`` (loads, N and N m, and motion), ``strips``, ``summary``, and ``cycle`` where compared.
     """
     made = document(case, overrides, "case")
     file = None if compare is None else fspath(compare)
@@ -296,9 +375,33 @@ def wake(
 ) -> Wake:
     """Steps the vortex lattice of a case, or along a flight of ``scenario``.
 
-    Of a flight the stretches of ``cycles`` cycles (3) that end at the times ``at`` (s) are stepped from rest, without ``at`` that before the
-    turn and the last; with ``model`` the circulations of the model that flew are shed. ``chordwise`` and
-    ``spanwise`` panels lie on the wing, ``core`` is the radius of the wake's cores in mean chords; without them the program's.
+    Parameters
+    ----------
+    source
+        A TOML file of a case, a dictionary of the same keys, or a `Flight`.
+    overrides
+        Keys of the case, or of the scenario where that is a file or a dictionary, that are set otherwise.
+    scenario
+        The scenario that was flown, for a `Flight`.
+    at
+        Of a flight, the times at which the stretches end, s; without them that before the turn and the last.
+    cycles
+        Of a flight, cycles of a stretch, from rest; without it 3.
+    model
+        Of a flight, shed the circulations of the model that flew.
+    chordwise, spanwise
+        Panels along chord and span; without them the program's.
+    steps
+        Steps per cycle; without them as many as make a step of the wind a panel's chord.
+    prescribed
+        Let the wind alone carry the wake.
+    core
+        Radius of the cores of the wake's vortices, mean chords; without it the program's.
+
+    Returns
+    -------
+    Wake
+        ``stretches`` with ``record`` (loads, N and N m) and ``phases`` (VTK), and ``summary``.
     """
     asked = ([float(t) for t in at], cycles, model, chordwise, spanwise, steps, prescribed, core)
     if isinstance(source, Flight):
@@ -315,17 +418,45 @@ def wake(
 def calibrate(
     calibration: Source, overrides: Overrides | None = None, *, information: bool = False
 ) -> Calibrated:
-    """Fits numbers of robot and rig to runs on the load cell, or says with ``information`` what the runs tell of them."""
+    """Fits parameters of robot and rig to runs on the load cell.
+
+    Parameters
+    ----------
+    calibration
+        A TOML file of a calibration, or a dictionary of the same keys.
+    overrides
+        Keys that are set otherwise.
+    information
+        Only predict the standard errors, without a fit.
+
+    Returns
+    -------
+    Calibrated
+        ``values`` and ``errors`` by name, ``report``, ``numbers`` and ``residual`` (TOML), ``information``, ``record``, ``summary``.
+    """
     made = document(calibration, overrides, "calibration")
-    told, found = _wingbeat.calibrate(made, information)
+    information_text, found = _wingbeat.calibrate(made, information)
     if found is None:
-        return Calibrated(None, {}, told, "", "")
+        return Calibrated(None, {}, information_text, "", "")
     record, (numbers, residual), report, summary = found
-    return Calibrated(Record(record), judged(summary), told, report, numbers, residual)
+    return Calibrated(Record(record), judged(summary), information_text, report, numbers, residual)
 
 
 def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[Bench]:
-    """Plans and simulates a run of the bench, or all that a file lists."""
+    """Plans and simulates a run of the rig, or all that a file lists.
+
+    Parameters
+    ----------
+    path
+        A run of the rig, or a file with ``runs = ["a.toml", ...]``.
+    overrides
+        Keys of the run that are set otherwise, ``{"frequency_hz": 3.0}``.
+
+    Returns
+    -------
+    list of Bench
+        Of each run its ``name``, ``record`` (samples of the load cell, N and N m), ``summary`` and ``window_s``.
+    """
     texts = _wingbeat.overrides(dict(overrides or {}))
     runs = _wingbeat.rig_simulate(fspath(path), texts)
     return [
@@ -341,9 +472,23 @@ def process(
     *,
     window_s: tuple[float, float] | None = None,
 ) -> Processed:
-    """Processes a file of samples, in any format that the program reads, as the run of a file.
+    """Processes a file of samples as the run of a file.
 
-    ``window_s`` is what is averaged where a simulation says it (``Bench.window_s``).
+    Parameters
+    ----------
+    samples
+        Samples of the load cell, in any format that the program reads.
+    run
+        The run that was measured, a TOML file.
+    overrides
+        Keys of the run that are set otherwise.
+    window_s
+        Start and end of what is averaged, s, where a simulation gives them (``Bench.window_s``).
+
+    Returns
+    -------
+    Processed
+        ``record`` (phase averages of the six channels, N and N m) and ``summary``.
     """
     texts = _wingbeat.overrides(dict(overrides or {}))
     name, record, summary = _wingbeat.rig_process(fspath(samples), fspath(run), texts, window_s)

@@ -23,6 +23,15 @@ def _again(scenario: Scenario, parts: _wingbeat._Parts) -> Stepper:
 class Stepper:
     """The robot of a scenario under way: state, clock and inputs, without controller and record.
 
+    Parameters
+    ----------
+    scenario
+        A `Scenario`, a TOML file, or a dictionary of the same keys.
+    overrides
+        Keys of a file or a dictionary that are set otherwise.
+
+    Examples
+    --------
     >>> stepper = Stepper("scenarios/glide.toml")
     >>> stepper.step(1e-3, steps=100)
     >>> stepper.t

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from wingbeat import _wingbeat
 from wingbeat._documents import Overrides, Source, document
+from wingbeat._extras import needed
 from wingbeat._record import Record
 
 if TYPE_CHECKING:
@@ -87,13 +88,31 @@ def sweep(
     cores: int | None = None,
     address: str | None = None,
 ) -> Record:
-    """Makes all runs of a sweep into the folder ``out``; a table of one row per run, also in ``record.parquet`` there.
+    """Makes all runs of a sweep into a folder.
 
-    ``source`` is a sweep file or a dictionary of the same keys: ``scenario`` or ``case``, ``draws`` and ``sampling`` as
-    ``grid``, ``latin_hypercube`` or ``random``. Rows are the same on any number of ``cores`` and machines. What was
-    interrupted or killed goes on from what is done when the same call is made again.
+    Rows are the same on any number of cores and machines. What was interrupted or killed goes on from what is done when the same
+    call is made again.
 
-    ``engine="dask"`` runs on the scheduler at ``address``, or on a cluster of processes on this machine.
+    Parameters
+    ----------
+    source
+        A sweep file, or a dictionary of the same keys: ``scenario`` or ``case``, ``set``, ``draws``, and ``sampling`` as ``grid``,
+        ``latin_hypercube`` or ``random``.
+    overrides
+        Keys of the sweep that are set otherwise: ``{"runs": 20}``, or ``{"scenario": {"flight": {"duration_s": 1.0}}}``.
+    out
+        Folder of the rows; new, empty, or that of the same sweep.
+    engine
+        ``local``, or ``dask``: on the scheduler at ``address``, or on a cluster of processes on this machine.
+    cores
+        Number of threads or processes; without it as many as there are processors.
+    address
+        Address of the scheduler of Dask, ``tcp://host:8786``.
+
+    Returns
+    -------
+    Record
+        A row per run, also in ``record.parquet`` of the folder.
     """
     if engine not in ("local", "dask"):
         raise ValueError(f"engine = {engine!r}: allowed is 'local', 'dask'")
@@ -152,23 +171,22 @@ def _local(native: _wingbeat.Sweep, todo: Iterator[list[int]], cores: int | None
 @contextmanager
 def _client(cores: int | None, address: str | None) -> Iterator[Client]:
     """A scheduler's client: that at ``address``, or of a cluster of processes on this machine."""
-    from distributed import Client, LocalCluster
-
+    distributed = needed("distributed", "dask")
     if address is not None:
-        with Client(address) as client:
+        with distributed.Client(address) as client:
             yield client
         return
     workers = cores or os.cpu_count() or 1
     with (
-        LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster,
-        Client(cluster) as client,
+        distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
     ):
         yield client
 
 
 def _dask(text: str, todo: Iterator[list[int]], cores: int | None, address: str | None) -> Iterator[Row]:
     """Rows as they are done by the workers; what a killed worker had is made by another one."""
-    from distributed import as_completed as as_told
+    as_completed = needed("distributed", "dask").as_completed
 
     with _client(cores, address) as client:
         [shared] = client.scatter([text], broadcast=True)
@@ -176,7 +194,7 @@ def _dask(text: str, todo: Iterator[list[int]], cores: int | None, address: str 
         def submit(batch: list[int]) -> Any:
             return client.submit(make_runs, shared, batch, pure=False, retries=0)
 
-        futures = as_told([submit(batch) for batch in islice(todo, WINDOW)], with_results=True)
+        futures = as_completed([submit(batch) for batch in islice(todo, WINDOW)], with_results=True)
         for future, rows in futures:
             future.release()
             yield from rows

@@ -21,10 +21,10 @@ def judged(text: str) -> dict[str, Any]:
     """The summary that ``text`` is; warns of what it warns of, and of a status that is not ``ok``."""
     summary: dict[str, Any] = json.loads(text)
     found = summary.get("warnings") or []
-    told = [(each["id"], each["text"]) if isinstance(each, dict) else ("result", each) for each in found]
+    said = [(each["id"], each["text"]) if isinstance(each, dict) else ("result", each) for each in found]
     status = str(summary.get("status", "ok"))
     if status not in _QUIET:
-        told.append((f"status.{status}", str(summary.get("reason") or "see the summary")))
-    for identity, words in told:
+        said.append((f"status.{status}", str(summary.get("reason") or "see the summary")))
+    for identity, words in said:
         warnings.warn(ResultWarning(identity, words), stacklevel=3)
     return summary

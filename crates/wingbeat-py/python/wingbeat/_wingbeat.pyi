@@ -1,6 +1,6 @@
 """The extension below the package."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from typing import Any, TypeAlias, final
 
@@ -29,6 +29,7 @@ __all__ = [
     "fly",
     "overrides",
     "plan",
+    "read_csv",
     "read_parquet",
     "rig_process",
     "rig_simulate",
@@ -54,18 +55,37 @@ class Document:
 
 @final
 class Measurement:
-    """What a controller is told: channels of the state as measured."""
+    """What a controller sees: a mapping from the names of the states that are measured to their numbers.
+
+    A name that several begin with gives them side by side: ``measurement["quat"]`` has four numbers.
+    """
 
     @property
     def taken(self) -> float:
         """Time at which it was taken, s."""
     @property
-    def values(self) -> _Array:
-        """One number per channel."""
+    def array(self) -> _Array:
+        """One number per channel, in the order of ``names``."""
     @property
     def names(self) -> list[str]:
         """Names of the channels, in order."""
-    def __getitem__(self, name: str, /) -> float: ...
+    @property
+    def roll(self) -> float:
+        """Roll of the measured attitude, rad; positive is right wing down."""
+    @property
+    def pitch(self) -> float:
+        """Pitch of the measured attitude, rad, as in records; negative is nose up."""
+    @property
+    def yaw(self) -> float:
+        """Heading of the measured attitude, rad; positive is to the left."""
+    def __getitem__(self, name: str, /) -> Any: ...
+    def __contains__(self, name: object, /) -> bool: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+    def keys(self) -> list[str]: ...
+    def values(self) -> list[float]: ...
+    def items(self) -> list[tuple[str, float]]: ...
+    def get(self, name: str, default: Any = None) -> Any: ...
 
 @final
 class Scenario:
@@ -193,4 +213,5 @@ def calibrate(
 ) -> tuple[str, tuple[list[_Column], tuple[str, str], str, str] | None]: ...
 def overrides(given: dict[str, Any]) -> list[str]: ...
 def write_parquet(path: str | PathLike[str], columns: Sequence[_Column]) -> None: ...
+def read_csv(path: str | PathLike[str]) -> list[_Column]: ...
 def read_parquet(path: str | PathLike[str]) -> list[_Column]: ...

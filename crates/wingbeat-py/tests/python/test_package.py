@@ -1,5 +1,7 @@
 """The package as it is installed: types, time of import, what comes with it."""
 
+import inspect
+import re
 import subprocess
 import sys
 import tomllib
@@ -56,6 +58,39 @@ def test_heavy_packages_are_not_imported_unasked():
     assert subprocess.check_output([sys.executable, "-c", code], text=True) == "[]\n"
 
 
+def test_importing_adds_little_to_numpy():
+    code = "import numpy, time; c = time.thread_time(); import wingbeat; print(time.thread_time() - c)"
+    least = min(float(subprocess.check_output([sys.executable, "-c", code], text=True)) for _ in range(5))
+    print(f"import beside NumPy: {least:.4f} s of the processor")
+    assert least < 0.03
+
+
+def documented(name):
+    """The parameters of a public function or class, and its docstring."""
+    what = getattr(wingbeat, name)
+    return [p for p in inspect.signature(what).parameters if p not in ("args", "kwargs")], inspect.getdoc(what) or ""
+
+
+@pytest.mark.parametrize("name", ["Robot", "Scenario", "Stepper", *(n for n in wingbeat.__all__ if n.islower() and n[0] != "_")])
+def test_help_names_every_parameter(name):
+    parameters, text = documented(name)
+    listed = re.search(r"^Parameters\n-+\n(.*?)(\n\n\w+\n-+\n|\Z)", text, re.S | re.M)
+    assert listed, text
+    names = {n.strip() for line in re.findall(r"^(\w[\w, ]*)$", listed.group(1), re.M) for n in line.split(",")}
+    assert set(parameters) == names
+
+
+def test_a_missing_package_is_named_with_its_extra(monkeypatch):
+    flight = wingbeat.fly(wingbeat.shipped("scenarios/glide.toml"), {"flight.duration_s": 0.02})
+    for module in ("pandas", "matplotlib", "matplotlib.figure"):
+        monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(ModuleNotFoundError, match=r"pandas is not installed: pip install 'wingbeat\[tables\]'"):
+        flight.record.to_pandas()
+    with pytest.raises(ModuleNotFoundError, match=r"wingbeat\[figures\]"):
+        flight.plot3d()
+    assert "wingbeat[figures]" in flight._repr_html_()
+
+
 def test_the_wheel_holds_the_program_and_its_version(tmp_path):
     program = Path(sys.executable).parent / "wingbeat"
     told = subprocess.run([program, "--version"], capture_output=True, text=True)
@@ -67,7 +102,7 @@ def test_the_wheel_holds_the_program_and_its_version(tmp_path):
 
 def test_all_files_come_with_the_package():
     home = Path(wingbeat.__file__).parent
-    for folder in ("robots", "scenarios", "cases", "rigs", "sweeps"):
+    for folder in ("robots", "scenarios", "cases", "rigs", "sweeps", "calibrations"):
         own = {path.relative_to(ROOT) for path in (ROOT / folder).rglob("*.toml")}
         assert own == {path.relative_to(home) for path in (home / folder).rglob("*.toml")}
     assert tomllib.loads(wingbeat.shipped("robots/glider.toml").read_text())

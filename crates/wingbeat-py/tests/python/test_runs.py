@@ -183,7 +183,7 @@ def test_a_plan_is_the_programs_plan(program, tmp_path):
         "storage": 1.0,
         "up_n": 0.08,
         "frequency_hz": [3.5, 3.5],
-        "pitch_deg": [-15.0, -15.0],
+        "nose_up_deg": [15.0, 15.0],
         "effort_w": 0.3,
         "intervals": 8,
         "meshes": 1,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require::between;
-use wingbeat_math::{Jet, Mat3, Scalar, Vec3};
+use wingbeat_math::{Jet, Mat3, Scalar, Vec3, pitch_of_nose_up};
 
 /// Longest part of a turn, s: it passes in an arm's reach.
 const LONGEST_S: f64 = 60.0;
@@ -25,9 +25,9 @@ pub struct TurnSpec {
     /// Roll in the turn, deg; positive is right wing down, a turn to the right.
     #[serde(default)]
     pub roll_deg: f64,
-    /// Pitch throughout, deg; FLU axes: negative is nose up.
+    /// Pitch throughout, deg; positive is nose up.
     #[serde(default)]
-    pub pitch_deg: f64,
+    pub nose_up_deg: f64,
     /// Time of the steady turn, s.
     pub measured_s: f64,
     /// Centre of the turn in the arm's base frame, m.
@@ -80,7 +80,7 @@ pub struct Turn {
 ranges!(TurnSpec {
     speed_m_s: Range::POSITIVE,
     roll_deg: Range::between(-STEEPEST_DEG, STEEPEST_DEG),
-    pitch_deg: Range::between(-STEEPEST_DEG, STEEPEST_DEG),
+    nose_up_deg: Range::between(-STEEPEST_DEG, STEEPEST_DEG),
     measured_s: Range::between(MILLISECOND, LONGEST_S),
     radius_m: Range::POSITIVE,
     run_up_s: Range::between(MILLISECOND, LONGEST_S),
@@ -130,7 +130,7 @@ impl TurnSpec {
         Turn {
             speed: self.speed_m_s,
             roll: self.roll_deg.to_radians(),
-            pitch: self.pitch_deg.to_radians(),
+            pitch: pitch_of_nose_up(self.nose_up_deg),
             radius: self.radius_m.unwrap_or(radius),
             run_up: self.run_up_s.unwrap_or(run_up),
             straight: self.straight_s.unwrap_or(straight),
@@ -388,7 +388,7 @@ mod tests {
         let spec = TurnSpec {
             speed_m_s: 0.8,
             roll_deg: 15.0,
-            pitch_deg: -15.0,
+            nose_up_deg: 15.0,
             measured_s: 0.9,
             centre_m: None,
             height_m: None,

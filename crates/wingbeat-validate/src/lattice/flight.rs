@@ -38,10 +38,10 @@ fn aerobat() -> Result<Flown, Error> {
     let (speed, frequency) = (5.2, 3.5);
     let overrides = [
         format!("start.velocity_m_s=[{speed}, 0.0, 0.0]"),
-        "start.pitch_deg=-4.0".into(),
+        "start.nose_up_deg=4.0".into(),
         "robot.body.drag_area_m2=[0.0, 0.0, 0.0]".into(),
         "robot.wing.cd0=0.0".into(),
-        "manoeuvre.pitch_deg=-4.0".into(),
+        "manoeuvre.nose_up_deg=4.0".into(),
         "manoeuvre.roll_deg=0.0".into(),
         "manoeuvre.yaw_rate_rad_s=0.0".into(),
         "robot.gait.fourier.shoulder={ mean_rad = 0.1, harmonics = [{ amplitude_rad = 0.3, phase_rad = 0.0 }] }".into(),

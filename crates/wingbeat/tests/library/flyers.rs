@@ -109,7 +109,7 @@ law = "stall"
 [start]
 velocity_m_s = [4.0, 0.0, 0.0]
 roll_deg = 0.0
-pitch_deg = -5.0
+nose_up_deg = 5.0
 yaw_deg = 0.0
 phase_rad = 0.0
 [flight]
@@ -229,7 +229,7 @@ fn surfaces_whose_columns_would_clash_are_refused_by_key() {
 #[test]
 fn an_elastic_twist_hinge_gives_way_under_the_air() {
     let preset = ["aero.preset=paper".into(), "aero.law=linear".into()];
-    let start = ["start.velocity_m_s=[1.5, 0.0, 0.0]", "start.pitch_deg=-15.0", "flight.duration_s=0.5"];
+    let start = ["start.velocity_m_s=[1.5, 0.0, 0.0]", "start.nose_up_deg=15.0", "flight.duration_s=0.5"];
     let common = || preset.iter().cloned().chain(start.map(String::from));
     let file = |name: &str| {
         let robot = Document::file(&flown::root().join(format!("robots/{name}.toml"))).unwrap();

@@ -121,7 +121,7 @@ fn a_gait_of_least_power_holds_its_force_with_less_power() {
     let short = [
         "plan.least_power.storage=1.0",
         "plan.least_power.up_n=0.08",
-        "plan.least_power.pitch_deg=[-15.0, -15.0]",
+        "plan.least_power.nose_up_deg=[15.0, 15.0]",
         "plan.least_power.frequency_hz=[3.5, 3.5]",
         "plan.least_power.effort_w=0.3",
         "plan.least_power.intervals=40",

@@ -74,7 +74,7 @@ const VERBS: [Verb; 13] = [
             "--set",
             "plan.least_power.frequency_hz=[3.5, 3.5]",
             "--set",
-            "plan.least_power.pitch_deg=[-15.0, -15.0]",
+            "plan.least_power.nose_up_deg=[15.0, 15.0]",
             "--set",
             "plan.least_power.effort_w=0.3",
             "--set",

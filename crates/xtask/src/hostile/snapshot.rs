@@ -110,7 +110,7 @@ pub fn cases() -> Vec<Case> {
         spoiled("other_command", nothing, &["fly", "glide.toml"], &["--out a", "waits"]),
         spoiled(
             "other_scenario",
-            |p| p.write("glide.toml", &GLIDE.replace("pitch_deg = 5.0", "pitch_deg = 6.0")),
+            |p| p.write("glide.toml", &GLIDE.replace("nose_up_deg = -5.0", "nose_up_deg = -6.0")),
             SAME,
             &["--out a"],
         ),
