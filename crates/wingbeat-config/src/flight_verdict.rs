@@ -164,9 +164,7 @@ impl Flown<'_> {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
         }
-        // Of a flight that broke down no share is told.
-        let stalled = if self.summary.stall_fraction.is_finite() { &self.context.stalled[..] } else { &[] };
-        for (law, share) in stalled {
+        for (law, share) in self.context.means.iter().flat_map(|means| &means.stalled) {
             if let Some(what) = law.about().beyond_stall {
                 let text = format!(
                     "{:.0} % of strip samples are past the stall angle under lift law `{}`, {what}",

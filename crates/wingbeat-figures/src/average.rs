@@ -24,7 +24,7 @@ pub fn averaged(cycles: &Record, count: usize) -> Result<Figure, Error> {
         let edges = phase.iter().zip(&mean).zip(&deviation).map(|((p, m), d)| (*p, m - d, m + d)).collect();
         let title = if unit.is_empty() { name.clone() } else { format!("{name} [{unit}]") };
         let panel = Panel::new(title, vec![Curve::new("mean", &phase, mean, 0)]);
-        panels.push(Panel { bands: vec![edges], ..panel });
+        panels.push(Panel { bands: vec![edges], narrow: true, ..panel });
     }
     if panels.is_empty() {
         return Err(Error::Column(format!("*{DEVIATION}")));

@@ -10,7 +10,7 @@ type Task = (&'static str, fn() -> Tally);
 const TASKS: [Task; 9] = [
     ("tests", tests),
     ("paper", || Tally::one(paper::run())),
-    ("soak", || Tally::one(soak::soak(&[]))),
+    ("soak", || Tally::one(soak::hour())),
     ("hostile", || Tally::one(hostile::hostile(&[]))),
     ("faults", hostile::disturbed::faults),
     ("kills", hostile::disturbed::kills),

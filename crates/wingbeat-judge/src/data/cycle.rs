@@ -241,7 +241,8 @@ fn other_frequency(
          frequency of the data",
         100.0 * (part.white + part.slow) / part.total
     );
-    Some(Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text))
+    let finding = Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text);
+    Some(finding.in_channel(channel.name))
 }
 
 /// The finding that a table of one cycle lasts longer or shorter than that of the frequency given: even steps, and the
@@ -274,13 +275,9 @@ fn lasts(series: &Series, channel: &Channel) -> Option<Finding> {
         whole / given,
         given / whole
     );
-    Some(Finding::new(
-        "data.frequency",
-        &FREQUENCY,
-        series.about(channel.name),
-        (1.0 / whole - 1.0).abs(),
-        text,
-    ))
+    let size = (1.0 / whole - 1.0).abs();
+    let finding = Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text);
+    Some(finding.in_channel(channel.name))
 }
 
 /// The finding that the noise of a motion makes its acceleration.

@@ -66,8 +66,8 @@ class Flight(Recorded):
 
 @dataclass(frozen=True, kw_only=True)
 class Plan(Told):
-    """A plan made offline; its status is ``ok``, ``off_target``, ``outside``, ``not_periodic``, ``not_resolved``, ``not_found`` or
-    ``failed``.
+    """A plan made offline; its status is ``ok``, ``off_target``, ``outside``, ``not_periodic``, ``not_resolved``, ``not_found``,
+    ``failed`` or, of one that was stopped, ``interrupted``.
     """
 
     record: Record | None
@@ -224,16 +224,23 @@ def fly(
 
 
 def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Plan:
-    """Plans what the scenario's ``[plan]`` says."""
-    record, nodes, summary, files = _wingbeat.plan(scenario_of(scenario, overrides)._native)
+    """Plans what the scenario's ``[plan]`` says.
+
+    Ctrl-C ends the solver: the ``KeyboardInterrupt`` has the best plan so far as its attribute ``plan``, of status ``interrupted``.
+    """
+    record, nodes, summary, files, raised = _wingbeat.plan(scenario_of(scenario, overrides)._native)
     points, constants = nodes if nodes is not None else (None, None)
-    return Plan(
+    made = Plan(
         record=_given(record),
         nodes=_given(points),
         constants=None if constants is None else json.loads(constants),
-        summary=judged(summary),
+        summary=judged(summary) if raised is None else json.loads(summary),
         files=dict(files),
     )
+    if raised is not None:
+        raised.plan = made  # type: ignore[attr-defined]
+        raise raised
+    return made
 
 
 def trim(

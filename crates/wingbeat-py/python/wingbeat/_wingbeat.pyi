@@ -160,7 +160,13 @@ def fly(
 ) -> tuple[list[_Column], list[_Column] | None, str]: ...
 def plan(
     scenario: Scenario,
-) -> tuple[list[_Column] | None, tuple[list[_Column], str] | None, str, list[tuple[str, str]]]: ...
+) -> tuple[
+    list[_Column] | None,
+    tuple[list[_Column], str] | None,
+    str,
+    list[tuple[str, str]],
+    BaseException | None,
+]: ...
 def tether(
     document: Document, compare: str | PathLike[str] | None = None, converge: bool = False
 ) -> tuple[list[_Column], list[_Column], list[_Column] | None, str]: ...
