@@ -7,13 +7,14 @@ use crate::{documents, fuzz, hostile, paper, peers, python, soak, tools};
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 9] = [
+const TASKS: [Task; 10] = [
     ("tests", tests),
     ("paper", || Tally::one(paper::run())),
     ("soak", || Tally::one(soak::hour())),
     ("hostile", || Tally::one(hostile::hostile(&[]))),
     ("faults", hostile::disturbed::faults),
     ("kills", hostile::disturbed::kills),
+    ("python-calls", || Tally::one(python::task(&["calls".into()]))),
     ("comparisons", comparisons),
     ("fuzz", || Tally::one(fuzz::fuzz(&[]))),
     ("peers", || Tally::one(peers::compare(None))),

@@ -44,7 +44,7 @@ pub fn check(long: bool) -> Tally {
 }
 
 /// What may be asked of the package.
-const TASKS: &str = "test, wheel, measure [WHAT...], or policies [STEPS [SEED...]]";
+const TASKS: &str = "test, wheel, calls [OPTION...], measure [WHAT...], or policies [STEPS [SEED...]]";
 
 /// Builds the extension and, as a test of the program needs it, the program.
 const BUILD: [&str; 8] =
@@ -62,6 +62,7 @@ pub fn task(arguments: &[String]) -> bool {
             return tools::succeeds(tools::cargo(&BUILD)) && check(false).failed == 0;
         }
         Some("wheel") => return release(),
+        Some("calls") => ("calls.py", None),
         Some("measure") => ("measure.py", None),
         Some("policies") => ("ppo.py", Some("heavy/requirements.txt")),
         other => {
@@ -82,6 +83,7 @@ pub fn task(arguments: &[String]) -> bool {
     run.arg(tools::root().join(CRATE).join("heavy").join(script));
     match script {
         "measure.py" => run.arg(wheel).args(&arguments[1..]),
+        "calls.py" => run.args(&arguments[1..]),
         _ if arguments.len() > 1 => run.args(&arguments[1..]),
         _ => run.arg("1000000"),
     };

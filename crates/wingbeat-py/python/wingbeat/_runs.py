@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -19,6 +20,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Observer: TypeAlias = Callable[[float, Array, Array], object]
+
+
+# `copy` and `pickle` find it here.
+copyreg.pickle(
+    _wingbeat.Measurement,
+    lambda told: (_wingbeat.Measurement.of, (told.taken, told.names, told.values)),
+)
 
 
 class Controller(Protocol):

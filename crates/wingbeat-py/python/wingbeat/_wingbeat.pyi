@@ -66,6 +66,9 @@ class Measurement:
     def names(self) -> list[str]:
         """Names of the channels, in order."""
     def __getitem__(self, name: str, /) -> float: ...
+    @staticmethod
+    def of(taken: float, names: Sequence[str], values: _Array) -> Measurement:
+        """A measurement of these channels, as it was pickled."""
 
 @final
 class Scenario:
