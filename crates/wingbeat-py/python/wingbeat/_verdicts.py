@@ -10,8 +10,8 @@ class ResultWarning(UserWarning):
 
     def __init__(self, identity: str, text: str) -> None:
         super().__init__(f"{identity}: {text}")
-        self.id = identity
-        self._text = text
+        self.id = str(identity)
+        self._text = str(text)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return ResultWarning, (self.id, self._text)
