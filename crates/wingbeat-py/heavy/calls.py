@@ -831,8 +831,8 @@ LONG = {
     "step": "wingbeat.Stepper(s('banking_turn')).step(1e-4, 10**9)",
     "vector": "v = learn.VectorEnvironment(20000, task=learn.BankingTurn, threads=1); v.reset(seed=1)\n"
               "while True: v.step(np.zeros((20000, v.single_action_space.shape[0])))",
-    "make_vector": "learn.VectorEnvironment(10**7, task=learn.BankingTurn)",
-    "lattice": "wingbeat.fly(s('banking_turn'), {'lattice': {}, 'flight.duration_s': 5.0})",
+    "make_vector": "[learn.VectorEnvironment(2**16, task=learn.BankingTurn).reset(seed=k) for k in range(1000)]",
+    "lattice": "wingbeat.fly(s('glider'), {'lattice.step_s': 2e-3, 'flight.duration_s': 20.0})",
 }
 
 PROLOGUE = """
