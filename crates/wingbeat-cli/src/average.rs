@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use wingbeat::judge::data::{Channel, Line, Purpose, Series, examined, find_frequency};
+use wingbeat::judge::data::{self, Channel, Finding, Line, Purpose, Series, examined, find_frequency};
 use wingbeat::judge::limits::data::LINE;
 use wingbeat::judge::{Judge, Limits, Verdict, Warning};
 use wingbeat::rig::process::{CycleAverage, PhaseSource, phase_average, phase_of};
@@ -40,13 +40,14 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
     bar.set_position(1);
     interrupt.check()?;
     let averages = told.frequency().map(|f| averages(arguments, &plain, f)).transpose()?;
+    let averages = averages.filter(|averages| !averages.is_empty());
     let summary = Summary::of(arguments, &plain, &told, averages.as_deref(), &limits);
     bar.finish_and_clear();
     folder.write_json("summary.json", &summary)?;
     if let Some(averages) = &averages {
-        let cycles = cycles(&plain, averages)?;
+        let cycles = cycles(averages)?;
         write_csv(&folder.file("cycles.csv"), &cycles)?;
-        let drawn = wingbeat_figures::averaged(&cycles, averages[0].cycles);
+        let drawn = wingbeat_figures::averaged(&cycles, averages[0].1.cycles);
         let figures = folder.folder("figures")?;
         crate::fly::left_out(drawn.and_then(|figure| wingbeat_figures::write(&figures, &figure)))?;
     }
@@ -104,8 +105,17 @@ impl Told {
     }
 }
 
-/// Every channel by the phase, which is 0 at the time 0.
-fn averages(arguments: &Average, plain: &Plain, frequency: f64) -> Result<Vec<CycleAverage>, Error> {
+/// A channel and its average.
+type Of<'a> = (&'a Column, CycleAverage);
+
+/// What is wrong with a channel that has values that are no numbers, beside the samples that are missing.
+fn not_finite(arguments: &Average, plain: &Plain, column: &Column) -> Option<Finding> {
+    let file = arguments.file.display().to_string();
+    data::not_finite(&file, &channel(column, &column.values), plain.missing)
+}
+
+/// Every channel by the phase, which is 0 at the time 0; none of a channel that is no number in every cycle.
+fn averages<'a>(arguments: &Average, plain: &'a Plain, frequency: f64) -> Result<Vec<Of<'a>>, Error> {
     let refused = |error: wingbeat::Error| {
         let wingbeat::Error::Invalid { value, .. } = error;
         Error::Input(format!(
@@ -115,16 +125,23 @@ fn averages(arguments: &Average, plain: &Plain, frequency: f64) -> Result<Vec<Cy
         ))
     };
     let phase = phase_of(PhaseSource::Frequency, &plain.time, Vec::new(), &[], frequency).map_err(refused)?;
-    let channel = |column: &Column| phase_average(&phase, &column.values, arguments.bins).map_err(refused);
-    plain.channels.iter().map(channel).collect()
+    let mut averages = Vec::new();
+    for column in &plain.channels {
+        match phase_average(&phase, &column.values, arguments.bins).map_err(refused) {
+            Ok(average) => averages.push((column, average)),
+            Err(_) if not_finite(arguments, plain, column).is_some() => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(averages)
 }
 
 /// The table of phases, means and standard deviations.
-fn cycles(plain: &Plain, averages: &[CycleAverage]) -> Result<Record, Error> {
-    let bins = averages[0].mean.len();
+fn cycles(averages: &[Of]) -> Result<Record, Error> {
+    let bins = averages[0].1.mean.len();
     let phase = (0..bins).map(|k| k as f64 / bins as f64).collect();
     let mut columns = vec![Column { values: phase, ..Column::new("phase", "", "") }];
-    for (channel, average) in plain.channels.iter().zip(averages) {
+    for (channel, average) in averages {
         let of = |name: String, values: &[f64]| {
             let unit = channel.unit.as_str();
             Column { values: values.to_vec(), ..Column::new(name, unit, "") }
@@ -204,18 +221,11 @@ struct Summary {
 }
 
 impl Summary {
-    fn of(
-        arguments: &Average,
-        plain: &Plain,
-        told: &Told,
-        averages: Option<&[CycleAverage]>,
-        limits: &Limits,
-    ) -> Self {
+    fn of(arguments: &Average, plain: &Plain, told: &Told, averages: Option<&[Of]>, limits: &Limits) -> Self {
         let line = match told {
             Told::Found(line) => Some(line),
             Told::Given(_) => None,
         };
-        let averaged = plain.channels.iter().zip(averages.unwrap_or_default());
         let span = plain.time.last().unwrap_or(&0.0) - plain.time.first().unwrap_or(&0.0);
         Self {
             file: arguments.file.display().to_string(),
@@ -228,7 +238,12 @@ impl Summary {
             frequency_error_hz: line.and_then(|line| line.frequency.map(|_| line.error)),
             frequency_from: if line.is_some() { "data" } else { "given" },
             strongest_line_hz: line.and_then(|line| line.frequency.map(|_| line.strongest)),
-            channels: averaged.map(|(channel, average)| Averaged::of(channel, average)).collect(),
+            channels: averages
+                .iter()
+                .copied()
+                .flatten()
+                .map(|(c, average)| Averaged::of(c, average))
+                .collect(),
             verdict: verdict(arguments, plain, told, limits),
         }
     }
@@ -272,15 +287,19 @@ fn verdict(arguments: &Average, plain: &Plain, told: &Told, limits: &Limits) -> 
         );
         judge.warn(Warning::new("data.noise", text).size(*over_noise));
     }
+    let (broken, all): (Vec<&Column>, Vec<&Column>) =
+        plain.channels.iter().partition(|column| not_finite(arguments, plain, column).is_some());
+    for finding in broken.iter().filter_map(|column| not_finite(arguments, plain, column)) {
+        finding.put(&mut judge);
+    }
     // Without a frequency there is no cycle to judge by.
     let Some(frequency) = told.frequency() else { return judge.verdict() };
-    let all = &plain.channels;
     let whole: Vec<usize> = (0..plain.time.len())
         .filter(|row| all.iter().all(|channel| channel.values[*row].is_finite()))
         .collect();
     let phase: Vec<f64> = whole.iter().map(|row| frequency * plain.time[*row]).collect();
     let kept = |column: &Column| whole.iter().map(|row| column.values[*row]).collect::<Vec<f64>>();
-    let kept: Vec<Vec<f64>> = all.iter().map(kept).collect();
+    let kept: Vec<Vec<f64>> = all.iter().map(|column| kept(column)).collect();
     let series = Series {
         what: &arguments.file.display().to_string(),
         phase: &phase,

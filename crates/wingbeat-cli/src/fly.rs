@@ -39,10 +39,7 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
         write_parquet(&folder.file("strips.parquet"), strips)?;
     }
     let asked = Asked { goal: scenario.spec.goal.as_ref(), paper: scenario.spec.paper.as_ref() };
-    // Numbers that grew without bound would leave nothing to be seen of the flight before.
-    let sound = (run.summary.sound_rows < run.record.rows()).then(|| run.record.head(run.summary.sound_rows));
-    let shown = sound.as_ref().unwrap_or(&run.record);
-    draw(&folder, shown, asked, &of_flight(shown), &interrupt)?;
+    draw(&folder, &run.record, asked, &of_flight(&run.record), &interrupt)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);

@@ -1,7 +1,7 @@
 //! `wingbeat new`: documents to begin from, made of those that ship.
 
-use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use wingbeat::scenario::{DocumentKind, RunName};
@@ -78,7 +78,7 @@ fn is_taken(path: &Path, force: bool) -> Result<bool, Error> {
 }
 
 fn put(path: &Path, text: &str, taken: bool) -> Result<(), Error> {
-    let written = if taken { fs::write(path, text) } else { create(path, text) };
+    let written = if taken { write(path, text) } else { create(path, text) };
     written.map_err(|source| Error::file(path, source))
 }
 
@@ -95,7 +95,23 @@ fn name_of(path: &Path) -> Result<&str, Error> {
 }
 
 fn create(path: &Path, text: &str) -> io::Result<()> {
-    OpenOptions::new().write(true).create_new(true).open(path)?.write_all(text.as_bytes())
+    if fs::symlink_metadata(path).is_ok() {
+        return Err(io::ErrorKind::AlreadyExists.into());
+    }
+    write(path, text)
+}
+
+/// Writes the whole file or nothing: under another name first.
+fn write(path: &Path, text: &str) -> io::Result<()> {
+    // Where a link lies, what it leads to.
+    let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let partial = path.with_file_name(format!(".{name}.partial"));
+    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, path));
+    if written.is_err() {
+        let _ = fs::remove_file(&partial);
+    }
+    written
 }
 
 /// What a document is called beside that which names it.

@@ -47,6 +47,7 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let number = |value: f64| if value.is_finite() { format!("{value:.2}") } else { "-".into() };
     let settled = |value: Option<f64>| value.map_or("-".into(), number);
     let watts = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
+    let shared = |value: Option<f64>| value.map_or("-".into(), |value| format!("{:.1}", 100.0 * value));
     let share = |value: f64| if value.is_finite() { format!("{:.1}", 100.0 * value) } else { "-".into() };
     let of = |take: fn(&PaperResults) -> f64| paper.map(take).map(number);
     let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
@@ -71,7 +72,7 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
         ("altitude change".into(), None, number(summary.altitude_change_m), "m"),
         ("yaw change".into(), None, number(summary.yaw_change_deg), "deg"),
         ("lift law".into(), None, summary.lift_law.clone(), ""),
-        ("strips past stall".into(), None, share(summary.stall_fraction), "%"),
+        ("strips past stall".into(), None, shared(summary.stall_fraction), "%"),
         (
             "least clearance".into(),
             None,
@@ -152,7 +153,7 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     if !summary.law_states.is_empty() {
         let past = rows.iter().position(|row| row.0 == "strips past stall").map_or(rows.len(), |i| i + 1);
         let states = summary.law_states.iter().map(law_state);
-        let lost = ("suction lost, mean".into(), None, share(summary.suction_lost_fraction), "%");
+        let lost = ("suction lost, mean".into(), None, shared(summary.suction_lost_fraction), "%");
         rows.splice(past..past, states.chain([lost]).collect::<Vec<_>>());
     }
     if let Some(beyond) = summary.beyond_residual_fraction {
@@ -185,7 +186,7 @@ mod tests {
         let rows = ["vortex force, mean", "flow separated, mean", "suction lost, mean"];
         assert!(rows.iter().all(|row| shown.contains(row)), "{shown}");
         let separated = summary.law_states.iter().find(|state| state.meaning == "flow separated").unwrap();
-        assert!(separated.mean > 0.0 && (separated.mean - summary.separated_fraction).abs() < 1e-9);
+        assert!(separated.mean > 0.0 && (separated.mean - summary.separated_fraction.unwrap()).abs() < 1e-9);
         let shown = table(&flown("stall"), None);
         assert!(rows.iter().all(|row| !shown.contains(row)), "{shown}");
     }

@@ -29,6 +29,8 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
     let progress = progress(options.quiet);
     let planned = scenario.plan(&mut |step| {
+        // From now on there is something to be kept: the solver hears of the signal at its next iteration.
+        interrupt.patient();
         match step {
             Progress::Iteration(iteration) => progress.set_message(iteration.to_string()),
             Progress::Pass(pass) => progress.println(format!(
@@ -45,27 +47,37 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
     });
     let planned = planned.map_err(|error| scenario.explain(&error))?;
     progress.finish_and_clear();
-    interrupt.check()?;
+    if planned.nodes.is_none() {
+        interrupt.check()?;
+    }
     folder.write("scenario.toml", &scenario.resolved)?;
     folder.write_json("summary.json", &planned.summary)?;
     if let Some(nodes) = &planned.nodes {
         write_parquet(&folder.file("plan.parquet"), &nodes.points)?;
         folder.write_json("plan.json", &nodes.constants)?;
     }
-    if let Some(record) = &planned.record {
-        write_parquet(&folder.file("record.parquet"), record)?;
-        draw(&folder, record, Asked::default(), figures(&planned.summary), &interrupt)?;
-    }
     for (name, text) in &planned.files {
         folder.write(name, text)?;
     }
-    interrupt.check()?;
+    let mut drawn = Ok(());
+    if let Some(record) = &planned.record {
+        write_parquet(&folder.file("record.parquet"), record)?;
+        drawn = draw(&folder, record, Asked::default(), figures(&planned.summary), &interrupt);
+    }
+    let cut = match drawn {
+        Err(Error::Interrupted) => true,
+        drawn => drawn.map(|()| false)?,
+    };
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     let printed = say::unless(options.quiet, || {
         format!("{}\nrun folder: {}\n", table(&planned.summary), shown.display())
     });
     let Verdict { status, reason, .. } = planned.summary.verdict();
+    if cut {
+        let reason = format!("figures are left out, the plan is whole and {status}");
+        return Error::unless_usable(Status::Interrupted, Some(&reason), shown);
+    }
     Error::unless_usable(*status, reason.as_deref(), shown)?;
     printed
 }

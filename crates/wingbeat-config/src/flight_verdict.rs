@@ -3,7 +3,7 @@
 use super::spec::GoalSpec;
 use super::summary::{Context, Crossing, Summary};
 use wingbeat_flight::simulate::{Ending, Flight, Record};
-use wingbeat_judge::limits::flight;
+use wingbeat_judge::limits::{flight, trim};
 use wingbeat_judge::{Judge, Limit, Limits, Status, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Fault;
@@ -34,6 +34,9 @@ pub(super) struct Flown<'a> {
 
 /// The verdict, and the keys of the goal that could not be judged.
 pub(super) type Found = (Verdict, Vec<&'static str>);
+
+/// Time of flight from which its mean power is that of whole cycles, s. *Choice*: three cycles of the slowest gaits.
+const WHOLE_CYCLES: f64 = 1.0;
 
 impl Flown<'_> {
     /// Judges by the goal, the task and the limits.
@@ -164,9 +167,12 @@ impl Flown<'_> {
             judge.hold(&flight::STEP_ERROR, error);
             judge.hold(&flight::STEPS_LOST, error);
         }
-        // Of a flight that broke down no share is told.
-        let stalled = if self.summary.stall_fraction.is_finite() { &self.context.stalled[..] } else { &[] };
-        for (law, share) in stalled {
+        if self.flight.duration >= WHOLE_CYCLES {
+            for limit in [&trim::POWER, &trim::HIGH_POWER] {
+                judge.hold_if(limit, self.summary.cost.positive_power_w_kg);
+            }
+        }
+        for (law, share) in self.context.means.iter().flat_map(|means| &means.stalled) {
             if let Some(what) = law.about().beyond_stall {
                 let text = format!(
                     "{:.0} % of strip samples are past the stall angle under lift law `{}`, {what}",

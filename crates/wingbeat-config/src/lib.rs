@@ -412,8 +412,9 @@ impl Scenario {
             }
         };
         let error = error.and_then(|error| error.at_end(flight.duration));
-        let recorded = recorder.finish();
-        let mut summary = self.summarise(&recorded, &flight, schedule, error);
+        let mut recorded = recorder.finish();
+        let cut = recorded.cut(&flight.ending);
+        let mut summary = self.summarise(&recorded, &flight, schedule, error.filter(|_| !cut));
         summary.lattice = coupling;
         let cautions = coupling.iter().flat_map(LatticeSummary::cautions);
         summary.warnings.extend(cautions.map(|caution| Warning::new("flight.lattice", caution)));
@@ -448,12 +449,7 @@ impl Scenario {
             preset: self
                 .named(&self.robot, self.spec.flown_aero().preset.name(), |aero| aero.preset().name()),
             law: self.named(&self.robot, self.spec.flown_aero().law.name(), |aero| aero.law().name()),
-            stalled: recorded.stalled.clone(),
-            stall_fraction: recorded.stall_fraction,
-            separated_fraction: recorded.separated_fraction,
-            suction_lost_fraction: recorded.suction_lost_fraction,
-            law_states: recorded.law_states.clone(),
-            beyond_residual_fraction: recorded.beyond_residual_fraction,
+            means: recorded.means.as_ref(),
             period_s: schedule.steps_per_update.map(|steps| steps as f64 * schedule.step),
             step_error_m,
         };

@@ -31,7 +31,14 @@ pub struct Recorded {
     pub record: Record,
     /// One row per strip and instant, where asked for.
     pub strips: Option<Record>,
-    /// Share of strips past the stall angle over all samples.
+    /// Means over all samples; none where samples were cut off.
+    pub means: Option<Means>,
+}
+
+/// What is averaged over all samples of a flight while it is recorded.
+#[derive(Clone, Debug)]
+pub struct Means {
+    /// Share of strips past the stall angle.
     pub stall_fraction: f64,
     /// Laws under which strips were past the stall angle, with their shares of all samples.
     pub stalled: Vec<(LiftLaw, f64)>,
@@ -167,16 +174,16 @@ impl<'a> Recorder<'a> {
         let stall_fraction = stalled.iter().map(|(_, share)| share).sum();
         let stalled = stalled.into_iter().filter(|(_, share)| *share > 0.0).collect();
         let [separated_fraction, suction_lost_fraction] = self.shares.map(|sum| sum / count);
-        Recorded {
+        let means = Means {
             separated_fraction,
             suction_lost_fraction,
             law_states: law_states(self.robot, &self.record),
             beyond_residual_fraction: (self.beyond[1] > 0.0).then(|| self.beyond[0] / self.beyond[1]),
-            record: self.record,
-            strips: self.strips.map(|strips| strips.recorder.finish()),
             stall_fraction,
             stalled,
-        }
+        };
+        let strips = self.strips.map(|strips| strips.recorder.finish());
+        Recorded { record: self.record, strips, means: Some(means) }
     }
 }
 

@@ -1,5 +1,6 @@
 //! How far the record of a flight that broke down can be believed.
 
+use crate::recorder::Recorded;
 use wingbeat_flight::simulate::{Ending, Record};
 use wingbeat_judge::Warning;
 use wingbeat_ocp::plant::Fault;
@@ -9,12 +10,30 @@ use wingbeat_ocp::plant::Fault;
 const MOST: [(&str, f64); 5] = [("m/s", 343.0), ("rad/s", 3430.0), ("W", 1e4), ("N", 1e3), ("N m", 1e3)];
 
 /// True for an end at which numbers grew without bound, so that the samples before it are no flight either.
-pub(super) fn grew(ending: &Ending) -> bool {
+fn grew(ending: &Ending) -> bool {
     matches!(ending, Ending::Fault(fault) if fault.is_not_finite() || matches!(fault, Fault::NotRecorded { .. }))
 }
 
+impl Recorded {
+    /// Cuts the samples off that say nothing of a flight that ended so, and with them the means over all; true where there may be some.
+    pub(super) fn cut(&mut self, ending: &Ending) -> bool {
+        if !grew(ending) {
+            return false;
+        }
+        let rows = rows(&self.record);
+        let last = self.record.values("t").and_then(|t| t.get(..rows)?.last().copied());
+        self.record = self.record.head(rows);
+        self.strips = self.strips.take().map(|strips| {
+            let before = |t: &[f64]| t.partition_point(|t| last.is_some_and(|last| *t <= last));
+            strips.head(strips.values("t").map_or(0, before))
+        });
+        self.means = None;
+        true
+    }
+}
+
 /// Rows of a record before the first sample that says nothing.
-pub(super) fn rows(record: &Record) -> usize {
+fn rows(record: &Record) -> usize {
     let most = |unit: &str| MOST.iter().find(|(of, _)| *of == unit).map(|(_, most)| *most);
     let bounded = record.columns().iter().filter_map(|column| Some((&column.values, most(&column.unit)?)));
     let first = |(values, most): (&Vec<f64>, f64)| values.iter().position(|value| !(value.abs() <= most));

@@ -6,10 +6,10 @@ use super::flight_verdict::{Flown, mean_velocity};
 use super::followed::PathSummary;
 use super::hovered::HoverSummary;
 use super::lattice::LatticeSummary;
+use super::recorder::Means;
 use super::sound;
 use super::spec::GoalSpec;
 use serde::Serialize;
-use wingbeat_aero::LiftLaw;
 use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
 use wingbeat_judge::{Judged, Limits, Status, Warning};
@@ -103,18 +103,15 @@ pub struct Summary {
     pub lattice: Option<LatticeSummary>,
     /// Lift law.
     pub lift_law: String,
-    /// Share of strips beyond the stall angle, over all samples.
-    pub stall_fraction: f64,
-    /// Mean separated share of the flow over strips and samples.
-    pub separated_fraction: f64,
+    /// Share of strips beyond the stall angle, over all samples; none of a flight that grew without bound.
+    pub stall_fraction: Option<f64>,
+    /// Mean separated share of the flow over strips and samples, likewise.
+    pub separated_fraction: Option<f64>,
     /// Mean share of the linear leading-edge suction that law `lev` takes away, likewise.
-    pub suction_lost_fraction: f64,
+    pub suction_lost_fraction: Option<f64>,
     /// Means of the states that the flown laws declare; not part of the file.
     #[serde(skip)]
     pub law_states: Vec<LawState>,
-    /// Samples of the record that count; fewer than there are where numbers grew without bound. Not part of the file.
-    #[serde(skip)]
-    pub sound_rows: usize,
     /// Share of the samples in which the wings are beyond the velocities at which `robot.residual` was measured, where its wrench stays as
     /// it is at their ends. Missing without one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -282,13 +279,8 @@ pub(super) struct Context<'a> {
     pub mass: f64,
     pub preset: String,
     pub law: String,
-    /// Laws under which strips were past the stall angle, with their shares of all samples.
-    pub stalled: Vec<(LiftLaw, f64)>,
-    pub stall_fraction: f64,
-    pub separated_fraction: f64,
-    pub suction_lost_fraction: f64,
-    pub law_states: Vec<LawState>,
-    pub beyond_residual_fraction: Option<f64>,
+    /// Means over all samples; none of a flight whose last samples were cut off.
+    pub means: Option<&'a Means>,
     /// Time between updates of the controller, s.
     pub period_s: Option<f64>,
     /// Estimate of the error of the steps, m.
@@ -308,9 +300,7 @@ impl Summary {
     pub(super) fn new(record: &Record, flight: &Flight, context: &Context) -> Self {
         let settle = context.goal.map_or(SETTLE.min(0.5 * flight.duration), |g| g.settle_s);
         // Of a flight whose numbers grew without bound no means are taken, and the way is that before.
-        let grew = sound::grew(&flight.ending);
-        let before = grew.then(|| record.head(sound::rows(record)));
-        let record = before.as_ref().unwrap_or(record);
+        let (means, grew) = (context.means, context.means.is_none());
         let t = record.values("t").unwrap_or_default();
         let first = if grew { t.len() } else { t.partition_point(|&t| t < settle) };
         let settled = Settled { record, first };
@@ -318,8 +308,6 @@ impl Summary {
             Some([first, .., last]) => last - first,
             _ => f64::NAN,
         };
-        // What is no number is null in the file.
-        let mean_of = |value: f64| if grew { f64::NAN } else { value };
         let roll_errors = settled.errors("roll", context, |reference| reference.roll);
         let pitch_errors = settled.errors("pitch", context, |reference| reference.pitch);
         let crossing = Crossing::new(record, context.clearances);
@@ -366,16 +354,15 @@ impl Summary {
             aero_preset: context.preset.clone(),
             lattice: None,
             lift_law: context.law.clone(),
-            stall_fraction: mean_of(context.stall_fraction),
-            separated_fraction: mean_of(context.separated_fraction),
-            suction_lost_fraction: mean_of(context.suction_lost_fraction),
-            law_states: if grew { Vec::new() } else { context.law_states.clone() },
-            sound_rows: record.rows(),
-            beyond_residual_fraction: context.beyond_residual_fraction.filter(|_| !grew),
+            stall_fraction: means.map(|means| means.stall_fraction),
+            separated_fraction: means.map(|means| means.separated_fraction),
+            suction_lost_fraction: means.map(|means| means.suction_lost_fraction),
+            law_states: means.map_or(Vec::new(), |means| means.law_states.clone()),
+            beyond_residual_fraction: means.and_then(|means| means.beyond_residual_fraction),
             input_saturation_fraction: saturation(record, context.inputs),
             least_clearance_m: crossing.as_ref().map(|c| c.least_m),
             crossing_fraction: crossing.as_ref().map(|c| c.fraction),
-            step_error_m: context.step_error_m.filter(|_| !grew),
+            step_error_m: context.step_error_m,
             warnings: Vec::new(),
             controller: ControllerSummary::new(flight, context.period_s),
         };

@@ -1,10 +1,10 @@
 //! System calls that fail on demand: a library that Linux loads before a program (`LD_PRELOAD`).
 //!
-//! Each writing, creation, renaming, removal by path or flush below the folder `WINGBEAT_FAULTS_UNDER`, and each start of a thread, is
+//! Each writing, creation, renaming, removal or flush below the folder `WINGBEAT_FAULTS_UNDER`, and each start of a thread, is
 //! a point; points are counted from 1. With `WINGBEAT_FAULTS_AT=N` point N fails, with `WINGBEAT_FAULTS_ON=1` all after it too, as on
 //! a disk that stays full. The file `WINGBEAT_FAULTS_TOLD` holds what failed; without `AT`, the number of points.
 //!
-//! What is opened or removed by a folder that is open, as whole folders are, is no point.
+//! What is removed by a folder that is open, as the entries of whole folders are, is a point where that folder is watched.
 //!
 //! The calls take the place of those of the C library, with its signatures: that cannot be written without `unsafe`.
 //! Nothing here uses what the standard library writes with: it would come back to the calls that are replaced.
@@ -143,6 +143,7 @@ replaced! {
     rename(from: *const c_char, to: *const c_char) -> c_int, watched_path(to), EIO,
         SYS_renameat2(libc::AT_FDCWD, from, libc::AT_FDCWD, to, 0);
     unlink(path: *const c_char) -> c_int, watched_path(path), EIO, SYS_unlinkat(libc::AT_FDCWD, path, 0);
+    unlinkat(folder: c_int, path: *const c_char, flags: c_int) -> c_int, watched_file(folder), EIO, SYS_unlinkat(folder, path, flags);
     rmdir(path: *const c_char) -> c_int, watched_path(path), EIO, SYS_unlinkat(libc::AT_FDCWD, path, libc::AT_REMOVEDIR);
 }
 

@@ -25,7 +25,7 @@ pub fn averaged(cycles: &Record, count: usize) -> Result<Figure, Error> {
         let name = style::letter(name);
         let title = if unit.is_empty() { name } else { format!("{name} [{unit}]") };
         let panel = Panel::new(title, vec![Curve::new("mean", &phase, mean, 0)]);
-        panels.push(Panel { bands: vec![edges], ..panel });
+        panels.push(Panel { bands: vec![edges], narrow: true, ..panel });
     }
     if panels.is_empty() {
         return Err(Error::Column(format!("*{DEVIATION}")));

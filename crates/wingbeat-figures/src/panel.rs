@@ -115,6 +115,8 @@ pub struct Panel {
     pub limits: Option<(f64, f64)>,
     /// Where curves should lie: (x, low, high) along x, shaded inside.
     pub bands: Vec<Vec<(f64, f64, f64)>>,
+    /// Whether the bands are narrow, and so darker.
+    pub narrow: bool,
     /// Where thin lines lie, which the axis holds.
     pub levels: Vec<f64>,
 }
@@ -199,8 +201,12 @@ fn quieten(panels: &mut [Panel]) {
 fn drawn(panel: Panel, across: Scale, legend: f64) -> (Vec<Plot>, Layout) {
     let scale = upwards(&panel);
     let Scale { low, high, .. } = scale;
-    let plots: Vec<Plot> =
-        panel.bands.into_iter().map(band).chain(panel.curves.into_iter().map(plot)).collect();
+    let plots: Vec<Plot> = panel
+        .bands
+        .into_iter()
+        .map(|edges| band(edges, panel.narrow))
+        .chain(panel.curves.into_iter().map(plot))
+        .collect();
     let mut layout = scale
         .upwards(across.right(style::axes(Layout::auto_from_plots(&plots))))
         .with_force_margins(LEFT, legend);
@@ -257,12 +263,10 @@ fn named(curves: &[Curve], (x, y): (f64, f64)) -> Vec<Primitive> {
 }
 
 /// The ground between two curves.
-fn band(edges: Vec<(f64, f64, f64)>) -> Plot {
+fn band(edges: Vec<(f64, f64, f64)>, narrow: bool) -> Plot {
+    let (color, opacity) = if narrow { (style::DARK_SHADE, 0.9) } else { (style::SHADE, 0.6) };
     let (low, high) = (edges.iter().map(|edge| edge.1), edges.iter().map(|edge| edge.2));
-    BandPlot::new(edges.iter().map(|edge| edge.0), low, high)
-        .with_color(style::SHADE)
-        .with_opacity(0.6)
-        .into()
+    BandPlot::new(edges.iter().map(|edge| edge.0), low, high).with_color(color).with_opacity(opacity).into()
 }
 
 fn x_range(panels: &[Panel]) -> (f64, f64) {

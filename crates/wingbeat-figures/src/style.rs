@@ -28,6 +28,8 @@ pub const AXIS: f64 = 1.0;
 pub const INK: &str = "#222222";
 /// Ground of what is not allowed, and of shadows.
 pub const SHADE: &str = "#d9d9d9";
+/// The same where little of it is to be seen.
+pub const DARK_SHADE: &str = "#a0a0a0";
 /// Lines that only guide the eye.
 pub const GUIDE: &str = "#9a9a9a";
 

@@ -9,6 +9,9 @@ use serde::Serialize;
 pub struct Judged {
     /// Name of the limit.
     pub id: &'static str,
+    /// The run, the course or the file that it is of, where several are judged together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
     /// The value of the result; absent when it is not a finite number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
@@ -77,8 +80,14 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// The verdict on several results, each by its name: the worst status, every reason and warning with the name before it, the
-    /// worst first.
+    /// The verdict on the run, the course or the file of this name, where it is one of several.
+    pub fn of(mut self, name: &str) -> Self {
+        self.judged.iter_mut().for_each(|judged| judged.of = Some(name.to_owned()));
+        self
+    }
+
+    /// The verdict on several results, each by its name: the worst status, every reason and warning with the name before it, each value
+    /// with the name beside it, the worst first.
     pub fn together<'a>(all: impl IntoIterator<Item = (&'a str, &'a Self)>) -> Self {
         let mut all: Vec<_> = all.into_iter().collect();
         all.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.status));
@@ -88,7 +97,11 @@ impl Verdict {
         };
         let reasons = all.iter().filter_map(|(name, of)| Some(named(name, of.reason.as_deref()?)));
         let reason = reasons.reduce(|all, next| format!("{all}; {next}"));
-        let judged = all.iter().flat_map(|(_, of)| of.judged.iter().cloned()).collect();
+        let held = |(name, of): &(&str, &'a Self)| {
+            let of = (*of).clone();
+            if name.is_empty() { of.judged } else { of.of(name).judged }
+        };
+        let judged = all.iter().flat_map(held).collect();
         let warning = |(name, of): &(&str, &'a Self)| {
             let name = (*name).to_owned();
             of.warnings.iter().map(move |w| Warning { text: named(&name, &w.text), ..w.clone() })
@@ -147,6 +160,7 @@ impl<'a> Judge<'a> {
         let met = limit.allows(value, bound);
         self.judged.push(Judged {
             id: limit.id,
+            of: None,
             value: value.is_finite().then_some(value),
             limit: bound,
             allowed: match limit.sense {

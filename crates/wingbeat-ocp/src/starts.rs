@@ -1,5 +1,6 @@
 //! One problem from several guesses: how many minima there are.
 
+use super::interior_point::Status;
 use super::mesh::{Optimum, Progress, Refinement, optimise};
 use super::problem::OptimalControl;
 use super::trajectory::Trajectory;
@@ -11,7 +12,8 @@ const ALIKE: f64 = 1e-3;
 /// What several starts came to.
 #[derive(Clone, Debug)]
 pub struct Starts {
-    /// The lowest solution; without any the best point that was met.
+    /// The lowest solution; without any the best point that was met. Its status is that of a stopped solve where the observer asked for
+    /// an end before all guesses were tried.
     pub best: Optimum,
     /// Objective of each start that was solved; none of the others, in order.
     pub objectives: Vec<Option<f64>>,
@@ -54,15 +56,24 @@ pub fn optimise_from<P: OptimalControl>(
 ) -> Starts {
     let mut best: Option<Optimum> = None;
     let mut objectives = Vec::with_capacity(guesses.len());
+    let mut stopped = false;
     for guess in guesses {
         let optimum = optimise(problem, guess, refinement, observer);
         let solved = optimum.status.is_success();
+        stopped = optimum.status == Status::Stopped;
         objectives.push(solved.then_some(optimum.objective));
         if best.as_ref().is_none_or(|old| optimum.beats(old, refinement.solver.acceptable)) {
             best = Some(optimum);
         }
+        if stopped {
+            break;
+        }
     }
-    Starts { best: best.expect("at least one guess"), objectives }
+    let mut best = best.expect("at least one guess");
+    if stopped {
+        best.status = Status::Stopped;
+    }
+    Starts { best, objectives }
 }
 
 #[cfg(test)]
@@ -110,5 +121,19 @@ mod tests {
         assert!(starts.best.objective < -0.19, "{}", starts.best.objective);
         let alike = optimise_from(&Wells, &guesses[..1], &refinement, &mut quiet);
         assert_eq!(alike.minima(), 1);
+        // Asked to end in the second start: the first, the lower one, is kept, and the third is not tried.
+        let lower = [guesses[1].clone(), guesses[0].clone(), guesses[2].clone()];
+        let mut passes = 0;
+        let mut ends = |at: Progress| {
+            passes += usize::from(matches!(at, Progress::Pass(_)));
+            if passes == 1 && matches!(at, Progress::Iteration(_)) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        let cut = optimise_from(&Wells, &lower, &refinement, &mut ends);
+        assert_eq!((cut.best.status, cut.objectives.len()), (Status::Stopped, 2));
+        assert!(cut.best.objective < -0.19, "{}", cut.best.objective);
     }
 }

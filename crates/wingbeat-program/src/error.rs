@@ -103,6 +103,9 @@ impl Error {
             | Self::File { .. }
             | Self::Record(_)
             | Self::Output(_) => 2,
+            Self::Failed { status, .. } if status == Status::Interrupted.name() => {
+                Status::Interrupted.exit_code()
+            }
             Self::Failed { .. } | Self::Unsound { .. } => 3,
             Self::Interrupted | Self::Paused { .. } => 130,
         }

@@ -50,6 +50,22 @@ impl Measurement {
 
 #[pymethods]
 impl Measurement {
+    /// A measurement of these channels, as it was pickled.
+    #[staticmethod]
+    fn of(py: Python, taken: f64, names: Vec<String>, values: PyReadonlyArray1<f64>) -> PyResult<Self> {
+        let values = values.as_array().to_vec();
+        if names.len() != values.len() {
+            let (given, wanted) = (values.len(), names.len());
+            return Err(PyValueError::new_err(format!(
+                "{given} values: allowed is one of each of {wanted} names"
+            )));
+        }
+        let places = PyDict::new(py);
+        names.iter().enumerate().try_for_each(|(place, name)| places.set_item(name, place))?;
+        let values = PyArray1::from_vec(py, values).unbind();
+        Ok(Self { taken, values, places: places.unbind() })
+    }
+
     /// Names of the channels, in order.
     #[getter]
     fn names(&self, py: Python) -> PyResult<Vec<String>> {

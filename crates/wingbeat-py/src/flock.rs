@@ -1,13 +1,16 @@
 //! Robots side by side, to be learned with.
 
 use crate::flight::{Described, Scenario, described};
+use crate::wait::Stop;
 use crate::{refused, whole};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
 use wingbeat::Error;
-use wingbeat::learn::{BankingTurn, Precision, SavedRobot, Task, View};
+use wingbeat::learn::{BankingTurn, Batch, Precision, SavedRobot, Task, View};
 use wingbeat::plant::Plant;
 
 /// Observations, rewards, terms of the rewards, terminated, truncated.
@@ -24,6 +27,11 @@ type Outline = Vec<[[f64; 3]; 3]>;
 
 /// State, inputs and clock; action; seed and episode; spread and begin; actions; whether over.
 type Kept = ((Vec<f64>, Vec<f64>, (f64, f64, usize)), Vec<f64>, (u64, u64), (f64, f64), usize, bool);
+
+/// Robots whose step takes so long that signals are heard meanwhile. *Choice*: a tenth of a second on one core.
+const MANY: usize = 512;
+/// Time between two looks for signals. *Choice.*
+const LOOK: Duration = Duration::from_millis(2);
 
 /// Robots of one scenario under one task.
 #[pyclass(module = "wingbeat._wingbeat")]
@@ -103,7 +111,11 @@ impl Flock {
     /// A step of all robots under actions in [-1, 1], a row each.
     fn step<'py>(&mut self, py: Python<'py>, actions: PyReadonlyArray2<f64>) -> PyResult<Stepped<'py>> {
         let actions: Vec<f64> = actions.as_array().iter().copied().collect();
-        let batch = py.detach(|| self.0.step(&actions)).map_err(refused)?;
+        let batch = match self.0.count() < MANY {
+            true => py.detach(|| self.0.step(&actions)),
+            false => self.heard(py, &actions)?,
+        };
+        let batch = batch.map_err(refused)?;
         let terms = batch.terms.into_pyarray(py).reshape([self.0.count(), self.0.task().terms().len()])?;
         Ok((
             self.table(py, batch.observations)?,
@@ -180,6 +192,30 @@ impl Flock {
 }
 
 impl Flock {
+    /// A step of many robots, which a signal ends: all stand again as they stood before.
+    fn heard(&mut self, py: Python, actions: &[f64]) -> PyResult<Result<Batch, Error>> {
+        let (before, stop, flock) = (self.0.save(), Stop::default(), &mut self.0);
+        let (batch, raised) = py.detach(|| {
+            thread::scope(|scope| {
+                let work = scope.spawn(|| flock.step_while(actions, &|| stop.flow()));
+                let mut raised = None;
+                while !work.is_finished() {
+                    thread::sleep(LOOK);
+                    if raised.is_none() {
+                        raised = Python::attach(|py| py.check_signals()).err();
+                        raised.iter().for_each(|_| stop.set());
+                    }
+                }
+                (work.join(), raised)
+            })
+        });
+        if let Some(raised) = raised {
+            self.0.restore(&before).map_err(refused)?;
+            return Err(raised);
+        }
+        batch.map_err(|_| PyRuntimeError::new_err("the step broke down"))
+    }
+
     /// Numbers of all robots, a row each.
     fn table<'py>(&self, py: Python<'py>, values: Vec<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         values.into_pyarray(py).reshape([self.0.count(), self.0.observations()])

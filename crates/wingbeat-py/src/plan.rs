@@ -3,18 +3,24 @@
 use crate::flight::Scenario;
 use crate::table::{Named, columns};
 use crate::{refused, wait};
+use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use wingbeat::scenario::PlanNodes;
 
-/// Record where there is a plan, its nodes and constants as JSON, summary as JSON, and the files by name.
-type Planned<'py> =
-    (Option<Vec<Named<'py>>>, Option<(Vec<Named<'py>>, String)>, String, Vec<(String, String)>);
+/// Record where there is a plan, its nodes and constants as JSON, summary as JSON, the files by name, and what a signal raised meanwhile.
+type Planned<'py> = (
+    Option<Vec<Named<'py>>>,
+    Option<(Vec<Named<'py>>, String)>,
+    String,
+    Vec<(String, String)>,
+    Option<Bound<'py, PyBaseException>>,
+);
 
-/// Plans the manoeuvre of a scenario.
+/// Plans the manoeuvre of a scenario. A signal ends the solver, and the best plan so far comes with what it raised.
 #[pyfunction]
 pub fn plan<'py>(py: Python<'py>, scenario: &Scenario) -> PyResult<Planned<'py>> {
     let scenario = scenario.0.clone();
-    let planned = wait::work(py, move |stop| {
+    let (planned, raised) = wait::kept(py, move |stop| {
         scenario.plan(&mut |_| stop.flow()).map_err(|error| scenario.explain(&error))
     })?;
     let planned = planned.map_err(refused)?;
@@ -24,5 +30,7 @@ pub fn plan<'py>(py: Python<'py>, scenario: &Scenario) -> PyResult<Planned<'py>>
         let constants = serde_json::to_string(&constants).map_err(refused)?;
         Ok::<_, PyErr>((columns(py, points), constants))
     });
-    Ok((planned.record.map(|record| columns(py, record)), nodes.transpose()?, summary, files))
+    let record = planned.record.map(|record| columns(py, record));
+    let raised = raised.map(|raised| raised.into_value(py).into_bound(py));
+    Ok((record, nodes.transpose()?, summary, files, raised))
 }

@@ -174,10 +174,15 @@ fn draw(folder: &RunFolder, cases: &[&Case], interrupt: &Interrupt) -> Result<()
     for picture in pictures {
         interrupt.check()?;
         let drawn = (picture.draw)().map_err(|error| error.to_string()).and_then(|figure| {
-            wingbeat_figures::write_for_screen(&figures, &figure).map_err(|error| error.to_string())
+            match wingbeat_figures::write_for_screen(&figures, &figure) {
+                // The disk is full, or broken: what follows would not be whole.
+                Err(wingbeat_figures::Error::File { path, source }) => Ok(Err(Error::File { path, source })),
+                written => written.map(Ok).map_err(|error| error.to_string()),
+            }
         });
-        if let Err(error) = drawn {
-            say::note(&format!("the figure {} is left out: {error}", picture.name));
+        match drawn {
+            Ok(written) => written?,
+            Err(error) => say::note(&format!("the figure {} is left out: {error}", picture.name)),
         }
     }
     Ok(())

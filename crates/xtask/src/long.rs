@@ -7,15 +7,16 @@ use crate::{book, documents, fuzz, hostile, paper, peers, python, soak, tools, t
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 11] = [
+const TASKS: [Task; 12] = [
     ("tests", tests),
     ("tutorials", || Tally::one(tutorials::all())),
     ("book", || Tally::one(book::build())),
     ("paper", || Tally::one(paper::run())),
-    ("soak", || Tally::one(soak::soak(&[]))),
+    ("soak", || Tally::one(soak::hour())),
     ("hostile", || Tally::one(hostile::hostile(&[]))),
     ("faults", hostile::disturbed::faults),
     ("kills", hostile::disturbed::kills),
+    ("python-calls", || Tally::one(python::task(&["calls".into()]))),
     ("comparisons", comparisons),
     ("fuzz", || Tally::one(fuzz::fuzz(&[]))),
     ("peers", || Tally::one(peers::compare(None))),

@@ -1,5 +1,5 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `reference`, `bench`, `peers`, `fuzz`, `hostile`,
-//! `advisories`, `python`, `soak`, `paper`, `long`.
+//! `faults`, `advisories`, `python`, `soak`, `paper`, `long`.
 
 mod book;
 mod copies;
@@ -26,7 +26,7 @@ cargo xtask TASK
 
   test    format, lints, all tests, the Python package, licences, bans and sources of dependencies, quick comparisons; what
           .ci/run calls
-  long    [NAME...] what takes hours: the commands of the pages on the paper, the recorder for ten minutes, all hostile cases, all
+  long    [NAME...] what takes hours: the commands of the pages on the paper, the recorder for an hour, all hostile cases, all
           comparisons, fuzzing, and the other programs where they are installed; docs/testing.md lists both
   docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
           and the pictures of docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
@@ -39,12 +39,14 @@ cargo xtask TASK
   fuzz    [--seconds 600] [TARGET...] everything that reads what others wrote, each for so long
   hostile [--list] [--quick] [--class N] [--program FILE] [NAME...] what an unlucky or hostile user does, under limits
           of memory, time and disk; the cases are the lists of crates/xtask/hostile
+  faults  [VERB...] each write, creation, renaming, removal and start of a thread of these verbs, or of all, fails in turn (Linux)
   advisories --db PATH  the lock files against a clone of https://github.com/rustsec/advisory-db
-  python  test | wheel | measure | policies [STEPS [SEED...]]: the tests of the Python package; the wheel to be released, in
-          target/wheels (on Linux for glibc 2.28 and later); what the package costs; policies trained by
+  python  test | wheel | calls | measure | policies [STEPS [SEED...]]: the tests of the Python package; the wheel to be released, in
+          target/wheels (on Linux for glibc 2.28 and later); 10,000 calls with hostile arguments; what the package costs; policies trained by
           Stable-Baselines3 beside the predictive controller (installs PyTorch, some GB, into target/tools/policies)
   paper   every command of the pages on the paper, into target/paper: exit codes and numbers as they say
-  soak    [--seconds 600] the recorder on the emulated box at 7 kHz: every sample accounted for, memory flat
+  soak    [--seconds 600] [--busy 0] [--program FILE] the recorder on the emulated box at 7 kHz beside so many busy processes: every
+          sample accounted for, memory flat
 ";
 
 fn main() -> ExitCode {
@@ -60,6 +62,7 @@ fn main() -> ExitCode {
         "fuzz" => fuzz::fuzz(&arguments[1..]),
         "hostile" => hostile::hostile(&arguments[1..]),
         "advisories" => dependencies::advisories(&arguments[1..]),
+        "faults" => tools::tests_built() && hostile::disturbed::faults_of(&arguments[1..]).failed == 0,
         "soak" => soak::soak(&arguments[1..]),
         "python" => python::task(&arguments[1..]),
         "paper" => paper::run(),

@@ -51,7 +51,7 @@ pub fn packed() -> Command {
 }
 
 /// What may be asked of the package.
-const TASKS: &str = "test, packed, wheel, measure [WHAT...], or policies [STEPS [SEED...]]";
+const TASKS: &str = "test, packed, wheel, calls [OPTION...], measure [WHAT...], or policies [STEPS [SEED...]]";
 
 /// Builds the extension and, as a test of the program needs it, the program.
 const BUILD: [&str; 8] =
@@ -74,6 +74,7 @@ pub fn task(arguments: &[String]) -> bool {
             return failed == 0;
         }
         Some("wheel") => return release(),
+        Some("calls") => ("calls.py", None),
         Some("measure") => ("measure.py", None),
         Some("policies") => ("ppo.py", Some("heavy/requirements.txt")),
         other => {
@@ -94,6 +95,7 @@ pub fn task(arguments: &[String]) -> bool {
     run.arg(tools::root().join(CRATE).join("heavy").join(script));
     match script {
         "measure.py" => run.arg(wheel).args(&arguments[1..]),
+        "calls.py" => run.args(&arguments[1..]),
         _ if arguments.len() > 1 => run.args(&arguments[1..]),
         _ => run.arg("1000000"),
     };

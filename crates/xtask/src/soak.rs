@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -13,6 +13,8 @@ use crate::tools;
 
 /// Seconds, when not said.
 const SECONDS: u64 = 600;
+/// Busy processes that may be asked for.
+const MOST_BUSY: u64 = 64;
 /// Added to the box's ports.
 const OFFSET: &str = "8130";
 /// Samples per second of the box.
@@ -30,20 +32,68 @@ struct Memory {
     most: u64,
 }
 
-/// Records for `--seconds N` and prints the account; true when nothing was lost silently and memory stayed flat.
+/// Records for `--seconds N` beside `--busy N` processes that never rest, with the program that is built or with `--program FILE`, and
+/// prints the account; true when nothing was lost silently and memory stayed flat.
 pub fn soak(arguments: &[String]) -> bool {
-    match tools::seconds(arguments, SECONDS) {
-        Some((seconds, rest)) if rest.is_empty() => tools::built() && run(seconds),
-        _ => false,
+    let (mut seconds, mut busy, mut program) = (SECONDS, 0, None);
+    let mut rest = arguments.iter();
+    while let Some(option) = rest.next() {
+        let value = rest.next();
+        let number = value.and_then(|word| word.parse::<u64>().ok());
+        match (option.as_str(), number) {
+            ("--seconds", Some(number)) if number > 0 => seconds = number,
+            ("--busy", Some(number)) if number <= MOST_BUSY => busy = number,
+            ("--program", _) if value.is_some() => program = value.map(PathBuf::from),
+            _ => {
+                eprintln!(
+                    "error: {option}: there are --seconds N above zero, --busy N up to {MOST_BUSY}, --program FILE"
+                );
+                return false;
+            }
+        }
+    }
+    let built = program.is_some() || tools::built();
+    built && run(&program.unwrap_or_else(tools::program), seconds, busy)
+}
+
+/// An hour beside eight busy processes, as `cargo xtask long` asks.
+pub fn hour() -> bool {
+    run(&tools::program(), 3600, 8)
+}
+
+/// Processes that count without rest, at the lowest priority; they end with this value.
+struct Busy(Vec<Child>);
+
+impl Busy {
+    fn start(count: u64) -> Self {
+        let one = || {
+            let mut command = Command::new("nice");
+            command.args(["-n", "19", "sh", "-c", "while :; do :; done"]).stdin(Stdio::null()).spawn().ok()
+        };
+        Self((0..count).filter_map(|_| one()).collect())
     }
 }
 
-/// Records for so many seconds with the program that was built.
-pub fn run(seconds: u64) -> bool {
+impl Drop for Busy {
+    fn drop(&mut self) {
+        for child in &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+/// Records for so many seconds with `program` beside so many busy processes.
+pub fn run(program: &Path, seconds: u64, busy: u64) -> bool {
     let out = tools::root().join("target/soak");
     let _ = fs::remove_dir_all(&out);
-    let Some((mut box_, pages)) = emulator() else { return false };
-    let recorded = recorder(seconds, &out).and_then(|mut recorder| {
+    let beside = Busy::start(busy);
+    if beside.0.len() as u64 != busy {
+        eprintln!("error: only {} of {busy} busy processes started", beside.0.len());
+        return false;
+    }
+    let Some((mut box_, pages)) = emulator(program) else { return false };
+    let recorded = recorder(program, seconds, &out).and_then(|mut recorder| {
         let memory = watch(&recorder, &box_, seconds);
         recorder.wait().is_ok_and(|status| status.success()).then_some(memory)
     });
@@ -56,25 +106,28 @@ pub fn run(seconds: u64) -> bool {
     }
 }
 
-fn wingbeat(arguments: &[&str]) -> Command {
-    let mut command = Command::new(tools::program());
+fn wingbeat(program: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(program);
     command.args(["rig"]).args(arguments).stdin(Stdio::null());
     command
 }
 
 /// The emulator, once it listens, and the rest of its output.
-fn emulator() -> Option<(Child, BufReader<std::process::ChildStdout>)> {
-    let mut child = wingbeat(&["emulate", "--port-offset", OFFSET]).stdout(Stdio::piped()).spawn().ok()?;
+fn emulator(program: &Path) -> Option<(Child, BufReader<std::process::ChildStdout>)> {
+    let mut child =
+        wingbeat(program, &["emulate", "--port-offset", OFFSET]).stdout(Stdio::piped()).spawn().ok()?;
     let mut output = BufReader::new(child.stdout.take()?);
     let mut line = String::new();
     let listens = output.read_line(&mut line).is_ok() && line.starts_with("RDT");
     listens.then_some((child, output))
 }
 
-fn recorder(seconds: u64, out: &PathBuf) -> Option<Child> {
+fn recorder(program: &Path, seconds: u64, out: &Path) -> Option<Child> {
     let seconds = seconds.to_string();
-    let mut command =
-        wingbeat(&["record", "127.0.0.1", "--port-offset", OFFSET, "--duration", &seconds, "--quiet"]);
+    let mut command = wingbeat(
+        program,
+        &["record", "127.0.0.1", "--port-offset", OFFSET, "--duration", &seconds, "--quiet"],
+    );
     command.arg("--out").arg(out).spawn().ok()
 }
 

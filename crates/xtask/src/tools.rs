@@ -9,9 +9,9 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap_or(Path::new(".")).into()
 }
 
-/// The program that was built.
+/// The program that was built, or that of the environment variable `WINGBEAT_PROGRAM`.
 pub fn program() -> PathBuf {
-    root().join("target/release/wingbeat")
+    std::env::var_os("WINGBEAT_PROGRAM").map_or_else(|| root().join("target/release/wingbeat"), PathBuf::from)
 }
 
 /// The program that was built with `arguments`, at the root.

@@ -90,7 +90,10 @@ fn names(dead: &[&str]) -> String {
 /// Looks at each second of a recording, and says what is wrong with it.
 #[derive(Debug)]
 pub struct Alarm {
+    /// Of the whole recording: a stream is counted from its first record on.
     account: Account,
+    /// The counts at the last look.
+    before: Account,
     signs: Signs,
     since: Instant,
     told: Vec<&'static str>,
@@ -99,7 +102,8 @@ pub struct Alarm {
 impl Alarm {
     /// Nothing seen yet.
     pub fn new() -> Self {
-        Self { account: Account::default(), signs: Signs::default(), since: Instant::now(), told: Vec::new() }
+        let (account, signs) = (Account::default(), Signs::default());
+        Self { before: account.clone(), account, signs, since: Instant::now(), told: Vec::new() }
     }
 
     /// Takes in a row, or that none came; what is newly wrong with the last second, once it is over.
@@ -112,20 +116,24 @@ impl Alarm {
     }
 
     fn look(&mut self) -> Vec<String> {
-        let past = std::mem::replace(self, Self::new());
-        if past.account.received == 0 {
-            self.told = vec!["silence"];
-            let news = !past.told.contains(&"silence");
+        self.since = Instant::now();
+        let second = self.account.since(&self.before);
+        self.before = self.account.counts();
+        let signs = std::mem::take(&mut self.signs);
+        if second.received == 0 {
+            let told = std::mem::replace(&mut self.told, vec!["silence"]);
+            let news = !told.contains(&"silence");
             return news.then(|| "alarm: no new record came in the last second".into()).into_iter().collect();
         }
-        let broken = past.verdict().judged.into_iter().filter(|judged| !judged.met);
+        let broken = verdict(&second, &signs).judged.into_iter().filter(|judged| !judged.met);
         let (mut told, mut lines) = (Vec::new(), Vec::new());
         for judged in broken {
-            if !past.told.contains(&judged.id) {
+            if !self.told.contains(&judged.id) {
                 let value = judged.value.unwrap_or(f64::NAN);
+                let unit = if judged.unit.is_empty() { String::new() } else { format!(" {}", judged.unit) };
                 lines.push(format!(
-                    "alarm: {} is {value:.3} {} in the last second, allowed is at most {}",
-                    judged.id, judged.unit, judged.limit
+                    "alarm: {} is {value:.3}{unit} in the last second, allowed is at most {}",
+                    judged.id, judged.limit
                 ));
             }
             told.push(judged.id);
@@ -133,12 +141,12 @@ impl Alarm {
         self.told = told;
         lines
     }
+}
 
-    fn verdict(&self) -> Verdict {
-        let limits = Limits::default();
-        let mut judge = Judge::new(&limits);
-        self::judge(&self.account, &mut judge);
-        self.signs.judge(self.account.received, &mut judge);
-        judge.verdict()
-    }
+fn verdict(second: &Account, signs: &Signs) -> Verdict {
+    let limits = Limits::default();
+    let mut judge = Judge::new(&limits);
+    self::judge(second, &mut judge);
+    signs.judge(second.received, &mut judge);
+    judge.verdict()
 }

@@ -4,6 +4,7 @@ use super::lanes::{MOST_LANES, Precision, Side};
 use super::{Task, View};
 use crate::Scenario;
 use arrayvec::ArrayVec;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use wingbeat_flight::simulate::{Saved, Stepper};
 use wingbeat_math::Error;
@@ -207,6 +208,19 @@ impl Flock {
     /// # Errors
     /// [`Error::Invalid`] for actions of another number, or that are not finite.
     pub fn step(&mut self, actions: &[f64]) -> Result<Batch, Error> {
+        self.step_while(actions, &|| ControlFlow::Continue(()))
+    }
+
+    /// The same as long as `watch` lets it. After a break some robots stand before the step and some behind it:
+    /// [`restore`](Self::restore) them.
+    ///
+    /// # Errors
+    /// Those of [`step`](Self::step).
+    pub fn step_while(
+        &mut self,
+        actions: &[f64],
+        watch: &(dyn Fn() -> ControlFlow<()> + Sync),
+    ) -> Result<Batch, Error> {
         let (count, inputs) = (self.count(), self.actions());
         if actions.len() != count * inputs {
             let allowed = format!("{}, {inputs} of each of {count}", count * inputs);
@@ -241,7 +255,11 @@ impl Flock {
         let mut groups: Vec<_> =
             groups.map(|(((members, actions), rows), side)| Group { members, actions, rows, side }).collect();
         let course = Course { task: &*self.task, start: &self.start, longest: self.longest };
-        parallel::chunks(&mut groups, self.threads, |group| group.step(&course));
+        parallel::chunks(&mut groups, self.threads, |group| {
+            if watch().is_continue() {
+                group.step(&course);
+            }
+        });
         Ok(batch)
     }
 }

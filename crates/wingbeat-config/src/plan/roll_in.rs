@@ -3,7 +3,7 @@
 use super::{CHECK_STEPS, PlanNodes, PlanSpec, PlanSummary, Planned, SolverNumbers, nodes, verdict};
 use crate::recorder::{Recorded, Recorder};
 use crate::summary::{Crossing, given, mean};
-use crate::{Chosen, Scenario, ScenarioSpec, sound};
+use crate::{Chosen, Scenario, ScenarioSpec};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -108,15 +108,16 @@ impl Scenario {
         verdict::judge_plan(judge, &summary.solver, &summary.resimulation_error, nodes);
         summary.final_angles_deg =
             solution.points.x.last().map(|end| problem.angles(end).map(f64::to_degrees));
-        let (Recorded { record, stall_fraction, .. }, angles, ending) = self.fly_plan(solution)?;
+        let (mut recorded, angles, ending) = self.fly_plan(solution)?;
+        recorded.cut(&ending);
+        let Recorded { record, means, .. } = recorded;
         let first = record.values("t").map_or(0, |t| t.partition_point(|t| *t < spec.start_s));
         if let Err(fault) = ending.check() {
-            // What was recorded is kept; of a flight that broke down nothing is judged.
+            // What was recorded and can be is kept; of a flight that broke down nothing is judged.
             judge.find(Status::Failed, format!("flown open loop: {fault}"));
-            let rows = if sound::grew(&ending) { sound::rows(&record) } else { record.rows() };
-            return Ok(record.head(rows));
+            return Ok(record);
         }
-        summary.stall_fraction = Some(stall_fraction);
+        summary.stall_fraction = means.map(|means| means.stall_fraction);
         summary.flown_angles_deg = Some(angles.map(f64::to_degrees));
         let crossing = Crossing::since(&record, self.model.clearances(), spec.start_s);
         summary.least_clearance_m = crossing.as_ref().map(|c| c.least_m);

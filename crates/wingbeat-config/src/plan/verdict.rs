@@ -23,10 +23,19 @@ fn ended(end: &Ended) -> Option<Status> {
     }
 }
 
-/// Holds an optimum on its mesh against the limits; true when it meets its constraints, so that it can be flown.
+/// Holds an optimum on its mesh against the limits; true when it is to be flown: it meets its constraints, and nobody waits for an end.
 pub(super) fn judge_solver(judge: &mut Judge, optimum: &Optimum, tolerance: f64) -> bool {
     if let Some(status) = ended(&optimum.status) {
-        judge.find(status, format!("the solver ended: {}", optimum.status));
+        let plan_on = optimum.solution.as_ref().map_or(0, |solution| solution.intervals());
+        let on = match optimum.ended_on {
+            mesh if plan_on > 0 && mesh != plan_on => {
+                format!(
+                    " on the mesh of {mesh} intervals; the plan and its numbers are those of {plan_on} intervals"
+                )
+            }
+            _ => String::new(),
+        };
+        judge.find(status, format!("the solver ended: {}{on}", optimum.status));
     }
     let Some(Misses { infeasibility, residual, violation, constraint }) = &optimum.misses else {
         judge.find(Status::NotFound, "nothing could be evaluated");
@@ -42,7 +51,7 @@ pub(super) fn judge_solver(judge: &mut Judge, optimum: &Optimum, tolerance: f64)
         judge.hold(&plan::INTERVAL_ERROR, optimum.error);
         judge.hold(&plan::OVER_TOLERANCE, optimum.error / tolerance);
     }
-    met
+    met && optimum.status != Ended::Stopped
 }
 
 /// Largest distance of a re-simulation from the plan, each state relative to 1 + its largest magnitude, as the error of an

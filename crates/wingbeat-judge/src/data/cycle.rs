@@ -3,7 +3,7 @@
 use super::frequency::{self, Frequency};
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
-use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, ROUGH, SHARE, SIGNAL};
+use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, PHASE_GAP, ROUGH, SHARE, SIGNAL};
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
@@ -114,8 +114,34 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     }
     if series.purpose == Purpose::Loads {
         found.extend(without_signal(series, &all));
+        found.extend(gap(series, cycles));
     }
     found
+}
+
+/// Places of the cycle in which samples are looked for. *Choice.*
+const PLACES: usize = 60;
+
+/// The longest stretch of the cycle that no sample of whole cycles falls into.
+fn gap(series: &Series, cycles: f64) -> Option<Finding> {
+    let mut seen = [false; PLACES];
+    for phase in series.phase {
+        seen[((phase.rem_euclid(1.0) * PLACES as f64) as usize).min(PLACES - 1)] = true;
+    }
+    let first = seen.iter().position(|seen| *seen)?;
+    // Once round from a place with a sample, and to it again.
+    let (mut run, mut longest) = (0, 0);
+    for k in 1..=PLACES {
+        run = if seen[(first + k) % PLACES] { 0 } else { run + 1 };
+        longest = longest.max(run);
+    }
+    let size = longest as f64 / PLACES as f64;
+    let text = format!(
+        "no cycle has a sample in {:.0} % of the cycle in a row: too few samples in a cycle to tell its loads; sample \
+         faster, or at a rate that is no multiple of the frequency",
+        100.0 * size
+    );
+    (cycles >= 1.0).then(|| Finding::new("data.few_samples", &PHASE_GAP, series.what, size, text))
 }
 
 impl Parts {
@@ -241,7 +267,8 @@ fn other_frequency(
          frequency of the data",
         100.0 * (part.white + part.slow) / part.total
     );
-    Some(Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text))
+    let finding = Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text);
+    Some(finding.in_channel(channel.name))
 }
 
 /// The finding that a table of one cycle lasts longer or shorter than that of the frequency given: even steps, and the
@@ -274,13 +301,9 @@ fn lasts(series: &Series, channel: &Channel) -> Option<Finding> {
         whole / given,
         given / whole
     );
-    Some(Finding::new(
-        "data.frequency",
-        &FREQUENCY,
-        series.about(channel.name),
-        (1.0 / whole - 1.0).abs(),
-        text,
-    ))
+    let size = (1.0 / whole - 1.0).abs();
+    let finding = Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text);
+    Some(finding.in_channel(channel.name))
 }
 
 /// The finding that the noise of a motion makes its acceleration.

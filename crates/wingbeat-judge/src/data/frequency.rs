@@ -39,6 +39,11 @@ pub fn estimate(phase: &[f64], values: &[f64]) -> Option<Frequency> {
     }
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let apart: Vec<f64> = values.iter().map(|x| x - mean).collect();
+    // A channel that stands still has every frequency, and without an error.
+    let all = apart.iter().map(|x| x * x).sum::<f64>();
+    if !(all > 0.0 && all.is_finite()) {
+        return None;
+    }
     let early = phase.partition_point(|p| *p - first <= FIRST);
     let width = 1.0 / cycles.min(FIRST);
     let most = SOUGHT.1.min(0.45 * phase.len() as f64 / cycles);
@@ -56,7 +61,6 @@ pub fn estimate(phase: &[f64], values: &[f64]) -> Option<Frequency> {
     // Other lines pull the strongest a little: what all harmonics leave is the better measure.
     let ratio = narrowed(ratio, NEAR / cycles, &|ratio| -left(phase, &apart, ratio));
     let left = left(phase, &apart, ratio);
-    let all = apart.iter().map(|x| x * x).sum::<f64>();
     let amplitude = 2.0 * power(line, phase.len()).sqrt() / phase.len() as f64;
     let error = (6.0 * left).sqrt() / (std::f64::consts::PI * amplitude * cycles * phase.len() as f64);
     Some(Frequency { ratio, error: error / line.round().max(1.0), explained: 1.0 - left / all })

@@ -95,5 +95,34 @@ pub fn examined(series: &Series, limits: &Limits) -> Vec<Finding> {
         found.extend(cycle::findings(series, limits));
     }
     found.retain(|finding| finding.breaks(limits));
-    found
+    alike(series, found)
+}
+
+/// One finding of a frequency that several channels have: it is that of the file.
+fn alike(series: &Series, found: Vec<Finding>) -> Vec<Finding> {
+    let mut told: Vec<Finding> = Vec::new();
+    for finding in found {
+        let same = |other: &&mut Finding| {
+            other.id == "data.frequency" && finding.id == other.id && near(other.size, finding.size)
+        };
+        match told.iter_mut().find(same) {
+            Some(first) => {
+                first.channel = format!("{}, {}", first.channel, finding.channel);
+                first.about = series.about(&first.channel);
+            }
+            None => told.push(finding),
+        }
+    }
+    told
+}
+
+/// Whether two differences of a frequency from the one given are one. *Choice.*
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() < 0.05 * a.max(b)
+}
+
+/// What is wrong with a channel that has values that are no numbers beside the `missing` samples of a file with gaps.
+pub fn not_finite(what: &str, channel: &Channel, missing: usize) -> Option<Finding> {
+    let samples = channel.samples.iter().filter(|x| !x.is_finite()).count().saturating_sub(missing);
+    values::not_finite(what, channel.name, samples)
 }

@@ -2,7 +2,7 @@
 
 use super::Finding;
 use crate::limits::Limits;
-use crate::limits::data::{DEAD, REVERSED, SHIFT, SWAPPED, UNRELATED};
+use crate::limits::data::{DEAD, LARGEST, REVERSED, SHIFT, SWAPPED, UNRELATED};
 
 /// Share of the largest computed channel of its unit below which a channel says nothing. *Choice*: what is zero by
 /// symmetry is computed as rounding.
@@ -56,6 +56,7 @@ pub fn compared(what: &str, pairs: &[Pair], limits: &Limits) -> Vec<Finding> {
         let dead = |(pair, told): &(&Pair, &Told)| dead(about(pair), pair, told).in_channel(pair.name);
         found.extend(telling.iter().map(dead));
         found.extend(telling.iter().filter_map(|(pair, told)| scaled(about(pair), told)));
+        found.extend(telling.iter().filter_map(|(pair, told)| in_another_unit(about(pair), pair, told)));
         found.extend(shifted(what, &telling));
         found.extend(unrelated(what, &telling));
     }
@@ -127,6 +128,15 @@ fn scaled(about: String, told: &Told) -> Option<Finding> {
     );
     (told.best > ALIKE[0] && told.measured > DEAD.value * told.computed)
         .then(|| Finding::scaled(about, (told.gain - 1.0).abs(), text))
+}
+
+fn in_another_unit(about: String, pair: &Pair, told: &Told) -> Option<Finding> {
+    let size = told.measured / told.computed;
+    let text = format!(
+        "moves by {:.3e} {} where {:.3e} are computed, in the same shape: its unit is another one",
+        told.measured, pair.unit, told.computed
+    );
+    (told.best > ALIKE[0]).then(|| Finding::new("data.scaled", &LARGEST, about, size, text))
 }
 
 /// The lag on which the channels agree, by the power that they lend it.

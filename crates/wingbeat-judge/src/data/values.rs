@@ -54,7 +54,10 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     let mut found = Vec::new();
     for (channel, extent) in series.channels.iter().zip(&extents) {
         match extent {
-            None => found.extend(not_finite(series, channel)),
+            None => {
+                let count = channel.samples.iter().filter(|x| !x.is_finite()).count();
+                found.extend(not_finite(series.what, channel.name, count));
+            }
             Some(extent) => {
                 let own = of_channel(series, channel, *extent, limits);
                 found.extend(own.into_iter().map(|finding| finding.in_channel(channel.name)));
@@ -65,11 +68,12 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     found
 }
 
-fn not_finite(series: &Series, channel: &Channel) -> Option<Finding> {
-    let count = channel.samples.iter().filter(|x| !x.is_finite()).count();
+/// So many values of a channel that are no numbers.
+pub fn not_finite(what: &str, channel: &str, count: usize) -> Option<Finding> {
     let text = format!("{count} samples are not finite: cut them out of the file");
+    let about = format!("{channel} of {what}");
     (count > 0)
-        .then(|| Finding::new("data.not_finite", &NOT_FINITE, series.about(channel.name), count as f64, text))
+        .then(|| Finding::new("data.not_finite", &NOT_FINITE, about, count as f64, text).in_channel(channel))
 }
 
 fn of_channel(series: &Series, channel: &Channel, extent: Extent, limits: &Limits) -> Vec<Finding> {

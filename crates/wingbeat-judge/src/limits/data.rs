@@ -65,9 +65,15 @@ pub const UNRELATED: Limit = Limit::at_least("data.best_correlation", 0.3, "", S
 /// A channel that moves by a fiftieth of what is computed is not connected.
 pub const DEAD: Limit = Limit::at_least("data.dead_fraction", 0.02, "", SuspectData)
     .on("range of the measured cycle over that of the computed one");
+/// The inverse of that: a channel that has the shape of what is computed and moves by fifty times as much is in another unit.
+pub const LARGEST: Limit = Limit::at_most("data.largest_gain", 50.0, "", SuspectData)
+    .on("range of the measured cycle over that of the computed one, in its shape,");
+/// The loads of a flapping wing have a strong second harmonic: a stretch of a fifth of a cycle without a sample hides it.
+pub const PHASE_GAP: Limit = Limit::at_most("data.phase_gap_cycles", 0.2, "", SuspectData)
+    .on("longest stretch of the cycle in which no cycle has a sample");
 
 /// All of them.
-pub const ALL: [Limit; 20] = [
+pub const ALL: [Limit; 22] = [
     NOT_FINITE, BACKWARD, LOST, TINY, HUGE, STUCK, CLIPPED, DRIFT, SIGNAL, LINE, SHARE, APERIODIC, FREQUENCY,
-    ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD,
+    ROUGH, REVERSED, SWAPPED, GAIN, SHIFT, UNRELATED, DEAD, LARGEST, PHASE_GAP,
 ];

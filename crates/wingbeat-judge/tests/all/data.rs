@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 use wingbeat_judge::data::{
-    Channel, Finding, Line, Pair, Purpose, Series, compared, estimate, examined, find_frequency,
+    Channel, Finding, Line, Pair, Purpose, Series, compared, estimate, examined, find_frequency, not_finite,
 };
 use wingbeat_judge::{Judge, Limits, Status, limits};
 
@@ -237,6 +237,7 @@ fn wrong() -> Vec<(&'static str, &'static str, Data)> {
             p[3] = f64::NAN;
             (p, c, u)
         }),
+        ("two_samples_in_a_cycle", "data.few_samples", loads(&Load { rate: 2, cycles: 60.0, ..usual() })),
         (
             "rough_motion",
             "data.rough",
@@ -265,6 +266,19 @@ fn right_data_that_look_odd_pass() {
         .map(|(name, found)| format!("{name}: {:?}", found.iter().map(Finding::words).collect::<Vec<_>>()))
         .collect();
     assert!(all.len() >= 30 && judged.is_empty(), "of {}: {judged:#?}", all.len());
+}
+
+#[test]
+fn one_finding_names_all_channels_of_another_frequency_and_a_channel_without_numbers_is_named() {
+    let (phase, channels, purpose) = loads(&Load { ratio: 1.03, cycles: 30.0, ..Load::default() });
+    let all = found(&(phase, vec![channels[0].clone(), channels[1].clone(), channels[0].clone()], purpose));
+    assert_eq!(ids(&all).iter().filter(|id| **id == "data.frequency").count(), 1);
+    assert!(all[0].words().starts_with("Fx, Fz, Ty of pass1.csv: repeats at 5.15"), "{}", all[0].words());
+    let samples = [1.0, f64::NAN, f64::NAN, 2.0, f64::INFINITY];
+    let channel = Channel { name: "Fz", unit: "N", samples: &samples };
+    let told = not_finite("cell.csv", &channel, 1).unwrap();
+    assert!(told.size == 2.0 && told.channel == "Fz" && told.serious, "{told:?}");
+    assert_eq!(not_finite("cell.csv", &channel, 3), None);
 }
 
 #[test]
@@ -360,6 +374,7 @@ fn what_is_computed_judges_sign_order_gain_and_phase() {
         ("data.reversed", times(2, -0.7)),
         ("data.scaled", times(1, 1.15)),
         ("data.scaled", times(0, 0.85)),
+        ("data.scaled", times(2, 1e3)),
         ("data.dead", times(2, 0.001)),
         ("data.dead", [fx.clone(), vec![0.1; 360], ty.clone()]),
         ("data.shift", at(9)),
@@ -369,6 +384,8 @@ fn what_is_computed_judges_sign_order_gain_and_phase() {
     ] {
         assert!(ids(&beside(&measured)).contains(&id), "{id}: {:?}", beside(&measured));
     }
+    assert!(beside(&times(2, 1e3)).iter().any(|finding| finding.serious));
+    assert!(beside(&times(1, 1.15)).iter().all(|finding| !finding.serious));
     let mut noise = Noise(4);
     let other = at(0).map(|x| x.iter().map(|_| noise.next()).collect::<Vec<f64>>());
     assert!(ids(&beside(&other)).contains(&"data.unrelated"), "{:?}", beside(&other));
@@ -429,7 +446,9 @@ fn the_frequency_is_found_without_one_given_and_its_error_is_that_of_the_noise()
     let mut beyond = 0;
     for (k, frequency) in [3.4973, 5.0, 5.2, 17.31, 0.913, 24.6].into_iter().enumerate() {
         for noise in [0.0, 0.2, 1.0] {
-            let (time, channels) = six(frequency, 1000.0, 10.0 + k as f64, noise, usual);
+            let (time, mut channels) = six(frequency, 1000.0, 10.0 + k as f64, noise, usual);
+            // A dead channel has no say.
+            channels[5].fill(0.0);
             let line = line(&time, &channels);
             let told = line.frequency.unwrap_or(f64::NAN);
             assert!((told - frequency).abs() < 1e-3, "{frequency} Hz, noise {noise}: {line:?}");

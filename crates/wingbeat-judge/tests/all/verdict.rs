@@ -62,6 +62,8 @@ fn a_verdict_on_several_is_that_of_the_worst_with_their_names() {
     let all = Verdict::together([("a", &off), ("", &good), ("c", &broken)]);
     assert_eq!((all.status, all.reason.as_deref()), (Status::Failed, Some("c: it broke; a: it is off")));
     assert_eq!((all.judged.len(), all.warnings.len()), (3, 3));
+    let of: Vec<Option<&str>> = all.judged.iter().map(|judged| judged.of.as_deref()).collect();
+    assert_eq!(of, [Some("c"), Some("a"), None]);
     let texts: Vec<&str> = all.warnings.iter().map(|warning| warning.text.as_str()).collect();
     assert_eq!(texts, ["c: a fit", "a: a fit", "a fit"]);
     assert_eq!(all.warnings[0].key.as_deref(), Some("robot.numbers"));

@@ -50,7 +50,7 @@ impl fmt::Display for Status {
             Self::Solved => write!(f, "solved"),
             Self::Acceptable => write!(f, "acceptable"),
             Self::Infeasible { channel, violation } => {
-                write!(f, "infeasible: {channel} misses its limits by {violation:.3e}")
+                write!(f, "infeasible: {channel} misses its limits by {violation:.3e} at the last iterate")
             }
             Self::IterationLimit => write!(f, "iteration limit"),
             Self::TimeLimit => write!(f, "time limit, of processor time"),

@@ -106,6 +106,8 @@ pub struct Optimum {
     pub iterations: usize,
     /// The meshes, in order.
     pub passes: Vec<Pass>,
+    /// Intervals of the mesh on which the solver ended with this status. Where the solution has others, that mesh gave nothing better.
+    pub ended_on: usize,
     /// Multipliers on the last mesh; none when nothing could be evaluated.
     pub multipliers: Option<Multipliers>,
     /// Wall time.
@@ -153,7 +155,8 @@ pub fn optimise<P: OptimalControl>(
     observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Optimum {
     let (begin, stopwatch) = (Instant::now(), Stopwatch::start());
-    let mut run = Run { problem, refinement, observer, stopwatch, iterations: 0, passes: Vec::new() };
+    let mut run =
+        Run { problem, refinement, observer, stopwatch, iterations: 0, passes: Vec::new(), ended_on: 0 };
     let (status, last) = match refusal(&problem.setup(), guess) {
         Some(status) => (status, None),
         None => run.meshes(guess),
@@ -162,7 +165,7 @@ pub fn optimise<P: OptimalControl>(
     let misses = last.as_ref().map(|l| l.misses.clone());
     let (solution, multipliers) = last.map(|l| (l.interpolant, l.multipliers)).unzip();
     let (time, processor_time) = (begin.elapsed(), stopwatch.elapsed());
-    let Run { passes, iterations, .. } = run;
+    let Run { passes, iterations, ended_on, .. } = run;
     Optimum {
         status,
         objective,
@@ -171,6 +174,7 @@ pub fn optimise<P: OptimalControl>(
         iterations,
         solution,
         passes,
+        ended_on,
         multipliers,
         time,
         processor_time,
@@ -228,6 +232,8 @@ struct Run<'a, P> {
     /// Of the solver so far.
     iterations: usize,
     passes: Vec<Pass>,
+    /// Intervals of the mesh that was solved last.
+    ended_on: usize,
 }
 
 impl<P: OptimalControl> Run<'_, P> {
@@ -319,6 +325,7 @@ impl<P: OptimalControl> Run<'_, P> {
         guess: &Trajectory,
         options: Options,
     ) -> (Status, Option<Solved>) {
+        self.ended_on = mesh.len() - 1;
         let time = options.time.saturating_sub(self.stopwatch.elapsed());
         let iterations = options.iterations.min(self.refinement.iterations.saturating_sub(self.iterations));
         let scheme = self.refinement.scheme.clone();

@@ -250,11 +250,12 @@ impl RunFolder {
             let path = path.to_path_buf();
             move |source| Error::File { path, source }
         };
-        fs::remove_file(self.file(MARK)).map_err(failed(&self.partial))?;
         let mut files = ours::files(&self.partial).map_err(failed(&self.partial))?;
-        // One lies there where the move failed and the same command went on.
-        files.retain(|file| file != Path::new(MANIFEST));
+        // A manifest lies there where the move failed and the same command went on. The mark goes last: at each instant the folder says
+        // what it is.
+        files.retain(|file| file != Path::new(MANIFEST) && file != Path::new(MARK));
         self.write_json(MANIFEST, &Listed { program: PROGRAM, manifest, files })?;
+        fs::remove_file(self.file(MARK)).map_err(failed(&self.partial))?;
         let _whole = self.unfinished.settle();
         let moved = self.moved()?;
         self.keep = true;
@@ -396,6 +397,7 @@ fn left(partial: &Path, mode: Mode) -> Left {
         |identity, text| fs::read_to_string(partial.join(identity)).is_ok_and(|left: String| left == text);
     match mode {
         Mode::GoesOn(identity, text) if resumes && holds(identity, text) => Left::Ours,
+        _ if begun(partial, mode) => Left::Dead,
         _ if mark.is_some() && !resumes => Left::Dead,
         _ if mark.is_none() && Ours::at(partial).is_ok() => Left::Dead,
         Mode::GoesOn(identity, _) if resumes => Left::Other(format!(
@@ -409,6 +411,18 @@ fn left(partial: &Path, mode: Mode) -> Left {
         )),
         _ => Left::Other(format!("another folder: {} holds other files", partial.display())),
     }
+}
+
+/// Whether a folder holds no more than what says of what it is, perhaps cut short: nothing was done.
+fn begun(partial: &Path, mode: Mode) -> bool {
+    let identity = match mode {
+        Mode::GoesOn(identity, _) => identity,
+        Mode::Anew => MARK,
+    };
+    let known = |entry: io::Result<fs::DirEntry>| {
+        entry.is_ok_and(|entry| entry.file_name() == MARK || entry.file_name() == identity)
+    };
+    fs::read_dir(partial).is_ok_and(|mut entries| entries.all(known))
 }
 
 /// Removes everything inside a folder that a killed command of ours left.

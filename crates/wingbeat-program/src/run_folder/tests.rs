@@ -85,6 +85,9 @@ fn an_interrupted_run_is_taken_up_only_by_its_like() {
     let parent = scratch("resume");
     let out = parent.join("a");
     let resume = |text: &str| RunFolder::resume(Some(&out), &name(), false, ("sweep.toml", text));
+    // Of one that was cut off before anything was done nothing is waited for.
+    drop(resume("other").unwrap());
+    fs::write(parent.join(".a.partial/sweep.toml"), "oth").unwrap();
     resume("one").unwrap().write("log", "flown").unwrap();
     assert!(resume("one").unwrap().file("log").exists());
     assert!(resume("two").unwrap_err().to_string().contains(".a.partial"));

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -21,6 +22,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Observer: TypeAlias = Callable[[float, Array, Array], object]
+
+
+# `copy` and `pickle` find it here.
+copyreg.pickle(
+    _wingbeat.Measurement,
+    lambda told: (_wingbeat.Measurement.of, (told.taken, told.names, told.values)),
+)
 
 
 class Controller(Protocol):
@@ -87,8 +95,8 @@ class Flight(Recorded):
 
 @dataclass(frozen=True, kw_only=True)
 class Plan(Result):
-    """A plan made offline; its status is ``ok``, ``off_target``, ``outside``, ``not_periodic``, ``not_resolved``, ``not_found`` or
-    ``failed``.
+    """A plan made offline; its status is ``ok``, ``off_target``, ``outside``, ``not_periodic``, ``not_resolved``, ``not_found``,
+    ``failed`` or, of one that was stopped, ``interrupted``.
     """
 
     record: Record | None
@@ -268,6 +276,8 @@ def fly(
 def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Plan:
     """Plans what the scenario's ``[plan]`` says: the quickest roll-in, or a gait of least power.
 
+    Ctrl-C ends the solver: the ``KeyboardInterrupt`` has the best plan so far as its attribute ``plan``, of status ``interrupted``.
+
     Parameters
     ----------
     scenario
@@ -280,15 +290,19 @@ def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Pla
     Plan
         ``record``, ``nodes`` and ``constants`` with multipliers, ``files`` that follow the plan, ``summary``.
     """
-    record, nodes, summary, files = _wingbeat.plan(scenario_of(scenario, overrides)._native)
+    record, nodes, summary, files, raised = _wingbeat.plan(scenario_of(scenario, overrides)._native)
     points, constants = nodes if nodes is not None else (None, None)
-    return Plan(
+    made = Plan(
         record=_given(record),
         nodes=_given(points),
         constants=None if constants is None else json.loads(constants),
-        summary=judged(summary),
+        summary=judged(summary) if raised is None else json.loads(summary),
         files=dict(files),
     )
+    if raised is not None:
+        raised.plan = made  # type: ignore[attr-defined]
+        raise raised
+    return made
 
 
 def trim(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,15 @@ def _again(scenario: Scenario, parts: _wingbeat._Parts) -> Stepper:
     stepper = Stepper(scenario)
     stepper._native.restore(_wingbeat.Saved.of(scenario._native, parts))
     return stepper
+
+
+def _saved(toml: str, parts: _wingbeat._Parts) -> _wingbeat.Saved:
+    """What was saved, as it was pickled."""
+    return _wingbeat.Saved.of(Scenario.from_text(toml)._native, parts)
+
+
+# `copy` and `pickle` find it here: the extension has no constructor of it.
+copyreg.pickle(_wingbeat.Saved, lambda saved: (_saved, saved.parts()))  # type: ignore[arg-type]
 
 
 class Stepper:

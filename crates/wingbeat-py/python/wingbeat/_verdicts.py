@@ -10,7 +10,11 @@ class ResultWarning(UserWarning):
 
     def __init__(self, identity: str, text: str) -> None:
         super().__init__(f"{identity}: {text}")
-        self.id = identity
+        self.id = str(identity)
+        self._text = str(text)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ResultWarning, (self.id, self._text)
 
 
 # Statuses of which nothing needs to be said.

@@ -86,6 +86,9 @@ class Measurement:
     def values(self) -> list[float]: ...
     def items(self) -> list[tuple[str, float]]: ...
     def get(self, name: str, default: Any = None) -> Any: ...
+    @staticmethod
+    def of(taken: float, names: Sequence[str], values: _Array) -> Measurement:
+        """A measurement of these channels, as it was pickled."""
 
 @final
 class Scenario:
@@ -180,7 +183,13 @@ def fly(
 ) -> tuple[list[_Column], list[_Column] | None, str]: ...
 def plan(
     scenario: Scenario,
-) -> tuple[list[_Column] | None, tuple[list[_Column], str] | None, str, list[tuple[str, str]]]: ...
+) -> tuple[
+    list[_Column] | None,
+    tuple[list[_Column], str] | None,
+    str,
+    list[tuple[str, str]],
+    BaseException | None,
+]: ...
 def tether(
     document: Document, compare: str | PathLike[str] | None = None, converge: bool = False
 ) -> tuple[list[_Column], list[_Column], list[_Column] | None, str]: ...

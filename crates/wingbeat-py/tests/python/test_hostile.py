@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -117,3 +118,50 @@ def test_ctrl_c_ends_a_sweep_at_once(tmp_path):
         assert child.wait(10) == 0
     print(f"Ctrl-C in sweep: {ended - sent:.3f} s")
     assert ended - sent < 1.0
+
+
+CALLS = Path(__file__).parents[2] / "heavy/calls.py"
+
+
+def test_drawn_calls_end_as_they_must():
+    words = [sys.executable, CALLS, "--calls", "40", "--seed", "3", "--no-interrupts"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_what_a_user_keeps_is_pickled():
+    warning = pickle.loads(pickle.dumps(wingbeat.ResultWarning("kind.what", "a text")))
+    assert (warning.id, str(warning)) == ("kind.what", "kind.what: a text")
+    scenario, told = wingbeat.Scenario(wingbeat.shipped("scenarios/glide.toml"), {"flight.duration_s": 0.01}), []
+    wingbeat.fly(scenario, controller=lambda t, measured: told.append(measured))
+    again = pickle.loads(pickle.dumps(told[0]))
+    assert again.names == told[0].names and np.array_equal(again.values, told[0].values)
+    stepper = wingbeat.Stepper(scenario)
+    saved = pickle.loads(pickle.dumps(stepper.save()))
+    stepper.step(1e-3, 5)
+    stepper.restore(saved)
+    assert stepper.t == 0.0
+
+
+PLAN = """
+import sys, time, wingbeat
+print("ready", flush=True)
+try:
+    keys = {"intervals": 4, "meshes": 20, "tolerance": 1e-9}
+    wingbeat.plan(wingbeat.shipped("scenarios/least_power_gait.toml"), {"plan": {"least_power": keys}})
+except KeyboardInterrupt as raised:
+    print(time.time(), raised.plan.status, raised.plan.nodes.rows, flush=True)
+"""
+
+
+@pytest.mark.long
+def test_ctrl_c_in_a_plan_keeps_the_best_so_far():
+    with subprocess.Popen([sys.executable, "-c", PLAN], stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout.readline() == "ready\n"
+        # The gait of the robot itself is simulated first.
+        time.sleep(3.0)
+        sent = time.time()
+        child.send_signal(signal.SIGINT)
+        ended, status, rows = child.stdout.readline().split()
+        assert child.wait(10) == 0
+    assert float(ended) - sent < 1.0 and status == "interrupted" and int(rows) > 4

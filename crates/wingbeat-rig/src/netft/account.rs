@@ -157,6 +157,33 @@ impl Account {
         self.received + self.lost + self.unsent
     }
 
+    /// The counts alone, without what is remembered of the stream.
+    pub fn counts(&self) -> Self {
+        self.since(&Self::default())
+    }
+
+    /// What was counted since `before`, an earlier state of this account. A record that came late takes back a loss that was counted
+    /// before: no count falls below zero.
+    pub fn since(&self, before: &Self) -> Self {
+        let count = |of: fn(&Self) -> u64| of(self).saturating_sub(of(before));
+        Self {
+            received: count(|a| a.received),
+            lost: count(|a| a.lost),
+            gaps: count(|a| a.gaps),
+            duplicates: count(|a| a.duplicates),
+            reordered: count(|a| a.reordered),
+            malformed: count(|a| a.malformed),
+            warnings: count(|a| a.warnings),
+            saturated: count(|a| a.saturated),
+            serious: count(|a| a.serious),
+            restarts: count(|a| a.restarts),
+            unsent: count(|a| a.unsent),
+            reboots: count(|a| a.reboots),
+            jumps: count(|a| a.jumps),
+            ..Self::default()
+        }
+    }
+
     /// Records per second that the box makes, by the samples from one to the next; none before the second.
     pub fn rate(&self) -> Option<f64> {
         (self.step > 0).then(|| BOX_RATE / f64::from(self.step))

@@ -162,3 +162,18 @@ fn a_force_out_of_reach_is_named() {
     assert!(summary.solver.solver.starts_with("infeasible: mean upward force"), "{}", summary.solver.solver);
     assert!(planned.record.is_none() && planned.files.is_empty());
 }
+
+#[test]
+fn a_plan_that_is_stopped_keeps_the_best_point_and_is_not_flown() {
+    let short = ["plan.least_power.intervals=4", "plan.least_power.up_n=0.08"];
+    let mut iterations = 0;
+    let planned = scenario(&short).plan(&mut |_| {
+        iterations += 1;
+        if iterations > 4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let planned = planned.unwrap();
+    let verdict = planned.summary.verdict();
+    assert_eq!(verdict.status, Status::Interrupted);
+    assert!(verdict.reason.as_ref().unwrap().contains("stopped on request"), "{:?}", verdict.reason);
+    assert!(planned.nodes.is_some() && planned.record.is_none() && planned.files.is_empty());
+}

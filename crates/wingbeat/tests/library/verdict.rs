@@ -36,6 +36,13 @@ fn a_flight_that_falls_is_off_target_without_a_goal() {
 }
 
 #[test]
+fn a_flight_of_more_power_than_muscles_and_motors_give_is_outside() {
+    let fast = fly("cruise_20g", &["robot.gait.fourier.frequency_hz=14.0", "flight.duration_s=1.0"]);
+    assert_eq!(fast.status, Status::Outside, "{:?}", fast.reason);
+    assert!(missed(&fast).contains(&"trim.power_w_kg"), "{:?}", missed(&fast));
+}
+
+#[test]
 fn a_flight_that_holds_its_orbit_is_ok_and_says_on_what_that_rests() {
     let held = fly("bank15_beta_lev", &["flight.duration_s=1.5"]);
     assert_eq!(held.status, Status::Ok, "{:?}", held.reason);

@@ -3,7 +3,9 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -16,6 +18,12 @@ use crate::tools;
 
 /// Points of a verb at which it is disturbed; where there are more, so many that lie evenly among them.
 const POINTS: u64 = 60;
+/// The same of a verb that takes seconds.
+const POINTS_OF_SLOW: u64 = 24;
+/// Added to the ports of the emulated load cell.
+const OFFSET: &str = "8160";
+/// Bytes of a record in a raw log.
+const ROW: u64 = 52;
 /// Kills over all verbs.
 const KILLS: usize = 500;
 /// What a manifest says of a run that another run does not.
@@ -26,10 +34,17 @@ struct Verb {
     name: &'static str,
     words: &'static [&'static str],
     before: &'static [&'static str],
+    points: u64,
+    /// Records the emulated load cell: no two recordings are equal, and what is on disk stays.
+    records: bool,
 }
 
 const fn verb(name: &'static str, words: &'static [&'static str]) -> Verb {
-    Verb { name, words, before: &[] }
+    Verb { name, words, before: &[], points: POINTS, records: false }
+}
+
+const fn slow(name: &'static str, words: &'static [&'static str]) -> Verb {
+    Verb { points: POINTS_OF_SLOW, ..verb(name, words) }
 }
 
 impl Verb {
@@ -39,8 +54,8 @@ impl Verb {
     }
 }
 
-/// Every verb that writes, but those that need an instrument or the comparisons.
-const VERBS: [Verb; 13] = [
+/// Every verb that writes.
+const VERBS: [Verb; 15] = [
     verb("fly", &["fly", "glide.toml"]),
     verb("sweep", &["sweep", "sweep.toml"]),
     verb(
@@ -54,15 +69,19 @@ const VERBS: [Verb; 13] = [
     verb("rig_plan", &["rig", "plan", "{root}/rigs/runs/roll15_speed08.toml"]),
     verb("rig_simulate", &["rig", "simulate", "hold.toml"]),
     Verb {
-        name: "rig_process",
-        words: &["rig", "process", "s"],
         before: &["rig", "simulate", "hold.toml", "--quiet", "--out", "s"],
+        ..verb("rig_process", &["rig", "process", "s"])
     },
+    Verb {
+        records: true,
+        ..verb("rig_record", &["rig", "record", "127.0.0.1", "--port-offset", OFFSET, "--duration", "0.3"])
+    },
+    verb("validate", &["validate", "--only", "aero.wagner_limit"]),
     verb("average", &["average", "cell.csv"]),
     verb("show", &["show", "{root}/robots/glider.toml"]),
     verb("new", &["new", "case", "a.toml"]),
     verb("trim", &["trim", "{root}/scenarios/cruise_20g.toml"]),
-    verb(
+    slow(
         "plan",
         &[
             "plan",
@@ -78,14 +97,14 @@ const VERBS: [Verb; 13] = [
             "--set",
             "plan.least_power.effort_w=0.3",
             "--set",
-            "plan.least_power.intervals=8",
+            "plan.least_power.intervals=4",
             "--set",
             "plan.least_power.meshes=1",
             "--set",
             "plan.least_power.tolerance=1e-1",
         ],
     ),
-    verb("calibrate", &["calibrate", "fit.toml"]),
+    slow("calibrate", &["calibrate", "fit.toml"]),
 ];
 
 /// A fit of one number to two short runs.
@@ -112,13 +131,46 @@ struct Tried<'a> {
     exit: Option<i32>,
     left: Left,
     took: Duration,
+    /// The emulated load cell, as long as it is needed.
+    emulator: Option<Emulator>,
+}
+
+/// An emulated load cell that ends with this value.
+struct Emulator(Child);
+
+impl Emulator {
+    /// Once it listens.
+    fn start() -> Result<Self, String> {
+        let mut command = Command::new(tools::program());
+        command.args(["rig", "emulate", "--port-offset", OFFSET]).stdin(Stdio::null()).stdout(Stdio::piped());
+        let mut child = command.spawn().map_err(|error| format!("rig emulate: {error}"))?;
+        let output = child.stdout.take();
+        let emulator = Self(child);
+        let mut line = String::new();
+        let read = output.map(|output| BufReader::new(output).read_line(&mut line));
+        match read {
+            Some(Ok(_)) if line.starts_with("RDT") => Ok(emulator),
+            _ => Err(format!("rig emulate does not listen: {line}")),
+        }
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
 }
 
 impl<'a> Tried<'a> {
     fn new(verb: &'a Verb, folder: &str) -> Result<Self, String> {
         let place =
             Place::new(&tools::program(), &tools::root().join("target").join(folder).join(verb.name))?;
-        let mut tried = Self { verb, place, exit: None, left: Left::new(), took: Duration::ZERO };
+        let mut tried =
+            Self { verb, place, exit: None, left: Left::new(), took: Duration::ZERO, emulator: None };
+        if verb.records {
+            tried.emulator = Some(Emulator::start()?);
+        }
         tried.clear()?;
         let begun = Instant::now();
         let ended = tried.call(&[])?;
@@ -170,7 +222,13 @@ impl<'a> Tried<'a> {
                 bytes = value.to_string().into_bytes();
             }
             let name = path.strip_prefix(&self.place.folder).unwrap_or(&path).to_path_buf();
-            left.insert(name, bytes);
+            if self.verb.records {
+                bytes.clear();
+            }
+            // One that goes on has a log more.
+            if !(self.verb.records && path.extension().is_some_and(|extension| extension == "rdt")) {
+                left.insert(name, bytes);
+            }
         }
         Ok(left)
     }
@@ -208,16 +266,36 @@ impl<'a> Tried<'a> {
         }
     }
 
-    /// The same command again ends as if nothing had happened.
+    /// Records in the raw logs of a recording that is not finished.
+    fn rows(&self) -> u64 {
+        let files = fs::read_dir(self.place.path(".a.partial")).into_iter().flatten().flatten();
+        let logs = files.filter(|file| file.path().extension().is_some_and(|extension| extension == "rdt"));
+        logs.map(|log| log.metadata().map_or(0, |data| data.len() / ROW)).sum()
+    }
+
+    /// The same command again ends as if nothing had happened, and loses no record.
     fn again(&self) -> Result<(), String> {
         if self.place.path(self.verb.leaves()).exists() {
             return Ok(());
         }
+        let rows = self.rows();
         let ended = self.call(&[]).map_err(|what| format!("again: {what}"))?;
-        if ended.code != self.exit {
+        // The rate of a third of a second is judged, and depends on what else runs.
+        let rate =
+            self.verb.records && ended.code == Some(3) && ended.stderr.contains("recording.rate_error");
+        if ended.code != self.exit && !rate {
             return Err(format!("again: exit {:?}: {}", ended.code, ended.stderr.trim()));
         }
-        self.whole().map_err(|what| format!("again: {what}"))
+        self.whole().map_err(|what| format!("again: {what}"))?;
+        if !self.verb.records {
+            return Ok(());
+        }
+        let summary: Value = serde_json::from_str(&self.place.read("a/summary.json")?)
+            .map_err(|error| format!("again: summary.json: {error}"))?;
+        match summary["records"].as_u64() {
+            Some(records) if records >= rows => Ok(()),
+            records => Err(format!("again: {records:?} records of {rows} that were on disk")),
+        }
     }
 }
 
@@ -230,9 +308,14 @@ fn library() -> Option<PathBuf> {
 
 /// Disturbs each verb at each of its points, once alone and once with all that follow.
 pub fn faults() -> Tally {
+    faults_of(&[])
+}
+
+/// The same of the verbs that are named, or of all.
+pub fn faults_of(names: &[String]) -> Tally {
     let Some(library) = library() else { return Tally::one(false) };
     let mut tally = Tally::default();
-    for verb in &VERBS {
+    for verb in VERBS.iter().filter(|verb| names.is_empty() || names.iter().any(|name| name == verb.name)) {
         match disturbed(verb, &library) {
             Ok(of_verb) => {
                 println!("{}: {} passed, {} failed", verb.name, of_verb.passed, of_verb.failed);
@@ -271,7 +354,7 @@ fn disturbed(verb: &Verb, library: &Path) -> Result<Tally, String> {
     if count == 0 {
         return Err("no point was counted".into());
     }
-    let step = count.div_ceil(POINTS).max(1);
+    let step = count.div_ceil(verb.points).max(1);
     let (mut tally, mut missed) = (Tally::default(), 0);
     for at in (1..=count).step_by(step as usize) {
         for on in [false, true] {
@@ -302,8 +385,12 @@ fn disturbed(verb: &Verb, library: &Path) -> Result<Tally, String> {
 fn after_a_fault(tried: &Tried, ended: &Ended) -> Result<(), String> {
     match ended.code {
         Some(2) if ended.stderr.contains("error") => {}
+        // What was recorded is safe, and said to be unfinished.
+        Some(3) if tried.verb.records && ended.stderr.contains("are safe in its raw logs") => {}
         Some(2) => return Err("exit 2 without a message".into()),
-        code if code == tried.exit => {
+        code if code == tried.exit
+            || (tried.verb.records && ended.stderr.contains("recording.rate_error")) =>
+        {
             tried.renamed(ended)?;
             return tried.whole().map_err(|what| format!("exit {code:?}, but {what}"));
         }
@@ -385,7 +472,7 @@ mod tests {
         let listed = page.lines().filter_map(|line| line.strip_prefix("## wingbeat "));
         let missing = |verb: &&str| {
             let words: Vec<&str> = verb.split(' ').collect();
-            let others = ["rig", "rig record", "rig emulate", "validate", "schema", "help"];
+            let others = ["rig", "rig emulate", "schema", "help"];
             !others.contains(verb) && !VERBS.iter().any(|known| known.words.starts_with(&words))
         };
         let listed: Vec<&str> = listed.collect();

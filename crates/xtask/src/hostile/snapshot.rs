@@ -7,7 +7,7 @@ use super::data::{GLIDE, SWEEP};
 use super::place::Place;
 
 /// Keys of a summary that hold times.
-const TIMES: [&str; 10] = [
+const TIMES: [&str; 11] = [
     "search_s",
     "real_time_factor",
     "median_us",
@@ -17,6 +17,7 @@ const TIMES: [&str; 10] = [
     "late",
     "wall_s",
     "solve_s",
+    "processor_s",
     "wall_time_s",
 ];
 

@@ -106,7 +106,7 @@ fn verdict(runs: &[ProcessedRun]) -> Verdict {
         let mut judge = Judge::new(&one.run.limits);
         findings(one, &one.run.limits).into_iter().for_each(|finding| finding.put(&mut judge));
         one.run.of_fit().into_iter().for_each(|warning| judge.warn(warning));
-        judge.verdict()
+        judge.verdict().of(&one.run.spec.name)
     });
     let judged: Vec<Verdict> = judged.collect();
     // Findings name their run themselves.
