@@ -6,6 +6,7 @@ mod calibrate;
 mod fly;
 mod new;
 mod outcome;
+mod paper;
 mod plan;
 #[cfg(test)]
 mod reference;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Trim(arguments) => trim::trim(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Average(arguments) => average::average(&arguments),
+        Command::Paper(arguments) => paper::paper(&arguments),
         Command::Show(arguments) => show::show(&arguments),
         Command::Validate(_) => validate::validate(),
         Command::New(arguments) => new::new(&arguments),

@@ -14,7 +14,7 @@ const SHORTEST: f64 = 24.0;
 const APART: f64 = 34.0;
 /// From an edge to its numbers and to its name, px.
 const NUMBERS: f64 = 13.0;
-const NAME: f64 = 36.0;
+const NAME: f64 = 42.0;
 
 /// 1, 2 or 5 times a power of ten, not below `least` by more than a quarter.
 pub(crate) fn round_step(least: f64) -> f64 {
@@ -128,6 +128,11 @@ impl Space {
             self.back.push(style::sample(place, tip, style::INK, style::AXIS, None));
             let shift = (NUMBERS * out.0, NUMBERS * out.1 + 4.5);
             self.label(point, shift, &scale.number(*tick), anchor);
+        }
+        // An upright axis has its name above its upper end.
+        if upright {
+            self.label(chosen[1], (4.0, -10.0), &scale.label(name), TextAnchor::End);
+            return;
         }
         let middle: Point = std::array::from_fn(|i| 0.5 * (chosen[0][i] + chosen[1][i]));
         self.label(middle, (NAME * out.0, NAME * out.1 + 4.5), &scale.label(name), anchor);

@@ -2,8 +2,10 @@
 
 mod colour;
 mod paper;
+mod phases;
 mod planes;
 
+pub use phases::{around, wake_phases};
 pub use planes::{Cut, frontal_planes, half_circulations};
 
 use kuva::render::render::TextAnchor;
@@ -35,6 +37,8 @@ pub struct Sheet {
     pub wing: Vec<[Point; 4]>,
     /// Rings of the wakes with their circulation, m2/s.
     pub wake: Vec<([Point; 4], f64)>,
+    /// Outlines of the wings.
+    pub outline: Vec<Vec<Point>>,
 }
 
 /// Room for title and note above a picture, px.
