@@ -227,9 +227,11 @@ impl SearchFound {
     }
 }
 
-/// The number that `key` names in a summary.
+/// The number that `key` names in a summary, or what was held against the limit of that name.
 fn number(summary: &serde_json::Value, key: &str) -> Option<f64> {
-    key.split('.').try_fold(summary, |value, part| value.get(part))?.as_f64()
+    let own = key.split('.').try_fold(summary, |value, part| value.get(part));
+    let judged = || summary["judged"].as_array()?.iter().find(|judged| judged["id"] == key)?.get("value");
+    own.or_else(judged)?.as_f64()
 }
 
 /// What a flight costs that was not flown to its end.

@@ -34,7 +34,8 @@ pub struct SweepSearch {
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct SearchGoal {
-    /// Its key, `roll_mean_deg`; of a table inside `controller.failures`.
+    /// Its key, `roll_mean_deg`; of a table inside `controller.failures`; or the name of a limit, `flight.path_angle_deg`, for what is held
+    /// against it.
     pub key: String,
     /// Least value.
     #[serde(default, skip_serializing_if = "Option::is_none")]

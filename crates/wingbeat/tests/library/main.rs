@@ -29,6 +29,7 @@ mod refusals;
 mod residual;
 mod rig;
 mod robot;
+mod search;
 mod side_by_side;
 mod strip_model;
 mod surfaces;
