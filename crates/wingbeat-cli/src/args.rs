@@ -33,6 +33,7 @@ pub enum Command {
     #[command(subcommand)]
     Rig(Rig),
     Average(Average),
+    Paper(Paper),
     Show(Show),
     Validate(Comparisons),
     New(New),
@@ -238,6 +239,30 @@ pub struct Show {
     pub joints_deg: Option<Vec<f64>>,
     #[command(flatten)]
     pub run: Run,
+}
+
+/// Draw the figures of the paper by our numbers, with one sheet of what it says and what came out here
+///
+/// Flies the banking turn and the turn on the paper's own joints, simulates and processes the seven runs of the bench, steps the wake
+/// of the turn and draws set-up, arm, forces and moments, wake, states and path. The folder holds sheet.html with all of them inside,
+/// figures, summary.json with every statement and its verdict, manifest.json, and the run folders turn, clear, bench and forces.
+#[derive(Debug, Args)]
+pub struct Paper {
+    /// The folder with the shipped scenarios, robots and rigs
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub from: PathBuf,
+    /// Also draw every figure on a page of 16 to 9 for slides, into figures/wide
+    #[arg(long)]
+    pub wide: bool,
+    /// Folder of the run; without it runs/paper, or runs/paper-2 and so on when that is taken
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace the run that --out names, if nothing else lies there
+    #[arg(long, requires = "out")]
+    pub force: bool,
+    /// Print only errors
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// What all commands that make a run folder take.

@@ -7,6 +7,7 @@ mod fly;
 mod migrate;
 mod new;
 mod outcome;
+mod paper;
 mod plan;
 #[cfg(test)]
 mod reference;
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
         Command::Trim(arguments) => trim::trim(&arguments),
         Command::Rig(command) => rig::rig(&command),
         Command::Average(arguments) => average::average(&arguments),
+        Command::Paper(arguments) => paper::paper(&arguments),
         Command::Show(arguments) => show::show(&arguments),
         Command::Validate(_) => validate::validate(),
         Command::New(arguments) => new::new(&arguments),

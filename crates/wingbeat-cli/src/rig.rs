@@ -3,13 +3,16 @@
 mod display;
 mod emulate;
 mod faults;
-mod pictures;
+pub mod pictures;
 mod plan;
 mod process;
 mod record;
 pub mod recorded;
 mod runs;
 mod simulate;
+
+pub use process::process;
+pub use simulate::simulate;
 
 use crate::args::Rig;
 use crate::error::Error;

@@ -44,7 +44,8 @@ pub fn show(arguments: &Show) -> Result<(), Error> {
     say::unless(options.quiet, || format!("{}\n", shown.join("figures/show.png").display()))
 }
 
-fn figure(arguments: &Show) -> Result<Figure, Error> {
+/// The view of the file.
+pub fn figure(arguments: &Show) -> Result<Figure, Error> {
     let path = arguments.file.as_path();
     let document = Document::file(path)?.overridden(&arguments.run.overrides);
     let is = |key: &str| document.written(key).is_some();

@@ -27,6 +27,8 @@ mod rig_statement;
 mod rig_together;
 mod rig_truth;
 mod schema;
+mod search;
+mod search_spec;
 mod shared;
 mod side_by_side;
 mod sound;
@@ -74,6 +76,8 @@ pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, R
 pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
 pub use rig_truth::RigTruthSpec;
 pub use schema::DocumentKind;
+pub use search::{Search, SearchFound};
+pub use search_spec::{SearchGoal, SweepSearch};
 pub use shared::what_a_controller_knows;
 pub use spec::{
     AeroSpec, AirSpec, FlightSpec, GoalSpec, GustSpec, PaperAeroSpec, PaperResults, ScenarioSpec, StartSpec,

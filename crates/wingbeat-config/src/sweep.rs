@@ -154,8 +154,13 @@ impl Sweep {
 
     /// What run `run` runs, with its values.
     fn drawn(&self, run: usize) -> Document {
-        let draws = self.spec.draws.iter().zip(self.values(run));
-        draws.fold(self.inner.clone(), |document, (d, v)| document.set(drawn(d, v)))
+        self.with(&self.values(run))
+    }
+
+    /// What is run, with a value for each draw.
+    pub(super) fn with(&self, values: &[f64]) -> Document {
+        let draws = self.spec.draws.iter().zip(values);
+        draws.fold(self.inner.clone(), |document, (draw, value)| set(document, draw, *value))
     }
 
     /// The scenario of flight `run`.
@@ -198,10 +203,17 @@ impl Sweep {
             SweepOf::Cases => TetherCase::new(document, read).map(drop),
         };
         built(self.inner.clone())?;
+        for (i, flight) in self.spec.search.iter().flat_map(|search| search.flights.iter().enumerate()) {
+            let place = || format!("search.flights[{i}]");
+            built(with_all(self.inner.clone(), flight)).map_err(|error| {
+                let allowed = format!("keys and values of the scenario ({error})");
+                self.document.explain(&Error::invalid(place(), flight.join(", "), allowed))
+            })?;
+        }
         for (i, draw) in self.spec.draws.iter().enumerate() {
             for (end, value) in draw.tried() {
                 let given = drawn(draw, value);
-                let outcome = built(self.inner.clone().set(given.as_str()));
+                let outcome = built(set(self.inner.clone(), draw, value));
                 outcome.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), &end))?;
             }
         }
@@ -219,6 +231,22 @@ impl Sweep {
         let allowed = format!("what the {} allows ({error})", self.of.key());
         self.document.explain(&Error::invalid(key, value, allowed))
     }
+}
+
+/// A document with the value of a draw at all its keys.
+fn set(document: Document, draw: &Draw, value: f64) -> Document {
+    let mut document = document.set(drawn(draw, value));
+    for key in &draw.also {
+        let (key, value) = key.strip_prefix('-').map_or((key.as_str(), value), |key| (key, -value));
+        let twin = Draw { key: key.into(), ..draw.clone() };
+        document = document.set(drawn(&twin, value));
+    }
+    document
+}
+
+/// A document with overrides, `key=value`.
+pub(super) fn with_all(document: Document, overrides: &[String]) -> Document {
+    overrides.iter().fold(document, |document, one| document.set(one.as_str()))
 }
 
 /// Below this whole numbers are floats without a gap.

@@ -1,6 +1,6 @@
 //! What a sweep file says, and the checks of it.
 
-use super::{RunName, Summary, SweepOf, VerdictLimits};
+use super::{RunName, Summary, SweepOf, SweepSearch, VerdictLimits};
 use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::Random;
@@ -47,6 +47,9 @@ pub struct SweepSpec {
     pub lanes: bool,
     /// Keys of the scenario or case and the ranges they are drawn from.
     pub draws: Vec<Draw>,
+    /// Searches the draws for what meets goals, in place of drawing them; `runs` is then the number of candidates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SweepSearch>,
     /// What counts as held; of flights.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<Hold>,
@@ -94,6 +97,12 @@ pub struct Draw {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(with = "Vec<Listed>")]
     pub values: Vec<toml::Value>,
+    /// Value with which a search begins; without it the middle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<f64>,
+    /// Other keys that take the same value; behind a minus sign its negative: `-robot.structure.elements[0].low`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<String>,
 }
 
 /// A value of a list, for the schema.
@@ -130,6 +139,15 @@ pub struct Hold {
 }
 
 impl Hold {
+    /// What every flight meets: that of a search, which has goals in its place.
+    const ANY: Self = Self {
+        roll_within_deg: f64::INFINITY,
+        pitch_within_deg: f64::INFINITY,
+        height_within_m: None,
+        cross_rms_within_m: None,
+        clearance_m: f64::NEG_INFINITY,
+    };
+
     /// True when the whole flight was flown and the errors stayed within.
     pub fn met(&self, summary: &Summary) -> bool {
         summary.completed()
@@ -201,12 +219,28 @@ impl SweepSpec {
         for (i, draw) in self.draws.iter().enumerate() {
             draw.check(grid).map_err(|e| e.within(&format!("draws[{i}]")))?;
         }
+        match &self.search {
+            Some(search) => self.check_search(search)?,
+            None => {
+                if let Some(i) = self.draws.iter().position(|draw| draw.start.is_some()) {
+                    return Err(Error::invalid(
+                        format!("draws[{i}].start"),
+                        "given",
+                        "none without [search]",
+                    ));
+                }
+            }
+        }
         if grid && let Some(runs) = self.runs {
             let allowed = "none of a grid: draws[].points make its runs";
             return Err(Error::invalid("runs", runs, allowed).against(["sampling"]));
         }
         require::between(if grid { "draws" } else { "runs" }, self.count(), 1, MAX_RUNS)?;
         match (&self.scenario, &self.case, self.hold) {
+            (Some(_), None, Some(_)) if self.search.is_some() => {
+                Err(Error::invalid("hold", "given", "none of a search: its goals say what is asked"))
+            }
+            (Some(_), None, None) if self.search.is_some() => Ok(SweepOf::Flights(Hold::ANY)),
             (Some(_), None, Some(hold)) => {
                 hold.check().map_err(|e| e.within("hold"))?;
                 Ok(SweepOf::Flights(hold))
@@ -219,6 +253,42 @@ impl SweepSpec {
             (_, Some(_), Some(_)) => Err(Error::invalid("hold", "given", "none of a case: nothing is held")),
             _ => Err(Error::invalid("scenario", "none, or one beside a case", "one of scenario and case")),
         }
+    }
+}
+
+impl SweepSpec {
+    /// What a search needs of the sweep around it.
+    fn check_search(&self, search: &SweepSearch) -> Result<(), Error> {
+        search.check().map_err(|e| e.within("search"))?;
+        if self.sampling != Sampling::Random {
+            return Err(Error::invalid("sampling", "given", "none of a search: it chooses the values"));
+        }
+        if self.case.is_some() || self.lanes {
+            let key = if self.lanes { "lanes" } else { "case" };
+            return Err(Error::invalid(
+                key,
+                "given",
+                "none of a search: it flies a scenario, flight by flight",
+            ));
+        }
+        for (i, draw) in self.draws.iter().enumerate() {
+            let within = |e: Error| e.within(&format!("draws[{i}]"));
+            if !draw.values.is_empty() {
+                return Err(within(Error::invalid(
+                    "values",
+                    "given",
+                    "low and high: a search varies numbers",
+                )));
+            }
+            let [low, high] = draw.ends();
+            if !(low < high) {
+                return Err(within(Error::invalid("high", high, format!("above low = {low}"))));
+            }
+            if let Some(start) = draw.start {
+                require::between("start", start, low, high).map_err(within)?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -62,6 +62,11 @@ impl Sweep {
         let counts = SweepCounts::new(record);
         let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
         let mut judge = Judge::new(&self.limits);
+        if let Some(search) = &self.spec.search {
+            self.judge_search(search, record, &mut judge);
+            self.of_fits().into_iter().for_each(|warning| judge.warn(warning));
+            return judge.verdict();
+        }
         if counts.completed == 0 {
             judge.find(Status::Failed, "no run was carried out to its end");
         }

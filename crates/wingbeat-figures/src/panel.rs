@@ -134,7 +134,30 @@ pub fn stacked(panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
 }
 
 /// As [`stacked`], with `marks` in every panel.
-pub fn stacked_with(mut panels: Vec<Panel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
+pub fn stacked_with(panels: Vec<Panel>, x_label: &str, height: f64, marks: &[ReferenceLine]) -> Scene {
+    stacked_from(panels, x_label, height, marks, b'a')
+}
+
+/// The panels in two stacks beside one another.
+pub fn two_stacks(mut panels: Vec<Panel>, x_label: &str, height: f64) -> Scene {
+    let right = panels.split_off(panels.len().div_ceil(2));
+    let letter = b'a' + panels.len() as u8;
+    let left = stacked_from(panels, x_label, height, &[], b'a');
+    if right.is_empty() {
+        left
+    } else {
+        style::beside(left, stacked_from(right, x_label, height, &[], letter))
+    }
+}
+
+/// As [`stacked_with`], the first panel called `letter`.
+fn stacked_from(
+    mut panels: Vec<Panel>,
+    x_label: &str,
+    height: f64,
+    marks: &[ReferenceLine],
+    letter: u8,
+) -> Scene {
     quieten(&mut panels);
     let count = panels.len();
     let (left, right) = x_range(&panels);
@@ -173,7 +196,7 @@ pub fn stacked_with(mut panels: Vec<Panel>, x_label: &str, height: f64, marks: &
         scene.elements.push(style::words(
             PADDING + 8.0,
             y,
-            char::from(b'a' + row as u8),
+            char::from(letter + row as u8),
             TextAnchor::Start,
             true,
         ));

@@ -5,12 +5,14 @@ use wingbeat::scenario::GoalSpec;
 use wingbeat::simulate::{Column, Record};
 
 use crate::own_joints::{Joint, moving};
-use crate::panel::{Curve, Panel, stacked};
+use crate::panel::{Curve, Panel, stacked, two_stacks};
 use crate::write::Figure;
 use crate::{Error, needed, style, weight};
 
 /// Height of all panels at most, px: with head and foot that of a page.
 const PAGE: f64 = 6.0 * style::PANEL;
+/// The same of two stacks on a slide, px.
+const WIDE: f64 = 880.0;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
@@ -20,6 +22,19 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// where they are there, and the joints that are there and move. Where there are `roll_reference` and `pitch_reference` they are
 /// drawn fine, and about them, from its settling time on, the errors that `goal` allows as a root mean square.
 pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
+    let panels = panels(record, goal)?;
+    let height = style::PANEL.min(PAGE / panels.len() as f64);
+    Ok(Figure::new("states", stacked(panels, "time [s]", height)))
+}
+
+/// The same in two stacks, for a slide.
+pub fn states_wide(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error> {
+    let panels = panels(record, goal)?;
+    let height = WIDE / panels.len().div_ceil(2) as f64;
+    Ok(Figure::new("states", two_stacks(panels, "time [s]", height)))
+}
+
+fn panels(record: &Record, goal: Option<&GoalSpec>) -> Result<Vec<Panel>, Error> {
     let t = needed(record, "t")?;
     let mut attitude = Panel::new("roll and pitch [°]", Vec::new());
     let within = |of: fn(&GoalSpec) -> f64| goal.map(|goal| (goal.settle_s, of(goal)));
@@ -50,8 +65,7 @@ pub fn states(record: &Record, goal: Option<&GoalSpec>) -> Result<Figure, Error>
     ];
     panels.extend(weight::panel(record));
     panels.extend(moving(record).iter().map(|joint| panel(joint, t)));
-    let height = style::PANEL.min(PAGE / panels.len() as f64);
-    Ok(Figure::new("states", stacked(panels, "time [s]", height)))
+    Ok(panels)
 }
 
 /// The joint over time; of a pair the left one broad, which the right one may cover.

@@ -112,6 +112,23 @@ pub fn scene(width: f64, height: f64) -> Scene {
     scene
 }
 
+/// What is on a drawing, moved to the right and down, px.
+pub fn moved(scene: Scene, right: f64, down: f64) -> Vec<Primitive> {
+    let transform = Some(format!("translate({right:.2},{down:.2})"));
+    let begin = Primitive::GroupStart { transform, title: None, extra_attrs: None };
+    let inside = scene.elements.into_iter();
+    std::iter::once(begin).chain(inside).chain([Primitive::GroupEnd]).collect()
+}
+
+/// Two drawings beside one another.
+pub fn beside(mut left: Scene, right: Scene) -> Scene {
+    let from = left.width;
+    left.height = left.height.max(right.height);
+    left.width += right.width;
+    left.elements.extend(moved(right, from, 0.0));
+    left
+}
+
 /// An area without an outline, its corners in px.
 pub fn area(corners: &[(f64, f64)], colour: &str, opacity: f64) -> Primitive {
     let corner = |(x, y): &(f64, f64)| format!("{x:.2},{y:.2}");

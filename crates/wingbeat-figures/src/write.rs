@@ -8,12 +8,14 @@ use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::Scene;
 
-use crate::{Error, strokes};
+use crate::{Error, strokes, style};
 
 /// Pixels of a PNG per pixel of the drawing: 300 per inch at a page's width.
 const PRINT: f32 = 2.5;
 /// The same for a page on a screen.
 const SCREEN: f32 = 1.5;
+/// Pixels of the width of a slide.
+const SLIDE: f64 = 1920.0;
 /// Steps between neighbouring shades of a colour on a screen.
 const SHADE: u16 = 17;
 /// Most colours of a palette.
@@ -30,6 +32,25 @@ impl Figure {
     pub(crate) fn new(name: &'static str, scene: Scene) -> Self {
         Self { name, scene: strokes::cut(scene) }
     }
+
+    /// The same figure under another name.
+    pub fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
+    }
+
+    /// The figure in the middle of a page of 16 to 9 that just holds it.
+    fn slide(self) -> Self {
+        let (width, height) = (self.scene.width, self.scene.height);
+        let page = (width.max(height * 16.0 / 9.0), height.max(width * 9.0 / 16.0));
+        let mut scene = style::scene(page.0, page.1);
+        scene.elements = style::moved(self.scene, 0.5 * (page.0 - width), 0.5 * (page.1 - height));
+        Self { scene, ..self }
+    }
+
+    /// The figure as SVG.
+    pub fn svg(&self) -> String {
+        SvgBackend::default().render_scene(&self.scene)
+    }
 }
 
 /// Writes `<name>.svg` and `<name>.png`, for print, into `folder`.
@@ -43,6 +64,13 @@ pub fn write_for_screen(folder: &Path, figure: &Figure) -> Result<(), Error> {
     write_both(folder, figure, &small)
 }
 
+/// Writes the figure in the middle of a page of 16 to 9, `<name>.svg` and a `<name>.png` of 1920 by 1080 pixels, into `folder`.
+pub fn write_slide(folder: &Path, figure: Figure) -> Result<(), Error> {
+    let slide = figure.slide();
+    let scale = (SLIDE / slide.scene.width) as f32;
+    write_both(folder, &slide, &rendered(&slide, scale)?)
+}
+
 fn rendered(figure: &Figure, scale: f32) -> Result<Vec<u8>, Error> {
     PngBackend::new().with_scale(scale).render_scene(&figure.scene).map_err(Error::Picture)
 }
@@ -52,7 +80,7 @@ fn write_both(folder: &Path, figure: &Figure, png: &[u8]) -> Result<(), Error> {
         let path = folder.join(figure.name).with_extension(extension);
         fs::write(&path, bytes).map_err(|source| Error::File { path, source })
     };
-    file("svg", SvgBackend::default().render_scene(&figure.scene).as_bytes())?;
+    file("svg", figure.svg().as_bytes())?;
     file("png", png)
 }
 

@@ -23,6 +23,8 @@ pub struct Picture {
     pub wing: Vec<Quad>,
     /// Rings of the wakes.
     pub wake: Vec<Quad>,
+    /// Steps since each ring of the wakes was shed.
+    pub age: Vec<usize>,
     /// Vortices of the wakes, along the flow from older to younger end and across it from left to right, with their circulation, m2/s.
     pub filaments: Vec<([Vec3; 2], f64)>,
 }
@@ -46,6 +48,8 @@ impl Picture {
                 let k = at / (n - 1) * n + at % (n - 1);
                 let corners = [k, k + 1, k + n + 1, k + n].map(|k| points[k]);
                 picture.wake.push(Quad { corners, circulation: *circulation });
+                // Rows join at the trailing edge: the last is the youngest.
+                picture.age.push(wake.rows() - at / (n - 1));
             }
             let along = |(k, circulation): (usize, &f64)| ([points[k], points[k + n]], *circulation);
             picture.filaments.extend(wake.grid.along.iter().enumerate().map(along));
@@ -73,8 +77,15 @@ impl Picture {
             let images: Vec<Quad> = quads.iter().map(image).collect();
             quads.extend(images);
         }
+        self.age.extend_from_within(..);
         let images: Vec<_> = self.filaments.iter().map(|(ends, g)| (ends.map(mirrored), -g)).collect();
         self.filaments.extend(images);
+    }
+
+    /// The ring of the wakes with the largest circulation, and the steps since it was shed.
+    pub fn strongest(&self) -> Option<(&Quad, usize)> {
+        let rings = self.wake.iter().zip(self.age.iter().copied());
+        rings.max_by(|(a, _), (b, _)| a.circulation.abs().total_cmp(&b.circulation.abs()))
     }
 
     /// Where filaments cross the plane of the normal `across` through `origin`, with the circulation about the normal, m2/s.

@@ -3,6 +3,7 @@
 mod angle;
 mod dual;
 mod error;
+mod evolution;
 mod fourier;
 mod harmonics;
 pub mod interpolation;
@@ -29,6 +30,7 @@ mod wrench;
 pub use angle::{pitch_of_nose_up, unwrapped, whole_turns};
 pub use dual::Dual;
 pub use error::{Error, require};
+pub use evolution::Evolution;
 pub use fourier::power_spectrum;
 pub use harmonics::Harmonics;
 pub use jet::Jet;

@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -19,6 +19,9 @@ const TRIES: usize = 5;
 /// Folders of runs that are not finished, with whether they are kept for the same command to go on.
 static UNFINISHED: Mutex<Vec<(PathBuf, bool)>> = Mutex::new(Vec::new());
 
+/// The flag of this program, once it listens.
+static LISTENING: OnceLock<Interrupt> = OnceLock::new();
+
 /// Set by Ctrl-C, or when the system asks the program to end.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<Flags>);
@@ -30,9 +33,12 @@ struct Flags {
 }
 
 impl Interrupt {
-    /// Listens from now on; a program listens once. Work that does not end soon after the signal is ended with the
+    /// Listens from now on; a program listens once, and whoever asks again gets the same. Work that does not end soon after the signal is ended with the
     /// program: what is not finished goes, unless the same command can go on from it.
     pub fn listen() -> Result<Self, Error> {
+        if let Some(listening) = LISTENING.get() {
+            return Ok(listening.clone());
+        }
         let flag = Self::default();
         let set = flag.clone();
         ctrlc::set_handler(move || {
@@ -50,7 +56,7 @@ impl Interrupt {
             }
         })
         .map_err(|error| Error::Input(format!("Ctrl-C cannot be caught: {error}")))?;
-        Ok(flag)
+        Ok(LISTENING.get_or_init(|| flag).clone())
     }
 
     /// From now on the first signal only sets the flag: what follows has to be finished. The second one ends.

@@ -20,6 +20,9 @@ impl Sweep {
     #[new]
     fn new(document: &Document) -> PyResult<Self> {
         let sweep = wingbeat::scenario::Sweep::new(document.0.clone(), &read).map_err(refused)?;
+        if sweep.spec.search.is_some() {
+            return Err(pyo3::exceptions::PyValueError::new_err("search: allowed is `wingbeat sweep` alone"));
+        }
         Ok(Self { sweep: Arc::new(sweep), stop: wait::Stop::default() })
     }
 

@@ -27,6 +27,7 @@ pub const ENVELOPE: &str = "envelope.parquet of rig process";
 pub const CALIBRATED: &str = "record.parquet of calibrate";
 pub const MODES: &str = "multipliers.parquet of trim";
 pub const ORBITS: &str = "family.parquet of trim";
+pub const CANDIDATES: &str = "candidates.csv and record.parquet of a sweep with [search]";
 pub const STARTS: &str = "starts.csv and starts.parquet of trim";
 pub const NODES: &str = "plan.parquet of plan";
 
@@ -38,7 +39,7 @@ pub const OWN_UNIT: &str = "its own";
 pub const PER_UNIT: &str = "objective per unit";
 
 /// The records with what a row of each is.
-pub const RECORDS: [(&str, &str); 15] = [
+pub const RECORDS: [(&str, &str); 16] = [
     (FLIGHT, "One row per instant, `flight.record_every_s` apart."),
     (
         GAIT,
@@ -59,6 +60,7 @@ pub const RECORDS: [(&str, &str); 15] = [
       most of each over the last cycle.",
     ),
     (SWEEP, "One row per flight."),
+    (CANDIDATES, "One row per candidate of a search, in columns of their own names the values of its draws."),
     (RUNS, "One row per run."),
     (RIG, "One row per sample of the cell."),
     (BOX, "One row per sample of the box; what was booked as missing has no row."),
@@ -317,6 +319,10 @@ pub const COLUMNS: &[Described] = &[
     column("stall_fraction", &[RUNS], ONE, "", "Share of strips past the stall angle."),
     column("periodicity", &[RUNS], ONE, "", "How far the last cycle is from the one before, as in the summary of `tether`."),
     column("run", &[SWEEP], ONE, "", "Number of the flight, from 0; it flies with the sweep's seed plus this number."),
+    column("run", &[CANDIDATES], ONE, "", "Number of the candidate, from 0."),
+    column("flight_<number>_<key>", &[CANDIDATES], ONE, "", "The number `key` of the summary of this flight of the candidate; not a number where it was not flown whole."),
+    column("ends_apart", &[CANDIDATES], &["m"], "", "Largest distance between the end points (x and y) of its flights."),
+    column("cost", &[CANDIDATES], ONE, "", "Sum of the squares of all misses over their `per`, 1e6 or more where a flight broke down; 0 meets all goals."),
     column("status", &[SWEEP, RUNS], ONE, "", "Verdict of the run, as its place in the list ok, not_judged, off_target, outside, suspect_data, not_periodic, not_resolved, not_found, failed, interrupted, from 0."),
     column("held", &[SWEEP], ONE, "", "1 where the flight was flown whole and the errors stayed within `hold`."),
     column("completed", &[SWEEP], ONE, "", "1 where it was flown whole; else nothing else is said of it."),

@@ -243,6 +243,17 @@ fn columns_of_sweeps_are_in_the_reference() {
 }
 
 #[test]
+fn columns_of_candidates_are_in_the_reference() {
+    let path = root().join("sweeps/paper_turn_search.toml");
+    let sweep = Sweep::load(&path, &[], &|path| Err(format!("{}: no table", path.display()))).unwrap();
+    let drawn: Vec<String> = sweep.spec.draws.iter().map(|draw| draw.key.clone()).collect();
+    let keys: Vec<String> = sweep.spec.search.iter().flat_map(|s| &s.goals).map(|g| g.key.clone()).collect();
+    let mut met = Met::default();
+    met.see(CANDIDATES, &sweep.search().unwrap().columns(), &[drawn, keys].concat());
+    met.all_of(CANDIDATES);
+}
+
+#[test]
 fn columns_of_searches_are_in_the_reference() {
     let search = "trim.search={goal='power', limits={}, vary=[{key='trim.speed_m_s', low=3.0, high=4.0}]}";
     let scenario = Scenario::load(&root().join("scenarios/cruise_20g.toml"), &[search.to_owned()]).unwrap();

@@ -24,7 +24,7 @@ pub fn draw(folder: &RunFolder, run: &RigRun, plan: &Plan) -> Result<(), Error> 
 }
 
 /// Arm and robot at even times over the motion, the wings at the phase that they have then; the path of the body.
-fn snapshots(run: &RigRun, plan: &Plan) -> Result<Figure, String> {
+pub fn snapshots(run: &RigRun, plan: &Plan) -> Result<Figure, String> {
     let motion = &plan.trajectory;
     let posture =
         |t: f64| -> Vec<f64> { motion.at(t)[..run.arm.dof()].iter().map(|joint| joint.x).collect() };

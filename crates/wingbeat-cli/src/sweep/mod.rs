@@ -4,6 +4,7 @@ mod cases;
 mod end_points;
 mod flights;
 pub mod log;
+mod search;
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -14,7 +15,7 @@ use serde::Serialize;
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
 use wingbeat::scenario::{Sweep, SweepCounts, SweepOf, SweepRows};
-use wingbeat::simulate::Record;
+use wingbeat::simulate::{Column, Record};
 use wingbeat_io::{write_csv, write_parquet};
 
 use crate::args;
@@ -40,16 +41,24 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     let name = &sweep.spec.run_name()?;
     let folder = RunFolder::resume(options.out.as_deref(), name, options.force, ("sweep.toml", &kept))?;
     tables.keep(&folder)?;
-    let mut log = Log::open(&folder.file(&format!("{}.log", noun(&sweep))), |row| sweep.has_row(row))?;
-    let work = Work { sweep: &sweep, tables: &tables, interrupt: &interrupt };
-    let stepped = work.all(&mut log, options.quiet)?;
-    let record = log.record(sweep.columns())?;
-    log.remove()?;
-    write_csv(&folder.file(&format!("{}.csv", noun(&sweep))), &record)?;
-    write_parquet(&folder.file("record.parquet"), &record)?;
-    let (verdict, said) = summary(&folder, &sweep, &record)?;
-    let said = said + &stepped.told();
-    draw(&folder, &sweep, &record)?;
+    let log = folder.file(&format!("{}.log", noun(&sweep)));
+    let (verdict, said) = match sweep.search() {
+        Some(asked) => {
+            let mut log = Log::open(&log, |row| asked.has_row(row))?;
+            let search = search::candidates(&sweep, &mut log, &interrupt, options.quiet)?;
+            let record = tabled(&folder, &sweep, log, search.columns())?;
+            search::summary(&folder, &sweep, &search, &record)?
+        }
+        None => {
+            let mut log = Log::open(&log, |row| sweep.has_row(row))?;
+            let work = Work { sweep: &sweep, tables: &tables, interrupt: &interrupt };
+            let stepped = work.all(&mut log, options.quiet)?;
+            let record = tabled(&folder, &sweep, log, sweep.columns())?;
+            let (verdict, said) = summary(&folder, &sweep, &record)?;
+            draw(&folder, &sweep, &record)?;
+            (verdict, said + &stepped.told())
+        }
+    };
     let path = folder.finish(&Manifest::new(sweep.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     let printed = say::unless(options.quiet, || format!("{said}\nrun folder: {}\n", shown.display()));
@@ -57,9 +66,19 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
     printed
 }
 
+/// Writes the rows of the log as tables, and removes it.
+fn tabled(folder: &RunFolder, sweep: &Sweep, log: Log, columns: Vec<Column>) -> Result<Record, Error> {
+    let record = log.record(columns)?;
+    log.remove()?;
+    write_csv(&folder.file(&format!("{}.csv", noun(sweep))), &record)?;
+    write_parquet(&folder.file("record.parquet"), &record)?;
+    Ok(record)
+}
+
 /// What the runs are called.
 fn noun(sweep: &Sweep) -> &'static str {
     match sweep.of {
+        _ if sweep.spec.search.is_some() => "candidates",
         SweepOf::Flights(_) => "flights",
         SweepOf::Cases => "runs",
     }

@@ -1,7 +1,7 @@
 //! The figures of a wake.
 
 use wingbeat::math::Vec3;
-use wingbeat_figures::{Cut, WakeSheet, frontal_planes, wake};
+use wingbeat_figures::{Cut, WakeSheet, around, frontal_planes, wake, wake_phases};
 use wingbeat_lattice::course::{PHASES, Shot, Watch};
 
 use crate::error::Error;
@@ -24,25 +24,40 @@ pub fn draw(folder: &RunFolder, watches: &[Watch<'_>]) -> Result<(), Error> {
         .filter_map(|(watch, shots)| shots.get(DRAWN).or(shots.first()).map(|shot| sheet(shot, watch)))
         .collect();
     // Phase by phase, the courses beside each other.
-    let phases = shots.iter().map(Vec::len).max().unwrap_or(0);
-    let cuts = (0..phases).flat_map(|phase| {
+    let most = shots.iter().map(Vec::len).max().unwrap_or(0);
+    let cuts = (0..most).flat_map(|phase| {
         whole.clone().filter_map(move |(watch, shots)| shots.get(phase).map(|shot| cut(shot, watch)))
     });
     let cuts: Vec<Cut> = cuts.collect();
     let chord = watches.first().map_or(1.0, |watch| watch.course.chord);
+    let notes = notes(watches);
+    let in_space = phases(watches);
+    let in_space = (!in_space.is_empty()).then(|| wake_phases(&in_space, &notes, false));
+    let drawn = (!sheets.is_empty()).then(|| wake(&sheets));
+    let planes = (!cuts.is_empty()).then(|| frontal_planes(&cuts, &notes, SPREAD * chord));
+    for figure in drawn.into_iter().chain(in_space).chain(planes) {
+        let outcome = figure.and_then(|figure| wingbeat_figures::write(&figures, &figure));
+        crate::fly::left_out(outcome)?;
+    }
+    Ok(())
+}
+
+/// Every shot of all courses with the strongest ring of its wake told.
+pub fn phases(watches: &[Watch<'_>]) -> Vec<WakeSheet> {
+    let of =
+        |watch: &Watch<'_>| in_order(watch).into_iter().map(|shot| phase(shot, watch)).collect::<Vec<_>>();
+    watches.iter().flat_map(of).collect()
+}
+
+/// What must be known to read figures of several phases.
+pub fn notes(watches: &[Watch<'_>]) -> Vec<String> {
     let told = |watch: &Watch<'_>| format!("{}: {}", watch.course.title, watch.course.assumed());
     let mut notes: Vec<String> = match watches {
         [only] => vec![only.course.assumed()],
         _ => watches.iter().map(told).collect(),
     };
     notes.extend(watches.iter().find_map(|watch| watch.course.crossing()).map(Into::into));
-    let drawn = (!sheets.is_empty()).then(|| wake(&sheets));
-    let planes = (!cuts.is_empty()).then(|| frontal_planes(&cuts, &notes, SPREAD * chord));
-    for figure in drawn.into_iter().chain(planes) {
-        let outcome = figure.and_then(|figure| wingbeat_figures::write(&figures, &figure));
-        crate::fly::left_out(outcome)?;
-    }
-    Ok(())
+    notes
 }
 
 /// The shots in the order of the phases.
@@ -50,6 +65,23 @@ fn in_order<'a>(watch: &'a Watch<'_>) -> Vec<&'a Shot> {
     let mut shots: Vec<&Shot> = watch.shots.iter().collect();
     shots.sort_by_key(|shot| PHASES.iter().position(|name| *name == shot.name).unwrap_or(0));
     shots
+}
+
+/// A shot with the strongest ring of its wake told.
+fn phase(shot: &Shot, watch: &Watch<'_>) -> WakeSheet {
+    let whole = sheet(shot, watch);
+    let title = match watch.course.name.as_str() {
+        "" => shot.name.clone(),
+        _ => format!("{}: {}", watch.course.title, shot.name),
+    };
+    let note = watch.strongest(shot).map_or_else(String::new, |strongest| {
+        let stroke = if strongest.in_downstroke { "downstroke" } else { "upstroke" };
+        format!(
+            "strongest ring {:.3} m2/s, shed {:.2} cycles ago in a {stroke}",
+            strongest.circulation_m2_s, strongest.shed_before_cycles
+        )
+    });
+    WakeSheet { title, note, ..whole }
 }
 
 /// Wing and wake from the body's origin, along flight, left and up.
@@ -63,7 +95,14 @@ fn sheet(shot: &Shot, watch: &Watch<'_>) -> WakeSheet {
         note: course.note(),
         wing: shot.picture.wing.iter().map(corners).collect(),
         wake: shot.picture.wake.iter().map(|quad| (corners(quad), quad.circulation)).collect(),
+        outline: shot.edges.chunks_exact(2).map(|pair| outline(&pair[0], &pair[1], at)).collect(),
     }
+}
+
+/// The outline of a surface between its leading and trailing edge.
+fn outline(leading: &[Vec3], trailing: &[Vec3], at: impl Fn(Vec3) -> [f64; 3]) -> Vec<[f64; 3]> {
+    let [leading, trailing] = [leading, trailing].map(|edge| edge.iter().map(|p| at(*p)).collect::<Vec<_>>());
+    around(&leading, &trailing)
 }
 
 /// What crosses the plane across the flight behind the wing.

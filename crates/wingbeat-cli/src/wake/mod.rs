@@ -2,6 +2,8 @@
 
 mod draw;
 
+pub use draw::{notes, phases};
+
 use std::path::Path;
 use std::time::Instant;
 
@@ -135,7 +137,7 @@ impl Source {
 }
 
 /// What the lattice refuses; of what the command line asked, by its option.
-fn refused(error: wingbeat_lattice::Error) -> Error {
+pub fn refused(error: wingbeat_lattice::Error) -> Error {
     match error {
         wingbeat_lattice::Error::Setting { key: key @ ("steps" | "cycles"), value, allowed } => {
             Error::Input(format!("--{key} {value}: allowed is {allowed}"))
@@ -168,7 +170,7 @@ fn asked(arguments: &Wake) -> Asked {
 }
 
 /// Scenario and record of the run folder `folder`.
-fn recorded(folder: &Path) -> Result<Recorded, Error> {
+pub fn recorded(folder: &Path) -> Result<Recorded, Error> {
     let scenario = Scenario::load(&folder.join("scenario.toml"), &[])?;
     let record = read_parquet_columns(&folder.join("record.parquet"), &Recorded::columns(&scenario))?;
     Recorded::new(scenario, record).map_err(refused)

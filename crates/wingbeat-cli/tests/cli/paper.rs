@@ -81,3 +81,44 @@ fn show_draws_each_kind_of_file_and_refuses_the_others() {
         assert!(text.contains(said) && entries(&folder).is_empty(), "{text}");
     }
 }
+
+#[test]
+fn the_sheet_needs_the_shipped_documents() {
+    let folder = scratch("paper-nowhere");
+    let output = wingbeat(&folder, &["paper", "--from", "nowhere", "--out", "a"]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("nowhere/scenarios/banking_turn.toml"), "{told}");
+    assert!(entries(&folder).is_empty());
+}
+
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn the_sheet_holds_six_figures_and_the_statements() {
+    let (folder, from) = (scratch("paper-sheet"), root().to_string_lossy().into_owned());
+    let output = wingbeat(&folder, &["paper", "--wide", "--from", &from, "--out", "a"]);
+    assert!(output.status.success(), "{output:?}");
+    let read = |name: &str| fs::read_to_string(folder.join("a").join(name)).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    assert_eq!(summary["status"], "ok");
+    let figures = summary["figures"].as_array().unwrap();
+    assert_eq!(figures.len(), 6);
+    for name in figures.iter().map(|name| name.as_str().unwrap()) {
+        let picture = format!("{name}.png");
+        assert!(folder.join("a/figures").join(&picture).is_file(), "{name}");
+        let slide = fs::read(folder.join("a/figures/wide").join(&picture)).unwrap();
+        let size = [16, 20].map(|at| u32::from_be_bytes(slide[at..at + 4].try_into().unwrap()));
+        assert_eq!(size, [1920, 1080], "{name}");
+    }
+    let sheet = read("sheet.html");
+    assert_eq!((sheet.matches("<figure ").count(), sheet.matches("<svg").count()), (6, 6));
+    assert!(!sheet.contains("href=\"figures") && sheet.contains("off_target"));
+    let outcomes: Vec<&str> =
+        summary["statements"].as_array().unwrap().iter().map(|s| s["outcome"].as_str().unwrap()).collect();
+    assert_eq!(outcomes[..3], ["reproduced"; 3]);
+    assert!(outcomes.contains(&"missed") && outcomes.contains(&"refuted"));
+    for run in ["turn", "clear", "bench", "forces"] {
+        assert!(folder.join("a").join(run).join("manifest.json").is_file(), "{run}");
+    }
+    assert_eq!(wingbeat(&folder, &["paper", "--from", &from, "--out", "a"]).status.code(), Some(2));
+}

@@ -231,3 +231,28 @@ fn a_case_is_swept_over_a_grid_with_its_table() {
         assert!(message.contains(part), "{part}: {message}");
     }
 }
+
+#[test]
+fn a_search_keeps_its_candidates_and_says_what_its_best_misses() {
+    let folder = scratch("sweep-search");
+    let scenario = root().join("scenarios/paper_turn.toml");
+    let text = format!(
+        "name = \"small\"\nscenario = {scenario:?}\nruns = 4\n[search]\npopulation = 4\n\
+         goals = [{{ key = \"distance_x_m\", low = 1.0 }}]\n\
+         [[draws]]\nkey = \"controller.weights.roll\"\nlow = 4.0\nhigh = 6.0\n\
+         [[draws]]\nkey = \"flight.duration_s\"\nlow = 0.04\nhigh = 0.06\n"
+    );
+    fs::write(folder.join("small.toml"), text).unwrap();
+    let output = sweep(&folder, "a");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{told}");
+    assert!(told.contains("not_found"), "{told}");
+    let table = fs::read_to_string(folder.join("a/candidates.csv")).unwrap();
+    assert_eq!(table.lines().count(), 5, "{table}");
+    let summary = fs::read_to_string(folder.join("a/summary.json")).unwrap();
+    assert!(summary.contains("search.missed") && summary.contains("distance_x_m"), "{summary}");
+    for name in ["best.toml", "figures/search.png", "record.parquet", "sweep.toml", "manifest.json"] {
+        assert!(folder.join("a").join(name).is_file(), "{name}");
+    }
+    assert!(!folder.join("a/candidates.log").exists());
+}

@@ -181,7 +181,7 @@ mod tests {
             wake: vec![(square, 0.2)],
             wing: vec![square],
             title: "one".into(),
-            note: String::new(),
+            ..Default::default()
         };
         assert_eq!(super::super::wake(&[sheet.clone(), sheet]).unwrap().name, "wake");
     }

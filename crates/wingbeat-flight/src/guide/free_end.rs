@@ -1,6 +1,6 @@
 //! A horizon whose length is an unknown: the paper's t_f.
 
-use wingbeat_math::Error;
+use wingbeat_math::{Error, RK4, Steps, Workspace};
 use wingbeat_ocp::plant::Plant;
 use wingbeat_ocp::realtime::{HorizonSolver, Plan, RealTime, Settings, Statistics, Status, Tracking};
 
@@ -9,12 +9,16 @@ const FIRST: f64 = 0.02;
 const LEAST: f64 = 0.002;
 const LARGEST: f64 = 0.05;
 
+/// Longest Runge-Kutta step of the motion whose cost decides, s. *Choice.*
+const SUBSTEP: f64 = 0.01;
+
 /// Solves for states and inputs by [`RealTime`] and for the length of the horizon by direct search: each update solves at the
 /// present length and at one beside it, from the same plan, and keeps the one of lower cost. Success doubles the change that
 /// is tried next, failure halves it and turns it round.
 ///
-/// The cost is J at the nodes, without the defects: with one iteration an update a length can win by a plan that misses the dynamics
-/// by more. The statistics are those of the solve that was kept.
+/// The cost is J at the nodes of the motion that the plan's inputs give from the present state, so no length can win by a plan that
+/// misses the dynamics. J is a sum over nodes: a length can still win because its nodes fall where the swing of the gait is small. The
+/// statistics are those of the solve that was kept.
 ///
 /// The length is no variable of the quadratic program, since a [`Plant`] has no derivative by the time.
 ///
@@ -25,7 +29,15 @@ pub struct FreeEnd {
     /// Allowed lengths of an interval, s.
     between: [f64; 2],
     change: f64,
+    motion: Motion,
+}
+
+/// Storage of a motion and its cost.
+struct Motion {
+    state: Vec<f64>,
+    input: Vec<f64>,
     residual: Vec<f64>,
+    work: Workspace<f64>,
 }
 
 impl FreeEnd {
@@ -41,23 +53,41 @@ impl FreeEnd {
     ) -> Result<Self, Error> {
         let now = RealTime::new(plant, tracking, settings)?;
         let most = (0..=settings.intervals).map(|node| tracking.residuals(node)).max().unwrap_or(0);
-        Ok(Self { beside: now.clone(), now, between, change: FIRST, residual: vec![0.0; most] })
+        let (states, inputs) = (plant.states().len(), plant.inputs().len());
+        let (state, input, residual) = (vec![0.0; states], vec![0.0; inputs], vec![0.0; most]);
+        let motion = Motion { state, input, residual, work: Workspace::new(states, 4) };
+        Ok(Self { beside: now.clone(), now, between, change: FIRST, motion })
     }
+}
 
-    /// J of the plan of `solver`.
-    fn cost<T: Tracking>(residual: &mut [f64], solver: &RealTime, tracking: &T) -> f64 {
+impl Motion {
+    /// J of the motion that the inputs of the plan of `solver` give from its first state; endless where the model fails on the way.
+    fn cost<P: Plant, T: Tracking>(&mut self, solver: &RealTime, plant: &P, tracking: &T) -> f64 {
         let plan = solver.plan();
-        let mut cost = 0.0;
+        let (step, mut cost) = (plan.horizon.step, 0.0);
+        self.state.copy_from_slice(plan.state(0));
+        let count = (step / SUBSTEP).ceil().max(1.0);
         for node in 0..plan.nodes() {
-            let r = &mut residual[..tracking.residuals(node)];
-            tracking.residual(node, plan.time(node), plan.state(node), plan.input(node), r);
+            let r = &mut self.residual[..tracking.residuals(node)];
+            tracking.residual(node, plan.time(node), &self.state, plan.input(node), r);
             cost += r.iter().map(|r| r * r).sum::<f64>();
+            if node + 1 < plan.nodes() {
+                let steps = Steps::new(plan.time(node), step / count, count as usize);
+                let input = &mut self.input;
+                let mut rates = |t: f64, x: &[f64], dx: &mut [f64]| {
+                    plan.input_at(t, input);
+                    plant.rates_in_numbers(t, x, input, dx)
+                };
+                if RK4.integrate(&mut rates, steps, &mut self.state, &mut self.work).is_err() {
+                    return f64::INFINITY;
+                }
+            }
         }
         for node in 1..plan.nodes() {
             let pairs = plan.input(node).iter().zip(plan.input(node - 1)).enumerate();
             cost += pairs.map(|(j, (b, a))| tracking.change_weight(j) * (b - a) * (b - a)).sum::<f64>();
         }
-        cost
+        if cost.is_finite() { cost } else { f64::INFINITY }
     }
 }
 
@@ -89,7 +119,7 @@ impl<P: Plant, T: Tracking> HorizonSolver<P, T> for FreeEnd {
         let status = self.now.solve(plant, tracking, t0, x0, iterations);
         if tried != present {
             let other = self.beside.solve(plant, tracking, t0, x0, iterations);
-            let mut cost = |solver| Self::cost(&mut self.residual, solver, tracking);
+            let mut cost = |solver| self.motion.cost(solver, plant, tracking);
             if other.updated() && (!status.updated() || cost(&self.beside) < cost(&self.now)) {
                 std::mem::swap(&mut self.now, &mut self.beside);
                 self.change = (2.0 * self.change).clamp(-LARGEST, LARGEST);

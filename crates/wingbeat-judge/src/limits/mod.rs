@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod data;
 pub mod flight;
+pub mod paper;
 pub mod plan;
 pub mod recording;
 pub mod rig;
@@ -77,7 +78,7 @@ impl Limit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 10] = [
+    let kinds: [&'static [Limit]; 11] = [
         &flight::ALL,
         &trim::ALL,
         &plan::ALL,
@@ -88,6 +89,7 @@ pub fn all() -> impl Iterator<Item = &'static Limit> {
         &rig::ALL,
         &recording::ALL,
         &data::ALL,
+        &paper::ALL,
     ];
     kinds.into_iter().flatten()
 }

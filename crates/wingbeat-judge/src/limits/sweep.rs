@@ -1,7 +1,7 @@
 //! Limits of a sweep. All values are choices.
 
 use super::Limit;
-use crate::status::Status::{NotResolved, OffTarget};
+use crate::status::Status::{NotFound, NotResolved, OffTarget};
 
 /// Of fewer runs the shares and quantiles say little of the whole.
 pub const COMPLETED: Limit = Limit::at_least("sweep.completed_fraction", 0.5, "", NotResolved)
@@ -16,5 +16,9 @@ pub const USABLE: Limit = Limit::warn_below("sweep.usable_fraction", 1.0, "")
 pub const HELD: Limit =
     Limit::at_least("sweep.held_fraction", 0.0, "", OffTarget).on("share of the flights that are held");
 
+/// A search ends well where its best candidate meets every goal in every flight.
+pub const MISSED: Limit = Limit::at_most("sweep.search_missed_goals", 0.0, "", NotFound)
+    .on("goals of a search that its best candidate misses, over all its flights");
+
 /// All of them.
-pub const ALL: [Limit; 4] = [COMPLETED, FAILED, USABLE, HELD];
+pub const ALL: [Limit; 5] = [COMPLETED, FAILED, USABLE, HELD, MISSED];

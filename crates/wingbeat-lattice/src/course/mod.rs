@@ -10,7 +10,7 @@ pub use case::case;
 pub use recorded::Recorded;
 pub use stroke::{PHASES, Stroke};
 pub use told::{DownOverUp, LeftOverRight, Stretch, Told, WakeSummary};
-pub use watch::{Shot, Watch};
+pub use watch::{Shot, Strongest, Watch};
 
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;

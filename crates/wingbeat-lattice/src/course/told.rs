@@ -1,6 +1,6 @@
 //! `summary.json` and what is printed of it.
 
-use super::{Asked, Watch};
+use super::{Asked, Strongest, Watch};
 use serde::Serialize;
 use wingbeat::judge::limits::wake;
 use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
@@ -48,6 +48,8 @@ pub struct Told {
     pub past_stall: f64,
     /// Names and shares of the cycle of the phases that are drawn.
     pub phases: Vec<(String, f64)>,
+    /// At each of them the strongest ring of the wake: in an upstroke it was mostly shed before.
+    pub strongest: Vec<Option<Strongest>>,
 }
 
 /// One of several courses.
@@ -110,6 +112,7 @@ impl Told {
             left_over_right: LeftOverRight { down: over_right(0), up: over_right(1) },
             past_stall: watch.course.past_stall,
             phases: watch.shots.iter().map(|shot| (shot.name.clone(), shot.phase)).collect(),
+            strongest: watch.shots.iter().map(|shot| watch.strongest(shot)).collect(),
         })
     }
 

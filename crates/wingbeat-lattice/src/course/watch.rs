@@ -2,6 +2,7 @@
 
 use super::{Course, PHASES};
 use crate::{Lattice, Loads, Mesh, Picture};
+use serde::Serialize;
 use wingbeat::math::{Vec3, Wrench};
 use wingbeat::simulate::{Column, Record};
 
@@ -18,6 +19,17 @@ pub struct Shot {
     pub edges: Vec<Vec<Vec3>>,
     /// The body's origin.
     pub origin: Vec3,
+}
+
+/// The ring of a wake with the largest circulation.
+#[derive(Clone, Debug, Serialize)]
+pub struct Strongest {
+    /// Its circulation, m2/s.
+    pub circulation_m2_s: f64,
+    /// Cycles since it was shed.
+    pub shed_before_cycles: f64,
+    /// Whether that was in a downstroke.
+    pub in_downstroke: bool,
 }
 
 /// What is gathered step by step.
@@ -175,6 +187,16 @@ impl<'a> Watch<'a> {
     pub fn circulation(&self, side: usize, stroke: usize) -> Option<f64> {
         let (sum, count) = self.halves[side][stroke];
         self.course.stroke.steps.and((count > 0.0 && sum > 0.0).then(|| sum / count))
+    }
+
+    /// The strongest ring of the wake of a shot, and when it was shed; nothing of a wing that does not stroke.
+    pub fn strongest(&self, shot: &Shot) -> Option<Strongest> {
+        let (clock, stroke) = (&self.course.clock, &self.course.stroke);
+        stroke.steps?;
+        let (ring, age) = shot.picture.strongest()?;
+        let shed_before_cycles = age as f64 / clock.steps as f64;
+        let in_downstroke = stroke.is_down(shot.phase - shed_before_cycles);
+        Some(Strongest { circulation_m2_s: ring.circulation, shed_before_cycles, in_downstroke })
     }
 
     /// Largest difference between a ring and its mirror image, over the largest ring; none where the motion is not symmetric.

@@ -34,6 +34,7 @@ mod residual;
 mod rig;
 mod robot;
 mod schema;
+mod search;
 mod side_by_side;
 mod strip_model;
 mod surfaces;

@@ -1,0 +1,192 @@
+//! `wingbeat paper`: the figures of the paper by our numbers, and one sheet.
+
+mod figures;
+mod sheet;
+mod statements;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+use serde::Serialize;
+use serde_json::Value;
+use wingbeat::judge::limits::paper as limits;
+use wingbeat::judge::{Judge, Limits, Verdict, Warning};
+use wingbeat::scenario::{PaperResults, RunName};
+
+use crate::args::{Fly, Paper, RigProcess, RigRuns, Run};
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::manifest::Manifest;
+use crate::progress;
+use crate::run_folder::RunFolder;
+use crate::say;
+use crate::{fly, rig};
+use figures::Drawn;
+use statements::{Statement, Told};
+
+/// The flights, as folder and file.
+const FLIGHTS: [(&str, &str); 2] =
+    [("turn", "scenarios/banking_turn.toml"), ("clear", "scenarios/paper_turn_clear.toml")];
+/// The runs on the bench.
+const RUNS: &str = "rigs/seven_runs.toml";
+/// Pieces of work that the bar counts: flights, bench, processing, set-up, arm, wake, figures.
+const WORK: u64 = 8;
+
+/// `summary.json`.
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    verdict: &'a Verdict,
+    statements: &'a [Statement],
+    steps: &'a [Step],
+    figures: Vec<&'a str>,
+}
+
+/// A command that the sheet rests on, and how it ended.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// What makes the same.
+    pub command: String,
+    /// Its folder; empty where it keeps none of its own.
+    pub folder: &'static str,
+    /// Its status.
+    pub status: String,
+    /// Why, where it is not `ok`.
+    pub reason: Option<String>,
+}
+
+/// Makes the runs that the figures show, draws them and writes the sheet.
+pub fn paper(arguments: &Paper) -> Result<(), Error> {
+    let start = Instant::now();
+    let interrupt = Interrupt::listen()?;
+    let from = &arguments.from;
+    let folder =
+        RunFolder::create(arguments.out.as_deref(), &RunName::new("name", "paper")?, arguments.force)?;
+    let bar = progress::bar(Some(WORK), "paper {bar:30} {pos} of {len}  {msg}", arguments.quiet);
+    let mut work = Work { folder: &folder, from, interrupt: &interrupt, bar: &bar, steps: Vec::new() };
+    for (name, file) in FLIGHTS {
+        work.fly(name, file)?;
+    }
+    work.bench()?;
+    let mut drawn = Drawn::new(&folder, arguments.wide)?;
+    let (told, paper) = work.draw(&mut drawn)?;
+    let statements = statements::all(&told, paper.as_ref());
+    let steps = work.steps;
+    let verdict = judged(&drawn, &steps);
+    let names = drawn.names();
+    let summary = Summary { verdict: &verdict, statements: &statements, steps: &steps, figures: names };
+    folder.write_json("summary.json", &summary)?;
+    folder.write("sheet.html", &sheet::html(&statements, &steps, &drawn, &verdict))?;
+    bar.finish_and_clear();
+    interrupt.check()?;
+    let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
+    let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
+    let printed = say::unless(arguments.quiet, || {
+        format!("{}\nsheet: {}\n", statements::table(&statements), shown.join("sheet.html").display())
+    });
+    Error::unless_usable(verdict.status, verdict.reason.as_deref(), shown)?;
+    printed
+}
+
+/// Holds the sheet against its limits.
+fn judged(drawn: &Drawn, steps: &[Step]) -> Verdict {
+    let limits_of = Limits::default();
+    let mut judge = Judge::new(&limits_of);
+    judge.hold(&limits::MISSING, drawn.missing() as f64);
+    for step in steps.iter().filter(|step| step.status != "ok") {
+        let reason = step.reason.as_deref().unwrap_or("no reason is given");
+        judge.warn(Warning::new("paper.step", format!("{}: {}: {reason}", step.command, step.status)));
+    }
+    judge.verdict()
+}
+
+/// What the pieces of work share.
+struct Work<'a> {
+    folder: &'a RunFolder,
+    from: &'a Path,
+    interrupt: &'a Interrupt,
+    bar: &'a ProgressBar,
+    steps: Vec<Step>,
+}
+
+impl Work<'_> {
+    fn begin(&self, what: &str) -> Result<(), Error> {
+        self.bar.set_message(what.to_owned());
+        self.interrupt.check()
+    }
+
+    /// Options of a run of our own in the folder `name`.
+    fn options(&self, name: &str) -> Run {
+        let out = Some(self.folder.file(name));
+        Run { out, force: false, overrides: Vec::new(), seed: None, quiet: true }
+    }
+
+    /// Keeps how a run ended: one whose verdict is not `ok` is a result too.
+    fn ended(&mut self, command: String, folder: &'static str, made: Result<(), Error>) -> Result<(), Error> {
+        let (status, reason) = match made {
+            Ok(()) => {
+                let summary = summary(&self.folder.file(folder));
+                let reason = summary["reason"].as_str().map(str::to_owned);
+                (summary["status"].as_str().unwrap_or("ok").to_owned(), reason)
+            }
+            Err(Error::Failed { status, reason, .. }) => (status, Some(reason)),
+            Err(error) => return Err(error),
+        };
+        self.steps.push(Step { command, folder, status, reason });
+        self.bar.inc(1);
+        Ok(())
+    }
+
+    fn fly(&mut self, name: &'static str, file: &str) -> Result<(), Error> {
+        self.begin(&format!("flying {file}"))?;
+        let made = fly::fly(&Fly { scenario: self.from.join(file), run: self.options(name) });
+        self.ended(format!("wingbeat fly {file}"), name, made)
+    }
+
+    /// Simulates the seven runs and takes weight and inertia away.
+    fn bench(&mut self) -> Result<(), Error> {
+        self.begin("simulating the bench")?;
+        let runs = RigRuns { file: self.from.join(RUNS), run: self.options("bench") };
+        self.ended(format!("wingbeat rig simulate {RUNS}"), "bench", rig::simulate(&runs))?;
+        self.begin("processing the bench")?;
+        let process = RigProcess {
+            path: self.folder.file("bench"),
+            run: None,
+            out: Some(self.folder.file("forces")),
+            force: false,
+            overrides: Vec::new(),
+            quiet: true,
+        };
+        self.ended("wingbeat rig process bench".into(), "forces", rig::process(&process))
+    }
+
+    /// Draws the figures; the numbers that the statements need, and what the paper gives.
+    fn draw(&self, drawn: &mut Drawn) -> Result<(Told, Option<PaperResults>), Error> {
+        self.begin("drawing the set-up")?;
+        drawn.set_up(self.from)?;
+        self.bar.inc(1);
+        self.begin("drawing the arm")?;
+        drawn.arm(self.from)?;
+        self.bar.inc(1);
+        self.begin("drawing forces and moments")?;
+        let forces = drawn.forces(&self.folder.file("forces"))?;
+        self.bar.inc(1);
+        self.begin("stepping the wake")?;
+        let (wake, paper) = drawn.flight(&self.folder.file("turn"), self.interrupt)?;
+        self.bar.inc(1);
+        let [turn, clear] = FLIGHTS.map(|(name, _)| summary(&self.folder.file(name)));
+        Ok((Told { turn, clear, wake, forces }, paper))
+    }
+}
+
+/// `summary.json` of a folder; null where there is none.
+fn summary(folder: &Path) -> Value {
+    let text = std::fs::read_to_string(folder.join("summary.json")).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+/// The path of a shipped document below `from`.
+fn shipped(from: &Path, file: &str) -> PathBuf {
+    from.join(file)
+}

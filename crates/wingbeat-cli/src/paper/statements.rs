@@ -1,0 +1,224 @@
+//! What the paper says in numbers, and what came out here.
+
+use serde::Serialize;
+use serde_json::Value;
+use wingbeat::scenario::PaperResults;
+use wingbeat::simulate::Record;
+use wingbeat_lattice::course::WakeSummary;
+
+/// Largest difference from the paper that counts as reproduced: mean and rms of roll, mean of pitch (deg), end point (m). *Choice.*
+const ROLL_DEG: f64 = 1.0;
+const ROLL_RMS_DEG: f64 = 2.0;
+const PITCH_DEG: f64 = 2.0;
+const END_M: f64 = 0.5;
+
+/// What a statement of the paper came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// It came out here.
+    Reproduced,
+    /// It did not.
+    Missed,
+    /// It cannot hold beside another statement of the paper.
+    Refuted,
+    /// The paper leaves out what it would take.
+    NotComparable,
+}
+
+impl Outcome {
+    fn when(met: Option<bool>) -> Self {
+        met.map_or(Self::NotComparable, |met| if met { Self::Reproduced } else { Self::Missed })
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::Missed => "missed",
+            Self::Refuted => "refuted",
+            Self::NotComparable => "not comparable",
+        }
+    }
+}
+
+/// A statement, the paper's words or numbers, and ours.
+#[derive(Clone, Debug, Serialize)]
+pub struct Statement {
+    /// What is stated.
+    pub what: &'static str,
+    /// What the paper gives.
+    pub paper: String,
+    /// What came out here.
+    pub here: String,
+    /// In which run.
+    pub of: &'static str,
+    /// What that makes of it.
+    pub outcome: Outcome,
+    /// What must be known to read it.
+    pub note: &'static str,
+}
+
+/// Summaries and numbers that the statements rest on.
+pub struct Told {
+    pub turn: Value,
+    pub clear: Value,
+    pub wake: Option<WakeSummary>,
+    pub forces: Option<Forces>,
+}
+
+/// Ranges of the simulated bench, N and N m.
+pub struct Forces {
+    cell: [f64; 2],
+    model: [f64; 2],
+    pitch: [f64; 2],
+}
+
+impl Forces {
+    /// Of the envelope of the runs.
+    pub fn of(envelope: &Record) -> Option<Self> {
+        let range = |low: &str, high: &str| {
+            let least = envelope.values(low)?.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = envelope.values(high)?.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            Some([least, most])
+        };
+        let model = range("simulation_Fz", "simulation_Fz").unwrap_or([f64::NAN; 2]);
+        Some(Self { cell: range("low_Fz", "high_Fz")?, model, pitch: range("low_Ty", "high_Ty")? })
+    }
+}
+
+/// Every statement that has a number.
+pub fn all(told: &Told, paper: Option<&PaperResults>) -> Vec<Statement> {
+    let mut all = Vec::new();
+    if let Some(paper) = paper {
+        let main = "the fit of its end point; eight joints, a longer horizon, added mass";
+        turn(&mut all, &told.turn, paper, "banking_turn", main);
+        let clear = "fitted, on the paper's joints, five intervals over a gait cycle, law without stall";
+        turn(&mut all, &told.clear, paper, "paper_turn_clear", clear);
+    }
+    wake(&mut all, told.wake.as_ref());
+    bench(&mut all, told.forces.as_ref());
+    all
+}
+
+/// Roll, pitch, end and height of a turn.
+fn turn(
+    all: &mut Vec<Statement>,
+    flight: &Value,
+    paper: &PaperResults,
+    of: &'static str,
+    note: &'static str,
+) {
+    let number = |key: &str| flight[key].as_f64();
+    let near = |key: &str, asked: f64, most: f64| Some((number(key)? - asked).abs() <= most);
+    let say = |key: &str| number(key).map_or("-".into(), |value| format!("{value:.1}"));
+    let mut put = |what, paper, here, met, note| {
+        all.push(Statement { what, paper, here, of, outcome: Outcome::when(met), note });
+    };
+    let held = near("roll_mean_deg", paper.roll_deg, ROLL_DEG)
+        .zip(number("roll_rms_error_deg").map(|rms| rms <= ROLL_RMS_DEG));
+    let roll = format!("{} deg, rms error {}", say("roll_mean_deg"), say("roll_rms_error_deg"));
+    let asked = format!("{} deg", paper.roll_deg);
+    put("a bank is held", asked, roll, held.map(|(mean, rms)| mean && rms), note);
+    let asked = format!("{} deg, nose up is negative", paper.pitch_deg);
+    let pitch = format!("{} deg", say("pitch_mean_deg"));
+    put("pitch is held", asked, pitch, near("pitch_mean_deg", paper.pitch_deg, PITCH_DEG), "");
+    if let Some([low, high]) = paper.pitch_oscillation_deg {
+        let within = number("pitch_half_amplitude_deg").map(|swing| (low..=high).contains(&swing));
+        let swing = format!("{} deg", say("pitch_half_amplitude_deg"));
+        put("pitch swings", format!("{low} to {high} deg"), swing, within, "half of the range");
+    }
+    let end = number("distance_x_m").zip(number("distance_y_m"));
+    // The turn of a positive roll is to the right, towards negative y.
+    let right = paper.roll_deg.signum() * paper.distance_y_m;
+    let away = end.map(|(x, y)| (x - paper.distance_x_m).hypot(-y - right));
+    let here = end.zip(away).map_or("-".into(), |((x, y), away)| {
+        format!("{x:.1} m ahead, {:.1} m to the right; {away:.1} m off", -y)
+    });
+    let asked = format!("{} m ahead, {} m to the right", paper.distance_x_m, right);
+    put("end point", asked, here, away.map(|away| away <= END_M), "within 0.5 m counts");
+    let height = number("altitude_change_m").map_or("-".into(), |change| format!("{change:.1} m"));
+    put("height", "left out".into(), height, None, "its end point implies that it sinks or slips");
+}
+
+fn wake(all: &mut Vec<Statement>, wake: Option<&WakeSummary>) {
+    let Some(told) = wake.and_then(|wake| wake.first.as_ref()) else { return };
+    let ratio = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}"));
+    let both = told.down_over_up.left.zip(told.down_over_up.right);
+    let here = format!(
+        "mean bound circulation of the downstroke over the upstroke: left {}, right {}; {:.0} % of the strips are past stall",
+        ratio(told.down_over_up.left),
+        ratio(told.down_over_up.right),
+        100.0 * told.past_stall
+    );
+    all.push(Statement {
+        what: "vorticity falls in the upstroke",
+        paper: "said of its figure".into(),
+        here,
+        of: "banking_turn, vortex lattice",
+        outcome: Outcome::when(both.filter(|_| told.past_stall <= 0.05).map(|(l, r)| l.min(r) > 1.0)),
+        note: "no evidence where attached flow is assumed and does not hold",
+    });
+}
+
+fn bench(all: &mut Vec<Statement>, forces: Option<&Forces>) {
+    let mut put = |what, paper: &str, here: String, outcome, note| {
+        all.push(Statement { what, paper: paper.into(), here, of: "seven_runs, simulated", outcome, note });
+    };
+    let newtons = |[low, high]: [f64; 2]| format!("{low:.2} to {high:.2} N");
+    if let Some(Forces { cell, model, pitch }) = forces {
+        let not = Outcome::NotComparable;
+        let simulated = "ours is a simulated bench, and no measured file is public";
+        put("Fz of the experiment", "-0.5 to 0.5 N", newtons(*cell), not, simulated);
+        let unsaid = "the paper does not say whether the inertia of the wings is in it";
+        put("Fz of the simulation", "-0.3 to 0.3 N", newtons(*model), not, unsaid);
+        let moment = format!("{:.3} to {:.3} N m", pitch[0], pitch[1]);
+        put("My", "positive", moment, not, "its reference point is not given");
+    }
+    let limit = "0.7 to 0.9 m/s need more than the limit that it states".into();
+    let both = "the two statements contradict each other";
+    put("runs at 0.7 to 0.9 m/s, arm within 0.5 m/s", "both", limit, Outcome::Refuted, both);
+    let range = "measuring ranges of a Nano17 are 12 to 70 N and 0.12 to 0.5 N m".into();
+    put("load cell to 480 N and 1.9 N m", "range", range, Outcome::Refuted, "480 N is its overload");
+}
+
+/// The statements as a table.
+pub fn table(statements: &[Statement]) -> String {
+    let mut text = String::new();
+    for Statement { what, paper, here, of, outcome, .. } in statements {
+        text += &format!("{:<15} {what} ({of}): the paper {paper}; here {here}\n", outcome.words());
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outcomes(flight: Value) -> Vec<Outcome> {
+        let pitch_oscillation_deg = Some([7.0, 10.0]);
+        let (distance_x_m, distance_y_m) = (4.1, 5.0);
+        let paper = PaperResults {
+            roll_deg: 15.0,
+            pitch_deg: -15.0,
+            pitch_oscillation_deg,
+            distance_x_m,
+            distance_y_m,
+        };
+        let mut all = Vec::new();
+        turn(&mut all, &flight, &paper, "a", "");
+        all.iter().map(|statement| statement.outcome).collect()
+    }
+
+    #[test]
+    fn a_flight_is_held_against_the_papers_numbers() {
+        use Outcome::{Missed, NotComparable, Reproduced};
+        let good = serde_json::json!({ "roll_mean_deg": 15.9, "roll_rms_error_deg": 1.9, "pitch_mean_deg": -13.1,
+            "pitch_half_amplitude_deg": 7.0, "distance_x_m": 4.1, "distance_y_m": -4.6, "altitude_change_m": -3.0 });
+        assert_eq!(outcomes(good), [Reproduced, Reproduced, Reproduced, Reproduced, NotComparable]);
+        let poor = serde_json::json!({ "roll_mean_deg": 15.9, "roll_rms_error_deg": 2.1, "pitch_mean_deg": -12.9,
+            "pitch_half_amplitude_deg": 10.1, "distance_x_m": 4.1, "distance_y_m": 4.6 });
+        assert_eq!(outcomes(poor), [Missed, Missed, Missed, Missed, NotComparable]);
+        assert_eq!(outcomes(Value::Null), [NotComparable; 5]);
+    }
+}

@@ -1,0 +1,251 @@
+//! The search of a sweep: candidates, what their flights came to, and the best of them.
+
+use super::sweep::with_all;
+use super::{ConfigError, Scenario, SearchGoal, Summary, Sweep, SweepSearch};
+use serde::Serialize;
+use std::ops::ControlFlow;
+use wingbeat_flight::simulate::{Column, Record};
+use wingbeat_judge::{Judge, Status, Warning, limits};
+use wingbeat_math::Evolution;
+
+/// What a flight costs that was not flown whole, times 2 less the share that was: more than any miss that is worth a look.
+/// *Choice.*
+const BROKEN: f64 = 1e6;
+/// Measures of a candidate beside those of its flights.
+const OWN: [(&str, &str); 2] = [("ends_apart", "m"), ("cost", "")];
+
+/// A search under way.
+pub struct Search<'a> {
+    sweep: &'a Sweep,
+    spec: &'a SweepSearch,
+    evolution: Evolution,
+    /// Candidates of the generations that are told.
+    told: usize,
+}
+
+/// What the best candidate came to.
+#[derive(Clone, Debug, Serialize)]
+pub struct SearchFound {
+    /// Candidates flown.
+    pub candidates: usize,
+    /// Number of the best one.
+    pub best: usize,
+    /// Its cost: sum of the squares of all misses; 0 meets all goals.
+    pub cost: f64,
+    /// Its values, by the keys of the draws.
+    pub values: Vec<(String, f64)>,
+    /// What its flights came to.
+    pub flights: Vec<SearchFlight>,
+    /// Largest distance between their end points, m.
+    pub ends_apart_m: Option<f64>,
+}
+
+/// A flight of the best candidate.
+#[derive(Clone, Debug, Serialize)]
+pub struct SearchFlight {
+    /// Its overrides.
+    pub overrides: Vec<String>,
+    /// Its goals: key, value, what is asked, and whether it is met.
+    pub goals: Vec<(String, Option<f64>, String, bool)>,
+}
+
+impl Sweep {
+    /// The search that the sweep asks for; none where it draws.
+    pub fn search(&self) -> Option<Search<'_>> {
+        let spec = self.spec.search.as_ref()?;
+        let share = |draw: &super::Draw| {
+            let [low, high] = draw.ends();
+            draw.start.map_or(0.5, |start| (start - low) / (high - low))
+        };
+        let mean = self.spec.draws.iter().map(share).collect();
+        let evolution = Evolution::new(mean, spec.spread, spec.population, self.spec.seed);
+        Some(Search { sweep: self, spec, evolution, told: 0 })
+    }
+
+    /// Holds what a search found against its limits, and says what the best candidate misses.
+    pub(super) fn judge_search(&self, spec: &SweepSearch, record: &Record, judge: &mut Judge) {
+        let Some(found) = SearchFound::new(self, spec, record) else {
+            return judge.find(Status::Failed, "no candidate was flown");
+        };
+        let mut missed = 0;
+        let mut say = |text: String| {
+            missed += 1;
+            judge.warn(Warning::new("search.missed", text));
+        };
+        for (number, flight) in found.flights.iter().enumerate() {
+            let which = match flight.overrides.is_empty() {
+                true => String::new(),
+                false => format!(" (flight {number}, {})", flight.overrides.join(", ")),
+            };
+            for (key, value, asked, met) in &flight.goals {
+                if !met {
+                    let value = value.map_or("not known".into(), |value| format!("{value:.4}"));
+                    say(format!("the best candidate misses {key}{which}: it is {value}, asked is {asked}"));
+                }
+            }
+        }
+        if let (Some(apart), Some(most)) = (found.ends_apart_m, spec.ends_within_m)
+            && !(apart <= most)
+        {
+            say(format!(
+                "the best candidate's flights end up to {apart:.3} m apart, asked is at most {most} m"
+            ));
+        }
+        judge.hold(&limits::sweep::MISSED, f64::from(missed));
+    }
+}
+
+impl<'a> Search<'a> {
+    /// Columns of a row: number, values, the goals of each flight, and the candidate's own.
+    pub fn columns(&self) -> Vec<Column> {
+        let draws = self.sweep.spec.draws.iter().map(|draw| Column::new(draw.key.clone(), "", ""));
+        let goals = (0..self.spec.count()).flat_map(|flight| {
+            let name = move |goal: &SearchGoal| Column::new(format!("flight_{flight}_{}", goal.key), "", "");
+            self.spec.goals.iter().map(name)
+        });
+        let own = OWN.iter().map(|(name, unit)| Column::new(*name, *unit, ""));
+        std::iter::once(Column::new("run", "", "")).chain(draws).chain(goals).chain(own).collect()
+    }
+
+    /// Numbers of the candidates of the present generation, fewer in the last.
+    pub fn generation(&self) -> std::ops::Range<usize> {
+        self.told..(self.told + self.spec.population).min(self.sweep.runs())
+    }
+
+    /// The values of a candidate of the present generation.
+    pub fn values(&self, run: usize) -> Vec<f64> {
+        let shares = self.evolution.candidate(run - self.told);
+        let of = |(draw, share): (&super::Draw, f64)| {
+            let [low, high] = draw.ends();
+            low + (high - low) * share
+        };
+        self.sweep.spec.draws.iter().zip(shares).map(of).collect()
+    }
+
+    /// Whether `row` is that of a candidate: of the present generation its values too.
+    pub fn has_row(&self, row: &[f64]) -> bool {
+        let run = row.first().copied().unwrap_or(f64::NAN);
+        let whole = run.fract() == 0.0 && (0.0..self.sweep.runs() as f64).contains(&run);
+        let own = || self.values(run as usize) == row[1..=self.sweep.spec.draws.len()];
+        row.len() == self.columns().len() && whole && (!self.generation().contains(&(run as usize)) || own())
+    }
+
+    /// Goes on to the next generation by the rows of this one.
+    pub fn tell<'r>(&mut self, rows: impl Iterator<Item = &'r [f64]>) {
+        let costs: Vec<f64> = rows.map(|row| row.last().copied().unwrap_or(f64::NAN)).collect();
+        self.told += costs.len();
+        if costs.len() == self.spec.population {
+            self.evolution.tell(&costs);
+        }
+    }
+
+    /// Flies a candidate: its row, or none where `watch` stopped it.
+    ///
+    /// # Errors
+    /// A goal that a summary has not.
+    pub fn row(
+        &self,
+        run: usize,
+        watch: impl Fn() -> ControlFlow<()>,
+    ) -> Result<Option<Vec<f64>>, ConfigError> {
+        let values = self.values(run);
+        let (mut row, mut cost, mut ends) = (vec![run as f64], 0.0, Vec::new());
+        row.extend(&values);
+        for flight in 0..self.spec.count() {
+            // Values that the scenario refuses cost as much as a flight that broke down at once.
+            let Ok(scenario) = Scenario::new(self.document(&values, flight)) else {
+                row.extend(vec![f64::NAN; self.spec.goals.len()]);
+                cost += 2.0 * BROKEN;
+                continue;
+            };
+            let flown = scenario.fly(|_| watch()).map_err(|error| scenario.explain(&error))?;
+            if watch().is_break() {
+                return Ok(None);
+            }
+            let summary = &flown.summary;
+            let told = serde_json::to_value(summary).unwrap_or_default();
+            for goal in &self.spec.goals {
+                let value = number(&told, &goal.key).filter(|_| summary.completed()).unwrap_or(f64::NAN);
+                row.push(value);
+                cost += goal.miss(value).map_or(BROKEN, |miss| (miss / goal.per).powi(2)).min(BROKEN);
+            }
+            cost += broken(summary, scenario.spec.flight.duration_s);
+            ends.push((summary.distance_x_m, summary.distance_y_m));
+        }
+        let apart = apart(&ends);
+        if let Some(most) = self.spec.ends_within_m {
+            cost += ((apart - most).max(0.0) / most).powi(2).min(BROKEN);
+        }
+        row.extend([apart, cost]);
+        Ok(Some(row))
+    }
+
+    fn document(&self, values: &[f64], flight: usize) -> super::Document {
+        let overrides = self.spec.flights.get(flight).map_or(&[][..], |flight| flight);
+        with_all(self.sweep.with(values), overrides)
+    }
+
+    /// What the rows so far came to.
+    pub fn found(&self, record: &Record) -> Option<SearchFound> {
+        SearchFound::new(self.sweep, self.spec, record)
+    }
+
+    /// The scenario of the best candidate's first flight as TOML.
+    ///
+    /// # Errors
+    /// Values that the scenario refuses.
+    pub fn scenario(&self, found: &SearchFound) -> Result<String, ConfigError> {
+        let values: Vec<f64> = found.values.iter().map(|(_, value)| *value).collect();
+        Ok(Scenario::new(self.document(&values, 0))?.resolved)
+    }
+}
+
+impl SearchFound {
+    /// Of the rows of a search; none without a row.
+    fn new(sweep: &Sweep, spec: &SweepSearch, record: &Record) -> Option<Self> {
+        let costs = record.values("cost")?;
+        let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
+        let at = |name: &str| record.values(name).map_or(f64::NAN, |values| values[best]);
+        let flight = |number: usize| {
+            let goal = |goal: &SearchGoal| {
+                let value = at(&format!("flight_{number}_{}", goal.key));
+                let met = goal.miss(value) == Some(0.0);
+                (goal.key.clone(), Some(value).filter(|value| value.is_finite()), goal.asked(), met)
+            };
+            let overrides = spec.flights.get(number).cloned().unwrap_or_default();
+            SearchFlight { overrides, goals: spec.goals.iter().map(goal).collect() }
+        };
+        let apart = at("ends_apart");
+        Some(Self {
+            candidates: costs.len(),
+            best: at("run") as usize,
+            cost: costs[best],
+            values: sweep.spec.draws.iter().map(|draw| (draw.key.clone(), at(&draw.key))).collect(),
+            flights: (0..spec.count()).map(flight).collect(),
+            ends_apart_m: (spec.count() > 1 && apart.is_finite()).then_some(apart),
+        })
+    }
+}
+
+/// The number that `key` names in a summary, or what was held against the limit of that name.
+fn number(summary: &serde_json::Value, key: &str) -> Option<f64> {
+    let own = key.split('.').try_fold(summary, |value, part| value.get(part));
+    let judged = || summary["judged"].as_array()?.iter().find(|judged| judged["id"] == key)?.get("value");
+    own.or_else(judged)?.as_f64()
+}
+
+/// What a flight costs that was not flown to its end.
+fn broken(summary: &Summary, duration: f64) -> f64 {
+    if summary.completed() { 0.0 } else { BROKEN * (2.0 - (summary.duration_s / duration).clamp(0.0, 1.0)) }
+}
+
+/// Largest distance between two of the points, m; 0 of one.
+fn apart(ends: &[(f64, f64)]) -> f64 {
+    let mut most = 0.0_f64;
+    for (i, a) in ends.iter().enumerate() {
+        for b in &ends[..i] {
+            most = most.max((a.0 - b.0).hypot(a.1 - b.1));
+        }
+    }
+    most
+}
