@@ -26,6 +26,7 @@ mod processing;
 mod robustness;
 mod scale;
 mod show;
+pub mod space;
 mod starts;
 mod states;
 mod strokes;

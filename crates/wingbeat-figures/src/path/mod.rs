@@ -1,7 +1,6 @@
 //! The path through space with the robot drawn at intervals.
 
 mod bird;
-pub(crate) mod projection;
 mod room;
 mod sheet;
 

@@ -2,6 +2,7 @@
 
 use super::Point;
 use super::bird::Bird;
+use crate::space::round_step;
 
 /// Share of the picture that the robot's reach should take at least.
 const SHARE: f64 = 0.08;
@@ -55,12 +56,6 @@ fn bounds(points: impl Iterator<Item = Point>) -> (Point, Point) {
     points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), point| {
         (std::array::from_fn(|i| low[i].min(point[i])), std::array::from_fn(|i| high[i].max(point[i])))
     })
-}
-
-/// 1, 2 or 5 times a power of ten, not below `least` by more than a quarter.
-fn round_step(least: f64) -> f64 {
-    let power = 10_f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().find(|n| n * power >= 0.75 * least).unwrap_or(10.0) * power
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::Point;
 use super::bird::Bird;
-use super::projection::View;
 use super::room::Room;
+use crate::space::Camera;
 use crate::style;
 
 /// Azimuth and elevation of the view, degrees.
@@ -19,7 +19,7 @@ const SHADOW: &str = "#bdbdbd";
 /// The drawing and its scale.
 pub struct Sheet {
     pub scene: Scene,
-    view: View,
+    view: Camera,
     scale: f64,
     origin: (f64, f64),
 }
@@ -28,7 +28,7 @@ impl Sheet {
     const MARGINS: (f64, f64) = (70.0, 44.0);
 
     pub fn new(room: &Room) -> Self {
-        let view = View::new(VIEW.0, VIEW.1);
+        let view = Camera::orthographic(VIEW.0, VIEW.1);
         let seen: Vec<(f64, f64)> = room.corners().into_iter().map(|corner| view.project(corner)).collect();
         let bounds = |of: fn(&(f64, f64)) -> f64| {
             let low = seen.iter().map(of).fold(f64::INFINITY, f64::min);

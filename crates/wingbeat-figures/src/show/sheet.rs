@@ -4,7 +4,7 @@ use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
 use super::{AXIS, Drawing, Point};
-use crate::path::projection::View;
+use crate::space::Camera;
 use crate::style;
 
 /// Azimuth and elevation of the oblique view, degrees.
@@ -36,7 +36,7 @@ struct Cell {
 
 /// One view in its cell.
 struct Placed {
-    view: View,
+    view: Camera,
     scale: f64,
     origin: (f64, f64),
 }
@@ -106,7 +106,7 @@ impl<'a> Sheet<'a> {
 
     /// The view that fills a cell, or has the given scale in its middle.
     fn place(&self, (azimuth, elevation): (f64, f64), cell: Cell, scale: Option<f64>) -> Placed {
-        let view = View::new(azimuth, elevation);
+        let view = Camera::orthographic(azimuth, elevation);
         let seen: Vec<(f64, f64)> = self.drawing.points().map(|point| view.project(point)).collect();
         let (left, right) = style::span(seen.iter().map(|p| p.0));
         let (top, bottom) = style::span(seen.iter().map(|p| p.1));

@@ -8,7 +8,7 @@ pub use planes::{Cut, frontal_planes, half_circulations};
 
 use kuva::render::render::TextAnchor;
 
-use crate::path::projection::View;
+use crate::space::Camera;
 use crate::write::Figure;
 use crate::{Error, style};
 use colour::Diverging;
@@ -42,7 +42,7 @@ const HEAD: f64 = 40.0;
 
 impl Sheet {
     /// Corners of all that is drawn, as seen in `view`: ranges to the right and down.
-    fn seen(&self, view: &View) -> [(f64, f64); 2] {
+    fn seen(&self, view: &Camera) -> [(f64, f64); 2] {
         let corners = self.wake.iter().map(|(corners, _)| corners).chain(&self.wing).flatten();
         let seen: Vec<(f64, f64)> = corners.map(|point| view.project(*point)).collect();
         [style::span(seen.iter().map(|p| p.0)), style::span(seen.iter().map(|p| p.1))]
@@ -58,7 +58,7 @@ pub fn wake(sheets: &[Sheet]) -> Result<Figure, Error> {
     if sheets.is_empty() || sheets.iter().any(|sheet| sheet.wake.is_empty()) {
         return Err(Error::Rows { rows: 0, needed: 1 });
     }
-    let view = View::new(VIEW.0, VIEW.1);
+    let view = Camera::orthographic(VIEW.0, VIEW.1);
     let rings = sheets.iter().flat_map(|sheet| sheet.wake.iter().map(|(_, circulation)| *circulation));
     let scale = Diverging::of(rings);
     let seen: Vec<[(f64, f64); 2]> = sheets.iter().map(|sheet| sheet.seen(&view)).collect();
@@ -83,7 +83,13 @@ pub fn wake(sheets: &[Sheet]) -> Result<Figure, Error> {
 }
 
 /// Draws what lies further away first.
-fn draw(paper: &mut Paper, sheet: &Sheet, view: &View, scale: &Diverging, at: impl Fn(&Point) -> (f64, f64)) {
+fn draw(
+    paper: &mut Paper,
+    sheet: &Sheet,
+    view: &Camera,
+    scale: &Diverging,
+    at: impl Fn(&Point) -> (f64, f64),
+) {
     let depth = |corners: &[Point; 4]| corners.iter().map(|corner| view.nearness(*corner)).sum::<f64>();
     let wake = sheet.wake.iter().map(|(corners, value)| (corners, scale.colour(*value), 0.9));
     let wing = sheet.wing.iter().map(|corners| (corners, "#4a4a4a".to_owned(), 1.0));
