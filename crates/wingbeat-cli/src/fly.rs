@@ -14,6 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::outcome;
 use crate::progress;
+use crate::report;
 use crate::run_folder::RunFolder;
 use crate::say;
 use crate::time_left::TimeLeft;
@@ -43,6 +44,8 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     let sound = (run.summary.sound_rows < run.record.rows()).then(|| run.record.head(run.summary.sound_rows));
     let shown = sound.as_ref().unwrap_or(&run.record);
     draw(&folder, shown, asked, &of_flight(shown), &interrupt)?;
+    let flown = wingbeat_report::run::Flown { scenario: &scenario, record: shown };
+    report::beside(&folder, &scenario.spec.name, Some(flown), !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);

@@ -1,14 +1,17 @@
 //! The program `wingbeat`: a thin face over the library.
 
+mod animate;
 mod args;
 mod average;
 mod calibrate;
+mod export;
 mod fly;
 mod new;
 mod outcome;
 mod plan;
 #[cfg(test)]
 mod reference;
+mod report;
 mod rig;
 mod show;
 mod sweep;
@@ -44,6 +47,9 @@ fn main() -> ExitCode {
         Command::Rig(command) => rig::rig(&command),
         Command::Average(arguments) => average::average(&arguments),
         Command::Show(arguments) => show::show(&arguments),
+        Command::Report(arguments) => report::report(&arguments),
+        Command::Animate(arguments) => animate::animate(&arguments),
+        Command::Export(arguments) => export::export(&arguments),
         Command::Validate(_) => validate::validate(),
         Command::New(arguments) => new::new(&arguments),
         Command::Schema(arguments) => say::say(&schema_text(arguments.kind)),
