@@ -35,6 +35,9 @@ pub enum Command {
     Average(Average),
     Paper(Paper),
     Show(Show),
+    Report(Report),
+    Animate(Animate),
+    Export(Export),
     Validate(Comparisons),
     New(New),
     Migrate(Migrate),
@@ -55,6 +58,8 @@ pub struct Fly {
     pub scenario: PathBuf,
     #[command(flatten)]
     pub run: Run,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Run a scenario or a case many times with keys drawn at random or from a grid, on all cores
@@ -69,6 +74,8 @@ pub struct Sweep {
     pub sweep: PathBuf,
     #[command(flatten)]
     pub run: Run,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Move a wing as prescribed in a wind and write its loads
@@ -90,6 +97,8 @@ pub struct Tether {
     pub compare: Option<PathBuf>,
     #[command(flatten)]
     pub run: Run,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Step the vortex lattice of a wing in prescribed motion, or along a flight, and draw its wake
@@ -129,6 +138,8 @@ pub struct Wake {
     pub core: f64,
     #[command(flatten)]
     pub run: Run,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Plan a scenario's manoeuvre or gait offline: the quickest roll-in, or the least power for a mean force
@@ -144,6 +155,8 @@ pub struct Plan {
     pub scenario: PathBuf,
     #[command(flatten)]
     pub run: Run,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Fit numbers of robot and rig to runs on the load cell, with what is known of them
@@ -167,6 +180,8 @@ pub struct Calibrate {
     pub names: bool,
     #[command(flatten)]
     pub run: Run,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Find the periodic flight that a scenario's `[trim]` asks for, and how it holds
@@ -184,6 +199,8 @@ pub struct Trim {
     pub scenario: PathBuf,
     #[command(flatten)]
     pub run: Run,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Average measured loads over the cycles of the wings, from a file of the load cell alone
@@ -265,6 +282,124 @@ pub struct Paper {
     pub quiet: bool,
 }
 
+/// Show runs on one page that moves, from their run folders
+///
+/// The page is one file that needs no network: the run in space, plots beside it, numbers and settings. Of several runs it shows all at
+/// once. Without --out the page of one run becomes report.html in its folder, as every run writes it, and that of several runs
+/// report.html in the present folder. More in docs/report.md.
+#[derive(Debug, Args)]
+pub struct Report {
+    /// Run folders
+    #[arg(value_name = "RUN", required = true)]
+    pub runs: Vec<PathBuf>,
+    /// The page
+    #[arg(long, value_name = "PAGE.html")]
+    pub out: Option<PathBuf>,
+    /// Replace the file that --out names
+    #[arg(long, requires = "out")]
+    pub force: bool,
+    /// Leave the wake out
+    #[arg(long)]
+    pub no_wake: bool,
+    /// Leave the forces of the strips out
+    #[arg(long)]
+    pub no_strips: bool,
+    /// Print only errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Write a run that moves in space as an animated PNG, or as a sequence of PNG files
+///
+/// Browsers and GitHub show an animated PNG as a picture that moves. It shows the whole path with the robot enlarged, and the robot near
+/// by in a corner. More in docs/report.md.
+#[derive(Debug, Args)]
+pub struct Animate {
+    /// The run folder
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// FILE.png for an animated PNG, else the folder of frame_0000.png and so on
+    #[arg(long, value_name = "FILE.png|DIR")]
+    pub out: PathBuf,
+    /// From where the run is seen
+    #[arg(long, value_enum, default_value = "whole")]
+    pub view: AnimatedView,
+    /// Seconds of the run in a second
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub speed: f64,
+    /// Frames a second
+    #[arg(long, value_name = "HZ", default_value_t = 20.0, allow_negative_numbers = true)]
+    pub rate: f64,
+    /// Width, px
+    #[arg(long, value_name = "PX", default_value_t = 640, value_parser = clap::value_parser!(u32).range(160..=3840))]
+    pub width: u32,
+    /// A picture of 16:9 in place of 4:3
+    #[arg(long)]
+    pub wide: bool,
+    /// Replace what --out names: the file, or the frames in the folder
+    #[arg(long)]
+    pub force: bool,
+    /// Print only errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// From where an animation shows a run.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum AnimatedView {
+    /// The whole path from behind, and the robot near by in a corner
+    Whole,
+    /// The robot near by, from behind
+    Behind,
+    /// The whole path from its right side
+    Side,
+    /// The whole path from above
+    Above,
+}
+
+/// Write a run in the files of another program
+///
+/// More in docs/report.md.
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("format").required(true))]
+pub struct Export {
+    /// The run folder
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// The record as text with columns
+    #[arg(long, group = "format")]
+    pub csv: bool,
+    /// The record for NumPy, an array for each column
+    #[arg(long, group = "format")]
+    pub npz: bool,
+    /// The record for MATLAB, a variable for each column
+    #[arg(long, group = "format")]
+    pub mat: bool,
+    /// Wings, forces and circulation frame by frame for VTK, ParaView and pyvista: a folder with a list of its files
+    #[arg(long, group = "format")]
+    pub vtk: bool,
+    /// The robot with its animation as binary glTF, z up turned to y up
+    #[arg(long, group = "format")]
+    pub gltf: bool,
+    /// Where; without it NAME.csv, NAME.npz, NAME.mat, NAME.glb or the folder NAME-vtk in the present folder
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// Replace the file, or the frames in the folder
+    #[arg(long)]
+    pub force: bool,
+    /// Print only errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// What commands take whose run folder has a page.
+#[derive(Debug, Args)]
+pub struct Page {
+    /// Write no report.html
+    #[arg(long)]
+    pub no_report: bool,
+}
+
 /// What all commands that make a run folder take.
 #[derive(Debug, Args)]
 pub struct Run {
@@ -298,7 +433,7 @@ impl Run {
 pub enum Rig {
     Plan(RigPlan),
     /// Simulate runs: the carried robot, the arm's motion, the load cell
-    Simulate(RigRuns),
+    Simulate(RigSimulate),
     Process(RigProcess),
     Record(RigRecord),
     Emulate(RigEmulate),
@@ -317,6 +452,15 @@ pub struct RigPlan {
     /// and in least time
     #[arg(long, value_name = "J1,J2,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub from_deg: Option<Vec<f64>>,
+}
+
+/// A run on the rig, or a list of runs
+#[derive(Debug, Args)]
+pub struct RigSimulate {
+    #[command(flatten)]
+    pub runs: RigRuns,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// A run on the rig, or a list of runs

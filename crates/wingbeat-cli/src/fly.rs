@@ -14,6 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::outcome;
 use crate::progress;
+use crate::report;
 use crate::run_folder::RunFolder;
 use crate::say;
 use crate::time_left::TimeLeft;
@@ -40,6 +41,8 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     }
     let asked = Asked { goal: scenario.spec.goal.as_ref(), paper: scenario.spec.paper.as_ref() };
     draw(&folder, &run.record, asked, &of_flight(&run.record), &interrupt)?;
+    let flown = wingbeat_report::run::Flown { scenario: &scenario, record: &run.record };
+    report::beside(&folder, &scenario.spec.name, Some(flown), !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);

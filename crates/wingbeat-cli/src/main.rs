@@ -1,8 +1,10 @@
 //! The program `wingbeat`: a thin face over the library.
 
+mod animate;
 mod args;
 mod average;
 mod calibrate;
+mod export;
 mod fly;
 mod migrate;
 mod new;
@@ -11,6 +13,7 @@ mod paper;
 mod plan;
 #[cfg(test)]
 mod reference;
+mod report;
 mod rig;
 mod show;
 mod sweep;
@@ -47,6 +50,9 @@ fn main() -> ExitCode {
         Command::Average(arguments) => average::average(&arguments),
         Command::Paper(arguments) => paper::paper(&arguments),
         Command::Show(arguments) => show::show(&arguments),
+        Command::Report(arguments) => report::report(&arguments),
+        Command::Animate(arguments) => animate::animate(&arguments),
+        Command::Export(arguments) => export::export(&arguments),
         Command::Validate(_) => validate::validate(),
         Command::New(arguments) => new::new(&arguments),
         Command::Migrate(arguments) => migrate::migrate(&arguments),

@@ -68,6 +68,7 @@ pub fn plan(arguments: &Plan) -> Result<(), Error> {
         Err(Error::Interrupted) => true,
         drawn => drawn.map(|()| false)?,
     };
+    crate::report::beside(&folder, &scenario.spec.name, None, !arguments.page.no_report)?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     let printed = say::unless(options.quiet, || {

@@ -75,6 +75,7 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     for (name, text) in &trimmed.files {
         folder.write(name, text)?;
     }
+    crate::report::beside(&folder, &scenario.spec.name, None, !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(scenario.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);

@@ -2,6 +2,7 @@
 //!
 //! A figure of a record needs only the columns it names; where one is missing, the figure says which.
 
+pub mod animation;
 mod average;
 mod bench;
 pub mod calibration;

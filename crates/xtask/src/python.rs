@@ -51,7 +51,8 @@ pub fn packed() -> Command {
 }
 
 /// What may be asked of the package.
-const TASKS: &str = "test, packed, wheel, calls [OPTION...], measure [WHAT...], or policies [STEPS [SEED...]]";
+const TASKS: &str =
+    "test, packed, wheel, calls [OPTION...], measure [WHAT...], or policies [STEPS [SEED...]]";
 
 /// Builds the extension and, as a test of the program needs it, the program.
 const BUILD: [&str; 8] =

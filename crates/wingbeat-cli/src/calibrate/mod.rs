@@ -44,6 +44,7 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
         Ok(Some(found)) => {
             let verdict = found.verdict(calibration.limits());
             write(&folder, (&found, &verdict), &files)?;
+            crate::report::beside(&folder, &calibration.spec.name, None, !arguments.page.no_report)?;
             interrupt.check()?;
             let path = folder.finish(&Manifest::new(calibration.spec.seed, start.elapsed()))?;
             let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);

@@ -11,7 +11,7 @@ use wingbeat::scenario::{RigRun, SimulatedSummary};
 use wingbeat_io::write_parquet;
 
 use super::runs;
-use crate::args::RigRuns;
+use crate::args::RigSimulate;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
@@ -36,9 +36,10 @@ pub struct Measured {
 }
 
 /// Plans and simulates every run into its own folder.
-pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
+pub fn simulate(arguments: &RigSimulate) -> Result<(), Error> {
     let start = Instant::now();
     let interrupt = Interrupt::listen()?;
+    let (page, arguments) = (&arguments.page, &arguments.runs);
     let options = &arguments.run;
     let runs = runs::load(&arguments.file, &options.all_overrides())?;
     let name = named_after(&arguments.file, options.out.as_deref())?;
@@ -63,6 +64,7 @@ pub fn simulate(arguments: &RigRuns) -> Result<(), Error> {
     if summaries.iter().all(|(_, summary)| summary.told.ending == "refused") {
         return Err(Error::Input(reason.replace("; ", "\n")));
     }
+    crate::report::beside(&folder, name.as_str(), None, !page.no_report)?;
     interrupt.check()?;
     let path = folder
         .finish(&Manifest::new(runs.first().and_then(|run| run.spec.seed).unwrap_or(0), start.elapsed()))?;

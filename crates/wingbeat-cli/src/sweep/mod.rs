@@ -59,6 +59,7 @@ pub fn sweep(arguments: &args::Sweep) -> Result<(), Error> {
             (verdict, said + &stepped.told())
         }
     };
+    crate::report::beside(&folder, &sweep.spec.name, None, !arguments.page.no_report)?;
     let path = folder.finish(&Manifest::new(sweep.spec.seed, start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);
     let printed = say::unless(options.quiet, || format!("{said}\nrun folder: {}\n", shown.display()));

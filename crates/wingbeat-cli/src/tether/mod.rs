@@ -71,6 +71,7 @@ pub fn tether(arguments: &Tether) -> Result<(), Error> {
     folder.write("case.toml", &case.kept(|path| tables.name(path))?)?;
     tables.keep(&folder)?;
     found.write(&folder)?;
+    crate::report::beside(&folder, &case.spec.name, None, !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);

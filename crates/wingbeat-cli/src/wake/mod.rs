@@ -53,6 +53,7 @@ pub fn wake(arguments: &Wake) -> Result<(), Error> {
         }
     }
     draw::draw(&folder, &watches)?;
+    crate::report::beside(&folder, source.name(), None, !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     let shown = path.strip_prefix(std::env::current_dir().unwrap_or_default()).unwrap_or(&path);

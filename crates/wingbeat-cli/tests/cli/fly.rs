@@ -19,7 +19,8 @@ fn a_run_folder_is_whole_and_reproduces_itself() {
     let folder = scratch("fly-whole");
     let output = glide(&folder, &["--out", "a", "--seed", "7"]);
     assert!(output.status.success(), "{output:?}");
-    let names = ["figures", "manifest.json", "record.parquet", "scenario.toml", "summary.json"];
+    let names =
+        ["figures", "manifest.json", "record.parquet", "report.html", "scenario.toml", "summary.json"];
     assert_eq!(entries(&folder.join("a")), names);
     assert!(entries(&folder.join("a/figures")).contains(&"states.png".into()));
     let table = String::from_utf8(output.stdout).unwrap();

@@ -9,6 +9,7 @@ mod paper;
 mod plan;
 #[cfg(unix)]
 mod record;
+mod report;
 mod rig_beside;
 mod rig_plan;
 mod rig_process;

@@ -111,6 +111,7 @@ fn a_gait_leaves_a_whole_folder_and_the_tethered_wing_bears_its_force() {
         "plan.json",
         "plan.parquet",
         "record.parquet",
+        "report.html",
         "scenario.toml",
         "summary.json",
         "tether.toml",
@@ -154,7 +155,8 @@ fn a_force_out_of_reach_is_named_in_a_folder_that_is_kept() {
     let text = String::from_utf8(output.stderr).unwrap();
     assert!(text.contains("infeasible: mean upward force misses its limits"), "{text}");
     // The nodes of the best point that was met are kept; it is not replayed.
-    let names = ["manifest.json", "plan.json", "plan.parquet", "scenario.toml", "summary.json"];
+    let names =
+        ["manifest.json", "plan.json", "plan.parquet", "report.html", "scenario.toml", "summary.json"];
     assert_eq!(entries(&folder.join("a")), names);
     let summary = summary(&folder.join("a"));
     assert_eq!(summary["status"], "not_found");

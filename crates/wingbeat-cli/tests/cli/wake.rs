@@ -24,6 +24,7 @@ fn a_case_leaves_its_wake() {
         "middle_of_downstroke.vtk",
         "middle_of_upstroke.vtk",
         "record.parquet",
+        "report.html",
         "summary.json",
         "upstroke_begins.vtk",
     ];

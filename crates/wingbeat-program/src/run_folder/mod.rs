@@ -327,6 +327,44 @@ pub fn named_after(file: &Path, out: Option<&Path>) -> Result<RunName, Error> {
     }
 }
 
+/// Writes the file `name` into the finished run `folder`, in place of an earlier one, and lists it there.
+///
+/// # Errors
+/// A folder that is no run; a file of that name that is none of the run; what cannot be written.
+pub fn add_file(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Error> {
+    let (manifest, path) = (folder.join(MANIFEST), folder.join(name));
+    let not_ours = |why: &str| Error::Input(format!("{}: {why}", manifest.display()));
+    let text = fs::read_to_string(&manifest).map_err(|source| Error::file(&manifest, source))?;
+    let mut listed: serde_json::Value =
+        serde_json::from_str(&text).map_err(|_| not_ours("no manifest of a run of wingbeat"))?;
+    if listed["program"] != PROGRAM {
+        return Err(not_ours("no manifest of a run of wingbeat"));
+    }
+    let files = listed["files"].as_array_mut().ok_or_else(|| not_ours("lists no files"))?;
+    let known = files.iter().any(|file| file == name);
+    if !known && fs::symlink_metadata(&path).is_ok() {
+        let why = "is no file of the run; move it, or give --out";
+        return Err(Error::Input(format!("{}: {why}", path.display())));
+    }
+    // Listed first: a file that is not there is no harm, one that is not listed is.
+    if !known {
+        files.push(name.into());
+        let text = serde_json::to_string_pretty(&listed).map_err(io::Error::from);
+        replace(&manifest, (text.map_err(|source| Error::file(&manifest, source))? + "\n").as_bytes())?;
+    }
+    replace(&path, bytes)
+}
+
+/// Writes a file beside `path` and moves it there.
+fn replace(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let beside = hidden(path, "partial");
+    let written = fs::write(&beside, bytes).and_then(|()| fs::rename(&beside, path));
+    written.map_err(|source| {
+        let _ = fs::remove_file(&beside);
+        Error::file(path, source)
+    })
+}
+
 fn label(target: &Path) -> String {
     target.file_name().map_or("run".into(), |name| name.to_string_lossy().into_owned())
 }

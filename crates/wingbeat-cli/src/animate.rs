@@ -1,0 +1,86 @@
+//! `wingbeat animate`.
+
+use std::path::Path;
+
+use wingbeat_figures::animation::Animation;
+use wingbeat_report::animate::{Asked, Film, Seen};
+use wingbeat_report::run::{Run, read};
+
+use crate::args::{Animate, AnimatedView};
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::report::{folder_of, free, refused};
+use crate::{progress, say};
+
+/// Draws the frames of a run and writes them.
+pub fn animate(arguments: &Animate) -> Result<(), Error> {
+    let interrupt = Interrupt::listen()?;
+    let asked = asked(arguments)?;
+    let animated = is_file(&arguments.out)?;
+    match animated {
+        true => free(&arguments.out, arguments.force)?,
+        false => folder_of(&arguments.out, ("frame_", ".png"), arguments.force)?,
+    }
+    let run = only(read(&arguments.run).map_err(refused)?)?;
+    let film = Film::new(&run, asked).map_err(Error::Input)?;
+    let template = "drawing {bar:30} {percent:>3} %  ({eta} left)";
+    let bar = progress::bar(Some(film.frames() as u64), template, arguments.quiet);
+    let mut animation = Animation::default();
+    for k in 0..film.frames() {
+        interrupt.check()?;
+        animation.push(&film.picture(k)).map_err(failed)?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    match animated {
+        true => animation.write(&arguments.out, 1.0 / asked.rate).map_err(failed)?,
+        false => animation.sequence(&arguments.out).map_err(failed)?,
+    }
+    say::unless(arguments.quiet, || format!("{} frames: {}\n", animation.frames(), arguments.out.display()))
+}
+
+/// The run of a folder that holds one; of the rig the first that moves.
+pub fn only(runs: Vec<Run>) -> Result<Run, Error> {
+    let moves = runs.iter().position(|run| run.motion.is_some()).unwrap_or(0);
+    runs.into_iter().nth(moves).ok_or_else(|| Error::Input("no run".into()))
+}
+
+fn failed(error: wingbeat_figures::Error) -> Error {
+    match error {
+        wingbeat_figures::Error::File { path, source } => Error::File { path, source },
+        error => Error::Input(format!("the animation cannot be written: {error}")),
+    }
+}
+
+/// Whether `out` is an animated PNG; else it is a folder.
+fn is_file(out: &Path) -> Result<bool, Error> {
+    match out.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()) {
+        Some(extension) if extension == "png" || extension == "apng" => Ok(true),
+        Some(extension) if ["webp", "mp4", "gif", "avi", "mov", "webm", "jpg"].contains(&&*extension) => {
+            Err(Error::Input(format!(
+                "--out {}: no .{extension} is written; allowed is FILE.png, an animated PNG, or a folder for a sequence of PNG files",
+                out.display()
+            )))
+        }
+        _ => Ok(false),
+    }
+}
+
+fn asked(arguments: &Animate) -> Result<Asked, Error> {
+    let within = |name: &str, value: f64, low: f64, high: f64| match value >= low && value <= high {
+        true => Ok(value),
+        false => Err(Error::Input(format!("{name} {value}: allowed is {low} to {high}"))),
+    };
+    Ok(Asked {
+        seen: match arguments.view {
+            AnimatedView::Whole => Seen::Whole,
+            AnimatedView::Behind => Seen::Behind,
+            AnimatedView::Side => Seen::Side,
+            AnimatedView::Above => Seen::Above,
+        },
+        speed: within("--speed", arguments.speed, 0.001, 1000.0)?,
+        rate: within("--rate", arguments.rate, 1.0, 100.0)?,
+        width: f64::from(arguments.width),
+        wide: arguments.wide,
+    })
+}

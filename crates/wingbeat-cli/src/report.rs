@@ -1,0 +1,122 @@
+//! `wingbeat report`, and the page in every run folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use wingbeat_report::page::{Without, page};
+use wingbeat_report::run::{Flown, of, read};
+
+use crate::args::Report;
+use crate::error::Error;
+use crate::interrupt::Interrupt;
+use crate::run_folder::{RunFolder, add_file};
+use crate::say;
+
+/// The page of a run in its folder.
+const PAGE: &str = "report.html";
+/// Most runs on one page.
+const MOST_RUNS: usize = 16;
+
+/// Writes the page of runs that are there.
+pub fn report(arguments: &Report) -> Result<(), Error> {
+    let interrupt = Interrupt::listen()?;
+    if arguments.runs.len() > MOST_RUNS {
+        let given = arguments.runs.len();
+        return Err(Error::Input(format!("{given} runs: allowed are at most {MOST_RUNS} on one page")));
+    }
+    let mut runs = Vec::new();
+    for folder in &arguments.runs {
+        runs.extend(read(folder).map_err(refused)?);
+        interrupt.check()?;
+    }
+    let text = page(&runs, Without { wake: arguments.no_wake, strips: arguments.no_strips });
+    let place = match (&arguments.out, arguments.runs.as_slice()) {
+        (Some(out), _) => written(out, &text, arguments.force)?,
+        (None, [only]) => {
+            add_file(only, PAGE, text.as_bytes())?;
+            only.join(PAGE)
+        }
+        (None, _) => written(Path::new(PAGE), &text, false)?,
+    };
+    say::unless(arguments.quiet, || {
+        let status = |run: &wingbeat_report::run::Run| {
+            let status = run.summary["status"].as_str().unwrap_or("no status");
+            format!("{}: {}, {status}\n", run.name, run.kind)
+        };
+        format!("{}page: {}\n", runs.iter().map(status).collect::<String>(), place.display())
+    })
+}
+
+/// Writes a file that is not there, or may be replaced.
+fn written(path: &Path, text: &str, force: bool) -> Result<PathBuf, Error> {
+    free(path, force)?;
+    fs::write(path, text).map_err(|source| Error::file(path, source))?;
+    Ok(path.into())
+}
+
+/// Refuses a file that is there, unless it may be replaced, and what is no file.
+///
+/// # Errors
+/// That.
+pub fn free(path: &Path, force: bool) -> Result<(), Error> {
+    match fs::symlink_metadata(path) {
+        Err(_) => Ok(()),
+        Ok(data) if force && data.is_file() => Ok(()),
+        Ok(data) => Err(Error::Input(format!(
+            "{}: {}",
+            path.display(),
+            if data.is_file() { "is there already; --out FILE --force replaces it" } else { "is no file" }
+        ))),
+    }
+}
+
+/// A folder for files that are called `PREFIX...SUFFIX`: new or empty, or with such files alone where they may be replaced, which are
+/// then gone.
+///
+/// # Errors
+/// A folder with other files.
+pub fn folder_of(path: &Path, (prefix, suffix): (&str, &str), force: bool) -> Result<(), Error> {
+    let failed = |source| Error::file(path, source);
+    fs::create_dir_all(path).map_err(failed)?;
+    let entries = fs::read_dir(path).map_err(failed)?.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+    let ours = |entry: &fs::DirEntry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        name.starts_with(prefix)
+            && name.contains(suffix)
+            && entry.file_type().is_ok_and(|kind| kind.is_file())
+    };
+    if let Some(other) = entries.iter().find(|entry| !force || !ours(entry)) {
+        let name = other.file_name().to_string_lossy().into_owned();
+        let hint = if force { "" } else { "; --force replaces earlier frames" };
+        return Err(Error::Input(format!(
+            "{}: holds {name}; allowed is a new or empty folder{hint}",
+            path.display()
+        )));
+    }
+    entries.iter().try_for_each(|entry| fs::remove_file(entry.path())).map_err(failed)
+}
+
+pub fn refused(error: wingbeat_report::Error) -> Error {
+    match error {
+        wingbeat_report::Error::File { path, source } => Error::File { path, source },
+        wingbeat_report::Error::Record(error) => Error::Record(error),
+        error => Error::Input(error.to_string()),
+    }
+}
+
+/// Writes the page of the run in `folder`, which is called `name`, unless it is not wanted; what cannot be shown is said.
+///
+/// # Errors
+/// A page that cannot be written: the disk is full.
+pub fn beside(folder: &RunFolder, name: &str, flown: Option<Flown>, wanted: bool) -> Result<(), Error> {
+    if !wanted {
+        return Ok(());
+    }
+    match of(folder.partial(), name, flown) {
+        Ok(runs) => folder.write(PAGE, &page(&runs, Without::default())),
+        Err(error) => {
+            say::note(&format!("report.html is left out: {error}"));
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Pictures that move: parts of space frame by frame, as an animated PNG or as a sequence of PNG files.
+//!
+//! A picture has at most [`PALETTE`] colours, and of a frame only what differs from the one before is written.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::Path;
+
+use kuva::backend::png::PngBackend;
+
+use crate::space::{Bounds, Camera, Pane, Point, Space};
+use crate::{Error, style};
+
+/// Steps between neighbouring shades of a colour.
+const SHADE: u16 = 17;
+/// Colours of the palette, beside the one that leaves a pixel as it was.
+const PALETTE: usize = 255;
+
+/// An area of a picture.
+pub struct Area {
+    /// Its corners.
+    pub corners: Vec<Point>,
+    /// Its colour, `#rrggbb`.
+    pub colour: String,
+    /// How much of it is seen.
+    pub opacity: f64,
+    /// The colour of a line about it.
+    pub edge: Option<&'static str>,
+}
+
+/// A line of a picture.
+pub struct Line {
+    /// Its points.
+    pub points: Vec<Point>,
+    /// Its colour.
+    pub colour: String,
+    /// Its weight, px.
+    pub weight: f64,
+}
+
+/// A part of space in a pane of a picture.
+pub struct View {
+    /// From where it is seen.
+    pub camera: Camera,
+    /// What of space it shows.
+    pub bounds: Bounds,
+    /// Where it is drawn.
+    pub pane: Pane,
+    /// Whether it stands on a ground of its own with a frame.
+    pub framed: bool,
+    /// Areas, sorted by depth.
+    pub areas: Vec<Area>,
+    /// Lines, likewise.
+    pub lines: Vec<Line>,
+    /// Words at points.
+    pub words: Vec<(Point, String)>,
+}
+
+/// A picture.
+pub struct Picture {
+    /// Width, px.
+    pub width: f64,
+    /// Height, px.
+    pub height: f64,
+    /// What it shows, one over the other.
+    pub views: Vec<View>,
+    /// Words in its upper left corner.
+    pub title: String,
+}
+
+/// Pixels of a picture: four bits of red, green and blue each.
+struct Pixels {
+    width: u32,
+    height: u32,
+    shades: Vec<u16>,
+}
+
+/// Frames on the way to a file.
+#[derive(Default)]
+pub struct Animation {
+    frames: Vec<Pixels>,
+}
+
+impl Animation {
+    /// Draws a frame.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    pub fn push(&mut self, picture: &Picture) -> Result<(), Error> {
+        self.frames.push(pixels(picture).map_err(|error| Error::Picture(error.to_string()))?);
+        Ok(())
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Writes an animated PNG that begins again at its end, each frame for `delay_s`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, path: &Path, delay_s: f64) -> Result<(), Error> {
+        self.animated(path, delay_s).map_err(|error| told(path, error))
+    }
+
+    /// Writes each frame as `frame_0000.png` and so on into `folder`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn sequence(&self, folder: &Path) -> Result<(), Error> {
+        let palette = palette(&self.frames);
+        for (number, frame) in self.frames.iter().enumerate() {
+            let path = folder.join(format!("frame_{number:04}.png"));
+            let whole = || -> Result<(), Box<dyn std::error::Error>> {
+                let mut encoder = encoder(&path, frame, &palette)?;
+                encoder.set_compression(png::Compression::Balanced);
+                let indices: Vec<u8> = frame.shades.iter().map(|shade| palette.place(*shade)).collect();
+                Ok(encoder.write_header()?.write_image_data(&indices)?)
+            };
+            whole().map_err(|error| told(&path, error))?;
+        }
+        Ok(())
+    }
+
+    fn animated(&self, path: &Path, delay_s: f64) -> Result<(), Box<dyn std::error::Error>> {
+        let Some(first) = self.frames.first() else { return Err("no frames".into()) };
+        let palette = palette(&self.frames);
+        let mut encoder = encoder(path, first, &palette)?;
+        encoder.set_animated(self.frames.len() as u32, 0)?;
+        encoder.set_frame_delay((1000.0 * delay_s).round().clamp(1.0, 60_000.0) as u16, 1000)?;
+        encoder.set_blend_op(png::BlendOp::Over)?;
+        encoder.set_dispose_op(png::DisposeOp::None)?;
+        encoder.set_compression(png::Compression::High);
+        encoder.set_filter(png::Filter::NoFilter);
+        let mut writer = encoder.write_header()?;
+        let mut before: Option<&Pixels> = None;
+        for frame in &self.frames {
+            let (x, y, width, height) =
+                before.map_or((0, 0, frame.width, frame.height), |b| frame.changed(b));
+            if before.is_some() {
+                writer.set_frame_dimension(width, height)?;
+                writer.set_frame_position(x, y)?;
+            }
+            let mut indices = Vec::with_capacity((width * height) as usize);
+            for row in y..y + height {
+                for column in x..x + width {
+                    let at = (row * frame.width + column) as usize;
+                    let same = before.is_some_and(|before| before.shades[at] == frame.shades[at]);
+                    indices.push(if same { 0 } else { palette.place(frame.shades[at]) });
+                }
+            }
+            writer.write_image_data(&indices)?;
+            before = Some(frame);
+        }
+        Ok(writer.finish()?)
+    }
+}
+
+fn told(path: &Path, error: Box<dyn std::error::Error>) -> Error {
+    match error.downcast::<std::io::Error>() {
+        Ok(source) => Error::File { path: path.into(), source: *source },
+        Err(error) => Error::Picture(error.to_string()),
+    }
+}
+
+impl Pixels {
+    /// The least rectangle that holds what differs from `before`; a pixel where nothing does.
+    fn changed(&self, before: &Self) -> (u32, u32, u32, u32) {
+        let (mut low, mut high) = ((self.width, self.height), (0, 0));
+        for (at, pair) in self.shades.iter().zip(&before.shades).enumerate() {
+            if pair.0 != pair.1 {
+                let (x, y) = (at as u32 % self.width, at as u32 / self.width);
+                low = (low.0.min(x), low.1.min(y));
+                high = (high.0.max(x), high.1.max(y));
+            }
+        }
+        if low.0 > high.0 { (0, 0, 1, 1) } else { (low.0, low.1, high.0 - low.0 + 1, high.1 - low.1 + 1) }
+    }
+}
+
+/// The colours of all frames: the most frequent, and for the others the nearest of them. Number 0 leaves a pixel as it was.
+struct Palette {
+    colours: Vec<u8>,
+    places: BTreeMap<u16, u8>,
+}
+
+impl Palette {
+    fn place(&self, shade: u16) -> u8 {
+        self.places.get(&shade).copied().unwrap_or(1)
+    }
+}
+
+fn parts(shade: u16) -> [u16; 3] {
+    [shade >> 8, shade >> 4 & 15, shade & 15]
+}
+
+fn palette(frames: &[Pixels]) -> Palette {
+    let mut counts: BTreeMap<u16, usize> = BTreeMap::new();
+    for shade in frames.iter().flat_map(|frame| &frame.shades) {
+        *counts.entry(*shade).or_default() += 1;
+    }
+    let mut order: Vec<u16> = counts.keys().copied().collect();
+    order.sort_by_key(|shade| std::cmp::Reverse(counts[shade]));
+    let kept: Vec<u16> = order.iter().copied().take(PALETTE).collect();
+    let distance =
+        |a: u16, b: u16| -> u16 { parts(a).iter().zip(parts(b)).map(|(a, b)| a.abs_diff(b).pow(2)).sum() };
+    let nearest = |shade: u16| (0..kept.len()).min_by_key(|&i| distance(kept[i], shade)).unwrap_or(0);
+    let places = order.iter().map(|&shade| (shade, nearest(shade) as u8 + 1)).collect();
+    let colours = kept.iter().flat_map(|&shade| parts(shade).map(|part| (part * SHADE) as u8));
+    Palette { colours: [0; 3].into_iter().chain(colours).collect(), places }
+}
+
+fn encoder<'a>(
+    path: &Path,
+    frame: &Pixels,
+    palette: &Palette,
+) -> Result<png::Encoder<'a, BufWriter<File>>, Box<dyn std::error::Error>> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::create_dir_all(folder)?;
+    }
+    let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), frame.width, frame.height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(palette.colours.clone());
+    encoder.set_trns(vec![0]);
+    Ok(encoder)
+}
+
+/// Draws a picture.
+fn pixels(picture: &Picture) -> Result<Pixels, Box<dyn std::error::Error>> {
+    let mut scene = style::scene(picture.width, picture.height);
+    for view in &picture.views {
+        let Pane { x, y, width, height } = view.pane;
+        if view.framed {
+            let corners = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)];
+            scene.elements.push(style::area(&corners, "#ffffff", 1.0));
+            for k in 0..4 {
+                scene.elements.push(style::sample(corners[k], corners[(k + 1) % 4], style::GUIDE, 1.2, None));
+            }
+        }
+        let mut space = Space::new(view.camera, view.bounds, view.pane);
+        for Area { corners, colour, opacity, edge } in &view.areas {
+            space.area(corners, colour, *opacity, *edge);
+        }
+        view.lines.iter().for_each(|line| space.line(&line.points, &line.colour, line.weight));
+        for (point, words) in &view.words {
+            space.label(*point, (0.0, -8.0), words, kuva::render::render::TextAnchor::Middle);
+        }
+        space.paint(&mut scene);
+    }
+    let anchor = kuva::render::render::TextAnchor::Start;
+    scene.elements.push(style::words(12.0, 22.0, picture.title.clone(), anchor, false));
+    let bytes = PngBackend::new().with_scale(1.0).render_scene(&scene)?;
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
+    let mut rgba = vec![0; reader.output_buffer_size().unwrap_or(0)];
+    let frame = reader.next_frame(&mut rgba)?;
+    let bits = |value: u8| (u16::from(value) + SHADE / 2) / SHADE;
+    let shades = rgba[..frame.buffer_size()].chunks_exact(4);
+    let shades = shades.map(|p| bits(p[0]) << 8 | bits(p[1]) << 4 | bits(p[2])).collect();
+    Ok(Pixels { width: frame.width, height: frame.height, shades })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(x: f64) -> Picture {
+        let corners = vec![[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0]];
+        let area = Area { corners, colour: "#0072b2".into(), opacity: 1.0, edge: None };
+        let view = View {
+            camera: Camera::orthographic(-90.0, 90.0),
+            bounds: Bounds { low: [0.0; 3], high: [3.0, 1.0, 0.1] },
+            pane: Pane { x: 0.0, y: 0.0, width: 200.0, height: 120.0 },
+            framed: false,
+            areas: vec![area],
+            lines: Vec::new(),
+            words: Vec::new(),
+        };
+        Picture { width: 200.0, height: 120.0, views: vec![view], title: "t".into() }
+    }
+
+    #[test]
+    fn frames_come_back_in_their_order() {
+        let mut animation = Animation::default();
+        for k in 0..3 {
+            animation.push(&frame(f64::from(k))).unwrap();
+        }
+        let path = std::env::temp_dir().join(format!("wingbeat-animation-{}.png", std::process::id()));
+        animation.write(&path, 0.05).unwrap();
+        let decoder = png::Decoder::new(std::io::BufReader::new(File::open(&path).unwrap()));
+        let mut reader = decoder.read_info().unwrap();
+        assert_eq!(reader.info().animation_control().unwrap().num_frames, 3);
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let mut seen = 0;
+        while reader.next_frame(&mut pixels).is_ok() {
+            seen += 1;
+            let control = reader.info().frame_control().unwrap();
+            assert!(control.delay_num == 50 && (seen == 1 || control.width < 190), "{control:?}");
+        }
+        assert_eq!(seen, 3);
+        fs::remove_file(path).unwrap();
+    }
+}

@@ -1,0 +1,271 @@
+//! The pictures of an animation of a run.
+
+use wingbeat::math::Vec3;
+use wingbeat_figures::animation::{Area, Line, Picture, View};
+use wingbeat_figures::space::{Bounds, Camera, Pane, Point};
+
+use crate::motion::{Motion, at};
+use crate::run::Run;
+
+/// Most frames of an animation.
+const MOST: usize = 1200;
+/// Colours of left, right and neither side, as in the figures.
+const SIDES: [[f64; 3]; 3] = [[0.0, 114.0, 178.0], [213.0, 94.0, 0.0], [140.0, 146.0, 153.0]];
+/// Colour of the body, of the way, of its curtain and of the grid.
+const BODY: [f64; 3] = [110.0, 116.0, 125.0];
+const WAY: &str = "#222222";
+const CURTAIN: &str = "#7d8790";
+const GRID: &str = "#d2d6da";
+/// Where the light comes from.
+const LIGHT: [f64; 3] = [-0.34, 0.24, 0.91];
+/// Share of the way's size that the robot's reach takes at least.
+const SHARE: f64 = 0.1;
+/// Pieces of the drawn way.
+const PIECES: usize = 70;
+/// Half the time over which the place that a close view follows is averaged, s.
+const FOLLOWS: f64 = 0.15;
+
+/// From where a run is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// The whole way from behind, and the robot near by in a corner.
+    Whole,
+    /// The robot near by, from behind.
+    Behind,
+    /// The whole way from its right side.
+    Side,
+    /// The whole way from above.
+    Above,
+}
+
+/// What an animation shows and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// From where.
+    pub seen: Seen,
+    /// Seconds of the run in a second.
+    pub speed: f64,
+    /// Frames a second.
+    pub rate: f64,
+    /// Width, px.
+    pub width: f64,
+    /// Whether the picture is 16:9; else it is 4:3.
+    pub wide: bool,
+}
+
+/// An animation of a run.
+pub struct Film<'a> {
+    run: &'a Run,
+    motion: &'a Motion,
+    asked: Asked,
+    /// The box of the whole way with the robot, and the enlargement of the robot in it.
+    bounds: Bounds,
+    enlarged: f64,
+}
+
+impl<'a> Film<'a> {
+    /// The film of `run`.
+    ///
+    /// # Errors
+    /// A run in which nothing moves, or more frames than are made.
+    pub fn new(run: &'a Run, asked: Asked) -> Result<Self, String> {
+        let motion = run.motion.as_ref().filter(|motion| motion.frames() > 1 && !motion.surfaces.is_empty());
+        let Some(motion) = motion else {
+            return Err(format!("{}: nothing moves in this {}", run.name, run.kind));
+        };
+        let reach = motion.reach();
+        let places = (0..motion.frames()).map(|i| at(&motion.position, i).0);
+        let way = Bounds::of(places).unwrap_or(Bounds { low: [0.0; 3], high: [0.0; 3] });
+        let size = (0..3).map(|i| way.high[i] - way.low[i]).fold(2.0 * reach, f64::max);
+        let enlarged = if motion.free { (SHARE * size / reach).clamp(1.0, 12.0).round() } else { 1.0 };
+        let room = reach * enlarged;
+        let bounds = Bounds { low: way.low.map(|x| x - room), high: way.high.map(|x| x + room) };
+        let film = Self { run, motion, asked, bounds, enlarged };
+        match film.frames() {
+            0 => Err("no frames".into()),
+            frames if frames > MOST => {
+                Err(format!("{frames} frames: allowed are at most {MOST}; raise --speed or lower --rate"))
+            }
+            _ => Ok(film),
+        }
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        let span = self.motion.t[self.motion.frames() - 1] - self.motion.t[0];
+        (span / self.asked.speed * self.asked.rate).ceil().clamp(0.0, 1e9) as usize
+    }
+
+    /// Frame number `k`.
+    pub fn picture(&self, k: usize) -> Picture {
+        let t = self.motion.t[0] + k as f64 / self.asked.rate * self.asked.speed;
+        let i = self.motion.t.partition_point(|time| *time < t).min(self.motion.frames() - 1);
+        let width = self.asked.width;
+        let height = (width * if self.asked.wide { 9.0 / 16.0 } else { 0.75 }).round();
+        let whole = Pane { x: 0.0, y: 0.0, width, height };
+        let mut title = format!("{}, t = {t:.2} s", self.run.name);
+        let views = match self.asked.seen {
+            Seen::Behind => vec![self.near(i, whole, false)],
+            _ if !self.motion.free => vec![self.far(i, whole)],
+            _ => {
+                let (w, h) = (0.34 * width, 0.44 * height);
+                let corner = Pane { x: width - w - 8.0, y: 8.0, width: w, height: h };
+                vec![self.far(i, whole), self.near(i, corner, true)]
+            }
+        };
+        if self.enlarged > 1.0 && self.asked.seen != Seen::Behind {
+            title += &format!("; on the path the robot is {} times enlarged", self.enlarged);
+        }
+        Picture { width, height, views, title }
+    }
+
+    /// The whole way with its curtain and the ground.
+    fn far(&self, i: usize, pane: Pane) -> View {
+        let (azimuth, elevation) = match self.asked.seen {
+            Seen::Side => (-90.0, 6.0),
+            Seen::Above => (180.0, 89.0),
+            _ => (202.0, 22.0),
+        };
+        let Bounds { low, high } = self.bounds;
+        let middle: Point = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
+        let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        let mut view = View {
+            camera: Camera::perspective(azimuth, elevation, middle, 2.4 * size),
+            bounds: self.bounds,
+            pane,
+            framed: false,
+            areas: Vec::new(),
+            lines: Vec::new(),
+            words: Vec::new(),
+        };
+        self.ground(&mut view);
+        if self.motion.free {
+            self.way(&mut view, i);
+        }
+        self.robot(&mut view, i, self.enlarged);
+        view
+    }
+
+    /// The robot near by, with a level line.
+    fn near(&self, i: usize, pane: Pane, framed: bool) -> View {
+        let motion = self.motion;
+        let (middle, heading) = self.followed(i);
+        let reach = 1.05 * motion.reach();
+        let bounds = Bounds {
+            low: std::array::from_fn(|axis| middle.0[axis] - reach),
+            high: std::array::from_fn(|axis| middle.0[axis] + reach),
+        };
+        let azimuth = heading.to_degrees() + 180.0 + 18.0;
+        let mut view = View {
+            camera: Camera::perspective(azimuth, 14.0, middle.0, 7.0 * reach),
+            bounds,
+            pane,
+            framed,
+            areas: Vec::new(),
+            lines: Vec::new(),
+            words: Vec::new(),
+        };
+        self.robot(&mut view, i, 1.0);
+        if motion.free {
+            let (com, along) =
+                (motion.in_world(i, at(&motion.com, i)), motion.turned(i, Vec3([1.0, 0.0, 0.0])));
+            let level = Vec3([-along.0[1], along.0[0], 0.0]).normalized() * reach;
+            view.lines.push(line(vec![(com - level).0, (com + level).0], WAY, 1.0));
+            let side = motion.turned(i, Vec3([0.0, reach, 0.0]));
+            for (side, colour) in [(side, "#0072b2"), (-side, "#d55e00")] {
+                view.lines.push(line(vec![com.0, (com + side).0], colour, 2.4));
+            }
+        }
+        view
+    }
+
+    /// Mean place of the body about frame `i`, and the direction over the ground in which it goes.
+    fn followed(&self, i: usize) -> (Vec3, f64) {
+        let motion = self.motion;
+        let mean = |t: f64| {
+            let near = |k: &usize| (motion.t[*k] - t).abs() <= FOLLOWS;
+            let rows: Vec<usize> = (0..motion.frames()).filter(near).collect();
+            let sum = rows.iter().fold(Vec3::ZERO, |sum, &k| sum + at(&motion.position, k));
+            sum * (1.0 / rows.len().max(1) as f64)
+        };
+        let (last, t) = (motion.t[motion.frames() - 1], motion.t[i]);
+        let way = mean((t + FOLLOWS).min(last)) - mean((t - FOLLOWS).max(motion.t[0]));
+        let goes = motion.free && way.0[0].hypot(way.0[1]) > 1e-3 * motion.reach();
+        (mean(t), if goes { way.0[1].atan2(way.0[0]) } else { 0.0 })
+    }
+
+    /// A grid under everything.
+    fn ground(&self, view: &mut View) {
+        let Bounds { low, high } = self.bounds;
+        let size = (high[0] - low[0]).max(high[1] - low[1]);
+        let power = 10_f64.powf((size / 10.0).log10().floor());
+        let step =
+            [1.0, 2.0, 5.0, 10.0].into_iter().find(|n| n * power >= size / 12.0).unwrap_or(10.0) * power;
+        let ticks = |axis: usize| {
+            let (first, last) = ((low[axis] / step).ceil() as i64, (high[axis] / step).floor() as i64);
+            (first..=last).map(move |k| k as f64 * step)
+        };
+        let z = low[2];
+        view.lines.extend(ticks(0).map(|x| line(vec![[x, low[1], z], [x, high[1], z]], GRID, 1.0)));
+        view.lines.extend(ticks(1).map(|y| line(vec![[low[0], y, z], [high[0], y, z]], GRID, 1.0)));
+        view.words.push(([low[0], low[1], z], format!("grid {step} m")));
+    }
+
+    /// The way on its curtain: dark as far as it was flown.
+    fn way(&self, view: &mut View, now: usize) {
+        let (n, z) = (self.motion.frames(), self.bounds.low[2]);
+        let row = |k: usize| k * (n - 1) / PIECES;
+        for k in 0..PIECES {
+            let (i, j) = (row(k), row(k + 1));
+            let (a, b) = (at(&self.motion.position, i).0, at(&self.motion.position, j).0);
+            let flown = j <= now;
+            let corners = vec![a, b, [b[0], b[1], z], [a[0], a[1], z]];
+            let opacity = if flown { 0.34 } else { 0.12 };
+            view.areas.push(Area { corners, colour: CURTAIN.into(), opacity, edge: None });
+            let (colour, weight) = if flown { (WAY, 2.2) } else { ("#9a9a9a", 1.0) };
+            view.lines.push(line(vec![a, b], colour, weight));
+            view.lines.push(line(vec![[a[0], a[1], z], [b[0], b[1], z]], "#9a9a9a", 1.0));
+        }
+    }
+
+    /// Wings and body, all distances from the body's origin enlarged.
+    fn robot(&self, view: &mut View, i: usize, enlarged: f64) {
+        let motion = self.motion;
+        let place = |p: Vec3| motion.in_world(i, p * enlarged);
+        for surface in &motion.surfaces {
+            for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
+                let [a, b] = surface.ribs[k].each_ref().map(|edge| place(at(edge, i)));
+                let [d, c] = surface.ribs[k + 1].each_ref().map(|edge| place(at(edge, i)));
+                view.areas.push(shaded(&[a, b, c, d], SIDES[*side], Some("#333333")));
+            }
+        }
+        let (com, reach) = (at(&motion.com, i), motion.reach());
+        let rings = [(1.0, 0.0), (0.4, 1.0), (-0.4, 0.8), (-1.0, 0.0)];
+        let around = 6;
+        let point = |(x, w): (f64, f64), k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / f64::from(around);
+            let (r, l) = (0.075 * reach, 0.34 * reach);
+            place(com + Vec3([l * x, r * w * angle.cos(), r * w * angle.sin()]))
+        };
+        for pair in rings.windows(2) {
+            for k in 0..around as usize {
+                let corners =
+                    [point(pair[0], k), point(pair[0], k + 1), point(pair[1], k + 1), point(pair[1], k)];
+                view.areas.push(shaded(&corners, BODY, None));
+            }
+        }
+    }
+}
+
+fn line(points: Vec<Point>, colour: &str, weight: f64) -> Line {
+    Line { points, colour: colour.into(), weight }
+}
+
+/// An area as bright as it faces the light, from either side.
+fn shaded(corners: &[Vec3], colour: [f64; 3], edge: Option<&'static str>) -> Area {
+    let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]);
+    let facing = normal.dot(Vec3(LIGHT)).abs() / normal.norm().max(1e-300);
+    let [r, g, b] = colour.map(|part| (part * (0.7 + 0.3 * facing)).round() as u8);
+    let corners = corners.iter().map(|corner| corner.0).collect();
+    Area { corners, colour: format!("#{r:02x}{g:02x}{b:02x}"), opacity: 1.0, edge }
+}

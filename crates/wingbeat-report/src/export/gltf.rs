@@ -1,0 +1,297 @@
+//! A run as binary glTF 2.0 with its animation: every rib is a joint that carries the edges of the wing, the body a node of its own.
+
+use serde_json::{Value, json};
+use wingbeat::math::{Mat3, Quat, Vec3};
+use wingbeat::rig::rotation_vector;
+
+use crate::motion::{Motion, Surface, at};
+
+/// Component types of glTF.
+const FLOAT: u32 = 5126;
+const UNSIGNED_SHORT: u32 = 5123;
+/// Targets of vertices and of indices.
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
+/// Shortest chord of a rib, m: a joint must not have the scale zero.
+const SHORTEST: f64 = 1e-6;
+
+/// Bytes, views into them and accessors.
+#[derive(Default)]
+struct Buffer {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Buffer {
+    fn view(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>) -> usize {
+        let start = self.bytes.len();
+        self.bytes.extend(bytes);
+        let length = self.bytes.len() - start;
+        while !self.bytes.len().is_multiple_of(4) {
+            self.bytes.push(0);
+        }
+        let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": length });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// Rows of numbers, with their least and most where `bounded`.
+    fn floats<const N: usize>(
+        &mut self,
+        rows: &[[f64; N]],
+        kind: &str,
+        target: Option<u32>,
+        bounded: bool,
+    ) -> usize {
+        let view = self.view(rows.iter().flatten().flat_map(|v| (*v as f32).to_le_bytes()), target);
+        let mut accessor =
+            json!({ "bufferView": view, "componentType": FLOAT, "count": rows.len(), "type": kind });
+        if bounded {
+            let fold = |start: f32, pick: fn(f32, f32) -> f32| -> Vec<f32> {
+                (0..N).map(|k| rows.iter().fold(start, |all, row| pick(all, row[k] as f32))).collect()
+            };
+            accessor["min"] = json!(fold(f32::INFINITY, f32::min));
+            accessor["max"] = json!(fold(f32::NEG_INFINITY, f32::max));
+        }
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    fn shorts(&mut self, numbers: &[u16], kind: &str, parts: usize, target: u32) -> usize {
+        let view = self.view(numbers.iter().flat_map(|v| v.to_le_bytes()), Some(target));
+        let count = numbers.len() / parts;
+        self.accessors.push(
+            json!({ "bufferView": view, "componentType": UNSIGNED_SHORT, "count": count, "type": kind }),
+        );
+        self.accessors.len() - 1
+    }
+}
+
+/// A joint in one frame: x from the trailing to the leading edge, scaled by the chord.
+struct Joint {
+    origin: Vec3,
+    rotation: Mat3,
+    chord: f64,
+}
+
+/// A run of `motion` as the bytes of a `.glb` file.
+///
+/// # Errors
+/// More ribs than a file of glTF numbers here, or a motion without any.
+pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
+    let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
+    if ribs == 0 || ribs > 30_000 || motion.frames() == 0 {
+        return Err(format!("{ribs} ribs in {} frames: allowed are 1 to 30000 ribs", motion.frames()));
+    }
+    let mut buffer = Buffer::default();
+    let start = motion.t[0];
+    let t: Vec<[f64; 1]> = motion.t.iter().map(|t| [t - start]).collect();
+    let times = buffer.floats(&t, "SCALAR", None, true);
+    // 0 the world with z up, 1 the wings, 2 the body, 3 the path; the joints follow.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let joints: Vec<usize> = (4..4 + ribs).collect();
+    let mut nodes = vec![
+        json!({ "name": "world, z up", "rotation": [-half, 0.0, 0.0, half],
+                "children": [2, 3].into_iter().chain(joints.clone()).collect::<Vec<_>>() }),
+        json!({ "name": "wings", "mesh": 0, "skin": 0 }),
+        json!({ "name": "body", "mesh": 1 }),
+        json!({ "name": "path", "mesh": 2 }),
+    ];
+    let mut animated = Animated::default();
+    let wings = wings(motion, &mut buffer, times, &mut nodes, &mut animated);
+    let place: Vec<[f64; 3]> = (0..t.len()).map(|i| at(&motion.position, i).0).collect();
+    let turn: Vec<[f64; 4]> = (0..t.len())
+        .map(|i| {
+            let [w, x, y, z] = [0, 1, 2, 3].map(|k| motion.attitude[k][i]);
+            unit([x, y, z, w])
+        })
+        .collect();
+    animated.add(&mut buffer, times, 2, "translation", Rows::Three(&place));
+    animated.add(&mut buffer, times, 2, "rotation", Rows::Four(&turn));
+    let path = buffer.floats(&place, "VEC3", Some(VERTICES), true);
+    let material = |name: &str, colour: [f64; 3]| {
+        json!({ "name": name, "doubleSided": true, "pbrMetallicRoughness": {
+            "baseColorFactor": [colour[0], colour[1], colour[2], 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9 } })
+    };
+    let (body, inverse) = (body(motion, &mut buffer), wings.inverse);
+    let document = json!({
+        "asset": { "version": "2.0", "generator": "wingbeat" },
+        "scene": 0, "scenes": [{ "name": name, "nodes": [0, 1] }], "nodes": nodes,
+        "meshes": [
+            { "name": "wings", "primitives": wings.primitives },
+            { "name": "body", "primitives": [body] },
+            { "name": "path", "primitives": [{ "attributes": { "POSITION": path }, "mode": 3, "material": 4 }] },
+        ],
+        "skins": [{ "joints": joints, "inverseBindMatrices": inverse, "skeleton": 0 }],
+        "materials": [material("left", [0.0, 0.17, 0.45]), material("right", [0.67, 0.11, 0.0]),
+            material("middle", [0.26, 0.29, 0.33]), material("body", [0.16, 0.18, 0.21]), material("path", [0.02, 0.02, 0.02])],
+        "animations": [{ "name": "flight", "samplers": animated.samplers, "channels": animated.channels }],
+        "buffers": [{ "byteLength": buffer.bytes.len() }],
+        "bufferViews": buffer.views, "accessors": buffer.accessors,
+    });
+    Ok(container(document.to_string().into_bytes(), buffer.bytes))
+}
+
+/// Channels of the animation.
+#[derive(Default)]
+struct Animated {
+    samplers: Vec<Value>,
+    channels: Vec<Value>,
+}
+
+enum Rows<'a> {
+    Three(&'a [[f64; 3]]),
+    Four(&'a [[f64; 4]]),
+}
+
+impl Animated {
+    fn add(&mut self, buffer: &mut Buffer, times: usize, node: usize, path: &str, rows: Rows) {
+        let output = match rows {
+            Rows::Three(rows) => buffer.floats(rows, "VEC3", None, false),
+            Rows::Four(rows) => buffer.floats(rows, "VEC4", None, false),
+        };
+        self.channels
+            .push(json!({ "sampler": self.samplers.len(), "target": { "node": node, "path": path } }));
+        self.samplers.push(json!({ "input": times, "output": output, "interpolation": "LINEAR" }));
+    }
+}
+
+struct Wings {
+    primitives: Vec<Value>,
+    inverse: usize,
+}
+
+/// The skinned mesh of all surfaces, and the joints of its ribs.
+fn wings(
+    motion: &Motion,
+    buffer: &mut Buffer,
+    times: usize,
+    nodes: &mut Vec<Value>,
+    animated: &mut Animated,
+) -> Wings {
+    let (mut points, mut joints, mut weights, mut inverse) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut indices: [Vec<u16>; 3] = Default::default();
+    for surface in &motion.surfaces {
+        let first = points.len() as u16;
+        for k in 0..surface.ribs.len() {
+            let bind = joint(motion, surface, k, 0);
+            let number = (points.len() / 2) as u16;
+            for edge in [0, 1] {
+                points.push(motion.in_world(0, at(&surface.ribs[k][edge], 0)).0);
+                joints.extend([number, 0, 0, 0]);
+                weights.push([1.0, 0.0, 0.0, 0.0]);
+            }
+            inverse.push(inverted(&bind));
+            nodes.push(json!({ "name": format!("{} rib {k}", surface.name), "translation": bind.origin.0,
+                "rotation": quaternion(&bind.rotation), "scale": [bind.chord, 1.0, 1.0] }));
+            let (mut place, mut turn): (Vec<[f64; 3]>, Vec<[f64; 4]>) = (Vec::new(), Vec::new());
+            for i in 0..motion.frames() {
+                let now = joint(motion, surface, k, i);
+                let next = quaternion(&now.rotation);
+                let along = turn.last().map_or(1.0, |last| last.iter().zip(next).map(|(a, b)| a * b).sum());
+                place.push(now.origin.0);
+                turn.push(if along < 0.0 { next.map(|part| -part) } else { next });
+            }
+            let node = nodes.len() - 1;
+            animated.add(buffer, times, node, "translation", Rows::Three(&place));
+            animated.add(buffer, times, node, "rotation", Rows::Four(&turn));
+        }
+        for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
+            let [a, b, c, d] = [0, 1, 3, 2].map(|n| first + 2 * k as u16 + n);
+            indices[*side].extend([a, b, c, a, c, d]);
+        }
+    }
+    let position = buffer.floats(&points, "VEC3", Some(VERTICES), true);
+    let joints = buffer.shorts(&joints, "VEC4", 4, VERTICES);
+    let weights = buffer.floats(&weights, "VEC4", Some(VERTICES), false);
+    let inverse = buffer.floats(&inverse, "MAT4", None, false);
+    let mut primitives = Vec::new();
+    for (side, indices) in indices.iter().enumerate().filter(|(_, indices)| !indices.is_empty()) {
+        let indices = buffer.shorts(indices, "SCALAR", 1, INDICES);
+        primitives
+            .push(json!({ "attributes": { "POSITION": position, "JOINTS_0": joints, "WEIGHTS_0": weights },
+            "indices": indices, "material": side }));
+    }
+    Wings { primitives, inverse }
+}
+
+/// Rib `k` of `surface` in frame `i`.
+fn joint(motion: &Motion, surface: &Surface, k: usize, i: usize) -> Joint {
+    let [leading, trailing] = surface.ribs[k].each_ref().map(|edge| motion.in_world(i, at(edge, i)));
+    let chord = (leading - trailing).norm().max(SHORTEST);
+    let x = (leading - trailing).normalized();
+    // What lies across: the body's own left, or its top where the chord lies along that.
+    let across = |v: [f64; 3]| x.cross(motion.turned(i, Vec3(v)));
+    let [left, top] = [across([0.0, 1.0, 0.0]), across([0.0, 0.0, 1.0])];
+    let z = if left.norm() > 0.1 { left.normalized() } else { top.normalized() };
+    Joint { origin: trailing, rotation: Mat3::from_columns(x, z.cross(x), z), chord }
+}
+
+/// The inverse of a joint's matrix, S^-1 R^T (p - o), by columns.
+fn inverted(joint: &Joint) -> [f64; 16] {
+    let scale = [1.0 / joint.chord, 1.0, 1.0];
+    let back = joint.rotation.transpose_mul(-joint.origin);
+    std::array::from_fn(|at| match (at / 4, at % 4) {
+        (3, 3) => 1.0,
+        (_, 3) => 0.0,
+        (3, row) => scale[row] * back.0[row],
+        (column, row) => scale[row] * joint.rotation.0[column][row],
+    })
+}
+
+/// x, y, z, w.
+fn quaternion(rotation: &Mat3) -> [f64; 4] {
+    let mut q = [0.0; 4];
+    Quat::exp(rotation_vector(rotation)).store_wxyz(&mut q);
+    unit([q[1], q[2], q[3], q[0]])
+}
+
+fn unit(q: [f64; 4]) -> [f64; 4] {
+    let size = q.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if size > 0.0 { q.map(|part| part / size) } else { [0.0, 0.0, 0.0, 1.0] }
+}
+
+/// A spindle that stands for the body, in B.
+fn body(motion: &Motion, buffer: &mut Buffer) -> Value {
+    let (c, reach) = (at(&motion.com, 0), motion.reach());
+    let around = 8;
+    let ring = |(x, w): (f64, f64)| {
+        (0..around).map(move |k| {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(around);
+            let (l, r) = (0.34 * reach * x, 0.075 * reach * w);
+            (c + Vec3([l, r * angle.cos(), r * angle.sin()])).0
+        })
+    };
+    let rings = [(1.0, 0.02), (0.4, 1.0), (-0.4, 0.8), (-1.0, 0.05)];
+    let points: Vec<[f64; 3]> = rings.into_iter().flat_map(ring).collect();
+    let mut indices: Vec<u16> = Vec::new();
+    for (r, k) in (0..3).flat_map(|r| (0..around as u16).map(move |k| (r, k))) {
+        let n = around as u16;
+        let [a, b, d, e] =
+            [(r, k), (r, (k + 1) % n), (r + 1, (k + 1) % n), (r + 1, k)].map(|(r, k)| r * n + k);
+        indices.extend([a, d, b, a, e, d]);
+    }
+    let position = buffer.floats(&points, "VEC3", Some(VERTICES), true);
+    let indices = buffer.shorts(&indices, "SCALAR", 1, INDICES);
+    json!({ "attributes": { "POSITION": position }, "indices": indices, "material": 3 })
+}
+
+/// The two chunks of a `.glb` file with its head.
+fn container(mut json: Vec<u8>, bytes: Vec<u8>) -> Vec<u8> {
+    while !json.len().is_multiple_of(4) {
+        json.push(b' ');
+    }
+    let length = (12 + 8 + json.len() + 8 + bytes.len()) as u32;
+    let mut file = b"glTF\x02\x00\x00\x00".to_vec();
+    file.extend(length.to_le_bytes());
+    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", bytes)] {
+        file.extend((chunk.len() as u32).to_le_bytes());
+        file.extend(kind);
+        file.extend(chunk);
+    }
+    file
+}

@@ -1,0 +1,152 @@
+//! The motion of a recorded flight: the robot of its scenario, in the states that the record holds.
+
+use wingbeat::aero::Circulation;
+use wingbeat::math::Vec3;
+use wingbeat::plant::{Channel, Plant};
+use wingbeat::robot::{Robot, Skeleton};
+use wingbeat::scenario::Scenario;
+use wingbeat::simulate::Record;
+
+use crate::motion::{Motion, Source, Strip, Surface, Track, push, rows, sound};
+
+/// How far from the middle plane the middle of a panel lies that is of a side, m.
+const MIDDLE: f64 = 1e-6;
+
+/// What is said where nothing can be shown in space.
+pub type Silent = String;
+
+/// The rows that are shown of a flight: none where its columns say no place.
+pub fn shown(record: &Record) -> Vec<usize> {
+    let place = ["x", "y", "z"].map(|axis| record.values(&format!("p_WB_{axis}")).unwrap_or_default());
+    let t = record.values("t").unwrap_or_default();
+    let sound = if place[0].is_empty() { t.len() } else { sound(&place) };
+    rows(t, sound)
+}
+
+/// The motion of the flight of `scenario` in the `shown` rows of `record`.
+///
+/// # Errors
+/// Why the record does not say how the robot moves.
+pub fn motion(scenario: &Scenario, record: &Record, shown: &[usize]) -> Result<Motion, Silent> {
+    let robot = scenario.robot();
+    let column = |name: &str| record.values(name).ok_or_else(|| format!("the record has no column {name}"));
+    let all = |channels: &[Channel]| -> Result<Vec<&[f64]>, Silent> {
+        channels.iter().map(|channel| column(&channel.name)).collect()
+    };
+    let (t, states, inputs) = (column("t")?, all(robot.states())?, all(robot.inputs())?);
+    let axes = |name: &str| axes(record, shown, name);
+    let [w, x, y, z] = ["w", "x", "y", "z"].map(|axis| taken(record, shown, &format!("quat_{axis}")));
+    let mut motion = Motion {
+        t: taken(record, shown, "t")?,
+        position: axes("p_WB")?,
+        attitude: [w?, x?, y?, z?],
+        sources: sources(scenario, record, shown),
+        path: axes("path_nearest").ok(),
+        wind: robot.mean_wind().0,
+        free: true,
+        ..Motion::default()
+    };
+    // Where the lattice gives the attached flow, the model's strips are not those that flew.
+    let strips = scenario.spec.lattice.is_none();
+    motion.circulation = strips.then(|| told(robot));
+    for &row in shown {
+        let at = |columns: &[&[f64]]| columns.iter().map(|column| column[row]).collect::<Vec<f64>>();
+        let (x, u) = (at(&states), at(&inputs));
+        let seen = robot.skeleton(t[row], &x, &u).map_err(|fault| format!("t = {} s: {fault}", t[row]))?;
+        add_skeleton(&mut motion, &seen);
+        if strips {
+            let seen = robot.observe(t[row], &x, &u).map_err(|fault| format!("t = {} s: {fault}", t[row]))?;
+            let mut first = 0;
+            for (surface, (_, aero)) in motion.surfaces.iter_mut().zip(robot.surfaces()) {
+                surface.strips.resize_with(aero.strips(), Strip::default);
+                for (k, strip) in surface.strips.iter_mut().enumerate() {
+                    push(&mut strip.quarter_chord, seen.strips.quarter_chord[first + k]);
+                    push(&mut strip.force, seen.strips.strip[first + k].total().force);
+                    strip.circulation.push(seen.strips.circulation[first + k]);
+                }
+                first += aero.strips();
+            }
+        }
+    }
+    motion.surfaces.iter_mut().for_each(Surface::place_strips);
+    Ok(motion)
+}
+
+/// What the circulations of the robot's strips are.
+fn told(robot: &Robot) -> &'static str {
+    match robot.surfaces().any(|(_, aero)| aero.circulation() == Circulation::LagSum) {
+        true => "sum of the lags that stands for the circulation",
+        false => "circulation",
+    }
+}
+
+/// Adds the robot as it is drawn in one frame.
+pub fn add_skeleton(motion: &mut Motion, seen: &Skeleton) {
+    push(&mut motion.com, seen.center_of_mass);
+    if motion.surfaces.is_empty() {
+        motion.surfaces = seen
+            .outlines
+            .iter()
+            .map(|outline| Surface {
+                name: outline.name.clone(),
+                ribs: vec![Default::default(); outline.ribs.len()],
+                covered: outline.covered.clone(),
+                side: sides(&outline.ribs),
+                strips: Vec::new(),
+            })
+            .collect();
+    }
+    for (surface, outline) in motion.surfaces.iter_mut().zip(&seen.outlines) {
+        for (rib, edges) in surface.ribs.iter_mut().zip(&outline.ribs) {
+            rib.iter_mut().zip(edges).for_each(|(track, edge)| push(track, *edge));
+        }
+    }
+}
+
+/// Of the panels between `ribs` 0 left, 1 right, 2 neither.
+pub fn sides(ribs: &[[Vec3; 2]]) -> Vec<usize> {
+    let y = |rib: &[Vec3; 2]| 0.5 * (rib[0].0[1] + rib[1].0[1]);
+    let side = |pair: &[[Vec3; 2]]| match y(&pair[0]) + y(&pair[1]) {
+        sum if sum > MIDDLE => 0,
+        sum if sum < -MIDDLE => 1,
+        _ => 2,
+    };
+    ribs.windows(2).map(side).collect()
+}
+
+/// The numbers of a column in the rows that are shown.
+pub fn taken(record: &Record, shown: &[usize], name: &str) -> Result<Vec<f64>, Silent> {
+    let column = record.values(name).ok_or_else(|| format!("the record has no column {name}"))?;
+    Ok(shown.iter().map(|&row| column[row]).collect())
+}
+
+/// The columns `<name>_x`, `_y`, `_z`, likewise.
+pub fn axes(record: &Record, shown: &[usize], name: &str) -> Result<Track, Silent> {
+    let [x, y, z] = ["x", "y", "z"].map(|axis| taken(record, shown, &format!("{name}_{axis}")));
+    Ok([x?, y?, z?])
+}
+
+/// The forces that the record names by source.
+pub fn named(record: &Record, shown: &[usize]) -> Vec<Source> {
+    let names = record.columns().iter().map(|column| column.name.as_str());
+    let names = names.filter_map(|name| name.strip_prefix("force_")?.strip_suffix("_x"));
+    // The lift and drag of a case are its forces in other axes.
+    let names = names.filter(|name| *name != "wind");
+    let source = |name: &str| {
+        let force = axes(record, shown, &format!("force_{name}")).ok()?;
+        Some(Source { name: name.replace('_', " "), place: None, force })
+    };
+    names.filter_map(source).collect()
+}
+
+/// Those, and the thrusters.
+fn sources(scenario: &Scenario, record: &Record, shown: &[usize]) -> Vec<Source> {
+    let thruster = |thruster: &wingbeat::robot::ThrusterSpec| {
+        let thrust = taken(record, shown, &format!("displacement_{}", thruster.name)).ok()?;
+        let length = Vec3(thruster.direction).norm();
+        let force = thruster.direction.map(|part| thrust.iter().map(|n| n * part / length).collect());
+        Some(Source { name: thruster.name.clone(), place: Some(thruster.place_m), force })
+    };
+    let thrusters = scenario.spec.robot.thrusters.iter().filter_map(thruster);
+    named(record, shown).into_iter().chain(thrusters).collect()
+}

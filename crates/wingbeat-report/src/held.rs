@@ -1,0 +1,133 @@
+//! The motion of what is held: a wing in prescribed motion, and a robot on the arm of the rig.
+
+use wingbeat::aero::Circulation;
+use wingbeat::math::{Quat, Vec3};
+use wingbeat::rig::{Pose, rotation_vector};
+use wingbeat::scenario::{RigRun, TetherCase};
+use wingbeat::simulate::Record;
+
+use crate::flight::{Silent, add_skeleton, named, sides, taken};
+use crate::motion::{Line, Motion, Strip, Surface, Track, push};
+
+/// Ribs of each half of a case's wing.
+const RIBS: usize = 12;
+/// Half the width of the table under the arm, m.
+const TABLE: f64 = 0.4;
+
+/// The wing of `case` in the `shown` rows of its loads, with the `strips` that its run holds.
+///
+/// # Errors
+/// Why the records do not say how it moves.
+pub fn wing(
+    case: &TetherCase,
+    loads: &Record,
+    strips: Option<&Record>,
+    shown: &[usize],
+) -> Result<Motion, Silent> {
+    let tether = &case.tether;
+    let planform = tether.wing.planform();
+    let there = |arc: f64| planform.covers(arc) && (arc == 0.0 || tether.side.holds(arc.signum()));
+    let arc = |k: usize| planform.half_span() * (1.0 - k as f64 / RIBS as f64);
+    let mut surface = Surface {
+        name: "wing".into(),
+        ribs: vec![Default::default(); 2 * RIBS + 1],
+        covered: (0..2 * RIBS).map(|k| there(0.5 * (arc(k) + arc(k + 1)))).collect(),
+        ..Surface::default()
+    };
+    let t = taken(loads, shown, "t")?;
+    let mut motion = Motion { sources: named(loads, shown), wind: tether.wind.0, ..Motion::default() };
+    let mut first = Vec::new();
+    for &t in &t {
+        let frame = tether.motion.body(t).frame();
+        let (origin, rotation) = (frame.origin.each(|j| j.x), frame.turn.each(|j| j.x));
+        add_pose(&mut motion, &Pose { rotation, origin });
+        push(&mut motion.com, Vec3::ZERO);
+        let angles = tether.motion.angles(t);
+        let section = |k: usize| {
+            let section = tether.wing.section(arc(k), &frame, &angles);
+            [section.le, section.te].map(|edge| rotation.transpose_mul(edge - origin))
+        };
+        let ribs: Vec<[Vec3; 2]> = (0..=2 * RIBS).map(section).collect();
+        for (rib, edges) in surface.ribs.iter_mut().zip(&ribs) {
+            rib.iter_mut().zip(edges).for_each(|(track, edge)| push(track, *edge));
+        }
+        if first.is_empty() {
+            first = ribs;
+        }
+    }
+    surface.side = sides(&first);
+    if let Some(strips) = strips {
+        surface.strips = strips_of(strips, loads, shown).unwrap_or_default();
+        surface.place_strips();
+        motion.circulation = match tether.aero.circulation() {
+            Circulation::Bound => Some("circulation"),
+            Circulation::LagSum => Some("sum of the lags that stands for the circulation"),
+        };
+    }
+    motion.t = t;
+    motion.surfaces = vec![surface];
+    Ok(motion)
+}
+
+/// The strips of a record that has as many rows an instant as strips, of the instants of the `shown` rows of `loads`.
+fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<Strip>> {
+    let (t, number) = (strips.values("t")?, strips.values("strip")?);
+    let count = number.iter().fold(0.0_f64, |most, n| most.max(*n)) as usize + 1;
+    let all = loads.values("t")?;
+    if t.len() != count * all.len() {
+        return None;
+    }
+    let rows = |k: usize| shown.iter().map(move |row| row * count + k).collect::<Vec<usize>>();
+    let strip = |k: usize| {
+        let rows = rows(k);
+        let of = |name: &str| crate::flight::axes(strips, &rows, name).ok();
+        let circulation = ["circulation", "circulation_lag_sum"];
+        let circulation = circulation.iter().find_map(|name| taken(strips, &rows, name).ok())?;
+        Some(Strip { quarter_chord: of("quarter_chord")?, force: of("force")?, circulation, rib: 0.0 })
+    };
+    (0..count).map(strip).collect()
+}
+
+/// The robot on the arm in the `shown` rows of the record of `run`.
+///
+/// # Errors
+/// Why the record does not say how it moves.
+pub fn on_arm(run: &RigRun, record: &Record, shown: &[usize]) -> Result<Motion, Silent> {
+    let joint = |k: usize| taken(record, shown, &format!("q{}", k + 1));
+    let q: Vec<Vec<f64>> = (0..run.arm.dof()).map(joint).collect::<Result<_, _>>()?;
+    let mut motion = Motion { t: taken(record, shown, "t")?, ..Motion::default() };
+    let none: Track = Default::default();
+    let mut arm = Line { name: "arm", weight: 7.0, points: vec![none.clone(); run.arm.dof() + 2] };
+    let mut sting = Line { name: "mount and cell", weight: 4.0, points: vec![none; 3] };
+    for (i, t) in motion.t.clone().into_iter().enumerate() {
+        let q: Vec<f64> = q.iter().map(|joint| joint[i]).collect();
+        let frames = run.arm.frames(&q);
+        push(&mut arm.points[0], Vec3::ZERO);
+        for (point, frame) in arm.points[1..].iter_mut().zip(&frames[..=run.arm.dof()]) {
+            push(point, frame.origin);
+        }
+        let tool = frames[run.arm.dof()];
+        let cell = tool * run.mount.cell;
+        let body = cell * run.mount.body;
+        for (point, place) in sting.points.iter_mut().zip([tool, cell, body]) {
+            push(point, place.origin);
+        }
+        add_pose(&mut motion, &body);
+        let seen = run.robot.at_rest(t).map_err(|fault| format!("t = {t} s: {fault}"))?;
+        add_skeleton(&mut motion, &seen);
+    }
+    motion.lines = vec![arm, sting];
+    let z = run.spec.rig.table_m;
+    motion.table = Some([[-TABLE, -TABLE, z], [TABLE, -TABLE, z], [TABLE, TABLE, z], [-TABLE, TABLE, z]]);
+    Ok(motion)
+}
+
+/// Adds a place of the body, its quaternion of the sign that is nearer to the one before.
+fn add_pose(motion: &mut Motion, pose: &Pose) {
+    push(&mut motion.position, pose.origin);
+    let mut next = [0.0; 4];
+    Quat::exp(rotation_vector(&pose.rotation)).store_wxyz(&mut next);
+    let along = motion.attitude.iter().zip(next).map(|(column, part)| column.last().unwrap_or(&part) * part);
+    let sign = if along.sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
+    motion.attitude.iter_mut().zip(next).for_each(|(column, part)| column.push(sign * part));
+}

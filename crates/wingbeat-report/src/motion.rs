@@ -1,0 +1,200 @@
+//! What moves: the robot frame by frame, as the code that flew it places it.
+
+use wingbeat::math::Vec3;
+
+/// Frames a second that a page shows.
+pub const RATE: f64 = 200.0;
+/// Fewest frames of a record that has as many rows: a short cycle is looked at slowly.
+const LEAST: f64 = 400.0;
+/// Most frames: a minute at [`RATE`].
+pub const MOST: usize = 12_000;
+/// Farthest place that is drawn, m.
+const FARTHEST: f64 = 1e4;
+
+/// A point over the frames, m or N.
+pub type Track = [Vec<f64>; 3];
+
+/// A surface over the frames, in B.
+#[derive(Clone, Debug, Default)]
+pub struct Surface {
+    /// Name.
+    pub name: String,
+    /// Leading and trailing edge of each rib, from left tip to right tip.
+    pub ribs: Vec<[Track; 2]>,
+    /// Whether there is surface between a rib and the next.
+    pub covered: Vec<bool>,
+    /// Of each panel 0 on the left, 1 on the right, 2 on neither.
+    pub side: Vec<usize>,
+    /// Its strips, from left to right.
+    pub strips: Vec<Strip>,
+}
+
+/// A strip over the frames, in B.
+#[derive(Clone, Debug, Default)]
+pub struct Strip {
+    /// Where it lies: number of the rib to its left, and the share of the way to the next.
+    pub rib: f64,
+    /// Point at 1/4 chord.
+    pub quarter_chord: Track,
+    /// Force of the air, N.
+    pub force: Track,
+    /// Circulation, m2/s; none where the model has none.
+    pub circulation: Vec<f64>,
+}
+
+/// A named force over the frames, in B.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// Its name.
+    pub name: String,
+    /// Where it is drawn from: a place in B; the centre of mass where none.
+    pub place: Option<[f64; 3]>,
+    /// The force, N.
+    pub force: Track,
+}
+
+/// A line through moving points, in W.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// What it is.
+    pub name: &'static str,
+    /// Weight, px.
+    pub weight: f64,
+    /// Its points.
+    pub points: Vec<Track>,
+}
+
+/// All that moves.
+#[derive(Clone, Debug, Default)]
+pub struct Motion {
+    /// Time of each frame, s.
+    pub t: Vec<f64>,
+    /// The body's origin in W, m.
+    pub position: Track,
+    /// Attitude of the body, w, x, y, z of R_WB.
+    pub attitude: [Vec<f64>; 4],
+    /// Centre of mass, in B, m.
+    pub com: Track,
+    /// The surfaces.
+    pub surfaces: Vec<Surface>,
+    /// Forces by source.
+    pub sources: Vec<Source>,
+    /// Arm and sting.
+    pub lines: Vec<Line>,
+    /// Places that a path asks for, in W.
+    pub path: Option<Track>,
+    /// Corners of the table that the arm stands on, in W.
+    pub table: Option<[[f64; 3]; 4]>,
+    /// Velocity of the air, in W, m/s.
+    pub wind: [f64; 3],
+    /// What the circulation of the strips is; none where there is none to show.
+    pub circulation: Option<&'static str>,
+    /// Whether it begins again at its end.
+    pub repeats: bool,
+    /// Whether the body goes somewhere; else it is held.
+    pub free: bool,
+}
+
+/// The rows of the times `t` that are shown, of which the first `sound` can be.
+pub fn rows(t: &[f64], sound: usize) -> Vec<usize> {
+    let ascends = |i: &usize| *i == 0 || t[*i] > t[*i - 1];
+    let sound = (0..sound.min(t.len())).take_while(|i| t[*i].is_finite() && ascends(i)).count();
+    let Some(last) = sound.checked_sub(1) else { return Vec::new() };
+    let span = t[last] - t[0];
+    let frames = (RATE * span).max(LEAST).min((MOST - 1) as f64);
+    let step = span / frames;
+    let mut rows: Vec<usize> = Vec::new();
+    for i in 0..sound {
+        let next = t[0] + rows.len() as f64 * step;
+        if t[i] >= next - 1e-6 * step && rows.len() < MOST {
+            rows.push(i);
+        }
+    }
+    rows
+}
+
+/// How many rows come before the first whose place cannot be drawn.
+pub fn sound(columns: &[&[f64]]) -> usize {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let drawn = |i: &usize| columns.iter().all(|column| column[*i].abs() <= FARTHEST);
+    (0..rows).take_while(drawn).count()
+}
+
+/// Adds a frame to a track.
+pub fn push(track: &mut Track, value: Vec3) {
+    track.iter_mut().zip(value.0).for_each(|(column, value)| column.push(value));
+}
+
+/// The point of a track in frame `i`.
+pub fn at(track: &Track, i: usize) -> Vec3 {
+    Vec3(std::array::from_fn(|axis| track[axis][i]))
+}
+
+impl Motion {
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Largest distance of a rib's edge from the body's origin, m; 0.1 where there is none.
+    pub fn reach(&self) -> f64 {
+        let edges = self.surfaces.iter().flat_map(|surface| surface.ribs.iter().flatten());
+        let squares = edges.flat_map(|edge| (0..edge[0].len()).map(|i| at(edge, i).norm()));
+        Some(squares.fold(0.0, f64::max)).filter(|reach| *reach > 0.0 && reach.is_finite()).unwrap_or(0.1)
+    }
+
+    /// The point `p` of B in W in frame `i`.
+    pub fn in_world(&self, i: usize, p: Vec3) -> Vec3 {
+        at(&self.position, i) + self.turned(i, p)
+    }
+
+    /// The vector `v` of B in W in frame `i`: v + 2 w (u x v) + 2 u x (u x v) of the quaternion (w, u).
+    pub fn turned(&self, i: usize, v: Vec3) -> Vec3 {
+        let [w, x, y, z] = [0, 1, 2, 3].map(|k| self.attitude[k][i]);
+        let u = Vec3([x, y, z]);
+        let cross = u.cross(v);
+        v + cross * (2.0 * w) + u.cross(cross) * 2.0
+    }
+}
+
+impl Surface {
+    /// Says of each strip where it lies between the ribs as they are in the first frame: nearest to its point at 1/4 chord.
+    pub fn place_strips(&mut self) {
+        let quarter = |rib: &[Track; 2]| at(&rib[0], 0) * 0.75 + at(&rib[1], 0) * 0.25;
+        if self.ribs.is_empty() || self.ribs[0][0][0].is_empty() {
+            self.strips.clear();
+            return;
+        }
+        let line: Vec<Vec3> = self.ribs.iter().map(quarter).collect();
+        for strip in &mut self.strips {
+            let point = at(&strip.quarter_chord, 0);
+            let mut nearest = (f64::INFINITY, 0.0);
+            for (k, ends) in line.windows(2).enumerate() {
+                let along = ends[1] - ends[0];
+                let share = ((point - ends[0]).dot(along) / along.dot(along).max(1e-300)).clamp(0.0, 1.0);
+                let away = (ends[0] + along * share - point).norm();
+                if away < nearest.0 {
+                    nearest = (away, k as f64 + share);
+                }
+            }
+            strip.rib = nearest.1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_as_many_as_can_be_shown() {
+        let t: Vec<f64> = (0..=5000).map(|i| 1e-3 * f64::from(i)).collect();
+        assert_eq!(rows(&t, t.len()).len(), 1001);
+        assert_eq!(rows(&t, 0), []);
+        let million: Vec<f64> = (0..1_000_000).map(|i| 1e-3 * f64::from(i)).collect();
+        let shown = rows(&million, million.len());
+        assert!(shown.len() <= MOST && *shown.last().unwrap() > 999_000, "{}", shown.len());
+        assert_eq!(rows(&[0.0, 1.0, f64::NAN, 3.0], 4), [0, 1]);
+        assert_eq!(sound(&[&[0.0, 1e300, 0.0]]), 1);
+    }
+}

@@ -1,0 +1,203 @@
+//! The page: one file with its program, its style and its numbers.
+
+use serde_json::{Map, Value, json};
+
+use crate::motion::{Motion, Surface, Track};
+use crate::pack::{Channel, Pack};
+use crate::panels::{Panel, Role};
+use crate::run::Run;
+
+const HTML: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/page.css");
+const PROGRAM: [&str; 6] = [
+    include_str!("page/data.js"),
+    include_str!("page/scene.js"),
+    include_str!("page/draw.js"),
+    include_str!("page/plots.js"),
+    include_str!("page/text.js"),
+    include_str!("page/main.js"),
+];
+
+/// Half of this is the error of a place of the body, m.
+const PLACE: f64 = 1e-4;
+/// The same of a rib, as a share of the robot's reach.
+const RIB: f64 = 2.5e-4;
+/// The same of a part of the quaternion.
+const TURN: f64 = 1e-4;
+/// Parts into which the range of a plotted column is cut, and that of an arrow.
+const PLOT: f64 = 4000.0;
+const ARROW: f64 = 400.0;
+/// Longest document that is shown, bytes.
+const LONGEST: usize = 64 << 10;
+
+/// What of a run is left out.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Without {
+    /// The wake.
+    pub wake: bool,
+    /// Forces of strips.
+    pub strips: bool,
+}
+
+/// The page that shows `runs`.
+pub fn page(runs: &[Run], without: Without) -> String {
+    let mut pack = Pack::default();
+    let shown: Vec<Value> = runs.iter().map(|run| of_run(run, without, &mut pack)).collect();
+    let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
+    let title = escaped(&names.join(", "));
+    // Inside of an element of a script nothing but its end is read as markup.
+    let data = json!({ "runs": shown }).to_string().replace('<', "\\u003c");
+    let mut parts = HTML.split("%%");
+    let mut page = String::new();
+    for part in parts.by_ref() {
+        match part {
+            "TITLE" => page += &title,
+            "STYLE" => page += STYLE,
+            "DATA" => page += &data,
+            "BYTES" => page += &pack.letters(),
+            "PROGRAM" => PROGRAM.iter().for_each(|part| page += part),
+            other => page += other,
+        }
+    }
+    page
+}
+
+/// Text for an element.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+fn of_run(run: &Run, without: Without, pack: &mut Pack) -> Value {
+    let mut settings = run.settings.clone();
+    if settings.len() > LONGEST {
+        let end = (0..=LONGEST).rev().find(|end| settings.is_char_boundary(*end)).unwrap_or(0);
+        settings.truncate(end);
+        settings += "\n# ... the rest is in the run folder";
+    }
+    let panels: Vec<Value> = run.panels.iter().map(|panel| of_panel(panel, pack)).collect();
+    json!({
+        "name": run.name, "kind": run.kind, "summary": run.summary, "settings": settings, "notes": run.notes,
+        "axis": { "label": run.axis.label, "unit": run.axis.unit, "joined": run.axis.joined,
+                  "values": axis(&run.axis.values, pack) },
+        "motion": run.motion.as_ref().map(|motion| of_motion(motion, without, pack)),
+        "shots": run.shots.iter().map(|shot| json!({
+            "name": shot.name, "time": shot.time, "wings": shot.wings,
+            "corners": shot.corners.each_ref().map(|column| pack.add(column, PLACE)),
+            "circulation": pack.add_parts(&shot.circulation, ARROW),
+        })).collect::<Vec<_>>(),
+        "panels": panels,
+    })
+}
+
+/// Times and phases to a millionth of their range.
+fn axis(values: &[f64], pack: &mut Pack) -> Channel {
+    pack.add_parts(values, 1e6)
+}
+
+fn of_panel(panel: &Panel, pack: &mut Pack) -> Value {
+    let curve = |curve: &crate::panels::Curve| {
+        let role = match curve.role {
+            Role::Own(n) => json!(["own", n]),
+            Role::Side(n) => json!(["side", n]),
+            Role::Pale(n) => json!(["pale", n]),
+            Role::Reference => json!(["reference", 0]),
+            Role::Total => json!(["total", 0]),
+        };
+        json!({ "label": curve.label, "role": role, "values": pack.add_parts(&curve.values, PLOT) })
+    };
+    let curves: Vec<Value> = panel.curves.iter().map(curve).collect();
+    json!({ "title": panel.title, "unit": panel.unit, "limits": panel.limits, "curves": curves })
+}
+
+fn track(track: &Track, step: f64, pack: &mut Pack) -> [Channel; 3] {
+    track.each_ref().map(|column| pack.add(column, step))
+}
+
+fn arrow(track: &Track, pack: &mut Pack) -> [Channel; 3] {
+    let size = track.iter().flatten().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+    track.each_ref().map(|column| pack.add(column, 2.0 * size / ARROW))
+}
+
+fn of_motion(motion: &Motion, without: Without, pack: &mut Pack) -> Value {
+    let reach = motion.reach();
+    let mut value = Map::new();
+    let mut put = |key: &str, what: Value| value.insert(key.into(), what);
+    put("position", json!(track(&motion.position, PLACE, pack)));
+    put("attitude", json!(motion.attitude.each_ref().map(|column| pack.add(column, TURN))));
+    put("com", json!(track(&motion.com, RIB * reach, pack)));
+    put("reach", json!(reach));
+    put("wind", json!(motion.wind));
+    put("free", json!(motion.free));
+    put("repeats", json!(motion.repeats));
+    put("circulation", json!(motion.circulation.filter(|_| !without.wake)));
+    put("table", json!(motion.table));
+    let surfaces: Vec<Value> =
+        motion.surfaces.iter().map(|surface| of_surface(surface, reach, without, pack)).collect();
+    put("surfaces", json!(surfaces));
+    let sources: Vec<Value> = motion
+        .sources
+        .iter()
+        .map(|source| {
+            json!({ "name": source.name, "place": source.place, "force": arrow(&source.force, pack) })
+        })
+        .collect();
+    put("sources", json!(sources));
+    let line = |line: &crate::motion::Line| {
+        let points: Vec<_> = line.points.iter().map(|point| track(point, PLACE, pack)).collect();
+        json!({ "name": line.name, "weight": line.weight, "points": points })
+    };
+    let lines: Vec<Value> = motion.lines.iter().map(line).collect();
+    put("lines", json!(lines));
+    put("path", json!(motion.path.as_ref().map(|path| track(path, 1e-3, pack))));
+    Value::Object(value)
+}
+
+fn of_surface(surface: &Surface, reach: f64, without: Without, pack: &mut Pack) -> Value {
+    let ribs: Vec<_> =
+        surface.ribs.iter().map(|rib| rib.each_ref().map(|edge| track(edge, RIB * reach, pack))).collect();
+    let strip = |strip: &crate::motion::Strip| {
+        let force = (!without.strips).then(|| arrow(&strip.force, pack));
+        let circulation = (!without.wake).then(|| pack.add_parts(&strip.circulation, ARROW));
+        json!({ "rib": strip.rib, "force": force, "circulation": circulation })
+    };
+    let strips: Vec<Value> = surface.strips.iter().map(strip).collect();
+    json!({ "name": surface.name, "covered": surface.covered, "side": surface.side, "ribs": ribs, "strips": strips })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::Curve;
+    use crate::run::Axis;
+
+    fn run(name: &str, t: Vec<f64>, values: Vec<f64>) -> Run {
+        let curve = Curve { label: "</script>".into(), role: Role::Own(0), values };
+        let panel =
+            Panel { title: "<b>".into(), unit: "m", curves: vec![curve], limits: Some((f64::NAN, 1e300)) };
+        Run {
+            name: name.into(),
+            kind: "flight",
+            summary: json!({ "status": "ok", "reason": "</script><script>window.pwned = 1</script>" }),
+            settings: "# </script><img src=x onerror='window.pwned = 1'>\u{2028}%%BYTES%%".repeat(2000),
+            notes: vec!["<i>".into()],
+            axis: Axis { label: "time", unit: "s", values: t, joined: true },
+            motion: None,
+            shots: Vec::new(),
+            panels: vec![panel],
+        }
+    }
+
+    #[test]
+    fn texts_of_a_run_are_no_markup_and_odd_numbers_make_a_page() {
+        let odd = vec![f64::NAN, 1e300, -1e300, f64::INFINITY];
+        let t = vec![0.0, 1.0, 2.0, 3.0];
+        let whole = page(&[run("</script><b>&\"", t, odd)], Without::default());
+        let plain = page(&[run("x", Vec::new(), Vec::new())], Without::default());
+        for page in [&whole, &plain] {
+            assert_eq!(page.matches("</script").count(), 3, "each script ends once");
+            assert!(!page.contains("<img") && !page.contains("<script>window.pwned"));
+            assert!(page.len() < 300_000, "{}", page.len());
+        }
+        assert!(whole.contains("<title>&lt;/script&gt;&lt;b&gt;&amp;&quot;</title>"));
+    }
+}

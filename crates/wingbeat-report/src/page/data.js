@@ -1,0 +1,55 @@
+'use strict';
+// Numbers of the page: `value = low + step (q - 1)`, q = 0 where there is none; q by differences, one plane of bytes after the other.
+const $ = id => document.getElementById(id);
+const make = (name, attributes, ...children) => {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes || {})) value !== undefined && element.setAttribute(key, value);
+  element.append(...children);
+  return element;
+};
+async function inflated(letters) {
+  if (typeof DecompressionStream === 'undefined') throw new Error('this browser cannot inflate (DecompressionStream is missing); use one of 2023 or later');
+  const text = atob(letters.trim()), bytes = new Uint8Array(text.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = text.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate-raw'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+function column(bytes, { at, rows, low, step, order, planes }, Kind = Float32Array) {
+  const q = new Float64Array(rows);
+  let power = 1;
+  for (let plane = 0; plane < planes; plane++, power *= 256) {
+    const base = at + plane * rows;
+    for (let i = 0; i < rows; i++) q[i] += bytes[base + i] * power;
+  }
+  for (let i = 0; i < rows; i++) q[i] = q[i] % 2 ? -(q[i] + 1) / 2 : q[i] / 2;
+  for (let k = 0; k < order; k++) for (let i = 1; i < rows; i++) q[i] += q[i - 1];
+  const out = new Kind(rows);
+  for (let i = 0; i < rows; i++) out[i] = q[i] ? low + step * (q[i] - 1) : NaN;
+  return out;
+}
+// Every channel below `value` in its place.
+function decoded(bytes, value) {
+  if (Array.isArray(value)) return value.map(part => decoded(bytes, part));
+  if (value && typeof value === 'object') {
+    if ('planes' in value) return column(bytes, value);
+    return Object.fromEntries(Object.entries(value).map(([key, part]) => [key, decoded(bytes, part)]));
+  }
+  return value;
+}
+function read(bytes, data) {
+  return data.runs.map(run => {
+    const values = column(bytes, run.axis.values, Float64Array);
+    const { summary, settings, name, kind, notes } = run;
+    return { ...decoded(bytes, { motion: run.motion, shots: run.shots, panels: run.panels }), axis: { ...run.axis, values }, summary, settings, name, kind, notes };
+  });
+}
+// Where `t` lies in the ascending `values`: row and share of the way to the next.
+function place(values, t) {
+  const last = values.length - 1;
+  if (!(t > values[0])) return [0, 0];
+  if (t >= values[last]) return [last, 0];
+  let low = 0, high = last;
+  while (high - low > 1) { const middle = (low + high) >> 1; values[middle] <= t ? low = middle : high = middle; }
+  return [low, (t - values[low]) / (values[high] - values[low] || 1)];
+}
+const digits = value => !Number.isFinite(value) ? '–' : value === 0 ? '0' : (Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4))).replace('-', '−');

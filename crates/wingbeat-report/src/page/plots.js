@@ -1,0 +1,113 @@
+// The plots: one panel for all runs that have it, a line where the time is, values beside the names.
+const SVG = 'http://www.w3.org/2000/svg';
+const svg = (name, attributes, text) => { const e = document.createElementNS(SVG, name); for (const [k, v] of Object.entries(attributes)) e.setAttribute(k, v); if (text !== undefined) e.textContent = text; return e; };
+const DASHES = ['', '7 4', '2 3', '9 3 2 3'];
+function paint([kind, n]) {
+  if (kind === 'side') return { stroke: ['var(--left)', 'var(--right)'][n], width: 1.7 };
+  if (kind === 'own') return { stroke: `var(--c${n % 8})`, width: 1.6 };
+  if (kind === 'pale') return { stroke: ['var(--left)', 'var(--right)'][n], width: 3.4, opacity: 0.35 };
+  if (kind === 'reference') return { stroke: 'var(--quiet)', width: 1.3, dash: '5 4' };
+  return { stroke: 'var(--ink)', width: 2 };
+}
+function ticks(low, high, most) {
+  const step = round((high - low) / most) || 1, out = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step && out.length < 20; k++) out.push(+(k * step).toPrecision(12));
+  return out;
+}
+class Plots {
+  constructor(runs, root, seek) {
+    this.runs = runs; this.root = root; this.seek = seek; this.panels = [];
+    const axes = runs.map(run => run.axis);
+    this.low = Math.min(...axes.filter(a => a.values.length).map(a => a.values[0])); this.high = Math.max(...axes.filter(a => a.values.length).map(a => a.values[a.values.length - 1]));
+    if (!(this.low <= this.high)) this.low = this.high = 0;
+    runs.forEach((run, r) => run.panels.forEach(panel => {
+      let found = this.panels.find(p => p.title === panel.title && p.unit === panel.unit);
+      if (!found) this.panels.push(found = { title: panel.title, unit: panel.unit, limits: panel.limits, curves: [] });
+      panel.curves.forEach(curve => found.curves.push({ ...curve, run: r }));
+    }));
+    for (const panel of this.panels) this.build(panel);
+    this.layout();
+    new ResizeObserver(() => this.layout()).observe(root);
+  }
+  build(panel) {
+    const several = this.runs.length > 1, keys = make('div', { class: 'keys' });
+    panel.outputs = panel.curves.map(curve => {
+      const p = paint(curve.role), out = make('output'), swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
+      swatch.style.borderTopColor = p.stroke; swatch.style.borderTopWidth = Math.min(3, p.width + 0.6) + 'px';
+      swatch.style.borderTopStyle = p.dash || (several && curve.run) ? 'dashed' : 'solid'; swatch.style.opacity = p.opacity || 1;
+      keys.append(make('span', {}, swatch, ' ', (several ? this.runs[curve.run].name + (curve.label ? ': ' : '') : '') + curve.label, ' ', out));
+      return out;
+    });
+    panel.svg = svg('svg', { role: 'img', 'aria-label': `${panel.title}${panel.unit ? ' in ' + panel.unit : ''} over ${this.runs[0].axis.label}` });
+    const at = event => {
+      const box = panel.svg.getBoundingClientRect(), share = (event.clientX - box.left - this.left) / (box.width - this.left - 6);
+      this.seek(this.low + Math.max(0, Math.min(1, share)) * (this.high - this.low));
+    };
+    panel.svg.addEventListener('pointerdown', event => { panel.held = true; at(event); });
+    panel.svg.addEventListener('pointermove', event => panel.held && event.buttons && at(event));
+    for (const end of ['pointerup', 'pointerleave', 'pointercancel']) panel.svg.addEventListener(end, () => panel.held = false);
+    const title = make('h3', {}, panel.title + (panel.unit ? ` [${panel.unit === 'deg' ? '°' : panel.unit}]` : ''));
+    this.root.append(make('div', { class: 'panel' }, title, panel.svg, keys));
+    panel.range = this.range(panel);
+  }
+  range(panel) {
+    let low = Infinity, high = -Infinity;
+    for (const curve of panel.curves) for (const v of curve.values) if (Number.isFinite(v)) { if (v < low) low = v; if (v > high) high = v; }
+    if (!(low <= high)) [low, high] = [0, 1];
+    // Limits are drawn where the curve comes near.
+    if (panel.limits) for (const limit of panel.limits) if (limit > low - 0.6 * (high - low) && limit < high + 0.6 * (high - low)) { low = Math.min(low, limit); high = Math.max(high, limit); }
+    // Less than this is rounding.
+    if (high - low < 1e-9 * Math.max(1, Math.abs(high))) { const middle = 0.5 * (low + high); low = middle - 1e-9; high = middle + 1e-9; if (Math.abs(middle) < 1e-9) [low, high] = [-1, 1]; }
+    const margin = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
+    return [low - margin, high + margin];
+  }
+  layout() {
+    const width = this.panels.length ? this.panels[0].svg.getBoundingClientRect().width : 0;
+    if (!width || width === this.width) return;
+    this.width = width; this.left = 46;
+    for (const panel of this.panels) this.drawn(panel, width, 118);
+    this.mark(this.now === undefined ? this.low : this.now);
+  }
+  drawn(panel, w, h) {
+    const s = panel.svg, [low, high] = panel.range, left = this.left, right = w - 6, bottom = h - 18;
+    const X = x => left + (right - left) * (x - this.low) / (this.high - this.low || 1), Y = y => bottom - (bottom - 4) * (y - low) / (high - low);
+    s.replaceChildren(); s.setAttribute('viewBox', `0 0 ${w} ${h}`);
+    for (const y of ticks(low, high, 3)) { s.append(svg('line', { x1: left, x2: right, y1: Y(y), y2: Y(y), stroke: 'var(--line)' }), svg('text', { x: left - 4, y: Y(y) + 4, 'text-anchor': 'end' }, digits(y))); }
+    const axis = this.runs[0].axis;
+    ticks(this.low, this.high, Math.max(2, w / 90)).forEach(x => s.append(svg('line', { x1: X(x), x2: X(x), y1: bottom, y2: bottom + 4, stroke: 'var(--quiet)' }), svg('text', { x: Math.min(X(x), right - 12), y: h - 4, 'text-anchor': 'middle' }, digits(x))));
+    s.append(svg('text', { x: right, y: h - 4, 'text-anchor': 'end' }, axis.unit || axis.label));
+    s.append(svg('line', { x1: left, x2: right, y1: bottom, y2: bottom, stroke: 'var(--quiet)' }));
+    if (panel.limits) for (const limit of panel.limits) if (limit >= low && limit <= high) { s.append(svg('line', { x1: left, x2: right, y1: Y(limit), y2: Y(limit), stroke: 'var(--bad)', 'stroke-dasharray': '3 3' }), svg('text', { x: right - 2, y: Y(limit) + (limit > 0 ? 12 : -3), 'text-anchor': 'end' }, 'limit ' + digits(limit))); }
+    for (const curve of panel.curves) {
+      const { values: t, joined } = this.runs[curve.run].axis, p = paint(curve.role), dash = p.dash || DASHES[curve.run % 4];
+      if (!joined) { for (let i = 0; i < t.length; i++) if (Number.isFinite(curve.values[i])) s.append(svg('circle', { cx: X(t[i]).toFixed(1), cy: Y(curve.values[i]).toFixed(1), r: 2, fill: p.stroke })); continue; }
+      const path = this.way(t, curve.values, X, Y, right - left);
+      s.append(svg('path', { d: path, fill: 'none', stroke: p.stroke, 'stroke-width': p.width, 'stroke-dasharray': dash, opacity: p.opacity || 1, 'stroke-linejoin': 'round' }));
+    }
+    panel.cursor = svg('line', { x1: 0, x2: 0, y1: 2, y2: bottom, stroke: 'var(--accent)', 'stroke-width': 1.5 });
+    s.append(panel.cursor); panel.X = X;
+  }
+  // Of many points in one column of pixels the least and the most.
+  way(t, values, X, Y, pixels) {
+    const n = t.length, bin = Math.max(1, Math.floor(n / pixels / 1.2));
+    let d = '', pen = 'M';
+    const to = i => { d += `${pen}${X(t[i]).toFixed(1)} ${Y(values[i]).toFixed(1)}`; pen = 'L'; };
+    for (let i = 0; i < n; i += bin) {
+      let least = -1, most = -1;
+      for (let k = i; k < Math.min(n, i + bin); k++) if (Number.isFinite(values[k])) { if (least < 0 || values[k] < values[least]) least = k; if (most < 0 || values[k] > values[most]) most = k; }
+      if (least < 0) { pen = 'M'; continue; }
+      if (least === most) to(least); else { to(Math.min(least, most)); to(Math.max(least, most)); }
+    }
+    return d;
+  }
+  mark(t) {
+    this.now = t;
+    const rows = this.runs.map(run => { const [i, s] = place(run.axis.values, t); return s > 0.5 ? i + 1 : i; });
+    for (const panel of this.panels) {
+      if (!panel.X) continue;
+      const x = panel.X(t);
+      panel.cursor.setAttribute('transform', `translate(${x.toFixed(1)} 0)`);
+      panel.curves.forEach((curve, k) => { const v = curve.values[rows[curve.run]]; panel.outputs[k].textContent = digits(Math.abs(v) < 1e-6 * (panel.range[1] - panel.range[0]) ? 0 : v); });
+    }
+  }
+}

@@ -1,0 +1,344 @@
+//! The plots beside the picture: what is drawn of a record, by its columns.
+
+use wingbeat::math::unwrapped;
+use wingbeat::scenario::GoalSpec;
+use wingbeat::simulate::{Column, Record};
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+const MILLIMETRES: f64 = 1e3;
+/// Most panels of a record that is drawn column by column.
+const MOST_PANELS: usize = 40;
+/// Least mean share of the weight that has a curve.
+const SHARE: f64 = 0.02;
+
+/// How a curve is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A colour of its own.
+    Own(usize),
+    /// Of the left, and of the right side.
+    Side(usize),
+    /// What is asked.
+    Reference,
+    /// A paler curve: of the side or number what follows it.
+    Pale(usize),
+    /// The sum of others.
+    Total,
+}
+
+/// A curve of a panel.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// What it is.
+    pub label: String,
+    /// How it is drawn.
+    pub role: Role,
+    /// Its values in the panel's unit.
+    pub values: Vec<f64>,
+}
+
+/// A plot.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// What it shows.
+    pub title: String,
+    /// Unit of its values.
+    pub unit: &'static str,
+    /// Its curves.
+    pub curves: Vec<Curve>,
+    /// What its values are limited to.
+    pub limits: Option<(f64, f64)>,
+}
+
+/// What is taken of a record.
+struct Taken<'a> {
+    record: &'a Record,
+    rows: &'a [usize],
+}
+
+impl Taken<'_> {
+    fn values(&self, name: &str, factor: f64) -> Option<Vec<f64>> {
+        let column = self.record.values(name)?;
+        Some(self.rows.iter().map(|&row| factor * column[row]).collect())
+    }
+
+    fn curve(&self, (name, label, role): (&str, &str, Role), factor: f64) -> Option<Curve> {
+        Some(Curve { label: label.into(), role, values: self.values(name, factor)? })
+    }
+
+    /// A panel of the columns that are there; none where none is.
+    fn panel(
+        &self,
+        (title, unit): (&str, &'static str),
+        factor: f64,
+        curves: &[(&str, &str, Role)],
+    ) -> Option<Panel> {
+        let curves: Vec<Curve> = curves.iter().filter_map(|curve| self.curve(*curve, factor)).collect();
+        (!curves.is_empty()).then(|| Panel { title: title.into(), unit, curves, limits: None })
+    }
+}
+
+use Role::{Own, Pale, Reference, Side, Total};
+
+/// The plots of a flight.
+pub fn flight(record: &Record, rows: &[usize], goal: Option<&GoalSpec>) -> Vec<Panel> {
+    let of = Taken { record, rows };
+    let mut panels = Vec::new();
+    panels.extend(attitude(&of, goal));
+    let yaw = of.record.values("yaw").map(|yaw| unwrapped(yaw.to_vec()));
+    panels.extend(yaw.map(|yaw| Panel {
+        title: "heading, left +".into(),
+        unit: "deg",
+        curves: vec![Curve {
+            label: "yaw".into(),
+            role: Own(2),
+            values: rows.iter().map(|&row| DEGREES * yaw[row]).collect(),
+        }],
+        limits: None,
+    }));
+    panels.extend(of.panel(("height", "m"), 1.0, &[("p_WB_z", "z", Own(0))]));
+    let way = [("p_WB_x", "x", Own(0)), ("p_WB_y", "y, left +", Own(1))];
+    panels.extend(of.panel(("position", "m"), 1.0, &way));
+    panels.extend(speed(&of));
+    panels.extend(weight(&of));
+    panels.extend(forces(&of));
+    panels.extend(joints(&of));
+    panels.extend(commands(&of));
+    let power = [
+        ("joint_power", "all joints", Total),
+        ("drive_power", "drive", Own(0)),
+        ("regulator_power", "regulators", Own(1)),
+        ("electrical_power", "electrical", Own(2)),
+    ];
+    panels.extend(of.panel(("mechanical power", "W"), 1.0, &power));
+    panels.extend(clearances(&of));
+    let errors = [("orbit_roll_error", "roll", Own(0)), ("orbit_pitch_error", "pitch", Own(1))];
+    panels.extend(of.panel(("error from the orbit", "deg"), DEGREES, &errors));
+    panels.extend(of.panel(
+        ("height from the orbit", "mm"),
+        MILLIMETRES,
+        &[("orbit_height_error", "height", Own(0))],
+    ));
+    let path = [("path_cross", "across, left +", Own(0)), ("path_along", "along", Own(1))];
+    panels.extend(of.panel(("distance from the path", "mm"), MILLIMETRES, &path));
+    let hover = ["x", "y", "z"].map(|axis| format!("hover_error_{axis}"));
+    let hover: Vec<_> = hover.iter().zip(["x", "y", "z"]).enumerate().collect();
+    let hover: Vec<_> = hover.iter().map(|(i, (name, axis))| (name.as_str(), *axis, Own(*i))).collect();
+    panels.extend(of.panel(("distance from the place", "mm"), MILLIMETRES, &hover));
+    panels
+}
+
+/// Roll and pitch with what is asked of them.
+fn attitude(of: &Taken, goal: Option<&GoalSpec>) -> Option<Panel> {
+    let mut panel = of.panel(
+        ("roll and pitch", "deg"),
+        DEGREES,
+        &[
+            ("roll", "roll, right wing down +", Own(0)),
+            ("pitch", "pitch, nose up −", Own(1)),
+            ("roll_reference", "asked", Reference),
+            ("pitch_reference", "asked", Reference),
+        ],
+    )?;
+    if let Some(goal) = goal {
+        panel.title += &format!("; goal: rms within {} and {}", goal.roll_within_deg, goal.pitch_within_deg);
+    }
+    Some(panel)
+}
+
+/// Speed over the ground and climb.
+fn speed(of: &Taken) -> Option<Panel> {
+    let [x, y, z] = ["x", "y", "z"].map(|axis| of.values(&format!("v_WB_W_{axis}"), 1.0));
+    let (x, y, z) = (x?, y?, z?);
+    let over = x.iter().zip(&y).map(|(x, y)| x.hypot(*y)).collect();
+    let curve = |label: &str, role, values| Curve { label: label.into(), role, values };
+    let curves = vec![curve("over the ground", Own(0), over), curve("climb", Own(1), z)];
+    Some(Panel { title: "speed".into(), unit: "m/s", curves, limits: None })
+}
+
+/// The upward force of the air by part.
+fn weight(of: &Taken) -> Option<Panel> {
+    let names = of.record.columns().iter().filter_map(|column| column.name.strip_prefix("weight_"));
+    let parts: Vec<(String, Vec<f64>)> = names
+        .filter_map(|name| Some((name.replace('_', " "), of.values(&format!("weight_{name}"), 1.0)?)))
+        .collect();
+    let rows = parts.first()?.1.len();
+    let total = (0..rows).map(|row| parts.iter().map(|(_, values)| values[row]).sum()).collect();
+    let mean = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>() / rows.max(1) as f64;
+    let parts = parts.into_iter().filter(|(_, values)| mean(values) > SHARE).enumerate();
+    let mut curves: Vec<Curve> =
+        parts.map(|(i, (label, values))| Curve { label, role: Own(i), values }).collect();
+    curves.push(Curve { label: "all".into(), role: Total, values: total });
+    Some(Panel { title: "upward force over the weight".into(), unit: "", curves, limits: None })
+}
+
+/// Forces by source along the body and to its top.
+fn forces(of: &Taken) -> Vec<Panel> {
+    let names = of.record.columns().iter().map(|column| column.name.as_str());
+    let names: Vec<&str> = names.filter_map(|name| name.strip_prefix("force_")?.strip_suffix("_x")).collect();
+    let panel = |(axis, title): (&str, &str)| {
+        let curve = |(i, name): (usize, &&str)| {
+            let label = name.replace('_', " ");
+            of.curve((&format!("force_{name}_{axis}"), &label, Own(i)), 1.0)
+        };
+        let curves: Vec<Curve> = names.iter().enumerate().filter_map(curve).collect();
+        (!curves.is_empty()).then(|| Panel { title: title.into(), unit: "N", curves, limits: None })
+    };
+    [("x", "force along the body, forward +"), ("z", "force to its top")]
+        .into_iter()
+        .filter_map(panel)
+        .collect()
+}
+
+/// The name without its side, and the side.
+fn pair(name: &str) -> (&str, Option<usize>) {
+    let side = [("left", 0), ("right", 1)];
+    let found = side.iter().find_map(|(side, k)| Some((name.strip_suffix(side)?.trim_end_matches('_'), *k)));
+    found.filter(|(group, _)| !group.is_empty()).map_or((name, None), |(group, side)| (group, Some(side)))
+}
+
+/// What `unit` is drawn in, and the factor.
+fn drawn(unit: &str) -> (&'static str, f64) {
+    match unit {
+        "rad" => ("deg", DEGREES),
+        "rad/s" => ("deg/s", DEGREES),
+        "m" => ("mm", MILLIMETRES),
+        "N" => ("N", 1.0),
+        "N m" => ("N m", 1.0),
+        "W" => ("W", 1.0),
+        "m/s" => ("m/s", 1.0),
+        "s" => ("s", 1.0),
+        "Hz" => ("Hz", 1.0),
+        "m2/s" => ("m2/s", 1.0),
+        _ => ("", 1.0),
+    }
+}
+
+/// Adds the curves of a column to the panel of its pair.
+fn add(panels: &mut Vec<Panel>, of: &Taken, column: &Column, name: &str, what: &str) {
+    let (group, side) = pair(name);
+    let (unit, factor) = drawn(&column.unit);
+    let title = format!("{}{what}", group.replace('_', " "));
+    let limits = (column.low.is_finite() && column.high.is_finite())
+        .then_some((factor * column.low, factor * column.high));
+    let place = panels.iter().position(|panel| panel.title == title).unwrap_or_else(|| {
+        panels.push(Panel { title, unit, curves: Vec::new(), limits });
+        panels.len() - 1
+    });
+    let (label, role) = match side {
+        Some(side) => (["left", "right"][side], Side(side)),
+        None => ("", Own(0)),
+    };
+    let follows = ["displacement", "rate"].map(|what| format!("{what}_{name}"));
+    let response = of
+        .record
+        .columns()
+        .iter()
+        .find(|other| what == ", command" && follows.contains(&other.name) && other.unit == column.unit);
+    if let Some(response) = response {
+        let label = format!("{label} response").trim().to_owned();
+        panels[place].curves.extend(of.curve((&response.name, &label, Pale(side.unwrap_or(0))), factor));
+    }
+    panels[place].curves.extend(of.curve((&column.name, label, role), factor));
+}
+
+/// The joints: what has a torque.
+fn joints(of: &Taken) -> Vec<Panel> {
+    let mut panels = Vec::new();
+    let columns = of.record.columns();
+    for column in columns.iter().filter(|c| of.record.column(&format!("torque_{}", c.name)).is_some()) {
+        add(&mut panels, of, column, &column.name, ", joint");
+    }
+    panels
+}
+
+/// The commands with their limits, and what follows them.
+fn commands(of: &Taken) -> Vec<Panel> {
+    let mut panels = Vec::new();
+    for column in of.record.columns() {
+        if let Some(name) = column.name.strip_prefix("command_") {
+            add(&mut panels, of, column, name, ", command");
+        }
+    }
+    panels
+}
+
+/// Least distances of parts, which may not fall below zero.
+fn clearances(of: &Taken) -> Option<Panel> {
+    let names = of.record.columns().iter().map(|column| column.name.as_str());
+    let names = names.filter(|name| name.starts_with("clearance_"));
+    let curve = |(i, name): (usize, &str)| {
+        let label = name.trim_start_matches("clearance_").replace('_', " ");
+        of.curve((name, &label, Own(i)), MILLIMETRES)
+    };
+    let curves: Vec<Curve> = names.enumerate().filter_map(curve).collect();
+    (!curves.is_empty()).then(|| Panel { title: "clearance".into(), unit: "mm", curves, limits: None })
+}
+
+/// The plots of the loads of a case.
+pub fn loads(record: &Record, rows: &[usize]) -> Vec<Panel> {
+    let of = Taken { record, rows };
+    let wind = [
+        ("force_wind_lift", "lift", Own(0)),
+        ("force_wind_drag", "drag", Own(1)),
+        ("force_wind_side", "to the side", Own(2)),
+    ];
+    let mut panels: Vec<Panel> = of.panel(("loads in the wind", "N"), 1.0, &wind).into_iter().collect();
+    let coefficients = [("CL", "CL", Own(0)), ("CD", "CD", Own(1)), ("CM", "CM", Own(2))];
+    panels.extend(of.panel(("coefficients", ""), 1.0, &coefficients));
+    let moments = [("moment_x", "x", Own(0)), ("moment_y", "y", Own(1)), ("moment_z", "z", Own(2))];
+    panels.extend(of.panel(("moment about the body's axes", "N m"), 1.0, &moments));
+    panels.extend(forces(&of));
+    panels.extend(of.panel(("power given to the air", "W"), 1.0, &[("power", "power", Own(0))]));
+    for column in record.columns() {
+        for (prefix, what, unit, factor) in
+            [("hinge_", ", angle", "deg", DEGREES), ("torque_", ", torque", "N m", 1.0)]
+        {
+            if let Some(name) = column.name.strip_prefix(prefix) {
+                let (group, side) = pair(name);
+                let title = format!("{}{what}", group.replace('_', " "));
+                let role = side.map_or(Own(0), Side);
+                let Some(curve) = of.curve((&column.name, name, role), factor) else { continue };
+                match panels.iter_mut().find(|panel| panel.title == title) {
+                    Some(panel) => panel.curves.push(curve),
+                    None => panels.push(Panel { title, unit, curves: vec![curve], limits: None }),
+                }
+            }
+        }
+    }
+    panels
+}
+
+/// Every column of a record in a panel of its own, the three of an axis or the six of a cell together.
+pub fn every(record: &Record, rows: &[usize], but: &str) -> Vec<Panel> {
+    let of = Taken { record, rows };
+    let mut panels: Vec<Panel> = Vec::new();
+    for column in record.columns().iter().filter(|column| column.name != but) {
+        let (unit, factor) = drawn(&column.unit);
+        let (group, label) = grouped(&column.name);
+        let found = panels.iter().position(|panel| panel.title == group && panel.unit == unit);
+        let number = found.map_or(0, |place| panels[place].curves.len());
+        let Some(curve) = of.curve((&column.name, label, Own(number)), factor) else { continue };
+        match found {
+            Some(place) => panels[place].curves.push(curve),
+            None if panels.len() < MOST_PANELS => {
+                panels.push(Panel { title: group, unit, curves: vec![curve], limits: None });
+            }
+            None => {}
+        }
+    }
+    panels
+}
+
+/// The group of a column and its place in it.
+fn grouped(name: &str) -> (String, &str) {
+    let cell = ["Fx", "Fy", "Fz", "Tx", "Ty", "Tz"];
+    if let Some(channel) = cell.iter().find(|channel| name.ends_with(*channel)) {
+        let kind = name.trim_end_matches(*channel).trim_end_matches('_');
+        return (format!("{} {kind}", if channel.starts_with('F') { "force" } else { "moment" }), channel);
+    }
+    match name.rsplit_once('_') {
+        Some((group, axis)) if axis.len() == 1 && !group.is_empty() => (group.replace('_', " "), axis),
+        _ => (name.replace('_', " "), ""),
+    }
+}

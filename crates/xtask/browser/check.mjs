@@ -1,0 +1,199 @@
+// The pages of runs in headless Chromium, with real mouse, touch and keyboard: `node check.mjs FOLDER`, which holds the run folders
+// `turn` and `minute`, the page small.html without wake, and hostile.html. Pictures of every page are left in FOLDER/pictures.
+import fs from 'node:fs';
+import path from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { createRequire } from 'node:module';
+
+const folder = path.resolve(process.argv[2]);
+const require = createRequire(path.join(folder, 'node_modules/'));
+const puppeteer = require('puppeteer-core');
+const axe = fs.readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
+const pictures = path.join(folder, 'pictures');
+fs.mkdirSync(pictures, { recursive: true });
+let passed = 0, failed = 0;
+const judge = (name, value, holds, limit) => {
+  holds ? passed++ : failed++;
+  console.log(`${name.padEnd(52)} ${String(value).padStart(12)}  ${limit}${holds ? '' : '  FAILED'}`);
+};
+const most = (name, value, limit, unit = '') => judge(name, +value.toPrecision(4), value <= limit, `at most ${limit} ${unit}`);
+const least = (name, value, limit, unit = '') => judge(name, +value.toPrecision(4), value >= limit, `at least ${limit} ${unit}`);
+const holds = (name, value, why = '') => judge(name, !!value, !!value, why);
+const wait = ms => new Promise(done => setTimeout(done, ms));
+
+const browser = await puppeteer.launch({
+  executablePath: process.env.CHROMIUM || '/usr/bin/chromium',
+  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+});
+const requests = [];
+async function open(file, { hash = 'still', width = 1400, height = 800, touch = false, media = {}, type } = {}) {
+  const page = await browser.newPage();
+  page.on('pageerror', error => { console.log('page error:', file, error.message); failed++; });
+  const client = await page.createCDPSession();
+  await client.send('Network.enable');
+  client.on('Network.requestWillBeSent', event => requests.push(event.request.url));
+  await page.setViewport({ width, height, hasTouch: touch });
+  await page.emulateMediaFeatures(Object.entries(media).map(([name, value]) => ({ name, value })));
+  if (type) await page.emulateMediaType(type);
+  await page.goto(pathToFileURL(path.join(folder, file)).href + '#' + hash);
+  await page.waitForFunction('window.wingbeat && (window.wingbeat.ready || document.querySelector("main.flat"))', { timeout: 120000 });
+  await wait(400);
+  return { page, client };
+}
+const of = (page, expression) => page.evaluate(expression);
+const picture = (page, name, fullPage = false) => page.screenshot({ path: path.join(pictures, name + '.png'), fullPage });
+async function rate(page, seconds = 4) {
+  await of(page, 'wingbeat.play(true)');
+  await wait(1500);
+  const frames = await of(page, 'wingbeat.frames');
+  await wait(1000 * seconds);
+  const drawn = (await of(page, 'wingbeat.frames')) - frames;
+  await of(page, 'wingbeat.play(false)');
+  return drawn / seconds;
+}
+// Private memory of the process that draws the page, MB.
+async function memory(page) {
+  const pids = fs.readdirSync('/proc').filter(name => /^\d+$/.test(name));
+  const mine = browser.process().pid;
+  const parents = Object.fromEntries(pids.map(pid => { try { return [pid, fs.readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ')[1]]; } catch { return [pid, '0']; } }));
+  const ours = pid => { for (let p = pid; p && p !== '0'; p = parents[p]) if (+p === mine) return true; return false; };
+  let largest = 0;
+  for (const pid of pids.filter(ours)) try {
+    if (!fs.readFileSync(`/proc/${pid}/cmdline`, 'utf8').includes('--type=renderer')) continue;
+    const roll = fs.readFileSync(`/proc/${pid}/smaps_rollup`, 'utf8');
+    const of = name => +new RegExp(name + ':\\s+(\\d+)').exec(roll)[1];
+    largest = Math.max(largest, (of('Private_Clean') + of('Private_Dirty')) / 1024);
+  } catch { /* it has ended */ }
+  return largest;
+}
+
+const size = file => fs.statSync(path.join(folder, file)).size / 1000;
+most('size with wake and forces of strips', size('turn/report.html'), 500, 'kB');
+most('size without wake', size('small.html'), 200, 'kB');
+
+{ // Light, keys, mouse.
+  const { page } = await open('turn/report.html');
+  const paint = await of(page, `performance.getEntriesByName('first-contentful-paint')[0].startTime`);
+  most('first paint', paint, 1000, 'ms');
+  judge('drawn with', await of(page, 'wingbeat.renderer'), (await of(page, 'wingbeat.renderer')) === 'WebGL 2', 'WebGL 2');
+  const t = () => of(page, 'wingbeat.state.t');
+  await page.keyboard.press('End'); holds('End goes to the end', Math.abs(await t() - 5) < 1e-6);
+  await page.keyboard.press('Home'); holds('Home goes to the start', (await t()) === 0);
+  await page.keyboard.press('ArrowRight'); holds('an arrow goes a frame', Math.abs(await t() - 0.005) < 1e-4);
+  await page.keyboard.down('Shift'); await page.keyboard.press('ArrowRight'); await page.keyboard.up('Shift');
+  holds('with Shift it goes ten', Math.abs(await t() - 0.055) < 1e-3);
+  await page.keyboard.press('Space'); await wait(700); holds('Space plays', await of(page, 'wingbeat.state.playing') && await t() > 0.2);
+  await page.keyboard.press('Space'); holds('and pauses', !(await of(page, 'wingbeat.state.playing')));
+  await page.keyboard.press('-'); holds('minus slows down', (await of(page, 'wingbeat.state.speed')) === 0.5);
+  for (const [key, mode] of [['2', 'follow'], ['3', 'whole'], ['4', 'side'], ['5', 'top'], ['1', 'chase']]) { await page.keyboard.press(key); judge(`key ${key} chooses a camera`, await of(page, 'wingbeat.view.mode'), (await of(page, 'wingbeat.view.mode')) === mode, mode); }
+  const box = await (await page.$('#space')).boundingBox(), [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const before = await of(page, 'wingbeat.view.azimuth');
+  await page.mouse.move(x, y); await page.mouse.down(); await page.mouse.move(x + 80, y + 20, { steps: 4 }); await page.mouse.up();
+  holds('a drag turns the view', Math.abs(await of(page, 'wingbeat.view.azimuth') - before) > 0.3);
+  await page.mouse.wheel({ deltaY: -300 }); holds('the wheel zooms', (await of(page, 'wingbeat.view.zoom')) < 0.8);
+  await page.keyboard.press('f'); holds('F fits', (await of(page, 'wingbeat.view.zoom')) === 1);
+  const plot = await (await page.$('.panel svg')).boundingBox();
+  await page.mouse.click(plot.x + 46 + 0.6 * (plot.width - 52), plot.y + 40);
+  holds('a click into a plot goes to its time', Math.abs(await t() - 3) < 0.05, '3 s');
+  await page.click('[data-name="strips"] input'); await page.keyboard.press('w');
+  holds('W hides the wake', !(await of(page, 'shown.wake')));
+  await page.keyboard.press('w');
+  await page.evaluate('wingbeat.seek(2.6); wingbeat.frame()');
+  await picture(page, 'light-strips');
+  await page.click('[data-name="strips"] input');
+  await picture(page, 'light'); await picture(page, 'light-whole-page', true);
+  for (const [name, key] of [['whole', '3'], ['side', '4'], ['above', '5']]) { await page.keyboard.press(key); await wait(100); await picture(page, 'light-' + name); }
+  await page.keyboard.press('1');
+  const smallest = await of(page, `Math.min(...[...document.querySelectorAll('body *')].filter(e => [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim()) && !/SCRIPT|STYLE|NOSCRIPT/.test(e.tagName)).map(e => parseFloat(getComputedStyle(e).fontSize)))`);
+  least('smallest letters', smallest, 11, 'px');
+  least('frames a second, software GL at 1400 x 800', await rate(page), 30);
+  await page.close();
+}
+{ // The same frame, by both ways to draw.
+  const shots = [];
+  for (const hash of ['t=2.6', 't=2.6,2d']) {
+    const { page } = await open('turn/report.html', { hash });
+    shots.push(await of(page, `wingbeat.frame(), document.getElementById('space').toDataURL()`));
+    if (hash.includes('2d')) { judge('drawn with', await of(page, 'wingbeat.renderer'), (await of(page, 'wingbeat.renderer')) === 'canvas', 'canvas'); await picture(page, 'flat'); least('frames a second, canvas at 1400 x 800', await rate(page), 15); }
+    await page.close();
+  }
+  const { page } = await open('turn/report.html');
+  const apart = await page.evaluate(async urls => {
+    const pixels = async url => { const image = new Image(); image.src = url; await image.decode(); const c = document.createElement('canvas'); c.width = 400; c.height = 240; const x = c.getContext('2d'); x.drawImage(image, 0, 0, 400, 240); return x.getImageData(0, 0, 400, 240).data; };
+    const [a, b] = [await pixels(urls[0]), await pixels(urls[1])];
+    let sum = 0; for (let i = 0; i < a.length; i++) sum += Math.abs(a[i] - b[i]);
+    return sum / a.length;
+  }, shots);
+  most('mean difference of WebGL 2 and canvas, of 255', apart, 8);
+  await page.close();
+}
+for (const scheme of ['light', 'dark']) {
+  const { page } = await open('turn/report.html', { hash: 't=2.6', media: { 'prefers-color-scheme': scheme } });
+  if (scheme === 'dark') { await picture(page, 'dark'); await picture(page, 'dark-whole-page', true); }
+  await page.evaluate(() => document.querySelectorAll('details').forEach(details => details.open = true));
+  await page.evaluate(axe);
+  const found = (await page.evaluate('axe.run()')).violations;
+  for (const one of found) console.log(`  axe, ${scheme}: ${one.impact} ${one.id}: ${one.nodes.length} of ${one.nodes[0].html.slice(0, 120)}`);
+  most(`findings of axe-core that are serious, ${scheme}`, found.filter(one => ['serious', 'critical'].includes(one.impact)).length, 0);
+  await page.close();
+}
+{ // Narrow, touch.
+  const { page, client } = await open('turn/report.html', { hash: 't=2.6', width: 400, height: 860, touch: true });
+  most('width of the page at 400 px', await of(page, 'document.documentElement.scrollWidth'), 400, 'px');
+  await picture(page, 'narrow'); await picture(page, 'narrow-whole-page', true);
+  const box = await (await page.$('#space')).boundingBox(), [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const touch = (type, ...points) => client.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const azimuth = await of(page, 'wingbeat.view.azimuth');
+  await touch('touchStart', [x, y]); await touch('touchMove', [x + 60, y]); await touch('touchEnd');
+  holds('a finger turns the view', Math.abs(await of(page, 'wingbeat.view.azimuth') - azimuth) > 0.2);
+  const zoom = await of(page, 'wingbeat.view.zoom');
+  await touch('touchStart', [x - 30, y], [x + 30, y]); await touch('touchMove', [x - 70, y], [x + 70, y]); await touch('touchEnd');
+  holds('two fingers zoom', (await of(page, 'wingbeat.view.zoom')) < 0.8 * zoom);
+  const plot = await page.$('.panel svg');
+  await plot.scrollIntoView(); await plot.tap();
+  holds('a tap into a plot goes to its time', Math.abs(await of(page, 'wingbeat.state.t') - 2.6) > 0.01);
+  await page.close();
+}
+{ // Print, reduced motion.
+  const { page } = await open('turn/report.html', { hash: 't=2.6', width: 794, height: 1123, type: 'print' });
+  await picture(page, 'print', true);
+  await page.pdf({ path: path.join(pictures, 'print.pdf'), format: 'A4', printBackground: true });
+  least('printed page', fs.statSync(path.join(pictures, 'print.pdf')).size / 1000, 30, 'kB');
+  await page.close();
+  const still = await open('turn/report.html', { hash: '', media: { 'prefers-reduced-motion': 'reduce' } });
+  holds('nothing moves by itself where motion is to be reduced', !(await of(still.page, 'wingbeat.state.playing')));
+  await still.page.close();
+  const plays = await open('turn/report.html', { hash: '' });
+  holds('else it plays', await of(plays.page, 'wingbeat.state.playing'));
+  await plays.page.close();
+}
+{ // A minute of flight.
+  const bare = await browser.newPage();
+  await bare.goto('about:blank');
+  const empty = await memory(bare);
+  const { page } = await open('minute/report.html');
+  await rate(page, 3);
+  const used = await memory(page), heap = await of(page, 'performance.memory.usedJSHeapSize / 1e6');
+  console.log(`  an empty page ${empty.toFixed(0)} MB, its heap of JavaScript ${heap.toFixed(0)} MB`);
+  most('memory with a minute of flight', used, 200, 'MB');
+  await bare.close(); await page.close();
+}
+for (const file of fs.readdirSync(folder).filter(name => name.startsWith('hostile')).sort()) {
+  const { page } = await open(file);
+  holds(`${file}: nothing of its texts runs`, (await of(page, 'window.pwned')) === undefined && !(await page.$('img')));
+  holds(`${file}: its title is shown`, (await page.title()).length > 0 && (await of(page, `document.querySelector('h1').textContent`)) === (await page.title()));
+  await picture(page, file.replace('.html', ''));
+  await page.close();
+}
+for (const name of fs.readdirSync(folder).filter(name => fs.existsSync(path.join(folder, name, 'report.html')) && !['turn', 'minute'].includes(name))) {
+  const { page } = await open(`${name}/report.html`, { hash: 'still' });
+  holds(`${name}: opens`, true);
+  await picture(page, 'kind-' + name);
+  await page.close();
+}
+const foreign = requests.filter(url => !url.startsWith('file:') && !url.startsWith('data:') && url !== 'about:blank');
+const pages = requests.filter(url => url.startsWith('file:') && !/\.html(#|$)/.test(url));
+most('network requests', foreign.length + pages.length, 0);
+await browser.close();
+console.log(`\n${passed} passed, ${failed} failed`);
+process.exit(failed ? 1 : 0);
