@@ -62,8 +62,8 @@ impl Measurement {
         }
         let places = PyDict::new(py);
         names.iter().enumerate().try_for_each(|(place, name)| places.set_item(name, place))?;
-        let values = PyArray1::from_vec(py, values).unbind();
-        Ok(Self { taken, values, places: places.unbind() })
+        let array = PyArray1::from_vec(py, values).unbind();
+        Ok(Self { taken, array, places: places.unbind() })
     }
 
     /// Names of the channels, in order.

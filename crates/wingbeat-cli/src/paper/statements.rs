@@ -120,9 +120,10 @@ fn turn(
     let roll = format!("{} deg, rms error {}", say("roll_mean_deg"), say("roll_rms_error_deg"));
     let asked = format!("{} deg", paper.roll_deg);
     put("a bank is held", asked, roll, held.map(|(mean, rms)| mean && rms), note);
-    let asked = format!("{} deg, nose up is negative", paper.pitch_deg);
-    let pitch = format!("{} deg", say("pitch_mean_deg"));
-    put("pitch is held", asked, pitch, near("pitch_mean_deg", paper.pitch_deg, PITCH_DEG), "");
+    let asked = format!("{} deg nose up", paper.nose_up_deg);
+    // Summaries count nose up negative.
+    let pitch = number("pitch_mean_deg").map_or("-".into(), |pitch| format!("{:.1} deg nose up", -pitch));
+    put("pitch is held", asked, pitch, near("pitch_mean_deg", -paper.nose_up_deg, PITCH_DEG), "");
     if let Some([low, high]) = paper.pitch_oscillation_deg {
         let within = number("pitch_half_amplitude_deg").map(|swing| (low..=high).contains(&swing));
         let swing = format!("{} deg", say("pitch_half_amplitude_deg"));
@@ -200,7 +201,7 @@ mod tests {
         let (distance_x_m, distance_y_m) = (4.1, 5.0);
         let paper = PaperResults {
             roll_deg: 15.0,
-            pitch_deg: -15.0,
+            nose_up_deg: 15.0,
             pitch_oscillation_deg,
             distance_x_m,
             distance_y_m,

@@ -27,7 +27,7 @@ Observer: TypeAlias = Callable[[float, Array, Array], object]
 # `copy` and `pickle` find it here.
 copyreg.pickle(
     _wingbeat.Measurement,
-    lambda told: (_wingbeat.Measurement.of, (told.taken, told.names, told.values)),
+    lambda told: (_wingbeat.Measurement.of, (told.taken, told.names, told.array)),
 )
 
 

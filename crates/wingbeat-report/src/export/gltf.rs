@@ -94,9 +94,10 @@ pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
     // 0 the world with z up, 1 the wings, 2 the body, 3 the path; the joints follow.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let joints: Vec<usize> = (4..4 + ribs).collect();
+    let children: Vec<usize> = [2, 3].into_iter().chain(joints.clone()).collect();
     let mut nodes = vec![
         json!({ "name": "world, z up", "rotation": [-half, 0.0, 0.0, half],
-                "children": [2, 3].into_iter().chain(joints.clone()).collect::<Vec<_>>() }),
+                "children": children }),
         json!({ "name": "wings", "mesh": 0, "skin": 0 }),
         json!({ "name": "body", "mesh": 1 }),
         json!({ "name": "path", "mesh": 2 }),
