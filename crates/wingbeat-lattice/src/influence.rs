@@ -99,6 +99,11 @@ impl Influence {
         velocities
     }
 
+    /// Whether the mirror image of all sources is there.
+    pub fn symmetric(&self) -> bool {
+        self.symmetric
+    }
+
     /// What rings of unit circulation induce along the normals at the control points, row by row, 1/m.
     pub fn coefficients(&self, meshes: &[Mesh]) -> Vec<f64> {
         let of = |(surface, mesh): (usize, &Mesh)| {

@@ -49,6 +49,18 @@ pub fn cored_segment(p: Vec3, a: Vec3, b: Vec3, core: f64) -> Vec3 {
     across * (INVERSE_4PI * (x + y) * (product - r1.dot(r2)) / (product * (square + core)))
 }
 
+/// The same of a vortex softened over the distance `core`, m: r^2 + core^2 in the place of r^2 in the law of Biot and Savart, integrated
+/// along the segment.
+///
+/// Equation: lattice.softened_segment
+pub fn softened_segment(p: Vec3, a: Vec3, b: Vec3, core: f64) -> Vec3 {
+    let (r1, r2) = (p - a, p - b);
+    let square = core * core;
+    let [x, y] = [r1, r2].map(|r| (r.norm_squared() + square).sqrt());
+    let product = x * y;
+    r1.cross(r2) * (INVERSE_4PI * (x + y) / (product * (product + r1.dot(r2) + square)))
+}
+
 /// Points at which velocities are wanted, in lanes; those that fill up the last block repeat the last point.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
@@ -571,6 +583,21 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_softened_segment_is_the_integral_of_its_law() {
+        let (p, a, b, core) =
+            (Vec3::new(0.3, 0.2, -0.1), Vec3::new(0.0, 1.0, 0.2), Vec3::new(0.5, -0.7, 0.0), 0.4);
+        let count = 2000_u16;
+        let part = |k: usize| {
+            let r = p - (a + (b - a) * ((k as f64 + 0.5) / f64::from(count)));
+            (b - a).cross(r) * ((r.norm_squared() + core * core).powf(-1.5) * INVERSE_4PI / f64::from(count))
+        };
+        let sum = (0..usize::from(count)).map(part).fold(Vec3::ZERO, |sum, v| sum + v);
+        assert!((sum - softened_segment(p, a, b, core)).norm() < 1e-6 * sum.norm());
+        assert!((softened_segment(p, a, b, 0.0) - segment(p, a, b)).norm() < 1e-14);
+        assert!(softened_segment(a + (b - a) * 0.3, a, b, core).norm() < 1e-16);
     }
 
     #[test]

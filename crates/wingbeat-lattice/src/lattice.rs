@@ -7,6 +7,7 @@ use crate::loads::{Air, Loads};
 use crate::mesh::Mesh;
 use crate::motion::Scene;
 use crate::settings::{Settings, WakeMotion};
+use crate::spread;
 use crate::wake::Wake;
 use wingbeat::math::Vec3;
 use wingbeat::math::linear::{lu_factor, lu_solve};
@@ -133,6 +134,14 @@ impl Lattice {
         self.solve(t, &air)?;
         let own = self.influence.velocities(&points, &places, &self.sources(true, false));
         air.iter_mut().zip(own).for_each(|(v, own)| *v += own);
+        if !self.settings.emulates() {
+            let mut at = 0;
+            for (mesh, change) in self.meshes.iter().zip(spread::changes(&self.meshes, &self.influence)) {
+                let first = at + mesh.panels();
+                air[first..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
+                at = first + mesh.fronts.len() + mesh.legs.len();
+            }
+        }
         let rates = self.rates();
         let air = Air { velocities: &air, rates: &rates, density: self.scene.density_kg_m3 };
         let loads = Loads::new(t, &self.meshes, &self.rings[0], &air, &self.scene, self.settings.emulates());

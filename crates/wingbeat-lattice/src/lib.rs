@@ -32,7 +32,9 @@ mod motion;
 mod multipole;
 mod picture;
 mod settings;
+mod spread;
 mod tree;
+mod trefftz;
 mod wake;
 #[cfg(target_arch = "x86_64")]
 mod wider;

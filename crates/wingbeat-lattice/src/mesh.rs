@@ -61,8 +61,8 @@ pub struct Mesh {
     pub legs: Vec<Element>,
     /// Circulations that the last rings had a step ago, m2/s.
     pub shed: Vec<f64>,
-    fractions: Vec<f64>,
-    arcs: Vec<f64>,
+    pub(crate) fractions: Vec<f64>,
+    pub(crate) arcs: Vec<f64>,
     mean_chord: f64,
     core: f64,
     wake_core: f64,
@@ -127,9 +127,10 @@ impl Mesh {
 
     /// Where [`controls`](Self::controls), [`fronts`](Self::fronts) and [`legs`](Self::legs) lie along the arc, m, one after another.
     pub(crate) fn places(&self) -> impl Iterator<Item = f64> {
-        let middles = self.arcs.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        let along = self.arcs.windows(2).enumerate();
+        let fronts = along.map(|(j, pair)| pair[0] + (pair[1] - pair[0]) * self.front_fraction(j));
         let rows = 0..self.chordwise;
-        let fronts = rows.clone().flat_map(move |_| middles.clone());
+        let fronts = rows.clone().flat_map(move |_| fronts.clone());
         let legs = rows.flat_map(|_| self.arcs.iter().copied());
         self.controls.iter().map(|c| c.arc).chain(fronts).chain(legs)
     }
@@ -192,21 +193,29 @@ impl Mesh {
         }
     }
 
+    /// Where between the edges of strip `j` the air of its bound vortices is taken: where Lan's sums over strips are exact, as at its
+    /// control points; vortices with cores, as another program has them, in the middle.
+    fn front_fraction(&self, j: usize) -> f64 {
+        if self.core == 0.0 { self.fractions[j] } else { 0.5 }
+    }
+
     fn place_elements(&mut self) {
         let m = self.chordwise as f64;
-        let element = |a: (Vec3, Vec3), b: (Vec3, Vec3)| Element {
-            at: (a.0 + b.0) * 0.5,
-            velocity: (a.1 + b.1) * 0.5,
+        let element = |a: (Vec3, Vec3), b: (Vec3, Vec3), fraction: f64| Element {
+            at: a.0 + (b.0 - a.0) * fraction,
+            velocity: a.1 + (b.1 - a.1) * fraction,
             along: b.0 - a.0,
         };
+        let fractions: Vec<f64> = (0..self.strips).map(|j| self.front_fraction(j)).collect();
         let edges = &self.edges;
         self.fronts.clear();
         self.legs.clear();
         for i in 0..self.chordwise {
             let x = (i as f64 + VORTEX) / m;
             let end = (x + 1.0 / m).min(1.0);
-            self.fronts.extend(edges.windows(2).map(|pair| element(at(&pair[0], x), at(&pair[1], x))));
-            self.legs.extend(edges.iter().map(|edge| element(at(edge, x), at(edge, end))));
+            let pairs = edges.windows(2).zip(&fractions);
+            self.fronts.extend(pairs.map(|(pair, f)| element(at(&pair[0], x), at(&pair[1], x), *f)));
+            self.legs.extend(edges.iter().map(|edge| element(at(edge, x), at(edge, end), 0.5)));
         }
     }
 

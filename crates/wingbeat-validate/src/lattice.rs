@@ -4,6 +4,7 @@ mod convergence;
 pub(crate) mod flapping;
 mod flight;
 mod small;
+mod span;
 mod wake;
 mod wings;
 
@@ -12,6 +13,7 @@ use crate::Case;
 /// The comparisons.
 pub const CASES: &[Case] = &[
     Case { id: "lattice.slope", quick: true, run: small::slope },
+    Case { id: "lattice.span_efficiency", quick: true, run: span::efficiency },
     Case { id: "lattice.step", quick: false, run: small::step },
     Case { id: "lattice.plunge", quick: false, run: small::plunge },
     Case { id: "lattice.pitch_thrust", quick: false, run: small::pitch_thrust },

@@ -53,6 +53,47 @@ fn rectangles_have_the_slope_of_the_lifting_surface() {
     }
 }
 
+/// Steady drag of a wing of 6 x 24 panels by the forces on its vortices and by its wake, and its span efficiency by the first.
+fn drags(outline: &[[f64; 3]], halved: bool) -> [f64; 3] {
+    let stations: Vec<PlanformStation> = outline
+        .iter()
+        .map(|[arc_m, leading_edge_m, chord]| PlanformStation {
+            arc_m: *arc_m,
+            leading_edge_m: *leading_edge_m,
+            trailing_edge_m: leading_edge_m - chord,
+        })
+        .collect();
+    let span = 2.0 * outline[outline.len() - 1][0];
+    let mut still = wing(span, 0.0, 0.0);
+    still.wing = Wing::new(Planform::new(&stations).unwrap(), Vec::new()).unwrap();
+    still.motion = Motion::at_rest();
+    let (lattice, loads) = run(&still, panels(6, 24), Settings::new(1e4, 1e-3), 2, halved);
+    let force = loads[1].joukowski.force;
+    let (near, far) = (force.dot(still.wind), lattice.wake_drag().unwrap());
+    let lift = force.dot(Vec3::new(ALPHA.sin(), 0.0, ALPHA.cos()));
+    [near, far, lift * lift / (0.5 * PI * span * span * near)]
+}
+
+#[test]
+fn steady_wings_have_the_drag_of_their_wake() {
+    let swept = |deg: f64| vec![[0.0, 0.0, 1.0], [4.0, -4.0 * deg.to_radians().tan(), 1.0]];
+    let delta = vec![[0.0, 0.0, 1.9], [4.0, -1.8, 0.1]];
+    for (outline, within) in [
+        (swept(0.0), 0.002),
+        (swept(30.0), 0.02),
+        (swept(-20.0), 0.02),
+        (swept(45.0), 0.02),
+        (vec![[0.0, 0.0, 1.5], [4.0, -0.25, 0.5]], 0.005),
+        (delta, 0.02),
+    ] {
+        let [near, far, efficiency] = drags(&outline, true);
+        println!("{outline:?}: {near:e} {far:e} {:.2} %, {efficiency:.4}", 100.0 * (near / far - 1.0));
+        assert!((near / far - 1.0).abs() < within && efficiency < 1.0, "{outline:?}: {near} {far}");
+    }
+    let [half, whole] = [true, false].map(|halved| drags(&swept(30.0), halved));
+    assert!(half.iter().zip(whole).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{half:?} {whole:?}");
+}
+
 #[test]
 fn a_long_wing_starts_as_wagner_says() {
     let long = wing(1e4, 0.0, 0.0);

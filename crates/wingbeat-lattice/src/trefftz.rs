@@ -1,0 +1,51 @@
+//! The drag of a steady wing by the wake far behind it.
+
+use crate::lattice::Lattice;
+use wingbeat::math::Vec3;
+
+impl Lattice {
+    /// Drag of the wake that the present circulations would leave if the wings stayed as they are, N: in the plane square to the wind
+    /// far behind, where the wake is as wide as the trailing edges, D = -(rho/2) sum G_j w_j dy_j, with the downwash of the trailing
+    /// vortices at the points where Lan's sums over strips are exact. None without a wind.
+    ///
+    /// Munk 1921: however the wings are swept, this is the drag of a steady wing, and the least that its loading can have.
+    ///
+    /// Equation: lattice.trefftz
+    pub fn wake_drag(&self) -> Option<f64> {
+        let scene = self.scene();
+        let speed = Some(scene.wind.norm()).filter(|speed| *speed > 0.0)?;
+        let along = scene.wind * speed.recip();
+        let across = |v: Vec3| v - along * v.dot(along);
+        let mut strips = Vec::new();
+        let mut rings = self.rings();
+        for mesh in self.meshes() {
+            let (own, rest) = rings.split_at(mesh.panels());
+            rings = rest;
+            let last = &own[mesh.panels() - mesh.strips..];
+            for (j, ring) in last.iter().enumerate() {
+                let [left, right] = [j, j + 1].map(|j| across(mesh.edges[j].te));
+                strips.push((left, right, mesh.fractions[j], *ring));
+            }
+        }
+        if scene.symmetric {
+            let image = strips.clone().into_iter();
+            strips.extend(image.map(|(left, right, f, ring)| {
+                (crate::influence::mirrored(right), crate::influence::mirrored(left), 1.0 - f, ring)
+            }));
+        }
+        // A line along the wind of the circulation G: G (along x r)/(2 pi r^2).
+        let line = |p: Vec3, from: Vec3| {
+            let r = p - from;
+            let square = r.norm_squared();
+            if square > 0.0 { along.cross(r) * (0.5 / (std::f64::consts::PI * square)) } else { Vec3::ZERO }
+        };
+        let drag = strips.iter().map(|(left, right, f, ring)| {
+            let at = *left + (*right - *left) * *f;
+            let wash = strips.iter().fold(Vec3::ZERO, |sum, (left, right, _, ring)| {
+                sum + (line(at, *right) - line(at, *left)) * *ring
+            });
+            ring * wash.cross(*right - *left).dot(along)
+        });
+        Some(0.5 * scene.density_kg_m3 * drag.sum::<f64>())
+    }
+}
