@@ -180,7 +180,7 @@ fn odd_flights_are_finite_or_end_with_their_reason() {
 /// With its shoulders raised the wings swing through each other from .02 s on, where vortices without cores meet.
 #[test]
 fn wings_that_pass_through_each_other_fly_on_with_rounded_vortices() {
-    let raised = "robot.links[0].driven.mean_rad=0.6";
+    let raised = "robot.links[0].driven.mean_rad=0.65";
     let set = ["lattice.step_s=0.002", "flight.duration_s=0.12", raised];
     let sharp = open(shipped("passive_20g.toml", &set)).fly(|_| ControlFlow::Continue(())).unwrap();
     assert_eq!(sharp.summary.status, Status::Failed);
