@@ -18,11 +18,6 @@ const PAGES: [(&str, &[&str]); 4] = [
     ("docs/tutorials/load_cell.md", &[]),
     ("docs/tutorials/paper.md", &["robots", "scenarios", "rigs"]),
 ];
-/// Most commands of a tutorial.
-const MOST_COMMANDS: usize = 20;
-/// What each page does not wait for.
-const LONG: &str = "<!-- long -->";
-
 /// A step of a page.
 #[derive(Debug, PartialEq)]
 enum Step {
@@ -203,6 +198,11 @@ pub fn all() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Most commands of a tutorial.
+    const MOST_COMMANDS: usize = 20;
+    /// What each page does not wait for.
+    const LONG: &str = "<!-- long -->";
 
     #[test]
     fn the_short_parts_of_the_tutorials_go_as_they_say() {

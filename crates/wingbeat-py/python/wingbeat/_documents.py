@@ -11,11 +11,6 @@ from typing import Any, TypeAlias
 from wingbeat import _wingbeat
 from wingbeat._record import Column
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 Source: TypeAlias = "str | PathLike[str] | Mapping[str, Any]"
 Overrides: TypeAlias = Mapping[str, Any]
 
@@ -35,6 +30,16 @@ def shipped(name: str) -> Path:
         known = sorted(entry.name for entry in folder.iterdir() if entry.suffix == ".toml" or entry.is_dir())
         raise ValueError(f"{name}: allowed are {', '.join(known)}")
     return path
+
+
+def _table(toml: str) -> dict[str, Any]:
+    """A TOML text as a dictionary."""
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+
+    return tomllib.loads(toml)
 
 
 def document(source: Source, overrides: Overrides | None, name: str) -> _wingbeat.Document:
@@ -84,7 +89,7 @@ class Robot:
 
     def to_dict(self) -> dict[str, Any]:
         """The robot with its overrides as a dictionary."""
-        return tomllib.loads(self.toml)
+        return _table(self.toml)
 
     def __eq__(self, other: object) -> bool:
         return self.toml == other.toml if isinstance(other, Robot) else NotImplemented
@@ -148,7 +153,7 @@ class Scenario:
 
     def to_dict(self) -> dict[str, Any]:
         """The merged configuration as a dictionary."""
-        return tomllib.loads(self.toml)
+        return _table(self.toml)
 
     @property
     def states(self) -> list[Column]:

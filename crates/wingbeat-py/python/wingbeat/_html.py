@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import io
-from html import escape
 from typing import Any
 
 # Numbers of a summary that are worth a line, where they are there.
@@ -25,6 +22,8 @@ SHOWN = (
 
 def table(kind: str, summary: dict[str, Any]) -> str:
     """Status, warnings and a few numbers."""
+    from html import escape
+
     rows = [("status", summary.get("status", "-"))]
     rows += [(name, summary[name]) for name in SHOWN if isinstance(summary.get(name), (str, int, float))]
     for warning in summary.get("warnings") or []:
@@ -39,6 +38,16 @@ def table(kind: str, summary: dict[str, Any]) -> str:
 
 def picture(figure: Any) -> str:
     """A figure of Matplotlib inside a page."""
+    import base64
+    import io
+
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=80)
     return f"<img alt='time histories' src='data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}'>"
+
+
+def text(words: str) -> str:
+    """A text as it is printed."""
+    from html import escape
+
+    return f"<pre>{escape(words)}</pre>"

@@ -210,7 +210,7 @@ class RigPlan:
     toml: str = field(repr=False)
     """The run as resolved."""
     joints: Record = field(repr=False)
-    """Motion of the joints at 1 kHz: column ``t`` (s), then the joints."""
+    """Motion of the joints at 1 kHz: ``time_s``, then positions (deg), rates (deg/s) and accelerations (deg/s2) by joint."""
     files: dict[str, str] = field(repr=False)
     """The trajectory for Kortex (CSV), ROS 2 (YAML) and the Kinova Web App (JSON), by file name."""
 

@@ -7,14 +7,13 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from os import PathLike, fspath
-from html import escape
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from numpy.typing import ArrayLike
 
 from wingbeat import _wingbeat
 from wingbeat._documents import Overrides, Scenario, Source, document
-from wingbeat._html import picture, table
+from wingbeat._html import picture, table, text
 from wingbeat._record import Array, Record, Strips
 from wingbeat._verdicts import judged
 
@@ -64,7 +63,7 @@ class Result:
         try:
             return picture(record.plot())
         except ModuleNotFoundError as error:
-            return f"<p>{escape(str(error))}</p>"
+            return text(str(error))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +179,7 @@ class Calibrated:
     """The wrench learned of runs with ``residual = true`` as TOML, for a file that ``robot.residual`` names; empty without such runs."""
 
     def _repr_html_(self) -> str:
-        return f"<pre>{escape(self.report or self.information)}</pre>"
+        return text(self.report or self.information)
 
     @property
     def values(self) -> dict[str, float]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import islice
@@ -152,6 +151,8 @@ def sweep(
 
 def _local(native: _wingbeat.Sweep, todo: Iterator[list[int]], cores: int | None) -> Iterator[Row]:
     """Rows as they are done, on threads: the library leaves the interpreter to others."""
+    from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+
     pool = ThreadPoolExecutor(cores or os.cpu_count() or 1, thread_name_prefix="wingbeat")
     try:
         pending = {pool.submit(native.rows, batch) for batch in islice(todo, WINDOW)}

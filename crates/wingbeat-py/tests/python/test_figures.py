@@ -71,7 +71,7 @@ def calls():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("call", calls(), ids=lambda call: f"{call[0]}-{Path(next(w for w in call if isinstance(w, Path))).stem}")
+@pytest.mark.parametrize("call", list(calls()), ids=lambda call: f"{call[0]}-{Path(next(w for w in call if isinstance(w, Path))).stem}")
 def test_no_panel_of_a_figure_is_blank(call, program, tmp_path):
     done = program(*call, "--quiet", "--out", tmp_path / "out")
     # A short try of a flight may miss what its scenario asks.

@@ -51,7 +51,7 @@ def test_average_finds_the_frequency_of_a_file(tmp_path):
 def test_a_run_of_the_rig_is_planned():
     [plan] = wingbeat.rig_plan(wingbeat.shipped("rigs/runs/roll15_speed08.toml"))
     assert plan.name == "roll15_speed08" and "turn at" in plan.report and set(plan.files) >= {"roll15_speed08.yaml"}
-    assert plan.joints.rows > 1000 and len(plan.joints) == 7
+    assert plan.joints.rows > 1000 and list(plan.joints)[:2] == ["time_s", "joint_1_deg"]
     with pytest.raises(ValueError, match="exceeds the limit"):
         wingbeat.rig_plan(wingbeat.shipped("rigs/runs/roll15_speed08.toml"), {"profile": "paper-tool"})
 
