@@ -147,7 +147,8 @@ pub struct Wake {
 /// The scenario's `[plan]` says which. The folder holds plan.parquet and plan.json: nodes, inputs and multipliers. That
 /// of a roll-in also holds what `fly` writes, from the open-loop flight of the plan, and track.toml: the scenario with the
 /// plan as the controller's reference, for `fly`. The folder of a gait also holds its cycle as simulated from rest on a
-/// stand in the scenario's wind, figures, and tether.toml with joints.csv: the motion of the wing, for `tether`.
+/// stand in the scenario's wind, figures, and tether.toml with joints.csv: the motion of the wing, for `tether`. Ctrl-C
+/// keeps the best plan so far, which is not flown.
 #[derive(Debug, Args)]
 pub struct Plan {
     /// The scenario

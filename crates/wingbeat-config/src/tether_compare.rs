@@ -251,7 +251,9 @@ impl TetherCase {
                 pairs.push(Pair { name: theirs, unit: unit(ours), measured, computed });
             }
             let beside = compared(MEASURED, &pairs, &self.limits).into_iter();
-            found.extend(beside.map(|f| if f.id == "data.shift" { f.noted() } else { f }));
+            found.extend(
+                beside.map(|f| if matches!(f.id, "data.shift" | "data.scaled") { f.noted() } else { f }),
+            );
         }
         found.into_iter().map(mended_in_compare).collect()
     }

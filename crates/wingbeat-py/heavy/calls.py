@@ -832,7 +832,7 @@ LONG = {
     "vector": "v = learn.VectorEnvironment(20000, task=learn.BankingTurn, threads=1); v.reset(seed=1)\n"
               "while True: v.step(np.zeros((20000, v.single_action_space.shape[0])))",
     "make_vector": "[learn.VectorEnvironment(2**16, task=learn.BankingTurn).reset(seed=k) for k in range(1000)]",
-    "lattice": "wingbeat.fly(s('glider'), {'lattice.step_s': 2e-3, 'flight.duration_s': 20.0})",
+    "lattice": "wingbeat.fly(s('glider'), {'lattice.step_s': 2e-3, 'lattice.longest_age_s': 0.4, 'flight.duration_s': 20.0})",
 }
 
 PROLOGUE = """
@@ -879,7 +879,7 @@ def interrupts(seed, times=(0.4, 1.1, 2.3)):
                     except subprocess.TimeoutExpired:
                         child.kill()
                         said, errors = "", "hung"
-            word, *rest = said.split() or ["nothing"]
+            word, *rest = (said.splitlines() or ["nothing"])[-1].split(maxsplit=2)
             late = float(rest[0]) - sent if rest else float("inf")
             kept = rest[1] if len(rest) > 1 else kept
             fine = word == "interrupted" and late < ANSWER and "panicked" not in errors

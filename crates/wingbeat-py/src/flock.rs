@@ -1,7 +1,7 @@
 //! Robots side by side, to be learned with.
 
 use crate::flight::{Described, Scenario, described};
-use crate::wait::Stop;
+use crate::wait::{self, Stop};
 use crate::{refused, whole};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyRuntimeError;
@@ -41,6 +41,7 @@ pub struct Flock(wingbeat::learn::Flock);
 impl Flock {
     #[new]
     fn new(
+        py: Python,
         scenario: &Scenario,
         task: &str,
         count: &Bound<PyAny>,
@@ -59,7 +60,10 @@ impl Flock {
             "f32" => Precision::Single,
             unknown => return Err(refused(Error::invalid("precision", unknown, "f64, f32"))),
         };
-        wingbeat::learn::Flock::new(&scenario.0, task, count, threads, precision).map(Self).map_err(refused)
+        let scenario = scenario.0.clone();
+        let made = move || wingbeat::learn::Flock::new(&scenario, task, count, threads, precision);
+        let flock = if count < MANY { made() } else { wait::work(py, move |_| made())? };
+        flock.map(Self).map_err(refused)
     }
 
     /// What an observation holds: name, unit, frame, lower and upper limit.

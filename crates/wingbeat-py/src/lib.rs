@@ -43,6 +43,9 @@ mod module {
     fn begin(module: &Bound<'_, PyModule>) -> PyResult<()> {
         // Not `add`, which would put the name into `__all__`.
         module.setattr("__version__", env!("CARGO_PKG_VERSION"))?;
+        // Else the first array imports it, and Ctrl-C in that import is a panic.
+        module.py().import("numpy")?;
+        drop(numpy::PyArray1::<f64>::zeros(module.py(), 0, false));
         wingbeat::processor::lacks().map_or(Ok(()), |lacks| Err(PyImportError::new_err(lacks)))
     }
 

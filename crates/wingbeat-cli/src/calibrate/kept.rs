@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use wingbeat_calibrate::{Fit, Keep};
 
+use crate::error::Error;
 use crate::run_folder::RunFolder;
 
 /// Fits that are done, kept in the folder for a command that goes on.
@@ -28,8 +29,15 @@ impl<'a> Kept<'a> {
     }
 
     /// Removes the file: the summary holds what it held.
-    pub fn remove(folder: &RunFolder) {
-        let _ = std::fs::remove_file(folder.file(KEPT));
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn remove(folder: &RunFolder) -> Result<(), Error> {
+        let path = folder.file(KEPT);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::file(&path, source)),
+            _ => Ok(()),
+        }
     }
 }
 

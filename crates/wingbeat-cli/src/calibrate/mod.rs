@@ -60,7 +60,7 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
         Err(Error::Calibration(Failure::Other(fault @ wingbeat_calibrate::Error::Model { .. }))) => {
             let reason = fault.to_string();
             folder.write_json("summary.json", &Failed { status: Status::Failed.name(), reason: &reason })?;
-            Kept::remove(&folder);
+            Kept::remove(&folder)?;
             let path = folder.finish(&Manifest::new(calibration.spec.seed, start.elapsed()))?;
             Err(Error::Failed { status: Status::Failed.name().into(), reason, folder: path })
         }
@@ -138,6 +138,6 @@ fn write(folder: &RunFolder, (found, verdict): (&Found, &Verdict), files: &Files
     folder.write("report.md", &words::report(found, verdict))?;
     folder.write("information.csv", &words::information_csv(found))?;
     write_parquet(&folder.file("record.parquet"), &found.record().map_err(Failure::from)?)?;
-    Kept::remove(folder);
+    Kept::remove(folder)?;
     draw::draw(folder, found)
 }

@@ -268,7 +268,7 @@ fn other_frequency(
         100.0 * (part.white + part.slow) / part.total
     );
     let finding = Finding::new("data.frequency", &FREQUENCY, series.about(channel.name), size, text);
-    Some(finding.in_channel(channel.name))
+    Some(Finding { certain: 1.0 / error, ..finding.in_channel(channel.name) })
 }
 
 /// The finding that a table of one cycle lasts longer or shorter than that of the frequency given: even steps, and the

@@ -23,6 +23,8 @@ pub struct Finding {
     pub key: Option<String>,
     /// Whether the data are suspect, or a warning is enough.
     pub serious: bool,
+    /// One over the error of its size, where that is known.
+    pub(super) certain: f64,
 }
 
 impl Finding {
@@ -36,7 +38,7 @@ impl Finding {
     ) -> Self {
         let serious = limit.status.is_some();
         let (about, channel) = (about.into(), String::new());
-        Self { id, limit, about, channel, size, text: text.into(), key: None, serious }
+        Self { id, limit, about, channel, size, text: text.into(), key: None, serious, certain: 0.0 }
     }
 
     /// The same of the channel called `name`.

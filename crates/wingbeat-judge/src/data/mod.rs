@@ -107,8 +107,11 @@ fn alike(series: &Series, found: Vec<Finding>) -> Vec<Finding> {
         };
         match told.iter_mut().find(same) {
             Some(first) => {
-                first.channel = format!("{}, {}", first.channel, finding.channel);
-                first.about = series.about(&first.channel);
+                let channel = format!("{}, {}", first.channel, finding.channel);
+                let about = series.about(&channel);
+                // Of several the one with the smallest error is told.
+                let best = if finding.certain > first.certain { finding } else { first.clone() };
+                *first = Finding { channel, about, ..best };
             }
             None => told.push(finding),
         }
