@@ -76,10 +76,8 @@ fn phase(shot: &Shot, watch: &Watch<'_>) -> WakeSheet {
     };
     let note = watch.strongest(shot).map_or_else(String::new, |strongest| {
         let stroke = if strongest.in_downstroke { "downstroke" } else { "upstroke" };
-        format!(
-            "strongest ring {:.3} m2/s, shed {:.2} cycles ago in a {stroke}",
-            strongest.circulation_m2_s, strongest.shed_before_cycles
-        )
+        let (circulation, cycles) = (strongest.circulation_m2_s, strongest.shed_before_cycles);
+        format!("strongest: {circulation:.3} m2/s, {cycles:.2} cycles old, of a {stroke}")
     });
     WakeSheet { title, note, ..whole }
 }

@@ -10,7 +10,7 @@ use crate::write::Figure;
 use crate::{Error, style};
 
 /// Height of a picture, px.
-const HEIGHT: f64 = 330.0;
+const HEIGHT: f64 = 300.0;
 /// Width of all on a slide, px.
 const WIDE: f64 = 1500.0;
 /// Room above it for two lines of words, px.
