@@ -125,6 +125,11 @@ pub fn push(track: &mut Track, value: Vec3) {
     track.iter_mut().zip(value.0).for_each(|(column, value)| column.push(value));
 }
 
+/// A vector of length one along `v`; zero where that has no length.
+pub fn direction(v: Vec3) -> Vec3 {
+    v * (1.0 / v.norm().max(1e-300))
+}
+
 /// The point of a track in frame `i`.
 pub fn at(track: &Track, i: usize) -> Vec3 {
     Vec3(std::array::from_fn(|axis| track[axis][i]))

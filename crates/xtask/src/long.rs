@@ -1,15 +1,16 @@
 //! `cargo xtask long`: what takes hours and so does not run before every change.
 
 use crate::report::{Account, Tally};
-use crate::{documents, fuzz, hostile, paper, peers, python, soak, tools};
+use crate::{browser, documents, fuzz, hostile, paper, peers, python, soak, tools};
 
 /// A task by its name.
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 9] = [
+const TASKS: [Task; 10] = [
     ("tests", tests),
     ("paper", || Tally::one(paper::run())),
+    ("browser", browser::check),
     ("soak", || Tally::one(soak::soak(&[]))),
     ("hostile", || Tally::one(hostile::hostile(&[]))),
     ("faults", hostile::disturbed::faults),

@@ -1,6 +1,7 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `reference`, `bench`, `peers`, `fuzz`, `hostile`,
 //! `advisories`, `python`, `soak`, `paper`, `long`.
 
+mod browser;
 mod copies;
 mod dependencies;
 mod documents;

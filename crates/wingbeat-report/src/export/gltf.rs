@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use wingbeat::math::{Mat3, Quat, Vec3};
 use wingbeat::rig::rotation_vector;
 
-use crate::motion::{Motion, Surface, at};
+use crate::motion::{Motion, Surface, at, direction};
 
 /// Component types of glTF.
 const FLOAT: u32 = 5126;
@@ -94,9 +94,10 @@ pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
     // 0 the world with z up, 1 the wings, 2 the body, 3 the path; the joints follow.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let joints: Vec<usize> = (4..4 + ribs).collect();
+    let children: Vec<usize> = [2, 3].into_iter().chain(joints.clone()).collect();
     let mut nodes = vec![
         json!({ "name": "world, z up", "rotation": [-half, 0.0, 0.0, half],
-                "children": [2, 3].into_iter().chain(joints.clone()).collect::<Vec<_>>() }),
+                "children": children }),
         json!({ "name": "wings", "mesh": 0, "skin": 0 }),
         json!({ "name": "body", "mesh": 1 }),
         json!({ "name": "path", "mesh": 2 }),
@@ -223,11 +224,11 @@ fn wings(
 fn joint(motion: &Motion, surface: &Surface, k: usize, i: usize) -> Joint {
     let [leading, trailing] = surface.ribs[k].each_ref().map(|edge| motion.in_world(i, at(edge, i)));
     let chord = (leading - trailing).norm().max(SHORTEST);
-    let x = (leading - trailing).normalized();
+    let x = direction(leading - trailing);
     // What lies across: the body's own left, or its top where the chord lies along that.
     let across = |v: [f64; 3]| x.cross(motion.turned(i, Vec3(v)));
     let [left, top] = [across([0.0, 1.0, 0.0]), across([0.0, 0.0, 1.0])];
-    let z = if left.norm() > 0.1 { left.normalized() } else { top.normalized() };
+    let z = if left.norm() > 0.1 { direction(left) } else { direction(top) };
     Joint { origin: trailing, rotation: Mat3::from_columns(x, z.cross(x), z), chord }
 }
 
