@@ -106,7 +106,7 @@ impl<'a> Film<'a> {
         let width = self.asked.width;
         let height = (width * if self.asked.wide { 9.0 / 16.0 } else { 0.75 }).round();
         let whole = Pane { x: 0.0, y: 0.0, width, height };
-        let mut title = format!("{}, t = {t:.2} s", self.run.name);
+        let mut title = format!("{}, t = {t:.2} s", self.run.title());
         let views = match self.asked.seen {
             Seen::Behind => vec![self.near(i, whole, false)],
             _ if !self.motion.free => vec![self.far(i, whole)],

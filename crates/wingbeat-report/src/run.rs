@@ -54,6 +54,14 @@ pub struct Run {
     pub panels: Vec<Panel>,
 }
 
+impl Run {
+    /// The name in its document, or else that of its folder.
+    pub fn title(&self) -> &str {
+        let named = self.settings.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
+        named.unwrap_or(&self.name)
+    }
+}
+
 /// What a flight left in memory.
 #[derive(Clone, Copy)]
 pub struct Flown<'a> {

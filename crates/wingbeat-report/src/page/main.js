@@ -37,7 +37,7 @@
     state.dirty = true;
   }
   relook();
-  for (const query of ['(prefers-color-scheme: dark)', 'print']) matchMedia(query).addEventListener('change', () => { relook(); frame(); });
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { relook(); frame(); });
   const still = matchMedia('(prefers-reduced-motion: reduce)');
   const tinted = (c, k) => k ? [...mixed(c.slice(0, 3), [1, 1, 1], 0.35 * Math.min(k, 2)), c[3]] : c;
   const looks = k => ({ ...look, sides: look.sides.map(c => tinted(c, k)), path: k ? look.sources[(k + 1) % 8] : look.path });
@@ -101,7 +101,7 @@
   let slow = 0;
   function adapt(ms) { slow = ms > 34 ? slow + 1 : Math.max(0, slow - 0.5); if (slow > 12 && quality > 0.45) { quality *= 0.8; slow = 0; } }
   function frame() {
-    if (!state.dirty) return;
+    if (!state.dirty || plots.printing) return;
     state.dirty = false; window.wingbeat.frames++;
     const w = canvas.clientWidth, h = canvas.clientHeight, ratio = (soft || renderer.kind === 'canvas' ? 1 : Math.min(2, devicePixelRatio || 1)) * quality, W = Math.max(2, Math.round(w * ratio)), H = Math.max(2, Math.round(h * ratio));
     if (!w || !h) { state.dirty = true; return; }
@@ -116,7 +116,7 @@
     motions.forEach((m, k) => {
       m.seek(state.t);
       const own = looks(k);
-      if (m.free) addPath(scene, m, own, box.floor, false);
+      if (m.free) addPath(scene, m, own, box.floor, view.mode === 'whole' || view.mode === 'side');
       if (m.path) for (let i = 0, step = Math.max(1, Math.floor(m.n / 200)); i + step < m.n; i += 2 * step) scene.line(m.path.map(c => c[i]), m.path.map(c => c[i + step]), 1.6, faded(look.thrust, 0.8));
       if (shown.wake && m.circulation) addWake(scene, m, flat);
       addRobot(scene, m, own, 1, box.floor, !flat);
@@ -253,6 +253,15 @@
   });
   canvas.addEventListener('wheel', event => { event.preventDefault(); view.zoom = Math.max(0.05, Math.min(20, view.zoom * Math.exp(0.0012 * event.deltaY))); state.dirty = true; frame(); }, { passive: false });
   new ResizeObserver(() => { state.dirty = true; frame(); }).observe(canvas);
+  // A canvas that was drawn just now is not yet on paper; a copy of it is.
+  function copy() {
+    const sheet = $('sheet'), c = sheet.getContext('2d');
+    sheet.width = canvas.width; sheet.height = canvas.height;
+    c.drawImage(canvas, 0, 0); c.drawImage(marks.canvas, 0, 0, sheet.width, sheet.height);
+  }
+  // On paper: light colours, the picture as it stands, plots as wide as two columns have room.
+  addEventListener('beforeprint', () => { play(false); document.documentElement.classList.add('printing'); relook(); frame(); copy(); plots.printing = true; plots.layout(336); });
+  addEventListener('afterprint', () => { plots.printing = false; document.documentElement.classList.remove('printing'); relook(); plots.layout(); frame(); });
   Object.assign(window.wingbeat, { view, camera, play, frame: () => { state.dirty = true; frame(); } });
   choose(motions.some(m => m.free) ? 'chase' : 'follow');
   if (!motions.some(m => m.free)) { document.querySelector('[data-camera="chase"]').hidden = true; if (box.table || shots.length) { choose('whole'); if (shots.length) view.azimuth = -1; } }

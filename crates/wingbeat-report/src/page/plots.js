@@ -31,7 +31,7 @@ class Plots {
     });
     for (const panel of this.panels) this.build(panel);
     this.layout();
-    new ResizeObserver(() => this.layout()).observe(root);
+    new ResizeObserver(() => this.printing || this.layout()).observe(root);
   }
   build(panel) {
     const several = this.runs.length > 1, keys = make('div', { class: 'keys' });
@@ -70,8 +70,8 @@ class Plots {
     const margin = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
     return [low - margin, high + margin];
   }
-  layout() {
-    const width = this.panels.length ? this.panels[0].svg.getBoundingClientRect().width : 0;
+  layout(asked) {
+    const width = asked || (this.panels.length ? this.panels[0].svg.getBoundingClientRect().width : 0);
     if (!width || width === this.width) return;
     this.width = width; this.left = 46;
     for (const panel of this.panels) this.drawn(panel, width, 118);
