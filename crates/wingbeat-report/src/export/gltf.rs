@@ -245,7 +245,7 @@ fn inverted(joint: &Joint) -> [f64; 16] {
 }
 
 /// x, y, z, w.
-fn quaternion(rotation: &Mat3) -> [f64; 4] {
+pub(super) fn quaternion(rotation: &Mat3) -> [f64; 4] {
     let mut q = [0.0; 4];
     Quat::exp(rotation_vector(rotation)).store_wxyz(&mut q);
     unit([q[1], q[2], q[3], q[0]])
