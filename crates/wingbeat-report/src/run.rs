@@ -79,6 +79,9 @@ pub fn read(folder: &Path) -> Result<Vec<Run>, Error> {
     if !folder.is_dir() {
         return Err(Error::run(folder, "no such folder; allowed is a run folder, as `wingbeat fly` writes"));
     }
+    if !folder.join("manifest.json").is_file() {
+        return Err(Error::run(folder, "no run of wingbeat: it has no manifest.json"));
+    }
     let manifest = json(&folder.join("manifest.json"))?;
     if manifest["program"] != "wingbeat" {
         return Err(Error::run(&folder.join("manifest.json"), "not the manifest of a run of wingbeat"));

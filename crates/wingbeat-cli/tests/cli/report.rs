@@ -45,7 +45,9 @@ fn a_run_is_animated_and_exported() {
         assert!(output.status.success(), "{arguments:?}: {output:?}");
     };
     done(&["animate", "a", "--out", "a.png", "--width", "160", "--rate", "20"]);
-    done(&["animate", "a", "--out", "frames", "--width", "160", "--rate", "20", "--view", "behind", "--wide"]);
+    done(&[
+        "animate", "a", "--out", "frames", "--width", "160", "--rate", "20", "--view", "behind", "--wide",
+    ]);
     assert_eq!(entries(&folder.join("frames")), ["frame_0000.png", "frame_0001.png"]);
     let magic = [
         ("csv", "a.csv", &b"t,phase,"[..]),
@@ -95,7 +97,8 @@ fn what_is_no_run_or_a_damaged_one_is_refused_in_one_message() {
         assert_eq!(said.lines().filter(|line| line.starts_with("error")).count(), 1, "{said}");
     };
     refused(&["report", "nowhere"], "no such folder");
-    refused(&["report", "a", "a", "--out", "a/summary.json"], "is there already");
+    refused(&["report", "a", "--out", "a/summary.json", "--force"], "allowed is a page");
+    refused(&["report", "a", "--out", "a/report.html"], "is there already");
     fs::create_dir(folder.join("empty")).unwrap();
     refused(&["report", "empty"], "manifest.json");
     let damaged = [

@@ -196,7 +196,9 @@ impl File {
 /// A record without the columns of a flight.
 pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, String> {
     let rows = shown(flown);
-    let [velocity, rate] = ["v_WB_W", "w_WB_B"].map(|name| axes(flown, &rows, name));
+    let of_flight =
+        |name: &str| axes(flown, &rows, name).map_err(|why| format!("{why}; --mcap takes a flight"));
+    let [velocity, rate] = ["v_WB_W", "w_WB_B"].map(of_flight);
     let (velocity, rate) = (velocity?, rate?);
     let names = flown.columns().iter().map(|column| column.name.as_str());
     let joints: Vec<&str> = names.filter(|name| flown.values(&format!("torque_{name}")).is_some()).collect();
