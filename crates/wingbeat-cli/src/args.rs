@@ -382,7 +382,10 @@ pub struct Export {
     /// The robot with its animation as binary glTF, z up turned to y up
     #[arg(long, group = "format")]
     pub gltf: bool,
-    /// Where; without it NAME.csv, NAME.npz, NAME.mat, NAME.glb or the folder NAME-vtk in the present folder
+    /// A flight as MCAP for ROS 2, every message in CDR: transforms, robot description, joints, odometry, wrenches by source
+    #[arg(long, group = "format")]
+    pub mcap: bool,
+    /// Where; without it NAME.csv, NAME.npz, NAME.mat, NAME.glb, NAME.mcap or the folder NAME-vtk in the present folder
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Replace the file, or the frames in the folder

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::simulate::Record;
 use wingbeat_io::{read_csv, read_parquet, write_csv};
-use wingbeat_report::export::{glb, mat, npz, series, vtk};
+use wingbeat_report::export::{glb, mat, mcap, npz, series, vtk};
 use wingbeat_report::motion::Motion;
 use wingbeat_report::run::{Run, read};
 
@@ -35,6 +35,9 @@ pub fn export(arguments: &Export) -> Result<(), Error> {
         Export { gltf: true, .. } => {
             file(named(".glb"), arguments.force, || glb(motion(&run)?, &run.name).map_err(Error::Input))?
         }
+        Export { mcap: true, .. } => file(named(".mcap"), arguments.force, || {
+            mcap(motion(&run)?, &record(&arguments.run)?, run.title()).map_err(Error::Input)
+        })?,
         Export { npz: true, .. } => {
             file(named(".npz"), arguments.force, || npz(&record(&arguments.run)?).map_err(Error::Input))?
         }

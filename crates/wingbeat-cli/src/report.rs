@@ -24,6 +24,9 @@ pub fn report(arguments: &Report) -> Result<(), Error> {
         let given = arguments.runs.len();
         return Err(Error::Input(format!("{given} runs: allowed are at most {MOST_RUNS} on one page")));
     }
+    if let Some(out) = arguments.out.as_ref().filter(|out| out.extension().is_none_or(|e| e != "html")) {
+        return Err(Error::Input(format!("--out {}: allowed is a page, PAGE.html", out.display())));
+    }
     let mut runs = Vec::new();
     for folder in &arguments.runs {
         runs.extend(read(folder).map_err(refused)?);

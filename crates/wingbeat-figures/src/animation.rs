@@ -47,8 +47,8 @@ pub struct View {
     pub bounds: Bounds,
     /// Where it is drawn.
     pub pane: Pane,
-    /// Whether it stands on a ground of its own with a frame.
-    pub framed: bool,
+    /// A frame with a ground of its own below it.
+    pub framed: Option<Pane>,
     /// Areas, sorted by depth.
     pub areas: Vec<Area>,
     /// Lines, likewise.
@@ -231,8 +231,7 @@ fn encoder<'a>(
 fn pixels(picture: &Picture) -> Result<Pixels, Box<dyn std::error::Error>> {
     let mut scene = style::scene(picture.width, picture.height);
     for view in &picture.views {
-        let Pane { x, y, width, height } = view.pane;
-        if view.framed {
+        if let Some(Pane { x, y, width, height }) = view.framed {
             let corners = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)];
             scene.elements.push(style::area(&corners, "#ffffff", 1.0));
             for k in 0..4 {
@@ -272,7 +271,7 @@ mod tests {
             camera: Camera::orthographic(-90.0, 90.0),
             bounds: Bounds { low: [0.0; 3], high: [3.0, 1.0, 0.1] },
             pane: Pane { x: 0.0, y: 0.0, width: 200.0, height: 120.0 },
-            framed: false,
+            framed: None,
             areas: vec![area],
             lines: Vec::new(),
             words: Vec::new(),

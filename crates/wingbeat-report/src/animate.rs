@@ -4,7 +4,7 @@ use wingbeat::math::Vec3;
 use wingbeat_figures::animation::{Area, Line, Picture, View};
 use wingbeat_figures::space::{Bounds, Camera, Pane, Point};
 
-use crate::motion::{Motion, at};
+use crate::motion::{Motion, at, direction};
 use crate::run::Run;
 
 /// Most frames of an animation.
@@ -14,12 +14,15 @@ const SIDES: [[f64; 3]; 3] = [[0.0, 114.0, 178.0], [213.0, 94.0, 0.0], [140.0, 1
 /// Colour of the body, of the way, of its curtain and of the grid.
 const BODY: [f64; 3] = [110.0, 116.0, 125.0];
 const WAY: &str = "#222222";
-const CURTAIN: &str = "#7d8790";
-const GRID: &str = "#d2d6da";
+const CURTAIN: &str = "#808080";
+const GRID: &str = "#cccccc";
 /// Where the light comes from.
 const LIGHT: [f64; 3] = [-0.34, 0.24, 0.91];
 /// Share of the way's size that the robot's reach takes at least.
-const SHARE: f64 = 0.1;
+const SHARE: f64 = 0.16;
+/// What a view leaves free for axes at each side, px, which these pictures have not, and what is left of it.
+const MARGIN: f64 = 46.0;
+const KEPT: f64 = 12.0;
 /// Pieces of the drawn way.
 const PIECES: usize = 70;
 /// Half the time over which the place that a close view follows is averaged, s.
@@ -103,7 +106,7 @@ impl<'a> Film<'a> {
         let width = self.asked.width;
         let height = (width * if self.asked.wide { 9.0 / 16.0 } else { 0.75 }).round();
         let whole = Pane { x: 0.0, y: 0.0, width, height };
-        let mut title = format!("{}, t = {t:.2} s", self.run.name);
+        let mut title = format!("{}, t = {t:.2} s", self.run.title());
         let views = match self.asked.seen {
             Seen::Behind => vec![self.near(i, whole, false)],
             _ if !self.motion.free => vec![self.far(i, whole)],
@@ -132,8 +135,8 @@ impl<'a> Film<'a> {
         let mut view = View {
             camera: Camera::perspective(azimuth, elevation, middle, 2.4 * size),
             bounds: self.bounds,
-            pane,
-            framed: false,
+            pane: filled(pane),
+            framed: None,
             areas: Vec::new(),
             lines: Vec::new(),
             words: Vec::new(),
@@ -159,8 +162,8 @@ impl<'a> Film<'a> {
         let mut view = View {
             camera: Camera::perspective(azimuth, 14.0, middle.0, 7.0 * reach),
             bounds,
-            pane,
-            framed,
+            pane: filled(pane),
+            framed: framed.then_some(pane),
             areas: Vec::new(),
             lines: Vec::new(),
             words: Vec::new(),
@@ -169,7 +172,7 @@ impl<'a> Film<'a> {
         if motion.free {
             let (com, along) =
                 (motion.in_world(i, at(&motion.com, i)), motion.turned(i, Vec3([1.0, 0.0, 0.0])));
-            let level = Vec3([-along.0[1], along.0[0], 0.0]).normalized() * reach;
+            let level = direction(Vec3([-along.0[1], along.0[0], 0.0])) * reach;
             view.lines.push(line(vec![(com - level).0, (com + level).0], WAY, 1.0));
             let side = motion.turned(i, Vec3([0.0, reach, 0.0]));
             for (side, colour) in [(side, "#0072b2"), (-side, "#d55e00")] {
@@ -220,7 +223,7 @@ impl<'a> Film<'a> {
             let (a, b) = (at(&self.motion.position, i).0, at(&self.motion.position, j).0);
             let flown = j <= now;
             let corners = vec![a, b, [b[0], b[1], z], [a[0], a[1], z]];
-            let opacity = if flown { 0.34 } else { 0.12 };
+            let opacity = if flown { 0.3 } else { 0.12 };
             view.areas.push(Area { corners, colour: CURTAIN.into(), opacity, edge: None });
             let (colour, weight) = if flown { (WAY, 2.2) } else { ("#9a9a9a", 1.0) };
             view.lines.push(line(vec![a, b], colour, weight));
@@ -255,6 +258,12 @@ impl<'a> Film<'a> {
             }
         }
     }
+}
+
+/// A pane from which a view that leaves room for axes fills `pane`.
+fn filled(Pane { x, y, width, height }: Pane) -> Pane {
+    let more = MARGIN - KEPT;
+    Pane { x: x - more, y: y - more, width: width + 2.0 * more, height: height + 2.0 * more }
 }
 
 fn line(points: Vec<Point>, colour: &str, weight: f64) -> Line {

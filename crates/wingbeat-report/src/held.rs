@@ -1,5 +1,7 @@
 //! The motion of what is held: a wing in prescribed motion, and a robot on the arm of the rig.
 
+use std::f64::consts::TAU;
+
 use wingbeat::aero::Circulation;
 use wingbeat::math::{Quat, Vec3};
 use wingbeat::rig::{Pose, rotation_vector};
@@ -96,14 +98,17 @@ pub fn on_arm(run: &RigRun, record: &Record, shown: &[usize]) -> Result<Motion, 
     let joint = |k: usize| taken(record, shown, &format!("q{}", k + 1));
     let q: Vec<Vec<f64>> = (0..run.arm.dof()).map(joint).collect::<Result<_, _>>()?;
     let mut motion = Motion { t: taken(record, shown, "t")?, ..Motion::default() };
-    let none: Track = Default::default();
-    let mut arm = Line { name: "arm", weight: 7.0, points: vec![none.clone(); run.arm.dof() + 2] };
+    let (none, z): (Track, f64) = (Default::default(), run.spec.rig.table_m);
+    let phase = taken(record, shown, "phase").ok();
+    let mut arm = Line { name: "arm", weight: 7.0, points: vec![none.clone(); run.arm.dof() + 3] };
     let mut sting = Line { name: "mount and cell", weight: 4.0, points: vec![none; 3] };
     for (i, t) in motion.t.clone().into_iter().enumerate() {
         let q: Vec<f64> = q.iter().map(|joint| joint[i]).collect();
         let frames = run.arm.frames(&q);
-        push(&mut arm.points[0], Vec3::ZERO);
-        for (point, frame) in arm.points[1..].iter_mut().zip(&frames[..=run.arm.dof()]) {
+        // From the table to the base of the arm.
+        push(&mut arm.points[0], Vec3([0.0, 0.0, z]));
+        push(&mut arm.points[1], Vec3::ZERO);
+        for (point, frame) in arm.points[2..].iter_mut().zip(&frames[..=run.arm.dof()]) {
             push(point, frame.origin);
         }
         let tool = frames[run.arm.dof()];
@@ -113,11 +118,13 @@ pub fn on_arm(run: &RigRun, record: &Record, shown: &[usize]) -> Result<Motion, 
             push(point, place.origin);
         }
         add_pose(&mut motion, &body);
-        let seen = run.robot.at_rest(t).map_err(|fault| format!("t = {t} s: {fault}"))?;
+        // The time at which the gait alone has the phase of the record.
+        let gait =
+            phase.as_ref().map_or(t, |phase| (phase[i] - run.robot.phase(0.0)) / (TAU * run.frequency()));
+        let seen = run.robot.at_rest(gait).map_err(|fault| format!("t = {t} s: {fault}"))?;
         add_skeleton(&mut motion, &seen);
     }
     motion.lines = vec![arm, sting];
-    let z = run.spec.rig.table_m;
     motion.table = Some([[-TABLE, -TABLE, z], [TABLE, -TABLE, z], [TABLE, TABLE, z], [-TABLE, TABLE, z]]);
     Ok(motion)
 }

@@ -125,6 +125,11 @@ pub fn push(track: &mut Track, value: Vec3) {
     track.iter_mut().zip(value.0).for_each(|(column, value)| column.push(value));
 }
 
+/// A vector of length one along `v`; zero where that has no length.
+pub fn direction(v: Vec3) -> Vec3 {
+    v * (1.0 / v.norm().max(1e-300))
+}
+
 /// The point of a track in frame `i`.
 pub fn at(track: &Track, i: usize) -> Vec3 {
     Vec3(std::array::from_fn(|axis| track[axis][i]))
@@ -190,7 +195,7 @@ mod tests {
     fn frames_are_as_many_as_can_be_shown() {
         let t: Vec<f64> = (0..=5000).map(|i| 1e-3 * f64::from(i)).collect();
         assert_eq!(rows(&t, t.len()).len(), 1001);
-        assert_eq!(rows(&t, 0), []);
+        assert!(rows(&t, 0).is_empty());
         let million: Vec<f64> = (0..1_000_000).map(|i| 1e-3 * f64::from(i)).collect();
         let shown = rows(&million, million.len());
         assert!(shown.len() <= MOST && *shown.last().unwrap() > 999_000, "{}", shown.len());

@@ -10,17 +10,20 @@ use serde::Serialize;
 
 /// Most steps between the least and the most of a column.
 const MOST_STEPS: f64 = 16_777_215.0;
+/// Least step, as a share of the largest number.
+const FINEST: f64 = 1e-12;
 /// Highest order of the differences.
 const ORDERS: usize = 5;
 
-/// Where a column lies in the bytes, and how it is read: `value = low + step (q - 1)`, where q = 0 stands for no number.
+/// Where a column lies in the bytes, and how it is read: `value = step (base + q - 1)`, where q = 0 stands for no number.
 #[derive(Clone, Copy, Debug, Serialize, PartialEq)]
 pub struct Channel {
     /// First byte.
     at: usize,
     /// Rows.
     rows: usize,
-    low: f64,
+    /// Least number, steps.
+    base: f64,
     step: f64,
     /// How often differences were taken.
     order: usize,
@@ -40,10 +43,11 @@ impl Pack {
         let (low, high) = range(values);
         // Halves, as the whole of two large numbers may have no number.
         let least = 2.0 * ((0.5 * high - 0.5 * low) / MOST_STEPS);
-        let step = if step >= least && step > 0.0 { step } else { least.max(f64::MIN_POSITIVE) };
-        let of = |value: &f64| {
-            if value.is_finite() { ((0.5 * value - 0.5 * low) / (0.5 * step)).round() as i64 + 1 } else { 0 }
-        };
+        // No finer than a number near it can be told.
+        let finest = (FINEST * low.abs().max(high.abs())).max(f64::MIN_POSITIVE);
+        let step = rounded_up(step.max(least).max(finest));
+        let base = (low / step).floor();
+        let of = |value: &f64| if value.is_finite() { (value / step - base).round() as i64 + 1 } else { 0 };
         let mut best: Vec<i64> = values.iter().map(of).collect();
         let mut order = 0;
         let mut next = best.clone();
@@ -62,7 +66,7 @@ impl Pack {
         for plane in 0..planes {
             self.bytes.extend(folded.iter().map(|value| (value >> (8 * plane)) as u8));
         }
-        Channel { at, rows: values.len(), low, step, order, planes }
+        Channel { at, rows: values.len(), base, step, order, planes }
     }
 
     /// Adds a column to a part of its range.
@@ -71,11 +75,14 @@ impl Pack {
         self.add(values, 2.0 * ((0.5 * high - 0.5 * low) / parts))
     }
 
-    /// The bytes, deflated, as letters.
-    pub fn letters(&self) -> String {
+    /// A text with its length before it, and the bytes, deflated, as letters.
+    pub fn letters(&self, text: &str) -> String {
         let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+        let length = (text.len() as u32).to_le_bytes();
+        let parts = [&length, text.as_bytes(), &self.bytes];
         // Nothing can fail in memory.
-        let deflated = encoder.write_all(&self.bytes).and_then(|()| encoder.finish()).unwrap_or_default();
+        let deflated = parts.iter().try_for_each(|part| encoder.write_all(part));
+        let deflated = deflated.and_then(|()| encoder.finish()).unwrap_or_default();
         BASE64_STANDARD.encode(deflated)
     }
 }
@@ -86,6 +93,12 @@ fn range(values: &[f64]) -> (f64, f64) {
     let (low, high) =
         finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     if low <= high { (low, high) } else { (0.0, 0.0) }
+}
+
+/// A number of three digits that is not below `step`.
+fn rounded_up(step: f64) -> f64 {
+    let text = format!("{:.2e}", step * 1.004);
+    text.parse().ok().filter(|rounded: &f64| rounded.is_finite() && *rounded >= step).unwrap_or(step)
 }
 
 /// About the bits that differences need.
@@ -99,7 +112,7 @@ mod tests {
 
     /// What the page does.
     fn read(pack: &Pack, channel: Channel) -> Vec<f64> {
-        let Channel { at, rows, low, step, order, planes } = channel;
+        let Channel { at, rows, base, step, order, planes } = channel;
         let folded = |i: usize| -> u64 {
             (0..planes).map(|p| u64::from(pack.bytes[at + p * rows + i]) << (8 * p)).sum()
         };
@@ -109,7 +122,7 @@ mod tests {
                 q[i] += q[i - 1];
             }
         }
-        q.iter().map(|&q| if q == 0 { f64::NAN } else { low + step * (q - 1) as f64 }).collect()
+        q.iter().map(|&q| if q == 0 { f64::NAN } else { step * (base + (q - 1) as f64) }).collect()
     }
 
     #[test]
@@ -119,7 +132,7 @@ mod tests {
         let channel = pack.add(&smooth, 5e-5);
         let worst = smooth.iter().zip(read(&pack, channel)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(worst <= 2.6e-5 && channel.order >= 3 && channel.planes <= 2, "{worst} {channel:?}");
-        assert!(pack.letters().len() < 1000, "{}", pack.letters().len());
+        assert!(pack.letters("").len() < 1000, "{}", pack.letters("").len());
     }
 
     #[test]

@@ -25,8 +25,8 @@ const RIB: f64 = 2.5e-4;
 /// The same of a part of the quaternion.
 const TURN: f64 = 1e-4;
 /// Parts into which the range of a plotted column is cut, and that of an arrow.
-const PLOT: f64 = 4000.0;
-const ARROW: f64 = 400.0;
+const PLOT: f64 = 2000.0;
+const ARROW: f64 = 250.0;
 /// Longest document that is shown, bytes.
 const LONGEST: usize = 64 << 10;
 
@@ -42,11 +42,12 @@ pub struct Without {
 /// The page that shows `runs`.
 pub fn page(runs: &[Run], without: Without) -> String {
     let mut pack = Pack::default();
+    let told: Vec<Value> = runs.iter().map(told).collect();
     let shown: Vec<Value> = runs.iter().map(|run| of_run(run, without, &mut pack)).collect();
     let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
     let title = escaped(&names.join(", "));
     // Inside of an element of a script nothing but its end is read as markup.
-    let data = json!({ "runs": shown }).to_string().replace('<', "\\u003c");
+    let data = json!({ "runs": told }).to_string().replace('<', "\\u003c");
     let mut parts = HTML.split("%%");
     let mut page = String::new();
     for part in parts.by_ref() {
@@ -54,8 +55,8 @@ pub fn page(runs: &[Run], without: Without) -> String {
             "TITLE" => page += &title,
             "STYLE" => page += STYLE,
             "DATA" => page += &data,
-            "BYTES" => page += &pack.letters(),
-            "PROGRAM" => PROGRAM.iter().for_each(|part| page += part),
+            "BYTES" => page += &pack.letters(&json!(shown).to_string()),
+            "PROGRAM" => PROGRAM.iter().for_each(|part| page += &without_margins(part)),
             other => page += other,
         }
     }
@@ -67,16 +68,28 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-fn of_run(run: &Run, without: Without, pack: &mut Pack) -> Value {
+/// A program without the blanks before its lines and without the lines that only explain.
+fn without_margins(program: &str) -> String {
+    let lines = program.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
+    lines.flat_map(|line| [line, "\n"]).collect()
+}
+
+/// What is read of a run before any number.
+fn told(run: &Run) -> Value {
     let mut settings = run.settings.clone();
     if settings.len() > LONGEST {
         let end = (0..=LONGEST).rev().find(|end| settings.is_char_boundary(*end)).unwrap_or(0);
         settings.truncate(end);
         settings += "\n# ... the rest is in the run folder";
     }
-    let panels: Vec<Value> = run.panels.iter().map(|panel| of_panel(panel, pack)).collect();
     json!({
         "name": run.name, "kind": run.kind, "summary": run.summary, "settings": settings, "notes": run.notes,
+    })
+}
+
+fn of_run(run: &Run, without: Without, pack: &mut Pack) -> Value {
+    let panels: Vec<Value> = run.panels.iter().map(|panel| of_panel(panel, pack)).collect();
+    json!({
         "axis": { "label": run.axis.label, "unit": run.axis.unit, "joined": run.axis.joined,
                   "values": axis(&run.axis.values, pack) },
         "motion": run.motion.as_ref().map(|motion| of_motion(motion, without, pack)),

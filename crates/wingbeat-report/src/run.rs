@@ -54,6 +54,14 @@ pub struct Run {
     pub panels: Vec<Panel>,
 }
 
+impl Run {
+    /// The name in its document, or else that of its folder.
+    pub fn title(&self) -> &str {
+        let named = self.settings.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
+        named.unwrap_or(&self.name)
+    }
+}
+
 /// What a flight left in memory.
 #[derive(Clone, Copy)]
 pub struct Flown<'a> {
@@ -70,6 +78,9 @@ pub struct Flown<'a> {
 pub fn read(folder: &Path) -> Result<Vec<Run>, Error> {
     if !folder.is_dir() {
         return Err(Error::run(folder, "no such folder; allowed is a run folder, as `wingbeat fly` writes"));
+    }
+    if !folder.join("manifest.json").is_file() {
+        return Err(Error::run(folder, "no run of wingbeat: it has no manifest.json"));
     }
     let manifest = json(&folder.join("manifest.json"))?;
     if manifest["program"] != "wingbeat" {

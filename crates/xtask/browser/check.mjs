@@ -28,6 +28,7 @@ const browser = await puppeteer.launch({
 const requests = [];
 async function open(file, { hash = 'still', width = 1400, height = 800, touch = false, media = {}, type } = {}) {
   const page = await browser.newPage();
+  await page.bringToFront();
   page.on('pageerror', error => { console.log('page error:', file, error.message); failed++; });
   const client = await page.createCDPSession();
   await client.send('Network.enable');
@@ -73,6 +74,7 @@ most('size without wake', size('small.html'), 200, 'kB');
 
 { // Light, keys, mouse.
   const { page } = await open('turn/report.html');
+  await page.waitForFunction(`performance.getEntriesByName('first-contentful-paint').length`, { timeout: 20000 });
   const paint = await of(page, `performance.getEntriesByName('first-contentful-paint')[0].startTime`);
   most('first paint', paint, 1000, 'ms');
   judge('drawn with', await of(page, 'wingbeat.renderer'), (await of(page, 'wingbeat.renderer')) === 'WebGL 2', 'WebGL 2');

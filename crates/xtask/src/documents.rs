@@ -36,11 +36,27 @@ pub fn reference() -> bool {
 /// The page of the paper's turn, which shows the turn under all presets and laws.
 const TURN_PAGE: &str = "docs/banking_turn.md";
 
+/// The animation of the turn that was flown last.
+const MOVES: [&str; 11] = [
+    "animate",
+    "target/shown",
+    "--out",
+    "docs/images/banking_turn_moves.png",
+    "--wide",
+    "--speed",
+    "0.5",
+    "--rate",
+    "12",
+    "--force",
+    "--quiet",
+];
+
 /// Flies the banking turn with both aerodynamic presets and a turn that carries its weight, and puts tables and
 /// pictures into their pages.
 fn banking_turns() -> bool {
     let turn = "scenarios/banking_turn.toml";
     shown(TURN_PAGE, "banking turn", &[turn], Some("banking_turn.png"))
+        && tools::succeeds(tools::wingbeat(&MOVES))
         && shown(TURN_PAGE, "banking turn, full", &[turn, "--set", "aero.preset=full"], None)
         && shown(
             "docs/flight.md",

@@ -1,17 +1,18 @@
 //! `cargo xtask long`: what takes hours and so does not run before every change.
 
 use crate::report::{Account, Tally};
-use crate::{book, documents, fuzz, hostile, paper, peers, python, soak, tools, tutorials};
+use crate::{book, browser, documents, fuzz, hostile, paper, peers, python, soak, tools, tutorials};
 
 /// A task by its name.
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 12] = [
+const TASKS: [Task; 13] = [
     ("tests", tests),
     ("tutorials", || Tally::one(tutorials::all())),
     ("book", || Tally::one(book::build())),
     ("paper", || Tally::one(paper::run())),
+    ("browser", browser::check),
     ("soak", || Tally::one(soak::hour())),
     ("hostile", || Tally::one(hostile::hostile(&[]))),
     ("faults", hostile::disturbed::faults),

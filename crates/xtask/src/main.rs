@@ -2,6 +2,7 @@
 //! `faults`, `advisories`, `python`, `soak`, `paper`, `long`.
 
 mod book;
+mod browser;
 mod copies;
 mod dependencies;
 mod documents;

@@ -19,7 +19,7 @@ fn a_run_has_its_page_and_several_share_one() {
     glide(&folder, "a", &[]);
     glide(&folder, "b", &["--no-report"]);
     let page = fs::read_to_string(folder.join("a/report.html")).unwrap();
-    assert!(page.contains("<h1>glider</h1>") && page.contains("\"surfaces\":["), "{}", page.len());
+    assert!(page.contains("<h1>glider</h1>") && page.contains("id=\"bytes\""), "{}", page.len());
     assert!(!page.contains("http://") || page.matches("http://").count() == 1, "only the name of SVG");
     assert!(!folder.join("b/report.html").exists());
     let output = wingbeat(&folder, &["report", "b"]);
@@ -37,6 +37,56 @@ fn a_run_has_its_page_and_several_share_one() {
 }
 
 #[test]
+fn a_run_is_animated_and_exported() {
+    let folder = scratch("report-export");
+    glide(&folder, "a", &["--no-report"]);
+    let done = |arguments: &[&str]| {
+        let output = wingbeat(&folder, arguments);
+        assert!(output.status.success(), "{arguments:?}: {output:?}");
+    };
+    done(&["animate", "a", "--out", "a.png", "--width", "160", "--rate", "20"]);
+    done(&[
+        "animate", "a", "--out", "frames", "--width", "160", "--rate", "20", "--view", "behind", "--wide",
+    ]);
+    assert_eq!(entries(&folder.join("frames")), ["frame_0000.png", "frame_0001.png"]);
+    let magic = [
+        ("csv", "a.csv", &b"t,phase,"[..]),
+        ("npz", "a.npz", b"PK\x03\x04"),
+        ("mat", "a.mat", &[0, 0, 0, 0]),
+        ("gltf", "a.glb", b"glTF\x02"),
+        ("mcap", "a.mcap", b"\x89MCAP0\r\n\x01"),
+    ];
+    for (format, file, begins) in magic {
+        done(&["export", "a", &format!("--{format}")]);
+        let bytes = fs::read(folder.join(file)).unwrap();
+        assert!(bytes.starts_with(begins), "{file}");
+        let again = wingbeat(&folder, &["export", "a", &format!("--{format}")]);
+        assert_eq!(again.status.code(), Some(2), "{file} is there");
+        done(&["export", "a", &format!("--{format}"), "--force", "--quiet"]);
+        assert_eq!(fs::read(folder.join(file)).unwrap(), bytes, "{file}");
+    }
+    done(&["export", "a", "--vtk"]);
+    let frames = entries(&folder.join("a-vtk"));
+    let frame = fs::read_to_string(folder.join("a-vtk/frame_00000.vtk")).unwrap();
+    assert!(frames.contains(&"frames.vtk.series".into()) && frame.contains("VECTORS force_N double"));
+    let refused = |arguments: &[&str], what: &str| {
+        let output = wingbeat(&folder, arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains(what), "{arguments:?}: {said}");
+    };
+    refused(&["animate", "a", "--out", "a.webp"], "allowed is FILE.png");
+    refused(&["animate", "a", "--out", "b.png", "--speed", "nan"], "--speed NaN");
+    refused(&["animate", "a", "--out", "b.png", "--speed", "1e300"], "--speed 1");
+    refused(&["animate", "a", "--out", "b.png", "--rate", "0"], "--rate 0");
+    refused(&["animate", "a", "--out", "a.png"], "is there already");
+    refused(&["animate", "a", "--out", "a"], "allowed is a new or empty folder");
+    refused(&["export", "a"], "--csv");
+    refused(&["export", "a", "--csv", "--gltf"], "cannot be used");
+    refused(&["export", "nowhere", "--gltf"], "no such folder");
+    assert!(!folder.join("b.png").exists());
+}
+
+#[test]
 fn what_is_no_run_or_a_damaged_one_is_refused_in_one_message() {
     let folder = scratch("report-refused");
     glide(&folder, "a", &[]);
@@ -47,7 +97,8 @@ fn what_is_no_run_or_a_damaged_one_is_refused_in_one_message() {
         assert_eq!(said.lines().filter(|line| line.starts_with("error")).count(), 1, "{said}");
     };
     refused(&["report", "nowhere"], "no such folder");
-    refused(&["report", "a", "a", "--out", "a/summary.json"], "is there already");
+    refused(&["report", "a", "--out", "a/summary.json", "--force"], "allowed is a page");
+    refused(&["report", "a", "--out", "a/report.html"], "is there already");
     fs::create_dir(folder.join("empty")).unwrap();
     refused(&["report", "empty"], "manifest.json");
     let damaged = [

@@ -25,8 +25,16 @@ fn a_case_leaves_a_whole_folder_and_a_table() {
         text.contains("CL") && text.contains("knows no stall") && text.contains("run folder: a"),
         "{text}"
     );
-    let names =
-        ["case.toml", "figures", "loads.csv", "manifest.json", "means.csv", "strips.parquet", "summary.json"];
+    let names = [
+        "case.toml",
+        "figures",
+        "loads.csv",
+        "manifest.json",
+        "means.csv",
+        "report.html",
+        "strips.parquet",
+        "summary.json",
+    ];
     assert_eq!(entries(&folder.join("a")), names);
     assert_eq!(entries(&folder.join("a/figures")), ["loads.png", "loads.svg", "span.png", "span.svg"]);
     let again = tether(&folder, Path::new("a/case.toml"), &["--out", "b", "--quiet"]);

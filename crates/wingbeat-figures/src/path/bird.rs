@@ -7,6 +7,8 @@ use super::{Point, points};
 /// Seconds between two drawings of the robot: no whole number of strokes at 3.5, 5.9, 8, 10 or 12.8 Hz, so that they show different
 /// phases.
 const INTERVAL: f64 = 0.22;
+/// Least distance of two drawings of the robot, in its reaches. *Choice.*
+const APART: f64 = 1.5;
 /// Most drawings of the robot but the first: a longer flight shows it at a multiple of [`INTERVAL`].
 const MOST: f64 = 36.0;
 
@@ -48,6 +50,23 @@ impl Bird {
     pub fn points(&self) -> impl Iterator<Item = Point> {
         self.wings.iter().flat_map(|wing| wing.leading.iter().chain(&wing.trailing).copied())
     }
+}
+
+/// Those of the `birds` that do not lie over one before, each as much enlarged; the last one takes the place of those that it covers.
+pub fn apart(birds: Vec<Bird>, enlargement: f64) -> Vec<Bird> {
+    let clear =
+        |a: &Bird, b: &Bird| distance(a.body, b.body) >= APART * enlargement * a.reach().max(b.reach());
+    let mut kept: Vec<Bird> = Vec::new();
+    let last = birds.len().saturating_sub(1);
+    for (number, bird) in birds.into_iter().enumerate() {
+        if number == last && number > 0 {
+            kept.retain(|before| clear(before, &bird));
+        }
+        if kept.iter().all(|before| clear(before, &bird)) {
+            kept.push(bird);
+        }
+    }
+    kept
 }
 
 /// The robot at every [`interval`]; none where the record has no wings.
@@ -172,6 +191,22 @@ mod tests {
         // A flight of 16 s is too long for that.
         let t: Vec<f64> = (0..=1600).map(|i| 1e-2 * f64::from(i)).collect();
         assert_eq!(rows(&t).take(3).collect::<Vec<_>>(), [0, 66, 132]);
+    }
+
+    #[test]
+    fn drawings_of_the_robot_do_not_pile_up() {
+        let wing = Wing { side: None, leading: vec![[0.0; 3]], trailing: vec![[0.0; 3]] };
+        let at = |x: f64| {
+            let edge = [x, 0.1, 0.0];
+            let wing = Wing { leading: vec![edge], trailing: vec![edge], ..wing.clone() };
+            Bird { body: [x, 0.0, 0.0], wings: vec![wing] }
+        };
+        let kept = |places: &[f64], size| -> Vec<f64> {
+            apart(places.iter().map(|x| at(*x)).collect(), size).iter().map(|bird| bird.body[0]).collect()
+        };
+        assert_eq!(kept(&[0.0, 0.1, 0.2, 0.3], 1.0), [0.0, 0.3]);
+        assert_eq!(kept(&[0.0, 0.1, 0.2, 0.4, 0.41], 2.0), [0.0, 0.41]);
+        assert_eq!(kept(&[0.0, 0.2, 0.4], 1.0), [0.0, 0.2, 0.4]);
     }
 
     #[test]

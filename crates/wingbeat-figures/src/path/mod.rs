@@ -34,14 +34,17 @@ pub fn path(record: &Record, paper: Option<&PaperResults>) -> Result<Figure, Err
     });
     let seen: Vec<Point> = track.iter().copied().chain(published).collect();
     let room = Room::around(&seen, &birds);
+    let all = birds.len();
     let mut sheet = Sheet::new(&room);
     sheet.ground(&room);
     sheet.shadow(&room, &track);
     sheet.track(&track);
-    birds.iter().for_each(|bird| sheet.bird(&room, bird));
+    let apart = bird::apart(birds, room.enlargement);
+    let every = (apart.len() == all).then(|| interval(t));
+    apart.iter().for_each(|bird| sheet.bird(&room, bird));
     sheet.ends(&track, t);
     published.into_iter().for_each(|point| sheet.published(&room, point));
-    sheet.note(&birds, interval(t), room.enlargement);
+    sheet.note(&apart, every, room.enlargement);
     Ok(Figure::new("path", sheet.scene))
 }
 

@@ -177,7 +177,7 @@ impl Sheet {
     }
 
     /// What the colours and the size of the robot mean.
-    pub fn note(&mut self, birds: &[Bird], interval: f64, enlargement: f64) {
+    pub fn note(&mut self, birds: &[Bird], every: Option<f64>, enlargement: f64) {
         let mut x = Self::MARGINS.0;
         let mut entries = vec![("path", style::INK), ("on the ground", SHADOW)];
         if !birds.is_empty() {
@@ -198,7 +198,10 @@ impl Sheet {
             } else {
                 String::new()
             };
-            let text = format!("every {interval:.2} s{size}");
+            let text = match every {
+                Some(interval) => format!("every {interval:.2} s{size}"),
+                None => format!("where there is room{size}"),
+            };
             self.text((x, 20.5), text, TextAnchor::Start, style::LETTERS);
         }
     }

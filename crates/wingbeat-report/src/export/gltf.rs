@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use wingbeat::math::{Mat3, Quat, Vec3};
 use wingbeat::rig::rotation_vector;
 
-use crate::motion::{Motion, Surface, at};
+use crate::motion::{Motion, Surface, at, direction};
 
 /// Component types of glTF.
 const FLOAT: u32 = 5126;
@@ -224,11 +224,11 @@ fn wings(
 fn joint(motion: &Motion, surface: &Surface, k: usize, i: usize) -> Joint {
     let [leading, trailing] = surface.ribs[k].each_ref().map(|edge| motion.in_world(i, at(edge, i)));
     let chord = (leading - trailing).norm().max(SHORTEST);
-    let x = (leading - trailing).normalized();
+    let x = direction(leading - trailing);
     // What lies across: the body's own left, or its top where the chord lies along that.
     let across = |v: [f64; 3]| x.cross(motion.turned(i, Vec3(v)));
     let [left, top] = [across([0.0, 1.0, 0.0]), across([0.0, 0.0, 1.0])];
-    let z = if left.norm() > 0.1 { left.normalized() } else { top.normalized() };
+    let z = if left.norm() > 0.1 { direction(left) } else { direction(top) };
     Joint { origin: trailing, rotation: Mat3::from_columns(x, z.cross(x), z), chord }
 }
 
@@ -245,7 +245,7 @@ fn inverted(joint: &Joint) -> [f64; 16] {
 }
 
 /// x, y, z, w.
-fn quaternion(rotation: &Mat3) -> [f64; 4] {
+pub(super) fn quaternion(rotation: &Mat3) -> [f64; 4] {
     let mut q = [0.0; 4];
     Quat::exp(rotation_vector(rotation)).store_wxyz(&mut q);
     unit([q[1], q[2], q[3], q[0]])

@@ -1,5 +1,5 @@
 'use strict';
-// Numbers of the page: `value = low + step (q - 1)`, q = 0 where there is none; q by differences, one plane of bytes after the other.
+// Numbers of the page: `value = step (base + q - 1)`, q = 0 where there is none; q by differences, one plane of bytes after the other.
 const $ = id => document.getElementById(id);
 const make = (name, attributes, ...children) => {
   const element = document.createElement(name);
@@ -14,7 +14,7 @@ async function inflated(letters) {
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate-raw'));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
-function column(bytes, { at, rows, low, step, order, planes }, Kind = Float32Array) {
+function column(bytes, { at, rows, base, step, order, planes }, Kind = Float32Array) {
   const q = new Float64Array(rows);
   let power = 1;
   for (let plane = 0; plane < planes; plane++, power *= 256) {
@@ -24,7 +24,7 @@ function column(bytes, { at, rows, low, step, order, planes }, Kind = Float32Arr
   for (let i = 0; i < rows; i++) q[i] = q[i] % 2 ? -(q[i] + 1) / 2 : q[i] / 2;
   for (let k = 0; k < order; k++) for (let i = 1; i < rows; i++) q[i] += q[i - 1];
   const out = new Kind(rows);
-  for (let i = 0; i < rows; i++) out[i] = q[i] ? low + step * (q[i] - 1) : NaN;
+  for (let i = 0; i < rows; i++) out[i] = q[i] ? step * (base + q[i] - 1) : NaN;
   return out;
 }
 // Every channel below `value` in its place.
@@ -37,11 +37,9 @@ function decoded(bytes, value) {
   return value;
 }
 function read(bytes, data) {
-  return data.runs.map(run => {
-    const values = column(bytes, run.axis.values, Float64Array);
-    const { summary, settings, name, kind, notes } = run;
-    return { ...decoded(bytes, { motion: run.motion, shots: run.shots, panels: run.panels }), axis: { ...run.axis, values }, summary, settings, name, kind, notes };
-  });
+  const length = new DataView(bytes.buffer).getUint32(0, true), runs = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
+  bytes = bytes.subarray(4 + length);
+  return runs.map(({ axis, ...run }, k) => ({ ...data.runs[k], ...decoded(bytes, run), axis: { ...axis, values: column(bytes, axis.values, Float64Array) } }));
 }
 // Where `t` lies in the ascending `values`: row and share of the way to the next.
 function place(values, t) {

@@ -90,7 +90,7 @@ class Gl {
   }
 }
 class Flat {
-  constructor(canvas) { this.context = canvas.getContext('2d'); this.canvas = canvas; this.kind = 'canvas'; }
+  constructor(canvas) { this.context = canvas.getContext('2d', { willReadFrequently: true }); this.canvas = canvas; this.kind = 'canvas'; }
   pass(scenes, camera, [x, y, w, h], look, ratio) {
     const c = this.context, m = camera.matrix(w / h), top = this.canvas.height - y - h, near = 1e-3 + 0.01 * camera.distance;
     const css = k => `rgba(${Math.round(255 * k[0])},${Math.round(255 * k[1])},${Math.round(255 * k[2])},${k[3]})`;

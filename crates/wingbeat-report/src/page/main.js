@@ -1,7 +1,10 @@
 // The page: time, camera, keys and pointer.
 (async () => {
   const data = JSON.parse($('data').textContent);
-  for (const run of data.runs) { $('verdicts').append(verdict(run)); $('told').append(told(run, data.runs.length > 1)); }
+  for (const run of data.runs) $('verdicts').append(verdict(run));
+  // What has been written is seen before anything is computed.
+  await new Promise(painted => requestAnimationFrame(() => setTimeout(painted)));
+  for (const run of data.runs) $('told').append(told(run, data.runs.length > 1));
   let runs;
   try { runs = read(await inflated($('bytes').textContent), data); }
   catch (error) { $('verdicts').append(make('p', { class: 'verdict bad' }, 'Nothing can be drawn: ' + error.message)); return; }
@@ -15,7 +18,7 @@
   if (!motions.length && !shots.length) { document.querySelector('main').classList.add('flat'); seek(low); return; }
   $('stage').hidden = false;
   const box = motions.length ? boxOf(motions) : boxOfShots(shots);
-  const canvas = $('space'), marks = $('marks').getContext('2d');
+  const canvas = $('space'), marks = $('marks').getContext('2d', { willReadFrequently: true });
   let renderer, soft = false;
   try {
     if (location.hash.includes('2d')) throw new Error('asked for');
@@ -26,7 +29,7 @@
   } catch (error) { renderer = new Flat(canvas); }
   window.wingbeat.renderer = renderer.kind;
   const camera = new Camera(), view = { mode: 'chase', azimuth: 0, elevation: 0.24, zoom: 1, shift: [0, 0, 0] };
-  let quality = 1, look;
+  let quality = soft || renderer.kind === 'canvas' ? 0.8 : 1, look;
   function relook() {
     const style = getComputedStyle(document.documentElement), of = name => colour(style.getPropertyValue(name));
     look = { sky: of('--sky'), ground: of('--ground'), grid: of('--grid'), ink: of('--ink'), path: of('--ink'), body: [0.42, 0.45, 0.5, 1], thrust: of('--c3'), floor: shots.length ? undefined : box.floor,
@@ -34,7 +37,7 @@
     state.dirty = true;
   }
   relook();
-  for (const query of ['(prefers-color-scheme: dark)', 'print']) matchMedia(query).addEventListener('change', () => { relook(); frame(); });
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { relook(); frame(); });
   const still = matchMedia('(prefers-reduced-motion: reduce)');
   const tinted = (c, k) => k ? [...mixed(c.slice(0, 3), [1, 1, 1], 0.35 * Math.min(k, 2)), c[3]] : c;
   const looks = k => ({ ...look, sides: look.sides.map(c => tinted(c, k)), path: k ? look.sources[(k + 1) % 8] : look.path });
@@ -98,22 +101,22 @@
   let slow = 0;
   function adapt(ms) { slow = ms > 34 ? slow + 1 : Math.max(0, slow - 0.5); if (slow > 12 && quality > 0.45) { quality *= 0.8; slow = 0; } }
   function frame() {
-    if (!state.dirty) return;
+    if (!state.dirty || plots.printing) return;
     state.dirty = false; window.wingbeat.frames++;
-    const w = canvas.clientWidth, h = canvas.clientHeight, ratio = (soft ? 1 : Math.min(2, devicePixelRatio || 1)) * quality, W = Math.max(2, Math.round(w * ratio)), H = Math.max(2, Math.round(h * ratio));
+    const w = canvas.clientWidth, h = canvas.clientHeight, ratio = (soft || renderer.kind === 'canvas' ? 1 : Math.min(2, devicePixelRatio || 1)) * quality, W = Math.max(2, Math.round(w * ratio)), H = Math.max(2, Math.round(h * ratio));
     if (!w || !h) { state.dirty = true; return; }
     if (canvas.width !== W || canvas.height !== H) { canvas.width = W; canvas.height = H; }
     const dense = Math.min(2, devicePixelRatio || 1);
     if (marks.canvas.width !== Math.round(w * dense)) { marks.canvas.width = Math.round(w * dense); marks.canvas.height = Math.round(h * dense); }
     if (marks.canvas.height !== Math.round(h * dense)) marks.canvas.height = Math.round(h * dense);
-    marks.setTransform(dense, 0, 0, dense, 0, 0); marks.clearRect(0, 0, w, h);
+    marks.setTransform(dense, 0, 0, dense, 0, 0); said = [];
     if (shots.length) return drawShot(W, H, ratio);
     const flat = renderer.kind === 'canvas', ground = new Scene(), scene = new Scene();
     if (!box.table) addGround(ground, box, look); else ground.quad(...box.table, look.grid);
     motions.forEach((m, k) => {
       m.seek(state.t);
       const own = looks(k);
-      if (m.free) addPath(scene, m, own, box.floor, false);
+      if (m.free) addPath(scene, m, own, box.floor, view.mode === 'whole' || view.mode === 'side');
       if (m.path) for (let i = 0, step = Math.max(1, Math.floor(m.n / 200)); i + step < m.n; i += 2 * step) scene.line(m.path.map(c => c[i]), m.path.map(c => c[i + step]), 1.6, faded(look.thrust, 0.8));
       if (shown.wake && m.circulation) addWake(scene, m, flat);
       addRobot(scene, m, own, 1, box.floor, !flat);
@@ -139,12 +142,24 @@
       middle[2] = 0.5 * (box.floor + box.high[2]);
       Object.assign(inset, { target: middle, azimuth: 0.35, elevation: 0.36 }); fit(inset, iw / ih);
       renderer.pass([ground, small], inset, [Math.round(pad * ratio), Math.round(pad * ratio), Math.round(iw * ratio), Math.round(ih * ratio)], look, ratio);
-      marks.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue('--quiet'); marks.strokeRect(pad, h - pad - ih, iw, ih);
+      patch('', pad, h - pad - ih, iw, ih);
       if (iw > 240) labels(inset, [pad, h - pad - ih, iw, ih], true);
     }
     legend(w, h);
+    put(w, h);
   }
-  const write = (text, x, y, align = 'left') => { const s = getComputedStyle(document.documentElement); marks.font = '12px system-ui, "DejaVu Sans", sans-serif'; marks.textAlign = align; marks.lineWidth = 3; marks.strokeStyle = s.getPropertyValue('--sky'); marks.strokeText(text, x, y); marks.fillStyle = s.getPropertyValue('--ink'); marks.fillText(text, x, y); };
+  // Words and boxes over the picture are drawn again where one has moved.
+  let said = [], put_before = '';
+  const write = (text, x, y, align = 'left') => said.push([text, Math.round(x), Math.round(y), align]);
+  const patch = (fill, x, y, w, h) => said.push([fill, x, y, w, h, 0]);
+  function put(w, h) {
+    const key = JSON.stringify(said) + w + h + look.sky;
+    if (key === put_before) return;
+    put_before = key; marks.clearRect(0, 0, w, h);
+    for (const one of said) one.length === 6 ? box_or_frame(...one) : word(...one);
+  }
+  function box_or_frame(fill, x, y, w, h) { if (fill) { marks.fillStyle = fill; marks.fillRect(x, y, w, h); } else { marks.lineWidth = 1.5; marks.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue('--quiet'); marks.strokeRect(x, y, w, h); } }
+  const word = (text, x, y, align) => { const s = getComputedStyle(document.documentElement); marks.font = '12px system-ui, "DejaVu Sans", sans-serif'; marks.textAlign = align; marks.lineWidth = 3; marks.strokeStyle = s.getPropertyValue('--sky'); marks.strokeText(text, x, y); marks.fillStyle = s.getPropertyValue('--ink'); marks.fillText(text, x, y); };
   function labels(cam, [x, y, w, h], heights) {
     const m = cam.matrix(w / h), at = p => { const q = transformed(m, p); return q[3] > 0 ? [x + w * (0.5 + 0.5 * q[0] / q[3]), y + h * (0.5 - 0.5 * q[1] / q[3])] : null; };
     if (!heights || box.table || !motions.some(m => m.free)) return;
@@ -158,10 +173,10 @@
   function legend(w, h) {
     const m = motions[0];
     write('left wing', w - 88, 18); write('right wing', w - 88, 34);
-    marks.fillStyle = '#0072b2'; marks.fillRect(w - 104, 9, 11, 10); marks.fillStyle = '#d55e00'; marks.fillRect(w - 104, 25, 11, 10);
+    patch('#0072b2', w - 104, 9, 11, 10); patch('#d55e00', w - 104, 25, 11, 10);
     if (!(shown.wake && m.circulation)) return;
     const x = w - 226, y = h - 18;
-    for (let i = 0; i < 160; i++) { const c = circulationColour((i - 80) / 60); marks.fillStyle = `rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`; marks.fillRect(x + i, y, 1.5, 8); }
+    for (let i = 0; i < 160; i += 4) { const c = circulationColour((i - 78) / 60); patch(`rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`, x + i, y, 4, 8); }
     const most = 0.7 * m.mostCirculation;
     write(m.circulation === 'circulation' ? 'circulation shed, m²/s' : w > 560 ? m.circulation + ', m²/s' : 'lag sum shed, m²/s', x + 210, y - 8, 'right');
     write(digits(+(-most).toPrecision(2)), x - 4, y + 8, 'right'); write(digits(+most.toPrecision(2)), x + 164, y + 8);
@@ -183,6 +198,7 @@
     aim();
     renderer.pass([scene], camera, [0, 0, W, H], look, ratio);
     write(`${shot.name}, t = ${digits(shot.time)} s; circulation within ±${digits(+most.toPrecision(2))} m²/s`, 10, 20);
+    put(canvas.clientWidth, canvas.clientHeight);
   }
   // Controls.
   const toggle = (name, text, value, act) => { const input = make('input', { type: 'checkbox' }); input.checked = value; input.addEventListener('change', () => { act(input.checked); state.dirty = true; frame(); }); const label = make('label', {}, input, text); label.dataset.name = name; return label; };
@@ -237,6 +253,15 @@
   });
   canvas.addEventListener('wheel', event => { event.preventDefault(); view.zoom = Math.max(0.05, Math.min(20, view.zoom * Math.exp(0.0012 * event.deltaY))); state.dirty = true; frame(); }, { passive: false });
   new ResizeObserver(() => { state.dirty = true; frame(); }).observe(canvas);
+  // A canvas that was drawn just now is not yet on paper; a copy of it is.
+  function copy() {
+    const sheet = $('sheet'), c = sheet.getContext('2d');
+    sheet.width = canvas.width; sheet.height = canvas.height;
+    c.drawImage(canvas, 0, 0); c.drawImage(marks.canvas, 0, 0, sheet.width, sheet.height);
+  }
+  // On paper: light colours, the picture as it stands, plots as wide as two columns have room.
+  addEventListener('beforeprint', () => { play(false); document.documentElement.classList.add('printing'); relook(); frame(); copy(); plots.printing = true; plots.layout(336); });
+  addEventListener('afterprint', () => { plots.printing = false; document.documentElement.classList.remove('printing'); relook(); plots.layout(); frame(); });
   Object.assign(window.wingbeat, { view, camera, play, frame: () => { state.dirty = true; frame(); } });
   choose(motions.some(m => m.free) ? 'chase' : 'follow');
   if (!motions.some(m => m.free)) { document.querySelector('[data-camera="chase"]').hidden = true; if (box.table || shots.length) { choose('whole'); if (shots.length) view.azimuth = -1; } }

@@ -25,9 +25,13 @@ class Plots {
       if (!found) this.panels.push(found = { title: panel.title, unit: panel.unit, limits: panel.limits, curves: [] });
       panel.curves.forEach(curve => found.curves.push({ ...curve, run: r }));
     }));
+    this.watch = new IntersectionObserver(entries => {
+      for (const entry of entries) { const panel = this.panels.find(p => p.box === entry.target); if (panel) panel.seen = entry.isIntersecting; }
+      if (this.now !== undefined) this.mark(this.now, true);
+    });
     for (const panel of this.panels) this.build(panel);
     this.layout();
-    new ResizeObserver(() => this.layout()).observe(root);
+    new ResizeObserver(() => this.printing || this.layout()).observe(root);
   }
   build(panel) {
     const several = this.runs.length > 1, keys = make('div', { class: 'keys' });
@@ -47,7 +51,12 @@ class Plots {
     panel.svg.addEventListener('pointermove', event => panel.held && event.buttons && at(event));
     for (const end of ['pointerup', 'pointerleave', 'pointercancel']) panel.svg.addEventListener(end, () => panel.held = false);
     const title = make('h3', {}, panel.title + (panel.unit ? ` [${panel.unit === 'deg' ? '°' : panel.unit}]` : ''));
-    this.root.append(make('div', { class: 'panel' }, title, panel.svg, keys));
+    // The line where the time is lies over the plot, which so is drawn once.
+    panel.cursor = make('div', { class: 'cursor', 'aria-hidden': 'true' });
+    panel.box = make('div', { class: 'panel' }, title, make('div', { class: 'plot' }, panel.svg, panel.cursor), keys);
+    panel.seen = true;
+    this.watch.observe(panel.box);
+    this.root.append(panel.box);
     panel.range = this.range(panel);
   }
   range(panel) {
@@ -61,12 +70,12 @@ class Plots {
     const margin = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
     return [low - margin, high + margin];
   }
-  layout() {
-    const width = this.panels.length ? this.panels[0].svg.getBoundingClientRect().width : 0;
+  layout(asked) {
+    const width = asked || (this.panels.length ? this.panels[0].svg.getBoundingClientRect().width : 0);
     if (!width || width === this.width) return;
     this.width = width; this.left = 46;
     for (const panel of this.panels) this.drawn(panel, width, 118);
-    this.mark(this.now === undefined ? this.low : this.now);
+    this.mark(this.now === undefined ? this.low : this.now, true);
   }
   drawn(panel, w, h) {
     const s = panel.svg, [low, high] = panel.range, left = this.left, right = w - 6, bottom = h - 18;
@@ -84,8 +93,7 @@ class Plots {
       const path = this.way(t, curve.values, X, Y, right - left);
       s.append(svg('path', { d: path, fill: 'none', stroke: p.stroke, 'stroke-width': p.width, 'stroke-dasharray': dash, opacity: p.opacity || 1, 'stroke-linejoin': 'round' }));
     }
-    panel.cursor = svg('line', { x1: 0, x2: 0, y1: 2, y2: bottom, stroke: 'var(--accent)', 'stroke-width': 1.5 });
-    s.append(panel.cursor); panel.X = X;
+    panel.X = X;
   }
   // Of many points in one column of pixels the least and the most.
   way(t, values, X, Y, pixels) {
@@ -100,13 +108,16 @@ class Plots {
     }
     return d;
   }
-  mark(t) {
+  // Values are written ten times a second, and only where they are seen.
+  mark(t, all) {
     this.now = t;
+    const now = performance.now(), words = all || !(now - this.written < 100);
+    if (words) this.written = now; else { clearTimeout(this.later); this.later = setTimeout(() => this.mark(this.now, true), 150); }
     const rows = this.runs.map(run => { const [i, s] = place(run.axis.values, t); return s > 0.5 ? i + 1 : i; });
     for (const panel of this.panels) {
-      if (!panel.X) continue;
-      const x = panel.X(t);
-      panel.cursor.setAttribute('transform', `translate(${x.toFixed(1)} 0)`);
+      if (!panel.X || !(panel.seen || all)) continue;
+      panel.cursor.style.transform = `translateX(${panel.X(t).toFixed(1)}px)`;
+      if (!words) continue;
       panel.curves.forEach((curve, k) => { const v = curve.values[rows[curve.run]]; panel.outputs[k].textContent = digits(Math.abs(v) < 1e-6 * (panel.range[1] - panel.range[0]) ? 0 : v); });
     }
   }

@@ -116,7 +116,7 @@ class Motion {
 const shown = { wake: true, level: true, strips: false, loop: true, sources: {}, wakeTime: 0.3 };
 function addWake(scene, m, coarse) {
   const window = shown.wakeTime, now = m.t[m.i] + m.s * (m.t[m.j] - m.t[m.i]);
-  const first = place(m.t, now - window)[0], step = Math.max(1, Math.round((m.i - first) / (coarse ? 24 : 110)));
+  const first = place(m.t, now - window)[0], step = Math.max(1, Math.round((m.i - first) / (coarse ? 16 : 100)));
   for (const row of m.rows) {
     const corner = (i, k) => { const o = 3 * (i * row.count + k), age = now - m.t[i]; return [row.points[o] + age * m.wind[0], row.points[o + 1] + age * m.wind[1], row.points[o + 2] + age * m.wind[2]]; };
     let young = m.i;

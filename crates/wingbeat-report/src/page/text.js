@@ -25,7 +25,7 @@ function flat(value, name = '', out = []) {
 function told(run, several) {
   const root = make('div', {}, make('h2', {}, several ? run.name : 'Numbers')), tables = make('div', { class: 'tables' });
   const judged = run.summary.judged || [];
-  if (judged.length) tables.append(table(['judged', 'value', 'limit', ''], judged.map(j => row(cell(j.id), cell(`${digits(j.value)} ${j.unit || ''}`, true),
+  if (judged.length) tables.append(table(['judged', 'value', 'limit', 'met'], judged.map(j => row(cell(j.id), cell(`${digits(j.value)} ${j.unit || ''}`, true),
     cell(`${j.allowed === 'at_least' ? 'at least' : 'at most'} ${digits(j.limit)}${j.overridden ? ' (overridden)' : ''}`, true), make('td', { class: j.met ? 'good' : 'bad' }, j.met ? 'met' : 'missed'))), 'What the status rests on'));
   const numbers = flat(run.summary);
   if (numbers.length) tables.append(table(['number', 'value'], numbers.map(([k, v]) => row(cell(k), cell(v, true))), 'summary.json'));

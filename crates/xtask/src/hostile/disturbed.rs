@@ -57,7 +57,7 @@ impl Verb {
 /// A gait on one coarse mesh; in three iterations it is not found, and not replayed.
 const GAIT: &str = "{root}/scenarios/least_power_gait.toml";
 const SHORT: &str = "plan.least_power={storage=1.0, up_n=0.08, forward_n=0.0, frequency_hz=[3.5, 3.5], \
-                     pitch_deg=[-15.0, -15.0], effort_w=0.3, intervals=4, meshes=1, tolerance=0.1}";
+                     nose_up_deg=[15.0, 15.0], effort_w=0.3, intervals=4, meshes=1, tolerance=0.1}";
 
 /// Every verb that writes.
 const VERBS: [Verb; 16] = [

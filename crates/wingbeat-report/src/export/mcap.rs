@@ -1,0 +1,287 @@
+//! A flight as MCAP with the profile ros2: every message in CDR, chunks without compression, with an index.
+//!
+//! Format: <https://mcap.dev/spec>, version 0.
+
+use std::collections::BTreeMap;
+
+use flate2::Crc;
+use wingbeat::math::Vec3;
+use wingbeat::simulate::Record;
+
+use super::cdr::Message;
+use super::ros;
+use crate::flight::{axes, shown, taken};
+use crate::motion::{Motion, at, direction};
+
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// Bytes after which a chunk is closed.
+const CHUNK: usize = 1 << 20;
+/// Frames between two messages of transforms, and between two of the others.
+const TRANSFORMS: usize = 2;
+/// Names of the frames.
+const WORLD: &str = "world";
+const BODY: &str = "base_link";
+
+/// A file while it is written.
+struct File {
+    bytes: Vec<u8>,
+    channels: Vec<(&'static str, &'static str)>,
+    topics: Vec<String>,
+    counts: Vec<u64>,
+    chunk: Vec<u8>,
+    index: BTreeMap<u16, Vec<(u64, u64)>>,
+    indices: Vec<u8>,
+    chunks: u32,
+    span: (u64, u64),
+    whole: (u64, u64),
+}
+
+fn string(out: &mut Vec<u8>, text: &str) {
+    out.extend((text.len() as u32).to_le_bytes());
+    out.extend(text.as_bytes());
+}
+
+fn record(out: &mut Vec<u8>, opcode: u8, content: &[u8]) {
+    out.push(opcode);
+    out.extend((content.len() as u64).to_le_bytes());
+    out.extend(content);
+}
+
+impl File {
+    fn new() -> Self {
+        let mut bytes = MAGIC.to_vec();
+        let mut head = Vec::new();
+        string(&mut head, "ros2");
+        string(&mut head, "wingbeat");
+        record(&mut bytes, 1, &head);
+        let none = (u64::MAX, 0);
+        Self {
+            bytes,
+            channels: Vec::new(),
+            topics: Vec::new(),
+            counts: Vec::new(),
+            chunk: Vec::new(),
+            index: BTreeMap::new(),
+            indices: Vec::new(),
+            chunks: 0,
+            span: none,
+            whole: none,
+        }
+    }
+
+    /// A new channel for messages of the type number `schema` of [`ros::TYPES`].
+    fn channel(&mut self, topic: &str, schema: usize) -> u16 {
+        self.channels.push(ros::TYPES[schema]);
+        self.topics.push(topic.into());
+        self.counts.push(0);
+        let id = self.topics.len() as u16 - 1;
+        let mut own = Vec::new();
+        self.describe(&mut own, id);
+        self.chunk.extend(own);
+        id
+    }
+
+    /// Schema and channel number `id`; each channel has a schema of its own number, from 1.
+    fn describe(&self, out: &mut Vec<u8>, id: u16) {
+        let (name, definition) = self.channels[usize::from(id)];
+        let mut schema = (id + 1).to_le_bytes().to_vec();
+        string(&mut schema, name);
+        string(&mut schema, "ros2msg");
+        string(&mut schema, definition);
+        record(out, 3, &schema);
+        let mut channel = id.to_le_bytes().to_vec();
+        channel.extend((id + 1).to_le_bytes());
+        string(&mut channel, &self.topics[usize::from(id)]);
+        string(&mut channel, "cdr");
+        // `ros2 bag` keeps the quality of service of a topic here.
+        let mut kept = Vec::new();
+        if self.topics[usize::from(id)] == "/robot_description" {
+            string(&mut kept, "offered_qos_profiles");
+            string(&mut kept, ros::LATCHED);
+        }
+        channel.extend((kept.len() as u32).to_le_bytes());
+        channel.extend(kept);
+        record(out, 4, &channel);
+    }
+
+    fn message(&mut self, channel: u16, time: u64, message: Message) {
+        let sequence = self.counts[usize::from(channel)];
+        self.counts[usize::from(channel)] += 1;
+        self.index.entry(channel).or_default().push((time, self.chunk.len() as u64));
+        let mut content = channel.to_le_bytes().to_vec();
+        content.extend((sequence as u32).to_le_bytes());
+        content.extend([time, time].iter().flat_map(|time| time.to_le_bytes()));
+        content.extend(message.bytes());
+        record(&mut self.chunk, 5, &content);
+        self.span = (self.span.0.min(time), self.span.1.max(time));
+        if self.chunk.len() > CHUNK {
+            self.close_chunk();
+        }
+    }
+
+    fn close_chunk(&mut self) {
+        if self.index.is_empty() {
+            return;
+        }
+        let at = self.bytes.len() as u64;
+        let mut crc = Crc::new();
+        crc.update(&self.chunk);
+        let mut content = Vec::new();
+        let size = self.chunk.len() as u64;
+        content.extend([self.span.0, self.span.1, size].iter().flat_map(|number| number.to_le_bytes()));
+        content.extend(crc.sum().to_le_bytes());
+        string(&mut content, "");
+        content.extend(size.to_le_bytes());
+        content.append(&mut self.chunk);
+        record(&mut self.bytes, 6, &content);
+        let length = self.bytes.len() as u64 - at;
+        let start = self.bytes.len() as u64;
+        let mut places = Vec::new();
+        for (channel, entries) in std::mem::take(&mut self.index) {
+            places.extend(channel.to_le_bytes());
+            places.extend((self.bytes.len() as u64).to_le_bytes());
+            let mut index = channel.to_le_bytes().to_vec();
+            index.extend((16 * entries.len() as u32).to_le_bytes());
+            index.extend(
+                entries.iter().flat_map(|(time, place)| [time.to_le_bytes(), place.to_le_bytes()]).flatten(),
+            );
+            record(&mut self.bytes, 7, &index);
+        }
+        let mut index = Vec::new();
+        index.extend([self.span.0, self.span.1, at, length].iter().flat_map(|number| number.to_le_bytes()));
+        index.extend((places.len() as u32).to_le_bytes());
+        index.extend(places);
+        index.extend((self.bytes.len() as u64 - start).to_le_bytes());
+        string(&mut index, "");
+        index.extend([size, size].iter().flat_map(|number| number.to_le_bytes()));
+        record(&mut self.indices, 8, &index);
+        self.chunks += 1;
+        self.whole = (self.whole.0.min(self.span.0), self.whole.1.max(self.span.1));
+        self.span = (u64::MAX, 0);
+    }
+
+    /// The file with its summary.
+    fn finish(mut self) -> Vec<u8> {
+        self.close_chunk();
+        record(&mut self.bytes, 15, &0_u32.to_le_bytes());
+        let summary = self.bytes.len() as u64;
+        let mut described = Vec::new();
+        (0..self.topics.len() as u16).for_each(|id| self.describe(&mut described, id));
+        self.bytes.extend(described);
+        let mut statistics = self.counts.iter().sum::<u64>().to_le_bytes().to_vec();
+        let channels = self.topics.len() as u32;
+        statistics.extend((channels as u16).to_le_bytes());
+        statistics.extend([channels, 0, 0, self.chunks].iter().flat_map(|number| number.to_le_bytes()));
+        statistics.extend([self.whole.0, self.whole.1].iter().flat_map(|time| time.to_le_bytes()));
+        statistics.extend((10 * channels).to_le_bytes());
+        for (id, count) in self.counts.iter().enumerate() {
+            statistics.extend((id as u16).to_le_bytes());
+            statistics.extend(count.to_le_bytes());
+        }
+        record(&mut self.bytes, 11, &statistics);
+        self.bytes.append(&mut self.indices);
+        let mut foot = summary.to_le_bytes().to_vec();
+        // No offsets of groups, no check of the summary.
+        foot.extend([0; 12]);
+        record(&mut self.bytes, 2, &foot);
+        self.bytes.extend(MAGIC);
+        self.bytes
+    }
+}
+
+/// A flight of `motion` with its `record` as the bytes of an MCAP file: transforms of body and ribs, the robot's description, joints,
+/// odometry and a wrench for each source of force.
+///
+/// # Errors
+/// A record without the columns of a flight.
+pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, String> {
+    let rows = shown(flown);
+    let of_flight =
+        |name: &str| axes(flown, &rows, name).map_err(|why| format!("{why}; --mcap takes a flight"));
+    let [velocity, rate] = ["v_WB_W", "w_WB_B"].map(of_flight);
+    let (velocity, rate) = (velocity?, rate?);
+    let names = flown.columns().iter().map(|column| column.name.as_str());
+    let joints: Vec<&str> = names.filter(|name| flown.values(&format!("torque_{name}")).is_some()).collect();
+    let column = |name: &str| taken(flown, &rows, name);
+    let positions = joints.iter().map(|name| column(name)).collect::<Result<Vec<_>, _>>()?;
+    let efforts =
+        joints.iter().map(|name| column(&format!("torque_{name}"))).collect::<Result<Vec<_>, _>>()?;
+    let mut file = File::new();
+    let described = file.channel("/robot_description", ros::STRING);
+    let [transforms, odometry, states] =
+        [("/tf", ros::TF), ("/odom", ros::ODOMETRY), ("/joint_states", ros::JOINTS)]
+            .map(|(topic, schema)| file.channel(topic, schema));
+    let mut wrenches = Vec::new();
+    for source in motion.sources.iter().filter(|source| source.place.is_none()) {
+        let plain = source.name.replace(' ', "_");
+        let moment = axes(flown, &rows, &format!("moment_{plain}"))?;
+        wrenches.push((file.channel(&format!("/wrench/{plain}"), ros::WRENCH), &source.force, moment));
+    }
+    let start = motion.t.first().copied().unwrap_or(0.0);
+    for (i, t) in motion.t.iter().enumerate() {
+        let time = ((t - start) * 1e9).round().max(0.0) as u64;
+        if i == 0 {
+            let mut text = Message::new();
+            text.text(&ros::urdf(motion, name));
+            file.message(described, time, text);
+        }
+        let turn: [f64; 4] = std::array::from_fn(|k| motion.attitude[(k + 1) % 4][i]);
+        if i % TRANSFORMS == 0 {
+            file.message(transforms, time, transform(motion, i, time, turn));
+        }
+        // The velocity is told in the axes of the child frame.
+        let back = |v: Vec3| {
+            Vec3([0, 1, 2].map(|axis| {
+                let unit = Vec3(std::array::from_fn(|k| f64::from(u8::from(k == axis))));
+                motion.turned(i, unit).dot(v)
+            }))
+        };
+        let mut odom = Message::new();
+        odom.header(time, WORLD)
+            .text(BODY)
+            .doubles(&at(&motion.position, i).0)
+            .doubles(&turn)
+            .doubles(&[0.0; 36]);
+        odom.doubles(&back(at(&velocity, i)).0).doubles(&at(&rate, i).0).doubles(&[0.0; 36]);
+        file.message(odometry, time, odom);
+        let mut state = Message::new();
+        state.header(time, "").int(joints.len() as u32);
+        joints.iter().for_each(|name| {
+            state.text(name);
+        });
+        let of = |columns: &[Vec<f64>]| columns.iter().map(|column| column[i]).collect::<Vec<f64>>();
+        state.list(&of(&positions)).list(&[]).list(&of(&efforts));
+        file.message(states, time, state);
+        for (channel, force, moment) in &wrenches {
+            let mut wrench = Message::new();
+            wrench.header(time, BODY).doubles(&at(force, i).0).doubles(&at(moment, i).0);
+            file.message(*channel, time, wrench);
+        }
+    }
+    Ok(file.finish())
+}
+
+/// Body in the world and every rib in the body: x along its chord forward, y along the span to the left.
+fn transform(motion: &Motion, i: usize, time: u64, turn: [f64; 4]) -> Message {
+    let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
+    let mut message = Message::new();
+    message.int(ribs as u32 + 1);
+    message.header(time, WORLD).text(BODY).doubles(&at(&motion.position, i).0).doubles(&turn);
+    for surface in &motion.surfaces {
+        for (k, rib) in surface.ribs.iter().enumerate() {
+            let [leading, trailing] = rib.each_ref().map(|edge| at(edge, i));
+            let q = super::gltf::quaternion(&basis(leading - trailing));
+            message.header(time, BODY).text(&ros::rib(&surface.name, k));
+            message.doubles(&((leading + trailing) * 0.5).0).doubles(&q);
+        }
+    }
+    message
+}
+
+/// Axes with x along `chord` and y as far to the left as that allows.
+fn basis(chord: Vec3) -> wingbeat::math::Mat3 {
+    let x = direction(chord);
+    let across = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|v| x.cross(Vec3(v)));
+    let z = if across[0].norm() > 0.1 { direction(across[0]) } else { direction(across[1]) };
+    wingbeat::math::Mat3::from_columns(x, z.cross(x), z)
+}
