@@ -14,7 +14,7 @@ use wingbeat::judge::limits::paper as limits;
 use wingbeat::judge::{Judge, Limits, Verdict, Warning};
 use wingbeat::scenario::{PaperResults, RunName};
 
-use crate::args::{Fly, Paper, RigProcess, RigRuns, Run};
+use crate::args::{Fly, Page, Paper, RigProcess, RigRuns, RigSimulate, Run};
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
@@ -25,6 +25,8 @@ use crate::{fly, rig};
 use figures::Drawn;
 use statements::{Statement, Told};
 
+/// The sheet stands in the place of the pages of its runs.
+const PAGE: Page = Page { no_report: true };
 /// The flights, as folder and file.
 const FLIGHTS: [(&str, &str); 2] =
     [("turn", "scenarios/banking_turn.toml"), ("clear", "scenarios/paper_turn_clear.toml")];
@@ -140,7 +142,7 @@ impl Work<'_> {
 
     fn fly(&mut self, name: &'static str, file: &str) -> Result<(), Error> {
         self.begin(&format!("flying {file}"))?;
-        let made = fly::fly(&Fly { scenario: self.from.join(file), run: self.options(name) });
+        let made = fly::fly(&Fly { scenario: self.from.join(file), run: self.options(name), page: PAGE });
         self.ended(format!("wingbeat fly {file}"), name, made)
     }
 
@@ -148,7 +150,11 @@ impl Work<'_> {
     fn bench(&mut self) -> Result<(), Error> {
         self.begin("simulating the bench")?;
         let runs = RigRuns { file: self.from.join(RUNS), run: self.options("bench") };
-        self.ended(format!("wingbeat rig simulate {RUNS}"), "bench", rig::simulate(&runs))?;
+        self.ended(
+            format!("wingbeat rig simulate {RUNS}"),
+            "bench",
+            rig::simulate(&RigSimulate { runs, page: PAGE }),
+        )?;
         self.begin("processing the bench")?;
         let process = RigProcess {
             path: self.folder.file("bench"),
