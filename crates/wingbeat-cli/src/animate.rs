@@ -8,8 +8,10 @@ use wingbeat_report::run::{Run, read};
 
 use crate::args::{Animate, AnimatedView};
 use crate::error::Error;
+use crate::export::gone;
 use crate::interrupt::Interrupt;
 use crate::report::{folder_of, free, refused};
+use crate::run_folder::replace_by;
 use crate::{progress, say};
 
 /// Draws the frames of a run and writes them.
@@ -17,12 +19,14 @@ pub fn animate(arguments: &Animate) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let asked = asked(arguments)?;
     let animated = is_file(&arguments.out)?;
-    match animated {
-        true => free(&arguments.out, arguments.force)?,
-        false => folder_of(&arguments.out, ("frame_", ".png"), arguments.force)?,
+    if animated {
+        free(&arguments.out, arguments.force)?;
     }
     let run = only(read(&arguments.run).map_err(refused)?)?;
     let film = Film::new(&run, asked).map_err(Error::Input)?;
+    if !animated {
+        folder_of(&arguments.out, ("frame_", ".png"), arguments.force)?;
+    }
     let template = "drawing {bar:30} {percent:>3} %  ({eta} left)";
     let bar = progress::bar(Some(film.frames() as u64), template, arguments.quiet);
     let mut animation = Animation::default();
@@ -33,8 +37,13 @@ pub fn animate(arguments: &Animate) -> Result<(), Error> {
     }
     bar.finish_and_clear();
     match animated {
-        true => animation.write(&arguments.out, 1.0 / asked.rate).map_err(failed)?,
-        false => animation.sequence(&arguments.out).map_err(failed)?,
+        true => {
+            replace_by(&arguments.out, |beside| animation.write(beside, 1.0 / asked.rate).map_err(failed))?
+        }
+        false => animation.sequence(&arguments.out).map_err(failed).inspect_err(|_| {
+            let left = folder_of(&arguments.out, ("frame_", ".png"), true);
+            let _ = left.and_then(|()| gone(&arguments.out));
+        })?,
     }
     say::unless(arguments.quiet, || format!("{} frames: {}\n", animation.frames(), arguments.out.display()))
 }

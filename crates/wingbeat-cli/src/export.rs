@@ -14,6 +14,7 @@ use crate::args::Export;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::report::{folder_of, free, refused};
+use crate::run_folder::{replace, replace_by};
 use crate::say;
 
 /// Writes a run in another format.
@@ -27,9 +28,12 @@ pub fn export(arguments: &Export) -> Result<(), Error> {
     };
     let place = match arguments {
         Export { vtk: true, .. } => {
-            let folder = named("-vtk");
+            let (folder, moves) = (named("-vtk"), motion(&run)?);
             folder_of(&folder, ("frame", ".vtk"), arguments.force)?;
-            frames(&folder, motion(&run)?, &interrupt)?;
+            // Nothing is left of what could not be written.
+            frames(&folder, moves, &interrupt).inspect_err(|_| {
+                let _ = folder_of(&folder, ("frame", ".vtk"), true).and_then(|()| gone(&folder));
+            })?;
             folder
         }
         Export { gltf: true, .. } => {
@@ -47,7 +51,8 @@ pub fn export(arguments: &Export) -> Result<(), Error> {
         _ => {
             let path = named(".csv");
             free(&path, arguments.force)?;
-            write_csv(&path, &record(&arguments.run)?)?;
+            let record = record(&arguments.run)?;
+            replace_by(&path, |beside| Ok(write_csv(beside, &record)?))?;
             path
         }
     };
@@ -69,7 +74,7 @@ fn file(
     bytes: impl FnOnce() -> Result<Vec<u8>, Error>,
 ) -> Result<PathBuf, Error> {
     free(&path, force)?;
-    fs::write(&path, bytes()?).map_err(|source| Error::file(&path, source))?;
+    replace(&path, &bytes()?)?;
     Ok(path)
 }
 
@@ -86,6 +91,11 @@ fn record(folder: &Path) -> Result<Record, Error> {
             folder.display()
         ))),
     }
+}
+
+/// Removes an empty folder.
+pub fn gone(folder: &Path) -> Result<(), Error> {
+    fs::remove_dir(folder).map_err(|source| Error::file(folder, source))
 }
 
 /// Writes the frames and their list.

@@ -9,7 +9,7 @@ use wingbeat_report::run::{Flown, of, read};
 use crate::args::Report;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
-use crate::run_folder::{RunFolder, add_file};
+use crate::run_folder::{RunFolder, add_file, replace};
 use crate::say;
 
 /// The page of a run in its folder.
@@ -53,7 +53,7 @@ pub fn report(arguments: &Report) -> Result<(), Error> {
 /// Writes a file that is not there, or may be replaced.
 fn written(path: &Path, text: &str, force: bool) -> Result<PathBuf, Error> {
     free(path, force)?;
-    fs::write(path, text).map_err(|source| Error::file(path, source))?;
+    replace(path, text.as_bytes())?;
     Ok(path.into())
 }
 
@@ -110,13 +110,16 @@ pub fn refused(error: wingbeat_report::Error) -> Error {
 /// Writes the page of the run in `folder`, which is called `name`, unless it is not wanted; what cannot be shown is said.
 ///
 /// # Errors
-/// A page that cannot be written: the disk is full.
+/// What the system refuses: the disk is full.
 pub fn beside(folder: &RunFolder, name: &str, flown: Option<Flown>, wanted: bool) -> Result<(), Error> {
     if !wanted {
         return Ok(());
     }
     match of(folder.partial(), name, flown) {
         Ok(runs) => folder.write(PAGE, &page(&runs, Without::default())),
+        // What the system refuses is refused; what cannot be shown is said.
+        Err(error @ wingbeat_report::Error::File { .. })
+        | Err(error @ wingbeat_report::Error::Record(wingbeat_io::Error::File { .. })) => Err(refused(error)),
         Err(error) => {
             say::note(&format!("report.html is left out: {error}"));
             Ok(())

@@ -355,13 +355,23 @@ pub fn add_file(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Error> {
     replace(&path, bytes)
 }
 
-/// Writes a file beside `path` and moves it there.
-fn replace(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+/// Writes a file beside `path` and moves it there, so that it is whole or not there.
+///
+/// # Errors
+/// What cannot be written; then nothing is left.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    replace_by(path, |beside| fs::write(beside, bytes).map_err(|source| Error::file(path, source)))
+}
+
+/// The same of a file that `write` writes.
+///
+/// # Errors
+/// Those of `write`; what cannot be moved.
+pub fn replace_by(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
     let beside = hidden(path, "partial");
-    let written = fs::write(&beside, bytes).and_then(|()| fs::rename(&beside, path));
-    written.map_err(|source| {
+    let moved = || fs::rename(&beside, path).map_err(|source| Error::file(path, source));
+    write(&beside).and_then(|()| moved()).inspect_err(|_| {
         let _ = fs::remove_file(&beside);
-        Error::file(path, source)
     })
 }
 

@@ -29,7 +29,7 @@
   } catch (error) { renderer = new Flat(canvas); }
   window.wingbeat.renderer = renderer.kind;
   const camera = new Camera(), view = { mode: 'chase', azimuth: 0, elevation: 0.24, zoom: 1, shift: [0, 0, 0] };
-  let quality = soft || renderer.kind === 'canvas' ? 0.8 : 1, look;
+  let quality = soft || renderer.kind === 'canvas' ? 0.7 : 1, look;
   function relook() {
     const style = getComputedStyle(document.documentElement), of = name => colour(style.getPropertyValue(name));
     look = { sky: of('--sky'), ground: of('--ground'), grid: of('--grid'), ink: of('--ink'), path: of('--ink'), body: [0.42, 0.45, 0.5, 1], thrust: of('--c3'), floor: shots.length ? undefined : box.floor,
