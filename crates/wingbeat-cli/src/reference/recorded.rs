@@ -11,8 +11,8 @@ use wingbeat::scenario::{Evaluated, ProcessedRun, RigRun, Scenario, Sweep, Tethe
 use wingbeat::simulate::{Column, Record};
 
 use super::columns::{
-    AVERAGE, BOX, CALIBRATED, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, MODES, NODES, ORBITS, OWN_FRAME,
-    OWN_UNIT, PER_UNIT, RECORDS, RIG, RUNS, STARTS, STRIPS, SWEEP,
+    AVERAGE, BOX, CALIBRATED, CANDIDATES, COLUMNS, ENVELOPE, FLIGHT, GAIT, LOADS, MODES, NODES, ORBITS,
+    OWN_FRAME, OWN_UNIT, PER_UNIT, RECORDS, RIG, RUNS, STARTS, STRIPS, SWEEP,
 };
 use super::{root, shipped};
 
