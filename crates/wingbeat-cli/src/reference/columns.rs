@@ -338,5 +338,5 @@ pub const COLUMNS: &[Described] = &[
     column("cross_rms", &[SWEEP], M, "", "Root mean square of the distance across the path from the settling time on."),
     column("least_clearance", &[SWEEP], M, "", "Least of all clearances over the flight."),
     column("controller_failures", &[SWEEP], ONE, "", "Updates for which the controller found no plan."),
-    column("<key>", &[SWEEP, RUNS, STARTS], ONE, "", "What was drawn, or found by a search, for a key of the scenario or case, in the unit that ends the key."),
+    column("<key>", &[SWEEP, RUNS, STARTS, CANDIDATES], ONE, "", "What was drawn, or found by a search, for a key of the scenario or case, in the unit that ends the key."),
 ];

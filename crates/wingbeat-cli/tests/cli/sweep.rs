@@ -237,10 +237,10 @@ fn a_search_keeps_its_candidates_and_says_what_its_best_misses() {
     let folder = scratch("sweep-search");
     let scenario = root().join("scenarios/paper_turn.toml");
     let text = format!(
-        "name = \"small\"\nscenario = {scenario:?}\nruns = 4\n[search]\npopulation = 4\n\
+        "name = \"small\"\nscenario = {scenario:?}\nruns = 4\n[search]\npopulation = 4\nflights = [[\"flight.duration_s=0.05\"]]\n\
          goals = [{{ key = \"distance_x_m\", low = 1.0 }}]\n\
          [[draws]]\nkey = \"controller.weights.roll\"\nlow = 4.0\nhigh = 6.0\n\
-         [[draws]]\nkey = \"flight.duration_s\"\nlow = 0.04\nhigh = 0.06\n"
+         [[draws]]\nkey = \"controller.weights.pitch\"\nlow = 1.0\nhigh = 2.0\n"
     );
     fs::write(folder.join("small.toml"), text).unwrap();
     let output = sweep(&folder, "a");
