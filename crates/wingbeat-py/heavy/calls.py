@@ -30,7 +30,7 @@ MEMORY, ASKED = 1 << 30, 8 << 30
 # Time after which a call is interrupted, and in which it must then answer, s.
 PATIENCE, ANSWER = 0.5, 1.0
 # Calls of a process, and the time after which it hangs, s.
-BATCH, HANGS = 250, 30.0
+BATCH, HANGS = 250, 120.0
 
 # -- what is given ----------------------------------------------------------------------------------------------------------------
 
