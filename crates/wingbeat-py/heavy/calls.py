@@ -8,11 +8,9 @@ after half a second, as Ctrl-C does, and must answer within one. What comes back
 """
 
 import argparse
-import copy
 import inspect
 import json
 import os
-import pickle
 import random
 import resource
 import signal
@@ -25,199 +23,16 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
+from given import anything, array, inside, number, spoiled, text
+from interrupts import ANSWER, HANGS, interrupts
+from kept import kept
+
 # Most memory of a call, and of what the process may ask for, bytes.
 MEMORY, ASKED = 1 << 30, 8 << 30
-# Time after which a call is interrupted, and in which it must then answer, s.
-PATIENCE, ANSWER = 0.5, 1.0
-# Calls of a process, and the time after which it hangs, s.
-BATCH, HANGS = 250, 30.0
-
-# -- what is given ----------------------------------------------------------------------------------------------------------------
-
-
-class Raises:
-    """Raises whatever is asked of it."""
-
-    def _raise(self, *_):
-        raise ValueError("raised by the argument")
-
-    __float__ = __index__ = __len__ = __iter__ = __getitem__ = __fspath__ = __bool__ = __array__ = __call__ = _raise
-    __hash__ = object.__hash__
-
-    def __repr__(self):
-        return "Raises()"
-
-
-class Endless:
-    """Is as long as one waits, and its own list."""
-
-    def __iter__(self):
-        while True:
-            yield 1.0
-
-    def __len__(self):
-        return 2**62
-
-    def tolist(self):
-        return self
-
-    def __fspath__(self):
-        return self
-
-    def __repr__(self):
-        return "Endless()"
-
-
-class Lies:
-    """Says that it is short and is a number, and is not."""
-
-    size = -1
-    shape = (2**40, 2**40)
-
-    def __len__(self):
-        return 3
-
-    def __getitem__(self, place):
-        raise IndexError(f"nothing at {place}")
-
-    def __float__(self):
-        return float("nan")
-
-    def __repr__(self):
-        return "Lies()"
-
-
-def inside():
-    """A dictionary that holds itself, and a list that does."""
-    table = {}
-    table["a"] = table
-    row = []
-    row.append(row)
-    return random.choice([table, row, {"flight": table}, {"a": row}])
-
-
-def deep(rng):
-    """Lists or tables in one another."""
-    value = rng.choice([1.0, [], {}])
-    table = rng.random() < 0.5
-    for _ in range(rng.choice([10, 70, 500, 10_000])):
-        value = {"a": value} if table else [value]
-    return value
-
-
-def number(rng):
-    """A number, or what may be taken for one."""
-    import numpy as np
-
-    return rng.choice(
-        [0, -1, 1, 2, 7, 0.0, -0.0, 0.5, 1e-3, -1e-3, 5e-324, 1e-300, 1e12, 1e300, -1e300, float("nan"), float("inf"),
-         -float("inf"), 2**31, 2**63 - 1, 2**63, 2**64, -(2**63) - 1, 10**400, True, np.float32(0.1), np.int8(-3), np.float64("nan"),
-         np.uint64(2**64 - 1), 1j, rng.uniform(-10.0, 10.0), rng.randrange(100)]
-    )
-
-
-def text(rng):
-    """A text."""
-    return rng.choice(
-        ["", "a", "\0", "\ud800", "roll", "flight.duration_s", "a.b.c.d", "=", "a=b", '"', "'''", "[[[", "{", "nan", "x" * 1_000_000,
-         "é" * 50, "../../etc", "/", "/nonexistent/file.toml", "glide.toml\n", "[" * 5000, "a." * 5000, "🦇", "__class__", "f64", "dask"]
-    )
-
-
-def path(rng, pool):
-    """A path, seldom of a file that is meant."""
-    return rng.choice(
-        [pool.folder, pool.folder / "absent", Path("/"), Path("/dev/null"), Path("/dev/zero"), Path("/dev/full"), Path("/proc/self/mem"),
-         Path("/proc/self/status"), pool.fifo, pool.binary, pool.empty, pool.parquet, pool.csv, Path("x" * 300), b"glide.toml",
-         pool.folder / "new" / "deep" / "file", "", ".", pool.locked]
-    )
-
-
-def array(rng):
-    """An array."""
-    import numpy as np
-
-    size = rng.choice([0, 1, 2, 3, 8, 13, 100, 1000, 300_000])
-    wild = np.array([0.0, 1.0, -1.0, np.nan, np.inf, 1e300, -1e300, 5e-324])
-    made = wild[np.random.default_rng(rng.randrange(2**31)).integers(0, len(wild), size)]
-    kind = rng.randrange(12)
-    if kind == 0:
-        return made.astype(np.float32)
-    if kind == 1:
-        return np.asfortranarray(made.reshape(-1, 1) + np.zeros((1, 3)))
-    if kind == 2:
-        return made[::-1]
-    if kind == 3:
-        return made[::2].astype(object)
-    if kind == 4:
-        return np.zeros((2, 2, 2))
-    if kind == 5:
-        return np.zeros(3, dtype=[("a", "f8"), ("b", "i4")])
-    if kind == 6:
-        return np.array(["a", "b"])
-    if kind == 7:
-        return np.broadcast_to(np.float64(1.0), (5_000_000,))
-    if kind == 8:
-        return np.zeros(5_000_000)
-    if kind == 9:
-        return np.array(made, dtype=">f8")
-    if kind == 10:
-        return np.ma.masked_invalid(made)
-    return made
-
-
-def anything(rng, pool):
-    """Whatever a user might hand over."""
-    kind = rng.randrange(12)
-    if kind < 4:
-        return number(rng)
-    if kind == 4:
-        return text(rng)
-    if kind == 5:
-        return path(rng, pool)
-    if kind == 6:
-        return array(rng)
-    if kind == 7:
-        return rng.choice([inside(), deep(rng)])
-    if kind == 8:
-        return [number(rng) for _ in range(rng.choice([0, 1, 2, 3, 8, 13, 200]))]
-    if kind == 9:
-        return {text(rng): number(rng) for _ in range(rng.randrange(4))}
-    if kind == 10:
-        return rng.choice(
-            [None, (), [], {}, set(), b"", b"\xff" * 100, bytearray(10), memoryview(b"abc"), range(10**9), iter([1, 2]), object(), type,
-             len, Raises(), Endless(), Lies(), Exception("an exception"), sys, slice(None), NotImplemented, ..., lambda *_: None,
-             pool.thrower, frozenset([1]), complex(1, 1)]
-        )
-    return rng.choice(pool.objects())
-
-
-def spoiled(rng, table):
-    """A table of keys with another value, or none, at one to three of its keys."""
-    table = copy.deepcopy(table)
-    for _ in range(rng.choice([1, 1, 1, 2, 3])):
-        at = table
-        for _ in range(6):
-            keys = list(at) if isinstance(at, dict) else list(range(len(at)))
-            if not keys:
-                break
-            key = rng.choice(keys)
-            below = at[key]
-            if isinstance(below, dict | list) and rng.random() < 0.9:
-                at = below
-                continue
-            act = rng.randrange(10)
-            if act == 0:
-                del at[key]
-            elif act == 1:
-                at[key] = rng.choice([inside(), [], {}, None, b"x", object(), Endless(), "", "nan"])
-            elif isinstance(below, float | int) and act < 5:
-                at[key] = below * rng.choice([-1.0, 0.0, 0.5, 2.0, 10.0, 1e3, 1e-3])
-            else:
-                at[key] = number(rng)
-            break
-    return table
-
+# Time after which a call is interrupted, s.
+PATIENCE = 0.5
+# Calls of a process.
+BATCH = 250
 
 # -- what is called ---------------------------------------------------------------------------------------------------------------
 
@@ -568,61 +383,6 @@ def brief(value):
 # -- what must hold ---------------------------------------------------------------------------------------------------------------
 
 
-def same(a, b):
-    """Whether two results are equal, numbers that are none too."""
-    import numpy as np
-    import wingbeat
-    from wingbeat import learn
-
-    if type(a) is not type(b):
-        return False
-    if isinstance(a, np.ndarray | np.generic):
-        kind = a.dtype.kind
-        return kind == b.dtype.kind and (kind not in "biuf" or np.array_equal(a, b, equal_nan=kind == "f"))
-    if isinstance(a, wingbeat.Record):
-        return a.columns == b.columns and all(same(a[name], b[name]) for name in a)
-    if isinstance(a, wingbeat.Strips):
-        return same(a.record, b.record)
-    if isinstance(a, wingbeat.Stepper):
-        return a.t == b.t and same(a.state, b.state) and same(a.inputs, b.inputs)
-    if isinstance(a, wingbeat.Measurement):
-        return a.taken == b.taken and a.names == b.names and same(a.values, b.values)
-    if isinstance(a, learn.Environment | learn.VectorEnvironment):
-        return same(a._flock.native.save(), b._flock.native.save())
-    if isinstance(a, float):
-        return a == b or (a != a and b != b)
-    if isinstance(a, dict):
-        return list(a) == list(b) and all(same(a[key], b[key]) for key in a)
-    if isinstance(a, list | tuple):
-        return len(a) == len(b) and all(map(same, a, b))
-    if hasattr(a, "__dataclass_fields__"):
-        return all(same(getattr(a, key), getattr(b, key)) for key in a.__dataclass_fields__)
-    if isinstance(a, wingbeat.ResultWarning):
-        return a.id == b.id and str(a) == str(b)
-    return type(a).__module__.split(".")[0] != "wingbeat" or type(a) is type or a == b or not hasattr(a, "toml")
-
-
-def ours(value):
-    """Whether a value is of the package."""
-    of = value[0] if isinstance(value, list) and value else value
-    return type(of).__module__.split(".")[0] == "wingbeat"
-
-
-def kept(thing, words, account):
-    """Pickles a thing of the package, and says what is wrong with what comes back."""
-    if not ours(thing):
-        return None
-    kind = type(thing).__name__
-    try:
-        again = pickle.loads(pickle.dumps(thing))
-    except Exception as error:  # noqa: BLE001
-        # A plain container of whatever it is given is as good as that.
-        plain = hasattr(thing, "__dataclass_fields__") and words.startswith(kind)
-        return None if plain else f"{kind} cannot be pickled: {type(error).__name__}: {error}"
-    account.counts["pickled"] += 1
-    return None if same(thing, again) else f"{kind} is not what it was once it is pickled"
-
-
 def threads():
     """Threads of work that go on."""
     names = []
@@ -809,85 +569,6 @@ def calls(count, seed):
     print(f"refused by {dict(kinds.most_common())}")
     print(f"most memory {most >> 20} MiB; slowest answer to an interrupt {slowest:.3f} s; longest work that went on {lingering:.1f} s")
     return not failures
-
-
-# Calls that last, each with what is interrupted.
-LONG = {
-    "fly": "wingbeat.fly(s('banking_turn'), {'flight.duration_s': 100.0, 'flight.record_every_s': 0.1})",
-    "fly_controller": "wingbeat.fly(s('glide'), {'flight.duration_s': 100.0, 'flight.record_every_s': 0.1}, controller=lambda t, told: None)",
-    "trim": "wingbeat.trim(s('hover'), {'aero.law': 'lev'})",
-    "search": "wingbeat.trim(s('gait_search_beta'))",
-    "plan": "wingbeat.plan(s('paper_plan'))",
-    "gait": "wingbeat.plan(s('least_power_gait'))",
-    "roll_in": "wingbeat.plan(s('roll_in'))",
-    "sweep": "wingbeat.sweep(dict(lot, runs=100000), out=out)",
-    "calibrate": "wingbeat.calibrate(f('calibrations/seven_runs.toml'))",
-    "information": "wingbeat.calibrate(f('calibrations/seven_runs.toml'), information=True)",
-    "wake": "wingbeat.wake(f('cases/flap_f1.toml'), chordwise=8, spanwise=40, steps=400)",
-    "wake_flight": "wingbeat.wake(wingbeat.fly(s('banking_turn'), {'flight.duration_s': 1.5}), scenario=s('banking_turn'), steps=200, spanwise=40)",
-    "tether": "wingbeat.tether(f('cases/step.toml'), {'time.steps_per_cycle': 120000})",
-    "converge": "wingbeat.tether(f('cases/flap_f1.toml'), {'time.steps_per_cycle': 4000}, converge=True)",
-    "rig": "wingbeat.rig(f('rigs/seven_runs.toml'))",
-    "step": "wingbeat.Stepper(s('banking_turn')).step(1e-4, 10**9)",
-    "vector": "v = learn.VectorEnvironment(20000, task=learn.BankingTurn, threads=1); v.reset(seed=1)\n"
-              "while True: v.step(np.zeros((20000, v.single_action_space.shape[0])))",
-    "make_vector": "[learn.VectorEnvironment(2**16, task=learn.BankingTurn).reset(seed=k) for k in range(1000)]",
-    "lattice": "wingbeat.fly(s('glider'), {'lattice.step_s': 2e-3, 'lattice.longest_age_s': 0.4, 'flight.duration_s': 20.0})",
-}
-
-PROLOGUE = """
-import os, signal, sys, threading, time, warnings
-import numpy as np
-import wingbeat
-from wingbeat import learn
-warnings.simplefilter("ignore")
-f = wingbeat.shipped
-s = lambda name: f(f"scenarios/{name}.toml")
-out = sys.argv[1]
-lot = {"name": "long", "scenario": str(s("banking_turn")), "sampling": "random", "runs": 20,
-       "draws": [{"key": "air.gust_m_s", "low": 0.0, "high": 0.5}], "hold": {"roll_within_deg": 5.0, "pitch_within_deg": 10.0}}
-print("ready", flush=True)
-try:
-    exec(sys.argv[2])
-    print("ended", time.time(), flush=True)
-except KeyboardInterrupt as raised:
-    now = time.time()
-    plan = getattr(raised, "plan", None)
-    print("interrupted", now, "-" if plan is None else plan.status, flush=True)
-except BaseException as raised:
-    print("raised", time.time(), type(raised).__name__, str(raised)[:200].replace(chr(10), " "), flush=True)
-os._exit(0)
-"""
-
-
-def interrupts(seed, times=(0.4, 1.1, 2.3)):
-    """Sends Ctrl-C to each call that lasts; true when each answers in time."""
-    good = True
-    rng = random.Random(seed)
-    for name, code in LONG.items():
-        answers, kept = [], ""
-        for after in times:
-            with tempfile.TemporaryDirectory() as folder:
-                words = [sys.executable, "-c", PROLOGUE, str(Path(folder) / "out"), code]
-                with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
-                    child.stdout.readline()
-                    time.sleep(after * rng.uniform(0.7, 1.3))
-                    sent = time.time()
-                    child.send_signal(signal.SIGINT)
-                    try:
-                        said, errors = child.communicate(timeout=HANGS)
-                    except subprocess.TimeoutExpired:
-                        child.kill()
-                        said, errors = "", "hung"
-            word, *rest = (said.splitlines() or ["nothing"])[-1].split(maxsplit=2)
-            late = float(rest[0]) - sent if rest else float("inf")
-            kept = rest[1] if len(rest) > 1 else kept
-            fine = word == "interrupted" and late < ANSWER and "panicked" not in errors
-            answers.append(f"{late:.3f}" if word == "interrupted" else f"{word} {' '.join(rest[1:])}{errors[-200:]}")
-            # What had ended before is no answer.
-            good &= fine or (word == "ended" and late < 0)
-        print(f"{name:<16}{'  '.join(answers)}  {kept}", flush=True)
-    return good
 
 
 def main():

@@ -9,9 +9,8 @@ class ResultWarning(UserWarning):
     """What a reader of a result must know; ``id`` is the name that ``summary["warnings"]`` has, or ``status.NAME``."""
 
     def __init__(self, identity: str, text: str) -> None:
-        super().__init__(f"{identity}: {text}")
-        self.id = str(identity)
-        self._text = str(text)
+        self.id, self._text = str(identity), str(text)
+        super().__init__(f"{self.id}: {self._text}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return ResultWarning, (self.id, self._text)

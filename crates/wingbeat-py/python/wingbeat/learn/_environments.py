@@ -75,7 +75,7 @@ class _Flock:
         self.scenario = chosen
         self.given = (task.name, count, threads, precision)
         self.native = _wingbeat.Flock(chosen._native, *self.given)
-        self.spread = spread
+        self.spread = float(spread)
         self.states = chosen.states
         self.terms = self.native.terms
         self.observation = [Column(*channel) for channel in self.native.observation]
