@@ -29,7 +29,14 @@ fn a_case_leaves_its_wake() {
         "upstroke_begins.vtk",
     ];
     assert_eq!(entries(&folder.join("a")), names);
-    let figures = ["frontal_planes.png", "frontal_planes.svg", "wake.png", "wake.svg"];
+    let figures = [
+        "frontal_planes.png",
+        "frontal_planes.svg",
+        "wake.png",
+        "wake.svg",
+        "wake_phases.png",
+        "wake_phases.svg",
+    ];
     assert_eq!(entries(&folder.join("a/figures")), figures);
     let summary: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(folder.join("a/summary.json")).unwrap()).unwrap();
