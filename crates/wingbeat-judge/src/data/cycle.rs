@@ -69,6 +69,12 @@ impl<'a> Apart<'a> {
         (part.total > 0.0).then_some(Self { channel, at, part, left })
     }
 
+    /// Whether it repeats at the frequency that is given for it.
+    fn repeats(&self) -> bool {
+        let Parts { slow, signal, total, .. } = self.part;
+        slow <= SEEKS * total && signal > EXPLAINS * total
+    }
+
     /// Whether it moves enough beside those of its unit: the noise of a channel without a load may be of any kind.
     fn is_telling(&self, all: &[Self]) -> bool {
         let same = all.iter().filter(|other| other.channel.unit == self.channel.unit);
@@ -108,8 +114,10 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     let apart = |channel| Apart::of(series, channel, cycles);
     let all: Vec<Apart> = series.channels.iter().filter_map(apart).collect();
     let mut found = Vec::new();
+    // All channels of a file have one frequency: where one repeats at that which is given, what others leave is no other frequency.
+    let kept = all.iter().any(|one| one.is_telling(&all) && one.repeats());
     for one in all.iter().filter(|one| one.is_telling(&all)) {
-        found.extend(of_channel(series, one, limits));
+        found.extend(of_channel(series, one, kept, limits));
         found.extend(rough(series, one));
     }
     if series.purpose == Purpose::Loads {
@@ -209,11 +217,13 @@ fn drifted(left: &[f64], variance: f64) -> (f64, f64) {
     (change, if variance > 0.0 { (own / variance).min(1.0) } else { 0.0 })
 }
 
-fn of_channel(series: &Series, one: &Apart, limits: &Limits) -> Vec<Finding> {
+/// Of a channel; `kept` says that the frequency given is that of the file.
+fn of_channel(series: &Series, one: &Apart, kept: bool, limits: &Limits) -> Vec<Finding> {
     let Apart { channel, at, part, .. } = one;
     let about = || series.about(channel.name);
     let share = part.slow / part.total;
     if share > SEEKS
+        && !kept
         && let Some(found) = frequency::estimate(&at.phase, &at.values)
         && let Some(finding) = other_frequency(series, channel, part, found, limits)
     {

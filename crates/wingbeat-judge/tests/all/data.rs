@@ -112,6 +112,11 @@ fn right() -> Vec<(&'static str, Data)> {
     vec![
         ("usual", loads(&usual())),
         ("one_cycle", loads(&Load { cycles: 1.0, ..usual() })),
+        // What the mount does beside the loads; the other channel repeats, so the file has the frequency given.
+        (
+            "swing_of_the_mount",
+            changed(&Load { cycles: 3.0, ..usual() }, |k, x| x + 0.25 * (TAU * k as f64 / 110.0).sin()),
+        ),
         ("two_cycles", loads(&Load { cycles: 2.0, ..usual() })),
         ("part_of_a_cycle_more", loads(&Load { cycles: 3.4, ..usual() })),
         ("many_cycles", loads(&Load { cycles: 400.0, rate: 50, ..usual() })),
