@@ -54,7 +54,7 @@ pub struct LearnedResidual {
     pub predicted: Vec<Vec<f64>>,
 }
 
-/// Middle of the surfaces at 3/4 of their chords over the cycle, from the body's origin in B, m: the load of a wing hangs on the wash
+/// Middle of the surfaces at 3/4 of their chords over the cycle, from the body's origin in B, m: the load of a wing depends on the wash
 /// that it meets there (Pistolesi 1933).
 fn wings(target: &RigTarget) -> Result<Vec3, Error> {
     let robot = &target.run.robot;
