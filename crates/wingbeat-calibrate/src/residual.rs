@@ -232,7 +232,7 @@ impl<'a> Stands<'a> {
         let Some(terms) = highest_first.find(|terms| told(terms, &velocities)) else {
             let [squares, least] = [2, 1].map(|degree| terms(&velocities, degree).len() + 1);
             let what = format!(
-                "{} runs with residual = true do not tell how loads hang on the velocity: at least {least} ({squares} for squares), of which \
+                "{} runs with residual = true do not tell how loads depend on the velocity: at least {least} ({squares} for squares), of which \
                  none may be the only one that tells a factor",
                 own.len()
             );
