@@ -54,7 +54,7 @@ pub struct LearnedResidual {
     pub predicted: Vec<Vec<f64>>,
 }
 
-/// Middle of the surfaces at 3/4 of their chords over the cycle, from the body's origin in B, m: the load of a wing hangs on the wash
+/// Middle of the surfaces at 3/4 of their chords over the cycle, from the body's origin in B, m: the load of a wing depends on the wash
 /// that it meets there (Pistolesi 1933).
 fn wings(target: &RigTarget) -> Result<Vec3, Error> {
     let robot = &target.run.robot;
@@ -232,7 +232,7 @@ impl<'a> Stands<'a> {
         let Some(terms) = highest_first.find(|terms| told(terms, &velocities)) else {
             let [squares, least] = [2, 1].map(|degree| terms(&velocities, degree).len() + 1);
             let what = format!(
-                "{} runs with residual = true do not tell how loads hang on the velocity: at least {least} ({squares} for squares), of which \
+                "{} runs with residual = true do not tell how loads depend on the velocity: at least {least} ({squares} for squares), of which \
                  none may be the only one that tells a factor",
                 own.len()
             );

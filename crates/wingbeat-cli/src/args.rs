@@ -664,7 +664,7 @@ pub struct New {
     /// Where; without it KIND.toml in the present folder
     #[arg(value_name = "PATH")]
     pub path: Option<PathBuf>,
-    /// Of a robot: the least that flies and can be trimmed, in place of the robot of the paper
+    /// Of a robot: the least that flies, in place of the robot of the paper
     #[arg(long, conflicts_with_all = ["robot", "case"])]
     pub minimal: bool,
     /// Of a scenario or a trim: for this robot, without controller
@@ -680,8 +680,8 @@ pub struct New {
 
 /// Rewrite documents with the names of keys that hold today
 ///
-/// `pitch_deg` becomes `nose_up_deg` with the sign turned, in draws of sweeps too, and former names of parameters become those of
-/// today. Comments, order and everything else are kept; what changes is printed.
+/// `pitch_deg` becomes `nose_up_deg` with the sign turned, in draws and in overrides (`key=value`) too, and former names of
+/// parameters become those of today. Comments, order and everything else are kept; what changes is printed.
 #[derive(Debug, Args)]
 pub struct Migrate {
     /// Documents: TOML files of any kind

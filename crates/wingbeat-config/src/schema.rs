@@ -74,7 +74,7 @@ impl DocumentKind {
     }
 
     /// The JSON Schema (draft 7, which every editor knows) of such documents, once they are read: keys, meanings, types, defaults,
-    /// and ranges: those of the specs, else the largest magnitudes by unit. What hangs on several keys at once is checked when a document is read.
+    /// and ranges: those of the specs, else the largest magnitudes by unit. What depends on several keys at once is checked when a document is read.
     pub fn schema(self) -> Value {
         let settings = SchemaSettings::draft07().with_transform(tidy);
         let generator = settings.into_generator();

@@ -22,7 +22,7 @@ def same(a, b):
     if isinstance(a, wingbeat.Stepper):
         return a.t == b.t and same(a.state, b.state) and same(a.inputs, b.inputs)
     if isinstance(a, wingbeat.Measurement):
-        return a.taken == b.taken and a.names == b.names and same(a.values, b.values)
+        return a.taken == b.taken and a.names == b.names and same(a.array, b.array)
     if isinstance(a, learn.Environment | learn.VectorEnvironment):
         return same(a._flock.native.save(), b._flock.native.save())
     if isinstance(a, float):

@@ -92,8 +92,10 @@ impl Measurement {
         self.places.bind(py).len()
     }
 
+    /// Whether `measurement[name]` has an answer.
     fn __contains__(&self, py: Python, name: &Bound<PyAny>) -> PyResult<bool> {
-        self.places.bind(py).contains(name)
+        let Ok(name) = name.extract::<String>() else { return Ok(false) };
+        Ok(self.places.bind(py).contains(&name)? || !self.group(py, &name)?.is_empty())
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {

@@ -16,7 +16,7 @@ pub enum WeightPart {
     Separated,
     /// What `cd0` gives: skin friction.
     Friction,
-    /// The turn of the attached lift by the wash of wake and lags (downwash).
+    /// The tilt of the attached lift by the downwash of wake and lags.
     Wash,
     /// Reaction of the accelerated air.
     AddedMass,
@@ -67,7 +67,7 @@ impl WeightPart {
             Self::Vortex => "leading-edge vortex",
             Self::Separated => "separated flow (cd90)",
             Self::Friction => "skin friction (cd0)",
-            Self::Wash => "turn by the wash",
+            Self::Wash => "tilt by the downwash",
             Self::AddedMass => "added mass",
             Self::BodyDrag => "drag of the body",
             Self::Residual => "robot.residual",

@@ -1,5 +1,5 @@
 //! The banking turn flown with preset `full`: convergence with the step, the fastest slope of the lags, and what of
-//! its end hangs on the choices of the model.
+//! its end depends on the choices of the model.
 
 use crate::aero_full::{E1, F2, Preset, last_cycle};
 use crate::shipped::scenario;

@@ -42,7 +42,7 @@ pub fn write(
     say::say(&format!("{shown}: written\n{next}\n"))
 }
 
-/// The least robot that flies and can be trimmed.
+/// The least robot that flies.
 pub fn minimal(name: &str, _: &Path) -> Result<String, Error> {
     let text = include_str!("../../documents/minimal_robot.toml");
     Ok(head(DocumentKind::Robot) + &text.replace("name = \"minimal\"", &format!("name = \"{name}\"")))

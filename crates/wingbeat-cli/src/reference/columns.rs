@@ -6,7 +6,7 @@ pub struct Described {
     pub name: &'static str,
     /// The records that have it.
     pub records: &'static [&'static str],
-    /// Its unit; several where it hangs on the run.
+    /// Its unit; several where it depends on the run.
     pub units: &'static [&'static str],
     /// Its frame.
     pub frame: &'static str,

@@ -18,7 +18,7 @@ Every document is TOML. `wingbeat new KIND` writes one that runs; an editor that
 checks a document whose first line is `#:schema FILE`, with a file of [schema](schema) or of `wingbeat schema KIND`.
 
 `a.b` is the key `b` of the table `[a]`; `a[].b` is the key `b` of every table `[[a]]`. The unit is the end of the key:
-`_m_s` is m/s. A range is what any document may say; where a meaning says less, less is allowed, and what hangs on
+`_m_s` is m/s. A range is what any document may say; where a meaning says less, less is allowed, and what depends on
 several keys at once is checked when the document is read. A key without a default is left out where it is not
 wanted. Body axes are FLU: x forward, y left, z up; a positive roll is right wing down, a positive pitch nose *down*.
 

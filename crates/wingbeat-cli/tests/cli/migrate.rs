@@ -10,7 +10,7 @@ const THEN: &str = "# mine\nname = \"a\"\nstart = { velocity_m_s = [1.0, 0.0, 0.
 const NOW: &str = "# mine\nname = \"a\"\nstart = { velocity_m_s = [1.0, 0.0, 0.0], nose_up_deg = 3.5 }   # 3.5 up\n\
     manoeuvre.nose_up_deg = 0.0\n\n[plan.least_power]\nnose_up_deg = [-5e0, 40.0]  # positive is nose up\n";
 /// Draws of then and their calibration.
-const OTHERS: [(&str, &str); 2] = [
+const OTHERS: [(&str, &str); 4] = [
     (
         "[[draws]]\nkey = \"start.pitch_deg\"\nlow = -4.0\nhigh = 1.0\n[[draws]]\nkey = \"start.pitch_deg\"\nvalues = [1, -2]\n",
         "[[draws]]\nkey = \"start.nose_up_deg\"\nlow = -1.0\nhigh = 4.0\n[[draws]]\nkey = \"start.nose_up_deg\"\nvalues = [-1, 2]\n",
@@ -18,6 +18,20 @@ const OTHERS: [(&str, &str); 2] = [
     (
         "[[parameters]]\nname = \"surfaces.wing.section_slope\"\n[numbers]\n\"links.a.series.x\" = 1\n",
         "[[parameters]]\nname = \"surfaces.wing.lift_slope_per_rad\"\n[numbers]\n\"links.a.driven.x\" = 1\n",
+    ),
+    // Overrides: numbers, ranges, tables, keys with indices and spaces, and what only looks like one.
+    (
+        "[truth]\nset = [\"start.pitch_deg=-15\", 'aero.law=lev', \"plan.least_power.pitch_deg = [-40.0, 5]\", 'start={ pitch_deg = 2 }']\n\
+         [search]\nflights = [['runs[0].set=[\"start.pitch_deg=+3e0\"]'], [\"links.a.series.x = 2\", \"start.my_pitch_deg=1\"]]\n",
+        "[truth]\nset = [\"start.nose_up_deg=15\", 'aero.law=lev', \"plan.least_power.nose_up_deg = [-5, 40.0]\", 'start={ nose_up_deg = -2 }']\n\
+         [search]\nflights = [['runs[0].set=[\"start.nose_up_deg=-3e0\"]'], [\"links.a.driven.x = 2\", \"start.my_pitch_deg=1\"]]\n",
+    ),
+    // Other keys of a draw keep their values: one of two that turn alone turns its sign.
+    (
+        "[[draws]]\nkey = \"start.pitch_deg\"\nlow = -4.0\nhigh = 1.0\nstart = -2\nalso = [\"a.b\", '-a.c', \"-goal.pitch_deg\", \"goal.pitch_deg\"]\n\
+         [[draws]]\nkey = \"a.d\"\nlow = -4.0\nhigh = 1.0\nalso = [\"pitch_deg\", \"-start.pitch_deg\", \"a.e\", \"-a.series.x\"]\n",
+        "[[draws]]\nkey = \"start.nose_up_deg\"\nlow = -1.0\nhigh = 4.0\nstart = 2\nalso = [\"-a.b\", 'a.c', \"-goal.nose_up_deg\", \"goal.nose_up_deg\"]\n\
+         [[draws]]\nkey = \"a.d\"\nlow = -4.0\nhigh = 1.0\nalso = [\"-nose_up_deg\", \"start.nose_up_deg\", \"a.e\", \"-a.driven.x\"]\n",
     ),
 ];
 
@@ -32,12 +46,12 @@ fn documents_of_then_get_the_names_of_today_and_keep_all_else() {
         assert_eq!(fs::read_to_string(folder.join(&name)).unwrap(), then);
         let output = wingbeat(&folder, &["migrate", &name]);
         let told = String::from_utf8(output.stdout).unwrap();
-        assert!(told.contains(":3: ") && told.ends_with("written\n") || k == 2, "{told}");
+        assert!(told.contains(":3: ") && told.ends_with("written\n") || k >= 2, "{told}");
         assert_eq!(fs::read_to_string(folder.join(&name)).unwrap(), now);
         let output = wingbeat(&folder, &["migrate", &name]);
         assert_eq!(String::from_utf8(output.stdout).unwrap(), format!("{name}: nothing to change\n"));
     }
-    assert_eq!(entries(&folder), ["0.toml", "1.toml", "2.toml"]);
+    assert_eq!(entries(&folder), ["0.toml", "1.toml", "2.toml", "3.toml", "4.toml"]);
 }
 
 #[test]

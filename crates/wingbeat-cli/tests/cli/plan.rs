@@ -183,6 +183,7 @@ fn a_plan_cut_off_by_its_iterations_is_kept_with_its_status() {
     }
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(!text.contains("NaN") && !text.contains("inf,"), "{text}");
+    assert!(text.contains("limit overridden: plan.violation = 0.001"), "{text}");
     assert!(read_parquet(&folder.join("a/plan.parquet")).unwrap().rows() == 25);
     // A limit of time counts the processor: next to none, and the same answer in kind.
     let output = plan_with(&folder, &["time_limit_s=1e-3"], &["--force"]);

@@ -41,7 +41,7 @@ pub fn migrated(text: &str) -> Result<Migrated, (usize, String)> {
     let mut edits = Vec::new();
     in_table(text, table.get_ref(), &mut edits);
     signs(text, &mut edits);
-    edits.sort_by_key(|(span, _)| span.start);
+    edits.sort_by_key(|(span, _)| (span.start, span.end));
     edits.dedup();
     let mut new = text.to_owned();
     for (span, words) in edits.iter().rev() {
@@ -69,16 +69,40 @@ fn in_table(text: &str, table: &DeTable, edits: &mut Vec<Edit>) {
         return;
     };
     let last = said.rsplit('.').next().unwrap_or_default();
-    if let Some((old, new)) = TURNED.iter().find(|(old, _)| last == *old) {
+    let draw = TURNED.iter().find(|(old, _)| last == *old);
+    if let Some((old, new)) = draw {
         renamed(text, &named.span(), old, new, edits);
         let written =
             |key: &str| of(key).and_then(|value| Some((value.span(), negative(&text[value.span()])?)));
         if let (Some((low, from)), Some((high, to))) = (written("low"), written("high")) {
             edits.extend([(low, to), (high, from)]);
         }
+        edits.extend(written("start"));
         if let Some(DeValue::Array(items)) = of("values").map(Spanned::get_ref) {
             edits.extend(items.iter().filter_map(|item| Some((item.span(), negative(&text[item.span()])?))));
         }
+    }
+    if let Some(DeValue::Array(items)) = of("also").map(Spanned::get_ref) {
+        items.iter().for_each(|item| also(text, item, draw.is_some(), edits));
+    }
+}
+
+/// Another key of a draw: its sign, which is against that of the draw's key, turns where one of the two is turned.
+fn also(text: &str, item: &Spanned<DeValue>, turned: bool, edits: &mut Vec<Edit>) {
+    let Some(said) = item.get_ref().as_str() else { return };
+    let last = said.rsplit(['.', '-']).next().unwrap_or_default();
+    let of_then = TURNED.iter().find(|(old, _)| last == *old);
+    if turned != of_then.is_some() {
+        // Behind the quote.
+        let start = item.span().start + 1;
+        edits.push(if said.starts_with('-') {
+            (start..start + 1, String::new())
+        } else {
+            (start..start, "-".into())
+        });
+    }
+    if let Some((old, new)) = of_then {
+        renamed(text, &item.span(), old, new, edits);
     }
 }
 
@@ -86,6 +110,7 @@ fn in_value(text: &str, value: &Spanned<DeValue>, edits: &mut Vec<Edit>) {
     match value.get_ref() {
         DeValue::Table(table) => in_table(text, table, edits),
         DeValue::Array(items) => items.iter().for_each(|item| in_value(text, item, edits)),
+        DeValue::String(said) if said.contains('=') => in_override(text, &value.span(), said, edits),
         DeValue::String(said) if !said.contains(char::is_whitespace) => {
             if let Some(new) = former(said) {
                 renamed(text, &value.span(), said, &new, edits);
@@ -93,6 +118,31 @@ fn in_value(text: &str, value: &Spanned<DeValue>, edits: &mut Vec<Edit>) {
         }
         _ => {}
     }
+}
+
+/// Of a text `key=value` at `span`, as lists of overrides hold it, the key and the value; one with escapes stays as it is.
+fn in_override(text: &str, span: &Range<usize>, said: &str, edits: &mut Vec<Edit>) {
+    let Some(start) = text[span.clone()].find(said).map(|at| span.start + at) else { return };
+    let Some((key, given)) = said.split_once('=') else { return };
+    let named = start..start + key.len();
+    let key = key.trim();
+    let old = TURNED.iter().find(|(old, _)| key.rsplit('.').next() == Some(old));
+    if let Some((old, new)) = old {
+        renamed(text, &named, old, new, edits);
+    } else if let Some(new) = former(key) {
+        renamed(text, &named, key, &new, edits);
+    }
+    // The value alone is TOML, for a key may have indices; its places are those of the text.
+    let alone = format!("{}={given}", "k".repeat(named.len()));
+    let Ok(table) = DeTable::parse(&alone) else { return };
+    let mut inner = Vec::new();
+    for value in table.get_ref().values() {
+        if old.is_some() {
+            turned(&alone, value, &mut inner);
+        }
+        in_value(&alone, value, &mut inner);
+    }
+    edits.extend(inner.into_iter().map(|(at, words)| (start + at.start..start + at.end, words)));
 }
 
 /// Renames what stands at `span`, between quotes or not.

@@ -44,7 +44,7 @@ def run(arguments: Sequence[str | PathLike[str]], name: str = "wingbeat") -> Com
     """Runs the program; bad input raises ``ValueError`` with its message."""
     import subprocess
 
-    done = subprocess.run([program(name), *map(fspath, arguments)], capture_output=True, text=True, check=False)
+    done = subprocess.run([program(name), *map(fspath, arguments)], capture_output=True, encoding="utf-8", check=False)
     if done.returncode == BAD_INPUT:
         raise ValueError(done.stderr.strip().removeprefix("error: "))
     if done.returncode == INTERRUPTED:
@@ -79,7 +79,7 @@ class Picture:
         """Writes the picture: PNG, or SVG where ``path`` ends so."""
         path = Path(path)
         if path.suffix.lower() == ".svg":
-            path.write_text(self.svg)
+            path.write_text(self.svg, encoding="utf-8")
         else:
             path.write_bytes(self.png)
 
@@ -124,12 +124,12 @@ def show(
             if isinstance(source, (Robot, Scenario)):
                 if overrides:
                     raise ValueError("overrides: allowed with a file or a dictionary; this is checked already")
-                file.write_text(source.toml)
+                file.write_text(source.toml, encoding="utf-8")
             else:
-                file.write_text(document(source, overrides, "shown").resolved())
-        run(["show", file, "--quiet", "--out", Path(folder) / "out", *options])
+                file.write_text(document(source, overrides, "shown").resolved(), encoding="utf-8")
+        run(["show", "--quiet", "--out", Path(folder) / "out", *options, "--", file])
         drawn = Path(folder) / "out/figures/show"
-        return Picture(drawn.with_suffix(".png").read_bytes(), drawn.with_suffix(".svg").read_text(), file.stem)
+        return Picture(drawn.with_suffix(".png").read_bytes(), drawn.with_suffix(".svg").read_text(encoding="utf-8"), file.stem)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,13 +189,13 @@ def average(
             options.append(f"{name}={float(value)!r}")
     for name, words in (("--units", units), ("--columns", columns)):
         if words:
-            options += [name, ",".join(words)]
+            options.append(f"{name}={','.join(words)}")
     with _aside() as folder:
         out = Path(folder) / "out"
-        run(["average", file, "--quiet", "--out", out, *options])
-        summary = (out / "summary.json").read_text()
+        run(["average", "--quiet", "--out", out, *options, "--", file])
+        summary = (out / "summary.json").read_text(encoding="utf-8")
         figure = out / "figures/cycles"
-        picture = Picture(figure.with_suffix(".png").read_bytes(), figure.with_suffix(".svg").read_text(), "cycles")
+        picture = Picture(figure.with_suffix(".png").read_bytes(), figure.with_suffix(".svg").read_text(encoding="utf-8"), "cycles")
         record = Record(_wingbeat.read_csv(fspath(out / "cycles.csv")))
         return Averaged(record=record, summary=judged(summary), picture=picture)
 
@@ -242,16 +242,19 @@ def rig_plan(
         options += ["--from-deg", ",".join(repr(float(joint)) for joint in from_deg)]
     with _aside() as folder:
         out = Path(folder) / "out"
-        done = run(["rig", "plan", path, "--quiet", "--out", out, *options])
+        done = run(["rig", "plan", "--quiet", "--out", out, *options, "--", path])
         if done.returncode != 0:
             raise ValueError(done.stderr.strip().removeprefix("error: "))
         plans = []
+        # A run's own files and those of its way: the names of other runs may begin with its name.
+        ends = ["", "_approach"] if from_deg is not None else [""]
         for report in sorted(out.glob("*.txt")):
             name = report.stem
-            texts = {each.name: each.read_text() for each in sorted(out.glob(f"{name}*")) if each.suffix in (".csv", ".yaml", ".json")}
+            files = [out / f"{name}{end}{kind}" for end in ends for kind in (".csv", ".json", ".yaml")]
+            texts = {each.name: each.read_text(encoding="utf-8") for each in files if each.is_file()}
             joints = Record(_wingbeat.read_csv(fspath(out / f"{name}.csv")))
-            toml = (out / f"{name}.toml").read_text()
-            plans.append(RigPlan(name, report.read_text(), toml, joints, texts))
+            toml = (out / f"{name}.toml").read_text(encoding="utf-8")
+            plans.append(RigPlan(name, report.read_text(encoding="utf-8"), toml, joints, texts))
         return plans
 
 
@@ -275,7 +278,7 @@ def validate(*, only: str | None = None, quick: bool = True) -> list[dict[str, A
     """
     with _aside() as folder:
         rows = Path(folder) / "rows.json"
-        options = (["--quick"] if quick else []) + ([] if only is None else ["--only", only])
+        options = (["--quick"] if quick else []) + ([] if only is None else [f"--only={only}"])
         run(["validate", "--quiet", "--json", rows, *options], name="wingbeat-validate")
-        found: list[dict[str, Any]] = json.loads(rows.read_text())
+        found: list[dict[str, Any]] = json.loads(rows.read_text(encoding="utf-8"))
         return found

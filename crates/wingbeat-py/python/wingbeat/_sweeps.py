@@ -49,7 +49,7 @@ class _Log:
     def __init__(self, folder: Path, sweep: _wingbeat.Sweep) -> None:
         self._path = folder / LOG
         self.rows: dict[int, Row] = {}
-        text = self._path.read_text() if self._path.exists() else ""
+        text = self._path.read_text(encoding="utf-8") if self._path.exists() else ""
         whole = text[: text.rfind("\n") + 1]
         for number, line in enumerate(whole.splitlines(), 1):
             row = [float(cell) for cell in line.split(",")]
@@ -59,8 +59,8 @@ class _Log:
                 )
             self.rows[int(row[0])] = row
         # A last line that was cut short goes.
-        self._path.write_text(whole)
-        self._file = self._path.open("a")
+        self._path.write_text(whole, encoding="utf-8")
+        self._file = self._path.open("a", encoding="utf-8")
 
     def append(self, row: Row) -> None:
         """Adds a row."""
@@ -125,14 +125,14 @@ def sweep(
     folder.mkdir(parents=True, exist_ok=True)
     identity = folder / IDENTITY
     if identity.exists():
-        if identity.read_text() != text:
+        if identity.read_text(encoding="utf-8") != text:
             raise ValueError(f"{identity}: another sweep is here: allowed is another folder")
         if (folder / DATA).exists():
             return Record.read(folder / DATA)
     elif any(folder.iterdir()):
         raise ValueError(f"{folder}: allowed is a new or empty folder, or that of the same sweep")
     else:
-        identity.write_text(text)
+        identity.write_text(text, encoding="utf-8")
     log = _Log(folder, native)
     todo = iter(native.batches([run for run in range(native.runs) if run not in log.rows]))
     try:

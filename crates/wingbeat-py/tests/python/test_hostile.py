@@ -135,7 +135,7 @@ def test_what_a_user_keeps_is_pickled():
     scenario, told = wingbeat.Scenario(wingbeat.shipped("scenarios/glide.toml"), {"flight.duration_s": 0.01}), []
     wingbeat.fly(scenario, controller=lambda t, measured: told.append(measured))
     again = pickle.loads(pickle.dumps(told[0]))
-    assert again.names == told[0].names and np.array_equal(again.values, told[0].values)
+    assert again.names == told[0].names and np.array_equal(again.array, told[0].array)
     stepper = wingbeat.Stepper(scenario)
     saved = pickle.loads(pickle.dumps(stepper.save()))
     stepper.step(1e-3, 5)

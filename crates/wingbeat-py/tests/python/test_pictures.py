@@ -56,6 +56,26 @@ def test_a_run_of_the_rig_is_planned():
         wingbeat.rig_plan(wingbeat.shipped("rigs/runs/roll15_speed08.toml"), {"profile": "paper-tool"})
 
 
+def test_a_plan_has_the_files_of_its_own_run(tmp_path):
+    names = ["roll15_speed08", "roll15_speed08b"]
+    files = [wingbeat.shipped(f"rigs/runs/{name}.toml").as_posix() for name in names]
+    (tmp_path / "two.toml").write_text(f"runs = {files}\n", encoding="utf-8")
+    plans = wingbeat.rig_plan(tmp_path / "two.toml")
+    assert [plan.name for plan in plans] == names
+    for plan in plans:
+        assert sorted(plan.files) == [f"{plan.name}{ending}" for ending in (".csv", ".json", ".yaml")]
+
+
+def test_files_may_begin_with_a_minus_sign(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "-a.toml").write_text(wingbeat.Robot(wingbeat.shipped("robots/glider.toml")).toml, encoding="utf-8")
+    assert wingbeat.show("-a.toml").name == "-a"
+    with pytest.raises(ValueError, match=r"none\.toml"):
+        wingbeat.rig_plan("-none.toml")
+    with pytest.raises(ValueError, match=r"none\.csv"):
+        wingbeat.average("-none.csv", rate_hz=1.0)
+
+
 def test_validate_says_what_is_missing(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(FileNotFoundError, match="wingbeat-validate"):
@@ -85,6 +105,7 @@ def test_a_measurement_is_a_mapping(turn):
     wingbeat.fly(turn, start, controller=controller, sees=["w_WB_B"])
     with pytest.raises(AttributeError, match="not measured"):
         _ = seen[-1].roll
+    assert "quat" in first and "qua" not in first and 3 not in first and "quat" not in seen[-1]
 
 
 def test_a_sweep_overrides_its_scenario(turn, tmp_path):

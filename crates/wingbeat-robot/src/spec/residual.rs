@@ -20,7 +20,7 @@ pub struct ResidualSpec {
     pub law: Option<String>,
     /// Flapping frequency at which it was measured, Hz; the robot's gait beats within 1 % of it, or not at all.
     pub frequency_hz: f64,
-    /// Place whose velocity counts, from the body's origin in body axes, m: at the wings, for their load hangs on what they meet.
+    /// Place whose velocity counts, from the body's origin in body axes, m: at the wings, for their load depends on what they meet.
     #[serde(default)]
     pub place_m: [f64; 3],
     /// Lowest velocity against the air at which it was measured, along x, y, z of the body, m/s; below it stays as it is there.
