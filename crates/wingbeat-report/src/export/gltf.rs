@@ -12,6 +12,12 @@ const UNSIGNED_SHORT: u32 = 5123;
 /// Targets of vertices and of indices.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
+/// A type of accessors, and of how many numbers it is.
+type Kind = (&'static str, usize);
+const SCALAR: Kind = ("SCALAR", 1);
+const VEC3: Kind = ("VEC3", 3);
+const VEC4: Kind = ("VEC4", 4);
+const MAT4: Kind = ("MAT4", 16);
 /// Shortest chord of a rib, m: a joint must not have the scale zero.
 const SHORTEST: f64 = 1e-6;
 
@@ -24,9 +30,8 @@ struct Buffer {
 }
 
 impl Buffer {
-    fn view(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>) -> usize {
-        let start = self.bytes.len();
-        self.bytes.extend(bytes);
+    /// A view of what was written from `start`.
+    fn view(&mut self, start: usize, target: Option<u32>) -> usize {
         let length = self.bytes.len() - start;
         while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
@@ -40,19 +45,18 @@ impl Buffer {
     }
 
     /// Rows of numbers, with their least and most where `bounded`.
-    fn floats<const N: usize>(
-        &mut self,
-        rows: &[[f64; N]],
-        kind: &str,
-        target: Option<u32>,
-        bounded: bool,
-    ) -> usize {
-        let view = self.view(rows.iter().flatten().flat_map(|v| (*v as f32).to_le_bytes()), target);
+    fn floats(&mut self, numbers: &[f64], kind: Kind, target: Option<u32>, bounded: bool) -> usize {
+        let (name, parts) = kind;
+        let start = self.bytes.len();
+        self.bytes.extend(numbers.iter().flat_map(|v| (*v as f32).to_le_bytes()));
+        let view = self.view(start, target);
+        let count = numbers.len() / parts;
         let mut accessor =
-            json!({ "bufferView": view, "componentType": FLOAT, "count": rows.len(), "type": kind });
+            json!({ "bufferView": view, "componentType": FLOAT, "count": count, "type": name });
         if bounded {
             let fold = |start: f32, pick: fn(f32, f32) -> f32| -> Vec<f32> {
-                (0..N).map(|k| rows.iter().fold(start, |all, row| pick(all, row[k] as f32))).collect()
+                let column = |k: usize| numbers[k..].iter().step_by(parts);
+                (0..parts).map(|k| column(k).fold(start, |all, v| pick(all, *v as f32))).collect()
             };
             accessor["min"] = json!(fold(f32::INFINITY, f32::min));
             accessor["max"] = json!(fold(f32::NEG_INFINITY, f32::max));
@@ -61,8 +65,10 @@ impl Buffer {
         self.accessors.len() - 1
     }
 
-    fn shorts(&mut self, numbers: &[u16], kind: &str, parts: usize, target: u32) -> usize {
-        let view = self.view(numbers.iter().flat_map(|v| v.to_le_bytes()), Some(target));
+    fn shorts(&mut self, numbers: &[u16], (kind, parts): Kind, target: u32) -> usize {
+        let start = self.bytes.len();
+        self.bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
+        let view = self.view(start, Some(target));
         let count = numbers.len() / parts;
         self.accessors.push(
             json!({ "bufferView": view, "componentType": UNSIGNED_SHORT, "count": count, "type": kind }),
@@ -81,16 +87,21 @@ struct Joint {
 /// A run of `motion` as the bytes of a `.glb` file.
 ///
 /// # Errors
-/// More ribs than a file of glTF numbers here, or a motion without any.
+/// More ribs than a file of glTF numbers here, a motion without any or without a surface between them, more than 2 GiB.
 pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
     let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
     if ribs == 0 || ribs > 30_000 || motion.frames() == 0 {
         return Err(format!("{ribs} ribs in {} frames: allowed are 1 to 30000 ribs", motion.frames()));
     }
+    if !motion.surfaces.iter().any(|surface| surface.covered.contains(&true)) {
+        return Err("no surface lies between the ribs: there is nothing to draw".into());
+    }
+    // Of every frame place and turn of each joint, of which the file holds a copy while it is made.
+    super::fits("the .glb file", motion.frames() as f64 * (ribs as f64 + 2.0) * 28.0)?;
     let mut buffer = Buffer::default();
     let start = motion.t[0];
-    let t: Vec<[f64; 1]> = motion.t.iter().map(|t| [t - start]).collect();
-    let times = buffer.floats(&t, "SCALAR", None, true);
+    let t: Vec<f64> = motion.t.iter().map(|t| t - start).collect();
+    let times = buffer.floats(&t, SCALAR, None, true);
     // 0 the world with z up, 1 the wings, 2 the body, 3 the path; the joints follow.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let joints: Vec<usize> = (4..4 + ribs).collect();
@@ -111,9 +122,8 @@ pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
             unit([x, y, z, w])
         })
         .collect();
-    animated.add(&mut buffer, times, 2, "translation", Rows::Three(&place));
-    animated.add(&mut buffer, times, 2, "rotation", Rows::Four(&turn));
-    let path = buffer.floats(&place, "VEC3", Some(VERTICES), true);
+    animated.add(&mut buffer, times, 2, &place, &turn);
+    let path = buffer.floats(place.as_flattened(), VEC3, Some(VERTICES), true);
     let material = |name: &str, colour: [f64; 3]| {
         json!({ "name": name, "doubleSided": true, "pbrMetallicRoughness": {
             "baseColorFactor": [colour[0], colour[1], colour[2], 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9 } })
@@ -144,20 +154,16 @@ struct Animated {
     channels: Vec<Value>,
 }
 
-enum Rows<'a> {
-    Three(&'a [[f64; 3]]),
-    Four(&'a [[f64; 4]]),
-}
-
 impl Animated {
-    fn add(&mut self, buffer: &mut Buffer, times: usize, node: usize, path: &str, rows: Rows) {
-        let output = match rows {
-            Rows::Three(rows) => buffer.floats(rows, "VEC3", None, false),
-            Rows::Four(rows) => buffer.floats(rows, "VEC4", None, false),
-        };
-        self.channels
-            .push(json!({ "sampler": self.samplers.len(), "target": { "node": node, "path": path } }));
-        self.samplers.push(json!({ "input": times, "output": output, "interpolation": "LINEAR" }));
+    /// The places and turns of a node.
+    fn add(&mut self, buffer: &mut Buffer, times: usize, node: usize, place: &[[f64; 3]], turn: &[[f64; 4]]) {
+        let rows = [("translation", place.as_flattened(), VEC3), ("rotation", turn.as_flattened(), VEC4)];
+        for (path, numbers, kind) in rows {
+            let output = buffer.floats(numbers, kind, None, false);
+            self.channels
+                .push(json!({ "sampler": self.samplers.len(), "target": { "node": node, "path": path } }));
+            self.samplers.push(json!({ "input": times, "output": output, "interpolation": "LINEAR" }));
+        }
     }
 }
 
@@ -184,9 +190,9 @@ fn wings(
             for edge in [0, 1] {
                 points.push(motion.in_world(0, at(&surface.ribs[k][edge], 0)).0);
                 joints.extend([number, 0, 0, 0]);
-                weights.push([1.0, 0.0, 0.0, 0.0]);
+                weights.extend([1.0, 0.0, 0.0, 0.0]);
             }
-            inverse.push(inverted(&bind));
+            inverse.extend(inverted(&bind));
             nodes.push(json!({ "name": format!("{} rib {k}", surface.name), "translation": bind.origin.0,
                 "rotation": quaternion(&bind.rotation), "scale": [bind.chord, 1.0, 1.0] }));
             let (mut place, mut turn): (Vec<[f64; 3]>, Vec<[f64; 4]>) = (Vec::new(), Vec::new());
@@ -198,21 +204,20 @@ fn wings(
                 turn.push(if along < 0.0 { next.map(|part| -part) } else { next });
             }
             let node = nodes.len() - 1;
-            animated.add(buffer, times, node, "translation", Rows::Three(&place));
-            animated.add(buffer, times, node, "rotation", Rows::Four(&turn));
+            animated.add(buffer, times, node, &place, &turn);
         }
         for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
             let [a, b, c, d] = [0, 1, 3, 2].map(|n| first + 2 * k as u16 + n);
             indices[*side].extend([a, b, c, a, c, d]);
         }
     }
-    let position = buffer.floats(&points, "VEC3", Some(VERTICES), true);
-    let joints = buffer.shorts(&joints, "VEC4", 4, VERTICES);
-    let weights = buffer.floats(&weights, "VEC4", Some(VERTICES), false);
-    let inverse = buffer.floats(&inverse, "MAT4", None, false);
+    let position = buffer.floats(points.as_flattened(), VEC3, Some(VERTICES), true);
+    let joints = buffer.shorts(&joints, VEC4, VERTICES);
+    let weights = buffer.floats(&weights, VEC4, Some(VERTICES), false);
+    let inverse = buffer.floats(&inverse, MAT4, None, false);
     let mut primitives = Vec::new();
     for (side, indices) in indices.iter().enumerate().filter(|(_, indices)| !indices.is_empty()) {
-        let indices = buffer.shorts(indices, "SCALAR", 1, INDICES);
+        let indices = buffer.shorts(indices, SCALAR, INDICES);
         primitives
             .push(json!({ "attributes": { "POSITION": position, "JOINTS_0": joints, "WEIGHTS_0": weights },
             "indices": indices, "material": side }));
@@ -276,8 +281,8 @@ fn body(motion: &Motion, buffer: &mut Buffer) -> Value {
             [(r, k), (r, (k + 1) % n), (r + 1, (k + 1) % n), (r + 1, k)].map(|(r, k)| r * n + k);
         indices.extend([a, d, b, a, e, d]);
     }
-    let position = buffer.floats(&points, "VEC3", Some(VERTICES), true);
-    let indices = buffer.shorts(&indices, "SCALAR", 1, INDICES);
+    let position = buffer.floats(points.as_flattened(), VEC3, Some(VERTICES), true);
+    let indices = buffer.shorts(&indices, SCALAR, INDICES);
     json!({ "attributes": { "POSITION": position }, "indices": indices, "material": 3 })
 }
 
