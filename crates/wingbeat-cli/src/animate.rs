@@ -8,11 +8,13 @@ use wingbeat_report::run::{Run, read};
 
 use crate::args::{Animate, AnimatedView};
 use crate::error::Error;
-use crate::export::gone;
 use crate::interrupt::Interrupt;
-use crate::report::{folder_of, free, refused};
-use crate::run_folder::replace_by;
+use crate::report::{free, refused};
+use crate::run_folder::{Numbered, replace_by, replace_folder};
 use crate::{progress, say};
+
+/// The frames in a folder.
+const FRAMES: Numbered = Numbered { prefix: "frame_", suffix: ".png", list: "" };
 
 /// Draws the frames of a run and writes them.
 pub fn animate(arguments: &Animate) -> Result<(), Error> {
@@ -24,28 +26,24 @@ pub fn animate(arguments: &Animate) -> Result<(), Error> {
     }
     let run = only(read(&arguments.run).map_err(refused)?)?;
     let film = Film::new(&run, asked).map_err(Error::Input)?;
-    if !animated {
-        folder_of(&arguments.out, ("frame_", ".png"), arguments.force)?;
-    }
     let template = "drawing {bar:30} {percent:>3} %  ({eta} left)";
     let bar = progress::bar(Some(film.frames() as u64), template, arguments.quiet);
-    let mut animation = Animation::default();
-    for k in 0..film.frames() {
-        interrupt.check()?;
-        animation.push(&film.picture(k)).map_err(failed)?;
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    match animated {
-        true => {
-            replace_by(&arguments.out, |beside| animation.write(beside, 1.0 / asked.rate).map_err(failed))?
+    let mut draw = |out: &Path| {
+        let mut animation = Animation::default();
+        for k in 0..film.frames() {
+            interrupt.check()?;
+            animation.push(&film.picture(k)).map_err(failed)?;
+            bar.inc(1);
         }
-        false => animation.sequence(&arguments.out).map_err(failed).inspect_err(|_| {
-            let left = folder_of(&arguments.out, ("frame_", ".png"), true);
-            let _ = left.and_then(|()| gone(&arguments.out));
-        })?,
+        bar.finish_and_clear();
+        let written = if animated { animation.write(out, 1.0 / asked.rate) } else { animation.sequence(out) };
+        written.map_err(failed)
+    };
+    match animated {
+        true => replace_by(&arguments.out, draw)?,
+        false => replace_folder(&arguments.out, FRAMES, arguments.force, &mut draw)?,
     }
-    say::unless(arguments.quiet, || format!("{} frames: {}\n", animation.frames(), arguments.out.display()))
+    say::unless(arguments.quiet, || format!("{} frames: {}\n", film.frames(), arguments.out.display()))
 }
 
 /// The run of a folder that holds one; of the rig the first that moves.

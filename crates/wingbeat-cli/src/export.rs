@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use wingbeat::simulate::Record;
 use wingbeat_io::{read_csv, read_parquet, write_csv};
-use wingbeat_report::export::{glb, mat, mcap, npz, series, vtk};
+use wingbeat_report::export::{fits, glb, mat, mcap, npz, record_fits, series, vtk};
 use wingbeat_report::motion::Motion;
 use wingbeat_report::run::{Run, read};
 
@@ -13,9 +13,12 @@ use crate::animate::only;
 use crate::args::Export;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
-use crate::report::{folder_of, free, refused};
-use crate::run_folder::{replace, replace_by};
+use crate::report::{free, refused};
+use crate::run_folder::{Numbered, replace, replace_by, replace_folder};
 use crate::say;
+
+/// The frames for VTK in a folder.
+const FRAMES: Numbered = Numbered { prefix: "frame_", suffix: ".vtk", list: "frames.vtk.series" };
 
 /// Writes a run in another format.
 pub fn export(arguments: &Export) -> Result<(), Error> {
@@ -29,10 +32,11 @@ pub fn export(arguments: &Export) -> Result<(), Error> {
     let place = match arguments {
         Export { vtk: true, .. } => {
             let (folder, moves) = (named("-vtk"), motion(&run)?);
-            folder_of(&folder, ("frame", ".vtk"), arguments.force)?;
-            // Nothing is left of what could not be written.
-            frames(&folder, moves, &interrupt).inspect_err(|_| {
-                let _ = folder_of(&folder, ("frame", ".vtk"), true).and_then(|()| gone(&folder));
+            // About the letters of a rib, its panel and its strip.
+            let ribs: usize = moves.surfaces.iter().map(|surface| surface.ribs.len()).sum();
+            fits("the frames", moves.frames() as f64 * ribs as f64 * 400.0).map_err(Error::Input)?;
+            replace_folder(&folder, FRAMES, arguments.force, &mut |beside| {
+                frames(beside, moves, &interrupt)
             })?;
             folder
         }
@@ -52,6 +56,8 @@ pub fn export(arguments: &Export) -> Result<(), Error> {
             let path = named(".csv");
             free(&path, arguments.force)?;
             let record = record(&arguments.run)?;
+            // The most letters of a number.
+            record_fits("the .csv file", &record, 25.0).map_err(Error::Input)?;
             replace_by(&path, |beside| Ok(write_csv(beside, &record)?))?;
             path
         }
@@ -91,11 +97,6 @@ fn record(folder: &Path) -> Result<Record, Error> {
             folder.display()
         ))),
     }
-}
-
-/// Removes an empty folder.
-pub fn gone(folder: &Path) -> Result<(), Error> {
-    fs::remove_dir(folder).map_err(|source| Error::file(folder, source))
 }
 
 /// Writes the frames and their list.

@@ -32,6 +32,13 @@ pub fn report(arguments: &Report) -> Result<(), Error> {
         runs.extend(read(folder).map_err(refused)?);
         interrupt.check()?;
     }
+    let other = runs.iter().find(|run| run.axis.label != runs[0].axis.label);
+    if let Some((first, other)) = runs.first().zip(other) {
+        return Err(Error::Input(format!(
+            "{} is drawn over {}, {} over {}: allowed on one page are runs over the same",
+            first.name, first.axis.label, other.name, other.axis.label
+        )));
+    }
     let text = page(&runs, Without { wake: arguments.no_wake, strips: arguments.no_strips });
     let place = match (&arguments.out, arguments.runs.as_slice()) {
         (Some(out), _) => written(out, &text, arguments.force)?,
@@ -71,32 +78,6 @@ pub fn free(path: &Path, force: bool) -> Result<(), Error> {
             if data.is_file() { "is there already; --out FILE --force replaces it" } else { "is no file" }
         ))),
     }
-}
-
-/// A folder for files that are called `PREFIX...SUFFIX`: new or empty, or with such files alone where they may be replaced, which are
-/// then gone.
-///
-/// # Errors
-/// A folder with other files.
-pub fn folder_of(path: &Path, (prefix, suffix): (&str, &str), force: bool) -> Result<(), Error> {
-    let failed = |source| Error::file(path, source);
-    fs::create_dir_all(path).map_err(failed)?;
-    let entries = fs::read_dir(path).map_err(failed)?.collect::<Result<Vec<_>, _>>().map_err(failed)?;
-    let ours = |entry: &fs::DirEntry| {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        name.starts_with(prefix)
-            && name.contains(suffix)
-            && entry.file_type().is_ok_and(|kind| kind.is_file())
-    };
-    if let Some(other) = entries.iter().find(|entry| !force || !ours(entry)) {
-        let name = other.file_name().to_string_lossy().into_owned();
-        let hint = if force { "" } else { "; --force replaces earlier frames" };
-        return Err(Error::Input(format!(
-            "{}: holds {name}; allowed is a new or empty folder{hint}",
-            path.display()
-        )));
-    }
-    entries.iter().try_for_each(|entry| fs::remove_file(entry.path())).map_err(failed)
 }
 
 pub fn refused(error: wingbeat_report::Error) -> Error {

@@ -117,7 +117,10 @@ impl Animation {
                 let mut encoder = encoder(&path, frame, &palette)?;
                 encoder.set_compression(png::Compression::Balanced);
                 let indices: Vec<u8> = frame.shades.iter().map(|shade| palette.place(*shade)).collect();
-                Ok(encoder.write_header()?.write_image_data(&indices)?)
+                let mut writer = encoder.write_header()?;
+                writer.write_image_data(&indices)?;
+                // Writes what is buffered, which a drop does without a word.
+                Ok(writer.finish()?)
             };
             whole().map_err(|error| told(&path, error))?;
         }

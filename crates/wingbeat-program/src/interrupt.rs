@@ -16,7 +16,7 @@ const GRACE: Duration = Duration::from_millis(600);
 /// Tries to empty a folder while other threads may still write to it.
 const TRIES: usize = 5;
 
-/// Folders of runs that are not finished, with whether they are kept for the same command to go on.
+/// Folders of runs, and files, that are not finished, with whether they are kept for the same command to go on.
 static UNFINISHED: Mutex<Vec<(PathBuf, bool)>> = Mutex::new(Vec::new());
 
 /// The flag of this program, once it listens.
@@ -112,7 +112,8 @@ fn end() -> ! {
     let mut kept = false;
     for (folder, keep) in list.iter() {
         kept |= keep;
-        let gone = || !folder.exists() || fs::remove_dir_all(folder).is_ok();
+        let gone =
+            || !folder.exists() || fs::remove_dir_all(folder).is_ok() || fs::remove_file(folder).is_ok();
         if !keep && !(0..TRIES).any(|_| gone()) {
             note(&format!("{} could not be removed", folder.display()));
         }

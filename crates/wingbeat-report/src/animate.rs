@@ -7,8 +7,9 @@ use wingbeat_figures::space::{Bounds, Camera, Pane, Point};
 use crate::motion::{Motion, at, direction};
 use crate::run::Run;
 
-/// Most frames of an animation.
+/// Most frames of an animation, and most pixels of all, two bytes each.
 const MOST: usize = 1200;
+const MOST_PIXELS: f64 = 4e8;
 /// Colours of left, right and neither side, as in the figures.
 const SIDES: [[f64; 3]; 3] = [[0.0, 114.0, 178.0], [213.0, 94.0, 0.0], [140.0, 146.0, 153.0]];
 /// Colour of the body, of the way, of its curtain and of the grid.
@@ -89,6 +90,11 @@ impl<'a> Film<'a> {
             frames if frames > MOST => {
                 Err(format!("{frames} frames: allowed are at most {MOST}; raise --speed or lower --rate"))
             }
+            frames if frames as f64 * film.asked.width * film.height() > MOST_PIXELS => Err(format!(
+                "{frames} frames of {} by {} pixels: allowed are {MOST_PIXELS:e} pixels in all; lower --width or --rate",
+                film.asked.width,
+                film.height()
+            )),
             _ => Ok(film),
         }
     }
@@ -99,12 +105,17 @@ impl<'a> Film<'a> {
         (span / self.asked.speed * self.asked.rate).ceil().clamp(0.0, 1e9) as usize
     }
 
+    /// Height of a frame, px.
+    fn height(&self) -> f64 {
+        (self.asked.width * if self.asked.wide { 9.0 / 16.0 } else { 0.75 }).round()
+    }
+
     /// Frame number `k`.
     pub fn picture(&self, k: usize) -> Picture {
         let t = self.motion.t[0] + k as f64 / self.asked.rate * self.asked.speed;
         let i = self.motion.t.partition_point(|time| *time < t).min(self.motion.frames() - 1);
         let width = self.asked.width;
-        let height = (width * if self.asked.wide { 9.0 / 16.0 } else { 0.75 }).round();
+        let height = self.height();
         let whole = Pane { x: 0.0, y: 0.0, width, height };
         let mut title = format!("{}, t = {t:.2} s", self.run.title());
         let views = match self.asked.seen {

@@ -74,8 +74,9 @@ pub fn wing(
 /// The strips of a record that has as many rows an instant as strips, of the instants of the `shown` rows of `loads`.
 fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<Strip>> {
     let (t, number) = (strips.values("t")?, strips.values("strip")?);
-    let count = number.iter().fold(0.0_f64, |most, n| most.max(*n)) as usize + 1;
     let all = loads.values("t")?;
+    let most = number.iter().fold(0.0_f64, |most, n| most.max(*n));
+    let count = (most < t.len() as f64).then_some(most as usize + 1)?;
     if t.len() != count * all.len() {
         return None;
     }

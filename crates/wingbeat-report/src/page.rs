@@ -27,7 +27,7 @@ const TURN: f64 = 1e-4;
 /// Parts into which the range of a plotted column is cut, and that of an arrow.
 const PLOT: f64 = 2000.0;
 const ARROW: f64 = 250.0;
-/// Longest document that is shown, bytes.
+/// Longest document, and longest part of a summary, that is shown, bytes.
 const LONGEST: usize = 64 << 10;
 
 /// What of a run is left out.
@@ -64,7 +64,7 @@ pub fn page(runs: &[Run], without: Without) -> String {
 }
 
 /// Text for an element.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
@@ -82,8 +82,16 @@ fn told(run: &Run) -> Value {
         settings.truncate(end);
         settings += "\n# ... the rest is in the run folder";
     }
+    let (mut summary, mut notes) = (run.summary.clone(), run.notes.clone());
+    if let Some(parts) = summary.as_object_mut() {
+        let whole = parts.len();
+        parts.retain(|_, part| part.to_string().len() <= LONGEST);
+        if parts.len() < whole {
+            notes.push(format!("parts of summary.json of more than {LONGEST} bytes are left out"));
+        }
+    }
     json!({
-        "name": run.name, "kind": run.kind, "summary": run.summary, "settings": settings, "notes": run.notes,
+        "name": run.name, "kind": run.kind, "summary": summary, "settings": settings, "notes": notes,
     })
 }
 

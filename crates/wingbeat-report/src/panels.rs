@@ -1,7 +1,6 @@
 //! The plots beside the picture: what is drawn of a record, by its columns.
 
 use wingbeat::math::unwrapped;
-use wingbeat::scenario::GoalSpec;
 use wingbeat::simulate::{Column, Record};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -18,9 +17,9 @@ pub enum Role {
     Own(usize),
     /// Of the left, and of the right side.
     Side(usize),
-    /// What is asked.
+    /// The reference.
     Reference,
-    /// A paler curve: of the side or number what follows it.
+    /// A paler curve: of the left (0) or right (1) side, or of neither (2).
     Pale(usize),
     /// The sum of others.
     Total,
@@ -81,10 +80,10 @@ impl Taken<'_> {
 use Role::{Own, Pale, Reference, Side, Total};
 
 /// The plots of a flight.
-pub fn flight(record: &Record, rows: &[usize], goal: Option<&GoalSpec>) -> Vec<Panel> {
+pub fn flight(record: &Record, rows: &[usize]) -> Vec<Panel> {
     let of = Taken { record, rows };
     let mut panels = Vec::new();
-    panels.extend(attitude(&of, goal));
+    panels.extend(attitude(&of));
     let yaw = of.record.values("yaw").map(|yaw| unwrapped(yaw.to_vec()));
     panels.extend(yaw.map(|yaw| Panel {
         title: "heading, left +".into(),
@@ -112,8 +111,11 @@ pub fn flight(record: &Record, rows: &[usize], goal: Option<&GoalSpec>) -> Vec<P
     ];
     panels.extend(of.panel(("mechanical power", "W"), 1.0, &power));
     panels.extend(clearances(&of));
-    let errors = [("orbit_roll_error", "roll", Own(0)), ("orbit_pitch_error", "pitch", Own(1))];
-    panels.extend(of.panel(("error from the orbit", "deg"), DEGREES, &errors));
+    let errors = vec![
+        of.curve(("orbit_roll_error", "roll, right wing down +", Own(0)), DEGREES),
+        of.curve(("orbit_pitch_error", "pitch, nose up +", Own(1)), -DEGREES),
+    ];
+    panels.extend(together("error from the orbit", "deg", errors));
     panels.extend(of.panel(
         ("height from the orbit", "mm"),
         MILLIMETRES,
@@ -128,22 +130,21 @@ pub fn flight(record: &Record, rows: &[usize], goal: Option<&GoalSpec>) -> Vec<P
     panels
 }
 
-/// Roll and pitch with what is asked of them.
-fn attitude(of: &Taken, goal: Option<&GoalSpec>) -> Option<Panel> {
-    let mut panel = of.panel(
-        ("roll and pitch", "deg"),
-        DEGREES,
-        &[
-            ("roll", "roll, right wing down +", Own(0)),
-            ("pitch", "pitch, nose up −", Own(1)),
-            ("roll_reference", "asked", Reference),
-            ("pitch_reference", "asked", Reference),
-        ],
-    )?;
-    if let Some(goal) = goal {
-        panel.title += &format!("; goal: rms within {} and {}", goal.roll_within_deg, goal.pitch_within_deg);
-    }
-    Some(panel)
+/// Roll and pitch with their references; the record counts pitch downward.
+fn attitude(of: &Taken) -> Option<Panel> {
+    let curves = vec![
+        of.curve(("roll", "roll, right wing down +", Own(0)), DEGREES),
+        of.curve(("pitch", "pitch, nose up +", Own(1)), -DEGREES),
+        of.curve(("roll_reference", "reference of roll", Reference), DEGREES),
+        of.curve(("pitch_reference", "reference of pitch", Reference), -DEGREES),
+    ];
+    together("roll and pitch", "deg", curves)
+}
+
+/// A panel of the curves that are there; none where none is.
+fn together(title: &str, unit: &'static str, curves: Vec<Option<Curve>>) -> Option<Panel> {
+    let curves: Vec<Curve> = curves.into_iter().flatten().collect();
+    (!curves.is_empty()).then(|| Panel { title: title.into(), unit, curves, limits: None })
 }
 
 /// Speed over the ground and climb.
@@ -237,7 +238,7 @@ fn add(panels: &mut Vec<Panel>, of: &Taken, column: &Column, name: &str, what: &
         .find(|other| what == ", command" && follows.contains(&other.name) && other.unit == column.unit);
     if let Some(response) = response {
         let label = format!("{label} response").trim().to_owned();
-        panels[place].curves.extend(of.curve((&response.name, &label, Pale(side.unwrap_or(0))), factor));
+        panels[place].curves.extend(of.curve((&response.name, &label, Pale(side.unwrap_or(2))), factor));
     }
     panels[place].curves.extend(of.curve((&column.name, label, role), factor));
 }

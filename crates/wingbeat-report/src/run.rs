@@ -191,7 +191,13 @@ fn flight_of(folder: &Path, flown: Option<Flown>, blank: Blank) -> Result<Run, E
             }
         },
     };
-    run.panels = panels::flight(record, &shown, scenario.and_then(|s| s.spec.goal.as_ref()));
+    run.panels = panels::flight(record, &shown);
+    if let Some(goal) = scenario.and_then(|scenario| scenario.spec.goal.as_ref()) {
+        run.notes.push(format!(
+            "goal: rms errors of roll within {} deg and of pitch within {} deg",
+            goal.roll_within_deg, goal.pitch_within_deg
+        ));
+    }
     if let Some(scenario) = scenario.filter(|_| shown.len() > 1) {
         match flight::motion(scenario, record, &shown) {
             Ok(motion) => run.motion = Some(Motion { repeats: kind == "periodic flight", ..motion }),
@@ -221,7 +227,12 @@ fn tether(folder: &Path, blank: Blank) -> Result<Run, Error> {
     run.panels = panels::loads(&loads, &shown);
     if shown.len() > 1 {
         match held::wing(&case, &loads, strips.as_ref(), &shown) {
-            Ok(motion) => run.motion = Some(Motion { repeats: true, ..motion }),
+            Ok(motion) => {
+                if strips.is_some() && motion.surfaces.iter().all(|surface| surface.strips.is_empty()) {
+                    run.notes.push("strips.parquet does not fit loads.csv: no strips are shown".into());
+                }
+                run.motion = Some(Motion { repeats: true, ..motion });
+            }
             Err(why) => run.notes.push(format!("no picture in space: {why}")),
         }
     }
@@ -230,28 +241,20 @@ fn tether(folder: &Path, blank: Blank) -> Result<Run, Error> {
 
 /// The wake of a wing at several instants.
 fn wake(folder: &Path, shots: Vec<Shot>, blank: Blank) -> Result<Run, Error> {
-    let mut records: Vec<(String, Record)> = Vec::new();
-    for file in parquets(folder)? {
-        let name = label(&file).replace("record.parquet", "").trim_end_matches('_').to_owned();
-        records.push((name, read_parquet(&file)?));
-    }
-    let record = records.first().map(|(_, record)| record);
-    let t = record.and_then(|record| record.values("t")).unwrap_or_default();
+    let files = parquets(folder)?;
+    let record = files.first().map(|file| read_parquet(file)).transpose()?;
+    let t = record.as_ref().and_then(|record| record.values("t")).unwrap_or_default();
     let all: Vec<usize> = rows(t, t.len());
     let mut run = blank("wake", time(all.iter().map(|&row| t[row]).collect()));
     let document = ["case.toml", "scenario.toml"].map(|name| folder.join(name));
     run.settings =
         document.iter().find(|path| path.is_file()).map(|path| text(path)).transpose()?.unwrap_or_default();
-    if let Some((_, record)) = records.first() {
+    if let Some(record) = &record {
         run.panels = panels::every(record, &all, "t");
         run.panels.retain(|panel| panel.title != "phase");
     }
-    if let Some((_, other)) = records.get(1) {
-        run.notes.push(format!(
-            "the plots are of the first of {} stretches; the other has {} rows",
-            records.len(),
-            other.rows()
-        ));
+    if let [first, _, ..] = &files[..] {
+        run.notes.push(format!("the plots are of {}, the first of {} stretches", label(first), files.len()));
     }
     run.shots = shots;
     Ok(run)
@@ -274,14 +277,20 @@ fn of_rig(folder: &Path, name: &str) -> Result<Vec<Run>, Error> {
         .filter(|inside| ["scenario.toml", "record.parquet"].iter().all(|file| inside.join(file).is_file()))
         .collect();
     inside.sort();
-    inside.truncate(MOST_RUNS);
     if inside.is_empty() {
         return Err(Error::run(
             folder,
             "nothing to show: neither summary.json nor folders with scenario.toml and record.parquet",
         ));
     }
-    inside.iter().map(|inside| on_rig(inside, &format!("{name}/{}", label(inside)))).collect()
+    let shown = inside.iter().take(MOST_RUNS);
+    let mut runs = shown
+        .map(|inside| on_rig(inside, &format!("{name}/{}", label(inside))))
+        .collect::<Result<Vec<Run>, Error>>()?;
+    if inside.len() > MOST_RUNS {
+        runs[0].notes.push(format!("shown are the first {MOST_RUNS} of {} runs of {name}", inside.len()));
+    }
+    Ok(runs)
 }
 
 fn on_rig(folder: &Path, name: &str) -> Result<Run, Error> {
@@ -357,7 +366,7 @@ fn fits(record: &Record, rows: &[usize]) -> Vec<Panel> {
         };
         let curves = [
             ("measured", Role::Total),
-            ("before", Role::Pale(1)),
+            ("before", Role::Pale(2)),
             ("after", Role::Own(0)),
             ("low", Role::Reference),
             ("high", Role::Reference),

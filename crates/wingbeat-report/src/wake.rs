@@ -6,8 +6,10 @@ use std::path::Path;
 
 use crate::Error;
 
-/// Largest file that is read, bytes.
+/// Largest file that is read, and the most of all, bytes.
 const LARGEST: u64 = 64 << 20;
+/// Most files that are read: `wingbeat wake` writes four a stretch.
+const MOST: usize = 64;
 
 /// Wings and wakes at an instant.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,7 +31,14 @@ pub fn shots(folder: &Path) -> Result<Vec<Shot>, Error> {
     let entries = std::fs::read_dir(folder).map_err(|source| Error::file(folder, source))?;
     let files = entries.filter_map(|entry| Some(entry.ok()?.path()));
     let files = files.filter(|file| file.extension().is_some_and(|extension| extension == "vtk"));
-    let mut shots = files.map(|file| shot(&file)).collect::<Result<Vec<_>, _>>()?;
+    let files: Vec<_> = files.collect();
+    let size: u64 = files.iter().map(|file| file.metadata().map_or(0, |data| data.len())).sum();
+    if files.len() > MOST || size > LARGEST {
+        let what =
+            format!("{} .vtk files of {size} bytes; read are at most {MOST} of {LARGEST}", files.len());
+        return Err(Error::run(folder, what));
+    }
+    let mut shots = files.iter().map(|file| shot(file)).collect::<Result<Vec<_>, _>>()?;
     shots.sort_by(|a, b| a.time.total_cmp(&b.time).then_with(|| a.name.cmp(&b.name)));
     Ok(shots)
 }

@@ -20,7 +20,9 @@ fn a_run_has_its_page_and_several_share_one() {
     glide(&folder, "b", &["--no-report"]);
     let page = fs::read_to_string(folder.join("a/report.html")).unwrap();
     assert!(page.contains("<h1>glider</h1>") && page.contains("id=\"bytes\""), "{}", page.len());
-    assert!(!page.contains("http://") || page.matches("http://").count() == 1, "only the name of SVG");
+    // The only address is the name of SVG.
+    assert_eq!((page.matches("http://").count(), page.contains("https://")), (1, false));
+    assert!(page.contains("http://www.w3.org/2000/svg"));
     assert!(!folder.join("b/report.html").exists());
     let output = wingbeat(&folder, &["report", "b"]);
     assert!(output.status.success(), "{output:?}");
@@ -69,11 +71,18 @@ fn a_run_is_animated_and_exported() {
     let frames = entries(&folder.join("a-vtk"));
     let frame = fs::read_to_string(folder.join("a-vtk/frame_00000.vtk")).unwrap();
     assert!(frames.contains(&"frames.vtk.series".into()) && frame.contains("VECTORS force_N double"));
+    let listed = fs::read_to_string(folder.join("a-vtk/frames.vtk.series")).unwrap();
+    assert_eq!(listed.matches("\"name\"").count() + 1, frames.len(), "each frame is listed");
     let refused = |arguments: &[&str], what: &str| {
         let output = wingbeat(&folder, arguments);
         let said = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(2) && said.contains(what), "{arguments:?}: {said}");
     };
+    refused(
+        &["animate", "a", "--out", "a.png", "--force", "--width", "3840", "--speed", "0.002"],
+        "pixels in all",
+    );
+    refused(&["animate", "a", "--out", "."], "allowed is a folder below");
     refused(&["animate", "a", "--out", "a.webp"], "allowed is FILE.png");
     refused(&["animate", "a", "--out", "b.png", "--speed", "nan"], "--speed NaN");
     refused(&["animate", "a", "--out", "b.png", "--speed", "1e300"], "--speed 1");
@@ -84,6 +93,47 @@ fn a_run_is_animated_and_exported() {
     refused(&["export", "a", "--csv", "--gltf"], "cannot be used");
     refused(&["export", "nowhere", "--gltf"], "no such folder");
     assert!(!folder.join("b.png").exists());
+}
+
+#[test]
+fn earlier_frames_go_only_for_new_ones_and_other_files_stay() {
+    let folder = scratch("report-force");
+    glide(&folder, "a", &["--no-report"]);
+    let small = ["--width", "160", "--quiet", "--force"];
+    let animate = |out: &str, more: &[&str]| {
+        wingbeat(&folder, &[&["animate", "a", "--out", out][..], &small, more].concat())
+    };
+    let export = |more: &[&str]| {
+        wingbeat(&folder, &[&["export", "a", "--vtk", "--out", "vtk", "--quiet"][..], more].concat())
+    };
+    assert!(animate("frames", &["--rate", "40"]).status.success() && export(&[]).status.success());
+    let four = ["frame_0000.png", "frame_0001.png", "frame_0002.png", "frame_0003.png"];
+    assert_eq!(entries(&folder.join("frames")), four);
+    // What cannot be drawn takes nothing away.
+    assert_eq!(animate("frames", &["--speed", "0.001"]).status.code(), Some(2));
+    fs::rename(folder.join("a/manifest.json"), folder.join("kept")).unwrap();
+    assert_eq!(animate("frames", &[]).status.code(), Some(2));
+    fs::rename(folder.join("kept"), folder.join("a/manifest.json")).unwrap();
+    assert_eq!(entries(&folder.join("frames")), four);
+    assert!(animate("frames", &["--rate", "20"]).status.success());
+    assert_eq!(entries(&folder.join("frames")), four[..2]);
+    assert_eq!(export(&[]).status.code(), Some(2), "there already");
+    assert!(export(&["--force"]).status.success());
+    for name in ["frame_notes.vtk.bak", "frame_0000.vtk.txt", "frame_.vtk", "frames.vtk"] {
+        let own = folder.join("vtk").join(name);
+        fs::write(&own, "mine").unwrap();
+        let output = export(&["--force"]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains(name), "{said}");
+        assert_eq!(fs::read_to_string(&own).unwrap(), "mine");
+        fs::remove_file(own).unwrap();
+    }
+    // What a killed command left is written anew.
+    fs::create_dir(folder.join(".vtk.partial")).unwrap();
+    fs::write(folder.join(".vtk.partial/frame_99999.vtk"), "cut").unwrap();
+    assert!(export(&["--force"]).status.success());
+    assert!(!folder.join("vtk/frame_99999.vtk").exists());
+    assert_eq!(entries(&folder), ["a", "frames", "vtk"]);
 }
 
 #[test]

@@ -369,10 +369,94 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// Those of `write`; what cannot be moved.
 pub fn replace_by(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
     let beside = hidden(path, "partial");
-    let moved = || fs::rename(&beside, path).map_err(|source| Error::file(path, source));
+    let unfinished = Unfinished::new(&beside, false);
+    let moved = || {
+        let _whole = unfinished.settle();
+        fs::rename(&beside, path).map_err(|source| Error::file(path, source))
+    };
     write(&beside).and_then(|()| moved()).inspect_err(|_| {
         let _ = fs::remove_file(&beside);
     })
+}
+
+/// Files with numbers, PREFIX0000SUFFIX and so on, and one that lists them.
+#[derive(Clone, Copy)]
+pub struct Numbered {
+    /// What their names begin with.
+    pub prefix: &'static str,
+    /// What they end with.
+    pub suffix: &'static str,
+    /// The list.
+    pub list: &'static str,
+}
+
+impl Numbered {
+    fn holds(self, name: &str) -> bool {
+        let number = name.strip_prefix(self.prefix).and_then(|rest| rest.strip_suffix(self.suffix));
+        let digits = |number: &str| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+        name == self.list || number.is_some_and(digits)
+    }
+
+    /// What lies in `folder`: nothing, or such files alone where they may be replaced.
+    fn within(self, folder: &Path, force: bool) -> Result<Vec<PathBuf>, Error> {
+        let failed = |source| Error::file(folder, source);
+        if fs::symlink_metadata(folder).is_err() {
+            return Ok(Vec::new());
+        }
+        let entries =
+            fs::read_dir(folder).map_err(failed)?.collect::<io::Result<Vec<_>>>().map_err(failed)?;
+        let known = |entry: &fs::DirEntry| {
+            entry.file_type().is_ok_and(|kind| kind.is_file())
+                && self.holds(&entry.file_name().to_string_lossy())
+        };
+        if let Some(other) = entries.iter().find(|entry| !force || !known(entry)) {
+            let hint = if force { "" } else { "; --force replaces earlier frames" };
+            return Err(Error::Input(format!(
+                "{}: holds {}; allowed is a new or empty folder{hint}",
+                folder.display(),
+                other.file_name().to_string_lossy()
+            )));
+        }
+        Ok(entries.iter().map(fs::DirEntry::path).collect())
+    }
+}
+
+/// Writes the folder `path` of `files` beside it and moves it there, so that it is whole or not there; it is new or empty, or holds such
+/// files alone where `force` allows to replace them.
+///
+/// # Errors
+/// A folder with other files; those of `write`; what cannot be moved.
+pub fn replace_folder(
+    path: &Path,
+    files: Numbered,
+    force: bool,
+    write: &mut dyn FnMut(&Path) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let path = &fs::canonicalize(path).unwrap_or_else(|_| path.into());
+    if path.file_name().is_none() || is_here(path) {
+        return Err(Error::Input(format!(
+            "{}: allowed is a folder below the present one, or beside it",
+            path.display()
+        )));
+    }
+    let failed = |source| Error::file(path, source);
+    let (old, beside) = (files.within(path, force)?, hidden(path, "partial"));
+    // What a killed command left.
+    let left = files.within(&beside, true)?;
+    left.iter().try_for_each(fs::remove_file).and_then(|()| fs::create_dir_all(&beside)).map_err(failed)?;
+    let unfinished = Unfinished::new(&beside, false);
+    let moved = || {
+        let _whole = unfinished.settle();
+        old.iter().try_for_each(fs::remove_file).and_then(|()| fs::rename(&beside, path)).map_err(failed)
+    };
+    write(&beside).and_then(|()| moved()).inspect_err(|_| {
+        let _ = fs::remove_dir_all(&beside);
+    })
+}
+
+/// Whether `path` is the present folder.
+fn is_here(path: &Path) -> bool {
+    std::env::current_dir().and_then(fs::canonicalize).is_ok_and(|here| here == path)
 }
 
 fn label(target: &Path) -> String {

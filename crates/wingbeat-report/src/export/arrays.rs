@@ -9,16 +9,13 @@ const LONGEST: usize = 63;
 /// The columns of `record` as a NumPy archive, an array for each.
 ///
 /// # Errors
-/// More than the format holds: 4 GB or 65535 columns.
+/// More than 2 GiB or 65535 columns.
 pub fn npz(record: &Record) -> Result<Vec<u8>, String> {
     let columns = record.columns();
-    if columns.len() > 65_535 || record.rows() as u64 * columns.len() as u64 > 1 << 28 {
-        return Err(format!(
-            "{} columns of {} rows are more than a .npz file holds",
-            columns.len(),
-            record.rows()
-        ));
+    if columns.len() > 65_535 {
+        return Err(format!("{} columns are more than a .npz file holds: 65535", columns.len()));
     }
+    super::record_fits("the .npz file", record, 8.0)?;
     let (mut file, mut directory) = (Vec::new(), Vec::new());
     for column in columns {
         let (name, at) = (format!("{}.npy", column.name), file.len() as u32);
@@ -67,8 +64,9 @@ fn npy(values: &[f64]) -> Vec<u8> {
 /// The columns of `record` as variables of MATLAB, letters that it does not take replaced by `_`.
 ///
 /// # Errors
-/// Two columns whose names become the same.
+/// Two columns whose names become the same; more than 2 GiB.
 pub fn mat(record: &Record) -> Result<Vec<u8>, String> {
+    super::record_fits("the .mat file", record, 8.0)?;
     let (mut file, mut names): (Vec<u8>, Vec<String>) = (Vec::new(), Vec::new());
     for column in record.columns() {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };

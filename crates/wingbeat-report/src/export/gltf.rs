@@ -1,6 +1,6 @@
 //! A run as binary glTF 2.0 with its animation: every rib is a joint that carries the edges of the wing, the body a node of its own.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 use wingbeat::math::{Mat3, Quat, Vec3};
 use wingbeat::rig::rotation_vector;
 
@@ -12,62 +12,75 @@ const UNSIGNED_SHORT: u32 = 5123;
 /// Targets of vertices and of indices.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
+/// Materials with their linear colours: sides 0 to 2, then body and path.
+const MATERIALS: [(&str, &str); 5] = [
+    ("left", "0,0.17,0.45"),
+    ("right", "0.67,0.11,0"),
+    ("middle", "0.26,0.29,0.33"),
+    ("body", "0.16,0.18,0.21"),
+    ("path", "0.02,0.02,0.02"),
+];
+/// A type of accessors, and of how many numbers it is.
+type Kind = (&'static str, usize);
+const SCALAR: Kind = ("SCALAR", 1);
+const VEC3: Kind = ("VEC3", 3);
+const VEC4: Kind = ("VEC4", 4);
+const MAT4: Kind = ("MAT4", 16);
 /// Shortest chord of a rib, m: a joint must not have the scale zero.
 const SHORTEST: f64 = 1e-6;
 
-/// Bytes, views into them and accessors.
+/// Bytes, and views into them and accessors as JSON: written as text, which is less code than values.
 #[derive(Default)]
 struct Buffer {
     bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
+    views: Vec<String>,
+    accessors: Vec<String>,
 }
 
 impl Buffer {
-    fn view(&mut self, bytes: impl Iterator<Item = u8>, target: Option<u32>) -> usize {
-        let start = self.bytes.len();
-        self.bytes.extend(bytes);
+    /// A view of what was written from `start`.
+    fn view(&mut self, start: usize, target: Option<u32>) -> usize {
         let length = self.bytes.len() - start;
         while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
         }
-        let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": length });
-        if let Some(target) = target {
-            view["target"] = json!(target);
-        }
-        self.views.push(view);
+        let target = target.map_or(String::new(), |target| format!(r#","target":{target}"#));
+        self.views.push(format!(r#"{{"buffer":0,"byteOffset":{start},"byteLength":{length}{target}}}"#));
         self.views.len() - 1
     }
 
     /// Rows of numbers, with their least and most where `bounded`.
-    fn floats<const N: usize>(
-        &mut self,
-        rows: &[[f64; N]],
-        kind: &str,
-        target: Option<u32>,
-        bounded: bool,
-    ) -> usize {
-        let view = self.view(rows.iter().flatten().flat_map(|v| (*v as f32).to_le_bytes()), target);
-        let mut accessor =
-            json!({ "bufferView": view, "componentType": FLOAT, "count": rows.len(), "type": kind });
+    fn floats(&mut self, numbers: &[f64], kind: Kind, target: Option<u32>, bounded: bool) -> usize {
+        let (name, parts) = kind;
+        let start = self.bytes.len();
+        self.bytes.extend(numbers.iter().flat_map(|v| (*v as f32).to_le_bytes()));
+        let view = self.view(start, target);
+        let count = numbers.len() / parts;
+        let mut bounds = String::new();
         if bounded {
             let fold = |start: f32, pick: fn(f32, f32) -> f32| -> Vec<f32> {
-                (0..N).map(|k| rows.iter().fold(start, |all, row| pick(all, row[k] as f32))).collect()
+                let column = |k: usize| numbers[k..].iter().step_by(parts);
+                (0..parts).map(|k| column(k).fold(start, |all, v| pick(all, *v as f32))).collect()
             };
-            accessor["min"] = json!(fold(f32::INFINITY, f32::min));
-            accessor["max"] = json!(fold(f32::NEG_INFINITY, f32::max));
+            let (low, high) = (fold(f32::INFINITY, f32::min), fold(f32::NEG_INFINITY, f32::max));
+            bounds = format!(r#","min":{low:?},"max":{high:?}"#);
         }
-        self.accessors.push(accessor);
+        self.accessor(view, FLOAT, count, name, &bounds)
+    }
+
+    fn accessor(&mut self, view: usize, component: u32, count: usize, kind: &str, bounds: &str) -> usize {
+        self.accessors.push(format!(
+            r#"{{"bufferView":{view},"componentType":{component},"count":{count},"type":"{kind}"{bounds}}}"#
+        ));
         self.accessors.len() - 1
     }
 
-    fn shorts(&mut self, numbers: &[u16], kind: &str, parts: usize, target: u32) -> usize {
-        let view = self.view(numbers.iter().flat_map(|v| v.to_le_bytes()), Some(target));
+    fn shorts(&mut self, numbers: &[u16], (kind, parts): Kind, target: u32) -> usize {
+        let start = self.bytes.len();
+        self.bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
+        let view = self.view(start, Some(target));
         let count = numbers.len() / parts;
-        self.accessors.push(
-            json!({ "bufferView": view, "componentType": UNSIGNED_SHORT, "count": count, "type": kind }),
-        );
-        self.accessors.len() - 1
+        self.accessor(view, UNSIGNED_SHORT, count, kind, "")
     }
 }
 
@@ -81,26 +94,33 @@ struct Joint {
 /// A run of `motion` as the bytes of a `.glb` file.
 ///
 /// # Errors
-/// More ribs than a file of glTF numbers here, or a motion without any.
+/// More ribs than a file of glTF numbers here, a motion without any or without a surface between them, more than 2 GiB.
 pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
     let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
     if ribs == 0 || ribs > 30_000 || motion.frames() == 0 {
         return Err(format!("{ribs} ribs in {} frames: allowed are 1 to 30000 ribs", motion.frames()));
     }
+    if !motion.surfaces.iter().any(|surface| surface.covered.contains(&true)) {
+        return Err("no surface lies between the ribs: there is nothing to draw".into());
+    }
+    // Of every frame place and turn of each joint, of which the file holds a copy while it is made.
+    super::fits("the .glb file", motion.frames() as f64 * (ribs as f64 + 2.0) * 28.0)?;
     let mut buffer = Buffer::default();
     let start = motion.t[0];
-    let t: Vec<[f64; 1]> = motion.t.iter().map(|t| [t - start]).collect();
-    let times = buffer.floats(&t, "SCALAR", None, true);
+    let t: Vec<f64> = motion.t.iter().map(|t| t - start).collect();
+    let times = buffer.floats(&t, SCALAR, None, true);
     // 0 the world with z up, 1 the wings, 2 the body, 3 the path; the joints follow.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let joints: Vec<usize> = (4..4 + ribs).collect();
-    let children: Vec<usize> = [2, 3].into_iter().chain(joints.clone()).collect();
     let mut nodes = vec![
-        json!({ "name": "world, z up", "rotation": [-half, 0.0, 0.0, half],
-                "children": children }),
-        json!({ "name": "wings", "mesh": 0, "skin": 0 }),
-        json!({ "name": "body", "mesh": 1 }),
-        json!({ "name": "path", "mesh": 2 }),
+        format!(
+            r#"{{"name":"world, z up","rotation":[{},0,0,{half}],"children":[2,3,{}]}}"#,
+            -half,
+            listed(&joints)
+        ),
+        r#"{"name":"wings","mesh":0,"skin":0}"#.into(),
+        r#"{"name":"body","mesh":1}"#.into(),
+        r#"{"name":"path","mesh":2}"#.into(),
     ];
     let mut animated = Animated::default();
     let wings = wings(motion, &mut buffer, times, &mut nodes, &mut animated);
@@ -111,58 +131,67 @@ pub fn glb(motion: &Motion, name: &str) -> Result<Vec<u8>, String> {
             unit([x, y, z, w])
         })
         .collect();
-    animated.add(&mut buffer, times, 2, "translation", Rows::Three(&place));
-    animated.add(&mut buffer, times, 2, "rotation", Rows::Four(&turn));
-    let path = buffer.floats(&place, "VEC3", Some(VERTICES), true);
-    let material = |name: &str, colour: [f64; 3]| {
-        json!({ "name": name, "doubleSided": true, "pbrMetallicRoughness": {
-            "baseColorFactor": [colour[0], colour[1], colour[2], 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9 } })
-    };
-    let (body, inverse) = (body(motion, &mut buffer), wings.inverse);
-    let document = json!({
-        "asset": { "version": "2.0", "generator": "wingbeat" },
-        "scene": 0, "scenes": [{ "name": name, "nodes": [0, 1] }], "nodes": nodes,
-        "meshes": [
-            { "name": "wings", "primitives": wings.primitives },
-            { "name": "body", "primitives": [body] },
-            { "name": "path", "primitives": [{ "attributes": { "POSITION": path }, "mode": 3, "material": 4 }] },
-        ],
-        "skins": [{ "joints": joints, "inverseBindMatrices": inverse, "skeleton": 0 }],
-        "materials": [material("left", [0.0, 0.17, 0.45]), material("right", [0.67, 0.11, 0.0]),
-            material("middle", [0.26, 0.29, 0.33]), material("body", [0.16, 0.18, 0.21]), material("path", [0.02, 0.02, 0.02])],
-        "animations": [{ "name": "flight", "samplers": animated.samplers, "channels": animated.channels }],
-        "buffers": [{ "byteLength": buffer.bytes.len() }],
-        "bufferViews": buffer.views, "accessors": buffer.accessors,
+    animated.add(&mut buffer, times, 2, &place, &turn);
+    let path = buffer.floats(place.as_flattened(), VEC3, Some(VERTICES), true);
+    let materials = MATERIALS.map(|(name, colour)| {
+        format!(
+            r#"{{"name":"{name}","doubleSided":true,"pbrMetallicRoughness":{{"baseColorFactor":[{colour},1],"metallicFactor":0,"roughnessFactor":0.9}}}}"#
+        )
     });
-    Ok(container(document.to_string().into_bytes(), buffer.bytes))
+    let body = body(motion, &mut buffer);
+    let parts = [
+        r#"{"asset":{"version":"2.0","generator":"wingbeat"},"scene":0,"scenes":[{"name":"#.into(),
+        Value::from(name).to_string(),
+        r#","nodes":[0,1]}],"nodes":["#.into(),
+        nodes.join(","),
+        r#"],"meshes":[{"name":"wings","primitives":["#.into(),
+        wings.primitives.join(","),
+        format!(r#"]}},{{"name":"body","primitives":[{body}]}},{{"name":"path","primitives":["#),
+        format!(r#"{{"attributes":{{"POSITION":{path}}},"mode":3,"material":4}}]}}],"skins":[{{"joints":["#),
+        listed(&joints),
+        format!(r#"],"inverseBindMatrices":{},"skeleton":0}}],"materials":["#, wings.inverse),
+        materials.join(","),
+        r#"],"animations":[{"name":"flight","samplers":["#.into(),
+        animated.samplers.join(","),
+        r#"],"channels":["#.into(),
+        animated.channels.join(","),
+        format!(r#"]}}],"buffers":[{{"byteLength":{}}}],"bufferViews":["#, buffer.bytes.len()),
+        buffer.views.join(","),
+        r#"],"accessors":["#.into(),
+        buffer.accessors.join(","),
+        "]}".into(),
+    ];
+    Ok(container(parts.concat().into_bytes(), buffer.bytes))
+}
+
+/// Numbers with commas between them.
+fn listed(numbers: &[usize]) -> String {
+    numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(",")
 }
 
 /// Channels of the animation.
 #[derive(Default)]
 struct Animated {
-    samplers: Vec<Value>,
-    channels: Vec<Value>,
-}
-
-enum Rows<'a> {
-    Three(&'a [[f64; 3]]),
-    Four(&'a [[f64; 4]]),
+    samplers: Vec<String>,
+    channels: Vec<String>,
 }
 
 impl Animated {
-    fn add(&mut self, buffer: &mut Buffer, times: usize, node: usize, path: &str, rows: Rows) {
-        let output = match rows {
-            Rows::Three(rows) => buffer.floats(rows, "VEC3", None, false),
-            Rows::Four(rows) => buffer.floats(rows, "VEC4", None, false),
-        };
-        self.channels
-            .push(json!({ "sampler": self.samplers.len(), "target": { "node": node, "path": path } }));
-        self.samplers.push(json!({ "input": times, "output": output, "interpolation": "LINEAR" }));
+    /// The places and turns of a node.
+    fn add(&mut self, buffer: &mut Buffer, times: usize, node: usize, place: &[[f64; 3]], turn: &[[f64; 4]]) {
+        let rows = [("translation", place.as_flattened(), VEC3), ("rotation", turn.as_flattened(), VEC4)];
+        for (path, numbers, kind) in rows {
+            let output = buffer.floats(numbers, kind, None, false);
+            let sampler = self.samplers.len();
+            self.channels
+                .push(format!(r#"{{"sampler":{sampler},"target":{{"node":{node},"path":"{path}"}}}}"#));
+            self.samplers.push(format!(r#"{{"input":{times},"output":{output},"interpolation":"LINEAR"}}"#));
+        }
     }
 }
 
 struct Wings {
-    primitives: Vec<Value>,
+    primitives: Vec<String>,
     inverse: usize,
 }
 
@@ -171,7 +200,7 @@ fn wings(
     motion: &Motion,
     buffer: &mut Buffer,
     times: usize,
-    nodes: &mut Vec<Value>,
+    nodes: &mut Vec<String>,
     animated: &mut Animated,
 ) -> Wings {
     let (mut points, mut joints, mut weights, mut inverse) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -184,11 +213,16 @@ fn wings(
             for edge in [0, 1] {
                 points.push(motion.in_world(0, at(&surface.ribs[k][edge], 0)).0);
                 joints.extend([number, 0, 0, 0]);
-                weights.push([1.0, 0.0, 0.0, 0.0]);
+                weights.extend([1.0, 0.0, 0.0, 0.0]);
             }
-            inverse.push(inverted(&bind));
-            nodes.push(json!({ "name": format!("{} rib {k}", surface.name), "translation": bind.origin.0,
-                "rotation": quaternion(&bind.rotation), "scale": [bind.chord, 1.0, 1.0] }));
+            inverse.extend(inverted(&bind));
+            nodes.push(format!(
+                r#"{{"name":{},"translation":{:?},"rotation":{:?},"scale":[{},1,1]}}"#,
+                Value::from(format!("{} rib {k}", surface.name)),
+                bind.origin.0,
+                quaternion(&bind.rotation),
+                bind.chord
+            ));
             let (mut place, mut turn): (Vec<[f64; 3]>, Vec<[f64; 4]>) = (Vec::new(), Vec::new());
             for i in 0..motion.frames() {
                 let now = joint(motion, surface, k, i);
@@ -198,24 +232,23 @@ fn wings(
                 turn.push(if along < 0.0 { next.map(|part| -part) } else { next });
             }
             let node = nodes.len() - 1;
-            animated.add(buffer, times, node, "translation", Rows::Three(&place));
-            animated.add(buffer, times, node, "rotation", Rows::Four(&turn));
+            animated.add(buffer, times, node, &place, &turn);
         }
         for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
             let [a, b, c, d] = [0, 1, 3, 2].map(|n| first + 2 * k as u16 + n);
             indices[*side].extend([a, b, c, a, c, d]);
         }
     }
-    let position = buffer.floats(&points, "VEC3", Some(VERTICES), true);
-    let joints = buffer.shorts(&joints, "VEC4", 4, VERTICES);
-    let weights = buffer.floats(&weights, "VEC4", Some(VERTICES), false);
-    let inverse = buffer.floats(&inverse, "MAT4", None, false);
+    let position = buffer.floats(points.as_flattened(), VEC3, Some(VERTICES), true);
+    let joints = buffer.shorts(&joints, VEC4, VERTICES);
+    let weights = buffer.floats(&weights, VEC4, Some(VERTICES), false);
+    let inverse = buffer.floats(&inverse, MAT4, None, false);
     let mut primitives = Vec::new();
     for (side, indices) in indices.iter().enumerate().filter(|(_, indices)| !indices.is_empty()) {
-        let indices = buffer.shorts(indices, "SCALAR", 1, INDICES);
-        primitives
-            .push(json!({ "attributes": { "POSITION": position, "JOINTS_0": joints, "WEIGHTS_0": weights },
-            "indices": indices, "material": side }));
+        let indices = buffer.shorts(indices, SCALAR, INDICES);
+        primitives.push(format!(
+            r#"{{"attributes":{{"POSITION":{position},"JOINTS_0":{joints},"WEIGHTS_0":{weights}}},"indices":{indices},"material":{side}}}"#
+        ));
     }
     Wings { primitives, inverse }
 }
@@ -257,7 +290,7 @@ fn unit(q: [f64; 4]) -> [f64; 4] {
 }
 
 /// A spindle that stands for the body, in B.
-fn body(motion: &Motion, buffer: &mut Buffer) -> Value {
+fn body(motion: &Motion, buffer: &mut Buffer) -> String {
     let (c, reach) = (at(&motion.com, 0), motion.reach());
     let around = 8;
     let ring = |(x, w): (f64, f64)| {
@@ -276,9 +309,9 @@ fn body(motion: &Motion, buffer: &mut Buffer) -> Value {
             [(r, k), (r, (k + 1) % n), (r + 1, (k + 1) % n), (r + 1, k)].map(|(r, k)| r * n + k);
         indices.extend([a, d, b, a, e, d]);
     }
-    let position = buffer.floats(&points, "VEC3", Some(VERTICES), true);
-    let indices = buffer.shorts(&indices, "SCALAR", 1, INDICES);
-    json!({ "attributes": { "POSITION": position }, "indices": indices, "material": 3 })
+    let position = buffer.floats(points.as_flattened(), VEC3, Some(VERTICES), true);
+    let indices = buffer.shorts(&indices, SCALAR, INDICES);
+    format!(r#"{{"attributes":{{"POSITION":{position}}},"indices":{indices},"material":3}}"#)
 }
 
 /// The two chunks of a `.glb` file with its head.

@@ -195,6 +195,10 @@ impl File {
 /// # Errors
 /// A record without the columns of a flight.
 pub fn mcap(motion: &Motion, flown: &Record, name: &str) -> Result<Vec<u8>, String> {
+    let ribs: usize = motion.surfaces.iter().map(|surface| surface.ribs.len()).sum();
+    // Of every frame a transform a rib, odometry, and a state or wrench for each joint and source.
+    let frame = 160.0 * ribs as f64 / TRANSFORMS as f64 + 1200.0 + 200.0 * motion.sources.len() as f64;
+    super::fits("the .mcap file", motion.frames() as f64 * frame)?;
     let rows = shown(flown);
     let of_flight =
         |name: &str| axes(flown, &rows, name).map_err(|why| format!("{why}; --mcap takes a flight"));

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::motion::{Motion, at};
+use crate::page::escaped;
 
 /// Places in [`TYPES`].
 pub const STRING: usize = 0;
@@ -99,7 +100,7 @@ pub fn urdf(motion: &Motion, name: &str) -> String {
             let width = 0.5 * width.fold(0.0, f64::max);
             let side = surface.side.get(k.min(surface.side.len().saturating_sub(1))).copied().unwrap_or(2);
             let colour = ["0 0.45 0.7", "0.84 0.37 0", "0.55 0.57 0.6"][side];
-            let link = rib(&surface.name, k);
+            let link = escaped(&rib(&surface.name, k));
             shape(&mut text, &link, [0.0; 3], [chord, width.max(1e-3), 1e-3], colour);
             let _ = write!(
                 text,

@@ -11,6 +11,7 @@
   $('bytes').textContent = '';
   const state = { t: 0, playing: false, speed: 1, dirty: true };
   const motions = runs.filter(run => run.motion && run.axis.values.length > 1).map(run => Object.assign(new Motion(run), { run }));
+  const named = shared(motions);
   const shots = motions.length ? [] : runs.flatMap(run => run.shots.map(shot => ({ ...shot, run })));
   const plots = new Plots(runs, $('plots'), t => seek(t));
   const [low, high] = shots.length ? [0, shots.length - 1] : [plots.low, plots.high], span = high - low;
@@ -28,6 +29,8 @@
     renderer = new Gl(canvas, soft);
   } catch (error) { renderer = new Flat(canvas); }
   window.wingbeat.renderer = renderer.kind;
+  // A canvas that once drew with WebGL draws in no other way: the page begins again at its time with the other one.
+  canvas.addEventListener('webglcontextlost', () => { location.hash = '2d&t=' + state.t.toFixed(3); location.reload(); });
   const camera = new Camera(), view = { mode: 'chase', azimuth: 0, elevation: 0.24, zoom: 1, shift: [0, 0, 0] };
   let quality = soft || renderer.kind === 'canvas' ? 0.7 : 1, look;
   function relook() {
@@ -208,8 +211,7 @@
   if (motions.some(m => m.free)) $('shows').append(toggle('level', 'level line', true, on => shown.level = on));
   if (motions.some(m => m.surfaces.some(s => s.strips.some(p => p.force)))) $('shows').append(toggle('strips', 'force of each strip', false, on => shown.strips = on));
   $('shows').append(toggle('loop', 'repeat', true, on => shown.loop = on));
-  const named = motions[0] ? motions[0].sources.filter(s => !s.place) : [];
-  named.forEach((source, n) => { const label = toggle('source-' + n, '', false, on => shown.sources[source.name] = on), swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' }); swatch.style.borderTopColor = `var(--c${motions[0].sources.indexOf(source) % 8})`; label.append(swatch, source.name); $('sources').append(label); });
+  named.forEach((source, n) => { const label = toggle('source-' + n, '', false, on => shown.sources[source] = on), swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' }); swatch.style.borderTopColor = `var(--c${n % 8})`; label.append(swatch, source); $('sources').append(label); });
   $('forces').hidden = !named.length;
   $('play').addEventListener('click', () => play(!state.playing));
   $('scrub').addEventListener('input', () => { seek(low + span * $('scrub').value / 1000); frame(); });

@@ -5,7 +5,7 @@ const DASHES = ['', '7 4', '2 3', '9 3 2 3'];
 function paint([kind, n]) {
   if (kind === 'side') return { stroke: ['var(--left)', 'var(--right)'][n], width: 1.7 };
   if (kind === 'own') return { stroke: `var(--c${n % 8})`, width: 1.6 };
-  if (kind === 'pale') return { stroke: ['var(--left)', 'var(--right)'][n], width: 3.4, opacity: 0.35 };
+  if (kind === 'pale') return { stroke: ['var(--left)', 'var(--right)', 'var(--quiet)'][n], width: 3.4, opacity: 0.35 };
   if (kind === 'reference') return { stroke: 'var(--quiet)', width: 1.3, dash: '5 4' };
   return { stroke: 'var(--ink)', width: 2 };
 }

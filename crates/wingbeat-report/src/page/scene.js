@@ -159,7 +159,7 @@ function addForces(scene, m, look) {
   m.sources.forEach((source, n) => {
     const at = m.world(source.place || m.at(m.com));
     if (source.place) scene.arrow(at, m.turned(m.at(source.force)).map(v => v * size / m.most), 3, look.thrust);
-    else if (shown.sources[source.name]) scene.arrow(at, m.turned(m.at(source.force)).map(v => v * size / m.most), 3.5, look.sources[n % look.sources.length]);
+    else if (shown.sources[source.name]) scene.arrow(at, m.turned(m.at(source.force)).map(v => v * size / m.most), 3.5, look.sources[m.numbers[n] % look.sources.length]);
   });
   if (!shown.strips) return;
   for (const surface of m.surfaces) for (const strip of surface.strips) {
@@ -189,6 +189,13 @@ function addGround(scene, box, look) {
 }
 // 1, 2 or 5 times a power of ten, not below `least`.
 function round(least) { const power = Math.pow(10, Math.floor(Math.log10(least))); return [1, 2, 5, 10].find(n => n * power >= 0.999 * least) * power; }
+// Runs on one page have one scale a kind of arrow, one of circulation, and one colour a source; answers the names of the sources.
+function shared(motions) {
+  for (const key of ['most', 'mostStrip', 'mostCirculation']) { const most = Math.max(...motions.map(m => m[key] || 1e-9)); for (const m of motions) m[key] = most; }
+  const names = [...new Set(motions.flatMap(m => m.sources.filter(s => !s.place).map(s => s.name)))];
+  for (const m of motions) m.numbers = m.sources.map(s => names.indexOf(s.name));
+  return names;
+}
 function boxOf(motions) {
   const low = [0, 1, 2].map(k => Math.min(...motions.map(m => m.low[k]))), high = [0, 1, 2].map(k => Math.max(...motions.map(m => m.high[k])));
   const reach = Math.max(...motions.map(m => m.reach)), size = Math.max(2 * reach, ...[0, 1, 2].map(k => high[k] - low[k])), step = round(size / 9);

@@ -5,10 +5,11 @@ function verdict(run) {
   if (status) line.append(make('b', { class: status === 'ok' ? 'good' : usable ? 'warn' : 'bad' }, String(status)));
   line.append(`${run.name}: ${run.kind}` + (run.summary.reason ? '. ' + run.summary.reason : ''));
   root.append(line);
-  for (const warning of run.summary.warnings || []) root.append(make('p', { class: 'verdict' }, make('b', { class: 'warn' }, 'warning'), String(warning.text || warning.id)));
+  for (const warning of list(run.summary.warnings)) root.append(make('p', { class: 'verdict' }, make('b', { class: 'warn' }, 'warning'), String(warning.text || warning.id)));
   for (const note of run.notes) root.append(make('p', { class: 'verdict' }, make('b', { class: 'quiet' }, 'note'), note));
   return root;
 }
+const list = value => Array.isArray(value) ? value.filter(one => one && typeof one === 'object') : [];
 const row = (...cells) => make('tr', {}, ...cells);
 const cell = (text, number) => make('td', number ? { class: 'number' } : {}, text);
 function table(head, rows, caption) {
@@ -24,7 +25,7 @@ function flat(value, name = '', out = []) {
 }
 function told(run, several) {
   const root = make('div', {}, make('h2', {}, several ? run.name : 'Numbers')), tables = make('div', { class: 'tables' });
-  const judged = run.summary.judged || [];
+  const judged = list(run.summary.judged);
   if (judged.length) tables.append(table(['judged', 'value', 'limit', 'met'], judged.map(j => row(cell(j.id), cell(`${digits(j.value)} ${j.unit || ''}`, true),
     cell(`${j.allowed === 'at_least' ? 'at least' : 'at most'} ${digits(j.limit)}${j.overridden ? ' (overridden)' : ''}`, true), make('td', { class: j.met ? 'good' : 'bad' }, j.met ? 'met' : 'missed'))), 'What the status rests on'));
   const numbers = flat(run.summary);
