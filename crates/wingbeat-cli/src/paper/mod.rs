@@ -130,9 +130,11 @@ impl Work<'_> {
     fn ended(&mut self, command: String, folder: &'static str, made: Result<(), Error>) -> Result<(), Error> {
         let (status, reason) = match made {
             Ok(()) => {
-                let summary = summary(&self.folder.file(folder))?;
-                let reason = summary["reason"].as_str().map(str::to_owned);
-                (summary["status"].as_str().unwrap_or("ok").to_owned(), reason)
+                let told = summaries(&self.folder.file(folder))?;
+                let status = |told: &Value| told["status"].as_str().unwrap_or("without status").to_owned();
+                let unlike = told.iter().find(|told| status(told) != Status::Ok.name());
+                let reason = unlike.and_then(|told| told["reason"].as_str()).map(str::to_owned);
+                (unlike.map_or(Status::Ok.name().to_owned(), status), reason)
             }
             Err(Error::Failed { status, reason, .. }) => (status, Some(reason)),
             Err(error) => return Err(error),
@@ -196,6 +198,23 @@ fn summary(folder: &Path) -> Result<Value, Error> {
     serde_json::from_str(&text).map_err(|error| Error::Input(format!("{}: {error}", path.display())))
 }
 
+/// That of a folder, or those of its folders: runs on the rig have one each.
+fn summaries(folder: &Path) -> Result<Vec<Value>, Error> {
+    if folder.join("summary.json").is_file() {
+        return Ok(vec![summary(folder)?]);
+    }
+    let entries = std::fs::read_dir(folder).map_err(|source| Error::file(folder, source))?;
+    let mut runs: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    runs.retain(|run| run.join("summary.json").is_file());
+    runs.sort();
+    // Of none the missing file is named.
+    if runs.is_empty() {
+        summary(folder).map(|told| vec![told])
+    } else {
+        runs.iter().map(|run| summary(run)).collect()
+    }
+}
+
 /// The path of a shipped document below `from`.
 fn shipped(from: &Path, file: &str) -> PathBuf {
     from.join(file)
@@ -224,6 +243,12 @@ mod tests {
         assert!(said(&folder.join("none")).contains("summary.json"));
         std::fs::write(folder.join("summary.json"), "{\"status\": ").unwrap();
         assert!(said(&folder).contains("summary.json"));
+        assert!(summaries(&folder).is_err());
+        std::fs::remove_file(folder.join("summary.json")).unwrap();
+        assert!(summaries(&folder).is_err());
+        std::fs::create_dir_all(folder.join("a")).unwrap();
+        std::fs::write(folder.join("a/summary.json"), "{\"status\": \"ok\"}").unwrap();
+        assert_eq!(summaries(&folder).unwrap().len(), 1);
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }
