@@ -261,9 +261,9 @@ pub struct Show {
 
 /// Draw the figures of the paper by our numbers, with one sheet of what it says and what came out here
 ///
-/// Flies the banking turn and the turn on the paper's own joints, simulates and processes the seven runs of the bench, steps the wake
+/// Flies the banking turn and the turn on the paper's own joints, simulates and processes the seven runs of the rig, steps the wake
 /// of the turn and draws set-up, arm, forces and moments, wake, states and path. The folder holds sheet.html with all of them inside,
-/// figures, summary.json with every statement and its verdict, manifest.json, and the run folders turn, clear, bench and forces.
+/// figures, summary.json with every statement and its verdict, manifest.json, and the run folders turn, clear, rig and forces.
 #[derive(Debug, Args)]
 pub struct Paper {
     /// The folder with the shipped scenarios, robots and rigs

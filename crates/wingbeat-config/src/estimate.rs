@@ -7,7 +7,7 @@ use wingbeat_flight::simulate::{Column, Record};
 
 /// Errors of the state as it was estimated, at the updates from the settling time on, against the true one; present where
 /// an estimator reads instruments.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct EstimateSummary {
     /// Root mean square of the height's error, m.
     pub height_rms_m: f64,

@@ -5,7 +5,7 @@ use serde::Serialize;
 use wingbeat_flight::simulate::Record;
 
 /// Errors from the path from the settling time on, as the controller measured them at its updates.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PathSummary {
     /// Root mean square of the distance across the path, m.
     pub cross_rms_m: f64,

@@ -7,7 +7,7 @@ use wingbeat_flight::simulate::{AXES, Record};
 use wingbeat_math::{Mat3, Vec3};
 
 /// Hover from the settling time on.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct HoverSummary {
     /// Root mean square of the distance from the place asked, m.
     pub place_rms_m: f64,

@@ -109,7 +109,7 @@ impl LatticeSpec {
 }
 
 /// How motion and lattice were brought together.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 pub struct LatticeSummary {
     /// Step of the lattice, s.
     pub step_s: f64,

@@ -84,12 +84,13 @@ impl Sweep {
                 }
             }
         }
-        if let (Some(apart), Some(most)) = (found.ends_apart_m, spec.ends_within_m)
-            && !(apart <= most)
+        if let Some(most) = spec.ends_within_m
+            && found.ends_apart_m.is_none_or(|apart| apart > most)
         {
-            say(format!(
-                "the best candidate's flights end up to {apart:.3} m apart, asked is at most {most} m"
-            ));
+            let apart = found
+                .ends_apart_m
+                .map_or("at an unknown distance".into(), |a| format!("up to {a:.3} m apart"));
+            say(format!("the best candidate's flights end {apart}, asked is at most {most} m"));
         }
         judge.hold(&limits::sweep::MISSED, f64::from(missed));
     }
@@ -142,7 +143,7 @@ impl<'a> Search<'a> {
     /// Flies a candidate: its row, or none where `watch` stopped it.
     ///
     /// # Errors
-    /// A goal that a summary has not.
+    /// A scenario that cannot be flown.
     pub fn row(
         &self,
         run: usize,
@@ -156,6 +157,7 @@ impl<'a> Search<'a> {
             let Ok(scenario) = Scenario::new(self.document(&values, flight)) else {
                 row.extend(vec![f64::NAN; self.spec.goals.len()]);
                 cost += 2.0 * BROKEN;
+                ends.push((f64::NAN, f64::NAN));
                 continue;
             };
             let flown = scenario.fly(|_| watch()).map_err(|error| scenario.explain(&error))?;
@@ -174,7 +176,8 @@ impl<'a> Search<'a> {
         }
         let apart = apart(&ends);
         if let Some(most) = self.spec.ends_within_m {
-            cost += ((apart - most).max(0.0) / most).powi(2).min(BROKEN);
+            cost +=
+                if apart.is_nan() { BROKEN } else { ((apart - most).max(0.0) / most).powi(2).min(BROKEN) };
         }
         row.extend([apart, cost]);
         Ok(Some(row))
@@ -239,12 +242,13 @@ fn broken(summary: &Summary, duration: f64) -> f64 {
     if summary.completed() { 0.0 } else { BROKEN * (2.0 - (summary.duration_s / duration).clamp(0.0, 1.0)) }
 }
 
-/// Largest distance between two of the points, m; 0 of one.
+/// Largest distance between two of the points, m; 0 of one, and not a number where one of them is not known.
 fn apart(ends: &[(f64, f64)]) -> f64 {
     let mut most = 0.0_f64;
     for (i, a) in ends.iter().enumerate() {
         for b in &ends[..i] {
-            most = most.max((a.0 - b.0).hypot(a.1 - b.1));
+            let apart = (a.0 - b.0).hypot(a.1 - b.1);
+            most = if apart.is_nan() || apart > most { apart } else { most };
         }
     }
     most

@@ -1,6 +1,10 @@
 //! What `[search]` of a sweep says.
 
+use super::Summary;
+use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use wingbeat_judge::limits::{flight, trim};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 use wingbeat_math::require;
@@ -78,6 +82,17 @@ impl SweepSearch {
         for (i, goal) in self.goals.iter().enumerate() {
             goal.check().map_err(|e| e.within(&format!("goals[{i}]")))?;
         }
+        let told = told_of_a_flight();
+        for (i, goal) in self.goals.iter().enumerate() {
+            let wrong = |allowed: &str| Error::invalid(format!("goals[{i}].key"), &goal.key, allowed);
+            if self.goals[..i].iter().any(|other| other.key == goal.key) {
+                return Err(wrong("a key that no goal before has: low and high stand in one goal"));
+            }
+            let judged = flight::ALL.iter().chain(&trim::ALL).any(|limit| limit.id == goal.key);
+            if !judged && !is_number(&told, &goal.key) {
+                return Err(wrong("a number of summary.json of a flight, or the name of a limit of flights"));
+            }
+        }
         if self.ends_within_m.is_some() && self.flights.len() < 2 {
             return Err(Error::invalid("ends_within_m", "given", "two flights or more").against(["flights"]));
         }
@@ -116,5 +131,25 @@ impl SearchGoal {
             (Some(low), None) => format!("at least {low}"),
             (_, high) => format!("at most {}", high.unwrap_or(f64::INFINITY)),
         }
+    }
+}
+
+/// What `summary.json` of a flight can hold, as a schema.
+fn told_of_a_flight() -> Value {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    settings.into_generator().into_root_schema_for::<Summary>().into()
+}
+
+/// Whether `key` names a number in what the schema describes; a table of any names has `additionalProperties`.
+fn is_number(schema: &Value, key: &str) -> bool {
+    let inner = |of| move |part| Value::get(of, "properties").and_then(|known: &Value| known.get(part));
+    let found = key.split('.').try_fold(schema, |of, part| {
+        inner(of)(part).or_else(|| of.get("additionalProperties").filter(|any| any.is_object()))
+    });
+    let number = |of: &Value| of == "number" || of == "integer";
+    match found.map(|of| &of["type"]) {
+        Some(Value::Array(types)) => types.iter().any(number),
+        Some(of) => number(of),
+        None => false,
     }
 }

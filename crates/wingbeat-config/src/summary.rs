@@ -18,14 +18,16 @@ use wingbeat_ocp::plant::Channel;
 /// `summary.json` of a flight. What is optional is taken from the goal's settling
 /// time (2 s without a goal) on, and missing when the flight ended before.
 /// Pitch is FLU: negative is nose up.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Summary {
     /// The verdict: `ok`, `not_judged`, `off_target`, `outside`, `not_resolved`, `failed` or `interrupted`.
+    #[schemars(skip)]
     pub status: Status,
     /// Why, when the status is not `ok`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// What the status rests on: each value with its limit.
+    #[schemars(skip)]
     pub judged: Vec<Judged>,
     /// What the goal asked and could not be judged, by key.
     pub not_judged: Vec<&'static str>,
@@ -127,6 +129,7 @@ pub struct Summary {
     /// the length, over 15, at instants of the flight, summed up to its end. Feedback and growth are not in it.
     pub step_error_m: Option<f64>,
     /// What a reader must know.
+    #[schemars(skip)]
     pub warnings: Vec<Warning>,
     /// Controller timing and failures.
     pub controller: ControllerSummary,
@@ -144,7 +147,7 @@ pub struct LawState {
 }
 
 /// Timing and failures of the controller.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]
 pub struct ControllerSummary {
     /// Updates asked for.
     pub updates: usize,

@@ -212,21 +212,28 @@ impl Sweep {
         }
         for (i, draw) in self.spec.draws.iter().enumerate() {
             for (end, value) in draw.tried() {
-                let given = drawn(draw, value);
                 let outcome = built(set(self.inner.clone(), draw, value));
-                outcome.map_err(|error| self.blamed(error, &given, &format!("draws[{i}]"), &end))?;
+                outcome.map_err(|error| self.blamed(error, draw, value, (&format!("draws[{i}]"), &end)))?;
             }
         }
         Ok(())
     }
 
-    /// An error about the drawn value `given` as one about the end of the draw, or about its key.
-    fn blamed(&self, error: ConfigError, given: &str, draw: &str, end: &str) -> ConfigError {
-        let here = Place::Override(given.into());
-        let by_draw = |one: &&Wrong| one.place == here || one.against.iter().any(|o| o.place == here);
-        let Some(wrong) = error.all().iter().find(by_draw) else { return error };
-        let end = if matches!(wrong.problem, Problem::Value(_)) { end } else { "key" };
-        let key = format!("{draw}.{end}");
+    /// An error about a drawn value as one about the end of the draw, or about the key that it is drawn for.
+    fn blamed(&self, error: ConfigError, draw: &Draw, value: f64, (place, end): (&str, &str)) -> ConfigError {
+        let of = |here: &Place| {
+            let by_draw = |one: &&Wrong| one.place == *here || one.against.iter().any(|o| o.place == *here);
+            error.all().iter().find(by_draw)
+        };
+        let places = overrides(draw, value).into_iter().map(Place::Override).enumerate();
+        let Some((k, wrong)) = places.filter_map(|(k, here)| Some((k, of(&here)?))).next() else {
+            return error;
+        };
+        let key = match (k, &wrong.problem) {
+            (0, Problem::Value(_)) => format!("{place}.{end}"),
+            (0, _) => format!("{place}.key"),
+            (k, _) => format!("{place}.also[{}]", k - 1),
+        };
         let value = self.document.written(&key).map_or(String::new(), |(value, _)| value);
         let allowed = format!("what the {} allows ({error})", self.of.key());
         self.document.explain(&Error::invalid(key, value, allowed))
@@ -235,13 +242,16 @@ impl Sweep {
 
 /// A document with the value of a draw at all its keys.
 fn set(document: Document, draw: &Draw, value: f64) -> Document {
-    let mut document = document.set(drawn(draw, value));
-    for key in &draw.also {
-        let (key, value) = key.strip_prefix('-').map_or((key.as_str(), value), |key| (key, -value));
-        let twin = Draw { key: key.into(), ..draw.clone() };
-        document = document.set(drawn(&twin, value));
-    }
-    document
+    with_all(document, &overrides(draw, value))
+}
+
+/// The overrides of one draw: that of its key, then those of `also`.
+fn overrides(draw: &Draw, value: f64) -> Vec<String> {
+    let twin = |also: &String| {
+        let (key, value) = also.strip_prefix('-').map_or((also.as_str(), value), |key| (key, -value));
+        drawn(&Draw { key: key.into(), ..draw.clone() }, value)
+    };
+    std::iter::once(drawn(draw, value)).chain(draw.also.iter().map(twin)).collect()
 }
 
 /// A document with overrides, `key=value`.

@@ -219,6 +219,7 @@ impl SweepSpec {
         for (i, draw) in self.draws.iter().enumerate() {
             draw.check(grid).map_err(|e| e.within(&format!("draws[{i}]")))?;
         }
+        self.check_keys()?;
         match &self.search {
             Some(search) => self.check_search(search)?,
             None => {
@@ -257,6 +258,31 @@ impl SweepSpec {
 }
 
 impl SweepSpec {
+    /// No two draws set the same key, and a minus sign stands before the key of a number.
+    fn check_keys(&self) -> Result<(), Error> {
+        let mut seen: Vec<&str> = Vec::new();
+        for (i, draw) in self.draws.iter().enumerate() {
+            for (k, written) in std::iter::once(&draw.key).chain(&draw.also).enumerate() {
+                let wrong = |allowed: &str| {
+                    let place = if k == 0 { "key".into() } else { format!("also[{}]", k - 1) };
+                    Err(Error::invalid(format!("draws[{i}].{place}"), written, allowed))
+                };
+                let key = if k == 0 { written } else { written.strip_prefix('-').unwrap_or(written) };
+                if key.is_empty() {
+                    return wrong("the key of a number or word");
+                }
+                if key.len() < written.len() && draw.values.iter().any(|value| number(value).is_none()) {
+                    return wrong("no minus sign: words and truth values have no negative");
+                }
+                if seen.contains(&key) {
+                    return wrong("a key that is drawn once");
+                }
+                seen.push(key);
+            }
+        }
+        Ok(())
+    }
+
     /// What a search needs of the sweep around it.
     fn check_search(&self, search: &SweepSearch) -> Result<(), Error> {
         search.check().map_err(|e| e.within("search"))?;

@@ -2,6 +2,9 @@
 
 use crate::Random;
 
+/// Largest step, in widths of the box: beyond, what is drawn is even over it anyway. *Choice.*
+const LARGEST_STEP: f64 = 1.0;
+
 /// The separable evolution strategy with adaptation of the covariance, on the unit box: its normal distribution has a mean, a step
 /// and a variance of its own for each number. What leaves the box is mirrored at its ends.
 ///
@@ -104,7 +107,8 @@ impl Evolution {
             let ranked = self.path[i].powi(2) + (1.0 - h) * c_c * (2.0 - c_c) * old;
             self.variance[i] = (1.0 - c_1 - c_mu) * old + c_1 * ranked + c_mu * old * second;
         }
-        self.step *= (c_s / damping * (length / expected - 1.0)).exp();
+        let factor = (c_s / damping * (length / expected - 1.0)).exp();
+        self.step = (self.step * factor).min(LARGEST_STEP);
         self.generation += 1;
     }
 }
@@ -140,6 +144,15 @@ mod tests {
         let broken = run(vec![0.5; 5], 60, |x| if x[1] > 0.8 { f64::NAN } else { cost(x) });
         assert!((broken.mean()[4]).abs() < 0.02);
         assert!((0..10).all(|k| search.candidate(k).iter().all(|x| (0.0..=1.0).contains(x))));
+    }
+
+    #[test]
+    fn costs_that_say_nothing_do_not_let_the_step_grow_without_end() {
+        for cost in [f64::NAN, 1.0, 1e300] {
+            let search = run(vec![0.5; 3], 3000, |_| cost);
+            assert!(search.step > 0.0 && search.step <= LARGEST_STEP, "{}", search.step);
+            assert!((0..10).all(|k| search.candidate(k).iter().all(|x| (0.0..=1.0).contains(x))));
+        }
     }
 
     #[test]

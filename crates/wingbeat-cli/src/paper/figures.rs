@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use wingbeat::rig::plan::Refusal;
 use wingbeat::scenario::{Document, PaperResults, RigRun};
 use wingbeat_figures::{Cell, Figure};
 use wingbeat_io::{read_parquet, urdf_as_toml};
 use wingbeat_lattice::course::{Asked, WakeSummary};
 
 use super::shipped;
-use super::statements::Forces;
+use super::statements::{Arm, Forces};
 use crate::args::{Run, Show};
 use crate::error::Error;
 use crate::interrupt::Interrupt;
@@ -16,15 +17,17 @@ use crate::rig::pictures;
 use crate::run_folder::RunFolder;
 use crate::{show, wake};
 
-/// The run on the bench that set-up and arm show.
-const BENCH: &str = "rigs/runs/roll15_speed08.toml";
+/// The run on the rig that set-up and arm show.
+const RUN: &str = "rigs/runs/roll15_speed08.toml";
+/// The slowest run, and what gives it the paper's limit of the tool's speed.
+const SLOWEST: (&str, &str) = ("rigs/runs/roll15_speed07.toml", "profile=paper-tool");
 /// Name and caption of the six figures, in the order of the sheet.
 const FIGURES: [(&str, &str); 6] = [
     ("setup", "Set-up: arm, load cell, mount and robot with their frames."),
     ("arm", "Snapshots of arm and flapping robot in the banking turn."),
     (
         "force_moment",
-        "Forces and moments on the load cell over three strokes: red the simulated bench (band of seven runs), which is no \
+        "Forces and moments on the load cell over three strokes: red the simulated rig (band of seven runs), which is no \
          experiment, black another model on the measured motion.",
     ),
     (
@@ -32,9 +35,20 @@ const FIGURES: [(&str, &str); 6] = [
         "Wake in the turn at four phases of the stroke, prescribed wake. The strongest vorticity that is seen in an upstroke was \
          mostly shed before, in a downstroke: each panel says when. Attached flow is assumed.",
     ),
-    ("states", "States in the turn with what is asked of roll and pitch."),
+    ("states", "States in the turn with the references of roll and pitch."),
     ("path", "Snapshots of the turn; the paper's end point is marked at the height of ours."),
 ];
+
+/// Plans the slowest run under the paper's limit of the tool's speed.
+pub fn slowest(from: &Path) -> Result<Arm, Error> {
+    let (file, limit) = SLOWEST;
+    let run = RigRun::new(Document::file(&shipped(from, file))?.set(limit), &urdf_as_toml)?;
+    Ok(match run.plan().map_err(|error| run.explain(&error))? {
+        Ok(_) => Arm::Planned,
+        Err(limited @ Refusal::Limit { .. }) => Arm::Limited(limited.to_string()),
+        Err(refusal) => Arm::Refused(refusal.to_string()),
+    })
+}
 
 /// The figures as they are drawn.
 pub struct Drawn {
@@ -94,23 +108,23 @@ impl Drawn {
         }
     }
 
-    /// The bench.
+    /// The rig.
     pub fn set_up(&mut self, from: &Path) -> Result<(), Error> {
         let run = Run { out: None, force: false, overrides: Vec::new(), seed: None, quiet: true };
-        let asked = Show { file: shipped(from, BENCH), phase: None, joints_deg: None, run };
+        let asked = Show { file: shipped(from, RUN), phase: None, joints_deg: None, run };
         let figure = show::figure(&asked)?;
         self.put("setup", Ok(figure), None)
     }
 
     /// Arm and robot in the turn.
     pub fn arm(&mut self, from: &Path) -> Result<(), Error> {
-        let run = RigRun::new(Document::file(&shipped(from, BENCH))?, &urdf_as_toml)?;
+        let run = RigRun::new(Document::file(&shipped(from, RUN))?, &urdf_as_toml)?;
         let plan = run.plan().map_err(|error| run.explain(&error))?;
-        let plan = plan.map_err(|refusal| Error::Input(format!("{BENCH}: {refusal}")))?;
+        let plan = plan.map_err(|refusal| Error::Input(format!("{RUN}: {refusal}")))?;
         self.put("arm", pictures::snapshots(&run, &plan).map_err(wingbeat_figures::Error::Picture), None)
     }
 
-    /// Forces and moments of the processed bench.
+    /// Forces and moments of the processed runs.
     pub fn forces(&mut self, folder: &Path) -> Result<Option<Forces>, Error> {
         let file = folder.join("envelope.parquet");
         if !file.is_file() {

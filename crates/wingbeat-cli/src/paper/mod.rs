@@ -11,7 +11,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::Value;
 use wingbeat::judge::limits::paper as limits;
-use wingbeat::judge::{Judge, Limits, Verdict, Warning};
+use wingbeat::judge::{Judge, Limits, Status, Verdict, Warning};
 use wingbeat::scenario::{PaperResults, RunName};
 
 use crate::args::{Fly, Page, Paper, RigProcess, RigRuns, RigSimulate, Run};
@@ -30,9 +30,9 @@ const PAGE: Page = Page { no_report: true };
 /// The flights, as folder and file.
 const FLIGHTS: [(&str, &str); 2] =
     [("turn", "scenarios/banking_turn.toml"), ("clear", "scenarios/paper_turn_clear.toml")];
-/// The runs on the bench.
+/// The runs on the rig.
 const RUNS: &str = "rigs/seven_runs.toml";
-/// Pieces of work that the bar counts: flights, bench, processing, set-up, arm, wake, figures.
+/// Pieces of work that the bar counts: flights, rig, processing, set-up, arm, wake, figures.
 const WORK: u64 = 8;
 
 /// `summary.json`.
@@ -70,12 +70,12 @@ pub fn paper(arguments: &Paper) -> Result<(), Error> {
     for (name, file) in FLIGHTS {
         work.fly(name, file)?;
     }
-    work.bench()?;
+    work.rig()?;
     let mut drawn = Drawn::new(&folder, arguments.wide)?;
     let (told, paper) = work.draw(&mut drawn)?;
     let statements = statements::all(&told, paper.as_ref());
     let steps = work.steps;
-    let verdict = judged(&drawn, &steps);
+    let verdict = judged(drawn.missing(), &steps);
     let names = drawn.names();
     let summary = Summary { verdict: &verdict, statements: &statements, steps: &steps, figures: names };
     folder.write_json("summary.json", &summary)?;
@@ -92,10 +92,12 @@ pub fn paper(arguments: &Paper) -> Result<(), Error> {
 }
 
 /// Holds the sheet against its limits.
-fn judged(drawn: &Drawn, steps: &[Step]) -> Verdict {
+fn judged(missing: usize, steps: &[Step]) -> Verdict {
     let limits_of = Limits::default();
     let mut judge = Judge::new(&limits_of);
-    judge.hold(&limits::MISSING, drawn.missing() as f64);
+    judge.hold(&limits::MISSING, missing as f64);
+    let failed = steps.iter().filter(|step| step.status == Status::Failed.name()).count();
+    judge.hold(&limits::FAILED, failed as f64);
     for step in steps.iter().filter(|step| step.status != "ok") {
         let reason = step.reason.as_deref().unwrap_or("no reason is given");
         judge.warn(Warning::new("paper.step", format!("{}: {}: {reason}", step.command, step.status)));
@@ -128,9 +130,11 @@ impl Work<'_> {
     fn ended(&mut self, command: String, folder: &'static str, made: Result<(), Error>) -> Result<(), Error> {
         let (status, reason) = match made {
             Ok(()) => {
-                let summary = summary(&self.folder.file(folder));
-                let reason = summary["reason"].as_str().map(str::to_owned);
-                (summary["status"].as_str().unwrap_or("ok").to_owned(), reason)
+                let told = summaries(&self.folder.file(folder))?;
+                let status = |told: &Value| told["status"].as_str().unwrap_or("without status").to_owned();
+                let unlike = told.iter().find(|told| status(told) != Status::Ok.name());
+                let reason = unlike.and_then(|told| told["reason"].as_str()).map(str::to_owned);
+                (unlike.map_or(Status::Ok.name().to_owned(), status), reason)
             }
             Err(Error::Failed { status, reason, .. }) => (status, Some(reason)),
             Err(error) => return Err(error),
@@ -147,24 +151,24 @@ impl Work<'_> {
     }
 
     /// Simulates the seven runs and takes weight and inertia away.
-    fn bench(&mut self) -> Result<(), Error> {
-        self.begin("simulating the bench")?;
-        let runs = RigRuns { file: self.from.join(RUNS), run: self.options("bench") };
+    fn rig(&mut self) -> Result<(), Error> {
+        self.begin("simulating the rig")?;
+        let runs = RigRuns { file: self.from.join(RUNS), run: self.options("rig") };
         self.ended(
             format!("wingbeat rig simulate {RUNS}"),
-            "bench",
+            "rig",
             rig::simulate(&RigSimulate { runs, page: PAGE }),
         )?;
-        self.begin("processing the bench")?;
+        self.begin("processing the runs")?;
         let process = RigProcess {
-            path: self.folder.file("bench"),
+            path: self.folder.file("rig"),
             run: None,
             out: Some(self.folder.file("forces")),
             force: false,
             overrides: Vec::new(),
             quiet: true,
         };
-        self.ended("wingbeat rig process bench".into(), "forces", rig::process(&process))
+        self.ended("wingbeat rig process rig".into(), "forces", rig::process(&process))
     }
 
     /// Draws the figures; the numbers that the statements need, and what the paper gives.
@@ -174,6 +178,7 @@ impl Work<'_> {
         self.bar.inc(1);
         self.begin("drawing the arm")?;
         drawn.arm(self.from)?;
+        let arm = figures::slowest(self.from)?;
         self.bar.inc(1);
         self.begin("drawing forces and moments")?;
         let forces = drawn.forces(&self.folder.file("forces"))?;
@@ -182,17 +187,68 @@ impl Work<'_> {
         let (wake, paper) = drawn.flight(&self.folder.file("turn"), self.interrupt)?;
         self.bar.inc(1);
         let [turn, clear] = FLIGHTS.map(|(name, _)| summary(&self.folder.file(name)));
-        Ok((Told { turn, clear, wake, forces }, paper))
+        Ok((Told { turn: turn?, clear: clear?, wake, forces, arm }, paper))
     }
 }
 
-/// `summary.json` of a folder; null where there is none.
-fn summary(folder: &Path) -> Value {
-    let text = std::fs::read_to_string(folder.join("summary.json")).unwrap_or_default();
-    serde_json::from_str(&text).unwrap_or_default()
+/// `summary.json` of a folder that a run of ours wrote.
+fn summary(folder: &Path) -> Result<Value, Error> {
+    let path = folder.join("summary.json");
+    let text = std::fs::read_to_string(&path).map_err(|source| Error::file(&path, source))?;
+    serde_json::from_str(&text).map_err(|error| Error::Input(format!("{}: {error}", path.display())))
+}
+
+/// That of a folder, or those of its folders: runs on the rig have one each.
+fn summaries(folder: &Path) -> Result<Vec<Value>, Error> {
+    if folder.join("summary.json").is_file() {
+        return Ok(vec![summary(folder)?]);
+    }
+    let entries = std::fs::read_dir(folder).map_err(|source| Error::file(folder, source))?;
+    let mut runs: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    runs.retain(|run| run.join("summary.json").is_file());
+    runs.sort();
+    // Of none the missing file is named.
+    if runs.is_empty() {
+        summary(folder).map(|told| vec![told])
+    } else {
+        runs.iter().map(|run| summary(run)).collect()
+    }
 }
 
 /// The path of a shipped document below `from`.
 fn shipped(from: &Path, file: &str) -> PathBuf {
     from.join(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_run_fails_the_sheet_and_a_missed_goal_does_not() {
+        let step =
+            |status: &str| Step { command: "a".into(), folder: "", status: status.into(), reason: None };
+        let status = |missing, steps: &[Step]| judged(missing, steps).status;
+        assert_eq!(status(0, &[step("ok"), step("off_target")]), Status::Ok);
+        assert_eq!(status(0, &[step("ok"), step("failed")]), Status::Failed);
+        assert_eq!(status(1, &[step("ok")]), Status::Failed);
+        assert_eq!(judged(0, &[step("off_target")]).warnings.len(), 1);
+    }
+
+    #[test]
+    fn a_summary_that_cannot_be_read_is_named() {
+        let folder = std::env::temp_dir().join(format!("wingbeat-sheet-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let said = |folder: &Path| summary(folder).unwrap_err().to_string();
+        assert!(said(&folder.join("none")).contains("summary.json"));
+        std::fs::write(folder.join("summary.json"), "{\"status\": ").unwrap();
+        assert!(said(&folder).contains("summary.json"));
+        assert!(summaries(&folder).is_err());
+        std::fs::remove_file(folder.join("summary.json")).unwrap();
+        assert!(summaries(&folder).is_err());
+        std::fs::create_dir_all(folder.join("a")).unwrap();
+        std::fs::write(folder.join("a/summary.json"), "{\"status\": \"ok\"}").unwrap();
+        assert_eq!(summaries(&folder).unwrap().len(), 1);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -16,7 +16,7 @@ code { font-size: 90% }\n.reproduced { color: #00664b }\n.missed, .refuted { col
 const INTRODUCTION: &str = "<h1>The paper by our numbers</h1>\n<p>The paper is Gupta, Sihite &amp; Ramezani, <em>Modeling and Controls of \
 Fluid-Structure Interactions (FSI) in Dynamic Morphing Flight</em> (<a href=\"https://arxiv.org/abs/2406.13039\">arXiv 2406.13039</a>).\n\
 Its pictures are not ours to copy: this sheet gives in words and numbers what they show, beside what came out here.\n\
-Angles are those of axes forward, left and up: pitch -15 deg is nose up, roll 15 deg is right wing down.\n\
+Pitch counts nose up here; roll 15 deg is right wing down.\n\
 Where a run is a fit, it proves nothing; each row says so. The page docs/paper.md has every statement with how we read it.</p>\n";
 
 /// The whole sheet.

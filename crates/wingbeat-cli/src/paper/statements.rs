@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use serde_json::Value;
+use wingbeat::rig::cell::Calibration;
 use wingbeat::scenario::PaperResults;
 use wingbeat::simulate::Record;
 use wingbeat_lattice::course::WakeSummary;
@@ -24,11 +25,13 @@ pub enum Outcome {
     Refuted,
     /// The paper leaves out what it would take.
     NotComparable,
+    /// A run of ours did not give the number.
+    NotComputed,
 }
 
 impl Outcome {
     fn when(met: Option<bool>) -> Self {
-        met.map_or(Self::NotComparable, |met| if met { Self::Reproduced } else { Self::Missed })
+        met.map_or(Self::NotComputed, |met| if met { Self::Reproduced } else { Self::Missed })
     }
 
     /// In words.
@@ -38,6 +41,7 @@ impl Outcome {
             Self::Missed => "missed",
             Self::Refuted => "refuted",
             Self::NotComparable => "not comparable",
+            Self::NotComputed => "not computed",
         }
     }
 }
@@ -65,9 +69,20 @@ pub struct Told {
     pub clear: Value,
     pub wake: Option<WakeSummary>,
     pub forces: Option<Forces>,
+    pub arm: Arm,
 }
 
-/// Ranges of the simulated bench, N and N m.
+/// What the plan of the slowest run under the paper's limit of the tool's speed came to.
+pub enum Arm {
+    /// It keeps every limit.
+    Planned,
+    /// It breaks one, in words.
+    Limited(String),
+    /// It cannot be planned for another reason, in words.
+    Refused(String),
+}
+
+/// Ranges of the simulated rig, N and N m.
 pub struct Forces {
     cell: [f64; 2],
     model: [f64; 2],
@@ -97,7 +112,9 @@ pub fn all(told: &Told, paper: Option<&PaperResults>) -> Vec<Statement> {
         turn(&mut all, &told.clear, paper, "paper_turn_clear", clear);
     }
     wake(&mut all, told.wake.as_ref());
-    bench(&mut all, told.forces.as_ref());
+    forces(&mut all, told.forces.as_ref());
+    arm(&mut all, &told.arm);
+    all.push(load_cell());
     all
 }
 
@@ -112,22 +129,29 @@ fn turn(
     let number = |key: &str| flight[key].as_f64();
     let near = |key: &str, asked: f64, most: f64| Some((number(key)? - asked).abs() <= most);
     let say = |key: &str| number(key).map_or("-".into(), |value| format!("{value:.1}"));
-    let mut put = |what, paper, here, met, note| {
-        all.push(Statement { what, paper, here, of, outcome: Outcome::when(met), note });
+    let mut put = |what, paper, here, outcome, note| {
+        all.push(Statement { what, paper, here, of, outcome, note });
     };
     let held = near("roll_mean_deg", paper.roll_deg, ROLL_DEG)
         .zip(number("roll_rms_error_deg").map(|rms| rms <= ROLL_RMS_DEG));
     let roll = format!("{} deg, rms error {}", say("roll_mean_deg"), say("roll_rms_error_deg"));
     let asked = format!("{} deg", paper.roll_deg);
-    put("a bank is held", asked, roll, held.map(|(mean, rms)| mean && rms), note);
+    put("a bank is held", asked, roll, Outcome::when(held.map(|(mean, rms)| mean && rms)), note);
     let asked = format!("{} deg nose up", paper.nose_up_deg);
     // Summaries count nose up negative.
     let pitch = number("pitch_mean_deg").map_or("-".into(), |pitch| format!("{:.1} deg nose up", -pitch));
-    put("pitch is held", asked, pitch, near("pitch_mean_deg", -paper.nose_up_deg, PITCH_DEG), "");
+    let held = near("pitch_mean_deg", -paper.nose_up_deg, PITCH_DEG);
+    put("pitch is held", asked, pitch, Outcome::when(held), "");
     if let Some([low, high]) = paper.pitch_oscillation_deg {
         let within = number("pitch_half_amplitude_deg").map(|swing| (low..=high).contains(&swing));
         let swing = format!("{} deg", say("pitch_half_amplitude_deg"));
-        put("pitch swings", format!("{low} to {high} deg"), swing, within, "half of the range");
+        put(
+            "pitch swings",
+            format!("{low} to {high} deg"),
+            swing,
+            Outcome::when(within),
+            "half of the range",
+        );
     }
     let end = number("distance_x_m").zip(number("distance_y_m"));
     // The turn of a positive roll is to the right, towards negative y.
@@ -137,13 +161,27 @@ fn turn(
         format!("{x:.1} m ahead, {:.1} m to the right; {away:.1} m off", -y)
     });
     let asked = format!("{} m ahead, {} m to the right", paper.distance_x_m, right);
-    put("end point", asked, here, away.map(|away| away <= END_M), "within 0.5 m counts");
+    let reached = away.map(|away| away <= END_M);
+    put("end point", asked, here, Outcome::when(reached), "within 0.5 m counts");
     let height = number("altitude_change_m").map_or("-".into(), |change| format!("{change:.1} m"));
-    put("height", "left out".into(), height, None, "its end point implies that it sinks or slips");
+    put(
+        "height",
+        "left out".into(),
+        height,
+        Outcome::NotComparable,
+        "its end point implies that it sinks or slips",
+    );
 }
 
 fn wake(all: &mut Vec<Statement>, wake: Option<&WakeSummary>) {
-    let Some(told) = wake.and_then(|wake| wake.first.as_ref()) else { return };
+    let mut put = |here, outcome| {
+        let (what, paper) = ("vorticity falls in the upstroke", "said of its figure".into());
+        let note = "no evidence where attached flow is assumed and does not hold";
+        all.push(Statement { what, paper, here, of: "banking_turn, vortex lattice", outcome, note });
+    };
+    let Some(told) = wake.and_then(|wake| wake.first.as_ref()) else {
+        return put("-".into(), Outcome::NotComputed);
+    };
     let ratio = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}"));
     let both = told.down_over_up.left.zip(told.down_over_up.right);
     let here = format!(
@@ -152,35 +190,53 @@ fn wake(all: &mut Vec<Statement>, wake: Option<&WakeSummary>) {
         ratio(told.down_over_up.right),
         100.0 * told.past_stall
     );
-    all.push(Statement {
-        what: "vorticity falls in the upstroke",
-        paper: "said of its figure".into(),
-        here,
-        of: "banking_turn, vortex lattice",
-        outcome: Outcome::when(both.filter(|_| told.past_stall <= 0.05).map(|(l, r)| l.min(r) > 1.0)),
-        note: "no evidence where attached flow is assumed and does not hold",
-    });
+    let falls = both.map(|(left, right)| left.min(right) > 1.0);
+    let attached = told.past_stall <= 0.05;
+    put(here, if attached { Outcome::when(falls) } else { Outcome::NotComparable });
 }
 
-fn bench(all: &mut Vec<Statement>, forces: Option<&Forces>) {
-    let mut put = |what, paper: &str, here: String, outcome, note| {
-        all.push(Statement { what, paper: paper.into(), here, of: "seven_runs, simulated", outcome, note });
+/// Loads of the seven runs.
+fn forces(all: &mut Vec<Statement>, forces: Option<&Forces>) {
+    let mut put = |what, paper: &str, range: Option<String>, note| {
+        let outcome = if range.is_some() { Outcome::NotComparable } else { Outcome::NotComputed };
+        let (paper, here) = (paper.into(), range.unwrap_or("-".into()));
+        all.push(Statement { what, paper, here, of: "seven_runs, simulated", outcome, note });
     };
     let newtons = |[low, high]: [f64; 2]| format!("{low:.2} to {high:.2} N");
-    if let Some(Forces { cell, model, pitch }) = forces {
-        let not = Outcome::NotComparable;
-        let simulated = "ours is a simulated bench, and no measured file is public";
-        put("Fz of the experiment", "-0.5 to 0.5 N", newtons(*cell), not, simulated);
-        let unsaid = "the paper does not say whether the inertia of the wings is in it";
-        put("Fz of the simulation", "-0.3 to 0.3 N", newtons(*model), not, unsaid);
-        let moment = format!("{:.3} to {:.3} N m", pitch[0], pitch[1]);
-        put("My", "positive", moment, not, "its reference point is not given");
+    let simulated = "ours is a simulated rig, and no measured file is public";
+    put("Fz of the experiment", "-0.5 to 0.5 N", forces.map(|of| newtons(of.cell)), simulated);
+    let unsaid = "the paper does not say whether the inertia of the wings is in it";
+    let model = forces.filter(|of| of.model[0].is_finite()).map(|of| newtons(of.model));
+    put("Fz of the simulation", "-0.3 to 0.3 N", model, unsaid);
+    let moment = forces.map(|Forces { pitch: [low, high], .. }| format!("{low:.3} to {high:.3} N m"));
+    put("My", "positive", moment, "its reference point is not given");
+}
+
+/// Speed of the runs beside the limit of the arm.
+fn arm(all: &mut Vec<Statement>, arm: &Arm) {
+    let (here, outcome) = match arm {
+        Arm::Planned => ("the run at 0.7 m/s keeps it".into(), Outcome::Reproduced),
+        Arm::Limited(words) => (format!("the run at 0.7 m/s: {words}"), Outcome::Refuted),
+        Arm::Refused(words) => (format!("the run at 0.7 m/s: {words}"), Outcome::NotComputed),
+    };
+    let what = "runs at 0.7 to 0.9 m/s, arm within 0.5 m/s";
+    let note = "refuted where the slowest run needs more than the limit that the paper states";
+    let of = "roll15_speed07, planned with profile paper-tool";
+    all.push(Statement { what, paper: "both".into(), here, of, outcome, note });
+}
+
+/// The range that the paper gives beside those of the data sheet.
+fn load_cell() -> Statement {
+    let [low, .., short] = Calibration::Si12.range();
+    let [_, _, high, .., long] = Calibration::Si50.range();
+    Statement {
+        what: "load cell to 480 N and 1.9 N m",
+        paper: "range".into(),
+        here: format!("measuring ranges of a Nano17 are {low} to {high} N and {short} to {long} N m"),
+        of: "data sheet",
+        outcome: Outcome::Refuted,
+        note: "480 N is its overload; no run decides this",
     }
-    let limit = "0.7 to 0.9 m/s need more than the limit that it states".into();
-    let both = "the two statements contradict each other";
-    put("runs at 0.7 to 0.9 m/s, arm within 0.5 m/s", "both", limit, Outcome::Refuted, both);
-    let range = "measuring ranges of a Nano17 are 12 to 70 N and 0.12 to 0.5 N m".into();
-    put("load cell to 480 N and 1.9 N m", "range", range, Outcome::Refuted, "480 N is its overload");
 }
 
 /// The statements as a table.
@@ -213,13 +269,32 @@ mod tests {
 
     #[test]
     fn a_flight_is_held_against_the_papers_numbers() {
-        use Outcome::{Missed, NotComparable, Reproduced};
+        use Outcome::{Missed, NotComparable, NotComputed, Reproduced};
         let good = serde_json::json!({ "roll_mean_deg": 15.9, "roll_rms_error_deg": 1.9, "pitch_mean_deg": -13.1,
             "pitch_half_amplitude_deg": 7.0, "distance_x_m": 4.1, "distance_y_m": -4.6, "altitude_change_m": -3.0 });
         assert_eq!(outcomes(good), [Reproduced, Reproduced, Reproduced, Reproduced, NotComparable]);
         let poor = serde_json::json!({ "roll_mean_deg": 15.9, "roll_rms_error_deg": 2.1, "pitch_mean_deg": -12.9,
             "pitch_half_amplitude_deg": 10.1, "distance_x_m": 4.1, "distance_y_m": 4.6 });
         assert_eq!(outcomes(poor), [Missed, Missed, Missed, Missed, NotComparable]);
-        assert_eq!(outcomes(Value::Null), [NotComparable; 5]);
+        let none = [NotComputed, NotComputed, NotComputed, NotComputed, NotComparable];
+        assert_eq!(outcomes(Value::Null), none);
+    }
+
+    #[test]
+    fn what_no_run_gave_is_not_computed_and_the_arm_is_decided_by_its_plan() {
+        let of = |wake, forces, arm| {
+            let told = Told { turn: Value::Null, clear: Value::Null, wake, forces, arm };
+            all(&told, None).iter().map(|statement| (statement.of, statement.outcome)).collect::<Vec<_>>()
+        };
+        let none = of(None, None, Arm::Planned);
+        assert_eq!(none.len(), 6);
+        assert!(none[..4].iter().all(|(_, outcome)| *outcome == Outcome::NotComputed), "{none:?}");
+        assert_eq!((none[4].1, none[5]), (Outcome::Reproduced, ("data sheet", Outcome::Refuted)));
+        let unknown = Forces { cell: [-0.6, 0.4], model: [f64::NAN; 2], pitch: [-0.1, 0.1] };
+        let some = of(None, Some(unknown), Arm::Limited("too fast".into()));
+        let outcomes: Vec<Outcome> = some[1..].iter().map(|(_, outcome)| *outcome).collect();
+        use Outcome::{NotComparable, NotComputed, Refuted};
+        assert_eq!(outcomes, [NotComparable, NotComputed, NotComparable, Refuted, Refuted]);
+        assert_eq!(of(None, None, Arm::Refused("out of reach".into()))[4].1, NotComputed);
     }
 }

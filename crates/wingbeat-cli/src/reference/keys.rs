@@ -265,6 +265,10 @@ fn every_field_of_every_spec_is_in_the_reference() {
     let mut see = |text: &str| {
         for spec in text.split("schemars::JsonSchema)]").skip(1) {
             let body = spec.split("\n}").next().unwrap_or_default();
+            // What a run writes is no key of a document.
+            if body.contains("Summary {\n") {
+                continue;
+            }
             for line in body.lines().filter(|line| !line.trim_start().starts_with("//")) {
                 let field = line.trim().trim_start_matches("pub ").split_once(": ").map(|(name, _)| name);
                 let field = field.filter(|name| name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'));

@@ -7,5 +7,9 @@ use crate::status::Status::Failed;
 pub const MISSING: Limit = Limit::at_most("paper.missing_figures", 0.0, "", Failed)
     .on("figures of the sheet that could not be drawn");
 
+/// A run that broke down gives no numbers for the statements.
+pub const FAILED: Limit =
+    Limit::at_most("paper.failed_steps", 0.0, "", Failed).on("runs of the sheet with status `failed`");
+
 /// All of them.
-pub const ALL: [Limit; 1] = [MISSING];
+pub const ALL: [Limit; 2] = [MISSING, FAILED];

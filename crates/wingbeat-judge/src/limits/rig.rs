@@ -1,4 +1,4 @@
-//! Limits of a simulated run of the bench. All values are choices.
+//! Limits of a simulated run of the rig. All values are choices.
 
 use super::Limit;
 use crate::status::Status::Outside;

@@ -103,6 +103,33 @@ fn lists_are_drawn_by_their_values() {
 }
 
 #[test]
+fn keys_that_take_the_value_of_a_draw_are_checked_one_by_one() {
+    let drawn = |draws: &str| {
+        let text = format!("name = \"also\"\nruns = 2\ndraws = [{draws}]");
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/flap_f2.toml");
+        let document = Document::text("also", &text).unwrap();
+        Sweep::new(document.put("case", Document::file(&case).unwrap()).unwrap(), NO_TABLES).map(drop)
+    };
+    let speed = "{ key = \"wind.speed_m_s\", low = 1.0, high = 2.0 }";
+    let with = |also: &str| speed.replace(" }", &format!(", also = [{also}] }}"));
+    drawn(&with("\"time.frequency_hz\"")).unwrap();
+    let words = "{ key = \"aero.law\", values = [\"stall\", \"lev\"], also = [\"-aero.preset\"] }";
+    for (bad, key) in [
+        (words.to_owned(), "draws[0].also[0]"),
+        (with("\"-\""), "draws[0].also[0]"),
+        (with("\"time.frequency_hz\", \"\""), "draws[0].also[1]"),
+        (with("\"wind.speed_m_s\""), "draws[0].also[0]"),
+        (with("\"time.frequency_hz\", \"-time.frequency_hz\""), "draws[0].also[1]"),
+        (format!("{}, {speed}", with("\"time.frequency_hz\"")), "draws[1].key"),
+        (with("\"time.frequency_hz\", \"time.frequenzy_hz\""), "draws[0].also[1]"),
+        (with("\"-time.frequency_hz\""), "draws[0].also[0]"),
+    ] {
+        let message = drawn(&bad).unwrap_err().to_string();
+        assert!(message.contains(key), "{bad}: {message}");
+    }
+}
+
+#[test]
 fn draws_lie_in_their_ranges_and_belong_to_their_flight() {
     let sweep = sweep();
     let later = sweep.values(41);

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use wingbeat::judge::Status;
-use wingbeat::scenario::{Document, Search, Sweep};
+use wingbeat::scenario::{Document, Scenario, Search, Sweep};
 use wingbeat::simulate::Record;
 
 const DRAWS: &str = "[[draws]]\nkey = \"controller.weights.roll\"\nlow = 2.0\nhigh = 8.0\nstart = 5.0\n\
@@ -75,6 +75,7 @@ fn what_a_search_cannot_do_is_refused() {
     let refused = |head: &str, search: &str, draws: &str| sweep(head, search, draws).map(drop).unwrap_err();
     let (runs, hold) = ("runs = 6", "[hold]\nroll_within_deg = 5.0\npitch_within_deg = 5.0\n");
     let list = "[[draws]]\nkey = \"aero.paper.nodes\"\nvalues = [6, 7]\n";
+    let twice = goals.replace(" }]", " }, { key = \"distance_x_m\", high = 2.0 }]");
     let outside = DRAWS.replace("start = 5.0", "start = 9.0");
     for (head, search, draws, key) in [
         (runs, goals, &format!("{DRAWS}{hold}")[..], "hold"),
@@ -90,6 +91,12 @@ fn what_a_search_cannot_do_is_refused() {
         (runs, &format!("{goals}\nflights = [[\"aero.nods=6\"]]"), DRAWS, "search.flights[0]"),
         (runs, goals, list, "draws[0].values"),
         (runs, goals, &outside, "draws[0].start"),
+        (runs, "goals = [{ key = \"distanse_x_m\", low = 1.0 }]", DRAWS, "search.goals[0].key"),
+        (runs, "goals = [{ key = \"aero_preset\", low = 1.0 }]", DRAWS, "search.goals[0].key"),
+        (runs, "goals = [{ key = \"path\", low = 1.0 }]", DRAWS, "search.goals[0].key"),
+        (runs, "goals = [{ key = \"path.cros_rms_m\", high = 1.0 }]", DRAWS, "search.goals[0].key"),
+        (runs, "goals = [{ key = \"flight.altitude\", high = 1.0 }]", DRAWS, "search.goals[0].key"),
+        (runs, &twice, DRAWS, "search.goals[1].key"),
         ("", goals, DRAWS, "runs"),
     ] {
         let message = refused(head, search, draws);
@@ -99,4 +106,55 @@ fn what_a_search_cannot_do_is_refused() {
     let begun = Document::file(&path).unwrap().set("draws[0].start=1.0");
     let message = Sweep::new(begun, &|_| Err("no tables".into())).map(drop).unwrap_err().to_string();
     assert!(message.contains("draws[0].start"), "{message}");
+}
+
+#[test]
+fn every_number_of_a_flights_summary_can_be_a_goal() {
+    let keys = [
+        "duration_s",
+        "mean_speed_m_s",
+        "height_max_error_m",
+        "turn_roll_mean_deg",
+        "least_clearance_m",
+        "positive_power_w_kg",
+        "weight_shares.body",
+        "controller.failures",
+        "controller.period_s",
+        "estimate.height_rms_m",
+        "path.cross_rms_m",
+        "hover.place_rms_m",
+        "lattice.iterations_most",
+        "flight.path_angle_deg",
+        "trim.power_w_kg",
+    ];
+    let goals: Vec<String> = keys.iter().map(|key| format!("{{ key = \"{key}\", low = 0.0 }}")).collect();
+    sweep("runs = 6", &format!("goals = [{}]", goals.join(", ")), DRAWS).unwrap();
+    // What a flight wrote is known too.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/glider.toml");
+    let scenario = Scenario::load(&path, &["flight.duration_s=0.05".into()]).unwrap();
+    let told = serde_json::to_value(scenario.fly(|_| ControlFlow::Continue(())).unwrap().summary).unwrap();
+    let numbers = told.as_object().unwrap().iter().filter(|(_, value)| value.is_number());
+    let goals: Vec<String> = numbers.map(|(key, _)| format!("{{ key = \"{key}\", low = 0.0 }}")).collect();
+    assert!(goals.len() > 10, "{goals:?}");
+    sweep("runs = 6", &format!("goals = [{}]", goals.join(", ")), DRAWS).unwrap();
+}
+
+#[test]
+fn the_end_points_of_a_refused_flight_are_not_met() {
+    // Each draw alone leaves low below high; the first candidate of both does not, but for the flight that puts low back.
+    let draws = "[[draws]]\nkey = \"robot.structure.elements[0].low\"\nlow = -0.3\nhigh = 0.2\nstart = 0.15\n\
+                 [[draws]]\nkey = \"robot.structure.elements[0].high\"\nlow = 0.1\nhigh = 0.3\nstart = 0.12\n";
+    let search = "flights = [[\"robot.structure.elements[0].low=-0.25\"], []]\n\
+                  goals = [{ key = \"duration_s\", low = 0.05 }]\nends_within_m = 1.0";
+    let sweep = sweep("runs = 4", search, draws).unwrap();
+    let search = sweep.search().unwrap();
+    let row = search.row(0, || ControlFlow::Continue(())).unwrap().unwrap();
+    let [.., apart, cost] = row[..] else { panic!("{row:?}") };
+    assert!(apart.is_nan() && cost >= 3e6, "{row:?}");
+    let mut record = Record::new(search.columns(), 1).unwrap();
+    record.append(&row);
+    assert_eq!(search.found(&record).unwrap().ends_apart_m, None);
+    let verdict = sweep.verdict(&record);
+    assert_eq!(verdict.status, Status::NotFound);
+    assert!(verdict.warnings.iter().any(|w| w.text.contains("unknown distance")), "{:?}", verdict.warnings);
 }
