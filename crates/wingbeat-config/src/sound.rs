@@ -43,7 +43,9 @@ fn rows(record: &Record) -> usize {
 /// What is said of numbers that are left out; `last` is the time of the last sample that counts, s.
 pub(super) fn left_out(last: Option<f64>) -> Warning {
     let until = match last {
-        Some(last) => format!("the path is that up to t = {last:.4} s, the last sample that is physically possible"),
+        Some(last) => {
+            format!("the path is that up to t = {last:.4} s, the last sample that is physically possible")
+        }
         None => "no sample is of a size that can be".into(),
     };
     let text = format!("numbers grew without bound: means are left out, and {until}");

@@ -1,6 +1,6 @@
 //! Pictures that move: parts of space frame by frame, as an animated PNG or as a sequence of PNG files.
 //!
-//! A picture has at most [`PALETTE`] colours, and of a frame only what differs from the one before is written.
+//! A picture has at most 255 colours, and of a frame only what differs from the one before is written.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};

@@ -122,7 +122,10 @@ fn every_figure_names_its_axes_and_curves() {
         ),
         (commands(&record).unwrap(), &["shoulder [rad]", "elbow [rad]", "left, response"]),
         (forces(&record).unwrap(), &["to its top [N]", "added mass", "air, total", "0.286 s long"]),
-        (path(&record, None).unwrap(), &["x [m]", "y [m]", "z [m]", "left wing", "where there is room, robot 2 times enlarged"]),
+        (
+            path(&record, None).unwrap(),
+            &["x [m]", "y [m]", "z [m]", "left wing", "where there is room, robot 2 times enlarged"],
+        ),
     ];
     for (figure, words) in expected {
         let svg = written(&folder, &figure);

@@ -20,7 +20,13 @@ pub fn test() -> bool {
     });
     // What follows runs the program that the tests have built: built alone it would take other features.
     // The examples are part of the tests of the library; built by themselves each would take the models once more.
-    account.step("tests", || counted(&[&["test"], &tools::TESTS[..], &["--no-fail-fast"]].concat()));
+    account.step("tests", || {
+        let mut tests = tools::cargo(&[&["test"], &tools::TESTS[..], &["--no-fail-fast"]].concat());
+        // Some wait for a box or a clock: one more than there are cores keeps these busy.
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        tests.env("RUST_TEST_THREADS", (cores + 1).to_string());
+        Tally::of(tests)
+    });
     account.step("doc tests", || counted(&["test", "--release", "--workspace", "--doc", "--no-fail-fast"]));
     account.step("copies", copies::check);
     // So do these: the extension is packed as it lies there. Python's tests take one core, and run beside the rest.

@@ -22,6 +22,7 @@ def mypy(*arguments):
     )
 
 
+@pytest.mark.long
 def test_the_stub_is_that_of_the_extension():
     done = mypy("mypy.stubtest", "wingbeat._wingbeat", "--mypy-config-file", "pyproject.toml")
     assert done.returncode == 0, done.stdout
