@@ -29,9 +29,9 @@ cargo xtask TASK
           .ci/run calls
   long    [NAME...] what takes hours: the commands of the pages on the paper, the recorder for an hour, all hostile cases, all
           comparisons, fuzzing, and the other programs where they are installed; docs/testing.md lists both
-  docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
-          and the pictures of docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
-  reference  of these docs/cli.md, docs/reference.md, docs/schema and the tables of docs/sections.md alone
+  docs    write again what is generated: what `reference` writes, docs/validation.md, the tables and the pictures of
+          docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
+  reference  docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, the tables of docs/sections.md and docs/verdicts.md
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box,

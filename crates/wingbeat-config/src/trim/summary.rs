@@ -169,6 +169,9 @@ impl TrimSummary {
 /// (Leishman 2006, Principles of Helicopter Aerodynamics, 2.2).
 ///
 /// Equation: trim.hover_wash
+/// `sqrt(m g / (2 rho pi b^2/4))`
+/// Source: momentum theory; Leishman 2006, Principles of Helicopter Aerodynamics, 2.2.
+/// Test: `a_hover_is_outside_of_what_the_wake_can_do`.
 pub(super) fn hover_wash(robot: &Robot) -> Option<f64> {
     let widths = robot.surfaces().filter_map(|(_, aero)| {
         let numbers = aero.numbers();

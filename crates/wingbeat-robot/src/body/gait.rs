@@ -58,6 +58,9 @@ impl FourierSeries {
 
 impl<P: Scalar> FourierSeries<P> {
     /// Equation: body.gait_fourier
+    /// `mean + sum_k a_k cos(k phase - p_k)`
+    /// Source: Paper section V (gait).
+    /// Test: `fourier_rates_are_derivatives_and_the_extremes_are_known`.
     ///
     /// mean + sum_k a_k cos(k phase - p_k), with rate and acceleration.
     #[inline]
