@@ -55,7 +55,7 @@ pub struct ScenarioSpec {
     /// What `wingbeat plan` plans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanSpec>,
-    /// The controller; without it every regulator rests.
+    /// The controller; without it every actuator rests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller: Option<Chosen<MpcSpec>>,
     /// Horizon solver of the predictive controller, if not the shipped one.

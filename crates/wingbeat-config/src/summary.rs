@@ -83,11 +83,11 @@ pub struct Summary {
     pub cost: CostSummary,
     /// Mean power of the drive on the joints, W: what turning the crank takes.
     pub drive_power_w: Option<f64>,
-    /// Mean power of the regulators on the joints, W: what displacing the structure takes.
+    /// Mean power of the actuators on the joints, W: what displacing the structure takes.
     pub regulator_power_w: Option<f64>,
     /// Mean of what the drive gives alone, W: what comes back from the joints counts as lost.
     pub drive_power_given_w: Option<f64>,
-    /// Mean of what the regulators give alone, W: what actuators pay that cannot take back.
+    /// Mean of what the actuators give alone, W: what those pay that cannot take back.
     pub regulator_power_given_w: Option<f64>,
     /// Mean mechanical power of the motor's shaft, W, where a motor turns the crank.
     #[serde(skip_serializing_if = "Option::is_none")]

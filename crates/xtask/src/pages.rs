@@ -52,7 +52,7 @@ const BLOCKS: [(&str, &[&str]); 5] = [
 const NOT_YET_PLAIN: &[&str] = &[];
 
 /// Words that a reader of the field does not know in that sense, and what to write.
-const PRIVATE_WORDS: [(&str, &str); 17] = [
+const PRIVATE_WORDS: [(&str, &str); 27] = [
     ("told", "reported, given or distinguished"),
     ("made a choice", "we chose it"),
     ("led and not fed back", "feed-forward only"),
@@ -70,6 +70,17 @@ const PRIVATE_WORDS: [(&str, &str); 17] = [
     ("the begin", "the start"),
     ("refused are", "a sentence with subject and verb"),
     ("carried air", "added mass"),
+    // One word for one thing, over all pages; the glossary has them.
+    ("regulators", "actuators (what moves a joint) or controllers; the linear-quadratic regulator is one"),
+    ("beat", "cycle"),
+    ("beats", "cycles"),
+    ("stroke", "cycle, flapping or amplitude; of an actuator its range"),
+    ("strokes", "cycles, flapping or amplitudes; of actuators their ranges"),
+    ("caution", "warning"),
+    ("cautions", "warnings"),
+    ("by a fit", "fitted"),
+    ("on the ground", "along the horizon, or ground speed"),
+    ("over the ground", "in world axes, or ground speed"),
 ];
 
 /// README.md and all pages in docs, as paths from the root.
@@ -246,8 +257,10 @@ fn pages_by_hand_are_short_together() {
 #[test]
 fn no_page_is_long() {
     for page in pages() {
-        let (lines, most) =
-            (text(&page).lines().count(), if page == "README.md" { README_LINES } else { PAGE_LINES });
+        let (lines, most) = (
+            by_hand(&text(&page)).0.lines().count(),
+            if page == "README.md" { README_LINES } else { PAGE_LINES },
+        );
         assert!(
             lines <= most || GENERATED.contains(&page.as_str()),
             "{page} has {lines} lines, allowed are {most}"

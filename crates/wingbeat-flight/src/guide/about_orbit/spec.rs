@@ -14,7 +14,7 @@ use wingbeat_robot::Robot;
 const STEP: f64 = 5e-4;
 
 /// A periodic linear-quadratic regulator about level flight and the flights that legs lead to, each an orbit of the gait
-/// that the regulator finds itself: turns, climbs, other speeds.
+/// that the controller finds itself: turns, climbs, other speeds.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
@@ -29,7 +29,7 @@ pub struct AboutOrbitSpec {
     /// What is flown after another, in the order of time.
     #[serde(default)]
     pub legs: Vec<LegSpec>,
-    /// What may be chosen: regulators, by name or by that of a pair, and `frequency`, for which a regulator paces the
+    /// What may be chosen: actuators, by name or by that of a pair, and `frequency`, for which an actuator paces the
     /// crank. The first two hold straight flight, all together turns. All but the frequency are fed back.
     pub free: Vec<String>,
     /// Deviations that cost as much as a full command.
@@ -41,7 +41,7 @@ pub struct AboutOrbitSpec {
     /// How `[path]` is followed, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingSpec>,
-    /// Commands by a plan over the coming strokes that keeps within their limits, in place of the regulator's.
+    /// Commands by a plan over the coming intervals that keeps within their limits, in place of the regulator's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictive: Option<PredictiveSpec>,
 }
@@ -171,8 +171,8 @@ impl AboutOrbitSpec {
         let needed = if turning && turns { 4 } else { 2 };
         if all.len() < needed {
             let allowed = match turns {
-                true => "for turns four regulators or more, a pair counting as two",
-                false => "two regulators or pairs, or more",
+                true => "for turns four actuators or more, a pair counting as two",
+                false => "two actuators or pairs, or more",
             };
             return Err(Error::invalid("free", format!("{:?}", self.free), allowed));
         }

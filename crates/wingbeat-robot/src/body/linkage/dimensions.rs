@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Most that a regulated link may be lengthened: a factor.
 const LONGEST: f64 = 1e3;
 
-/// Lengths, fixed pivots (y outboard, z up) and regulator ranges of one wing's
+/// Lengths, fixed pivots (y outboard, z up) and actuator ranges of one wing's
 /// linkage. The default is the published design of Aerobat's computational structure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[schemars(
