@@ -162,7 +162,7 @@ pub struct Plan {
 
 /// Fit numbers of robot and rig to runs on the load cell, with what is known of them
 ///
-/// Prints first which run and channel informs which number, and refuses what the runs cannot tell. The folder holds
+/// Prints first which run and channel informs which number, and refuses what the runs cannot identify. The folder holds
 /// calibration.toml (as resolved), numbers.toml (the result, for `--set robot.numbers=FILE` of `fly`, `--set
 /// rig.robot.numbers=FILE` of `rig`), residual.toml where runs with `residual = true` tell what the fitted model leaves of their loads (for
 /// `robot.residual`, beside the numbers), report.md, summary.json, information.csv, record.parquet (measured and predicted cycles

@@ -41,7 +41,7 @@ pub struct Summary {
     pub distance_y_m: f64,
     /// Climb, m; negative is sink.
     pub altitude_change_m: f64,
-    /// Mean magnitude of the velocity over the ground, m/s.
+    /// Mean ground speed, m/s.
     pub mean_speed_m_s: Option<f64>,
     /// Mean rate at which height is lost, m/s; negative in a climb.
     pub sink_rate_m_s: Option<f64>,

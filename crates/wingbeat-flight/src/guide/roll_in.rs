@@ -55,7 +55,7 @@ pub struct RollInSpec {
     /// without it none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingCost>,
-    /// Whether displacements keep to their strokes all the way, g_i >= 0.
+    /// Whether displacements keep to their ranges all the way, g_i >= 0.
     #[serde(default)]
     pub within_strokes: bool,
     /// Guesses tried: flights at rest of different durations. The lowest solution is kept, and the plan says whether the

@@ -27,7 +27,7 @@ pub struct FourierSeries<P = f64> {
     /// Mean, rad.
     #[serde(default)]
     pub mean_rad: P,
-    /// Harmonics 1, 2, ... of the stroke.
+    /// Harmonics 1, 2, ... of the gait.
     #[serde(default)]
     pub harmonics: Vec<Harmonic<P>>,
 }

@@ -123,7 +123,7 @@ impl Coupled {
 
     /// Equation: body.structure_parts
     /// `y'' = K (P omega - y) - C y', A = [0 1; -K -C], B = [0; K P]`
-    /// Source: choice: placement P of m regulators on n elements.
+    /// Source: choice: placement P of m actuators on n elements.
     /// Test: `placement_parts_and_matrices_are_one_structure`.
     ///
     /// From stiffness K (n x n, 1/s2) and damping C (n x n, 1/s) per unit inertia and the placement P

@@ -21,9 +21,9 @@ const STEP: f64 = 5e-4;
 pub struct AboutOrbitSpec {
     /// Time between updates, s; best near a twentieth of a cycle.
     pub period_s: f64,
-    /// Speed at the begin, m/s; wings level.
+    /// Speed at the start, m/s; wings level.
     pub speed_m_s: f64,
-    /// Climb at the begin, m/s.
+    /// Climb at the start, m/s.
     #[serde(default)]
     pub climb_m_s: f64,
     /// What is flown after another, in the order of time.
@@ -35,7 +35,7 @@ pub struct AboutOrbitSpec {
     /// Deviations that cost as much as a full command.
     #[serde(default)]
     pub weights: OrbitWeights,
-    /// How the state is estimated from the readings of instruments; without it, it is told.
+    /// How the state is estimated from the readings of instruments; without it the controller receives the true state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSpec>,
     /// How `[path]` is followed, in place of legs.

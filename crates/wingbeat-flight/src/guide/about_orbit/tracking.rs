@@ -25,7 +25,7 @@ pub struct TrackingSpec {
     /// Time by which the bank is ahead of the path's curvature, s: what the roll takes to follow.
     #[serde(default = "lead")]
     pub lead_s: f64,
-    /// Time constant over which the bank asked is smoothed, s: a stroke's.
+    /// Time constant over which the bank asked is smoothed, s: that of a cycle.
     #[serde(default = "smooth")]
     pub smooth_s: f64,
     /// Rate at which an along-track error dies out, 1/s; 0 leaves it.

@@ -32,7 +32,7 @@ pub struct LinkageDimensions<P = f64> {
     pub l2c_m: P,
     /// Humerus, from shoulder to elbow.
     pub l3a_m: P,
-    /// Humerus, from shoulder to the coupler, along; regulates the stroke.
+    /// Humerus, from shoulder to the coupler, along; changes the flapping amplitude.
     pub l3b_m: P,
     /// Humerus, from shoulder to the coupler, across.
     pub l3c_m: P,
