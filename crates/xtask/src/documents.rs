@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use serde_json::Value;
 
@@ -14,8 +15,8 @@ pub fn write() -> bool {
     tools::tests_built() && reference() && banking_turns() && six_flights() && comparisons()
 }
 
-/// Writes docs/cli.md, docs/reference.md, docs/schema, docs/equations.md and the tables of docs/sections.md and docs/verdicts.md
-/// again.
+/// Writes docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, docs/python_reference.md and the tables of
+/// docs/sections.md and docs/verdicts.md again.
 pub fn reference() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--bin", "wingbeat", "reference"]);
@@ -23,7 +24,9 @@ pub fn reference() -> bool {
     let mut tables =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--test", "ledger", "the_page_of"]);
     tables.env("WINGBEAT_WRITE_DOCS", "1");
-    tools::succeeds(reference) && tools::succeeds(tables)
+    let mut names = Command::new("python3");
+    names.args(["crates/wingbeat-py/reference.py", "--write"]).current_dir(tools::root());
+    tools::succeeds(reference) && tools::succeeds(tables) && tools::succeeds(names)
 }
 
 /// The page of the paper's turn, which shows the turn under all presets and laws.

@@ -31,7 +31,8 @@ cargo xtask TASK
           comparisons, fuzzing, and the other programs where they are installed; docs/testing.md lists both
   docs    write again what is generated: what `reference` writes, docs/validation.md, the tables and the pictures of
           docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
-  reference  docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, the tables of docs/sections.md and docs/verdicts.md
+  reference  docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, docs/python_reference.md, the tables of
+          docs/sections.md and docs/verdicts.md
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box,

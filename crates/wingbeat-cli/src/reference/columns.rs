@@ -333,7 +333,7 @@ pub const COLUMNS: &[Described] = &[
     column("pitch_mean", &[SWEEP], DEG, "", "Mean pitch from the settling time on, positive nose down."),
     column("distance_x", &[SWEEP], M, "", "Way along W's x from begin to end."),
     column("distance_y", &[SWEEP], M, "", "Way along W's y from begin to end, positive to the left."),
-    column("altitude_change", &[SWEEP], M, "", "Altitude at the end less that at the begin."),
+    column("altitude_change", &[SWEEP], M, "", "Altitude at the end less that at the start."),
     column("height_max_error", &[SWEEP], M, "", "Largest |height - reference| from the settling time on, under `[controller.orbit]`."),
     column("cross_rms", &[SWEEP], M, "", "Root mean square of the distance across the path from the settling time on."),
     column("least_clearance", &[SWEEP], M, "", "Least of all clearances over the flight."),
