@@ -15,7 +15,7 @@ pub fn write() -> bool {
     tools::tests_built() && reference() && banking_turns() && six_flights() && comparisons()
 }
 
-/// Writes docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, docs/python_reference.md and the tables of
+/// Writes docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, docs/paper-commands.md, docs/python_reference.md and the tables of
 /// docs/sections.md and docs/verdicts.md again.
 pub fn reference() -> bool {
     let mut reference =

@@ -18,9 +18,10 @@ const SENTENCE_WORDS: usize = 35;
 const HAND_WRITTEN_BYTES: usize = 300_000;
 
 /// Pages that the code writes; their text is that of its doc comments, or of [`WORDS`].
-const GENERATED: [&str; 5] = [
+const GENERATED: [&str; 6] = [
     "docs/cli.md",
     "docs/equations.md",
+    "docs/paper-commands.md",
     "docs/python_reference.md",
     "docs/reference.md",
     "docs/validation.md",
