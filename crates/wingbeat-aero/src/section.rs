@@ -23,6 +23,10 @@ impl<P: Scalar> ZeroLift<P> {
     /// Directions along the line and normal to it, from those of the chord.
     ///
     /// Equation: aero.zero_lift
+    /// `a section lifts as the flat plate along its zero-lift line; g = a0 b cos L, D = (g - d) sum(q_k l_k)`
+    /// Source: Glauert 1926, The Elements of Aerofoil and Airscrew Theory, ch. 7; D so that the steady jump is the
+    /// circulation: own derivation.
+    /// Test: `the_polar_shifts_by_the_zero_lift_angle_under_every_law`.
     #[inline(always)]
     pub fn turned<S: Scalar + Meets<P>>(self, chordwise: Vec3<S>, normal: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
         match self {
@@ -92,6 +96,9 @@ impl<S: Scalar> Section<S> {
     /// The normal turns by n' = q e_c + p across with q = -v_te/le.n / c, p = -w.e_c.
     ///
     /// Equation: aero.section_kinematics
+    /// `n' = q e_c + p across, p = -w.e_c`
+    /// Source: rigid-body kinematics.
+    /// Test: `the_carried_air_gives_no_mean_force`.
     #[inline(always)]
     pub fn new<P: Scalar>(
         motion: &SectionMotion<S>,
@@ -138,6 +145,9 @@ impl<S: Scalar> Section<S> {
     /// (across x n). The mean force over any closed cycle is zero.
     ///
     /// Equation: aero.added_mass
+    /// `F = -d/dt(m v_n n), couple -m v_n v_span (across x n), m = rho pi c^2 dy / 4`
+    /// Source: Kirchhoff 1869; Lamb 1932, art. 124.
+    /// Test: `the_carried_air_gives_no_mean_force`.
     #[inline]
     pub fn added_mass<P: Scalar>(&self, mass: P) -> SectionForce<S>
     where
@@ -158,6 +168,9 @@ impl<S: Scalar> Section<S> {
     /// mid-chord force: -m [(b/2) V q + (b^2/8) q'].
     ///
     /// Equation: aero.section_moment
+    /// `-m [(b/2) V q + (b^2/8) q'] about c/4`
+    /// Source: Theodorsen 1935, NACA Rep. 496.
+    /// Test: `the_carried_air_of_a_pitching_plate_is_theodorsens`.
     #[inline]
     pub fn section_moment<P: Scalar>(&self, mass: P, half_chord: P, speed: S) -> S
     where
@@ -309,6 +322,10 @@ impl<S: Scalar> std::ops::Add for SectionForce<S> {
 /// s 2 pi rho b dy w_l^2 and the carried air -m q (w - b q/2), w its wash at 3/4 chord; the rest is this.
 ///
 /// Equation: aero.pitch_suction
+/// `m q (w - 2 s w_l) - (1 - s) m b q^2/2 forward, s = a0/2 pi, so that the suction is s 2 pi rho b dy (w_l - b
+/// q/2)^2, m = pi rho b^2 dy`
+/// Source: Garrick 1936, NACA Rep. 567.
+/// Test: `a_pitching_strip_has_garricks_suction`.
 #[inline]
 pub(super) fn pitch_suction<P: Scalar, G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
     (mass, slope_share, half_chord): (P, P, P),

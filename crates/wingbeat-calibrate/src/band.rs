@@ -108,6 +108,10 @@ impl Solved<'_> {
     /// one cycle is added.
     ///
     /// Equation: calibrate.band
+    /// `E s^2p r^2 + E (J' - s^p J) C (J' - s^p J)' + noise, s ratio of loads, p even in 0 to 1; r of runs left out,
+    /// by channel and phase, C of the estimates from the discrepancy`
+    /// Source: own; p, smoothing a choice.
+    /// Test: `bands_hold_a_run_unlike_those_fitted`.
     ///
     /// # Errors
     /// A model without an answer.

@@ -27,6 +27,9 @@ pub fn largest(errors: &[f64], parameters: &[Parameter]) -> (usize, f64) {
 /// The first is the one that leaves the least of the largest uncertainty.
 ///
 /// Equation: calibrate.next_run
+/// `(J'C^-1 J + j'c^-1 j + prior)^-1`
+/// Source: Fedorov 1972.
+/// Test: `a_next_run_promises_what_it_brings`.
 ///
 /// # Errors
 /// A model without an answer.

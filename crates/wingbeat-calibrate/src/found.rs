@@ -187,6 +187,10 @@ impl Found {
     /// a cycle.
     ///
     /// Equation: calibrate.residual_autocorrelation
+    /// `sum z_p^2 cos(2 pi k_p/W) / sum z_p^2, z_p the numbers of the residual over their deviations, k_p their
+    /// harmonic`
+    /// Source: circular serial correlation of lag 1, Anderson 1942, Ann. Math. Statist. 13; Durbin & Watson 1950.
+    /// Test: `what_a_wrong_model_leaves_is_told_from_noise`.
     pub fn residual_autocorrelation(&self) -> Option<f64> {
         let (mut next, mut all) = (0.0, 0.0);
         for run in self.fitted().filter(|run| run.observed.frequency_hz > 0.0) {

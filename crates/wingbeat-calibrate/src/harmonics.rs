@@ -79,6 +79,9 @@ impl Layout {
 /// covers the cycle. None where a sample is missing.
 ///
 /// Equation: calibrate.projection
+/// `x_k = 1/pi int x cos(k phase) over a cycle, by trapezia`
+/// Source: Fourier.
+/// Test: `harmonics_of_a_sum_of_harmonics_come_back`.
 pub fn project(phase: &[f64], channels: &[Vec<f64>; 6], begin: f64, harmonics: usize) -> Option<Vec<f64>> {
     let layout = Layout { channels: 6, harmonics };
     let end = begin + TAU;

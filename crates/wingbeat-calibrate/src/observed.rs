@@ -185,6 +185,9 @@ impl Observed {
 /// shape over channels and harmonics, pooled over the runs with each channel in parts of its D.
 ///
 /// Equation: calibrate.scatter
+/// `S_k = D R_k D, D the scatter of the run by channel, R_k of all runs in parts of it`
+/// Source: own.
+/// Test: `each_run_scatters_by_its_own_size`.
 pub fn scatter(runs: &[&Observed]) -> Option<Vec<Vec<DMatrix<f64>>>> {
     let layout = runs.first()?.layout;
     let freedom: f64 = runs.iter().map(|run| run.freedom()).sum();

@@ -277,6 +277,9 @@ pub fn in_wind(run: &RigRun) -> bool {
 /// What the cell makes of the harmonics of a load: its resonance and the box's filter, each a linear system.
 ///
 /// Equation: calibrate.cell_response
+/// `1/(1 - r^2 + 2 i z r), r = k f/f_0; (1 - p)/(1 - p e^(-iwT)); e^(iwT/2)`
+/// Source: linear oscillator, recursive filter, held load.
+/// Test: `the_cell_answers_harmonics_as_it_does_samples`.
 pub fn respond(cell: &CellSpec, frequency: f64, layout: Layout, cycle: &mut [f64]) {
     each_harmonic(layout, cycle, |k| response(cell, frequency, k));
 }

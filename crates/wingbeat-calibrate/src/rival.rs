@@ -149,6 +149,9 @@ const LEAST_LOAD: f64 = 0.1;
 /// proportion to the load of each channel, as in the first of the runs made.
 ///
 /// Equation: calibrate.expected_noise
+/// `S' = E S E, e^2 = (cell' + (s^2 - cell) load'^2/load^2)/s^2`
+/// Source: own; in proportion: choice.
+/// Test: `the_noise_of_a_run_to_come_is_that_of_its_samples`.
 pub fn expected_noise(
     solved: &Solved,
     targets: &[RigTarget],

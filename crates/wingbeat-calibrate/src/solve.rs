@@ -154,6 +154,9 @@ fn freedom(problem: &Problem, of: &[usize]) -> f64 {
 /// noise over that of the amplitudes, for the parameters corrected as if all runs had one and the same error.
 ///
 /// Equation: calibrate.discrepancy
+/// `delta^2 = sum (residual^2 - noise) / sum amplitude^2 per channel, n/(n - p)`
+/// Source: moments; form a choice.
+/// Test: `a_model_that_is_wrong_is_told_by_how_much`.
 fn unsaid(problem: &Problem, values: &[f64]) -> Result<Vec<f64>, Error> {
     let of = problem.fitted();
     let predictions = problem.predictions(&of, values)?;

@@ -86,6 +86,10 @@ impl Rest {
     /// every phase, one of the slope that load times the time, which over the cycle is `clock`.
     ///
     /// Equation: calibrate.tare_covariance
+    /// `T = K (x) M N M', K = [[var b, cov], [cov, var d]] between 1 and t over the cycle, N of the means of batches
+    /// of the rest, M from cell to body`
+    /// Source: generalised least squares, Aitken 1936; batch means.
+    /// Test: `standard_errors_of_what_tilts_tell_are_those_of_many_seeds`.
     pub fn tare(&self, target: &RigTarget, layout: Layout, clock: &[f64]) -> Tare {
         let turn = DMatrix::from_columns(
             &(0..6)

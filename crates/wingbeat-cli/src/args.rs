@@ -162,7 +162,7 @@ pub struct Plan {
 
 /// Fit numbers of robot and rig to runs on the load cell, with what is known of them
 ///
-/// Prints first which run and channel informs which number, and refuses what the runs cannot tell. The folder holds
+/// Prints first which run and channel informs which number, and refuses what the runs cannot identify. The folder holds
 /// calibration.toml (as resolved), numbers.toml (the result, for `--set robot.numbers=FILE` of `fly`, `--set
 /// rig.robot.numbers=FILE` of `rig`), residual.toml where runs with `residual = true` tell what the fitted model leaves of their loads (for
 /// `robot.residual`, beside the numbers), report.md, summary.json, information.csv, record.parquet (measured and predicted cycles
@@ -189,7 +189,7 @@ pub struct Calibrate {
 ///
 /// The folder holds summary.json (frequency, power, stall shares, Floquet multipliers, or why there is no orbit),
 /// record.parquet (one cycle), multipliers.parquet, family.parquet where `[trim.family]` asks for orbits along a parameter,
-/// figures, gains.csv, the periodic regulator that holds the orbit where one does, and orbit.toml: the scenario on its orbit,
+/// figures, gains.csv, the periodic linear-quadratic regulator that holds the orbit where one does, and orbit.toml: the scenario on its orbit,
 /// for `fly`. Where `[trim.search]` asks for the gait that does something
 /// best, starts.csv and starts.parquet have what each start came to, robot.toml is the best robot, and an interrupted search
 /// goes on when the same command is given again. What the numbers mean: docs/trim.md.

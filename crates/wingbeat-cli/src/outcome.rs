@@ -97,9 +97,9 @@ fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let cost = summary.cost.power_lines().into_iter().map(of_cost);
     let of_drives: [Line; 4] = [
         ("power of the drive".into(), None, watts(summary.drive_power_w), "W, on the joints"),
-        ("power of the regulators".into(), None, watts(summary.regulator_power_w), "W, on the joints"),
+        ("power of the actuators".into(), None, watts(summary.regulator_power_w), "W, on the joints"),
         ("drive, without taking back".into(), None, watts(summary.drive_power_given_w), "W"),
-        ("regulators, likewise".into(), None, watts(summary.regulator_power_given_w), "W"),
+        ("actuators, likewise".into(), None, watts(summary.regulator_power_given_w), "W"),
     ];
     let cost = cost.chain(of_drives).chain(summary.cost.weight_lines().into_iter().map(of_cost));
     let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());

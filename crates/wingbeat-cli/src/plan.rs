@@ -124,11 +124,11 @@ fn table(summary: &PlanSummary) -> String {
 
 type Lines = Vec<(&'static str, String)>;
 
-/// Power of drive and regulators on the joints.
+/// Power of drive and actuators on the joints.
 fn powers(summary: &RollInSummary) -> String {
     let watts = |power: Option<f64>| power.map_or("-".into(), |power| format!("{power:.3}"));
     format!(
-        "drive {} W, regulators {} W, {} W without taking back",
+        "drive {} W, actuators {} W, {} W without taking back",
         watts(summary.drive_power_w),
         watts(summary.regulator_power_w),
         watts(summary.regulator_power_given_w)

@@ -85,7 +85,7 @@ fn robot(scenario: &Scenario, path: &Path) -> Result<Figure, Error> {
     drawing.robot(&skeleton, &wingbeat::rig::Pose::IDENTITY, true);
     drawing.frame("body B: x forward, y left, z up", &wingbeat::rig::Pose::IDENTITY);
     drawing.note(&format!(
-        "{}: {:.1} g, {} links, phase of the gait {:.3} rad, regulators at rest. Left wing blue, right wing orange; \
+        "{}: {:.1} g, {} links, phase of the gait {:.3} rad, actuators at rest. Left wing blue, right wing orange; \
          hinge axes dashed, centres of mass grey.",
         path.file_name().unwrap_or_default().to_string_lossy(),
         1e3 * robot.mass(),

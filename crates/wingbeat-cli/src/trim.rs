@@ -112,7 +112,7 @@ fn table(summary: &TrimSummary) -> String {
         ("frequency", format!("{} Hz", number(summary.frequency_hz, 4))),
         ("positive power", power),
         (
-            "power of twist / regulators",
+            "power of twist / actuators",
             format!("{} / {} W", number(summary.twist_power_w, 4), number(summary.regulator_power_w, 4)),
         ),
         ("lift over weight", number(summary.lift_over_weight, 6)),

@@ -165,7 +165,7 @@ pub struct CalibratedRunSpec {
     #[serde(default)]
     pub held_out: bool,
     /// True for a run that is not fitted, and of which is learned what the fitted model leaves of its loads: residual.toml, for
-    /// `robot.residual`. Such runs beat at one frequency, each at one velocity against the air.
+    /// `robot.residual`. Such runs flap at one frequency, each at one velocity against the air.
     #[serde(default)]
     pub residual: bool,
 }

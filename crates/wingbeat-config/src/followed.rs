@@ -15,7 +15,7 @@ pub struct PathSummary {
     pub along_rms_m: f64,
     /// Largest of it, m.
     pub along_max_m: f64,
-    /// Arc of the path flown by the end, over the ground, m.
+    /// Horizontal arc of the path flown by the end, m.
     pub arc_m: f64,
 }
 

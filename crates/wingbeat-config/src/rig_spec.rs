@@ -219,9 +219,9 @@ pub struct MountSpec {
 pub struct EnvelopeSpec {
     /// Half span, m.
     pub half_span_m: f64,
-    /// Lowest stroke angle, rad.
+    /// Lowest flapping angle, rad.
     pub low_rad: f64,
-    /// Highest stroke angle, rad.
+    /// Highest flapping angle, rad.
     pub high_rad: f64,
     /// Length ahead of the body origin, m.
     #[serde(default)]

@@ -20,7 +20,7 @@ pub struct RigTruthSpec {
     /// Overrides of the run: `rig.aero.law=lev`. The motion stays as planned without them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
-    /// The wings beat faster or slower by up to this share, drawn.
+    /// The wings flap faster or slower by up to this share, drawn.
     #[serde(default)]
     pub frequency_share: f64,
     /// The crank's rate ripples once a turn by this share, at a drawn phase; the encoder, read once a turn, does not show it.

@@ -55,7 +55,7 @@ pub struct ScenarioSpec {
     /// What `wingbeat plan` plans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanSpec>,
-    /// The controller; without it every regulator rests.
+    /// The controller; without it every actuator rests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller: Option<Chosen<MpcSpec>>,
     /// Horizon solver of the predictive controller, if not the shipped one.
@@ -326,7 +326,7 @@ pub struct GoalSpec {
     /// Largest difference of the altitude from that at the start, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub altitude_within_m: Option<f64>,
-    /// Least and largest mean speed over the ground, m/s.
+    /// Least and largest mean ground speed, m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed_between_m_s: Option<[f64; 2]>,
     /// Least clearance over the whole flight, m.

@@ -41,7 +41,7 @@ pub struct Summary {
     pub distance_y_m: f64,
     /// Climb, m; negative is sink.
     pub altitude_change_m: f64,
-    /// Mean magnitude of the velocity over the ground, m/s.
+    /// Mean ground speed, m/s.
     pub mean_speed_m_s: Option<f64>,
     /// Mean rate at which height is lost, m/s; negative in a climb.
     pub sink_rate_m_s: Option<f64>,
@@ -83,11 +83,11 @@ pub struct Summary {
     pub cost: CostSummary,
     /// Mean power of the drive on the joints, W: what turning the crank takes.
     pub drive_power_w: Option<f64>,
-    /// Mean power of the regulators on the joints, W: what displacing the structure takes.
+    /// Mean power of the actuators on the joints, W: what displacing the structure takes.
     pub regulator_power_w: Option<f64>,
     /// Mean of what the drive gives alone, W: what comes back from the joints counts as lost.
     pub drive_power_given_w: Option<f64>,
-    /// Mean of what the regulators give alone, W: what actuators pay that cannot take back.
+    /// Mean of what the actuators give alone, W: what those pay that cannot take back.
     pub regulator_power_given_w: Option<f64>,
     /// Mean mechanical power of the motor's shaft, W, where a motor turns the crank.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -253,6 +253,9 @@ fn spread(values: [f64; 4], scale: f64) -> f64 {
 /// The order p with which values at `counts` approach one: f = f0 + C n^-p through all three.
 ///
 /// Equation: tether.observed_order
+/// `(f1 - f2)/(f2 - f3) = (n1^-p - n2^-p)/(n2^-p - n3^-p)`
+/// Source: Roache 1998, Verification and Validation, ch. 5.
+/// Test: `known_orders_are_observed`.
 fn observed_order(counts: [usize; LEVELS], values: [f64; LEVELS], scale: f64) -> Option<f64> {
     const SOUGHT: (f64, f64) = (0.1, 12.0);
     let [first, second] = [values[0] - values[1], values[1] - values[2]];

@@ -22,6 +22,9 @@ const BLOCKS: usize = 16;
 /// d = b - a; nothing on the line of the segment.
 ///
 /// Equation: lattice.segment
+/// `v = (d x r) (r1 + r2) / (4 pi r1 r2 (r1 r2 + r1.r2))`
+/// Source: Biot & Savart; Katz & Plotkin 2001, section 10.4.5, rearranged.
+/// Test: `lanes_agree_with_single_segments`.
 #[inline]
 pub fn segment(p: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     let (r1, r2) = (p - a, p - b);
@@ -37,6 +40,9 @@ pub fn segment(p: Vec3, a: Vec3, b: Vec3) -> Vec3 {
 /// length of the segment and rc the radius of its core, m4.
 ///
 /// Equation: lattice.cored_segment
+/// `the same with 1/(r1 r2 + r1.r2) = (r1 r2 - r1.r2)/abs(r1 x r2)^2 and abs(r1 x r2)^2 + (l rc)^2 in its place`
+/// Source: form of PteraSoftware 5.1.0.
+/// Test: `a_long_segment_is_a_line_vortex_and_a_core_fades_it`.
 #[inline]
 pub fn cored_segment(p: Vec3, a: Vec3, b: Vec3, core: f64) -> Vec3 {
     let (r1, r2) = (p - a, p - b);
@@ -53,6 +59,9 @@ pub fn cored_segment(p: Vec3, a: Vec3, b: Vec3, core: f64) -> Vec3 {
 /// along the segment.
 ///
 /// Equation: lattice.softened_segment
+/// `v = (d x r) (R1 + R2) / (4 pi R1 R2 (R1 R2 + r1.r2 + c^2)), R^2 = r^2 + c^2`
+/// Source: Rosenhead 1930, Proc. R. Soc. A 127, integrated along the segment.
+/// Test: `a_softened_segment_is_the_integral_of_its_law`.
 pub fn softened_segment(p: Vec3, a: Vec3, b: Vec3, core: f64) -> Vec3 {
     let (r1, r2) = (p - a, p - b);
     let square = core * core;
@@ -374,6 +383,9 @@ impl Crossing {
     /// Squared core at `place` of the vortex at the arc coordinate `arc` of the surface number `surface`, m2.
     ///
     /// Equation: lattice.crossing
+    /// `core = share max(0, abs(s_i - s_j) - near) of a bound vortex at the arc s_j felt at s_i`
+    /// Source: choice: strips far apart along a wing that meet are no neighbours.
+    /// Test: `wings_that_pass_through_each_other_are_finite`.
     pub fn square(&self, place: Place, surface: usize, arc: f64) -> f64 {
         let radius = match place {
             Place::On(own, at) if own == surface => self.share * ((at - arc).abs() - self.near).max(0.0),

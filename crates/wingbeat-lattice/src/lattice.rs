@@ -273,6 +273,9 @@ impl Lattice {
     /// Circulations that keep the flow tangent to every panel: sum_j a_ij G_j = -(air - panel) . n, the air without the rings.
     ///
     /// Equation: lattice.tangency
+    /// `sum_j a_ij G_j = -(air - panel) . n at 3/4 of each panel`
+    /// Source: Katz & Plotkin 2001, section 13.12.
+    /// Test: `rectangles_have_the_slope_of_the_lifting_surface`.
     fn solve(&mut self, t: f64, air: &[Vec3]) -> Result<(), Error> {
         let mut matrix = self.influence.coefficients(&self.meshes);
         let n = self.rings[0].len();
@@ -299,6 +302,9 @@ impl Lattice {
     /// once, has none.
     ///
     /// Equation: lattice.rates
+    /// `(3 G_n - 4 G_n-1 + G_n-2)/(2 h)`
+    /// Source: backward differences.
+    /// Test: `a_long_wing_starts_as_wagner_says`.
     fn rates(&self) -> Vec<f64> {
         let [now, one, two] = &self.rings;
         let per_step = self.settings.step_s.recip();
@@ -344,6 +350,9 @@ impl Lattice {
     /// as nothing of the wake is left out.
     ///
     /// Equation: lattice.kelvin
+    /// `bound and shed circulation of a strip sum to zero`
+    /// Source: Kelvin 1869.
+    /// Test: `circulation_is_kept_and_halves_make_the_whole`.
     pub fn circulation_error(&self) -> f64 {
         let largest = self.rings[0].iter().fold(0.0_f64, |most, ring| most.max(ring.abs()));
         let mut worst: f64 = 0.0;

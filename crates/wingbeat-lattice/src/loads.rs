@@ -186,6 +186,9 @@ impl Loaded<'_> {
     /// before it up to its bound vortex, and of its own ring behind.
     ///
     /// Equation: lattice.unsteady_force
+    /// `rho A n d/dt(3/4 G_i + 1/4 G_i-1)`
+    /// Source: Katz & Plotkin 2001, section 13.12; shares own: the ring before reaches to the bound vortex.
+    /// Test: `a_long_wing_starts_as_wagner_says`.
     fn growth(&self, i: usize, j: usize) -> Wrench<f64> {
         let n = self.mesh.strips;
         let before = if i > 0 { self.rates[(i - 1) * n + j] } else { 0.0 };
@@ -200,6 +203,9 @@ impl Loaded<'_> {
     /// of these at the places where they act.
     ///
     /// Equation: lattice.joukowski
+    /// `rho G v x l on bound vortices and legs, and the unsteady force`
+    /// Source: Joukowski 1906; Saffman 1992, section 3.1.
+    /// Test: `both_ways_to_the_force_agree`.
     fn joukowski(&self, i: usize, j: usize) -> (Wrench<f64>, f64) {
         let n = self.mesh.strips;
         let at = i * n + j;
@@ -230,6 +236,9 @@ impl Loaded<'_> {
     /// it and v the relative velocity at its control point; the jump of pressure acts along the normal.
     ///
     /// Equation: lattice.bernoulli
+    /// `rho [(v x sum G l).n + A d(phi)/dt] n, v at the control point`
+    /// Source: unsteady Bernoulli; Katz & Plotkin 2001, section 13.12.
+    /// Test: `both_ways_to_the_force_agree`.
     fn bernoulli(&self, i: usize, j: usize) -> Wrench<f64> {
         let n = self.mesh.strips;
         let at = i * n + j;
@@ -254,6 +263,10 @@ impl Loaded<'_> {
     /// the pull is rho Gamma^2/(4 dx), dx the panel's length square to the edge.
     ///
     /// Equation: lattice.suction
+    /// `rho G_0^2/(4 dx) per length of the edge`
+    /// Source: Garrick 1936, NACA Rep. 567; first vortex of an even lattice, own derivation: G_k = C sqrt(dx)
+    /// Gamma(k + 1/2)/k!.
+    /// Test: `both_ways_to_the_force_agree`.
     fn suction(&self, j: usize) -> Wrench<f64> {
         let [left, right] = [j, j + 1].map(|j| self.mesh.edges[j].le);
         let edge = right - left;

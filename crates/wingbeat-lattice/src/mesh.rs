@@ -242,6 +242,9 @@ impl Mesh {
     /// and on these.
     ///
     /// Equation: lattice.rings
+    /// `front G_ij - G_i-1,j; legs G_i,j-1 - G_ij`
+    /// Source: Katz & Plotkin 2001, section 12.3.
+    /// Test: `rectangles_have_the_slope_of_the_lifting_surface`.
     pub fn set_circulations(&mut self, rings: &[f64]) {
         let (m, n) = (self.chordwise, self.strips);
         let ring = |i: usize, j: usize| rings[i * n + j];

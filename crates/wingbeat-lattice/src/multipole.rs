@@ -103,6 +103,9 @@ impl Shift {
 /// The coefficients that moments have.
 ///
 /// Equation: lattice.multipole
+/// `velocity = sum_m a_m C_m/(4 pi), C_m = -sum_i m_i e_i x M_(m - e_i), M_k = sum Gamma l (y - c)^k`
+/// Source: Lindsay & Krasny 2001, J. Comput. Phys. 172; harmonic terms folded: own derivation.
+/// Test: `moments_stand_for_their_vortices_at_a_distance_and_when_shifted`.
 pub fn coefficients(moments: &Moments) -> Coefficients {
     let units = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
     let mut all: Vec<Vec3> = exponents(DEGREE)
@@ -142,6 +145,9 @@ type Terms = [[f64x4; DEGREE + 1]; 2];
 /// n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) - (n - 1) sum_i a_(k - 2 e_i), n the degree of k.
 ///
 /// Equation: lattice.multipole_terms
+/// `n r^2 a_k = (2 n - 1) sum_i d_i a_(k - e_i) - (n - 1) sum_i a_(k - 2 e_i)`
+/// Source: Duan & Krasny 2001, J. Comput. Chem. 22.
+/// Test: `moments_stand_for_their_vortices_at_a_distance_and_when_shifted`.
 #[inline(always)]
 pub fn velocity(coefficients: &Coefficients, d: &[f64x4; 3]) -> [f64x4; 3] {
     let inverse = f64x4::ONE / d[0].mul_add(d[0], d[1].mul_add(d[1], d[2] * d[2]));

@@ -20,6 +20,9 @@ impl Core {
     /// Squared radius, m2, `age` s after shedding, of a vortex of the circulation `strength`, m2/s.
     ///
     /// Equation: lattice.core_growth
+    /// `rc^2 = r0^2 + 4 a (nu + a1 abs(Gamma)) age, a = 1.25643`
+    /// Source: Lamb 1932; Squire 1965, Aeronaut. Q. 16.
+    /// Test: `cores_grow_as_lamb_and_squire_say`.
     pub fn square(&self, age: f64, strength: f64) -> f64 {
         let viscosity = self.viscosity_m2_s + self.squire * strength.abs();
         self.radius_m * self.radius_m + 4.0 * LAMB * viscosity * age.max(0.0)

@@ -35,6 +35,10 @@ const CORE: f64 = 0.148;
 /// What has to be added, by surface, to the velocities that the bound rings induce at the points of [`Mesh::fronts`], m/s.
 ///
 /// Equation: lattice.bound_mean
+/// `mean along a bound vortex of what the other bound vortices induce, those of its row softened over .148 panel
+/// widths`
+/// Source: own derivation: mean of ln r over a flat plate's loading.
+/// Test: `steady_wings_have_the_drag_of_their_wake`.
 pub fn changes(meshes: &[Mesh], influence: &Influence) -> Vec<Vec<Vec3>> {
     let across: Vec<Grid> = meshes.iter().map(across).collect();
     let sources = Sources { bound: across.iter().collect(), cored: Vec::new() };

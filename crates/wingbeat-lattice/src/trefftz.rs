@@ -11,6 +11,9 @@ impl Lattice {
     /// Munk 1921: however the wings are swept, this is the drag of a steady wing, and the least that its loading can have.
     ///
     /// Equation: lattice.trefftz
+    /// `D = -(rho/2) sum G_j w_j dy_j in the plane behind the wake`
+    /// Source: Munk 1921, NACA Rep. 121.
+    /// Test: `steady_wings_have_the_drag_of_their_wake`.
     pub fn wake_drag(&self) -> Option<f64> {
         let scene = self.scene();
         let speed = Some(scene.wind.norm()).filter(|speed| *speed > 0.0)?;

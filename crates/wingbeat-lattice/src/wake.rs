@@ -45,6 +45,9 @@ impl Wake {
     /// Puts the rings on the segments, with the cores that they have after steps of `step` s each.
     ///
     /// Equation: lattice.wake_rings
+    /// `the ring shed at t_n carries the last ring's circulation of t_n; segments the difference of their rings`
+    /// Source: Kutta; Katz & Plotkin 2001, section 13.12.
+    /// Test: `rings_close_and_leave_by_age_and_distance`.
     pub fn set_segments(&mut self, core: &Core, step: f64) {
         let (n, rows) = (self.grid.columns - 1, self.rows());
         let rings = &self.rings;
@@ -80,6 +83,9 @@ impl Wake {
     /// ago is known, or all at first order where `first_order` says so.
     ///
     /// Equation: lattice.wake_convection
+    /// `x += h (3/2 v_n - 1/2 v_n-1)`
+    /// Source: Adams & Bashforth 1883.
+    /// Test: `vertices_are_carried_at_their_order`.
     pub fn carry(&mut self, now: Vec<Vec3>, step: f64, first_order: bool) {
         let known = if first_order { 0 } else { self.before.len() };
         for (k, (point, v)) in self.grid.points.iter_mut().zip(&now).enumerate() {

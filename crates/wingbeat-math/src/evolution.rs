@@ -73,6 +73,9 @@ impl Evolution {
     /// c_mu are (n + 2)/3 times those of the full matrix.
     ///
     /// Equation: math.evolution
+    /// `separable CMA-ES: m, sigma, diagonal C from the ranked half of a generation`
+    /// Source: Ros & Hansen 2008, PPSN X; constants of Hansen 2016, arXiv 1604.00772.
+    /// Test: `it_finds_a_minimum_of_unequal_axes_and_one_at_an_end`.
     pub fn tell(&mut self, costs: &[f64]) {
         let n = self.mean.len() as f64;
         let mu = 1.0 / self.weights.iter().map(|w| w * w).sum::<f64>();

@@ -23,6 +23,9 @@ impl Harmonics {
     /// samples do not determine them.
     ///
     /// Equation: tether.harmonics
+    /// `mean, cos_n, sin_n that minimise the squares of what is left`
+    /// Source: Gauss; normal equations.
+    /// Test: `harmonics_are_found_in_uneven_samples_of_several_cycles`.
     pub fn fitted(frequency: f64, t: &[f64], y: &[f64], count: usize) -> Option<Self> {
         let size = 2 * count + 1;
         let (mut right, mut sums) = (vec![0.0; size], vec![(0.0, 0.0); size]);

@@ -9,6 +9,9 @@ const TINY: f64 = 1e-18;
 /// where the nearest points are unique; where the segments touch they are taken as zero.
 ///
 /// Equation: math.segment_distance
+/// `min over s, t in [0, 1] of abs(a0 + s da - b0 - t db)`
+/// Source: Ericson 2005, Real-Time Collision Detection, 5.1.9.
+/// Test: `segment_distance_against_a_fine_search`.
 pub fn segment_distance<S: Scalar>(a: [Vec3<S>; 2], b: [Vec3<S>; 2]) -> S {
     let (d1, d2, r) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     let (aa, ee, f) = (d1.norm_squared(), d2.norm_squared(), d2.dot(r));

@@ -60,6 +60,9 @@ impl CubicSpline {
     /// Value, slope and curvature at `x`.
     ///
     /// Equation: math.cubic_spline
+    /// `C2 cubic through a table, natural or periodic`
+    /// Source: Schoenberg 1946.
+    /// Test: `a_periodic_spline_converges_to_a_sine_with_its_derivatives`.
     pub fn at(&self, x: f64) -> Jet<f64> {
         let x = self.period.map_or(x, |period| self.x[0] + (x - self.x[0]).rem_euclid(period));
         let last = self.x.len() - 1;

@@ -81,6 +81,9 @@ impl Scheme {
     /// Integrals from 0 to `s` of the Lagrange polynomials.
     ///
     /// Equation: ocp.lobatto
+    /// `x_j - x_0 - h sum_i A_ji f_i = 0, A_ji = integral of the Lagrange polynomial l_i to c_j`
+    /// Source: Lobatto IIIA; Betts 2010, ch. 4.
+    /// Test: `quadratures_reach_their_order`.
     pub fn integrals(&self, s: f64) -> Vec<f64> {
         integrals(&self.c, s)
     }

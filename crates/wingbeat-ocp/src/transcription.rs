@@ -74,6 +74,9 @@ impl Transcription {
     /// Hermite-Simpson: x1 - x0 - h/6 (f0 + 4 fc + f1).
     ///
     /// Equation: ocp.defect
+    /// `x1 - x0 - h/6 (f0 + 4 fc + f1); trapezoid x1 - x0 - h/2 (f0 + f1)`
+    /// Source: Hargraves & Paris 1987; Betts 2010, ch. 4; Paper section IV.
+    /// Test: `defects_vanish_one_order_above_the_method`.
     pub fn defect<S: Scalar>(
         self,
         interval: &Interval<S>,
@@ -118,6 +121,9 @@ impl<S: Scalar> Interval<'_, S> {
     /// xc = (x0 + x1)/2 + h/8 (f0 - f1), uc = (u0 + u1)/2.
     ///
     /// Equation: ocp.midpoint
+    /// `xc = (x0 + x1)/2 + h/8 (f0 - f1), uc = (u0 + u1)/2`
+    /// Source: Hargraves & Paris 1987; Paper section IV.
+    /// Test: `defects_vanish_one_order_above_the_method`.
     pub fn middle(&self, middle: &mut Midpoint<S>) {
         let Interval { h, x: [x0, x1], u: [u0, u1], f: [f0, f1], .. } = *self;
         for (i, x) in middle.x.iter_mut().enumerate() {

@@ -106,7 +106,7 @@ pub fn flight(record: &Record, rows: &[usize]) -> Vec<Panel> {
     let power = [
         ("joint_power", "all joints", Total),
         ("drive_power", "drive", Own(0)),
-        ("regulator_power", "regulators", Own(1)),
+        ("regulator_power", "actuators", Own(1)),
         ("electrical_power", "electrical", Own(2)),
     ];
     panels.extend(of.panel(("mechanical power", "W"), 1.0, &power));

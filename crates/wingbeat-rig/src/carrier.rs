@@ -26,6 +26,9 @@ impl<S: Scalar> Mount<S> {
     /// about the cell's origin, in C: weight and inertia.
     ///
     /// Equation: rig.mount_wrench
+    /// `F = -m (a_c - g), M = c x F - (I w' + w x I w)`
+    /// Source: Newton-Euler.
+    /// Test: `wrenches_go_to_the_cell_and_back`.
     pub fn wrench(&self, cell: &FrameMotion) -> Wrench<S> {
         let a = cell.point_acceleration(self.com) + Vec3::constant(Vec3([0.0, 0.0, GRAVITY]));
         let r = cell.pose.rotation;

@@ -115,6 +115,9 @@ impl<P: Scalar> RigNumbers<P> {
     /// of the gait, rad/s.
     ///
     /// Equation: rig.crank_ripple
+    /// `phase + a cos(phase) + b sin(phase)`
+    /// Source: first harmonic of an uneven crank.
+    /// Test: `the_crank_runs_ahead_by_its_ripple`.
     pub fn rippled(&self, clock: Jet, rate: f64) -> Jet<P> {
         let lifted = Jet::new(P::from(clock.x), P::from(clock.d), P::from(clock.dd));
         if rate == 0.0 {

@@ -35,6 +35,9 @@ impl<P: Scalar> Pulse<P> {
     /// Share of the velocity at the time `t`, and its rate, 1/s; zero before and after.
     ///
     /// Equation: robot.pulse
+    /// `gust v(t) = V (1 - cos(2 pi (t - t_0)/T))/2 from t_0 to t_0 + T`
+    /// Source: the discrete gust of CS-25.341.
+    /// Test: `a_pulse_has_its_velocity_in_its_middle_and_none_outside`.
     fn share<S: Scalar + Meets<P>>(&self, t: S) -> (S, S) {
         let since = t - self.start;
         let rate = P::from(TAU) / self.duration;

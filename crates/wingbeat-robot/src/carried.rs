@@ -96,6 +96,9 @@ impl<P: Scalar> Robot<P> {
     /// The [`Fault`] that makes the model unusable there.
     ///
     /// Equation: robot.carried_wrench
+    /// `carrier bears air + drag + weight - d(momentum)/dt`
+    /// Source: Newton-Euler.
+    /// Test: `a_robot_at_rest_bears_its_weight_on_the_stand`.
     pub fn carried<S: Scalar + Meets<P>>(
         &self,
         clock: &Jet<S>,
@@ -371,6 +374,9 @@ impl Robot {
 /// `external`. With it the joints' power is the rate of the energy of body and links.
 ///
 /// Equation: robot.air_power
+/// `P_joints + P_air + P_carrier = d(energy)/dt, P = sum F . v + T . w`
+/// Source: conservation of energy.
+/// Test: `the_power_of_joints_air_and_carrier_is_the_rate_of_energy`.
 pub(super) fn air_power<S: Scalar>(
     base: &LinkMotion<S>,
     links: &[LinkMotion<S>],

@@ -168,6 +168,9 @@ impl Apart {
     /// two capsules that of their segments less the radii.
     ///
     /// Equation: robot.clearance
+    /// `y of a left corner, -y of a right one in B; distance of segments less both radii`
+    /// Source: definition.
+    /// Test: `corners_lie_where_the_joints_put_them`.
     fn distances<S: Scalar>(&self, links: &[LinkMotion<S>], mut each: impl FnMut(S)) {
         match self {
             Self::Halves(corners) => {
@@ -207,6 +210,9 @@ impl<S: Scalar> SmoothMinimum<S> {
     }
 
     /// Equation: robot.smooth_clearance
+    /// `-w ln sum exp(-d/w), w = 1 mm: at most w ln n below the least of n distances`
+    /// Source: log-sum-exp, Boyd & Vandenberghe 2004, section 3.1.5; width a choice.
+    /// Test: `corners_lie_where_the_joints_put_them`.
     fn value(&self) -> S {
         self.least - self.sum.ln() * WIDTH
     }

@@ -57,6 +57,9 @@ impl<P: Scalar> Robot<P> {
     /// series q(phase) is at m + (1 + s) (q - m) + y.
     ///
     /// Equation: robot.scaled_series
+    /// `q = m + (1 + s) (q_gait - m) + y, m the mean of the series`
+    /// Source: choice.
+    /// Test: `a_series_is_scaled_about_its_mean_and_the_crank_runs_ahead`.
     #[inline(always)]
     pub(super) fn driven<S: Scalar + Meets<P>>(
         &self,
@@ -85,6 +88,9 @@ impl<P: Scalar> Robot<P> {
     }
 
     /// Equation: robot.crank_ratios
+    /// `q_j' = dq_j/dphase phase', crank bears sum_j dq_j/dphase tau_j; J phase'' = tau_crank - that`
+    /// Source: virtual work.
+    /// Test: `the_crank_bears_its_joints`.
     ///
     /// Ratios dq_j/dphase of the joints to the crank, the displacements held: what one unit of the
     /// crank's rate turns or slides each joint, so that by virtual work the crank bears
@@ -143,6 +149,9 @@ impl Robot {
     /// the regulators.
     ///
     /// Equation: robot.power_split
+    /// `sum_j tau_j q_j' = sum_j tau_j dq_j/dphase phase' + sum_j tau_j (q_j' at phase held)`
+    /// Source: virtual work.
+    /// Test: `drive_and_regulators_share_the_power_of_the_joints`.
     pub(super) fn power_split(
         &self,
         phase: Jet,

@@ -83,6 +83,9 @@ impl<P: Scalar> Spring<P> {
     /// -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part.
     ///
     /// Equation: robot.joint_spring
+    /// `effort = -k (q - rest - y) - c q' - k_s [s(q - high) - s(low - q)], s the smooth positive part`
+    /// Source: Hooke; stops a choice.
+    /// Test: `elastic_joints_bear_the_efforts_of_their_springs`.
     pub fn effort<S: Scalar + Meets<P>>(&self, q: S, d: S, moved: S) -> S {
         let SpringNumbers { stiffness, damping, rest, stops } = self.numbers;
         let linear = -((q - rest - moved) * stiffness) - d * damping;

@@ -23,13 +23,13 @@ pub struct Observation {
     pub torques: Vec<f64>,
     /// Phase of the gait, rad.
     pub phase: f64,
-    /// Mechanical power of the driven joints, W: that of the drive and that of the regulators.
+    /// Mechanical power of the driven joints, W: that of the drive and that of the actuators.
     pub power: f64,
     /// Sum of the positive powers of the driven joints, each by itself, W: what drives that share nothing give. See [`drive_power`].
     pub separate_power: f64,
     /// Part of `power` that the drive gives, turning the crank, W.
     pub drive_power: f64,
-    /// Part of it that the regulators give, displacing the structure, W.
+    /// Part of it that the actuators give, displacing the structure, W.
     pub regulator_power: f64,
     /// The motor, where one turns the crank.
     pub motor: Option<MotorWork>,

@@ -88,6 +88,10 @@ impl Residual {
     /// measured. That it grows with the rate of the phase, so that still wings have none, is a *choice*.
     ///
     /// Equation: robot.residual_wrench
+    /// `W = p'/(2 pi f) sum_r e_r(p) sum_j c_rj t_j(v), e = 1, cos p, sin p, cos 2p, ..., t products of the
+    /// velocity's components at a place of the body, held within those measured`
+    /// Source: definition; its growth with p' a choice.
+    /// Test: `a_wrench_is_its_sum_of_waves_and_terms`.
     pub fn wrench<S: Scalar>(&self, phase: &Jet<S>, velocity: Vec3<S>) -> Wrench<S> {
         let held = Vec3([0, 1, 2].map(|i| velocity[i].clamped(self.low[i], self.high[i])));
         let terms: ArrayVec<S, MOST_TERMS> = self.terms.iter().map(|term| term.at(held)).collect();

@@ -366,6 +366,9 @@ pub(super) struct Coupled<'a, G: Scalar, S: Scalar> {
 /// (1 - f) F and f F at both mid chords and the couple T about the strip's axis as (1 - f) T n x c_1 / c and f T n x c_2 / c.
 ///
 /// Equation: robot.strip_shares
+/// `(1 - f) F and f F at both mid chords, (1 - f) T n x c_1 / c and f T n x c_2 / c`
+/// Source: virtual work.
+/// Test: `elastic_joints_bear_the_efforts_of_their_springs`.
 pub(super) fn between_edges<G: Scalar, S: Over<G>>(
     edges: &[SectionMotion<G>; 2],
     share: G,

@@ -41,6 +41,9 @@ impl<P: Scalar> Robot<P> {
     /// Wrench of the thrusters on the body, in B about its origin; `structure` holds the displacements of the elements.
     ///
     /// Equation: robot.thrust
+    /// `F = sum T_i d_i, M = sum r_i x T_i d_i; T'' = (2/lag)^2 (u - T) - (4/lag) T'`
+    /// Source: definition; mean delay `lag`.
+    /// Test: `thrusters_push_the_body_and_lag_their_commands`.
     pub(super) fn thrust<S: Scalar>(&self, structure: &[S]) -> Wrench<S> {
         let each = self.thrusters.iter().map(|thruster| thruster.wrench(structure[thruster.element]));
         each.fold(Wrench::ZERO, |sum, wrench| sum + wrench)

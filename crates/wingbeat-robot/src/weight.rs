@@ -84,6 +84,9 @@ impl Observation {
     /// is the upward force of air and thrusters over the weight; of a periodic level flight its mean is 1.
     ///
     /// Equation: robot.weight_shares
+    /// `s_i = (R_WB F_i)_z / (m g), F_i the force of each part`
+    /// Source: definition.
+    /// Test: `the_shares_of_the_weight_sum_to_the_upward_force`.
     pub fn weight_shares(&self, mass: f64) -> WeightShares {
         let (air, detail) = (&self.air, &self.detail);
         let force = |part: WeightPart| -> Vec3 {

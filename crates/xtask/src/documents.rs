@@ -2,35 +2,31 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use serde_json::Value;
 
 use crate::report::Tally;
 use crate::tools;
 
-/// Writes again what is generated: docs/cli.md, docs/reference.md, docs/schema, the tables of
-/// docs/sections.md, docs/validation.md, the tables and the pictures of docs/banking_turn.md and docs/flight.md.
+/// Writes again what is generated: what [`reference`] writes, docs/validation.md, the tables and the pictures of docs/banking_turn.md and docs/flight.md.
 pub fn write() -> bool {
     // The tests build the program too, with the features that they take.
     tools::tests_built() && reference() && banking_turns() && six_flights() && comparisons()
 }
 
-/// Writes docs/cli.md, docs/reference.md, docs/schema and the tables of docs/sections.md again.
+/// Writes docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, docs/paper-commands.md, docs/python_reference.md and the tables of
+/// docs/sections.md and docs/verdicts.md again.
 pub fn reference() -> bool {
     let mut reference =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--bin", "wingbeat", "reference"]);
     reference.env("WINGBEAT_WRITE_DOCS", "1");
-    let mut sections = tools::cargo(&[
-        "test",
-        "--release",
-        "--quiet",
-        "--workspace",
-        "--test",
-        "ledger",
-        "page_of_sections",
-    ]);
-    sections.env("WINGBEAT_WRITE_DOCS", "1");
-    tools::succeeds(reference) && tools::succeeds(sections)
+    let mut tables =
+        tools::cargo(&["test", "--release", "--quiet", "--workspace", "--test", "ledger", "the_page_of"]);
+    tables.env("WINGBEAT_WRITE_DOCS", "1");
+    let mut names = Command::new("python3");
+    names.args(["crates/wingbeat-py/reference.py", "--write"]).current_dir(tools::root());
+    tools::succeeds(reference) && tools::succeeds(tables) && tools::succeeds(names)
 }
 
 /// The page of the paper's turn, which shows the turn under all presets and laws.

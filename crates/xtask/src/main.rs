@@ -27,11 +27,12 @@ cargo xtask TASK
 
   test    format, lints, all tests, the Python package, licences, bans and sources of dependencies, quick comparisons; what
           .ci/run calls
-  long    [NAME...] what takes hours: the commands of the pages on the paper, the recorder for an hour, all hostile cases, all
+  long    [NAME...] what takes hours: the commands behind the pages on the paper, the recorder for an hour, all hostile cases, all
           comparisons, fuzzing, and the other programs where they are installed; docs/testing.md lists both
-  docs    write again what is generated: docs/cli.md, docs/reference.md, docs/schema, docs/validation.md, the tables
-          and the pictures of docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
-  reference  of these docs/cli.md, docs/reference.md, docs/schema and the tables of docs/sections.md alone
+  docs    write again what is generated: what `reference` writes, docs/validation.md, the tables and the pictures of
+          docs/banking_turn.md and docs/flight.md; flies and compares everything, a quarter of an hour
+  reference  docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, docs/paper-commands.md,
+          docs/python_reference.md, the tables of docs/sections.md and docs/verdicts.md
   bench   medians of the running times
   peers   the same beside Pinocchio, PteraSoftware (`peers mechanics`) and CasADi (`peers control`), which are
           installed into target/peers (Python 3.11 or later); `peers netft` lets pynetft read the emulated box,
@@ -45,7 +46,7 @@ cargo xtask TASK
   python  test | wheel | calls | measure | policies [STEPS [SEED...]]: the tests of the Python package; the wheel to be released, in
           target/wheels (on Linux for glibc 2.28 and later); 10,000 calls with hostile arguments; what the package costs; policies trained by
           Stable-Baselines3 beside the predictive controller (installs PyTorch, some GB, into target/tools/policies)
-  paper   every command of the pages on the paper, into target/paper: exit codes and numbers as they say
+  paper   every command of validation/paper/commands.txt, into target/paper: exit codes and numbers as it says
   soak    [--seconds 600] [--busy 0] [--program FILE] the recorder on the emulated box at 7 kHz beside so many busy processes: every
           sample accounted for, memory flat
 ";

@@ -1,12 +1,12 @@
-//! Every command of the pages on the paper, run and judged by what comes out.
+//! Every command behind the pages on the paper, run and judged by what comes out.
 
 use std::fs;
 use std::path::Path;
 
 use crate::tools;
 
-/// The pages with the lists of commands.
-const PAGES: [&str; 2] = ["docs/paper.md", "docs/paper-evidence.md"];
+/// The commands, with what is to come out.
+const LIST: &str = "validation/paper/commands.txt";
 
 /// A line of a list: `wingbeat ...   # 0 > name | key low high | key low high`.
 struct Command<'a> {
@@ -79,26 +79,22 @@ impl<'a> Outcome<'a> {
     }
 }
 
-/// Runs the commands of all lists into `target/paper`, and puts the picture of the end points into docs/images; true when each
-/// ends with the exit code and the numbers that the pages say.
+/// Runs all commands into `target/paper`, and puts the picture of the end points into docs/images; true when each
+/// ends with the exit code and the numbers that the list says.
 pub fn run() -> bool {
-    let mut text = String::new();
-    for page in PAGES {
-        match fs::read_to_string(tools::root().join(page)) {
-            Ok(page) => text += &page,
-            Err(error) => {
-                eprintln!("error: {page}: {error}");
-                return false;
-            }
+    let text = match fs::read_to_string(tools::root().join(LIST)) {
+        Ok(text) => text,
+        Err(error) => {
+            eprintln!("error: {LIST}: {error}");
+            return false;
         }
-    }
+    };
     if !tools::built() {
         return false;
     }
     let out = tools::root().join("target/paper");
     let _ = fs::remove_dir_all(&out);
-    let lines =
-        text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).flat_map(str::lines);
+    let lines = text.lines().filter(|line| line.starts_with("wingbeat "));
     let (mut failed, mut judged) = (0, 0);
     for (i, line) in lines.enumerate() {
         let command = Command::read(line);
@@ -109,7 +105,7 @@ pub fn run() -> bool {
         println!("{verdict}: {}", command.words.join(" "));
         wrong.iter().for_each(|wrong| println!("    {wrong}"));
     }
-    println!("{failed} commands did not end as the pages say; {judged} numbers were compared");
+    println!("{failed} commands did not end as the list says; {judged} numbers were compared");
     let picture = "end_points.png";
     let drawn = fs::copy(
         out.join("end_points/figures").join(picture),

@@ -50,6 +50,10 @@ impl<P: Scalar> ProfileDrag<P> {
     /// 1/2 - (3/4) cos / (4 + pi |sin|).
     ///
     /// Equation: aero.profile_drag
+    /// `cd0 + cd90 sin^2 a along the wind; law stall: normal force cd90 sin a on the separated share, centre 1/2 -
+    /// (3/4) cos a / (4 + pi sin a)`
+    /// Source: Rayleigh 1876; Hoerner 1965.
+    /// Test: `any_wind_gives_finite_loads_that_vary_smoothly`.
     #[inline]
     pub(crate) fn section<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,

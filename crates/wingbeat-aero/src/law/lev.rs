@@ -46,6 +46,9 @@ pub(crate) struct Edge<S> {
 /// acts along the normal, to the side of `wash`, the wash at the edge (m/s), whose sign is rounded off at `floor` m/s.
 ///
 /// Equation: aero.lev.suction
+/// `held c_s (1 + r^4)^(-1/4), r = c_s/(a0 A0c^2); the rest along the normal`
+/// Source: Polhamus 1966, NASA TN D-3767; Ramesh et al. 2014, J. Fluid Mech. 751; the rounding a choice.
+/// Test: `the_edge_holds_no_more_than_its_limit_and_loses_nothing_else`.
 #[inline]
 pub(crate) fn edge<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
     polar: &Polar<P>,
@@ -63,6 +66,9 @@ pub(crate) fn edge<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
 /// Rate of the vortex of a strip: v' = V (lost - v)/(tau_v c).
 ///
 /// Equation: aero.lev.vortex
+/// `v' = V (lost - v)/(tau_v c), tau_v = 1`
+/// Source: the 1 to 4 chords of Gharib, Rambod & Shariff 1998; a choice.
+/// Test: `states_follow_in_their_chords_of_travel`.
 #[inline]
 pub(crate) fn vortex_rate<G: Scalar, S: Over<G>>(vortex: S, lost: S, chords_per_second: G) -> S {
     (lost - vortex) * (chords_per_second * (1.0 / VORTEX_CHORDS))

@@ -275,6 +275,9 @@ impl<P: Scalar> Polar<P> {
     /// effective incidence and tau_s `chords`.
     ///
     /// Equation: aero.separation_lag
+    /// `s' = V (s_0 - s)/(tau_s c), tau_s = 8 in law lev`
+    /// Source: Goman & Khrabrov 1994, J. Aircraft 31(5); the length a choice.
+    /// Test: `states_follow_in_their_chords_of_travel`.
     #[inline]
     pub fn separation_rate<G: Scalar, S: Over<G> + Meets<P>>(
         &self,

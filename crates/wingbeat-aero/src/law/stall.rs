@@ -17,6 +17,9 @@ pub(super) const LAW: Law = Law {
 /// fourth power of 1/sine at which half is left.
 ///
 /// Equation: aero.attached_share
+/// `attached share of the lift 1 / (1 + (sin a / sin a_s)^4 / 3)`
+/// Source: Hoerner 1965 ch. 3 (plate in separated flow); the blend is a choice.
+/// Test: `duals_agree_with_central_differences`.
 #[inline]
 pub(super) fn attached_share<P, S: Scalar + Meets<P>>(sine_squared: S, scale: P) -> S {
     (sine_squared * sine_squared * scale + 1.0).recip()

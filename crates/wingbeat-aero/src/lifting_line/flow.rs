@@ -51,6 +51,9 @@ impl<G: Scalar, S: Over<G>> Flow<G, S> {
     /// induced and lag wash W: L (|uc| n - s W e_c) / Ve.
     ///
     /// Equation: aero.lifting_line.force
+    /// `L (abs(uc) n - s W e_c) / Ve, L = rho (U G + c G')`
+    /// Source: unsteady Kutta-Joukowski, turned by the wash.
+    /// Test: `sums_agree_and_breakdown_adds_up`.
     #[inline]
     pub(super) fn lift<P: Scalar>(&self, node: &Node<P>) -> SectionForce<S>
     where
@@ -155,6 +158,9 @@ impl<P: Scalar> LiftingLine<P> {
     /// is that of the flat outline: v^2 = (uc + x' v_across)^2 / (1 + x'^2) + w^2 at 1/4 chord, smooth at rest.
     ///
     /// Equation: aero.printed.reduced_time
+    /// `v^2 = (uc + x' v_across)^2 / (1 + x'^2) + w^2 at 1/4 chord, x' the slope of the line of the quarter chords`
+    /// Source: Paper, definition of v_e; Pythagoras.
+    /// Test: `its_lags_run_by_the_velocity_across_the_sweep`.
     #[inline]
     pub(super) fn section_speed<G: Scalar + Meets<P>>(
         &self,
@@ -194,6 +200,9 @@ impl<P: Scalar> LiftingLine<P> {
     /// Law `lev` at node `i`: the linear suction over rho c dy / 2 is a0 (w_e - b q/2)^2.
     ///
     /// Equation: aero.lifting_line.edge_suction
+    /// `c_s V^2 = a0 (w_e - b q/2)^2, incidence of s_0 by w_e`
+    /// Source: Garrick 1936.
+    /// Test: `duals_agree_with_central_differences`.
     #[inline]
     fn advance_edge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,

@@ -180,6 +180,9 @@ impl<P: Scalar> LiftingLine<P> {
     /// between different nodes an even number apart.
     ///
     /// Equation: aero.lifting_line.induced_wash
+    /// `w_i = -sum_j D_ij G_j`
+    /// Source: Prandtl; Glauert 1926; Multhopp 1938; Paper eqs. (1)-(2).
+    /// Test: `rectangles_have_glauerts_slope`.
     #[inline(always)]
     fn induced_wash<S: Scalar + Meets<P>>(&self, i: usize, gamma: &[S]) -> S {
         let row = &self.layout.influence[i * gamma.len()..(i + 1) * gamma.len()];
@@ -218,6 +221,9 @@ impl<P: Scalar> LiftingLine<P> {
     /// (Duhamel's integral of Wagner's function with Jones' fit).
     ///
     /// Equation: aero.lifting_line.lags
+    /// `l_k' = eps_k (U/b) (w - l_k)`
+    /// Source: Wagner 1925; Jones 1940, NACA Rep. 681; Paper eq. (4).
+    /// Test: `a_sudden_start_follows_wagner_and_begins_at_half`.
     #[inline(always)]
     fn lag<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
@@ -241,6 +247,9 @@ impl<P: Scalar> LiftingLine<P> {
     /// rho (U G + c G') equals Duhamel's.
     ///
     /// Equation: aero.lifting_line.circulation
+    /// `G' = (U/c) (a0 c w_eff / 2 - G)`
+    /// Source: Boutet & Dimitriadis 2018; Paper eq. (3).
+    /// Test: `steady_elliptic_wing_has_prandtls_slope_at_any_speed`.
     #[inline]
     fn circulation_rate<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,

@@ -93,6 +93,9 @@ pub(super) type Cells<P> = (Vec<P>, Vec<Cell<P>>, Vec<P>);
 /// part of the angle; the outermost cells reach to the tips.
 ///
 /// Equation: aero.lifting_line.cells
+/// `means of c and c^2 over cells that end at hinges; weights sin(theta) dtheta; D = A B^-1, B_jn = sin(n theta_j)`
+/// Source: midpoint rule; Glauert 1926.
+/// Test: `nodes_between_hinges_know_every_sine_and_the_whole_wing`.
 pub(super) fn cells<P: Scalar>(
     planform: &Planform<P>,
     hinge_arcs: &[P],

@@ -61,6 +61,9 @@ impl<P: Scalar> LiftingLine<P> {
     /// Rate of the series g at node `i`: (3) with (4), g' = w_e / c0 - (U/c) g.
     ///
     /// Equation: aero.printed.series
+    /// `g' = w_e / c0 - (U/c) g, g = sum a_n sin(n theta), G = a0 c0 U g / 2: without the term of U'`
+    /// Source: Paper eqs. (1), (3), (4).
+    /// Test: `in_a_constant_stream_the_printed_form_is_the_nodal_one`.
     #[inline]
     pub(super) fn printed_rate<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,

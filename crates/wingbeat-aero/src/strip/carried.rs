@@ -65,6 +65,9 @@ impl<P: Scalar> StripModel<P> {
     /// Sets the first part and its rate, the rate of A0 left out: see aero.strip.followed_impulse.
     ///
     /// Equation: aero.strip.impulse
+    /// `P = sym(rho dy ma A0^-1) w12 + rho dy ma A0^-1 [K (D - Y) + R Y]`
+    /// Source: Kirchhoff 1869; reciprocity.
+    /// Test: `the_added_mass_is_symmetric_and_positive`.
     fn impulses_of_motion<S: Scalar + Meets<P>, const N: usize>(
         &self,
         flow: &mut Flow<S, N>,
@@ -201,6 +204,9 @@ impl<P: Scalar> StripModel<P> {
     /// sections; `flow` holds the first part before it is made symmetric.
     ///
     /// Equation: aero.strip.added_mass_matrix
+    /// `M = J' B J, J = [n; r x n]`
+    /// Source: virtual work.
+    /// Test: `loads_are_affine_in_the_body_acceleration`.
     fn finish_added_mass<S: Scalar + Meets<P>, const N: usize>(&self, flow: &mut Flow<S, N>) {
         if self.settings.section.section_moment {
             let across = &flow.strips.across.0;

@@ -99,6 +99,9 @@ impl<P: Scalar> Cores<P> {
     /// distance near a vortex, whose wash is halved k distances off.
     ///
     /// Equation: aero.strip.core_distance
+    /// `y0 the value on the flat wing of what the wash falls by; strengths times 1 + k^8`
+    /// Source: choice: nothing changes on the flat wing.
+    /// Test: `cores_of_left_and_right_mirror_each_other`.
     pub fn new(grid: &Grid<P>, share: f64) -> Self {
         let scale = grid.mean_chord.recip();
         let flat = Flat { grid, scale, fade: (share * share).powi(POWER) };

@@ -172,6 +172,10 @@ impl<P: Scalar> Piece<P> {
     /// i = 1..N; a piecewise-linear map of the angle puts an edge on each hinge.
     ///
     /// Equation: aero.strip.spacing
+    /// `edges -cos((2j+1) pi/(2N+2)), control points -cos(i pi/(N+1)), an edge on each hinge; each piece between
+    /// gaps by itself`
+    /// Source: Lan 1974, J. Aircraft 11(9).
+    /// Test: `bad_settings_are_refused`.
     fn spacing(&self, hinges: &[P], strips: usize) -> Result<(Vec<P>, Vec<P>), Error> {
         let n = self.strips as f64;
         let edge: Vec<f64> = (0..=self.strips).map(|j| (2 * j + 1) as f64 * PI / (2.0 * n + 2.0)).collect();

@@ -83,6 +83,9 @@ pub(super) fn cored<S: Scalar>(x: S, y: S, core4: S) -> Ratio<S> {
 /// x / y, falling to zero where y is less than the core: x y^3 / (y^4 + core4).
 ///
 /// Equation: aero.strip.core
+/// `x y^3 / (y^4 + (k^2 y0)^4) in place of x / y`
+/// Source: choice: the wash of a vortex fades within k of its distance on the flat wing.
+/// Test: `a_flight_converges_with_the_step`.
 #[inline(always)]
 fn faded<P, S: Scalar + Meets<P>>(x: S, y: S, core4: P) -> Ratio<S> {
     let y2 = y.squared();
@@ -138,6 +141,9 @@ impl<S: Scalar> Line<S> {
 /// 2 (a b + r1.r2) = (a + b)^2 - d^2. `core` makes the last quotient.
 ///
 /// Equation: aero.strip.segment
+/// `n . (d x r) (a + b) / (4 pi a b (a b + r1.r2)), 2 (a b + r1.r2) = (a + b)^2 - d^2`
+/// Source: Biot & Savart; Katz & Plotkin 2001, section 10.4.5, rearranged.
+/// Test: `a_long_segment_is_half_a_line_vortex_on_each_side`.
 #[inline(always)]
 pub(super) fn segment<S: Scalar>(
     turn: S,
@@ -203,6 +209,9 @@ impl<'a, P: Scalar, S: Scalar + Meets<P>, const N: usize> Targets<'a, P, S, N> {
     /// u x r / (2 pi |r_perp|^2).
     ///
     /// Equation: aero.strip.trailing_vortex
+    /// `u x r / (4 pi r (r - u.r)); far behind half of u x r / (2 pi r_perp^2)`
+    /// Source: Biot & Savart; Munk 1921, NACA Rep. 121.
+    /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     fn trailing(&self, edge: &Edge<S>, cores: &EdgeCores<P>, out: &mut Trailing<S, N>) {
         let (u, chord) = (edge.wake, edge.trailing - edge.bound);
         let chord2 = chord.norm_squared();

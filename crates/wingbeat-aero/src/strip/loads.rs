@@ -154,6 +154,10 @@ impl<P: Scalar> StripModel<P> {
     /// share of the lift, of which the suction s takes another share; so it does of what pitching adds.
     ///
     /// Equation: aero.strip.force
+    /// `rho dy g lw [V abs(uc)/Ve n - s W e_c], Ve = sqrt(uc^2 + W^2 + delta^2)`
+    /// Source: Kutta-Joukowski and leading-edge suction, turned by the wash; s of the attached share and of the
+    /// flow's direction a choice.
+    /// Test: `sums_agree_and_breakdown_adds_up`.
     fn circulatory<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
@@ -238,6 +242,9 @@ impl<P: Scalar> StripModel<P> {
     /// -rho dy ma f [(b/2) V q + (b^2/8) q'], f the normal speed left of a unit one.
     ///
     /// Equation: aero.strip.carried_air
+    /// `F = d(P n)/dt, couple v_span e_span x P n, nose-up -rho dy ma f [(b/2) V q + (b^2/8) q']`
+    /// Source: Kirchhoff 1869; Theodorsen 1935, NACA Rep. 496.
+    /// Test: `loads_are_affine_in_the_body_acceleration`.
     #[inline(always)]
     fn carried_air<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,

@@ -295,6 +295,9 @@ impl<P: Scalar> StripModel<P> {
     /// K = beta (ring + own two-dimensional ring), A0 = 1 - K diag(d).
     ///
     /// Equation: aero.strip.remainder
+    /// `R = horseshoe + own bound vortex, K = beta (ring + own ring), A0 = 1 - K diag(d)`
+    /// Source: Weissinger 1947 (steady limit); doublet wash: own derivation, beta fitted to the lifting surface.
+    /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     #[inline(always)]
     fn flow<S: Scalar + Meets<P>, const N: usize>(
         &self,

@@ -126,6 +126,9 @@ impl<S: Scalar> Edge<S> {
     /// u = unit(v + e_c g), g = smooth max(0, |v|/4 + delta - v.e_c).
     ///
     /// Equation: aero.strip.wake_direction
+    /// `u = unit(v + e_c g), g = smooth max(0, abs(v)/4 + delta - v.e_c)`
+    /// Source: choice: the wake never runs forward over the wing.
+    /// Test: `deep_folds_and_any_wind_stay_smooth_in_time`.
     #[inline(always)]
     fn new(line: &ChordLine<S>, wind: Vec3<S>, floor: f64) -> Self {
         let air = wind - line.v_te;
@@ -188,6 +191,9 @@ impl<S: Scalar> Strip<S> {
     /// The strip between two edges, its control section at `fraction`.
     ///
     /// Equation: aero.strip.kinematics
+    /// `n = unit(chord x line), n' and q from the rates of both`
+    /// Source: rigid sections between straight edges.
+    /// Test: `the_carried_air_of_strips_gives_no_mean_force`.
     #[inline(always)]
     fn new<P: Scalar>(
         [a, b]: [&ChordLine<S>; 2],

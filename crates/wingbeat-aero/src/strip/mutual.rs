@@ -129,6 +129,10 @@ impl<'a, G: Scalar, const N: usize> Points<'a, G, N> {
     /// core^2 = h^2 + g^2 c x, so that a surface crosses it smoothly.
     ///
     /// Equation: aero.strip.foreign_wake
+    /// `aero.strip.segment and aero.strip.trailing_vortex on other surfaces, core^2 = h^2 + g^2 c x with x the
+    /// distance run`
+    /// Source: Biot & Savart; Squire 1965, Aeronautical Quarterly 16 (growth); h and g a choice.
+    /// Test: `a_tail_crosses_the_wake_smoothly`.
     fn beside<P: Scalar>(&self, edge: &Edge<G>, core: P, growth: P, out: &mut Beside<G, N>)
     where
         G: Meets<P>,
@@ -201,6 +205,9 @@ impl<G: Scalar> Whole<G> {
     /// wake, half of it where it stands beside, and never less than part of a chord.
     ///
     /// Equation: aero.strip.arrival
+    /// `rate of each of n lags n V/d, d = (r + u.r)/2`
+    /// Source: Taylor 1938 (frozen wake); n = 2 and the distance a choice.
+    /// Test: `a_change_at_the_wing_reaches_the_tail_distance_over_speed_later`.
     fn arrival_rate<P: Scalar>(&self, ends: &[Edge<G>], least: P) -> G
     where
         G: Meets<P>,
@@ -255,6 +262,9 @@ impl<P: Scalar> StripModel<P> {
     /// z_1' = r (Gamma - z_1), z_2' = r (z_1 - z_2), the last one shed where this surface is.
     ///
     /// Equation: aero.strip.foreign_wash
+    /// `w += sum(ring Gamma + wake z_n), z_1' = r (Gamma - z_1), z_n' = r (z_(n-1) - z_n)`
+    /// Source: Helmholtz; own derivation.
+    /// Test: `a_steady_state_does_not_know_the_delay`.
     #[inline(never)]
     pub(super) fn wash_of_others<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,

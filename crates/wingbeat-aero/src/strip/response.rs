@@ -86,6 +86,10 @@ impl<P: Scalar> StripModel<P> {
     /// where s is the share of the circulation that stays attached.
     ///
     /// Equation: aero.strip.lag_sums
+    /// `Gamma = s g sum(gamma_k l_k), D = s (g - d) sum(q_k l_k), Y = a0 Gamma + sum(a_m y_m), q_k = (gamma_k -
+    /// psi_k)/e_k`
+    /// Source: Wagner 1925, Jones 1940 (form); own constants.
+    /// Test: `weights_meet_the_steady_limits`.
     pub(super) fn lag_sums<S: Scalar + Meets<P>, const N: usize>(
         &self,
         lagged: &Lagged<S, N>,
@@ -174,6 +178,9 @@ impl<P: Scalar> StripModel<P> {
     /// that a section broadside on does not count as attached while its lags change sign.
     ///
     /// Equation: aero.strip.attached_share
+    /// `aero.attached_share at sin^2 a = q/(q + uc^2 + delta^2), q = (w34^2 + sum(gamma_k l_k^2))/2`
+    /// Source: choice: what the section meets now and has met.
+    /// Test: `a_strip_broadside_on_stays_separated_while_its_lags_change_sign`.
     #[inline]
     fn attached<Q: Scalar, G: Scalar, S: Over<G> + Meets<Q>>(
         &self,
@@ -230,6 +237,9 @@ impl<P: Scalar> StripModel<P> {
     /// and what F leaves out is left out faster than T only. Replaces impulse and force.
     ///
     /// Equation: aero.strip.followed_impulse
+    /// `P^' = F + (P - P^)/T: F the force with the influence coefficients held, P the impulse itself, T = 10 ms`
+    /// Source: Kirchhoff 1869: the force is minus the rate of the impulse; a complementary filter, T a choice.
+    /// Test: `the_impulse_is_followed_and_its_rate_has_no_mean`.
     fn follow_impulse<S: Scalar, const N: usize>(
         &self,
         x: &[S],
@@ -263,6 +273,9 @@ impl<P: Scalar> StripModel<P> {
     /// wash of other surfaces; l_k' = e_k V/b (w - l_k); y_m' = V/tau_m (Gamma - y_m).
     ///
     /// Equation: aero.strip.wash
+    /// `A0 w3 = K (d w12 + D - Y) + R Y, l_k' = e_k V/b (w - l_k), y_m' = V/tau_m (Gamma - y_m)`
+    /// Source: own derivation; steady limit Weissinger 1947.
+    /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     #[inline(always)]
     pub(super) fn respond<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
@@ -354,6 +367,9 @@ impl<P: Scalar> StripModel<P> {
     /// a0 cos L [lw W - b q lw + (b q/2)^2], the wash at the edge lw - b q/2; in reversed flow there is none.
     ///
     /// Equation: aero.strip.edge_suction
+    /// `c_s V^2 = a0 cos L [lw W - b q lw + (b q/2)^2], incidence of s_0 by lw`
+    /// Source: Garrick 1936 with the wash that turns the force; own derivation.
+    /// Test: `law_lev_turns_the_suction_that_the_edge_cannot_hold_into_normal_force`.
     fn advance_edges<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
@@ -407,6 +423,9 @@ impl<P: Scalar> StripModel<P> {
     /// of 3/4 chord; so does what other surfaces wash there.
     ///
     /// Equation: aero.strip.turning_wash
+    /// `W = lw + (T - R)(2/3 Y + 1/3 Gamma)`
+    /// Source: Munk 1921; weights 2/3, 1/3 a choice.
+    /// Test: `rectangles_have_the_slope_of_the_lifting_surface_and_the_drag_of_their_wake`.
     fn turning_wash<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         flow: &Flow<G, N>,

@@ -27,12 +27,12 @@ const FIGURES: [(&str, &str); 6] = [
     ("arm", "Snapshots of arm and flapping robot in the banking turn."),
     (
         "force_moment",
-        "Forces and moments on the load cell over three strokes: red the simulated rig (band of seven runs), which is no \
+        "Forces and moments on the load cell over three cycles: red the simulated rig (band of seven runs), which is no \
          experiment, black another model on the measured motion.",
     ),
     (
         "wake_phases",
-        "Wake in the turn at four phases of the stroke, prescribed wake. The strongest vorticity that is seen in an upstroke was \
+        "Wake in the turn at four phases of the cycle, prescribed wake. The strongest vorticity that is seen in an upstroke was \
          mostly shed before, in a downstroke: each panel says when. Attached flow is assumed.",
     ),
     ("states", "States in the turn with the references of roll and pitch."),

@@ -133,7 +133,7 @@ impl<'a> Walk<'a> {
             return "file, or the table itself".into();
         }
         if let Some(shipped) = list(value, "anyOf").first() {
-            return self.form(self.resolved(shipped)) + ", or a table under a name of one's own";
+            return self.form(self.resolved(shipped)) + ", or a table under a name of your own";
         }
         let names = self.names(value);
         if !names.is_empty() {

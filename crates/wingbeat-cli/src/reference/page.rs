@@ -44,7 +44,12 @@ fn markdown() -> String {
 fn document(kind: DocumentKind, text: &mut String) {
     let name = kind.name();
     let meaning = kind.schema()["description"].as_str().unwrap_or_default().to_owned();
-    let _ = writeln!(text, "\n## Keys of a {name}\n\n{meaning} [Schema](schema/{name}.json).");
+    let one = match name {
+        "arm" => "an arm",
+        "runs" => "a list of runs",
+        _ => &format!("a {name}"),
+    };
+    let _ = writeln!(text, "\n## Keys of {one}\n\n{meaning} [Schema](schema/{name}.json).");
     let (keys, examples) = (keys(kind), shipped::examples(kind));
     let below: BTreeSet<&str> = keys.iter().filter(|key| top(key) != key.path).map(top).collect();
     let mut rows = |heading: Option<&str>, keys: Vec<&Key>| {

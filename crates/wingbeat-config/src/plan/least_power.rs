@@ -73,7 +73,7 @@ pub struct LeastPowerSummary {
     pub replay: Option<Means>,
     /// Least of all clearances over the last cycle of that replay, m.
     pub least_clearance_m: Option<f64>,
-    /// The same of the robot's own gait, regulators at rest.
+    /// The same of the robot's own gait, actuators at rest.
     pub own_least_clearance_m: Option<f64>,
     /// Mean share of the strips past stall over the last cycle of that replay.
     pub stall_fraction: Option<f64>,
@@ -81,7 +81,7 @@ pub struct LeastPowerSummary {
     pub own_stall_fraction: Option<f64>,
     /// Largest difference of a state over the last cycle of that replay.
     pub replay_closure: Option<f64>,
-    /// The robot's own gait, regulators at rest.
+    /// The robot's own gait, actuators at rest.
     pub own: GaitNumbers,
     /// Largest distance of a re-simulation over one cycle from the plan: each state by name, in its unit.
     pub resimulation_error: BTreeMap<String, f64>,

@@ -43,9 +43,9 @@ pub struct RollInSummary {
     pub least_clearance_m: Option<f64>,
     /// Mean power of the drive on the joints from `start_s` on as the robot flew it, W.
     pub drive_power_w: Option<f64>,
-    /// The same of the regulators, W.
+    /// The same of the actuators, W.
     pub regulator_power_w: Option<f64>,
-    /// Mean of what the regulators give alone, W.
+    /// Mean of what the actuators give alone, W.
     pub regulator_power_given_w: Option<f64>,
     /// Share of strips beyond the stall angle, over approach and roll-in as the robot flew them.
     pub stall_fraction: Option<f64>,

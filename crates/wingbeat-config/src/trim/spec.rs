@@ -21,7 +21,7 @@ pub struct TrimSpec {
     /// straight.
     #[serde(default)]
     pub bank_deg: f64,
-    /// What may be chosen: `frequency`, and held commands by the name of their regulator; `twist` stands for
+    /// What may be chosen: `frequency`, and held commands by the name of their actuator; `twist` stands for
     /// `twist_left` and `twist_right`, which move alike in straight flight and each by itself in a turn. Straight flight takes
     /// the first two, a turn four or more and of them the least commands that fly it.
     pub free: Vec<String>,

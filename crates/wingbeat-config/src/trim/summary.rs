@@ -78,7 +78,7 @@ pub struct TrimSummary {
     pub cost: CostSummary,
     /// Mean power of the twist joints, W.
     pub twist_power_w: Option<f64>,
-    /// Mean power of the regulators, W.
+    /// Mean power of the actuators, W.
     pub regulator_power_w: Option<f64>,
     /// Frequency times the vertical way of the tip against the body over the speed.
     pub strouhal: Option<f64>,
@@ -102,7 +102,7 @@ pub struct TrimSummary {
     pub pitch_half_amplitude_deg: Option<f64>,
     /// Vertical swing of the body origin, peak to peak, m.
     pub heave_m: Option<f64>,
-    /// Held commands, in the unit of the regulator.
+    /// Held commands, in the unit of the actuator.
     pub commands: BTreeMap<String, f64>,
     /// Floquet multipliers, the largest first.
     pub multipliers: Vec<Multiplier>,
@@ -169,6 +169,9 @@ impl TrimSummary {
 /// (Leishman 2006, Principles of Helicopter Aerodynamics, 2.2).
 ///
 /// Equation: trim.hover_wash
+/// `sqrt(m g / (2 rho pi b^2/4))`
+/// Source: momentum theory; Leishman 2006, Principles of Helicopter Aerodynamics, 2.2.
+/// Test: `a_hover_is_outside_of_what_the_wake_can_do`.
 pub(super) fn hover_wash(robot: &Robot) -> Option<f64> {
     let widths = robot.surfaces().filter_map(|(_, aero)| {
         let numbers = aero.numbers();

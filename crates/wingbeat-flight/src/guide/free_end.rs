@@ -23,6 +23,10 @@ const SUBSTEP: f64 = 0.01;
 /// The length is no variable of the quadratic program, since a [`Plant`] has no derivative by the time.
 ///
 /// Equation: guide.free_end
+/// `min over t_f of J at the optimal states and inputs, J along the motion of the inputs, by one trial beside the
+/// present t_f an update`
+/// Source: Paper section IV: t_f unknown; direct search a choice.
+/// Test: `a_free_horizon_keeps_to_its_range_and_one_without_room_is_the_given_one`.
 pub struct FreeEnd {
     now: RealTime,
     beside: RealTime,

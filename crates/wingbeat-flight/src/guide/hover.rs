@@ -55,6 +55,11 @@ impl Observer {
     /// Over `dt` s under the known acceleration, from the measured place; all poles at `w` rad/s.
     ///
     /// Equation: guide.extended_state
+    /// `p' = v, v' = known + unknown, unknown' = 0, corrected by l (p - p_x) with all poles at exp(-w dt): l = [1 -
+    /// z^3, 3/2 (1 - z)^2 (1 + z)/dt, (1 - z)^3/dt^2]`
+    /// Source: Han 2009, IEEE TIE 56(3); Gao 2003 (one bandwidth); the sampled gains those of the critically damped
+    /// filter, Brookner 1998, ch. 1.
+    /// Test: `the_observer_finds_a_force_that_it_does_not_know_with_its_own_poles`.
     fn follow(&mut self, dt: f64, w: f64, known: f64, measured: f64) {
         // The observer of a sampled triple integrator whose poles are all at z = exp(-w dt).
         let z = (-w * dt).exp();
@@ -142,6 +147,10 @@ impl Hover<'_> {
     /// Plans from the measurement; `None` where too little is measured.
     ///
     /// Equation: guide.hover
+    /// `F = m R'(-w^2 (p - p_0) - 2 w v - unknown + g), M = I (-w_a^2 d - 2 w_a d' - unknown) + w x I w; thrusts of
+    /// least norm`
+    /// Source: feedback linearisation with disturbance rejection, Han 2009.
+    /// Test: `a_guarded_robot_hovers_and_its_observer_finds_the_force_of_the_air`.
     fn plan(&mut self, measurement: &Measurement) -> Option<()> {
         let (place, attitude) = (measurement.vector(Role::Position)?, measurement.attitude()?);
         let rate = measurement.vector(Role::AngularRate)?;

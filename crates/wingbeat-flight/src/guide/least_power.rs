@@ -134,6 +134,9 @@ pub struct Means {
 /// mean force >= the one asked for, commands and displacements within the strokes.
 ///
 /// Equation: guide.least_power
+/// `min f int_0^(1/f) P_drive + effort mean_i (u_i/limit_i)^2 dt, x(1/f) = x(0), mean force >= asked`
+/// Source: choice; periodic optimal control, Betts 2010, ch. 4.
+/// Test: `a_gait_of_least_power_holds_its_force_with_less_power`.
 ///
 /// The state is that of structure and air of one wing, then the running means of
 /// drive power (W), upward and forward force (mN) and trim moment (mN m).

@@ -231,6 +231,9 @@ impl MpcSpec {
     /// The same with its horizon in seconds, for a gait of the frequency `hz`: intervals of cycles / (hz intervals).
     ///
     /// Equation: guide.horizon_cycles
+    /// `interval = cycles / (f N)`
+    /// Source: Paper section IV: n time intervals during a gait cycle.
+    /// Test: `a_horizon_in_cycles_is_the_one_in_seconds`.
     ///
     /// # Errors
     /// [`Error::Invalid`] where not just one key gives the horizon, or where nothing flaps.

@@ -55,7 +55,7 @@ pub struct RollInSpec {
     /// without it none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingCost>,
-    /// Whether displacements keep to their strokes all the way, g_i >= 0.
+    /// Whether displacements keep to their ranges all the way, g_i >= 0.
     #[serde(default)]
     pub within_strokes: bool,
     /// Guesses tried: flights at rest of different durations. The lowest solution is kept, and the plan says whether the
@@ -130,6 +130,10 @@ impl RollInSpec {
 /// (z - z_ref)' C (z - z_ref), the paper's problem: boundary conditions r_i at both ends, stroke inequalities g_i, free t_f.
 ///
 /// Equation: guide.roll_in
+/// `min t_f + int (e sum (u_i/limit_i)^2 + (z - z_ref)' C (z - z_ref)) dt, z = [roll, pitch, w], five diagonal
+/// entries; r_i at both ends, g_i by the strokes`
+/// Source: Paper section IV.
+/// Test: `a_cost_of_attitude_and_rates_adds_no_more_than_it_costs_on_the_quickest_way`.
 pub struct RollIn<'a, P: Plant> {
     chart: LocalChart<'a, P>,
     spec: RollInSpec,

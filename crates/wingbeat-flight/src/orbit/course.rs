@@ -20,6 +20,9 @@ impl Course {
     /// the fourth condition of a turn. No sideslip would be another: side force comes from rates and strokes too.
     ///
     /// Equation: orbit.yaw_rate
+    /// `-g tan(bank) / V`
+    /// Source: coordinated turn.
+    /// Test: `a_turn_takes_the_rate_that_its_bank_asks_for`.
     pub fn yaw_rate(&self) -> f64 {
         -GRAVITY * self.bank.tan() / self.speed
     }

@@ -122,6 +122,9 @@ const fn behind_height(places: Range<usize>) -> Range<usize> {
 /// held. A cycle must have a multiple of `count` steps.
 ///
 /// Equation: orbit.intervals
+/// `s_k+1 = A_k s_k + B_k u, derivatives of the flow between phases`
+/// Source: definition.
+/// Test: `intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit`.
 ///
 /// Derivatives of the flow over an interval, in heading axes at either end.
 ///

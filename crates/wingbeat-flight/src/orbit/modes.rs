@@ -102,6 +102,9 @@ fn monodromy(
 /// Multipliers and modes of `orbit`, of a straight one split into what keeps left and right alike and what does not.
 ///
 /// Equation: orbit.floquet
+/// `eigenvalues of d z(T) / d z(0)`
+/// Source: Floquet 1883.
+/// Test: `an_orbit_is_judged`.
 ///
 /// The eigenvalues of the derivative of the flow over a cycle, in heading axes. The heading itself is neutral.
 ///

@@ -69,6 +69,10 @@ impl<'a> Conditions<'a> {
     }
 
     /// Equation: orbit.conditions
+    /// `z(T) = z(0) in heading axes; x(T)/T = V, z(T)/T = climb; of a turn yaw(T) = yaw rate T, chord/T = V
+    /// sin(a)/a, a = yaw rate T/2, mean roll = bank`
+    /// Source: relative periodic orbits.
+    /// Test: `a_flight_from_its_orbit_stays_on_it_open_loop`.
     ///
     /// What is missed: the state that returns, in heading axes; mean speed and climb; of a turn the growth of the
     /// heading over a cycle of T s, the chord of its path V T sin(a)/a, a = yaw rate T / 2, and the mean roll.

@@ -18,6 +18,9 @@ const SHARE: &str = "weight_";
 /// positive = mean of max(0, sum_i P_i), separate = mean of sum_i max(0, P_i), net = mean of sum_i P_i.
 ///
 /// Equation: flight.cost
+/// `positive = mean max(0, sum P_i); separate = mean sum max(0, P_i); net = mean sum P_i; P_i = t_i q_i'`
+/// Source: Weis-Fogh 1973, J. Exp. Biol. 59 (one drive or one for each joint, without elastic storage).
+/// Test: `the_three_powers_of_two_joints_that_work_against_each_other`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     /// What one drive for all joints gives that takes nothing back, W.

@@ -204,6 +204,10 @@ impl Driver<Beyond> for Kept<'_> {
 /// weight. The controller's updates lie on ends of steps of the air.
 ///
 /// Equation: robot.coupling
+/// `F = F_models(a) + g, g straight from step to step and such that F at its ends is the load of the air; g by
+/// secants`
+/// Source: defect correction; Anderson 1965, J. ACM 12(4); Degroote, Bathe & Vierendeels 2009, Comput. Struct. 87.
+/// Test: `weak_coupling_diverges_where_strong_coupling_holds`.
 pub fn fly_in<C: Controller + ?Sized>(
     robot: &Robot,
     flow: &mut dyn Flow,

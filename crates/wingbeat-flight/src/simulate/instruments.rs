@@ -231,6 +231,9 @@ impl<S: Scalar> Motion<S> {
     /// Specific force at `place`: what an accelerometer feels there, gravity not being felt.
     ///
     /// Equation: simulate.specific_force
+    /// `f = R'(a - g) + w' x r + w x (w x r) at the place r of the body`
+    /// Source: rigid-body kinematics; Titterton & Weston 2004, ch. 3.
+    /// Test: `an_accelerometer_on_the_axis_of_a_turn_feels_gravity_alone`.
     pub fn specific_force(&self, place: Vec3) -> Vec3<S> {
         let place = Vec3::constant(place);
         let up = Vec3::new(S::ZERO, S::ZERO, S::from(GRAVITY));
@@ -242,6 +245,9 @@ impl<S: Scalar> Motion<S> {
     /// Velocity of `place` against the air, along body x.
     ///
     /// Equation: simulate.airspeed
+    /// `e_x . (R'(v - wind) + w x r)`
+    /// Source: definition.
+    /// Test: `an_accelerometer_on_the_axis_of_a_turn_feels_gravity_alone`.
     pub fn forward_airspeed(&self, place: Vec3) -> S {
         (self.attitude.transpose_mul(self.airspeed) + self.rate.cross(Vec3::constant(place)))[0]
     }

@@ -99,6 +99,10 @@ impl Powers {
     /// those of the wing's own kinematics.
     ///
     /// Equation: tether.power
+    /// `P = -sum (f.v + m.w) over strips relative to still ground; torque of a hinge = sum (f.v_j + m.w_j), the
+    /// strips' motion as it alone turns at 1 rad/s`
+    /// Source: virtual work.
+    /// Test: `power_is_that_of_body_and_hinges`.
     pub fn update(&mut self, tether: &Tether, t: f64, loads: &Loads<f64>, weights: &[f64]) {
         let still = |jet: &Jet<f64>| Jet::from(jet.x);
         let (body, angles) = (tether.motion.body(t), tether.motion.angles(t));

@@ -169,6 +169,9 @@ impl Recorder {
 /// Mean thrust times wind speed over mean power.
 ///
 /// Equation: tether.efficiency
+/// `mean thrust x wind speed / mean power`
+/// Source: Garrick 1936, NACA Rep. 567.
+/// Test: `the_efficiency_of_a_plunging_wing_is_that_of_its_means`.
 fn efficiency(means: &[CycleMean], wind: f64) -> Option<f64> {
     let mean = |name: &str| means.iter().find(|row| row.name == name).map(|row| row.mean);
     let (thrust, power) = (mean("thrust")?, mean("power")?);

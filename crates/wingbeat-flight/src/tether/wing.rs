@@ -161,6 +161,9 @@ impl Wing {
     /// middle of the wing to halves that both twist there: they leave no other section between them.
     ///
     /// Equation: tether.section_motion
+    /// `hinges turn what lies outboard of them; jets carry rates and accelerations`
+    /// Source: rigid-body kinematics.
+    /// Test: `rates_are_those_of_the_positions`.
     pub fn section<S: Scalar>(&self, arc: f64, body: &Frame<S>, angles: &[Jet<S>]) -> SectionMotion<S> {
         let side = if arc == 0.0 { 0.0 } else { arc.signum() };
         let Frame { turn, mut origin } = *body;

@@ -1,8 +1,7 @@
 //! The table of limits.
 
 use std::collections::BTreeSet;
-use wingbeat_judge::Status;
-use wingbeat_judge::limits::{self, Limits, Sense};
+use wingbeat_judge::limits::{self, Limits};
 
 #[test]
 fn every_limit_has_a_name_of_its_own_its_kind_and_a_meaning() {
@@ -22,21 +21,4 @@ fn an_unknown_limit_names_those_of_its_kind() {
     assert!(error.contains("flight.altitud_m") && error.contains("flight.altitude_m"), "{error}");
     assert!(!error.contains("trim."), "{error}");
     assert!(Limits::default().with("nothing", 1.0).unwrap_err().known.contains("flight.altitude_m"));
-}
-
-/// The page says every limit as it is.
-#[test]
-fn the_page_of_verdicts_lists_every_status_and_limit() {
-    let page = include_str!("../../../../docs/verdicts.md");
-    for limit in limits::all() {
-        let side = if limit.sense == Sense::AtMost { "at most" } else { "at least" };
-        let unit = if limit.unit.is_empty() { String::new() } else { format!(" {}", limit.unit) };
-        let status = limit.status.map_or("warning", Status::name);
-        let row = format!("| `{}` | {} | {side} {}{unit} | {status} |", limit.id, limit.meaning, limit.value);
-        assert!(page.contains(&row), "docs/verdicts.md lacks the row\n{row}");
-    }
-    for status in Status::ALL {
-        let row = format!("| `{status}` | {} | {} |", status.meaning(), status.exit_code());
-        assert!(page.contains(&row), "docs/verdicts.md lacks the row\n{row}");
-    }
 }

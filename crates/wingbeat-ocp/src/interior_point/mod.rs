@@ -28,6 +28,9 @@ use std::time::Instant;
 /// that of the lowest objective, without any the one that misses least.
 ///
 /// Equation: ocp.barrier
+/// `min f(x) - mu sum log of the distances to the bounds, c(x) = 0, mu to 0`
+/// Source: Waechter & Biegler 2006.
+/// Test: `hs71_is_solved_with_its_multipliers`.
 pub fn solve(
     program: &mut dyn Program,
     start: &[f64],

@@ -193,6 +193,9 @@ impl ActiveSet {
     /// normal a of `bound`; returns the largest dual step and what blocks it.
     ///
     /// Equation: ocp.dual_active_set
+    /// `z = J2 J2' a, r = R^-1 J1' a`
+    /// Source: Goldfarb & Idnani 1983.
+    /// Test: `random_programs_satisfy_the_optimality_conditions`.
     fn directions(&mut self, qp: &QuadraticProgram, bound: &Bound) -> (f64, usize) {
         let (n, q) = (self.n, self.binding.len());
         if bound.constraint < n {

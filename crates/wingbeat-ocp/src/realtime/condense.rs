@@ -94,6 +94,9 @@ impl Elimination {
     /// False if the interval is singular.
     ///
     /// Equation: ocp.linearised_defect
+    /// `dx1 - dx0 - h/6 (df0 + 4 dfc + df1) + d = 0`
+    /// Source: derivative of ocp.defect.
+    /// Test: `an_unlimited_linear_problem_has_the_riccati_solution`.
     pub fn advance(
         &mut self,
         k: usize,

@@ -45,6 +45,9 @@ impl Correction {
     /// v = y - (G + A) s, A += v v' / (v's).
     ///
     /// Equation: ocp.secant
+    /// `A += v v' / (v's), v = y - (G + A) s`
+    /// Source: Dennis, Gay & Welsch 1981; Conn, Gould & Toint 1991.
+    /// Test: `a_quadratic_is_learnt_in_as_many_steps_as_it_has_variables`.
     pub fn learn(&mut self, gradient: &[f64], hessian: &[f64]) {
         if self.steps == 0 {
             return;

@@ -201,6 +201,9 @@ impl Reduction {
     /// |u_k - u_{k-1}| <= r h for the inputs whose rate is limited, k = `node`.
     ///
     /// Equation: ocp.input_rate
+    /// `abs(u_{k+1} - u_k) <= r h on every interval`
+    /// Source: piecewise linear input.
+    /// Test: `the_rate_of_an_input_is_limited_from_the_held_one_on`.
     fn rate_rows<T: Tracking>(
         &mut self,
         tracking: &T,

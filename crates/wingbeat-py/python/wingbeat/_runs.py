@@ -151,7 +151,7 @@ class Stretch:
     record: Record
     """Loads in the world's axes about the body's origin, and mean bound circulations, by step."""
     phases: dict[str, str] = field(repr=False)
-    """Rings of wing and wake at the start and in the middle of the strokes of the last cycle, as VTK text."""
+    """Rings of wing and wake at the start and in the middle of downstroke and upstroke of the last cycle, as VTK text."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -155,6 +155,9 @@ impl SerialArm {
     /// Modern Robotics, 4.1.2).
     ///
     /// Equation: rig.forward_kinematics
+    /// `X = prod mount_i motion_i(q_i) tool`
+    /// Source: Lynch & Park, Modern Robotics, 4.1.
+    /// Test: `zero_pose_stands_upright`.
     pub fn frames<S: Scalar>(&self, q: &[S]) -> [Pose<S>; MAX_JOINTS + 1] {
         let mut frames = [Pose::IDENTITY; MAX_JOINTS + 1];
         let mut at = Pose::IDENTITY;

@@ -18,6 +18,9 @@ impl SerialArm {
     /// joint i of axis_i . ((c - p_i) x m (a - g) + dL/dt) (Featherstone 2008, 5.3).
     ///
     /// Equation: rig.arm_torques
+    /// `t_i = sum_j a_i . ((c_j - p_i) x m_j (a_j - g) + dL_j/dt)`
+    /// Source: Newton-Euler; Featherstone 2008, section 5.3.
+    /// Test: `torques_do_the_work_that_changes_the_energy`.
     pub fn torques(&self, q: &[Jet], payload: &Payload) -> [f64; MAX_JOINTS] {
         let frames = self.frames(q);
         let axes: [Vec3; MAX_JOINTS] = std::array::from_fn(|i| match self.joints.get(i) {

@@ -24,6 +24,9 @@ impl SerialArm {
     /// Park, Modern Robotics, 5.1).
     ///
     /// Equation: rig.jacobian
+    /// `column [a x (p - p_i); a] of a turning joint`
+    /// Source: Lynch & Park, Modern Robotics, 5.1.
+    /// Test: `jacobian_is_the_derivative_of_the_pose`.
     pub fn jacobian(&self, frames: &[Pose; MAX_JOINTS + 1]) -> Jacobian {
         let tool = frames[self.dof()].origin;
         let mut columns = [[0.0; 6]; MAX_JOINTS];

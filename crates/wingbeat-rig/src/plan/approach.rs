@@ -66,6 +66,9 @@ impl Profile {
     /// Share of the way with its rates at `t`.
     ///
     /// Equation: rig.double_s
+    /// `s''' in {j, 0, -j} over Tj, Ta - 2 Tj, Tj, Tv, mirrored; j Tj (Ta - Tj) (Ta + Tv) = 1`
+    /// Source: Biagiotti & Melchiorri 2008, section 3.4.
+    /// Test: `the_way_is_whole_and_no_limit_is_broken`.
     fn at(&self, t: f64) -> Jet {
         let total = self.duration();
         if t > 0.5 * total {

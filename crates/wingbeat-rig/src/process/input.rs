@@ -12,7 +12,7 @@ use wingbeat_math::range::{Range, ranges};
 #[serde(deny_unknown_fields, default)]
 pub struct InputSpec {
     /// Names of columns or datasets that differ: `Fz = "force_up"`, `Fz = "-force_down"` where the sign does too. Channels are t,
-    /// Fx .. Tz, phase (of the stroke), status, and q1, q2 .. of the arm's joints.
+    /// Fx .. Tz, phase (of the gait), status, and q1, q2 .. of the arm's joints.
     pub columns: BTreeMap<String, String>,
     /// Units where the file does not say them.
     pub units: UnitSpec,

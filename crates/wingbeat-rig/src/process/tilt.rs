@@ -46,6 +46,9 @@ const FIXED: usize = 10;
 /// weighed against forces by `lever` (m), the length at which both are known equally well.
 ///
 /// Equation: rig.static_tilts
+/// `F = b + d t + m g, T = b' + d' t + (m c) x g, least squares`
+/// Source: weight of a rigid load in several attitudes.
+/// Test: `mass_centre_bias_and_drift_come_back`.
 ///
 /// # Errors
 /// Tilts that do not part mass and centre from the offsets.

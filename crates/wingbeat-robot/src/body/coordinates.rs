@@ -90,6 +90,9 @@ impl<S: Scalar> BaseAcceleration<S> {
 
 impl<P: Scalar> Tree<P> {
     /// Equation: body.coordinate_inertia
+    /// `M_cx = sum_links F_c . I F_x, Q_c = F_c . (m g - bias), F the field of motion about the body origin`
+    /// Source: composite rigid bodies; Featherstone 2008, section 6.2.
+    /// Test: `coordinates_and_articulated_bodies_agree_in_vacuum`.
     ///
     /// Rows and columns 6.. of the mass matrix on [acceleration of the body origin; angular
     /// acceleration; second rates of the coordinates], M_cx = sum over links of F_c . I F_x with the

@@ -8,6 +8,9 @@ use wingbeat_math::{Jet, Mat3, Meets, Over, Scalar, Vec3, Wrench};
 
 impl<P: Scalar> Tree<P> {
     /// Equation: body.mass_matrix
+    /// `M [a0; w_dot] + bias = external wrench, M = [m 1, -[h]x; [h]x, I]`
+    /// Source: Newton-Euler summed over links.
+    /// Test: `joint_work_equals_the_change_of_energy`.
     ///
     /// (M, bias) with M [a0; w_dot] + bias = external wrench about the body
     /// origin; `a0` is the inertial acceleration of the body origin and `w_dot`
@@ -88,6 +91,9 @@ impl<P: Scalar> Tree<P> {
     }
 
     /// Equation: body.joint_torques
+    /// `t_i = e_i . (T_i - p_i x F_i), wrenches summed from the tips`
+    /// Source: recursive Newton-Euler; Featherstone 2008, table 5.1.
+    /// Test: `inverse_dynamics_returns_the_torques_of_forward_dynamics`.
     ///
     /// Effort of every joint, torque about its axis (N m) or force along it (N), that the motion needs, by summing link wrenches from the tips inwards (recursive
     /// Newton-Euler; Featherstone 2008, table 5.1).
@@ -156,6 +162,9 @@ pub fn joint_power<S: Scalar>(torques: &[S], joints: &[Jet<S>]) -> S {
 }
 
 /// Equation: body.drive_power
+/// `P_drive = sum_i P_i + (1 - storage) max(0, -P_i), P_i = t_i q_i'`
+/// Source: Weis-Fogh 1973, J. Exp. Biol. 59; Ellington 1984, Phil. Trans. R. Soc. B 305, part VI.
+/// Test: `what_a_joint_gives_back_is_stored_or_lost`.
 ///
 /// Power that the joints draw from their drives, W: P_drive = sum_i P_i + (1 - storage) max(0, -P_i),
 /// P_i torque times rate. What a joint gives back is stored and used again to the share `storage`:

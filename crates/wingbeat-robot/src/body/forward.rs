@@ -41,6 +41,9 @@ struct Hinge<S: Scalar> {
 
 impl<P: Scalar> Tree<P> {
     /// Equation: body.articulated
+    /// `I_p += I - U U'/D, p_p += p + U u/D, q'' = (u - U . x_p) / D`
+    /// Source: Featherstone 2008, table 7.1.
+    /// Test: `free_joints_agree_with_pinocchio`.
     ///
     /// Accelerations of base and joints for the joint efforts `torques` (N m, or N along a slide) and
     /// external wrenches (gravity `g_b` is added), by the articulated-body

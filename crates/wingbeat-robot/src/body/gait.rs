@@ -27,7 +27,7 @@ pub struct FourierSeries<P = f64> {
     /// Mean, rad.
     #[serde(default)]
     pub mean_rad: P,
-    /// Harmonics 1, 2, ... of the stroke.
+    /// Harmonics 1, 2, ... of the gait.
     #[serde(default)]
     pub harmonics: Vec<Harmonic<P>>,
 }
@@ -58,6 +58,9 @@ impl FourierSeries {
 
 impl<P: Scalar> FourierSeries<P> {
     /// Equation: body.gait_fourier
+    /// `mean + sum_k a_k cos(k phase - p_k)`
+    /// Source: Paper section V (gait).
+    /// Test: `fourier_rates_are_derivatives_and_the_extremes_are_known`.
     ///
     /// mean + sum_k a_k cos(k phase - p_k), with rate and acceleration.
     #[inline]

@@ -151,6 +151,9 @@ impl<P: Scalar> Inertia<P> {
     }
 
     /// Equation: body.inertia_turned
+    /// `I = I1 1 + (I2 - I1) u2 u2' + (I3 - I1) u3 u3'`
+    /// Source: principal axes.
+    /// Test: `free_joints_agree_with_pinocchio`.
     ///
     /// Inertia about the centre of mass in body axes,
     /// I = I1 1 + (I2 - I1) u2 u2' + (I3 - I1) u3 u3', `r` = R_BL.
@@ -216,6 +219,9 @@ pub(super) struct Reaction<S: Scalar> {
 
 impl<P: Scalar> Inertia<P> {
     /// Equation: body.newton_euler
+    /// `F = m a_c, T = c x F + I w' + w x I w`
+    /// Source: Newton-Euler.
+    /// Test: `momentum_is_kept_in_vacuum`.
     ///
     /// Newton-Euler about the body origin: F = m a_c,
     /// T = c x F + I w' + w x I w.

@@ -107,6 +107,9 @@ impl<P: Scalar> Linkage<P> {
     }
 
     /// Equation: body.linkage_closure
+    /// `three loops P1 + L1 e1 + ... = P5, P8; each an intersection of two circles`
+    /// Source: Paper (computational structure); law of cosines.
+    /// Test: `the_reference_cycle_is_met_to_a_thousandth_of_a_degree`.
     ///
     /// Pose at the crank angle `crank`, with the regulated lengths displaced from
     /// nominal by `displacement` (m, order of [`REGULATED`]); the actual lengths

@@ -148,6 +148,9 @@ impl<S: Scalar> LinkMotion<S> {
 
 impl<P: Scalar> Tree<P> {
     /// Equation: body.kinematics
+    /// `v = v_p + w_p x r, a = a_p + w_p' x r + w_p x (w_p x r), w = w_p + e q', w' = w_p' + e q'' + w_p x e q'`
+    /// Source: rigid-body kinematics; Featherstone 2008, section 5.3.
+    /// Test: `bias_acceleration_of_a_moving_base_matches_central_differences`.
     ///
     /// Motion of every link from the joint angles with their rates and
     /// accelerations, the inertial velocity `v_b` of the body origin and the

@@ -69,6 +69,9 @@ pub struct MotorWork {
 
 impl<P: Scalar> Motor<P> {
     /// Equation: body.motor_line
+    /// `tau = tau_s (s - w / w_0), w = N w_crank; tau_s = k_t V / R, w_0 = V / k_t`
+    /// Source: direct-current motor, V = R I + k_t w, tau = k_t I.
+    /// Test: `the_line_runs_from_stall_to_no_load_and_heat_is_what_the_winding_takes`.
     ///
     /// Torque of the shaft, N m, at the crank's rate (rad/s) under the share `supply` of the supply
     /// voltage: tau = tau_s (s - w / w_0), w = N w_crank. By the constants of the motor tau = k_t I,
@@ -78,6 +81,9 @@ impl<P: Scalar> Motor<P> {
     }
 
     /// Equation: body.gearbox
+    /// `N [tau - s ((1 - eta) p + (1/eta - 1) n)], s sign of the rate, p and n positive parts of s tau and -s tau`
+    /// Source: efficiency either way; corners rounded off, a choice.
+    /// Test: `the_gearbox_takes_its_share_either_way`.
     ///
     /// Torque on the crank, N m: N tau less the friction of the gearbox, which takes the share
     /// 1 - eta of the power that enters it, from the motor or from the crank,

@@ -52,6 +52,9 @@ impl Element {
     /// An element whose rate follows its command, y'' = c (omega - y') with c = 2 pi f, f in Hz.
     ///
     /// Equation: body.rate_response
+    /// `y'' = 2 pi f (omega - y')`
+    /// Source: first-order lag of the crank's rate, choice.
+    /// Test: `the_rate_of_the_crank_follows_its_command`.
     ///
     /// # Errors
     /// [`Error::Invalid`] when the frequency is not above zero.
@@ -119,6 +122,9 @@ impl Coupled {
     }
 
     /// Equation: body.structure_parts
+    /// `y'' = K (P omega - y) - C y', A = [0 1; -K -C], B = [0; K P]`
+    /// Source: choice: placement P of m actuators on n elements.
+    /// Test: `placement_parts_and_matrices_are_one_structure`.
     ///
     /// From stiffness K (n x n, 1/s2) and damping C (n x n, 1/s) per unit inertia and the placement P
     /// (n x m) of the commands, by rows: y'' = K (P omega - y) - C y', so that held commands displace
@@ -192,6 +198,9 @@ impl<P: Scalar> Response<P> {
     }
 
     /// Equation: body.structure_response
+    /// `[y'; y''] = A [y; y'] + B omega`
+    /// Source: Paper eq. (mimic_dynamics).
+    /// Test: `uncoupled_elements_equal_their_full_matrices`.
     ///
     /// Displacements with rate and acceleration from the state [y; y'] and the
     /// commands; `out` has n entries. Paper eq. (mimic_dynamics).

@@ -84,7 +84,7 @@ fn forward() -> [f64; 3] {
 pub struct DrivenSpec {
     /// Mean, rad (m for a sliding joint).
     pub mean_rad: f64,
-    /// Harmonics 1, 2, ... of the stroke.
+    /// Harmonics 1, 2, ... of the gait.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub harmonics: Vec<Harmonic>,
     /// Lag behind the phase of the gait, rad.

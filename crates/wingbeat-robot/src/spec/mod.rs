@@ -56,10 +56,10 @@ pub struct RobotSpec {
     /// What turns the crank of the gait.
     #[serde(default, skip_serializing_if = "DriveSpec::is_constant")]
     pub drive: DriveSpec,
-    /// Small propellers on the body; not beside regulators or matrices of the structure.
+    /// Small propellers on the body; not beside `structure.regulators` or matrices of the structure.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub thrusters: Vec<ThrusterSpec>,
-    /// Response of the structure to its regulators.
+    /// Response of the structure to its actuators.
     #[serde(default)]
     pub structure: StructureSpec,
     /// Numbers by name, `"surfaces.wing.cd0" = 0.03`, in place of those that follow from the other keys; or a file of such

@@ -18,7 +18,7 @@ pub struct ResidualSpec {
     /// Law of that model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
-    /// Flapping frequency at which it was measured, Hz; the robot's gait beats within 1 % of it, or not at all.
+    /// Flapping frequency at which it was measured, Hz; the robot's gait flaps within 1 % of it, or not at all.
     pub frequency_hz: f64,
     /// Place whose velocity counts, from the body's origin in body axes, m: at the wings, for their load depends on what they meet.
     #[serde(default)]

@@ -1,4 +1,4 @@
-//! The structure elements and their regulators.
+//! The structure elements and their actuators.
 
 use crate::MAX_ELEMENTS;
 use crate::body::{Coupled, Element, Response};
@@ -9,11 +9,11 @@ use wingbeat_math::Error;
 use wingbeat_math::names::one_of;
 use wingbeat_math::range::{Range, ranges};
 
-/// Second-order response of n structure elements to m <= n regulators,
+/// Second-order response of n structure elements to m <= n actuators,
 /// [y'; y''] = A [y; y'] + B omega with the state in the order y_1 .. y_n, y'_1 .. y'_n of `elements` and
 /// the commands in that of `regulators`. Either every element is of its own, y'' = k (P omega - y) - c y'
 /// by its frequency and damping; or `stiffness_per_s2` and `damping_per_s` couple them,
-/// y'' = K (P omega - y) - C y'; or `a` and `b` give all. P is the placement of the regulators.
+/// y'' = K (P omega - y) - C y'; or `a` and `b` give all. P is the placement of the actuators.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
@@ -26,7 +26,7 @@ pub struct StructureSpec {
     pub damping: Option<f64>,
     /// What is displaced.
     pub elements: Vec<ElementSpec>,
-    /// The regulators; without them each element has its own.
+    /// The actuators; without them each element has its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub regulators: Vec<RegulatorSpec>,
     /// Stiffness K per unit inertia (n rows of n), 1/s2.
@@ -43,7 +43,7 @@ pub struct StructureSpec {
     pub b: Option<Vec<Vec<f64>>>,
 }
 
-/// One regulator: which elements it moves.
+/// One actuator: which elements it moves.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegulatorSpec {
@@ -77,11 +77,11 @@ pub struct ElementSpec {
     /// Joints driven by series, by name, whose harmonics it scales by 1 + y, in place of `moves`; their means stay.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scales: Vec<String>,
-    /// Lower limit of the regulator, rad or m; link lengths take theirs from the
+    /// Lower limit of the actuator, rad or m; link lengths take theirs from the
     /// ranges of the linkage.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
-    /// Upper limit of the regulator, rad or m.
+    /// Upper limit of the actuator, rad or m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
     /// Natural frequency, Hz, in place of the structure's.
@@ -142,7 +142,7 @@ impl StructureSpec {
         self.check_ways()
     }
 
-    /// That a regulator moves elements there are, by finite gains other than 0.
+    /// That an actuator moves elements there are, by finite gains other than 0.
     fn check_placement(&self, regulator: &RegulatorSpec) -> Result<(), Error> {
         match (regulator.elements.is_empty(), &self.b) {
             (true, None) => return Err(Error::invalid("", "{}", "at least one element with its gain")),
@@ -207,7 +207,7 @@ impl StructureSpec {
         self.elements.iter().position(|e| e.name == name)
     }
 
-    /// Placement of the regulators, n rows of m: displacement at rest per command. `None` where each
+    /// Placement of the actuators, n rows of m: displacement at rest per command. `None` where each
     /// element has its own, or `b` is given.
     pub(crate) fn placement(&self) -> Option<Vec<Vec<f64>>> {
         if self.regulators.is_empty() || self.b.is_some() {

@@ -17,6 +17,10 @@ pub(super) struct Step {
 }
 
 /// Equation: trim.search_step
+/// `min g d + d B d/2 + w s, limits + A d <= s, s >= 0, abs(d) <= radius; B by the damped update of Broyden,
+/// Fletcher, Goldfarb and Shanno`
+/// Source: Nocedal & Wright 2006, Numerical Optimization, 18.3 and 18.5; Powell 1978.
+/// Test: `a_step_is_where_its_conditions_say`.
 ///
 /// min g d + d B d / 2 + weight s,  limits + A d <= s,  s >= 0,  |d| <= radius,  0 <= x + d <= 1
 struct Quadratic<'a> {

@@ -41,6 +41,9 @@ pub(super) struct CostToGo {
 
 impl Feedback {
     /// Equation: guide.periodic_regulator
+    /// `K = (R + B'PB)^-1 B'PA, P = Q + A'P(A - B K) backwards over the cycle until it repeats`
+    /// Source: Bittanti & Colaneri 2009, Periodic Systems, ch. 7.
+    /// Test: `intervals_add_up_to_the_cycle_and_the_feedback_holds_the_orbit`.
     ///
     /// Feedback K_k at each phase that minimises sum s' Q s + u' R u over all time: backwards over cycles
     /// K = (R + B'PB)^-1 B'PA, P = Q + A'P(A - B K) until K is the same a cycle earlier; `None` where it does not settle. The
@@ -203,6 +206,10 @@ impl MeanPath {
     }
 
     /// Equation: guide.off_path
+    /// `p' = C (p + B (e (-y, x) + dp)), e' = e + de in axes that go with the orbit; beside the path e is less by
+    /// its curvature times the arc`
+    /// Source: Frenet frame; own derivation.
+    /// Test: `what_is_off_a_path_grows_as_it_does_beside_a_circle`.
     ///
     /// What is missing along the path, what is off to its left and the heading off it after the interval `k`: by the same
     /// before it, and by place and heading in heading axes of its begin that deviations and commands add. In axes that go

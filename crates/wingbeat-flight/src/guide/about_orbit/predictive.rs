@@ -216,6 +216,11 @@ impl Tracking for Cost<'_> {
     }
 
     /// Equation: guide.orbit_plan
+    /// `sum over nodes of h/T (sum (deviation/size)^2 + sum ((u - u_orbit)/limit)^2), of the commands half at either
+    /// end, + abs(L's)^2 at the last, L L' = P of guide.periodic_regulator there; T the time between its updates, h
+    /// that between nodes`
+    /// Source: Rawlings, Mayne & Diehl 2017, Model Predictive Control, 2.5 (infinite-horizon cost at the end).
+    /// Test: `near_an_orbit_a_short_plan_asks_what_the_regulator_does`.
     fn residual<S: Scalar>(&self, node: usize, t: f64, x: &[S], u: &[S], r: &mut [S]) {
         let share = self.share();
         let (commands, r) = r.split_at_mut(u.len());

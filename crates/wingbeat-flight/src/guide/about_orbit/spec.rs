@@ -14,34 +14,34 @@ use wingbeat_robot::Robot;
 const STEP: f64 = 5e-4;
 
 /// A periodic linear-quadratic regulator about level flight and the flights that legs lead to, each an orbit of the gait
-/// that the regulator finds itself: turns, climbs, other speeds.
+/// that the controller finds itself: turns, climbs, other speeds.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct AboutOrbitSpec {
     /// Time between updates, s; best near a twentieth of a cycle.
     pub period_s: f64,
-    /// Speed at the begin, m/s; wings level.
+    /// Speed at the start, m/s; wings level.
     pub speed_m_s: f64,
-    /// Climb at the begin, m/s.
+    /// Climb at the start, m/s.
     #[serde(default)]
     pub climb_m_s: f64,
     /// What is flown after another, in the order of time.
     #[serde(default)]
     pub legs: Vec<LegSpec>,
-    /// What may be chosen: regulators, by name or by that of a pair, and `frequency`, for which a regulator paces the
+    /// What may be chosen: actuators, by name or by that of a pair, and `frequency`, for which an actuator paces the
     /// crank. The first two hold straight flight, all together turns. All but the frequency are fed back.
     pub free: Vec<String>,
     /// Deviations that cost as much as a full command.
     #[serde(default)]
     pub weights: OrbitWeights,
-    /// How the state is estimated from the readings of instruments; without it, it is told.
+    /// How the state is estimated from the readings of instruments; without it the controller receives the true state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimator: Option<EstimatorSpec>,
     /// How `[path]` is followed, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingSpec>,
-    /// Commands by a plan over the coming strokes that keeps within their limits, in place of the regulator's.
+    /// Commands by a plan over the coming intervals that keeps within their limits, in place of the regulator's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictive: Option<PredictiveSpec>,
 }
@@ -171,8 +171,8 @@ impl AboutOrbitSpec {
         let needed = if turning && turns { 4 } else { 2 };
         if all.len() < needed {
             let allowed = match turns {
-                true => "for turns four regulators or more, a pair counting as two",
-                false => "two regulators or pairs, or more",
+                true => "for turns four actuators or more, a pair counting as two",
+                false => "two actuators or pairs, or more",
             };
             return Err(Error::invalid("free", format!("{:?}", self.free), allowed));
         }

@@ -25,7 +25,7 @@ pub struct TrackingSpec {
     /// Time by which the bank is ahead of the path's curvature, s: what the roll takes to follow.
     #[serde(default = "lead")]
     pub lead_s: f64,
-    /// Time constant over which the bank asked is smoothed, s: a stroke's.
+    /// Time constant over which the bank asked is smoothed, s: that of a cycle.
     #[serde(default = "smooth")]
     pub smooth_s: f64,
     /// Rate at which an along-track error dies out, 1/s; 0 leaves it.
@@ -183,6 +183,10 @@ impl Tracking {
     /// What the path asks at the time `t` of a robot at `place` with `velocity` in W.
     ///
     /// Equation: guide.path_bank
+    /// `g tan(bank) = w^2 e + 2 d w e' - k(s + V lead) V^2, so that e'' = -2 d w e' - w^2 e of a turn at V^2 k = -g
+    /// tan(bank)`
+    /// Source: coordinated turn; own derivation.
+    /// Test: `a_path_is_followed_from_beside_it`.
     pub fn demand(&mut self, t: f64, place: Vec3, velocity: Vec3) -> Demand {
         let (spec, speed) = (&self.spec, self.speed);
         let beside = self.path.beside(place, self.seen.arc);

@@ -68,6 +68,10 @@ impl Linear {
     /// Rates of the errors by the errors; what is missed decays over `lasting` s.
     ///
     /// Equation: guide.inertial_errors
+    /// `h' = v_z, d' = dw - w x d of q exp(d), v' and w' by derivatives of the robot's rates, v' + R m_f, w' + m_w,
+    /// m' = -m/tau, biases constant`
+    /// Source: error-state filter, Sola 2017, arXiv:1711.02508; own derivation.
+    /// Test: `errors_grow_as_their_rates_say`.
     pub fn rates<const N: usize>(&self, lasting: f64) -> Square<N> {
         let mut f = Square::<N>::zeros();
         f[(0, 6)] = 1.0;

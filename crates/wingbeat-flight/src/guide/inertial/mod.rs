@@ -169,6 +169,10 @@ impl<'a, const N: usize> Inertial<'a, N> {
     /// A piece of it: the linearisation is that of its middle.
     ///
     /// Equation: guide.inertial_predict
+    /// `x' = f(x, u) + missed, P = F P F' + Q, F = exp(A dt), Q = s^2 (1 - exp(-2 dt/tau)) of what is missed
+    /// (Gauss-Markov)`
+    /// Source: Kalman 1960; Gelb 1974, Applied Optimal Estimation, ch. 6.
+    /// Test: `the_filter_knows_how_well_it_knows`.
     fn piece(&mut self, state: &mut State<N>, u: &[f64], end: f64) -> Result<(), Fault> {
         let length = end - state.t;
         self.fly(state, u, 0.5 * length)?;
@@ -206,6 +210,9 @@ impl<'a, const N: usize> Inertial<'a, N> {
     /// Takes in `readings` of one instant, one after another about one linearisation.
     ///
     /// Equation: guide.inertial_update
+    /// `K = P h/(h'P h + r), x = x + K (z - z_x), P = P - K h'P, one reading after another`
+    /// Source: Kalman 1960; sequential processing, Maybeck 1979, ch. 5.
+    /// Test: `the_filter_knows_how_well_it_knows`.
     fn take_in(&mut self, state: &mut State<N>, readings: &[Reading]) -> Result<(), Fault> {
         let Some((commands, _)) = self.history.at(state.t + ROUNDING) else { return Ok(()) };
         let linear = Linear::new(self.robot, &self.places, state.t, &state.x, commands, &state.missed)?;

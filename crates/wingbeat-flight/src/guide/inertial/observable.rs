@@ -36,6 +36,10 @@ impl Seen<'_> {
     /// Refuses `instruments` that leave a number which is fed back unobservable over a cycle; says which, and which sensor would tell it.
     ///
     /// Equation: guide.observability
+    /// `W = sum of Phi' H' H Phi / r over the readings of a cycle, Phi the errors' growth since its start; a number
+    /// s is observable if no more than a tenth of S P0 S' lies along eigenvectors of P0^1/2 W P0^1/2 below .001`
+    /// Source: observability Gramian, Kalman 1960; limits chosen.
+    /// Test: `what_no_instrument_tells_is_refused_by_its_name_with_the_sensor_that_would`.
     pub fn check(&self, spec: &EstimatorSpec, instruments: &[Instrument]) -> Result<(), Error> {
         let hidden = |instruments: &[Instrument]| {
             let broken = |fault: Fault| Error::invalid("", "given", format!("a model that flies: {fault}"));

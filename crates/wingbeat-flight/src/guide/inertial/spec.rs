@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
 
-/// An extended Kalman filter that makes of the readings of sensors the state that the regulator feeds back: its
+/// An extended Kalman filter that makes of the readings of sensors the state that the controller feeds back: its
 /// model is the nominal robot, with accelerations that the model misses as states of the filter. It starts at the orbit
 /// of the begin.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, schemars::JsonSchema)]

@@ -159,6 +159,11 @@ fn by_heading(length: f64, step: f64, of: impl Fn(f64) -> (f64, f64)) -> Vec<Sta
 
 impl FigureEightSpec {
     /// Equation: guide.figure_eight
+    /// `heading j (1 - cos(2 pi s/L)), curvature sin(2 pi s/L)/r, L = 2 pi j r, j the first zero of J0, so that the
+    /// curve closes`
+    /// Source: Langbein & Leopold 1966, USGS Prof. Paper 422-H (sine-generated curves); own derivation of the
+    /// closing.
+    /// Test: `a_figure_of_eight_ends_where_and_as_it_begins_and_crosses_itself_there`.
     fn stations(&self, step: f64, most: f64) -> Result<Vec<Station>, Error> {
         self.in_range()?;
         let lap = CLOSING * TAU * self.radius_m;

@@ -115,6 +115,9 @@ impl Path {
     /// The point of the path nearest to `place` over the ground, looked for from the arc `from` on.
     ///
     /// Equation: guide.path_beside
+    /// `(p - P(s)) . T(s) = 0 by Newton, slope -(1 - k e); e = (p - P) . N`
+    /// Source: Frenet frame.
+    /// Test: `what_lies_beside_is_found_again`.
     pub fn beside(&self, place: Vec3, from: f64) -> Beside {
         let mut arc = from;
         for _ in 0..20 {

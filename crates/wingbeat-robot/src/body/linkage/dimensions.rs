@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Most that a regulated link may be lengthened: a factor.
 const LONGEST: f64 = 1e3;
 
-/// Lengths, fixed pivots (y outboard, z up) and regulator ranges of one wing's
+/// Lengths, fixed pivots (y outboard, z up) and actuator ranges of one wing's
 /// linkage. The default is the published design of Aerobat's computational structure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[schemars(
@@ -32,7 +32,7 @@ pub struct LinkageDimensions<P = f64> {
     pub l2c_m: P,
     /// Humerus, from shoulder to elbow.
     pub l3a_m: P,
-    /// Humerus, from shoulder to the coupler, along; regulates the stroke.
+    /// Humerus, from shoulder to the coupler, along; changes the flapping amplitude.
     pub l3b_m: P,
     /// Humerus, from shoulder to the coupler, across.
     pub l3c_m: P,
