@@ -8,6 +8,8 @@ use wingbeat::scenario::DocumentKind;
 use wingbeat_lattice::course::Asked;
 use wingbeat_program::comparisons::Comparisons;
 
+use crate::watch::Live;
+
 /// Simulation, calibration and control of dynamic-morphing flapping flight.
 #[derive(Debug, Parser)]
 #[command(name = "wingbeat", version, about, max_term_width = 100, after_help = EXIT_CODES)]
@@ -60,6 +62,8 @@ pub struct Fly {
     pub run: Run,
     #[command(flatten)]
     pub page: Page,
+    #[command(flatten)]
+    pub live: Live,
 }
 
 /// Run a scenario or a case many times with keys drawn at random or from a grid, on all cores
@@ -183,6 +187,8 @@ pub struct Calibrate {
     pub run: Run,
     #[command(flatten)]
     pub page: Page,
+    #[command(flatten)]
+    pub live: Live,
 }
 
 /// Find the periodic flight that a scenario's `[trim]` asks for, and how it holds
@@ -202,6 +208,8 @@ pub struct Trim {
     pub run: Run,
     #[command(flatten)]
     pub page: Page,
+    #[command(flatten)]
+    pub live: Live,
 }
 
 /// Average measured loads over the cycles of the wings, from a file of the load cell alone

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use wingbeat_report::files::Files;
 use wingbeat_report::page::{Without, page};
 use wingbeat_report::run::{Flown, of, read};
 
@@ -96,7 +97,7 @@ pub fn beside(folder: &RunFolder, name: &str, flown: Option<Flown>, wanted: bool
     if !wanted {
         return Ok(());
     }
-    match of(folder.partial(), name, flown) {
+    match of(Files::Folder(folder.partial()), name, flown) {
         Ok(runs) => folder.write(PAGE, &page(&runs, Without::default())),
         // What the system refuses is refused; what cannot be shown is said.
         Err(error @ wingbeat_report::Error::File { .. })

@@ -4,7 +4,7 @@ use wingbeat::math::Vec3;
 use wingbeat_figures::animation::{Area, Line, Picture, View};
 use wingbeat_figures::space::{Bounds, Camera, Pane, Point};
 
-use crate::motion::{Motion, at, direction};
+use crate::motion::{Motion, at, direction, spindle};
 use crate::run::Run;
 
 /// Most frames of an animation, and most pixels of all, two bytes each.
@@ -253,18 +253,10 @@ impl<'a> Film<'a> {
                 view.areas.push(shaded(&[a, b, c, d], SIDES[*side], Some("#333333")));
             }
         }
-        let (com, reach) = (at(&motion.com, i), motion.reach());
-        let rings = [(1.0, 0.0), (0.4, 1.0), (-0.4, 0.8), (-1.0, 0.0)];
-        let around = 6;
-        let point = |(x, w): (f64, f64), k: usize| {
-            let angle = std::f64::consts::TAU * k as f64 / f64::from(around);
-            let (r, l) = (0.075 * reach, 0.34 * reach);
-            place(com + Vec3([l * x, r * w * angle.cos(), r * w * angle.sin()]))
-        };
+        let rings = spindle(at(&motion.com, i), motion.reach(), 6);
         for pair in rings.windows(2) {
-            for k in 0..around as usize {
-                let corners =
-                    [point(pair[0], k), point(pair[0], k + 1), point(pair[1], k + 1), point(pair[1], k)];
+            for (k, next) in (0..6).zip((1..6).chain([0])) {
+                let corners = [pair[0][k], pair[0][next], pair[1][next], pair[1][k]].map(place);
                 view.areas.push(shaded(&corners, BODY, None));
             }
         }

@@ -7,12 +7,13 @@
 pub mod animate;
 mod error;
 pub mod export;
+pub mod files;
 mod flight;
 mod held;
 pub mod motion;
 mod pack;
 pub mod page;
-mod panels;
+pub mod panels;
 pub mod run;
 mod wake;
 

@@ -31,8 +31,11 @@ class Plots {
     });
     for (const panel of this.panels) this.build(panel);
     this.layout();
-    new ResizeObserver(() => this.printing || this.layout()).observe(root);
+    this.sized = new ResizeObserver(() => this.printing || this.layout());
+    this.sized.observe(root);
   }
+  // Makes room for others.
+  away() { this.watch.disconnect(); this.sized.disconnect(); clearTimeout(this.later); this.root.replaceChildren(); }
   build(panel) {
     const several = this.runs.length > 1, keys = make('div', { class: 'keys' });
     panel.outputs = panel.curves.map(curve => {

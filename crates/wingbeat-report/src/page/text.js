@@ -23,6 +23,17 @@ function flat(value, name = '', out = []) {
   else if (value) for (const [key, part] of Object.entries(value)) if (name || !['judged', 'warnings', 'reason', 'status'].includes(key)) flat(part, name ? `${name}.${key}` : key, out);
   return out;
 }
+// Numbers of several runs that differ, side by side.
+function together(runs) {
+  const numbers = runs.map(run => new Map(flat(run.summary)));
+  runs.forEach((run, k) => run.summary.status && numbers[k].set('status', String(run.summary.status)));
+  const names = [...new Set(['status', ...numbers.flatMap(of => [...of.keys()])])].filter(name => new Set(numbers.map(of => of.get(name))).size > 1);
+  if (!names.length) return make('p', {}, 'The summaries of these runs are the same.');
+  const rows = names.map(name => row(cell(name), ...numbers.map(of => cell(of.get(name) || '–', true))));
+  const wide = make('div', { class: 'wide', tabindex: '0', role: 'region', 'aria-label': 'Numbers that differ' });
+  wide.append(table(['number', ...runs.map(run => run.name)], rows, 'What differs between summary.json of these runs'));
+  return make('div', {}, make('h2', {}, 'Side by side'), wide);
+}
 function told(run, several) {
   const root = make('div', {}, make('h2', {}, several ? run.name : 'Numbers')), tables = make('div', { class: 'tables' });
   const judged = list(run.summary.judged);
