@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use wingbeat_report::files::Files;
 use wingbeat_report::page::{Without, page};
-use wingbeat_report::run::{Flown, of, read};
+use wingbeat_report::run::{Flown, of, one_axis, read};
 
 use crate::args::Report;
 use crate::error::Error;
@@ -33,13 +33,7 @@ pub fn report(arguments: &Report) -> Result<(), Error> {
         runs.extend(read(folder).map_err(refused)?);
         interrupt.check()?;
     }
-    let other = runs.iter().find(|run| run.axis.label != runs[0].axis.label);
-    if let Some((first, other)) = runs.first().zip(other) {
-        return Err(Error::Input(format!(
-            "{} is drawn over {}, {} over {}: allowed on one page are runs over the same",
-            first.name, first.axis.label, other.name, other.axis.label
-        )));
-    }
+    one_axis(&runs).map_err(Error::Input)?;
     let text = page(&runs, Without { wake: arguments.no_wake, strips: arguments.no_strips });
     let place = match (&arguments.out, arguments.runs.as_slice()) {
         (Some(out), _) => written(out, &text, arguments.force)?,

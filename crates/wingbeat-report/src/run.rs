@@ -70,6 +70,17 @@ impl Run {
         }
     }
 
+    /// What moves.
+    ///
+    /// # Errors
+    /// Nothing does, and why.
+    pub fn moves(&self) -> Result<&Motion, String> {
+        self.motion.as_ref().ok_or_else(|| {
+            let notes: String = self.notes.iter().map(|note| format!("; {note}")).collect();
+            format!("{}: nothing moves in this {}{notes}", self.name, self.kind)
+        })
+    }
+
     /// The name in its document, or else that of its folder.
     pub fn title(&self) -> &str {
         let named = self.settings.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
@@ -84,6 +95,21 @@ pub struct Flown<'a> {
     pub scenario: &'a Scenario,
     /// Its record.
     pub record: &'a Record,
+}
+
+/// Refuses runs that are drawn over different axes.
+///
+/// # Errors
+/// That.
+pub fn one_axis(runs: &[Run]) -> Result<(), String> {
+    let Some(first) = runs.first() else { return Ok(()) };
+    match runs.iter().find(|run| run.axis.label != first.axis.label) {
+        None => Ok(()),
+        Some(other) => Err(format!(
+            "{} is drawn over {}, {} over {}: allowed on one page are runs over the same",
+            first.name, first.axis.label, other.name, other.axis.label
+        )),
+    }
 }
 
 /// The runs of a run folder: one, or those of the rig.
@@ -112,6 +138,12 @@ pub fn of(files: Files, name: &str, flown: Option<Flown>) -> Result<Vec<Run>, Er
     let has = |file: &str| files.has(file);
     if let (false, None, Files::Folder(folder)) = (has("summary.json"), flown, files) {
         return of_rig(folder, name);
+    }
+    // In memory a run on the rig stands alone.
+    if let Files::Memory(memory) = files
+        && memory.records.get("record.parquet").is_some_and(|record| record.values("q1").is_some())
+    {
+        return Ok(vec![on_rig(files, name)?]);
     }
     let summary = files.json("summary.json")?;
     let blank = |kind, axis| Run { summary: summary.clone(), ..Run::blank(name, kind, axis) };
@@ -308,7 +340,7 @@ fn of_rig(folder: &Path, name: &str) -> Result<Vec<Run>, Error> {
     }
     let shown = inside.iter().take(MOST_RUNS);
     let mut runs = shown
-        .map(|inside| on_rig(inside, &format!("{name}/{}", label(inside))))
+        .map(|inside| on_rig(Files::Folder(inside), &format!("{name}/{}", label(inside))))
         .collect::<Result<Vec<Run>, Error>>()?;
     if inside.len() > MOST_RUNS {
         runs[0].notes.push(format!("shown are the first {MOST_RUNS} of {} runs of {name}", inside.len()));
@@ -316,12 +348,12 @@ fn of_rig(folder: &Path, name: &str) -> Result<Vec<Run>, Error> {
     Ok(runs)
 }
 
-fn on_rig(folder: &Path, name: &str) -> Result<Run, Error> {
-    let files = Files::Folder(folder);
+fn on_rig(files: Files, name: &str) -> Result<Run, Error> {
     let path = files.path("scenario.toml");
     let record = files.record("record.parquet")?;
-    let run = RigRun::load(&path, &[]).map_err(|error| Error::run(&path, error))?;
-    let shown = of_rig_run(name, &run, &record).map_err(|why| Error::run(folder, why))?;
+    let run = files.document("scenario.toml").and_then(|document| RigRun::new(document, &|_, _| None));
+    let run = run.map_err(|error| Error::run(&path, error))?;
+    let shown = of_rig_run(name, &run, &record).map_err(|why| Error::run(&files.path(""), why))?;
     Ok(Run { summary: files.json("summary.json")?, settings: files.text("scenario.toml")?, ..shown })
 }
 
