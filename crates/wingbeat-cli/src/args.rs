@@ -304,9 +304,12 @@ pub struct Report {
     /// The page
     #[arg(long, value_name = "PAGE.html")]
     pub out: Option<PathBuf>,
-    /// Replace the file that --out names
-    #[arg(long, requires = "out")]
+    /// Replace the file that --out or --sheet names
+    #[arg(long)]
     pub force: bool,
+    /// Draw the plots that the runs have in common over one another, in place of the page
+    #[arg(long, value_name = "FILE.png|FILE.svg", conflicts_with_all = ["out", "no_wake", "no_strips"])]
+    pub sheet: Option<PathBuf>,
     /// Leave the wake out
     #[arg(long)]
     pub no_wake: bool,
@@ -464,6 +467,8 @@ pub struct RigPlan {
     /// and in least time
     #[arg(long, value_name = "J1,J2,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub from_deg: Option<Vec<f64>>,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// A run on the rig, or a list of runs
@@ -513,6 +518,8 @@ pub struct RigProcess {
     /// Print only errors
     #[arg(long)]
     pub quiet: bool,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Record from a Net F/T box without losing a sample silently

@@ -15,6 +15,7 @@ mod pack;
 pub mod page;
 pub mod panels;
 pub mod run;
+pub mod sheet;
 mod wake;
 
 pub use error::Error;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use wingbeat::scenario::{RigRun, Scenario, TetherCase};
-use wingbeat::simulate::Record;
+use wingbeat::simulate::{Column, Record};
 use wingbeat_io::read_csv;
 
 use crate::files::Files;
@@ -324,28 +324,82 @@ fn wake(files: Files, shots: Vec<Shot>, blank: Blank) -> Result<Run, Error> {
     Ok(run)
 }
 
-/// The runs of the rig in the folders inside, those on an arm in space.
+/// The runs of the rig in the folders inside, those on an arm in space, or planned ones.
 fn of_rig(folder: &Path, name: &str) -> Result<Vec<Run>, Error> {
     let entries = fs::read_dir(folder).map_err(|source| Error::file(folder, source))?;
-    let inside = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    let mut inside: Vec<PathBuf> = inside
-        .filter(|inside| ["scenario.toml", "record.parquet"].iter().all(|file| inside.join(file).is_file()))
-        .collect();
+    let mut inside: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     inside.sort();
-    if inside.is_empty() {
+    let whole =
+        |inside: &PathBuf| ["scenario.toml", "record.parquet"].iter().all(|file| inside.join(file).is_file());
+    // A plan is NAME.toml with its motion.
+    let motion = |inside: &PathBuf| {
+        inside.extension().is_some_and(|ending| ending == "toml") && inside.with_extension("csv").is_file()
+    };
+    let (measured, plans): (Vec<&PathBuf>, Vec<&PathBuf>) = (
+        inside.iter().filter(|path| whole(path)).collect(),
+        inside.iter().filter(|path| motion(path)).collect(),
+    );
+    let (all, planned) = if measured.is_empty() { (plans, true) } else { (measured, false) };
+    if all.is_empty() {
         return Err(Error::run(
             folder,
-            "nothing to show: neither summary.json nor folders with scenario.toml and record.parquet",
+            "nothing to show: neither summary.json, nor folders with scenario.toml and record.parquet, nor planned runs",
         ));
     }
-    let shown = inside.iter().take(MOST_RUNS);
-    let mut runs = shown
-        .map(|inside| on_rig(Files::Folder(inside), &format!("{name}/{}", label(inside))))
-        .collect::<Result<Vec<Run>, Error>>()?;
-    if inside.len() > MOST_RUNS {
-        runs[0].notes.push(format!("shown are the first {MOST_RUNS} of {} runs of {name}", inside.len()));
+    let mut runs = Vec::new();
+    for path in all.iter().take(MOST_RUNS) {
+        if planned {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            runs.push(planned_run(Files::Folder(folder), &stem, &format!("{name}/{stem}"))?);
+        } else {
+            runs.push(on_rig(Files::Folder(path), &format!("{name}/{}", label(path)))?);
+        }
+    }
+    if all.len() > MOST_RUNS {
+        runs[0].notes.push(format!("shown are the first {MOST_RUNS} of {} runs of {name}", all.len()));
     }
     Ok(runs)
+}
+
+/// What lines of the report of a plan begin with that are noted on its page.
+const TOLD: [&str; 4] = ["turn at", "limit profile", "binding", "clearance"];
+
+/// A run that was planned: its motion is that of the arm's table, in degrees.
+fn planned_run(files: Files, stem: &str, name: &str) -> Result<Run, Error> {
+    let document = format!("{stem}.toml");
+    let path = files.path(&document);
+    let run = files.document(&document).and_then(|document| RigRun::new(document, &|_, _| None));
+    let run = run.map_err(|error| Error::run(&path, error))?;
+    let table = files.record(&format!("{stem}.csv"))?;
+    let dof = run.arm.dof();
+    let columns = table.columns();
+    if columns.len() != 1 + 3 * dof {
+        let what = format!("{} columns; allowed are time and three of each of {dof} joints", columns.len());
+        return Err(Error::run(&files.path(&format!("{stem}.csv")), what));
+    }
+    let named = |k: usize, column: &Column| {
+        let (name, unit) = match k.checked_sub(1) {
+            None => ("t".to_owned(), "s"),
+            Some(k) => {
+                let (prefix, unit) = [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2")][k / dof];
+                (format!("{prefix}{}", k % dof + 1), unit)
+            }
+        };
+        let factor = if k == 0 { 1.0 } else { std::f64::consts::PI / 180.0 };
+        let values = column.values.iter().map(|value| factor * value).collect();
+        Column { values, ..Column::new(name, unit, "") }
+    };
+    let columns = columns.iter().enumerate().map(|(k, column)| named(k, column)).collect();
+    let record = Record::new(columns, 0).map_err(|error| Error::run(&path, error))?;
+    let shown = of_rig_run(name, &run, &record).map_err(|why| Error::run(&path, why))?;
+    // What the report of the plan says beside its table of limits.
+    let told = files.text(&format!("{stem}.txt")).unwrap_or_default();
+    let lines =
+        told.lines().filter(|line| TOLD.iter().any(|begin| line.starts_with(begin))).map(String::from);
+    let notes = shown.notes.iter().cloned().chain(lines).collect();
+    let report: String = told.lines().map(|line| format!("# {line}\n")).collect();
+    let settings = report + &files.text(&document)?;
+    Ok(Run { kind: "planned run of the rig", settings, notes, ..shown })
 }
 
 fn on_rig(files: Files, name: &str) -> Result<Run, Error> {

@@ -173,6 +173,7 @@ impl Work<'_> {
             force: false,
             overrides: Vec::new(),
             quiet: true,
+            page: PAGE,
         };
         self.ended("wingbeat rig process rig".into(), "forces", rig::process(&process))
     }
