@@ -178,10 +178,10 @@ pub struct Calibrate {
     #[arg(value_name = "CALIBRATION.toml")]
     pub calibration: PathBuf,
     /// Only print what the runs tell of the numbers
-    #[arg(long)]
+    #[arg(long, conflicts_with = "watch")]
     pub information: bool,
     /// Only list the numbers that can be fitted, with the values that the model gives them
-    #[arg(long, conflicts_with = "information")]
+    #[arg(long, conflicts_with_all = ["information", "watch"])]
     pub names: bool,
     #[command(flatten)]
     pub run: Run,

@@ -44,7 +44,9 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
     let identity = files.identity(&calibration.resolved);
     let folder =
         RunFolder::resume(options.out.as_deref(), &name, options.force, ("calibration.toml", &identity))?;
-    match found(&calibration, &folder, &interrupt, arguments) {
+    let watch =
+        Convergence::begin(&arguments.live, &calibration.spec.name, "fit under way", &calibration.resolved)?;
+    match found(&calibration, &folder, &interrupt, arguments, &watch) {
         Ok(Some(found)) => {
             let verdict = found.verdict(calibration.limits());
             write(&folder, (&found, &verdict), &files)?;
@@ -92,6 +94,7 @@ fn found(
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,
+    watch: &Convergence,
 ) -> Result<Option<Found>, Error> {
     let quiet = arguments.run.quiet;
     let prepared = calibration.prepared()?;
@@ -104,9 +107,7 @@ fn found(
     if arguments.information {
         return Error::unless_sound(on_data.status, on_data.reason.as_deref()).map(|()| None);
     }
-    let (live, name) = (&arguments.live, &calibration.spec.name);
-    let watch = Convergence::begin(live, name, "fit under way", &calibration.resolved)?;
-    watched(&prepared, &mut Kept::open(folder), interrupt, quiet, &watch).map(Some)
+    watched(&prepared, &mut Kept::open(folder), interrupt, quiet, watch).map(Some)
 }
 
 /// The fit, with cost, parameters and time on a bar.

@@ -12,8 +12,8 @@ function verdict(run) {
 const list = value => Array.isArray(value) ? value.filter(one => one && typeof one === 'object') : [];
 const row = (...cells) => make('tr', {}, ...cells);
 const cell = (text, number) => make('td', number ? { class: 'number' } : {}, text);
-function table(head, rows, caption) {
-  return make('table', {}, make('caption', { class: 'quiet' }, caption), make('thead', {}, row(...head.map(h => make('th', { scope: 'col' }, h)))), make('tbody', {}, ...rows));
+function table(head, rows, caption, right) {
+  return make('table', {}, make('caption', { class: 'quiet' }, caption), make('thead', {}, row(...head.map(h => make('th', { scope: 'col', class: right.includes(h) ? 'number' : undefined }, h)))), make('tbody', {}, ...rows));
 }
 function flat(value, name = '', out = []) {
   if (out.length > 300) return out;
@@ -31,16 +31,16 @@ function together(runs) {
   if (!names.length) return make('p', {}, 'The summaries of these runs are the same.');
   const rows = names.map(name => row(cell(name), ...numbers.map(of => cell(of.get(name) || '–', true))));
   const wide = make('div', { class: 'wide', tabindex: '0', role: 'region', 'aria-label': 'Numbers that differ' });
-  wide.append(table(['number', ...runs.map(run => run.name)], rows, 'What differs between summary.json of these runs'));
+  wide.append(table(['number', ...runs.map(run => run.name)], rows, 'What differs between the summaries of these runs', runs.map(run => run.name)));
   return make('div', {}, make('h2', {}, 'Side by side'), wide);
 }
 function told(run, several) {
   const root = make('div', {}, make('h2', {}, several ? run.name : 'Numbers')), tables = make('div', { class: 'tables' });
   const judged = list(run.summary.judged);
   if (judged.length) tables.append(table(['judged', 'value', 'limit', 'met'], judged.map(j => row(cell(j.id), cell(`${digits(j.value)} ${j.unit || ''}`, true),
-    cell(`${j.allowed === 'at_least' ? 'at least' : 'at most'} ${digits(j.limit)}${j.overridden ? ' (overridden)' : ''}`, true), make('td', { class: j.met ? 'good' : 'bad' }, j.met ? 'met' : 'missed'))), 'What the status rests on'));
+    cell(`${j.allowed === 'at_least' ? 'at least' : 'at most'} ${digits(j.limit)}${j.overridden ? ' (overridden)' : ''}`, true), make('td', { class: j.met ? 'good' : 'bad' }, j.met ? 'met' : 'missed'))), 'What the status rests on', ['value', 'limit']));
   const numbers = flat(run.summary);
-  if (numbers.length) tables.append(table(['number', 'value'], numbers.map(([k, v]) => row(cell(k), cell(v, true))), 'summary.json'));
+  if (numbers.length) tables.append(table(['number', 'value'], numbers.map(([k, v]) => row(cell(k), cell(v, true))), 'summary.json', ['value']));
   root.append(tables);
   if (run.settings) { const pre = make('pre', { tabindex: '0', 'aria-label': 'Settings of ' + run.name }); pre.textContent = run.settings; const box = make('details', {}, make('summary', {}, 'Settings of the run'), pre); root.append(box); }
   return root;
