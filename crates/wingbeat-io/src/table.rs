@@ -34,8 +34,31 @@ const LARGEST: u64 = 64 << 20;
 /// Most numbers that are read.
 const MOST: usize = 1 << 24;
 
-/// Reads a record from `path`: a header of names, then rows of numbers; `#` starts a comment line. The last line ends
-/// with a line break: without it, its last number may be cut.
+/// A column as it fills.
+struct Cells {
+    column: Column,
+    /// Line and text of the first cell that is no finite number.
+    word: Option<(u64, String)>,
+}
+
+impl Cells {
+    fn take(&mut self, cell: &str, line: u64) {
+        match cell.parse().ok().filter(|number: &f64| number.is_finite()) {
+            Some(number) => self.column.values.push(number),
+            None if self.word.is_none() => self.word = Some((line, cell.chars().take(40).collect())),
+            None => {}
+        }
+    }
+
+    /// Whether no cell is a number, or something that stands for one: a column of remarks.
+    fn is_words(&self) -> bool {
+        let stands = |cell: &str| cell.is_empty() || cell.parse::<f64>().is_ok();
+        self.column.values.is_empty() && self.word.as_ref().is_some_and(|(_, cell)| !stands(cell))
+    }
+}
+
+/// Reads a record from `path`: a header of names, then rows of numbers; `#` starts a comment line. Columns in which no cell is a
+/// number are left out, as long as one is left. The last line ends with a line break: without it, its last number may be cut.
 pub fn read_csv(path: &Path) -> Result<Record, Error> {
     let format = |error: csv::Error| Error::format(path, error);
     let bytes = bytes(path)?;
@@ -46,21 +69,29 @@ pub fn read_csv(path: &Path) -> Result<Record, Error> {
         let count = header.len();
         return Err(Error::format(path, format!("{count} columns; read are at most {MOST_COLUMNS}")));
     }
-    let mut columns: Vec<Column> = header.iter().map(|name| Column::new(name, "", "")).collect();
+    let empty = |name| Cells { column: Column::new(name, "", ""), word: None };
+    let mut columns: Vec<Cells> = header.iter().map(empty).collect();
     for (rows, row) in reader.records().enumerate() {
         let row = row.map_err(format)?;
         if (rows + 1) * columns.len() > MOST {
             return Err(Error::format(path, format!("more than {MOST} numbers")));
         }
-        for (column, cell) in columns.iter_mut().zip(&row) {
-            let line = row.position().map_or(0, csv::Position::line);
-            let number = cell.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
-                Error::format(path, format!("line {line}, column {}: `{cell}` is not a number", column.name))
-            })?;
-            column.values.push(number);
-        }
+        let line = row.position().map_or(0, csv::Position::line);
+        columns.iter_mut().zip(&row).for_each(|(column, cell)| column.take(cell, line));
     }
+    let words = !columns.iter().all(Cells::is_words);
+    columns.retain(|column| !(words && column.is_words()));
+    if let Some((line, name, cell)) = first_word(&columns) {
+        return Err(Error::format(path, format!("line {line}, column {name}: `{cell}` is not a number")));
+    }
+    let columns = columns.into_iter().map(|cells| cells.column).collect();
     Record::new(columns, 0).map_err(|error| Error::format(path, error))
+}
+
+/// The first cell among `columns` that is no number: its line, its column and its text.
+fn first_word(columns: &[Cells]) -> Option<(u64, &str, &str)> {
+    let words = columns.iter().filter_map(|c| Some((&c.column.name, c.word.as_ref()?)));
+    words.map(|(name, (line, cell))| (*line, name.as_str(), cell.as_str())).min_by_key(|(line, ..)| *line)
 }
 
 /// The bytes of a file of bounded size that ends with a line break.

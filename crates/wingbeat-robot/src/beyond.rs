@@ -75,14 +75,15 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Vec<Wrench<f64>>, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let Moving { base, moving, wind: [wind, wind_dot], .. } = self.moving((t, x, u), beyond, &mut dx)?;
+        let seen = self.moving((t, x, u), beyond, &mut dx)?;
+        let Moving { base, moving, wind: [wind, wind_dot], .. } = &*seen;
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
-        carriers.follow(&base, &self.carriers, &moving, wind_dot);
+        carriers.follow(base, &self.carriers, moving, *wind_dot);
         let aero = self.layout.aero;
         let mut loads = Loads::default();
         let motions = self.covering.motions(&carriers);
-        self.covering.aero.evaluate(&motions, wind, &x[aero..], &mut dx[aero..], &mut loads);
+        self.covering.aero.evaluate(&motions, *wind, &x[aero..], &mut dx[aero..], &mut loads);
         Ok(self.attached(&carriers, &loads))
     }
 

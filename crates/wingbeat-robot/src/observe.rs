@@ -58,7 +58,7 @@ pub struct Observation {
     pub inertia: Wrench<f64>,
     /// Loads, incidence, circulation and place of the strips of all surfaces in turn, in B about the
     /// body origin.
-    pub strips: Loads<f64>,
+    pub strips: Box<Loads<f64>>,
     /// Centre of mass from the body origin, in B, m.
     pub center_of_mass: Vec3,
     /// For each surface the ends of its panels, left to right: hinge-line point, leading and trailing
@@ -68,10 +68,10 @@ pub struct Observation {
     pub clearances: Vec<f64>,
 }
 
-/// A robot with all its accelerations.
+/// A robot with all its accelerations, on the heap, as it is large.
 pub(super) struct Moving {
     /// What led to its rates.
-    pub e: Evaluation<f64>,
+    pub e: Box<Evaluation<f64>>,
     /// Joint coordinates with their second rates.
     pub joints: Joints<f64>,
     /// The links without the body's own acceleration.
@@ -116,13 +116,14 @@ impl Robot {
         beyond: &[Wrench<f64>],
     ) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
-        let Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] } =
-            self.moving((t, x, u), beyond, &mut dx)?;
+        let seen = self.moving((t, x, u), beyond, &mut dx)?;
+        let Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] } = &*seen;
+        let (body, wind) = (*body, *wind);
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
-        carriers.follow(&base, &self.carriers, &moving, wind_dot);
+        carriers.follow(base, &self.carriers, moving, *wind_dot);
         let aero = self.layout.aero;
-        let mut strips = Loads::detailed();
+        let mut strips = Box::new(Loads::detailed());
         let mut external = self.air_loads(&carriers, wind, &x[aero..], &mut dx[aero..], &mut strips);
         external.iter_mut().zip(beyond).for_each(|(load, beyond)| *load += *beyond);
         let structure = &x[self.layout.structure..];
@@ -133,7 +134,7 @@ impl Robot {
             None => Wrench::ZERO,
         };
         let g = self.gravity(e.attitude);
-        let torques = self.joint_torques(&links, body, &external, g);
+        let torques = self.joint_torques(links, body, &external, g);
         let tree = &self.mechanism.tree;
         let springs = || {
             let springs = self.mechanism.springs().zip(&self.mechanism.coordinates).enumerate();
@@ -153,17 +154,17 @@ impl Robot {
             drive_power,
             regulator_power,
             motor: self.motor_work(phase, 1.0),
-            separate_power: self.separate_power(&torques, &joints) + rest_power.max(0.0),
-            power: joint_power(&torques, &joints) + rest_power
+            separate_power: self.separate_power(&torques, joints) + rest_power.max(0.0),
+            power: joint_power(&torques, joints) + rest_power
                 - springs().map(|(spring, q, y)| spring.effort(q.x, q.d, y) * q.d).sum::<f64>(),
-            energy: tree.kinetic_energy(e.base.velocity, e.base.rate, &links)
-                + tree.potential_energy(g, &links, datum)
+            energy: tree.kinetic_energy(e.base.velocity, e.base.rate, links)
+                + tree.potential_energy(g, links, datum)
                 + springs().map(|(spring, joint, y)| spring.energy(joint.x, y)).sum::<f64>(),
-            air_power: super::carried::air_power(&base, &links, &external)
+            air_power: super::carried::air_power(base, links, &external)
                 + body_drag.force.dot(e.base.velocity)
                 + body_drag.moment.dot(e.base.rate),
             dissipation: springs().map(|(spring, joint, _)| spring.dissipation(joint.d)).sum(),
-            inertia: self.momentum_reaction(e.base.rate, &links, body),
+            inertia: self.momentum_reaction(e.base.rate, links, body),
             joints: joints.iter().map(|j| j.x).collect(),
             torques: torques.to_vec(),
             air: strips.by_source(),
@@ -172,11 +173,11 @@ impl Robot {
             residual,
             beyond_residual: self.beyond_residual([e.base.velocity - wind, e.base.rate], phase.d),
             thrust: self.thrust(structure),
-            gravity: tree.gravity(g, &links),
+            gravity: tree.gravity(g, links),
             strips,
-            center_of_mass: tree.center_of_mass(&links),
-            outlines: self.outlines(&e.base, &links),
-            clearances: self.clearances.least(&links).collect(),
+            center_of_mass: tree.center_of_mass(links),
+            outlines: self.outlines(&e.base, links),
+            clearances: self.clearances.least(links).collect(),
         })
     }
 
@@ -192,8 +193,8 @@ impl Robot {
         (t, x, u): (f64, &[f64], &[f64]),
         beyond: &[Wrench<f64>],
         dx: &mut [f64],
-    ) -> Result<Moving, Fault> {
-        let mut e = Evaluation::empty();
+    ) -> Result<Box<Moving>, Fault> {
+        let mut e = Box::new(Evaluation::empty());
         self.evaluate(t, x, u, beyond, dx, &mut e)?;
         let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
         self.let_go(&mut joints, &mut links, &e.coordinates, &e.ratios, &e.second_rates);
@@ -201,7 +202,7 @@ impl Robot {
         let base = e.base.accelerated(&body);
         let moving = links.iter().map(|link| link.accelerated(&body)).collect();
         let (wind, wind_dot) = self.wind(t, e.attitude);
-        Ok(Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] })
+        Ok(Box::new(Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] }))
     }
 
     /// Ends of the panels of every surface.

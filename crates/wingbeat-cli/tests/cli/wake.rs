@@ -64,6 +64,12 @@ fn a_wake_beyond_its_limit_ends_with_the_name_of_the_limit() {
     let (said, told) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
     assert!(said.contains("limits.wake.circulation_error"), "{said}");
     assert!(told.contains("limit overridden: wake.circulation_error = 0"), "{told}");
+    let coarse =
+        ["--chordwise", "1", "--spanwise", "1", "--steps", "8", "--set", "time.cycles=1", "--out", "b"];
+    let output = wingbeat(&folder, &[&["wake", &case("flap_f2.toml"), "--no-report"], &coarse[..]].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    let named = ["limits.wake.panels_along_chord", "limits.wake.panels_along_span"];
+    assert!(output.status.code() == Some(3) && named.iter().all(|name| said.contains(name)), "{said}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! What repeats with the cycle, what is noise, and what is neither.
 
 use super::frequency::{self, Frequency};
+use super::rectified::rectified;
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::Limits;
 use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, PHASE_GAP, ROUGH, SHARE, SIGNAL};
@@ -119,6 +120,7 @@ pub fn findings(series: &Series, limits: &Limits) -> Vec<Finding> {
     for one in all.iter().filter(|one| one.is_telling(&all)) {
         found.extend(of_channel(series, one, kept, limits));
         found.extend(rough(series, one));
+        found.extend(rectified(series, one.channel, &one.at));
     }
     if series.purpose == Purpose::Loads {
         found.extend(without_signal(series, &all));

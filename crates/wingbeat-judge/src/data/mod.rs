@@ -26,6 +26,7 @@ mod cycle;
 mod finding;
 mod frequency;
 mod lines;
+mod rectified;
 mod reference;
 mod time;
 mod values;

@@ -14,6 +14,16 @@ pub const LOST: Limit = Limit::at_most("wake.symmetry_lost_fraction", 0.5, "", N
 /// The sum of all circulations, which Kelvin's theorem keeps at zero: rounding leaves 1e-12.
 pub const KELVIN: Limit = Limit::at_most("wake.circulation_error", 1e-6, "", NotResolved)
     .on("sum of all circulations over the largest one");
+/// Of the case `flap_f2` a single panel along the chord changes the drag by a third (two: by an eighth, of 8 x 32 panels, by Bernoulli).
+pub const ALONG: Limit =
+    Limit::at_least("wake.panels_along_chord", 2.0, "", NotResolved).on("number of panels along the chord");
+/// One panel across halves the loads of `flap_f2`, four change their root mean square by 8 % (of 8 x 32 panels).
+pub const ACROSS: Limit =
+    Limit::at_least("wake.panels_along_span", 4.0, "", NotResolved).on("number of panels along the span");
+/// A core of a fifth of the chord changes the mean drag of `flap_f2` by 8 %, one of a chord by 30 % (of a twentieth).
+pub const CORE: Limit = Limit::warn_above("wake.core_fraction", 0.2, "").on(
+    "vortices of the wake are smeared over a large part of the wing: radius of their cores over the mean chord",
+);
 
 /// All of them.
-pub const ALL: [Limit; 3] = [DRIFTED, LOST, KELVIN];
+pub const ALL: [Limit; 6] = [DRIFTED, LOST, KELVIN, ALONG, ACROSS, CORE];

@@ -142,6 +142,9 @@ fn right() -> Vec<(&'static str, Data)> {
         ("one_count_beside_a_load", changed(&usual(), |k, _| ((k / 7) % 2) as f64 / 320.0)),
         ("small_drift", changed(&usual(), |k, x| x + 0.2 * k as f64 / 2000.0)),
         ("small_bow", changed(&usual(), |k, x| x + 0.2 * (k as f64 / 2000.0).powi(2))),
+        ("lifted_to_zero", changed(&exact(usual()), |_, x| x + 0.925)),
+        ("one_sign", changed(&usual(), |k, _| (TAU * k as f64 / 200.0).sin().powi(2))),
+        ("two_pulses", changed(&exact(usual()), move |k, x| pulse(2 * k, x))),
         ("pulses", changed(&exact(usual()), pulse)),
         (
             "pulses_with_noise",
@@ -207,6 +210,14 @@ fn wrong() -> Vec<(&'static str, &'static str, Data)> {
         ("clipped_low", "data.clipped", changed(&usual(), |_, x| x.max(-0.7))),
         ("clipped_both", "data.clipped", changed(&usual(), |_, x| x.clamp(-0.6, 0.6))),
         ("clipped_counts", "data.clipped", changed(&Load { count: 0.01, ..usual() }, |_, x| x.min(0.8))),
+        ("rectified", "data.rectified", changed(&usual(), |_, x| x.abs())),
+        ("rectified_and_turned", "data.rectified", changed(&usual(), |_, x| -x.abs())),
+        ("rectified_of_few_samples", "data.rectified", {
+            changed(&Load { rate: 48, cycles: 20.0, noise: 0.01, ..usual() }, |_, x| x.abs())
+        }),
+        ("rectified_with_noise", "data.rectified", {
+            changed(&Load { noise: 0.05, ..usual() }, |_, x| x.abs())
+        }),
         ("drift", "data.drift", changed(&usual(), |k, x| x + 1.5 * k as f64 / 2000.0)),
         ("drift_down", "data.drift", changed(&usual(), |k, x| x - 1.2 * k as f64 / 2000.0)),
         ("bow", "data.drift", changed(&usual(), |k, x| x + 3.0 * (k as f64 / 1000.0 - 1.0).powi(2))),

@@ -136,13 +136,19 @@ impl Told {
 }
 
 /// The verdict on a course.
-fn judged(watch: &Watch<'_>, limits: &Limits) -> Verdict {
+fn judged(watch: &Watch<'_>, asked: &Asked, limits: &Limits) -> Verdict {
     let mut judge = Judge::new(limits);
     match &watch.failed {
         Some(reason) if watch.ended => judge.find(Status::Interrupted, reason),
         Some(reason) => judge.find(Status::Failed, reason),
         None => {
             judge.hold(&wake::KELVIN, watch.circulation_error);
+            // What the model sheds is one ring along the chord.
+            if !asked.model {
+                judge.hold(&wake::ALONG, asked.chordwise as f64);
+            }
+            judge.hold(&wake::ACROSS, asked.spanwise as f64);
+            judge.hold(&wake::CORE, asked.core);
             if let Some(error) = watch.symmetry_error() {
                 judge.hold(&wake::DRIFTED, error);
                 judge.hold(&wake::LOST, error);
@@ -161,8 +167,8 @@ impl WakeSummary {
         let judged: Vec<(&str, Verdict)> = watches
             .iter()
             .map(|watch| match watch.course.name.as_str() {
-                "" => ("", judged(watch, limits)),
-                _ => (watch.course.title.as_str(), judged(watch, limits)),
+                "" => ("", judged(watch, asked, limits)),
+                _ => (watch.course.title.as_str(), judged(watch, asked, limits)),
             })
             .collect();
         let stretch = |watch: &Watch<'_>| {

@@ -93,6 +93,8 @@ struct Change {
     ends: Option<f64>,
     /// Rows within these places are missing.
     lost: Option<[f64; 2]>,
+    /// Only its magnitude is kept.
+    magnitude: bool,
     /// Instants are off by so many steps.
     jitter: f64,
 }
@@ -227,6 +229,7 @@ impl Change {
             if self.spikes.is_some_and(|every| k % every == every / 2) {
                 *x += 2.0 * size;
             }
+            *x = if self.magnitude { x.abs() } else { *x };
             *x = ceiling.map_or(*x, |ceiling| x.min(ceiling));
             if self.ends.is_some_and(|from| place >= from) {
                 *x = 0.0;
