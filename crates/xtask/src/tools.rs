@@ -148,3 +148,29 @@ pub fn pages() -> Vec<String> {
     found.sort();
     found
 }
+
+/// The Python that makes all environments: that of the environment variable `WINGBEAT_PYTHON`, else the one on the path.
+fn python() -> Command {
+    let usual = if cfg!(windows) { "python" } else { "python3" };
+    Command::new(std::env::var_os("WINGBEAT_PYTHON").unwrap_or_else(|| usual.into()))
+}
+
+/// Makes the Python environment `folder`, seen from the root, where there is none; its Python.
+pub fn python_environment(folder: &str) -> Option<PathBuf> {
+    let folder = root().join(folder);
+    let own = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    if !own.exists() {
+        let mut make = python();
+        make.args(["-m", "venv"]).arg(&folder);
+        succeeds(make).then_some(())?;
+    }
+    Some(own)
+}
+
+/// Installs into an environment what pip is asked for by `options` and `what`.
+pub fn pip(python: &Path, options: &[&str], what: &Path) -> Option<()> {
+    let mut install = Command::new(python);
+    install.args(["-m", "pip", "install", "--no-compile", "--quiet", "--disable-pip-version-check"]);
+    install.args(options).arg(what);
+    succeeds(install).then_some(())
+}
