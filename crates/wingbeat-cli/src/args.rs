@@ -189,7 +189,7 @@ pub struct Calibrate {
 ///
 /// The folder holds summary.json (frequency, power, stall shares, Floquet multipliers, or why there is no orbit),
 /// record.parquet (one cycle), multipliers.parquet, family.parquet where `[trim.family]` asks for orbits along a parameter,
-/// figures, gains.csv, the periodic regulator that holds the orbit where one does, and orbit.toml: the scenario on its orbit,
+/// figures, gains.csv, the periodic controller that holds the orbit where one does, and orbit.toml: the scenario on its orbit,
 /// for `fly`. Where `[trim.search]` asks for the gait that does something
 /// best, starts.csv and starts.parquet have what each start came to, robot.toml is the best robot, and an interrupted search
 /// goes on when the same command is given again. What the numbers mean: docs/trim.md.

@@ -43,7 +43,7 @@ impl Tried {
     fn is_quick(&self) -> bool {
         let verb = match self {
             Self::Line(line, _) => line.split_whitespace().nth(1).unwrap_or_default(),
-            Self::Document(_, verb) => verb,
+            Self::Document(_, verb) => *verb,
         };
         QUICK.contains(&verb)
     }
@@ -117,7 +117,7 @@ fn document(comment: Option<&str>, block: &str) -> Result<Option<Tried>, String>
     }
     let (what, before) = comment.split_once(": ").unwrap_or((comment, ""));
     let (kind, base) = what.split_once(" of ").map_or((what, None), |(kind, base)| (kind, Some(base)));
-    let Some((_, verb)) = READ.iter().find(|(known, _)| *known == kind) else {
+    let Some(&(_, verb)) = READ.iter().find(|(known, _)| *known == kind) else {
         return Err(format!("{comment}: of another kind than {}", READ.map(|(kind, _)| kind).join(", ")));
     };
     let base = base.map_or(String::new(), |base| format!("base = \"../{base}\"\n"));

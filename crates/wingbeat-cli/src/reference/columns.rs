@@ -221,7 +221,7 @@ pub const COLUMNS: &[Described] = &[
     column("path_arc", &[FLIGHT], M, "", "Arc of the path at its point nearest to the robot at the last update, over the ground from the begin, under `[controller.orbit.tracking]`."),
     column("path_cross", &[FLIGHT], M, "", "Distance of the robot from that point, positive to the left of the path."),
     column("path_along", &[FLIGHT], M, "", "That arc less the one that time and speed ask; negative behind."),
-    column("path_bank", &[FLIGHT], RAD, "", "Bank asked of the regulator, positive right wing down."),
+    column("path_bank", &[FLIGHT], RAD, "", "Bank asked of the controller, positive right wing down."),
     column("path_nearest_<axis>", &[FLIGHT], M, "W", "That point."),
     column("estimate_t", &[FLIGHT], S, "", "Time of the newest estimate, under `[controller.orbit.estimator]`, as all of the estimate."),
     column("estimate_height", &[FLIGHT], M, "W", "Height as it is estimated."),

@@ -84,6 +84,9 @@ pub fn read(text: &str) -> Result<Drawing<'_>, Fault> {
                     continue;
                 }
                 let curve = points_of(kind, entity, &vertices)?;
+                if !curve.iter().flatten().all(|value| value.is_finite()) {
+                    return Err(fault(entity[0], format!("{kind} whose points are finite")));
+                }
                 points += curve.len();
                 if points > MOST_POINTS {
                     return Err(fault(entity[0], format!("at most {MOST_POINTS} points in a drawing")));
