@@ -74,20 +74,17 @@ fn is_file(out: &Path) -> Result<bool, Error> {
 }
 
 fn asked(arguments: &Animate) -> Result<Asked, Error> {
-    let within = |name: &str, value: f64, low: f64, high: f64| match value >= low && value <= high {
-        true => Ok(value),
-        false => Err(Error::Input(format!("{name} {value}: allowed is {low} to {high}"))),
-    };
-    Ok(Asked {
+    let asked = Asked {
         seen: match arguments.view {
             AnimatedView::Whole => Seen::Whole,
             AnimatedView::Behind => Seen::Behind,
             AnimatedView::Side => Seen::Side,
             AnimatedView::Above => Seen::Above,
         },
-        speed: within("--speed", arguments.speed, 0.001, 1000.0)?,
-        rate: within("--rate", arguments.rate, 1.0, 100.0)?,
+        speed: arguments.speed,
+        rate: arguments.rate,
         width: f64::from(arguments.width),
         wide: arguments.wide,
-    })
+    };
+    asked.checked("--").map_err(Error::Input)
 }

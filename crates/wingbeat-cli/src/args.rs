@@ -8,6 +8,8 @@ use wingbeat::scenario::DocumentKind;
 use wingbeat_lattice::course::Asked;
 use wingbeat_program::comparisons::Comparisons;
 
+use crate::watch::Live;
+
 /// Simulation, calibration and control of dynamic-morphing flapping flight.
 #[derive(Debug, Parser)]
 #[command(name = "wingbeat", version, about, max_term_width = 100, after_help = EXIT_CODES)]
@@ -60,6 +62,8 @@ pub struct Fly {
     pub run: Run,
     #[command(flatten)]
     pub page: Page,
+    #[command(flatten)]
+    pub live: Live,
 }
 
 /// Run a scenario or a case many times with keys drawn at random or from a grid, on all cores
@@ -174,15 +178,17 @@ pub struct Calibrate {
     #[arg(value_name = "CALIBRATION.toml")]
     pub calibration: PathBuf,
     /// Only print what the runs tell of the numbers
-    #[arg(long)]
+    #[arg(long, conflicts_with = "watch")]
     pub information: bool,
     /// Only list the numbers that can be fitted, with the values that the model gives them
-    #[arg(long, conflicts_with = "information")]
+    #[arg(long, conflicts_with_all = ["information", "watch"])]
     pub names: bool,
     #[command(flatten)]
     pub run: Run,
     #[command(flatten)]
     pub page: Page,
+    #[command(flatten)]
+    pub live: Live,
 }
 
 /// Find the periodic flight that a scenario's `[trim]` asks for, and how it holds
@@ -202,6 +208,8 @@ pub struct Trim {
     pub run: Run,
     #[command(flatten)]
     pub page: Page,
+    #[command(flatten)]
+    pub live: Live,
 }
 
 /// Average measured loads over the cycles of the wings, from a file of the load cell alone
@@ -296,9 +304,12 @@ pub struct Report {
     /// The page
     #[arg(long, value_name = "PAGE.html")]
     pub out: Option<PathBuf>,
-    /// Replace the file that --out names
-    #[arg(long, requires = "out")]
+    /// Replace the file that --out or --sheet names
+    #[arg(long)]
     pub force: bool,
+    /// Draw the plots that the runs have in common over one another, in place of the page
+    #[arg(long, value_name = "FILE.png|FILE.svg", conflicts_with_all = ["out", "no_wake", "no_strips"])]
+    pub sheet: Option<PathBuf>,
     /// Leave the wake out
     #[arg(long)]
     pub no_wake: bool,
@@ -456,6 +467,8 @@ pub struct RigPlan {
     /// and in least time
     #[arg(long, value_name = "J1,J2,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub from_deg: Option<Vec<f64>>,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// A run on the rig, or a list of runs
@@ -505,6 +518,8 @@ pub struct RigProcess {
     /// Print only errors
     #[arg(long)]
     pub quiet: bool,
+    #[command(flatten)]
+    pub page: Page,
 }
 
 /// Record from a Net F/T box without losing a sample silently

@@ -1,5 +1,6 @@
 //! `wingbeat fly`.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use indicatif::{HumanDuration, ProgressBar};
@@ -18,6 +19,7 @@ use crate::report;
 use crate::run_folder::RunFolder;
 use crate::say;
 use crate::time_left::TimeLeft;
+use crate::watch::FlightWatch;
 
 /// Ticks of the progress bar per simulated second.
 const TICKS: f64 = 1000.0;
@@ -31,8 +33,11 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
         Document::file(&arguments.scenario)?.overridden(&options.all_overrides()),
         &wingbeat_lattice::doors(),
     )?;
+    let scenario = Arc::new(scenario);
     let folder = RunFolder::create(options.out.as_deref(), &scenario.spec.run_name()?, options.force)?;
-    let run = simulate(&scenario, &interrupt, options.quiet)?;
+    let mut watch = FlightWatch::begin(&arguments.live, &scenario)?;
+    let run = simulate(&scenario, &interrupt, options.quiet, &mut watch)?;
+    watch.end();
     folder.write("scenario.toml", &scenario.resolved)?;
     folder.write_json("summary.json", &run.summary)?;
     write_parquet(&folder.file("record.parquet"), &run.record)?;
@@ -52,11 +57,17 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
     printed
 }
 
-fn simulate(scenario: &Scenario, interrupt: &Interrupt, quiet: bool) -> Result<Run, Error> {
+fn simulate(
+    scenario: &Scenario,
+    interrupt: &Interrupt,
+    quiet: bool,
+    watch: &mut FlightWatch,
+) -> Result<Run, Error> {
     let duration = scenario.spec.flight.duration_s;
     let progress = progress(duration, quiet);
     let mut left = scenario.spec.lattice.as_ref().map_or(TimeLeft::even(), TimeLeft::in_lattice);
     let run = scenario.fly(|sample| {
+        watch.see(sample);
         progress.set_position((TICKS * sample.t) as u64);
         let elapsed = sample.elapsed.as_secs_f64();
         let factor = sample.t / elapsed.max(1e-6);

@@ -22,6 +22,7 @@ mod time_left;
 mod trim;
 mod validate;
 mod wake;
+mod watch;
 
 use std::process::ExitCode;
 

@@ -3,8 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use wingbeat_report::files::Files;
 use wingbeat_report::page::{Without, page};
-use wingbeat_report::run::{Flown, of, read};
+use wingbeat_report::run::{Flown, Run, of, one_axis, read};
+use wingbeat_report::sheet::sheet;
 
 use crate::args::Report;
 use crate::error::Error;
@@ -32,12 +34,12 @@ pub fn report(arguments: &Report) -> Result<(), Error> {
         runs.extend(read(folder).map_err(refused)?);
         interrupt.check()?;
     }
-    let other = runs.iter().find(|run| run.axis.label != runs[0].axis.label);
-    if let Some((first, other)) = runs.first().zip(other) {
-        return Err(Error::Input(format!(
-            "{} is drawn over {}, {} over {}: allowed on one page are runs over the same",
-            first.name, first.axis.label, other.name, other.axis.label
-        )));
+    one_axis(&runs).map_err(Error::Input)?;
+    if let Some(file) = &arguments.sheet {
+        return drawn(file, &runs, arguments);
+    }
+    if let (true, None) = (arguments.force, &arguments.out) {
+        return Err(Error::Input("--force: allowed with --out or --sheet".into()));
     }
     let text = page(&runs, Without { wake: arguments.no_wake, strips: arguments.no_strips });
     let place = match (&arguments.out, arguments.runs.as_slice()) {
@@ -49,12 +51,30 @@ pub fn report(arguments: &Report) -> Result<(), Error> {
         (None, _) => written(Path::new(PAGE), &text, false)?,
     };
     say::unless(arguments.quiet, || {
-        let status = |run: &wingbeat_report::run::Run| {
+        let status = |run: &Run| {
             let status = run.summary["status"].as_str().unwrap_or("no status");
             format!("{}: {}, {status}\n", run.name, run.kind)
         };
         format!("{}page: {}\n", runs.iter().map(status).collect::<String>(), place.display())
     })
+}
+
+/// Writes the plots of the runs as one figure.
+fn drawn(file: &Path, runs: &[Run], arguments: &Report) -> Result<(), Error> {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    let vector = match ending.as_deref() {
+        Some("png") => false,
+        Some("svg") => true,
+        _ => {
+            let what = format!("--sheet {}: allowed is a figure, FILE.png or FILE.svg", file.display());
+            return Err(Error::Input(what));
+        }
+    };
+    free(file, arguments.force)?;
+    let figure = sheet(runs).map_err(Error::Input)?;
+    let bytes = if vector { Ok(figure.svg().into_bytes()) } else { figure.png() };
+    replace(file, &bytes.map_err(|error| Error::Input(error.to_string()))?)?;
+    say::unless(arguments.quiet, || format!("{}\n", file.display()))
 }
 
 /// Writes a file that is not there, or may be replaced.
@@ -96,7 +116,7 @@ pub fn beside(folder: &RunFolder, name: &str, flown: Option<Flown>, wanted: bool
     if !wanted {
         return Ok(());
     }
-    match of(folder.partial(), name, flown) {
+    match of(Files::Folder(folder.partial()), name, flown) {
         Ok(runs) => folder.write(PAGE, &page(&runs, Without::default())),
         // What the system refuses is refused; what cannot be shown is said.
         Err(error @ wingbeat_report::Error::File { .. })

@@ -17,6 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::manifest::Manifest;
 use crate::run_folder::RunFolder;
 use crate::say;
+use crate::watch::{Convergence, Point};
 
 /// Finds the scenario's periodic flight and writes its run folder.
 pub fn trim(arguments: &Trim) -> Result<(), Error> {
@@ -30,14 +31,17 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
         Some(_) => RunFolder::resume(out, name, options.force, ("scenario.toml", &scenario.resolved))?,
         None => RunFolder::create(out, name, options.force)?,
     };
+    let watch =
+        Convergence::begin(&arguments.live, &scenario.spec.name, "search under way", &scenario.resolved)?;
     let searched = match &search {
-        Some(search) => Some(search::searched(search, &folder, &interrupt, options.quiet)?),
+        Some(search) => Some(search::searched(search, &folder, &interrupt, options.quiet, &watch)?),
         None => None,
     };
     let target = if options.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(None, target);
     let mut tell = |at: TrimProgress| {
         if let TrimProgress::Orbit { orbits, iteration, residual } = at {
+            watch.see(|| orbit_point(orbits, residual));
             bar.set_message(format!("orbit {}, iteration {iteration}: residual {residual:.1e}", orbits + 1));
         }
         interrupt.flow()
@@ -47,6 +51,7 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
         None => scenario.trim(&mut tell)?,
     };
     bar.finish_and_clear();
+    watch.end();
     interrupt.check()?;
     if search.is_none() {
         folder.write("scenario.toml", &scenario.resolved)?;
@@ -84,6 +89,12 @@ pub fn trim(arguments: &Trim) -> Result<(), Error> {
     });
     Error::unless_usable(trimmed.summary.status, trimmed.summary.reason.as_deref(), shown)?;
     printed
+}
+
+/// The residual of an orbit as it is shown.
+fn orbit_point(orbits: usize, residual: f64) -> Point {
+    let values = vec![("decimal logarithm of the residual".into(), "", residual.log10())];
+    Point { series: format!("orbit {}", orbits + 1), values }
 }
 
 fn table(summary: &TrimSummary) -> String {

@@ -45,6 +45,7 @@ mod tether_converge;
 mod tether_spec;
 mod trim;
 mod verdict_limits;
+mod watched;
 
 pub use calibration::{
     CalibratedCaseSpec, CalibratedRunSpec, CalibrationSpec, DesignSpec, ParameterSpec, StructureOfModel,
@@ -99,6 +100,7 @@ pub use trim::{
     Searched, TrimProgress, TrimSpec, TrimSummary, Trimmed, VarySpec,
 };
 pub use verdict_limits::VerdictLimits;
+pub use watched::{Seen, Watched};
 
 use build::{Built, whole};
 use doors::Choice;

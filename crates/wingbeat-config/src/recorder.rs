@@ -159,6 +159,11 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
+    /// The record so far.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
     /// What was recorded.
     pub fn finish(self) -> Recorded {
         let surfaces = self.robot.surfaces();

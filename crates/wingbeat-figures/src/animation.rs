@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use kuva::backend::png::PngBackend;
@@ -102,7 +102,38 @@ impl Animation {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, path: &Path, delay_s: f64) -> Result<(), Error> {
-        self.animated(path, delay_s).map_err(|error| told(path, error))
+        let written = || -> Result<(), Failed> {
+            if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+                fs::create_dir_all(folder)?;
+            }
+            self.animated(Box::new(BufWriter::new(File::create(path)?)), delay_s)
+        };
+        written().map_err(|error| told(path, error))
+    }
+
+    /// The same as bytes.
+    ///
+    /// # Errors
+    /// An animation that cannot be made.
+    pub fn bytes(&self, delay_s: f64) -> Result<Vec<u8>, Error> {
+        let mut bytes = Vec::new();
+        self.animated(Box::new(&mut bytes), delay_s).map_err(|error| told(Path::new(""), error))?;
+        Ok(bytes)
+    }
+
+    /// Each frame as the bytes of `frame_0000.png` and so on.
+    ///
+    /// # Errors
+    /// A picture that cannot be made.
+    pub fn stills(&self) -> Result<Vec<(String, Vec<u8>)>, Error> {
+        let palette = palette(&self.frames);
+        let frames = self.frames.iter().enumerate();
+        let stills = frames.map(|(number, frame)| {
+            let mut bytes = Vec::new();
+            frame.still(&palette, &mut bytes).map_err(|error| told(Path::new(""), error))?;
+            Ok((format!("frame_{number:04}.png"), bytes))
+        });
+        stills.collect()
     }
 
     /// Writes each frame as `frame_0000.png` and so on into `folder`.
@@ -110,27 +141,19 @@ impl Animation {
     /// # Errors
     /// A file that cannot be written.
     pub fn sequence(&self, folder: &Path) -> Result<(), Error> {
-        let palette = palette(&self.frames);
-        for (number, frame) in self.frames.iter().enumerate() {
-            let path = folder.join(format!("frame_{number:04}.png"));
-            let whole = || -> Result<(), Box<dyn std::error::Error>> {
-                let mut encoder = encoder(&path, frame, &palette)?;
-                encoder.set_compression(png::Compression::Balanced);
-                let indices: Vec<u8> = frame.shades.iter().map(|shade| palette.place(*shade)).collect();
-                let mut writer = encoder.write_header()?;
-                writer.write_image_data(&indices)?;
-                // Writes what is buffered, which a drop does without a word.
-                Ok(writer.finish()?)
-            };
-            whole().map_err(|error| told(&path, error))?;
+        let failed = |path: &Path, source| Error::File { path: path.into(), source };
+        fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
+        for (name, bytes) in self.stills()? {
+            let path = folder.join(name);
+            fs::write(&path, bytes).map_err(|source| failed(&path, source))?;
         }
         Ok(())
     }
 
-    fn animated(&self, path: &Path, delay_s: f64) -> Result<(), Box<dyn std::error::Error>> {
+    fn animated<'a>(&self, out: Box<dyn Write + 'a>, delay_s: f64) -> Result<(), Failed> {
         let Some(first) = self.frames.first() else { return Err("no frames".into()) };
         let palette = palette(&self.frames);
-        let mut encoder = encoder(path, first, &palette)?;
+        let mut encoder = encoder(out, first, &palette);
         encoder.set_animated(self.frames.len() as u32, 0)?;
         encoder.set_frame_delay((1000.0 * delay_s).round().clamp(1.0, 60_000.0) as u16, 1000)?;
         encoder.set_blend_op(png::BlendOp::Over)?;
@@ -161,7 +184,10 @@ impl Animation {
     }
 }
 
-fn told(path: &Path, error: Box<dyn std::error::Error>) -> Error {
+/// Why a picture could not be written.
+type Failed = Box<dyn std::error::Error>;
+
+fn told(path: &Path, error: Failed) -> Error {
     match error.downcast::<std::io::Error>() {
         Ok(source) => Error::File { path: path.into(), source: *source },
         Err(error) => Error::Picture(error.to_string()),
@@ -169,6 +195,17 @@ fn told(path: &Path, error: Box<dyn std::error::Error>) -> Error {
 }
 
 impl Pixels {
+    /// Writes a PNG.
+    fn still(&self, palette: &Palette, out: &mut Vec<u8>) -> Result<(), Failed> {
+        let mut encoder = encoder(Box::new(out), self, palette);
+        encoder.set_compression(png::Compression::Balanced);
+        let indices: Vec<u8> = self.shades.iter().map(|shade| palette.place(*shade)).collect();
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&indices)?;
+        // Writes what is buffered, which a drop does without a word.
+        Ok(writer.finish()?)
+    }
+
     /// The least rectangle that holds what differs from `before`; a pixel where nothing does.
     fn changed(&self, before: &Self) -> (u32, u32, u32, u32) {
         let (mut low, mut high) = ((self.width, self.height), (0, 0));
@@ -216,22 +253,37 @@ fn palette(frames: &[Pixels]) -> Palette {
 }
 
 fn encoder<'a>(
-    path: &Path,
+    out: Box<dyn Write + 'a>,
     frame: &Pixels,
     palette: &Palette,
-) -> Result<png::Encoder<'a, BufWriter<File>>, Box<dyn std::error::Error>> {
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        fs::create_dir_all(folder)?;
-    }
-    let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), frame.width, frame.height);
+) -> png::Encoder<'a, Box<dyn Write + 'a>> {
+    let mut encoder = png::Encoder::new(out, frame.width, frame.height);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(palette.colours.clone());
     encoder.set_trns(vec![0]);
-    Ok(encoder)
+    encoder
 }
 
-/// Draws a picture.
-fn pixels(picture: &Picture) -> Result<Pixels, Box<dyn std::error::Error>> {
+/// A picture as red, green and blue of each pixel, row by row.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+pub fn rgb(picture: &Picture) -> Result<Vec<u8>, Error> {
+    let (_, rgba) = drawn(picture).map_err(|error| Error::Picture(error.to_string()))?;
+    Ok(rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect())
+}
+
+/// Draws a picture in few shades.
+fn pixels(picture: &Picture) -> Result<Pixels, Failed> {
+    let ((width, height), rgba) = drawn(picture)?;
+    let bits = |value: u8| (u16::from(value) + SHADE / 2) / SHADE;
+    let shades = rgba.chunks_exact(4);
+    let shades = shades.map(|p| bits(p[0]) << 8 | bits(p[1]) << 4 | bits(p[2])).collect();
+    Ok(Pixels { width, height, shades })
+}
+
+/// Draws a picture: its size and its pixels.
+fn drawn(picture: &Picture) -> Result<((u32, u32), Vec<u8>), Failed> {
     let mut scene = style::scene(picture.width, picture.height);
     for view in &picture.views {
         if let Some(Pane { x, y, width, height }) = view.framed {
@@ -257,10 +309,8 @@ fn pixels(picture: &Picture) -> Result<Pixels, Box<dyn std::error::Error>> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
     let mut rgba = vec![0; reader.output_buffer_size().unwrap_or(0)];
     let frame = reader.next_frame(&mut rgba)?;
-    let bits = |value: u8| (u16::from(value) + SHADE / 2) / SHADE;
-    let shades = rgba[..frame.buffer_size()].chunks_exact(4);
-    let shades = shades.map(|p| bits(p[0]) << 8 | bits(p[1]) << 4 | bits(p[2])).collect();
-    Ok(Pixels { width: frame.width, height: frame.height, shades })
+    rgba.truncate(frame.buffer_size());
+    Ok(((frame.width, frame.height), rgba))
 }
 
 #[cfg(test)]

@@ -47,6 +47,14 @@ impl Figure {
         Self { scene, ..self }
     }
 
+    /// The figure as PNG, for a page on a screen.
+    ///
+    /// # Errors
+    /// A figure that cannot be drawn.
+    pub fn png(&self) -> Result<Vec<u8>, Error> {
+        rendered(self, SCREEN)
+    }
+
     /// The figure as SVG.
     pub fn svg(&self) -> String {
         SvgBackend::default().render_scene(&self.scene)

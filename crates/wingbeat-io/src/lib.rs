@@ -15,7 +15,7 @@ mod urdf;
 mod xml_depth;
 
 pub use parquet::{ParquetWriter, read_parquet, read_parquet_columns, write_parquet};
-pub use table::{read_csv, shortest, write_csv};
+pub use table::{csv_bytes, read_csv, shortest, write_csv};
 pub use urdf::{parse_urdf, read_urdf, urdf_as_toml};
 
 use std::fs::File;

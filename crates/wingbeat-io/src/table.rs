@@ -10,7 +10,16 @@ use crate::{Error, MOST_COLUMNS, regular};
 
 /// Writes `record` to `path`, names in the first line, numbers as [`shortest`].
 pub fn write_csv(path: &Path, record: &Record) -> Result<(), Error> {
-    let format = |error: csv::Error| Error::format(path, error);
+    let text = csv_bytes(record).map_err(|error| Error::format(path, error))?;
+    fs::write(path, text).map_err(|source| Error::file(path, source))
+}
+
+/// What [`write_csv`] writes.
+///
+/// # Errors
+/// A record that is no table.
+pub fn csv_bytes(record: &Record) -> Result<Vec<u8>, String> {
+    let format = |error: csv::Error| error.to_string();
     let mut text = Vec::new();
     let mut writer = csv::Writer::from_writer(&mut text);
     writer.write_record(record.columns().iter().map(|column| &column.name)).map_err(format)?;
@@ -18,9 +27,9 @@ pub fn write_csv(path: &Path, record: &Record) -> Result<(), Error> {
         let cells = record.columns().iter().map(|column| shortest(column.values[row]));
         writer.write_record(cells).map_err(format)?;
     }
-    writer.flush().map_err(|source| Error::file(path, source))?;
+    writer.flush().map_err(|error| error.to_string())?;
     drop(writer);
-    fs::write(path, text).map_err(|source| Error::file(path, source))
+    Ok(text)
 }
 
 /// A number in the fewest letters that read back as the same number.

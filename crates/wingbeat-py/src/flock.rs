@@ -12,6 +12,8 @@ use std::time::Duration;
 use wingbeat::Error;
 use wingbeat::learn::{BankingTurn, Batch, Precision, SavedRobot, Task, View};
 use wingbeat::plant::Plant;
+use wingbeat::robot::Robot;
+use wingbeat::simulate::Stepper;
 
 /// Observations, rewards, terms of the rewards, terminated, truncated.
 type Stepped<'py> = (
@@ -21,9 +23,6 @@ type Stepped<'py> = (
     Bound<'py, PyArray1<bool>>,
     Bound<'py, PyArray1<bool>>,
 );
-
-/// Corners (m, in W) of the panels of a surface, left to right: hinge line, leading and trailing edge.
-type Outline = Vec<[[f64; 3]; 3]>;
 
 /// State, inputs and clock; action; seed and episode; spread and begin; actions; whether over.
 type Kept = ((Vec<f64>, Vec<f64>, (f64, f64, usize)), Vec<f64>, (u64, u64), (f64, f64), usize, bool);
@@ -174,28 +173,21 @@ impl Flock {
         let saved: Vec<SavedRobot> = saved.into_iter().map(robot).collect();
         self.0.restore(&saved).map_err(refused)
     }
+}
 
-    /// Time (s), state and outlines of the surfaces of a robot.
-    fn look<'py>(
-        &self,
-        py: Python<'py>,
-        number: usize,
-    ) -> PyResult<(f64, Bound<'py, PyArray1<f64>>, Vec<Outline>)> {
+impl Flock {
+    /// Robot `number` and the time of its episode, s.
+    ///
+    /// # Errors
+    /// A number beyond the last.
+    pub fn standing(&self, number: usize) -> PyResult<(f64, &Stepper<Arc<Robot>>)> {
         if number >= self.0.count() {
             return Err(refused(Error::invalid("number", number, format!("below {}", self.0.count()))));
         }
         let (stepper, t) = self.0.member(number);
-        let seen = stepper.observe().map_err(|fault| PyRuntimeError::new_err(fault.to_string()))?;
-        let place = wingbeat::math::Vec3::from_slice(&stepper.state()[stepper.system().layout().position..]);
-        let in_world = |point: wingbeat::math::Vec3| (place + seen.attitude * point).0;
-        let outlines = seen.outlines.iter();
-        let outlines =
-            outlines.map(|outline| outline.iter().map(|points| points.map(in_world)).collect()).collect();
-        Ok((t, PyArray1::from_slice(py, stepper.state()), outlines))
+        Ok((t, stepper))
     }
-}
 
-impl Flock {
     /// A step of many robots, which a signal ends: all stand again as they stood before.
     fn heard(&mut self, py: Python, actions: &[f64]) -> PyResult<Result<Batch, Error>> {
         let (before, stop, flock) = (self.0.save(), Stop::default(), &mut self.0);

@@ -12,6 +12,7 @@ mod sweep;
 mod table;
 mod tether;
 mod trim;
+mod views;
 mod wait;
 mod wake;
 
@@ -73,6 +74,8 @@ mod module {
     use super::tether::tether;
     #[pymodule_export]
     use super::trim::trim;
+    #[pymodule_export]
+    use super::views::{animation_of, export_of, page_of, picture_of};
     #[pymodule_export]
     use super::wake::{wake_case, wake_flight};
 }

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use wingbeat::parallel;
 use wingbeat::scenario::{ConfigError, Document as Text, Evaluated, RigRun, SimulatedRun};
 
-/// What became of a run, by name: record where there is one, and the numbers as JSON.
-type Simulated<'py> = (String, Option<Vec<Named<'py>>>, String);
+/// What became of a run, by name: record where there is one, the numbers as JSON, and the run as TOML.
+type Simulated<'py> = (String, Option<Vec<Named<'py>>>, String, String);
 
 /// Plans and simulates the run of a file, or those that it lists; `overrides` are `key=value`.
 #[pyfunction]
@@ -22,15 +22,15 @@ pub fn rig_simulate(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> Py
         });
         let told = |(run, simulated): (&RigRun, Result<SimulatedRun, ConfigError>)| {
             let told = simulated.map(|simulated| (simulated.summary(run), simulated.record));
-            (run.spec.name.clone(), told)
+            (run.spec.name.clone(), told, run.resolved.clone())
         };
         runs.iter().zip(simulated).map(told).collect::<Vec<_>>()
     })?;
     done.into_iter()
-        .map(|(name, told)| {
+        .map(|(name, told, resolved)| {
             let (summary, record) = told.map_err(refused)?;
             let summary = serde_json::to_string(&summary).map_err(refused)?;
-            Ok((name, record.map(|record| columns(py, record)), summary))
+            Ok((name, record.map(|record| columns(py, record)), summary, resolved))
         })
         .collect()
 }

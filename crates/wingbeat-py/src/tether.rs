@@ -9,8 +9,8 @@ use wingbeat::scenario::{Comparison, Convergence, TetherCase};
 use wingbeat::simulate::{Ending, Record};
 use wingbeat::tether::TetherRun;
 
-/// Loads, strips, the compared cycle where there is one, and the summary as JSON.
-type Moved<'py> = (Vec<Named<'py>>, Vec<Named<'py>>, Option<Vec<Named<'py>>>, String);
+/// Loads, strips, the compared cycle where there is one, the summary as JSON, and the case as TOML.
+type Moved<'py> = (Vec<Named<'py>>, Vec<Named<'py>>, Option<Vec<Named<'py>>>, String, String);
 
 /// The table in a file; the text says what is wrong with it.
 pub fn read(path: &Path) -> Result<Record, String> {
@@ -71,9 +71,9 @@ pub fn tether<'py>(
             put("compare", serde_json::to_value(channels))?;
             cycle = Some(compared);
         }
-        Ok::<_, String>((run, cycle, json))
+        Ok::<_, String>((run, cycle, json, case.resolved))
     })?;
-    let (run, cycle, json) = done.map_err(refused)?;
+    let (run, cycle, json, resolved) = done.map_err(refused)?;
     let cycle = cycle.map(|cycle| columns(py, cycle));
-    Ok((columns(py, run.loads), columns(py, run.strips), cycle, json.to_string()))
+    Ok((columns(py, run.loads), columns(py, run.strips), cycle, json.to_string(), resolved))
 }

@@ -1,10 +1,14 @@
 //! The pictures of an animation of a run.
 
 use wingbeat::math::Vec3;
+use wingbeat::plant::Plant;
+use wingbeat::robot::Robot;
 use wingbeat_figures::animation::{Area, Line, Picture, View};
 use wingbeat_figures::space::{Bounds, Camera, Pane, Point};
+use wingbeat_io::shortest;
 
-use crate::motion::{Motion, at, direction};
+use crate::flight::add_skeleton;
+use crate::motion::{Motion, at, direction, spindle};
 use crate::run::Run;
 
 /// Most frames of an animation, and most pixels of all, two bytes each.
@@ -42,6 +46,22 @@ pub enum Seen {
     Above,
 }
 
+/// The views by name.
+const VIEWS: [(&str, Seen); 4] =
+    [("whole", Seen::Whole), ("behind", Seen::Behind), ("side", Seen::Side), ("above", Seen::Above)];
+
+impl Seen {
+    /// The view of a name.
+    ///
+    /// # Errors
+    /// A name that is none of them.
+    pub fn named(name: &str) -> Result<Self, String> {
+        let found = VIEWS.iter().find(|(known, _)| *known == name);
+        let known = VIEWS.map(|(known, _)| known).join(", ");
+        found.map(|(_, seen)| *seen).ok_or_else(|| format!("view = {name:?}: allowed are {known}"))
+    }
+}
+
 /// What an animation shows and how.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
@@ -55,6 +75,26 @@ pub struct Asked {
     pub width: f64,
     /// Whether the picture is 16:9; else it is 4:3.
     pub wide: bool,
+}
+
+impl Asked {
+    /// The same within what is drawn; names of what is refused begin with `prefix`.
+    ///
+    /// # Errors
+    /// A number beyond its range.
+    pub fn checked(self, prefix: &str) -> Result<Self, String> {
+        let numbers = [
+            ("speed", self.speed, 0.001, 1000.0),
+            ("rate", self.rate, 1.0, 100.0),
+            ("width", self.width, 160.0, 3840.0),
+        ];
+        match numbers.into_iter().find(|(_, value, low, high)| !(value >= low && value <= high)) {
+            None => Ok(self),
+            Some((name, value, low, high)) => {
+                Err(format!("{prefix}{name} {}: allowed is {low} to {high}", shortest(value)))
+            }
+        }
+    }
 }
 
 /// An animation of a run.
@@ -156,41 +196,14 @@ impl<'a> Film<'a> {
         if self.motion.free {
             self.way(&mut view, i);
         }
-        self.robot(&mut view, i, self.enlarged);
+        robot(self.motion, &mut view, i, self.enlarged);
         view
     }
 
     /// The robot near by, with a level line.
     fn near(&self, i: usize, pane: Pane, framed: bool) -> View {
-        let motion = self.motion;
         let (middle, heading) = self.followed(i);
-        let reach = 1.05 * motion.reach();
-        let bounds = Bounds {
-            low: std::array::from_fn(|axis| middle.0[axis] - reach),
-            high: std::array::from_fn(|axis| middle.0[axis] + reach),
-        };
-        let azimuth = heading.to_degrees() + 180.0 + 18.0;
-        let mut view = View {
-            camera: Camera::perspective(azimuth, 14.0, middle.0, 7.0 * reach),
-            bounds,
-            pane: filled(pane),
-            framed: framed.then_some(pane),
-            areas: Vec::new(),
-            lines: Vec::new(),
-            words: Vec::new(),
-        };
-        self.robot(&mut view, i, 1.0);
-        if motion.free {
-            let (com, along) =
-                (motion.in_world(i, at(&motion.com, i)), motion.turned(i, Vec3([1.0, 0.0, 0.0])));
-            let level = direction(Vec3([-along.0[1], along.0[0], 0.0])) * reach;
-            view.lines.push(line(vec![(com - level).0, (com + level).0], WAY, 1.0));
-            let side = motion.turned(i, Vec3([0.0, reach, 0.0]));
-            for (side, colour) in [(side, "#0072b2"), (-side, "#d55e00")] {
-                view.lines.push(line(vec![com.0, (com + side).0], colour, 2.4));
-            }
-        }
-        view
+        close(self.motion, i, (middle, heading.to_degrees() + 180.0 + 18.0, 14.0), pane, framed)
     }
 
     /// Mean place of the body about frame `i`, and the direction over the ground in which it goes.
@@ -241,32 +254,100 @@ impl<'a> Film<'a> {
             view.lines.push(line(vec![[a[0], a[1], z], [b[0], b[1], z]], "#9a9a9a", 1.0));
         }
     }
+}
 
-    /// Wings and body, all distances from the body's origin enlarged.
-    fn robot(&self, view: &mut View, i: usize, enlarged: f64) {
-        let motion = self.motion;
-        let place = |p: Vec3| motion.in_world(i, p * enlarged);
-        for surface in &motion.surfaces {
-            for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
-                let [a, b] = surface.ribs[k].each_ref().map(|edge| place(at(edge, i)));
-                let [d, c] = surface.ribs[k + 1].each_ref().map(|edge| place(at(edge, i)));
-                view.areas.push(shaded(&[a, b, c, d], SIDES[*side], Some("#333333")));
-            }
+/// A robot at one instant, from behind and from its right side, with level lines.
+///
+/// # Errors
+/// A state in which the robot has no place.
+pub fn still(
+    robot: &Robot,
+    t: f64,
+    x: &[f64],
+    u: &[f64],
+    [width, height]: [f64; 2],
+) -> Result<Picture, String> {
+    let channel = |name: &str| {
+        let number = robot.states().iter().position(|state| state.name == name);
+        number.map(|number| vec![x[number]]).ok_or_else(|| format!("the robot has no state {name}"))
+    };
+    let [px, py, pz] = ["p_WB_x", "p_WB_y", "p_WB_z"].map(channel);
+    let [w, i, j, k] = ["quat_w", "quat_x", "quat_y", "quat_z"].map(channel);
+    let mut motion = Motion {
+        t: vec![t],
+        position: [px?, py?, pz?],
+        attitude: [w?, i?, j?, k?],
+        free: true,
+        ..Motion::default()
+    };
+    add_skeleton(&mut motion, &robot.skeleton(t, x, u).map_err(|fault| fault.to_string())?);
+    let [forward, left, top] =
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| motion.turned(0, Vec3(axis)).0);
+    let heading = forward[1].atan2(forward[0]).to_degrees();
+    let place = at(&motion.position, 0);
+    let pane = |n: f64| Pane { x: n * 0.5 * width, y: 0.0, width: 0.5 * width, height };
+    let view = |azimuth: f64, n: f64| close(&motion, 0, (place, azimuth, 8.0), pane(n), false);
+    let views = vec![view(heading + 180.0, 0.0), view(heading - 90.0, 1.0)];
+    // Of body axes x forward, y left, z up: a positive roll is right wing down.
+    let roll = left[2].atan2(top[2]).to_degrees();
+    let nose_up = forward[2].clamp(-1.0, 1.0).asin().to_degrees();
+    let [px, py, pz] = place.0;
+    let title =
+        format!("{t:.3} s, roll {roll:.1} deg, nose up {nose_up:.1} deg, at ({px:.2}, {py:.2}, {pz:.2}) m");
+    Ok(Picture { width, height, views, title })
+}
+
+/// The robot of frame `i` near by, about `middle` from `azimuth` and `elevation` (deg), with a level line and its own axis to the left and
+/// right where it is free.
+fn close(
+    motion: &Motion,
+    i: usize,
+    (middle, azimuth, elevation): (Vec3, f64, f64),
+    pane: Pane,
+    framed: bool,
+) -> View {
+    let reach = 1.05 * motion.reach();
+    let bounds = Bounds {
+        low: std::array::from_fn(|axis| middle.0[axis] - reach),
+        high: std::array::from_fn(|axis| middle.0[axis] + reach),
+    };
+    let mut view = View {
+        camera: Camera::perspective(azimuth, elevation, middle.0, 7.0 * reach),
+        bounds,
+        pane: filled(pane),
+        framed: framed.then_some(pane),
+        areas: Vec::new(),
+        lines: Vec::new(),
+        words: Vec::new(),
+    };
+    robot(motion, &mut view, i, 1.0);
+    if motion.free {
+        let (com, along) = (motion.in_world(i, at(&motion.com, i)), motion.turned(i, Vec3([1.0, 0.0, 0.0])));
+        let level = direction(Vec3([-along.0[1], along.0[0], 0.0])) * reach;
+        view.lines.push(line(vec![(com - level).0, (com + level).0], WAY, 1.0));
+        let side = motion.turned(i, Vec3([0.0, reach, 0.0]));
+        for (side, colour) in [(side, "#0072b2"), (-side, "#d55e00")] {
+            view.lines.push(line(vec![com.0, (com + side).0], colour, 2.4));
         }
-        let (com, reach) = (at(&motion.com, i), motion.reach());
-        let rings = [(1.0, 0.0), (0.4, 1.0), (-0.4, 0.8), (-1.0, 0.0)];
-        let around = 6;
-        let point = |(x, w): (f64, f64), k: usize| {
-            let angle = std::f64::consts::TAU * k as f64 / f64::from(around);
-            let (r, l) = (0.075 * reach, 0.34 * reach);
-            place(com + Vec3([l * x, r * w * angle.cos(), r * w * angle.sin()]))
-        };
-        for pair in rings.windows(2) {
-            for k in 0..around as usize {
-                let corners =
-                    [point(pair[0], k), point(pair[0], k + 1), point(pair[1], k + 1), point(pair[1], k)];
-                view.areas.push(shaded(&corners, BODY, None));
-            }
+    }
+    view
+}
+
+/// Wings and body, all distances from the body's origin enlarged.
+fn robot(motion: &Motion, view: &mut View, i: usize, enlarged: f64) {
+    let place = |p: Vec3| motion.in_world(i, p * enlarged);
+    for surface in &motion.surfaces {
+        for (k, side) in surface.side.iter().enumerate().filter(|(k, _)| surface.covered[*k]) {
+            let [a, b] = surface.ribs[k].each_ref().map(|edge| place(at(edge, i)));
+            let [d, c] = surface.ribs[k + 1].each_ref().map(|edge| place(at(edge, i)));
+            view.areas.push(shaded(&[a, b, c, d], SIDES[*side], Some("#333333")));
+        }
+    }
+    let rings = spindle(at(&motion.com, i), motion.reach(), 6);
+    for pair in rings.windows(2) {
+        for (k, next) in (0..6).zip((1..6).chain([0])) {
+            let corners = [pair[0][k], pair[0][next], pair[1][next], pair[1][k]].map(place);
+            view.areas.push(shaded(&corners, BODY, None));
         }
     }
 }

@@ -7,13 +7,15 @@
 pub mod animate;
 mod error;
 pub mod export;
+pub mod files;
 mod flight;
 mod held;
 pub mod motion;
 mod pack;
 pub mod page;
-mod panels;
+pub mod panels;
 pub mod run;
+pub mod sheet;
 mod wake;
 
 pub use error::Error;

@@ -11,6 +11,11 @@ pub const MOST: usize = 12_000;
 /// Farthest place that is drawn, m.
 const FARTHEST: f64 = 1e4;
 
+/// Half the length, and the radius, of the spindle that stands for the body, as shares of the reach: our choice.
+pub const SPINDLE_SIZE: [f64; 2] = [0.34, 0.075];
+/// Its rings from the sharp nose on: place along its half length, and radius as a share of the largest.
+pub const SPINDLE: [[f64; 2]; 5] = [[1.0, 0.02], [0.45, 0.75], [0.0, 1.0], [-0.7, 0.6], [-1.0, 0.15]];
+
 /// A point over the frames, m or N.
 pub type Track = [Vec<f64>; 3];
 
@@ -118,6 +123,16 @@ pub fn sound(columns: &[&[f64]]) -> usize {
     let rows = columns.first().map_or(0, |column| column.len());
     let drawn = |i: &usize| columns.iter().all(|column| column[*i].abs() <= FARTHEST);
     (0..rows).take_while(drawn).count()
+}
+
+/// Corners of the rings of a spindle about `centre`, `around` each, in the axes of the body.
+pub fn spindle(centre: Vec3, reach: f64, around: u16) -> Vec<Vec<Vec3>> {
+    let [l, r] = SPINDLE_SIZE.map(|share| share * reach);
+    let corner = |[x, w]: [f64; 2], k: u16| {
+        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(around);
+        centre + Vec3([l * x, r * w * angle.cos(), r * w * angle.sin()])
+    };
+    SPINDLE.iter().map(|ring| (0..around).map(|k| corner(*ring, k)).collect()).collect()
 }
 
 /// Adds a frame to a track.

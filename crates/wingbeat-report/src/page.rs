@@ -2,19 +2,22 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::motion::{Motion, Surface, Track};
+use crate::motion::{self, Motion, Surface, Track};
 use crate::pack::{Channel, Pack};
 use crate::panels::{Panel, Role};
 use crate::run::Run;
 
 const HTML: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
-const PROGRAM: [&str; 6] = [
+const PROGRAM: [&str; 9] = [
     include_str!("page/data.js"),
     include_str!("page/scene.js"),
     include_str!("page/draw.js"),
     include_str!("page/plots.js"),
     include_str!("page/text.js"),
+    include_str!("page/overlay.js"),
+    include_str!("page/stage.js"),
+    include_str!("page/controls.js"),
     include_str!("page/main.js"),
 ];
 
@@ -41,22 +44,53 @@ pub struct Without {
 
 /// The page that shows `runs`.
 pub fn page(runs: &[Run], without: Without) -> String {
-    let mut pack = Pack::default();
-    let told: Vec<Value> = runs.iter().map(told).collect();
-    let shown: Vec<Value> = runs.iter().map(|run| of_run(run, without, &mut pack)).collect();
+    filled(runs, without, false)
+}
+
+/// The same page of a computation that goes on: it asks its server for what has come since.
+pub fn live_page(runs: &[Run]) -> String {
+    filled(runs, Without::default(), true)
+}
+
+/// What such a page is told of the `runs` as they are now: their `version`, and whether it is the last.
+pub fn news(runs: &[Run], version: u64, ended: bool) -> String {
+    let Parts { data, bytes } = Parts::of(runs, Without::default());
+    json!({ "version": version, "ended": ended, "data": data, "bytes": bytes }).to_string()
+}
+
+/// What a page holds of its runs.
+struct Parts {
+    /// What is read before any number.
+    data: Value,
+    /// The numbers.
+    bytes: String,
+}
+
+impl Parts {
+    fn of(runs: &[Run], without: Without) -> Self {
+        let mut pack = Pack::default();
+        let told: Vec<Value> = runs.iter().map(told).collect();
+        let shown: Vec<Value> = runs.iter().map(|run| of_run(run, without, &mut pack)).collect();
+        Self { data: json!({ "runs": told }), bytes: pack.letters(&json!(shown).to_string()) }
+    }
+}
+
+fn filled(runs: &[Run], without: Without, live: bool) -> String {
+    let Parts { data, bytes } = Parts::of(runs, without);
     let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
     let title = escaped(&names.join(", "));
     // Inside of an element of a script nothing but its end is read as markup.
-    let data = json!({ "runs": told }).to_string().replace('<', "\\u003c");
-    let mut parts = HTML.split("%%");
+    let data = data.to_string().replace('<', "\\u003c");
     let mut page = String::new();
-    for part in parts.by_ref() {
+    for part in HTML.split("%%") {
         match part {
             "TITLE" => page += &title,
             "STYLE" => page += STYLE,
             "DATA" => page += &data,
-            "BYTES" => page += &pack.letters(&json!(shown).to_string()),
+            "BYTES" => page += &bytes,
             "PROGRAM" => PROGRAM.iter().for_each(|part| page += &without_margins(part)),
+            "LIVE" => page += if live { " data-live" } else { "" },
+            "CONNECT" => page += if live { "; connect-src 'self'" } else { "" },
             other => page += other,
         }
     }
@@ -147,6 +181,7 @@ fn of_motion(motion: &Motion, without: Without, pack: &mut Pack) -> Value {
     put("attitude", json!(motion.attitude.each_ref().map(|column| pack.add(column, TURN))));
     put("com", json!(track(&motion.com, RIB * reach, pack)));
     put("reach", json!(reach));
+    put("spindle", json!({ "size": motion::SPINDLE_SIZE, "rings": motion::SPINDLE }));
     put("wind", json!(motion.wind));
     put("free", json!(motion.free));
     put("repeats", json!(motion.repeats));

@@ -203,6 +203,7 @@ fn drawn(unit: &str) -> (&'static str, f64) {
     match unit {
         "rad" => ("deg", DEGREES),
         "rad/s" => ("deg/s", DEGREES),
+        "rad/s2" => ("deg/s2", DEGREES),
         "m" => ("mm", MILLIMETRES),
         "N" => ("N", 1.0),
         "N m" => ("N m", 1.0),
@@ -331,8 +332,26 @@ pub fn every(record: &Record, rows: &[usize], but: &str) -> Vec<Panel> {
     panels
 }
 
+/// Of a joint of an arm what is told of it, and its name.
+fn joint(name: &str) -> Option<(&'static str, &str)> {
+    let kinds = [
+        ("ddq", "accelerations of the joints"),
+        ("dq", "rates of the joints"),
+        ("q", "angles of the joints"),
+    ];
+    let number = |prefix: &str| name.strip_prefix(prefix).is_some_and(|rest| rest.parse::<u8>().is_ok());
+    kinds.into_iter().find(|(prefix, _)| number(prefix)).map(|(_, kind)| (kind, name.trim_start_matches('d')))
+}
+
 /// The group of a column and its place in it.
 fn grouped(name: &str) -> (String, &str) {
+    // Keys of documents stay as they are written.
+    if name.contains('.') {
+        return (name.into(), "");
+    }
+    if let Some((kind, joint)) = joint(name) {
+        return (kind.into(), joint);
+    }
     let cell = ["Fx", "Fy", "Fz", "Tx", "Ty", "Tz"];
     if let Some(channel) = cell.iter().find(|channel| name.ends_with(*channel)) {
         let kind = name.trim_end_matches(*channel).trim_end_matches('_');

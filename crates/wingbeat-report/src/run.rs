@@ -1,20 +1,20 @@
 //! A run as it is shown: read from its folder, or from what has just been computed.
 
+use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use wingbeat::scenario::{RigRun, Scenario, TetherCase};
-use wingbeat::simulate::Record;
-use wingbeat_io::{read_csv, read_parquet};
+use wingbeat::simulate::{Column, Record};
+use wingbeat_io::read_csv;
 
+use crate::files::Files;
 use crate::motion::{Motion, rows};
 use crate::panels::{self, Curve, Panel, Role};
-use crate::wake::{Shot, shots};
+use crate::wake::Shot;
 use crate::{Error, flight, held};
 
-/// Largest text of a run that is read, bytes.
-const LARGEST: u64 = 8 << 20;
 /// Most runs of the rig that are shown on one page.
 const MOST_RUNS: usize = 8;
 
@@ -55,6 +55,32 @@ pub struct Run {
 }
 
 impl Run {
+    /// A run of which nothing is known yet.
+    pub fn blank(name: &str, kind: &'static str, axis: Axis) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            summary: json!({}),
+            settings: String::new(),
+            notes: Vec::new(),
+            axis,
+            motion: None,
+            shots: Vec::new(),
+            panels: Vec::new(),
+        }
+    }
+
+    /// What moves.
+    ///
+    /// # Errors
+    /// Nothing does, and why.
+    pub fn moves(&self) -> Result<&Motion, String> {
+        self.motion.as_ref().ok_or_else(|| {
+            let notes: String = self.notes.iter().map(|note| format!("; {note}")).collect();
+            format!("{}: nothing moves in this {}{notes}", self.name, self.kind)
+        })
+    }
+
     /// The name in its document, or else that of its folder.
     pub fn title(&self) -> &str {
         let named = self.settings.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
@@ -71,6 +97,21 @@ pub struct Flown<'a> {
     pub record: &'a Record,
 }
 
+/// Refuses runs that are drawn over different axes.
+///
+/// # Errors
+/// That.
+pub fn one_axis(runs: &[Run]) -> Result<(), String> {
+    let Some(first) = runs.first() else { return Ok(()) };
+    match runs.iter().find(|run| run.axis.label != first.axis.label) {
+        None => Ok(()),
+        Some(other) => Err(format!(
+            "{} is drawn over {}, {} over {}: allowed on one page are runs over the same",
+            first.name, first.axis.label, other.name, other.axis.label
+        )),
+    }
+}
+
 /// The runs of a run folder: one, or those of the rig.
 ///
 /// # Errors
@@ -79,48 +120,77 @@ pub fn read(folder: &Path) -> Result<Vec<Run>, Error> {
     if !folder.is_dir() {
         return Err(Error::run(folder, "no such folder; allowed is a run folder, as `wingbeat fly` writes"));
     }
-    if !folder.join("manifest.json").is_file() {
+    let files = Files::Folder(folder);
+    if !files.has("manifest.json") {
         return Err(Error::run(folder, "no run of wingbeat: it has no manifest.json"));
     }
-    let manifest = json(&folder.join("manifest.json"))?;
-    if manifest["program"] != "wingbeat" {
+    if files.json("manifest.json")?["program"] != "wingbeat" {
         return Err(Error::run(&folder.join("manifest.json"), "not the manifest of a run of wingbeat"));
     }
-    of(folder, &label(folder), None)
+    of(files, &label(folder), None)
 }
 
-/// The runs of a folder that may not be finished, called `name`; of a flight those that it left in memory.
+/// The runs of files that may not be all there, called `name`; of a flight that which is still in memory.
 ///
 /// # Errors
 /// As [`read`].
-pub fn of(folder: &Path, name: &str, flown: Option<Flown>) -> Result<Vec<Run>, Error> {
-    let has = |file: &str| folder.join(file).is_file();
-    if !has("summary.json") && flown.is_none() {
+pub fn of(files: Files, name: &str, flown: Option<Flown>) -> Result<Vec<Run>, Error> {
+    let has = |file: &str| files.has(file);
+    if let (false, None, Files::Folder(folder)) = (has("summary.json"), flown, files) {
         return of_rig(folder, name);
     }
-    let summary = json(&folder.join("summary.json"))?;
-    let blank = |kind, axis| Run {
-        name: name.into(),
-        kind,
-        summary: summary.clone(),
-        settings: String::new(),
-        notes: Vec::new(),
-        axis,
-        motion: None,
-        shots: Vec::new(),
-        panels: Vec::new(),
-    };
-    let vtk = shots(folder)?;
-    let run = if !vtk.is_empty() {
-        wake(folder, vtk, &blank)?
-    } else if has("case.toml") && has("loads.csv") {
-        tether(folder, &blank)?
-    } else if has("scenario.toml") && (has("record.parquet") || flown.is_some()) {
-        flight_of(folder, flown, &blank)?
-    } else {
-        table(folder, &blank)?
-    };
-    Ok(vec![run])
+    // In memory a run on the rig stands alone.
+    if let Files::Memory(memory) = files
+        && memory.records.get("record.parquet").is_some_and(|record| record.values("q1").is_some())
+    {
+        return Ok(vec![on_rig(files, name)?]);
+    }
+    let summary = files.json("summary.json")?;
+    let blank = |kind, axis| Run { summary: summary.clone(), ..Run::blank(name, kind, axis) };
+    let shots = files.shots()?;
+    if !shots.is_empty() {
+        return Ok(vec![wake(files, shots, &blank)?]);
+    }
+    if has("case.toml") && has("loads.csv") {
+        return Ok(vec![tether(files, &blank)?]);
+    }
+    if has("scenario.toml") && (has("record.parquet") || flown.is_some()) {
+        return Ok(vec![flight_of(files, flown, &blank)?]);
+    }
+    let averages = files.parquets()?;
+    let averaged = averages.iter().filter(|file| *file != "envelope.parquet");
+    let averaged: Vec<&String> = averaged.collect();
+    match (&averaged[..], has("sweep.toml") || has("calibration.toml")) {
+        // Processed runs of the rig, each with its own file.
+        ([_, _, ..], false) if !has("record.parquet") => {
+            let several = averaged.iter().take(MOST_RUNS).map(|file| {
+                let own = Run::blank(
+                    &format!("{name}/{}", file.trim_end_matches(".parquet")),
+                    "averages",
+                    time(Vec::new()),
+                );
+                table(files, Some(file), &|kind, axis| Run {
+                    kind,
+                    axis,
+                    summary: of_one(&summary, file),
+                    ..own.clone()
+                })
+            });
+            several.collect()
+        }
+        _ => Ok(vec![table(files, None, &blank)?]),
+    }
+}
+
+/// What the summary of several runs says of that of `file`, with the verdict on all.
+fn of_one(summary: &Value, file: &str) -> Value {
+    let name = file.trim_end_matches(".parquet");
+    let own = &summary["runs"][name];
+    let mut own = if own.is_object() { own.clone() } else { json!({}) };
+    for key in ["status", "reason", "judged", "warnings"] {
+        own[key] = summary[key].clone();
+    }
+    own
 }
 
 type Blank<'a> = &'a dyn Fn(&'static str, Axis) -> Run;
@@ -130,57 +200,30 @@ fn label(folder: &Path) -> String {
     folder.file_name().map_or("run".into(), |name| name.to_string_lossy().into_owned())
 }
 
-/// A text of the run.
-fn text(path: &Path) -> Result<String, Error> {
-    let size = fs::metadata(path).map_err(|source| Error::file(path, source))?.len();
-    if size > LARGEST {
-        return Err(Error::run(path, format!("{size} bytes; read are at most {LARGEST}")));
-    }
-    fs::read_to_string(path).map_err(|source| Error::file(path, source))
-}
-
-fn json(path: &Path) -> Result<Value, Error> {
-    let value: Value =
-        serde_json::from_str(&text(path)?).map_err(|error| Error::run(path, format!("damaged: {error}")))?;
-    match value.is_object() {
-        true => Ok(value),
-        false => Err(Error::run(path, "damaged: not an object")),
-    }
-}
-
 fn time(values: Vec<f64>) -> Axis {
     Axis { label: "time", unit: "s", values, joined: true }
 }
 
 /// A flight, a planned one, or one cycle of a periodic one.
-fn flight_of(folder: &Path, flown: Option<Flown>, blank: Blank) -> Result<Run, Error> {
+fn flight_of(files: Files, flown: Option<Flown>, blank: Blank) -> Result<Run, Error> {
     let kind = match () {
-        () if folder.join("multipliers.parquet").is_file() || folder.join("gains.csv").is_file() => {
-            "periodic flight"
-        }
-        () if folder.join("plan.json").is_file() => "plan",
+        () if files.has("multipliers.parquet") || files.has("gains.csv") => "periodic flight",
+        () if files.has("plan.json") => "plan",
         () => "flight",
     };
-    let path = folder.join("scenario.toml");
-    let read;
     let record = match flown {
-        Some(flown) => flown.record,
-        None => {
-            read = read_parquet(&folder.join("record.parquet"))?;
-            &read
-        }
+        Some(flown) => Cow::Borrowed(flown.record),
+        None => files.record("record.parquet")?,
     };
+    let record = record.as_ref();
     let shown = flight::shown(record);
-    let mut run =
-        blank(kind, time(flight::taken(record, &shown, "t").map_err(|why| Error::run(folder, why))?));
-    run.settings = text(&path)?;
-    if shown.len() < 2 {
-        run.notes.push(format!("nothing moves: {} rows can be drawn", shown.len()));
-    }
+    let axis = flight::taken(record, &shown, "t").map_err(|why| Error::run(&files.path(""), why))?;
+    let mut run = blank(kind, time(axis));
+    run.settings = files.text("scenario.toml")?;
     let loaded;
     let scenario = match flown {
         Some(flown) => Some(flown.scenario),
-        None => match Scenario::load(&path, &[]) {
+        None => match files.document("scenario.toml").and_then(Scenario::new) {
             Ok(scenario) => {
                 loaded = scenario;
                 Some(&loaded)
@@ -191,7 +234,24 @@ fn flight_of(folder: &Path, flown: Option<Flown>, blank: Blank) -> Result<Run, E
             }
         },
     };
-    run.panels = panels::flight(record, &shown);
+    fill(&mut run, record, scenario, &shown);
+    Ok(run)
+}
+
+/// A flight as far as it is known, without a verdict.
+pub fn of_flight(name: &str, kind: &'static str, flown: Flown) -> Run {
+    let shown = flight::shown(flown.record);
+    let mut run = Run::blank(name, kind, time(flight::taken(flown.record, &shown, "t").unwrap_or_default()));
+    fill(&mut run, flown.record, Some(flown.scenario), &shown);
+    run
+}
+
+/// Adds to a run what moves and what is plotted of a flight, of which the rows `shown` can be drawn.
+fn fill(run: &mut Run, record: &Record, scenario: Option<&Scenario>, shown: &[usize]) {
+    run.panels = panels::flight(record, shown);
+    if shown.len() < 2 {
+        run.notes.push(format!("nothing moves: {} rows can be drawn", shown.len()));
+    }
     if let Some(goal) = scenario.and_then(|scenario| scenario.spec.goal.as_ref()) {
         run.notes.push(format!(
             "goal: rms errors of roll within {} deg and of pitch within {} deg",
@@ -199,9 +259,16 @@ fn flight_of(folder: &Path, flown: Option<Flown>, blank: Blank) -> Result<Run, E
         ));
     }
     if let Some(scenario) = scenario.filter(|_| shown.len() > 1) {
-        match flight::motion(scenario, record, &shown) {
-            Ok(motion) => run.motion = Some(Motion { repeats: kind == "periodic flight", ..motion }),
+        match flight::motion(scenario, record, shown) {
+            Ok(motion) => run.motion = Some(Motion { repeats: run.kind == "periodic flight", ..motion }),
             Err(why) => run.notes.push(format!("no picture in space: {why}")),
+        }
+        if scenario.spec.lattice.is_some() {
+            run.notes.push(
+                "flown in the air of the vortex lattice, which the record does not hold: no wake and no forces of strips \
+                 are shown, `wingbeat wake RUN` computes the wake"
+                    .into(),
+            );
         }
     }
     let rows = record.rows();
@@ -209,24 +276,22 @@ fn flight_of(folder: &Path, flown: Option<Flown>, blank: Blank) -> Result<Run, E
         let last = shown.last().map_or(0, |last| last + 1);
         run.notes.push(format!("shown are the {last} of {rows} rows before numbers grew without bound"));
     }
-    Ok(run)
 }
 
 /// A wing in prescribed motion.
-fn tether(folder: &Path, blank: Blank) -> Result<Run, Error> {
-    let path = folder.join("case.toml");
+fn tether(files: Files, blank: Blank) -> Result<Run, Error> {
     let read = |path: &Path| read_csv(path).map_err(|error| error.to_string());
-    let case = TetherCase::load(&path, &[], &read).map_err(|error| Error::run(&path, error))?;
-    let loads = read_csv(&folder.join("loads.csv"))?;
-    let strips = folder.join("strips.parquet");
-    let strips = if strips.is_file() { Some(read_parquet(&strips)?) } else { None };
+    let case = files.document("case.toml").and_then(|document| TetherCase::new(document, &read));
+    let case = case.map_err(|error| Error::run(&files.path("case.toml"), error))?;
+    let loads = files.record("loads.csv")?;
+    let strips = files.has("strips.parquet").then(|| files.record("strips.parquet")).transpose()?;
     let shown = rows(loads.values("t").unwrap_or_default(), loads.rows());
-    let axis = flight::taken(&loads, &shown, "t").map_err(|why| Error::run(folder, why))?;
+    let axis = flight::taken(&loads, &shown, "t").map_err(|why| Error::run(&files.path(""), why))?;
     let mut run = blank("wing in prescribed motion", time(axis));
-    run.settings = text(&path)?;
+    run.settings = files.text("case.toml")?;
     run.panels = panels::loads(&loads, &shown);
     if shown.len() > 1 {
-        match held::wing(&case, &loads, strips.as_ref(), &shown) {
+        match held::wing(&case, &loads, strips.as_deref(), &shown) {
             Ok(motion) => {
                 if strips.is_some() && motion.surfaces.iter().all(|surface| surface.strips.is_empty()) {
                     run.notes.push("strips.parquet does not fit loads.csv: no strips are shown".into());
@@ -240,96 +305,145 @@ fn tether(folder: &Path, blank: Blank) -> Result<Run, Error> {
 }
 
 /// The wake of a wing at several instants.
-fn wake(folder: &Path, shots: Vec<Shot>, blank: Blank) -> Result<Run, Error> {
-    let files = parquets(folder)?;
-    let record = files.first().map(|file| read_parquet(file)).transpose()?;
+fn wake(files: Files, shots: Vec<Shot>, blank: Blank) -> Result<Run, Error> {
+    let names = files.parquets()?;
+    let record = names.first().map(|name| files.record(name)).transpose()?;
     let t = record.as_ref().and_then(|record| record.values("t")).unwrap_or_default();
     let all: Vec<usize> = rows(t, t.len());
     let mut run = blank("wake", time(all.iter().map(|&row| t[row]).collect()));
-    let document = ["case.toml", "scenario.toml"].map(|name| folder.join(name));
-    run.settings =
-        document.iter().find(|path| path.is_file()).map(|path| text(path)).transpose()?.unwrap_or_default();
+    let document = ["case.toml", "scenario.toml"].iter().find(|name| files.has(name));
+    run.settings = document.map(|name| files.text(name)).transpose()?.unwrap_or_default();
     if let Some(record) = &record {
         run.panels = panels::every(record, &all, "t");
         run.panels.retain(|panel| panel.title != "phase");
     }
-    if let [first, _, ..] = &files[..] {
-        run.notes.push(format!("the plots are of {}, the first of {} stretches", label(first), files.len()));
+    if let [first, _, ..] = &names[..] {
+        run.notes.push(format!("the plots are of {first}, the first of {} stretches", names.len()));
     }
     run.shots = shots;
     Ok(run)
 }
 
-fn parquets(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let entries = fs::read_dir(folder).map_err(|source| Error::file(folder, source))?;
-    let files = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    let mut files: Vec<PathBuf> =
-        files.filter(|file| file.extension().is_some_and(|e| e == "parquet")).collect();
-    files.sort();
-    Ok(files)
-}
-
-/// The runs of the rig in the folders inside, those on an arm in space.
+/// The runs of the rig in the folders inside, those on an arm in space, or planned ones.
 fn of_rig(folder: &Path, name: &str) -> Result<Vec<Run>, Error> {
     let entries = fs::read_dir(folder).map_err(|source| Error::file(folder, source))?;
-    let inside = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    let mut inside: Vec<PathBuf> = inside
-        .filter(|inside| ["scenario.toml", "record.parquet"].iter().all(|file| inside.join(file).is_file()))
-        .collect();
+    let mut inside: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     inside.sort();
-    if inside.is_empty() {
+    let whole =
+        |inside: &PathBuf| ["scenario.toml", "record.parquet"].iter().all(|file| inside.join(file).is_file());
+    // A plan is NAME.toml with its motion.
+    let motion = |inside: &PathBuf| {
+        inside.extension().is_some_and(|ending| ending == "toml") && inside.with_extension("csv").is_file()
+    };
+    let (measured, plans): (Vec<&PathBuf>, Vec<&PathBuf>) = (
+        inside.iter().filter(|path| whole(path)).collect(),
+        inside.iter().filter(|path| motion(path)).collect(),
+    );
+    let (all, planned) = if measured.is_empty() { (plans, true) } else { (measured, false) };
+    if all.is_empty() {
         return Err(Error::run(
             folder,
-            "nothing to show: neither summary.json nor folders with scenario.toml and record.parquet",
+            "nothing to show: neither summary.json, nor folders with scenario.toml and record.parquet, nor planned runs",
         ));
     }
-    let shown = inside.iter().take(MOST_RUNS);
-    let mut runs = shown
-        .map(|inside| on_rig(inside, &format!("{name}/{}", label(inside))))
-        .collect::<Result<Vec<Run>, Error>>()?;
-    if inside.len() > MOST_RUNS {
-        runs[0].notes.push(format!("shown are the first {MOST_RUNS} of {} runs of {name}", inside.len()));
+    let mut runs = Vec::new();
+    for path in all.iter().take(MOST_RUNS) {
+        if planned {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            runs.push(planned_run(Files::Folder(folder), &stem, &format!("{name}/{stem}"))?);
+        } else {
+            runs.push(on_rig(Files::Folder(path), &format!("{name}/{}", label(path)))?);
+        }
+    }
+    if all.len() > MOST_RUNS {
+        runs[0].notes.push(format!("shown are the first {MOST_RUNS} of {} runs of {name}", all.len()));
     }
     Ok(runs)
 }
 
-fn on_rig(folder: &Path, name: &str) -> Result<Run, Error> {
-    let path = folder.join("scenario.toml");
-    let record = read_parquet(&folder.join("record.parquet"))?;
-    let run = RigRun::load(&path, &[]).map_err(|error| Error::run(&path, error))?;
+/// What lines of the report of a plan begin with that are noted on its page.
+const TOLD: [&str; 4] = ["turn at", "limit profile", "binding", "clearance"];
+
+/// A run that was planned: its motion is that of the arm's table, in degrees.
+fn planned_run(files: Files, stem: &str, name: &str) -> Result<Run, Error> {
+    let document = format!("{stem}.toml");
+    let path = files.path(&document);
+    let run = files.document(&document).and_then(|document| RigRun::new(document, &|_, _| None));
+    let run = run.map_err(|error| Error::run(&path, error))?;
+    let table = files.record(&format!("{stem}.csv"))?;
+    let dof = run.arm.dof();
+    let columns = table.columns();
+    if columns.len() != 1 + 3 * dof {
+        let what = format!("{} columns; allowed are time and three of each of {dof} joints", columns.len());
+        return Err(Error::run(&files.path(&format!("{stem}.csv")), what));
+    }
+    let named = |k: usize, column: &Column| {
+        let (name, unit) = match k.checked_sub(1) {
+            None => ("t".to_owned(), "s"),
+            Some(k) => {
+                let (prefix, unit) = [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2")][k / dof];
+                (format!("{prefix}{}", k % dof + 1), unit)
+            }
+        };
+        let factor = if k == 0 { 1.0 } else { std::f64::consts::PI / 180.0 };
+        let values = column.values.iter().map(|value| factor * value).collect();
+        Column { values, ..Column::new(name, unit, "") }
+    };
+    let columns = columns.iter().enumerate().map(|(k, column)| named(k, column)).collect();
+    let record = Record::new(columns, 0).map_err(|error| Error::run(&path, error))?;
+    let shown = of_rig_run(name, &run, &record).map_err(|why| Error::run(&path, why))?;
+    // What the report of the plan says beside its table of limits.
+    let told = files.text(&format!("{stem}.txt")).unwrap_or_default();
+    let lines =
+        told.lines().filter(|line| TOLD.iter().any(|begin| line.starts_with(begin))).map(String::from);
+    let notes = shown.notes.iter().cloned().chain(lines).collect();
+    let report: String = told.lines().map(|line| format!("# {line}\n")).collect();
+    let settings = report + &files.text(&document)?;
+    Ok(Run { kind: "planned run of the rig", settings, notes, ..shown })
+}
+
+fn on_rig(files: Files, name: &str) -> Result<Run, Error> {
+    let path = files.path("scenario.toml");
+    let record = files.record("record.parquet")?;
+    let run = files.document("scenario.toml").and_then(|document| RigRun::new(document, &|_, _| None));
+    let run = run.map_err(|error| Error::run(&path, error))?;
+    let shown = of_rig_run(name, &run, &record).map_err(|why| Error::run(&files.path(""), why))?;
+    Ok(Run { summary: files.json("summary.json")?, settings: files.text("scenario.toml")?, ..shown })
+}
+
+/// What a `record` of the joints shows of a run on the rig; summary and settings are still to come.
+///
+/// # Errors
+/// A record without times.
+pub fn of_rig_run(name: &str, run: &RigRun, record: &Record) -> Result<Run, String> {
     let shown = rows(record.values("t").unwrap_or_default(), record.rows());
-    let axis = flight::taken(&record, &shown, "t").map_err(|why| Error::run(folder, why))?;
-    let (motion, notes) = match held::on_arm(&run, &record, &shown) {
+    let axis = flight::taken(record, &shown, "t")?;
+    let (motion, notes) = match held::on_arm(run, record, &shown) {
         Ok(motion) => (Some(motion), Vec::new()),
         Err(why) => (None, vec![format!("no picture in space: {why}")]),
     };
     Ok(Run {
-        name: name.into(),
-        kind: "run on the rig",
-        summary: json(&folder.join("summary.json"))?,
-        settings: text(&path)?,
         notes,
-        axis: time(axis),
         motion: motion.filter(|motion| motion.frames() > 1),
-        shots: Vec::new(),
-        panels: panels::every(&record, &shown, "t"),
+        panels: panels::every(record, &shown, "t"),
+        ..Run::blank(name, "run on the rig", time(axis))
     })
 }
 
 /// A run whose record is a table: a calibration, a sweep, averages.
-fn table(folder: &Path, blank: Blank) -> Result<Run, Error> {
-    let files = parquets(folder)?;
-    let first = files.iter().find(|file| label(file) == "record.parquet").or(files.first());
-    let record = match first {
-        Some(file) => read_parquet(file)?,
-        None if folder.join("cycles.csv").is_file() => read_csv(&folder.join("cycles.csv"))?,
-        None => Record::default(),
+fn table(files: Files, which: Option<&str>, blank: Blank) -> Result<Run, Error> {
+    let names = files.parquets()?;
+    let known = names.iter().find(|name| *name == "record.parquet").or(names.first());
+    let record = match which.or(known.map(String::as_str)) {
+        Some(name) => files.record(name)?,
+        None if files.has("cycles.csv") => files.record("cycles.csv")?,
+        None => Cow::Owned(Record::default()),
     };
     let count = record.rows().min(crate::motion::MOST);
     let all: Vec<usize> = (0..count).map(|k| k * record.rows() / count.max(1)).collect();
     let column = |name: &str| flight::taken(&record, &all, name).ok();
     let document = ["calibration.toml", "sweep.toml", "scenario.toml", "case.toml"];
-    let document = document.iter().find(|name| folder.join(name).is_file());
+    let document = document.iter().find(|name| files.has(name));
     let number = |all: &[usize]| all.iter().map(|&row| row as f64).collect::<Vec<f64>>();
     let mut run = match (column("run"), column("cycle"), column("t")) {
         (Some(run), Some(cycle), _) => {
@@ -344,7 +458,7 @@ fn table(folder: &Path, blank: Blank) -> Result<Run, Error> {
         _ => blank("run", Axis { label: "row", unit: "", values: number(&all), joined: true }),
     };
     if let Some(document) = document {
-        run.settings = text(&folder.join(document))?;
+        run.settings = files.text(document)?;
     }
     run.panels = match run.kind {
         "calibration" => fits(&record, &all),

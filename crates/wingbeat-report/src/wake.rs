@@ -38,7 +38,12 @@ pub fn shots(folder: &Path) -> Result<Vec<Shot>, Error> {
             format!("{} .vtk files of {size} bytes; read are at most {MOST} of {LARGEST}", files.len());
         return Err(Error::run(folder, what));
     }
-    let mut shots = files.iter().map(|file| shot(file)).collect::<Result<Vec<_>, _>>()?;
+    in_order(files.iter().map(|file| shot(file)))
+}
+
+/// Pictures by time.
+pub fn in_order(shots: impl Iterator<Item = Result<Shot, Error>>) -> Result<Vec<Shot>, Error> {
+    let mut shots = shots.collect::<Result<Vec<_>, _>>()?;
     shots.sort_by(|a, b| a.time.total_cmp(&b.time).then_with(|| a.name.cmp(&b.name)));
     Ok(shots)
 }
@@ -47,8 +52,13 @@ fn shot(path: &Path) -> Result<Shot, Error> {
     let mut text = String::new();
     let file = File::open(path).map_err(|source| Error::file(path, source))?;
     file.take(LARGEST).read_to_string(&mut text).map_err(|source| Error::file(path, source))?;
+    read(path, &text)
+}
+
+/// The picture of a text, called after its file.
+pub fn read(path: &Path, text: &str) -> Result<Shot, Error> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
-    parse(&text).map(|shot| Shot { name, ..shot }).ok_or_else(|| {
+    parse(text).map(|shot| Shot { name, ..shot }).ok_or_else(|| {
         Error::run(path, "damaged: not the polygons with circulation that `wingbeat wake` writes")
     })
 }

@@ -6,6 +6,7 @@ mod impulse;
 pub(crate) mod lattice;
 pub(crate) mod linear;
 mod mean;
+mod plates;
 mod small;
 mod thrust;
 pub(crate) mod wings;
@@ -19,6 +20,7 @@ pub use linear::Complex;
 pub use mean::{
     STATIC_DRAG, Thrust, induced_over_trefftz, scherer_lev_thrust, scherer_points, scherer_thrust,
 };
+pub use plates::{Ramp, fast_pitch, steady_normal_force};
 pub use small::{Point, SpanLoading, other_points, plunge_points, slope_points, span_loadings, step_points};
 
 use crate::{Case, Error, Row};
@@ -45,6 +47,8 @@ pub const CASES: &[Case] = &[
     Case { id: "aero.garrick.paper", quick: false, run: || thrust::garrick_rows(Preset::Paper) },
     Case { id: "aero.lev.scherer", quick: true, run: mean::scherer_lev },
     Case { id: "aero.yeo", quick: true, run: yeo::yeo },
+    Case { id: "aero.plates", quick: true, run: plates::plates },
+    Case { id: "aero.mancini", quick: true, run: plates::mancini },
     Case { id: "aero.scherer", quick: true, run: || mean::scherer(Preset::Full) },
     Case { id: "aero.uvlm_small_flap", quick: true, run: || flapping::lattice(Preset::Full) },
     Case { id: "aero.five_lags.slope", quick: true, run: || small::slope(Preset::FiveLags) },

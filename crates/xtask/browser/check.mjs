@@ -1,11 +1,14 @@
 // The pages of runs in headless Chromium, with real mouse, touch and keyboard: `node check.mjs FOLDER`, which holds the run folders
-// `turn` and `minute`, the page small.html without wake, and hostile.html. Pictures of every page are left in FOLDER/pictures.
+// `turn` and `minute`, the page small.html without wake, and hostile.html. Pictures of every page are left in FOLDER/pictures, and held
+// against the summaries in reference.json, which WRITE_REFERENCES=1 writes anew. WINGBEAT names the program.
 import fs from 'node:fs';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { createRequire } from 'node:module';
+import { spawn } from 'node:child_process';
+import net from 'node:net';
 
-const folder = path.resolve(process.argv[2]);
+const folder = path.resolve(process.argv[2]), references = path.join(import.meta.dirname, 'reference.json');
 const require = createRequire(path.join(folder, 'node_modules/'));
 const puppeteer = require('puppeteer-core');
 const axe = fs.readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
@@ -42,7 +45,27 @@ async function open(file, { hash = 'still', width = 1400, height = 800, touch = 
   return { page, client };
 }
 const of = (page, expression) => page.evaluate(expression);
-const picture = (page, name, fullPage = false) => page.screenshot({ path: path.join(pictures, name + '.png'), fullPage });
+const known = fs.existsSync(references) ? JSON.parse(fs.readFileSync(references)) : {}, seen = {};
+// A picture is left in its file. One of what is on the screen is also held against what was stored of it: means of 32 by 18 areas.
+async function picture(page, name, fullPage = false) {
+  const file = path.join(pictures, name + '.png');
+  const bytes = await page.screenshot({ path: file, fullPage });
+  if (fullPage) return;
+  seen[name] = await page.evaluate(async letters => {
+    const bytes = Uint8Array.from(atob(letters), c => c.charCodeAt(0)), size = { resizeWidth: 32, resizeHeight: 18, resizeQuality: 'high' };
+    const c = document.createElement('canvas'), x = c.getContext('2d', { willReadFrequently: true });
+    c.width = 32; c.height = 18; x.drawImage(await createImageBitmap(new Blob([bytes]), size), 0, 0);
+    const data = x.getImageData(0, 0, 32, 18).data;
+    return btoa(String.fromCharCode(...data.filter((_, i) => i % 4 < 3)));
+  }, Buffer.from(bytes).toString('base64'));
+  const [now, then] = [seen[name], known[name] || ''].map(letters => [...Buffer.from(letters, 'base64')]);
+  if (process.env.WRITE_REFERENCES) return;
+  holds(`${name}: there is a reference`, now.length === then.length);
+  if (now.length !== then.length) return;
+  const apart = now.map((v, i) => Math.abs(v - then[i]));
+  most(`${name}: mean difference from the reference, of 255`, apart.reduce((a, b) => a + b, 0) / apart.length, 3);
+  most(`${name}: largest difference of an area`, Math.max(...apart), 50);
+}
 async function rate(page, seconds = 4) {
   await of(page, 'wingbeat.play(true)');
   await wait(1500);
@@ -187,15 +210,93 @@ for (const file of fs.readdirSync(folder).filter(name => name.startsWith('hostil
   await picture(page, file.replace('.html', ''));
   await page.close();
 }
-for (const name of fs.readdirSync(folder).filter(name => fs.existsSync(path.join(folder, name, 'report.html')) && !['turn', 'minute'].includes(name))) {
-  const { page } = await open(`${name}/report.html`, { hash: 'still' });
-  holds(`${name}: opens`, true);
-  await picture(page, 'kind-' + name);
+const KINDS = { light: {}, dark: { media: { 'prefers-color-scheme': 'dark' } }, narrow: { width: 400, height: 860 }, print: { width: 794, height: 1123, type: 'print' } };
+for (const name of fs.readdirSync(folder).filter(name => fs.existsSync(path.join(folder, name, 'report.html')) && !['turn', 'minute', 'live'].includes(name)).sort()) {
+  for (const [look, options] of Object.entries(KINDS)) {
+    const { page } = await open(`${name}/report.html`, { hash: 'still', ...options });
+    if (look === 'narrow') most(`${name}: width at 400 px`, await of(page, 'document.documentElement.scrollWidth'), 400, 'px');
+    await picture(page, `kind-${name}-${look}`, look === 'print' || look === 'narrow');
+    if (look === 'light') {
+      await picture(page, `kind-${name}-whole-page`, true);
+      await page.evaluate(axe);
+      const found = (await page.evaluate('axe.run()')).violations.filter(one => ['serious', 'critical'].includes(one.impact));
+      for (const one of found) console.log(`  axe, ${name}: ${one.id}: ${one.nodes[0].html.slice(0, 120)}`);
+      most(`${name}: serious findings of axe-core`, found.length, 0);
+    }
+    await page.close();
+  }
+}
+// A computation on its page while it goes on.
+const started = arguments_ => {
+  const child = spawn(process.env.WINGBEAT, arguments_, { stdio: ['ignore', 'ignore', 'pipe'] });
+  let said = '';
+  const address = new Promise((found, lost) => {
+    child.stderr.on('data', text => { said += text; const at = /watch: (\S+)/.exec(said); if (at) found(at[1]); });
+    child.on('exit', () => lost(new Error(said)));
+  });
+  const ended = new Promise(done => child.on('exit', code => done(code)));
+  return { address, ended };
+};
+async function live(name, arguments_, look) {
+  const run = started([...arguments_, '--watch', '--quiet', '--force', '--out', path.join(folder, 'live')]), address = await run.address;
+  const page = await browser.newPage(), asked = [];
+  page.on('pageerror', error => { console.log('page error:', name, error.message); failed++; });
+  page.on('request', request => asked.push(request.url()));
+  await page.setViewport({ width: 1400, height: 800 });
+  await page.goto(address);
+  await page.waitForFunction('window.wingbeat && window.wingbeat.ready', { timeout: 30000 });
+  await look(page, address, run);
+  holds(`live, ${name}: only its own address is asked`, asked.every(url => url.startsWith(address)));
   await page.close();
+  return run;
+}
+const rows = page => of(page, 'Math.max(0, ...wingbeat.runs.map(run => run.axis.values.length))');
+const SCENARIO = 'scenarios/banking_turn.toml', LONG = ['--set', 'flight.duration_s=6'];
+{
+  const run = await live('a flight', ['fly', SCENARIO, ...LONG], async (page, address, run) => {
+    await page.waitForFunction('wingbeat.runs[0].motion && wingbeat.runs[0].axis.values.length > 20', { timeout: 60000 });
+    const first = await rows(page), version = await of(page, 'wingbeat.version');
+    await page.waitForFunction(`wingbeat.version > ${version + 1}`, { timeout: 60000 });
+    const second = await rows(page);
+    judge('live: the page follows', second, second > first, `more than ${first} rows`);
+    holds('live: it stands at the end', (await of(page, 'wingbeat.state.t')) === (await of(page, 'wingbeat.high')));
+    await page.keyboard.press('Home'); await page.keyboard.press('4');
+    const then = await of(page, 'wingbeat.version');
+    await page.waitForFunction(`wingbeat.version > ${then}`, { timeout: 60000 });
+    holds('live: who looks at another time and from elsewhere is left there', (await of(page, 'wingbeat.state.t')) === 0 && (await of(page, 'wingbeat.view.mode')) === 'side');
+    await page.keyboard.press('1'); await page.keyboard.press('End'); await of(page, 'wingbeat.frame()');
+    await page.screenshot({ path: path.join(pictures, 'live-flight.png') });
+    // Who does not know the word is refused, and hanging browsers hold up nothing.
+    const wrong = [new URL('/', address).href, address.replace(/.{33}$/, '0'.repeat(32) + '/')];
+    for (const url of wrong) judge('live: refused without the word', (await fetch(url)).status, (await fetch(url)).status === 404, '404');
+    const sockets = Array.from({ length: 12 }, () => net.connect(+new URL(address).port, '127.0.0.1').on('error', () => {}));
+    await page.waitForFunction('wingbeat.ended', { timeout: 120000 });
+    sockets.forEach(socket => socket.destroy());
+    await page.screenshot({ path: path.join(pictures, 'live-ended.png') });
+  });
+  const code = await run.ended;
+  holds('live: the run ends as it does without the page', [0, 3].includes(code), `exit code ${code}`);
+  const plain = path.join(folder, 'live-plain'), child = spawn(process.env.WINGBEAT, ['fly', SCENARIO, ...LONG, '--quiet', '--force', '--out', plain]);
+  await new Promise(done => child.on('exit', done));
+  const files = root => fs.readdirSync(root, { recursive: true }).filter(file => fs.statSync(path.join(root, file)).isFile()).sort();
+  const bytes = (root, file) => fs.readFileSync(path.join(root, file));
+  // Times of the machine differ from run to run.
+  const timeless = text => text.toString().replace(/"(wall|update)[^"]*": *[-\d.e]+,?/g, '').replace(/"real_time[^"]*": *[-\d.e]+,?/g, '');
+  const other = files(plain).filter(file => !/manifest.json|report.html/.test(file)).filter(file => /summary.json/.test(file) ? timeless(bytes(plain, file)) !== timeless(bytes(path.join(folder, 'live'), file)) : !bytes(plain, file).equals(bytes(path.join(folder, 'live'), file)));
+  judge('live: files of the run that differ', other.join(' ') || 0, other.length === 0 && files(plain).join() === files(path.join(folder, 'live')).join(), '0');
+  fs.rmSync(plain, { recursive: true });
+}
+for (const [name, arguments_] of [['a search', ['trim', 'scenarios/cruise_20g.toml']], ['a fit', ['calibrate', 'calibrations/two_runs.toml']]]) {
+  await live(name, arguments_, async (page, _, run) => {
+    await Promise.race([run.ended, page.waitForFunction('wingbeat.ended || wingbeat.runs[0].axis.values.length > 3', { timeout: 120000 })]);
+    judge(`live, ${name}: iterations on the page`, await rows(page), (await rows(page)) > 0, 'some');
+    await page.screenshot({ path: path.join(pictures, `live-${name.replace('a ', '')}.png`) });
+  }).then(run => run.ended);
 }
 const foreign = requests.filter(url => !url.startsWith('file:') && !url.startsWith('data:') && url !== 'about:blank');
 const pages = requests.filter(url => url.startsWith('file:') && !/\.html(#|$)/.test(url));
 most('network requests', foreign.length + pages.length, 0);
+if (process.env.WRITE_REFERENCES) fs.writeFileSync(references, JSON.stringify(seen, null, 1) + '\n');
 await browser.close();
 console.log(`\n${passed} passed, ${failed} failed`);
 process.exit(failed ? 1 : 0);

@@ -11,7 +11,7 @@ use crate::tools;
 const CHROMIUM: &str = "/usr/bin/chromium";
 
 /// The runs whose pages are opened, with the arguments that make them.
-const RUNS: [(&str, &[&str]); 9] = [
+const RUNS: [(&str, &[&str]); 11] = [
     ("turn", &["fly", "scenarios/banking_turn.toml"]),
     ("minute", &["fly", "scenarios/banking_turn.toml", "--set", "flight.duration_s=60"]),
     ("glide", &["fly", "scenarios/glider.toml", "--set", "flight.duration_s=1"]),
@@ -21,6 +21,8 @@ const RUNS: [(&str, &[&str]); 9] = [
     ("wake", &["wake", "cases/flap_f2.toml"]),
     ("sweep", &["sweep", "sweeps/flap_map.toml"]),
     ("arm", &["rig", "simulate", "rigs/runs/roll15_speed08.toml"]),
+    ("armplan", &["rig", "plan", "rigs/runs/roll15_speed08.toml"]),
+    ("fit", &["calibrate", "calibrations/two_runs.toml"]),
 ];
 
 /// Makes the runs, opens their pages, and validates their glTF files.
@@ -37,6 +39,7 @@ pub fn check() -> Tally {
             let node = |name: &str| {
                 let mut command = Command::new("node");
                 command.arg(script.join(name)).arg(&folder).env("CHROMIUM", &chromium);
+                command.env("WINGBEAT", tools::program());
                 Tally::of(command)
             };
             let (pages, models) = (node("check.mjs"), node("models.mjs"));
@@ -70,6 +73,7 @@ fn made(folder: &Path) -> Result<(), String> {
     for (name, arguments) in RUNS {
         run(arguments, &["--quiet", "--force", "--out", &inside(name)])?;
     }
+    run(&["rig", "process", &inside("arm")], &["--quiet", "--force", "--out", &inside("processed")])?;
     let (turn, small, model) = (inside("turn"), inside("small.html"), inside("turn.glb"));
     run(&["report", &turn, "--no-wake", "--force", "--quiet", "--out", &small], &[])?;
     let both = inside("two/report.html");

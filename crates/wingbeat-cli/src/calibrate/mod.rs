@@ -18,7 +18,11 @@ use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
+use crate::watch::{Convergence, Point};
 use kept::Kept;
+
+/// Parameters whose values are shown on the page of a fit under way.
+const SHOWN: usize = 24;
 
 #[cfg(test)]
 pub use wingbeat_calibrate::columns;
@@ -40,7 +44,9 @@ pub fn calibrate(arguments: &args::Calibrate) -> Result<(), Error> {
     let identity = files.identity(&calibration.resolved);
     let folder =
         RunFolder::resume(options.out.as_deref(), &name, options.force, ("calibration.toml", &identity))?;
-    match found(&calibration, &folder, &interrupt, arguments) {
+    let watch =
+        Convergence::begin(&arguments.live, &calibration.spec.name, "fit under way", &calibration.resolved)?;
+    match found(&calibration, &folder, &interrupt, arguments, &watch) {
         Ok(Some(found)) => {
             let verdict = found.verdict(calibration.limits());
             write(&folder, (&found, &verdict), &files)?;
@@ -88,6 +94,7 @@ fn found(
     folder: &RunFolder,
     interrupt: &Interrupt,
     arguments: &args::Calibrate,
+    watch: &Convergence,
 ) -> Result<Option<Found>, Error> {
     let quiet = arguments.run.quiet;
     let prepared = calibration.prepared()?;
@@ -100,7 +107,7 @@ fn found(
     if arguments.information {
         return Error::unless_sound(on_data.status, on_data.reason.as_deref()).map(|()| None);
     }
-    watched(&prepared, &mut Kept::open(folder), interrupt, quiet).map(Some)
+    watched(&prepared, &mut Kept::open(folder), interrupt, quiet, watch).map(Some)
 }
 
 /// The fit, with cost, parameters and time on a bar.
@@ -109,6 +116,7 @@ fn watched(
     kept: &mut Kept,
     interrupt: &Interrupt,
     quiet: bool,
+    live: &Convergence,
 ) -> Result<Found, Error> {
     let starts = prepared.plan().starts;
     let bar = progress::bar(
@@ -117,6 +125,7 @@ fn watched(
         quiet,
     );
     let mut watch = |at: &Progress| {
+        live.see(|| point(at, prepared));
         bar.set_position(at.start.min(starts) as u64);
         let values: Vec<String> = at.values.iter().map(|value| format!("{value:.4}")).collect();
         bar.set_message(format!("step {}, cost {:.5e}, at {}", at.step, at.cost, values.join(" ")));
@@ -124,8 +133,17 @@ fn watched(
     };
     let found = prepared.fit(kept, &mut watch);
     bar.finish_and_clear();
+    live.end();
     interrupt.check()?;
     Ok(found?)
+}
+
+/// A step of a fit as it is shown.
+fn point(at: &Progress, prepared: &Prepared<'_>) -> Point {
+    let mut values = vec![("decimal logarithm of the sum of squares".into(), "", at.cost.log10())];
+    let parameters = prepared.structure.parameters.iter().zip(at.values);
+    values.extend(parameters.take(SHOWN).map(|(parameter, value)| (parameter.name.clone(), "", *value)));
+    Point { series: format!("start {}", at.start + 1), values }
 }
 
 /// Everything into the folder.

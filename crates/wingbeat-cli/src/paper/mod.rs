@@ -21,6 +21,7 @@ use crate::manifest::Manifest;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::say;
+use crate::watch::Live;
 use crate::{fly, rig};
 use figures::Drawn;
 use statements::{Statement, Told};
@@ -146,7 +147,12 @@ impl Work<'_> {
 
     fn fly(&mut self, name: &'static str, file: &str) -> Result<(), Error> {
         self.begin(&format!("flying {file}"))?;
-        let made = fly::fly(&Fly { scenario: self.from.join(file), run: self.options(name), page: PAGE });
+        let made = fly::fly(&Fly {
+            scenario: self.from.join(file),
+            run: self.options(name),
+            page: PAGE,
+            live: Live::default(),
+        });
         self.ended(format!("wingbeat fly {file}"), name, made)
     }
 
@@ -167,6 +173,7 @@ impl Work<'_> {
             force: false,
             overrides: Vec::new(),
             quiet: true,
+            page: PAGE,
         };
         self.ended("wingbeat rig process rig".into(), "forces", rig::process(&process))
     }

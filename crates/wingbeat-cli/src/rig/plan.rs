@@ -54,6 +54,7 @@ pub fn plan(arguments: &RigPlan) -> Result<(), Error> {
     if refusals.len() == runs.len() && written == 0 {
         return Err(Error::Input(refusals.join("\n")));
     }
+    crate::report::beside(&folder, name.as_str(), None, !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(options.seed.unwrap_or(0), start.elapsed()))?;
     let printed = say::unless(options.quiet, || format!("{told}plans: {}\n", path.display()));

@@ -8,6 +8,7 @@ use crate::interrupt::Interrupt;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::sweep::log::Log;
+use crate::watch::{Convergence, Point};
 
 /// Searches from the starts that are left and writes their table.
 pub fn searched(
@@ -15,6 +16,7 @@ pub fn searched(
     folder: &RunFolder,
     interrupt: &Interrupt,
     quiet: bool,
+    watch: &Convergence,
 ) -> Result<Searched, Error> {
     let all = search.starts();
     let mut log = Log::open(&folder.file("starts.log"), |row| search.has_row(row))?;
@@ -32,6 +34,14 @@ pub fn searched(
             String::new()
         };
         let (power, frequency) = (at.power_w_kg, at.frequency_hz);
+        watch.see(|| Point {
+            series: format!("start {}", at.start),
+            values: vec![
+                ("power".into(), "W/kg", power),
+                ("frequency".into(), "Hz", frequency),
+                ("worst limit missed, in its scale".into(), "", at.violation),
+            ],
+        });
         bar.set_message(format!("iteration {}: {power:.2} W/kg, {frequency:.3} Hz{missed}", at.iteration));
         interrupt.flow()
     })?;

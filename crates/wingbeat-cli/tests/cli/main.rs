@@ -14,6 +14,7 @@ mod rig_beside;
 mod rig_plan;
 mod rig_process;
 mod rig_simulate;
+mod seeing;
 mod sweep;
 mod tether;
 #[cfg(unix)]

@@ -91,6 +91,13 @@ impl Space {
         Self::with_scale(camera, bounds, pane, fit(pane.width, seen.0).min(fit(pane.height, seen.1)))
     }
 
+    /// Height of the pane that `bounds` fill over its `width`, or `most` where that is lower, px.
+    pub fn height(camera: &Camera, bounds: &Bounds, width: f64, most: f64) -> f64 {
+        let ((left, right), (top, bottom)) = Self::seen(camera, bounds);
+        let scale = (width - 2.0 * MARGIN).max(1.0) / (right - left).max(1e-9);
+        most.min(scale * (bottom - top) + 2.0 * MARGIN)
+    }
+
     /// The same with `scale` px per m at the target, so that several panes have one.
     pub fn with_scale(camera: Camera, bounds: Bounds, pane: Pane, scale: f64) -> Self {
         let ((left, right), (top, bottom)) = Self::seen(&camera, &bounds);

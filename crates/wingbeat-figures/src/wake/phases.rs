@@ -9,8 +9,8 @@ use crate::space::{Bounds, Camera, Pane, Space};
 use crate::write::Figure;
 use crate::{Error, style};
 
-/// Height of a picture, px.
-const HEIGHT: f64 = 300.0;
+/// Most height of a picture, px.
+const HIGHEST: f64 = 300.0;
 /// Width of all on a slide, px.
 const WIDE: f64 = 1500.0;
 /// Room above it for two lines of words, px.
@@ -34,22 +34,22 @@ pub fn wake_phases(sheets: &[Sheet], notes: &[String], wide: bool) -> Result<Fig
     let scale = Diverging::of(sheets.iter().flat_map(|sheet| sheet.wake.iter().map(|ring| ring.1)));
     let head = LINE * notes.len() as f64 + 8.0;
     let rows = sheets.len().div_ceil(2) as f64;
-    let total = head + rows * (HEIGHT + WORDS) + FOOT;
     let page = if wide { WIDE } else { style::WIDTH };
+    let (camera, width) = (Camera::orthographic(VIEW.0, VIEW.1), 0.5 * page);
+    let height = Space::height(&camera, &bounds, width, HIGHEST);
+    let total = head + rows * (height + WORDS) + FOOT;
     let mut paper = Paper::new(page, total);
     for (k, note) in notes.iter().enumerate() {
         paper.text((14.0, LINE * (k + 1) as f64), note, TextAnchor::Start);
     }
-    let width = 0.5 * page;
     for (k, sheet) in sheets.iter().enumerate() {
-        let (x, y) = (width * (k % 2) as f64, head + (HEIGHT + WORDS) * (k / 2) as f64);
+        let (x, y) = (width * (k % 2) as f64, head + (height + WORDS) * (k / 2) as f64);
         let letter = char::from(b'a' + (k % 26) as u8);
         paper.scene.elements.push(style::words(x + 14.0, y + 16.0, letter, TextAnchor::Start, true));
         paper.text((x + 30.0, y + 16.0), &sheet.title, TextAnchor::Start);
         paper.text((x + 30.0, y + 34.0), &sheet.note, TextAnchor::Start);
-        let pane = Pane { x, y: y + WORDS, width, height: HEIGHT };
-        drawn(sheet, Space::new(Camera::orthographic(VIEW.0, VIEW.1), bounds, pane), &scale)
-            .paint(&mut paper.scene);
+        let pane = Pane { x, y: y + WORDS, width, height };
+        drawn(sheet, Space::new(camera, bounds, pane), &scale).paint(&mut paper.scene);
     }
     paper.scale(&scale, (54.0, total - FOOT + 14.0), "circulation of the rings [m2/s]");
     Ok(Figure::new("wake_phases", paper.scene))

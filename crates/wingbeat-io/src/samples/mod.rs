@@ -6,6 +6,7 @@ mod grid;
 mod hdf5;
 mod matlab;
 mod matlab4;
+mod mcap;
 mod numbers;
 mod numpy;
 mod plain;
@@ -27,7 +28,7 @@ use wingbeat::rig::process::InputSpec;
 use crate::{Error, decoded, parquet, regular};
 use resolve::Wanted;
 
-/// Reads a file of samples: Parquet, MATLAB (level 4, 5 and 7.3), NumPy (npz, npy), HDF5, or
+/// Reads a file of samples: Parquet, MATLAB (level 4, 5 and 7.3), NumPy (npz, npy), HDF5, MCAP of ROS 2, or
 /// text with commas, semicolons or tabs, that of ATI's demo application included. The first
 /// bytes say which. Kept are the columns that `input` names or processing knows.
 ///
@@ -60,6 +61,8 @@ fn read_wanted(path: &Path, wanted: &Wanted) -> Result<Table, Error> {
         of_parquet(table("Parquet"))
     } else if hdf5 {
         decoded(path, || hierarchical(table("HDF5")))
+    } else if begins(mcap::MAGIC) {
+        mcap::read(table("MCAP"))
     } else if begins(b"MATLAB 5.0") {
         matlab::read(table("MATLAB 5"))
     } else if begins(b"PK\x03\x04") {
@@ -79,7 +82,7 @@ fn read_wanted(path: &Path, wanted: &Wanted) -> Result<Table, Error> {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// What can be read.
 const UNKNOWN: &str = "not a file of samples: allowed are Parquet, MATLAB 4, 5 and 7.3, NumPy npz and npy, HDF5, \
-                       and text with columns";
+                       MCAP of ROS 2, and text with columns";
 
 #[cfg(feature = "hdf5")]
 use hdf5::read as hierarchical;

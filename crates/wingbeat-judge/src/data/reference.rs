@@ -68,12 +68,14 @@ impl Told {
     fn of(pair: &Pair, all: &[Pair]) -> Self {
         let same = all.iter().filter(|other| other.unit == pair.unit);
         let most = same.map(|other| range(other.computed)).fold(0.0, f64::max);
-        let count = pair.measured.len();
-        let at = |lag: usize| correlation(pair.measured, pair.computed, lag);
+        let (measured, computed) = (apart(pair.measured), apart(pair.computed));
+        let count = measured.len().min(computed.len());
+        let spread = product(&computed, &computed, 0);
+        let size = (product(&measured, &measured, 0) * spread).sqrt();
+        let at = |lag: usize| if size > 0.0 { product(&measured, &computed, lag) / size } else { 0.0 };
         let best =
             (0..count).map(|lag| (lag, at(lag))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
         let lag = 360.0 * best.0 as f64 / count.max(1) as f64;
-        let spread = |of: &[f64]| moment(of, of, 0).max(f64::MIN_POSITIVE);
         Self {
             share: range(pair.computed) / most.max(f64::MIN_POSITIVE),
             measured: range(pair.measured),
@@ -81,7 +83,7 @@ impl Told {
             now: at(0),
             best: best.1,
             lag_deg: if lag > 180.0 { lag - 360.0 } else { lag },
-            gain: moment(pair.measured, pair.computed, best.0) / spread(pair.computed),
+            gain: product(&measured, &computed, best.0) / spread.max(f64::MIN_POSITIVE),
         }
     }
 }
@@ -91,17 +93,26 @@ fn range(of: &[f64]) -> f64 {
     (high - low).max(0.0)
 }
 
-/// Mean product of two cycles about their means, `b` later by `lag` phases.
-fn moment(a: &[f64], b: &[f64], lag: usize) -> f64 {
-    let count = a.len().min(b.len());
-    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    (0..count).map(|k| (a[k] - mean_a) * (b[(k + count - lag) % count] - mean_b)).sum::<f64>() / count as f64
+/// A cycle about its mean.
+fn apart(of: &[f64]) -> Vec<f64> {
+    let mean = of.iter().sum::<f64>() / of.len() as f64;
+    of.iter().map(|x| x - mean).collect()
 }
 
-fn correlation(a: &[f64], b: &[f64], lag: usize) -> f64 {
-    let size = (moment(a, a, 0) * moment(b, b, 0)).sqrt();
-    if size > 0.0 { moment(a, b, lag) / size } else { 0.0 }
+/// Mean product of two cycles, `b` later by `lag` phases.
+fn product(a: &[f64], b: &[f64], lag: usize) -> f64 {
+    let count = a.len().min(b.len());
+    let lag = lag.min(count);
+    let (early, late) = b[..count].split_at(count - lag);
+    let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    (sum(&a[..lag], late) + sum(&a[lag..count], early)) / count as f64
+}
+
+/// Correlation of two cycles as they are.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (apart(a), apart(b));
+    let size = (product(&a, &a, 0) * product(&b, &b, 0)).sqrt();
+    if size > 0.0 { product(&a, &b, 0) / size } else { 0.0 }
 }
 
 fn reversed(about: String, told: &Told) -> Finding {
@@ -172,7 +183,7 @@ fn repeated(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
     let mut found = Vec::new();
     for (k, (pair, told)) in telling.iter().enumerate() {
         for (other, its) in &telling[..k] {
-            let alike = correlation(pair.computed, other.computed, 0).abs() > ALIKE[0];
+            let alike = correlation(pair.computed, other.computed).abs() > ALIKE[0];
             if alike || told.measured == 0.0 || pair.measured != other.measured {
                 continue;
             }
@@ -192,7 +203,7 @@ fn repeated(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
 /// Channels of one unit that would each fit another one much better, as a permutation.
 fn swapped(what: &str, telling: &[(&Pair, &Told)]) -> Vec<Finding> {
     let of = |i: usize, j: usize| match telling[i].0.unit == telling[j].0.unit {
-        true => correlation(telling[i].0.measured, telling[j].0.computed, 0).abs(),
+        true => correlation(telling[i].0.measured, telling[j].0.computed).abs(),
         false => 0.0,
     };
     let all = || 0..telling.len();

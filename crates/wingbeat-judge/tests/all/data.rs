@@ -216,7 +216,7 @@ fn wrong() -> Vec<(&'static str, &'static str, Data)> {
             changed(&Load { rate: 48, cycles: 20.0, noise: 0.01, ..usual() }, |_, x| x.abs())
         }),
         ("rectified_with_noise", "data.rectified", {
-            changed(&Load { noise: 0.05, ..usual() }, |_, x| x.abs())
+            changed(&Load { noise: 0.03, ..usual() }, |_, x| x.abs())
         }),
         ("drift", "data.drift", changed(&usual(), |k, x| x + 1.5 * k as f64 / 2000.0)),
         ("drift_down", "data.drift", changed(&usual(), |k, x| x - 1.2 * k as f64 / 2000.0)),

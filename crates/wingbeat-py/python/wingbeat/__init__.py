@@ -37,6 +37,7 @@ from wingbeat._runs import (
 from wingbeat._stepper import Stepper
 from wingbeat._sweeps import sweep
 from wingbeat._verdicts import ResultWarning
+from wingbeat._views import View
 from wingbeat._wingbeat import Measurement, __version__
 
 # What a controller sees is a mapping.
@@ -63,6 +64,7 @@ __all__ = [
     "Stretch",
     "Strips",
     "Trimmed",
+    "View",
     "Wake",
     "__version__",
     "average",

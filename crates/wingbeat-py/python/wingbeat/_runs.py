@@ -16,6 +16,7 @@ from wingbeat._documents import Overrides, Scenario, Source, document
 from wingbeat._html import picture, table, text
 from wingbeat._record import Array, Record, Strips
 from wingbeat._verdicts import judged
+from wingbeat._views import Shown, summary_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,16 +42,23 @@ class Controller(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Result:
+class Result(Shown):
     """What every run gives."""
 
     summary: dict[str, Any] = field(repr=False)
     """What the program writes as ``summary.json``."""
 
+    document: str = field(default="", repr=False)
+    """What was run, as it was resolved: TOML."""
+
     @property
     def status(self) -> str:
         """``ok``, or what kept the run from it."""
         return str(self.summary["status"])
+
+    def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
+        texts = {"summary.json": summary_text(self.summary), "scenario.toml": self.document}
+        return type(self).__name__.lower(), texts, {"record.parquet": getattr(self, "record", None)}
 
     def _repr_html_(self) -> str:
         return table(type(self).__name__, self.summary) + self._picture()
@@ -107,6 +115,10 @@ class Plan(Result):
     files: dict[str, str] = field(repr=False)
     """Scenarios and cases that follow the plan, by name, as TOML."""
 
+    def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
+        name, texts, records = super()._held()
+        return name, {**texts, "plan.json": ""}, records
+
 
 @dataclass(frozen=True, kw_only=True)
 class Moved(Recorded):
@@ -118,6 +130,10 @@ class Moved(Recorded):
     """Loads and motion of the strips."""
     cycle: Record | None = None
     """Measured, computed and fitted cycle, where there is a measured file."""
+
+    def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
+        texts = {"summary.json": summary_text(self.summary), "case.toml": self.document}
+        return "case", texts, {"loads.csv": self.record, "strips.parquet": self.strips.record}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,6 +150,10 @@ class Trimmed(Result):
     """What the search of ``[trim.search]`` came to from each of its starts."""
     files: dict[str, str] = field(repr=False)
     """``orbit.toml``, a scenario on the orbit, as TOML; of a search also ``robot.toml``, the robot with its gait."""
+
+    def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
+        name, texts, records = super()._held()
+        return name, texts, {**records, "multipliers.parquet": self.multipliers}
 
     def plot(self, names: str | Sequence[str] | None = None) -> Figure:
         """See :meth:`Record.plot`."""
@@ -160,9 +180,18 @@ class Wake(Result):
 
     stretches: list[Stretch]
 
+    def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
+        texts = {"summary.json": summary_text(self.summary)}
+        records: dict[str, Record | None] = {}
+        for stretch in self.stretches:
+            before = f"{stretch.name}_" if stretch.name else ""
+            records[f"{stretch.name or 'wake'}.parquet"] = stretch.record
+            texts |= {f"{before}{phase}.vtk": text for phase, text in stretch.phases.items()}
+        return "wake", texts, records
+
 
 @dataclass(frozen=True)
-class Calibrated:
+class Calibrated(Shown):
     """What was fitted to runs on the load cell."""
 
     record: Record | None
@@ -177,6 +206,10 @@ class Calibrated:
     """The fitted parameters as TOML: write it to a file that ``robot.numbers`` names."""
     residual: str = field(default="", repr=False)
     """The wrench learned of runs with ``residual = true`` as TOML, for a file that ``robot.residual`` names; empty without such runs."""
+
+    def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
+        texts = {"summary.json": summary_text(self.summary)}
+        return "calibration", texts, {"record.parquet": self.record}
 
     def _repr_html_(self) -> str:
         return text(self.report or self.information)
@@ -208,7 +241,7 @@ class Bench(Result):
 
 
 @dataclass(frozen=True)
-class Processed:
+class Processed(Shown):
     """Samples of the rig, processed."""
 
     name: str
@@ -216,6 +249,9 @@ class Processed:
     """Phase averages of the six channels; none of static tilts."""
     summary: dict[str, Any]
     """Window, cycles and what was done; of static tilts mass, centre and offsets with their deviations."""
+
+    def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
+        return self.name, {"summary.json": summary_text(self.summary)}, {f"{self.name}.parquet": self.record}
 
 
 def _given(columns: list[_wingbeat._Column] | None) -> Record | None:
@@ -269,7 +305,7 @@ def fly(
     names = None if sees is None else list(sees)
     record, strips, summary = _wingbeat.fly(native, controller, period_s, names, observe)
     parts = None if strips is None else Strips(Record(strips))
-    return Flight(record=Record(record), strips=parts, summary=judged(summary))
+    return Flight(record=Record(record), strips=parts, summary=judged(summary), document=native.resolved)
 
 
 def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Plan:
@@ -289,13 +325,15 @@ def plan(scenario: Scenario | Source, overrides: Overrides | None = None) -> Pla
     Plan
         ``record``, ``nodes`` and ``constants`` with multipliers, ``files`` that follow the plan, ``summary``.
     """
-    record, nodes, summary, files, raised = _wingbeat.plan(scenario_of(scenario, overrides)._native)
+    native = scenario_of(scenario, overrides)._native
+    record, nodes, summary, files, raised = _wingbeat.plan(native)
     points, constants = nodes if nodes is not None else (None, None)
     made = Plan(
         record=_given(record),
         nodes=_given(points),
         constants=None if constants is None else json.loads(constants),
         summary=judged(summary) if raised is None else json.loads(summary),
+        document=native.resolved,
         files=dict(files),
     )
     if raised is not None:
@@ -336,6 +374,7 @@ def trim(
         family=_given(family),
         starts=_given(starts),
         summary=judged(summary),
+        document=native.resolved,
         files=dict(files),
     )
 
@@ -367,9 +406,15 @@ def tether(
     """
     made = document(case, overrides, "case")
     file = None if compare is None else fspath(compare)
-    record, strips, cycle, summary = _wingbeat.tether(made, file, converge)
+    record, strips, cycle, summary, resolved = _wingbeat.tether(made, file, converge)
     parts = Strips(Record(strips))
-    return Moved(record=Record(record), strips=parts, summary=judged(summary), cycle=_given(cycle))
+    return Moved(
+        record=Record(record),
+        strips=parts,
+        summary=judged(summary),
+        document=resolved,
+        cycle=_given(cycle),
+    )
 
 
 def wake(
@@ -473,8 +518,8 @@ def rig(path: str | PathLike[str], overrides: Overrides | None = None) -> list[B
     texts = _wingbeat.overrides(dict(overrides or {}))
     runs = _wingbeat.rig_simulate(fspath(path), texts)
     return [
-        Bench(name=name, record=_given(record), summary=judged(summary))
-        for name, record, summary in runs
+        Bench(name=name, record=_given(record), summary=judged(summary), document=resolved)
+        for name, record, summary, resolved in runs
     ]
 
 

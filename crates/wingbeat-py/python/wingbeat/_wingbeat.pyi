@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from typing import Any, TypeAlias, final
 
-from numpy import bool_, float64
+from numpy import bool_, float64, uint8
 from numpy.typing import NDArray
 
 __version__: str
@@ -15,6 +15,7 @@ _Asked: TypeAlias = tuple[
     Sequence[float], int | None, bool, int | None, int | None, int | None, bool, float | None
 ]
 _Stepped: TypeAlias = list[tuple[str, list[_Column], list[tuple[str, str]]]]
+_Held: TypeAlias = tuple[str, Sequence[tuple[str, str]], Sequence[tuple[str, Sequence[_Column]]]]
 _Channel: TypeAlias = tuple[str, str, str, float, float]
 
 __all__ = [
@@ -25,9 +26,13 @@ __all__ = [
     "Scenario",
     "Stepper",
     "Sweep",
+    "animation_of",
     "calibrate",
+    "export_of",
     "fly",
     "overrides",
+    "page_of",
+    "picture_of",
     "plan",
     "read_csv",
     "read_parquet",
@@ -156,7 +161,6 @@ class Flock:
     def save(self) -> list[_Kept]: ...
     def restore(self, saved: Sequence[_Kept]) -> None: ...
     def judge(self, t: float, state: _Array, action: _Array) -> list[float]: ...
-    def look(self, number: int) -> tuple[float, _Array, list[list[list[list[float]]]]]: ...
 
 @final
 class Sweep:
@@ -192,7 +196,7 @@ def plan(
 ]: ...
 def tether(
     document: Document, compare: str | PathLike[str] | None = None, converge: bool = False
-) -> tuple[list[_Column], list[_Column], list[_Column] | None, str]: ...
+) -> tuple[list[_Column], list[_Column], list[_Column] | None, str, str]: ...
 def rig_process(
     samples: str | PathLike[str],
     run: str | PathLike[str],
@@ -201,7 +205,7 @@ def rig_process(
 ) -> tuple[str, list[_Column] | None, str]: ...
 def rig_simulate(
     path: str | PathLike[str], overrides: Sequence[str]
-) -> list[tuple[str, list[_Column] | None, str]]: ...
+) -> list[tuple[str, list[_Column] | None, str, str]]: ...
 def trim(
     scenario: Scenario,
     progress: Callable[[dict[str, float]], object] | None = None,
@@ -220,6 +224,12 @@ def wake_flight(
 def calibrate(
     document: Document, information: bool = False
 ) -> tuple[str, tuple[list[_Column], tuple[str, str], str, str] | None]: ...
+def page_of(results: Sequence[_Held], wake: bool, strips: bool) -> str: ...
+def animation_of(
+    result: _Held, view: str, numbers: tuple[float, float, float], wide: bool, frames: bool
+) -> list[tuple[str, bytes]]: ...
+def export_of(result: _Held, format: str) -> list[tuple[str, bytes]]: ...
+def picture_of(flock: Flock, number: int, width: int, height: int) -> NDArray[uint8]: ...
 def overrides(given: dict[str, Any]) -> list[str]: ...
 def write_parquet(path: str | PathLike[str], columns: Sequence[_Column]) -> None: ...
 def read_csv(path: str | PathLike[str]) -> list[_Column]: ...

@@ -218,3 +218,11 @@ def test_pictures_need_no_display():
     assert picture.shape == (360, 640, 3)
     assert picture.dtype == np.uint8
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
+    # Left is blue and right orange: from behind each on its side.
+    left, right = picture[:, :160].astype(int), picture[:, 160:320].astype(int)
+    blue, orange = (lambda half: (half[..., 2] - half[..., 0] > 60).sum()), (lambda half: (half[..., 0] - half[..., 2] > 60).sum())
+    assert blue(left) > 5 * blue(right) and orange(right) > 5 * orange(left)
+    before = picture
+    for _ in range(4):
+        environment.step(environment.action_space.sample())
+    assert (environment.render() != before).any()

@@ -4,7 +4,7 @@ use serde_json::Value;
 use wingbeat::math::{Mat3, Quat, Vec3};
 use wingbeat::rig::rotation_vector;
 
-use crate::motion::{Motion, Surface, at, direction};
+use crate::motion::{Motion, Surface, at, direction, spindle};
 
 /// Component types of glTF.
 const FLOAT: u32 = 5126;
@@ -289,24 +289,16 @@ fn unit(q: [f64; 4]) -> [f64; 4] {
     if size > 0.0 { q.map(|part| part / size) } else { [0.0, 0.0, 0.0, 1.0] }
 }
 
-/// A spindle that stands for the body, in B.
+/// The spindle that stands for the body, in B.
 fn body(motion: &Motion, buffer: &mut Buffer) -> String {
-    let (c, reach) = (at(&motion.com, 0), motion.reach());
     let around = 8;
-    let ring = |(x, w): (f64, f64)| {
-        (0..around).map(move |k| {
-            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(around);
-            let (l, r) = (0.34 * reach * x, 0.075 * reach * w);
-            (c + Vec3([l, r * angle.cos(), r * angle.sin()])).0
-        })
-    };
-    let rings = [(1.0, 0.02), (0.4, 1.0), (-0.4, 0.8), (-1.0, 0.05)];
-    let points: Vec<[f64; 3]> = rings.into_iter().flat_map(ring).collect();
+    let rings = spindle(at(&motion.com, 0), motion.reach(), around);
+    let count = rings.len() as u16;
+    let points: Vec<[f64; 3]> = rings.into_iter().flatten().map(|corner| corner.0).collect();
     let mut indices: Vec<u16> = Vec::new();
-    for (r, k) in (0..3).flat_map(|r| (0..around as u16).map(move |k| (r, k))) {
-        let n = around as u16;
-        let [a, b, d, e] =
-            [(r, k), (r, (k + 1) % n), (r + 1, (k + 1) % n), (r + 1, k)].map(|(r, k)| r * n + k);
+    for (r, k) in (0..count - 1).flat_map(|r| (0..around).map(move |k| (r, k))) {
+        let next = (k + 1) % around;
+        let [a, b, d, e] = [(r, k), (r, next), (r + 1, next), (r + 1, k)].map(|(r, k)| r * around + k);
         indices.extend([a, d, b, a, e, d]);
     }
     let position = buffer.floats(points.as_flattened(), VEC3, Some(VERTICES), true);

@@ -1,4 +1,4 @@
-//! A flight as MCAP with the profile ros2: every message in CDR, chunks without compression, with an index.
+//! A flight, or a run on the rig, as MCAP with the profile ros2: every message in CDR, chunks without compression, with an index.
 //!
 //! Format: <https://mcap.dev/spec>, version 0.
 
@@ -31,6 +31,8 @@ struct File {
     chunk: Vec<u8>,
     index: BTreeMap<u16, Vec<(u64, u64)>>,
     indices: Vec<u8>,
+    /// Indices of metadata, and their number.
+    kept: (Vec<u8>, u32),
     chunks: u32,
     span: (u64, u64),
     whole: (u64, u64),
@@ -63,6 +65,7 @@ impl File {
             chunk: Vec::new(),
             index: BTreeMap::new(),
             indices: Vec::new(),
+            kept: (Vec::new(), 0),
             chunks: 0,
             span: none,
             whole: none,
@@ -79,6 +82,25 @@ impl File {
         self.describe(&mut own, id);
         self.chunk.extend(own);
         id
+    }
+
+    /// Words beside the messages.
+    fn metadata(&mut self, name: &str, pairs: &[(&str, String)]) {
+        let (mut content, mut words) = (Vec::new(), Vec::new());
+        string(&mut content, name);
+        for (key, value) in pairs {
+            string(&mut words, key);
+            string(&mut words, value);
+        }
+        content.extend((words.len() as u32).to_le_bytes());
+        content.extend(words);
+        let at = self.bytes.len() as u64;
+        record(&mut self.bytes, 12, &content);
+        let mut index: Vec<u8> =
+            [at, self.bytes.len() as u64 - at].iter().flat_map(|number| number.to_le_bytes()).collect();
+        string(&mut index, name);
+        record(&mut self.kept.0, 13, &index);
+        self.kept.1 += 1;
     }
 
     /// Schema and channel number `id`; each channel has a schema of its own number, from 1.
@@ -171,7 +193,8 @@ impl File {
         let mut statistics = self.counts.iter().sum::<u64>().to_le_bytes().to_vec();
         let channels = self.topics.len() as u32;
         statistics.extend((channels as u16).to_le_bytes());
-        statistics.extend([channels, 0, 0, self.chunks].iter().flat_map(|number| number.to_le_bytes()));
+        statistics
+            .extend([channels, 0, self.kept.1, self.chunks].iter().flat_map(|number| number.to_le_bytes()));
         statistics.extend([self.whole.0, self.whole.1].iter().flat_map(|time| time.to_le_bytes()));
         statistics.extend((10 * channels).to_le_bytes());
         for (id, count) in self.counts.iter().enumerate() {
@@ -180,6 +203,7 @@ impl File {
         }
         record(&mut self.bytes, 11, &statistics);
         self.bytes.append(&mut self.indices);
+        self.bytes.append(&mut self.kept.0);
         let mut foot = summary.to_le_bytes().to_vec();
         // No offsets of groups, no check of the summary.
         foot.extend([0; 12]);
@@ -288,4 +312,84 @@ fn basis(chord: Vec3) -> wingbeat::math::Mat3 {
     let across = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|v| x.cross(Vec3(v)));
     let z = if across[0].norm() > 0.1 { direction(across[0]) } else { direction(across[1]) };
     wingbeat::math::Mat3::from_columns(x, z.cross(x), z)
+}
+
+/// Wrenches of a run on the rig: the prefix of their columns, and the last part of their topic.
+const WRENCHES: [(&str, &str); 4] =
+    [("", "cell"), ("true_", "true"), ("air_", "air"), ("inertia_", "inertia")];
+
+/// The `record` of a run on the rig as the bytes of an MCAP file: what the load cell read and its parts, the arm's joints with the phase
+/// of the stroke, and the accelerations of the joints. Every row is kept; `wingbeat rig process` reads it back.
+///
+/// # Errors
+/// A record without times or without the channels of the cell; too many bytes.
+pub fn rig_mcap(record: &Record) -> Result<Vec<u8>, String> {
+    let column = |name: &str| record.values(name).ok_or_else(|| format!("the record has no column {name}"));
+    let t = column("t")?;
+    super::record_fits("the .mcap file", record, 24.0)?;
+    let start = t.first().copied().ok_or("the record has no rows")?;
+    let mut file = File::new();
+    file.metadata("wingbeat", &[("begin_s", format!("{start}"))]);
+    let mut wrenches = Vec::new();
+    for (prefix, topic) in WRENCHES {
+        let six = ["Fx", "Fy", "Fz", "Tx", "Ty", "Tz"].map(|name| column(&format!("{prefix}{name}")));
+        match six.into_iter().collect::<Result<Vec<_>, _>>() {
+            Ok(six) => wrenches.push((file.channel(&format!("/wrench/{topic}"), ros::WRENCH), six)),
+            Err(why) if prefix.is_empty() => return Err(why),
+            Err(_) => {}
+        }
+    }
+    let joints: Vec<String> =
+        (1..).map(|k| format!("q{k}")).take_while(|name| record.values(name).is_some()).collect();
+    let all = |prefix: &str| -> Option<Vec<&[f64]>> {
+        joints.iter().map(|joint| record.values(&format!("{prefix}{joint}"))).collect()
+    };
+    let (positions, rates, accelerations) = (all("").unwrap_or_default(), all("d"), all("dd"));
+    let states = file.channel("/joint_states", ros::JOINTS);
+    let points = file.channel("/joint_accelerations", ros::POINT);
+    let phase = record.values("phase").map(|phase| (file.channel("/stroke", ros::JOINTS), phase));
+    for i in 0..t.len() {
+        let time = ((t[i] - start) * 1e9).round().max(0.0) as u64;
+        for (channel, six) in &wrenches {
+            let mut wrench = Message::new();
+            wrench.header(time, "cell");
+            six.iter().for_each(|part| {
+                wrench.doubles(&[part[i]]);
+            });
+            file.message(*channel, time, wrench);
+        }
+        let row = |columns: &[&[f64]]| columns.iter().map(|column| column[i]).collect::<Vec<f64>>();
+        if !joints.is_empty() {
+            let rates = rates.as_ref().map_or(Vec::new(), |rates| row(rates));
+            let state = joint_state(time, joints.iter().map(String::as_str), &row(&positions), &rates);
+            file.message(states, time, state);
+        }
+        if let Some(accelerations) = accelerations.as_ref().filter(|_| !joints.is_empty()) {
+            let mut point = Message::new();
+            point.list(&[]).list(&[]).list(&row(accelerations)).list(&[]);
+            point.int((time / 1_000_000_000) as u32).int((time % 1_000_000_000) as u32);
+            file.message(points, time, point);
+        }
+        if let Some((channel, phase)) = phase {
+            file.message(channel, time, joint_state(time, ["phase"], &[phase[i]], &[]));
+        }
+    }
+    Ok(file.finish())
+}
+
+/// Names, positions and rates of joints.
+fn joint_state<'a>(
+    time: u64,
+    names: impl IntoIterator<Item = &'a str, IntoIter: ExactSizeIterator>,
+    positions: &[f64],
+    rates: &[f64],
+) -> Message {
+    let mut state = Message::new();
+    let names = names.into_iter();
+    state.header(time, "").int(names.len() as u32);
+    names.for_each(|name| {
+        state.text(name);
+    });
+    state.list(positions).list(rates).list(&[]);
+    state
 }

@@ -11,6 +11,7 @@ pub const TF: usize = 1;
 pub const ODOMETRY: usize = 2;
 pub const JOINTS: usize = 3;
 pub const WRENCH: usize = 4;
+pub const POINT: usize = 5;
 
 macro_rules! parts {
     ($own:literal $(, $name:literal: $text:literal)* $(,)?) => {
@@ -19,7 +20,7 @@ macro_rules! parts {
 }
 
 /// Names and definitions, those that a definition names behind it.
-pub const TYPES: [(&str, &str); 5] = [
+pub const TYPES: [(&str, &str); 6] = [
     ("std_msgs/msg/String", "string data\n"),
     (
         "tf2_msgs/msg/TFMessage",
@@ -64,6 +65,13 @@ pub const TYPES: [(&str, &str); 5] = [
             "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
             "geometry_msgs/Wrench": "Vector3 force\nVector3 torque\n",
             "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
+        ),
+    ),
+    (
+        "trajectory_msgs/msg/JointTrajectoryPoint",
+        parts!(
+            "float64[] positions\nfloat64[] velocities\nfloat64[] accelerations\nfloat64[] effort\nbuiltin_interfaces/Duration time_from_start\n",
+            "builtin_interfaces/Duration": "int32 sec\nuint32 nanosec\n",
         ),
     ),
 ];

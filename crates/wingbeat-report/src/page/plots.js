@@ -31,8 +31,11 @@ class Plots {
     });
     for (const panel of this.panels) this.build(panel);
     this.layout();
-    new ResizeObserver(() => this.printing || this.layout()).observe(root);
+    this.sized = new ResizeObserver(() => this.printing || this.layout());
+    this.sized.observe(root);
   }
+  // Makes room for others.
+  away() { this.watch.disconnect(); this.sized.disconnect(); clearTimeout(this.later); this.root.replaceChildren(); }
   build(panel) {
     const several = this.runs.length > 1, keys = make('div', { class: 'keys' });
     panel.outputs = panel.curves.map(curve => {
@@ -66,7 +69,7 @@ class Plots {
     // Limits are drawn where the curve comes near.
     if (panel.limits) for (const limit of panel.limits) if (limit > low - 0.6 * (high - low) && limit < high + 0.6 * (high - low)) { low = Math.min(low, limit); high = Math.max(high, limit); }
     // Less than this is rounding.
-    if (high - low < 1e-9 * Math.max(1, Math.abs(high))) { const middle = 0.5 * (low + high); low = middle - 1e-9; high = middle + 1e-9; if (Math.abs(middle) < 1e-9) [low, high] = [-1, 1]; }
+    if (high - low < 1e-9 * Math.max(1, Math.abs(high))) { const middle = 0.5 * (low + high), room = Math.abs(middle) < 1e-9 ? 1 : 0.5 * Math.abs(middle); low = middle - room; high = middle + room; }
     const margin = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
     return [low - margin, high + margin];
   }

@@ -132,9 +132,9 @@ function addWake(scene, m, coarse) {
     }
   }
 }
-// A spindle that stands for the body: its nose is sharp.
+// The spindle that stands for the body.
 function addBody(scene, m, scale, k) {
-  const c = m.at(m.com), l = 0.34 * m.reach * scale, r = 0.075 * m.reach * scale, rings = [[1, 0], [0.45, 0.75], [0, 1], [-0.7, 0.6], [-1, 0.15]], around = 7;
+  const c = m.at(m.com), [l, r] = m.spindle.size.map(v => v * m.reach * scale), { rings } = m.spindle, around = 7;
   const ring = ([x, w]) => Array.from({ length: around }, (_, n) => { const a = 2 * Math.PI * n / around; return m.world([c[0] * scale + l * x, c[1] * scale + r * w * Math.cos(a), c[2] * scale + r * w * Math.sin(a)]); });
   const points = rings.map(ring);
   for (let i = 0; i + 1 < points.length; i++) for (let n = 0; n < around; n++) scene.quad(points[i][n], points[i][(n + 1) % around], points[i + 1][(n + 1) % around], points[i + 1][n], k);

@@ -55,6 +55,7 @@ pub fn process(arguments: &RigProcess) -> Result<(), Error> {
         let cell = Cell::of(simulated, all - simulated);
         draw(&folder.folder("figures")?, wingbeat_figures::force_moment(envelope, cell))?;
     }
+    crate::report::beside(&folder, name.as_str(), None, !arguments.page.no_report)?;
     interrupt.check()?;
     let path = folder.finish(&Manifest::new(0, start.elapsed()))?;
     let printed =

@@ -20,6 +20,8 @@ Actions: TypeAlias = NDArray[np.floating[Any]]
 # Numbers with which robots are stepped: four or eight at once.
 Precision: TypeAlias = Literal["f64", "f32"]
 
+# Width and height of a picture.
+PIXELS = (640, 360)
 # Time between two actions, s.
 PERIOD_S = 0.005
 
@@ -187,9 +189,7 @@ class Environment(gym.Env[Array, Actions]):
         """A picture of the robot from behind and from its side."""
         if self.render_mode is None:
             return None
-        from wingbeat.learn._picture import picture
-
-        return picture(*self._flock.native.look(0))
+        return _wingbeat.picture_of(self._flock.native, 0, *PIXELS)
 
 
 class VectorEnvironment(VectorEnv[Array, Actions, Array]):
@@ -260,6 +260,4 @@ class VectorEnvironment(VectorEnv[Array, Actions, Array]):
         """Pictures of all robots."""
         if self.render_mode is None:
             return None
-        from wingbeat.learn._picture import picture
-
-        return tuple(picture(*self._flock.native.look(number)) for number in range(self.num_envs))
+        return tuple(_wingbeat.picture_of(self._flock.native, number, *PIXELS) for number in range(self.num_envs))

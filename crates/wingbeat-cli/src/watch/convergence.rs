@@ -1,0 +1,163 @@
+//! A search or a fit while it converges.
+
+use serde_json::json;
+use wingbeat_report::panels::{Curve, Panel, Role};
+use wingbeat_report::run::{Axis, Run};
+
+use super::{Live, Watch};
+use crate::error::Error;
+
+/// Starts that are shown: the last ones.
+const STARTS: usize = 8;
+/// Iterations of a start that are shown; of more, every second one.
+const MOST: usize = 4000;
+
+/// An iteration of a start.
+pub struct Point {
+    /// What it is a start of, and its number.
+    pub series: String,
+    /// What converges: name, unit, value.
+    pub values: Vec<(String, &'static str, f64)>,
+}
+
+/// The iterations of a start.
+struct Series {
+    name: String,
+    iterations: Vec<f64>,
+    columns: Vec<(String, &'static str, Vec<f64>)>,
+    /// Its number among all, and the iterations that came.
+    number: usize,
+    count: usize,
+    every: usize,
+}
+
+/// Begins to watch the search or fit `name`, which is told as `kind`, where it is wanted.
+pub struct Convergence(Option<Watch<Point>>);
+
+impl Convergence {
+    /// Begins where it is wanted.
+    ///
+    /// # Errors
+    /// Those of [`Watch::begin`].
+    pub fn begin(live: &Live, name: &str, kind: &'static str, settings: &str) -> Result<Self, Error> {
+        let (name, settings) = (name.to_owned(), settings.to_owned());
+        let watch = Watch::begin(live, move |painter| {
+            let mut starts: Vec<Series> = Vec::new();
+            painter.run(|news: Vec<Point>| {
+                news.into_iter().for_each(|point| add(&mut starts, point));
+                if starts.is_empty() {
+                    let axis = Axis { label: "iteration", unit: "", values: Vec::new(), joined: true };
+                    return vec![Run { settings: settings.clone(), ..Run::blank(&name, kind, axis) }];
+                }
+                starts.iter().map(|series| series.run(&name, kind, &settings)).collect()
+            });
+        })?;
+        Ok(Self(watch))
+    }
+
+    /// Shows an iteration.
+    pub fn see(&self, point: impl FnOnce() -> Point) {
+        if let Some(watch) = &self.0 {
+            watch.tell(point());
+        }
+    }
+
+    /// Says that it is over.
+    pub fn end(&self) {
+        self.0.iter().for_each(Watch::end);
+    }
+}
+
+/// Adds an iteration to its start, the last one, or a new one.
+fn add(starts: &mut Vec<Series>, Point { series, values }: Point) {
+    if starts.last().is_none_or(|last| last.name != series) {
+        let number = starts.last().map_or(0, |last| last.number + 1);
+        if starts.len() == STARTS {
+            starts.remove(0);
+        }
+        let columns = values.iter().map(|(name, unit, _)| (name.clone(), *unit, Vec::new())).collect();
+        starts.push(Series { name: series, iterations: Vec::new(), columns, number, count: 0, every: 1 });
+    }
+    if let Some(last) = starts.last_mut() {
+        last.add(&values);
+    }
+}
+
+impl Series {
+    fn add(&mut self, values: &[(String, &'static str, f64)]) {
+        self.count += 1;
+        if !self.count.is_multiple_of(self.every) {
+            return;
+        }
+        self.iterations.push(self.count as f64);
+        for ((_, _, column), (_, _, value)) in self.columns.iter_mut().zip(values) {
+            column.push(*value);
+        }
+        if self.iterations.len() >= MOST {
+            self.every *= 2;
+            let mut k = 0;
+            let mut second = |_: &f64| {
+                k += 1;
+                k % 2 == 0
+            };
+            self.iterations.retain(&mut second);
+            for (_, _, column) in &mut self.columns {
+                let mut k = 0;
+                column.retain(|_| {
+                    k += 1;
+                    k % 2 == 0
+                });
+            }
+        }
+    }
+
+    fn run(&self, name: &str, kind: &'static str, settings: &str) -> Run {
+        let axis = Axis { label: "iteration", unit: "", values: self.iterations.clone(), joined: true };
+        let panel = |(title, unit, values): &(String, &'static str, Vec<f64>)| Panel {
+            title: title.clone(),
+            unit,
+            curves: vec![Curve {
+                label: String::new(),
+                role: Role::Own(self.number),
+                values: values.clone(),
+            }],
+            limits: None,
+        };
+        let last = self.columns.iter().map(|(title, _, values)| (title.clone(), json!(values.last())));
+        let mut summary: serde_json::Map<String, serde_json::Value> = last.collect();
+        summary.insert("iteration".into(), json!(self.count));
+        Run {
+            summary: summary.into(),
+            settings: settings.into(),
+            panels: self.columns.iter().map(panel).collect(),
+            ..Run::blank(&format!("{name}, {}", self.name), kind, axis)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_starts_are_kept_and_long_ones_thinned() {
+        let mut starts = Vec::new();
+        for start in 0..12 {
+            for k in 0..5 {
+                let values = vec![("cost".into(), "", f64::from(k))];
+                add(&mut starts, Point { series: format!("start {start}"), values });
+            }
+        }
+        let names: Vec<&str> = starts.iter().map(|series| series.name.as_str()).collect();
+        assert_eq!((names[0], names[7], names.len()), ("start 4", "start 11", 8));
+        for k in 0..20_000 {
+            let values = vec![("cost".into(), "", f64::from(k))];
+            add(&mut starts, Point { series: "start 11".into(), values });
+        }
+        let run = starts[7].run("fit", "fit under way", "");
+        let curve = &run.panels[0].curves[0].values;
+        assert!(curve.len() == run.axis.values.len() && curve.len() < MOST, "{}", curve.len());
+        let (last, count) = (run.axis.values[curve.len() - 1], starts[7].count as f64);
+        assert!(count - last <= starts[7].every as f64 && curve[curve.len() - 1] == last - 6.0, "{last}");
+    }
+}

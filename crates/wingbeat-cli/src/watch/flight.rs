@@ -1,0 +1,68 @@
+//! A flight while it is flown.
+
+use std::sync::Arc;
+
+use serde_json::json;
+use wingbeat::scenario::{Scenario, Seen};
+use wingbeat::simulate::Sample;
+use wingbeat_report::motion::{MOST, RATE};
+use wingbeat_report::run::{Flown, Run, of_flight};
+
+use super::{Live, Watch};
+use crate::error::Error;
+
+/// A flight that is watched, or not.
+pub struct FlightWatch {
+    watch: Option<Watch<Seen>>,
+    /// Time of the next sample that is shown, and to the one after it, s.
+    next: f64,
+    step: f64,
+    shown: usize,
+}
+
+impl FlightWatch {
+    /// Begins where it is wanted.
+    ///
+    /// # Errors
+    /// Those of [`Watch::begin`].
+    pub fn begin(live: &Live, scenario: &Arc<Scenario>) -> Result<Self, Error> {
+        let scenario = scenario.clone();
+        let watch = Watch::begin(live, move |painter| {
+            // A scenario that can be flown can be recorded.
+            let Ok(mut watched) = scenario.watched() else { return };
+            let mut sound = true;
+            painter.run(|news: Vec<Seen>| {
+                sound = sound && news.iter().all(|seen| watched.add(seen).is_ok());
+                vec![run(&scenario, &watched)]
+            });
+        })?;
+        Ok(Self { watch, next: 0.0, step: 1.0 / RATE, shown: 0 })
+    }
+
+    /// Shows a sample, where one is due: at most so many a second as the page has, half as many after each full page.
+    pub fn see(&mut self, sample: &Sample) {
+        let Some(watch) = &self.watch else { return };
+        if sample.t < self.next {
+            return;
+        }
+        watch.tell(Seen::of(sample));
+        self.shown += 1;
+        if self.shown.is_multiple_of(MOST) {
+            self.step *= 2.0;
+        }
+        self.next += self.step;
+    }
+
+    /// Says that the flight is over.
+    pub fn end(&self) {
+        self.watch.iter().for_each(Watch::end);
+    }
+}
+
+fn run(scenario: &Scenario, watched: &wingbeat::scenario::Watched<'_>) -> Run {
+    let flown = Flown { scenario, record: watched.record() };
+    let run = of_flight(&scenario.spec.name, "flight under way", flown);
+    let now = watched.record().values("t").and_then(|t| t.last()).copied().unwrap_or(0.0);
+    let summary = json!({ "simulated_s": now, "of_s": scenario.spec.flight.duration_s });
+    Run { settings: scenario.resolved.clone(), summary, ..run }
+}

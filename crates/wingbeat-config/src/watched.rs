@@ -1,0 +1,53 @@
+//! What a flight has come to while it goes on.
+
+use crate::Scenario;
+use crate::recorder::Recorder;
+use std::time::Duration;
+use wingbeat_flight::simulate::{AtRest, Record, Sample};
+use wingbeat_math::{Error, Wrench};
+use wingbeat_ocp::plant::Fault;
+
+/// A sample that outlives the instant at which it was shown.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    t: f64,
+    x: Vec<f64>,
+    u: Vec<f64>,
+    beyond: Vec<Wrench<f64>>,
+}
+
+impl Seen {
+    /// A copy of a sample.
+    pub fn of(sample: &Sample) -> Self {
+        Self { t: sample.t, x: sample.x.to_vec(), u: sample.u.to_vec(), beyond: sample.beyond.to_vec() }
+    }
+}
+
+/// The record of a flight as far as its samples are known, without what controller and strips tell.
+pub struct Watched<'a>(Recorder<'a>);
+
+impl Scenario {
+    /// A record that grows with the samples of a flight.
+    ///
+    /// # Errors
+    /// Columns of one name.
+    pub fn watched(&self) -> Result<Watched<'_>, Error> {
+        Recorder::new(self.robot(), self.manoeuvre(), &AtRest, 0, None).map(Watched)
+    }
+}
+
+impl Watched<'_> {
+    /// Adds a sample.
+    ///
+    /// # Errors
+    /// A state that has no loads, or a number that is not finite.
+    pub fn add(&mut self, seen: &Seen) -> Result<(), Fault> {
+        let Seen { t, x, u, beyond } = seen;
+        self.0.sample(&Sample { t: *t, x, u, beyond, elapsed: Duration::ZERO }, &AtRest)
+    }
+
+    /// The record so far.
+    pub fn record(&self) -> &Record {
+        self.0.record()
+    }
+}

@@ -1,0 +1,446 @@
+//! Recordings of ROS 2 in MCAP: wrenches and joints, each message in CDR (<https://mcap.dev/spec>, version 0; OMG's DDS-XTypes 1.3, 7.4).
+
+use std::collections::BTreeMap;
+use std::io::{BufReader, Read};
+
+use flate2::Crc;
+
+use super::opened;
+use super::table::{Shape, Table};
+use crate::{Error, MOST_COLUMNS, MOST_NUMBERS};
+
+/// First bytes of a file, and its last.
+pub const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// Longest record that is read, bytes: writers close a chunk after some MB.
+const LONGEST: u64 = 256 << 20;
+/// The six channels of a wrench in the order of the message, with their units.
+const WRENCH: [(&str, &str); 6] =
+    [("Fx", "N"), ("Fy", "N"), ("Fz", "N"), ("Tx", "N m"), ("Ty", "N m"), ("Tz", "N m")];
+
+/// What of a topic is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Wrench,
+    Joints,
+    /// Of which the accelerations alone are read.
+    Point,
+}
+
+impl Kind {
+    /// By the name of the schema.
+    fn of(schema: &str) -> Option<Self> {
+        match schema.replace("/msg/", "/").as_str() {
+            "geometry_msgs/WrenchStamped" => Some(Self::Wrench),
+            "sensor_msgs/JointState" => Some(Self::Joints),
+            "trajectory_msgs/JointTrajectoryPoint" => Some(Self::Point),
+            _ => None,
+        }
+    }
+}
+
+/// The messages of a topic, column by column.
+#[derive(Debug)]
+struct Topic {
+    name: String,
+    kind: Kind,
+    /// Times of its messages, ns: those of their heads, or those at which they were recorded where the heads have none.
+    stamped: Vec<i64>,
+    logged: Vec<i64>,
+    /// Names with units, in the order of the first message.
+    names: Vec<(String, &'static str)>,
+    columns: Vec<Vec<f64>>,
+}
+
+/// What is known of a file on the way.
+#[derive(Debug, Default)]
+struct Recording {
+    schemas: BTreeMap<u16, String>,
+    topics: BTreeMap<u16, Topic>,
+    /// Other topics, with their types.
+    others: Vec<String>,
+    numbers: usize,
+    /// Time of the run at the first wrench, s: wingbeat's own recordings say it.
+    begin_s: Option<f64>,
+}
+
+/// Reads the wrenches and joints of a recording.
+pub fn read(mut table: Table) -> Result<Table, Error> {
+    let (file, length) = opened(&table.path)?;
+    let mut file = BufReader::new(file);
+    let mut recording = Recording::default();
+    let whole = whole(&mut file, length, &mut recording).map_err(|what| table.bad(what))?;
+    if !whole {
+        return Err(table.bad("cut short: no end of the data; `mcap recover` keeps what is whole"));
+    }
+    recording.into_table(&mut table)?;
+    Ok(table)
+}
+
+/// Reads records until the end of the data; answers whether that came.
+fn whole(file: &mut impl Read, length: u64, recording: &mut Recording) -> Result<bool, String> {
+    let mut magic = [0; 8];
+    let mut left = length.saturating_sub(8);
+    if file.read_exact(&mut magic).is_err() || magic != MAGIC {
+        return Err("no MCAP file: other first bytes".into());
+    }
+    let mut head = [0; 9];
+    loop {
+        if left < 9 || file.read_exact(&mut head).is_err() {
+            return Ok(false);
+        }
+        let size = u64::from_le_bytes(std::array::from_fn(|i| head[1 + i]));
+        left -= 9;
+        if size > left {
+            return Ok(false);
+        }
+        if size > LONGEST {
+            return Err(format!("a record of {size} bytes; read are at most {LONGEST}"));
+        }
+        left -= size;
+        let mut content = vec![0; size as usize];
+        file.read_exact(&mut content).map_err(|error| error.to_string())?;
+        match head[0] {
+            DATA_END | FOOTER => return Ok(true),
+            CHUNK => recording.chunk(&content)?,
+            code => recording.record(code, &content)?,
+        }
+    }
+}
+
+const FOOTER: u8 = 2;
+const SCHEMA: u8 = 3;
+const CHANNEL: u8 = 4;
+const MESSAGE: u8 = 5;
+const CHUNK: u8 = 6;
+const METADATA: u8 = 12;
+const DATA_END: u8 = 15;
+
+/// Bytes that are taken from the front.
+struct Bytes<'a>(&'a [u8]);
+
+impl<'a> Bytes<'a> {
+    fn take(&mut self, count: usize) -> Result<&'a [u8], String> {
+        let (front, rest) = self.0.split_at_checked(count).ok_or("damaged: a record ends too soon")?;
+        self.0 = rest;
+        Ok(front)
+    }
+
+    fn number(&mut self, size: usize) -> Result<u64, String> {
+        Ok(self.take(size)?.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
+    }
+
+    fn text(&mut self) -> Result<String, String> {
+        let size = self.number(4)? as usize;
+        String::from_utf8(self.take(size)?.to_vec()).map_err(|_| "damaged: a text that is none".into())
+    }
+}
+
+impl Recording {
+    /// A chunk: what it holds are records again.
+    fn chunk(&mut self, content: &[u8]) -> Result<(), String> {
+        let mut bytes = Bytes(content);
+        bytes.take(16)?;
+        let (size, crc, compression) = (bytes.number(8)?, bytes.number(4)?, bytes.text()?);
+        if !compression.is_empty() {
+            return Err(format!(
+                "chunks compressed by {compression}: allowed are such without compression, which \
+                 `mcap decompress IN.mcap -o OUT.mcap` writes"
+            ));
+        }
+        let stored = bytes.number(8)?;
+        if stored != size || stored != bytes.0.len() as u64 {
+            return Err("damaged: a chunk of another size than it says".into());
+        }
+        let mut sum = Crc::new();
+        sum.update(bytes.0);
+        if crc != 0 && u64::from(sum.sum()) != crc {
+            return Err("damaged: the check sum of a chunk is another one".into());
+        }
+        while !bytes.0.is_empty() {
+            let (code, size) = (bytes.number(1)? as u8, bytes.number(8)?);
+            let size = usize::try_from(size).map_err(|_| "damaged: a record ends too soon")?;
+            self.record(code, bytes.take(size)?)?;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, code: u8, content: &[u8]) -> Result<(), String> {
+        let mut bytes = Bytes(content);
+        match code {
+            SCHEMA => {
+                let (id, name) = (bytes.number(2)? as u16, bytes.text()?);
+                self.schemas.insert(id, name);
+            }
+            CHANNEL => self.channel(&mut bytes)?,
+            MESSAGE => {
+                let id = bytes.number(2)? as u16;
+                bytes.take(4)?;
+                let logged = bytes.number(8)? as i64;
+                bytes.take(8)?;
+                if let Some(topic) = self.topics.get_mut(&id) {
+                    self.numbers += topic.add(logged, bytes.0)?;
+                    if self.numbers > 4 * MOST_NUMBERS {
+                        return Err(format!(
+                            "more than {} numbers, the most that are read",
+                            4 * MOST_NUMBERS
+                        ));
+                    }
+                }
+            }
+            METADATA if bytes.text()? == "wingbeat" => {
+                let mut pairs = Bytes(bytes.0);
+                let size = pairs.number(4)? as usize;
+                let mut pairs = Bytes(pairs.take(size)?);
+                while !pairs.0.is_empty() {
+                    let (key, value) = (pairs.text()?, pairs.text()?);
+                    if key == "begin_s" {
+                        self.begin_s = value.parse().ok().filter(|begin: &f64| begin.is_finite());
+                    }
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn channel(&mut self, bytes: &mut Bytes) -> Result<(), String> {
+        let (id, schema) = (bytes.number(2)? as u16, bytes.number(2)? as u16);
+        let (name, encoding) = (bytes.text()?, bytes.text()?);
+        let schema = self.schemas.get(&schema).map_or("no schema", String::as_str);
+        if self.topics.contains_key(&id) {
+            return Ok(());
+        }
+        if self.topics.len() + self.others.len() >= MOST_COLUMNS {
+            return Err(format!("more than {MOST_COLUMNS} topics, the most that are read"));
+        }
+        match Kind::of(schema) {
+            Some(_) if encoding != "cdr" => {
+                return Err(format!("topic {name}: messages in {encoding}; allowed is cdr, as ROS 2 writes"));
+            }
+            Some(kind) => {
+                let (names, columns) = match kind {
+                    Kind::Wrench => {
+                        (WRENCH.map(|(n, u)| (n.to_owned(), u)).to_vec(), vec![Vec::new(); WRENCH.len()])
+                    }
+                    Kind::Joints | Kind::Point => (Vec::new(), Vec::new()),
+                };
+                let (stamped, logged) = (Vec::new(), Vec::new());
+                self.topics.insert(id, Topic { name, kind, stamped, logged, names, columns });
+            }
+            None => {
+                let other = format!("{name} ({schema})");
+                if !self.others.contains(&other) {
+                    self.others.push(other);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The columns of all topics at the times of the wrench.
+    fn into_table(self, table: &mut Table) -> Result<(), Error> {
+        let wrenches = || self.topics.values().filter(|topic| topic.kind == Kind::Wrench);
+        let main = match wrenches().filter(|topic| !topic.logged.is_empty()).collect::<Vec<_>>()[..] {
+            [] => {
+                let found: Vec<&str> = self.topics.values().map(|topic| topic.name.as_str()).collect();
+                let found = found.into_iter().chain(self.others.iter().map(String::as_str));
+                let found = found.take(40).collect::<Vec<_>>().join(", ");
+                return Err(table.bad(format!(
+                    "no messages of the type geometry_msgs/msg/WrenchStamped; found {}",
+                    if found.is_empty() { "nothing" } else { &found }
+                )));
+            }
+            [one] => one,
+            [first, ..] => wrenches().find(|topic| topic.last() == "cell").unwrap_or(first),
+        };
+        let several = wrenches().count() > 1;
+        let times = main.times();
+        let start = times[0];
+        let begin = self.begin_s.unwrap_or(0.0);
+        let seconds = |time: &i64| begin + time.saturating_sub(start) as f64 * 1e-9;
+        let shape = Shape { rows: times.len(), columns: 1 };
+        table.add("t", "s", shape, times.iter().map(seconds))?;
+        for topic in self.topics.values().filter(|topic| !topic.logged.is_empty()) {
+            let plain = topic.kind != Kind::Wrench || !several || topic.last() == "cell";
+            let own = topic.times();
+            if own.windows(2).any(|pair| pair[0] > pair[1]) {
+                let what = "messages that are not in the order of their times; `mcap sort` orders them";
+                return Err(table.bad(format!("topic {}: {what}", topic.name)));
+            }
+            for ((name, unit), column) in topic.names.iter().zip(&topic.columns) {
+                let name = if plain { name.clone() } else { format!("{}_{name}", topic.last()) };
+                if table.names.contains(&name) {
+                    table.skipped.push(format!("{name} of {}", topic.name));
+                    continue;
+                }
+                table.add(&name, unit, shape, sampled(own, column, times))?;
+            }
+        }
+        table.skipped.extend(self.others);
+        Ok(())
+    }
+}
+
+impl Topic {
+    /// The last part of its name.
+    fn last(&self) -> &str {
+        self.name.rsplit('/').next().unwrap_or_default()
+    }
+
+    /// The times by which its messages are ordered: of the heads where they go ahead.
+    fn times(&self) -> &[i64] {
+        let ahead = self.stamped.windows(2).all(|pair| pair[0] < pair[1]);
+        let told = self.stamped.len() > 1 || self.stamped.first() != Some(&0);
+        if ahead && told { &self.stamped } else { &self.logged }
+    }
+
+    /// Adds a message; answers how many numbers it has.
+    fn add(&mut self, logged: i64, bytes: &[u8]) -> Result<usize, String> {
+        let named = |what: String| format!("topic {}: {what}", self.name);
+        let mut cdr = Cdr::new(bytes).map_err(named)?;
+        let (stamp, numbers) = match self.kind {
+            Kind::Wrench => cdr.wrench().map_err(named)?,
+            Kind::Joints | Kind::Point => {
+                let (stamp, names, numbers) =
+                    if self.kind == Kind::Joints { cdr.joints() } else { cdr.point(logged) }
+                        .map_err(named)?;
+                if self.names.is_empty() {
+                    self.columns = vec![vec![f64::NAN; self.logged.len()]; names.len()];
+                    self.names = names;
+                } else if names.len() != self.names.len()
+                    || names.iter().zip(&self.names).any(|(new, old)| new.0 != old.0)
+                {
+                    let list = |names: &[(String, &str)]| {
+                        names.iter().map(|(name, _)| name.clone()).take(12).collect::<Vec<_>>().join(", ")
+                    };
+                    return Err(named(format!(
+                        "joints {} after {}; allowed are the same in every message",
+                        list(&names),
+                        list(&self.names)
+                    )));
+                }
+                (stamp, numbers)
+            }
+        };
+        self.stamped.push(stamp);
+        self.logged.push(logged);
+        self.columns.iter_mut().zip(&numbers).for_each(|(column, number)| column.push(*number));
+        Ok(numbers.len() + 2)
+    }
+}
+
+/// A column at other times: its own numbers where the times are the same, else straight lines between them; before and behind, none.
+fn sampled<'a>(own: &'a [i64], column: &'a [f64], times: &'a [i64]) -> impl Iterator<Item = f64> + 'a {
+    times.iter().map(move |time| {
+        let next = own.partition_point(|own| own < time);
+        match (next.checked_sub(1), own.get(next)) {
+            (_, Some(own)) if own == time => column[next],
+            (Some(before), Some(_)) => {
+                let [part, whole] = [*time, own[next]].map(|time| time.saturating_sub(own[before]) as f64);
+                let share = part / whole;
+                column[before] + share * (column[next] - column[before])
+            }
+            _ => f64::NAN,
+        }
+    })
+}
+
+/// A message in CDR, whose numbers lie at multiples of their size from the end of its head.
+struct Cdr<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big: bool,
+}
+
+/// Stamp, names with units, and numbers.
+type Named = (i64, Vec<(String, &'static str)>, Vec<f64>);
+
+impl<'a> Cdr<'a> {
+    fn new(message: &'a [u8]) -> Result<Self, String> {
+        match message {
+            [0, order @ (0 | 1), _, _, bytes @ ..] => Ok(Self { bytes, at: 0, big: *order == 0 }),
+            [a, b, ..] => Err(format!("a message in the encoding {a:02x} {b:02x}; allowed is plain CDR")),
+            _ => Err("a message without its head".into()),
+        }
+    }
+
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        self.at = self.at.next_multiple_of(N);
+        let bytes = self.bytes.get(self.at..self.at + N).ok_or("a message that ends too soon")?;
+        self.at += N;
+        let mut number: [u8; N] = std::array::from_fn(|i| bytes[i]);
+        if self.big {
+            number.reverse();
+        }
+        Ok(number)
+    }
+
+    fn int(&mut self) -> Result<u32, String> {
+        self.number().map(u32::from_le_bytes)
+    }
+
+    fn double(&mut self) -> Result<f64, String> {
+        self.number().map(f64::from_le_bytes)
+    }
+
+    /// The length of a list whose members have at least `size` bytes each.
+    fn length(&mut self, size: usize) -> Result<usize, String> {
+        let length = self.int()? as usize;
+        let there = self.bytes.len().saturating_sub(self.at) / size;
+        if length <= there { Ok(length) } else { Err("a message that ends too soon".into()) }
+    }
+
+    fn text(&mut self) -> Result<String, String> {
+        let length = self.length(1)?;
+        let bytes = &self.bytes[self.at..self.at + length];
+        self.at += length;
+        let text = bytes.strip_suffix(&[0]).unwrap_or(bytes);
+        String::from_utf8(text.to_vec()).map_err(|_| "a text that is none".into())
+    }
+
+    fn doubles(&mut self) -> Result<Vec<f64>, String> {
+        let length = self.length(8)?;
+        (0..length).map(|_| self.double()).collect()
+    }
+
+    /// The time, ns, of a head.
+    fn header(&mut self) -> Result<i64, String> {
+        let (seconds, nanoseconds) = (self.int()? as i32, self.int()?);
+        self.text()?;
+        Ok(i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds))
+    }
+
+    fn wrench(&mut self) -> Result<(i64, Vec<f64>), String> {
+        let stamp = self.header()?;
+        Ok((stamp, (0..WRENCH.len()).map(|_| self.double()).collect::<Result<_, _>>()?))
+    }
+
+    /// Positions by the names of the joints, and where they are told velocities (`d` before the name) and efforts (`torque_`).
+    fn joints(&mut self) -> Result<Named, String> {
+        let stamp = self.header()?;
+        let count = self.length(5)?;
+        let joints = (0..count).map(|_| self.text()).collect::<Result<Vec<_>, _>>()?;
+        let lists = [self.doubles()?, self.doubles()?, self.doubles()?];
+        let (mut names, mut numbers) = (Vec::new(), Vec::new());
+        for ((prefix, unit), list) in [("", "rad"), ("d", "rad/s"), ("torque_", "")].iter().zip(lists) {
+            if list.is_empty() {
+                continue;
+            }
+            if list.len() != joints.len() {
+                return Err(format!("{} names of joints for {} numbers", joints.len(), list.len()));
+            }
+            names.extend(joints.iter().map(|joint| (format!("{prefix}{joint}"), *unit)));
+            numbers.extend(list);
+        }
+        Ok((stamp, names, numbers))
+    }
+
+    /// The accelerations of a point of a trajectory, in the order of the arm's joints.
+    fn point(&mut self, logged: i64) -> Result<Named, String> {
+        self.doubles()?;
+        self.doubles()?;
+        let list = self.doubles()?;
+        let names = (1..=list.len()).map(|joint| (format!("ddq{joint}"), "rad/s^2"));
+        Ok((logged, names.collect(), list))
+    }
+}

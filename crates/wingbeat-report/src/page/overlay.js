@@ -1,0 +1,38 @@
+// Words and boxes over the picture, drawn again where one has moved.
+class Overlay {
+  constructor(canvas) { this.context = canvas.getContext('2d', { willReadFrequently: true }); this.said = []; this.before = ''; }
+  relook(style) { this.colours = Object.fromEntries(['sky', 'ink', 'quiet'].map(name => [name, style.getPropertyValue('--' + name)])); }
+  begin(w, h) {
+    const { canvas } = this.context, dense = Math.min(2, devicePixelRatio || 1), W = Math.round(w * dense), H = Math.round(h * dense);
+    if (canvas.width !== W) canvas.width = W;
+    if (canvas.height !== H) canvas.height = H;
+    this.context.setTransform(dense, 0, 0, dense, 0, 0); this.said = [];
+  }
+  write(text, x, y, align = 'left') { this.said.push([text, Math.round(x), Math.round(y), align]); }
+  patch(fill, x, y, w, h) { this.said.push([fill, x, y, w, h, 0]); }
+  put(w, h) {
+    const key = JSON.stringify(this.said) + w + h + this.colours.sky + this.context.canvas.width;
+    if (key === this.before) return;
+    this.before = key; this.context.clearRect(0, 0, w, h);
+    for (const one of this.said) one.length === 6 ? this.area(...one) : this.word(...one);
+  }
+  area(fill, x, y, w, h) {
+    const c = this.context;
+    if (fill) { c.fillStyle = fill; c.fillRect(x, y, w, h); } else { c.lineWidth = 1.5; c.strokeStyle = this.colours.quiet; c.strokeRect(x, y, w, h); }
+  }
+  word(text, x, y, align) {
+    const c = this.context;
+    c.font = '12px system-ui, "DejaVu Sans", sans-serif'; c.textAlign = align; c.lineWidth = 3; c.strokeStyle = this.colours.sky;
+    c.strokeText(text, x, y); c.fillStyle = this.colours.ink; c.fillText(text, x, y);
+  }
+  legend(w, h, motions) {
+    const m = motions[0];
+    this.write('left wing', w - 88, 18); this.write('right wing', w - 88, 34);
+    this.patch('#0072b2', w - 104, 9, 11, 10); this.patch('#d55e00', w - 104, 25, 11, 10);
+    if (!(shown.wake && m.circulation)) return;
+    const x = w - 226, y = h - 18, most = 0.7 * m.mostCirculation;
+    for (let i = 0; i < 160; i += 4) { const c = circulationColour((i - 78) / 60); this.patch(`rgba(${c.slice(0, 3).map(v => Math.round(255 * v))},${Math.max(0.1, c[3])})`, x + i, y, 4, 8); }
+    this.write(m.circulation === 'circulation' ? 'circulation shed, m²/s' : w > 560 ? m.circulation + ', m²/s' : 'lag sum shed, m²/s', x + 210, y - 8, 'right');
+    this.write(digits(+(-most).toPrecision(2)), x - 4, y + 8, 'right'); this.write(digits(+most.toPrecision(2)), x + 164, y + 8);
+  }
+}

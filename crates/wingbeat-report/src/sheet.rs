@@ -1,0 +1,63 @@
+//! The plots of several runs as one figure.
+
+use wingbeat_figures::{Figure, MOST_PANELS, Quantity, overlaid};
+
+use crate::panels::{Curve, Panel, Role};
+use crate::run::Run;
+
+/// Most curves of a run in a plot.
+const MOST_CURVES: usize = 4;
+
+/// The plots that the runs have in common, over one another; of one run all its plots. At most as many as a sheet holds, and in each at
+/// most four curves of a run: the sum of the others first, then the largest of the first run.
+///
+/// # Errors
+/// Nothing to draw.
+pub fn sheet(runs: &[Run]) -> Result<Figure, String> {
+    let first = runs.first().ok_or("no runs: there is nothing to draw")?;
+    let quantity = |panel: &Panel| {
+        let labels = labels(panel);
+        let mut curves = Vec::new();
+        for (number, run) in runs.iter().enumerate() {
+            let own = run.panels.iter().find(|own| own.title == panel.title && own.unit == panel.unit)?;
+            for (which, label) in labels.iter().enumerate() {
+                // A reference is that of the task, and the same for all.
+                let shown =
+                    |curve: &&Curve| curve.label == *label && (number == 0 || curve.role != Role::Reference);
+                if let Some(curve) = own.curves.iter().find(shown) {
+                    let name = [run.name.as_str(), label].into_iter().filter(|part| !part.is_empty());
+                    let name = name.collect::<Vec<_>>().join(": ");
+                    curves.push((number, which, name, curve.values.clone()));
+                }
+            }
+        }
+        let drawn = curves.iter().any(|(.., values)| values.iter().any(|value| value.is_finite()));
+        let title = format!("{} [{}]", panel.title, told(panel.unit));
+        drawn.then_some(Quantity { title, curves, limits: panel.limits })
+    };
+    let quantities: Vec<Quantity> = first.panels.iter().filter_map(quantity).take(MOST_PANELS).collect();
+    if quantities.is_empty() {
+        return Err("these runs have no plot in common: there is nothing to draw on one sheet".into());
+    }
+    let x: Vec<&[f64]> = runs.iter().map(|run| run.axis.values.as_slice()).collect();
+    Ok(overlaid(quantities, &x, &format!("{} [{}]", first.axis.label, told(first.axis.unit))))
+}
+
+/// A unit in words.
+fn told(unit: &str) -> &str {
+    if unit.is_empty() { "-" } else { unit }
+}
+
+/// The names of the curves that are drawn of a panel.
+fn labels(panel: &Panel) -> Vec<&str> {
+    let size =
+        |curve: &Curve| curve.values.iter().filter(|value| value.is_finite()).map(|v| v.abs()).sum::<f64>();
+    let mut curves: Vec<&Curve> = panel.curves.iter().collect();
+    if curves.len() > MOST_CURVES {
+        curves.sort_by(|a, b| {
+            let total = |curve: &Curve| curve.role == Role::Total;
+            total(b).cmp(&total(a)).then(size(b).total_cmp(&size(a)))
+        });
+    }
+    curves.into_iter().take(MOST_CURVES).map(|curve| curve.label.as_str()).collect()
+}

@@ -1,0 +1,221 @@
+//! Measured plates past their stall: a rigid one at rest in the wind, and one pitched fast.
+
+use super::flapping::last_cycle;
+use super::wings::rectangle;
+use super::{Preset, STRIPS, Section};
+use crate::{Error, Row, reference_table};
+use std::f64::consts::FRAC_PI_4;
+use wingbeat::aero::Loads;
+use wingbeat::math::{CubicSpline, Vec3};
+use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
+
+/// Airspeed and chord of the rigid plate, m/s and m.
+const SPEED: f64 = 5.0;
+const CHORD: f64 = 0.0688;
+const DENSITY: f64 = 1.208;
+
+/// Force coefficients [forward, up] of a flat rectangle of that aspect ratio in unsteady or steady motion.
+fn coefficients(loads: &Loads<f64>, reference: Reference) -> [f64; 2] {
+    let Reference { density_kg_m3, speed_m_s, area_m2, .. } = reference;
+    let scale = 0.5 * density_kg_m3 * speed_m_s * speed_m_s * area_m2;
+    [loads.wrench.force[0] / scale, loads.wrench.force[2] / scale]
+}
+
+/// A flat rectangular plate that pitches nose up about its leading edge, or stands at an incidence.
+fn pitching(
+    section: Section,
+    [aspect, chord, speed, density]: [f64; 4],
+    nose_up: Coordinate,
+    clock: Clock,
+) -> Result<Tether, Error> {
+    let planform = rectangle(aspect * chord, chord)?;
+    let aero = Preset::Full.model_with(section, STRIPS, &planform, &[], density, 0.004 * speed)?;
+    Ok(Tether {
+        aero,
+        motion: Motion { nose_up, ..Motion::at_rest() },
+        wind: Vec3::new(-speed, 0.0, 0.0),
+        side: Side::Both,
+        reference: Reference {
+            density_kg_m3: density,
+            speed_m_s: speed,
+            area_m2: planform.area(),
+            chord_m: chord,
+        },
+        clock,
+        wing: Wing::new(planform, Vec::new())?,
+    })
+}
+
+/// Chords of travel over which the force of a plate set into the wind at once is averaged, after three times as many.
+const AVERAGED: f64 = 20.0;
+
+/// Normal force coefficient of a plate at rest at the incidence `alpha_deg`.
+///
+/// # Errors
+/// [`Error`] when the model cannot be built.
+pub fn steady_normal_force(section: Section, aspect: f64, alpha_deg: f64) -> Result<f64, Error> {
+    let alpha = alpha_deg.to_radians();
+    let clock = Clock { frequency_hz: SPEED / CHORD / AVERAGED, cycles: 4, steps_per_cycle: 100 };
+    let tether = pitching(section, [aspect, CHORD, SPEED, DENSITY], Coordinate::Constant(alpha), clock)?;
+    let cycle = last_cycle(&tether)?;
+    let normal = |loads: &Loads<f64>| {
+        let [forward, up] = coefficients(loads, tether.reference);
+        up * alpha.cos() - forward * alpha.sin()
+    };
+    Ok(cycle.iter().map(normal).sum::<f64>() / cycle.len() as f64)
+}
+
+/// Lift and drag coefficients over the chords of travel of a plate of AR 4 that pitches by 45 degrees.
+pub struct Ramp {
+    /// Chords of travel from the start of the motion.
+    pub travel: Vec<f64>,
+    /// Lift coefficients.
+    pub lift: Vec<f64>,
+    /// Drag coefficients.
+    pub drag: Vec<f64>,
+}
+
+/// Smoothness a of Eldredge's ramp.
+const SMOOTHNESS: f64 = 15.0;
+/// Chords of travel from the start of the motion to the corner of the ramp: there its acceleration is 1 % of its largest,
+/// sech^2(a 0.2) = 0.01.
+const START: f64 = 0.2;
+/// Where the measured lift has the peaks of the acceleration (0.24) and its dip that of the deceleration (1.25).
+const LATER: f64 = 0.24;
+/// Chords of travel over which lift is averaged: a point, and the width of the measured peaks.
+const POINT: f64 = 1e-3;
+const QUARTER: f64 = 0.25;
+/// Chords of travel that are computed, and steps in each.
+const TRAVEL: f64 = 3.0;
+const STEPS: usize = 200;
+
+/// The plate pitched to 45 degrees within one chord of travel, its corner `start` chords after the beginning:
+/// alpha = (45 deg / 2) [1 + (log cosh a(s - s_1) - log cosh a(s - s_1 - 1))/a], s in chords (Eldredge, Wang & Ol 2009).
+///
+/// # Errors
+/// [`Error`] when the model cannot be built.
+pub fn fast_pitch(section: Section, start: f64) -> Result<Ramp, Error> {
+    let (chord, speed) = (0.0762, 0.26);
+    let log_cosh = |x: f64| x.abs() + (-2.0 * x.abs()).exp().ln_1p();
+    let corner = |s: f64| log_cosh(SMOOTHNESS * s) / SMOOTHNESS;
+    let angle = |s: f64| 0.5 * FRAC_PI_4 * (1.0 + corner(s - start) - corner(s - start - 1.0));
+    // A chord of travel before the motion, in which nothing happens.
+    let knots: Vec<f64> = (0..=(TRAVEL * STEPS as f64) as usize).map(|k| k as f64 / STEPS as f64).collect();
+    let (times, angles): (Vec<f64>, Vec<f64>) =
+        knots.iter().map(|s| (s * chord / speed, angle(s - 0.5))).unzip();
+    let nose_up = Coordinate::Table(CubicSpline::natural(&times, &angles)?);
+    let clock = Clock {
+        frequency_hz: speed / chord / TRAVEL,
+        cycles: 1,
+        steps_per_cycle: (TRAVEL * STEPS as f64) as usize,
+    };
+    let tether = pitching(section, [4.0, chord, speed, 1000.0], nose_up, clock)?;
+    let loads = last_cycle(&tether)?;
+    let travel = (0..loads.len()).map(|k| k as f64 / STEPS as f64 - 0.5).collect();
+    let (forward, lift): (Vec<f64>, Vec<f64>) =
+        loads.iter().map(|l| coefficients(l, tether.reference).into()).unzip();
+    Ok(Ramp { travel, lift, drag: forward.iter().map(|x| -x).collect() })
+}
+
+/// A curve over the chords of travel, straight between its points.
+struct Curve<'a> {
+    travel: &'a [f64],
+    value: &'a [f64],
+}
+
+impl Curve<'_> {
+    /// Mean from `low` to `high`, of the part that the curve has.
+    fn mean(&self, low: f64, high: f64) -> f64 {
+        let (mut area, mut width) = (0.0, 0.0);
+        for (s, y) in self.travel.windows(2).zip(self.value.windows(2)) {
+            let (from, to) = (low.max(s[0]), high.min(s[1]));
+            if to > from {
+                let at = |x: f64| y[0] + (y[1] - y[0]) * (x - s[0]) / (s[1] - s[0]);
+                area += 0.5 * (at(from) + at(to)) * (to - from);
+                width += to - from;
+            }
+        }
+        area / width
+    }
+}
+
+/// Root mean square of the difference of the lifts over that of the measured one, at the measured points; both are means over
+/// `window` chords of travel.
+fn ramp_error(ramp: &Ramp, travel: &[f64], measured: &[f64], window: f64) -> f64 {
+    let (first, last) = (travel[0], travel[travel.len() - 1]);
+    let range = |s: f64| ((s - 0.5 * window).max(first), (s + 0.5 * window).min(last));
+    let (model, measured) =
+        (Curve { travel: &ramp.travel, value: &ramp.lift }, Curve { travel, value: measured });
+    let (mut error, mut scale) = (0.0, 0.0);
+    for (low, high) in travel.iter().map(|s| range(*s)) {
+        let truth = measured.mean(low, high);
+        error += (model.mean(low, high) - truth).powi(2);
+        scale += truth * truth;
+    }
+    (error / scale).sqrt()
+}
+
+const PLATE_SOURCE: &str = "Rojratsirikul et al. 2011, measured";
+const RAMP_SOURCE: &str = "Mancini et al. 2017, measured";
+
+/// Least incidence that counts, degrees: below it the reading is uncertain by more than a tenth.
+const LEAST: f64 = 4.0;
+
+/// Mean |error| of the normal force over the measured one at both speeds, of the incidences that `counts`.
+fn plate_error(section: Section, counts: impl Fn(f64) -> bool) -> Result<f64, Error> {
+    let table = reference_table!("plates/normal_force_ar2.csv")?;
+    let (alpha, slow, fast) =
+        (table.column("alpha_deg")?, table.column("cn_5_m_s")?, table.column("cn_10_m_s")?);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for i in (0..alpha.len()).filter(|&i| alpha[i] >= LEAST && counts(alpha[i])) {
+        let model = steady_normal_force(section, 2.0, alpha[i])?;
+        for measured in [slow[i], fast[i]] {
+            sum += (model / measured - 1.0).abs();
+            count += 1.0;
+        }
+    }
+    Ok(sum / count)
+}
+
+/// Normal force of the rigid plate of AR 2.
+pub fn plates() -> Result<Vec<Row>, Error> {
+    let shown = |name: &str, metric: &str, value: f64| {
+        Row::shown(&format!("aero.plates{name}"), PLATE_SOURCE, metric, value, "")
+    };
+    let plate = Section::PLATE;
+    Ok(vec![
+        shown(
+            ".normal_force",
+            "AR 2, 4 to 29 deg: mean |error| of the normal force over it",
+            plate_error(plate, |_| true)?,
+        ),
+        shown(".rising", "the same up to 16 deg", plate_error(plate, |a| a <= 16.0)?),
+        shown(".stalled", "the same from 22 deg on", plate_error(plate, |a| a >= 22.0)?),
+        shown(
+            ".law_linear",
+            "the same as the first under law linear",
+            plate_error(plate.linear(), |_| true)?,
+        ),
+        shown(".law_stall", "the same under law stall", plate_error(plate.stall(), |_| true)?),
+    ])
+}
+
+/// Lift of the plate of AR 4 that is pitched fast.
+pub fn mancini() -> Result<Vec<Row>, Error> {
+    let table = reference_table!("plates/fast_pitch_ar4.csv")?;
+    let (travel, measured) = (table.column("t_star")?, table.column("cl")?);
+    let row = |name: &str, metric: &str, section: Section, start: f64, window: f64| {
+        let value = ramp_error(&fast_pitch(section, start)?, &travel, &measured, window);
+        Ok::<_, Error>(Row::shown(&format!("aero.mancini{name}"), RAMP_SOURCE, metric, value, ""))
+    };
+    let plate = Section::PLATE;
+    let point = "AR 4 pitched to 45 deg in a chord: rms error of lift to t* 2.2 over its rms";
+    let mean = "the same of means over a quarter chord of travel";
+    Ok(vec![
+        row(".lift", point, plate, START, POINT)?,
+        row(".mean_lift", mean, plate, START, QUARTER)?,
+        row(".mean_lift.later", "the same with the ramp 0.04 chords later", plate, LATER, QUARTER)?,
+        row(".mean_lift.law_linear", "the same under law linear", plate.linear(), START, QUARTER)?,
+        row(".mean_lift.law_stall", "the same under law stall", plate.stall(), START, QUARTER)?,
+    ])
+}
