@@ -1,6 +1,7 @@
 //! Aerodynamics of a flapping, folding wing: planform, station, section laws,
 //! Wagner lags, lifting line, added mass. Knows no body: stations come in, loads go out.
 
+mod camber;
 mod compiled;
 mod law;
 mod lifting_line;
@@ -13,6 +14,7 @@ mod station;
 mod strip;
 mod surfaces;
 
+pub use camber::ThinSection;
 pub use law::{
     Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
     SectionSpec, StripState, ZERO_LIFT_ANGLE,

@@ -1,6 +1,6 @@
 //! `wingbeat animate`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use wingbeat_figures::animation::Animation;
 use wingbeat_report::animate::{Asked, Film, Seen};
@@ -20,11 +20,18 @@ const FRAMES: Numbered = Numbered { prefix: "frame_", suffix: ".png", list: "" }
 pub fn animate(arguments: &Animate) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let asked = asked(arguments)?;
-    let animated = is_file(&arguments.out)?;
-    if animated {
-        free(&arguments.out, arguments.force)?;
+    let asked_out = arguments.out.as_deref();
+    if let Some(out) = asked_out.filter(|_| !arguments.force) {
+        // Before the run is read: refused at once.
+        is_file(out)?.then(|| free(out, false)).transpose()?;
     }
     let run = only(read(&arguments.run).map_err(refused)?)?;
+    let out =
+        &asked_out.map_or_else(|| PathBuf::from(run.name.replace('/', "_") + ".png"), Path::to_path_buf);
+    let animated = is_file(out)?;
+    if animated {
+        free(out, arguments.force)?;
+    }
     let film = Film::new(&run, asked).map_err(Error::Input)?;
     let template = "drawing {bar:30} {percent:>3} %  ({eta} left)";
     let bar = progress::bar(Some(film.frames() as u64), template, arguments.quiet);
@@ -40,10 +47,10 @@ pub fn animate(arguments: &Animate) -> Result<(), Error> {
         written.map_err(failed)
     };
     match animated {
-        true => replace_by(&arguments.out, draw)?,
-        false => replace_folder(&arguments.out, FRAMES, arguments.force, &mut draw)?,
+        true => replace_by(out, draw)?,
+        false => replace_folder(out, FRAMES, arguments.force, &mut draw)?,
     }
-    say::unless(arguments.quiet, || format!("{} frames: {}\n", film.frames(), arguments.out.display()))
+    say::unless(arguments.quiet, || format!("{} frames: {}\n", film.frames(), out.display()))
 }
 
 /// The run of a folder that holds one; of the rig the first that moves.

@@ -301,7 +301,7 @@ pub struct Report {
     /// Run folders
     #[arg(value_name = "RUN", required = true)]
     pub runs: Vec<PathBuf>,
-    /// The page
+    /// The page; without it report.html in the folder of the run, or of several runs in the present folder
     #[arg(long, value_name = "PAGE.html")]
     pub out: Option<PathBuf>,
     /// Replace the file that --out or --sheet names
@@ -324,15 +324,15 @@ pub struct Report {
 /// Write a run that moves in space as an animated PNG, or as a sequence of PNG files
 ///
 /// Browsers and GitHub show an animated PNG as a picture that moves. It shows the whole path with the robot enlarged, and the robot near
-/// by in a corner. More in docs/report.md.
+/// by in a corner. Without --out the file is NAME.png in the present folder. More in docs/report.md.
 #[derive(Debug, Args)]
 pub struct Animate {
     /// The run folder
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
-    /// FILE.png for an animated PNG, else the folder of frame_0000.png and so on
+    /// FILE.png for an animated PNG, else the folder of frame_0000.png and so on; without it NAME.png in the present folder
     #[arg(long, value_name = "FILE.png|DIR")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// From where the run is seen
     #[arg(long, value_enum, default_value = "whole")]
     pub view: AnimatedView,
@@ -371,7 +371,8 @@ pub enum AnimatedView {
 
 /// Write a run in the files of another program
 ///
-/// More in docs/report.md.
+/// Without --out the file is NAME.csv, NAME.npz, NAME.mat, NAME.glb or NAME.mcap, or the folder NAME-vtk, in the present folder; the
+/// program prints which. More in docs/report.md.
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("format").required(true))]
 pub struct Export {
@@ -725,12 +726,17 @@ pub enum NewKind {
     Document(DocumentKind),
     /// A scenario with `[trim]`.
     Trim,
+    /// A sweep with `[search]`.
+    Search,
 }
 
 fn new_kind() -> impl TypedValueParser<Value = NewKind> {
-    let names = DocumentKind::ALL.map(DocumentKind::name).into_iter().chain(["trim"]);
-    PossibleValuesParser::new(names)
-        .map(|name| DocumentKind::named(&name).map_or(NewKind::Trim, NewKind::Document))
+    let names = DocumentKind::ALL.map(DocumentKind::name).into_iter().chain(["trim", "search"]);
+    PossibleValuesParser::new(names).map(|name| match (DocumentKind::named(&name), name.as_str()) {
+        (Some(kind), _) => NewKind::Document(kind),
+        (None, "search") => NewKind::Search,
+        _ => NewKind::Trim,
+    })
 }
 
 /// Kinds of documents by name.

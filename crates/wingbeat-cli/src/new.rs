@@ -35,13 +35,19 @@ pub fn new(arguments: &New) -> Result<(), Error> {
         }
         (_, Some(_), _) => refuse("--robot", "`new scenario` and `new trim`"),
         (_, _, Some(_)) => refuse("--case", "`new calibration`"),
-        (NewKind::Document(kind), None, None) => shipped_document(arguments, kind),
+        (NewKind::Document(kind), None, None) => {
+            shipped_document(arguments, kind, beside(kind), shipped(kind, kind))
+        }
+        (NewKind::Search, None, None) => {
+            let text = include_str!("../documents/search.toml");
+            shipped_document(arguments, DocumentKind::Sweep, "search.toml".into(), text)
+        }
     }
 }
 
-/// Writes a document that ships and, where they are not there yet, those that it names.
-fn shipped_document(arguments: &New, kind: DocumentKind) -> Result<(), Error> {
-    let path = arguments.path.clone().unwrap_or_else(|| PathBuf::from(beside(kind)));
+/// Writes the document `text`, in a file called `usual` where no other is asked, and, where they are not there yet, those that it names.
+fn shipped_document(arguments: &New, kind: DocumentKind, usual: String, text: &str) -> Result<(), Error> {
+    let path = arguments.path.clone().unwrap_or_else(|| PathBuf::from(usual));
     let file = name_of(&path)?;
     let mut told = String::new();
     let taken = is_taken(&path, arguments.force)?;
@@ -54,7 +60,7 @@ fn shipped_document(arguments: &New, kind: DocumentKind) -> Result<(), Error> {
     }
     for &other in named(kind) {
         let companion = path.with_file_name(beside(other));
-        match create(&companion, &document(other, kind, file)) {
+        match create(&companion, &document(other, shipped(other, kind), kind, file)) {
             Ok(()) => told += &format!("{}: written\n", companion.display()),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                 told += &format!("{}: was there already, kept\n", companion.display());
@@ -62,7 +68,7 @@ fn shipped_document(arguments: &New, kind: DocumentKind) -> Result<(), Error> {
             Err(source) => return Err(Error::file(&companion, source)),
         }
     }
-    put(&path, &document(kind, kind, file), taken)?;
+    put(&path, &document(kind, text, kind, file), taken)?;
     told += &format!("{}: written\n{}\n", path.display(), next(kind, &path));
     say::say(&told)
 }
@@ -161,11 +167,11 @@ fn head(kind: DocumentKind) -> String {
     )
 }
 
-/// The text of a document among those of `wingbeat new`, of which `main` is in the file `file` and called after it.
-fn document(kind: DocumentKind, main: DocumentKind, file: &str) -> String {
+/// The `given` text of a document among those of `wingbeat new`, of which `main` is in the file `file` and called after it.
+fn document(kind: DocumentKind, given: &str, main: DocumentKind, file: &str) -> String {
     let stem = file.trim_end_matches(".toml");
     let mut text = head(kind);
-    for line in shipped(kind, main).lines().filter(|line| !line.starts_with("#:schema")) {
+    for line in given.lines().filter(|line| !line.starts_with("#:schema")) {
         // A cell's `calibration` is no document.
         let named = |key| DocumentKind::named(key).filter(|named| *named != DocumentKind::Calibration);
         text += &match line.split_once(" = \"").map(|(key, _)| (key, named(key))) {

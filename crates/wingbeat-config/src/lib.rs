@@ -77,7 +77,7 @@ pub use rig_spec::{EnvelopeSpec, HoldSpec, MountSpec, ProcessSpec, RigRunSpec, R
 pub use rig_together::{Evaluated, ProcessedRun, Together, Windowed, subtract_still_air, together};
 pub use rig_truth::RigTruthSpec;
 pub use schema::DocumentKind;
-pub use search::{Search, SearchFound};
+pub use search::{Search, SearchFound, SweepFound};
 pub use search_spec::{SearchGoal, SweepSearch};
 pub use shared::what_a_controller_knows;
 pub use spec::{

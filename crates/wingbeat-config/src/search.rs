@@ -5,8 +5,8 @@ use super::{ConfigError, Scenario, SearchGoal, Summary, Sweep, SweepSearch};
 use serde::Serialize;
 use std::ops::ControlFlow;
 use wingbeat_flight::simulate::{Column, Record};
-use wingbeat_judge::{Judge, Status, Warning, limits};
-use wingbeat_math::Evolution;
+use wingbeat_judge::{Judge, Status, Verdict, Warning, limits};
+use wingbeat_math::{Error, Evolution};
 
 /// What a flight costs that was not flown whole, times 2 less the share that was: more than any miss that is worth a look.
 /// *Choice.*
@@ -49,7 +49,51 @@ pub struct SearchFlight {
     pub goals: Vec<(String, Option<f64>, String, bool)>,
 }
 
+/// `summary.json` of a search.
+#[derive(Serialize)]
+pub struct SweepFound {
+    /// What became of it.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+    /// The best candidate.
+    #[serde(flatten)]
+    pub found: SearchFound,
+}
+
+impl SweepFound {
+    /// As JSON.
+    pub fn json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+}
+
 impl Sweep {
+    /// What a search came to by the rows of all its candidates; none without a row, or where the sweep draws.
+    pub fn searched(&self, record: &Record) -> Option<SweepFound> {
+        let found = SearchFound::new(self, self.spec.search.as_ref()?, record)?;
+        Some(SweepFound { verdict: self.verdict(record), found })
+    }
+
+    /// The search after the candidates of whole generations among `rows`, in any order.
+    ///
+    /// # Errors
+    /// A row that is not of this search.
+    pub fn search_after(&self, rows: &[Vec<f64>]) -> Option<Result<Search<'_>, Error>> {
+        let mut search = self.search()?;
+        let mut sorted: Vec<&Vec<f64>> = rows.iter().collect();
+        sorted.sort_by(|a, b| a.first().unwrap_or(&0.0).total_cmp(b.first().unwrap_or(&0.0)));
+        while !search.generation().is_empty() && sorted.len() >= search.generation().end {
+            let own = &sorted[search.generation()];
+            let strange =
+                search.generation().zip(own).find(|(run, row)| row[0] != *run as f64 || !search.has_row(row));
+            if let Some((run, _)) = strange {
+                return Some(Err(Error::invalid("rows", run, "candidates of this search")));
+            }
+            search.tell(own.iter().map(|row| row.as_slice()));
+        }
+        Some(Ok(search))
+    }
+
     /// The search that the sweep asks for; none where it draws.
     pub fn search(&self) -> Option<Search<'_>> {
         let spec = self.spec.search.as_ref()?;
@@ -186,11 +230,6 @@ impl<'a> Search<'a> {
     fn document(&self, values: &[f64], flight: usize) -> super::Document {
         let overrides = self.spec.flights.get(flight).map_or(&[][..], |flight| flight);
         with_all(self.sweep.with(values), overrides)
-    }
-
-    /// What the rows so far came to.
-    pub fn found(&self, record: &Record) -> Option<SearchFound> {
-        SearchFound::new(self.sweep, self.spec, record)
     }
 
     /// The scenario of the best candidate's first flight as TOML.

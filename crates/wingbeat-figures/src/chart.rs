@@ -12,6 +12,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
+use crate::panel::MOST_NAMED;
 use crate::scale::Scale;
 use crate::style;
 use crate::write::Figure;
@@ -280,6 +281,8 @@ fn legend(scene: &mut Scene, charts: &[Chart]) {
             kinds.push(series);
         }
     }
+    let more = if kinds.len() > MOST_NAMED { kinds.len() - (MOST_NAMED - 1) } else { 0 };
+    kinds.truncate(kinds.len() - more);
     let room = |series: &Series| SAMPLE + 8.0 + 6.9 * series.name.chars().count() as f64 + APART;
     let mut lines: Vec<(f64, Vec<&Series>)> = Vec::new();
     for series in kinds {
@@ -300,6 +303,11 @@ fn legend(scene: &mut Scene, charts: &[Chart]) {
             scene.elements.push(style::words(at, scene.height + 12.0, name, TextAnchor::Start, false));
             x += room(series);
         }
+        scene.height += LEGEND;
+    }
+    if more > 0 {
+        let (x, y) = (0.5 * style::WIDTH, scene.height + 12.0);
+        scene.elements.push(style::words(x, y, format!("and {more} more"), TextAnchor::Middle, false));
         scene.height += LEGEND;
     }
 }

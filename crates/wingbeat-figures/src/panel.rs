@@ -34,8 +34,8 @@ const LINE: f64 = 17.0;
 /// Room around the figure, px.
 const PADDING: f64 = 6.0;
 
-/// Most names in the legend of a panel.
-const MOST_NAMED: usize = 8;
+/// Most names in the legend of a panel, or of a grid of panels.
+pub const MOST_NAMED: usize = 8;
 /// Share of the largest value of its unit in a figure below which a curve is rounding, drawn as zero.
 const ROUNDING: f64 = 1e-9;
 

@@ -6,6 +6,7 @@ use crate::tether::read;
 use crate::{refused, wait};
 use pyo3::prelude::*;
 use std::sync::Arc;
+use wingbeat::scenario::Search;
 use wingbeat::simulate::Record;
 
 /// A checked sweep.
@@ -20,9 +21,6 @@ impl Sweep {
     #[new]
     fn new(document: &Document) -> PyResult<Self> {
         let sweep = wingbeat::scenario::Sweep::new(document.0.clone(), &read).map_err(refused)?;
-        if sweep.spec.search.is_some() {
-            return Err(pyo3::exceptions::PyValueError::new_err("search: allowed is `wingbeat sweep` alone"));
-        }
         Ok(Self { sweep: Arc::new(sweep), stop: wait::Stop::default() })
     }
 
@@ -70,6 +68,48 @@ impl Sweep {
         made.map(|made| made.rows).map_err(refused)
     }
 
+    /// Whether it searches.
+    #[getter]
+    fn searches(&self) -> bool {
+        self.sweep.spec.search.is_some()
+    }
+
+    /// The candidates of a search that follow on those of `rows`: a generation, of which those in `rows` are left out; none at
+    /// its end.
+    fn candidates(&self, rows: Vec<Vec<f64>>) -> PyResult<Vec<usize>> {
+        let generation = self.after(&rows)?.generation();
+        let done: Vec<f64> = rows.iter().filter_map(|row| row.first().copied()).collect();
+        Ok(generation.filter(|run| !done.contains(&(*run as f64))).collect())
+    }
+
+    /// Flies a candidate of the generation that follows on `rows`: its row; none where `stop` was called.
+    fn candidate(&self, py: Python, rows: Vec<Vec<f64>>, run: usize) -> PyResult<Option<Vec<f64>>> {
+        if !self.after(&rows)?.generation().contains(&run) {
+            return Err(refused(wingbeat::Error::invalid(
+                "run",
+                run,
+                "a candidate of the generation that follows",
+            )));
+        }
+        let (sweep, asked) = (self.sweep.clone(), self.stop.clone());
+        let made = wait::work(py, move |stop| {
+            let watch = || {
+                asked.flow()?;
+                stop.flow()
+            };
+            let search = sweep.search_after(&rows).and_then(Result::ok);
+            search.map_or(Ok(None), |search| search.row(run, watch))
+        })?;
+        made.map_err(refused)
+    }
+
+    /// What a search came to: its summary as JSON and the scenario of the best candidate as TOML.
+    fn found(&self, rows: Vec<Vec<f64>>) -> PyResult<(String, String)> {
+        let summary = self.sweep.searched(&self.record(&rows)?);
+        let summary = summary.ok_or_else(|| refused("rows: allowed are those of a search"))?;
+        Ok((summary.json(), self.after(&[])?.scenario(&summary.found).map_err(refused)?))
+    }
+
     /// Ends the runs that are under way.
     fn stop(&self) {
         self.stop.set();
@@ -77,23 +117,40 @@ impl Sweep {
 
     /// Whether a row is one of this sweep.
     fn has_row(&self, row: Vec<f64>) -> bool {
-        self.sweep.has_row(&row)
+        self.has(&row)
     }
 
     /// Rows as columns.
     fn table<'py>(&self, py: Python<'py>, rows: Vec<Vec<f64>>) -> PyResult<Vec<Named<'py>>> {
-        let mut record = Record::new(self.sweep.columns(), rows.len()).map_err(refused)?;
-        for row in &rows {
-            if !self.sweep.has_row(row) {
-                return Err(refused(format!("{row:?}: allowed is a row of this sweep")));
-            }
-            record.append(row);
-        }
-        Ok(columns(py, record))
+        Ok(columns(py, self.record(&rows)?))
     }
 }
 
 impl Sweep {
+    /// Whether a row is one of this sweep.
+    fn has(&self, row: &[f64]) -> bool {
+        self.sweep.search().map_or_else(|| self.sweep.has_row(row), |search| search.has_row(row))
+    }
+
+    /// Rows as a record.
+    fn record(&self, rows: &[Vec<f64>]) -> PyResult<Record> {
+        let of = self.sweep.search().map_or_else(|| self.sweep.columns(), |search| search.columns());
+        let mut record = Record::new(of, rows.len()).map_err(refused)?;
+        for row in rows {
+            if !self.has(row) {
+                return Err(refused(format!("{row:?}: allowed is a row of this sweep")));
+            }
+            record.append(row);
+        }
+        Ok(record)
+    }
+
+    /// The search that follows on `rows`.
+    fn after(&self, rows: &[Vec<f64>]) -> PyResult<Search<'_>> {
+        let search = self.sweep.search_after(rows);
+        search.ok_or_else(|| refused("search: none is asked"))?.map_err(refused)
+    }
+
     fn check(&self, run: usize) -> PyResult<()> {
         let runs = self.sweep.runs();
         let refuse = || refused(wingbeat::Error::invalid("run", run, format!("below {runs}")));

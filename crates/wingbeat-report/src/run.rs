@@ -178,6 +178,7 @@ pub fn of(files: Files, name: &str, flown: Option<Flown>) -> Result<Vec<Run>, Er
             });
             several.collect()
         }
+        ([one], false) if has("envelope.parquet") => Ok(vec![table(files, Some(one), &blank)?]),
         _ => Ok(vec![table(files, None, &blank)?]),
     }
 }

@@ -181,6 +181,7 @@ for (const scheme of ['light', 'dark']) {
 }
 { // Print, reduced motion.
   const { page } = await open('turn/report.html', { hash: 't=2.6', width: 794, height: 1123, type: 'print' });
+  await of(page, `dispatchEvent(new Event('beforeprint'))`);
   await picture(page, 'print', true);
   await page.pdf({ path: path.join(pictures, 'print.pdf'), format: 'A4', printBackground: true });
   least('printed page', fs.statSync(path.join(pictures, 'print.pdf')).size / 1000, 30, 'kB');
@@ -215,6 +216,7 @@ for (const name of fs.readdirSync(folder).filter(name => fs.existsSync(path.join
   for (const [look, options] of Object.entries(KINDS)) {
     const { page } = await open(`${name}/report.html`, { hash: 'still', ...options });
     if (look === 'narrow') most(`${name}: width at 400 px`, await of(page, 'document.documentElement.scrollWidth'), 400, 'px');
+    if (look === 'print') await of(page, `dispatchEvent(new Event('beforeprint'))`);
     await picture(page, `kind-${name}-${look}`, look === 'print' || look === 'narrow');
     if (look === 'light') {
       await picture(page, `kind-${name}-whole-page`, true);

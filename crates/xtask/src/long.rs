@@ -1,15 +1,16 @@
 //! `cargo xtask long`: what takes hours and so does not run before every change.
 
 use crate::report::{Account, Tally};
-use crate::{book, browser, documents, fuzz, hostile, paper, peers, python, soak, tools, tutorials};
+use crate::{blocks, book, browser, documents, fuzz, hostile, paper, peers, python, soak, tools, tutorials};
 
 /// A task by its name.
 type Task = (&'static str, fn() -> Tally);
 
 /// The tasks, the shorter ones first. docs/testing.md lists them.
-const TASKS: [Task; 13] = [
+const TASKS: [Task; 14] = [
     ("tests", tests),
     ("tutorials", || Tally::one(tutorials::all())),
+    ("pages", || Tally::one(blocks::all())),
     ("book", || Tally::one(book::build())),
     ("paper", || Tally::one(paper::run())),
     ("browser", browser::check),

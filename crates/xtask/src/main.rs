@@ -1,6 +1,7 @@
 //! Tasks of the developers: `cargo xtask test`, `docs`, `reference`, `bench`, `peers`, `fuzz`, `hostile`,
 //! `faults`, `advisories`, `python`, `soak`, `paper`, `long`.
 
+mod blocks;
 mod book;
 mod browser;
 mod copies;

@@ -1,9 +1,9 @@
 //! Checks of README.md and of the pages in docs: length, links, the book's table of contents, plain English.
 
 use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, Path};
 
-use crate::tools;
+use crate::tools::{self, pages};
 
 /// The most lines of README.md.
 const README_LINES: usize = 120;
@@ -89,24 +89,6 @@ const PRIVATE_WORDS: [(&str, &str); 27] = [
     ("on the ground", "along the horizon, or ground speed"),
     ("over the ground", "in world axes, or ground speed"),
 ];
-
-/// README.md and all pages in docs, as paths from the root.
-fn pages() -> Vec<String> {
-    let mut found = vec!["README.md".to_owned()];
-    let mut folders = vec![PathBuf::from("docs")];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(tools::root().join(&folder)).unwrap() {
-            let path = folder.join(entry.unwrap().file_name());
-            if tools::root().join(&path).is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|end| end == "md") {
-                found.push(path.to_string_lossy().into_owned());
-            }
-        }
-    }
-    found.sort();
-    found
-}
 
 /// The text of a page, by its path from the root.
 fn text(page: &str) -> String {

@@ -31,7 +31,8 @@ impl<'a> Command<'a> {
         let first = parts.next().unwrap_or_default();
         let (code, name) = first.split_once('>').unwrap_or((first, ""));
         Self {
-            words: command.split_whitespace().skip(1).collect(),
+            // Brackets stand in quotes, which a shell takes away.
+            words: command.split_whitespace().skip(1).map(|word| word.trim_matches('\'')).collect(),
             code: code.trim().parse().ok(),
             name: name.trim(),
             outcomes: parts.map(Outcome::read).collect(),

@@ -140,19 +140,9 @@ fn machine() -> String {
 
 /// Python with the other programs, in target/peers; none when it cannot be made.
 fn environment() -> Option<PathBuf> {
-    let folder = tools::root().join("target/peers");
-    let python = folder.join("bin/python");
-    if !python.exists() {
-        let mut make = Command::new("python3");
-        make.args(["-m", "venv"]).arg(&folder);
-        if !tools::succeeds(make) {
-            return None;
-        }
-    }
-    let mut install = Command::new(&python);
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
-    install.arg(peers().join("requirements.txt"));
-    tools::succeeds(install).then_some(python)
+    let python = tools::python_environment("target/peers")?;
+    tools::pip(&python, &["--requirement"], &peers().join("requirements.txt"))?;
+    Some(python)
 }
 
 fn peers() -> PathBuf {

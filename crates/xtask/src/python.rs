@@ -89,7 +89,7 @@ pub fn task(arguments: &[String]) -> bool {
     let folder = if heavy.is_some() { "target/tools/policies" } else { "target/tools/python" };
     let Some((python, wheel)) = installed(&requirements(), folder) else { return false };
     let file = heavy.map(|file| tools::root().join(CRATE).join(file));
-    if file.is_some_and(|file| pip(&python, &["--requirement"], &file).is_none()) {
+    if file.is_some_and(|file| tools::pip(&python, &["--requirement"], &file).is_none()) {
         return false;
     }
     let mut run = Command::new(python);
@@ -114,7 +114,7 @@ fn release() -> bool {
 }
 
 fn released() -> Option<PathBuf> {
-    let python = environment("target/tools/wheel")?;
+    let python = tools::python_environment("target/tools/wheel")?;
     let packages = ["--package", "wingbeat-py", "--package", "wingbeat-cli"];
     let options = [&["--release", "--target-dir", "target/wheel"][..], &packages].concat();
     if !cfg!(target_os = "linux") {
@@ -122,7 +122,7 @@ fn released() -> Option<PathBuf> {
         return wheel(&python, &tools::root().join("target/wheel/release"));
     }
     for package in LINKER {
-        pip(&python, &[], Path::new(package))?;
+        tools::pip(&python, &[], Path::new(package))?;
     }
     let triple = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
     let target = format!("{triple}.{GLIBC}");
@@ -143,23 +143,11 @@ pub fn with_package(requirements: &Path, folder: &str) -> Option<PathBuf> {
 
 /// Makes the environment `folder` with what `requirements` lists and the wheel; its Python and the wheel.
 fn installed(requirements: &Path, folder: &str) -> Option<(PathBuf, PathBuf)> {
-    let python = environment(folder)?;
+    let python = tools::python_environment(folder)?;
     let wheel = wheel(&python, &tools::root().join("target/release"))?;
-    pip(&python, &["--requirement"], requirements)?;
-    pip(&python, &["--force-reinstall", "--no-deps"], &wheel)?;
+    tools::pip(&python, &["--requirement"], requirements)?;
+    tools::pip(&python, &["--force-reinstall", "--no-deps"], &wheel)?;
     Some((python, wheel))
-}
-
-/// Makes the environment `folder` where there is none; its Python.
-fn environment(folder: &str) -> Option<PathBuf> {
-    let folder = tools::root().join(folder);
-    let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    if !python.exists() {
-        let mut make = Command::new("python3");
-        make.args(["-m", "venv"]).arg(&folder);
-        tools::succeeds(make).then_some(())?;
-    }
-    Some(python)
 }
 
 /// The wheel of the extension and the program that lie in the folder `built`.
@@ -174,13 +162,6 @@ fn wheel(python: &Path, built: &Path) -> Option<PathBuf> {
     let size = std::fs::metadata(&wheel).map_or(0, |data| data.len());
     println!("{}: {:.1} MB", wheel.display(), size as f64 * 1e-6);
     Some(wheel)
-}
-
-fn pip(python: &Path, options: &[&str], what: &Path) -> Option<()> {
-    let mut install = Command::new(python);
-    install.args(["-m", "pip", "install", "--no-compile", "--quiet", "--disable-pip-version-check"]);
-    install.args(options).arg(what);
-    tools::succeeds(install).then_some(())
 }
 
 /// Passed and failed tests of the last line of pytest, `2 failed, 30 passed in 56.22s`.

@@ -130,3 +130,47 @@ mod tests {
         assert_eq!((given(&["--seconds", "x"]), given(&["--minutes"])), (None, None));
     }
 }
+
+/// README.md and all pages in docs, as paths from the root.
+pub fn pages() -> Vec<String> {
+    let mut found = vec!["README.md".to_owned()];
+    let mut folders = vec![PathBuf::from("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(root().join(&folder)).into_iter().flatten().flatten() {
+            let path = folder.join(entry.file_name());
+            if root().join(&path).is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "md") {
+                found.push(path.to_string_lossy().into_owned());
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The Python that makes all environments: that of the environment variable `WINGBEAT_PYTHON`, else the one on the path.
+fn python() -> Command {
+    let usual = if cfg!(windows) { "python" } else { "python3" };
+    Command::new(std::env::var_os("WINGBEAT_PYTHON").unwrap_or_else(|| usual.into()))
+}
+
+/// Makes the Python environment `folder`, seen from the root, where there is none; its Python.
+pub fn python_environment(folder: &str) -> Option<PathBuf> {
+    let folder = root().join(folder);
+    let own = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    if !own.exists() {
+        let mut make = python();
+        make.args(["-m", "venv"]).arg(&folder);
+        succeeds(make).then_some(())?;
+    }
+    Some(own)
+}
+
+/// Installs into an environment what pip is asked for by `options` and `what`.
+pub fn pip(python: &Path, options: &[&str], what: &Path) -> Option<()> {
+    let mut install = Command::new(python);
+    install.args(["-m", "pip", "install", "--no-compile", "--quiet", "--disable-pip-version-check"]);
+    install.args(options).arg(what);
+    succeeds(install).then_some(())
+}

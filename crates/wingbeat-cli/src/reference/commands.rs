@@ -41,6 +41,21 @@ fn words(line: &str) -> Vec<String> {
     words
 }
 
+/// Whether brackets or wildcards stand outside of quotes: some shells (zsh) take them for names of files.
+fn is_bare(command: &str) -> bool {
+    let mut quote = None;
+    for letter in command.chars() {
+        match (quote, letter) {
+            (Some(open), letter) if letter == open => quote = None,
+            (None, '"' | '\'') => quote = Some(letter),
+            (None, '#' | '>' | '|' | '&' | ';') => return false,
+            (None, '[' | ']' | '*' | '?' | '{' | '}') => return true,
+            _ => {}
+        }
+    }
+    false
+}
+
 /// Why the program would not understand a command; none where only its arguments are left out.
 fn wrong(command: &str) -> Option<String> {
     let of_program = command.split_once("wingbeat ").map_or(command, |(_, rest)| rest);
@@ -89,7 +104,10 @@ fn every_command_of_the_pages_is_in_the_reference_of_the_program() {
     for page in pages() {
         for command in commands(&fs::read_to_string(&page).unwrap()) {
             found += 1;
-            faults.extend(wrong(&command).map(|why| format!("{}: {command}: {why}", page.display())));
+            let bare = is_bare(&command).then(|| "brackets need quotes".to_owned());
+            faults.extend(
+                bare.or_else(|| wrong(&command)).map(|why| format!("{}: {command}: {why}", page.display())),
+            );
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
@@ -98,6 +116,7 @@ fn every_command_of_the_pages_is_in_the_reference_of_the_program() {
 
 #[test]
 fn wrong_commands_are_found_by_this_reference() {
+    assert!(is_bare("fly --set a[0]=1") && !is_bare("fly --set 'a[0]=1' # [b]"));
     assert_eq!(words("fly a.toml --set \"k=[1, 2]\" # it flies"), ["fly", "a.toml", "--set", "k=[1, 2]"]);
     for (command, known) in [
         ("wingbeat fly a.toml --set x=1 && wingbeat no", true),

@@ -2,10 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use serde::Serialize;
 use wingbeat::judge::Verdict;
 use wingbeat::parallel;
-use wingbeat::scenario::{Search, SearchFound, Sweep};
+use wingbeat::scenario::{Search, Sweep, SweepFound};
 use wingbeat::simulate::Record;
 
 use super::log::Log;
@@ -14,15 +13,6 @@ use crate::interrupt::Interrupt;
 use crate::outcome::overridden;
 use crate::progress;
 use crate::run_folder::RunFolder;
-
-/// `summary.json` of a search.
-#[derive(Serialize)]
-struct Outcome<'a> {
-    #[serde(flatten)]
-    verdict: &'a Verdict,
-    #[serde(flatten)]
-    found: &'a SearchFound,
-}
 
 /// Flies the candidates that are not in the log, generation by generation.
 pub fn candidates<'a>(
@@ -87,9 +77,10 @@ pub fn summary(
     search: &Search<'_>,
     record: &Record,
 ) -> Result<(Verdict, String), Error> {
-    let verdict = sweep.verdict(record);
-    let found = search.found(record).ok_or_else(|| Error::Input("runs: no candidate was flown".into()))?;
-    folder.write_json("summary.json", &Outcome { verdict: &verdict, found: &found })?;
+    let summary =
+        sweep.searched(record).ok_or_else(|| Error::Input("runs: no candidate was flown".into()))?;
+    folder.write_json("summary.json", &summary)?;
+    let SweepFound { verdict, found } = summary;
     folder.write("best.toml", &search.scenario(&found)?)?;
     let figures = folder.folder("figures")?;
     let drawn = wingbeat_figures::convergence_of_search(record)

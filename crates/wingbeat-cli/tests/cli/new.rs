@@ -53,6 +53,20 @@ fn new_cases_and_sweeps_run() {
 }
 
 #[test]
+fn a_new_search_flies_its_candidates() {
+    let folder = scratch("new-search");
+    let told = written(&folder, &["search"]);
+    assert!(told.contains("next: wingbeat sweep search.toml"), "{told}");
+    assert_eq!(entries(&folder), ["robot.toml", "scenario.toml", "search.toml"]);
+    let short = ["runs=4", "search.population=4", "scenario.flight.duration_s=0.02"];
+    let sets: Vec<&str> = short.iter().flat_map(|set| ["--set", set]).collect();
+    let output = wingbeat(&folder, &[&["sweep", "search.toml", "--quiet", "--out", "a"], &sets[..]].concat());
+    // No candidate turns within a few steps.
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    assert!(fs::read_to_string(folder.join("a/best.toml")).unwrap().contains("[controller"));
+}
+
+#[test]
 fn new_rigs_runs_and_lists_are_planned() {
     for kind in ["rig", "run", "runs"] {
         let folder = scratch(&format!("new-{kind}"));

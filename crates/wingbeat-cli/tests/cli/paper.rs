@@ -45,7 +45,8 @@ fn the_quick_commands_end_as_the_list_says() {
             true => root().join(word).to_string_lossy().into_owned(),
             false => word.to_owned(),
         };
-        let mut words: Vec<String> = command.split_whitespace().skip(1).map(place).collect();
+        let words = command.split_whitespace().skip(1).map(|word| word.trim_matches('\''));
+        let mut words: Vec<String> = words.map(place).collect();
         words.extend(["--out", "a", "--quiet"].map(str::to_owned));
         let arguments: Vec<&str> = words.iter().map(String::as_str).collect();
         let output = wingbeat(&folder, &arguments);

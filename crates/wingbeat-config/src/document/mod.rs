@@ -5,6 +5,7 @@
 //! kinds, serde's external tagging (`[gait.fourier]`): internal tags, `flatten` and untagged enums hide the types and
 //! with them what is missing.
 
+mod airfoil;
 mod error;
 mod explain;
 mod former;
@@ -24,6 +25,8 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::DeValue;
 
+pub use airfoil::AirfoilFile;
+pub(super) use airfoil::KEY as AIRFOIL_KEY;
 pub use error::{ConfigError, Other, Place, Problem, Wrong};
 pub use former::{Migrated, migrated};
 pub(super) use inherit::{BASE, WITHOUT};
@@ -173,6 +176,7 @@ impl Document {
         self.read_outlines()?;
         rest.drain(..).try_for_each(|text| self.sources.read_override(text))?;
         self.read_outlines()?;
+        self.read_airfoils()?;
         self.refuse_immense()?;
         Ok(self)
     }
@@ -316,19 +320,36 @@ impl Document {
 
     /// Puts the stations of the files that outlines name in their places.
     fn read_outlines(&mut self) -> Result<(), ConfigError> {
+        self.read_named::<OutlineFile>(outline::KEY, "file", &|named| &named.file, &OutlineFile::toml)
+    }
+
+    /// Puts the angles of the sections that files hold in their places.
+    fn read_airfoils(&mut self) -> Result<(), ConfigError> {
+        let toml = |_: &AirfoilFile, file: &Path, text: &str, key: &str| AirfoilFile::toml(file, text, key);
+        self.read_named::<AirfoilFile>(airfoil::KEY, "airfoil", &|named| &named.airfoil, &toml)
+    }
+
+    /// Puts what a file says, `toml` of it, in the place of each table called `name` that names one by its key `own`.
+    fn read_named<T: DeserializeOwned>(
+        &mut self,
+        name: &str,
+        own: &str,
+        file: &dyn Fn(&T) -> &PathBuf,
+        toml: &dyn Fn(&T, &Path, &str, &str) -> Result<String, ConfigError>,
+    ) -> Result<(), ConfigError> {
         loop {
             let tree = self.sources.tree()?;
-            let Some(steps) = tree::table_called(&tree, outline::KEY) else { return Ok(()) };
+            let Some(steps) = tree::table_called(&tree, name) else { return Ok(()) };
             let key = tree::path(&steps);
-            let named = self.parse_at::<OutlineFile>(&key)?;
-            let of_file = format!("{key}.file");
+            let named = self.parse_at::<T>(&key)?;
+            let of_file = format!("{key}.{own}");
             let at = tree::follow(&tree, &of_file).map_or(0, |value| value.span().start);
-            let file = source::joined(&self.sources.folder(at), &named.file.to_string_lossy());
+            let file = source::joined(&self.sources.folder(at), &file(&named).to_string_lossy());
             let text = text_of(&file).map_err(|error| {
                 let allowed = format!("a file that can be read; {}: {error}", file.display());
                 Wrong { problem: Problem::Value(allowed), ..self.blame(&tree, &of_file) }
             })?;
-            let toml = named.toml(&file, &text, &key)?;
+            let toml = toml(&named, &file, &text, &key)?;
             drop(tree);
             self.sources.read_table(&file, &toml, &steps)?;
         }

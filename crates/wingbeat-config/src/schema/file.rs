@@ -4,10 +4,11 @@ use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
 use super::DocumentKind;
-use crate::document::{BASE, OUTLINE_KEY as KEY, OutlineFile, WITHOUT};
+use crate::document::{AIRFOIL_KEY, AirfoilFile, BASE, OUTLINE_KEY, OutlineFile, WITHOUT};
 
-/// The definition of a table in place of an outline.
-const OUTLINE: &str = "OutlineFile";
+/// The keys in whose place a table may name a file, the type of what stands there else, and the definition of the table.
+const NAMED: [(&str, &str, &str); 2] =
+    [(OUTLINE_KEY, "array", "OutlineFile"), (AIRFOIL_KEY, "number", "AirfoilFile")];
 /// Definitions of what may be a document of its own: a file, or a table in its place.
 const DOCUMENTS: [&str; 6] =
     ["ScenarioSpec", "RobotSpec", "TetherSpec", "RigRunSpec", "RigSpec", "ArmConfig"];
@@ -37,44 +38,55 @@ impl DocumentKind {
         file.insert("if".into(), has_base());
         file.insert("else".into(), reference(&of_whole("Document")));
         file.insert("definitions".into(), all.into());
-        with_outlines(file.into())
+        with_files(file.into())
     }
 }
 
-/// The schema of files, in which an outline may be a table that names a file.
-fn with_outlines(mut file: Value) -> Value {
-    if !takes_files(&mut file) {
-        return file;
-    }
-    let generator = SchemaSettings::draft07().with_transform(super::tidy).into_generator();
-    let Value::Object(mut outline) = generator.into_root_schema_for::<OutlineFile>().to_value() else {
-        return file;
-    };
-    outline.remove("$schema");
-    let parts = outline.remove("definitions");
-    if let Some(all) = file["definitions"].as_object_mut() {
-        all.extend(parts.and_then(|parts| parts.as_object().cloned()).into_iter().flatten());
-        all.insert(OUTLINE.into(), outline.into());
+/// The schema of files, in which a table that names a file may stand for an outline or an angle.
+fn with_files(mut file: Value) -> Value {
+    for (key, kind, name) in NAMED {
+        if !takes_files(&mut file, key, kind, name) {
+            continue;
+        }
+        let generator = SchemaSettings::draft07().with_transform(super::tidy).into_generator();
+        let table = match key {
+            OUTLINE_KEY => generator.into_root_schema_for::<OutlineFile>(),
+            _ => generator.into_root_schema_for::<AirfoilFile>(),
+        };
+        let Value::Object(mut table) = table.to_value() else { continue };
+        table.remove("$schema");
+        let parts = table.remove("definitions");
+        if let Some(all) = file["definitions"].as_object_mut() {
+            all.extend(parts.and_then(|parts| parts.as_object().cloned()).into_iter().flatten());
+            all.insert(name.into(), table.into());
+        }
     }
     file
 }
 
-/// Lets each outline below be a table; whether there is one.
-fn takes_files(schema: &mut Value) -> bool {
+/// Lets each `key` below be a table; whether there is one.
+fn takes_files(schema: &mut Value, key: &str, kind: &str, name: &str) -> bool {
     let mut found = false;
-    if let Some(outline) = schema.get_mut("properties").and_then(|keys| keys.get_mut(KEY))
-        && outline["type"] == "array"
+    if let Some(own) = schema.get_mut("properties").and_then(|keys| keys.get_mut(key))
+        && is_of(&own["type"], kind)
     {
-        let stations = outline.take();
-        let description = stations["description"].clone();
-        *outline = json!({ "description": description, "anyOf": [stations, reference(OUTLINE)] });
+        let plain = own.take();
+        let description = plain["description"].clone();
+        *own = json!({ "description": description, "anyOf": [plain, reference(name)] });
         found = true;
     }
+    let mut below = |value: &mut Value| found |= takes_files(value, key, kind, name);
     match schema {
-        Value::Object(table) => table.values_mut().fold(found, |found, value| takes_files(value) || found),
-        Value::Array(items) => items.iter_mut().fold(found, |found, value| takes_files(value) || found),
-        _ => found,
+        Value::Object(table) => table.values_mut().for_each(&mut below),
+        Value::Array(items) => items.iter_mut().for_each(&mut below),
+        _ => {}
     }
+    found
+}
+
+/// Whether a schema's type is `kind`, or `kind` or nothing.
+fn is_of(given: &Value, kind: &str) -> bool {
+    given == kind || given.as_array().is_some_and(|kinds| kinds.iter().any(|one| one == kind))
 }
 
 fn of_whole(name: &str) -> String {

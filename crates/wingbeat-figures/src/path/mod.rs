@@ -16,7 +16,7 @@ use sheet::Sheet;
 /// A point in world coordinates, m.
 type Point = [f64; 3];
 
-/// The path `p_WB_x`, `p_WB_y`, `p_WB_z` (world frame) above its shadow on the ground. Where the record has the ends of
+/// The path `p_WB_x`, `p_WB_y`, `p_WB_z` (world frame) above its shadow on the floor of the axes. Where the record has the ends of
 /// the surfaces' panels, `<line>_[<surface>_][<side>_]<end>_x/y/z` (world frame; leading, trailing; left, right), the surfaces
 /// are drawn every few tenths of a second. Where `paper` says where the flight ends, that place is marked at the height of
 /// the own end.

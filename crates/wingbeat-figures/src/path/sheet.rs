@@ -124,7 +124,7 @@ impl Sheet {
         self.line(track, style::INK, style::CURVE);
     }
 
-    /// A robot with its membranes, above its place on the ground.
+    /// A robot with its membranes, above its place on the floor of the axes.
     pub fn bird(&mut self, room: &Room, bird: &Bird) {
         self.line(&[bird.body, [bird.body[0], bird.body[1], room.low[2]]], "#d4d4d4", 0.6);
         let bird = bird.enlarged(room.enlargement);
@@ -160,7 +160,7 @@ impl Sheet {
         }
     }
 
-    /// The end point that is published, above its place on the ground.
+    /// The end point that is published, above its place on the floor of the axes.
     pub fn published(&mut self, room: &Room, point: Point) {
         let colour = style::colour(3);
         self.line(&[point, [point[0], point[1], room.low[2]]], colour, 0.8);
@@ -179,7 +179,7 @@ impl Sheet {
     /// What the colours and the size of the robot mean.
     pub fn note(&mut self, birds: &[Bird], every: Option<f64>, enlargement: f64) {
         let mut x = Self::MARGINS.0;
-        let mut entries = vec![("path", style::INK), ("on the ground", SHADOW)];
+        let mut entries = vec![("path", style::INK), ("shadow, straight below", SHADOW)];
         if !birds.is_empty() {
             entries.extend([("left wing", style::colour(0)), ("right wing", style::colour(1))]);
             if birds[0].wings.iter().any(|wing| wing.side.is_none()) {

@@ -276,6 +276,31 @@ mod tests {
         }
     }
 
+    /// Sweep, flap and twist at the root are stroke, deviation and rotation in a stroke plane that the body's pitch inclines: the span lies
+    /// at azimuth and elevation, the chord turns out of the plane about it.
+    #[test]
+    fn sweep_flap_and_twist_at_the_root_are_the_angles_of_an_insect() {
+        let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -0.01 };
+        let planform = Planform::new(&[station(0.0), station(0.1)]).unwrap();
+        let hinge = |kind| Hinge { kind, side: Side::Both, arc_m: 0.0, to_arc_m: None, ahead_m: 0.0 };
+        let kinds = [HingeKind::Sweep, HingeKind::Flap, HingeKind::Twist];
+        let wing = Wing::new(planform, kinds.map(hinge).to_vec()).unwrap();
+        let ([stroke, deviation, rotation], inclined) = ([0.7_f64, -0.2, 2.1], 0.9_f64);
+        let body = TetheredBody { nose_up: Jet::from(-inclined), ..TetheredBody::<f64>::rest() };
+        let section = wing.section(0.08, &body.frame(), &[stroke, deviation, rotation].map(Jet::from));
+        let ((sp, cp), (sd, cd), (sr, cr)) = (stroke.sin_cos(), deviation.sin_cos(), rotation.sin_cos());
+        let in_plane = |[x, y, z]: [f64; 3]| {
+            let (sin, cos) = inclined.sin_cos();
+            Vec3::new(cos * x + sin * z, y, cos * z - sin * x)
+        };
+        let span = [cd * sp, cd * cp, sd];
+        let ahead = [cp, -sp, 0.0];
+        let normal = [-sd * sp, -sd * cp, cd];
+        let chord = [0, 1, 2].map(|k| cr * ahead[k] + sr * normal[k]);
+        assert!((section.le - in_plane(span) * 0.08).norm() < 1e-15);
+        assert!((section.te - section.le + in_plane(chord) * 0.01).norm() < 1e-15);
+    }
+
     #[test]
     fn positive_angles_mean_what_they_say() {
         let wing = wing();

@@ -12,6 +12,7 @@ up. Documents give ``nose_up_deg``.
 from collections.abc import Mapping
 
 from wingbeat._documents import Robot, Scenario, shipped
+from wingbeat._paper import Paper, paper
 from wingbeat._program import Averaged, Picture, RigPlan, average, rig_plan, show, validate
 from wingbeat._record import Column, Record, Strips
 from wingbeat._runs import (
@@ -52,6 +53,7 @@ __all__ = [
     "Flight",
     "Measurement",
     "Moved",
+    "Paper",
     "Picture",
     "Plan",
     "Processed",
@@ -70,6 +72,7 @@ __all__ = [
     "average",
     "calibrate",
     "fly",
+    "paper",
     "plan",
     "process",
     "rig",

@@ -16,7 +16,7 @@ from wingbeat._documents import Overrides, Scenario, Source, document
 from wingbeat._html import picture, table, text
 from wingbeat._record import Array, Record, Strips
 from wingbeat._verdicts import judged
-from wingbeat._views import Shown, summary_text
+from wingbeat._views import Shown, Viewed, summary_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -191,7 +191,7 @@ class Wake(Result):
 
 
 @dataclass(frozen=True)
-class Calibrated(Shown):
+class Calibrated(Viewed):
     """What was fitted to runs on the load cell."""
 
     record: Record | None

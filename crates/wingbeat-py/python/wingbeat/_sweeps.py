@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import islice
@@ -15,6 +15,7 @@ from wingbeat import _wingbeat
 from wingbeat._documents import Overrides, Source, document
 from wingbeat._extras import needed
 from wingbeat._record import Record
+from wingbeat._verdicts import judged
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -23,6 +24,8 @@ Row: TypeAlias = list[float]
 
 # What an unfinished sweep holds, and a finished one.
 IDENTITY, LOG, DATA = "sweep.toml", "rows.log", "record.parquet"
+# What a search leaves beside it.
+SUMMARY, BEST = "summary.json", "best.toml"
 # Runs that are given to a scheduler at once.
 WINDOW = 2000
 # Time between two looks for Ctrl-C, s.
@@ -41,6 +44,15 @@ def make_runs(text: str, batch: list[int]) -> list[Row]:
     if len(rows) < len(batch):
         raise RuntimeError(f"runs {batch} were stopped")
     return rows
+
+
+def make_candidates(text: str, done: list[Row], batch: list[int]) -> list[Row]:
+    """Candidates of the search that ``text`` holds, of the generation that follows on the rows ``done``."""
+    rows = [_checked(text).candidate(done, run) for run in batch]
+    made = [row for row in rows if row is not None]
+    if len(made) < len(batch):
+        raise RuntimeError(f"candidates {batch} were stopped")
+    return made
 
 
 class _Log:
@@ -87,7 +99,7 @@ def sweep(
     cores: int | None = None,
     address: str | None = None,
 ) -> Record:
-    """Makes all runs of a sweep into a folder.
+    """Makes all runs of a sweep, or the candidates of a search, into a folder.
 
     Rows are the same on any number of cores and machines. What was interrupted or killed goes on from what is done when the same
     call is made again.
@@ -96,7 +108,7 @@ def sweep(
     ----------
     source
         A sweep file, or a dictionary of the same keys: ``scenario`` or ``case``, ``set``, ``draws``, and ``sampling`` as ``grid``,
-        ``latin_hypercube`` or ``random``.
+        ``latin_hypercube`` or ``random``; with ``search`` the goals of a search for the numbers in ``draws``.
     overrides
         Keys of the sweep that are set otherwise: ``{"runs": 20}``, or ``{"scenario": {"flight": {"duration_s": 1.0}}}``.
     out
@@ -111,7 +123,8 @@ def sweep(
     Returns
     -------
     Record
-        A row per run, also in ``record.parquet`` of the folder.
+        A row per run, also in ``record.parquet`` of the folder. A search has a row per candidate with its ``cost``, and leaves
+        ``summary.json`` and ``best.toml``, the scenario of the best one, in the folder too.
     """
     if engine not in ("local", "dask"):
         raise ValueError(f"engine = {engine!r}: allowed is 'local', 'dask'")
@@ -134,14 +147,25 @@ def sweep(
     else:
         identity.write_text(text, encoding="utf-8")
     log = _Log(folder, native)
-    todo = iter(native.batches([run for run in range(native.runs) if run not in log.rows]))
     try:
-        rows = _local(native, todo, cores) if engine == "local" else _dask(text, todo, cores, address)
-        for row in rows:
-            log.append(row)
+        with _workers(native, text, engine, cores, address) as made:
+            if native.searches:
+                while batch := native.candidates(done := list(log.rows.values())):
+                    for row in made(iter([[run] for run in batch]), done):
+                        log.append(row)
+            else:
+                left = [run for run in range(native.runs) if run not in log.rows]
+                for row in made(iter(native.batches(left)), None):
+                    log.append(row)
     finally:
         log.close()
-    record = Record(native.table([log.rows[run] for run in range(native.runs)]))
+    rows = [log.rows[run] for run in range(native.runs)]
+    record = Record(native.table(rows))
+    if native.searches:
+        summary, best = native.found(rows)
+        (folder / SUMMARY).write_text(summary, encoding="utf-8")
+        (folder / BEST).write_text(best, encoding="utf-8")
+        judged(summary)
     partial = folder / f".{DATA}.partial"
     record.write(partial)
     partial.replace(folder / DATA)
@@ -149,19 +173,44 @@ def sweep(
     return record
 
 
-def _local(native: _wingbeat.Sweep, todo: Iterator[list[int]], cores: int | None) -> Iterator[Row]:
+# Makes batches of runs: of a search, beside the rows so far.
+Made: TypeAlias = "Callable[[Iterator[list[int]], list[Row] | None], Iterator[Row]]"
+
+
+@contextmanager
+def _workers(native: _wingbeat.Sweep, text: str, engine: str, cores: int | None, address: str | None) -> Iterator[Made]:
+    """What makes runs: threads, or the workers of Dask."""
+    if engine == "local":
+
+        def on_threads(todo: Iterator[list[int]], done: list[Row] | None) -> Iterator[Row]:
+            def candidates(batch: list[int]) -> list[Row]:
+                rows = [native.candidate(done or [], run) for run in batch]
+                return [row for row in rows if row is not None]
+
+            return _local(native, todo, cores, native.rows if done is None else candidates)
+
+        yield on_threads
+        return
+    with _client(cores, address) as client:
+        [shared] = client.scatter([text], broadcast=True)
+        yield lambda todo, done: _dask(client, todo, (make_runs, shared) if done is None else (make_candidates, shared, done))
+
+
+def _local(
+    native: _wingbeat.Sweep, todo: Iterator[list[int]], cores: int | None, make: Callable[[list[int]], list[Row]]
+) -> Iterator[Row]:
     """Rows as they are done, on threads: the library leaves the interpreter to others."""
     from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 
     pool = ThreadPoolExecutor(cores or os.cpu_count() or 1, thread_name_prefix="wingbeat")
     try:
-        pending = {pool.submit(native.rows, batch) for batch in islice(todo, WINDOW)}
+        pending = {pool.submit(make, batch) for batch in islice(todo, WINDOW)}
         while pending:
             # Looks for Ctrl-C between: a wait without an end hears it only when a run is done.
             done, pending = wait(pending, LOOK_S, FIRST_COMPLETED)
             for future in done:
                 yield from future.result()
-            pending |= {pool.submit(native.rows, batch) for batch in islice(todo, len(done))}
+            pending |= {pool.submit(make, batch) for batch in islice(todo, len(done))}
     except BaseException:
         native.stop()
         pool.shutdown(wait=False, cancel_futures=True)
@@ -185,19 +234,16 @@ def _client(cores: int | None, address: str | None) -> Iterator[Client]:
         yield client
 
 
-def _dask(text: str, todo: Iterator[list[int]], cores: int | None, address: str | None) -> Iterator[Row]:
+def _dask(client: Client, todo: Iterator[list[int]], call: tuple[Any, ...]) -> Iterator[Row]:
     """Rows as they are done by the workers; what a killed worker had is made by another one."""
     as_completed = needed("distributed", "dask").as_completed
 
-    with _client(cores, address) as client:
-        [shared] = client.scatter([text], broadcast=True)
+    def submit(batch: list[int]) -> Any:
+        return client.submit(*call, batch, pure=False, retries=0)
 
-        def submit(batch: list[int]) -> Any:
-            return client.submit(make_runs, shared, batch, pure=False, retries=0)
-
-        futures = as_completed([submit(batch) for batch in islice(todo, WINDOW)], with_results=True)
-        for future, rows in futures:
-            future.release()
-            yield from rows
-            for batch in islice(todo, 1):
-                futures.add(submit(batch))
+    futures = as_completed([submit(batch) for batch in islice(todo, WINDOW)], with_results=True)
+    for future, rows in futures:
+        future.release()
+        yield from rows
+        for batch in islice(todo, 1):
+            futures.add(submit(batch))

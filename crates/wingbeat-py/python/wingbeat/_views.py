@@ -37,6 +37,11 @@ class View:
     height: int = 760
     """Height in a notebook, px."""
 
+    def save(self, path: str | PathLike[str], *, force: bool = False) -> None:
+        """Writes the page to ``path``; ``force`` replaces a file that is there."""
+        _free(Path(path), force)
+        _write(Path(path), self.html.encode())
+
     def _repr_html_(self) -> str:
         from html import escape
 
@@ -46,7 +51,7 @@ class View:
         )
 
 
-class Shown:
+class Viewed:
     """What a result with a page can do."""
 
     def _held(self) -> tuple[str, dict[str, str], dict[str, Record | None]]:
@@ -63,7 +68,7 @@ class Shown:
         named = re.search(r'^name = "(.*)"$', document, re.MULTILINE)
         return named.group(1) if named else name, list(texts.items()), there
 
-    def view(self, *others: Shown, wake: bool = True, strips: bool = True, height: int = 760) -> View:
+    def view(self, *others: Viewed, wake: bool = True, strips: bool = True, height: int = 760) -> View:
         """The page of the program's ``report.html``, from memory, of this result or of several overlaid.
 
         Parameters
@@ -78,18 +83,6 @@ class Shown:
         if height < 200:
             raise ValueError(f"height = {height}: allowed is 200 or more")
         return View(_wingbeat.page_of([one._given() for one in (self, *others)], wake, strips), height)
-
-    def report(
-        self,
-        path: str | PathLike[str],
-        *others: Shown,
-        wake: bool = True,
-        strips: bool = True,
-        force: bool = False,
-    ) -> None:
-        """Writes that page to ``path``; ``force`` replaces a file that is there."""
-        _free(Path(path), force)
-        _write(Path(path), self.view(*others, wake=wake, strips=strips).html.encode())
 
     def animate(
         self,
@@ -139,6 +132,21 @@ class Shown:
             raise ValueError(f"{path}: allowed are the endings {allowed}, or format='vtk' for a folder")
         _free(path, force and chosen != "vtk")
         _files(path, _wingbeat.export_of(self._given(), chosen))
+
+
+class Shown(Viewed):
+    """The same with the page as a file."""
+
+    def report(
+        self,
+        path: str | PathLike[str],
+        *others: Viewed,
+        wake: bool = True,
+        strips: bool = True,
+        force: bool = False,
+    ) -> None:
+        """Writes that page to ``path``; ``force`` replaces a file that is there."""
+        self.view(*others, wake=wake, strips=strips).save(path, force=force)
 
 
 def summary_text(summary: dict[str, Any]) -> str:

@@ -48,6 +48,21 @@ def test_average_finds_the_frequency_of_a_file(tmp_path):
         wingbeat.average(tmp_path / "cell.csv", rate_hz=-1.0)
 
 
+@pytest.mark.long
+def test_the_paper_has_its_figures_and_statements(tmp_path):
+    made = wingbeat.paper(out=tmp_path / "paper")
+    assert made.status == "ok" and set(made.figures) == {"setup", "arm", "force_moment", "wake_phases", "states", "path"}
+    assert len(made.statements) > 5 and all("verdict" in each for each in made.statements)
+    assert all(figure.png.startswith(PNG) for figure in made.figures.values()) and "<svg" in made.sheet
+    assert (tmp_path / "paper/turn/record.parquet").exists() and "srcdoc" in made._repr_html_()
+
+
+def test_a_paper_without_its_documents_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"banking_turn\.toml"):
+        wingbeat.paper(tmp_path, out=tmp_path / "a")
+    assert not (tmp_path / "a").exists()
+
+
 def test_a_run_of_the_rig_is_planned():
     [plan] = wingbeat.rig_plan(wingbeat.shipped("rigs/runs/roll15_speed08.toml"))
     assert plan.name == "roll15_speed08" and "turn at" in plan.report and set(plan.files) >= {"roll15_speed08.yaml"}

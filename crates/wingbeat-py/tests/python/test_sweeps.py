@@ -1,5 +1,6 @@
 """Sweeps: the same rows on any number of cores and machines, and nothing lost."""
 
+import json
 import math
 import os
 import signal
@@ -82,6 +83,36 @@ def test_lanes_give_the_rows_of_flights_one_by_one_but_for_rounding(program, tmp
     plain = wingbeat.sweep(flights, keys | {"lanes": False}, out=tmp_path / "plain", cores=2)
     for name in plain:
         assert np.allclose(one[name], plain[name], rtol=1e-10, atol=1e-10, equal_nan=True), name
+
+
+def searched(turn, **keys):
+    goal = {"key": "distance_x_m", "low": 0.06, "per": 0.01}
+    draws = [{"key": "start.velocity_m_s[0]", "low": 1.0, "high": 2.0}, {"key": "start.nose_up_deg", "low": 5.0, "high": 20.0}]
+    search = {"population": 4, "flights": [["flight.duration_s=0.03"]], "goals": [goal]}
+    return {"name": "fast", "scenario": str(turn), "runs": 10, "seed": 3, "search": search, "draws": draws} | keys
+
+
+def test_a_search_is_that_of_the_program_and_goes_on(program, tmp_path, turn):
+    one = wingbeat.sweep(searched(turn), out=tmp_path / "one", cores=1)
+    assert one.rows == 10 and one["cost"].min() == one["cost"][int(np.argmin(one["cost"]))] < one["cost"][0]
+    done = program("sweep", tmp_path / "one/sweep.toml", "--quiet", "--out", tmp_path / "run")
+    assert done.returncode in (0, 3), done.stderr
+    for name in ("record.parquet", "best.toml"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "run" / name).read_bytes(), name
+    told = [json.loads((tmp_path / place / "summary.json").read_text()) for place in ("one", "run")]
+    assert told[0] == told[1]
+    # What was cut off in a generation goes on from its log.
+    (tmp_path / "cut").mkdir()
+    (tmp_path / "cut/sweep.toml").write_text((tmp_path / "one/sweep.toml").read_text())
+    log = "".join(",".join(repr(float(one[name][k])) for name in one) + "\n" for k in (0, 1, 2, 3, 5))
+    (tmp_path / "cut/rows.log").write_text(log)
+    assert same(one, wingbeat.sweep(searched(turn), out=tmp_path / "cut", cores=2))
+    (tmp_path / "cut/record.parquet").unlink()
+    (tmp_path / "cut/rows.log").write_text(log.replace(repr(float(one["cost"][1])), "1.0").replace("0.0,1.", "0.0,9.", 1))
+    with pytest.raises(ValueError):
+        wingbeat.sweep(searched(turn), out=tmp_path / "cut", cores=2)
+    with pytest.raises(ValueError, match="search.population"):
+        wingbeat.sweep(searched(turn, search={"population": 1, "goals": []}), out=tmp_path / "bad")
 
 
 INTERRUPTED = """

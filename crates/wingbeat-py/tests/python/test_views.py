@@ -31,7 +31,7 @@ def test_a_notebook_shows_the_page_from_memory(flight):
     assert frame.startswith("<iframe") and 'sandbox="allow-scripts"' in frame
     # Inside the attribute nothing ends it.
     inside = re.search(r'srcdoc="([^"]*)"', frame).group(1)
-    assert len(inside) > 100_000 and "<script" not in inside and "src=" not in view.html.split("%%")[0].split("<script>")[0]
+    assert len(inside) > 50_000 and "<" not in inside and ">" not in inside
     (run,) = runs(view.html)
     assert run["axis"]["values"]["rows"] == flight.record.rows == 201
     assert [surface["name"] for surface in run["motion"]["surfaces"]] and run["motion"]["sources"]
@@ -56,7 +56,7 @@ def test_the_page_is_that_of_the_program(flight, tmp_path):
 def test_results_are_overlaid_and_other_kinds_refused(flight, tmp_path):
     pages = runs(flight.view(flight).html)
     assert len(pages) == 2
-    case = wingbeat.tether(wingbeat.shipped("cases/flap_f2.toml"), {"cycles": 2})
+    case = wingbeat.tether(wingbeat.shipped("cases/flap_f2.toml"), {"time.cycles": 2})
     assert runs(case.view().html)[0]["motion"]["repeats"]
     for kind in ("csv", "npz", "mat", "gltf"):
         case.export(tmp_path / f"case.{kind}", format=kind)

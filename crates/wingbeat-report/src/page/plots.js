@@ -84,7 +84,7 @@ class Plots {
     const s = panel.svg, [low, high] = panel.range, left = this.left, right = w - 6, bottom = h - 18;
     const X = x => left + (right - left) * (x - this.low) / (this.high - this.low || 1), Y = y => bottom - (bottom - 4) * (y - low) / (high - low);
     s.replaceChildren(); s.setAttribute('viewBox', `0 0 ${w} ${h}`);
-    for (const y of ticks(low, high, 3)) { s.append(svg('line', { x1: left, x2: right, y1: Y(y), y2: Y(y), stroke: 'var(--line)' }), svg('text', { x: left - 4, y: Y(y) + 4, 'text-anchor': 'end' }, digits(y))); }
+    for (const y of ticks(low, high, 4)) { s.append(svg('line', { x1: left, x2: right, y1: Y(y), y2: Y(y), stroke: 'var(--line)' }), svg('text', { x: left - 4, y: Y(y) + 4, 'text-anchor': 'end' }, digits(y))); }
     const axis = this.runs[0].axis;
     ticks(this.low, this.high, Math.max(2, w / 90)).forEach(x => s.append(svg('line', { x1: X(x), x2: X(x), y1: bottom, y2: bottom + 4, stroke: 'var(--quiet)' }), svg('text', { x: Math.min(X(x), right - 12), y: h - 4, 'text-anchor': 'middle' }, digits(x))));
     s.append(svg('text', { x: right, y: h - 4, 'text-anchor': 'end' }, axis.unit || axis.label));

@@ -1,0 +1,168 @@
+//! One contour made of the curves of a drawing, and its stations along the span.
+
+use super::drawing::{Curve, Point};
+use super::{Fault, Length, MOST};
+
+/// How far apart the ends of curves that join may lie, over the size of the drawing. *Choice.*
+const JOINED: f64 = 1e-4;
+/// Points closer along the span than this share of it lie at one station.
+const AT_ONE: f64 = 1e-9;
+/// Length along the span of a step of an edge, over the span. *Choice.*
+const STEP: f64 = 1e-4;
+/// Chord of an end that the drawing closes to a point, over the largest chord: a strip needs one. *Choice.*
+const POINTED: f64 = 0.01;
+/// Most curves of a contour. *Choice.*
+const MOST_CURVES: usize = 5000;
+
+/// A contour whose points are (along the span, forward).
+pub struct Contour {
+    pub line: usize,
+    points: Vec<Point>,
+}
+
+impl Contour {
+    /// Joins the curves, whose points are (along the span, forward), end to end; an open contour is closed by a straight line.
+    pub fn joined(mut curves: Vec<Curve>, layers: &str) -> Result<Self, Fault> {
+        let line = curves.iter().map(|curve| curve.line).min().unwrap_or(1);
+        let fault = |line, allowed| Fault { line, key: "file", value: "outline".into(), allowed };
+        if curves.len() > MOST_CURVES {
+            return Err(fault(line, format!("at most {MOST_CURVES} curves")));
+        }
+        let all = || curves.iter().flat_map(|curve| &curve.points);
+        let size = (0..2).map(|k| {
+            let of = |pick: fn(f64, f64) -> f64, start| all().fold(start, |most, point| pick(most, point[k]));
+            of(f64::max, f64::NEG_INFINITY) - of(f64::min, f64::INFINITY)
+        });
+        let near = JOINED * size.fold(0.0, f64::max);
+        curves.retain(|curve| curve.points.iter().any(|point| apart(*point, curve.points[0]) > near));
+        let Some(first) = curves.pop() else {
+            return Err(fault(line, "lines or curves that make one contour".into()));
+        };
+        let mut points = first.points;
+        // From its last point on, then from its first one.
+        for _ in 0..2 {
+            let ends = |curve: &Curve| [curve.points[0], curve.points[curve.points.len() - 1]];
+            let follows = |curve: &Curve, end| ends(curve).iter().any(|point| apart(*point, end) <= near);
+            while let Some(i) = curves.iter().position(|curve| follows(curve, points[points.len() - 1])) {
+                let mut next = curves.swap_remove(i).points;
+                if apart(next[0], points[points.len() - 1]) > near {
+                    next.reverse();
+                }
+                points.extend(next.into_iter().skip(1));
+            }
+            points.reverse();
+        }
+        if let Some(left) = curves.iter().min_by_key(|curve| curve.line) {
+            let allowed =
+                format!("one contour, and this curve is no part of it; `layer` chooses among {layers}");
+            return Err(fault(left.line, allowed));
+        }
+        if apart(points[0], points[points.len() - 1]) <= near {
+            points.pop();
+        }
+        Ok(Self { line, points })
+    }
+
+    /// The stations from the middle to the tip as (arc, leading edge, trailing edge), in the unit of the drawing.
+    pub fn stations(&self, unit: Length) -> Result<Vec<[f64; 3]>, Fault> {
+        let fault = |key, value, allowed| Fault { line: self.line, key, value, allowed };
+        let along =
+            |pick: fn(f64, f64) -> f64, start| self.points.iter().fold(start, |most, p| pick(most, p[0]));
+        let (low, high) = (along(f64::min, f64::INFINITY), along(f64::max, f64::NEG_INFINITY));
+        let span = high - low;
+        if !(span > 0.0) {
+            return Err(fault("span", "outline".into(), "the axis along which the outline extends".into()));
+        }
+        if low.abs() > JOINED * span {
+            let allowed = format!(
+                "the point of the drawing in the middle of the body on the hinge line; the outline of the half wing reaches from {low} \
+                 to {high} {} along the span beside it",
+                unit.name()
+            );
+            return Err(fault("origin", "outline".into(), allowed));
+        }
+        let turns = |point: Point| {
+            let allowed = format!("an outline with two edges; it turns back along the span at {}", point[0]);
+            fault("file", "outline".into(), allowed)
+        };
+        let n = self.points.len();
+        let [a, b] = [1, n - 1].map(|step| self.edge(low, high, step).map_err(&turns));
+        let ((a, from), (b, to)) = (a?, b?);
+        // What lies between the ends of both edges is the tip.
+        let tip = (0..n).map(|k| (from + k) % n).take_while(|i| *i != to);
+        if let Some(i) = tip.filter(|i| high - self.points[*i][0] > AT_ONE * span).next() {
+            return Err(turns(self.points[i]));
+        }
+        let mut arcs: Vec<f64> = a.iter().chain(&b).map(|point| point[0]).collect();
+        arcs.sort_by(f64::total_cmp);
+        arcs.dedup_by(|next, before| *next - *before <= AT_ONE * span);
+        if arcs.len() > MOST {
+            return Err(fault("file", "outline".into(), format!("at most {MOST} stations")));
+        }
+        let mut stations: Vec<[f64; 3]> =
+            arcs.iter().map(|arc| [arc - low, at(&a, *arc), at(&b, *arc)]).collect();
+        let widest = stations
+            .iter()
+            .map(|s| s[1] - s[2])
+            .fold(0.0, |most: f64, c| if c.abs() > most.abs() { c } else { most });
+        if widest < 0.0 {
+            stations.iter_mut().for_each(|station| station.swap(1, 2));
+        }
+        let least = POINTED * widest.abs();
+        let last = stations.len() - 1;
+        for (k, station) in stations.iter_mut().enumerate() {
+            let chord = station[1] - station[2];
+            if (k == 0 || k == last) && chord < least {
+                let middle = 0.5 * (station[1] + station[2]);
+                [station[1], station[2]] = [middle + 0.5 * least, middle - 0.5 * least];
+            } else if !(chord > 0.0) {
+                let allowed =
+                    format!("edges that do not meet between root and tip; they do at {}", station[0]);
+                return Err(fault("file", "outline".into(), allowed));
+            }
+        }
+        Ok(stations)
+    }
+
+    /// The edge from root to tip in steps of `step` points, ascending along the span, and the number of its last point; else where it
+    /// turns back.
+    fn edge(&self, low: f64, high: f64, step: usize) -> Result<(Vec<Point>, usize), Point> {
+        let (n, span) = (self.points.len(), high - low);
+        let near = AT_ONE * span;
+        let from = (0..n).find(|i| self.points[*i][0] - low <= near).unwrap_or(0);
+        let (mut edge, mut reached, mut last): (Vec<Point>, f64, usize) = (Vec::new(), low, from);
+        for k in 0..n {
+            last = (from + k * step) % n;
+            let point = self.points[last];
+            if point[0] < reached - near {
+                return Err(point);
+            }
+            if point[0] - low <= near {
+                // Of the root the last point: what leads there is the root itself.
+                edge = vec![[low, point[1]]];
+            } else if point[0] - reached <= near {
+                edge.retain(|before| before[0] <= reached);
+                edge.push([reached + STEP * span, point[1]]);
+            } else {
+                edge.retain(|before| before[0] < point[0]);
+                edge.push(point);
+                reached = point[0];
+            }
+            if high - point[0] <= near {
+                break;
+            }
+        }
+        Ok((edge, last))
+    }
+}
+
+fn apart(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// The edge at `arc`, straight between its points.
+fn at(edge: &[Point], arc: f64) -> f64 {
+    let k = edge.partition_point(|point| point[0] < arc).clamp(1, edge.len() - 1);
+    let ([s, x], [t, y]) = (edge[k - 1], edge[k]);
+    x + (y - x) * ((arc - s) / (t - s)).clamp(0.0, 1.0)
+}
