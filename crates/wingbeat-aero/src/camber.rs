@@ -17,6 +17,9 @@ impl ThinSection {
     /// exact for each piece.
     ///
     /// Equation: aero.camber
+    /// `zero-lift angle -(1/pi) int z' (cos t - 1) dt and moment (A2 - A1) pi/4 of a camber line, x = (1 - cos t)/2`
+    /// Source: Glauert 1926, The Elements of Aerofoil and Airscrew Theory, ch. 7.
+    /// Test: `a_parabolic_camber_line_has_glauerts_angle_and_moment`.
     pub fn of_camber(points: &[[f64; 2]]) -> Self {
         let angle = |x: f64| (1.0 - 2.0 * x).clamp(-1.0, 1.0).acos();
         let (mut mean, mut first, mut second) = (0.0, 0.0, 0.0);

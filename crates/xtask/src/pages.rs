@@ -59,7 +59,7 @@ const BLOCKS: [(&str, &[&str]); 5] = [
 const NOT_YET_PLAIN: &[&str] = &[];
 
 /// Words that a reader of the field does not know in that sense, and what to write.
-const PRIVATE_WORDS: [(&str, &str); 27] = [
+const PRIVATE_WORDS: [(&str, &str); 26] = [
     ("told", "reported, given or distinguished"),
     ("made a choice", "we chose it"),
     ("led and not fed back", "feed-forward only"),
@@ -81,7 +81,6 @@ const PRIVATE_WORDS: [(&str, &str); 27] = [
     ("regulators", "actuators (what moves a joint) or controllers; the linear-quadratic regulator is one"),
     ("beat", "cycle"),
     ("beats", "cycles"),
-    ("stroke", "cycle, flapping or amplitude; of an actuator its range"),
     ("strokes", "cycles, flapping or amplitudes; of actuators their ranges"),
     ("caution", "warning"),
     ("cautions", "warnings"),
