@@ -59,10 +59,16 @@ impl Cells {
         }
     }
 
-    /// Whether no cell is a number, or something that stands for one: a column of remarks.
+    /// Whether no cell is a number and the first is a word: a column of remarks. What programs write for a number that is
+    /// missing or wrong (`#DIV/0!`, `n/a`, `--`) is none.
     fn is_words(&self) -> bool {
-        let stands = |cell: &str| cell.is_empty() || cell.parse::<f64>().is_ok();
-        self.column.values.is_empty() && self.word.as_ref().is_some_and(|(_, cell)| !stands(cell))
+        const MISSING: [&str; 7] = ["na", "n/a", "null", "none", "error", "err", "missing"];
+        let word = |cell: &str| {
+            let letters = cell.chars().filter(|c| c.is_alphabetic()).count();
+            let missing = MISSING.contains(&cell.to_lowercase().as_str());
+            letters > 1 && !cell.starts_with('#') && !missing && cell.parse::<f64>().is_err()
+        };
+        self.column.values.is_empty() && self.word.as_ref().is_some_and(|(_, cell)| word(cell))
     }
 }
 

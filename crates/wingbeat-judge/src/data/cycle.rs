@@ -8,7 +8,7 @@ use crate::limits::data::{APERIODIC, DRIFT, FREQUENCY, PHASE_GAP, ROUGH, SHARE, 
 use wingbeat_math::Harmonics;
 
 /// Harmonics of a cycle. *Choice*: loads of a flapping wing have five.
-const HARMONICS: usize = 8;
+pub(super) const HARMONICS: usize = 8;
 /// Samples at least for each number that is fitted. *Choice.*
 const SPARE: usize = 2;
 /// Cycles from which a drift is told from the cycle. *Choice.*
@@ -194,7 +194,8 @@ impl Parts {
     }
 }
 
-fn variance(of: &[f64]) -> f64 {
+/// Mean square about the mean.
+pub(super) fn variance(of: &[f64]) -> f64 {
     let mean = of.iter().sum::<f64>() / of.len() as f64;
     of.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / of.len() as f64
 }

@@ -1,14 +1,12 @@
 //! Loads of which only the magnitude was kept.
 
-use super::cycle::Condensed;
+use super::cycle::{Condensed, HARMONICS, variance};
 use super::{Channel, Finding, Purpose, Series};
 use crate::limits::data::RECTIFIED;
 use wingbeat_math::Harmonics;
 
 /// Most points of the mean cycle, and fewest in which a cusp is told from a smooth minimum. *Choice.*
 const POINTS: std::ops::RangeInclusive<usize> = 24..=64;
-/// Harmonics of the smooth cycle that is sought. *Choice*: loads of a flapping wing have five.
-const HARMONICS: usize = 8;
 /// Part of the largest value below which the cycle counts as touching zero, and above which it has left it. *Choice.*
 const TOUCHES: (f64, f64) = (0.15, 0.3);
 /// Part of the largest value by which noise may carry it across zero. *Choice.*
@@ -41,8 +39,10 @@ pub(super) fn rectified(series: &Series, channel: &Channel, at: &Condensed) -> O
     let size = folded / left(&phase, &unfolded)?.max(f64::MIN_POSITIVE);
     let text = "keeps one sign, and its cycle is smooth only if every second arch is turned over: the file holds the \
                 magnitude of the load; export it with its sign";
-    (folded > SEEN * whole)
-        .then(|| Finding::new("data.rectified", &RECTIFIED, series.about(channel.name), size, text))
+    let found = || Finding::new("data.rectified", &RECTIFIED, series.about(channel.name), size, text);
+    // A channel that is no component may be a magnitude by its meaning.
+    let component = channel.name.ends_with(['x', 'y', 'z', 'X', 'Y', 'Z']);
+    (folded > SEEN * whole).then(|| if component { found() } else { found().noted() })
 }
 
 /// Phases and values of the mean cycle at even shares of the samples; none of too few.
@@ -84,9 +84,4 @@ fn left(phase: &[f64], values: &[f64]) -> Option<f64> {
     let cycle = Harmonics::fitted(1.0, phase, values, harmonics)?;
     let squares: f64 = phase.iter().zip(values).map(|(p, y)| (y - cycle.at(*p)).powi(2)).sum();
     Some(squares / values.len() as f64)
-}
-
-fn variance(of: &[f64]) -> f64 {
-    let mean = of.iter().sum::<f64>() / of.len() as f64;
-    of.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / of.len() as f64
 }
