@@ -15,6 +15,8 @@ const HIGHEST: f64 = 300.0;
 const WIDE: f64 = 1500.0;
 /// Room above it for two lines of words, px.
 const WORDS: f64 = 44.0;
+/// What of the room above a picture, where its axes have no numbers, the words take, px.
+const FREE: f64 = 34.0;
 /// Room below all for the scale of colour, px.
 const FOOT: f64 = 64.0;
 /// From line to line of the notes, px.
@@ -37,18 +39,19 @@ pub fn wake_phases(sheets: &[Sheet], notes: &[String], wide: bool) -> Result<Fig
     let page = if wide { WIDE } else { style::WIDTH };
     let (camera, width) = (Camera::orthographic(VIEW.0, VIEW.1), 0.5 * page);
     let height = Space::height(&camera, &bounds, width, HIGHEST);
-    let total = head + rows * (height + WORDS) + FOOT;
+    let row = height + WORDS - FREE;
+    let total = head + rows * row + FOOT;
     let mut paper = Paper::new(page, total);
     for (k, note) in notes.iter().enumerate() {
         paper.text((14.0, LINE * (k + 1) as f64), note, TextAnchor::Start);
     }
     for (k, sheet) in sheets.iter().enumerate() {
-        let (x, y) = (width * (k % 2) as f64, head + (height + WORDS) * (k / 2) as f64);
+        let (x, y) = (width * (k % 2) as f64, head + row * (k / 2) as f64);
         let letter = char::from(b'a' + (k % 26) as u8);
         paper.scene.elements.push(style::words(x + 14.0, y + 16.0, letter, TextAnchor::Start, true));
         paper.text((x + 30.0, y + 16.0), &sheet.title, TextAnchor::Start);
         paper.text((x + 30.0, y + 34.0), &sheet.note, TextAnchor::Start);
-        let pane = Pane { x, y: y + WORDS, width, height };
+        let pane = Pane { x, y: y + WORDS - FREE, width, height };
         drawn(sheet, Space::new(camera, bounds, pane), &scale).paint(&mut paper.scene);
     }
     paper.scale(&scale, (54.0, total - FOOT + 14.0), "circulation of the rings [m2/s]");
