@@ -102,20 +102,42 @@ pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A program without the blanks before its lines and without the lines that only explain.
+/// A program without the blanks before its lines and beside its signs, and without the lines that only explain. Texts stay: those in a
+/// template may go over several lines, and none holds another one.
 fn without_margins(program: &str) -> String {
-    let lines = program.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
-    lines.flat_map(|line| [line, "\n"]).collect()
+    // Signs beside which a blank says nothing; two of + - / side by side would become another sign.
+    let sign = |letter: char| "=,:?;{}()<>|&*[]".contains(letter);
+    let mut short = String::with_capacity(program.len());
+    let mut quote = None;
+    for line in program.lines() {
+        let line = if quote.is_none() { line.trim_start() } else { line };
+        if quote.is_none() && line.starts_with("//") {
+            continue;
+        }
+        let mut letters = line.chars().peekable();
+        while let Some(letter) = letters.next() {
+            match (quote, letter) {
+                (Some(_), '\\') => {
+                    short.push(letter);
+                    short.extend(letters.next());
+                    continue;
+                }
+                (Some(open), _) if letter == open => quote = None,
+                (None, '\'' | '"' | '`') => quote = Some(letter),
+                (None, ' ') if short.ends_with(sign) || letters.peek().is_some_and(|next| sign(*next)) => {
+                    continue;
+                }
+                _ => {}
+            }
+            short.push(letter);
+        }
+        short.push('\n');
+    }
+    short
 }
 
 /// What is read of a run before any number.
 fn told(run: &Run) -> Value {
-    let mut settings = run.settings.clone();
-    if settings.len() > LONGEST {
-        let end = (0..=LONGEST).rev().find(|end| settings.is_char_boundary(*end)).unwrap_or(0);
-        settings.truncate(end);
-        settings += "\n# ... the rest is in the run folder";
-    }
     let (mut summary, mut notes) = (run.summary.clone(), run.notes.clone());
     if let Some(parts) = summary.as_object_mut() {
         let whole = parts.len();
@@ -125,13 +147,25 @@ fn told(run: &Run) -> Value {
         }
     }
     json!({
-        "name": run.name, "kind": run.kind, "summary": summary, "settings": settings, "notes": notes,
+        "name": run.name, "kind": run.kind, "summary": summary, "notes": notes,
     })
+}
+
+/// The document of a run, of a long one its begin.
+fn settings(run: &Run) -> String {
+    let mut settings = run.settings.clone();
+    if settings.len() > LONGEST {
+        let end = (0..=LONGEST).rev().find(|end| settings.is_char_boundary(*end)).unwrap_or(0);
+        settings.truncate(end);
+        settings += "\n# ... the rest is in the run folder";
+    }
+    settings
 }
 
 fn of_run(run: &Run, without: Without, pack: &mut Pack) -> Value {
     let panels: Vec<Value> = run.panels.iter().map(|panel| of_panel(panel, pack)).collect();
     json!({
+        "settings": settings(run),
         "axis": { "label": run.axis.label, "unit": run.axis.unit, "joined": run.axis.joined,
                   "values": axis(&run.axis.values, pack) },
         "motion": run.motion.as_ref().map(|motion| of_motion(motion, without, pack)),
@@ -241,6 +275,13 @@ mod tests {
             shots: Vec::new(),
             panels: vec![panel],
         }
+    }
+
+    #[test]
+    fn a_program_loses_its_margins_and_no_text() {
+        let program = "  // why\n  const a = (b, c) => b ? 'x = y' : c + -1; // z\n  s(`in vec2 e;\n  a , b`, \"it's\", 'a\\' = b');\n";
+        let short = "const a=(b,c)=>b?'x = y':c + -1;// z\ns(`in vec2 e;\n  a , b`,\"it's\",'a\\' = b');\n";
+        assert_eq!(without_margins(program), short);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::dynamics::Evaluation;
 use super::sections::{Carriers, Section};
 use super::surface::External;
-use super::{Joints, Links, MAX_ELEMENTS, Robot};
+use super::{MAX_ELEMENTS, Robot};
 use crate::body::{
     BaseAcceleration, Coordinates, LinkMotion, MAX_LINKS, MotorWork, drive_power, joint_power,
 };
@@ -70,18 +70,14 @@ pub struct Observation {
 
 /// A robot with all its accelerations, on the heap, as it is large.
 pub(super) struct Moving {
-    /// What led to its rates.
-    pub e: Box<Evaluation<f64>>,
-    /// Joint coordinates with their second rates.
-    pub joints: Joints<f64>,
-    /// The links without the body's own acceleration.
-    pub links: Links<f64>,
+    /// What led to its rates: joint coordinates with their second rates, and links without the body's own acceleration.
+    pub e: Evaluation<f64>,
     /// That acceleration.
     pub body: BaseAcceleration<f64>,
     /// The body as a link, accelerated.
     pub base: LinkMotion,
     /// The links with the body's acceleration.
-    pub moving: Links<f64>,
+    pub moving: Vec<LinkMotion>,
     /// Velocity of the air and its rate, in B.
     pub wind: [Vec3; 2],
 }
@@ -117,8 +113,8 @@ impl Robot {
     ) -> Result<Observation, Fault> {
         let mut dx = vec![0.0; x.len()];
         let seen = self.moving((t, x, u), beyond, &mut dx)?;
-        let Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] } = &*seen;
-        let (body, wind) = (*body, *wind);
+        let Moving { e, body, base, moving, wind: [wind, wind_dot] } = &*seen;
+        let (joints, links, body, wind) = (&e.joints, &e.links, *body, *wind);
         let still = Coordinates::none();
         let mut carriers = Carriers::none(&still);
         carriers.follow(base, &self.carriers, moving, *wind_dot);
@@ -194,15 +190,22 @@ impl Robot {
         beyond: &[Wrench<f64>],
         dx: &mut [f64],
     ) -> Result<Box<Moving>, Fault> {
-        let mut e = Box::new(Evaluation::empty());
-        self.evaluate(t, x, u, beyond, dx, &mut e)?;
-        let (mut joints, mut links) = (e.joints.clone(), e.links.clone());
-        self.let_go(&mut joints, &mut links, &e.coordinates, &e.ratios, &e.second_rates);
-        let body = BaseAcceleration::from_slice(&e.acceleration);
-        let base = e.base.accelerated(&body);
-        let moving = links.iter().map(|link| link.accelerated(&body)).collect();
-        let (wind, wind_dot) = self.wind(t, e.attitude);
-        Ok(Box::new(Moving { e, joints, links, body, base, moving, wind: [wind, wind_dot] }))
+        let mut seen = Box::new(Moving {
+            e: Evaluation::empty(),
+            body: BaseAcceleration::from_slice(&[0.0; 6]),
+            base: LinkMotion::base(Vec3::ZERO, Vec3::ZERO),
+            moving: Vec::new(),
+            wind: [Vec3::ZERO; 2],
+        });
+        let e = &mut seen.e;
+        self.evaluate(t, x, u, beyond, dx, e)?;
+        self.let_go(&mut e.joints, &mut e.links, &e.coordinates, &e.ratios, &e.second_rates);
+        seen.body = BaseAcceleration::from_slice(&seen.e.acceleration);
+        seen.base = seen.e.base.accelerated(&seen.body);
+        seen.moving = seen.e.links.iter().map(|link| link.accelerated(&seen.body)).collect();
+        let (wind, rate) = self.wind(t, seen.e.attitude);
+        seen.wind = [wind, rate];
+        Ok(seen)
     }
 
     /// Ends of the panels of every surface.

@@ -35,20 +35,24 @@ pub fn keys(kind: DocumentKind) -> Vec<Key> {
     let schema = kind.schema();
     let mut walk = Walk { root: &schema, keys: Vec::new() };
     walk.table(&schema, "", None);
-    with_outline_files(walk.keys, kind)
+    with_files(walk.keys, kind)
 }
 
-/// The same with the keys of the table that may stand in place of an outline, behind those of its stations.
-fn with_outline_files(keys: Vec<Key>, kind: DocumentKind) -> Vec<Key> {
+/// The same with the keys of the tables that name a file in place of an outline or an angle, behind what they stand for.
+fn with_files(keys: Vec<Key>, kind: DocumentKind) -> Vec<Key> {
     let files = kind.schema_of_files();
-    let below = |outline: &str| {
+    let below = |definition: &str, path: &str| {
         let mut walk = Walk { root: &files, keys: Vec::new() };
-        walk.table(&files["definitions"]["OutlineFile"], outline, None);
+        walk.table(&files["definitions"][definition], path, None);
         walk.keys
     };
-    let stations = |key: &Key| key.path.strip_suffix("[].trailing_edge_m").map(below);
+    let of_file = |key: &Key| match key.path.strip_suffix("[].trailing_edge_m") {
+        Some(outline) => below("OutlineFile", outline),
+        None if key.path.ends_with("zero_lift_angle_deg") => below("AirfoilFile", &key.path),
+        None => Vec::new(),
+    };
     let each = |key: Key| {
-        let more = stations(&key).unwrap_or_default();
+        let more = of_file(&key);
         std::iter::once(key).chain(more)
     };
     keys.into_iter().flat_map(each).collect()

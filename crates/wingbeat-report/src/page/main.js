@@ -10,16 +10,15 @@ class Page {
       seek: t => of.stage.seek(t), play: on => of.stage.play(on), frame: () => { of.stage.state.dirty = true; of.stage.frame(); },
     };
   }
-  // What is said before any number is drawn.
-  say({ runs }) {
-    $('verdicts').replaceChildren(...runs.map(verdict));
+  // Numbers and settings below the plots.
+  tell(runs) {
     const open = [...$('told').querySelectorAll('details')].map(details => details.open);
     $('told').replaceChildren(...(runs.length > 1 ? [together(runs)] : []), ...runs.map(run => told(run, runs.length > 1)));
     $('told').querySelectorAll('details').forEach((details, k) => details.open = !!open[k]);
   }
   async show(data, letters) {
-    try { this.runs = read(await inflated(letters), data); }
-    catch (error) { $('verdicts').append(make('p', { class: 'verdict bad' }, 'Nothing can be drawn: ' + error.message)); return false; }
+    try { this.runs = read(await inflated(letters), data); this.tell(this.runs); }
+    catch (error) { this.tell(data.runs); $('verdicts').append(make('p', { class: 'verdict bad' }, 'Nothing can be drawn: ' + error.message)); return false; }
     const { stage } = this, motions = this.runs.filter(run => run.motion && run.axis.values.length > 1).map(run => Object.assign(new Motion(run), { run }));
     const shots = motions.length ? [] : this.runs.flatMap(run => run.shots.map(shot => ({ ...shot, run })));
     if (this.plots) this.plots.away();
@@ -45,7 +44,7 @@ async function follow(page) {
     const news = answer.status === 200 ? await answer.json() : null;
     if (news) {
       ({ version, ended } = news);
-      page.say(news.data);
+      $('verdicts').replaceChildren(...news.data.runs.map(verdict));
       await page.show(news.data, news.bytes);
       tell(ended ? 'ended' : 'live', 'quiet', ended ? 'the computation has ended; its run folder holds the whole page' : 'the computation goes on');
     }
@@ -60,7 +59,6 @@ const pause = ms => new Promise(done => setTimeout(done, ms));
   $('verdicts').replaceChildren(...data.runs.map(verdict));
   // What has been written is seen before anything is computed.
   await new Promise(painted => requestAnimationFrame(() => setTimeout(painted)));
-  page.say(data);
   page.stage.follows = live;
   const drawn = await page.show(data, $('bytes').textContent);
   $('bytes').textContent = '';

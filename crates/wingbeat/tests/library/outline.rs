@@ -137,8 +137,10 @@ fn a_file_that_is_no_outline_is_refused_by_line_key_and_value() {
 
 /// A drawing of entities, each `KIND code value code value ...`, in the unit with that code.
 fn drawing(unit: u8, entities: &[&str]) -> String {
-    let header = format!("0 SECTION 2 HEADER 9 $INSUNITS 70 {unit} 0 ENDSEC 0 SECTION 2 ENTITIES 0 ");
-    let all = header + &entities.join(" 0 ") + " 0 ENDSEC 0 EOF";
+    let header = format!("0 SECTION 2 HEADER 9 $INSUNITS 70 {unit} 0 ENDSEC 0 SECTION 2 ENTITIES");
+    let all = header
+        + &entities.iter().map(|entity| format!(" 0 {entity}")).collect::<String>()
+        + " 0 ENDSEC 0 EOF";
     all.split_whitespace().map(|word| format!("{word}\n")).collect()
 }
 

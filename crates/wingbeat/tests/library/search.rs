@@ -44,6 +44,8 @@ fn a_search_goes_on_where_it_was_and_its_best_candidate_is_judged() {
     let rows = all(&mut sweep.search().unwrap(), &[]);
     assert_eq!(rows.len(), 6);
     assert!((rows[0][1] - 5.0).abs() < 1e-12 && (rows[0][2] - 0.3).abs() < 1e-12, "{:?}", rows[0]);
+    assert_eq!(sweep.search_after(&rows[..5]).unwrap().unwrap().generation(), 4..6);
+    assert!(sweep.search_after(&rows[1..]).unwrap().is_err());
     // Interrupted after three candidates it comes to the same.
     assert_eq!(all(&mut sweep.search().unwrap(), &rows[..3]), rows);
     let search = sweep.search().unwrap();
@@ -52,7 +54,7 @@ fn a_search_goes_on_where_it_was_and_its_best_candidate_is_judged() {
     assert!(search.has_row(&rows[1]) && !search.has_row(&foreign) && !search.has_row(&rows[1][1..]));
     let mut record = Record::new(search.columns(), rows.len()).unwrap();
     rows.iter().for_each(|row| record.append(row));
-    let found = search.found(&record).unwrap();
+    let found = sweep.searched(&record).unwrap().found;
     assert_eq!((found.candidates, found.flights.len()), (6, 2));
     let goals = &found.flights[1].goals;
     let met: Vec<bool> = goals.iter().map(|goal| goal.3).collect();
@@ -153,7 +155,7 @@ fn the_end_points_of_a_refused_flight_are_not_met() {
     assert!(apart.is_nan() && cost >= 3e6, "{row:?}");
     let mut record = Record::new(search.columns(), 1).unwrap();
     record.append(&row);
-    assert_eq!(search.found(&record).unwrap().ends_apart_m, None);
+    assert_eq!(sweep.searched(&record).unwrap().found.ends_apart_m, None);
     let verdict = sweep.verdict(&record);
     assert_eq!(verdict.status, Status::NotFound);
     assert!(verdict.warnings.iter().any(|w| w.text.contains("unknown distance")), "{:?}", verdict.warnings);
