@@ -30,6 +30,9 @@ pub struct AirfoilFile {
     pub airfoil: PathBuf,
 }
 
+/// The line at fault, what it says, what is allowed.
+type Fault = (usize, String, String);
+
 /// A point of a section, with its line in the file.
 type Point = (usize, [f64; 2]);
 
@@ -46,7 +49,7 @@ impl AirfoilFile {
 }
 
 /// The middle between the sides of a section over its chord, from 0 to 1; else the line at fault, what it says, what is allowed.
-fn camber(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, String)> {
+fn camber(text: &str) -> Result<Vec<[f64; 2]>, Fault> {
     let (points, counts) = points(text)?;
     let mut sides = match counts {
         Some(upper) => [points[..upper].to_vec(), points[upper..].to_vec()],
@@ -106,7 +109,7 @@ fn camber(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, String)> {
 }
 
 /// The points of a file, and how many are on the first side where it says so.
-fn points(text: &str) -> Result<(Vec<Point>, Option<usize>), (usize, String, String)> {
+fn points(text: &str) -> Result<(Vec<Point>, Option<usize>), Fault> {
     let (mut points, mut counts) = (Vec::new(), None);
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let cells: Vec<&str> =

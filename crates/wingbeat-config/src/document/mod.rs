@@ -335,7 +335,7 @@ impl Document {
         name: &str,
         own: &str,
         file: &dyn Fn(&T) -> &PathBuf,
-        toml: &dyn Fn(&T, &Path, &str, &str) -> Result<String, ConfigError>,
+        toml: Toml<T>,
     ) -> Result<(), ConfigError> {
         loop {
             let tree = self.sources.tree()?;
@@ -381,6 +381,9 @@ impl Document {
         })
     }
 }
+
+/// The TOML, `v=...`, of what a table names: its file, the text of that, its key.
+type Toml<'a, T> = &'a dyn Fn(&T, &Path, &str, &str) -> Result<String, ConfigError>;
 
 /// Whether an override is of the file of an outline: of the outline itself, or of a key in it that is no station.
 fn of_outline(key: &str) -> bool {

@@ -179,7 +179,7 @@ impl Sheet {
     /// What the colours and the size of the robot mean.
     pub fn note(&mut self, birds: &[Bird], every: Option<f64>, enlargement: f64) {
         let mut x = Self::MARGINS.0;
-        let mut entries = vec![("path", style::INK), ("shadow, straight below", SHADOW)];
+        let mut entries = vec![("path", style::INK), ("shadow below", SHADOW)];
         if !birds.is_empty() {
             entries.extend([("left wing", style::colour(0)), ("right wing", style::colour(1))]);
             if birds[0].wings.iter().any(|wing| wing.side.is_none()) {

@@ -86,7 +86,8 @@ def calls():
         if path.stem == "flap_fold":
             yield ["wake", path, "--prescribed"]
     for path in [*documents("rigs/runs"), *documents("rigs/identification")]:
-        yield ["rig", "plan", path]
+        if re.search(r"^\[?turn\b|^base", path.read_text(), re.M):
+            yield ["rig", "plan", path]
         yield ["rig", "simulate", path]
     for path in [*documents("robots"), ROOT / "rigs/aerobat_on_gen3.toml"]:
         yield ["show", path]

@@ -233,7 +233,7 @@ fn a_drawing_that_is_no_outline_is_refused_by_line_key_and_value() {
             "wing.planform.layer = ribs: allowed is a layer",
         ),
         ("off", drawing(4, &[circle]), "", "wing.planform.origin = outline: allowed is the point"),
-        ("back", drawing(4, &[back]), "", "turns back along the span at 10"),
+        ("back", drawing(4, &[back]), "", "turns back along the span at 4"),
         ("block", drawing(4, &["INSERT 2 wing"]), "", "= INSERT: allowed is LINE, LWPOLYLINE"),
         ("nan", drawing(4, &[nan]), "", "wing.planform.file = nan: allowed is a finite number"),
         ("huge", drawing(4, &[huge]), "", "wing.planform.file = 1e300: allowed is a finite number"),

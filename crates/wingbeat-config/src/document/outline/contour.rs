@@ -89,8 +89,8 @@ impl Contour {
         let [a, b] = [1, n - 1].map(|step| self.edge(low, high, step).map_err(&turns));
         let ((a, from), (b, to)) = (a?, b?);
         // What lies between the ends of both edges is the tip.
-        let tip = (0..n).map(|k| (from + k) % n).take_while(|i| *i != to);
-        if let Some(i) = tip.filter(|i| high - self.points[*i][0] > AT_ONE * span).next() {
+        let mut tip = (0..n).map(|k| (from + k) % n).take_while(|i| *i != to);
+        if let Some(i) = tip.find(|i| high - self.points[*i][0] > AT_ONE * span) {
             return Err(turns(self.points[i]));
         }
         let mut arcs: Vec<f64> = a.iter().chain(&b).map(|point| point[0]).collect();
