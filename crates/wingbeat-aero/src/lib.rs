@@ -14,8 +14,8 @@ mod strip;
 mod surfaces;
 
 pub use law::{
-    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
-    SectionSpec, StripState, ZERO_LIFT_ANGLE,
+    Attachment, CD0, CD90, CRITICAL_SUCTION, EdgeVortex, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag,
+    STALL_ANGLE, SectionSpec, StripState, ZERO_LIFT_ANGLE,
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LagSpeed, LiftTilt, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;
@@ -190,6 +190,13 @@ impl<P: Scalar> Aero<P> {
         match self {
             Self::LiftingLine(line) => line.settings().section.law,
             Self::Strip(model) => model.settings().section.law,
+        }
+    }
+    /// Speed below which the model rounds speeds off, m/s.
+    pub fn regularisation_m_s(&self) -> f64 {
+        match self {
+            Self::LiftingLine(line) => line.settings().regularisation_m_s,
+            Self::Strip(model) => model.settings().regularisation_m_s,
         }
     }
     /// Incidence beyond which a strip counts as stalled, rad.

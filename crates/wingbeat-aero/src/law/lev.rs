@@ -8,7 +8,8 @@
 //! vortex acts at 1/4 chord and sheds no circulation of its own into the wake: both a choice.
 
 use super::{
-    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Polar, STALL_ANGLE, StripState, ZERO_LIFT_ANGLE,
+    Attachment, CD0, CD90, CRITICAL_SUCTION, EdgeVortex, LIFT_SLOPE, Law, Polar, STALL_ANGLE, StripState,
+    ZERO_LIFT_ANGLE,
 };
 use wingbeat_math::{Meets, Over, Scalar};
 
@@ -16,21 +17,24 @@ pub(super) const LAW: Law = Law {
     name: "lev",
     meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
     parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
-    states: &[
-        StripState { name: "vortex", unit: "m2/s2", meaning: "vortex force" },
-        StripState { name: "separated", unit: "", meaning: "flow separated" },
-    ],
+    states: STATES,
     attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
-    edge_vortex: true,
+    vortex: Some(EdgeVortex::Stays { chords: VORTEX_CHORDS }),
     beyond_stall: None,
 };
+
+/// What a strip carries.
+pub(super) const STATES: &[StripState] = &[
+    StripState { name: "vortex", unit: "m2/s2", meaning: "vortex force" },
+    StripState { name: "separated", unit: "", meaning: "flow separated" },
+];
 
 /// Chords of travel in which the vortex takes over the lost suction: a choice within the 1 to 4 chords that a
 /// leading-edge vortex needs to form (Gharib, Rambod & Shariff 1998; Ramesh et al. 2014).
 const VORTEX_CHORDS: f64 = 1.0;
 /// Chords of travel in which separation follows the incidence: a choice of the order of Goman & Khrabrov's tau_1 and
 /// of the vortex's stay over the chord.
-const SEPARATION_CHORDS: f64 = 8.0;
+pub(super) const SEPARATION_CHORDS: f64 = 8.0;
 
 /// The flow about a leading edge.
 #[derive(Clone, Copy, Debug)]
@@ -60,12 +64,22 @@ pub(crate) fn edge<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
     Edge { held, lost: suction * (S::ONE - held) * side }
 }
 
-/// Rate of the vortex of a strip: v' = V (lost - v)/(tau_v c).
+/// Normal force of the vortex of a strip over rho c dy / 2, m2/s2, and the rate of its state y: y' = V (lost - y)/(tau_v c), the force
+/// y where the vortex stays, lost - y where it leaves.
 ///
 /// Equation: aero.lev.vortex
 #[inline]
-pub(crate) fn vortex_rate<G: Scalar, S: Over<G>>(vortex: S, lost: S, chords_per_second: G) -> S {
-    (lost - vortex) * (chords_per_second * (1.0 / VORTEX_CHORDS))
+pub(crate) fn vortex<G: Scalar, S: Over<G>>(
+    kind: EdgeVortex,
+    state: S,
+    lost: S,
+    chords_per_second: G,
+) -> [S; 2] {
+    let rest = lost - state;
+    match kind {
+        EdgeVortex::Stays { chords } => [state, rest * (chords_per_second * chords.recip())],
+        EdgeVortex::Leaves { chords } => [rest, rest * (chords_per_second * chords.recip())],
+    }
 }
 
 #[cfg(test)]
@@ -90,7 +104,7 @@ mod tests {
             outline: None,
             hinges: Vec::new(),
         };
-        Polar::new(LiftLaw::Lev, &numbers)
+        Polar::new(LiftLaw::Lev, &numbers, 4.0)
     }
 
     #[test]
@@ -116,8 +130,10 @@ mod tests {
         let polar = polar();
         let still = 1.0 - polar.attached_share(1.0);
         let separated = |now: f64| polar.separation_rate(now, 1.0, 5.0, SEPARATION_CHORDS);
-        assert!((vortex_rate(0.0, 2.0, 5.0) - 10.0).abs() < 1e-12);
+        let (stays, leaves) = (EdgeVortex::Stays { chords: 1.0 }, EdgeVortex::Leaves { chords: 2.0 });
+        assert_eq!(vortex(stays, 0.0, 2.0, 5.0), [0.0, 10.0]);
+        assert_eq!(vortex(leaves, 0.5, 2.0, 5.0), [1.5, 3.75]);
         assert!((separated(0.0) - still * 5.0 / 8.0).abs() < 1e-12);
-        assert_eq!((vortex_rate(2.0, 2.0, 5.0), separated(still)), (0.0, 0.0));
+        assert_eq!((vortex(stays, 2.0, 2.0, 5.0), separated(still)), ([2.0, 0.0], 0.0));
     }
 }
