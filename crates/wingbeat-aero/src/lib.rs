@@ -14,8 +14,8 @@ mod strip;
 mod surfaces;
 
 pub use law::{
-    Attachment, CD0, CD90, CRITICAL_SUCTION, EdgeVortex, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag,
-    STALL_ANGLE, SectionSpec, StripState, ZERO_LIFT_ANGLE,
+    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, LiftLaw, Parameter, ProfileDrag, STALL_ANGLE,
+    SectionSpec, StripState, ZERO_LIFT_ANGLE,
 };
 pub use lifting_line::{JONES_RATES, JONES_WEIGHTS, LagSpeed, LiftTilt, LiftingLine, LiftingLineSettings};
 use loads::ImpulseRow;

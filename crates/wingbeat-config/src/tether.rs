@@ -194,7 +194,7 @@ impl TetherCase {
             let model = if self.tether.aero.preset() == Preset::Full { "full" } else { "paper" };
             let key = format!("aero.{model}.regularisation_m_s");
             let text = format!(
-                "at {speed} m/s the speeds that {key} = {floor} rounds off make coefficients {:.0} % too large",
+                "at {speed:?} m/s the speeds that {key} = {floor} rounds off make coefficients {:.0} % too large",
                 100.0 * excess
             );
             Warning::new("tether.slow", text).size(excess).key(&key)

@@ -8,8 +8,7 @@
 //! vortex acts at 1/4 chord and sheds no circulation of its own into the wake: both a choice.
 
 use super::{
-    Attachment, CD0, CD90, CRITICAL_SUCTION, EdgeVortex, LIFT_SLOPE, Law, Polar, STALL_ANGLE, StripState,
-    ZERO_LIFT_ANGLE,
+    Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, Polar, STALL_ANGLE, StripState, ZERO_LIFT_ANGLE,
 };
 use wingbeat_math::{Meets, Over, Scalar};
 
@@ -19,7 +18,7 @@ pub(super) const LAW: Law = Law {
     parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: STATES,
     attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
-    vortex: Some(EdgeVortex::Stays { chords: VORTEX_CHORDS }),
+    edge_vortex: true,
     beyond_stall: None,
 };
 
@@ -64,22 +63,12 @@ pub(crate) fn edge<P: Scalar, G: Scalar + Meets<P>, S: Over<G>>(
     Edge { held, lost: suction * (S::ONE - held) * side }
 }
 
-/// Normal force of the vortex of a strip over rho c dy / 2, m2/s2, and the rate of its state y: y' = V (lost - y)/(tau_v c), the force
-/// y where the vortex stays, lost - y where it leaves.
+/// Rate of the vortex of a strip: v' = V (lost - v)/(tau_v c).
 ///
 /// Equation: aero.lev.vortex
 #[inline]
-pub(crate) fn vortex<G: Scalar, S: Over<G>>(
-    kind: EdgeVortex,
-    state: S,
-    lost: S,
-    chords_per_second: G,
-) -> [S; 2] {
-    let rest = lost - state;
-    match kind {
-        EdgeVortex::Stays { chords } => [state, rest * (chords_per_second * chords.recip())],
-        EdgeVortex::Leaves { chords } => [rest, rest * (chords_per_second * chords.recip())],
-    }
+pub(crate) fn vortex_rate<G: Scalar, S: Over<G>>(vortex: S, lost: S, chords_per_second: G) -> S {
+    (lost - vortex) * (chords_per_second * (1.0 / VORTEX_CHORDS))
 }
 
 #[cfg(test)]
@@ -130,10 +119,8 @@ mod tests {
         let polar = polar();
         let still = 1.0 - polar.attached_share(1.0);
         let separated = |now: f64| polar.separation_rate(now, 1.0, 5.0, SEPARATION_CHORDS);
-        let (stays, leaves) = (EdgeVortex::Stays { chords: 1.0 }, EdgeVortex::Leaves { chords: 2.0 });
-        assert_eq!(vortex(stays, 0.0, 2.0, 5.0), [0.0, 10.0]);
-        assert_eq!(vortex(leaves, 0.5, 2.0, 5.0), [1.5, 3.75]);
+        assert!((vortex_rate(0.0, 2.0, 5.0) - 10.0).abs() < 1e-12);
         assert!((separated(0.0) - still * 5.0 / 8.0).abs() < 1e-12);
-        assert_eq!((vortex(stays, 2.0, 2.0, 5.0), separated(still)), ([2.0, 0.0], 0.0));
+        assert_eq!((vortex_rate(2.0, 2.0, 5.0), separated(still)), (0.0, 0.0));
     }
 }

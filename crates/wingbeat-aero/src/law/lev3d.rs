@@ -1,27 +1,21 @@
 //! Law `lev` of a wing of finite aspect ratio: the separated part of the flow bears the normal force of a plate of that
-//! aspect ratio, the static stall follows from what the leading edge holds, and the vortex leaves.
-//!
-//! The suction lost becomes normal force at once (Polhamus 1966). At an edge without sweep the vortex does not stay: measured steady
-//! lift has none of it (Traub 2023, Aerospace 10(7):597), and it decays over six semichords (Leishman & Beddoes 1989, T_v).
+//! aspect ratio, and the static stall follows from what the leading edge holds.
 //!
 //! Valid where the plate's formula is, at aspect ratios of 1 and more. Measured against: plates of AR 2 (steady) and 4 (pitched).
 
 use super::lev::{SEPARATION_CHORDS, STATES};
-use super::{Attachment, CD0, CD90, CRITICAL_SUCTION, EdgeVortex, LIFT_SLOPE, Law, ZERO_LIFT_ANGLE};
+use super::{Attachment, CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, Law, ZERO_LIFT_ANGLE};
 use wingbeat_math::Scalar;
 
 pub(super) const LAW: Law = Law {
     name: "lev3d",
-    meaning: "as `lev`, but separated flow knows the aspect ratio, the vortex leaves, and the static stall follows from the critical suction",
+    meaning: "as `lev`, but separated flow knows the aspect ratio, and its static stall follows from the critical suction",
     parameters: &[CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: STATES,
     attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
-    vortex: Some(EdgeVortex::Leaves { chords: VORTEX_CHORDS }),
+    edge_vortex: true,
     beyond_stall: None,
 };
-
-/// Chords of travel in which the vortex leaves (Leishman & Beddoes 1989: T_v = 6 semichords).
-const VORTEX_CHORDS: f64 = 3.0;
 
 /// Scale of [`attached_share`](super::stall::attached_share) for which nine tenths of the lift are attached where the edge
 /// lets go in static, plane flow, sin a = A0c (the reading of a static stall that the pages have): 1/(9 A0c^4).

@@ -8,6 +8,6 @@ pub(super) const LAW: Law = Law {
     parameters: &[ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: &[],
     attachment: Attachment::Whole,
-    vortex: None,
+    edge_vortex: false,
     beyond_stall: Some("which knows no stall"),
 };

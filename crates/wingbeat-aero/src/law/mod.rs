@@ -55,25 +55,11 @@ pub struct Law {
     pub states: &'static [StripState],
     /// Which share of the lift stays attached.
     pub attachment: Attachment,
-    /// The vortex of a leading edge that holds limited suction.
-    pub vortex: Option<EdgeVortex>,
+    /// True when the leading edge holds limited suction and sheds a vortex, whose normal force is the first of the
+    /// states.
+    pub edge_vortex: bool,
     /// What to say of strips past the stall angle; nothing of a law made for them.
     pub beyond_stall: Option<&'static str>,
-}
-
-/// How the suction that a leading edge loses becomes the normal force of a vortex; the first of the law's states follows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EdgeVortex {
-    /// The vortex takes it over in so many chords of travel and stays: the state is its force.
-    Stays {
-        /// Chords of travel.
-        chords: f64,
-    },
-    /// The vortex has it at once and leaves in so many chords of travel: the state is what has left.
-    Leaves {
-        /// Chords of travel.
-        chords: f64,
-    },
 }
 
 /// How a law tells the share of the lift that stays attached.

@@ -9,7 +9,7 @@ pub(super) const LAW: Law = Law {
     parameters: &[STALL_ANGLE, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
     states: &[],
     attachment: Attachment::AtOnce,
-    vortex: None,
+    edge_vortex: false,
     beyond_stall: Some("which is quasi-steady and only within +-50 % there"),
 };
 

@@ -3,7 +3,7 @@
 use super::nodes::Node;
 use super::{LagSpeed, LiftTilt, LiftingLine};
 use crate::SectionMotion;
-use crate::law::{Attachment, EdgeVortex, lev};
+use crate::law::{Attachment, lev};
 use crate::section::{Section, SectionForce, pitch_suction, suction_share};
 use wingbeat_math::{Meets, Over, Scalar, Vec3};
 
@@ -113,7 +113,7 @@ impl<P: Scalar> LiftingLine<P> {
         };
         dx[i] = self.circulation_rate(i, speed, effective * attached, x[i]);
         let mut suction = suction_share(inverse * uc);
-        if law.vortex.is_none() {
+        if !law.edge_vortex {
             suction *= attached;
         }
         let mut pitching = S::ZERO;
@@ -144,8 +144,8 @@ impl<P: Scalar> LiftingLine<P> {
             let rate = speed * self.nodes[i].inverse_chord;
             dx[at] = self.polar.separation_rate(x[at], sine * sine, rate, chords);
         }
-        if let Some(kind) = law.vortex {
-            self.advance_edge(i, kind, section, &mut flow, x, dx);
+        if law.edge_vortex {
+            self.advance_edge(i, section, &mut flow, x, dx);
         }
         flow
     }
@@ -198,7 +198,6 @@ impl<P: Scalar> LiftingLine<P> {
     fn advance_edge<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
         i: usize,
-        kind: EdgeVortex,
         section: &Section<G>,
         flow: &mut Flow<G, S>,
         x: &[S],
@@ -211,13 +210,12 @@ impl<P: Scalar> LiftingLine<P> {
         let wash = flow.effective - turn;
         let suction = wash.squared() * suction_share(cosine) * self.numbers.section_slope;
         let edge = lev::edge(&self.polar, suction, wash, flow.speed.squared(), set.regularisation_m_s);
-        let (at, rate) = (3 * m + i, flow.speed * node.inverse_chord);
-        let [vortex, vortex_rate] = lev::vortex(kind, x[at], edge.lost, rate);
-        dx[at] = vortex_rate;
+        let (vortex, rate) = (3 * m + i, flow.speed * node.inverse_chord);
+        dx[vortex] = lev::vortex_rate(x[vortex], edge.lost, rate);
         let carried = if set.section.pitch_suction && set.section.added_mass { node.mass } else { P::ZERO };
         flow.edge = Some(LimitedEdge {
             held: edge.held,
-            vortex: vortex * flow.attached * node.drag,
+            vortex: x[vortex] * flow.attached * node.drag,
             carried: section.w_half * section.pitch_rate * carried,
         });
     }

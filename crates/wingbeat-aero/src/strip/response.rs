@@ -6,7 +6,7 @@ use super::motion::Strips;
 use super::mutual::Foreign;
 use super::{Flow, StripModel};
 use crate::LagNumbers;
-use crate::law::{Attachment, EdgeVortex, Polar, lev};
+use crate::law::{Attachment, Polar, lev};
 use crate::section::suction_share;
 use wingbeat_math::{Dual, Meets, Over, Scalar};
 
@@ -294,7 +294,7 @@ impl<P: Scalar> StripModel<P> {
             self.advance_separation(&flow.strips, &lift_wash, (state, chords), x, dx);
         }
         let edges =
-            law.vortex.map(|kind| self.advance_edges(&flow.strips, kind, [&lift_wash, &turning_wash], x, dx));
+            law.edge_vortex.then(|| self.advance_edges(&flow.strips, [&lift_wash, &turning_wash], x, dx));
         let (mut impulse, mut impulse_rate) = ([S::ZERO; N], [S::ZERO; N]);
         if self.settings.section.added_mass {
             let rates = self.lag_sum_rates(flow, lagged, &attached, x, dx);
@@ -357,7 +357,6 @@ impl<P: Scalar> StripModel<P> {
     fn advance_edges<G: Scalar + Meets<P>, S: Over<G> + Meets<P>, const N: usize>(
         &self,
         strips: &Strips<G, N>,
-        kind: EdgeVortex,
         [lift_wash, turning_wash]: [&Column<S, N>; 2],
         x: &[S],
         dx: &mut [S],
@@ -378,7 +377,7 @@ impl<P: Scalar> StripModel<P> {
             let edge = lev::edge(&self.polar, suction, lw - turn, speed.squared(), self.floor);
             edges.held[i] = edge.held;
             let rate = speed * (self.tables.turnover[i] * 0.5);
-            [edges.vortex[i], dx[at + i]] = lev::vortex(kind, edges.vortex[i], edge.lost, rate);
+            dx[at + i] = lev::vortex_rate(edges.vortex[i], edge.lost, rate);
         }
         edges
     }
