@@ -194,6 +194,13 @@ impl<P: Scalar> Aero<P> {
             Self::Strip(model) => model.settings().section.law,
         }
     }
+    /// Speed below which the model rounds speeds off, m/s.
+    pub fn regularisation_m_s(&self) -> f64 {
+        match self {
+            Self::LiftingLine(line) => line.settings().regularisation_m_s,
+            Self::Strip(model) => model.settings().regularisation_m_s,
+        }
+    }
     /// Incidence beyond which a strip counts as stalled, rad.
     pub fn stall_angle(&self) -> f64 {
         self.numbers().stall_angle.value()

@@ -5,7 +5,7 @@ use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use wingbeat_aero::{Aero, Planform};
+use wingbeat_aero::{Aero, CD0, Planform, Preset};
 use wingbeat_flight::simulate::Ending;
 use wingbeat_flight::tether::{
     CycleMean, CycleWrenches, Hinge, Motion, Periodicity, Reference, Side, Tether, TetherRun, Wing,
@@ -176,12 +176,29 @@ impl TetherCase {
         }
         self.stalled(run)
             .into_iter()
+            .chain(self.slow())
             .chain(step_change.and_then(|change| self.coarse(change)))
             .chain(rejected_fit("numbers", &self.spec.numbers))
             .for_each(|warning| judge.warn(warning));
         let found = self.found.iter().chain(compared.iter().flat_map(|compared| &compared.found));
         found.cloned().for_each(|finding| finding.put(&mut judge));
         judge.verdict()
+    }
+
+    /// The caution that the speed is near the one at which speeds are rounded off, V = sqrt(U^2 + delta^2): the coefficients of a
+    /// wing at rest grow by V/U - 1.
+    fn slow(&self) -> Option<Warning> {
+        let (speed, floor) = (self.tether.reference.speed_m_s, self.tether.aero.regularisation_m_s());
+        let excess = speed.hypot(floor) / speed - 1.0;
+        (excess > ROUNDED_OFF).then(|| {
+            let model = if self.tether.aero.preset() == Preset::Full { "full" } else { "paper" };
+            let key = format!("aero.{model}.regularisation_m_s");
+            let text = format!(
+                "at {speed:?} m/s the speeds that {key} = {floor} rounds off make coefficients {:.0} % too large",
+                100.0 * excess
+            );
+            Warning::new("tether.slow", text).size(excess).key(&key)
+        })
     }
 
     /// The caution that the law does not hold for all of the motion.
@@ -245,6 +262,9 @@ pub struct TetherSummary {
     /// Means and ranges over the last cycle.
     pub cycle: Vec<CycleMean>,
 }
+
+/// Excess of the coefficients by rounded speeds above which there is a caution. *Choice.*
+const ROUNDED_OFF: f64 = 0.02;
 
 /// Change of the means with other steps above which there is a caution. *Choice.*
 pub(super) const STEP_CHANGE: f64 = 0.02;
@@ -407,7 +427,7 @@ impl TetherSpec {
             key: "wing".into(),
             planform: planform.clone(),
             hinges: arcs,
-            cd0: self.wing.cd0,
+            cd0: self.wing.cd0.unwrap_or(if self.aero.law.separates() { CD0.default } else { 0.0 }),
             cd90: self.wing.cd90,
             section: self.wing.section,
             preset: None,
@@ -420,7 +440,7 @@ impl TetherSpec {
         let tether = Tether {
             reference: Reference {
                 density_kg_m3: aero.numbers().density,
-                speed_m_s: self.reference.speed_m_s.unwrap_or(self.wind.speed_m_s),
+                speed_m_s: self.reference_speed()?,
                 area_m2: self.reference.area_m2.unwrap_or(area),
                 chord_m: self
                     .reference
@@ -434,10 +454,19 @@ impl TetherSpec {
             side: self.wing.side,
             clock,
         };
-        let speed = if self.reference.speed_m_s.is_some() { "reference.speed_m_s" } else { "wind.speed_m_s" };
-        let names = [("air", "wind"), ("reference.speed_m_s", speed), ("hinges", "wing.hinges")];
+        let names = [("air", "wind"), ("hinges", "wing.hinges")];
         tether.check().map_err(|e| e.renamed(&names))?;
         Ok((tether, tables))
+    }
+
+    /// The speed of the coefficients: as given, and else the wind's.
+    fn reference_speed(&self) -> Result<f64, Error> {
+        let wind = self.wind.speed_m_s;
+        if wind == 0.0 && self.reference.speed_m_s.is_none() {
+            let allowed = "another speed, or still air with a `reference.speed_m_s` for the coefficients";
+            return Err(Error::invalid("wind.speed_m_s", wind, allowed).against(["reference.speed_m_s"]));
+        }
+        Ok(self.reference.speed_m_s.unwrap_or(wind.abs()))
     }
 
     /// The wing's model with those of `numbers` that are its own; those of bodies, gait and rig do not count.

@@ -58,9 +58,10 @@ pub struct TetheredWingSpec {
     /// Both halves, or one with a mirror plane at its root.
     #[serde(default)]
     pub side: Side,
-    /// Drag coefficient along the chord.
-    #[serde(default)]
-    pub cd0: f64,
+    /// Drag coefficient along the chord; where not given 0 under law `linear`, that of a laminar plate under laws that
+    /// separate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cd0: Option<f64>,
     /// Drag coefficient of the plate broadside on; where not given 0 under law `linear`, that of a flat plate under
     /// laws that separate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -149,7 +150,7 @@ pub struct FourierSpec {
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WindSpec {
-    /// Speed, m/s.
+    /// Speed, m/s; in still air, 0, the coefficients need a `reference.speed_m_s`, and a negative wind comes from behind.
     pub speed_m_s: f64,
     /// Angle by which it comes from below, deg.
     #[serde(default)]

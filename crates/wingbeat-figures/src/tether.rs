@@ -95,7 +95,7 @@ impl<'a> LastCycle<'a> {
     }
 }
 
-/// Circulation, where the model has one, incidence and force over the span at four phases of the last cycle.
+/// Circulation, where the model has one, incidence, separation and suction lost, where there are any, and force over the span at four phases of the last cycle.
 pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
     let (phase, arc) = (needed(strips, "phase")?, needed(strips, "arc")?);
     let count = 1 + needed(strips, "strip")?.iter().fold(0.0_f64, |most, strip| most.max(*strip)) as usize;
@@ -120,6 +120,14 @@ pub fn span_loading(strips: &Record) -> Result<Figure, Error> {
         panels.push(at_phases(circulation, "circulation [m2/s]", &|_| 1.0)?);
     }
     panels.push(at_phases("incidence", "incidence, wash included [°]", &|_| DEGREES)?);
+    for (column, title) in [
+        ("separated", "separated share of the flow"),
+        ("suction_lost", "share of the leading-edge suction lost"),
+    ] {
+        if strips.values(column).is_some_and(|shares| shares.iter().any(|share| *share != 0.0)) {
+            panels.push(at_phases(column, title, &|_| 1.0)?);
+        }
+    }
     let width = needed(strips, "width")?;
     panels.push(at_phases("force_z", "upward force per span, body axes [N/m]", &|row| 1.0 / width[row])?);
     Ok(Figure::new("span", stacked(panels, "arc from the middle, left wing positive [m]", style::PANEL)))

@@ -111,14 +111,24 @@ impl Section {
         Self { law: LiftLaw::Stall, ..self }
     }
 
+    /// The same section under law `lev3d`.
+    pub const fn lev3d(self) -> Self {
+        Self { law: LiftLaw::Lev3d, ..self }
+    }
+
+    /// The same section with the stall angle that follows from its critical suction: see [`stalling_at`](Self::stalling_at).
+    pub fn stalling_with_the_edge(self) -> Self {
+        let stall_angle_deg = (self.critical_suction * 3_f64.powf(0.25)).asin().to_degrees();
+        Self { stall_angle_deg, ..self }
+    }
+
     /// Under law `lev`, without skin friction, a section whose lift has fallen a tenth below its line at that incidence
     /// (degrees) in static, plane flow. Its leading edge holds the suction that thin-airfoil theory gives there, A0c = sin;
     /// nine tenths of the law's lift are attached there, 1/(1 + x^4/3) = 0.9 at x = 3^(-1/4) of the sine of its stall angle.
     pub fn stalling_at(static_stall_deg: f64) -> Self {
         let critical_suction = static_stall_deg.to_radians().sin();
-        let stall_angle_deg = (critical_suction * 3_f64.powf(0.25)).asin().to_degrees();
         let drag = ProfileDrag { cd0: 0.0, cd90: CD90.default };
-        Self { stall_angle_deg, critical_suction, drag, ..Self::PLATE }
+        Self { critical_suction, drag, ..Self::PLATE }.stalling_with_the_edge()
     }
 }
 

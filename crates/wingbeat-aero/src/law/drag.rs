@@ -1,6 +1,6 @@
 //! Profile drag: skin friction, and the plate in separated flow.
 
-use super::LiftLaw;
+use super::{LiftLaw, Polar, lev3d};
 use wingbeat_math::Error;
 use wingbeat_math::require;
 use wingbeat_math::{Meets, Over, Scalar};
@@ -45,9 +45,9 @@ impl<P: Scalar> ProfileDrag<P> {
     /// Profile drag of a section that meets the wind (`uc`, `w`) at mid chord.
     ///
     /// Law `linear`: (cd0 + cd90 sin^2) along the wind, centre from 1/4 to 1/2
-    /// chord with sin^2. Laws `stall` and `lev`: cd0 along the wind, and of the normal
+    /// chord with sin^2. Laws that separate: cd0 along the wind, and of the normal
     /// force cd90 sin the separated share, at Rayleigh's (1876) centre
-    /// 1/2 - (3/4) cos / (4 + pi |sin|).
+    /// 1/2 - (3/4) cos / (4 + pi |sin|); under `lev3d` that force is a plate's of the surface's aspect ratio.
     ///
     /// Equation: aero.profile_drag
     /// `cd0 + cd90 sin^2 a along the wind; law stall: normal force cd90 sin a on the separated share, centre 1/2 -
@@ -57,7 +57,7 @@ impl<P: Scalar> ProfileDrag<P> {
     #[inline]
     pub(crate) fn section<G: Scalar + Meets<P>, S: Over<G> + Meets<P>>(
         &self,
-        law: LiftLaw,
+        polar: &Polar<P>,
         uc: G,
         w: G,
         attached: S,
@@ -66,7 +66,7 @@ impl<P: Scalar> ProfileDrag<P> {
         let speed = (uc * uc + w * w + delta2).sqrt();
         let inverse = speed.recip();
         let sine = w * inverse;
-        match law.separates() {
+        match polar.law.separates() {
             false => {
                 let sine2 = sine * sine;
                 let along = speed * (sine2 * self.cd90 + self.cd0);
@@ -74,9 +74,13 @@ impl<P: Scalar> ProfileDrag<P> {
                 SectionDrag { chordwise, normal, centre: S::from(sine2 * 0.25 + 0.25) }
             }
             true => {
-                let plate = (S::ONE - attached) * self.cd90 + self.cd0;
-                let centre = G::from(0.5)
-                    - uc * inverse * 0.75 / (sine.smooth_abs(SINE_WIDTH) * std::f64::consts::PI + 4.0);
+                let absolute = sine.smooth_abs(SINE_WIDTH);
+                let mut broadside = G::from(self.cd90);
+                if polar.law == LiftLaw::Lev3d {
+                    broadside *= lev3d::plate_force(absolute, polar.end_relief);
+                }
+                let plate = (S::ONE - attached) * broadside + self.cd0;
+                let centre = G::from(0.5) - uc * inverse * 0.75 / (absolute * std::f64::consts::PI + 4.0);
                 let chordwise = S::from(speed * uc * self.cd0);
                 SectionDrag { chordwise, normal: plate * (speed * w), centre: S::from(centre) }
             }

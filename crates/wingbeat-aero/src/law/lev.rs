@@ -16,21 +16,24 @@ pub(super) const LAW: Law = Law {
     name: "lev",
     meaning: "suction beyond a critical one becomes the normal force of a leading-edge vortex; separation lags",
     parameters: &[STALL_ANGLE, CRITICAL_SUCTION, ZERO_LIFT_ANGLE, LIFT_SLOPE, CD0, CD90],
-    states: &[
-        StripState { name: "vortex", unit: "m2/s2", meaning: "vortex force" },
-        StripState { name: "separated", unit: "", meaning: "flow separated" },
-    ],
+    states: STATES,
     attachment: Attachment::Lagging { state: 1, chords: SEPARATION_CHORDS },
     edge_vortex: true,
     beyond_stall: None,
 };
+
+/// What a strip carries.
+pub(super) const STATES: &[StripState] = &[
+    StripState { name: "vortex", unit: "m2/s2", meaning: "vortex force" },
+    StripState { name: "separated", unit: "", meaning: "flow separated" },
+];
 
 /// Chords of travel in which the vortex takes over the lost suction: a choice within the 1 to 4 chords that a
 /// leading-edge vortex needs to form (Gharib, Rambod & Shariff 1998; Ramesh et al. 2014).
 const VORTEX_CHORDS: f64 = 1.0;
 /// Chords of travel in which separation follows the incidence: a choice of the order of Goman & Khrabrov's tau_1 and
 /// of the vortex's stay over the chord.
-const SEPARATION_CHORDS: f64 = 8.0;
+pub(super) const SEPARATION_CHORDS: f64 = 8.0;
 
 /// The flow about a leading edge.
 #[derive(Clone, Copy, Debug)]
@@ -96,7 +99,7 @@ mod tests {
             outline: None,
             hinges: Vec::new(),
         };
-        Polar::new(LiftLaw::Lev, &numbers)
+        Polar::new(LiftLaw::Lev, &numbers, 4.0)
     }
 
     #[test]

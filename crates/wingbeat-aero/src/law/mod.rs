@@ -6,6 +6,7 @@
 
 mod drag;
 pub(super) mod lev;
+mod lev3d;
 mod linear;
 mod stall;
 
@@ -36,6 +37,9 @@ pub enum LiftLaw {
     /// the effective incidence (Polhamus 1966; Goman & Khrabrov 1994; Ramesh et al.
     /// 2014). Two states per strip.
     Lev,
+    /// As `lev`, for wings of finite aspect ratio: the separated flow bears the normal force of a plate of that aspect
+    /// ratio (Lindenburg 2001), and the static stall follows from the critical suction.
+    Lev3d,
 }
 
 /// What a law is, as data.
@@ -176,7 +180,7 @@ impl Parameter {
 
 impl LiftLaw {
     /// All laws.
-    pub const ALL: [Self; 3] = [Self::Linear, Self::Stall, Self::Lev];
+    pub const ALL: [Self; 4] = [Self::Linear, Self::Stall, Self::Lev, Self::Lev3d];
 
     /// What the law is, as data.
     #[inline]
@@ -185,6 +189,7 @@ impl LiftLaw {
             Self::Linear => &linear::LAW,
             Self::Stall => &stall::LAW,
             Self::Lev => &lev::LAW,
+            Self::Lev3d => &lev3d::LAW,
         }
     }
 
@@ -257,18 +262,30 @@ pub(super) struct Polar<P> {
     separation: P,
     /// One over the largest suction coefficient, 1/(a0 A0c^2).
     inverse_limit: P,
+    /// What the ends of a plate of the surface's aspect ratio take from its normal force.
+    end_relief: P,
 }
 
 impl<P: Scalar> Polar<P> {
-    pub fn new(law: LiftLaw, numbers: &SurfaceNumbers<P>) -> Self {
+    /// The law of a surface of the aspect ratio `aspect`.
+    pub fn new(law: LiftLaw, numbers: &SurfaceNumbers<P>, aspect: P) -> Self {
         let limit = numbers.section_slope * numbers.critical_suction * numbers.critical_suction;
-        Self { law, separation: stall::scale(numbers.stall_angle), inverse_limit: limit.recip() }
+        let separation = match law {
+            LiftLaw::Lev3d => lev3d::scale(numbers.critical_suction),
+            _ => stall::scale(numbers.stall_angle),
+        };
+        Self { law, separation, inverse_limit: limit.recip(), end_relief: lev3d::end_relief(aspect) }
     }
 
     /// The same with its numbers turned by `f`.
     #[inline]
     pub fn map<Q>(&self, f: impl Fn(P) -> Q) -> Polar<Q> {
-        Polar { law: self.law, separation: f(self.separation), inverse_limit: f(self.inverse_limit) }
+        Polar {
+            law: self.law,
+            separation: f(self.separation),
+            inverse_limit: f(self.inverse_limit),
+            end_relief: f(self.end_relief),
+        }
     }
 
     /// Rate of the separated share, s' = V (s_0 - s)/(tau_s c), s_0 the static share at the squared sine of the

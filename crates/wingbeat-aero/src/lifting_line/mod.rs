@@ -108,10 +108,13 @@ impl<P: Scalar> LiftingLine<P> {
         numbers: SurfaceNumbers<P>,
         settings: LiftingLineSettings,
     ) -> Result<Self, Error> {
+        let nodes: Vec<_> = layout.cells.iter().map(|cell| Node::new(cell, &numbers)).collect();
+        let area = layout.cells.iter().fold(P::ZERO, |sum, cell| sum + cell.area);
+        let span = layout.cells.iter().fold(P::ZERO, |sum, cell| sum + cell.area / cell.chord);
         Ok(Self {
-            nodes: layout.cells.iter().map(|cell| Node::new(cell, &numbers)).collect(),
+            nodes,
             zero_lift: ZeroLift::new(numbers.zero_lift_angle),
-            polar: Polar::new(settings.section.law, &numbers),
+            polar: Polar::new(settings.section.law, &numbers, span * span / area),
             at_once: at_once(&numbers),
             slope_share: numbers.section_slope / (2.0 * PI),
             layout,
@@ -398,7 +401,7 @@ impl<P: Scalar> LiftingLine<P> {
     ) -> SectionForce<S> {
         let set = &self.settings;
         let delta2 = set.regularisation_m_s * set.regularisation_m_s;
-        let drag = drag.section(set.section.law, section.uc, section.w_half, flow.attached, delta2);
+        let drag = drag.section(&self.polar, section.uc, section.w_half, flow.attached, delta2);
         let ahead = (S::from(0.5) - drag.centre) * (node.half_chord * 2.0);
         SectionForce::in_plane(drag.chordwise * node.drag, drag.normal * node.drag, ahead)
     }

@@ -226,10 +226,11 @@ impl<P: Scalar> StripModel<P> {
         attached: &Column<S, N>,
         drag: ProfileDrag<P>,
     ) -> InPlane<S, N> {
-        let (law, delta2) = (self.settings.section.law, self.floor * self.floor);
+        let delta2 = self.floor * self.floor;
         let mut force = InPlane::ZERO;
         for i in 0..N {
-            let section = drag.section(law, strips.along[i], strips.wash_half[i], attached[i], delta2);
+            let section =
+                drag.section(&self.polar, strips.along[i], strips.wash_half[i], attached[i], delta2);
             force.chordwise[i] = section.chordwise * self.tables.drag_scale[i];
             force.normal[i] = section.normal * self.tables.drag_scale[i];
             force.ahead[i] = (S::from(0.5) - section.centre) * self.tables.chord[i];

@@ -104,7 +104,7 @@ impl<P: Scalar> StripModel<P> {
             cores: Cores::new(&grid, settings.vortex_core),
             floor: settings.regularisation_m_s,
             zero_lift: ZeroLift::new(numbers.zero_lift_angle),
-            polar: Polar::new(settings.section.law, &numbers),
+            polar: Polar::new(settings.section.law, &numbers, grid.aspect),
             numbers,
             lags,
             grid,

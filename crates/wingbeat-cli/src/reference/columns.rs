@@ -260,7 +260,7 @@ pub const COLUMNS: &[Described] = &[
     column("<surface>_wash_lag<k>_<n>", &[FLIGHT, GAIT], &["m/s"], "", "The same of another surface."),
     column("wake_lag<k>_<n>", &[FLIGHT, GAIT], &["m2/s"], "", "State of preset `full`: lag k of the wake of strip n."),
     column("<surface>_wake_lag<k>_<n>", &[FLIGHT, GAIT], &["m2/s"], "", "The same of another surface."),
-    column("vortex_<n>", &[FLIGHT, GAIT], &["m2/s2"], "", "State of law `lev`: strength of the leading-edge vortex of strip n."),
+    column("vortex_<n>", &[FLIGHT, GAIT], &["m2/s2"], "", "State of laws `lev` and `lev3d`: strength of the leading-edge vortex of strip n."),
     column("<surface>_vortex_<n>", &[FLIGHT, GAIT], &["m2/s2"], "", "The same of another surface."),
     column("separated_<n>", &[FLIGHT, GAIT], ONE, "", "State of law `lev`: separated share of the flow of strip n."),
     column("<surface>_separated_<n>", &[FLIGHT, GAIT], ONE, "", "The same of another surface."),

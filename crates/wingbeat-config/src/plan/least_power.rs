@@ -317,7 +317,7 @@ impl Scenario {
             wing: TetheredWingSpec {
                 planform,
                 side: Side::Both,
-                cd0: wing.cd0,
+                cd0: Some(wing.cd0),
                 cd90: Some(wing.cd90),
                 section: wing.section,
                 hinges: HINGES.map(hinge).into(),

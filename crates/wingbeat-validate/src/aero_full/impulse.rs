@@ -25,10 +25,11 @@ fn no_tables(path: &Path) -> Result<Record, String> {
     Err(format!("{}: no tables here", path.display()))
 }
 
-/// Mean added-mass force and mean lift, N, in the last cycle of a case under `law`.
-fn means((name, text): (&str, &str), law: LiftLaw) -> Result<(Vec3, f64), Error> {
+/// Mean added-mass force and mean lift, N, in the last cycle of a case under `law`, with the keys `set`.
+fn means((name, text): (&str, &str), law: LiftLaw, set: &[&str]) -> Result<(Vec3, f64), Error> {
     let refused = |e: ConfigError| Error::NoAnswer(e.to_string());
     let document = Document::text(name, text).map_err(refused)?.set(format!("aero.law={}", law.name()));
+    let document = set.iter().fold(document, |document, key| document.set(*key));
     let tether = TetherCase::new(document, &no_tables).map_err(refused)?.tether;
     let along = tether.wind * (1.0 / tether.wind.norm());
     let up = Vec3::new(along[2], 0.0, -along[0]);
@@ -42,14 +43,18 @@ fn means((name, text): (&str, &str), law: LiftLaw) -> Result<(Vec3, f64), Error>
     Ok((carried * each, lift * each))
 }
 
+/// Cycles after which a cycle of the folding cases repeats the one before.
+const SETTLED: &str = "time.cycles=6";
+
 /// Mean added-mass force over the mean lift in the last cycle of a case under `law`.
 fn share(case: (&str, &str), law: LiftLaw) -> Result<f64, Error> {
-    means(case, law).map(|(carried, lift)| carried.norm() / lift.abs())
+    let set: &[&str] = if case.0 == STAND.0 { &[] } else { &[SETTLED] };
+    means(case, law, set).map(|(carried, lift)| carried.norm() / lift.abs())
 }
 
 /// Deep folding: the mean lift of E1 beside that of the lattice, whose wake cores are a choice.
 pub fn deep_fold() -> Result<Vec<Row>, Error> {
-    let (_, lift) = means(FOLDING[1], LiftLaw::Linear)?;
+    let (_, lift) = means(FOLDING[1], LiftLaw::Linear, &[])?;
     let cases = [
         ("prescribed", WakeMotion::Prescribed, Asked::default().core),
         ("prescribed.thin_cores", WakeMotion::Prescribed, CORE),

@@ -205,6 +205,11 @@ pub fn scherer_lev() -> Result<Vec<Row>, Error> {
             rows.push(Row::shown(&id, SOURCE, &metric(drag, factor * a0c), mean_error(&points, drag), ""));
         }
     }
+    for (suffix, drag) in [("", STATIC_DRAG), (".low_drag", SCHERER_DRAG)] {
+        let error = mean_error(&points_of(Preset::Full, section.lev3d())?, drag);
+        let metric = format!("the same as the first under law lev3d, Cd0 = {drag}");
+        rows.push(Row::shown(&id(&format!(".lev3d{suffix}")), SOURCE, &metric, error, ""));
+    }
     for (name, preset) in [(".five_lags", Preset::FiveLags), (".paper", Preset::Paper)] {
         let points = points_of(preset, section)?;
         let metric = format!("the same with {}", preset.name());

@@ -278,13 +278,18 @@ pub fn yeo() -> Result<Vec<Row>, Error> {
         let error = mean_free_error(&strip.model, &strip.measured);
         rows.push(Row::shown(&format!("aero.yeo.{name}"), source, &metric, error, "N"));
     }
-    let others = [("linear", Section::PLATE.linear()), ("stall", Section::PLATE.stall())];
-    for (name, section) in others {
+    let others = [
+        ("law_linear", "law linear", Section::PLATE.linear()),
+        ("law_stall", "law stall", Section::PLATE.stall()),
+        ("lev_edge_stall", "law lev with the static stall of lev3d", Section::PLATE.stalling_with_the_edge()),
+        ("law_lev3d", "law lev3d", Section::PLATE.lev3d()),
+    ];
+    for (name, of, section) in others {
         let other = of_section(section)?;
         let model = sum_of(&other, |s| &s.model);
-        let metric = format!("the same under law {name}, gain {:.2}", gain(&model, &measured));
+        let metric = format!("the same under {of}, gain {:.2}", gain(&model, &measured));
         let error = mean_free_error(&model, &measured);
-        rows.push(Row::shown(&format!("aero.yeo.law_{name}"), source, &metric, error, "N"));
+        rows.push(Row::shown(&format!("aero.yeo.{name}"), source, &metric, error, "N"));
     }
     let flappings = [
         ("published_angle", "the publishers' series of the angle", Flapping::Published),

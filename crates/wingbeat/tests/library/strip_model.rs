@@ -494,7 +494,7 @@ proptest! {
         speed in prop_oneof![Just(0.0), Just(1e-9), 0.01_f64..20.0],
         incidence in -PI..PI,
         slip in -1.5_f64..1.5,
-        law in prop_oneof![Just(LiftLaw::Linear), Just(LiftLaw::Stall), Just(LiftLaw::Lev)],
+        law in proptest::sample::select(LiftLaw::ALL.to_vec()),
         five in any::<bool>(),
     ) {
         let lags = if five { LagSet::Five } else { LagSet::Three };

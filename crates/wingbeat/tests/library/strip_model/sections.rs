@@ -133,3 +133,26 @@ fn van_dyke(aspect: f64) -> f64 {
     let (second, ratio) = (2.0 / aspect, 4.0 / (PI * aspect));
     (1.0 + second + ratio * ratio * ((PI * aspect).ln() - 9.0 / 8.0)).recip()
 }
+
+#[test]
+fn law_lev3d_has_the_limits_of_attached_flow_and_of_the_plate() {
+    let aspect = 2.0;
+    for build in [line as fn(f64, LiftLaw, Section) -> Aero, strips] {
+        let flat = Section(0.0, THIN);
+        let bare = build(aspect, LiftLaw::Lev3d, flat);
+        let mut numbers = bare.numbers().clone();
+        numbers.cd90 = 1.98;
+        let plate = bare.with(&numbers).unwrap();
+        let alpha = 85_f64.to_radians();
+        let [lift, drag] = steady(&plate, aspect, alpha);
+        let (normal, sine) = (lift * alpha.cos() + drag * alpha.sin(), alpha.sin());
+        let exact = 1.98 * sine * (1.0 / (0.56 + 0.44 * sine) - 0.41 * (1.0 - (-8.5_f64).exp()));
+        assert!((normal / exact - 1.0).abs() < 0.02, "{normal} {exact}");
+        let [up, down] = [20_f64, -20.0].map(|deg| steady(&plate, aspect, deg.to_radians()));
+        assert!((up[0] + down[0]).abs() < 1e-9 && (up[1] - down[1]).abs() < 1e-9, "{up:?} {down:?}");
+        let small = 1_f64.to_radians();
+        let linear = steady(&build(aspect, LiftLaw::Linear, flat), aspect, small);
+        let attached = steady(&plate, aspect, small);
+        assert!((attached[0] / linear[0] - 1.0).abs() < 1e-3, "{attached:?} {linear:?}");
+    }
+}
