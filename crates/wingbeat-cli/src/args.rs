@@ -110,7 +110,7 @@ pub struct Tether {
 /// The folder holds case.toml or scenario.toml (as resolved), record.parquet (loads by Joukowski and by Bernoulli), summary.json,
 /// manifest.json, a VTK file of wing and wake at the start and in the middle of down- and upstroke of the last cycle, and figures: the wake,
 /// and the vorticity in a frontal plane at these phases. Of a flight with a turn there are two stretches, the last cycles before
-/// the turn and the last of the flight. Attached flow is assumed. More in docs/wake.md.
+/// the turn and the last of the flight. Attached flow is assumed without `--critical-suction`. More in docs/wake.md.
 #[derive(Debug, Args)]
 pub struct Wake {
     /// The case, as `tether` takes it, or the run folder of `fly`
@@ -140,6 +140,10 @@ pub struct Wake {
     /// Radius of the cores of the wake's vortices, mean chords
     #[arg(long, value_name = "SHARE", default_value_t = Asked::default().core)]
     pub core: f64,
+    /// Largest suction parameter of the leading edges (about 0.11 for flat plates): what is above is shed there; without it the flow
+    /// stays attached
+    #[arg(long, value_name = "A0")]
+    pub critical_suction: Option<f64>,
     #[command(flatten)]
     pub run: Run,
     #[command(flatten)]

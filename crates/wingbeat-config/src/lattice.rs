@@ -36,6 +36,11 @@ pub struct LatticeSpec {
     /// Age at which the wake ends, s; without it never.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longest_age_s: Option<f64>,
+    /// Largest suction parameter of the leading edges (A0 of thin aerofoils, the incidence of a flat plate in steady flow): what is above
+    /// leaves them in a vortex sheet. Without it the flow stays attached. It belongs to profile and Reynolds number: 0.11 for flat plates,
+    /// 0.14 to 0.21 for SD7003 at 1e4 to 3e4 (Ramesh et al. 2014 and their program).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub critical_suction: Option<f64>,
 }
 
 ranges!(LatticeSpec {
@@ -44,6 +49,7 @@ ranges!(LatticeSpec {
     spanwise: Range::between(1.0, 400.0),
     core_chords: Range::over(0.0, 1.0),
     longest_age_s: Range::POSITIVE,
+    critical_suction: Range::NOT_NEGATIVE,
 });
 
 fn chordwise() -> usize {
@@ -123,12 +129,17 @@ pub struct LatticeSummary {
     pub way_panels: f64,
     /// The same in radii of the wake's cores.
     pub way_cores: f64,
+    /// Largest way of a vortex in a step that has left a leading edge, mean chords; none in attached flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sheet_way_chords: Option<f64>,
 }
 
 /// Way in a step above which a step is said to be long, chords of a panel, and below which cores are said to be wide, radii.
 /// *Choices.*
 const LONG: f64 = 2.0;
 const NARROW: f64 = 1.0;
+/// Way of a shed vortex in a step above which it is said to run away, mean chords. *Choice.*
+const FAR: f64 = 0.5;
 
 impl LatticeSummary {
     pub(super) fn new(coupling: Coupling) -> Self {
@@ -140,12 +151,13 @@ impl LatticeSummary {
             iterations_most: most,
             way_panels: fineness.panels,
             way_cores: fineness.cores,
+            sheet_way_chords: fineness.sheet,
         }
     }
 
     /// What a reader must know of the steps.
     pub fn cautions(&self) -> Vec<String> {
-        let Self { step_s, way_panels, way_cores, .. } = *self;
+        let Self { step_s, way_panels, way_cores, sheet_way_chords, .. } = *self;
         let mut cautions = Vec::new();
         if way_panels > LONG {
             let shorter = step_s / way_panels;
@@ -158,6 +170,12 @@ impl LatticeSummary {
             cautions.push(format!(
                 "the cores of the wake are wide: in a step of the lattice the wing goes {way_cores:.2} of their radius; lengthen \
                  lattice.step_s or lower lattice.core_chords"
+            ));
+        }
+        if let Some(way) = sheet_way_chords.filter(|way| *way > FAR) {
+            cautions.push(format!(
+                "vortices that have left the leading edges run away: in a step of the lattice one goes {way:.1} mean chords; shorten \
+                 lattice.step_s or raise lattice.critical_suction"
             ));
         }
         cautions

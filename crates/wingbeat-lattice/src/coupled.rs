@@ -140,7 +140,8 @@ impl Beside {
         let layouts = laid(robot, outlines, panels)?;
         let longest_age_s = spec.longest_age_s.unwrap_or(f64::INFINITY);
         let rows = (*steps as f64).min(longest_age_s / spec.step_s);
-        let rings = rows * layouts.iter().map(|(_, layout)| layout.strips()).sum::<usize>() as f64;
+        let edges = if spec.critical_suction.is_some() { 2.0 } else { 1.0 };
+        let rings = edges * rows * layouts.iter().map(|(_, layout)| layout.strips()).sum::<usize>() as f64;
         if rings > MOST_RINGS as f64 {
             return Err(Error::Rings { rings: rings as usize, most: MOST_RINGS });
         }
@@ -164,6 +165,7 @@ impl Beside {
         let wake = if spec.free_wake { WakeMotion::Free } else { WakeMotion::Prescribed };
         let own = Settings::new(spec.step_s, spec.core_chords * chord);
         let crossing = if spec.crossing { CROSSING } else { 0.0 };
+        let own = own.shedding(spec.critical_suction, chord);
         let settings = Settings { wake, longest_age_s, crossing, fast_from: FAST_FROM, ..own };
         let lattice = Lattice::new(scene, settings)?;
         Ok(Self { robot, lattice, layouts, pose, every: *every, chord, last: None, way: Way::default() })
@@ -209,7 +211,9 @@ impl Flow for Beside {
 
     fn fineness(&self) -> Fineness {
         let [way, panels] = self.way.squares.map(|sum| (sum / self.way.edges.max(1) as f64).sqrt());
-        Fineness { panels, cores: way / self.lattice.settings().core.radius_m }
+        let settings = self.lattice.settings();
+        let sheet = settings.critical_suction.map(|_| self.lattice.farthest() / self.chord);
+        Fineness { panels, cores: way / settings.core.radius_m, sheet }
     }
 }
 

@@ -12,8 +12,8 @@ use wingbeat::parallel;
 
 /// Grids that induce velocities.
 pub struct Sources<'a> {
-    /// Bound rings.
-    pub bound: Vec<&'a Grid>,
+    /// Bound rings, with the number of their surface.
+    pub bound: Vec<(usize, &'a Grid)>,
     /// Vortices with cores: wakes and the ends of the last rings.
     pub cored: Vec<&'a Grid>,
 }
@@ -35,6 +35,15 @@ const SHARED: usize = 200;
 
 /// A control point, the normal there, and where it lies.
 type Aimed = (Vec3, Vec3, Place);
+
+/// Rows of rings on a surface.
+struct Rings<'a> {
+    /// How many; the last reach to the ends.
+    rows: usize,
+    bound: &'a Grid,
+    /// The ends of the last rings.
+    ends: &'a Grid,
+}
 
 /// Four control points, or their mirror images.
 struct SeenFrom {
@@ -74,12 +83,12 @@ impl Influence {
                 };
                 let places: Vec<Place> =
                     places.iter().copied().chain(places[..images].iter().map(image)).collect();
-                for (surface, grid) in sources.bound.iter().enumerate() {
-                    add_rounded(grid, surface, crossing, &lanes, &places, &mut velocities);
+                for (surface, grid) in &sources.bound {
+                    add_rounded(grid, *surface, crossing, &lanes, &places, &mut velocities);
                 }
             }
             None => {
-                for grid in &sources.bound {
+                for (_, grid) in &sources.bound {
                     match self.cored {
                         true => add_velocities::<true>(grid, &lanes, &mut velocities),
                         false => add_velocities::<false>(grid, &lanes, &mut velocities),
@@ -99,6 +108,13 @@ impl Influence {
         velocities
     }
 
+    /// The same with bound vortices that have the core of the wake, `core` m, where the wake feels them: sheets that leave the leading edge
+    /// pass close over the wing.
+    pub fn softened(&self, core: f64) -> Self {
+        let wake_only = Crossing { share: 0.0, near: 0.0, wake: core };
+        Self { crossing: self.crossing.or(Some(wake_only)), ..self.clone() }
+    }
+
     /// Whether the mirror image of all sources is there.
     pub fn symmetric(&self) -> bool {
         self.symmetric
@@ -106,13 +122,23 @@ impl Influence {
 
     /// What rings of unit circulation induce along the normals at the control points, row by row, 1/m.
     pub fn coefficients(&self, meshes: &[Mesh]) -> Vec<f64> {
+        self.columns(meshes, |mesh| Rings { rows: mesh.chordwise, bound: &mesh.bound, ends: &mesh.trailing })
+    }
+
+    /// The same of the rings between the first bound vortices and the sheets that leave the leading edges.
+    pub fn noses(&self, meshes: &[Mesh]) -> Vec<f64> {
+        self.columns(meshes, |mesh| Rings { rows: 1, bound: &mesh.nose, ends: &mesh.heads })
+    }
+
+    fn columns(&self, meshes: &[Mesh], of: fn(&Mesh) -> Rings<'_>) -> Vec<f64> {
+        let rings: Vec<Rings<'_>> = meshes.iter().map(of).collect();
         let of = |(surface, mesh): (usize, &Mesh)| {
             let place = move |c: &Control| Place::On(surface, c.arc);
             mesh.controls.iter().map(move |c| (c.at, c.normal, place(c))).collect::<Vec<Aimed>>()
         };
         let controls: Vec<Aimed> = meshes.iter().enumerate().flat_map(of).collect();
         let blocks: Vec<&[Aimed]> = controls.chunks(LANES).collect();
-        let rows = |block: &[Aimed]| self.block(block, meshes);
+        let rows = |block: &[Aimed]| self.block(block, &rings);
         if controls.len() < SHARED {
             return blocks.iter().flat_map(|block| rows(block)).collect();
         }
@@ -120,7 +146,7 @@ impl Influence {
     }
 
     /// The rows of up to four control points.
-    fn block(&self, controls: &[Aimed], meshes: &[Mesh]) -> Vec<f64> {
+    fn block(&self, controls: &[Aimed], rings: &[Rings<'_>]) -> Vec<f64> {
         let last = controls.len() - 1;
         let lanes = |of: fn(&Aimed) -> Vec3, image: bool| -> [f64x4; 3] {
             let vectors: [Vec3; LANES] = std::array::from_fn(|lane| {
@@ -141,19 +167,19 @@ impl Influence {
                 }),
             })
             .collect();
-        let columns: Vec<f64x4> = meshes.iter().enumerate().flat_map(|m| self.rings(m, &seen_from)).collect();
+        let columns: Vec<f64x4> = rings.iter().enumerate().flat_map(|m| self.rings(m, &seen_from)).collect();
         let columns: Vec<[f64; LANES]> = columns.iter().map(|column| column.to_array()).collect();
         (0..controls.len()).flat_map(|lane| columns.iter().map(move |column| column[lane])).collect()
     }
 
     /// What the unit rings of a surface induce along the normals at four points: front and right less rear and left.
-    fn rings(&self, (surface, mesh): (usize, &Mesh), seen_from: &[SeenFrom]) -> Vec<f64x4> {
-        let (m, n) = (mesh.chordwise, mesh.strips);
-        let rows = mesh.bound.rows();
+    fn rings(&self, (surface, of): (usize, &Rings<'_>), seen_from: &[SeenFrom]) -> Vec<f64x4> {
+        let (m, n) = (of.rows, of.bound.columns - 1);
+        let rows = of.bound.rows();
         let mut across = vec![f64x4::ZERO; rows * n];
         let mut along = vec![f64x4::ZERO; (rows - 1) * (n + 1)];
         let mut seen: Vec<Seen> = Vec::with_capacity(n + 1);
-        let bound = &mesh.bound;
+        let bound = of.bound;
         for SeenFrom { at, normal, places } in seen_from {
             let sums = [&mut across[..], &mut along[..]];
             match (&self.crossing, self.cored) {
@@ -176,7 +202,7 @@ impl Influence {
         }
         // The ends of the last rings are vortices of the wake.
         let mut ends = vec![f64x4::ZERO; n];
-        let trailing = &mesh.trailing;
+        let trailing = of.ends;
         for SeenFrom { at, normal, .. } in seen_from {
             let sums = [&mut ends[..], &mut []];
             unit_washes(trailing, at, normal, sums, &mut seen, |s, a, b| own::<true>(trailing, s, a, b));

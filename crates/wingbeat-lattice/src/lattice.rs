@@ -7,6 +7,7 @@ use crate::loads::{Air, Loads};
 use crate::mesh::Mesh;
 use crate::motion::Scene;
 use crate::settings::{Settings, WakeMotion};
+use crate::shedding::{Factors, Shedding};
 use crate::spread;
 use crate::wake::Wake;
 use wingbeat::math::Vec3;
@@ -23,8 +24,10 @@ pub struct Lattice {
     rings: [Vec<f64>; 3],
     /// Instants solved.
     solved: usize,
-    /// The wakes as they come to the instant that is being solved, while several motions are tried there.
-    arriving: Option<Vec<Wake>>,
+    /// What leaves the leading edges, where they shed.
+    shedding: Option<Shedding>,
+    /// The wakes and sheets as they come to the instant that is being solved, while several motions are tried there.
+    arriving: Option<[Vec<Wake>; 2]>,
 }
 
 /// Most panels: their matrix has the square of it. *Choice.*
@@ -61,8 +64,8 @@ impl Lattice {
         check(&scene)?;
         let wake_core = settings.core.radius_m;
         let bound_core = if settings.emulates() { wake_core } else { 0.0 };
-        let crosses = settings.crossing > 0.0;
-        let mesh = |surface| Mesh::new(surface, bound_core, wake_core, crosses);
+        let (crosses, sheds) = (settings.crossing > 0.0, settings.critical_suction.is_some());
+        let mesh = |surface| Mesh::new(surface, bound_core, wake_core, crosses || sheds, sheds);
         let mut meshes: Vec<Mesh> = scene.surfaces.iter().map(mesh).collect();
         for (mesh, surface) in meshes.iter_mut().zip(&scene.surfaces) {
             mesh.update(surface, 0.0, scene.wind, settings.step_s, false);
@@ -78,7 +81,8 @@ impl Lattice {
         let influence = Influence::new(scene.symmetric, settings.emulates(), crossing, fast_from);
         let wakes = meshes.iter().map(|_| Wake::default()).collect();
         let rings = std::array::from_fn(|_| vec![0.0; panels]);
-        Ok(Self { scene, settings, meshes, wakes, influence, rings, solved: 0, arriving: None })
+        let shedding = settings.critical_suction.map(|critical| Shedding::new(critical, &meshes));
+        Ok(Self { scene, settings, meshes, wakes, influence, rings, solved: 0, shedding, arriving: None })
     }
 
     /// Solves the next instant, returns its loads and carries the wake on to the one after it.
@@ -101,10 +105,15 @@ impl Lattice {
     pub fn attempt(&mut self) -> Result<Loads, Error> {
         let t = self.time();
         match &self.arriving {
-            Some(arriving) => self.wakes.clone_from(arriving),
+            Some([wakes, sheets]) => {
+                self.wakes.clone_from(wakes);
+                if let Some(shedding) = &mut self.shedding {
+                    shedding.sheets.clone_from(sheets);
+                }
+            }
             None => {
                 self.leave(t)?;
-                self.arriving = Some(self.wakes.clone());
+                self.arriving = Some([self.wakes.clone(), self.sheets().to_vec()]);
             }
         }
         self.arrive(t)
@@ -142,8 +151,10 @@ impl Lattice {
                 at = first + mesh.fronts.len() + mesh.legs.len();
             }
         }
-        let rates = self.rates();
-        let air = Air { velocities: &air, rates: &rates, density: self.scene.density_kg_m3 };
+        let rates = self.rates(&self.rings);
+        let jump_rates = self.shedding.as_ref().map_or_else(Vec::new, |own| self.rates(&own.jumps));
+        let density = self.scene.density_kg_m3;
+        let air = Air { velocities: &air, rates: &rates, jump_rates: &jump_rates, density };
         let loads = Loads::new(t, &self.meshes, &self.rings[0], &air, &self.scene, self.settings.emulates());
         if !loads.is_finite() {
             return Err(Error::NotFinite { time: t, what: "load" });
@@ -189,6 +200,9 @@ impl Lattice {
         if self.solved > 0 {
             self.carry_wakes(t)?;
             self.rings.rotate_right(1);
+            if let Some(shedding) = &mut self.shedding {
+                shedding.jumps.rotate_right(1);
+            }
         }
         Ok(())
     }
@@ -212,6 +226,18 @@ impl Lattice {
             wake.set_segments(&self.settings.core, step);
             first += panels;
         }
+        if let Some(Shedding { sheets, jumps, .. }) = &mut self.shedding {
+            let mut shed = &jumps[1][..];
+            for (mesh, sheet) in self.meshes.iter_mut().zip(sheets) {
+                let (own, rest) = shed.split_at(mesh.strips);
+                shed = rest;
+                mesh.place_nose(sheet.last_row(), self.settings.sheet_core_m, wind, step);
+                Shedding::join(sheet, mesh, (self.solved > 0).then_some(own));
+                let rows = self.settings.longest_age_s / step + 1e-9;
+                sheet.truncate(rows.min(1e9) as usize, self.settings.longest_distance_m);
+                sheet.set_segments(&self.settings.sheet_core(), step);
+            }
+        }
         let finite = |mesh: &Mesh| mesh.controls.iter().all(|c| (c.normal + c.at + c.velocity).is_finite());
         match self.meshes.iter().all(finite) {
             true => Ok(()),
@@ -222,12 +248,16 @@ impl Lattice {
     /// Carries the wakes on from the instant before `t` s.
     fn carry_wakes(&mut self, t: f64) -> Result<(), Error> {
         let step = self.settings.step_s;
-        let points: Vec<Vec3> = self.wakes.iter().flat_map(|wake| wake.grid.points.iter().copied()).collect();
+        let wakes = self.wakes.iter().chain(self.sheets());
+        let points: Vec<Vec3> = wakes.flat_map(|wake| wake.grid.points.iter().copied()).collect();
         let mut velocities = match self.settings.wake {
             WakeMotion::Prescribed => vec![Vec3::ZERO; points.len()],
             WakeMotion::Free => {
                 let places = vec![Place::Wake; points.len()];
-                self.influence.velocities(&points, &places, &self.sources(true, true))
+                let softened =
+                    self.shedding.as_ref().map(|_| self.influence.softened(self.settings.sheet_core_m));
+                let influence = softened.as_ref().unwrap_or(&self.influence);
+                influence.velocities(&points, &places, &self.sources(true, true))
             }
         };
         velocities.iter_mut().for_each(|v| *v += self.scene.wind);
@@ -235,9 +265,19 @@ impl Lattice {
             return Err(Error::NotFinite { time: t, what: "velocity of the wake" });
         }
         let first_order = self.settings.emulates() || self.settings.wake == WakeMotion::Prescribed;
-        for wake in &mut self.wakes {
+        let wind = self.scene.wind;
+        let mut carry = |wake: &mut Wake| {
             let rest = velocities.split_off(wake.grid.points.len());
-            wake.carry(std::mem::replace(&mut velocities, rest), step, first_order);
+            let own = std::mem::replace(&mut velocities, rest);
+            let fastest = own.iter().fold(0.0_f64, |most, v| most.max((*v - wind).norm()));
+            wake.carry(own, step, first_order);
+            fastest
+        };
+        self.wakes.iter_mut().for_each(|wake| {
+            carry(wake);
+        });
+        if let Some(Shedding { sheets, farthest, .. }) = &mut self.shedding {
+            *farthest = sheets.iter_mut().map(carry).fold(*farthest, |most, v| most.max(v * step));
         }
         Ok(())
     }
@@ -245,10 +285,18 @@ impl Lattice {
     /// What induces velocities: bound rings with the ends of the last ones, wakes.
     fn sources(&self, bound: bool, wake: bool) -> Sources<'_> {
         let meshes = self.meshes.iter().filter(|_| bound);
-        let wakes = self.wakes.iter().filter(|_| wake).map(|wake| &wake.grid);
+        let wakes = self.wakes.iter().chain(self.sheets()).filter(|_| wake).map(|wake| &wake.grid);
+        let sheds = self.shedding.is_some();
+        let noses = self.meshes.iter().enumerate().filter(|_| bound && sheds);
+        let heads = noses.clone().map(|(_, mesh)| &mesh.heads);
         Sources {
-            bound: meshes.clone().map(|mesh| &mesh.bound).collect(),
-            cored: meshes.map(|mesh| &mesh.trailing).chain(wakes).collect(),
+            bound: meshes
+                .clone()
+                .map(|mesh| &mesh.bound)
+                .enumerate()
+                .chain(noses.map(|(i, mesh)| (i, &mesh.nose)))
+                .collect(),
+            cored: meshes.map(|mesh| &mesh.trailing).chain(heads).chain(wakes).collect(),
         }
     }
 
@@ -286,11 +334,17 @@ impl Lattice {
             first += mesh.panels() + mesh.fronts.len() + mesh.legs.len();
             first += if self.settings.emulates() { mesh.strips } else { 0 };
         }
+        let noses = self.shedding.as_ref().map(|own| own.held(&self.influence, &self.meshes, &mut right));
         let mut pivots = vec![0; n];
         if !lu_factor(&mut matrix, n, &mut pivots) {
             return Err(Error::Singular { time: t });
         }
         lu_solve(&matrix, n, &pivots, &mut right, 1);
+        if let (Some(shedding), Some(noses)) = (&mut self.shedding, noses) {
+            let factors = Factors { matrix: &matrix, pivots: &pivots };
+            shedding.shed(&self.meshes, self.scene.wind, &factors, noses, &mut right);
+            shedding.put(&mut self.meshes);
+        }
         if !right.iter().all(|ring| ring.is_finite()) {
             return Err(Error::Singular { time: t });
         }
@@ -298,15 +352,14 @@ impl Lattice {
         Ok(())
     }
 
-    /// Rates of the rings' circulations by backward differences of second order, m2/s2. The first instant, when all starts at
+    /// Rates of circulations now and at the two instants before by backward differences of second order, m2/s2. The first instant, when all starts at
     /// once, has none.
     ///
     /// Equation: lattice.rates
     /// `(3 G_n - 4 G_n-1 + G_n-2)/(2 h)`
     /// Source: backward differences.
     /// Test: `a_long_wing_starts_as_wagner_says`.
-    fn rates(&self) -> Vec<f64> {
-        let [now, one, two] = &self.rings;
+    fn rates(&self, [now, one, two]: &[Vec<f64>; 3]) -> Vec<f64> {
         let per_step = self.settings.step_s.recip();
         let emulated = self.settings.emulates();
         let rate = |i: usize| match self.solved {
@@ -325,6 +378,22 @@ impl Lattice {
     /// Their wakes.
     pub fn wakes(&self) -> &[Wake] {
         &self.wakes
+    }
+    /// The sheets that leave their leading edges, where these shed.
+    pub fn sheets(&self) -> &[Wake] {
+        self.shedding.as_ref().map_or(&[], |shedding| &shedding.sheets)
+    }
+    /// Suction parameters of the leading edges, by surface and strip, where these shed.
+    pub fn suction(&self) -> &[f64] {
+        self.shedding.as_ref().map_or(&[], |shedding| &shedding.suction)
+    }
+    /// Share of the strips that shed at the last instant.
+    pub fn shed_share(&self) -> f64 {
+        self.shedding.as_ref().map_or(0.0, Shedding::share)
+    }
+    /// Largest way of a vortex of the sheets in a step so far, m.
+    pub fn farthest(&self) -> f64 {
+        self.shedding.as_ref().map_or(0.0, |shedding| shedding.farthest)
     }
     /// What it is stepped with.
     pub fn settings(&self) -> &Settings {
@@ -356,10 +425,13 @@ impl Lattice {
     pub fn circulation_error(&self) -> f64 {
         let largest = self.rings[0].iter().fold(0.0_f64, |most, ring| most.max(ring.abs()));
         let mut worst: f64 = 0.0;
+        let mut sheets = self.sheets().iter();
         for (mesh, wake) in self.meshes.iter().zip(&self.wakes) {
+            let sheet = sheets.next().map_or(&[][..], |sheet| &sheet.grid.across);
             for j in 0..mesh.strips {
                 let of = |across: &[f64]| across.iter().skip(j).step_by(mesh.strips).sum::<f64>();
-                let sum = of(&mesh.bound.across) + of(&mesh.trailing.across) + of(&wake.grid.across);
+                let wing = of(&mesh.bound.across) + of(&mesh.trailing.across) + of(&mesh.heads.across);
+                let sum = wing + of(&wake.grid.across) + of(sheet);
                 worst = worst.max(sum.abs());
             }
         }

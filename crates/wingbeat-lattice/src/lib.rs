@@ -32,6 +32,7 @@ mod motion;
 mod multipole;
 mod picture;
 mod settings;
+mod shedding;
 mod spread;
 mod tree;
 mod trefftz;

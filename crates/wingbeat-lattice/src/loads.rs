@@ -12,6 +12,8 @@ pub struct Air<'a> {
     pub velocities: &'a [Vec3],
     /// Rates of the rings' circulations, by surface and panel, m2/s2.
     pub rates: &'a [f64],
+    /// Rates of the jumps at the leading edges that shed, by surface and strip, m2/s2.
+    pub jump_rates: &'a [f64],
     /// Density, kg/m3.
     pub density: f64,
 }
@@ -51,6 +53,8 @@ struct Loaded<'a> {
     mesh: &'a Mesh,
     rings: &'a [f64],
     rates: &'a [f64],
+    /// Rates of the jumps at the leading edge, where it sheds.
+    jump_rates: &'a [f64],
     /// Velocities of the air relative to the wing at control points, bound vortices, legs, and the ends of the last rings.
     controls: Vec<Vec3>,
     fronts: Vec<Vec3>,
@@ -73,7 +77,7 @@ impl Loads {
         emulates: bool,
     ) -> Self {
         let mut loads = Self { time, ..Self::default() };
-        let (mut velocities, mut rates) = (air.velocities, air.rates);
+        let (mut velocities, mut rates, mut jump_rates) = (air.velocities, air.rates, air.jump_rates);
         let mut sums = [Wrench::ZERO; 3];
         let mut power = 0.0;
         for mesh in meshes {
@@ -86,6 +90,7 @@ impl Loads {
                 mesh,
                 rings: own_rings,
                 rates: own_rates,
+                jump_rates: take(&mut jump_rates, mesh.jumps.len()),
                 controls: relative(next(mesh.panels()), &mut mesh.controls.iter().map(|c| c.velocity)),
                 fronts: relative(next(mesh.fronts.len()), &mut mesh.fronts.iter().map(|e| e.velocity)),
                 legs: relative(next(mesh.legs.len()), &mut mesh.legs.iter().map(|e| e.velocity)),
@@ -132,19 +137,34 @@ impl Loaded<'_> {
         self.rings[i * self.mesh.strips + j]
     }
 
-    /// Circulation of the bound vortex of a panel.
-    fn front(&self, i: usize, j: usize) -> f64 {
-        self.ring(i, j) - if i > 0 { self.ring(i - 1, j) } else { 0.0 }
+    /// The jump before the bound vortex of a panel: of the ring before it, at the leading edge of what has left it.
+    fn before(&self, i: usize, j: usize) -> f64 {
+        if i > 0 { self.ring(i - 1, j) } else { self.mesh.jumps.get(j).copied().unwrap_or(0.0) }
     }
 
-    /// Circulation of the leg `j` of the ring row `i`, from front to rear.
-    fn leg(&self, i: usize, j: usize) -> f64 {
+    /// Circulation of the bound vortex of a panel.
+    fn front(&self, i: usize, j: usize) -> f64 {
+        self.ring(i, j) - self.before(i, j)
+    }
+
+    /// Circulation of the leg `j` between two columns of `rings`, from front to rear.
+    fn leg_of(&self, j: usize, rings: impl Fn(usize) -> f64) -> f64 {
         let n = self.mesh.strips;
         if self.undone && j == n {
             return 0.0;
         }
-        let left = if j > 0 { self.ring(i, j - 1) } else { 0.0 };
-        left - if j < n { self.ring(i, j) } else { 0.0 }
+        let left = if j > 0 { rings(j - 1) } else { 0.0 };
+        left - if j < n { rings(j) } else { 0.0 }
+    }
+
+    /// Circulation of the leg `j` of the ring row `i`, from front to rear.
+    fn leg(&self, i: usize, j: usize) -> f64 {
+        self.leg_of(j, |j| self.ring(i, j))
+    }
+
+    /// The same of what lies before the bound vortices of the row `i`.
+    fn leg_before(&self, i: usize, j: usize) -> f64 {
+        self.leg_of(j, |j| self.before(i, j))
     }
 
     /// Share of a leg's force that the panel on one side of it bears.
@@ -191,7 +211,8 @@ impl Loaded<'_> {
     /// Test: `a_long_wing_starts_as_wagner_says`.
     fn growth(&self, i: usize, j: usize) -> Wrench<f64> {
         let n = self.mesh.strips;
-        let before = if i > 0 { self.rates[(i - 1) * n + j] } else { 0.0 };
+        let at_edge = || self.jump_rates.get(j).copied().unwrap_or(0.0);
+        let before = if i > 0 { self.rates[(i - 1) * n + j] } else { at_edge() };
         let own = self.rates[i * n + j];
         let rate = if self.emulates { own } else { 0.75 * own + 0.25 * before };
         let control = &self.mesh.controls[i * n + j];
@@ -214,12 +235,18 @@ impl Loaded<'_> {
         let growth = self.growth(i, j);
         let mut power = sum.force.dot(front.velocity) + growth.force.dot(self.mesh.middle(i, j).1);
         for side in [j, j + 1] {
-            let leg = i * (n + 1) + side;
-            let circulation = self.share(side) * self.leg(i, side);
-            let element = &self.mesh.legs[leg];
-            let load = self.on_vortex(element, self.legs[leg], circulation);
-            power += load.force.dot(element.velocity);
-            sum += load;
+            let mut bear = |row: usize, circulation: f64| {
+                let leg = row * (n + 1) + side;
+                let element = &self.mesh.legs[leg];
+                let load = self.on_vortex(element, self.legs[leg], self.share(side) * circulation);
+                power += load.force.dot(element.velocity);
+                sum += load;
+            };
+            bear(i, self.leg(i, side));
+            // The legs of the nose come after the others.
+            if i == 0 && !self.mesh.jumps.is_empty() {
+                bear(self.mesh.chordwise, self.leg_before(0, side));
+            }
         }
         if self.emulates && i + 1 == self.mesh.chordwise {
             let change = self.mesh.trailing.across[j] + self.mesh.shed[j];
@@ -251,8 +278,7 @@ impl Loaded<'_> {
         let mut sum = along(self.front(i, j), front.along, front.at);
         for side in [j, j + 1] {
             let [from, to] = [i, i + 1].map(|i| self.mesh.corner(i, side));
-            let before = if i > 0 { self.leg(i - 1, side) } else { 0.0 };
-            let circulation = 0.75 * self.leg(i, side) + 0.25 * before;
+            let circulation = 0.75 * self.leg(i, side) + 0.25 * self.leg_before(i, side);
             sum += along(self.share(side) * circulation, to - from, (from + to) * 0.5);
         }
         sum + self.growth(i, j)
@@ -272,7 +298,7 @@ impl Loaded<'_> {
         let edge = right - left;
         let control = &self.mesh.controls[j];
         let forward = control.normal.cross(edge);
-        let pull = self.density * self.ring(0, j).powi(2) * edge.norm_squared() / (4.0 * control.area);
+        let pull = self.density * self.front(0, j).powi(2) * edge.norm_squared() / (4.0 * control.area);
         Wrench::at((left + right) * 0.5, forward * (pull / forward.norm()))
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::kernel::Grid;
 use crate::motion::Surface;
+use std::f64::consts::PI;
 use wingbeat::aero::SectionMotion;
 use wingbeat::math::Vec3;
 
@@ -12,6 +13,10 @@ const CONTROL: f64 = 0.75;
 /// Share of a step's way behind the trailing edge at which the last rings end: as their bound vortices stand at 1/4 of a panel,
 /// the first vortex of the wake stands at 1/4 of its own.
 const BEHIND: f64 = 0.25;
+
+/// Share of the way from the leading edge to the row that left it a step ago at which the newest vortex of its sheet stands: that is a
+/// quarter of a step behind the edge where rows leave it at an even pace. *Choice.*
+const AHEAD: f64 = 0.2;
 
 /// A vortex or a leg of one: where a force acts on it.
 #[derive(Clone, Copy, Debug)]
@@ -61,12 +66,20 @@ pub struct Mesh {
     pub legs: Vec<Element>,
     /// Circulations that the last rings had a step ago, m2/s.
     pub shed: Vec<f64>,
+    /// Where the leading edge sheds, vortex rings between the first bound vortices and the sheet that leaves it: vertices at these,
+    /// at the leading edge, and at the sheet. Their share of the first bound vortices stands on [`bound`](Self::bound).
+    pub nose: Grid,
+    /// Their ends, where the sheet begins.
+    pub heads: Grid,
+    /// Jump of the potential across the sheet at the leading edge, which is all that has left it, by strip, m2/s.
+    pub jumps: Vec<f64>,
     pub(crate) fractions: Vec<f64>,
     pub(crate) arcs: Vec<f64>,
     mean_chord: f64,
     core: f64,
     wake_core: f64,
-    crossing: bool,
+    rounded: bool,
+    sheds: bool,
 }
 
 /// What the point at the chord fraction `x` of a section is and does.
@@ -77,8 +90,8 @@ fn at(section: &SectionMotion<f64>, x: f64) -> (Vec3, Vec3) {
 
 impl Mesh {
     /// The mesh of `surface`; bound vortices have cores of the radius `core` m, 0 for none, the wake begins with `wake_core` m. Where
-    /// parts of the wing are `crossing`, the cores of bound vortices depend on where they are felt.
-    pub fn new(surface: &Surface, core: f64, wake_core: f64, crossing: bool) -> Self {
+    /// `rounded`, the cores of bound vortices depend on where they are felt; `sheds` says whether the leading edge does.
+    pub fn new(surface: &Surface, core: f64, wake_core: f64, rounded: bool, sheds: bool) -> Self {
         let layout = &surface.layout;
         Self {
             chordwise: layout.chordwise,
@@ -88,7 +101,9 @@ impl Mesh {
             shed: vec![0.0; layout.strips()],
             core,
             wake_core,
-            crossing,
+            rounded,
+            sheds,
+            jumps: vec![0.0; if sheds { layout.strips() } else { 0 }],
             ..Self::default()
         }
     }
@@ -129,9 +144,8 @@ impl Mesh {
     pub(crate) fn places(&self) -> impl Iterator<Item = f64> {
         let along = self.arcs.windows(2).enumerate();
         let fronts = along.map(|(j, pair)| pair[0] + (pair[1] - pair[0]) * self.front_fraction(j));
-        let rows = 0..self.chordwise;
-        let fronts = rows.clone().flat_map(move |_| fronts.clone());
-        let legs = rows.flat_map(|_| self.arcs.iter().copied());
+        let fronts = (0..self.chordwise).flat_map(move |_| fronts.clone());
+        let legs = (0..self.legs.len() / self.arcs.len()).flat_map(|_| self.arcs.iter().copied());
         self.controls.iter().map(|c| c.arc).chain(fronts).chain(legs)
     }
 
@@ -167,10 +181,64 @@ impl Mesh {
         }
         bound.points.extend(ends());
         trailing.points.extend(ends());
-        let square = if self.crossing { 1.0 } else { self.core * self.core };
+        let square = if self.rounded { 1.0 } else { self.core * self.core };
         bound.arcs.clone_from(&self.arcs);
         bound.soften(|_, _| square, |_, _| square);
         trailing.soften(|_, _| self.wake_core * self.wake_core, |_, _| 0.0);
+    }
+
+    /// Lays the rings of the nose, whose ends are at first above or below the leading edge, where the air leaves it, and then the share
+    /// [`AHEAD`] of the way to the row `last` that left it a step ago; they have cores of `core` m.
+    pub fn place_nose(&mut self, last: Option<&[Vec3]>, core: f64, wind: Vec3, step: f64) {
+        let edges = &self.edges;
+        let (controls, strips) = (&self.controls, self.strips);
+        let first = |j: usize| {
+            let through = wind - edges[j].v_le;
+            let beside = [j.saturating_sub(1), j.min(strips - 1)].map(|j| controls[j].normal);
+            let normal = (beside[0] + beside[1]).unit();
+            normal * (BEHIND * step * through.norm().copysign(through.dot(normal)))
+        };
+        let ends = |(j, edge): (usize, &SectionMotion<f64>)| {
+            edge.le + last.map_or_else(|| first(j), |last| (last[j] - edge.le) * AHEAD)
+        };
+        let (nose, heads) = (&mut self.nose, &mut self.heads);
+        heads.columns = edges.len();
+        heads.points.clear();
+        heads.points.extend(edges.iter().enumerate().map(ends));
+        nose.columns = edges.len();
+        nose.points.clear();
+        nose.points.extend_from_slice(&self.bound.points[..edges.len()]);
+        nose.points.extend(edges.iter().map(|edge| edge.le));
+        nose.points.extend_from_slice(&heads.points);
+        nose.arcs.clone_from(&self.arcs);
+        nose.soften(|_, _| 1.0, |_, _| 1.0);
+        heads.soften(|_, _| core * core, |_, _| 0.0);
+    }
+
+    /// The suction parameter A0 of strip `j` in the wind `wind`: its shares per circulation of the first bound vortex and of all bound
+    /// vortices, s/m2; zero where the leading edge does not move through the air. On a thin aerofoil (Glauert 1926) the vorticity is
+    /// 2 V (A0 cot(t/2) + A1 sin t + ...), V the speed of the undisturbed air square to the edge, and that of all is pi c V (A0 + A1/2).
+    /// On m even panels with vortices at 1/4 the first has 2 sqrt(pi) V dx r (A0 + A1/(2 m)), r = G(m + 1/2)/G(m) with Euler's function,
+    /// exactly where the wash is a straight line along the chord (of A0 by the inverse of Cauchy's matrix; of A1 found on 4, 8 and 16
+    /// panels); for many panels r is sqrt(m), as [`suction`](crate::Loads) has it.
+    ///
+    /// Equation: lattice.edge_suction
+    /// `G_0 = 2 sqrt(pi) V dx r (A0 + A1/(2 m)), r = G(m + 1/2)/G(m) with Euler's function, of m panels; sum of G = pi c V (A0 + A1/2)`
+    /// Source: Glauert 1926; first vortex on m even panels: own derivation.
+    /// Test: `first_vortices_have_the_suction_of_thin_aerofoils`.
+    pub fn suction_per_circulation(&self, j: usize, wind: Vec3) -> [f64; 2] {
+        let (left, right) = (&self.edges[j], &self.edges[j + 1]);
+        let edge = right.le - left.le;
+        let through = wind - (left.v_le + (right.v_le - left.v_le) * self.fractions[j]);
+        let speed = through.cross(edge).norm() / edge.norm();
+        let (m, width) = (self.chordwise as f64, self.controls[j].area / edge.norm());
+        let ratio = (1..self.chordwise).fold(0.5 * PI.sqrt(), |r, m| r * (m as f64 + 0.5) / m as f64);
+        let [first, all] = [2.0 * PI.sqrt() * speed * width * ratio, PI * speed * width * m];
+        match self.chordwise {
+            _ if !(first > 0.0) => [0.0; 2],
+            1 => [first.recip(), 0.0],
+            _ => [m / (first * (m - 1.0)), -1.0 / (all * (m - 1.0))],
+        }
     }
 
     fn place_controls(&mut self) {
@@ -216,6 +284,10 @@ impl Mesh {
             let pairs = edges.windows(2).zip(&fractions);
             self.fronts.extend(pairs.map(|(pair, f)| element(at(&pair[0], x), at(&pair[1], x), *f)));
             self.legs.extend(edges.iter().map(|edge| element(at(edge, x), at(edge, end), 0.5)));
+        }
+        if self.sheds {
+            let nose = edges.iter().map(|edge| element(at(edge, 0.0), at(edge, VORTEX / m), 0.5));
+            self.legs.extend(nose);
         }
     }
 
@@ -265,6 +337,24 @@ impl Mesh {
         trailing.along.clear();
         trailing.across.clear();
         trailing.across.extend((0..n).map(|j| -ring(m - 1, j)));
+        if self.sheds {
+            self.set_jumps();
+        }
+    }
+
+    /// Puts the jumps at the leading edge on the first bound vortices and on the rings of the nose.
+    fn set_jumps(&mut self) {
+        let (n, jumps) = (self.strips, &self.jumps);
+        self.bound.across[..n].iter_mut().zip(jumps).for_each(|(first, jump)| *first -= jump);
+        let beside = |j: usize| if j < n { jumps[j] } else { 0.0 };
+        let leg = |j: usize| beside(j) - if j > 0 { jumps[j - 1] } else { 0.0 };
+        let (nose, heads) = (&mut self.nose, &mut self.heads);
+        nose.across.clear();
+        nose.across.resize(nose.rows() * n, 0.0);
+        nose.along.clear();
+        nose.along.extend((1..nose.rows()).flat_map(|_| (0..=n).map(leg)));
+        heads.along.clear();
+        heads.across.clone_from(jumps);
     }
 }
 

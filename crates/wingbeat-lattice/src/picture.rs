@@ -34,7 +34,7 @@ impl Picture {
     pub fn new(lattice: &Lattice, time: f64) -> Self {
         let mut picture = Self { time, ..Self::default() };
         let mut rings = lattice.rings();
-        for (mesh, wake) in lattice.meshes().iter().zip(lattice.wakes()) {
+        for mesh in lattice.meshes() {
             let (own, rest) = rings.split_at(mesh.panels());
             rings = rest;
             for (at, circulation) in own.iter().enumerate() {
@@ -43,6 +43,11 @@ impl Picture {
                     [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)].map(|(i, j)| mesh.corner(i, j));
                 picture.wing.push(Quad { corners, circulation: *circulation });
             }
+        }
+        let ends = lattice.meshes().iter().map(|mesh| &mesh.trailing.across);
+        let heads = lattice.meshes().iter().map(|mesh| &mesh.heads.across);
+        let sheets = lattice.sheets().iter().zip(heads);
+        for (wake, ends) in lattice.wakes().iter().zip(ends).chain(sheets) {
             let (n, points) = (wake.grid.columns, &wake.grid.points);
             for (at, circulation) in wake.rings.iter().enumerate() {
                 let k = at / (n - 1) * n + at % (n - 1);
@@ -56,7 +61,7 @@ impl Picture {
             // The last row holds the ends of the bound rings too.
             let across = |(at, circulation): (usize, &f64)| {
                 let (row, j) = (at / (n - 1), at % (n - 1));
-                let bound = if row == wake.rows() { mesh.trailing.across[j] } else { 0.0 };
+                let bound = if row == wake.rows() { ends[j] } else { 0.0 };
                 ([points[row * n + j], points[row * n + j + 1]], circulation + bound)
             };
             picture.filaments.extend(wake.grid.across.iter().enumerate().map(across));

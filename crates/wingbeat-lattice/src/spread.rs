@@ -41,7 +41,7 @@ const CORE: f64 = 0.148;
 /// Test: `steady_wings_have_the_drag_of_their_wake`.
 pub fn changes(meshes: &[Mesh], influence: &Influence) -> Vec<Vec<Vec3>> {
     let across: Vec<Grid> = meshes.iter().map(across).collect();
-    let sources = Sources { bound: across.iter().collect(), cored: Vec::new() };
+    let sources = Sources { bound: across.iter().enumerate().collect(), cored: Vec::new() };
     let (mut points, mut places) = (Vec::new(), Vec::new());
     for (surface, mesh) in meshes.iter().enumerate() {
         for (k, front) in mesh.fronts.iter().enumerate() {
@@ -74,11 +74,21 @@ fn fractions(mesh: &Mesh, j: usize) -> impl Iterator<Item = f64> {
     std::iter::once(mesh.fractions[j]).chain(GAUSS.map(|[place, _]| place))
 }
 
-/// The bound vortices alone, without their legs.
+/// The bound vortices alone: a single row of vertices, in which a segment without circulation leads from each row of the wing to the next.
 fn across(mesh: &Mesh) -> Grid {
-    let mut grid = mesh.bound.clone();
-    grid.along.iter_mut().for_each(|leg| *leg = 0.0);
-    grid
+    let (bound, n) = (&mesh.bound, mesh.strips);
+    let joined = |of: &[f64]| -> Vec<f64> {
+        let rows = of.chunks_exact(n).take(mesh.chordwise).flat_map(|row| row.iter().copied().chain([0.0]));
+        rows.take(mesh.chordwise * (n + 1) - 1).collect()
+    };
+    Grid {
+        columns: mesh.chordwise * (n + 1),
+        points: bound.points[..mesh.chordwise * (n + 1)].to_vec(),
+        across: joined(&bound.across),
+        core_across: joined(&bound.core_across),
+        arcs: bound.arcs.repeat(mesh.chordwise),
+        ..Grid::default()
+    }
 }
 
 /// What the cores of the vortices of row `i` near strip `j` change at its point `p`, m/s.

@@ -4,6 +4,19 @@ use crate::lattice::Lattice;
 use wingbeat::math::Vec3;
 
 impl Lattice {
+    /// Width of the wings across the wind and square to the lift of level wings, m: from the outermost trailing edge to the other.
+    /// None without a wind.
+    pub fn span(&self) -> Option<f64> {
+        let scene = self.scene();
+        let wind = Some(scene.wind).filter(|wind| wind.norm() > 0.0)?;
+        let aside = wind.cross(Vec3::new(0.0, 0.0, 1.0));
+        let aside = if aside.norm() > 0.0 { aside.unit() } else { Vec3::new(0.0, 1.0, 0.0) };
+        let edges = self.meshes().iter().flat_map(|mesh| mesh.edges.iter().map(|edge| edge.te.dot(aside)));
+        let most = edges.clone().fold(f64::NEG_INFINITY, f64::max);
+        let least = edges.fold(f64::INFINITY, f64::min);
+        Some(if scene.symmetric { 2.0 * most.abs().max(least.abs()) } else { most - least })
+    }
+
     /// Drag of the wake that the present circulations would leave if the wings stayed as they are, N: in the plane square to the wind
     /// far behind, where the wake is as wide as the trailing edges, D = -(rho/2) sum G_j w_j dy_j, with the downwash of the trailing
     /// vortices at the points where Lan's sums over strips are exact. None without a wind.

@@ -22,6 +22,11 @@ impl Wake {
         self.grid.rows().saturating_sub(1)
     }
 
+    /// The row of vertices that joined last.
+    pub fn last_row(&self) -> Option<&[Vec3]> {
+        self.grid.points.len().checked_sub(self.grid.columns.max(1)).map(|first| &self.grid.points[first..])
+    }
+
     /// Joins the wake to the ends `trailing` of the bound rings; `shed` are the circulations that the last rings had a step ago.
     pub fn join(&mut self, trailing: &[Vec3], shed: Option<&[f64]>) {
         self.grid.columns = trailing.len();

@@ -14,7 +14,7 @@ use wingbeat_lattice::course::{self, Asked, Course, Recorded, WakeSummary};
 type Stepped<'py> = (String, Vec<Named<'py>>, Vec<(String, String)>);
 
 /// Settings: times at which stretches end, cycles, whether the model's circulations are shed, panels along chord and span, steps per
-/// cycle, whether the wake is prescribed, core. Where there is none, that of [`Asked`].
+/// cycle, whether the wake is prescribed, core, critical suction. Where there is none, that of [`Asked`].
 type Settings<'py> = (
     Vec<f64>,
     Option<Bound<'py, PyAny>>,
@@ -23,6 +23,7 @@ type Settings<'py> = (
     Option<Bound<'py, PyAny>>,
     Option<Bound<'py, PyAny>>,
     bool,
+    Option<f64>,
     Option<f64>,
 );
 
@@ -62,7 +63,7 @@ pub fn wake_flight<'py>(
 }
 
 fn asked(settings: Settings) -> PyResult<Asked> {
-    let (at, cycles, model, chordwise, spanwise, steps, prescribed, core) = settings;
+    let (at, cycles, model, chordwise, spanwise, steps, prescribed, core, critical_suction) = settings;
     let count = |key: &str, given: Option<Bound<PyAny>>| {
         given.map(|given| whole(key, &given, "1 or more")).transpose()
     };
@@ -76,6 +77,7 @@ fn asked(settings: Settings) -> PyResult<Asked> {
         steps: count("steps", steps)?,
         prescribed,
         core: core.unwrap_or(usual.core),
+        critical_suction,
     })
 }
 

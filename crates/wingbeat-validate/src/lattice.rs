@@ -3,6 +3,7 @@
 mod convergence;
 pub(crate) mod flapping;
 mod flight;
+mod shedding;
 mod small;
 mod span;
 mod wake;
@@ -14,6 +15,9 @@ use crate::Case;
 pub const CASES: &[Case] = &[
     Case { id: "lattice.slope", quick: true, run: small::slope },
     Case { id: "lattice.span_efficiency", quick: true, run: span::efficiency },
+    Case { id: "lattice.shedding.suction", quick: true, run: shedding::edge_suction },
+    Case { id: "lattice.shedding.kept", quick: true, run: shedding::kept },
+    Case { id: "lattice.shedding.measured", quick: false, run: shedding::measured },
     Case { id: "lattice.step", quick: false, run: small::step },
     Case { id: "lattice.plunge", quick: false, run: small::plunge },
     Case { id: "lattice.pitch_thrust", quick: false, run: small::pitch_thrust },

@@ -34,6 +34,9 @@ pub(super) fn end_relief<P: Scalar>(aspect: P) -> P {
 /// infinite ones.
 ///
 /// Equation: aero.plate_force
+/// `normal force of a plate over cd90 sin a: 1/(0.56 + 0.44 abs(sin a)) - 0.41 (1 - exp(-17/AR))`
+/// Source: Lindenburg 2001, ECN-RX--01-004; Hoerner 1965 ch. 3.
+/// Test: `plates_have_hoerners_drag_broadside_on`.
 #[inline]
 pub(super) fn plate_force<P, G: Scalar + wingbeat_math::Meets<P>>(absolute_sine: G, end_relief: P) -> G {
     (absolute_sine * 0.44 + 0.56).recip() - G::from(end_relief)

@@ -146,6 +146,9 @@ pub fn refused(error: wingbeat_lattice::Error) -> Error {
         wingbeat_lattice::Error::Setting { key: key @ "core.radius_m", value, allowed } => {
             Error::Input(format!("--core: {key} = {}: allowed is {allowed}", shortest(value)))
         }
+        wingbeat_lattice::Error::Setting { key: "critical_suction", value, allowed } => {
+            Error::Input(format!("--critical-suction {}: allowed is {allowed}", shortest(value)))
+        }
         wingbeat_lattice::Error::Setting { key: "panels", value, allowed } => {
             Error::Input(format!("--chordwise times --spanwise: {value} panels: allowed is {allowed}"))
         }
@@ -167,6 +170,7 @@ fn asked(arguments: &Wake) -> Asked {
         steps: arguments.steps,
         prescribed: arguments.prescribed,
         core: arguments.core,
+        critical_suction: arguments.critical_suction,
     }
 }
 

@@ -45,6 +45,8 @@ pub struct Fineness {
     pub panels: f64,
     /// In radii of the wake's cores.
     pub cores: f64,
+    /// Largest way of a vortex in a step that has left a leading edge, lengths of the air; none in attached flow.
+    pub sheet: Option<f64>,
 }
 
 /// How the motion of a robot and the air beside it were brought together.

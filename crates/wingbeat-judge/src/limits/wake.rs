@@ -25,5 +25,13 @@ pub const CORE: Limit = Limit::warn_above("wake.core_fraction", 0.2, "").on(
     "vortices of the wake are smeared over a large part of the wing: radius of their cores over the mean chord",
 );
 
+/// Vortices that have left a leading edge and come near to others or to the wing in long steps.
+pub const RUNS: Limit = Limit::warn_above("wake.sheet_way_chords", 0.5, "mean chords").on(
+    "the sheets of the leading edges are coarse: largest way in a step of a vortex that has left one (try more --steps)",
+);
+/// Vortices that fly off.
+pub const RUN_AWAY: Limit = Limit::at_most("wake.sheet_lost_chords", 5.0, "mean chords", NotResolved)
+    .on("largest way in a step of a vortex that has left a leading edge");
+
 /// All of them.
-pub const ALL: [Limit; 6] = [DRIFTED, LOST, KELVIN, ALONG, ACROSS, CORE];
+pub const ALL: [Limit; 8] = [DRIFTED, LOST, KELVIN, ALONG, ACROSS, CORE, RUNS, RUN_AWAY];

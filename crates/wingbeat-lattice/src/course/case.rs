@@ -37,6 +37,7 @@ pub fn case(asked: &Asked, case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>
         symmetric,
         flown: None,
         crosses: false,
+        critical_suction: asked.critical_suction,
         past_stall: past_stall(case, flow),
     })
 }

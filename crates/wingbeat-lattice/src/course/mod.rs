@@ -52,6 +52,8 @@ pub struct Asked {
     pub prescribed: bool,
     /// Radius of the cores of the wake's vortices, mean chords.
     pub core: f64,
+    /// Largest suction parameter of the leading edges; without it the flow stays attached.
+    pub critical_suction: Option<f64>,
 }
 
 impl Default for Asked {
@@ -65,6 +67,7 @@ impl Default for Asked {
             steps: None,
             prescribed: false,
             core: 0.05,
+            critical_suction: None,
         }
     }
 }
@@ -79,13 +82,20 @@ impl Asked {
         let given = [("steps", self.steps), ("cycles", self.cycles)];
         match given.into_iter().find(|(_, count)| *count == Some(0)) {
             Some((key, _)) => Err(Error::Setting { key, value: 0.0, allowed: "1 or more".into() }),
-            None => Ok(self),
+            None => match self.critical_suction.filter(|_| self.model) {
+                Some(value) => {
+                    let allowed = "none where the circulations are a model's".into();
+                    Err(Error::Setting { key: "critical_suction", value, allowed })
+                }
+                None => Ok(self),
+            },
         }
     }
 
     /// Refuses a wake of too many rings through `clock`.
     fn check_size(&self, clock: Clock) -> Result<(), Error> {
-        let rings = clock.cycles.saturating_mul(clock.steps).saturating_mul(self.spanwise);
+        let edges = 1 + usize::from(self.critical_suction.is_some());
+        let rings = clock.cycles.saturating_mul(clock.steps).saturating_mul(edges * self.spanwise);
         if rings > MOST_RINGS { Err(Error::Rings { rings, most: MOST_RINGS }) } else { Ok(()) }
     }
 
@@ -95,6 +105,7 @@ impl Asked {
         let wake = if self.prescribed { WakeMotion::Prescribed } else { WakeMotion::Free };
         let crossing = if course.crosses { CROSSING } else { 0.0 };
         let own = Settings::new(course.clock.step_s(), core.radius_m);
+        let own = own.shedding(self.critical_suction, course.chord);
         Settings { wake, core, crossing, fast_from: FAST_FROM, ..own }
     }
 }
@@ -200,6 +211,8 @@ pub struct Course {
     pub past_stall: f64,
     /// Whether parts of the robot pass through each other on the way.
     pub crosses: bool,
+    /// Largest suction parameter of the leading edges, which shed what is above; none in attached flow.
+    pub critical_suction: Option<f64>,
 }
 
 impl Course {
@@ -210,10 +223,15 @@ impl Course {
 
     /// What is assumed of the flow.
     pub fn assumed(&self) -> String {
-        let attached = "attached flow is assumed";
+        let assumed = match self.critical_suction {
+            Some(critical) => {
+                format!("leading edges shed above a suction parameter of {critical}, side edges do not")
+            }
+            None => "attached flow is assumed".into(),
+        };
         match self.past_stall > 0.0 {
-            true => format!("{attached}, {:.0} % of the strips are past stall", 100.0 * self.past_stall),
-            false => attached.into(),
+            true => format!("{assumed}, {:.0} % of the strips are past stall", 100.0 * self.past_stall),
+            false => assumed,
         }
     }
 
@@ -251,6 +269,8 @@ impl Course {
             }
         }
         watch.circulation_error = lattice.circulation_error();
+        watch.farthest = lattice.farthest() / self.chord;
+        watch.far = lattice.wake_drag().zip(lattice.span());
         Ok(watch)
     }
 

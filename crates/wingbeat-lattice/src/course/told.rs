@@ -36,6 +36,16 @@ pub struct Told {
     pub mean_drag_n: Option<f64>,
     /// The same by Bernoulli with suction of the leading edge, N.
     pub mean_drag_bernoulli_n: Option<f64>,
+    /// Drag of the wake far behind a steady wing, N (in the Trefftz plane); null where the flow is not steady or has no wind.
+    pub wake_drag_n: Option<f64>,
+    /// Span efficiency L^2/(pi q b^2 D) of a steady wing by that drag; null as that is.
+    pub span_efficiency: Option<f64>,
+    /// Largest change of a half's mean bound circulation within the last cycle, over it: above 0.02 the flow is not steady.
+    pub unsteadiness: Option<f64>,
+    /// Share of strips and instants of the last cycle that shed at the leading edge; null in attached flow.
+    pub leading_edge_shed: Option<f64>,
+    /// Largest way in a step of a vortex that has left a leading edge, mean chords; null in attached flow.
+    pub sheet_way_chords: Option<f64>,
     /// Sum of all circulations over the largest (Kelvin).
     pub circulation_error: f64,
     /// Largest difference of a ring and its mirror image over the largest ring.
@@ -100,7 +110,13 @@ impl Told {
         let over_up = |side| ratio(watch.circulation(side, 0), watch.circulation(side, 1));
         let over_right = |stroke| ratio(watch.circulation(0, stroke), watch.circulation(1, stroke));
         let axes = watch.course.axes;
+        let [wake_drag_n, span_efficiency] = far(watch).map_or([None; 2], |far| far.map(Some));
         Some(Self {
+            wake_drag_n,
+            span_efficiency,
+            unsteadiness: watch.unsteadiness(),
+            leading_edge_shed: watch.shed(),
+            sheet_way_chords: watch.course.critical_suction.map(|_| watch.farthest),
             steps_per_cycle: watch.course.clock.steps,
             mean_lift_n: watch.mean("joukowski", axes.up),
             mean_lift_bernoulli_n: watch.mean("bernoulli", axes.up),
@@ -117,9 +133,17 @@ impl Told {
     }
 
     /// Rows of the printed table: name, number, unit.
-    fn rows(&self) -> [(&'static str, Option<f64>, &'static str); 11] {
+    fn rows(&self) -> Vec<(&'static str, Option<f64>, &'static str)> {
         let bound = "mean bound circulation";
-        [
+        let steady = [
+            ("wake drag", self.wake_drag_n, "N, of the wake far behind"),
+            ("span efficiency", self.span_efficiency, "by the drag of the wake"),
+        ];
+        let shedding = [
+            ("leading edge shed", self.leading_edge_shed, "share of strips and instants"),
+            ("way of the sheet", self.sheet_way_chords, "mean chords, largest in a step"),
+        ];
+        let rows = [
             ("mean lift", self.mean_lift_n, "N, by Joukowski"),
             ("", self.mean_lift_bernoulli_n, "N, by Bernoulli with leading-edge suction"),
             ("mean drag", self.mean_drag_n, "N, by Joukowski"),
@@ -131,8 +155,24 @@ impl Told {
             ("left over right, down", self.left_over_right.down, bound),
             ("left over right, up", self.left_over_right.up, bound),
             ("past stall", Some(self.past_stall), "share of strips and instants"),
-        ]
+        ];
+        let steady = steady.into_iter().filter(|row| row.1.is_some());
+        rows.into_iter().chain(steady).chain(shedding.into_iter().filter(|row| row.1.is_some())).collect()
     }
+}
+
+/// Largest unsteadiness of a flow that counts as steady. *Choice.*
+const STEADY: f64 = 0.02;
+
+/// Drag of the wake far behind, N, and the span efficiency by it, of a steady wing in a wind.
+fn far(watch: &Watch<'_>) -> Option<[f64; 2]> {
+    let course = watch.course;
+    let (drag, span) = watch.far.filter(|_| course.flown.is_none() && course.critical_suction.is_none())?;
+    watch.unsteadiness().filter(|unsteady| *unsteady <= STEADY)?;
+    let lift = watch.mean("joukowski", course.axes.up)?;
+    let pressure = 0.5 * course.scene.density_kg_m3 * course.scene.wind.norm_squared();
+    let efficiency = lift * lift / (std::f64::consts::PI * pressure * span * span * drag);
+    (drag > 0.0 && efficiency.is_finite()).then_some([drag, efficiency])
 }
 
 /// The verdict on a course.
@@ -152,6 +192,10 @@ fn judged(watch: &Watch<'_>, asked: &Asked, limits: &Limits) -> Verdict {
             if let Some(error) = watch.symmetry_error() {
                 judge.hold(&wake::DRIFTED, error);
                 judge.hold(&wake::LOST, error);
+            }
+            if watch.course.critical_suction.is_some() {
+                judge.hold(&wake::RUNS, watch.farthest);
+                judge.hold(&wake::RUN_AWAY, watch.farthest);
             }
         }
     }
@@ -208,7 +252,9 @@ impl WakeSummary {
         let columns: Vec<_> = told.iter().map(|told| told.map(Told::rows)).collect();
         let names = columns.iter().flatten().next().map_or(&[][..], |rows| rows);
         for (row, (name, _, unit)) in names.iter().enumerate() {
-            let values = columns.iter().map(|column| column.as_ref().and_then(|rows| rows[row].1));
+            let values = columns
+                .iter()
+                .map(|column| column.as_ref().and_then(|rows| rows.get(row).and_then(|row| row.1)));
             let values: String =
                 values.map(|v| format!("{:>13}", v.map_or("-".into(), |v| format!("{v:.4e}")))).collect();
             text += format!("{name:<22}{values}  {unit}").trim_end();

@@ -46,6 +46,12 @@ pub struct Watch<'a> {
     pub failed: Option<String>,
     /// True where `progress` ended it.
     pub ended: bool,
+    /// Largest way in a step of a vortex that has left a leading edge, mean chords.
+    pub farthest: f64,
+    /// Drag, N, of the wake that the last circulations would leave, and the width of the wings across the wind, m.
+    pub far: Option<(f64, f64)>,
+    /// Sum and count of the share of strips that shed at the leading edge, over the last cycle.
+    shed: (f64, f64),
     asymmetry: f64,
     largest: f64,
     /// Sum and count of the mean bound circulation of the left and right half, in down- and upstroke.
@@ -82,6 +88,9 @@ impl<'a> Watch<'a> {
             circulation_error: 0.0,
             failed: None,
             ended: false,
+            farthest: 0.0,
+            far: None,
+            shed: (0.0, 0.0),
             asymmetry: 0.0,
             largest: 0.0,
             halves: [[(0.0, 0.0); 2]; 2],
@@ -115,6 +124,7 @@ impl<'a> Watch<'a> {
         if k < first_of_last {
             return;
         }
+        self.shed = (self.shed.0 + lattice.shed_share(), self.shed.1 + 1.0);
         let phase = ((k - first_of_last) as f64 + 0.5) / clock.steps as f64;
         self.add_circulations(sides, usize::from(!course.stroke.is_down(phase)));
         let at = |i: &usize| course.stroke.steps.is_some_and(|steps| steps[*i] == k);
@@ -202,6 +212,23 @@ impl<'a> Watch<'a> {
     /// Largest difference between a ring and its mirror image, over the largest ring; none where the motion is not symmetric.
     pub fn symmetry_error(&self) -> Option<f64> {
         (self.course.symmetric && self.largest > 0.0).then(|| self.asymmetry / self.largest)
+    }
+
+    /// Share of strips and instants of the last cycle that shed at the leading edge; none in attached flow.
+    pub fn shed(&self) -> Option<f64> {
+        self.course.critical_suction.map(|_| self.shed.0 / f64::max(self.shed.1, 1.0))
+    }
+
+    /// Largest change of the mean bound circulation of a half within the last cycle, over it: none of a steady wing.
+    pub fn unsteadiness(&self) -> Option<f64> {
+        let first = self.course.clock.first_of_last();
+        let of = |side: &str| {
+            let last = self.record.values(&format!("circulation_{side}"))?.get(first..)?;
+            let least = last.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = last.iter().copied().fold(0.0, f64::max);
+            (most > 0.0).then(|| (most - least) / most)
+        };
+        of("left").into_iter().chain(of("right")).reduce(f64::max)
     }
 
     /// Mean over the last cycle of the force along `axis`.

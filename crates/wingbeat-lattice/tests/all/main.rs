@@ -3,3 +3,4 @@
 mod coupled;
 mod physics;
 mod rig;
+mod shedding;

@@ -13,7 +13,7 @@ use wingbeat_lattice::{
 const ALPHA: f64 = 1e-3;
 
 /// A rectangle of unit chord and the span `span` in a wind of 1 m/s; it flaps by `flap` and folds by `fold`, rad.
-fn wing(span: f64, flap: f64, fold: f64) -> Flapping {
+pub fn wing(span: f64, flap: f64, fold: f64) -> Flapping {
     let station = |arc_m| PlanformStation { arc_m, leading_edge_m: 0.0, trailing_edge_m: -1.0 };
     let planform = Planform::new(&[station(0.0), station(0.5 * span)]).unwrap();
     let hinge = |kind, arc_m| Hinge { kind, side: Side::Both, arc_m, to_arc_m: None, ahead_m: 0.0 };
@@ -39,7 +39,7 @@ fn run(
     (lattice, loads)
 }
 
-fn panels(chordwise: usize, spanwise: usize) -> Panels {
+pub fn panels(chordwise: usize, spanwise: usize) -> Panels {
     Panels { chordwise, spanwise, spacing: Spacing::Lan }
 }
 

@@ -430,6 +430,7 @@ def wake(
     steps: int | None = None,
     prescribed: bool = False,
     core: float | None = None,
+    critical_suction: float | None = None,
 ) -> Wake:
     """Steps the vortex lattice of a case, or along a flight of ``scenario``.
 
@@ -455,13 +456,16 @@ def wake(
         Let the wind alone carry the wake.
     core
         Radius of the cores of the wake's vortices, mean chords; without it the program's.
+    critical_suction
+        Largest suction parameter of the leading edges: what is above is shed there; without it the flow stays attached.
 
     Returns
     -------
     Wake
         ``stretches`` with ``record`` (loads, N and N m) and ``phases`` (VTK), and ``summary``.
     """
-    asked = ([float(t) for t in at], cycles, model, chordwise, spanwise, steps, prescribed, core)
+    panels = (chordwise, spanwise)
+    asked = ([float(t) for t in at], cycles, model, *panels, steps, prescribed, core, critical_suction)
     if isinstance(source, Flight):
         if scenario is None:
             raise ValueError("scenario: allowed is the scenario that was flown, for a flight")

@@ -60,16 +60,33 @@ pub fn deep_fold() -> Result<Vec<Row>, Error> {
         ("prescribed.thin_cores", WakeMotion::Prescribed, CORE),
         ("free", WakeMotion::Free, CORE),
     ];
-    let rows = cases.map(|(name, wake, core)| {
-        let lattice = flapping_lattice::deep_fold(wake, core)?;
-        let source = "the project's own lattice, 8 x 24 panels a half, 96 steps a cycle";
+    let source = "the project's own lattice, 8 x 24 panels a half, 96 steps a cycle";
+    let (mut rows, mut found) = (Vec::new(), Vec::new());
+    for (name, wake, core) in cases {
+        let [lattice, without] = flapping_lattice::deep_fold(wake, core)?;
+        found.push([lattice, without]);
         let metric = format!(
             "E1, mean lift {lift:.4} N over the lattice's with a {} wake of cores of {core} chords ({lattice:.4} N), less 1",
             name.split('.').next().unwrap_or(name)
         );
-        Ok(Row::shown(&format!("aero.full.deep_fold.{name}"), source, &metric, (lift / lattice - 1.0).abs(), ""))
-    });
-    rows.into_iter().collect()
+        let id = format!("aero.full.deep_fold.{name}");
+        rows.push(Row::shown(&id, source, &metric, (lift / lattice - 1.0).abs(), ""));
+    }
+    let [_, [fixed, without], [free, _]] = found[..] else { return Ok(rows) };
+    let parts = [
+        (
+            "side_edges",
+            "suction of the side edges, which strips lack, in the lattice with a prescribed wake",
+            fixed - without,
+        ),
+        ("roll_up", "what the roll-up of the wake changes", free - fixed),
+    ];
+    rows.extend(parts.map(|(name, what, part)| {
+        let metric =
+            format!("E1, mean lift of the lattice: {what} ({part:.4} N), over that of the prescribed wake");
+        Row::shown(&format!("aero.full.deep_fold.{name}"), source, &metric, (part / fixed).abs(), "")
+    }));
+    Ok(rows)
 }
 
 /// The worst law of some cases.

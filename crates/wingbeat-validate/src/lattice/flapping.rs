@@ -114,19 +114,21 @@ pub fn f2() -> Result<Vec<Row>, Error> {
 }
 
 /// The wing that folds deeply, E1.
-fn folding() -> Result<Flapping, Error> {
+pub fn folding() -> Result<Flapping, Error> {
     flapper(0.25, 30.0, Some((0.45, 50.0)))
 }
 
-/// Mean lift of E1 in its last cycle, N, with cores of `core` chords in the wake.
-pub fn deep_fold(wake: WakeMotion, core: f64) -> Result<f64, Error> {
+/// Mean lift of E1 in its last cycle, N, with cores of `core` chords in the wake: by Joukowski, and by Bernoulli with the suction of the
+/// leading edge, which lacks that of the side edges.
+pub fn deep_fold(wake: WakeMotion, core: f64) -> Result<[f64; 2], Error> {
     let panels = Panels { chordwise: 8, spanwise: 24, spacing: Spacing::Lan };
     let steps = 2 * STEPS;
     let settings = Settings { wake, ..Settings::new(1.0 / (FREQUENCY * steps as f64), core * CHORD) };
     let mut lattice = Lattice::new(Scene::new(&folding()?, panels, true)?, settings)?;
     let loads = (0..CYCLES * steps).map(|_| lattice.step()).collect::<Result<Vec<_>, _>>()?;
     let last = &loads[loads.len() - steps..];
-    Ok(last.iter().map(|l| lift_drag(l.joukowski.force).0).sum::<f64>() / steps as f64)
+    let mean = |of: fn(&Loads) -> Vec3| last.iter().map(|l| lift_drag(of(l)).0).sum::<f64>() / steps as f64;
+    Ok([mean(|l| l.joukowski.force), mean(|l| l.bernoulli.force)])
 }
 
 /// Circulation of every strip and its wake.

@@ -19,7 +19,7 @@ use wingbeat_lattice::{Flight, Lattice, Panels, Scene, Settings, Spacing};
 /// Largest error of mean and amplitude.
 const LIMIT: f64 = 0.03;
 /// Core of the wake, chords.
-const CORE: f64 = 0.02;
+const CORE: f64 = 0.001;
 
 /// A flight, and the stretch of it along which the lattice is stepped.
 struct Flown {

@@ -1,0 +1,96 @@
+//! Leading edges that shed.
+
+use crate::physics::{panels, wing};
+use std::ops::ControlFlow;
+use wingbeat::math::Vec3;
+use wingbeat::scenario::{Document, Scenario};
+use wingbeat_lattice::{Error, Lattice, Panels, Picture, Scene, Settings, Spacing, WakeMotion};
+
+#[test]
+fn first_vortices_have_the_suction_of_thin_aerofoils() {
+    let long = wing(1e4, 0.0, 0.0);
+    for chordwise in [1, 3, 8] {
+        let one = Panels { chordwise, spanwise: 4, spacing: Spacing::Uniform };
+        let settings = Settings { critical_suction: Some(1e9), ..Settings::new(1e6, 1e-6) };
+        let mut lattice = Lattice::new(Scene::new(&long, one, true).unwrap(), settings).unwrap();
+        lattice.step().unwrap();
+        lattice.step().unwrap();
+        let suction = lattice.suction()[1];
+        assert!((suction / 1e-3 - 1.0).abs() < 2e-3, "{chordwise}: {suction}");
+        assert_eq!(lattice.shed_share(), 0.0);
+    }
+}
+
+/// A wing that flaps and folds with edges that bear `critical`, whole or by its left half.
+fn flapped(critical: Option<f64>, wake: WakeMotion, halved: bool) -> (Lattice, Vec<Vec3>, f64) {
+    let settings =
+        Settings { wake, critical_suction: critical, sheet_core_m: 0.1, ..Settings::new(0.125, 1e-3) };
+    let scene = Scene::new(&wing(4.0, 0.4, 0.3), panels(4, 8), halved).unwrap();
+    let mut lattice = Lattice::new(scene, settings).unwrap();
+    let (mut forces, mut most) = (Vec::new(), 0.0_f64);
+    for _ in 0..30 {
+        forces.push(lattice.step().unwrap().joukowski.force);
+        most = lattice.suction().iter().fold(most, |most, suction| most.max(suction.abs()));
+        assert!(lattice.circulation_error() < 1e-12);
+    }
+    (lattice, forces, most)
+}
+
+#[test]
+fn leading_edges_keep_the_critical_suction() {
+    const CRITICAL: f64 = 0.1;
+    let (_, attached, free) = flapped(Some(1e9), WakeMotion::Prescribed, true);
+    assert!(free > 2.5 * CRITICAL, "{free}");
+    let (_, as_today, _) = flapped(None, WakeMotion::Prescribed, true);
+    let largest = as_today.iter().fold(0.0_f64, |most, force| most.max(force.norm()));
+    let same = attached.iter().zip(&as_today).all(|(a, b)| (*a - *b).norm() < 1e-12 * largest);
+    assert!(same, "an edge that sheds nothing changes nothing");
+    for wake in [WakeMotion::Prescribed, WakeMotion::Free] {
+        let (lattice, half, most) = flapped(Some(CRITICAL), wake, true);
+        assert!(most < CRITICAL * (1.0 + 1e-9), "{most}");
+        let shed = lattice.sheets()[0].rings.iter().fold(0.0_f64, |most, ring| most.max(ring.abs()));
+        assert!(shed > 0.01, "{shed}");
+        let (_, whole, _) = flapped(Some(CRITICAL), wake, false);
+        assert!(half.iter().zip(&whole).all(|(a, b)| (*a - *b).norm() < 1e-6 * largest));
+        let picture = Picture::new(&lattice, 0.0);
+        let rings = |of: &[wingbeat_lattice::Wake]| of.iter().map(|wake| wake.rings.len()).sum::<usize>();
+        assert_eq!(picture.wake.len(), 2 * (rings(lattice.wakes()) + rings(lattice.sheets())));
+    }
+}
+
+#[test]
+fn bad_critical_suctions_are_refused() {
+    for value in [-0.1, f64::NAN, f64::INFINITY] {
+        let settings = Settings { critical_suction: Some(value), ..Settings::new(0.1, 1e-3) };
+        let scene = Scene::new(&wing(4.0, 0.1, 0.0), panels(2, 4), true).unwrap();
+        let refused = Lattice::new(scene, settings).err();
+        assert!(matches!(refused, Some(Error::Setting { key: "critical_suction", .. })), "{refused:?}");
+    }
+    let peer =
+        Settings { critical_suction: Some(0.1), ..Settings::new(0.1, 1e-3).like_pterasoftware(1.0, 1e-5) };
+    let scene = Scene::new(&wing(4.0, 0.1, 0.0), panels(2, 4), true).unwrap();
+    let text = Lattice::new(scene, peer).err().unwrap().to_string();
+    assert!(text.contains("critical_suction = 0.1") && text.contains("PteraSoftware"), "{text}");
+}
+
+#[test]
+fn a_flight_in_the_lattice_sheds() {
+    let glide = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/glide.toml");
+    let fly = |suction: &str| {
+        let document =
+            Document::file(glide.as_ref()).unwrap().set("lattice.step_s=0.01").set("lattice.free_wake=true");
+        let document =
+            document.set("flight.duration_s=0.1").set(format!("lattice.critical_suction={suction}"));
+        let scenario = Scenario::open(document, &wingbeat_lattice::doors())?;
+        Ok::<_, wingbeat::scenario::ConfigError>(scenario.fly(|_| ControlFlow::Continue(())).unwrap())
+    };
+    let height = |run: &wingbeat::simulate::Record| *run.values("p_WB_z").unwrap().last().unwrap();
+    let (attached, shed) = (fly("1e9").unwrap(), fly("0.0").unwrap());
+    let way = |run: &wingbeat::scenario::Run| run.summary.lattice.unwrap().sheet_way_chords.unwrap();
+    assert!((0.0..1.0).contains(&way(&shed)) && way(&shed) > 0.0, "{}", way(&shed));
+    assert!((height(&attached.record) - height(&shed.record)).abs() > 1e-6);
+    for (bad, says) in [("-0.1", "0 or more"), ("nan", "0 or more"), ("\"x\"", "critical_suction")] {
+        let text = fly(bad).err().unwrap().to_string();
+        assert!(text.contains("lattice.critical_suction") || text.contains(says), "{bad}: {text}");
+    }
+}
