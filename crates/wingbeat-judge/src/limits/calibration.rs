@@ -12,8 +12,9 @@ pub const MODEL_ERROR: Limit = Limit::warn_below("calibration.model_error_explai
     .on("the model misses much of the loads: share of the measured variation over the cycle that the fit explains");
 /// Misfit over the noise of the cycles. With a misfit of 10 % of the loads this limit is a noise of 1e-7 of them, which no load
 /// cell resolves: cycles that repeat so well are not measured.
-pub const CHI_SQUARED: Limit = Limit::at_most("calibration.chi_squared", 1e12, "", SuspectData)
-    .on("the cycles scatter less than any load cell resolves, so they were not measured: reduced chi-squared");
+pub const CHI_SQUARED: Limit = Limit::at_most("calibration.chi_squared", 1e12, "", SuspectData).on(
+    "the cycles scatter less than any load cell resolves, so they were not measured: reduced chi-squared",
+);
 /// Misfit beyond the noise, after which intervals rest on what the fit estimates of the model's own error.
 pub const BEYOND_NOISE: Limit = Limit::warn_above("calibration.beyond_noise_chi_squared", 4.0, "")
     .on("the model is wrong beyond the noise of the cycles: reduced chi-squared");

@@ -16,17 +16,17 @@ pub const BACKWARD: Limit = Limit::at_most("data.backward_steps", 0.0, "", Suspe
 pub const LOST: Limit = Limit::at_most("data.lost_fraction", 0.05, "", SuspectData)
     .on("share of the samples that are missing in gaps");
 /// Far below any load cell (1 uN) and any motion that moves air, in N, N m, m, deg or rad.
-pub const TINY: Limit =
-    Limit::at_least("data.smallest_amplitude", 1e-9, "", SuspectData).on("largest absolute value of all channels");
+pub const TINY: Limit = Limit::at_least("data.smallest_amplitude", 1e-9, "", SuspectData)
+    .on("largest absolute value of all channels");
 /// Far above what a wing in a wind tunnel sees, in any of these units.
 pub const HUGE: Limit =
     Limit::at_most("data.largest_magnitude", 1e9, "", SuspectData).on("largest absolute value of a channel");
 /// A load that follows the stroke passes through every value twice a cycle: it stays within one count for less than half of it.
-pub const STUCK: Limit =
-    Limit::at_most("data.stuck_cycles", 0.6, "", SuspectData).on("longest time, in cycles, for which a channel keeps its value to one count,");
+pub const STUCK: Limit = Limit::at_most("data.stuck_cycles", 0.6, "", SuspectData)
+    .on("longest time, in cycles, for which a channel keeps its value to one count,");
 /// Noise reaches an extreme once; a smooth top of a quantised load does not end in a step to it.
-pub const CLIPPED: Limit =
-    Limit::at_most("data.clipped_fraction", 0.03, "", SuspectData).on("share of the samples at the highest or lowest value, as if clipped,");
+pub const CLIPPED: Limit = Limit::at_most("data.clipped_fraction", 0.03, "", SuspectData)
+    .on("share of the samples at the highest or lowest value, as if clipped,");
 /// Of the range of the mean cycle, or of the mean where that is larger: a tare that moves by more changes means and phases.
 pub const DRIFT: Limit = Limit::at_most("data.drift_fraction", 0.2, "", SuspectData)
     .on("change of the mean from the start to the end of the file, relative to the range of the cycle,");
@@ -49,13 +49,14 @@ pub const FREQUENCY: Limit = Limit::at_most("data.frequency_fraction", 0.01, "",
 pub const ROUGH: Limit = Limit::at_most("data.acceleration_noise_fraction", 0.5, "", SuspectData)
     .on("noise of the acceleration relative to the acceleration");
 /// A model may be wrong by half and in phase; it does not turn a load round.
-pub const REVERSED: Limit =
-    Limit::at_least("data.correlation_least", -0.7, "", SuspectData).on("correlation between the measured and the computed load");
+pub const REVERSED: Limit = Limit::at_least("data.correlation_least", -0.7, "", SuspectData)
+    .on("correlation between the measured and the computed load");
 /// What all changed channels must bring together, in parts of a full correlation, and each at least.
-pub const SWAPPED: Limit = Limit::at_most("data.swap_gain", 0.5, "", SuspectData)
-    .on("gain in correlation if channels are swapped");
+pub const SWAPPED: Limit =
+    Limit::at_most("data.swap_gain", 0.5, "", SuspectData).on("gain in correlation if channels are swapped");
 /// Slope of the loads and drag differ by this between models; a cell's gain is known to 1 %.
-pub const GAIN: Limit = Limit::warn_above("data.gain_fraction", 0.1, "").on("difference from 1 of the ratio between measured and computed load");
+pub const GAIN: Limit = Limit::warn_above("data.gain_fraction", 0.1, "")
+    .on("difference from 1 of the ratio between measured and computed load");
 /// The tolerance of `calibrate` for the phase of a run: what 5 deg do to a drag is as large as the drag of a plate.
 pub const SHIFT: Limit = Limit::at_most("data.shift_deg", 5.0, "deg", SuspectData)
     .on("phase difference between the measured and the computed cycle");

@@ -27,8 +27,8 @@ pub const SKIN: Limit = Limit::warn_below("trim.skin_clearance_m", 0.003, "m")
 pub const MULTIPLIER: Limit = Limit::at_most("trim.multiplier", 100.0, "", OffTarget)
     .on("largest magnitude of a Floquet multiplier, that of the heading left out");
 /// Conditions of the orbit, which Newton's method meets to 1e-11.
-pub const RESIDUAL: Limit =
-    Limit::at_most("trim.residual", 1e-8, "", NotFound).on("largest error of a condition of the orbit, in SI units");
+pub const RESIDUAL: Limit = Limit::at_most("trim.residual", 1e-8, "", NotFound)
+    .on("largest error of a condition of the orbit, in SI units");
 
 /// All of them.
 pub const ALL: [Limit; 8] = [HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, RESIDUAL];
