@@ -88,7 +88,7 @@ pub fn report(found: &Found, verdict: &Verdict) -> String {
     }
     text += &format!(
         "\nstandard errors: cycles as clusters, with what the model cannot say and priors; (white): as if every sample were \
-         independent\nchi squared over freedom with the noise of the cycles alone: {:.3}\n",
+         independent\nreduced chi-squared with the noise of the cycles alone: {:.3}\n",
         found.chi_squared
     );
     if found.discrepancy.iter().any(|share| *share > 0.0) {

@@ -175,7 +175,7 @@ impl Flown<'_> {
         for (law, share) in self.context.means.iter().flat_map(|means| &means.stalled) {
             if let Some(what) = law.about().beyond_stall {
                 let text = format!(
-                    "{:.0} % of strip samples are past the stall angle under lift law `{}`, {what}",
+                    "on {:.0} % of the strips the angle of attack exceeds the stall angle; lift law `{}` {what}",
                     100.0 * share,
                     law.name()
                 );

@@ -210,7 +210,7 @@ impl TetherCase {
             .filter(|_| run.ending == Ending::Complete && run.stall_fraction > 0.0)?;
         let (share, limit) = (100.0 * run.stall_fraction, self.tether.aero.stall_angle().to_degrees());
         let text = format!(
-            "{share:.1} % of the strips of the last cycle are past {limit:.0} deg under law {}, {what}",
+            "on {share:.1} % of the strips of the last cycle the angle of attack exceeds {limit:.0} deg; lift law `{}` {what}",
             law.name()
         );
         Some(Warning::new("tether.stall", text).size(run.stall_fraction).key("aero.law"))

@@ -210,7 +210,10 @@ fn the_page_of_verdicts_lists_every_status_and_limit() {
         let side = if limit.sense == Sense::AtMost { "at most" } else { "at least" };
         let unit = if limit.unit.is_empty() { String::new() } else { format!(" {}", limit.unit) };
         let status = limit.status.map_or("warning", Status::name);
-        let row = format!("| `{}` | {} | {side} {}{unit} | {status} |", limit.id, limit.meaning, limit.value);
+        let size = limit.value.abs();
+        let powers = size > 0.0 && !(1e-3..1e5).contains(&size);
+        let value = if powers { format!("{:e}", limit.value) } else { limit.value.to_string() };
+        let row = format!("| `{}` | {} | {side} {value}{unit} | {status} |", limit.id, limit.meaning);
         let kind = limit.id.split('.').next().unwrap();
         match kinds.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, rows)) => rows.push(row),

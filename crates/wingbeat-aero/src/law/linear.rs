@@ -9,5 +9,5 @@ pub(super) const LAW: Law = Law {
     states: &[],
     attachment: Attachment::Whole,
     edge_vortex: false,
-    beyond_stall: Some("which knows no stall"),
+    beyond_stall: Some("ignores stall, so its forces are not reliable there"),
 };

@@ -58,7 +58,7 @@ pub struct Law {
     /// True when the leading edge holds limited suction and sheds a vortex, whose normal force is the first of the
     /// states.
     pub edge_vortex: bool,
-    /// What to say of strips past the stall angle; nothing of a law made for them.
+    /// What the law does past the stall angle, as the end of a sentence; nothing of a law made for it.
     pub beyond_stall: Option<&'static str>,
 }
 

@@ -10,7 +10,7 @@ pub(super) const LAW: Law = Law {
     states: &[],
     attachment: Attachment::AtOnce,
     edge_vortex: false,
-    beyond_stall: Some("which is quasi-steady and only within +-50 % there"),
+    beyond_stall: Some("is quasi-steady, so its forces are only within +-50 % there"),
 };
 
 /// Share of the lift that stays attached, from the squared sine of the effective incidence; `scale` is the

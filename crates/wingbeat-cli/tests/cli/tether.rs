@@ -22,7 +22,7 @@ fn a_case_leaves_a_whole_folder_and_a_table() {
     assert!(output.status.success(), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        text.contains("CL") && text.contains("knows no stall") && text.contains("run folder: a"),
+        text.contains("CL") && text.contains("ignores stall") && text.contains("run folder: a"),
         "{text}"
     );
     let names = [

@@ -37,7 +37,7 @@ pub(super) fn rectified(series: &Series, channel: &Channel, at: &Condensed) -> O
     let unfolded: Vec<f64> = clear.iter().map(|k| if turns(k) { -cycle[*k] } else { cycle[*k] }).collect();
     let (whole, folded) = (variance(&folded), left(&phase, &folded)?);
     let size = folded / left(&phase, &unfolded)?.max(f64::MIN_POSITIVE);
-    let text = "keeps one sign, and its cycle is smooth only if every second arch is turned over: the file holds the \
+    let text = "keeps one sign, and its cycle is smooth only if every second half wave is inverted: the file holds the \
                 magnitude of the load; export it with its sign";
     let found = || Finding::new("data.rectified", &RECTIFIED, series.about(channel.name), size, text);
     // A channel that is no component may be a magnitude by its meaning.

@@ -12,18 +12,19 @@ pub const MODEL_ERROR: Limit = Limit::warn_below("calibration.model_error_explai
     .on("the model misses much of the loads: share of the measured variation over the cycle that the fit explains");
 /// Misfit over the noise of the cycles. With a misfit of 10 % of the loads this limit is a noise of 1e-7 of them, which no load
 /// cell resolves: cycles that repeat so well are not measured.
-pub const CHI_SQUARED: Limit = Limit::at_most("calibration.chi_squared", 1e12, "", SuspectData)
-    .on("the cycles repeat better than any cell resolves: chi squared over freedom");
+pub const CHI_SQUARED: Limit = Limit::at_most("calibration.chi_squared", 1e12, "", SuspectData).on(
+    "the cycles scatter less than any load cell resolves, so they were not measured: reduced chi-squared",
+);
 /// Misfit beyond the noise, after which intervals rest on what the fit estimates of the model's own error.
 pub const BEYOND_NOISE: Limit = Limit::warn_above("calibration.beyond_noise_chi_squared", 4.0, "")
-    .on("the model is wrong beyond the noise of the cycles: chi squared over freedom");
+    .on("the model is wrong beyond the noise of the cycles: reduced chi-squared");
 /// Time shift that is left between measured and fitted cycles; runs are refused beyond it before the fit.
 pub const PHASE: Limit = Limit::at_most("calibration.phase_deg", 5.0, "deg", SuspectData)
     .on("shift between the measured and the fitted cycle");
 /// Circular correlation of what the fit leaves with itself one phase on, in deviations: 0 +- 1/sqrt(n W) of noise alone, with W numbers of
 /// each of n channels, which of a force with eight harmonics reaches half in one of 50, of three in one of 5000.
 pub const COLOURED: Limit = Limit::warn_above("calibration.residual_autocorrelation", 0.5, "")
-    .on("what the fit leaves is no noise, but a cycle of its own: correlation of the residual with itself one phase on");
+    .on("the residual is not noise but a curve over the cycle: its correlation from one phase to the next");
 /// Parameters that the fit found: without any, the fit says nothing.
 pub const IDENTIFIED: Limit = Limit::at_least("calibration.identified_fraction", 1e-3, "", OffTarget)
     .on("share of the parameters that the runs identify");

@@ -16,65 +16,66 @@ pub const BACKWARD: Limit = Limit::at_most("data.backward_steps", 0.0, "", Suspe
 pub const LOST: Limit = Limit::at_most("data.lost_fraction", 0.05, "", SuspectData)
     .on("share of the samples that are missing in gaps");
 /// Far below any load cell (1 uN) and any motion that moves air, in N, N m, m, deg or rad.
-pub const TINY: Limit =
-    Limit::at_least("data.smallest_amplitude", 1e-9, "", SuspectData).on("largest magnitude of all channels");
+pub const TINY: Limit = Limit::at_least("data.smallest_amplitude", 1e-9, "", SuspectData)
+    .on("largest absolute value of all channels");
 /// Far above what a wing in a wind tunnel sees, in any of these units.
 pub const HUGE: Limit =
-    Limit::at_most("data.largest_magnitude", 1e9, "", SuspectData).on("largest magnitude");
+    Limit::at_most("data.largest_magnitude", 1e9, "", SuspectData).on("largest absolute value of a channel");
 /// A load that follows the stroke passes through every value twice a cycle: it stays within one count for less than half of it.
-pub const STUCK: Limit =
-    Limit::at_most("data.stuck_cycles", 0.6, "", SuspectData).on("longest stay within one count, in cycles,");
+pub const STUCK: Limit = Limit::at_most("data.stuck_cycles", 0.6, "", SuspectData)
+    .on("longest time, in cycles, for which a channel keeps its value to one count,");
 /// Noise reaches an extreme once; a smooth top of a quantised load does not end in a step to it.
-pub const CLIPPED: Limit =
-    Limit::at_most("data.clipped_fraction", 0.03, "", SuspectData).on("share of the samples on a flat end");
+pub const CLIPPED: Limit = Limit::at_most("data.clipped_fraction", 0.03, "", SuspectData)
+    .on("share of the samples at the highest or lowest value, as if clipped,");
 /// Of the range of the mean cycle, or of the mean where that is larger: a tare that moves by more changes means and phases.
 pub const DRIFT: Limit = Limit::at_most("data.drift_fraction", 0.2, "", SuspectData)
-    .on("change from begin to end over the range of the cycle");
+    .on("change of the mean from the start to the end of the file, relative to the range of the cycle,");
 /// F statistic of the harmonics against the noise: noise alone has 1 +- 0.4, and reaches 4 less than once in 1e4 files.
 pub const SIGNAL: Limit = Limit::at_least("data.signal_over_noise", 4.0, "", SuspectData)
-    .on("power of the cycle over what the noise makes of it");
+    .on("power of the periodic part over the power that noise alone would give it");
 /// Noise alone reached 28 in the worst of a thousand files of six channels with 4000 samples (measured); a flapping wing has thousands.
 pub const LINE: Limit = Limit::at_least("data.line_over_noise", 60.0, "", SuspectData)
-    .on("power of the strongest line of the spectrum over the noise beside it");
+    .on("power of the strongest line of the spectrum over that of the noise beside it");
 /// A cycle seven times below the noise is lost in what the noise does to the tare and the phase.
 pub const SHARE: Limit = Limit::at_least("data.signal_fraction", 0.02, "", SuspectData)
-    .on("share of the cycle in the power of the channel");
+    .on("share of the power of the channel that repeats with the cycle");
 /// What neither repeats with the cycle nor is noise: with more, means over cycles say little.
 pub const APERIODIC: Limit = Limit::at_most("data.aperiodic_fraction", 0.3, "", SuspectData)
-    .on("share of the power that does not repeat with the cycle");
+    .on("share of the power that is neither periodic nor noise");
 /// The tolerance of `calibrate` for the frequency of a run; judged where the data tell it that well.
 pub const FREQUENCY: Limit = Limit::at_most("data.frequency_fraction", 0.01, "", SuspectData)
-    .on("difference of the frequency of the data from the one given");
+    .on("relative difference between the frequency of the data and the one given");
 /// Noise that adds half to the acceleration adds as much to the loads.
 pub const ROUGH: Limit = Limit::at_most("data.acceleration_noise_fraction", 0.5, "", SuspectData)
-    .on("noise of the acceleration over the acceleration");
+    .on("noise of the acceleration relative to the acceleration");
 /// A model may be wrong by half and in phase; it does not turn a load round.
-pub const REVERSED: Limit =
-    Limit::at_least("data.correlation_least", -0.7, "", SuspectData).on("correlation with what is computed");
+pub const REVERSED: Limit = Limit::at_least("data.correlation_least", -0.7, "", SuspectData)
+    .on("correlation between the measured and the computed load");
 /// What all changed channels must bring together, in parts of a full correlation, and each at least.
-pub const SWAPPED: Limit = Limit::at_most("data.swap_gain", 0.5, "", SuspectData)
-    .on("correlation that a channel gains as another one");
+pub const SWAPPED: Limit =
+    Limit::at_most("data.swap_gain", 0.5, "", SuspectData).on("gain in correlation if channels are swapped");
 /// Slope of the loads and drag differ by this between models; a cell's gain is known to 1 %.
-pub const GAIN: Limit = Limit::warn_above("data.gain_fraction", 0.1, "").on("difference of the gain from 1");
+pub const GAIN: Limit = Limit::warn_above("data.gain_fraction", 0.1, "")
+    .on("difference from 1 of the ratio between measured and computed load");
 /// The tolerance of `calibrate` for the phase of a run: what 5 deg do to a drag is as large as the drag of a plate.
 pub const SHIFT: Limit = Limit::at_most("data.shift_deg", 5.0, "deg", SuspectData)
-    .on("phase of the measured cycle against the computed one");
+    .on("phase difference between the measured and the computed cycle");
 /// A cycle that no lag makes like the computed one in any channel is of something else.
 pub const UNRELATED: Limit = Limit::at_least("data.best_correlation", 0.3, "", SuspectData)
-    .on("largest correlation of a channel with what is computed");
+    .on("largest correlation of any channel with its computed load");
 /// A channel that moves by a fiftieth of what is computed is not connected.
 pub const DEAD: Limit = Limit::at_least("data.dead_fraction", 0.02, "", SuspectData)
-    .on("range of the measured cycle over that of the computed one");
+    .on("range of the measured cycle relative to that of the computed one");
 /// The inverse of that: a channel that has the shape of what is computed and moves by fifty times as much is in another unit.
 pub const LARGEST: Limit = Limit::at_most("data.largest_gain", 50.0, "", SuspectData)
-    .on("range of the measured cycle over that of the computed one, in its shape,");
+    .on("range of a measured cycle of the right shape relative to that of the computed one");
 /// The loads of a flapping wing have a strong second harmonic: a stretch of a fifth of a cycle without a sample hides it.
 pub const PHASE_GAP: Limit = Limit::at_most("data.phase_gap_cycles", 0.2, "", SuspectData)
     .on("longest stretch of the cycle in which no cycle has a sample");
 
 /// What a cusp adds to what harmonics leave: right loads have 1, magnitudes of loads with noise of 3 % have 4.
 pub const RECTIFIED: Limit = Limit::at_most("data.rectified_ratio", 2.5, "", SuspectData)
-    .on("what harmonics leave of the cycle over what they leave of it with every second arch turned over");
+    .on("how much better harmonics fit the cycle when every second half wave is inverted");
 
 /// All of them.
 pub const ALL: [Limit; 23] = [

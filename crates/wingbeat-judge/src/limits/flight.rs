@@ -36,7 +36,7 @@ pub const BEYOND_RESIDUAL: Limit = Limit::at_most("flight.beyond_residual_fracti
     .on("share of the time beyond the velocities at which robot.residual was measured");
 /// Updates that failed, so that the previous plan was flown.
 pub const FAILURES: Limit = Limit::at_most("flight.controller_failures_fraction", 0.1, "", NotResolved)
-    .on("share of the controller's updates that found no answer");
+    .on("share of the updates in which the controller found no solution");
 /// Error of the integration's steps that a reader must know.
 pub const STEP_ERROR: Limit = Limit::warn_above("flight.step_error_m", 0.01, "m")
     .on("the steps of the integration are too long (shorten flight.step_s): the estimated error of the last position");

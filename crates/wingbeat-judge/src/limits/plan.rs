@@ -41,7 +41,7 @@ pub const MODELS: Limit = Limit::warn_above("plan.model_force_fraction", 0.1, ""
     .on("the gait depends on the aerodynamic preset: change of the mean upward force under the other one, over the weight,");
 /// Strips past stall, where two published experiments alone test the lift laws.
 pub const STALLED: Limit = Limit::warn_above("plan.stall_fraction", 0.5, "").on(
-    "two published experiments alone test the lift laws in stall: share of the strips past their stall angle",
+    "only two published experiments test the lift laws in stall: share of the strips past their stall angle",
 );
 
 /// All of them.

@@ -6,7 +6,7 @@ use crate::status::Status::{Failed, SuspectData};
 
 /// Records that never came, of one start.
 pub const LOST: Limit = Limit::at_most("recording.lost_fraction", 0.02, "", SuspectData)
-    .on("share of the records that never came");
+    .on("share of the records that were lost");
 /// Records between two streams of one start.
 pub const UNSENT: Limit = Limit::at_most("recording.unsent_fraction", 0.1, "", SuspectData)
     .on("share of the records that the box did not send between two streams");
@@ -24,7 +24,7 @@ pub const DISORDER: Limit = Limit::at_most("recording.disorder_fraction", 0.1, "
     .on("share of the records whose number does not follow the one before");
 /// Records that came again.
 pub const DUPLICATES: Limit = Limit::at_most("recording.duplicate_fraction", 0.1, "", SuspectData)
-    .on("share of the records that came again");
+    .on("share of the records that were received twice");
 /// Datagrams that are no records.
 pub const MALFORMED: Limit = Limit::at_most("recording.malformed_fraction", 0.3, "", SuspectData)
     .on("datagrams that are no records, for each record that came,");
@@ -43,7 +43,7 @@ pub const RATE: Limit = Limit::at_most("recording.rate_error_fraction", 0.1, "",
 );
 /// Count against clock.
 pub const UNACCOUNTED: Limit = Limit::at_most("recording.unaccounted_fraction", 0.01, "", SuspectData).on(
-    "share by which the records that came or are booked as missing differ from those that should be there by \
+    "share by which the records received or counted as missing differ from those that should be there by \
          the clock, beyond half a second of them,",
 );
 /// Silence at the end.

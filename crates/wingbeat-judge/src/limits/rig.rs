@@ -8,7 +8,7 @@ pub const SATURATED: Limit = Limit::at_most("rig.saturated_fraction", 0.01, "", 
     .on("share of the samples in which a channel is at the end of the cell's range");
 /// Strips past stall, where two published experiments alone test the lift laws.
 pub const STALLED: Limit = Limit::warn_above("rig.stall_fraction", 0.5, "")
-    .on("two published experiments alone test the lift laws in stall: share of strips and samples past their stall angle");
+    .on("only two published experiments test the lift laws in stall: share of strips and samples past their stall angle");
 
 /// All of them.
 pub const ALL: [Limit; 2] = [SATURATED, STALLED];

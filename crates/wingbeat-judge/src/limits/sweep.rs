@@ -5,7 +5,7 @@ use crate::status::Status::{NotFound, NotResolved, OffTarget};
 
 /// Of fewer runs the shares and quantiles say little of the whole.
 pub const COMPLETED: Limit = Limit::at_least("sweep.completed_fraction", 0.5, "", NotResolved)
-    .on("share of the runs that were carried out to their end");
+    .on("share of the runs that reached their end");
 /// Runs that broke down, which no quantile knows.
 pub const FAILED: Limit = Limit::warn_above("sweep.failed_fraction", 0.0, "")
     .on("tables and figures leave out the runs that broke down: share of them");

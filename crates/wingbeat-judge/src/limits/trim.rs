@@ -13,10 +13,10 @@ pub const POWER: Limit = Limit::at_most("trim.power_w_kg", 400.0, "W/kg", Outsid
     .on("mean of the positive mechanical power over the mass");
 /// Stall beyond which an orbit rests on laws that were not tested there.
 pub const BEYOND_12: Limit = Limit::warn_above("trim.stall_fraction_12", 0.5, "")
-    .on("two published experiments alone test the lift laws in stall: share of U^2 c dy dt beyond 12 deg of incidence");
+    .on("only two published experiments test the lift laws in stall: share of U^2 c dy dt beyond 12 deg angle of attack");
 /// Stall in which the wing does most of its work. The deepest shipped cruise, on the linkage, has 0.41.
 pub const BEYOND_20: Limit = Limit::at_most("trim.stall_fraction_20", 0.5, "", Outside)
-    .on("share of U^2 c dy dt beyond 20 deg of incidence");
+    .on("share of U^2 c dy dt beyond 20 deg angle of attack");
 /// Wings that pass through each other or through the body.
 pub const CLEARANCE: Limit =
     Limit::at_least("trim.clearance_m", 0.0, "m", Outside).on("least clearance between parts of the robot");
@@ -25,10 +25,10 @@ pub const SKIN: Limit = Limit::warn_below("trim.skin_clearance_m", 0.003, "m")
     .on("the wings touch where their skin is 3 mm: least clearance between surfaces without thickness");
 /// Growth of a disturbance over a cycle. Instability is information, so the limit is one that only a document lowers.
 pub const MULTIPLIER: Limit = Limit::at_most("trim.multiplier", 100.0, "", OffTarget)
-    .on("largest Floquet multiplier without that of the heading");
+    .on("largest magnitude of a Floquet multiplier, that of the heading left out");
 /// Conditions of the orbit, which Newton's method meets to 1e-11.
-pub const RESIDUAL: Limit =
-    Limit::at_most("trim.residual", 1e-8, "", NotFound).on("largest condition missed, in SI units");
+pub const RESIDUAL: Limit = Limit::at_most("trim.residual", 1e-8, "", NotFound)
+    .on("largest error of a condition of the orbit, in SI units");
 
 /// All of them.
 pub const ALL: [Limit; 8] = [HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, RESIDUAL];

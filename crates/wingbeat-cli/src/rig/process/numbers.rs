@@ -177,7 +177,7 @@ impl Summary {
 
     fn against_simulation(&self) -> String {
         let mut text = format!(
-            "middle of the envelope against the model on the measured motion of {}, {:.2} strokes\n\
+            "middle of the phase averages against the model on the measured motion of {}, {:.2} cycles\n\
              {:8}{:>12}{:>12}{:>13}{:>12}{:>22}{:>22}\n",
             self.simulation.as_deref().unwrap_or_default(),
             self.strokes,
@@ -186,8 +186,8 @@ impl Summary {
             "range",
             "correlation",
             "peak ratio",
-            "envelope",
-            "simulation"
+            "measured",
+            "model"
         );
         let range = |of: Option<[f64; 2]>| of.map_or(String::new(), |[a, b]| format!("{a:.4} to {b:.4}"));
         for (name, c) in &self.envelope_against_simulation {
