@@ -23,7 +23,12 @@ fn numbers_come_back_with_all_their_digits() {
     std::fs::write(&path, "note,t,y\nfirst,0,1\n,1,2\nlast one,2,4\n").unwrap();
     let read = read_csv(&path).unwrap();
     assert_eq!((read.columns().len(), read.values("y")), (2, Some(&[1.0, 2.0, 4.0][..])));
-    for (text, cell) in [("t,y\n0,#N/A\n1,#N/A\n", "#N/A"), ("t,y\n0,nan\n1,nan\n", "nan"), ("t,y\n0,\n1,\n", ""), ("a,b\nx,y\nz,u\n", "x")] {
+    for (text, cell) in [
+        ("t,y\n0,#N/A\n1,#N/A\n", "#N/A"),
+        ("t,y\n0,nan\n1,nan\n", "nan"),
+        ("t,y\n0,\n1,\n", ""),
+        ("a,b\nx,y\nz,u\n", "x"),
+    ] {
         std::fs::write(&path, text).unwrap();
         let error = read_csv(&path).unwrap_err().to_string();
         assert!(error.ends_with(&format!("`{cell}` is not a number")), "{error}");
