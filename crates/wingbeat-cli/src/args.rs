@@ -499,8 +499,8 @@ pub struct RigRuns {
 ///
 /// The folder of results holds averages (NAME.parquet), envelope.parquet, summary.json with every step in words,
 /// manifest.json and figures. Runs of static tilts give mass, centre and offsets instead. Files: Parquet, MATLAB 4, 5
-/// and 7.3, NumPy npz and npy, HDF5, text with columns, text of ATI's demo application; what they do not say is
-/// set: `--set process.input.rate_hz=7000`, `--set process.input.columns.Fz=NAME`, `--set
+/// and 7.3, NumPy npz and npy, HDF5, MCAP of ROS 2, text with columns, text of ATI's demo application; what they do
+/// not say is set: `--set process.input.rate_hz=7000`, `--set process.input.columns.Fz=NAME`, `--set
 /// process.input.units.force=N`, `--set process.input.start_s=4`, `--set process.phase=force`.
 #[derive(Debug, Args)]
 pub struct RigProcess {

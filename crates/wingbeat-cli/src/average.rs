@@ -29,6 +29,7 @@ pub fn average(arguments: &Average) -> Result<(), Error> {
     let interrupt = Interrupt::listen()?;
     let asked = asked(arguments)?;
     let plain = read_channels(&arguments.file)?.plain(&asked)?;
+    plain.cautions.iter().for_each(|caution| say::note(&format!("note: {caution}")));
     let name = named_after(&arguments.file, arguments.out.as_deref())?;
     let folder = RunFolder::create(arguments.out.as_deref(), &name, arguments.force)?;
     let bar = progress::bar(Some(2), "averaging {bar:30} {pos} of {len} steps", arguments.quiet);

@@ -44,22 +44,33 @@ pub struct Without {
 
 /// The page that shows `runs`.
 pub fn page(runs: &[Run], without: Without) -> String {
-    filled(runs, without, false)
+    Parts::of(runs, without).filled(false)
 }
 
-/// The same page of a computation that goes on: it asks its server for what has come since.
-pub fn live_page(runs: &[Run]) -> String {
-    filled(runs, Without::default(), true)
-}
+/// Runs of a computation that goes on, packed once for all who ask.
+pub struct Live(Parts);
 
-/// What such a page is told of the `runs` as they are now: their `version`, and whether it is the last.
-pub fn news(runs: &[Run], version: u64, ended: bool) -> String {
-    let Parts { data, bytes } = Parts::of(runs, Without::default());
-    json!({ "version": version, "ended": ended, "data": data, "bytes": bytes }).to_string()
+impl Live {
+    /// Packs the `runs` as they are now.
+    pub fn of(runs: &[Run]) -> Self {
+        Self(Parts::of(runs, Without::default()))
+    }
+
+    /// The page, which asks its server for what has been computed since.
+    pub fn page(&self) -> String {
+        self.0.filled(true)
+    }
+
+    /// What the page is told: its whole data again, their `version`, and whether it is the last.
+    pub fn data(&self, version: u64, ended: bool) -> String {
+        let Parts { data, bytes, .. } = &self.0;
+        json!({ "version": version, "ended": ended, "data": data, "bytes": bytes }).to_string()
+    }
 }
 
 /// What a page holds of its runs.
 struct Parts {
+    title: String,
     /// What is read before any number.
     data: Value,
     /// The numbers.
@@ -69,32 +80,34 @@ struct Parts {
 impl Parts {
     fn of(runs: &[Run], without: Without) -> Self {
         let mut pack = Pack::default();
+        let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         let told: Vec<Value> = runs.iter().map(told).collect();
         let shown: Vec<Value> = runs.iter().map(|run| of_run(run, without, &mut pack)).collect();
-        Self { data: json!({ "runs": told }), bytes: pack.letters(&json!(shown).to_string()) }
-    }
-}
-
-fn filled(runs: &[Run], without: Without, live: bool) -> String {
-    let Parts { data, bytes } = Parts::of(runs, without);
-    let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
-    let title = escaped(&names.join(", "));
-    // Inside of an element of a script nothing but its end is read as markup.
-    let data = data.to_string().replace('<', "\\u003c");
-    let mut page = String::new();
-    for part in HTML.split("%%") {
-        match part {
-            "TITLE" => page += &title,
-            "STYLE" => page += STYLE,
-            "DATA" => page += &data,
-            "BYTES" => page += &bytes,
-            "PROGRAM" => PROGRAM.iter().for_each(|part| page += &without_margins(part)),
-            "LIVE" => page += if live { " data-live" } else { "" },
-            "CONNECT" => page += if live { "; connect-src 'self'" } else { "" },
-            other => page += other,
+        Self {
+            title: escaped(&names.join(", ")),
+            data: json!({ "runs": told }),
+            bytes: pack.letters(&json!(shown).to_string()),
         }
     }
-    page
+
+    fn filled(&self, live: bool) -> String {
+        // Inside of an element of a script nothing but its end is read as markup.
+        let data = self.data.to_string().replace('<', "\\u003c");
+        let mut page = String::new();
+        for part in HTML.split("%%") {
+            match part {
+                "TITLE" => page += &self.title,
+                "STYLE" => page += STYLE,
+                "DATA" => page += &data,
+                "BYTES" => page += &self.bytes,
+                "PROGRAM" => PROGRAM.iter().for_each(|part| page += &without_margins(part)),
+                "LIVE" => page += if live { " data-live" } else { "" },
+                "CONNECT" => page += if live { "; connect-src 'self'" } else { "" },
+                other => page += other,
+            }
+        }
+        page
+    }
 }
 
 /// Text for an element.

@@ -1,6 +1,7 @@
 //! The plots beside the picture: what is drawn of a record, by its columns.
 
 use wingbeat::math::unwrapped;
+use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::{Column, Record};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -352,9 +353,8 @@ fn grouped(name: &str) -> (String, &str) {
     if let Some((kind, joint)) = joint(name) {
         return (kind.into(), joint);
     }
-    let cell = ["Fx", "Fy", "Fz", "Tx", "Ty", "Tz"];
-    if let Some(channel) = cell.iter().find(|channel| name.ends_with(*channel)) {
-        let kind = name.trim_end_matches(*channel).trim_end_matches('_');
+    if let Some((channel, _)) = CHANNELS.iter().find(|(channel, _)| name.ends_with(channel)) {
+        let kind = name.trim_end_matches(channel).trim_end_matches('_');
         return (format!("{} {kind}", if channel.starts_with('F') { "force" } else { "moment" }), channel);
     }
     match name.rsplit_once('_') {

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
+use wingbeat::rig::cell::CHANNELS;
 use wingbeat::scenario::{RigRun, Scenario, TetherCase};
 use wingbeat::simulate::{Column, Record};
 use wingbeat_io::read_csv;
@@ -489,5 +490,5 @@ fn fits(record: &Record, rows: &[usize]) -> Vec<Panel> {
         let curves: Vec<Curve> = curves.into_iter().filter_map(curve).collect();
         (!curves.is_empty()).then(|| Panel { title: channel.into(), unit, curves, limits: None })
     };
-    ["Fx", "Fy", "Fz", "Tx", "Ty", "Tz"].into_iter().filter_map(of).collect()
+    CHANNELS.iter().filter_map(|(channel, _)| of(channel)).collect()
 }

@@ -237,7 +237,7 @@ const started = arguments_ => {
     child.on('exit', () => lost(new Error(said)));
   });
   const ended = new Promise(done => child.on('exit', code => done(code)));
-  return { address, ended };
+  return { address, ended, stop: () => child.kill('SIGINT') };
 };
 async function live(name, arguments_, look) {
   const run = started([...arguments_, '--watch', '--quiet', '--force', '--out', path.join(folder, 'live')]), address = await run.address;
@@ -252,6 +252,7 @@ async function live(name, arguments_, look) {
   await page.close();
   return run;
 }
+const said = page => of(page, `document.querySelector('[role=status]').dataset.word`);
 const rows = page => of(page, 'Math.max(0, ...wingbeat.runs.map(run => run.axis.values.length))');
 const SCENARIO = 'scenarios/banking_turn.toml', LONG = ['--set', 'flight.duration_s=6'];
 {
@@ -272,8 +273,21 @@ const SCENARIO = 'scenarios/banking_turn.toml', LONG = ['--set', 'flight.duratio
     const wrong = [new URL('/', address).href, address.replace(/.{33}$/, '0'.repeat(32) + '/')];
     for (const url of wrong) judge('live: refused without the word', (await fetch(url)).status, (await fetch(url)).status === 404, '404');
     const sockets = Array.from({ length: 12 }, () => net.connect(+new URL(address).port, '127.0.0.1').on('error', () => {}));
-    await page.waitForFunction('wingbeat.ended', { timeout: 120000 });
+    await Promise.all(sockets.map(socket => new Promise(done => socket.once('connect', done))));
+    let slowest = 0;
+    for (let k = 0; k < 5; k++) {
+      const begun = performance.now();
+      await (await fetch(`${address}data?after=${1e9}`)).text();
+      slowest = Math.max(slowest, performance.now() - begun);
+    }
+    most('live: slowest answer beside hanging browsers', slowest, 1000, 'ms');
+    const hanging = await of(page, 'wingbeat.version');
+    await page.waitForFunction(`wingbeat.version > ${hanging}`, { timeout: 4000 });
+    holds('live: the page follows beside hanging browsers', (await said(page)) === 'live' && !(await of(page, 'wingbeat.ended')));
     sockets.forEach(socket => socket.destroy());
+    await page.waitForFunction('wingbeat.ended', { timeout: 120000 });
+    const end = await of(page, 'wingbeat.runs[0].axis.values.at(-1)');
+    judge('live: it says the end when the flight is whole', end, (await said(page)) === 'ended' && Math.abs(end - 6) < 0.02, 'at 6 s');
     await page.screenshot({ path: path.join(pictures, 'live-ended.png') });
   });
   const code = await run.ended;
@@ -287,6 +301,15 @@ const SCENARIO = 'scenarios/banking_turn.toml', LONG = ['--set', 'flight.duratio
   const other = files(plain).filter(file => !/manifest.json|report.html/.test(file)).filter(file => /summary.json/.test(file) ? timeless(bytes(plain, file)) !== timeless(bytes(path.join(folder, 'live'), file)) : !bytes(plain, file).equals(bytes(path.join(folder, 'live'), file)));
   judge('live: files of the run that differ', other.join(' ') || 0, other.length === 0 && files(plain).join() === files(path.join(folder, 'live')).join(), '0');
   fs.rmSync(plain, { recursive: true });
+}
+{ // A program that is stopped says no end.
+  await live('a flight that is stopped', ['fly', SCENARIO, ...LONG], async (page, _, run) => {
+    await page.waitForFunction('wingbeat.version > 1', { timeout: 60000 });
+    run.stop();
+    await run.ended;
+    await page.waitForFunction(`document.querySelector('[role=status]').dataset.word === 'no answer'`, { timeout: 10000 });
+    holds('live: a program that was stopped does not answer, and has not ended well', !(await of(page, 'wingbeat.ended')));
+  });
 }
 for (const [name, arguments_] of [['a search', ['trim', 'scenarios/cruise_20g.toml']], ['a fit', ['calibrate', 'calibrations/two_runs.toml']]]) {
   await live(name, arguments_, async (page, _, run) => {

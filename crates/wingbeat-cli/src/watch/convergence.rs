@@ -42,9 +42,10 @@ impl Convergence {
     pub fn begin(live: &Live, name: &str, kind: &'static str, settings: &str) -> Result<Self, Error> {
         let (name, settings) = (name.to_owned(), settings.to_owned());
         let watch = Watch::begin(live, move |painter| {
-            let mut starts: Vec<Series> = Vec::new();
-            painter.run(|news: Vec<Point>| {
-                news.into_iter().for_each(|point| add(&mut starts, point));
+            let take = |starts: &mut Vec<Series>, news: Vec<Point>| {
+                news.into_iter().for_each(|point| add(starts, point));
+            };
+            painter.run(Vec::new(), take, |starts| {
                 if starts.is_empty() {
                     let axis = Axis { label: "iteration", unit: "", values: Vec::new(), joined: true };
                     return vec![Run { settings: settings.clone(), ..Run::blank(&name, kind, axis) }];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde_json::json;
-use wingbeat::scenario::{Scenario, Seen};
+use wingbeat::scenario::{Scenario, Seen, Watched};
 use wingbeat::simulate::Sample;
 use wingbeat_report::motion::{MOST, RATE};
 use wingbeat_report::run::{Flown, Run, of_flight};
@@ -29,12 +29,12 @@ impl FlightWatch {
         let scenario = scenario.clone();
         let watch = Watch::begin(live, move |painter| {
             // A scenario that can be flown can be recorded.
-            let Ok(mut watched) = scenario.watched() else { return };
+            let Ok(watched) = scenario.watched() else { return };
             let mut sound = true;
-            painter.run(|news: Vec<Seen>| {
+            let add = |watched: &mut Watched<'_>, news: Vec<Seen>| {
                 sound = sound && news.iter().all(|seen| watched.add(seen).is_ok());
-                vec![run(&scenario, &watched)]
-            });
+            };
+            painter.run(watched, add, |watched| vec![run(&scenario, watched)]);
         })?;
         Ok(Self { watch, next: 0.0, step: 1.0 / RATE, shown: 0 })
     }
@@ -59,7 +59,7 @@ impl FlightWatch {
     }
 }
 
-fn run(scenario: &Scenario, watched: &wingbeat::scenario::Watched<'_>) -> Run {
+fn run(scenario: &Scenario, watched: &Watched<'_>) -> Run {
     let flown = Flown { scenario, record: watched.record() };
     let run = of_flight(&scenario.spec.name, "flight under way", flown);
     let now = watched.record().values("t").and_then(|t| t.last()).copied().unwrap_or(0.0);

@@ -2,10 +2,10 @@
 
 use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Read, Write};
-use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -13,18 +13,20 @@ use super::Question;
 
 /// Longest request that is read, bytes.
 const LONGEST: usize = 8 << 10;
-/// Most requests at a time; who comes beyond is turned away.
+/// Most browsers at a time; who comes beyond takes the place of the one that has been silent longest.
 const MOST: usize = 8;
 /// Time in which a request must be there, and an answer taken.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// Rest after a connection that the system could not give. *Choice.*
+const PAUSE: Duration = Duration::from_millis(100);
 
 /// What a browser asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
     /// The page.
     Page,
-    /// What has come since a version of it.
-    News(u64),
+    /// All its data, where they are newer than this version.
+    DataAfter(u64),
 }
 
 /// A server; dropped, it ends.
@@ -71,32 +73,80 @@ fn token() -> String {
     [0_u8, 1].iter().map(|number| format!("{:016x}", keyed.hash_one(number))).collect()
 }
 
+/// The browsers that are served, the first that came first.
+#[derive(Clone, Default)]
+struct Guests(Arc<Mutex<Vec<Guest>>>);
+
+struct Guest {
+    number: u64,
+    stream: TcpStream,
+    /// Whether its request is there.
+    heard: bool,
+}
+
+impl Guests {
+    fn all(&self) -> MutexGuard<'_, Vec<Guest>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes room for one more; without success where all have asked and are being answered.
+    fn admit(&self, number: u64, stream: TcpStream) -> bool {
+        let mut all = self.all();
+        if all.len() >= MOST {
+            let Some(silent) = all.iter().position(|guest| !guest.heard) else { return false };
+            // Its thread wakes and ends.
+            let _ = all.remove(silent).stream.shutdown(Shutdown::Both);
+        }
+        all.push(Guest { number, stream, heard: false });
+        true
+    }
+
+    fn heard(&self, number: u64) {
+        self.all().iter_mut().filter(|guest| guest.number == number).for_each(|guest| guest.heard = true);
+    }
+
+    fn leave(&self, number: u64) {
+        self.all().retain(|guest| guest.number != number);
+    }
+}
+
 fn accept(listener: &TcpListener, port: u16, token: &str, ended: &AtomicBool, questions: &Sender<Question>) {
-    let busy = Arc::new(AtomicUsize::new(0));
-    while let Ok((stream, _)) = listener.accept() {
+    let guests = Guests::default();
+    for number in 0.. {
+        let accepted = listener.accept();
         if ended.load(Ordering::Acquire) {
             return;
         }
-        if busy.load(Ordering::Acquire) >= MOST {
+        let Ok((stream, _)) = accepted else {
+            thread::sleep(PAUSE);
+            continue;
+        };
+        if !stream.try_clone().is_ok_and(|other| guests.admit(number, other)) {
             continue;
         }
-        busy.fetch_add(1, Ordering::AcqRel);
-        let (token, questions, free) = (token.to_owned(), questions.clone(), busy.clone());
+        let (token, questions, here) = (token.to_owned(), questions.clone(), guests.clone());
         let serve = move || {
             // A browser that hangs or goes away is no matter of the run.
-            let _ = serve(stream, port, &token, &questions);
-            free.fetch_sub(1, Ordering::AcqRel);
+            let _ = serve(stream, port, &token, &questions, || here.heard(number));
+            here.leave(number);
         };
         if thread::Builder::new().name("watch answer".into()).spawn(serve).is_err() {
-            busy.fetch_sub(1, Ordering::AcqRel);
+            guests.leave(number);
         }
     }
 }
 
-/// Answers one request.
-fn serve(mut stream: TcpStream, port: u16, token: &str, questions: &Sender<Question>) -> io::Result<()> {
+/// Answers one request; `heard` is called when it is there.
+fn serve(
+    mut stream: TcpStream,
+    port: u16,
+    token: &str,
+    questions: &Sender<Question>,
+    heard: impl FnOnce(),
+) -> io::Result<()> {
     let until = Instant::now() + PATIENCE;
     let request = request(&mut stream, until)?;
+    heard();
     let answer = match asked(&request, port, token) {
         Err(status) => reply(status, "text/plain", "wingbeat: not here\n"),
         Ok(asked) => {
@@ -104,10 +154,10 @@ fn serve(mut stream: TcpStream, port: u16, token: &str, questions: &Sender<Quest
             let lost = |_| io::Error::from(io::ErrorKind::BrokenPipe);
             questions.send((asked, sender)).map_err(lost)?;
             let text = receiver.recv().map_err(|_| io::Error::from(io::ErrorKind::BrokenPipe))?;
-            match asked {
-                Asked::Page => reply("200 OK", "text/html", &text),
-                Asked::News(_) if text.is_empty() => reply("204 No Content", "application/json", ""),
-                Asked::News(_) => reply("200 OK", "application/json", &text),
+            let kind = if asked == Asked::Page { "text/html" } else { "application/json" };
+            match text {
+                Some(text) => reply("200 OK", kind, &text),
+                None => reply("204 No Content", kind, ""),
             }
         }
     };
@@ -170,7 +220,7 @@ fn asked(request: &str, port: u16, token: &str) -> Result<Asked, &'static str> {
         return Err("405 Method Not Allowed");
     }
     match rest.strip_prefix("data?after=") {
-        Some(version) => version.parse().map(Asked::News).map_err(|_| NONE),
+        Some(version) => version.parse().map(Asked::DataAfter).map_err(|_| NONE),
         None if rest.is_empty() => Ok(Asked::Page),
         None => Err(NONE),
     }
@@ -203,7 +253,7 @@ mod tests {
             asked(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"), 4000, &token)
         };
         assert_eq!(ask(&format!("/{token}/"), "127.0.0.1:4000"), Ok(Asked::Page));
-        assert_eq!(ask(&format!("/{token}/data?after=7"), "localhost:4000"), Ok(Asked::News(7)));
+        assert_eq!(ask(&format!("/{token}/data?after=7"), "localhost:4000"), Ok(Asked::DataAfter(7)));
         let wrong = [
             ("/".to_owned(), "127.0.0.1:4000"),
             (format!("/{token}"), "127.0.0.1:4000"),

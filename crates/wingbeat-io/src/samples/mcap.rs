@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{BufReader, Read};
 
 use flate2::Crc;
+use wingbeat::rig::cell::CHANNELS;
 
 use super::opened;
 use super::table::{Shape, Table};
@@ -13,9 +14,8 @@ use crate::{Error, MOST_COLUMNS, MOST_NUMBERS};
 pub const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Longest record that is read, bytes: writers close a chunk after some MB.
 const LONGEST: u64 = 256 << 20;
-/// The six channels of a wrench in the order of the message, with their units.
-const WRENCH: [(&str, &str); 6] =
-    [("Fx", "N"), ("Fy", "N"), ("Fz", "N"), ("Tx", "N m"), ("Ty", "N m"), ("Tz", "N m")];
+/// Names that one sentence lists at most.
+const LISTED: usize = 12;
 
 /// What of a topic is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -220,7 +220,8 @@ impl Recording {
             Some(kind) => {
                 let (names, columns) = match kind {
                     Kind::Wrench => {
-                        (WRENCH.map(|(n, u)| (n.to_owned(), u)).to_vec(), vec![Vec::new(); WRENCH.len()])
+                        let names = CHANNELS.map(|(name, unit)| (name.to_owned(), unit));
+                        (names.to_vec(), vec![Vec::new(); CHANNELS.len()])
                     }
                     Kind::Joints | Kind::Point => (Vec::new(), Vec::new()),
                 };
@@ -237,48 +238,115 @@ impl Recording {
         Ok(())
     }
 
-    /// The columns of all topics at the times of the wrench.
+    /// The columns of all topics at the times of the wrench, where all topics that are wanted have messages.
     fn into_table(self, table: &mut Table) -> Result<(), Error> {
-        let wrenches = || self.topics.values().filter(|topic| topic.kind == Kind::Wrench);
-        let main = match wrenches().filter(|topic| !topic.logged.is_empty()).collect::<Vec<_>>()[..] {
-            [] => {
-                let found: Vec<&str> = self.topics.values().map(|topic| topic.name.as_str()).collect();
-                let found = found.into_iter().chain(self.others.iter().map(String::as_str));
-                let found = found.take(40).collect::<Vec<_>>().join(", ");
-                return Err(table.bad(format!(
-                    "no messages of the type geometry_msgs/msg/WrenchStamped; found {}",
-                    if found.is_empty() { "nothing" } else { &found }
-                )));
-            }
-            [one] => one,
-            [first, ..] => wrenches().find(|topic| topic.last() == "cell").unwrap_or(first),
-        };
-        let several = wrenches().count() > 1;
-        let times = main.times();
-        let start = times[0];
-        let begin = self.begin_s.unwrap_or(0.0);
-        let seconds = |time: &i64| begin + time.saturating_sub(start) as f64 * 1e-9;
+        let found: Vec<&str> =
+            self.topics.values().map(|topic| &topic.name).chain(&self.others).map(String::as_str).collect();
+        let nothing = table.bad(format!(
+            "no messages of the type geometry_msgs/msg/WrenchStamped; found {}",
+            if found.is_empty() { "nothing".into() } else { listed(&found, 40) }
+        ));
+        let mut topics: Vec<Topic> =
+            self.topics.into_values().filter(|topic| !topic.logged.is_empty()).collect();
+        // Wrenches come first: where a joint has the name of a force, the force keeps it.
+        topics.sort_by_key(|topic| topic.kind != Kind::Wrench);
+        let named = names_of(&topics);
+        let wanted = |k: &usize| named[*k].iter().any(|name| table.wanted.wants(name));
+        let wrenches = || (0..topics.len()).take_while(|k| topics[*k].kind == Kind::Wrench);
+        let plain = wrenches().find(|k| named[*k][0] == CHANNELS[0].0);
+        let main = plain.or_else(|| wrenches().find(wanted)).or_else(|| wrenches().next()).ok_or(nothing)?;
+        if let Some(topic) =
+            topics.iter().find(|topic| topic.times().windows(2).any(|pair| pair[0] > pair[1]))
+        {
+            let what = "messages that are not in the order of their times; `mcap sort` orders them";
+            return Err(table.bad(format!("topic {}: {what}", topic.name)));
+        }
+        let used: Vec<&Topic> =
+            (0..topics.len()).filter(|k| *k == main || wanted(k)).map(|k| &topics[k]).collect();
+        let main = &topics[main];
+        let (begin, first) = (self.begin_s.unwrap_or(0.0), main.times()[0]);
+        let seconds = |time: i64| begin + time.saturating_sub(first) as f64 * 1e-9;
+        let (times, left_out) = common(main, &used, seconds).map_err(|what| table.bad(what))?;
+        table.cautions.extend(left_out);
         let shape = Shape { rows: times.len(), columns: 1 };
-        table.add("t", "s", shape, times.iter().map(seconds))?;
-        for topic in self.topics.values().filter(|topic| !topic.logged.is_empty()) {
-            let plain = topic.kind != Kind::Wrench || !several || topic.last() == "cell";
+        table.add("t", "s", shape, times.iter().map(|time| seconds(*time)))?;
+        let mut skipped = Vec::new();
+        for (topic, names) in topics.iter().zip(&named) {
             let own = topic.times();
-            if own.windows(2).any(|pair| pair[0] > pair[1]) {
-                let what = "messages that are not in the order of their times; `mcap sort` orders them";
-                return Err(table.bad(format!("topic {}: {what}", topic.name)));
-            }
-            for ((name, unit), column) in topic.names.iter().zip(&topic.columns) {
-                let name = if plain { name.clone() } else { format!("{}_{name}", topic.last()) };
-                if table.names.contains(&name) {
-                    table.skipped.push(format!("{name} of {}", topic.name));
+            for ((name, (_, unit)), column) in names.iter().zip(&topic.names).zip(&topic.columns) {
+                if table.names.contains(name) {
+                    skipped.push(format!("{name} of {}", topic.name));
                     continue;
                 }
-                table.add(&name, unit, shape, sampled(own, column, times))?;
+                table.add(name, unit, shape, sampled(own, column, times))?;
             }
         }
-        table.skipped.extend(self.others);
+        if !skipped.is_empty() {
+            let list = listed(&skipped, LISTED);
+            table.cautions.push(format!("columns that other columns have the names of are left out: {list}"));
+        }
+        table.skipped.extend(skipped.into_iter().chain(self.others));
         Ok(())
     }
+}
+
+/// The first `most` of `words`.
+fn listed<T: AsRef<str>>(words: &[T], most: usize) -> String {
+    let first: Vec<&str> = words.iter().take(most).map(AsRef::as_ref).collect();
+    let rest = if words.len() > most { format!(" and {} more", words.len() - most) } else { String::new() };
+    first.join(", ") + &rest
+}
+
+/// The names of the columns of each topic. Of several wrenches that of a `cell` keeps its names; the others have the last part of
+/// their topic before them, or the whole topic where several have the same last part.
+fn names_of(topics: &[Topic]) -> Vec<Vec<String>> {
+    let wrenches: Vec<&str> =
+        topics.iter().filter(|topic| topic.kind == Kind::Wrench).map(Topic::last).collect();
+    let before = |topic: &Topic| match topic.last() {
+        _ if topic.kind != Kind::Wrench || wrenches.len() == 1 => String::new(),
+        last if wrenches.iter().filter(|other| **other == last).count() > 1 => format!("{}_", topic.name),
+        "cell" => String::new(),
+        last => format!("{last}_"),
+    };
+    let names = |topic: &Topic| {
+        let before = before(topic);
+        topic.names.iter().map(|(name, _)| format!("{before}{name}")).collect()
+    };
+    topics.iter().map(names).collect()
+}
+
+/// The times of `main` that the messages of all `topics` enclose, and what is left out in words; `seconds` gives the time of the run.
+fn common<'a>(
+    main: &'a Topic,
+    topics: &[&Topic],
+    seconds: impl Fn(i64) -> f64,
+) -> Result<(&'a [i64], Option<String>), String> {
+    let ends = |topic: &&&Topic| (topic.times()[0], topic.times()[topic.logged.len() - 1]);
+    let late = topics.iter().max_by_key(|topic| ends(topic).0).map_or(main, |topic| topic);
+    let early = topics.iter().min_by_key(|topic| ends(topic).1).map_or(main, |topic| topic);
+    let (start, end) = (ends(&&late).0, ends(&&early).1);
+    let times = main.times();
+    let from = times.partition_point(|time| *time < start);
+    let to = times.partition_point(|time| *time <= end);
+    let [begins, ends] = [start, end].map(seconds);
+    if from >= to {
+        let main = &main.name;
+        return Err(format!(
+            "no sample of {main} lies where all topics have messages: {} begins at {begins:.3} s, {} ends at {ends:.3} s",
+            late.name, early.name
+        ));
+    }
+    let mut why = Vec::new();
+    if from > 0 {
+        why.push(format!("{} begins at {begins:.3} s", late.name));
+    }
+    if to < times.len() {
+        why.push(format!("{} ends at {ends:.3} s", early.name));
+    }
+    let left_out = (!why.is_empty()).then(|| {
+        format!("{} of {} samples of {} are used: {}", to - from, times.len(), main.name, why.join(", "))
+    });
+    Ok((&times[from..to], left_out))
 }
 
 impl Topic {
@@ -294,7 +362,7 @@ impl Topic {
         if ahead && told { &self.stamped } else { &self.logged }
     }
 
-    /// Adds a message; answers how many numbers it has.
+    /// Adds a message; answers how many numbers of it are kept.
     fn add(&mut self, logged: i64, bytes: &[u8]) -> Result<usize, String> {
         let named = |what: String| format!("topic {}: {what}", self.name);
         let mut cdr = Cdr::new(bytes).map_err(named)?;
@@ -305,13 +373,18 @@ impl Topic {
                     if self.kind == Kind::Joints { cdr.joints() } else { cdr.point(logged) }
                         .map_err(named)?;
                 if self.names.is_empty() {
-                    self.columns = vec![vec![f64::NAN; self.logged.len()]; names.len()];
+                    // A message without numbers says nothing; what is wanted begins with the first that has some.
+                    if names.is_empty() {
+                        return Ok(0);
+                    }
+                    self.columns = vec![Vec::new(); names.len()];
                     self.names = names;
                 } else if names.len() != self.names.len()
                     || names.iter().zip(&self.names).any(|(new, old)| new.0 != old.0)
                 {
                     let list = |names: &[(String, &str)]| {
-                        names.iter().map(|(name, _)| name.clone()).take(12).collect::<Vec<_>>().join(", ")
+                        let names: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
+                        listed(&names, LISTED)
                     };
                     return Err(named(format!(
                         "joints {} after {}; allowed are the same in every message",
@@ -390,6 +463,13 @@ impl<'a> Cdr<'a> {
         if length <= there { Ok(length) } else { Err("a message that ends too soon".into()) }
     }
 
+    /// The same of a list that makes columns.
+    fn few(&mut self, size: usize) -> Result<usize, String> {
+        let length = self.length(size)?;
+        let told = format!("a list of {length}; read are at most {MOST_COLUMNS}");
+        if length <= MOST_COLUMNS { Ok(length) } else { Err(told) }
+    }
+
     fn text(&mut self) -> Result<String, String> {
         let length = self.length(1)?;
         let bytes = &self.bytes[self.at..self.at + length];
@@ -399,7 +479,7 @@ impl<'a> Cdr<'a> {
     }
 
     fn doubles(&mut self) -> Result<Vec<f64>, String> {
-        let length = self.length(8)?;
+        let length = self.few(8)?;
         (0..length).map(|_| self.double()).collect()
     }
 
@@ -412,13 +492,13 @@ impl<'a> Cdr<'a> {
 
     fn wrench(&mut self) -> Result<(i64, Vec<f64>), String> {
         let stamp = self.header()?;
-        Ok((stamp, (0..WRENCH.len()).map(|_| self.double()).collect::<Result<_, _>>()?))
+        Ok((stamp, (0..CHANNELS.len()).map(|_| self.double()).collect::<Result<_, _>>()?))
     }
 
     /// Positions by the names of the joints, and where they are told velocities (`d` before the name) and efforts (`torque_`).
     fn joints(&mut self) -> Result<Named, String> {
         let stamp = self.header()?;
-        let count = self.length(5)?;
+        let count = self.few(5)?;
         let joints = (0..count).map(|_| self.text()).collect::<Result<Vec<_>, _>>()?;
         let lists = [self.doubles()?, self.doubles()?, self.doubles()?];
         let (mut names, mut numbers) = (Vec::new(), Vec::new());

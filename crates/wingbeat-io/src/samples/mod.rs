@@ -15,6 +15,7 @@ mod resolve;
 mod table;
 mod text;
 
+pub use mcap::MAGIC as MCAP_MAGIC;
 pub use plain::{Asked, Plain};
 pub use record::{Import, Imported};
 pub use table::Table;

@@ -38,6 +38,8 @@ pub struct Plain {
     pub missing: usize,
     /// Rows left out because they came again.
     pub duplicates: usize,
+    /// What of the file was left out, in words.
+    pub cautions: Vec<String>,
 }
 
 impl Table {
@@ -66,7 +68,8 @@ impl Table {
         let even = || (0..grid.len()).map(|k| grid.start + k as f64 / grid.rate).collect();
         let time = own.filter(|_| grid.is_whole(rows)).unwrap_or_else(even);
         let missing = grid.len() - grid.place.len();
-        Ok(Plain { time, channels, rate: grid.rate, missing, duplicates: grid.duplicates })
+        let cautions = self.cautions;
+        Ok(Plain { time, channels, rate: grid.rate, missing, duplicates: grid.duplicates, cautions })
     }
 
     /// Names the columns of a file without a header, which must be six.

@@ -31,7 +31,7 @@ pub struct Import {
     pub duplicates: usize,
     /// Rows that stood behind later ones.
     pub late: usize,
-    /// What the file says otherwise than the keys that were followed.
+    /// What of the file was left out, and what it says otherwise than the keys that were followed.
     pub cautions: Vec<String>,
 }
 
@@ -70,7 +70,8 @@ impl Table {
         }
         let rows = self.columns[used[0].1].values.len();
         self.check_lengths(used.iter().map(|(_, column)| &self.columns[*column]), rows)?;
-        let (grid, cautions) = self.grid(input, rows)?;
+        let (grid, otherwise) = self.grid(input, rows)?;
+        let cautions = std::mem::take(&mut self.cautions).into_iter().chain(otherwise).collect();
         let columns = self.taken(&used, &factors, input, rows);
         on_grid(columns, &grid, input, Import { layout: self.layout.into(), cautions, ..Import::default() })
             .map_err(|error| self.bad(error))

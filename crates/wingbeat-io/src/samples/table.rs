@@ -23,6 +23,8 @@ pub struct Table {
     pub names: Vec<String>,
     /// What else is there, without numbers or of more than two dimensions.
     pub skipped: Vec<String>,
+    /// What of the columns that are wanted was left out, in words.
+    pub cautions: Vec<String>,
     /// Samples per second, Hz, where the file says it.
     pub rate: Option<f64>,
     /// True when records may stand in another order than they were measured.

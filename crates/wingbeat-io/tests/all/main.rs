@@ -2,6 +2,7 @@
 
 #[cfg(feature = "formats")]
 mod hostile;
+mod mcap;
 mod parquet;
 #[cfg(feature = "formats")]
 mod samples;

@@ -9,6 +9,7 @@ from typing import Any
 
 from wingbeat._program import Picture, _aside, run
 from wingbeat._verdicts import judged
+from wingbeat._views import View
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,9 +31,7 @@ class Paper:
         return str(self.summary["status"])
 
     def _repr_html_(self) -> str:
-        import html
-
-        return f'<iframe srcdoc="{html.escape(self.sheet, quote=True)}" width="100%" height="600"></iframe>'
+        return View(self.sheet, 600)._repr_html_()
 
 
 def paper(source: str | PathLike[str] | None = None, *, out: str | PathLike[str] | None = None) -> Paper:

@@ -54,7 +54,7 @@ def test_the_paper_has_its_figures_and_statements(tmp_path):
     assert made.status == "ok" and set(made.figures) == {"setup", "arm", "force_moment", "wake_phases", "states", "path"}
     assert len(made.statements) > 5 and all("verdict" in each for each in made.statements)
     assert all(figure.png.startswith(PNG) for figure in made.figures.values()) and "<svg" in made.sheet
-    assert (tmp_path / "paper/turn/record.parquet").exists() and "srcdoc" in made._repr_html_()
+    assert (tmp_path / "paper/turn/record.parquet").exists() and "sandbox=" in made._repr_html_()
 
 
 def test_a_paper_without_its_documents_is_refused(tmp_path):

@@ -6,14 +6,15 @@ use std::collections::BTreeMap;
 
 use flate2::Crc;
 use wingbeat::math::Vec3;
+use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::Record;
+use wingbeat_io::samples::MCAP_MAGIC;
 
 use super::cdr::Message;
 use super::ros;
 use crate::flight::{axes, shown, taken};
 use crate::motion::{Motion, at, direction};
 
-const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Bytes after which a chunk is closed.
 const CHUNK: usize = 1 << 20;
 /// Frames between two messages of transforms, and between two of the others.
@@ -51,7 +52,7 @@ fn record(out: &mut Vec<u8>, opcode: u8, content: &[u8]) {
 
 impl File {
     fn new() -> Self {
-        let mut bytes = MAGIC.to_vec();
+        let mut bytes = MCAP_MAGIC.to_vec();
         let mut head = Vec::new();
         string(&mut head, "ros2");
         string(&mut head, "wingbeat");
@@ -208,7 +209,7 @@ impl File {
         // No offsets of groups, no check of the summary.
         foot.extend([0; 12]);
         record(&mut self.bytes, 2, &foot);
-        self.bytes.extend(MAGIC);
+        self.bytes.extend(MCAP_MAGIC);
         self.bytes
     }
 }
@@ -332,7 +333,7 @@ pub fn rig_mcap(record: &Record) -> Result<Vec<u8>, String> {
     file.metadata("wingbeat", &[("begin_s", format!("{start}"))]);
     let mut wrenches = Vec::new();
     for (prefix, topic) in WRENCHES {
-        let six = ["Fx", "Fy", "Fz", "Tx", "Ty", "Tz"].map(|name| column(&format!("{prefix}{name}")));
+        let six = CHANNELS.map(|(name, _)| column(&format!("{prefix}{name}")));
         match six.into_iter().collect::<Result<Vec<_>, _>>() {
             Ok(six) => wrenches.push((file.channel(&format!("/wrench/{topic}"), ros::WRENCH), six)),
             Err(why) if prefix.is_empty() => return Err(why),

@@ -55,6 +55,7 @@ class Gl {
     const g = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([i, j]) => [cx + i * far, cy + j * far, look.floor]);
     if (look.floor !== undefined) ground.veil(...g, look.ground);
     this.draw(ground.glass, m);
+    for (const s of scenes) this.draw(s.under, m);
     gl.enable(gl.DEPTH_TEST);
     for (const s of scenes) this.draw(s.solid, m);
     for (const s of scenes) this.stroke(s.lines, m, [w / 2, h / 2], ratio);
@@ -117,9 +118,9 @@ class Flat {
     };
     if (look.floor !== undefined) fill([[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([i, j]) => transformed(m, [cx + i * far, cy + j * far, look.floor])), look.ground);
     for (const s of scenes) {
-      for (const list of [s.solid, s.glass]) for (let i = 0; i < list.length; i += 21) {
+      for (const list of [s.under, s.solid, s.glass]) for (let i = 0; i < list.length; i += 21) {
         const p = [0, 7, 14].map(o => transformed(m, [list[i + o], list[i + o + 1], list[i + o + 2]]));
-        items.push([p[0][3] + p[1][3] + p[2][3], p, list.slice(i + 3, i + 7), 0]);
+        items.push([p[0][3] + p[1][3] + p[2][3] + (list === s.under ? 1e9 : 0), p, list.slice(i + 3, i + 7), 0]);
       }
       for (let i = 0; i < s.lines.length; i += 11) {
         const p = [transformed(m, s.lines.slice(i, i + 3)), transformed(m, s.lines.slice(i + 3, i + 6))];

@@ -31,27 +31,32 @@ class Page {
     return drawn;
   }
 }
-// Asks for what has been computed meanwhile until the computation has ended; the page goes with it as long as it stands at the end.
+// Asks for what has been computed meanwhile until the program says that the computation has ended; who stands at the end goes with it.
 async function follow(page) {
   const line = make('p', { class: 'verdict', role: 'status' }), here = location.pathname.replace(/\/$/, '');
   $('verdicts').before(line);
-  const tell = (word, kind, text) => line.replaceChildren(make('b', { class: kind }, word), text);
-  tell('live', 'quiet', 'the computation goes on');
+  const tell = (word, text) => { if (line.dataset.word !== word) { line.dataset.word = word; line.replaceChildren(make('b', { class: 'quiet' }, word), text); } };
   for (let version = 0, misses = 0, ended = false; !ended;) {
-    let answer;
-    try { answer = await fetch(`${here}/data?after=${version}`, { cache: 'no-store' }); if (!answer.ok) throw new Error(answer.status); misses = 0; }
-    catch { if (++misses > 2) { tell('ended', 'quiet', 'the computation has ended; its run folder holds the whole page'); break; } await pause(300); continue; }
-    const news = answer.status === 200 ? await answer.json() : null;
+    let news = null;
+    try {
+      const answer = await fetch(`${here}/data?after=${version}`, { cache: 'no-store' });
+      if (!answer.ok) throw new Error(answer.status);
+      if (answer.status === 200) news = await answer.json();
+    } catch {
+      // One miss is no news; later ones are asked again ever more slowly.
+      if (++misses > 1) tell('no answer', 'the program has ended or does not answer; the page asks again');
+      await pause(Math.min(5000, 300 * misses)); continue;
+    }
+    misses = 0;
     if (news) {
       ({ version, ended } = news);
       $('verdicts').replaceChildren(...news.data.runs.map(verdict));
       await page.show(news.data, news.bytes);
-      tell(ended ? 'ended' : 'live', 'quiet', ended ? 'the computation has ended; its run folder holds the whole page' : 'the computation goes on');
     }
-    window.wingbeat.version = version; window.wingbeat.ended = ended;
-    await pause(500);
+    if (ended) tell('ended', 'the computation has ended; the program then writes its run folder'); else tell('live', 'the computation goes on');
+    Object.assign(window.wingbeat, { version, ended });
+    if (!ended) await pause(500);
   }
-  window.wingbeat.ended = true;
 }
 const pause = ms => new Promise(done => setTimeout(done, ms));
 (async () => {

@@ -18,7 +18,7 @@ function circulationColour(share) {
   return [...base, 0.05 + 0.5 * Math.abs(s)];
 }
 class Scene {
-  constructor() { this.solid = []; this.glass = []; this.lines = []; }
+  constructor() { this.solid = []; this.glass = []; this.under = []; this.lines = []; }
   tri(list, a, b, c, k) { list.push(a[0], a[1], a[2], k[0], k[1], k[2], k[3], b[0], b[1], b[2], k[0], k[1], k[2], k[3], c[0], c[1], c[2], k[0], k[1], k[2], k[3]); }
   shaded(a, b, c, k) {
     const light = 0.66 + 0.34 * Math.abs(dot(unit(cross(sub(b, a), sub(c, a))), LIGHT));
@@ -26,6 +26,8 @@ class Scene {
   }
   quad(a, b, c, d, k) { this.shaded(a, b, c, k); this.shaded(a, c, d, k); }
   veil(a, b, c, d, k) { this.tri(this.glass, a, b, c, k); this.tri(this.glass, a, c, d, k); }
+  // What the rest is drawn over, however near it is.
+  underlay(a, b, c, d, k) { this.tri(this.under, a, b, c, k); this.tri(this.under, a, c, d, k); }
   line(a, b, weight, k) { this.lines.push(a[0], a[1], a[2], b[0], b[1], b[2], weight, k[0], k[1], k[2], k[3]); }
   arrow(a, v, weight, k) {
     const tip = add(a, v), length = norm(v);
@@ -127,7 +129,7 @@ function addWake(scene, m, coarse) {
         const mean = 0.25 * (row.values[young * row.count + k] + row.values[young * row.count + k + 1] + row.values[old * row.count + k] + row.values[old * row.count + k + 1]);
         const c = circulationColour(mean / (0.7 * m.mostCirculation));
         c[3] *= fade;
-        scene.veil(corner(young, k), corner(young, k + 1), corner(old, k + 1), corner(old, k), c);
+        scene.underlay(corner(young, k), corner(young, k + 1), corner(old, k + 1), corner(old, k), c);
       }
     }
   }

@@ -196,11 +196,12 @@ class Stage {
     c.drawImage(this.canvas, 0, 0); c.drawImage(this.overlay.context.canvas, 0, 0, sheet.width, sheet.height);
   }
 }
-// How the body lies against the horizon: a level line, and the body's own axis to its left and right.
+// How the body lies against the horizon: a level line, the body's own axis to its left and right, and an arrow along its nose.
 function addLevel(scene, m, own) {
   const along = m.turned([1, 0, 0]), level = unit([-along[1], along[0], 0]), c = m.world(m.at(m.com)), r = 1.3 * m.reach, lie = m.turned([0, 1, 0]);
   scene.line(add(c, level, -r), add(c, level, r), 1.2, faded(own.ink, 0.75));
   scene.line(c, add(c, lie, r), 3, own.sides[0]); scene.line(c, add(c, lie, -r), 3, own.sides[1]);
+  scene.arrow(c, along.map(v => 1.2 * r * v), 2.5, own.ink);
 }
 function boxOfShots(all) {
   const low = [0, 1, 2].map(() => Infinity), high = [0, 1, 2].map(() => -Infinity);
