@@ -266,8 +266,10 @@ mod tests {
         ] {
             assert!((angle(&text).unwrap() - expected).abs() < 1e-3, "{text}");
         }
-        // A blunt end in millimetres: its first point is no count.
-        let blunt = |sign: f64| move |[x, y]: &[f64; 2]| [100.0 * x, 100.0 * y + sign * 2.0 * x];
+        // A blunt end of 4 mm in millimetres: its first point is no count.
+        let end = upper[80][1];
+        let blunt =
+            |sign: f64| move |[x, y]: &[f64; 2]| [100.0 * x, 100.0 * y + sign * (2.0 - 100.0 * end) * x];
         let sides = upper.iter().rev().map(blunt(1.0)).chain(lower[1..].iter().map(blunt(-1.0)));
         let inside = lines(sides.skip(1).take(159));
         assert!((angle(&format!("100 2\n{inside}100 -2\n")).unwrap() - expected).abs() < 0.05);

@@ -193,7 +193,7 @@ Made: TypeAlias = "Callable[[Iterator[list[Any]]], Iterator[Row]]"
 def _workers(native: _wingbeat.Sweep, text: str, engine: str, cores: int | None, address: str | None) -> Iterator[Made]:
     """What makes runs: threads, or the workers of Dask."""
     if engine == "local":
-        make = partial(_flown, native) if native.searches else native.rows
+        make: Callable[[list[Any]], list[Row]] = partial(_flown, native) if native.searches else native.rows
         yield lambda todo: _local(native, todo, cores, make)
         return
     with _client(cores, address) as client:
