@@ -193,12 +193,24 @@ impl<'a> Search<'a> {
         run: usize,
         watch: impl Fn() -> ControlFlow<()>,
     ) -> Result<Option<Vec<f64>>, ConfigError> {
-        let values = self.values(run);
+        self.row_of(run, &self.values(run), watch)
+    }
+
+    /// Flies candidate `run` with these values, which need not be of the present generation: its row, or none where `watch` stopped it.
+    ///
+    /// # Errors
+    /// A scenario that cannot be flown.
+    pub fn row_of(
+        &self,
+        run: usize,
+        values: &[f64],
+        watch: impl Fn() -> ControlFlow<()>,
+    ) -> Result<Option<Vec<f64>>, ConfigError> {
         let (mut row, mut cost, mut ends) = (vec![run as f64], 0.0, Vec::new());
-        row.extend(&values);
+        row.extend(values);
         for flight in 0..self.spec.count() {
             // Values that the scenario refuses cost as much as a flight that broke down at once.
-            let Ok(scenario) = Scenario::new(self.document(&values, flight)) else {
+            let Ok(scenario) = Scenario::new(self.document(values, flight)) else {
                 row.extend(vec![f64::NAN; self.spec.goals.len()]);
                 cost += 2.0 * BROKEN;
                 ends.push((f64::NAN, f64::NAN));

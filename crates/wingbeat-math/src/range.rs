@@ -59,7 +59,7 @@ impl Range {
     }
 
     /// The range in words.
-    fn allowed(&self) -> String {
+    pub fn allowed(&self) -> String {
         let Self { low, high, open } = self;
         match (high.is_finite(), open) {
             (false, _) if low.is_infinite() => "a finite number".into(),

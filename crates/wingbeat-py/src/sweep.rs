@@ -5,6 +5,7 @@ use crate::table::{Named, columns};
 use crate::tether::read;
 use crate::{refused, wait};
 use pyo3::prelude::*;
+use std::collections::HashSet;
 use std::sync::Arc;
 use wingbeat::scenario::Search;
 use wingbeat::simulate::Record;
@@ -74,22 +75,22 @@ impl Sweep {
         self.sweep.spec.search.is_some()
     }
 
-    /// The candidates of a search that follow on those of `rows`: a generation, of which those in `rows` are left out; none at
-    /// its end.
-    fn candidates(&self, rows: Vec<Vec<f64>>) -> PyResult<Vec<usize>> {
-        let generation = self.after(&rows)?.generation();
-        let done: Vec<f64> = rows.iter().filter_map(|row| row.first().copied()).collect();
-        Ok(generation.filter(|run| !done.contains(&(*run as f64))).collect())
+    /// The candidates of a search that follow on those of `rows`, each with its values: a generation, of which those in `rows` are
+    /// left out; none at its end.
+    fn candidates(&self, rows: Vec<Vec<f64>>) -> PyResult<Vec<(usize, Vec<f64>)>> {
+        let search = self.after(&rows)?;
+        let done: HashSet<u64> = rows.iter().filter_map(|row| Some(row.first()?.to_bits())).collect();
+        let left = search.generation().filter(|run| !done.contains(&(*run as f64).to_bits()));
+        Ok(left.map(|run| (run, search.values(run))).collect())
     }
 
-    /// Flies a candidate of the generation that follows on `rows`: its row; none where `stop` was called.
-    fn candidate(&self, py: Python, rows: Vec<Vec<f64>>, run: usize) -> PyResult<Option<Vec<f64>>> {
-        if !self.after(&rows)?.generation().contains(&run) {
-            return Err(refused(wingbeat::Error::invalid(
-                "run",
-                run,
-                "a candidate of the generation that follows",
-            )));
+    /// Flies a candidate with its values: its row; none where `stop` was called.
+    fn candidate(&self, py: Python, run: usize, values: Vec<f64>) -> PyResult<Option<Vec<f64>>> {
+        self.check(run)?;
+        let draws = self.sweep.spec.draws.len();
+        if values.len() != draws || !values.iter().all(|value| value.is_finite()) {
+            let allowed = format!("{draws} finite numbers, one for each draw");
+            return Err(refused(wingbeat::Error::invalid("values", format!("{values:?}"), allowed)));
         }
         let (sweep, asked) = (self.sweep.clone(), self.stop.clone());
         let made = wait::work(py, move |stop| {
@@ -97,8 +98,7 @@ impl Sweep {
                 asked.flow()?;
                 stop.flow()
             };
-            let search = sweep.search_after(&rows).and_then(Result::ok);
-            search.map_or(Ok(None), |search| search.row(run, watch))
+            sweep.search().map_or(Ok(None), |search| search.row_of(run, &values, watch))
         })?;
         made.map_err(refused)
     }

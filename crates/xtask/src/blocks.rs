@@ -30,11 +30,11 @@ const READ: [(&str, &str); 5] = [
     ("calibration", "calibrate --names"),
 ];
 
-/// A line of a page that is tried, and the exit codes that it may end with.
+/// What of a page is tried.
 #[derive(Debug, PartialEq)]
 enum Tried {
-    /// A line of a shell.
-    Line(String, Vec<i32>),
+    /// A line of a shell, and the exit code with which it ends.
+    Line(String, i32),
     /// A document in a file, and the verb that reads it.
     Document(String, &'static str),
 }
@@ -76,16 +76,9 @@ fn shown(text: &str) -> Result<Vec<Tried>, String> {
 
 /// What is tried of a line; nothing of one that builds.
 fn tried(line: &str) -> Result<Option<Tried>, String> {
-    let (command, said) = line.split_once(" #").unwrap_or((line, ""));
-    let command = command.trim();
-    let code = said
-        .trim()
-        .strip_prefix("exit ")
-        .and_then(|rest| rest.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok());
-    // A run that misses its goal has run.
-    let codes = code.map_or(vec![0, 3], |code| vec![code]);
+    let (command, code) = tutorials::command(line);
     if let Some(arguments) = command.strip_prefix(BUILT) {
-        return Ok(Some(Tried::Line(format!("wingbeat {arguments}"), codes)));
+        return Ok(Some(Tried::Line(format!("wingbeat {arguments}"), code)));
     }
     if let Some(task) = command.strip_prefix("cargo xtask ") {
         let name = task.split_whitespace().next().unwrap_or_default();
@@ -101,7 +94,7 @@ fn tried(line: &str) -> Result<Option<Tried>, String> {
         return Ok(None);
     }
     if command.starts_with("wingbeat ") {
-        return Ok(Some(Tried::Line(command.into(), codes)));
+        return Ok(Some(Tried::Line(command.into(), code)));
     }
     Err(format!("{command}: what is neither the program nor known to build it cannot be tried"))
 }
@@ -147,20 +140,18 @@ fn page(page: &str, quick: bool) -> (usize, Vec<String>) {
     };
     let mut wrong = Vec::new();
     for (number, tried) in shown.iter().enumerate() {
-        let (line, codes) = match tried {
-            Tried::Line(line, codes) => (line.clone(), codes.clone()),
+        let (line, code) = match tried {
+            Tried::Line(line, code) => (line.clone(), *code),
             Tried::Document(text, verb) => {
                 let file = format!("documents/{number}.toml");
                 wrong.extend(
                     fs::write(folder.join(&file), text).err().map(|error| format!("{file}: {error}")),
                 );
-                (format!("wingbeat {verb} {file}"), vec![0, 3])
+                (format!("wingbeat {verb} {file}"), 0)
             }
         };
         wrong.extend(
-            tutorials::shell(&line, &codes, &folder, &mut Vec::new())
-                .err()
-                .map(|why| format!("{page}: {why}")),
+            tutorials::shell(&line, code, &folder, &mut Vec::new()).err().map(|why| format!("{page}: {why}")),
         );
     }
     (shown.len(), wrong)
@@ -263,8 +254,8 @@ mod tests {
     fn blocks_are_read_from_a_page() {
         let page = "```sh\ncargo run --release -- fly a   # it flies\nwingbeat tether b # exit 3: why\ncargo xtask test\n```\n\
                     <!-- case of cases/c.toml: [wing] / a = 1 -->\n\n```toml\nb = 2\n```\n<!-- part -->\n```toml\n[x]\n```\n";
-        let fly = Tried::Line("wingbeat fly a".into(), vec![0, 3]);
-        let tether = Tried::Line("wingbeat tether b".into(), vec![3]);
+        let fly = Tried::Line("wingbeat fly a".into(), 0);
+        let tether = Tried::Line("wingbeat tether b".into(), 3);
         let case = Tried::Document("base = \"../cases/c.toml\"\n[wing]\na = 1\nb = 2\n".into(), "show");
         assert_eq!(shown(page).unwrap(), [fly, tether, case]);
         for (wrong, said) in [

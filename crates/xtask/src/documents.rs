@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 
@@ -24,7 +23,7 @@ pub fn reference() -> bool {
     let mut tables =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--test", "ledger", "the_page_of"]);
     tables.env("WINGBEAT_WRITE_DOCS", "1");
-    let mut names = Command::new("python3");
+    let mut names = tools::python();
     names.args(["crates/wingbeat-py/reference.py", "--write"]).current_dir(tools::root());
     tools::succeeds(reference) && tools::succeeds(tables) && tools::succeeds(names)
 }

@@ -149,8 +149,8 @@ pub fn pages() -> Vec<String> {
     found
 }
 
-/// The Python that makes all environments: that of the environment variable `WINGBEAT_PYTHON`, else the one on the path.
-fn python() -> Command {
+/// The Python that makes all environments and pages: that of the environment variable `WINGBEAT_PYTHON`, else the one on the path.
+pub fn python() -> Command {
     let usual = if cfg!(windows) { "python" } else { "python3" };
     Command::new(std::env::var_os("WINGBEAT_PYTHON").unwrap_or_else(|| usual.into()))
 }

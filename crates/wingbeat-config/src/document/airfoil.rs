@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use wingbeat_aero::ThinSection;
+use wingbeat_aero::{ThinSection, ZERO_LIFT_ANGLE};
 
 use super::{ConfigError, Place, Problem, Wrong};
 
@@ -20,13 +20,16 @@ const STATIONS: usize = 200;
 const NOSE: f64 = 0.01;
 /// How far short of the chord's end a side may end, over the chord. *Choice.*
 const SHORT: f64 = 0.05;
+/// Largest angle of the line from the leading to the trailing edge off the x axis, deg. *Choice.*
+const TURNED_DEG: f64 = 1.0;
 
 /// A section in a file of coordinates, as Selig's or Lednicer's collections have them.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AirfoilFile {
     /// The file, relative to the document: a name, then x and y of each point, from the trailing edge over the upper side to the leading
-    /// edge and back (Selig), or the numbers of points and each side from the leading edge (Lednicer). The chord is the x axis.
+    /// edge and back (Selig), or the numbers of points and each side from the leading edge (Lednicer). The chord is the x axis, within
+    /// 1 deg.
     pub airfoil: PathBuf,
 }
 
@@ -39,19 +42,28 @@ type Point = (usize, [f64; 2]);
 impl AirfoilFile {
     /// The angle of the section in the `text` of `file` as TOML, `v=...`; `key` is that of the angle.
     pub fn toml(file: &Path, text: &str, key: &str) -> Result<String, ConfigError> {
-        let camber = camber(text).map_err(|(line, value, allowed)| {
+        let angle_deg = angle_deg(text).map_err(|(line, value, allowed)| {
             let place = Place::Line(file.into(), line);
             let value = Some(value);
             Wrong::new(place, format!("{key}.airfoil"), value, Problem::Value(allowed))
         })?;
-        Ok(format!("v={:?}", ThinSection::of_camber(&camber).zero_lift_angle_rad.to_degrees() + 0.0))
+        Ok(format!("v={angle_deg:?}"))
     }
+}
+
+/// The zero-lift angle of a section, deg.
+fn angle_deg(text: &str) -> Result<f64, Fault> {
+    let camber = camber(text)?;
+    let angle = ThinSection::of_camber(&camber).zero_lift_angle_rad.to_degrees() + 0.0;
+    let why = |_| format!("a section whose zero-lift angle is {}", ZERO_LIFT_ANGLE.range.allowed());
+    let refused = ZERO_LIFT_ANGLE.range.check("", angle).map_err(why);
+    refused.map_err(|allowed| (1, format!("{angle:.2} deg"), allowed)).map(|()| angle)
 }
 
 /// The middle between the sides of a section over its chord, from 0 to 1; else the line at fault, what it says, what is allowed.
 fn camber(text: &str) -> Result<Vec<[f64; 2]>, Fault> {
-    let (points, counts) = points(text)?;
-    let mut sides = match counts {
+    let (points, upper) = points(text)?;
+    let mut sides = match upper {
         Some(upper) => [points[..upper].to_vec(), points[upper..].to_vec()],
         None => {
             let nose =
@@ -62,29 +74,7 @@ fn camber(text: &str) -> Result<Vec<[f64; 2]>, Fault> {
     let all = || sides.iter().flatten().map(|(_, point)| point[0]);
     let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
     let chord = high - low;
-    for side in &sides {
-        let (line, [x, y]) = side.last().copied().unwrap_or((1, [0.0, 0.0]));
-        let refuse = |line, x, y, allowed: &str| Err((line, format!("{x} {y}"), allowed.to_owned()));
-        if side.len() < FEWEST || !(chord > 0.0) {
-            return refuse(
-                line,
-                x,
-                y,
-                "five points or more on each side of a section, between its leading and trailing edge",
-            );
-        }
-        let mut furthest = side[0].1[0];
-        for &(line, [x, y]) in side {
-            if x < furthest - NOSE * chord {
-                return refuse(line, x, y, "x that falls to the leading edge and grows from there");
-            }
-            furthest = furthest.max(x);
-        }
-        let first = side[0].1[0];
-        if high - x > SHORT * chord || first - low > SHORT * chord {
-            return refuse(line, x, y, "sides that both reach from the leading to the trailing edge");
-        }
-    }
+    sides.iter().try_for_each(|side| check(side, low, high))?;
     for side in &mut sides {
         let mut furthest = f64::NEG_INFINITY;
         side.retain(|(_, [x, _])| {
@@ -105,12 +95,44 @@ fn camber(text: &str) -> Result<Vec<[f64; 2]>, Fault> {
         let x = low + chord * share;
         [share, 0.5 * (at(&sides[0], x) + at(&sides[1], x)) / chord]
     };
-    Ok((0..=STATIONS).map(station).collect())
+    let camber: Vec<[f64; 2]> = (0..=STATIONS).map(station).collect();
+    let rise_deg = (camber[STATIONS][1] - camber[0][1]).atan().to_degrees();
+    if rise_deg.abs() > TURNED_DEG {
+        let allowed = format!(
+            "a chord along the x axis, within {TURNED_DEG} deg; from end to end it rises by {rise_deg:.2} deg"
+        );
+        return Err((points[0].0, format!("{} {}", points[0].1[0], points[0].1[1]), allowed));
+    }
+    Ok(camber)
+}
+
+/// Refuses a side that does not go from the leading edge, near `low`, to the trailing edge, near `high`.
+fn check(side: &[Point], low: f64, high: f64) -> Result<(), Fault> {
+    let chord = high - low;
+    let refuse = |(line, [x, y]): Point, allowed: &str| Err((line, format!("{x} {y}"), allowed.to_owned()));
+    let last = side.last().copied().unwrap_or((1, [0.0, 0.0]));
+    if side.len() < FEWEST || !(chord > 0.0) {
+        let allowed = "five points or more on each side of a section, between its leading and trailing edge";
+        return refuse(last, allowed);
+    }
+    let first = side[0].1[0];
+    let mut furthest = first;
+    for &point in side {
+        let x = point.1[0];
+        if x < furthest - NOSE * chord {
+            return refuse(point, "x that falls to the leading edge and grows from there");
+        }
+        furthest = furthest.max(x);
+    }
+    if high - last.1[0] > SHORT * chord || first - low > SHORT * chord {
+        return refuse(last, "sides that both reach from the leading to the trailing edge");
+    }
+    Ok(())
 }
 
 /// The points of a file, and how many are on the first side where it says so.
 fn points(text: &str) -> Result<(Vec<Point>, Option<usize>), Fault> {
-    let (mut points, mut counts) = (Vec::new(), None);
+    let (mut points, mut named) = (Vec::new(), false);
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let cells: Vec<&str> =
             line.split(|c: char| c.is_whitespace() || c == ',').filter(|cell| !cell.is_empty()).collect();
@@ -118,38 +140,58 @@ fn points(text: &str) -> Result<(Vec<Point>, Option<usize>), Fault> {
         let refuse = |allowed: String| Err((index + 1, line.trim().to_owned(), allowed));
         match numbers[..] {
             _ if cells.is_empty() => {}
-            [x, y] if cells.len() == 2 && points.is_empty() && counts.is_none() && x >= 2.0 && y >= 2.0 => {
-                if !(x.fract() == 0.0 && y.fract() == 0.0 && x.max(y) <= MOST as f64) {
-                    return refuse(format!("the numbers of points of both sides, at most {MOST}"));
-                }
-                counts = Some((x as usize, y as usize, index + 1));
-            }
             // No section is as much larger than its chord of 1, 100 or so many millimetres.
             [x, y] if cells.len() == 2 && x.abs() <= 1e5 && y.abs() <= 1e5 => {
                 points.push((index + 1, [x, y]))
             }
-            _ if points.is_empty() && counts.is_none() => {}
+            _ if points.is_empty() && is_words(&cells, named) => named = true,
             _ => return refuse("x and y of a point, two finite numbers".into()),
         }
         if points.len() > 2 * MOST {
             return refuse(format!("at most {} points", 2 * MOST));
         }
     }
-    let last = (text.lines().count().max(1), format!("{} points", points.len()));
-    match counts {
-        Some((upper, lower, line)) if upper + lower != points.len() => {
-            let said = format!("{} points", points.len());
-            Err((
-                line,
-                format!("{upper} {lower}"),
-                format!("the numbers of points that follow; there are {said}"),
-            ))
-        }
-        _ if points.len() < 2 * FEWEST => {
-            Err((last.0, last.1, "coordinates of a section: a name, then x and y of each point".into()))
-        }
-        _ => Ok((points, counts.map(|(upper, ..)| upper))),
+    let upper = counts(&mut points, named)?;
+    if points.len() < 2 * FEWEST {
+        let said = (text.lines().count().max(1), format!("{} points", points.len()));
+        return Err((said.0, said.1, "coordinates of a section: a name, then x and y of each point".into()));
     }
+    Ok((points, upper))
+}
+
+/// Whether a line before the points, which is none of them, is their name, or where they are `named` a heading without numbers.
+fn is_words(cells: &[&str], named: bool) -> bool {
+    let begins_number = |cell: &&str| {
+        let digits = cell.trim_start_matches(['+', '-', '.']);
+        digits.starts_with(|c: char| c.is_ascii_digit()) || cell.parse::<f64>().is_ok()
+    };
+    // Of two cells with a point for decimals in one that begins as a number, one is damaged.
+    let is_damaged = cells.len() == 2 && cells.iter().any(|cell| begins_number(cell) && cell.contains('.'));
+    if named { !cells.iter().any(begins_number) } else { !is_damaged }
+}
+
+/// Takes from before the points two whole numbers that are none: those of the points of both sides, the first of which it gives, or a
+/// name like `4412 12`. A file `named` before has no second name.
+fn counts(points: &mut Vec<Point>, named: bool) -> Result<Option<usize>, Fault> {
+    let Some(&(line, [x, y])) = points.first() else { return Ok(None) };
+    if x.fract() != 0.0 || y.fract() != 0.0 || x < 2.0 || y < 2.0 {
+        return Ok(None);
+    }
+    let rest = points.len() - 1;
+    if x + y == rest as f64 {
+        points.remove(0);
+        return Ok(Some(x as usize));
+    }
+    let furthest = points[1..].iter().fold(f64::NEG_INFINITY, |most, (_, point)| most.max(point[0]));
+    if x <= (1.0 + SHORT) * furthest {
+        return Ok(None);
+    }
+    if named {
+        let allowed = format!("the numbers of points that follow; there are {rest} points");
+        return Err((line, format!("{x} {y}"), allowed));
+    }
+    points.remove(0);
+    Ok(None)
 }
 
 #[cfg(test)]
@@ -203,6 +245,49 @@ mod tests {
         }
     }
 
+    /// A section turned nose up, deg.
+    fn turned(angle_deg: f64) -> String {
+        let [upper, lower] = naca(0.02, 0.4);
+        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        let turn = |point: &[f64; 2]| [point[0] * cos + point[1] * sin, point[1] * cos - point[0] * sin];
+        lines(upper.iter().rev().chain(&lower[1..]).map(turn))
+    }
+
+    #[test]
+    fn a_pair_before_the_points_counts_only_what_follows() {
+        let expected = angle(&turned(0.0)).unwrap();
+        let [upper, lower] = naca(0.02, 0.4);
+        let hundred = lines(upper.iter().rev().chain(&lower[1..]).map(|[x, y]| [100.0 * x, 100.0 * y]));
+        for text in [
+            format!("4412 12\n{}", turned(0.0)),
+            format!("100 2\n{}", turned(0.0)),
+            format!("23012 of a book\nx y\n{}", turned(0.0)),
+            hundred.clone(),
+        ] {
+            assert!((angle(&text).unwrap() - expected).abs() < 1e-3, "{text}");
+        }
+        // A blunt end of 4 mm in millimetres: its first point is no count.
+        let end = upper[80][1];
+        let blunt =
+            |sign: f64| move |[x, y]: &[f64; 2]| [100.0 * x, 100.0 * y + sign * (2.0 - 100.0 * end) * x];
+        let sides = upper.iter().rev().map(blunt(1.0)).chain(lower[1..].iter().map(blunt(-1.0)));
+        let inside = lines(sides.skip(1).take(159));
+        assert!((angle(&format!("100 2\n{inside}100 -2\n")).unwrap() - expected).abs() < 0.05);
+        // Turned a little it is read, and its angle is of the x axis.
+        assert!((angle(&turned(0.9)).unwrap() - expected + 0.9).abs() < 0.05);
+        let immense = naca(0.0, 0.4).map(|side| {
+            side.into_iter().map(|[x, y]| [1e-300 * x, 9e4 * x * (1.0 - x) + y]).collect::<Vec<_>>()
+        });
+        let [upper, lower] = immense;
+        let text: String =
+            upper.iter().rev().chain(&lower[1..]).map(|[x, y]| format!("{x:e} {y:e}\n")).collect();
+        let error = angle(&text).unwrap_err();
+        assert!(
+            error.contains("a.dat:1: ") && error.contains("zero-lift angle is between -30 and 30"),
+            "{error}"
+        );
+    }
+
     #[test]
     fn what_is_no_section_is_refused_by_line() {
         let [upper, lower] = naca(0.02, 0.4);
@@ -227,6 +312,10 @@ mod tests {
             (lines(upper.into_iter()), "five points or more on each side"),
             ("1 0\n".repeat(20_002), "at most 20000 points"),
             ("1 0\n".repeat(12), "five points or more"),
+            (selig.replacen("1.0", "1.O", 1), "a.dat:1: wing.section.zero_lift_angle_deg.airfoil = 1.O"),
+            (format!("n\n1.0000x 0\n{selig}"), "a.dat:2: "),
+            (format!("n\nl.00000 0.00\n{selig}"), "a.dat:2: "),
+            (turned(10.0), "a chord along the x axis, within 1 deg; from end to end it rises by -"),
         ] {
             let error = angle(&text).unwrap_err();
             assert!(error.contains(said), "{error}\nnot: {said}");

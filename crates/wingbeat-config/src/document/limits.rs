@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
+use std::string::FromUtf8Error;
 
 /// Largest file, bytes. *Choice*: a scenario with a planned track has less than one million.
 pub const LARGEST_FILE: u64 = 8 << 20;
@@ -67,6 +68,21 @@ pub fn unit(path: &str) -> &'static str {
 /// # Errors
 /// What the system says, or what the file is not.
 pub fn text_of(path: &Path) -> io::Result<String> {
+    String::from_utf8(bytes_of(path)?)
+        .map_err(|error| io::Error::other(format!("it is no UTF-8 text: {error}")))
+}
+
+/// As [`text_of`], of what other programs write: what is no UTF-8 is read as Latin-1, whose letters are those of code page 1252.
+///
+/// # Errors
+/// What the system says.
+pub fn old_text_of(path: &Path) -> io::Result<String> {
+    let latin = |error: FromUtf8Error| error.as_bytes().iter().map(|byte| char::from(*byte)).collect();
+    Ok(String::from_utf8(bytes_of(path)?).unwrap_or_else(latin))
+}
+
+/// The bytes of such a file.
+fn bytes_of(path: &Path) -> io::Result<Vec<u8>> {
     let pipe = ["/dev/stdin", "/dev/fd", "/proc/self/fd"].iter().any(|pipes| path.starts_with(pipes));
     let data = std::fs::metadata(path)?;
     let is_text = data.is_file() || (pipe && !data.is_dir());
@@ -78,7 +94,7 @@ pub fn text_of(path: &Path) -> io::Result<String> {
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(io::Error::other(format!("more than {LARGEST_FILE} bytes, the most that is read")));
     }
-    String::from_utf8(bytes).map_err(|error| io::Error::other(format!("it is no UTF-8 text: {error}")))
+    Ok(bytes)
 }
 
 #[cfg(test)]

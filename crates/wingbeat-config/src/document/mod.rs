@@ -345,7 +345,7 @@ impl Document {
             let of_file = format!("{key}.{own}");
             let at = tree::follow(&tree, &of_file).map_or(0, |value| value.span().start);
             let file = source::joined(&self.sources.folder(at), &file(&named).to_string_lossy());
-            let text = text_of(&file).map_err(|error| {
+            let text = limits::old_text_of(&file).map_err(|error| {
                 let allowed = format!("a file that can be read; {}: {error}", file.display());
                 Wrong { problem: Problem::Value(allowed), ..self.blame(&tree, &of_file) }
             })?;

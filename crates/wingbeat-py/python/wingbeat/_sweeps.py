@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import islice
 from os import PathLike
 from pathlib import Path
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from distributed import Client
 
 Row: TypeAlias = list[float]
+# Number of a candidate and its values.
+Candidate: TypeAlias = tuple[int, list[float]]
 
 # What an unfinished sweep holds, and a finished one.
 IDENTITY, LOG, DATA = "sweep.toml", "rows.log", "record.parquet"
@@ -46,13 +48,18 @@ def make_runs(text: str, batch: list[int]) -> list[Row]:
     return rows
 
 
-def make_candidates(text: str, done: list[Row], batch: list[int]) -> list[Row]:
-    """Candidates of the search that ``text`` holds, of the generation that follows on the rows ``done``."""
-    rows = [_checked(text).candidate(done, run) for run in batch]
-    made = [row for row in rows if row is not None]
-    if len(made) < len(batch):
-        raise RuntimeError(f"candidates {batch} were stopped")
-    return made
+def make_candidates(text: str, batch: list[Candidate]) -> list[Row]:
+    """Candidates of the search that ``text`` holds, by their numbers and values."""
+    rows = _flown(_checked(text), batch)
+    if len(rows) < len(batch):
+        raise RuntimeError(f"candidates {[run for run, _ in batch]} were stopped")
+    return rows
+
+
+def _flown(native: _wingbeat.Sweep, batch: list[Candidate]) -> list[Row]:
+    """Rows of candidates; none of those that were stopped."""
+    rows = [native.candidate(run, values) for run, values in batch]
+    return [row for row in rows if row is not None]
 
 
 class _Log:
@@ -150,12 +157,12 @@ def sweep(
     try:
         with _workers(native, text, engine, cores, address) as made:
             if native.searches:
-                while batch := native.candidates(done := list(log.rows.values())):
-                    for row in made(iter([[run] for run in batch]), done):
+                while generation := native.candidates(list(log.rows.values())):
+                    for row in made(iter([[candidate] for candidate in generation])):
                         log.append(row)
             else:
                 left = [run for run in range(native.runs) if run not in log.rows]
-                for row in made(iter(native.batches(left)), None):
+                for row in made(iter(native.batches(left))):
                     log.append(row)
     finally:
         log.close()
@@ -163,41 +170,40 @@ def sweep(
     record = Record(native.table(rows))
     if native.searches:
         summary, best = native.found(rows)
-        (folder / SUMMARY).write_text(summary, encoding="utf-8")
-        (folder / BEST).write_text(best, encoding="utf-8")
+        _put(folder / SUMMARY, lambda path: path.write_text(summary, encoding="utf-8"))
+        _put(folder / BEST, lambda path: path.write_text(best, encoding="utf-8"))
         judged(summary)
-    partial = folder / f".{DATA}.partial"
-    record.write(partial)
-    partial.replace(folder / DATA)
+    _put(folder / DATA, record.write)
     log.remove()
     return record
 
 
-# Makes batches of runs: of a search, beside the rows so far.
-Made: TypeAlias = "Callable[[Iterator[list[int]], list[Row] | None], Iterator[Row]]"
+def _put(path: Path, write: Callable[[Path], object]) -> None:
+    """Has a file written beside its place and moves it there: what stands there is whole."""
+    beside = path.with_name(f".{path.name}.partial")
+    write(beside)
+    beside.replace(path)
+
+
+# Makes batches of runs, or of candidates.
+Made: TypeAlias = "Callable[[Iterator[list[Any]]], Iterator[Row]]"
 
 
 @contextmanager
 def _workers(native: _wingbeat.Sweep, text: str, engine: str, cores: int | None, address: str | None) -> Iterator[Made]:
     """What makes runs: threads, or the workers of Dask."""
     if engine == "local":
-
-        def on_threads(todo: Iterator[list[int]], done: list[Row] | None) -> Iterator[Row]:
-            def candidates(batch: list[int]) -> list[Row]:
-                rows = [native.candidate(done or [], run) for run in batch]
-                return [row for row in rows if row is not None]
-
-            return _local(native, todo, cores, native.rows if done is None else candidates)
-
-        yield on_threads
+        make: Callable[[list[Any]], list[Row]] = partial(_flown, native) if native.searches else native.rows
+        yield lambda todo: _local(native, todo, cores, make)
         return
     with _client(cores, address) as client:
         [shared] = client.scatter([text], broadcast=True)
-        yield lambda todo, done: _dask(client, todo, (make_runs, shared) if done is None else (make_candidates, shared, done))
+        call = make_candidates if native.searches else make_runs
+        yield lambda todo: _dask(client, todo, (call, shared))
 
 
 def _local(
-    native: _wingbeat.Sweep, todo: Iterator[list[int]], cores: int | None, make: Callable[[list[int]], list[Row]]
+    native: _wingbeat.Sweep, todo: Iterator[list[Any]], cores: int | None, make: Callable[[list[Any]], list[Row]]
 ) -> Iterator[Row]:
     """Rows as they are done, on threads: the library leaves the interpreter to others."""
     from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
@@ -234,11 +240,11 @@ def _client(cores: int | None, address: str | None) -> Iterator[Client]:
         yield client
 
 
-def _dask(client: Client, todo: Iterator[list[int]], call: tuple[Any, ...]) -> Iterator[Row]:
+def _dask(client: Client, todo: Iterator[list[Any]], call: tuple[Any, ...]) -> Iterator[Row]:
     """Rows as they are done by the workers; what a killed worker had is made by another one."""
     as_completed = needed("distributed", "dask").as_completed
 
-    def submit(batch: list[int]) -> Any:
+    def submit(batch: list[Any]) -> Any:
         return client.submit(*call, batch, pure=False, retries=0)
 
     futures = as_completed([submit(batch) for batch in islice(todo, WINDOW)], with_results=True)

@@ -94,13 +94,19 @@ def searched(turn, **keys):
 
 def test_a_search_is_that_of_the_program_and_goes_on(program, tmp_path, turn):
     one = wingbeat.sweep(searched(turn), out=tmp_path / "one", cores=1)
-    assert one.rows == 10 and one["cost"].min() == one["cost"][int(np.argmin(one["cost"]))] < one["cost"][0]
+    assert one.rows == 10 and one["cost"].min() < one["cost"][0]
+    missed = np.maximum(0.06 - one["flight_0_distance_x_m"], 0.0) / 0.01
+    assert one["cost"] == pytest.approx(missed**2)
+    names = sorted(path.name for path in (tmp_path / "one").iterdir())
+    assert names == ["best.toml", "record.parquet", "summary.json", "sweep.toml"]
     done = program("sweep", tmp_path / "one/sweep.toml", "--quiet", "--out", tmp_path / "run")
     assert done.returncode in (0, 3), done.stderr
     for name in ("record.parquet", "best.toml"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "run" / name).read_bytes(), name
     told = [json.loads((tmp_path / place / "summary.json").read_text()) for place in ("one", "run")]
     assert told[0] == told[1]
+    best = int(np.argmin(one["cost"]))
+    assert (told[0]["best"], told[0]["cost"]) == (one["run"][best], one["cost"][best])
     # What was cut off in a generation goes on from its log.
     (tmp_path / "cut").mkdir()
     (tmp_path / "cut/sweep.toml").write_text((tmp_path / "one/sweep.toml").read_text())

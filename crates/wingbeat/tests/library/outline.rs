@@ -135,6 +135,20 @@ fn a_file_that_is_no_outline_is_refused_by_line_key_and_value() {
     fs::remove_dir_all(folder).unwrap();
 }
 
+#[test]
+fn a_layer_of_an_old_drawing_has_its_name() {
+    let square = "LWPOLYLINE 8 Flügel 70 1 10 0 20 0 10 0 20 10 10 -1 20 10 10 -1 20 0";
+    let old: Vec<u8> = drawing(4, &[square]).chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
+    let case_text = CASE.replace(
+        "\"outline.csv\", unit = \"mm\", x = \"aft\"",
+        "\"wing.dxf\", x = \"aft\", layer = \"Flügel\"",
+    );
+    let folder = folder("old", &[("case.toml", &case_text)]);
+    fs::write(folder.join("wing.dxf"), old).unwrap();
+    assert_eq!(case(&folder, &[]).unwrap().spec.wing.planform.len(), 2);
+    fs::remove_dir_all(folder).unwrap();
+}
+
 /// A drawing of entities, each `KIND code value code value ...`, in the unit with that code.
 fn drawing(unit: u8, entities: &[&str]) -> String {
     let header = format!("0 SECTION 2 HEADER 9 $INSUNITS 70 {unit} 0 ENDSEC 0 SECTION 2 ENTITIES");
@@ -208,6 +222,9 @@ fn a_drawing_that_is_no_outline_is_refused_by_line_key_and_value() {
     let square = "LWPOLYLINE 70 1 10 0 20 0 10 0 20 10 10 -1 20 10 10 -1 20 0";
     let circle = "CIRCLE 8 hole 10 50 20 50 40 3";
     let back = "LWPOLYLINE 70 1 10 0 20 0 10 0 20 10 10 -1 20 4 10 -2 20 10 10 -2 20 0";
+    let flat = "LWPOLYLINE 70 1 10 0 20 0 10 0 20 10";
+    let crossed = "LWPOLYLINE 70 1 10 0 20 0 10 -1 20 10 10 0 20 10 10 -1 20 0";
+    let bulges = format!("LWPOLYLINE 70 0{}", " 10 0 20 0 42 1".repeat(600));
     let nan = "LINE 10 nan 20 0 11 1 21 1";
     let huge = "LINE 10 1e300 20 0 11 1 21 1";
     for (name, text, keys, said) in [
@@ -239,7 +256,22 @@ fn a_drawing_that_is_no_outline_is_refused_by_line_key_and_value() {
         ("huge", drawing(4, &[huge]), "", "wing.planform.file = 1e300: allowed is a finite number"),
         ("short", drawing(4, &["ARC 10 0 20 0"]), "", "ARC: allowed is ARC with group 40"),
         ("spline", drawing(4, &["SPLINE 71 3 10 0 20 0"]), "", "control points"),
-        ("line", drawing(4, &["LINE 10 0 20 0 11 0 21 10"]), "", "edges that do not meet"),
+        ("line", drawing(4, &["LINE 10 0 20 0 11 0 21 10"]), "", "its ends lie at 0 and 10 along the span"),
+        ("flat", drawing(4, &[flat]), "", "edges that do not meet between root and tip; they do at 0 mm"),
+        ("crossed", drawing(4, &[crossed]), "", "have crossed at 10 mm along the span, station 1"),
+        (
+            "cut",
+            drawing(4, &["LWPOLYLINE 70 0 10 0 20 0 10 90 20 50 10 0 20 100"]),
+            "",
+            "open along the root or the tip; its ends lie at 0 and 100 along the span",
+        ),
+        (
+            "touching",
+            drawing(4, &[square, "LWPOLYLINE 8 fold 70 1 10 0 20 0 10 5 20 10 10 9 20 0"]),
+            "",
+            "this curve of layer 0 is no part of that on line 35 of layer fold; `layer` chooses among 0, fold",
+        ),
+        ("bulges", drawing(4, &[&bulges]), "", "LWPOLYLINE: allowed is at most 100000 points in a drawing"),
         (
             "text",
             "not a drawing\n".into(),

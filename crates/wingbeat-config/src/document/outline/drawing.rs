@@ -83,13 +83,13 @@ pub fn read(text: &str) -> Result<Drawing<'_>, Fault> {
                 if of_sheet || WRITING.contains(&kind) || kind == "SEQEND" {
                     continue;
                 }
-                let curve = points_of(kind, entity, &vertices)?;
+                let curve = points_of(kind, entity, &vertices, MOST_POINTS - points)?;
                 if !curve.iter().flatten().all(|value| value.is_finite()) {
                     return Err(fault(entity[0], format!("{kind} whose points are finite")));
                 }
                 points += curve.len();
                 if points > MOST_POINTS {
-                    return Err(fault(entity[0], format!("at most {MOST_POINTS} points in a drawing")));
+                    return Err(too_many(entity));
                 }
                 let layer = value(entity, 8).unwrap_or("0");
                 drawing.curves.push(Curve { line: entity[0].0, layer, points: curve });
@@ -169,8 +169,12 @@ fn points(entity: &[Group], x: i32, y: i32) -> Result<Vec<Point>, Fault> {
     Ok(xs.into_iter().zip(ys).map(|(x, y)| [x, y]).collect())
 }
 
-/// The points of an entity; `vertices` are those of a polyline.
-fn points_of(kind: &str, entity: &[Group], vertices: &[&[Group]]) -> Result<Vec<Point>, Fault> {
+fn too_many(entity: &[Group]) -> Fault {
+    fault(entity[0], format!("at most {MOST_POINTS} points in a drawing"))
+}
+
+/// The points of an entity, of a polyline at most `most`; `vertices` are its own.
+fn points_of(kind: &str, entity: &[Group], vertices: &[&[Group]], most: usize) -> Result<Vec<Point>, Fault> {
     // Seen from behind, the plane of an entity is mirrored (group 230, z of its normal).
     let normal = number(entity, 230, Some(1.0))?;
     if (normal.abs() - 1.0).abs() > 1e-6 {
@@ -180,20 +184,23 @@ fn points_of(kind: &str, entity: &[Group], vertices: &[&[Group]]) -> Result<Vec<
         points.iter_mut().for_each(|point| point[0] *= normal);
         points
     };
-    let closed = || Ok::<_, Fault>(number(entity, 70, Some(0.0))? as i64 & 1 == 1);
+    let polyline = |corners: Vec<(Point, f64)>| {
+        let closed = number(entity, 70, Some(0.0))? as i64 & 1 == 1;
+        let count: usize = corners.iter().map(|(_, bulge)| pieces(turn(*bulge))).sum();
+        if count > most { Err(too_many(entity)) } else { Ok(own_plane(rounded(&corners, closed))) }
+    };
     Ok(match kind {
         "LINE" => vec![
             [number(entity, 10, None)?, number(entity, 20, None)?],
             [number(entity, 11, None)?, number(entity, 21, None)?],
         ],
-        "LWPOLYLINE" => own_plane(rounded(&corners(entity)?, closed()?)),
+        "LWPOLYLINE" => polyline(corners(entity)?)?,
         "POLYLINE" => {
             let corner = |vertex: &&[Group]| {
                 let place = [number(vertex, 10, None)?, number(vertex, 20, None)?];
                 Ok((place, number(vertex, 42, Some(0.0))?))
             };
-            let corners = vertices.iter().map(corner).collect::<Result<Vec<_>, Fault>>()?;
-            own_plane(rounded(&corners, closed()?))
+            polyline(vertices.iter().map(corner).collect::<Result<Vec<_>, Fault>>()?)?
         }
         "ARC" | "CIRCLE" => {
             let radius = number(entity, 40, None)?;
@@ -245,7 +252,7 @@ fn rounded(corners: &[(Point, f64)], closed: bool) -> Vec<Point> {
             let middle =
                 [0.5 * (from[0] + to[0]) - chord[1] * aside, 0.5 * (from[1] + to[1]) + chord[0] * aside];
             let start = [from[0] - middle[0], from[1] - middle[1]];
-            let angle = 4.0 * bulge.atan();
+            let angle = turn(bulge);
             let side = [-start[1], start[0]];
             let pieces = pieces(angle);
             points.extend((1..pieces).map(|k| on(middle, start, side, angle * k as f64 / pieces as f64)));
@@ -253,6 +260,11 @@ fn rounded(corners: &[(Point, f64)], closed: bool) -> Vec<Point> {
         points.push(to);
     }
     points
+}
+
+/// The angle of a bulge, rad.
+fn turn(bulge: f64) -> f64 {
+    4.0 * bulge.atan()
 }
 
 fn pieces(angle: f64) -> usize {

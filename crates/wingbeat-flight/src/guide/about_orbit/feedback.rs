@@ -9,13 +9,13 @@ use wingbeat_math::interpolation::lerp;
 const CYCLES: usize = 80;
 /// Change of the feedback over a cycle at which it has, relative.
 const SETTLED: f64 = 1e-5;
-/// Place of the integral of the height in the state of the regulator, and from which on the deviations are.
+/// Place of the integral of the height in the state of the controller, and from which on the deviations are.
 pub const INTEGRAL: usize = 0;
 pub const DEVIATIONS: usize = 1;
 /// Share of itself that is added to the cost of each deviation alone, so that rounding leaves the costs a root.
 const ROUNDING: f64 = 1e-10;
 
-/// Numbers of the state of a regulator that knows a path: after the deviations come what is missing along the path,
+/// Numbers of the state of a controller that knows a path: after the deviations come what is missing along the path,
 /// what is off to its left, m, and the heading off that of the orbit along the path, rad.
 pub const OFF_PATH: usize = 3;
 
@@ -35,7 +35,7 @@ pub(super) struct Feedback {
 pub(super) struct CostToGo {
     /// L.
     pub root: DMatrix<f64>,
-    /// Time between the updates over which the regulator sums its cost, s.
+    /// Time between the updates over which the controller sums its cost, s.
     pub interval: f64,
 }
 

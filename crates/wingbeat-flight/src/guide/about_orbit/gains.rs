@@ -11,9 +11,9 @@ use wingbeat_ocp::plant::{Fault, Plant};
 const UNITS: [&str; DEVIATIONS + Deviations::BODY] =
     ["m s", "m", "m/s", "m/s", "m/s", "rad", "rad", "rad/s", "rad/s", "rad/s"];
 
-/// The periodic regulator about `orbit` by all inputs but that of the crank, as comma-separated values: of every phase (share of the cycle) a row for each
+/// The periodic controller about `orbit` by all inputs but that of the crank, as comma-separated values: of every phase (share of the cycle) a row for each
 /// input, of every deviation that is fed back a column with its unit. The command is that of the orbit less the sum of gains times
-/// deviations. None where nothing is fed back or the regulator does not settle.
+/// deviations. None where nothing is fed back or the controller does not settle.
 ///
 /// # Errors
 /// The [`Fault`] that makes the model unusable on the way.

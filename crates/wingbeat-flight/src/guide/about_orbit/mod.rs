@@ -168,7 +168,7 @@ fn cycles(robot: &Robot, t: f64, x: &[f64]) -> f64 {
 }
 
 impl AboutOrbit<'_> {
-    /// The regulator's commands for deviations `error` from what is asked.
+    /// The controller's commands for deviations `error` from what is asked.
     fn regulate(&mut self, place: Option<Place>, cycles: f64, asked: Asked, error: &[f64]) {
         let gain = self.family.gain(place, cycles);
         let mut commands = asked.commands;

@@ -23,8 +23,8 @@ use wingbeat_robot::Robot;
 /// Weight of the commands that are led and not fed back, per half of their range: no other cost moves them.
 const LED: f64 = 1e3;
 
-/// A plan of commands that costs what the regulator's do, deviations and commands alike, and that at its end costs what the
-/// regulator still needs from there on.
+/// A plan of commands that costs what the controller's do, deviations and commands alike, and that at its end costs what the
+/// controller still needs from there on.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
 #[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
@@ -68,7 +68,7 @@ pub struct PredictiveSpec {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Terminal {
-    /// What the regulator needs from there on, without end.
+    /// What the controller needs from there on, without end.
     #[default]
     Regulator,
     /// What every other node costs.
@@ -171,12 +171,12 @@ pub(super) struct Height {
 }
 
 impl Cost<'_> {
-    /// Root of the share of the regulator's update that an interval is.
+    /// Root of the share of the controller's update that an interval is.
     fn share(&self) -> f64 {
         (self.interval / self.to_go.interval).sqrt()
     }
 
-    /// Whether `node` costs what the regulator needs from there on.
+    /// Whether `node` costs what the controller needs from there on.
     fn ends(&self, node: usize) -> bool {
         node == self.last && self.terminal == Terminal::Regulator
     }

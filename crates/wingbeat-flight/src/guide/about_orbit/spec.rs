@@ -41,7 +41,7 @@ pub struct AboutOrbitSpec {
     /// How `[path]` is followed, in place of legs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracking: Option<TrackingSpec>,
-    /// Commands by a plan over the coming intervals that keeps within their limits, in place of the regulator's.
+    /// Commands by a plan over the coming intervals that keeps within their limits, in place of the controller's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictive: Option<PredictiveSpec>,
 }

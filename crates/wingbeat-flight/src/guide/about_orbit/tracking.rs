@@ -65,7 +65,7 @@ ranges!(TrackingSpec {
     faster_m_s: Range::between(0.0, 10.0),
 });
 
-/// What the path asks of the regulator.
+/// What the path asks of the controller.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Demand {
     pub place: Option<Place>,

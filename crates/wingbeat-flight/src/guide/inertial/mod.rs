@@ -39,7 +39,7 @@ const STEP: f64 = 5e-4;
 /// Rounding of times, s.
 const ROUNDING: f64 = 1e-9;
 
-/// Numbers that the regulator feeds back, as they are recorded: height, then the body's coordinates of the section.
+/// Numbers that the controller feeds back, as they are recorded: height, then the body's coordinates of the section.
 const SEEN: usize = 9;
 const NAMES: [(&str, &str, &str); SEEN] = [
     ("height", "m", "W"),
