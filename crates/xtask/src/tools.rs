@@ -117,20 +117,6 @@ pub fn seconds(arguments: &[String], otherwise: u64) -> Option<(u64, Vec<String>
     Some((seconds, others))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn seconds_stand_anywhere_and_are_a_number() {
-        let given =
-            |words: &[&str]| seconds(&words.iter().map(|word| (*word).into()).collect::<Vec<_>>(), 600);
-        assert_eq!(given(&["a", "--seconds", "5", "b"]), Some((5, vec!["a".into(), "b".into()])));
-        assert_eq!(given(&[]), Some((600, vec![])));
-        assert_eq!((given(&["--seconds", "x"]), given(&["--minutes"])), (None, None));
-    }
-}
-
 /// README.md and all pages in docs, as paths from the root.
 pub fn pages() -> Vec<String> {
     let mut found = vec!["README.md".to_owned()];
@@ -173,4 +159,18 @@ pub fn pip(python: &Path, options: &[&str], what: &Path) -> Option<()> {
     install.args(["-m", "pip", "install", "--no-compile", "--quiet", "--disable-pip-version-check"]);
     install.args(options).arg(what);
     succeeds(install).then_some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_stand_anywhere_and_are_a_number() {
+        let given =
+            |words: &[&str]| seconds(&words.iter().map(|word| (*word).into()).collect::<Vec<_>>(), 600);
+        assert_eq!(given(&["a", "--seconds", "5", "b"]), Some((5, vec!["a".into(), "b".into()])));
+        assert_eq!(given(&[]), Some((600, vec![])));
+        assert_eq!((given(&["--seconds", "x"]), given(&["--minutes"])), (None, None));
+    }
 }
