@@ -254,10 +254,10 @@ async function live(name, arguments_, look) {
 }
 const said = page => of(page, `document.querySelector('[role=status]').dataset.word`);
 const rows = page => of(page, 'Math.max(0, ...wingbeat.runs.map(run => run.axis.values.length))');
-const SCENARIO = 'scenarios/banking_turn.toml', LONG = ['--set', 'flight.duration_s=6'];
+const SCENARIO = 'scenarios/banking_turn.toml', LASTS = 40, LONG = ['--set', `flight.duration_s=${LASTS}`];
 {
   const run = await live('a flight', ['fly', SCENARIO, ...LONG], async (page, address, run) => {
-    await page.waitForFunction('wingbeat.runs[0].motion && wingbeat.runs[0].axis.values.length > 20', { timeout: 60000 });
+    await page.waitForFunction('wingbeat.version > 0 && wingbeat.runs[0].motion && wingbeat.runs[0].axis.values.length > 20', { timeout: 60000 });
     const first = await rows(page), version = await of(page, 'wingbeat.version');
     await page.waitForFunction(`wingbeat.version > ${version + 1}`, { timeout: 60000 });
     const second = await rows(page);
@@ -287,7 +287,7 @@ const SCENARIO = 'scenarios/banking_turn.toml', LONG = ['--set', 'flight.duratio
     sockets.forEach(socket => socket.destroy());
     await page.waitForFunction('wingbeat.ended', { timeout: 120000 });
     const end = await of(page, 'wingbeat.runs[0].axis.values.at(-1)');
-    judge('live: it says the end when the flight is whole', end, (await said(page)) === 'ended' && Math.abs(end - 6) < 0.02, 'at 6 s');
+    judge('live: it says the end when the flight is whole', end, (await said(page)) === 'ended' && Math.abs(end - LASTS) < 0.02, `at ${LASTS} s`);
     await page.screenshot({ path: path.join(pictures, 'live-ended.png') });
   });
   const code = await run.ended;
