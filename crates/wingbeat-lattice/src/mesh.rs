@@ -188,7 +188,7 @@ impl Mesh {
     }
 
     /// Lays the rings of the nose, whose ends are at first above or below the leading edge, where the air leaves it, and then the share
-    /// [`AHEAD`] of the way to the row `last` that left it a step ago; they have cores of `core` m.
+    /// `AHEAD` of the way to the row `last` that left it a step ago; they have cores of `core` m.
     pub fn place_nose(&mut self, last: Option<&[Vec3]>, core: f64, wind: Vec3, step: f64) {
         let edges = &self.edges;
         let (controls, strips) = (&self.controls, self.strips);

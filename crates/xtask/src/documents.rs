@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::report::Tally;
 use crate::tools;
 
-/// Writes again what is generated: what [`reference`] writes, docs/validation.md, the tables and the pictures of docs/banking_turn.md and docs/flight.md.
+/// Writes again what is generated: what [`reference()`] writes, docs/validation.md, the tables and the pictures of docs/banking_turn.md and docs/flight.md.
 pub fn write() -> bool {
     // The tests build the program too, with the features that they take.
     tools::tests_built() && reference() && banking_turns() && six_flights() && comparisons()

@@ -18,7 +18,13 @@ def blocks(page):
     return re.findall(r"^```python\n(.*?)^```", text, re.S | re.M)
 
 
-PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))] if "tutorials" not in page.parts and blocks(page)]
+# The examples of python_reference.md are those of the docstrings.
+APART = {"python_reference.md"}
+PAGES = [
+    page
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    if "tutorials" not in page.parts and page.name not in APART and blocks(page)
+]
 
 
 def run(page, texts):
