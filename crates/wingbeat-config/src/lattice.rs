@@ -49,7 +49,8 @@ ranges!(LatticeSpec {
     spanwise: Range::between(1.0, 400.0),
     core_chords: Range::over(0.0, 1.0),
     longest_age_s: Range::POSITIVE,
-    critical_suction: Range::NOT_NEGATIVE,
+    // A0 of a flat plate is the sine of its incidence.
+    critical_suction: Range::between(0.0, 1.0),
 });
 
 fn chordwise() -> usize {

@@ -4,6 +4,7 @@
 //! returns one [`Row`] per compared number. Reference tables live in `validation/<source>/`.
 
 mod case;
+mod curve;
 mod error;
 mod page;
 mod reference;

@@ -32,6 +32,11 @@ pub const RUNS: Limit = Limit::warn_above("wake.sheet_way_chords", 0.5, "mean ch
 /// Vortices that fly off.
 pub const RUN_AWAY: Limit = Limit::at_most("wake.sheet_lost_chords", 5.0, "mean chords", NotResolved)
     .on("largest way in a step of a vortex that has left a leading edge");
+/// Leading edges that were told to shed and bear all of their suction: the run is that of attached flow.
+pub const SHEDS: Limit = Limit::warn_below("wake.shedding_fraction", 1e-6, "").on(
+    "no leading edge sheds, as in attached flow (the critical suction is never reached): share of strips and instants of the last \
+     cycle that shed",
+);
 
 /// All of them.
-pub const ALL: [Limit; 8] = [DRIFTED, LOST, KELVIN, ALONG, ACROSS, CORE, RUNS, RUN_AWAY];
+pub const ALL: [Limit; 9] = [DRIFTED, LOST, KELVIN, ALONG, ACROSS, CORE, RUNS, RUN_AWAY, SHEDS];

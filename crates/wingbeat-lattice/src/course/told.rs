@@ -196,6 +196,7 @@ fn judged(watch: &Watch<'_>, asked: &Asked, limits: &Limits) -> Verdict {
             if watch.course.critical_suction.is_some() {
                 judge.hold(&wake::RUNS, watch.farthest);
                 judge.hold(&wake::RUN_AWAY, watch.farthest);
+                judge.hold(&wake::SHEDS, watch.shed().unwrap_or_default());
             }
         }
     }

@@ -3,8 +3,8 @@
 use super::flapping::last_cycle;
 use super::wings::rectangle;
 use super::{Preset, STRIPS, Section};
+use crate::curve::{Curve, START, eldredge};
 use crate::{Error, Row, reference_table};
-use std::f64::consts::FRAC_PI_4;
 use wingbeat::aero::Loads;
 use wingbeat::math::{CubicSpline, Vec3};
 use wingbeat::tether::{Clock, Coordinate, Motion, Reference, Side, Tether, Wing};
@@ -75,11 +75,6 @@ pub struct Ramp {
     pub drag: Vec<f64>,
 }
 
-/// Smoothness a of Eldredge's ramp.
-const SMOOTHNESS: f64 = 15.0;
-/// Chords of travel from the start of the motion to the corner of the ramp: there its acceleration is 1 % of its largest,
-/// sech^2(a 0.2) = 0.01.
-const START: f64 = 0.2;
 /// Where the measured lift has the peaks of the acceleration (0.24) and its dip that of the deceleration (1.25).
 const LATER: f64 = 0.24;
 /// Chords of travel over which lift is averaged: a point, and the width of the measured peaks.
@@ -89,20 +84,16 @@ const QUARTER: f64 = 0.25;
 const TRAVEL: f64 = 3.0;
 const STEPS: usize = 200;
 
-/// The plate pitched to 45 degrees within one chord of travel, its corner `start` chords after the beginning:
-/// alpha = (45 deg / 2) [1 + (log cosh a(s - s_1) - log cosh a(s - s_1 - 1))/a], s in chords (Eldredge, Wang & Ol 2009).
+/// The plate pitched by [`eldredge`]'s ramp, its corner `start` chords of travel after the beginning.
 ///
 /// # Errors
 /// [`Error`] when the model cannot be built.
 pub fn fast_pitch(section: Section, start: f64) -> Result<Ramp, Error> {
     let (chord, speed) = (0.0762, 0.26);
-    let log_cosh = |x: f64| x.abs() + (-2.0 * x.abs()).exp().ln_1p();
-    let corner = |s: f64| log_cosh(SMOOTHNESS * s) / SMOOTHNESS;
-    let angle = |s: f64| 0.5 * FRAC_PI_4 * (1.0 + corner(s - start) - corner(s - start - 1.0));
     // A chord of travel before the motion, in which nothing happens.
     let knots: Vec<f64> = (0..=(TRAVEL * STEPS as f64) as usize).map(|k| k as f64 / STEPS as f64).collect();
     let (times, angles): (Vec<f64>, Vec<f64>) =
-        knots.iter().map(|s| (s * chord / speed, angle(s - 0.5))).unzip();
+        knots.iter().map(|s| (s * chord / speed, eldredge(s - 0.5, start).0)).unzip();
     let nose_up = Coordinate::Table(CubicSpline::natural(&times, &angles)?);
     let clock = Clock {
         frequency_hz: speed / chord / TRAVEL,
@@ -115,44 +106,6 @@ pub fn fast_pitch(section: Section, start: f64) -> Result<Ramp, Error> {
     let (forward, lift): (Vec<f64>, Vec<f64>) =
         loads.iter().map(|l| coefficients(l, tether.reference).into()).unzip();
     Ok(Ramp { travel, lift, drag: forward.iter().map(|x| -x).collect() })
-}
-
-/// A curve over the chords of travel, straight between its points.
-struct Curve<'a> {
-    travel: &'a [f64],
-    value: &'a [f64],
-}
-
-impl Curve<'_> {
-    /// Mean from `low` to `high`, of the part that the curve has.
-    fn mean(&self, low: f64, high: f64) -> f64 {
-        let (mut area, mut width) = (0.0, 0.0);
-        for (s, y) in self.travel.windows(2).zip(self.value.windows(2)) {
-            let (from, to) = (low.max(s[0]), high.min(s[1]));
-            if to > from {
-                let at = |x: f64| y[0] + (y[1] - y[0]) * (x - s[0]) / (s[1] - s[0]);
-                area += 0.5 * (at(from) + at(to)) * (to - from);
-                width += to - from;
-            }
-        }
-        area / width
-    }
-}
-
-/// Root mean square of the difference of the lifts over that of the measured one, at the measured points; both are means over
-/// `window` chords of travel.
-fn ramp_error(ramp: &Ramp, travel: &[f64], measured: &[f64], window: f64) -> f64 {
-    let (first, last) = (travel[0], travel[travel.len() - 1]);
-    let range = |s: f64| ((s - 0.5 * window).max(first), (s + 0.5 * window).min(last));
-    let (model, measured) =
-        (Curve { travel: &ramp.travel, value: &ramp.lift }, Curve { travel, value: measured });
-    let (mut error, mut scale) = (0.0, 0.0);
-    for (low, high) in travel.iter().map(|s| range(*s)) {
-        let truth = measured.mean(low, high);
-        error += (model.mean(low, high) - truth).powi(2);
-        scale += truth * truth;
-    }
-    (error / scale).sqrt()
 }
 
 const PLATE_SOURCE: &str = "Rojratsirikul et al. 2011, measured";
@@ -204,9 +157,11 @@ pub fn plates() -> Result<Vec<Row>, Error> {
 /// Lift of the plate of AR 4 that is pitched fast.
 pub fn mancini() -> Result<Vec<Row>, Error> {
     let table = reference_table!("plates/fast_pitch_ar4.csv")?;
-    let (travel, measured) = (table.column("t_star")?, table.column("cl")?);
+    let measured = Curve { at: table.column("t_star")?, value: table.column("cl")? };
+    let ends = [measured.at[0], measured.at[measured.at.len() - 1]];
     let error = |section: Section, start: f64, window: f64| {
-        Ok::<_, Error>(ramp_error(&fast_pitch(section, start)?, &travel, &measured, window))
+        let Ramp { travel, lift, .. } = fast_pitch(section, start)?;
+        Ok::<_, Error>(Curve { at: travel, value: lift }.error(&measured, window, ends))
     };
     let shown = |name: &str, metric: &str, value: f64| {
         Row::shown(&format!("aero.mancini.{name}"), RAMP_SOURCE, metric, value, "")

@@ -2,8 +2,8 @@
 
 use super::flapping;
 use super::wings::lan;
+use crate::curve::{Curve, START, eldredge};
 use crate::{Error, Row, reference_table};
-use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
 use wingbeat::aero::{Planform, PlanformStation, SectionMotion};
 use wingbeat::math::Vec3;
@@ -15,10 +15,6 @@ const CRITICAL: f64 = 0.11;
 const SHEET_CORE: f64 = 0.1;
 /// Core of the wake, chords: well below the way of a step.
 const CORE: f64 = 1e-3;
-/// Smoothness a of Eldredge's ramp, per chord of travel.
-const SMOOTHNESS: f64 = 15.0;
-/// Chords of travel before the corner of the ramp: there its acceleration is 1 % of its largest, sech^2(0.2 a) = 0.01.
-const START: f64 = 0.2;
 /// Chords of travel over which lift is averaged: the measured peaks of the carried air are as wide.
 const WIDTH: f64 = 0.25;
 /// The last measured point, chords of travel.
@@ -47,12 +43,9 @@ impl<F: Fn(f64) -> (f64, f64) + Send + Sync> Sections for Plate<F> {
     }
 }
 
-/// Eldredge's ramp to 45 degrees within one chord of travel (Eldredge, Wang & Ol 2009).
+/// The ramp of the measured plate.
 fn ramp(s: f64) -> (f64, f64) {
-    let log_cosh = |x: f64| x.abs() + (-2.0 * x.abs()).exp().ln_1p();
-    let [first, last] = [START, START + 1.0].map(|at| SMOOTHNESS * (s - at));
-    let angle = 0.5 * FRAC_PI_4 * (1.0 + (log_cosh(first) - log_cosh(last)) / SMOOTHNESS);
-    (angle, 0.5 * FRAC_PI_4 * (first.tanh() - last.tanh()))
+    eldredge(s, START)
 }
 
 /// A plate of the aspect ratio `aspect` on `chordwise` x `spanwise` panels, whole or its left half; it flies at 1 m/s, `carried` of
@@ -177,42 +170,10 @@ pub fn kept() -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// A curve over the chords of travel, straight between its points.
-struct Curve {
-    travel: Vec<f64>,
-    lift: Vec<f64>,
-}
-
-impl Curve {
-    /// Mean over [`WIDTH`] about `at`, of the part that was measured.
-    fn mean(&self, at: f64) -> f64 {
-        let (low, high) = ((at - 0.5 * WIDTH).max(0.0), (at + 0.5 * WIDTH).min(END));
-        let (mut area, mut width) = (0.0, 0.0);
-        for (s, y) in self.travel.windows(2).zip(self.lift.windows(2)) {
-            let (from, to) = (low.max(s[0]), high.min(s[1]));
-            if to > from {
-                let value = |x: f64| y[0] + (y[1] - y[0]) * (x - s[0]) / (s[1] - s[0]);
-                area += 0.5 * (value(from) + value(to)) * (to - from);
-                width += to - from;
-            }
-        }
-        area / width
-    }
-
-    /// Largest lift past the acceleration, and where.
-    fn largest(&self) -> (f64, f64) {
-        let late = self.travel.iter().zip(&self.lift).filter(|(travel, _)| **travel > 0.5 && **travel < 1.2);
-        late.fold((0.0, 0.0), |most, (travel, lift)| if *lift > most.0 { (*lift, *travel) } else { most })
-    }
-
-    /// Rms difference of means over [`WIDTH`] over their rms, at the points of `measured`.
-    fn error(&self, measured: &Self) -> f64 {
-        let pairs = measured.travel.iter().map(|at| (self.mean(*at), measured.mean(*at)));
-        let (error, scale) = pairs.fold((0.0, 0.0), |(error, scale), (own, truth)| {
-            (error + (own - truth).powi(2), scale + truth * truth)
-        });
-        (error / scale).sqrt()
-    }
+/// Largest lift past the acceleration, and where.
+fn largest(curve: &Curve) -> (f64, f64) {
+    let late = curve.at.iter().zip(&curve.value).filter(|(travel, _)| **travel > 0.5 && **travel < 1.2);
+    late.fold((0.0, 0.0), |most, (travel, lift)| if *lift > most.0 { (*lift, *travel) } else { most })
 }
 
 /// Lift coefficients of the plate of AR 4 that is pitched fast.
@@ -222,7 +183,7 @@ fn pitched(panels: [usize; 2], critical: Option<f64>, wake: WakeMotion, end: f64
     let travel: Vec<f64> = (0..=(end / own.step_s).ceil() as usize).map(|k| k as f64 * own.step_s).collect();
     // Of the dynamic pressure 1/2 and the area 4.
     let lift = travel.iter().map(|_| Ok::<_, Error>(lattice.step()?.joukowski.force[2] / 2.0));
-    Ok(Curve { lift: lift.collect::<Result<_, _>>()?, travel })
+    Ok(Curve { value: lift.collect::<Result<_, _>>()?, at: travel })
 }
 
 const MEASURED: &str = "Mancini et al. 2017, measured";
@@ -230,12 +191,13 @@ const MEASURED: &str = "Mancini et al. 2017, measured";
 /// The plate of AR 4 pitched to 45 degrees in one chord of travel.
 pub fn measured() -> Result<Vec<Row>, Error> {
     let table = reference_table!("plates/fast_pitch_ar4.csv")?;
-    let measured = Curve { travel: table.column("t_star")?, lift: table.column("cl")? };
+    let measured = Curve { at: table.column("t_star")?, value: table.column("cl")? };
     let (free, fixed, fine) = (WakeMotion::Free, WakeMotion::Prescribed, [12, 24]);
     let shed = pitched(fine, Some(CRITICAL), free, END)?;
     let attached = pitched(fine, None, free, END)?;
     let prescribed = pitched(fine, Some(CRITICAL), fixed, END)?;
-    let ((lift, at), (most, when)) = (shed.largest(), measured.largest());
+    let error = |curve: &Curve| curve.error(&measured, WIDTH, [0.0, END]);
+    let ((lift, at), (most, when)) = (largest(&shed), largest(&measured));
     let judged = |id: &str, metric: &str, value, limit| {
         Row::judged(&format!("lattice.shedding.measured.{id}"), MEASURED, metric, value, limit, "")
     };
@@ -250,22 +212,18 @@ pub fn measured() -> Result<Vec<Row>, Error> {
     let mut rows = vec![
         judged("largest", &metric, (lift / most - 1.0).abs(), 0.07),
         judged("time", &format!("its time {at:.2} over {when:.2}, less 1"), (at / when - 1.0).abs(), 0.07),
-        shown("mean_lift", mean, shed.error(&measured)),
-        shown("mean_lift_attached", "the same in attached flow", attached.error(&measured)),
-        shown(
-            "mean_lift_prescribed",
-            "the same, shedding with a prescribed wake",
-            prescribed.error(&measured),
-        ),
+        shown("mean_lift", mean, error(&shed)),
+        shown("mean_lift_attached", "the same in attached flow", error(&attached)),
+        shown("mean_lift_prescribed", "the same, shedding with a prescribed wake", error(&prescribed)),
     ];
     for panels in [[6, 24], [8, 24], [12, 16]] {
         let [m, n] = panels;
-        let coarse = pitched(panels, Some(CRITICAL), free, 1.2)?.largest().0;
+        let coarse = largest(&pitched(panels, Some(CRITICAL), free, 1.2)?).0;
         let metric = format!("largest lift with {m} x {n} panels over that with 12 x 24, less 1");
         rows.push(shown(&format!("panels_{m}_{n}"), &metric, (coarse / lift - 1.0).abs()));
     }
     for (id, critical) in [("half", 0.5 * CRITICAL), ("double", 2.0 * CRITICAL)] {
-        let other = pitched(fine, Some(critical), free, 1.2)?.largest().0;
+        let other = largest(&pitched(fine, Some(critical), free, 1.2)?).0;
         let metric =
             format!("largest lift with a critical suction of {critical} over that with {CRITICAL}, less 1");
         rows.push(shown(&format!("critical_{id}"), &metric, (other / lift - 1.0).abs()));
