@@ -43,123 +43,142 @@ fn law_state(state: &LawState) -> Line {
     (format!("{}, mean", state.meaning).into(), None, value, unit)
 }
 
+fn number(value: f64) -> String {
+    if value.is_finite() { format!("{value:.2}") } else { "-".into() }
+}
+
+fn settled(value: Option<f64>) -> String {
+    value.map_or("-".into(), number)
+}
+
+/// In per cent.
+fn share(value: f64) -> String {
+    if value.is_finite() { format!("{:.1}", 100.0 * value) } else { "-".into() }
+}
+
+/// A line of which the paper says nothing.
+fn own(name: &'static str, value: String, unit: &'static str) -> Line {
+    (name.into(), None, value, unit)
+}
+
 fn lines(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
-    let number = |value: f64| if value.is_finite() { format!("{value:.2}") } else { "-".into() };
-    let settled = |value: Option<f64>| value.map_or("-".into(), number);
-    let watts = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
-    let shared = |value: Option<f64>| value.map_or("-".into(), |value| format!("{:.1}", 100.0 * value));
-    let share = |value: f64| if value.is_finite() { format!("{:.1}", 100.0 * value) } else { "-".into() };
+    let mut rows = course(summary, paper);
+    rows.extend(air(summary));
+    rows.extend(cost(summary));
+    rows.extend(errors(summary));
+    rows.extend(controller(summary));
+    rows
+}
+
+/// Attitude and path.
+fn course(summary: &Summary, paper: Option<&PaperResults>) -> Vec<Line> {
     let of = |take: fn(&PaperResults) -> f64| paper.map(take).map(number);
     let oscillation = paper.and_then(|p| p.pitch_oscillation_deg).map(|[from, to]| format!("{from} to {to}"));
     let side = if summary.distance_y_m < 0.0 { "m, to the right" } else { "m, to the left" };
-    let controller = &summary.controller;
-    let mut rows: Vec<Line> = vec![
-        ("status".into(), None, summary.status.name().into(), ""),
+    let nose_up = settled(summary.pitch_mean_deg.map(|pitch| -pitch));
+    let height = summary.height_max_error_m.map(|e| own("height, largest error", number(1e3 * e), "mm"));
+    let mut rows = vec![
+        own("status", summary.status.name().into(), ""),
         match summary.turn_roll_mean_deg {
             Some(roll) => ("roll in the turn, mean".into(), of(|p| p.roll_deg), number(roll), "deg"),
             None => ("roll, mean".into(), of(|p| p.roll_deg), settled(summary.roll_mean_deg), "deg"),
         },
-        ("roll, rms error".into(), None, settled(summary.roll_rms_error_deg), "deg"),
-        (
-            "nose up, mean".into(),
-            of(|p| p.nose_up_deg),
-            settled(summary.pitch_mean_deg.map(|pitch| -pitch)),
-            "deg",
-        ),
+        own("roll, rms error", settled(summary.roll_rms_error_deg), "deg"),
+        ("nose up, mean".into(), of(|p| p.nose_up_deg), nose_up, "deg"),
         ("pitch, oscillation +-".into(), oscillation, settled(summary.pitch_half_amplitude_deg), "deg"),
         ("distance x".into(), of(|p| p.distance_x_m), number(summary.distance_x_m), "m"),
         ("distance y".into(), of(|p| p.distance_y_m), number(summary.distance_y_m.abs()), side),
-        ("altitude change".into(), None, number(summary.altitude_change_m), "m"),
-        ("yaw change".into(), None, number(summary.yaw_change_deg), "deg"),
-        ("lift law".into(), None, summary.lift_law.clone(), ""),
-        ("strips past stall".into(), None, shared(summary.stall_fraction), "%"),
-        (
-            "least clearance".into(),
-            None,
-            summary.least_clearance_m.map_or("-".into(), |c| number(1e3 * c)),
-            "mm",
-        ),
-        (
-            "clearance below zero".into(),
-            None,
-            summary.crossing_fraction.map_or("-".into(), share),
-            "% of the time",
-        ),
-        ("inputs at a limit".into(), None, share(summary.input_saturation_fraction), "%"),
-        ("controller updates".into(), None, controller.updates.to_string(), ""),
-        ("controller failures".into(), None, controller.failures.to_string(), ""),
-        ("updates past their period".into(), None, controller.late.to_string(), ""),
-        ("update, median".into(), None, number(1e-3 * controller.median_us), "ms"),
-        ("update, 99.9 %".into(), None, number(1e-3 * controller.p999_us), "ms"),
-        ("real-time factor".into(), None, number(summary.real_time_factor), ""),
+        own("altitude change", number(summary.altitude_change_m), "m"),
     ];
-    let of_cost = |(name, value, unit): CostLine| -> Line { (name.into(), None, value, unit) };
-    let cost = summary.cost.power_lines().into_iter().map(of_cost);
-    let of_drives: [Line; 4] = [
-        ("power of the drive".into(), None, watts(summary.drive_power_w), "W, on the joints"),
-        ("power of the actuators".into(), None, watts(summary.regulator_power_w), "W, on the joints"),
-        ("drive, without taking back".into(), None, watts(summary.drive_power_given_w), "W"),
-        ("actuators, likewise".into(), None, watts(summary.regulator_power_given_w), "W"),
-    ];
-    let cost = cost.chain(of_drives).chain(summary.cost.weight_lines().into_iter().map(of_cost));
-    let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
-    rows.splice(saturated..saturated, cost.collect::<Vec<_>>());
-    if let Some(error) = summary.height_max_error_m {
-        let yaw = rows.iter().position(|row| row.0 == "yaw change").unwrap_or(rows.len());
-        rows.insert(yaw, ("height, largest error".into(), None, number(1e3 * error), "mm"));
-    }
-    if controller.updates == 0 {
-        let of_updates =
-            ["controller failures", "updates past their period", "update, median", "update, 99.9 %"];
-        rows.retain(|row| !of_updates.contains(&row.0.as_ref()));
-    }
-    if let Some(estimate) = &summary.estimate {
-        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
-        let errors = [
-            ("height, estimate's rms".into(), None, number(1e3 * estimate.height_rms_m), "mm"),
-            ("roll, estimate's rms".into(), None, number(estimate.roll_rms_deg), "deg"),
-            ("estimate within 3 sigma".into(), None, share(estimate.within_3_sigma), "% of the errors"),
-        ];
-        rows.splice(saturated..saturated, errors);
-    }
+    rows.extend(height);
+    rows.push(own("yaw change", number(summary.yaw_change_deg), "deg"));
+    rows
+}
+
+/// Flow and clearance.
+fn air(summary: &Summary) -> Vec<Line> {
+    let shared = |value: Option<f64>| value.map_or("-".into(), share);
+    let mut rows = Vec::new();
     if let Some(lattice) = &summary.lattice {
-        let law = rows.iter().position(|row| row.0 == "lift law").unwrap_or(rows.len());
-        let of_lattice = [
-            ("attached flow".into(), None, "assumed".into(), "by the vortex lattice, past stall too"),
-            ("states tried a lattice step".into(), None, number(lattice.iterations_mean), ""),
-            ("way in a lattice step".into(), None, number(lattice.way_panels), "chords of a panel"),
-        ];
-        rows.splice(law..law, of_lattice);
+        rows.extend([
+            own("attached flow", "assumed".into(), "by the vortex lattice, past stall too"),
+            own("states tried a lattice step", number(lattice.iterations_mean), ""),
+            own("way in a lattice step", number(lattice.way_panels), "chords of a panel"),
+        ]);
     }
-    if let Some(hover) = &summary.hover {
-        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
-        let errors = [
-            ("from the place, rms".into(), None, number(1e3 * hover.place_rms_m), "mm"),
-            ("attitude, rms".into(), None, number(hover.attitude_rms_deg), "deg"),
-            ("attitude, largest".into(), None, number(hover.attitude_max_deg), "deg"),
-            ("force of the air, error".into(), None, share(hover.air_force_error), "% of its mean"),
-        ];
-        rows.splice(saturated..saturated, errors);
-    }
-    if let Some(path) = &summary.path {
-        let saturated = rows.iter().position(|row| row.0 == "inputs at a limit").unwrap_or(rows.len());
-        let errors = [
-            ("across the path, rms".into(), None, number(1e3 * path.cross_rms_m), "mm"),
-            ("across, largest".into(), None, number(1e3 * path.cross_max_m), "mm"),
-            ("along the path, rms".into(), None, number(1e3 * path.along_rms_m), "mm"),
-        ];
-        rows.splice(saturated..saturated, errors);
+    rows.push(own("lift law", summary.lift_law.clone(), ""));
+    rows.push(own("strips past stall", shared(summary.stall_fraction), "%"));
+    if let Some(beyond) = summary.beyond_residual_fraction {
+        rows.push(own("beyond robot.residual", share(beyond), "% of the time"));
     }
     if !summary.law_states.is_empty() {
-        let past = rows.iter().position(|row| row.0 == "strips past stall").map_or(rows.len(), |i| i + 1);
-        let states = summary.law_states.iter().map(law_state);
-        let lost = ("suction lost, mean".into(), None, shared(summary.suction_lost_fraction), "%");
-        rows.splice(past..past, states.chain([lost]).collect::<Vec<_>>());
+        rows.extend(summary.law_states.iter().map(law_state));
+        rows.push(own("suction lost, mean", shared(summary.suction_lost_fraction), "%"));
     }
-    if let Some(beyond) = summary.beyond_residual_fraction {
-        let past = rows.iter().position(|row| row.0 == "strips past stall").map_or(rows.len(), |i| i + 1);
-        rows.insert(past, ("beyond robot.residual".into(), None, share(beyond), "% of the time"));
+    let clearance = summary.least_clearance_m.map_or("-".into(), |c| number(1e3 * c));
+    rows.push(own("least clearance", clearance, "mm"));
+    rows.push(own("clearance below zero", shared(summary.crossing_fraction), "% of the time"));
+    rows
+}
+
+/// Power and what carries the weight.
+fn cost(summary: &Summary) -> Vec<Line> {
+    let watts = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
+    let of_cost = |(name, value, unit): CostLine| own(name, value, unit);
+    let of_drives = [
+        own("power of the drive", watts(summary.drive_power_w), "W, on the joints"),
+        own("power of the actuators", watts(summary.regulator_power_w), "W, on the joints"),
+        own("drive, without taking back", watts(summary.drive_power_given_w), "W"),
+        own("actuators, likewise", watts(summary.regulator_power_given_w), "W"),
+    ];
+    let powers = summary.cost.power_lines().into_iter().map(of_cost).chain(of_drives);
+    powers.chain(summary.cost.weight_lines().into_iter().map(of_cost)).collect()
+}
+
+/// How far estimate, hover and path are off.
+fn errors(summary: &Summary) -> Vec<Line> {
+    let mut rows = Vec::new();
+    if let Some(estimate) = &summary.estimate {
+        rows.extend([
+            own("height, estimate's rms", number(1e3 * estimate.height_rms_m), "mm"),
+            own("roll, estimate's rms", number(estimate.roll_rms_deg), "deg"),
+            own("estimate within 3 sigma", share(estimate.within_3_sigma), "% of the errors"),
+        ]);
     }
+    if let Some(hover) = &summary.hover {
+        rows.extend([
+            own("from the place, rms", number(1e3 * hover.place_rms_m), "mm"),
+            own("attitude, rms", number(hover.attitude_rms_deg), "deg"),
+            own("attitude, largest", number(hover.attitude_max_deg), "deg"),
+            own("force of the air, error", share(hover.air_force_error), "% of its mean"),
+        ]);
+    }
+    if let Some(path) = &summary.path {
+        rows.extend([
+            own("across the path, rms", number(1e3 * path.cross_rms_m), "mm"),
+            own("across, largest", number(1e3 * path.cross_max_m), "mm"),
+            own("along the path, rms", number(1e3 * path.along_rms_m), "mm"),
+        ]);
+    }
+    rows
+}
+
+/// Commands and updates.
+fn controller(summary: &Summary) -> Vec<Line> {
+    let controller = &summary.controller;
+    let mut rows = vec![
+        own("inputs at a limit", share(summary.input_saturation_fraction), "%"),
+        own("controller updates", controller.updates.to_string(), ""),
+    ];
+    if controller.updates > 0 {
+        rows.extend([
+            own("controller failures", controller.failures.to_string(), ""),
+            own("updates past their period", controller.late.to_string(), ""),
+            own("update, median", number(1e-3 * controller.median_us), "ms"),
+            own("update, 99.9 %", number(1e-3 * controller.p999_us), "ms"),
+        ]);
+    }
+    rows.push(own("real-time factor", number(summary.real_time_factor), ""));
     rows
 }
 
