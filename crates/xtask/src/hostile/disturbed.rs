@@ -85,8 +85,9 @@ const fn shows(name: &'static str, words: &'static [&'static str]) -> Verb {
 }
 
 /// Every verb that writes, but those of the list `others` below.
-const VERBS: [Verb; 22] = [
+const VERBS: [Verb; 23] = [
     verb("fly", &["fly", "glide.toml"]),
+    verb("fly_watch", &["fly", "glide.toml", "--watch"]),
     verb("sweep", &["sweep", "sweep.toml"]),
     verb(
         "tether",
