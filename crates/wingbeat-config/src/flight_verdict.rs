@@ -1,9 +1,10 @@
 //! The verdict on a flight: its goal, the limits of the task without one, and what a reader must know.
 
+use super::plausible;
 use super::spec::GoalSpec;
 use super::summary::{Context, Crossing, Summary};
 use wingbeat_flight::simulate::{Ending, Flight, Record};
-use wingbeat_judge::limits::{flight, trim};
+use wingbeat_judge::limits::{flight, range, trim, wake};
 use wingbeat_judge::{Judge, Limit, Limits, Status, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_ocp::plant::Fault;
@@ -154,8 +155,23 @@ impl Flown<'_> {
         orbit || (self.context.manoeuvre.is_some() && self.flight.duration >= SETTLED)
     }
 
+    /// Largest speed through the mean wind, m/s.
+    fn largest_airspeed(&self) -> f64 {
+        let wind = self.context.robot.wind_over_time().mean();
+        let speed = |row| velocity_at(self.record, row).map_or(0.0, |v| (v - wind).norm());
+        (0..self.record.rows()).map(speed).fold(0.0, f64::max)
+    }
+
     /// Holds the flight against the range in which its model, its fit and its steps are good.
     fn model(&self, judge: &mut Judge) {
+        plausible::hold(judge, self.context.robot);
+        for limit in [&range::COMPRESSED, &range::MACH] {
+            judge.hold(limit, self.largest_airspeed() / range::SOUND_M_S);
+        }
+        if let Some([chordwise, spanwise]) = self.context.panels {
+            judge.hold(&wake::ALONG, chordwise as f64);
+            judge.hold(&wake::ACROSS, spanwise as f64);
+        }
         if let Some(crossing) = self.crossing {
             judge.hold_about(&flight::CROSSING, crossing.fraction, &crossing.words());
         }

@@ -15,8 +15,10 @@ mod lattice;
 pub mod learn;
 mod mismatch;
 mod motion_table;
+mod moved;
 mod name;
 mod plan;
+mod plausible;
 mod recorder;
 mod rig;
 mod rig_model;
@@ -64,6 +66,7 @@ pub use hovered::HoverSummary;
 pub use lattice::{LatticeSpec, LatticeSummary, LatticeTask, MakeLattice};
 pub use mismatch::Mismatch;
 pub use motion_table::{Smoothed, TableBy, TableSpec};
+pub use moved::Moved;
 pub use name::RunName;
 pub use plan::{
     GaitNumbers, LeastPowerSummary, PassNumbers, PlanConstants, PlanNodes, PlanSpec, PlanSummary, PlanValue,
@@ -446,7 +449,8 @@ impl Scenario {
         step_error_m: Option<f64>,
     ) -> Summary {
         let context = summary::Context {
-            mass: self.robot.mass(),
+            robot: &self.robot,
+            panels: self.spec.lattice.as_ref().map(|spec| [spec.chordwise, spec.spanwise]),
             manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),
             limits: self.limits.clone(),

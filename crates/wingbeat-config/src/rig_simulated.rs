@@ -6,6 +6,7 @@ use wingbeat_flight::simulate::Record;
 use wingbeat_judge::limits::rig;
 use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
+use wingbeat_ocp::plant::Plant;
 
 /// What became of a simulated run.
 #[derive(Clone, Debug)]
@@ -69,6 +70,9 @@ impl SimulatedRun {
     }
 }
 
+/// Instants of a cycle at which clearances are looked at.
+const LOOKS: usize = 64;
+
 impl RigRun {
     /// Plans the turn, where there is one, and simulates the run on the bench that `rig.truth` says is the true one; `progress` is told the share that is done.
     ///
@@ -100,6 +104,9 @@ impl RigRun {
         let lattice = outcome.coupling.map(LatticeSummary::new);
         judge.hold(&rig::SATURATED, outcome.saturated as f64 / outcome.record.rows().max(1) as f64);
         judge.hold(&rig::STALLED, outcome.stall_fraction);
+        let crossing = self.crossing_fraction();
+        judge.hold(&rig::CROSSING, crossing);
+        judge.hold(&rig::CROSSED, crossing);
         let cautions = lattice.iter().flat_map(LatticeSummary::cautions);
         cautions.for_each(|caution| judge.warn(Warning::new("rig.lattice", caution)));
         Ok(SimulatedRun {
@@ -111,5 +118,19 @@ impl RigRun {
             stall_fraction: Some(outcome.stall_fraction),
             lattice,
         })
+    }
+
+    /// Share of the cycle of the gait in which a clearance is below zero, elastic joints at rest.
+    fn crossing_fraction(&self) -> f64 {
+        let (robot, frequency) = (&self.robot, self.frequency());
+        if !(frequency > 0.0) {
+            return 0.0;
+        }
+        let structure = vec![0.0; robot.states().len() - robot.layout().structure];
+        let crosses = |k: usize| {
+            let least = robot.least_clearances(k as f64 / (LOOKS as f64 * frequency), &structure);
+            least.is_ok_and(|least| least.iter().any(|clearance| *clearance < 0.0))
+        };
+        (0..LOOKS).filter(|k| crosses(*k)).count() as f64 / LOOKS as f64
     }
 }

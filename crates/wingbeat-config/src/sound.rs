@@ -3,11 +3,13 @@
 use crate::recorder::Recorded;
 use wingbeat_flight::simulate::{Ending, Record};
 use wingbeat_judge::Warning;
+use wingbeat_judge::limits::range::SOUND_M_S;
 use wingbeat_ocp::plant::Fault;
 
 /// Sizes, by unit, beyond which a sample says nothing: the speed of sound, where flow is no longer incompressible; the rate of a
 /// link of 0.1 m whose tip moves at it; and powers, forces and moments that no robot of these models gives. *Choices.*
-const MOST: [(&str, f64); 5] = [("m/s", 343.0), ("rad/s", 3430.0), ("W", 1e4), ("N", 1e3), ("N m", 1e3)];
+const MOST: [(&str, f64); 5] =
+    [("m/s", SOUND_M_S), ("rad/s", 10.0 * SOUND_M_S), ("W", 1e4), ("N", 1e3), ("N m", 1e3)];
 
 /// True for an end at which numbers grew without bound, so that the samples before it are no flight either.
 fn grew(ending: &Ending) -> bool {

@@ -14,6 +14,7 @@ use wingbeat_flight::guide::{Manoeuvre, Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Flight, Record};
 use wingbeat_judge::{Judged, Limits, Status, Warning};
 use wingbeat_ocp::plant::Channel;
+use wingbeat_robot::Robot;
 
 /// `summary.json` of a flight. What is optional is taken from the goal's settling
 /// time (2 s without a goal) on, and missing when the flight ended before.
@@ -278,8 +279,9 @@ pub(super) struct Context<'a> {
     pub limits: Limits,
     pub inputs: &'a [Channel],
     pub clearances: &'a [Channel],
-    /// Of the robot, kg.
-    pub mass: f64,
+    pub robot: &'a Robot,
+    /// Panels along chord and span, of a flight in a lattice.
+    pub panels: Option<[usize; 2]>,
     pub preset: String,
     pub law: String,
     /// Means over all samples; none of a flight whose last samples were cut off.
@@ -346,7 +348,7 @@ impl Summary {
             pitch_max_error_deg: largest_deg(&pitch_errors),
             pitch_half_amplitude_deg: half_range_deg(settled.column("pitch")),
             yaw_change_deg: unwrapped_change(record.values("yaw").unwrap_or_default()).to_degrees(),
-            cost: CostSummary::new(Cost::of_record(record, settled.first), context.mass),
+            cost: CostSummary::new(Cost::of_record(record, settled.first), context.robot.mass()),
             drive_power_w: mean(settled.column("drive_power")),
             regulator_power_w: mean(settled.column("regulator_power")),
             drive_power_given_w: given(settled.column("drive_power")),

@@ -1,6 +1,7 @@
 //! From a case file to a tethered wing and its summary.
 
 use super::fit::rejected_fit;
+use super::moved::Moved;
 use super::tether_spec::{ReadTable, TetherSpec, TetheredWingSpec, WindSpec};
 use super::{Comparison, ConfigError, CoordinateSpec, Document, Smoothed};
 use serde::Serialize;
@@ -169,6 +170,7 @@ impl TetherCase {
             if let Some(change) = step_change {
                 judge.hold(&tether::STEPS, change);
             }
+            Moved::new(&self.tether).hold(&mut judge);
             if let Some(Periodicity { change, quantity }) = &run.periodicity {
                 let mend = format!("({quantity}; take more cycles, unless the motion does not repeat)");
                 judge.hold_about(&tether::CYCLES, *change, &mend);

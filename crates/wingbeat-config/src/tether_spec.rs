@@ -5,7 +5,7 @@ use super::verdict_limits::VerdictLimits;
 use super::{AeroSpec, CompareSpec, RunName};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use wingbeat_aero::{Gap, PlanformStation, SectionSpec};
+use wingbeat_aero::{CD0, CD90, Gap, PlanformStation, SectionSpec};
 use wingbeat_flight::simulate::Record;
 use wingbeat_flight::tether::{Clock, HingeKind, Side};
 use wingbeat_math::Error;
@@ -48,6 +48,7 @@ pub struct TetherSpec {
 
 /// Planform, profile drag and hinges.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
+#[schemars(transform = wingbeat_math::range::put(Self::RANGES))]
 #[serde(deny_unknown_fields)]
 pub struct TetheredWingSpec {
     /// Stations of the half wing from the plane of symmetry to the tip; or in a file, `{ file = "outline.csv", unit = "mm", x = "aft" }` (docs/robots.md).
@@ -73,6 +74,8 @@ pub struct TetheredWingSpec {
     #[serde(default)]
     pub hinges: Vec<HingeSpec>,
 }
+
+ranges!(TetheredWingSpec { cd0: CD0.range, cd90: CD90.range });
 
 /// One hinge.
 #[derive(Clone, Debug, Deserialize, Serialize, schemars::JsonSchema)]
@@ -217,6 +220,7 @@ impl TetherSpec {
     /// Checks what each table says by itself.
     pub(super) fn check(&self) -> Result<(), Error> {
         self.run_name()?;
+        self.wing.in_range().map_err(|e| e.within("wing"))?;
         self.time.clock().in_range().map_err(|e| e.within("time"))?;
         self.wing.section.check().map_err(|e| e.within("wing.section"))?;
         self.compare.check().map_err(|e| e.within("compare"))?;

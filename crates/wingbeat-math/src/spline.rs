@@ -57,6 +57,11 @@ impl CubicSpline {
         Ok(spline)
     }
 
+    /// Whether it repeats.
+    pub fn is_periodic(&self) -> bool {
+        self.period.is_some()
+    }
+
     /// Value, slope and curvature at `x`.
     ///
     /// Equation: math.cubic_spline

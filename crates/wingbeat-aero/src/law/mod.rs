@@ -152,7 +152,7 @@ pub const LIFT_SLOPE: Parameter = Parameter {
 pub const CD0: Parameter = Parameter {
     key: "cd0",
     unit: "",
-    range: Range::NOT_NEGATIVE,
+    range: Range::between(0.0, 2.0),
     default: 0.05,
     meaning: "drag coefficient along the wind at no incidence",
     source: "laminar plate, both sides, 2.66/sqrt(Re) at 3e3",

@@ -1,8 +1,8 @@
 //! The verdict on a periodic flight.
 
 use super::summary::{TrimSummary, hover_wash};
-use crate::fit;
 use crate::spec::{AirSpec, ScenarioSpec};
+use crate::{fit, plausible};
 use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Judge, Limit, Limits, Verdict, Warning};
 use wingbeat_robot::Robot;
@@ -11,7 +11,9 @@ impl TrimSummary {
     /// Judges the orbit that was found.
     pub(super) fn judge(&mut self, robot: &Robot, spec: &ScenarioSpec, limits: &Limits) {
         let mut judge = Judge::new(limits);
-        let held: [(&'static Limit, Option<f64>); 8] = [
+        let steps =
+            spec.trim.as_ref().zip(self.frequency_hz).map(|(trim, f)| (1.0 / (f * trim.step_s)).round());
+        let held: [(&'static Limit, Option<f64>); 9] = [
             (&trim::POWER, self.power_w_kg),
             (&trim::HIGH_POWER, self.power_w_kg),
             (&trim::BEYOND_20, self.stall_fraction_20),
@@ -20,12 +22,14 @@ impl TrimSummary {
             (&trim::SKIN, self.least_clearance_m),
             (&trim::MULTIPLIER, self.largest_multiplier),
             (&trim::RESIDUAL, self.residual),
+            (&trim::STEPS, steps),
         ];
         for (limit, value) in held {
             if let Some(value) = value {
                 judge.hold(limit, value);
             }
         }
+        plausible::hold(&mut judge, robot);
         let slow = hover_wash(robot).filter(|wash| self.speed_m_s < *wash);
         judge_slow(&mut judge, self.speed_m_s, slow);
         ignored_gusts(&spec.air)

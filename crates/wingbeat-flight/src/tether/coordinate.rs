@@ -44,6 +44,15 @@ impl Coordinate {
         }
     }
 
+    /// Whether it moves and repeats its motion.
+    pub fn repeats(&self) -> bool {
+        match self {
+            Self::Constant(_) => false,
+            Self::Fourier { cos, sin, .. } => cos.iter().chain(sin).any(|part| *part != 0.0),
+            Self::Table(spline) => spline.is_periodic(),
+        }
+    }
+
     /// The harmonics up to `count` of `frequency_hz` nearest to the samples `y` at the times `t` (s), by least squares;
     /// none where the samples do not determine them.
     pub fn fitted(frequency_hz: f64, t: &[f64], y: &[f64], count: usize) -> Option<Self> {

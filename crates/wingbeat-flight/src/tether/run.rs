@@ -11,6 +11,8 @@ use wingbeat_math::require;
 use wingbeat_math::{Jet, Vec3};
 use wingbeat_ocp::plant::Fault;
 
+/// Instants of a cycle at which the motion alone is looked at.
+const LOOKS: usize = 64;
 /// Most steps of one run.
 const MAX_STEPS: usize = 500_000;
 /// Most rows of strips of a run: about half a GB in memory.
@@ -185,6 +187,43 @@ impl Tether {
             *section = self.wing.section(arc, &body, &angles);
         }
         sections
+    }
+
+    /// Instants of the last cycle at which the motion alone is looked at, s.
+    fn instants(&self) -> impl Iterator<Item = f64> {
+        let Clock { frequency_hz, cycles, .. } = self.clock;
+        (0..LOOKS).map(move |k| (cycles as f64 - 1.0 + k as f64 / LOOKS as f64) / frequency_hz)
+    }
+
+    /// Share of the last cycle in which a section further than its chord from the root has the middle of its chord beyond the
+    /// body's middle plane. At the root a wing that sweeps may pass it.
+    pub fn crossing_fraction(&self) -> f64 {
+        let crosses = |t: f64| {
+            let (frame, sections) = (self.motion.body(t).frame(), self.sections(t));
+            let origin = Vec3(frame.origin.0.map(|x| x.x));
+            let across = Vec3([0, 1, 2].map(|i| frame.turn.0[i][1].x));
+            self.aero.arcs().iter().zip(&sections).any(|(arc, section)| {
+                let chord = (section.le - section.te).norm();
+                let middle = (section.le + section.te) * 0.5 - origin;
+                arc.abs() > chord && arc.signum() * middle.dot(across) < 0.0
+            })
+        };
+        self.instants().filter(|t| crosses(*t)).count() as f64 / LOOKS as f64
+    }
+
+    /// Largest speed of an edge of the wing through the air in the last cycle, m/s.
+    pub fn largest_speed(&self) -> f64 {
+        let edges = |t: f64| self.sections(t).map(|section| [section.v_le, section.v_te]);
+        let speeds =
+            self.instants().flat_map(|t| edges(t).into_iter().take(self.aero.arcs().len()).flatten());
+        speeds.map(|v| (v - self.wind).norm()).fold(0.0, f64::max)
+    }
+
+    /// Whether the motion repeats with the clock, and is one.
+    pub fn repeats(&self) -> bool {
+        let Motion { surge, heave, nose_up, roll, hinges, .. } = &self.motion;
+        let hinges = hinges.iter().map(|(_, angle)| angle);
+        [surge, heave, nose_up, roll].into_iter().chain(hinges).any(Coordinate::repeats)
     }
 
     /// State rates and loads in W about W's origin.

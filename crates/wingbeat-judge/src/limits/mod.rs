@@ -5,6 +5,7 @@ pub mod data;
 pub mod flight;
 pub mod paper;
 pub mod plan;
+pub mod range;
 pub mod recording;
 pub mod rig;
 pub mod sweep;
@@ -78,8 +79,9 @@ impl Limit {
 
 /// Every limit, by kind.
 pub fn all() -> impl Iterator<Item = &'static Limit> {
-    let kinds: [&'static [Limit]; 11] = [
+    let kinds: [&'static [Limit]; 12] = [
         &flight::ALL,
+        &range::ALL,
         &trim::ALL,
         &plan::ALL,
         &sweep::ALL,

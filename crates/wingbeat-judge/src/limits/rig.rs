@@ -10,5 +10,12 @@ pub const SATURATED: Limit = Limit::at_most("rig.saturated_fraction", 0.01, "", 
 pub const STALLED: Limit = Limit::warn_above("rig.stall_fraction", 0.5, "")
     .on("only two published experiments test the lift laws in stall: share of strips and samples past their stall angle");
 
+/// Wings that pass through each other or through the body.
+pub const CROSSING: Limit = Limit::warn_above("rig.crossing_fraction", 0.0, "")
+    .on("share of the cycle of the gait in which parts of the robot pass through each other");
+/// The same for long. *Choice*: the published gait of Aerobat crosses for 0.09 of its cycle.
+pub const CROSSED: Limit = Limit::at_most("rig.crossing_outside_fraction", 0.2, "", Outside)
+    .on("share of the cycle of the gait in which parts of the robot pass through each other");
+
 /// All of them.
-pub const ALL: [Limit; 2] = [SATURATED, STALLED];
+pub const ALL: [Limit; 4] = [SATURATED, STALLED, CROSSING, CROSSED];

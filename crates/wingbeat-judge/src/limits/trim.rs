@@ -30,5 +30,10 @@ pub const MULTIPLIER: Limit = Limit::at_most("trim.multiplier", 100.0, "", OffTa
 pub const RESIDUAL: Limit = Limit::at_most("trim.residual", 1e-8, "", NotFound)
     .on("largest error of a condition of the orbit, in SI units");
 
+/// Steps of the orbit's cycle. With 17 the power of `cruise_20g` is 1.2 % above that of 170.
+pub const STEPS: Limit = Limit::warn_below("trim.steps_per_cycle", 40.0, "")
+    .on("the steps of the integration are long (shorten trim.step_s): number of steps of a cycle");
+
 /// All of them.
-pub const ALL: [Limit; 8] = [HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, RESIDUAL];
+pub const ALL: [Limit; 9] =
+    [HIGH_POWER, POWER, BEYOND_12, BEYOND_20, CLEARANCE, SKIN, MULTIPLIER, RESIDUAL, STEPS];

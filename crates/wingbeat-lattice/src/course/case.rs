@@ -3,7 +3,7 @@
 use super::{Asked, Axes, Clock, Course, Stroke, fitting};
 use crate::{Error, Flapping, Scene};
 use std::ops::ControlFlow;
-use wingbeat::scenario::TetherCase;
+use wingbeat::scenario::{Moved, TetherCase};
 
 /// Steps of a cycle without wind.
 const STILL: f64 = 48.0;
@@ -25,6 +25,7 @@ pub fn case(asked: &Asked, case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>
     let flapping = Flapping::try_from(tether)?;
     let symmetric = Scene::new(&flapping, asked.panels(), true)?.symmetric;
     let scene = Scene::new(&flapping, asked.panels(), false)?;
+    let moved = Moved::new(tether);
     Ok(Course {
         name: String::new(),
         title: "wing and wake".into(),
@@ -37,6 +38,7 @@ pub fn case(asked: &Asked, case: &TetherCase, flow: &dyn Fn() -> ControlFlow<()>
         symmetric,
         flown: None,
         crosses: false,
+        moved: Some(moved),
         critical_suction: asked.critical_suction,
         past_stall: past_stall(case, flow),
     })

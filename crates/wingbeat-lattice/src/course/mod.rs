@@ -18,6 +18,7 @@ use std::sync::Arc;
 use crate::{Core, Error, Flight, Lattice, Layout, Panels, Scene, Settings, Spacing, WakeMotion};
 use wingbeat::aero::SectionMotion;
 use wingbeat::math::Vec3;
+use wingbeat::scenario::Moved;
 
 /// Most rings of a wake: minutes of work.
 pub(crate) const MOST_RINGS: usize = 200_000;
@@ -211,6 +212,8 @@ pub struct Course {
     pub past_stall: f64,
     /// Whether parts of the robot pass through each other on the way.
     pub crosses: bool,
+    /// Of a case, its motion.
+    pub moved: Option<Moved>,
     /// Largest suction parameter of the leading edges, which shed what is above; none in attached flow.
     pub critical_suction: Option<f64>,
 }

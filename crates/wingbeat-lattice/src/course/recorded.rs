@@ -178,6 +178,7 @@ impl Recorded {
             symmetric: false,
             past_stall: self.past_stall(&flight, begin, &clock),
             crosses: self.crosses(from_s, stretch.to_s),
+            moved: None,
             critical_suction: asked.critical_suction,
             flown: Some(Flown { flight, from_s, layouts, by_model: asked.model }),
             scene,

@@ -189,6 +189,12 @@ fn judged(watch: &Watch<'_>, asked: &Asked, limits: &Limits) -> Verdict {
             }
             judge.hold(&wake::ACROSS, asked.spanwise as f64);
             judge.hold(&wake::CORE, asked.core);
+            let moved = watch.course.moved;
+            moved.iter().for_each(|moved| moved.hold(&mut judge));
+            if moved.is_none_or(|moved| moved.cycles.is_some()) {
+                judge.hold(&wake::STEPS, watch.course.clock.steps as f64);
+                judge.hold(&wake::FEW_STEPS, watch.course.clock.steps as f64);
+            }
             if let Some(error) = watch.symmetry_error() {
                 judge.hold(&wake::DRIFTED, error);
                 judge.hold(&wake::LOST, error);

@@ -1,0 +1,24 @@
+//! Whether the bodies of a robot are such as wings carry: a unit that was mistaken makes them a thousand times too large or small.
+
+use wingbeat_aero::Aero;
+use wingbeat_judge::Judge;
+use wingbeat_judge::limits::range;
+use wingbeat_robot::Robot;
+
+/// Holds masses and inertias of `robot` against what wings of its span carry.
+pub(super) fn hold(judge: &mut Judge, robot: &Robot) {
+    let width =
+        |aero: &Aero| aero.arcs().last().zip(aero.arcs().first()).map_or(0.0, |(to, from)| (to - from).abs());
+    let span = robot.surfaces().map(|(_, aero)| width(aero)).fold(0.0, f64::max);
+    let bodies = robot.numbers().bodies;
+    let (Some(central), true) = (bodies.first(), span > 0.0) else { return };
+    let heavy = || bodies.iter().filter(|body| body.mass > 0.0);
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let gyration =
+        largest(&mut heavy().map(|b| (b.moments.0.into_iter().fold(0.0, f64::max) / b.mass).sqrt()));
+    let least = central.moments.0.into_iter().fold(f64::INFINITY, f64::min);
+    judge.hold(&range::GYRATION, gyration / span);
+    judge.hold(&range::COMPACT, (least / central.mass).sqrt() / span);
+    judge.hold(&range::CENTRE, largest(&mut heavy().map(|body| body.com.norm())) / span);
+    judge.hold(&range::LINK, largest(&mut bodies[1..].iter().map(|body| body.mass)) / central.mass);
+}
