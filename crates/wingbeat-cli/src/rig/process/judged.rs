@@ -78,8 +78,8 @@ fn of_frequency(one: &ProcessedRun) -> Option<Finding> {
         "the force repeats at {measured:.4} Hz over {turns:.1} cycles, but {given} Hz is given for the run: give the frequency of the \
          data, or mend their rate"
     );
-    // A quarter of a cycle at each end is what the window tells it by.
-    let told = one.run.spec.process.phase == PhaseSource::Force && turns * FREQUENCY.value > 0.05;
+    // The phase at either end is known to a fiftieth of a cycle (*choice*), which must be less than half of the limit.
+    let told = one.run.spec.process.phase == PhaseSource::Force && turns * FREQUENCY.value > 0.08;
     let size = (measured / given - 1.0).abs();
     told.then(|| Finding::new("data.frequency", &FREQUENCY, one.name(), size, text))
 }
