@@ -43,7 +43,9 @@ pub fn findings(one: &ProcessedRun, window: (f64, f64), limits: &Limits) -> Vec<
     let mut found = of_samples(one, limits).unwrap_or_default();
     found.extend(beside_model(one, limits).unwrap_or_default());
     found.extend(cut(one, window).filter(|finding| finding.breaks(limits)));
-    found.extend(of_frequency(one).filter(|finding| finding.breaks(limits)));
+    // Noise has no frequency.
+    let noise = found.iter().any(|finding| finding.id == "data.noise");
+    found.extend(of_frequency(one).filter(|finding| !noise && finding.breaks(limits)));
     found.into_iter().map(keyed).collect()
 }
 
